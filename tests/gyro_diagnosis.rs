@@ -79,3 +79,40 @@ async fn too_few_records_say_so_and_unknown_gyros_are_not_found() {
     assert_eq!(diagnosis(&lab, "NEW", "D_S").await["verdict"], "too_few");
     lab.get("/v1/gyros/NOBODY/diagnosis").await.refused(404);
 }
+
+#[tokio::test]
+async fn stations_are_told_by_what_their_gyros_share() {
+    let lab = Lab::open().await;
+    for (k, serial) in ["A", "B", "C", "D"].into_iter().enumerate() {
+        let offset = |_, away| if away { 5e-3 } else { 0.0 };
+        station_history(&lab, &format!("IMU-{k}"), serial, 3 * k as i64, offset).await;
+    }
+    let stations = lab.get("/v1/stations").await.ok();
+    assert_eq!((&stations["against"], stations["stations"].as_array().unwrap().len()), (&Value::from("ST-1"), 2));
+    let second = lab.get("/v1/stations/ST-2").await.ok();
+    assert_eq!(stations["stations"][1], second);
+    assert_eq!((&second["records"], &second["gyros"], &second["imus"]), (&32.into(), &4.into(), &4.into()));
+    let [value, sd] = ["value", "sd"].map(|of| second["D_I"]["offset"][of].as_f64().unwrap());
+    assert!((value - 5e-3).abs() < 3.0 * sd && sd < 2e-4, "{value} +- {sd}");
+    assert_eq!(second["D_I"]["drifts"], false);
+    assert!(second["D_I"]["repeatability"]["sd"].as_f64().unwrap() < 3e-4, "{second}");
+    lab.get("/v1/stations/NOWHERE").await.refused(404);
+}
+
+#[tokio::test]
+async fn a_lone_imu_that_was_moved_gets_a_class() {
+    let lab = Lab::open().await;
+    let mut records = Vec::new();
+    for k in 0..24 {
+        let moved = if k >= 12 { 5e-3 } else { 0.0 };
+        let mut sent =
+            record("IMU-1", &day(28 * k), &[("G1", "ALONE", 3.0 + moved + scatter(k), 4.0 + scatter(k + 3))]);
+        sent["station"] = if k >= 12 { "ST-2" } else { "ST-1" }.into();
+        records.push(sent);
+    }
+    for answer in lab.imports(&records).await {
+        assert_eq!(answer["status"], 201, "{answer}");
+    }
+    let alone = diagnosis(&lab, "ALONE", "D_I").await;
+    assert_eq!(alone["causes"][0]["class"], serde_json::json!(["station", "step"]), "{alone}");
+}

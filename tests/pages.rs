@@ -419,6 +419,13 @@ async fn a_station_is_shown_with_what_it_does_to_results() {
     // Successive differences at ST-1 of 0.002: 1.4826 times their median over the square root of two; and the step to
     // ST-2.
     assert!(shown.contains("0.002097") && shown.contains("0.500000"), "{shown}");
+    let one = page(&server, "/stations/ST-2", &[]).await;
+    assert!(one.contains("Offset against ST-1") && one.contains("href=\"/v1/stations/ST-2\""), "{one}");
+    let gyro = page(&server, "/gyros/ROAMER/diagnosis", &[]).await;
+    assert!(
+        gyro.contains("4 records: not enough data") && gyro.contains("href=\"/v1/gyros/ROAMER/diagnosis\""),
+        "{gyro}"
+    );
 }
 
 #[tokio::test]

@@ -10,6 +10,7 @@
 
 pub mod answer;
 pub mod draw;
+pub mod history;
 pub mod reach;
 pub mod report;
 pub mod run;

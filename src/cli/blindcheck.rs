@@ -7,9 +7,9 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use clap::Args;
 use comfy_table::Table;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use super::document::{Format, print, print_json, table, write, write_all};
+use super::tallies::{figures, percent, progress};
 use crate::blindcheck::answer::Answer;
 use crate::blindcheck::draw::{Case, Draw};
 use crate::blindcheck::report::{Goal, Report};
@@ -29,7 +29,10 @@ use crate::wire;
 /// key whose SHA-256 that is lies in the folder afterwards. With --campaigns and --key the campaigns are somebody
 /// else's.
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
 pub struct Blindcheck {
+    #[command(subcommand)]
+    of: Option<Of>,
     /// Number of campaigns to draw.
     #[arg(long, default_value_t = 1000, value_parser = count, conflicts_with = "campaigns")]
     count: usize,
@@ -57,6 +60,12 @@ pub struct Blindcheck {
     /// End with exit status 1 where a figure to be reached is not.
     #[arg(long)]
     strict: bool,
+}
+
+/// What is checked besides campaigns.
+#[derive(Debug, clap::Subcommand)]
+enum Of {
+    History(super::blindcheck_history::History),
 }
 
 fn count(text: &str) -> Result<usize, String> {
@@ -88,6 +97,9 @@ fn cases_help() -> String {
 
 impl Blindcheck {
     pub fn run(self) -> anyhow::Result<()> {
+        if let Some(Of::History(history)) = self.of {
+            return history.run();
+        }
         let begun = Instant::now();
         let (seal, scores) = match (&self.campaigns, &self.key) {
             (Some(folder), Some(key)) => self.foreign(folder, key)?,
@@ -117,7 +129,7 @@ impl Blindcheck {
         if let Some(folder) = &self.keep {
             keep_campaigns(&draw, self.count, folder)?;
         }
-        let bar = progress(self.count);
+        let bar = progress(self.count, "campaigns");
         let scores = drawn(&draw, self.count, &diagnosed, &|| bar.inc(1));
         bar.finish_and_clear();
         if let Some(folder) = &self.keep {
@@ -139,7 +151,7 @@ impl Blindcheck {
             let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
             campaigns.push(Foreign { name, text, key });
         }
-        let bar = progress(campaigns.len());
+        let bar = progress(campaigns.len(), "campaigns");
         let scores = foreign(&campaigns, &diagnosed, &|| bar.inc(1))?;
         bar.finish_and_clear();
         Ok((seal, scores))
@@ -157,13 +169,6 @@ fn diagnosed(text: &str) -> Result<Answer, String> {
 fn keep_campaigns(draw: &Draw, count: usize, folder: &Path) -> anyhow::Result<()> {
     let drawn = |number| Ok((file_name(number), wire::campaign::to_json(&draw.trial(number).simulated.campaign)));
     write_all(folder, (0..count).map(drawn))
-}
-
-fn progress(count: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} campaigns, {eta} left");
-    let bar = ProgressBar::new(count as u64);
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    bar
 }
 
 const KEY: &str =
@@ -215,16 +220,6 @@ fn by_group(title: &str, groups: &BTreeMap<String, Tally>) -> Table {
         table.add_row([name.clone(), hits, trials, rate, interval]);
     }
     table
-}
-
-fn figures(tally: &Tally) -> [String; 4] {
-    let interval = tally.interval().map(|[low, high]| format!("{} to {}", percent(low), percent(high)));
-    let rate = tally.rate().map(percent).unwrap_or_default();
-    [tally.hits.to_string(), tally.trials.to_string(), rate, interval.unwrap_or_default()]
-}
-
-fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
 }
 
 fn confusion(report: &Report) -> Table {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 use super::document::{self, Format, table};
-use super::{diagnose_all, diagnose_record, model};
+use super::{diagnose_all, diagnose_gyro, diagnose_record, model};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, split};
@@ -22,7 +22,7 @@ use crate::words::asked;
 #[derive(Debug, clap::Args)]
 pub struct Diagnose {
     /// The campaign, in JSON or CSV, or a calibration record, whose closure is then diagnosed; `-` is standard input
-    #[arg(required_unless_present = "all")]
+    #[arg(required_unless_present_any = ["all", "gyro"])]
     campaign: Option<PathBuf>,
 
     /// The error model in use: terms of bias, g_linear, g_squared, scale, parted by commas, or a model file
@@ -52,15 +52,22 @@ pub struct Diagnose {
     #[arg(long, conflicts_with_all = ["campaign", "model", "adopt", "report", "reference"])]
     all: bool,
 
+    /// Instead of a file: why the coefficients of this gyro changed over its history, as a running service (--url)
+    /// says it with the fleet beside it: its station, ageing, an event, temperature, a step, or nothing
+    #[arg(long, value_name = "SERIAL",
+        conflicts_with_all = ["campaign", "model", "adopt", "report", "reference", "all"])]
+    gyro: Option<String>,
+
     #[command(flatten)]
     fleet: diagnose_all::Fleet,
 }
 
 impl Diagnose {
     pub fn run(self) -> anyhow::Result<()> {
-        match &self.campaign {
-            Some(path) => self.one(path),
-            None => diagnose_all::run(&self.fleet, self.format),
+        match (&self.campaign, &self.gyro) {
+            (Some(path), _) => self.one(path),
+            (None, Some(serial)) => diagnose_gyro::run(serial, &self.fleet, self.format),
+            (None, None) => diagnose_all::run(&self.fleet, self.format),
         }
     }
 

@@ -56,6 +56,11 @@ pub struct Fleet {
 }
 
 impl Fleet {
+    /// The service that is asked.
+    pub fn service(&self) -> anyhow::Result<Service> {
+        Service::at(&self.url, self.token.clone())
+    }
+
     fn which(&self) -> WhichBody {
         let Self { imu, station, since, until, again, .. } = self;
         WhichBody {
@@ -81,7 +86,7 @@ impl Fleet {
 }
 
 pub fn run(fleet: &Fleet, format: Format) -> anyhow::Result<()> {
-    let service = Service::at(&fleet.url, fleet.token.clone())?;
+    let service = fleet.service()?;
     super::block_on(all(fleet, &service, format))
 }
 

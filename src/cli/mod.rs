@@ -7,6 +7,7 @@
 
 mod backup;
 mod blindcheck;
+mod blindcheck_history;
 mod calibrate;
 mod client;
 mod codes;
@@ -16,6 +17,7 @@ mod copy;
 mod demo;
 mod diagnose;
 mod diagnose_all;
+mod diagnose_gyro;
 mod diagnose_record;
 mod document;
 mod experiment;
@@ -28,6 +30,7 @@ mod restore;
 mod separate;
 mod serve;
 mod simulate;
+mod tallies;
 mod token;
 mod verify;
 

@@ -7,10 +7,11 @@ use super::app::App;
 use super::query;
 use crate::wire::history::HistoryDiagnosisBody;
 use crate::wire::problem::Problem;
+use crate::words::asked;
 
-/// Why the coefficients of the gyro changed: ageing, an event, a re-mounting, a station, temperature, clocking, or a
-/// step that nothing on record explains. Stations are told apart by what they do to the other gyros that they
-/// measured.
+/// Why the coefficients of the gyro changed: a station's offset, drift or step, ageing, an event, a re-mounting,
+/// temperature, clocking, or a step that nothing on record explains. What the gyros of other IMUs share at a station
+/// is the station's; the gyro is judged by what is left.
 #[utoipa::path(get, path = "/v1/gyros/{serial}/diagnosis", tag = "gyros",
     responses((status = 200, description = "the causes, coefficient by coefficient", body = HistoryDiagnosisBody)))]
 pub async fn get_gyro_diagnosis(
@@ -18,6 +19,7 @@ pub async fn get_gyro_diagnosis(
     Path(serial): Path<String>,
 ) -> Result<Json<HistoryDiagnosisBody>, Problem> {
     let number = query::gyro(&app, &serial)?;
-    let explained = app.pipeline.queries.histories.explain(number).await?;
-    Ok(Json(HistoryDiagnosisBody::new(&serial, explained.peers, &explained.coefficients)))
+    let explained = app.pipeline.queries.histories.explain(number, &serial).await?;
+    let coefficients = &explained.coefficients;
+    Ok(Json(HistoryDiagnosisBody::new(&serial, explained.peers, explained.newest, coefficients, asked())))
 }

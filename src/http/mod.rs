@@ -38,6 +38,7 @@ mod refusal;
 mod remark;
 pub mod server;
 mod silences;
+mod stations;
 mod telling;
 pub mod tls;
 mod tokens;
@@ -107,6 +108,8 @@ pub fn routes(server: &Server) -> Routes<App> {
         .api(VIEWER, routes!(trend::get_trend))
         .api(VIEWER, routes!(agreement::get_agreement))
         .api(VIEWER, routes!(gyro_diagnosis::get_gyro_diagnosis))
+        .api(VIEWER, routes!(stations::get_stations))
+        .api(VIEWER, routes!(stations::get_station))
         .api(VIEWER, routes!(events::get_events))
         .api(ENGINEER, routes!(events::post_event))
         .api(ENGINEER, routes!(baseline::post_baseline))

@@ -8,15 +8,15 @@ use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
 
 /// Width and height of one strip, with the room that its axes take.
-const WIDTH: f64 = 760.0;
-const HEIGHT: f64 = 190.0;
-const LEFT: f64 = 74.0;
-const RIGHT: f64 = 12.0;
-const TOP: f64 = 10.0;
-const BOTTOM: f64 = 24.0;
+pub(super) const WIDTH: f64 = 760.0;
+pub(super) const HEIGHT: f64 = 190.0;
+pub(super) const LEFT: f64 = 74.0;
+pub(super) const RIGHT: f64 = 12.0;
+pub(super) const TOP: f64 = 10.0;
+pub(super) const BOTTOM: f64 = 24.0;
 /// Dates under a strip, and figures beside it, about.
-const DATES: usize = 5;
-const FIGURES: f64 = 6.0;
+pub(super) const DATES: usize = 5;
+pub(super) const FIGURES: f64 = 6.0;
 
 /// From the numbers of a strip to places in its picture.
 struct Scale {
@@ -50,18 +50,18 @@ impl Scale {
     }
 }
 
-fn bounds(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+pub(super) fn bounds(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     values.fold(None, |bounds, v| bounds.map_or(Some((v, v)), |(a, b): (f64, f64)| Some((a.min(v), b.max(v)))))
 }
 
 /// By a share on either side; where there is no width, by `least`.
-fn widened((a, b): (f64, f64), share: f64, least: f64) -> (f64, f64) {
+pub(super) fn widened((a, b): (f64, f64), share: f64, least: f64) -> (f64, f64) {
     let edge = (share * (b - a)).max(if b > a { 0.0 } else { least });
     (a - edge, b + edge)
 }
 
 /// Round numbers within, about so many, and their decimals: steps of 1, 2 or 5 times a power of ten.
-fn round_steps((a, b): (f64, f64), about: f64) -> (Vec<f64>, usize) {
+pub(super) fn round_steps((a, b): (f64, f64), about: f64) -> (Vec<f64>, usize) {
     let raw = (b - a) / about;
     let power = 10_f64.powf(raw.log10().floor());
     let step = power * [1.0, 2.0, 5.0, 10.0].into_iter().find(|m| m * power >= raw).unwrap_or(10.0);
@@ -140,7 +140,7 @@ fn points(scale: &Scale, series: &Series) -> Markup {
 }
 
 /// A tenth of a pixel is enough.
-fn place(pixels: f64) -> String {
+pub(super) fn place(pixels: f64) -> String {
     format!("{pixels:.1}")
 }
 

@@ -268,7 +268,11 @@ fn changes_explained(viewer: &Viewer, serial: &str) -> Markup {
     html! {
         section #diagnosis {
             h2 { (t.history_diagnosis) }
-            p { (t.history_diagnosis_note) " " a href={ "/v1/gyros/" (encoded(serial)) "/diagnosis" } { "JSON" } }
+            p {
+                (t.history_diagnosis_note) " "
+                a href={ "/gyros/" (encoded(serial)) "/diagnosis" } { (t.history_diagnosis) } " · "
+                a href={ "/v1/gyros/" (encoded(serial)) "/diagnosis" } { "JSON" }
+            }
         }
     }
 }

@@ -10,6 +10,7 @@ mod calibration;
 mod chart;
 mod confirm;
 mod corrections;
+mod course;
 mod diagnoses;
 mod diagnosis;
 mod downsample;
@@ -18,6 +19,7 @@ pub(crate) mod figure;
 mod fleet;
 mod form;
 mod gyro;
+mod gyro_diagnosis;
 mod history;
 mod hooks;
 mod import;
@@ -34,6 +36,7 @@ mod sign_in;
 mod silences;
 mod spark;
 mod state;
+mod station;
 mod stations;
 mod status;
 mod text;
@@ -89,6 +92,8 @@ pub fn routes() -> Routes<Pages> {
         .post(ENGINEER, "/diagnoses", diagnoses::start)
         .post(ENGINEER, "/diagnoses/{id}/cancel", diagnoses::cancel)
         .get(VIEWER, "/stations", stations::page)
+        .get(VIEWER, "/stations/{name}", station::page)
+        .get(VIEWER, "/gyros/{serial}/diagnosis", gyro_diagnosis::page)
         .get(STATION, "/import", import::page)
         .post(STATION, "/import/preview", import::preview)
         .post(STATION, "/import/store", import::store)

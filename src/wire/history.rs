@@ -5,12 +5,15 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::core::changes::{HistoryDiagnosis, NamedCause, Rejected};
+use crate::core::changes::{Due, HistoryDiagnosis, NamedCause, Outlier, Rejected, Wander};
+use crate::core::time::UtcMicros;
+use crate::wire::time;
+use crate::words::Language;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct HistoryDiagnosisBody {
     pub serial: String,
-    /// Other gyros that met the same stations, from which the stations' offsets were told.
+    /// Other gyros that met the same stations, from which the stations' doing was told.
     pub peers: usize,
     pub coefficients: Vec<CoefficientBody>,
 }
@@ -29,8 +32,16 @@ pub struct CoefficientBody {
     pub causes: Vec<CauseBody>,
     /// What was tried and not named, and why.
     pub candidates: Vec<RejectedBody>,
+    /// Records that stand apart from those before and after them, and were left out.
+    pub outliers: Vec<OutlierBody>,
+    /// How the coefficient wanders without a cause; null where it does not.
+    pub wander: Option<WanderBody>,
     /// Significance of what follows in time after all that was named.
     pub remaining_p_value: f64,
+    /// When it leaves its budget, where it ages; null where it does not.
+    pub due: Option<DueBody>,
+    /// All this in sentences, in the language of the request.
+    pub said: Vec<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -38,9 +49,11 @@ pub struct CauseBody {
     pub cause: Cow<'static, str>,
     /// Every cause that these records cannot tell from it, itself included.
     pub class: Vec<Cow<'static, str>>,
+    /// What it is tied to, in the language of the request.
     pub detail: String,
     pub estimates: Vec<EstimateBody>,
-    pub held_out: LeftOutBody,
+    /// Null where no block of records can be predicted from the others.
+    pub held_out: Option<LeftOutBody>,
     pub p_value_adjusted: f64,
 }
 
@@ -53,12 +66,14 @@ pub struct EstimateBody {
     pub unit: Cow<'static, str>,
 }
 
-/// Error of records predicted from the others, root mean square.
+/// Error of blocks of time predicted from the others, root mean square.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LeftOutBody {
     pub before: f64,
     pub after: f64,
     pub closure: f64,
+    /// 95 %.
+    pub interval: [f64; 2],
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -68,14 +83,48 @@ pub struct RejectedBody {
     pub reason: String,
 }
 
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct OutlierBody {
+    pub calibrated_at: String,
+    /// From its neighbours.
+    pub deviation: f64,
+    pub sd: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct WanderBody {
+    /// `random_walk`, `walk_by_record` or `flicker`.
+    pub process: Cow<'static, str>,
+    /// Standard deviation after a year, from one record to the next, or altogether.
+    pub size: f64,
+    pub p_value: f64,
+}
+
+/// When the coefficient leaves its budget; an end of an interval is null where it may never come.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct DueBody {
+    pub at: String,
+    pub interval_80: [Option<String>; 2],
+    pub interval_95: [Option<String>; 2],
+}
+
 impl HistoryDiagnosisBody {
-    pub fn new(serial: &str, peers: usize, answers: &[HistoryDiagnosis]) -> Self {
-        Self { serial: serial.to_owned(), peers, coefficients: answers.iter().map(CoefficientBody::from).collect() }
+    /// `newest`: the newest record, from which dates count.
+    pub fn new(
+        serial: &str,
+        peers: usize,
+        newest: Option<UtcMicros>,
+        answers: &[HistoryDiagnosis],
+        language: Language,
+    ) -> Self {
+        let coefficients = answers.iter().map(|answer| CoefficientBody::new(answer, newest, language)).collect();
+        Self { serial: serial.to_owned(), peers, coefficients }
     }
 }
 
-impl From<&HistoryDiagnosis> for CoefficientBody {
-    fn from(answer: &HistoryDiagnosis) -> Self {
+impl CoefficientBody {
+    fn new(answer: &HistoryDiagnosis, newest: Option<UtcMicros>, language: Language) -> Self {
+        let due = newest.zip(answer.due.as_ref());
         Self {
             coefficient: answer.coefficient.name().into(),
             verdict: answer.verdict.name().into(),
@@ -83,34 +132,67 @@ impl From<&HistoryDiagnosis> for CoefficientBody {
             unit: "deg/(h*g0)".into(),
             scatter: answer.scatter,
             spread: answer.spread,
-            causes: answer.causes.iter().map(CauseBody::from).collect(),
-            candidates: answer.rejected.iter().map(RejectedBody::from).collect(),
+            causes: answer.causes.iter().map(|cause| CauseBody::new(cause, language)).collect(),
+            candidates: answer.rejected.iter().map(|rejected| RejectedBody::new(rejected, language)).collect(),
+            outliers: answer.outliers.iter().map(OutlierBody::from).collect(),
+            wander: answer.wander.as_ref().map(WanderBody::from),
             remaining_p_value: answer.remaining_p_value,
+            due: due.map(|(newest, due)| DueBody::new(due, newest)),
+            said: answer.sentences(newest).iter().map(|said| language.words(said)).collect(),
         }
     }
 }
 
-impl From<&NamedCause> for CauseBody {
-    fn from(cause: &NamedCause) -> Self {
-        let estimate = |(name, value, sd, unit): &(String, f64, f64, &'static str)| EstimateBody {
-            name: name.clone(),
-            value: *value,
-            sd: *sd,
-            unit: (*unit).into(),
+impl CauseBody {
+    fn new(cause: &NamedCause, language: Language) -> Self {
+        let estimate = EstimateBody {
+            name: cause.estimate.name.to_owned(),
+            value: cause.estimate.value,
+            sd: cause.estimate.sd,
+            unit: cause.estimate.unit.into(),
         };
         Self {
             cause: cause.cause.into(),
             class: cause.class.iter().map(|&id| id.into()).collect(),
-            detail: cause.detail.clone(),
-            estimates: cause.estimates.iter().map(estimate).collect(),
-            held_out: LeftOutBody { before: cause.before, after: cause.after, closure: cause.closure },
+            detail: language.words(&cause.tie.message()),
+            estimates: vec![estimate],
+            held_out: cause.held_out.map(|held_out| LeftOutBody {
+                before: held_out.before,
+                after: held_out.after,
+                closure: held_out.closure,
+                interval: held_out.interval,
+            }),
             p_value_adjusted: cause.p_value_adjusted,
         }
     }
 }
 
-impl From<&Rejected> for RejectedBody {
-    fn from(rejected: &Rejected) -> Self {
-        Self { cause: rejected.cause.into(), detail: rejected.detail.clone(), reason: rejected.reason.clone() }
+impl RejectedBody {
+    fn new(rejected: &Rejected, language: Language) -> Self {
+        let [detail, reason] = [rejected.tie.message(), rejected.why.message()].map(|said| language.words(&said));
+        Self { cause: rejected.cause.into(), detail, reason }
+    }
+}
+
+impl From<&Outlier> for OutlierBody {
+    fn from(outlier: &Outlier) -> Self {
+        Self { calibrated_at: time::format(outlier.at), deviation: outlier.deviation, sd: outlier.sd }
+    }
+}
+
+impl From<&Wander> for WanderBody {
+    fn from(wander: &Wander) -> Self {
+        Self { process: wander.process.into(), size: wander.size, p_value: wander.p_value }
+    }
+}
+
+impl DueBody {
+    fn new(due: &Due, newest: UtcMicros) -> Self {
+        let at = |days: f64| time::format(newest.plus_days(days));
+        Self {
+            at: at(due.days),
+            interval_80: due.p80.map(|end| end.map(at)),
+            interval_95: due.p95.map(|end| end.map(at)),
+        }
     }
 }

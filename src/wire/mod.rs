@@ -35,6 +35,7 @@ pub mod record;
 pub mod sender;
 pub mod silence;
 pub mod split;
+pub mod stations;
 pub mod text;
 pub mod time;
 pub mod triple;

@@ -69,6 +69,10 @@ impl Problem {
         Self::new(404, "title_unknown_gyro", message!("unknown_gyro", serial = serial.to_owned()))
     }
 
+    pub fn no_such_station(name: &str) -> Self {
+        Self::new(404, "title_no_such_station", message!("no_such_station", name = name.to_owned()))
+    }
+
     pub fn no_such_record(id: impl Display) -> Self {
         Self::new(404, "title_no_such_record", message!("no_such_record", id = text(id)))
     }

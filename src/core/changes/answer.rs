@@ -1,15 +1,23 @@
 //! What is asked, one gyro's history, and what is answered.
 
-use crate::core::judge::{Coefficient, Mark, Measured};
+use std::sync::Arc;
+
+use crate::core::judge::{Coefficient, Event, Mark, Measured};
+use crate::core::message::Message;
+use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
+
+/// Days of a Julian year; ageing is stated per year.
+pub(super) const YEAR_DAYS: f64 = 365.25;
 
 /// One record of one gyro, with what else was recorded of the occasion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     pub at: UtcMicros,
-    pub station: String,
-    /// IMU and slot, as one word: a change of it is a re-mounting.
-    pub seat: String,
+    pub station: Arc<str>,
+    /// A change of IMU or slot is a re-mounting. Gyros of one IMU are calibrated together.
+    pub imu: Arc<str>,
+    pub slot: Slot,
     pub temperature_c: Option<f64>,
     /// D_I, D_S, D_O, deg/(h g0).
     pub d: [Measured; 3],
@@ -22,30 +30,207 @@ pub struct GyroHistory {
     pub marks: Vec<Mark>,
 }
 
+/// What a station did: to all gyros that it measured, or as far as one gyro's records can say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StationForm {
+    /// It reads differently from the station that offsets count from.
+    Offset,
+    /// Its reading changes steadily, deg/(h g0) a year.
+    Drift,
+    /// Its reading changed at this instant and stayed: a re-levelling, a new reference.
+    Step(UtcMicros),
+}
+
+/// What a cause is tied to.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Tie {
+    Slope,
+    Event { event: Event, at: UtcMicros },
+    Moved { from: String, to: String, at: UtcMicros },
+    Temperature { mean_c: f64, missing: usize },
+    Station { name: Arc<str>, against: Arc<str>, form: StationForm },
+    Proportion,
+    Instant { after: UtcMicros, before: UtcMicros },
+}
+
+impl Tie {
+    /// The regressor of the cause at a record; years count from `origin`, and constants do not matter.
+    pub fn regressor(&self, entry: &Entry, origin: UtcMicros) -> f64 {
+        let years = entry.at.days_since(origin) / YEAR_DAYS;
+        let since = |at: UtcMicros| f64::from(u8::from(entry.at >= at));
+        match self {
+            Self::Slope => years,
+            Self::Event { at, .. } | Self::Moved { at, .. } | Self::Instant { before: at, .. } => since(*at),
+            Self::Temperature { mean_c, .. } => entry.temperature_c.map_or(0.0, |t| t - mean_c),
+            Self::Station { name, .. } if *name != entry.station => 0.0,
+            Self::Station { form: StationForm::Offset, .. } => 1.0,
+            Self::Station { form: StationForm::Drift, .. } => years,
+            Self::Station { form: StationForm::Step(at), .. } => since(*at),
+            Self::Proportion => entry.d[1].value,
+        }
+    }
+
+    pub fn message(&self) -> Message {
+        use crate::core::message::{figure, text};
+        use crate::message;
+        match self {
+            Self::Slope => message!("change_slope"),
+            Self::Event { event, at } => message!("change_event", event = event.word(), day = text(at.date())),
+            Self::Moved { from, to, .. } => message!("change_moved", from = text(from), to = text(to)),
+            Self::Temperature { mean_c, missing: 0 } => message!("change_temperature", mean = figure(*mean_c, 2)),
+            Self::Temperature { mean_c, missing } => {
+                message!("change_temperature_gaps", mean = figure(*mean_c, 2), missing = *missing)
+            }
+            Self::Station { name, against, form: StationForm::Offset } => {
+                message!("change_station_offset", station = text(name), against = text(against))
+            }
+            Self::Station { name, form: StationForm::Drift, .. } => {
+                message!("change_station_drift", station = text(name))
+            }
+            Self::Station { name, form: StationForm::Step(at), .. } => {
+                message!("change_station_step", station = text(name), day = text(at.date()))
+            }
+            Self::Proportion => message!("change_proportion"),
+            Self::Instant { after, before } => {
+                message!("change_instant", after = text(after.date()), before = text(before.date()))
+            }
+        }
+    }
+}
+
+/// An estimated parameter and its standard deviation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    pub name: &'static str,
+    pub value: f64,
+    pub sd: f64,
+    pub unit: &'static str,
+}
+
+/// Errors of predicting blocks of time that were left out, rms in deg/(h g0), and what share of the change is closed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldOut {
+    pub before: f64,
+    pub after: f64,
+    pub closure: f64,
+    /// 95 %.
+    pub interval: [f64; 2],
+}
+
+/// The name of a cause, for people.
+pub fn cause_word(cause: &str) -> Message {
+    use crate::message;
+    match cause {
+        "station" => message!("cause_station"),
+        "ageing" => message!("cause_ageing"),
+        "step_at_event" => message!("cause_step_at_event"),
+        "re_mounting" => message!("cause_re_mounting"),
+        "temperature" => message!("cause_temperature"),
+        "clocking" => message!("cause_clocking"),
+        "wandering" => message!("cause_wandering"),
+        _ => message!("cause_step"),
+    }
+}
+
+/// One record as it is drawn, deg/(h g0).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drawn {
+    pub at: UtcMicros,
+    pub measured: Measured,
+    /// What the stations did to it, about their mean.
+    pub station: f64,
+    /// What all that is named makes of it.
+    pub explained: f64,
+}
+
 /// A cause that was named, and the evidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedCause {
     pub cause: &'static str,
     /// Every id that explains this change equally well, itself included.
     pub class: Vec<&'static str>,
-    /// What the cause is tied to: an event, a station, an instant.
-    pub detail: String,
-    /// Name, value, standard deviation and unit of each parameter.
-    pub estimates: Vec<(String, f64, f64, &'static str)>,
-    /// Root mean square error of left-out records before and after, deg/(h g0).
-    pub before: f64,
-    pub after: f64,
-    /// 1 - (after^2 - floor^2)/(before^2 - floor^2), at most 1.
-    pub closure: f64,
+    pub tie: Tie,
+    pub estimate: Estimate,
+    /// None where no block can be predicted from the others.
+    pub held_out: Option<HeldOut>,
     pub p_value_adjusted: f64,
+}
+
+/// Why a candidate was not taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum WhyNot {
+    /// These records do not tell it from what is named.
+    NotSeparable,
+    NotSignificant {
+        p: f64,
+    },
+    /// A wandering coefficient does as much.
+    NoBetterThanWandering {
+        p: f64,
+    },
+    /// The other gyros that the station measured say otherwise.
+    OthersDeny {
+        own: f64,
+        others: f64,
+        sd: f64,
+        gyros: usize,
+    },
+}
+
+impl WhyNot {
+    pub fn message(&self) -> Message {
+        use crate::core::message::{figure, signed};
+        use crate::message;
+        match *self {
+            Self::NotSeparable => message!("change_not_separable"),
+            Self::NotSignificant { p } => message!("change_not_significant", p = figure(p, 2)),
+            Self::NoBetterThanWandering { p } => message!("change_no_better_than_wandering", p = figure(p, 2)),
+            Self::OthersDeny { own, others, sd, gyros } => message!(
+                "change_others_deny",
+                own = signed(own, 4),
+                others = signed(others, 4),
+                sd = figure(sd, 4),
+                gyros = gyros
+            ),
+        }
+    }
 }
 
 /// A candidate that was not taken, and why.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rejected {
     pub cause: &'static str,
-    pub detail: String,
-    pub reason: String,
+    pub tie: Tie,
+    pub why: WhyNot,
+}
+
+/// A record that stands apart from those before and after it, and was left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outlier {
+    pub at: UtcMicros,
+    /// Distance from its neighbours, deg/(h g0).
+    pub deviation: f64,
+    pub sd: f64,
+}
+
+/// A coefficient that changes without a cause that records can name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wander {
+    /// `random_walk`, `walk_by_record` or `flicker`.
+    pub process: &'static str,
+    /// Standard deviation: of a year, of one record to the next, and altogether.
+    pub size: f64,
+    pub p_value: f64,
+}
+
+/// When a coefficient that ages is out of tolerance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Due {
+    /// Days from the newest record; negative where it is over.
+    pub days: f64,
+    /// Intervals, ends in days from the newest record; none where that end may never come.
+    pub p80: [Option<f64>; 2],
+    pub p95: [Option<f64>; 2],
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,9 +268,73 @@ pub struct HistoryDiagnosis {
     pub spread: f64,
     pub causes: Vec<NamedCause>,
     pub rejected: Vec<Rejected>,
+    pub outliers: Vec<Outlier>,
+    pub wander: Option<Wander>,
     /// Significance of what is left beyond the scatter.
     pub remaining_p_value: f64,
+    /// Where it ages and its budget is known.
+    pub due: Option<Due>,
+    /// The records, where there are enough of them.
+    pub course: Vec<Drawn>,
 }
 
 /// Fewest records of which anything is said: a constant, a cause, and four left to judge the scatter by.
 pub const FEWEST_RECORDS: usize = 6;
+
+impl HistoryDiagnosis {
+    /// What is said of the coefficient, sentence by sentence; `newest` is its newest record, from which dates count.
+    pub fn sentences(&self, newest: Option<UtcMicros>) -> Vec<Message> {
+        use crate::core::message::{figure, list, signed, text};
+        use crate::message;
+        let mut all = vec![match self.verdict {
+            HistoryVerdict::TooFew => message!("history_too_few", records = self.records),
+            HistoryVerdict::NoChange => message!("history_no_change"),
+            HistoryVerdict::Explained => message!("history_explained"),
+            HistoryVerdict::PartlyExplained => message!("history_partly_explained"),
+            HistoryVerdict::Unexplained => message!("history_unexplained"),
+        }];
+        for cause in &self.causes {
+            all.push(message!(
+                "history_cause",
+                cause = cause_word(cause.cause),
+                detail = cause.tie.message(),
+                value = signed(cause.estimate.value, 4),
+                sd = figure(cause.estimate.sd, 4),
+                unit = cause.estimate.unit
+            ));
+            let others = cause.class.iter().filter(|id| **id != cause.cause).map(|id| cause_word(id));
+            let others: Vec<Message> = others.collect();
+            if !others.is_empty() {
+                all.push(message!("history_class", others = list(others)));
+            }
+            if let Some(held_out) = cause.held_out {
+                let [closure, low, high] = [held_out.closure, held_out.interval[0], held_out.interval[1]]
+                    .map(|share| text(format_args!("{:.0} %", 100.0 * share)));
+                all.push(message!("history_closure", closure = closure, low = low, high = high));
+            }
+        }
+        let size = |wander: &Wander| figure(wander.size, 5);
+        all.extend(self.wander.iter().map(|wander| match wander.process {
+            "random_walk" => message!("history_wander_random_walk", size = size(wander)),
+            "walk_by_record" => message!("history_wander_walk_by_record", size = size(wander)),
+            _ => message!("history_wander_flicker", size = size(wander)),
+        }));
+        let outlier = |outlier: &Outlier| {
+            message!("history_outlier", day = text(outlier.at.date()), deviation = signed(outlier.deviation, 4))
+        };
+        all.extend(self.outliers.iter().map(outlier));
+        if let Some((newest, due)) = newest.zip(self.due.as_ref()) {
+            let day = |days: f64| text(newest.plus_days(days).date());
+            all.push(match due.p80 {
+                _ if due.days < 0.0 => message!("history_due_past", day = day(due.days)),
+                [Some(early), Some(late)] => {
+                    message!("history_due", day = day(due.days), early = day(early), late = day(late))
+                }
+                [early, _] => {
+                    message!("history_due_open", day = day(due.days), early = day(early.unwrap_or(0.0)))
+                }
+            });
+        }
+        all
+    }
+}

@@ -1,11 +1,12 @@
 //! The columns that may explain a history, each tied to something that was recorded of it.
 
-use crate::core::judge::{Coefficient, Event};
+use std::sync::Arc;
 
-use super::answer::GyroHistory;
+use crate::core::judge::{Coefficient, Event, Mark};
 
-/// Days of a Julian year; ageing is stated per year.
-const YEAR_DAYS: f64 = 365.25;
+use super::answer::{StationForm, Tie};
+use super::series::{Row, Series};
+use super::station::Part;
 
 /// A candidate is only tried where so many records stand on either side of its change.
 const FEWEST_ON_A_SIDE: usize = 2;
@@ -13,120 +14,162 @@ const FEWEST_ON_A_SIDE: usize = 2;
 /// Temperatures that vary less than this (standard deviation, K) explain nothing.
 const LEAST_TEMPERATURE_SD: f64 = 0.05;
 
+/// Fewest records whose temperature is known.
+const FEWEST_TEMPERATURES: usize = 5;
+
 /// One column of regressors and what it stands for.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Candidate {
     pub cause: &'static str,
-    pub detail: String,
+    pub tie: Tie,
     pub parameter: &'static str,
     pub unit: &'static str,
     pub column: Vec<f64>,
     /// How many columns of this kind were tried to find the best.
     pub tried: usize,
-    /// The station, where the candidate is one.
-    pub station: Option<String>,
+    /// What the station would have done, where the candidate is its doing.
+    pub part: Option<Part>,
+    /// Rows of which the regressor is not known, and the variance that it has among the others.
+    pub missing: Vec<usize>,
+    pub spread: f64,
 }
 
-/// Every candidate that `gyro`'s records can tell from a constant. `reference` is the station that offsets count from.
-pub(super) fn all(gyro: &GyroHistory, coefficient: Coefficient, reference: &str) -> Vec<Candidate> {
-    let mut found = vec![ageing(gyro)];
-    found.extend(steps_at_events(gyro));
-    found.extend(re_mountings(gyro));
-    found.extend(temperature(gyro));
-    found.extend(stations(gyro, reference));
+/// Every candidate that the records can tell from a constant. Offsets count from station `reference`; `alone` are the
+/// stations at which no other IMU was.
+pub(super) fn all(
+    series: &Series,
+    marks: &[Mark],
+    coefficient: Coefficient,
+    reference: usize,
+    alone: &[usize],
+) -> Vec<Candidate> {
+    let mut found = vec![ageing(series)];
+    found.extend(steps_at_events(series, marks));
+    found.extend(re_mountings(series));
+    found.extend(temperature(series));
+    found.extend(stations(series, reference, alone));
     if coefficient == Coefficient::DO {
-        found.extend(clocking(gyro));
+        found.extend(clocking(series));
     }
-    found.extend(free_steps(gyro));
+    found.extend(free_steps(series));
+    found.retain(|candidate| {
+        let first = candidate.column[0];
+        candidate.column.iter().any(|value| *value != first)
+    });
     found
 }
 
-fn candidate(cause: &'static str, detail: String, unit: &'static str, column: Vec<f64>) -> Candidate {
-    Candidate { cause, detail, parameter: "k", unit, column, tried: 1, station: None }
+fn candidate(cause: &'static str, tie: Tie, unit: &'static str, column: Vec<f64>) -> Candidate {
+    Candidate { cause, tie, parameter: "k", unit, column, tried: 1, part: None, missing: Vec::new(), spread: 0.0 }
 }
 
-fn ageing(gyro: &GyroHistory) -> Candidate {
-    let first = gyro.entries[0].at;
-    let years = gyro.entries.iter().map(|e| e.at.days_since(first) / YEAR_DAYS).collect();
-    candidate("ageing", "a steady slope".into(), "deg/(h*g0)/year", years)
+fn ageing(series: &Series) -> Candidate {
+    candidate("ageing", Tie::Slope, "deg/(h*g0)/year", series.column(|row| row.years))
 }
 
-fn steps_at_events(gyro: &GyroHistory) -> Vec<Candidate> {
+fn steps_at_events(series: &Series, marks: &[Mark]) -> Vec<Candidate> {
     let counts = |event| !matches!(event, Event::Note | Event::Baseline);
-    let marks = gyro.marks.iter().filter(|mark| counts(mark.event));
+    let marks = marks.iter().filter(|mark| counts(mark.event));
     marks
         .filter_map(|mark| {
-            let cut = gyro.entries.partition_point(|e| e.at < mark.at);
-            step_column(gyro, cut).map(|c| candidate("step_at_event", mark.event.name().into(), "deg/(h*g0)", c))
+            let cut = series.rows.partition_point(|row| row.at < mark.at);
+            let tie = Tie::Event { event: mark.event, at: mark.at };
+            step_column(series, cut).map(|column| candidate("step_at_event", tie, "deg/(h*g0)", column))
         })
         .collect()
 }
 
-fn re_mountings(gyro: &GyroHistory) -> Vec<Candidate> {
-    (1..gyro.entries.len())
-        .filter(|&k| gyro.entries[k].seat != gyro.entries[k - 1].seat)
+fn re_mountings(series: &Series) -> Vec<Candidate> {
+    let name = |row: &Row| format!("{}/{}", row.seat.0, row.seat.1.name());
+    (1..series.len())
+        .filter(|&k| series.rows[k].seat != series.rows[k - 1].seat)
         .filter_map(|cut| {
-            let detail = format!("from {} to {}", gyro.entries[cut - 1].seat, gyro.entries[cut].seat);
-            step_column(gyro, cut).map(|c| candidate("re_mounting", detail, "deg/(h*g0)", c))
+            let (from, to) = (name(&series.rows[cut - 1]), name(&series.rows[cut]));
+            let tie = Tie::Moved { from, to, at: series.rows[cut].at };
+            step_column(series, cut).map(|column| candidate("re_mounting", tie, "deg/(h*g0)", column))
         })
         .collect()
 }
 
-fn temperature(gyro: &GyroHistory) -> Option<Candidate> {
-    let t: Option<Vec<f64>> = gyro.entries.iter().map(|e| e.temperature_c).collect();
-    let t = t?;
-    let mean = t.iter().sum::<f64>() / t.len() as f64;
-    let variance = t.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / t.len() as f64;
+/// k (T - mean T). Where T is not known the column is zero, and the row's variance grows by k^2 var T.
+fn temperature(series: &Series) -> Option<Candidate> {
+    let known: Vec<f64> = series.rows.iter().filter_map(|row| row.temperature_c).collect();
+    if known.len() < FEWEST_TEMPERATURES {
+        return None;
+    }
+    let mean = known.iter().sum::<f64>() / known.len() as f64;
+    let variance = known.iter().map(|t| (t - mean).powi(2)).sum::<f64>() / known.len() as f64;
+    let missing: Vec<usize> = (0..series.len()).filter(|k| series.rows[*k].temperature_c.is_none()).collect();
     (variance.sqrt() > LEAST_TEMPERATURE_SD).then(|| {
-        let detail = format!("about {mean:.2} degrees Celsius");
-        candidate("temperature", detail, "deg/(h*g0)/K", t.iter().map(|x| x - mean).collect())
+        let tie = Tie::Temperature { mean_c: mean, missing: missing.len() };
+        let column = series.column(|row| row.temperature_c.map_or(0.0, |t| t - mean));
+        Candidate { missing, spread: variance, ..candidate("temperature", tie, "deg/(h*g0)/K", column) }
     })
 }
 
-fn stations(gyro: &GyroHistory, reference: &str) -> Vec<Candidate> {
-    let mut names: Vec<&str> = gyro.entries.iter().map(|e| e.station.as_str()).filter(|&s| s != reference).collect();
-    names.sort_unstable();
-    names.dedup();
-    names
-        .into_iter()
-        .filter_map(|name| {
-            let column: Vec<f64> = gyro.entries.iter().map(|e| f64::from(e.station == name)).collect();
-            let there = column.iter().sum::<f64>() as usize;
-            (there >= FEWEST_ON_A_SIDE && column.len() - there >= FEWEST_ON_A_SIDE).then(|| Candidate {
-                station: Some(name.to_owned()),
-                ..candidate("station", format!("{name} against {reference}"), "deg/(h*g0)", column)
-            })
-        })
-        .collect()
+fn stations(series: &Series, reference: usize, alone: &[usize]) -> Vec<Candidate> {
+    let mut found = Vec::new();
+    for station in 0..series.stations.len() {
+        let there = series.rows.iter().filter(|row| row.station == station).count();
+        let elsewhere = series.len() - there;
+        if station != reference && there >= FEWEST_ON_A_SIDE && elsewhere >= FEWEST_ON_A_SIDE {
+            found.extend(of_station(series, reference, station, StationForm::Offset));
+        }
+        if there >= 2 * FEWEST_ON_A_SIDE {
+            found.extend(of_station(series, reference, station, StationForm::Drift));
+        }
+        if alone.contains(&station) {
+            let cuts = (FEWEST_ON_A_SIDE..series.len().saturating_sub(FEWEST_ON_A_SIDE - 1)).map(|k| series.rows[k].at);
+            let steps = cuts.flat_map(|at| of_station(series, reference, station, StationForm::Step(at)));
+            found.extend(steps.filter(|step| {
+                let after = step.column.iter().filter(|value| **value > 0.0).count();
+                (FEWEST_ON_A_SIDE..=there.saturating_sub(FEWEST_ON_A_SIDE)).contains(&after)
+            }));
+        }
+    }
+    found
+}
+
+fn of_station(series: &Series, reference: usize, station: usize, form: StationForm) -> Option<Candidate> {
+    let part = Part { station, form };
+    let unit = if form == StationForm::Drift { "deg/(h*g0)/year" } else { "deg/(h*g0)" };
+    let column = series.column(|row| part.at(row.station, row.at, row.years));
+    let tried = if matches!(form, StationForm::Step(_)) { series.len() } else { 1 };
+    let tie = tie(series, reference, &part);
+    Some(Candidate { part: Some(part), tried, ..candidate("station", tie, unit, column) })
+}
+
+pub(super) fn tie(series: &Series, reference: usize, part: &Part) -> Tie {
+    let name = |station: usize| -> Arc<str> { series.stations[station].clone() };
+    Tie::Station { name: name(part.station), against: name(reference), form: part.form }
 }
 
 /// D_O = delta D_S: told from a constant only where D_S moved by clearly more than it is known.
-fn clocking(gyro: &GyroHistory) -> Option<Candidate> {
-    let ds: Vec<f64> = gyro.entries.iter().map(|e| e.d[1].value).collect();
-    let mean = ds.iter().sum::<f64>() / ds.len() as f64;
-    let spread = (ds.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / ds.len() as f64).sqrt();
-    let sd = gyro.entries.iter().filter_map(|e| e.d[1].sd).fold(0.0, f64::max);
-    (spread > 5.0 * sd && spread > 1e-9 * mean.abs()).then(|| Candidate {
+fn clocking(series: &Series) -> Option<Candidate> {
+    let n = series.len() as f64;
+    let mean = series.rows.iter().map(|row| row.d_s).sum::<f64>() / n;
+    let spread = (series.rows.iter().map(|row| (row.d_s - mean).powi(2)).sum::<f64>() / n).sqrt();
+    (spread > 5.0 * series.d_s_sd && spread > 1e-9 * mean.abs()).then(|| Candidate {
         parameter: "delta",
-        ..candidate("clocking", "D_O in proportion to D_S".into(), "rad", ds.iter().map(|x| x - mean).collect())
+        ..candidate("clocking", Tie::Proportion, "rad", series.column(|row| row.d_s - mean))
     })
 }
 
-fn free_steps(gyro: &GyroHistory) -> Vec<Candidate> {
+fn free_steps(series: &Series) -> Vec<Candidate> {
     let cuts: Vec<(usize, Vec<f64>)> =
-        (1..gyro.entries.len()).filter_map(|cut| Some((cut, step_column(gyro, cut)?))).collect();
+        (1..series.len()).filter_map(|cut| Some((cut, step_column(series, cut)?))).collect();
     let tried = cuts.len();
     cuts.into_iter()
-        .map(|(cut, column)| Candidate {
-            tried,
-            ..candidate("step", format!("before record {} of {}", cut + 1, gyro.entries.len()), "deg/(h*g0)", column)
+        .map(|(cut, column)| {
+            let tie = Tie::Instant { after: series.rows[cut - 1].at, before: series.rows[cut].at };
+            Candidate { tried, ..candidate("step", tie, "deg/(h*g0)", column) }
         })
         .collect()
 }
 
-/// 0 before record `cut`, 1 from there on; none where too few records stand on a side.
-fn step_column(gyro: &GyroHistory, cut: usize) -> Option<Vec<f64>> {
-    let n = gyro.entries.len();
-    (cut >= FEWEST_ON_A_SIDE && n - cut.min(n) >= FEWEST_ON_A_SIDE)
+/// 0 before row `cut`, 1 from there on; none where too few rows stand on a side, or where nothing lies between.
+fn step_column(series: &Series, cut: usize) -> Option<Vec<f64>> {
+    let n = series.len();
+    (cut >= FEWEST_ON_A_SIDE && n - cut.min(n) >= FEWEST_ON_A_SIDE && series.rows[cut].at > series.rows[cut - 1].at)
         .then(|| (0..n).map(|k| f64::from(k >= cut)).collect())
 }

@@ -1,41 +1,230 @@
 //! Why a coefficient changed over months: the question of the diagnosis, asked of a gyro's history instead of a
 //! campaign.
 //!
-//! A history y_k (deg/(h g0)) of one coefficient is a constant, plus causes, plus the scatter of calibration. The
-//! causes that a history can name:
+//! A history y_k (deg/(h g0)) of one coefficient is a constant, plus what its stations did, plus causes, plus noise.
+//! What a history can name:
 //!
 //! | id | form | what parts it from the others |
 //! |---|---|---|
+//! | `station` | offset, drift or step of one station | **shared by the gyros of other IMUs that it measured** |
 //! | `ageing` | k t | a slope that goes on across events, stations and temperatures |
 //! | `step_at_event` | k after one recorded event | the instant is known beforehand |
 //! | `re_mounting` | k after the gyro changed IMU or slot | as above; in D_O it is the clocking of S about I |
 //! | `temperature` | k (T - mean T) | follows the recorded temperature |
-//! | `station` | one offset a station | **shared by every gyro that the station measured** |
 //! | `clocking` | D_O = delta D_S | D_O moves in proportion to D_S; parts from D_O proper only where D_S changes |
 //! | `step` | k after an instant that no event explains | none of the above |
 //!
-//! Each candidate is tried alone against what is already named; the significance is corrected for all that was tried
-//! (Bonferroni over candidates and instants), the gain is measured on records that were left out, and candidates that
-//! explain the same change equally well are answered as one class. A station's offset is estimated from its *other*
-//! gyros first, so that a gyro is not blamed for what its station does to all.
+//! First the stations: what the gyros of other IMUs share there ([`station`]) is taken out with its uncertainty, and
+//! the gyro is judged by what is left. Where nobody else was at a station its doing cannot be told from the gyro's, and
+//! the answer is a class. Each candidate then competes with those that are named and with noise that remembers
+//! ([`noise`]): a coefficient that wanders ages and steps by chance. The significance is corrected for all that was
+//! tried (Bonferroni over candidates and instants), the gain is measured on blocks of time that were left out.
 
 mod answer;
 mod candidates;
-mod peers;
+mod closure;
+mod due;
+mod noise;
+mod reproducibility;
 mod search;
+mod series;
+mod station;
 
-use super::judge::Coefficient;
+use std::collections::HashSet;
 
-pub use answer::{Entry, FEWEST_RECORDS, GyroHistory, HistoryDiagnosis, HistoryVerdict, NamedCause, Rejected};
-pub use peers::StationOffset;
+use super::judge::{BASELINE_RECORDS, Coefficient};
+use super::time::UtcMicros;
+use series::Series;
+use station::{Course, Part};
 
-/// Diagnoses D_I, D_S and D_O of `gyro`. `peers` are the other gyros of the fleet, whatever their IMU: those that met
-/// the same stations tell what a station does to all.
-pub fn diagnose_history(gyro: &GyroHistory, peers: &[GyroHistory]) -> Vec<HistoryDiagnosis> {
-    [Coefficient::DI, Coefficient::DS, Coefficient::DO]
-        .into_iter()
-        .map(|coefficient| search::diagnose(gyro, peers, coefficient))
-        .collect()
+pub use answer::{
+    Drawn, Due, Entry, Estimate, FEWEST_RECORDS, GyroHistory, HeldOut, HistoryDiagnosis, HistoryVerdict, NamedCause,
+    Outlier, Rejected, StationForm, Tie, Wander, WhyNot, cause_word,
+};
+pub use due::Budget;
+pub use reproducibility::{FleetStations, Shared, Spread, StationColumn, StationFigures, stations};
+pub use station::CoursePoint;
+
+/// Diagnoses D_I, D_S and D_O of `gyro`. `others` are gyros of the fleet: those of other IMUs tell what a station does
+/// to all, those of the same IMU share its record. With `budgets` it is said when a coefficient that ages leaves them.
+pub fn diagnose_history(
+    gyro: &GyroHistory,
+    others: &[&GyroHistory],
+    budgets: [Option<Budget>; 3],
+) -> Vec<HistoryDiagnosis> {
+    let seats: HashSet<(UtcMicros, &str)> = gyro.entries.iter().map(|entry| (entry.at, &*entry.imu)).collect();
+    let is_mate = |other: &GyroHistory| other.entries.iter().any(|entry| seats.contains(&(entry.at, &*entry.imu)));
+    let (mates, peers): (Vec<&GyroHistory>, Vec<&GyroHistory>) = others.iter().partition(|other| is_mate(other));
+    let entries = series::distinct(&gyro.entries);
+    let of = |(column, coefficient)| diagnose(gyro, &entries, &mates, &peers, coefficient, column, budgets[column]);
+    [Coefficient::DI, Coefficient::DS, Coefficient::DO].into_iter().enumerate().map(of).collect()
+}
+
+fn diagnose(
+    gyro: &GyroHistory,
+    entries: &[Entry],
+    mates: &[&GyroHistory],
+    peers: &[&GyroHistory],
+    coefficient: Coefficient,
+    column: usize,
+    budget: Option<Budget>,
+) -> HistoryDiagnosis {
+    let mut series = Series::of(entries, column);
+    let mut answer = HistoryDiagnosis {
+        coefficient,
+        verdict: HistoryVerdict::TooFew,
+        records: gyro.entries.len(),
+        scatter: series.scatter.absolute,
+        spread: series.spread(),
+        causes: Vec::new(),
+        rejected: Vec::new(),
+        outliers: Vec::new(),
+        wander: None,
+        remaining_p_value: 1.0,
+        due: None,
+        course: Vec::new(),
+    };
+    if series.len() < FEWEST_RECORDS {
+        return answer;
+    }
+    answer.verdict = HistoryVerdict::NoChange;
+    if answer.spread <= 1e-12 * series.mean.abs().max(1e-12) {
+        return answer;
+    }
+    let names: Vec<&str> = series.stations.iter().map(|name| &**name).collect();
+    let reference = series.reference();
+    let mut course = Course::of(peers, &names, series.origin, column);
+    course.take(reference, |part, taken| own_estimate(&series, part, taken));
+    place_steps(&series, &mut course);
+    let mates = Course::of(mates, &names, series.origin, column);
+    for (part, common) in &course.taken {
+        for row in &mut series.rows {
+            row.y -= common.value * part.at(row.station, row.at, row.years);
+        }
+    }
+    answer.outliers = series.take_outliers();
+    series.condense(&gyro.marks);
+    let question = search::Question {
+        series: &series,
+        marks: &gyro.marks,
+        coefficient,
+        reference,
+        course: &course,
+        mates: &mates,
+        prior: prior(&series, &course, entries, column),
+    };
+    let Some(found) = question.answer() else { return answer };
+    let may_wander = found.named.iter().any(|cause| cause.class.contains(&search::WANDERING));
+    answer.verdict = match (found.named.is_empty(), found.wander.is_some() || may_wander) {
+        (true, false) => HistoryVerdict::NoChange,
+        (true, true) => HistoryVerdict::Unexplained,
+        (false, false) => HistoryVerdict::Explained,
+        (false, true) => HistoryVerdict::PartlyExplained,
+    };
+    let of_station =
+        |budget: &Budget| budget.measured_since.map_or(0.0, |since| baseline_part(&series, &course, entries, since));
+    answer.due = budget.and_then(|budget| {
+        due::due(&found.level, Budget { baseline: budget.baseline - of_station(&budget), ..budget })
+    });
+    answer.causes = found.named;
+    answer.rejected = found.rejected;
+    answer.wander = found.wander;
+    answer.remaining_p_value = found.remaining_p_value;
+    answer.course = drawn(entries, &answer, column, series.origin);
+    answer
+}
+
+/// What the stations did to the records that made the baseline: the median, as the baseline is.
+fn baseline_part(series: &Series, course: &Course, entries: &[Entry], since: UtcMicros) -> f64 {
+    let first = entries.iter().filter(|entry| entry.at >= since).take(BASELINE_RECORDS);
+    let part = |entry: &Entry| -> f64 {
+        let station = series.stations.binary_search(&entry.station).unwrap_or(0);
+        let years = entry.at.days_since(series.origin) / answer::YEAR_DAYS;
+        course.taken.iter().map(|(part, common)| common.value * part.at(station, entry.at, years)).sum()
+    };
+    let mut parts: Vec<f64> = first.map(part).collect();
+    parts.sort_by(f64::total_cmp);
+    series::median(&parts).unwrap_or(0.0)
+}
+
+/// The scale of the noise as the fleet shows it; without a fleet, as it is stated.
+fn prior(series: &Series, course: &Course, entries: &[Entry], column: usize) -> search::Prior {
+    let stated = entries.iter().any(|entry| entry.d[column].sd.is_some_and(|sd| sd > 0.0));
+    let fleet = course.scatter.filter(|_| course.gyros() >= 3);
+    let (freedom, sd): (f64, f64) = match fleet {
+        Some(fleet) if stated => (40.0, series.unit * fleet.of_stated),
+        Some(fleet) => (20.0, fleet.absolute),
+        None if stated => (4.0, series.unit),
+        None => (0.0, 0.0),
+    };
+    // Figures without any noise have that of their rounding.
+    let rounding = 1e-9 * (series.mean.abs() + series.spread());
+    search::Prior { freedom: freedom.max(0.1), variance: sd.max(rounding).powi(2) }
+}
+
+/// The records with what is named of them. Both courses stand about the mean of what is measured.
+fn drawn(entries: &[Entry], answer: &HistoryDiagnosis, column: usize, origin: UtcMicros) -> Vec<Drawn> {
+    let of = |entry: &Entry, station: bool| -> f64 {
+        let causes = answer.causes.iter().filter(|cause| !station || cause.cause == "station");
+        causes.map(|cause| cause.estimate.value * cause.tie.regressor(entry, origin)).sum()
+    };
+    let n = entries.len() as f64;
+    let mean = |of: &dyn Fn(&Entry) -> f64| entries.iter().map(of).sum::<f64>() / n;
+    let station = mean(&|entry| of(entry, true));
+    let level = mean(&|entry| entry.d[column].value - of(entry, false));
+    let one = |entry: &Entry| Drawn {
+        at: entry.at,
+        measured: entry.d[column],
+        station: of(entry, true) - station,
+        explained: level + of(entry, false),
+    };
+    entries.iter().map(one).collect()
+}
+
+/// A station's step is somewhere between two records of peers. Of the gyro's own records between them, those after it are
+/// told by how well they fit.
+fn place_steps(series: &Series, course: &mut Course) {
+    for k in 0..course.taken.len() {
+        let (part, common) = course.taken[k];
+        let StationForm::Step(at) = part.form else { continue };
+        let Some(before) = course.before(part.station, at) else { continue };
+        let between = series.rows.iter().filter(|row| row.station == part.station && row.at > before && row.at < at);
+        let instants = std::iter::once(at).chain(between.map(|row| row.at));
+        let others: Vec<(Part, station::Common)> =
+            course.taken.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, taken)| *taken).collect();
+        let misfit = |at: UtcMicros| {
+            let part = Part { form: StationForm::Step(at), ..part };
+            let left = |row: &series::Row| {
+                let of = |part: &Part| part.at(row.station, row.at, row.years);
+                row.y - common.value * of(&part) - others.iter().map(|(p, c)| c.value * of(p)).sum::<f64>()
+            };
+            let weight: f64 = series.rows.iter().map(|row| 1.0 / row.variance).sum();
+            let mean = series.rows.iter().map(|row| left(row) / row.variance).sum::<f64>() / weight;
+            series.rows.iter().map(|row| (left(row) - mean).powi(2) / row.variance).sum::<f64>()
+        };
+        let best = instants.map(|at| (misfit(at), at)).min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, at)) = best {
+            course.taken[k].0.form = StationForm::Step(at);
+        }
+    }
+}
+
+/// What the gyro's own records say of a part, beside a level: estimate and standard deviation.
+fn own_estimate(series: &Series, part: &Part, taken: &[(Part, station::Common)]) -> Option<(f64, f64)> {
+    let [mut w, mut wc, mut wcc, mut wy, mut wcy] = [0.0; 5];
+    for row in &series.rows {
+        let c = part.at(row.station, row.at, row.years);
+        let known: f64 = taken.iter().map(|(p, common)| common.value * p.at(row.station, row.at, row.years)).sum();
+        let (weight, y) = (1.0 / row.variance, row.y - known);
+        w += weight;
+        wc += weight * c;
+        wcc += weight * c * c;
+        wy += weight * y;
+        wcy += weight * c * y;
+    }
+    let information = wcc - wc * wc / w;
+    let sd = series.unit * series.scatter.of_stated;
+    (information > 1e-9 * wcc).then(|| ((wcy - wc * wy / w) / information, sd / information.sqrt()))
 }
 
 #[cfg(test)]

@@ -1,258 +1,486 @@
-//! Forward selection with corrected significance, classes of equals, and the gain on records left out.
+//! Forward selection against noise that may remember, with corrected significance and classes of equals.
 
-use std::collections::BTreeMap;
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ContinuousCDF, Normal};
+use crate::core::judge::{Coefficient, Mark};
+use crate::core::numerics::basis::{Basis, dot};
+use crate::core::numerics::log_sum::LogSum;
+use crate::core::numerics::normal::normal_cdf;
+use crate::core::numerics::tails::{chi2_tail, f_tail};
 
-use crate::core::judge::Coefficient;
-use crate::core::numerics::least_squares::{Factor, Fit};
-use crate::core::numerics::tails::f_tail;
-
-use super::answer::{FEWEST_RECORDS, GyroHistory, HistoryDiagnosis, HistoryVerdict, NamedCause, Rejected};
+use super::answer::{Estimate, NamedCause, Rejected, StationForm, Tie, Wander, WhyNot};
 use super::candidates::{self, Candidate};
-use super::peers::{self, StationOffset};
+use super::closure;
+use super::noise::{self, Noise, Process};
+use super::series::Series;
+use super::station::{Common, Course, Part};
 
-/// Adjusted significance below which a cause is named, and below which something is said to remain.
-const SIGNIFICANCE: f64 = 0.01;
-/// Two candidates explain a change equally well where their sums of squares differ by less than this many variances
-/// (the 1 % point of chi-square with one degree of freedom).
+/// Adjusted significance below which a cause is named.
+const SIGNIFICANCE: f64 = 0.005;
+/// The same against a coefficient that wanders, corrected for instants: from here on a cause is named, with wandering
+/// in its class,
+const BEYOND_WANDERING: f64 = 3e-3;
+/// and from here on by itself. Of walks that move a coefficient by three to nine standard deviations, two in a hundred
+/// are beyond it.
+const NOT_WANDERING: f64 = 1.5e-4;
+/// Stands in a class where the coefficient may as well wander without a cause.
+pub(super) const WANDERING: &str = "wandering";
+/// Significance below which something is said to remain.
+const REMAINS: f64 = 0.01;
+/// Two candidates explain a change equally well where 2 ln L differs by less than this (the 1 % point of chi-square
+/// with one degree of freedom).
 const EQUALLY_GOOD: f64 = 6.635;
-/// An own offset within this many standard deviations of the fleet's is the station's.
-const CONSISTENT: f64 = 3.0;
+/// An own estimate within this many standard deviations of the other gyros' may be the station's.
+const CONSISTENT: f64 = 3.5;
+/// A part of the station's course is named where it moves this gyro by so many standard deviations.
+const SEEN: f64 = 3.0;
 const MOST_CAUSES: usize = 4;
 
-struct Trial {
-    candidate: Candidate,
-    fit: Fit,
-    p_adjusted: f64,
-    left_out: f64,
+/// The rows under every noise model, with what is named projected out.
+struct Fitted {
+    models: Vec<Noise>,
+    bases: Vec<Basis>,
+    left: Vec<Vec<f64>>,
+    squares: Vec<f64>,
+    n: usize,
+    prior: Prior,
 }
 
-pub(super) fn diagnose(gyro: &GyroHistory, peers: &[GyroHistory], coefficient: Coefficient) -> HistoryDiagnosis {
-    let column = coefficient.column().unwrap_or(0);
-    let values: Vec<f64> = gyro.entries.iter().map(|e| e.d[column].value).collect();
-    let n = values.len();
-    let mean = values.iter().sum::<f64>() / n.max(1) as f64;
-    let y = DVector::from_iterator(n, values.iter().map(|v| v - mean));
-    let mut answer = HistoryDiagnosis {
-        coefficient,
-        verdict: HistoryVerdict::TooFew,
-        records: n,
-        scatter: scatter(&y),
-        spread: (y.norm_squared() / n.max(1) as f64).sqrt(),
-        causes: Vec::new(),
-        rejected: Vec::new(),
-        remaining_p_value: 1.0,
-    };
-    if n < FEWEST_RECORDS || answer.spread <= 1e-12 * mean.abs().max(1e-12) {
-        answer.verdict = if n < FEWEST_RECORDS { HistoryVerdict::TooFew } else { HistoryVerdict::NoChange };
-        return answer;
-    }
-    let reference = most_used_station(gyro);
-    let offsets = peers::station_offsets(peers, &reference, column);
-    let mut pool = candidates::all(gyro, coefficient, &reference);
-    let mut taken: Vec<Candidate> = Vec::new();
-    while taken.len() < MOST_CAUSES {
-        let Some((named, candidate)) = next_cause(&y, &taken, &pool, &offsets, answer.scatter) else { break };
-        pool.retain(|c| c.column != candidate.column);
-        taken.push(candidate);
-        answer.causes.push(named);
-    }
-    restate_estimates(&y, &taken, &mut answer.causes);
-    answer.rejected = rejected(&y, &taken, &pool, &offsets);
-    let fit = fit_with(&y, &taken, None);
-    answer.remaining_p_value = fit.map_or(1.0, |fit| von_neumann_p(&fit.residuals));
-    answer.verdict = match (answer.causes.is_empty(), answer.remaining_p_value < SIGNIFICANCE) {
-        (true, false) => HistoryVerdict::NoChange,
-        (true, true) => HistoryVerdict::Unexplained,
-        (false, false) => HistoryVerdict::Explained,
-        (false, true) => HistoryVerdict::PartlyExplained,
-    };
-    answer
+/// What is known of the scale of the noise beforehand: as though so many degrees of freedom had given this variance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Prior {
+    pub freedom: f64,
+    pub variance: f64,
 }
 
-fn next_cause(
-    y: &DVector<f64>,
-    taken: &[Candidate],
-    pool: &[Candidate],
-    offsets: &BTreeMap<String, StationOffset>,
-    scatter: f64,
-) -> Option<(NamedCause, Candidate)> {
-    let base = fit_with(y, taken, None)?;
-    let kinds: usize = kinds(pool);
-    let mut trials: Vec<Trial> = pool
-        .iter()
-        .filter_map(|c| trial(y, taken, c, &base, kinds))
-        .filter(|t| t.p_adjusted < SIGNIFICANCE && contradicted(t, offsets).is_none())
-        .collect();
-    trials.sort_by(|a, b| a.fit.chi2.total_cmp(&b.fit.chi2));
-    let best = trials.first()?;
-    let tolerance = EQUALLY_GOOD * best.fit.chi2 / best.fit.dof.max(1) as f64;
-    let ceiling = best.fit.chi2 + tolerance.max(1e-12 * base.chi2);
-    let equals: Vec<&Trial> = trials.iter().filter(|t| t.fit.chi2 <= ceiling).collect();
-    // What was recorded of the occasion comes before an instant that was only searched for, and what the whole fleet
-    // shows comes before what one gyro suggests.
-    let rank = |t: &Trial| match &t.candidate.station {
-        Some(name) if offsets.get(name).is_some_and(|o| o.value.abs() > CONSISTENT * o.sd) => 0,
-        _ if t.candidate.cause == "step" => 2,
-        _ => 1,
-    };
-    let lead = equals.iter().min_by(|a, b| rank(a).cmp(&rank(b)).then(a.fit.chi2.total_cmp(&b.fit.chi2)))?;
-    let mut class: Vec<&'static str> =
-        equals.iter().filter(|t| rank(t) == rank(lead)).map(|t| t.candidate.cause).collect();
-    class.sort_unstable();
-    class.dedup();
-    let before = left_out_rms(&base)?;
-    if lead.left_out >= before {
-        return None;
-    }
-    let floor = scatter.min(lead.left_out);
-    let named = NamedCause {
-        cause: lead.candidate.cause,
-        class,
-        detail: lead.candidate.detail.clone(),
-        estimates: Vec::new(),
-        before,
-        after: lead.left_out,
-        closure: 1.0 - (lead.left_out.powi(2) - floor.powi(2)) / (before.powi(2) - floor.powi(2)),
-        p_value_adjusted: lead.p_adjusted,
-    };
-    Some((named, lead.candidate.clone()))
-}
-
-/// F test of one more column, corrected for every kind and every instant that was tried.
-fn trial(y: &DVector<f64>, taken: &[Candidate], candidate: &Candidate, base: &Fit, kinds: usize) -> Option<Trial> {
-    let fit = fit_with(y, taken, Some(candidate))?;
-    if fit.rank <= base.rank || fit.dof < 2 {
-        return None;
-    }
-    let gain = base.chi2 - fit.chi2;
-    // Noise-free histories: rounding stands in for a variance of zero.
-    let variance = (fit.chi2 / fit.dof as f64).max(1e-24 * base.chi2);
-    let p = if gain > 0.0 { f_tail(gain / variance, 1.0, fit.dof as f64) } else { 1.0 };
-    let p_adjusted = (p * (kinds * candidate.tried) as f64).min(1.0);
-    let left_out = left_out_rms(&fit)?;
-    Some(Trial { candidate: candidate.clone(), fit, p_adjusted, left_out })
-}
-
-/// Why a station's offset on this gyro is not the station's, where the other gyros it measured say so.
-fn contradicted(trial: &Trial, offsets: &BTreeMap<String, StationOffset>) -> Option<String> {
-    let offset = offsets.get(trial.candidate.station.as_deref()?)?;
-    let last = trial.fit.estimate.len() - 1;
-    let own = trial.fit.estimate[last];
-    let own_sd = (trial.fit.covariance[(last, last)] * trial.fit.chi2 / trial.fit.dof as f64).sqrt();
-    ((own - offset.value).abs() > CONSISTENT * own_sd.hypot(offset.sd)).then(|| {
-        format!(
-            "{own:+.4} here, but {:+.4} +- {:.4} on the {} other gyros that the station measured",
-            offset.value, offset.sd, offset.gyros
-        )
-    })
-}
-
-fn rejected(
-    y: &DVector<f64>,
-    taken: &[Candidate],
-    pool: &[Candidate],
-    offsets: &BTreeMap<String, StationOffset>,
-) -> Vec<Rejected> {
-    let Some(base) = fit_with(y, taken, None) else { return Vec::new() };
-    let mut best_step: Option<Rejected> = None;
-    let mut best_p = f64::INFINITY;
-    let mut out = Vec::new();
-    for candidate in pool {
-        let reason = match trial(y, taken, candidate, &base, kinds(pool)) {
-            None => "cannot be told from what is already named".to_owned(),
-            Some(t) => {
-                let reason = contradicted(&t, offsets)
-                    .unwrap_or_else(|| format!("not significant beside the rest (adjusted p = {:.2})", t.p_adjusted));
-                if candidate.cause == "step" {
-                    if t.p_adjusted < best_p {
-                        best_p = t.p_adjusted;
-                        best_step = Some(Rejected { cause: "step", detail: candidate.detail.clone(), reason });
-                    }
-                    continue;
-                }
-                reason
+impl Fitted {
+    fn of(models: Vec<Noise>, y: &[f64], columns: &[&[f64]], prior: Prior) -> Self {
+        let n = y.len();
+        let (mut bases, mut left, mut squares) = (Vec::new(), Vec::new(), Vec::new());
+        for model in &models {
+            let mut basis = Basis::of([model.whiten(&vec![1.0; n])]);
+            for column in columns {
+                basis.push(model.whiten(column));
             }
-        };
-        if candidate.cause != "step" {
-            out.push(Rejected { cause: candidate.cause, detail: candidate.detail.clone(), reason });
+            let mut r = model.whiten(y);
+            basis.project_out(&mut r);
+            squares.push(dot(&r, &r));
+            bases.push(basis);
+            left.push(r);
         }
+        Self { models, bases, left, squares, n, prior }
     }
-    out.extend(best_step);
-    out
+
+    fn ln_likelihood(&self, model: usize, squares: f64) -> f64 {
+        let n = self.n as f64 + self.prior.freedom;
+        -0.5 * n * ((squares + self.prior.freedom * self.prior.variance) / n).ln() - self.models[model].half_log_det
+    }
+
+    /// The model of the largest ln L.
+    fn best(&self) -> (f64, usize) {
+        let all = (0..self.models.len()).map(|m| (self.ln_likelihood(m, self.squares[m]), m));
+        all.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NEG_INFINITY, 0))
+    }
+
+    /// ln of the likelihoods' mean over the models, white noise being as likely beforehand as all others together.
+    fn mean(&self, of: impl Fn(usize) -> f64) -> f64 {
+        let others = (self.models.len() - 1) as f64;
+        let each = (0..self.models.len()).map(|m| of(m) - if m == 0 { 0.0 } else { others.ln() });
+        LogSum::of(&each.collect::<Vec<f64>>()).log() - std::f64::consts::LN_2
+    }
+
+    fn evidence(&self) -> f64 {
+        self.mean(|m| self.ln_likelihood(m, self.squares[m]))
+    }
+
+    fn variance(&self, squares: f64) -> f64 {
+        (squares + self.prior.freedom * self.prior.variance) / self.freedom()
+    }
+
+    fn white(&self) -> f64 {
+        self.ln_likelihood(0, self.squares[0])
+    }
+
+    fn parameters(&self) -> usize {
+        self.bases[0].rank()
+    }
+
+    fn freedom(&self) -> f64 {
+        (self.n - self.parameters()).max(1) as f64 + self.prior.freedom
+    }
 }
 
-/// Estimates of all named causes from one fit of them together.
-fn restate_estimates(y: &DVector<f64>, taken: &[Candidate], causes: &mut [NamedCause]) {
-    let Some(fit) = fit_with(y, taken, None) else { return };
-    let variance = fit.chi2 / fit.dof.max(1) as f64;
-    for (k, (candidate, cause)) in taken.iter().zip(causes).enumerate() {
-        let sd = (fit.covariance[(k + 1, k + 1)] * variance).sqrt();
-        cause.estimates = vec![(candidate.parameter.to_owned(), fit.estimate[k + 1], sd, candidate.unit)];
-    }
+/// A candidate beside what is named.
+#[derive(Clone, Copy)]
+struct Trial {
+    white: f64,
+    best: f64,
+    value: f64,
+    sd: f64,
+    p_white: f64,
+    p_wandering: f64,
 }
 
-/// Constant + `taken` + `extra`, least squares; none where nothing would be left to judge by.
-fn fit_with(y: &DVector<f64>, taken: &[Candidate], extra: Option<&Candidate>) -> Option<Fit> {
-    let columns: Vec<&Candidate> = taken.iter().chain(extra).collect();
-    if y.len() < columns.len() + 2 {
-        return None;
-    }
-    let design =
-        DMatrix::from_fn(y.len(), columns.len() + 1, |r, c| if c == 0 { 1.0 } else { columns[c - 1].column[r] });
-    Some(Factor::new(design, &vec![1.0; y.len()]).fit(y))
+/// What was found, and the fit that it ended with.
+pub(super) struct Found {
+    pub named: Vec<NamedCause>,
+    pub rejected: Vec<Rejected>,
+    pub wander: Option<Wander>,
+    pub remaining_p_value: f64,
+    pub level: Level,
 }
 
-/// Root mean square error of each record predicted from the others, r_i / (1 - h_i).
-fn left_out_rms(fit: &Fit) -> Option<f64> {
-    let mut sum = 0.0;
-    for (r, h) in fit.residuals.iter().zip(fit.leverage.iter()) {
-        let free = 1.0 - h;
-        if free < 1e-9 {
+/// Level and slope as they are believed at the newest row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Level {
+    pub value: f64,
+    pub slope: f64,
+    /// Variances of level and slope, and their covariance.
+    pub covariance: [f64; 3],
+    pub freedom: f64,
+    pub ages: bool,
+}
+
+pub(super) struct Question<'a> {
+    pub series: &'a Series,
+    pub marks: &'a [Mark],
+    pub coefficient: Coefficient,
+    pub reference: usize,
+    pub course: &'a Course,
+    /// Gyros of the same IMU.
+    pub mates: &'a Course,
+    pub prior: Prior,
+}
+
+impl Question<'_> {
+    pub fn answer(&self) -> Option<Found> {
+        let series = self.series;
+        let y = series.column(|row| row.y);
+        let mut variance = series.column(|row| row.variance);
+        let scale = series.unit * series.scatter.of_stated;
+        let known: Vec<(Vec<f64>, f64)> =
+            (self.course.taken.iter()).map(|(part, common)| (self.column(part), (common.sd / scale).powi(2))).collect();
+        let alone: Vec<usize> = (0..series.stations.len()).filter(|s| self.course.imus_at(*s) == 0).collect();
+        let mut pool = candidates::all(series, self.marks, self.coefficient, self.reference, &alone);
+        let kinds = kinds(&pool);
+        let mut taken: Vec<Candidate> = Vec::new();
+        let mut named: Vec<NamedCause> = Vec::new();
+        let models = noise::models(&series.column(|row| row.years), &variance, &known);
+        if models.first()?.process != Process::White {
             return None;
         }
-        sum += (r / free).powi(2);
+        let mut fitted = Fitted::of(models, &y, &[], self.prior);
+        let mut white = whitened(&fitted, &pool);
+        let mut rejected;
+        loop {
+            let trials: Vec<Option<Trial>> = (pool.iter().zip(&white))
+                .map(|(candidate, white)| self.trial(&fitted, &y, &variance, &known, &taken, candidate, white, kinds))
+                .collect();
+            let lead = (named.len() < MOST_CAUSES).then(|| self.lead(&pool, &trials)).flatten();
+            rejected = self.rejected(&pool, &trials);
+            let Some((k, class)) = lead else { break };
+            let candidate = pool[k].clone();
+            let trial = trials[k]?;
+            named.push(NamedCause {
+                cause: candidate.cause,
+                class,
+                tie: candidate.tie.clone(),
+                estimate: estimate(&candidate, trial.value, trial.sd),
+                held_out: None,
+                p_value_adjusted: trial.p_white.max(trial.p_wandering),
+            });
+            if !candidate.missing.is_empty() {
+                inflate(&mut variance, &candidate, trial.value / scale);
+            }
+            pool.retain(|other| other.column != candidate.column);
+            taken.push(candidate);
+            let models = noise::models(&series.column(|row| row.years), &variance, &known);
+            let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
+            fitted = Fitted::of(models, &y, &columns, self.prior);
+            white = whitened(&fitted, &pool);
+        }
+        let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
+        let (estimates, level) = self.together(&fitted, &y, &taken);
+        for (cause, (value, sd)) in named.iter_mut().zip(estimates) {
+            cause.estimate = Estimate { value, sd, ..cause.estimate.clone() };
+        }
+        let noise_variance = fitted.variance(fitted.squares[0]);
+        let stated: Vec<f64> = variance.iter().map(|v| v * noise_variance).collect();
+        for (k, cause) in named.iter_mut().enumerate() {
+            cause.held_out = closure::held_out(&y, &stated, &columns, k);
+        }
+        let (best, model) = fitted.best();
+        let gain = 2.0 * (best - fitted.white());
+        let remaining_p_value = if gain > 0.0 { (1.5 * chi2_tail(gain, 1).unwrap_or(1.0)).min(1.0) } else { 1.0 };
+        let wander = (remaining_p_value < REMAINS).then(|| self.wander(&fitted, model, remaining_p_value));
+        let mut stations = self.stations_named(&y, &stated, &columns);
+        stations.append(&mut named);
+        Some(Found { named: stations, rejected, wander, remaining_p_value, level })
     }
-    Some((sum / fit.residuals.len() as f64).sqrt())
+
+    fn column(&self, part: &Part) -> Vec<f64> {
+        self.series.column(|row| part.at(row.station, row.at, row.years))
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the parts of one linear model")]
+    fn trial(
+        &self,
+        fitted: &Fitted,
+        y: &[f64],
+        variance: &[f64],
+        known: &[(Vec<f64>, f64)],
+        taken: &[Candidate],
+        candidate: &Candidate,
+        white: &[Vec<f64>],
+        kinds: usize,
+    ) -> Option<Trial> {
+        let own;
+        let (fit, white) = if candidate.missing.is_empty() {
+            (fitted, white)
+        } else {
+            // Of the rows whose regressor is not known the variance is larger by what it would have done there.
+            let (value, _) = along(fitted, 0, &white[0])?;
+            let mut variance = variance.to_vec();
+            inflate(&mut variance, candidate, value / (self.series.unit * self.series.scatter.of_stated));
+            let models = noise::models(&self.series.column(|row| row.years), &variance, known);
+            let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
+            let fit = Fitted::of(models, y, &columns, self.prior);
+            let white = whitened(&fit, std::slice::from_ref(candidate)).remove(0);
+            own = (fit, white);
+            (&own.0, &*own.1)
+        };
+        let n = fitted.n as f64 + self.prior.freedom;
+        let freedom = fitted.freedom() - 1.0;
+        if fitted.n < fitted.parameters() + 3 {
+            return None;
+        }
+        let mut trial: Option<Trial> = None;
+        let mut each = Vec::with_capacity(fit.models.len());
+        for (m, white) in white.iter().enumerate() {
+            let (value, information) = along(fit, m, white)?;
+            let squares = (fit.squares[m] - value * value * information).max(0.0);
+            let l = fit.ln_likelihood(m, squares);
+            let sd = (fit.variance(squares) / information).sqrt();
+            each.push(l);
+            match &mut trial {
+                None => trial = Some(Trial { white: l, best: l, value, sd, p_white: 1.0, p_wandering: 1.0 }),
+                Some(trial) if l > trial.best => (trial.best, trial.value, trial.sd) = (l, value, sd),
+                Some(_) => {}
+            }
+        }
+        let mut trial = trial?;
+        trial.best = fit.mean(|m| each[m]);
+        let p = |gain: f64| if gain > 0.0 { f_tail((2.0 * gain / n).exp_m1() * freedom, 1.0, freedom) } else { 1.0 };
+        trial.p_white = (p(trial.white - fitted.white()) * (kinds * candidate.tried) as f64).min(1.0);
+        trial.p_wandering = (p(trial.best - fitted.evidence()) * candidate.tried as f64).min(1.0);
+        Some(trial)
+    }
+
+    /// The candidate that leads, and the class of those that explain as much.
+    fn lead(&self, pool: &[Candidate], trials: &[Option<Trial>]) -> Option<(usize, Vec<&'static str>)> {
+        let possible: Vec<(usize, Trial)> = (0..pool.len())
+            .filter_map(|k| Some((k, trials[k]?)))
+            .filter(|(k, trial)| self.denied(&pool[*k], trial).is_none())
+            .collect();
+        let significant = |trial: &Trial| trial.p_white < SIGNIFICANCE && trial.p_wandering < BEYOND_WANDERING;
+        let best = possible.iter().filter(|(_, trial)| significant(trial)).map(|(_, trial)| trial.best);
+        let best = best.max_by(f64::total_cmp)?;
+        let equals: Vec<&(usize, Trial)> =
+            possible.iter().filter(|(_, trial)| 2.0 * (best - trial.best) <= EQUALLY_GOOD).collect();
+        let rank = |k: usize| rank(&pool[k]);
+        let named = equals.iter().filter(|(_, trial)| significant(trial));
+        let (lead, _) = named.min_by(|a, b| rank(a.0).cmp(&rank(b.0)).then(b.1.best.total_cmp(&a.1.best)))?;
+        let recorded = matches!(pool[*lead].cause, "step_at_event" | "re_mounting");
+        let counts = |candidate: &Candidate| !recorded || rank_of_searched(candidate).is_none();
+        let mut class: Vec<&'static str> =
+            equals.iter().map(|(k, _)| &pool[*k]).filter(|c| counts(c)).map(|c| c.cause).collect();
+        class.push(pool[*lead].cause);
+        let may_wander = trials[*lead].is_some_and(|trial| trial.p_wandering >= NOT_WANDERING);
+        class.extend(may_wander.then_some(WANDERING));
+        class.sort_unstable();
+        class.dedup();
+        Some((*lead, class))
+    }
+
+    /// What the other gyros, or those of the same IMU, say against a station.
+    fn denied(&self, candidate: &Candidate, trial: &Trial) -> Option<Common> {
+        let part = candidate.part?;
+        if let Some(others) = self.course.estimate(&part) {
+            let consistent = (trial.value - others.value).abs() <= CONSISTENT * trial.sd.hypot(others.sd);
+            return (!consistent).then_some(others);
+        }
+        if part.form == StationForm::Offset {
+            return None;
+        }
+        let mates = self.mates.estimate(&part)?;
+        let still = mates.value.abs() < 3.0 * mates.sd;
+        (still && (trial.value - mates.value).abs() > 4.0 * trial.sd.hypot(mates.sd)).then_some(mates)
+    }
+
+    fn rejected(&self, pool: &[Candidate], trials: &[Option<Trial>]) -> Vec<Rejected> {
+        let mut best: Option<(f64, Rejected)> = None;
+        let mut out = Vec::new();
+        for (candidate, trial) in pool.iter().zip(trials) {
+            let searched = rank_of_searched(candidate).is_some();
+            let why = match trial {
+                None => WhyNot::NotSeparable,
+                Some(trial) => match self.denied(candidate, trial) {
+                    Some(others) => WhyNot::OthersDeny {
+                        own: trial.value,
+                        others: others.value,
+                        sd: others.sd,
+                        gyros: others.gyros,
+                    },
+                    None if trial.p_white >= SIGNIFICANCE => WhyNot::NotSignificant { p: trial.p_white },
+                    None => WhyNot::NoBetterThanWandering { p: trial.p_wandering },
+                },
+            };
+            let one = Rejected { cause: candidate.cause, tie: candidate.tie.clone(), why };
+            match trial {
+                Some(trial) if searched && candidate.cause == "step" => {
+                    if best.as_ref().is_none_or(|(l, _)| trial.best > *l) {
+                        best = Some((trial.best, one));
+                    }
+                }
+                _ if searched => {}
+                _ => out.push(one),
+            }
+        }
+        out.extend(best.map(|(_, one)| one));
+        out
+    }
+
+    /// Estimates of all named causes from one fit of them together, and level and slope at the newest row.
+    fn together(&self, fitted: &Fitted, y: &[f64], taken: &[Candidate]) -> (Vec<(f64, f64)>, Level) {
+        let (_, m) = fitted.best();
+        let model = &fitted.models[m];
+        let newest = self.series.rows.last().map_or(0.0, |row| row.years);
+        let slope = taken.iter().position(|candidate| candidate.cause == "ageing");
+        let columns = |about: f64| -> Vec<Vec<f64>> {
+            std::iter::once(vec![1.0; y.len()])
+                .chain(taken.iter().enumerate().map(|(k, candidate)| {
+                    let lifted = if Some(k) == slope { about } else { 0.0 };
+                    candidate.column.iter().map(|value| value - lifted).collect()
+                }))
+                .collect()
+        };
+        let design: Vec<Vec<f64>> = columns(newest).iter().map(|column| model.whiten(column)).collect();
+        let r = model.whiten(y);
+        let variance = fitted.variance(fitted.squares[m]);
+        let p = design.len();
+        let normal = nalgebra::DMatrix::from_fn(p, p, |i, j| dot(&design[i], &design[j]));
+        let right = nalgebra::DVector::from_fn(p, |i, _| dot(&design[i], &r));
+        let inverse =
+            nalgebra::Cholesky::new(normal).map_or_else(|| nalgebra::DMatrix::zeros(p, p), |factor| factor.inverse());
+        let estimate = &inverse * right;
+        let covariance = inverse * variance;
+        let estimates = (1..p).map(|k| (estimate[k], covariance[(k, k)].max(0.0).sqrt())).collect();
+        // Steps and offsets that stand at the newest row belong to the level there.
+        let mut here = nalgebra::DVector::zeros(p);
+        here[0] = 1.0;
+        for (k, candidate) in taken.iter().enumerate() {
+            if matches!(candidate.cause, "step" | "step_at_event" | "re_mounting") {
+                here[k + 1] = candidate.column.last().copied().unwrap_or(0.0);
+            }
+        }
+        let of_level = &covariance * &here;
+        let (slope_value, slope_variance, cross) =
+            slope.map_or((0.0, 0.0, 0.0), |k| (estimate[k + 1], covariance[(k + 1, k + 1)], of_level[k + 1]));
+        let level = Level {
+            value: self.series.mean + here.dot(&estimate),
+            slope: slope_value,
+            covariance: [here.dot(&of_level), slope_variance, cross],
+            freedom: fitted.freedom(),
+            ages: slope.is_some(),
+        };
+        (estimates, level)
+    }
+
+    fn wander(&self, fitted: &Fitted, model: usize, p_value: f64) -> Wander {
+        let noise = &fitted.models[model];
+        let variance = fitted.variance(fitted.squares[model]) * noise.power;
+        let rows = &self.series.rows;
+        let years = rows.last().map_or(1.0, |row| row.years).max(1e-6);
+        let per = match noise.process {
+            Process::RandomWalk => years,
+            Process::WalkByRecord => (rows.len() - 1) as f64,
+            Process::White | Process::Flicker => 1.0,
+        };
+        Wander { process: noise.process.name(), size: (variance / per).sqrt(), p_value }
+    }
+
+    /// What the station did, where it moves this gyro's records by more than they scatter.
+    fn stations_named(&self, y: &[f64], variance: &[f64], columns: &[&[f64]]) -> Vec<NamedCause> {
+        let mut out = Vec::new();
+        for (part, common) in &self.course.taken {
+            let column = self.column(part);
+            let total: f64 = variance.iter().map(|v| 1.0 / v).sum();
+            let mean = column.iter().zip(variance).map(|(c, v)| c / v).sum::<f64>() / total;
+            let information: f64 = column.iter().zip(variance).map(|(c, v)| (c - mean).powi(2) / v).sum();
+            if common.value.abs() * information.sqrt() < SEEN {
+                continue;
+            }
+            let unit = if part.form == StationForm::Drift { "deg/(h*g0)/year" } else { "deg/(h*g0)" };
+            let tie: Tie = candidates::tie(self.series, self.reference, part);
+            out.push(NamedCause {
+                cause: "station",
+                class: vec!["station"],
+                tie,
+                estimate: Estimate { name: "k", value: common.value, sd: common.sd, unit },
+                held_out: closure::held_out_known(y, variance, columns, &column, common.value),
+                p_value_adjusted: normal_tail(common.significance()),
+            });
+        }
+        out
+    }
 }
 
-/// Scatter from successive differences: median |d| / (0.6745 sqrt 2), which a step or a slow drift hardly moves.
-fn scatter(y: &DVector<f64>) -> f64 {
-    let mut d: Vec<f64> = y.as_slice().windows(2).map(|w| (w[1] - w[0]).abs()).collect();
-    if d.is_empty() {
-        return 0.0;
-    }
-    d.sort_by(f64::total_cmp);
-    let middle = d.len() / 2;
-    let median = if d.len() % 2 == 1 { d[middle] } else { 0.5 * (d[middle - 1] + d[middle]) };
-    median / (0.674_489_75 * std::f64::consts::SQRT_2)
+/// The estimate of a whitened column beside what is named, and its information; none where nothing of it is left.
+fn along(fitted: &Fitted, m: usize, white: &[f64]) -> Option<(f64, f64)> {
+    let before = dot(white, white);
+    let mut column = white.to_vec();
+    fitted.bases[m].project_out(&mut column);
+    let information = dot(&column, &column);
+    (information > 1e-9 * before).then(|| (dot(&column, &fitted.left[m]) / information, information))
 }
 
-/// Von Neumann's ratio of successive differences to variance: small where residuals follow one another.
-/// Mean 2n/(n-1), variance 4 n^2 (n-2) / ((n+1) (n-1)^3) for independent normal residuals (von Neumann 1941).
-fn von_neumann_p(residuals: &DVector<f64>) -> f64 {
-    let n = residuals.len() as f64;
-    let variance = residuals.norm_squared() / n;
-    if variance <= f64::MIN_POSITIVE || n < 4.0 {
-        return 1.0;
+fn whitened(fitted: &Fitted, pool: &[Candidate]) -> Vec<Vec<Vec<f64>>> {
+    pool.iter().map(|c| fitted.models.iter().map(|model| model.whiten(&c.column)).collect()).collect()
+}
+
+fn inflate(variance: &mut [f64], candidate: &Candidate, per_unit: f64) {
+    for k in &candidate.missing {
+        variance[*k] += per_unit * per_unit * candidate.spread;
     }
-    let differences: f64 = residuals.as_slice().windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / (n - 1.0);
-    let mean = 2.0 * n / (n - 1.0);
-    let sd = (4.0 * n * n * (n - 2.0) / ((n + 1.0) * (n - 1.0).powi(3))).sqrt();
-    Normal::standard().cdf((differences / variance - mean) / sd)
+}
+
+fn estimate(candidate: &Candidate, value: f64, sd: f64) -> Estimate {
+    Estimate { name: candidate.parameter, value, sd, unit: candidate.unit }
+}
+
+/// What was recorded of the occasion comes before an instant that was only searched for, and that before what a
+/// station would have had to do to nobody else that is known.
+fn rank(candidate: &Candidate) -> u8 {
+    rank_of_searched(candidate).unwrap_or(1)
+}
+
+fn rank_of_searched(candidate: &Candidate) -> Option<u8> {
+    match candidate.part {
+        Some(Part { form: StationForm::Drift | StationForm::Step(_), .. }) => Some(3),
+        _ => (candidate.cause == "step").then_some(2),
+    }
 }
 
 fn kinds(pool: &[Candidate]) -> usize {
-    pool.iter().filter(|c| c.cause != "step").count() + 1
+    pool.iter().filter(|candidate| rank_of_searched(candidate).is_none()).count() + 1
 }
 
-fn most_used_station(gyro: &GyroHistory) -> String {
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for entry in &gyro.entries {
-        *counts.entry(&entry.station).or_default() += 1;
-    }
-    let most = counts.into_iter().max_by_key(|&(_, count)| count);
-    most.map_or_else(String::new, |(name, _)| name.to_owned())
+/// P(T <= t) of Student's distribution.
+pub(super) fn student(t: f64, freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(0.5, |student| student.cdf(t))
+}
+
+/// P(|normal| > z).
+fn normal_tail(z: f64) -> f64 {
+    2.0 * normal_cdf(-z.abs())
 }

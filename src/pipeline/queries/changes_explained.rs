@@ -2,21 +2,22 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::core::changes::{Entry, GyroHistory, HistoryDiagnosis, diagnose_history};
+use super::entries::{PEER_RECORDS, entries};
+use super::fleet::level;
+use crate::core::changes::{Budget, GyroHistory, HistoryDiagnosis, diagnose_history};
 use crate::core::figures::Figures;
-use crate::core::id::Id;
-use crate::core::time::Span;
+use crate::core::judge::history::{baseline_of, seat_baseline_of};
+use crate::core::judge::{Limits, Mark, Measured, Rule, Sample, baseline_since, stated_level};
+use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::error::StorageError;
-use crate::pipeline::ingest::judge::gyro_window::{load_marks, sample_of};
+use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, sample_of};
 use crate::pipeline::queries::gyro_history::Histories;
 use crate::store;
-use crate::store::StoreError;
+use crate::store::{StoreError, Stretch};
 use crate::words;
 
-/// Newest records of the gyro itself, and of each peer, that are looked at. The search tries every instant, and the
-/// stations' offsets take one column a peer.
-const OWN_RECORDS: usize = 300;
-const PEER_RECORDS: usize = 100;
+/// Newest records of the gyro itself that are looked at.
+const OWN_RECORDS: usize = 1000;
 /// Most peers that count, and most gyros that are asked whether they are one: those with the nearest numbers, which
 /// came to the service at the same time.
 const PEERS: usize = 40;
@@ -27,30 +28,35 @@ const ASKED: usize = 200;
 pub struct ExplainedHistory {
     /// Other gyros that met the same stations.
     pub peers: usize,
+    /// The newest record.
+    pub newest: Option<UtcMicros>,
     /// D_I, D_S, D_O.
     pub coefficients: Vec<HistoryDiagnosis>,
 }
 
 impl Histories {
     /// Diagnoses the history of a gyro. Computes for some milliseconds, on a thread for that.
-    pub async fn explain(&self, gyro: u32) -> Result<ExplainedHistory, StorageError> {
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn explain(&self, gyro: u32, serial: &str) -> Result<ExplainedHistory, StorageError> {
         let own = store::history::newest(&self.store, gyro, Span::EVER, OWN_RECORDS).await?;
         let stations: HashSet<u32> = own.iter().map(|figures| figures.station).collect();
         let temperatures = store::history::temperatures(&self.store, gyro).await?.into_iter().collect();
-        let history = self.history_of(gyro, &own, &temperatures).await?;
-        let mut peers = Vec::new();
-        for other in self.neighbours(gyro) {
-            let rows = store::history::newest(&self.store, other, Span::EVER, PEER_RECORDS).await?;
-            if rows.iter().any(|figures| stations.contains(&figures.station)) {
-                peers.push(self.history_of(other, &rows, &HashMap::new()).await?);
-            }
-            if peers.len() == PEERS {
-                break;
-            }
-        }
+        let marks = load_marks(&self.store, gyro).await?;
+        let method = self.config.judging.method;
+        let budgets = self.budgets(serial, &own, &marks);
+        let newest = own.last().map(|figures| figures.at);
+        let history = GyroHistory { entries: entries(&self.store, method, &own, &temperatures), marks };
+        let others = self.neighbours(gyro);
+        let ever: Vec<Stretch> = others.iter().map(|other| (*other, Span::EVER)).collect();
+        let rows = store::histories::newest(&self.store, &ever, PEER_RECORDS).await?;
+        let met = |rows: &&Vec<Figures>| rows.iter().any(|figures| stations.contains(&figures.station));
+        let peers = rows.iter().filter(met).take(PEERS).map(|rows| entries(&self.store, method, rows, &HashMap::new()));
+        let peers: Vec<GyroHistory> = peers.map(|entries| GyroHistory { entries, marks: Vec::new() }).collect();
         let explained = words::spawn_blocking(move || {
-            let coefficients = diagnose_history(&history, &peers);
-            ExplainedHistory { peers: peers.len(), coefficients }
+            let coefficients = diagnose_history(&history, &peers.iter().collect::<Vec<_>>(), budgets);
+            ExplainedHistory { peers: peers.len(), newest, coefficients }
         });
         let failed =
             |error| StoreError::Damaged(format!("the history of gyro number {gyro} could not be diagnosed: {error}"));
@@ -66,22 +72,43 @@ impl Histories {
         others
     }
 
-    async fn history_of(
-        &self,
-        gyro: u32,
-        rows: &[Figures],
-        temperatures: &HashMap<Id, f64>,
-    ) -> Result<GyroHistory, StoreError> {
-        let marks = load_marks(&self.store, gyro).await?;
-        let tables = self.store.names().read();
-        let name = |name: Option<&std::sync::Arc<str>>| name.map_or_else(String::new, |name| name.to_string());
-        let entries = rows.iter().map(|figures| Entry {
-            at: figures.at,
-            station: name(tables.stations.name(figures.station)),
-            seat: format!("{}/{}", name(tables.imus.name(figures.imu)), figures.slot.name()),
-            temperature_c: temperatures.get(&figures.record).copied(),
-            d: sample_of(figures, self.config.judging.method).d,
-        });
-        Ok(GyroHistory { entries: entries.collect(), marks })
+    /// How far D_I, D_S and D_O may be from their baselines, where these are known.
+    fn budgets(&self, serial: &str, own: &[Figures], marks: &[Mark]) -> [Option<Budget>; 3] {
+        let Some(newest) = own.last() else { return [None; 3] };
+        let imu = self.store.names().read().imus.name(newest.imu).cloned();
+        let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial);
+        let samples = distinct(own.iter().map(|figures| sample_of(figures, self.config.judging.method)));
+        [0, 1, 2].map(|column| {
+            let limit = budget(&limits, column)?;
+            let stated =
+                column < 2 && (stated_level(marks, newest.at, column).is_some() || fixed(&limits, column).is_some());
+            let measured_since = (!stated).then(|| baseline_since(marks, newest.at).unwrap_or(UtcMicros(i64::MIN)));
+            Some(Budget { baseline: baseline(&samples, marks, newest.at, &limits, column)?, limit, measured_since })
+        })
     }
+}
+
+fn budget(limits: &Limits, column: usize) -> Option<f64> {
+    let limit = match column {
+        0 => limits.d_i.of(Rule::Baseline),
+        1 => limits.d_s.of(Rule::Baseline),
+        _ => limits.closure,
+    };
+    limit.map(|limit| limit.value)
+}
+
+fn fixed(limits: &Limits, column: usize) -> Option<Measured> {
+    match column {
+        0 => limits.d_i.fixed_baseline,
+        1 => limits.d_s.fixed_baseline,
+        _ => None,
+    }
+}
+
+fn baseline(samples: &[Sample], marks: &[Mark], newest: UtcMicros, limits: &Limits, column: usize) -> Option<f64> {
+    if column > 1 {
+        return level(seat_baseline_of(samples, marks, newest), column, None);
+    }
+    let stated = stated_level(marks, newest, column).or(fixed(limits, column));
+    level(baseline_of(samples, marks, newest), column, stated)
 }

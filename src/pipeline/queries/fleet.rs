@@ -4,10 +4,12 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
+use super::entries::fleet_histories;
 use super::record::Records;
 use super::standing::{Standing, StoredFacts, of_rank, rank};
 use super::stations::{StationEffect, station_effects};
 use crate::config::Config;
+use crate::core::changes::{self, FleetStations};
 use crate::core::figures::Figures;
 use crate::core::judge::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Rule, State, Status};
@@ -21,6 +23,7 @@ use crate::store::head::{Narrowed, Ranks, Standings, StationTally, Tally};
 use crate::store::{RecordHead, Store, StoreError, Stretch};
 use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
+use crate::words;
 
 /// The gyros whose newest calibration was made in one IMU.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -193,6 +196,18 @@ impl Fleet {
     /// Every station that calibrated a gyro lately, by name.
     pub async fn stations(&self) -> Result<Vec<StationEffect>, StorageError> {
         Ok(station_effects(&self.store, self.config.judging.method).await?)
+    }
+
+    /// What every station does to the gyros that it measured lately; none without records. Computes for a second of
+    /// many gyros, on a thread for that.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn station_figures(&self) -> Result<Option<FleetStations>, StorageError> {
+        let histories = fleet_histories(&self.store, self.config.judging.method).await?;
+        let figures = words::spawn_blocking(move || changes::stations(&histories)).await;
+        let failed = |error| StoreError::Damaged(format!("the stations could not be compared: {error}"));
+        Ok(figures.map_err(failed)?)
     }
 
     /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.

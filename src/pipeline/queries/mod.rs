@@ -2,6 +2,7 @@
 
 pub(super) mod agreement;
 mod changes_explained;
+mod entries;
 mod fleet;
 mod fleet_noise;
 mod gyro_history;

@@ -1,0 +1,317 @@
+//! Fleets with a hidden cause: IMUs of three gyros, calibrated by one or two stations at irregular times.
+
+use std::sync::Arc;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use crate::core::changes::{Entry, GyroHistory};
+use crate::core::judge::{Event, Mark, Measured};
+use crate::core::mounting::Slot;
+use crate::core::time::UtcMicros;
+
+/// What is hidden in a fleet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    Nothing,
+    Ageing,
+    StepAtEvent,
+    Step,
+    Temperature,
+    TemperatureMissing,
+    StationOffset,
+    StationDrifts,
+    StationRelevelled,
+    OneOfTwoDrifts,
+    MovedWithPeers,
+    StepAtStationChange,
+    Clocking,
+    AgeingAndStation,
+    NoisyStation,
+    LoneImuMoved,
+    Wanders,
+}
+
+impl Kind {
+    pub const ALL: [Self; 17] = [
+        Self::Nothing,
+        Self::Ageing,
+        Self::StepAtEvent,
+        Self::Step,
+        Self::Temperature,
+        Self::TemperatureMissing,
+        Self::StationOffset,
+        Self::StationDrifts,
+        Self::StationRelevelled,
+        Self::OneOfTwoDrifts,
+        Self::MovedWithPeers,
+        Self::StepAtStationChange,
+        Self::Clocking,
+        Self::AgeingAndStation,
+        Self::NoisyStation,
+        Self::LoneImuMoved,
+        Self::Wanders,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nothing => "nothing",
+            Self::Ageing => "ageing",
+            Self::StepAtEvent => "step_at_event",
+            Self::Step => "step",
+            Self::Temperature => "temperature",
+            Self::TemperatureMissing => "temperature_missing",
+            Self::StationOffset => "station_offset",
+            Self::StationDrifts => "station_drifts",
+            Self::StationRelevelled => "station_relevelled",
+            Self::OneOfTwoDrifts => "one_of_two_drifts",
+            Self::MovedWithPeers => "moved_with_peers",
+            Self::StepAtStationChange => "step_at_station_change",
+            Self::Clocking => "clocking",
+            Self::AgeingAndStation => "ageing_and_station",
+            Self::NoisyStation => "noisy_station",
+            Self::LoneImuMoved => "lone_imu_moved",
+            Self::Wanders => "wanders",
+        }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+}
+
+/// Records of a gyro that the service would hold, with the truth beside them.
+#[derive(Debug, Clone)]
+pub struct Fleet {
+    pub kind: Kind,
+    pub gyros: Vec<GyroHistory>,
+    /// The gyro and the column (D_I, D_S, D_O) that are asked about.
+    pub asked: usize,
+    pub column: usize,
+    /// Causes that the asked coefficient has.
+    pub truth: Vec<&'static str>,
+    /// Causes that have to be in the class of what is named.
+    pub class: Vec<&'static str>,
+    /// What they did to each record of the asked gyro, deg/(h g0).
+    pub signal: Vec<f64>,
+    /// Level before, and slope a year, where it ages.
+    pub ageing: Option<(f64, f64)>,
+    /// Whether every gyro shows the asked column's cause too.
+    pub shared: bool,
+}
+
+const YEAR_DAYS: f64 = 365.25;
+
+/// One fleet.
+pub struct Draw {
+    rng: ChaCha8Rng,
+}
+
+/// When, where and how warm the records of one IMU are.
+struct Occasion {
+    years: f64,
+    station: usize,
+    temperature_c: f64,
+}
+
+impl Draw {
+    /// Fleet `number` of a seed.
+    pub fn of(seed: u64, number: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(number);
+        Self { rng }
+    }
+
+    fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.rng)
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.rng.random_range(low..high)
+    }
+
+    fn sign(&mut self) -> f64 {
+        if self.rng.random_bool(0.5) { 1.0 } else { -1.0 }
+    }
+
+    pub fn fleet(mut self, kind: Kind) -> Fleet {
+        let lone = kind == Kind::LoneImuMoved;
+        let imus = if lone { 1 } else { self.rng.random_range(5..=8) };
+        let records = self.rng.random_range(20..=30);
+        let span = self.between(1.5, 2.5);
+        let stated = self.between(4e-4, 8e-4);
+        let sigma = stated * self.between(0.85, 1.1);
+        let single = matches!(kind, Kind::StationDrifts | Kind::StationRelevelled);
+        let moves = matches!(kind, Kind::MovedWithPeers | Kind::StepAtStationChange | Kind::LoneImuMoved);
+        let noisy = if kind == Kind::NoisyStation { self.between(3.0, 6.0) } else { 1.0 };
+        let (asked_imu, asked_slot) = (self.rng.random_range(0..imus), self.rng.random_range(0..3_usize));
+        let column = if kind == Kind::Clocking { 2 } else { self.rng.random_range(0..2_usize) };
+
+        // The moves of a fleet: the asked IMU and some others go to the second station for good.
+        let moved: Vec<bool> = (0..imus).map(|imu| imu == asked_imu || imu % 2 == asked_imu % 2).collect();
+        let move_at = span * self.between(0.35, 0.65);
+        let occasions: Vec<Vec<Occasion>> = (0..imus)
+            .map(|imu| self.occasions(records, span, single, moves.then_some((moved[imu], move_at))))
+            .collect();
+
+        let sign = self.sign();
+        let step = sign * sigma * self.between(5.0, 9.0);
+        let slope = sign * sigma * self.between(7.0, 13.0) / span;
+        let per_kelvin = sign * sigma * self.between(2.0, 4.0);
+        let offset = self.sign() * sigma * self.between(5.0, 9.0);
+        let station_slope = self.sign() * sigma * self.between(4.5, 9.0) / span;
+        let instant = span * self.between(0.3, 0.7);
+        let walk = self.walk(&occasions[asked_imu], sigma, span);
+
+        let mut gyros = Vec::new();
+        let mut signal = Vec::new();
+        let mut level_asked = 0.0;
+        for (imu, occasions) in occasions.iter().enumerate() {
+            for (slot, seat) in Slot::ALL.into_iter().enumerate() {
+                let asked = imu == asked_imu && slot == asked_slot;
+                let level = [5.0 * self.normal(), 7.0 * self.normal(), 0.03 * self.normal()];
+                let clocking = self.sign() * self.between(0.02, 0.08);
+                let spin = self.between(6.0, 10.0) * sigma / clocking.abs();
+                let phase = self.between(0.0, 6.0);
+                let mut entries = Vec::new();
+                for (k, occasion) in occasions.iter().enumerate() {
+                    let there = f64::from(u8::from(occasion.station == 1));
+                    let late = f64::from(u8::from(occasion.years >= instant));
+                    let spin = spin * (0.7 * (occasion.years * 5.0 + phase).sin() + 0.8 * late);
+                    let own = if asked { 1.0 } else { 0.0 };
+                    let change = match kind {
+                        Kind::Nothing => 0.0,
+                        Kind::Ageing | Kind::NoisyStation => own * slope * occasion.years,
+                        Kind::StepAtEvent | Kind::Step => own * step * late,
+                        Kind::Temperature | Kind::TemperatureMissing => own * per_kelvin * occasion.temperature_c,
+                        Kind::StationOffset | Kind::MovedWithPeers | Kind::LoneImuMoved => offset * there,
+                        Kind::StationDrifts => station_slope * occasion.years,
+                        Kind::StationRelevelled => step * late,
+                        Kind::OneOfTwoDrifts => 1.5 * station_slope * occasion.years * there,
+                        Kind::StepAtStationChange => own * step * there,
+                        Kind::Clocking => own * clocking * spin,
+                        Kind::AgeingAndStation => own * slope * occasion.years + offset * there,
+                        Kind::Wanders => own * walk[k],
+                    };
+                    let more = if occasion.station == 1 { noisy } else { 1.0 };
+                    let mut d = [0, 1, 2].map(|c| level[c] + sigma * more * self.normal());
+                    d[column] += change;
+                    if kind == Kind::Clocking && asked {
+                        d[1] += spin;
+                    }
+                    if asked {
+                        signal.push(change);
+                        level_asked = level[column] + slope * occasions[0].years;
+                    }
+                    entries.push(Entry {
+                        at: at(occasion.years),
+                        station: Arc::from(["ST-A", "ST-B"][occasion.station]),
+                        imu: Arc::from(format!("IMU-{imu}")),
+                        slot: seat,
+                        temperature_c: Some(45.0 + occasion.temperature_c),
+                        d: d.map(|value| Measured { value, sd: Some(stated * more) }),
+                    });
+                }
+                gyros.push(GyroHistory { entries, marks: Vec::new() });
+            }
+        }
+        let asked = 3 * asked_imu + asked_slot;
+        self.finish(kind, &mut gyros, asked, instant);
+        let truth: Vec<&'static str> = match kind {
+            Kind::Nothing | Kind::Wanders => vec![],
+            Kind::Ageing | Kind::NoisyStation => vec!["ageing"],
+            Kind::StepAtEvent => vec!["step_at_event"],
+            Kind::Step | Kind::StepAtStationChange => vec!["step"],
+            Kind::Temperature | Kind::TemperatureMissing => vec!["temperature"],
+            Kind::Clocking => vec!["clocking"],
+            Kind::AgeingAndStation => vec!["station", "ageing"],
+            _ => vec!["station"],
+        };
+        let class = if lone { vec!["station", "step"] } else { truth.clone() };
+        let ageing = matches!(kind, Kind::Ageing | Kind::NoisyStation);
+        let shared = truth.contains(&"station");
+        let ageing = ageing.then_some((level_asked, slope));
+        Fleet { kind, gyros, asked, column, truth, class, signal, ageing, shared }
+    }
+
+    /// What only some kinds have: an event, a temperature that nobody wrote down, ordinary events elsewhere.
+    fn finish(&mut self, kind: Kind, gyros: &mut [GyroHistory], asked: usize, instant: f64) {
+        if kind == Kind::StepAtEvent {
+            gyros[asked].marks.push(Mark::of(at(instant), Event::Transport));
+        }
+        if kind == Kind::TemperatureMissing {
+            let n = gyros[asked].entries.len();
+            let missing = self.rng.random_range(0..n);
+            let first = asked - asked % 3;
+            for gyro in &mut gyros[first..first + 3] {
+                gyro.entries[missing].temperature_c = None;
+            }
+        }
+    }
+
+    fn occasions(&mut self, records: usize, span: f64, single: bool, moves: Option<(bool, f64)>) -> Vec<Occasion> {
+        let regular = self.rng.random_bool(0.5);
+        let share = self.between(0.35, 0.65);
+        let mut years: Vec<f64> = (0..records)
+            .map(|k| {
+                let at =
+                    if regular { k as f64 + 0.6 * self.rng.random::<f64>() } else { self.between(0.0, records as f64) };
+                span * at / records as f64
+            })
+            .collect();
+        years.sort_by(f64::total_cmp);
+        let mut occasions = Vec::new();
+        for years in years {
+            let station = match moves {
+                _ if single => 0,
+                Some((moved, at)) => usize::from(moved && years >= at),
+                None => usize::from(self.rng.random_bool(share)),
+            };
+            occasions.push(Occasion { years, station, temperature_c: self.normal() });
+        }
+        occasions
+    }
+
+    /// A walk by record, a walk in time, or 1/f noise, of three to nine sigma altogether.
+    fn walk(&mut self, occasions: &[Occasion], sigma: f64, span: f64) -> Vec<f64> {
+        let size = sigma * self.between(3.0, 9.0);
+        let process = self.rng.random_range(0..3);
+        let n = occasions.len() as f64;
+        let mut sum = 0.0;
+        let mut memories = [0.0; 4];
+        for memory in &mut memories {
+            *memory = self.normal();
+        }
+        let mut before = 0.0;
+        let mut out = Vec::new();
+        for occasion in occasions {
+            let lag = occasion.years - before;
+            before = occasion.years;
+            out.push(match process {
+                0 => {
+                    sum += size / n.sqrt() * self.normal();
+                    sum
+                }
+                1 => {
+                    sum += size * (lag / span).sqrt() * self.normal();
+                    sum
+                }
+                _ => {
+                    for (k, memory) in memories.iter_mut().enumerate() {
+                        let keep = (-lag / span * 4_f64.powi(k as i32)).exp();
+                        *memory =
+                            keep * *memory + (1.0 - keep * keep).sqrt() * self.rng.sample::<f64, _>(StandardNormal);
+                    }
+                    0.5 * size * memories.iter().sum::<f64>() / 2.0
+                }
+            });
+        }
+        out
+    }
+}
+
+fn at(years: f64) -> UtcMicros {
+    // 2024-01-01.
+    UtcMicros(1_704_067_200_000_000).plus_days(years * YEAR_DAYS)
+}

@@ -1,0 +1,115 @@
+//! What a diagnosis of a drawn fleet got right.
+
+use crate::core::changes::{Budget, Entry, GyroHistory, HistoryDiagnosis, HistoryVerdict};
+
+use super::draw::{Fleet, Kind};
+
+/// Asks for D_I, D_S and D_O of one gyro, with the others of its fleet: what the service does, or the service.
+pub type Diagnoser<'a> =
+    dyn Fn(&GyroHistory, &[&GyroHistory], [Option<Budget>; 3]) -> Vec<HistoryDiagnosis> + Sync + 'a;
+
+/// One fleet, scored.
+#[derive(Debug, Clone)]
+pub struct Score {
+    pub kind: Kind,
+    /// The causes that are hidden, and no other.
+    pub right: bool,
+    /// Whether the class of what leads holds what has to be in it.
+    pub class: Option<bool>,
+    /// Coefficients of which nothing is true, and how many of them have a name.
+    pub false_names: (usize, usize),
+    /// Where a station did it: whether the gyro is blamed.
+    pub gyro_blamed: Option<bool>,
+    /// Where a coefficient wanders: whether a name explains it.
+    pub explained: Option<bool>,
+    pub closure_covered: Option<bool>,
+    /// Whether the date at which the budget is left lies within the 80 % and the 95 % interval.
+    pub date_covered: Option<[bool; 2]>,
+    /// What was named.
+    pub named: Vec<&'static str>,
+}
+
+impl Fleet {
+    pub fn score(&self, ask: &Diagnoser<'_>) -> Score {
+        let mut false_names = (0, 0);
+        let mut own = None;
+        let mut limit = None;
+        for (g, gyro) in self.gyros.iter().enumerate() {
+            let others: Vec<&GyroHistory> =
+                self.gyros.iter().enumerate().filter(|(other, _)| *other != g).map(|(_, other)| other).collect();
+            let mut budgets = [None; 3];
+            if let (true, Some((level, slope))) = (g == self.asked, self.ageing) {
+                let far = 1.5 * slope.abs() * self.years(gyro.entries.len() - 1);
+                budgets[self.column] = Some(Budget { baseline: level, limit: far, measured_since: None });
+                limit = Some(far / slope.abs());
+            }
+            for (column, answer) in ask(gyro, &others, budgets).into_iter().enumerate() {
+                let asked = g == self.asked && column == self.column;
+                let moved = self.kind == Kind::Clocking && g == self.asked && column == 1;
+                if asked {
+                    own = Some(answer);
+                } else if !(moved || self.shared && column == self.column) {
+                    false_names.0 += usize::from(!answer.causes.is_empty());
+                    false_names.1 += 1;
+                }
+            }
+        }
+        let own = own.expect("the asked gyro is one of the fleet");
+        let mut named: Vec<&'static str> = own.causes.iter().map(|cause| cause.cause).collect();
+        named.dedup();
+        let mut truth = self.truth.clone();
+        truth.sort_unstable();
+        let mut sorted = named.clone();
+        sorted.sort_unstable();
+        sorted.dedup();
+        let lone = self.kind == Kind::LoneImuMoved;
+        let in_class = |id: &&str| own.causes.iter().any(|cause| cause.class.contains(id));
+        let class = (!self.class.is_empty()).then(|| self.class.iter().all(in_class));
+        let right = if lone { class == Some(true) && own.causes.len() == 1 } else { sorted == truth };
+        let station = self.truth == ["station"] && !lone;
+        Score {
+            kind: self.kind,
+            right,
+            class,
+            false_names,
+            gyro_blamed: station.then(|| named.iter().any(|id| *id != "station")),
+            explained: (self.kind == Kind::Wanders).then_some(own.verdict == HistoryVerdict::Explained),
+            closure_covered: self.closure_covered(&own),
+            date_covered: limit.zip(own.due.as_ref()).map(|(years, due)| {
+                let days = (years - self.years(self.signal.len() - 1)) * 365.25;
+                [due.p80, due.p95].map(|[early, late]| {
+                    early.is_none_or(|early| early <= days) && late.is_none_or(|late| days <= late)
+                })
+            }),
+            named,
+        }
+    }
+
+    fn entries(&self) -> &[Entry] {
+        &self.gyros[self.asked].entries
+    }
+
+    fn years(&self, k: usize) -> f64 {
+        self.entries()[k].at.days_since(self.entries()[0].at) / 365.25
+    }
+
+    /// Whether the interval of the closure holds the share of the true change that is explained, where one cause is
+    /// named.
+    fn closure_covered(&self, answer: &HistoryDiagnosis) -> Option<bool> {
+        let [cause] = &answer.causes[..] else { return None };
+        let held_out = cause.held_out?;
+        if self.truth.len() != 1 {
+            return None;
+        }
+        let origin = self.entries()[0].at;
+        let explained: Vec<f64> =
+            self.entries().iter().map(|e| cause.estimate.value * cause.tie.regressor(e, origin)).collect();
+        let error: Vec<f64> = self.signal.iter().zip(&explained).map(|(s, e)| s - e).collect();
+        let power = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
+        };
+        let truth = 1.0 - power(&error) / power(&self.signal);
+        Some((held_out.interval[0]..=held_out.interval[1] + 1e-9).contains(&truth))
+    }
+}

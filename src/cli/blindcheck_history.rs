@@ -1,0 +1,78 @@
+//! `gyrowatch blindcheck history`: how well are histories diagnosed whose cause is hidden?
+
+use std::time::Instant;
+
+use anyhow::bail;
+use clap::Args;
+
+use super::document::{Format, print, print_json, table};
+use super::tallies::{figures, percent, progress};
+use crate::blindcheck::history::draw::Kind;
+use crate::blindcheck::history::report::{Report, Row};
+use crate::blindcheck::history::run;
+use crate::core::changes::diagnose_history;
+
+/// Draw fleets with a hidden cause, diagnose every gyro as the service does, score the answers
+///
+/// A fleet is five to eight IMUs of three gyros with 20 to 30 records each. One coefficient of one gyro, or a station,
+/// has the cause; everything else has none.
+#[derive(Debug, Args)]
+pub struct History {
+    /// Fleets of each kind.
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
+    count: u32,
+    /// Other seeds draw other fleets.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[arg(long, value_delimiter = ',', value_parser = kind, help = kinds_help())]
+    kind: Vec<Kind>,
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
+    /// End with exit status 1 where a figure to be reached is not.
+    #[arg(long)]
+    strict: bool,
+}
+
+fn kind(text: &str) -> Result<Kind, String> {
+    Kind::from_name(text).ok_or_else(|| format!("kinds are {}", Kind::ALL.map(Kind::name).join(", ")))
+}
+
+fn kinds_help() -> String {
+    format!("Only these kinds; all where left out: {}", Kind::ALL.map(Kind::name).join(", "))
+}
+
+impl History {
+    pub fn run(self) -> anyhow::Result<()> {
+        let kinds = if self.kind.is_empty() { Kind::ALL.to_vec() } else { self.kind.clone() };
+        let bar = progress(kinds.len() * self.count as usize, "fleets");
+        let begun = Instant::now();
+        let scores = run(self.seed, self.count as usize, &kinds, &diagnose_history, &|| bar.inc(1));
+        bar.finish_and_clear();
+        let report = Report::of(self.seed, &scores);
+        match self.format {
+            Format::Json => print_json(&report)?,
+            Format::Table => print(&tables(&report, begun.elapsed().as_secs_f64()))?,
+        }
+        if self.strict && !report.reached() {
+            bail!("not every figure to be reached was reached");
+        }
+        Ok(())
+    }
+}
+
+fn tables(report: &Report, seconds: f64) -> String {
+    let mut rows = table(["what", "hits", "trials", "rate", "95 % interval", "to reach", ""], 1..4);
+    for Row { what, tally, at_least, at_most, reached } in &report.rows {
+        let goal = at_least.map(|share| format!(">= {}", percent(share)));
+        let goal = goal.or(at_most.map(|share| format!("<= {}", percent(share)))).unwrap_or_default();
+        let mark = reached.map_or("", |reached| if reached { "reached" } else { "NOT REACHED" });
+        let [hits, trials, rate, interval] = figures(tally);
+        rows.add_row([what.clone(), hits, trials, rate, interval, goal, mark.to_owned()]);
+    }
+    let mut confusion = table(["hidden", "named instead (- nothing), how often"], 0..0);
+    for (kind, named) in &report.confusion {
+        let counts: Vec<String> = named.iter().map(|(name, count)| format!("{name} {count}")).collect();
+        confusion.add_row([(*kind).to_owned(), counts.join(", ")]);
+    }
+    format!("{} fleets of seed {}, {seconds:.1} s\n\n{rows}\n\n{confusion}", report.fleets, report.seed)
+}

@@ -1,0 +1,39 @@
+//! `diagnose --gyro SERIAL`: why the coefficients of a gyro changed, as a running service answers it.
+
+use anyhow::Context;
+
+use super::diagnose_all::Fleet;
+use super::document::{self, Format, table};
+use crate::wire::history::{CoefficientBody, HistoryDiagnosisBody};
+
+pub fn run(serial: &str, fleet: &Fleet, format: Format) -> anyhow::Result<()> {
+    let service = fleet.service()?;
+    let route =
+        format!("/v1/gyros/{}/diagnosis", url::form_urlencoded::byte_serialize(serial.as_bytes()).collect::<String>());
+    let route = route.replace('+', "%20");
+    let answer = super::block_on(async { service.get(&route).await })?;
+    let answer: HistoryDiagnosisBody = serde_json::from_value(answer).context("the answer is not one of gyrowatch")?;
+    match format {
+        Format::Table => document::print(&tables(&answer)),
+        Format::Json => document::print_json(&answer),
+    }
+}
+
+fn tables(answer: &HistoryDiagnosisBody) -> String {
+    let mut parts = vec![format!("{}; {} other gyros of its stations", answer.serial, answer.peers)];
+    for coefficient in &answer.coefficients {
+        parts.push(format!("{}: {}", coefficient.coefficient, coefficient.said.join("\n  ")));
+        if !coefficient.candidates.is_empty() {
+            parts.push(candidates(coefficient));
+        }
+    }
+    parts.join("\n\n")
+}
+
+fn candidates(coefficient: &CoefficientBody) -> String {
+    let mut rows = table(["not named", "what", "why"], 0..0);
+    for candidate in &coefficient.candidates {
+        rows.add_row([candidate.cause.as_ref(), &candidate.detail, &candidate.reason]);
+    }
+    rows.to_string()
+}

@@ -1,0 +1,116 @@
+//! What share of a change a cause closes, on blocks of time that were left out of the fit.
+//!
+//! Errors are in units of the noise variance; what noise alone gives, the fit's own error included, is taken off both.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::answer::HeldOut;
+
+const BLOCKS: usize = 8;
+/// Remaining power, in standard deviations of what noise alone leaves, from which something is left.
+const LEFT: f64 = 2.5;
+
+/// Of column `k` among `columns`, the others in the model both times.
+pub(super) fn held_out(y: &[f64], variance: &[f64], columns: &[&[f64]], k: usize) -> Option<HeldOut> {
+    let others: Vec<&[f64]> = columns.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, column)| *column).collect();
+    summed(y, y, variance, &others, columns)
+}
+
+/// Of a column whose coefficient is known without this gyro; it is taken out of `y` already.
+pub(super) fn held_out_known(
+    y: &[f64],
+    variance: &[f64],
+    columns: &[&[f64]],
+    column: &[f64],
+    value: f64,
+) -> Option<HeldOut> {
+    let whole: Vec<f64> = y.iter().zip(column).map(|(y, c)| y + value * c).collect();
+    summed(&whole, y, variance, columns, columns)
+}
+
+fn summed(y_without: &[f64], y_with: &[f64], variance: &[f64], without: &[&[f64]], with: &[&[f64]]) -> Option<HeldOut> {
+    let n = y_with.len();
+    let blocks = BLOCKS.min(n / 2).max(1);
+    let mut open: Vec<std::ops::Range<usize>> = (0..blocks).map(|b| b * n / blocks..(b + 1) * n / blocks).collect();
+    let (mut before, mut after, mut floor, mut count, mut noise) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    while let Some(block) = open.pop() {
+        if block.is_empty() {
+            continue;
+        }
+        let predicted = errors(y_without, variance, without, &block).zip(errors(y_with, variance, with, &block));
+        let Some(((e, e_noise), (f, f_noise))) = predicted else {
+            // A block that the rest cannot predict, in halves.
+            if block.len() > 1 {
+                let middle = usize::midpoint(block.start, block.end);
+                open.extend([block.start..middle, middle..block.end]);
+            }
+            continue;
+        };
+        // The noise of the smaller model is smaller: both are brought to that of the larger one.
+        before += e - e_noise + f_noise;
+        after += f;
+        floor += f_noise;
+        count += block.len() as f64;
+        noise += variance[block].iter().sum::<f64>();
+    }
+    if count < 4.0 {
+        return None;
+    }
+    let scatter = (2.0 * count).sqrt();
+    let gain = (before - after).max(0.0);
+    let over = after - floor;
+    let significant = over > LEFT * scatter;
+    let left = if significant { over } else { 1.0 };
+    let over_scatter = (2.0 * count + 4.0 * over.max(0.0)).sqrt();
+    let low_gain = (gain.sqrt() - 2.0).max(0.0).powi(2);
+    let high_left =
+        if significant { over + 2.0 * over_scatter } else { 1.0 + over.max(0.0).min(scatter) + 0.5 * scatter };
+    let high_gain = (gain.sqrt() + 2.0).powi(2);
+    let low_left = if significant { (over - 2.0 * over_scatter).max(0.0) } else { 0.0 };
+    let share = |gain: f64, left: f64| if gain > 0.0 { gain / (gain + left) } else { 0.0 };
+    let closure = share(gain, left);
+    let sd = (noise / count).sqrt();
+    Some(HeldOut {
+        before: sd * (1.0 + (gain + left) / count).sqrt(),
+        after: sd * (1.0 + left / count).sqrt(),
+        closure,
+        interval: [share(low_gain, high_left).min(closure), share(high_gain, low_left).max(closure)],
+    })
+}
+
+/// Sum of squared errors on a block, and what noise alone makes of it; none where the rest does not predict it.
+fn errors(y: &[f64], variance: &[f64], columns: &[&[f64]], block: &std::ops::Range<usize>) -> Option<(f64, f64)> {
+    let p = columns.len() + 1;
+    let row = |k: usize| -> DVector<f64> { DVector::from_fn(p, |c, _| if c == 0 { 1.0 } else { columns[c - 1][k] }) };
+    let mut normal: DMatrix<f64> = DMatrix::zeros(p, p);
+    let mut right: DVector<f64> = DVector::zeros(p);
+    let mut whole: DVector<f64> = DVector::zeros(p);
+    for k in 0..y.len() {
+        let x = row(k);
+        for c in 0..p {
+            whole[c] += x[c] * x[c] / variance[k];
+        }
+        if !block.contains(&k) {
+            normal.ger(1.0 / variance[k], &x, &x, 1.0);
+            right.axpy(y[k] / variance[k], &x, 1.0);
+        }
+    }
+    for i in 0..p {
+        for j in 0..p {
+            normal[(i, j)] /= (whole[i] * whole[j]).sqrt();
+        }
+        right[i] /= whole[i].sqrt();
+    }
+    let factor = Cholesky::new(normal)?;
+    if factor.l_dirty().diagonal().iter().any(|pivot| *pivot < 0.05) {
+        return None;
+    }
+    let estimate = factor.solve(&right);
+    let (mut sum, mut noise) = (0.0, 0.0);
+    for k in block.clone() {
+        let x = row(k).component_div(&whole.map(f64::sqrt));
+        sum += (y[k] - x.dot(&estimate)).powi(2) / variance[k];
+        noise += 1.0 + x.dot(&factor.solve(&x)) / variance[k];
+    }
+    Some((sum, noise))
+}

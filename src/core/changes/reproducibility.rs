@@ -1,0 +1,207 @@
+//! Stations compared over the fleet: gauge repeatability and reproducibility, with what each does over time.
+//!
+//! Of a record of gyro g at station s, y = mu_g + b_s(t) + c_gs + e: e is repeatability, the spread of the offsets b_s
+//! among stations is their reproducibility, that of c_gs gyro x station (AIAG, Measurement Systems Analysis, 4th ed.,
+//! chapter III). Gyros age and step by themselves, so all of it is robust: e from the median of successive differences,
+//! c from the median of the gyros' pulls about the common offset, b from [`station`](super::station).
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::core::time::UtcMicros;
+
+use super::answer::{GyroHistory, StationForm};
+use super::series::robust;
+use super::station::{Course, CoursePoint, Part};
+
+/// Points of a station's course, at most.
+const POINTS: usize = 24;
+/// Relative standard deviation of a robust scale, times the root of the number of figures; 0.6745^-1 sqrt(pi/8)/phi
+/// gives 1.167 for independent ones, and successive differences share a record each.
+const OF_SCALE: f64 = 1.167;
+const OF_SUCCESSIVE: f64 = 1.43;
+
+/// A standard deviation with its 95 % interval, deg/(h g0).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    pub sd: f64,
+    pub interval: [f64; 2],
+    /// From so many figures.
+    pub count: usize,
+}
+
+/// An estimate and its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shared {
+    pub value: f64,
+    pub sd: f64,
+    pub gyros: usize,
+    pub imus: usize,
+}
+
+/// One coefficient at one station.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StationColumn {
+    pub repeatability: Option<Spread>,
+    /// Against the station that offsets count from; none of itself, and where no gyro was at both.
+    pub offset: Option<Shared>,
+    /// A year.
+    pub drift: Option<Shared>,
+    /// Whether the drift is beyond chance.
+    pub drifts: bool,
+    pub steps: Vec<(UtcMicros, Shared)>,
+    pub by_gyro: Option<Spread>,
+    pub course: Vec<CoursePoint>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct StationFigures {
+    pub name: Arc<str>,
+    pub records: usize,
+    pub gyros: usize,
+    pub imus: usize,
+    pub first: UtcMicros,
+    pub last: UtcMicros,
+    /// D_I and D_S.
+    pub columns: [StationColumn; 2],
+}
+
+/// All stations of a fleet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FleetStations {
+    /// By name.
+    pub stations: Vec<StationFigures>,
+    /// The station that offsets count from: most records.
+    pub against: Arc<str>,
+    /// Spread of the stations' offsets, D_I and D_S.
+    pub reproducibility: [Option<Spread>; 2],
+}
+
+/// What every station of `fleet` does; none without records.
+pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
+    let mut found: BTreeMap<Arc<str>, StationFigures> = BTreeMap::new();
+    for gyro in fleet {
+        let mut here: Vec<&Arc<str>> = Vec::new();
+        for entry in &gyro.entries {
+            let figures = found.entry(entry.station.clone()).or_insert_with(|| StationFigures {
+                name: entry.station.clone(),
+                records: 0,
+                gyros: 0,
+                imus: 0,
+                first: entry.at,
+                last: entry.at,
+                columns: Default::default(),
+            });
+            figures.records += 1;
+            figures.first = figures.first.min(entry.at);
+            figures.last = figures.last.max(entry.at);
+            if !here.contains(&&entry.station) {
+                here.push(&entry.station);
+                figures.gyros += 1;
+            }
+        }
+    }
+    let against = found.values().max_by_key(|figures| figures.records)?.name.clone();
+    let names: Vec<&str> = found.keys().map(|name| &**name).collect();
+    let reference = names.iter().position(|name| **name == *against)?;
+    let origin = found.values().map(|figures| figures.first).min()?;
+    let gyros: Vec<&GyroHistory> = fleet.iter().collect();
+    let mut reproducibility = [None; 2];
+    let mut stations: Vec<StationFigures> = found.values().cloned().collect();
+    for (column, reproducibility) in reproducibility.iter_mut().enumerate() {
+        let raw = Course::of(&gyros, &names, origin, column);
+        let mut course = raw.clone();
+        course.take(reference, |_, _| None);
+        for (station, figures) in stations.iter_mut().enumerate() {
+            figures.imus = raw.imus_at(station);
+            figures.columns[column] =
+                of_station(&raw, &course, station, reference, repeatability(fleet, &figures.name, column));
+        }
+        *reproducibility = among(&stations, column);
+    }
+    Some(FleetStations { stations, against, reproducibility })
+}
+
+fn of_station(
+    raw: &Course,
+    course: &Course,
+    station: usize,
+    reference: usize,
+    repeatability: Option<Spread>,
+) -> StationColumn {
+    let whole = |form: StationForm| {
+        let part = Part { station, form };
+        let taken = course.taken.iter().find(|(taken, _)| *taken == part).map(|(_, common)| *common);
+        let common = taken.or_else(|| course.estimate(&part))?;
+        Some((Shared { value: common.value, sd: common.sd, gyros: common.gyros, imus: common.imus }, taken.is_some()))
+    };
+    let drift = whole(StationForm::Drift);
+    let steps = course.taken.iter().filter_map(|(part, common)| match part.form {
+        StationForm::Step(at) if part.station == station => {
+            Some((at, Shared { value: common.value, sd: common.sd, gyros: common.gyros, imus: common.imus }))
+        }
+        _ => None,
+    });
+    let offset = (station != reference).then(|| whole(StationForm::Offset)).flatten();
+    StationColumn {
+        repeatability,
+        offset: offset.map(|(shared, _)| shared),
+        drift: drift.map(|(shared, _)| shared),
+        drifts: drift.is_some_and(|(_, taken)| taken),
+        steps: steps.collect(),
+        by_gyro: (station != reference).then(|| by_gyro(course, station)).flatten(),
+        course: raw.course_of(station, POINTS),
+    }
+}
+
+/// Spread of what single gyros show beyond the common offset, their records' noise taken off.
+fn by_gyro(course: &Course, station: usize) -> Option<Spread> {
+    let each = course.each(&Part { station, form: StationForm::Offset });
+    let count = each.len();
+    if count < 3 {
+        return None;
+    }
+    let mut pulls: Vec<f64> = each.iter().map(|(value, information)| value.abs() * information.sqrt()).collect();
+    let scale = robust(&mut pulls)?;
+    let information = each.iter().map(|(_, information)| information).sum::<f64>() / count as f64;
+    let beyond = |scale: f64| ((scale * scale - 1.0).max(0.0) / information).sqrt();
+    let factor = (1.96 * OF_SCALE / (count as f64).sqrt()).exp();
+    Some(Spread { sd: beyond(scale), interval: [beyond(scale / factor), beyond(scale * factor)], count })
+}
+
+/// Of one record, from successive records of one gyro there.
+fn repeatability(fleet: &[GyroHistory], station: &str, column: usize) -> Option<Spread> {
+    let mut differences = Vec::new();
+    for gyro in fleet {
+        let here: Vec<f64> =
+            gyro.entries.iter().filter(|entry| *entry.station == *station).map(|entry| entry.d[column].value).collect();
+        differences.extend(here.windows(2).map(|pair| (pair[1] - pair[0]).abs() / std::f64::consts::SQRT_2));
+    }
+    let count = differences.len();
+    let sd = robust(&mut differences).filter(|_| count > 2)?;
+    let factor = (1.96 * OF_SUCCESSIVE / (count as f64).sqrt()).exp();
+    Some(Spread { sd, interval: [sd / factor, sd * factor], count })
+}
+
+/// Spread of the offsets of all stations, that of reference included (zero), their own uncertainty taken off; the
+/// interval is that of a variance with one degree of freedom fewer than stations.
+fn among(stations: &[StationFigures], column: usize) -> Option<Spread> {
+    let offsets: Vec<Shared> = stations.iter().filter_map(|figures| figures.columns[column].offset).collect();
+    if offsets.is_empty() {
+        return None;
+    }
+    let count = offsets.len() + 1;
+    let mean = offsets.iter().map(|offset| offset.value).sum::<f64>() / count as f64;
+    let squares = offsets.iter().map(|offset| (offset.value - mean).powi(2)).sum::<f64>() + mean * mean;
+    let own = offsets.iter().map(|offset| offset.sd.powi(2)).sum::<f64>() / count as f64;
+    let dof = (count - 1) as f64;
+    let [low, high] = [0.975, 0.025].map(|p| squares / chi2_quantile(p, dof));
+    let sd = |variance: f64| (variance - own).max(0.0).sqrt();
+    Some(Spread { sd: sd(squares / dof), interval: [sd(low), sd(high)], count })
+}
+
+/// The value that chi-square of `dof` is below with probability `p`.
+fn chi2_quantile(p: f64, dof: f64) -> f64 {
+    use statrs::distribution::{ChiSquared, ContinuousCDF};
+    ChiSquared::new(dof).map_or(dof, |chi2| chi2.inverse_cdf(p))
+}

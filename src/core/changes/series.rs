@@ -1,0 +1,240 @@
+//! One coefficient of one gyro over time, ready to be searched.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::core::judge::Mark;
+use crate::core::mounting::Slot;
+use crate::core::time::UtcMicros;
+
+use super::answer::{Entry, Outlier, YEAR_DAYS};
+
+/// Of more records than this, neighbours of one station and seat are averaged.
+const MOST_ROWS: usize = 72;
+/// Distance, in standard deviations, from which a record between others is an outlier.
+const OUTLYING: f64 = 6.0;
+/// The same figures within so many days are one measurement, sent again.
+const REPEATED_WITHIN_DAYS: f64 = 1.0;
+
+/// How records scatter about their neighbours.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Scatter {
+    /// Standard deviation of one record, deg/(h g0).
+    pub absolute: f64,
+    /// The same in units of the stated standard deviations; drawn towards 1 where there are few differences.
+    pub of_stated: f64,
+}
+
+/// From differences of successive records of one station: median |d|/(0.6745 sqrt 2), which a step or a slow drift
+/// hardly moves.
+pub(super) fn scatter_of(entries: &[Entry], column: usize) -> Scatter {
+    let mut last: BTreeMap<&str, &Entry> = BTreeMap::new();
+    let mut plain = Vec::new();
+    let mut stated = Vec::new();
+    for entry in entries {
+        if let Some(before) = last.insert(&entry.station, entry) {
+            let (old, new) = (before.d[column], entry.d[column]);
+            let difference = (new.value - old.value).abs() / std::f64::consts::SQRT_2;
+            plain.push(difference);
+            if let Some((a, b)) = old.sd.zip(new.sd) {
+                stated.push(difference / (0.5 * (a * a + b * b)).sqrt());
+            }
+        }
+    }
+    stated.retain(|one: &f64| one.is_finite());
+    let count = stated.len() as f64;
+    let seen = robust(&mut stated).unwrap_or(1.0);
+    let of_stated = ((count * seen * seen + 4.0) / (count + 4.0)).sqrt();
+    Scatter { absolute: robust(&mut plain).unwrap_or(0.0), of_stated }
+}
+
+/// Standard deviation of normal figures from the median of their absolute values.
+pub(super) fn robust(absolute: &mut [f64]) -> Option<f64> {
+    absolute.sort_by(f64::total_cmp);
+    Some(median(absolute)? / 0.674_489_75)
+}
+
+pub(super) fn median(sorted: &[f64]) -> Option<f64> {
+    let middle = sorted.len() / 2;
+    let upper = *sorted.get(middle)?;
+    Some(if sorted.len() % 2 == 1 { upper } else { 0.5 * (sorted[middle - 1] + upper) })
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Row {
+    pub at: UtcMicros,
+    /// Since the gyro's first record.
+    pub years: f64,
+    pub station: usize,
+    pub seat: (Arc<str>, Slot),
+    pub temperature_c: Option<f64>,
+    /// About the mean of all, deg/(h g0).
+    pub y: f64,
+    /// Variance in units of `unit^2`.
+    pub variance: f64,
+    pub d_s: f64,
+}
+
+/// The rows, oldest first.
+#[derive(Debug, Clone)]
+pub(super) struct Series {
+    pub rows: Vec<Row>,
+    pub stations: Vec<Arc<str>>,
+    pub origin: UtcMicros,
+    pub mean: f64,
+    /// Standard deviation of a record of variance 1, as stated (or, where nothing is, as they scatter).
+    pub unit: f64,
+    pub scatter: Scatter,
+    /// Largest stated standard deviation of D_S.
+    pub d_s_sd: f64,
+}
+
+impl Series {
+    pub fn of(entries: &[Entry], column: usize) -> Self {
+        let mut stations: Vec<Arc<str>> = entries.iter().map(|entry| entry.station.clone()).collect();
+        stations.sort_unstable();
+        stations.dedup();
+        let scatter = scatter_of(entries, column);
+        let n = entries.len().max(1) as f64;
+        let mean = entries.iter().map(|entry| entry.d[column].value).sum::<f64>() / n;
+        let stated: Vec<f64> = entries.iter().filter_map(|e| e.d[column].sd).filter(|sd| *sd > 0.0).collect();
+        let squares = stated.iter().map(|sd| sd * sd).sum::<f64>() / stated.len().max(1) as f64;
+        let unit = if stated.is_empty() { scatter.absolute } else { squares.sqrt() };
+        let unit = if unit > 0.0 { unit } else { 1e-9 * mean.abs().max(1e-3) };
+        let origin = entries.first().map_or(UtcMicros(0), |entry| entry.at);
+        let row = |entry: &Entry| Row {
+            at: entry.at,
+            years: entry.at.days_since(origin) / YEAR_DAYS,
+            station: stations.binary_search(&entry.station).unwrap_or(0),
+            seat: (entry.imu.clone(), entry.slot),
+            temperature_c: entry.temperature_c.filter(|t| t.is_finite()),
+            y: entry.d[column].value - mean,
+            variance: entry.d[column].sd.filter(|sd| *sd > 0.0).map_or(1.0, |sd| (sd / unit).powi(2).max(1e-6)),
+            d_s: entry.d[1].value,
+        };
+        let rows = entries.iter().map(row).collect();
+        let d_s_sd = entries.iter().filter_map(|entry| entry.d[1].sd).fold(0.0, f64::max);
+        Self { rows, stations, origin, mean, unit, scatter, d_s_sd }
+    }
+
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    pub fn column(&self, of: impl Fn(&Row) -> f64) -> Vec<f64> {
+        self.rows.iter().map(of).collect()
+    }
+
+    /// Root mean square about the mean.
+    pub fn spread(&self) -> f64 {
+        (self.rows.iter().map(|row| row.y * row.y).sum::<f64>() / self.len().max(1) as f64).sqrt()
+    }
+
+    /// The station that most records are of.
+    pub fn reference(&self) -> usize {
+        let count = |station: usize| self.rows.iter().filter(|row| row.station == station).count();
+        (0..self.stations.len()).max_by_key(|station| count(*station)).unwrap_or(0)
+    }
+
+    /// Takes out the records that stand apart from both neighbours and from the medians of three on either side; at an
+    /// end, from those of the one side.
+    pub fn take_outliers(&mut self) -> Vec<Outlier> {
+        let n = self.len();
+        if n < 8 {
+            return Vec::new();
+        }
+        let sides = |k: usize| -> Vec<f64> {
+            let before = &self.rows[k.saturating_sub(3)..k];
+            let after = &self.rows[k + 1..(k + 4).min(n)];
+            let middle = |rows: &[Row]| {
+                let mut values: Vec<f64> = rows.iter().map(|row| row.y).collect();
+                values.sort_by(f64::total_cmp);
+                median(&values)
+            };
+            let nearest = [before.last(), after.first()].into_iter().flatten().map(|row| row.y);
+            [middle(before), middle(after)].into_iter().flatten().chain(nearest).collect()
+        };
+        let apart = |k: usize| -> f64 {
+            let differences: Vec<f64> = sides(k).iter().map(|side| self.rows[k].y - side).collect();
+            let same = differences.iter().all(|d| *d > 0.0) || differences.iter().all(|d| *d < 0.0);
+            if same { differences.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0) } else { 0.0 }
+        };
+        let to_left: Vec<f64> = (1..n)
+            .map(|k| {
+                let (a, b) = (&self.rows[k - 1], &self.rows[k]);
+                (b.y - a.y).abs() / (a.variance + b.variance).sqrt()
+            })
+            .collect();
+        let sd = robust(&mut to_left.clone()).unwrap_or(0.0).max(1e-12);
+        let found: Vec<(usize, f64, f64)> = (0..n)
+            .map(|k| (k, apart(k), sd * (1.5 * self.rows[k].variance).sqrt()))
+            .filter(|(_, deviation, sd)| deviation.abs() > OUTLYING * sd)
+            .collect();
+        if found.len() > n / 6 {
+            return Vec::new();
+        }
+        let outliers = found.iter().map(|&(k, deviation, sd)| Outlier { at: self.rows[k].at, deviation, sd }).collect();
+        let mut k = 0;
+        self.rows.retain(|_| {
+            k += 1;
+            !found.iter().any(|(outlier, ..)| *outlier == k - 1)
+        });
+        outliers
+    }
+
+    /// Averages neighbours of one station and seat between two events, where there are too many rows.
+    pub fn condense(&mut self, marks: &[Mark]) {
+        let n = self.len();
+        let mut bins = MOST_ROWS;
+        while self.len() > MOST_ROWS && bins >= 4 {
+            let mut groups: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+            for (k, row) in self.rows.iter().enumerate() {
+                let since = marks.iter().filter(|mark| mark.at <= row.at).count();
+                let bin = k * bins / self.len();
+                groups.entry((bin, since, row.station, row.seat.clone())).or_default().push(k);
+            }
+            if groups.len() <= MOST_ROWS || bins < 8 {
+                let mut rows: Vec<Row> = groups.values().map(|group| self.average(group)).collect();
+                rows.sort_by_key(|row| row.at);
+                self.rows = rows;
+                break;
+            }
+            bins /= 2;
+        }
+        debug_assert!(self.len() <= n);
+    }
+
+    fn average(&self, group: &[usize]) -> Row {
+        let weight = |k: &usize| 1.0 / self.rows[*k].variance;
+        let total: f64 = group.iter().map(weight).sum();
+        let mean = |of: &dyn Fn(&Row) -> f64| group.iter().map(|k| weight(k) * of(&self.rows[*k])).sum::<f64>() / total;
+        let first = &self.rows[group[0]];
+        let temperatures: Vec<f64> = group.iter().filter_map(|k| self.rows[*k].temperature_c).collect();
+        let known = 2 * temperatures.len() > group.len();
+        let years = mean(&|row| row.years);
+        Row {
+            at: self.origin.plus_days(years * YEAR_DAYS),
+            years,
+            temperature_c: known.then(|| temperatures.iter().sum::<f64>() / temperatures.len() as f64),
+            y: mean(&|row| row.y),
+            variance: 1.0 / total,
+            d_s: mean(&|row| row.d_s),
+            ..first.clone()
+        }
+    }
+}
+
+/// The entries without those that are another measurement sent again.
+pub(super) fn distinct(entries: &[Entry]) -> Vec<Entry> {
+    let mut kept: Vec<Entry> = Vec::with_capacity(entries.len());
+    for entry in entries {
+        let repeats = |before: &Entry| {
+            entry.at.days_since(before.at).abs() < REPEATED_WITHIN_DAYS
+                && entry.d.iter().zip(&before.d).all(|(a, b)| a.value.to_bits() == b.value.to_bits())
+        };
+        if !kept.last().is_some_and(repeats) {
+            kept.push(entry.clone());
+        }
+    }
+    kept
+}

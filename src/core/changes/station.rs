@@ -1,0 +1,365 @@
+//! What a station does to every gyro that it measures: its offset, drift and steps, from gyros of other IMUs.
+//!
+//! Records of peer p: y = mu_p + sum of b c(t, station) + noise, with c of a part: 1 at the station (offset), t there
+//! (drift), 1 there from an instant on (step). Each peer gives an estimate b_p of its own, its level projected out; the
+//! station's is their robust mean (Huber from the weighted median), its standard deviation the larger of what the
+//! records' noise gives and the sandwich over IMUs, whose gyros are calibrated together and move together. So no gyro
+//! that ages or steps by itself makes its station do so. Parts are taken one by one, the most significant first, and
+//! estimated again beside one another.
+
+use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
+use super::series::{Scatter, median, scatter_of};
+use crate::core::time::UtcMicros;
+
+/// |b|/sd from which a part is taken: of an offset or a drift, and of a step, whose instant is searched for.
+const TAKEN: f64 = 4.5;
+const TAKEN_STEP: f64 = 5.0;
+/// Instants that are tried at a station before the best is refined.
+const INSTANTS: usize = 24;
+/// What the best of many instants gains by chance.
+const SEARCHED: f64 = 12.0;
+/// Huber's constant.
+const HUBER: f64 = 1.5;
+/// Beside few IMUs a gyro's own records must agree with them within this, and be so significant themselves.
+const AGREES: f64 = 3.5;
+const MOST_PARTS: usize = 6;
+
+/// A part of a station's course.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Part {
+    pub station: usize,
+    pub form: StationForm,
+}
+
+impl Part {
+    /// Its column; `at` and `years` of one record.
+    pub fn at(&self, station: usize, at: UtcMicros, years: f64) -> f64 {
+        match self.form {
+            _ if station != self.station => 0.0,
+            StationForm::Offset => 1.0,
+            StationForm::Drift => years,
+            StationForm::Step(from) => f64::from(at >= from),
+        }
+    }
+}
+
+/// What gyros share of a part, deg/(h g0), and a year for a drift.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Common {
+    pub value: f64,
+    pub sd: f64,
+    pub gyros: usize,
+    pub imus: usize,
+    /// By how much the sum of squares falls.
+    gain: f64,
+}
+
+impl Common {
+    pub fn significance(&self) -> f64 {
+        if self.sd > 0.0 { self.value.abs() / self.sd } else { 0.0 }
+    }
+}
+
+/// What the gyros that were there read on the whole, about their own levels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CoursePoint {
+    pub at: UtcMicros,
+    pub value: f64,
+    pub sd: f64,
+    pub records: usize,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    at: UtcMicros,
+    years: f64,
+    station: usize,
+    y: f64,
+    weight: f64,
+}
+
+#[derive(Debug, Clone)]
+struct Peer {
+    imu: usize,
+    rows: Vec<Row>,
+}
+
+/// Courses of the stations that one gyro has been to, for one coefficient.
+#[derive(Debug, Clone)]
+pub(super) struct Course {
+    peers: Vec<Peer>,
+    /// Median scatter of the peers.
+    pub scatter: Option<Scatter>,
+    stations: usize,
+    pub taken: Vec<(Part, Common)>,
+}
+
+impl Course {
+    /// Of `peers` at `stations`; years count from `origin`. Nothing is taken yet.
+    pub fn of(peers: &[&GyroHistory], stations: &[&str], origin: UtcMicros, column: usize) -> Self {
+        let mut imus: Vec<&str> = Vec::new();
+        let mut out = Vec::new();
+        let mut scatters = Vec::new();
+        for peer in peers {
+            let Some(newest) = peer.entries.last() else { continue };
+            let imu = imus.iter().position(|imu| **imu == *newest.imu).unwrap_or_else(|| {
+                imus.push(&newest.imu);
+                imus.len() - 1
+            });
+            let scatter = scatter_of(&peer.entries, column);
+            let rows: Vec<Row> = (peer.entries.iter())
+                .filter_map(|entry| {
+                    let station = stations.iter().position(|name| **name == *entry.station)?;
+                    let sd = entry.d[column].sd.filter(|sd| *sd > 0.0);
+                    let sd = sd.map_or(scatter.absolute, |sd| sd * scatter.of_stated);
+                    let years = entry.at.days_since(origin) / YEAR_DAYS;
+                    Some(Row { at: entry.at, years, station, y: entry.d[column].value, weight: sd.powi(-2) })
+                })
+                .filter(|row| row.weight.is_finite() && row.weight > 0.0)
+                .collect();
+            if rows.len() >= 3 {
+                scatters.push(scatter);
+                out.push(Peer { imu, rows: about_their_mean(rows) });
+            }
+        }
+        let of = |of: fn(&Scatter) -> f64| {
+            let mut values: Vec<f64> = scatters.iter().map(of).collect();
+            values.sort_by(f64::total_cmp);
+            median(&values)
+        };
+        let scatter = of(|one| one.absolute).zip(of(|one| one.of_stated));
+        let scatter = scatter.map(|(absolute, of_stated)| Scatter { absolute, of_stated });
+        Self { peers: out, scatter, stations: stations.len(), taken: Vec::new() }
+    }
+
+    pub fn gyros(&self) -> usize {
+        self.peers.len()
+    }
+
+    /// How many IMUs have been at a station.
+    pub fn imus_at(&self, station: usize) -> usize {
+        let there = self.peers.iter().filter(|peer| peer.rows.iter().any(|row| row.station == station));
+        let mut imus: Vec<usize> = there.map(|peer| peer.imu).collect();
+        imus.sort_unstable();
+        imus.dedup();
+        imus.len()
+    }
+
+    /// Each peer's own estimate of a part beside what is taken, and 1/variance.
+    pub fn each(&self, part: &Part) -> Vec<(f64, f64)> {
+        self.peers.iter().filter_map(|peer| own(part, &peer.rows)).collect()
+    }
+
+    /// What the peers read at a station about their levels, in so many bins of records.
+    pub fn course_of(&self, station: usize, bins: usize) -> Vec<CoursePoint> {
+        let rows = self.peers.iter().flat_map(|peer| peer.rows.iter().map(move |row| (peer.imu, row)));
+        let mut rows: Vec<(usize, &Row)> = rows.filter(|(_, row)| row.station == station).collect();
+        rows.sort_by_key(|(_, row)| row.at);
+        let size = rows.len().div_ceil(bins).max(1);
+        let point = |some: &[(usize, &Row)]| {
+            let each: Vec<(usize, f64, f64)> = some.iter().map(|(imu, row)| (*imu, row.y, row.weight)).collect();
+            let common = combined(&each)?;
+            let middle = some[some.len() / 2].1.at;
+            Some(CoursePoint { at: middle, value: common.value, sd: common.sd, records: some.len() })
+        };
+        rows.chunks(size).filter_map(point).collect()
+    }
+
+    /// What the peers say of a part beside what is taken; none where no peer can tell.
+    pub fn estimate(&self, part: &Part) -> Option<Common> {
+        let each: Vec<(usize, f64, f64)> =
+            self.peers.iter().filter_map(|peer| own(part, &peer.rows).map(|(b, info)| (peer.imu, b, info))).collect();
+        combined(&each)
+    }
+
+    /// Takes the parts that the peers show. `reference` is the station that offsets count from; `agrees` asks the
+    /// gyro's own records for their estimate and its standard deviation, where there are few peers.
+    pub fn take(&mut self, reference: usize, own: impl Fn(&Part, &[(Part, Common)]) -> Option<(f64, f64)>) {
+        let mut refused: Vec<Part> = Vec::new();
+        for _ in 0..2 * MOST_PARTS {
+            let known = |part: &Part| self.taken.iter().any(|(taken, _)| taken == part) || refused.contains(part);
+            let candidates: Vec<Part> = self.candidates(reference).into_iter().filter(|part| !known(part)).collect();
+            let best = candidates
+                .into_iter()
+                .filter_map(|part| Some((part, self.estimate(&part)?)))
+                .filter(|(part, common)| common.significance() > threshold(part))
+                .max_by(|a, b| rated(a).total_cmp(&rated(b)));
+            let Some((part, common)) = best.filter(|_| self.taken.len() < MOST_PARTS) else { break };
+            let (part, common) = self.refined(part, common);
+            let few = common.imus < 2;
+            let agreed =
+                |(b, sd): (f64, f64)| b.abs() > AGREES * sd && (b - common.value).abs() < AGREES * sd.hypot(common.sd);
+            if few && !own(&part, &self.taken).is_some_and(agreed) {
+                refused.push(part);
+                continue;
+            }
+            self.subtract(&part, common.value);
+            self.taken.push((part, common));
+            refused.extend(self.estimate_again());
+        }
+    }
+
+    /// The last record of a peer at a station before an instant.
+    pub fn before(&self, station: usize, at: UtcMicros) -> Option<UtcMicros> {
+        self.instants(station).into_iter().rfind(|instant| *instant < at)
+    }
+
+    fn candidates(&self, reference: usize) -> Vec<Part> {
+        let mut all = Vec::new();
+        for station in 0..self.stations {
+            if station != reference {
+                all.push(Part { station, form: StationForm::Offset });
+            }
+            all.push(Part { station, form: StationForm::Drift });
+            let instants = self.instants(station);
+            let every = instants.len().div_ceil(INSTANTS).max(1);
+            // Near the ends of its records a step is an offset.
+            let edge = instants.len() / 16 + 1;
+            let inner = instants.iter().skip(edge).take(instants.len().saturating_sub(2 * edge));
+            all.extend(inner.step_by(every).map(|at| Part { station, form: StationForm::Step(*at) }));
+        }
+        all
+    }
+
+    fn instants(&self, station: usize) -> Vec<UtcMicros> {
+        let rows = self.peers.iter().flat_map(|peer| &peer.rows).filter(|row| row.station == station);
+        let mut instants: Vec<UtcMicros> = rows.map(|row| row.at).collect();
+        instants.sort_unstable();
+        instants.dedup();
+        instants
+    }
+
+    /// The best instant of a step among those about it.
+    fn refined(&self, part: Part, common: Common) -> (Part, Common) {
+        let StationForm::Step(at) = part.form else { return (part, common) };
+        let instants = self.instants(part.station);
+        let every = instants.len().div_ceil(INSTANTS).max(1);
+        let k = instants.partition_point(|instant| *instant < at);
+        let about = &instants[k.saturating_sub(every).max(1)..(k + every + 1).min(instants.len())];
+        let finer = about.iter().map(|at| Part { form: StationForm::Step(*at), ..part });
+        finer
+            .filter_map(|part| Some((part, self.estimate(&part)?)))
+            .chain([(part, common)])
+            .max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))
+            .unwrap_or((part, common))
+    }
+
+    fn subtract(&mut self, part: &Part, value: f64) {
+        for row in self.peers.iter_mut().flat_map(|peer| &mut peer.rows) {
+            row.y -= value * part.at(row.station, row.at, row.years);
+        }
+    }
+
+    /// Each part again, beside the others; what is significant no more is given up, and answered.
+    fn estimate_again(&mut self) -> Vec<Part> {
+        for _ in 0..4 {
+            for k in 0..self.taken.len() {
+                let (part, old) = self.taken[k];
+                self.subtract(&part, -old.value);
+                let new = self.estimate(&part).unwrap_or(old);
+                self.subtract(&part, new.value);
+                self.taken[k].1 = new;
+            }
+        }
+        let mut given_up = Vec::new();
+        while let Some(k) = self.taken.iter().position(|(part, common)| common.significance() < 0.8 * threshold(part)) {
+            let (part, common) = self.taken.remove(k);
+            self.subtract(&part, -common.value);
+            given_up.push(part);
+        }
+        given_up
+    }
+}
+
+/// The gain of a part; of a step less what the best of many instants gains by chance.
+fn rated((part, common): &(Part, Common)) -> f64 {
+    common.gain - if matches!(part.form, StationForm::Step(_)) { SEARCHED } else { 0.0 }
+}
+
+fn threshold(part: &Part) -> f64 {
+    if matches!(part.form, StationForm::Step(_)) { TAKEN_STEP } else { TAKEN }
+}
+
+fn about_their_mean(mut rows: Vec<Row>) -> Vec<Row> {
+    let weight: f64 = rows.iter().map(|row| row.weight).sum();
+    let mean = rows.iter().map(|row| row.weight * row.y).sum::<f64>() / weight;
+    rows.iter_mut().for_each(|row| row.y -= mean);
+    rows
+}
+
+/// One peer's estimate beside its own level, and 1/variance.
+fn own(part: &Part, rows: &[Row]) -> Option<(f64, f64)> {
+    let [mut w, mut wc, mut wcc, mut wy, mut wcy] = [0.0; 5];
+    let (mut with, mut without) = (0, 0);
+    let is_step = matches!(part.form, StationForm::Step(_));
+    for row in rows {
+        let c = part.at(row.station, row.at, row.years);
+        with += usize::from(c != 0.0);
+        // A step shows at the station itself; against others it is an offset.
+        without += usize::from(c == 0.0 && (!is_step || row.station == part.station));
+        w += row.weight;
+        wc += row.weight * c;
+        wcc += row.weight * c * c;
+        wy += row.weight * row.y;
+        wcy += row.weight * c * row.y;
+    }
+    let few = if matches!(part.form, StationForm::Drift) { with < 3 } else { with < 1 || without < 1 };
+    let information = wcc - wc * wc / w;
+    (!few && information > 1e-9 * wcc).then(|| ((wcy - wc * wy / w) / information, information))
+}
+
+/// The robust mean of estimates (IMU, estimate, 1/variance).
+fn combined(each: &[(usize, f64, f64)]) -> Option<Common> {
+    if each.is_empty() {
+        return None;
+    }
+    let mut sorted: Vec<(f64, f64)> = each.iter().map(|&(_, b, info)| (b, info)).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * sorted.iter().map(|one| one.1).sum::<f64>();
+    let mut below = 0.0;
+    let mut value = sorted[0].0;
+    for (b, info) in &sorted {
+        value = *b;
+        below += info;
+        if below >= half {
+            break;
+        }
+    }
+    let mut pulls: Vec<f64> = each.iter().map(|(_, b, info)| (b - value).abs() * info.sqrt()).collect();
+    pulls.sort_by(f64::total_cmp);
+    let excess = if each.len() < 3 { 1.0 } else { (1.4826 * pulls[pulls.len() / 2]).max(1.0) };
+    let weigh = |value: f64, b: f64, info: f64| {
+        let pull = (b - value).abs() * info.sqrt() / excess;
+        info * if pull > HUBER { HUBER / pull } else { 1.0 }
+    };
+    for _ in 0..8 {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for &(_, b, info) in each {
+            let w = weigh(value, b, info);
+            sum += w * b;
+            weights += w;
+        }
+        value = sum / weights;
+    }
+    let mut by_imu: Vec<(usize, f64)> = Vec::new();
+    let mut weights = 0.0;
+    for &(imu, b, info) in each {
+        let w = weigh(value, b, info);
+        weights += w;
+        match by_imu.iter_mut().find(|(known, _)| *known == imu) {
+            Some((_, sum)) => *sum += w * (b - value),
+            None => by_imu.push((imu, w * (b - value))),
+        }
+    }
+    let imus = by_imu.len();
+    let noise = excess * excess / weights;
+    let sandwich = by_imu.iter().map(|(_, sum)| sum * sum).sum::<f64>() / (weights * weights);
+    let sandwich = if imus > 2 { sandwich * imus as f64 / (imus - 1) as f64 } else { 2.0 * sandwich };
+    Some(Common {
+        value,
+        sd: noise.max(sandwich).sqrt(),
+        gyros: each.len(),
+        imus,
+        gain: each.iter().map(|&(_, b, info)| weigh(value, b, info) * (b * b - (b - value).powi(2))).sum(),
+    })
+}

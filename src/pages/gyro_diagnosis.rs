@@ -1,0 +1,108 @@
+//! `/gyros/{serial}/diagnosis`: why a gyro's coefficients changed, with the common course of its stations under its
+//! own.
+
+use axum::extract::{Path, State as Held};
+use axum::response::Response;
+use maud::{Markup, html};
+
+use super::Pages;
+use super::course::Course;
+use super::figure;
+use super::gyro::known;
+use super::layout::{Page, Section, encoded, symbol};
+use super::viewer::Viewer;
+use crate::core::changes::{HistoryDiagnosis, cause_word};
+use crate::core::time::UtcMicros;
+use crate::wire::problem::Problem;
+
+pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(serial): Path<String>) -> Response {
+    viewer.show(build(&pages, &viewer, &serial).await)
+}
+
+async fn build(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let number = known(pages, serial)?;
+    let explained = pages.pipeline.queries.histories.explain(number, serial).await?;
+    let body = html! {
+        h1 { (serial) ": " (t.history_diagnosis) }
+        p.lead {
+            a href={ "/gyros/" (encoded(serial)) } { (serial) }
+            " · " (t.peers_of_stations) " " (explained.peers)
+            " · " a href={ "/v1/gyros/" (encoded(serial)) "/diagnosis" } { "JSON" }
+        }
+        @for coefficient in &explained.coefficients { (section(viewer, serial, coefficient, explained.newest)) }
+    };
+    Ok(Page { title: format!("{serial}: {}", t.history_diagnosis), section: Section::Fleet, plots: false, body })
+}
+
+fn section(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, newest: Option<UtcMicros>) -> Markup {
+    let t = viewer.text();
+    let name = answer.coefficient.name();
+    html! {
+        section id=(name) {
+            h2 { (symbol(name)) }
+            @for said in answer.sentences(newest) { p { (t.words(&said)) } }
+            (drawn(viewer, serial, answer))
+            @if !answer.causes.is_empty() {
+                div.scroll tabindex="0" { table.cards {
+                    thead { tr {
+                        th { (t.cause) } th { (t.tied_to) } th.n { (t.estimate) } th { (t.unit_word) } th.n { "p" }
+                    } }
+                    tbody { @for cause in &answer.causes {
+                        tr {
+                            th scope="row" { (t.words(&cause_word(cause.cause))) }
+                            td { (t.words(&cause.tie.message())) }
+                            td.n { (figure::with_sd(cause.estimate.value, Some(cause.estimate.sd), 6)) }
+                            td { (cause.estimate.unit) }
+                            td.n { (format!("{:.1e}", cause.p_value_adjusted)) }
+                        }
+                    } }
+                } }
+            }
+            @if !answer.rejected.is_empty() {
+                details {
+                    summary { (t.ruled_out) " (" (answer.rejected.len()) ")" }
+                    div.scroll tabindex="0" { table.cards {
+                        thead { tr { th { (t.cause) } th { (t.tied_to) } th { (t.why) } } }
+                        tbody { @for one in &answer.rejected {
+                            tr {
+                                th scope="row" { (t.words(&cause_word(one.cause))) }
+                                td { (t.words(&one.tie.message())) }
+                                td { (t.words(&one.why.message())) }
+                            }
+                        } }
+                    } }
+                }
+            }
+        }
+    }
+}
+
+/// The records, what explains them, and what the stations did under it.
+fn drawn(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis) -> Markup {
+    let t = viewer.text();
+    let n = answer.course.len().max(1) as f64;
+    let mean = answer.course.iter().map(|one| one.measured.value).sum::<f64>() / n;
+    let of_stations = answer.course.iter().any(|one| one.station != 0.0);
+    let station = of_stations.then(|| answer.course.iter().map(|one| (one.at, one.station)).collect());
+    let explained: Vec<(UtcMicros, f64)> = answer.course.iter().map(|one| (one.at, one.explained - mean)).collect();
+    let explained = (!answer.causes.is_empty()).then_some(("explained", explained));
+    let course = Course {
+        symbol: answer.coefficient.name(),
+        unit: t.unit,
+        name: serial,
+        points: answer.course.iter().map(|one| (one.at, one.measured.value - mean, one.measured.sd)).collect(),
+        lines: explained.into_iter().chain(station.map(|line| ("station", line))).collect(),
+        marks: answer.outliers.iter().map(|one| (one.at, t.outlier.to_owned())).collect(),
+    };
+    html! {
+        (course.markup())
+        @if !answer.course.is_empty() {
+            p.note {
+                (t.about_mean)
+                @if !answer.causes.is_empty() { " " (t.line_explained) }
+                @if of_stations { " " (t.line_station) }
+            }
+        }
+    }
+}

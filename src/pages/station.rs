@@ -1,0 +1,89 @@
+//! `/stations/{name}`: one station by what the gyros of the fleet share there.
+
+use axum::extract::{Path, State as Held};
+use axum::response::Response;
+use maud::{Markup, html};
+
+use super::Pages;
+use super::course::Course;
+use super::figure;
+use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
+use super::viewer::Viewer;
+use crate::core::changes::{Shared, Spread, StationColumn};
+use crate::wire::problem::Problem;
+
+pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(name): Path<String>) -> Response {
+    viewer.show(build(&pages, &viewer, &name).await)
+}
+
+async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let found = pages.pipeline.queries.fleet.station_figures().await?;
+    let figures = found.as_ref().and_then(|found| found.stations.iter().find(|station| *station.name == *name));
+    let (found, figures) = found.as_ref().zip(figures).ok_or_else(|| Problem::no_such_station(name))?;
+    let body = html! {
+        h1 { (t.station) " " (name) }
+        p.lead {
+            (t.last_seen) " " (instant(figures.last)) " · " (figures.records) " " (t.calibrations_seen)
+            " · " (figures.gyros) " " (t.gyros) " · " (figures.imus) " " (t.imu)
+            " · " a href={ "/?station=" (encoded(name)) } { (t.gyros) }
+            " · " a href={ "/v1/stations/" (encoded(name)) } { "JSON" }
+        }
+        p.note { (t.station_figures_note) " " (t.unit) }
+        @for (column, coefficient) in figures.columns.iter().zip(DRIFTS) {
+            (section(viewer, name, coefficient, column, &found.against))
+        }
+        @if found.reproducibility.iter().any(Option::is_some) {
+            section {
+                h2 { (t.reproducibility) }
+                p.note { (t.reproducibility_note) }
+                dl { @for (spread, coefficient) in found.reproducibility.iter().zip(DRIFTS) {
+                    dt { (symbol(coefficient)) } dd { (said(spread.as_ref())) }
+                } }
+            }
+        }
+    };
+    Ok(Page { title: format!("{} {name}", t.station), section: Section::Stations, plots: false, body })
+}
+
+fn section(viewer: &Viewer, name: &str, coefficient: &str, column: &StationColumn, against: &str) -> Markup {
+    let t = viewer.text();
+    let course = Course {
+        symbol: coefficient,
+        unit: t.unit,
+        name,
+        points: column.course.iter().map(|point| (point.at, point.value, Some(point.sd))).collect(),
+        lines: Vec::new(),
+        marks: column.steps.iter().map(|(at, _)| (*at, t.step_found.to_owned())).collect(),
+    };
+    html! {
+        section {
+            h2 { (symbol(coefficient)) }
+            (course.markup())
+            dl {
+                dt { (t.repeatability) } dd { (said(column.repeatability.as_ref())) }
+                @if let Some(offset) = &column.offset {
+                    dt { (t.offset_against) " " (against) } dd { (shared(offset)) }
+                }
+                @if let Some(drift) = &column.drift {
+                    dt { (t.drift_a_year) } dd { (shared(drift)) @if !column.drifts { " (" (t.within_chance) ")" } }
+                }
+                @for (at, step) in &column.steps { dt { (t.step_found) " " (instant(*at)) } dd { (shared(step)) } }
+                @if let Some(by_gyro) = &column.by_gyro { dt { (t.gyro_by_station) } dd { (said(Some(by_gyro))) } }
+            }
+        }
+    }
+}
+
+fn shared(shared: &Shared) -> Markup {
+    html! { (figure::with_sd(shared.value, Some(shared.sd), 6)) }
+}
+
+/// A standard deviation with its interval.
+fn said(spread: Option<&Spread>) -> Markup {
+    html! {
+        @if let Some(Spread { sd, interval: [low, high], .. }) = spread {
+            (figure::fixed(*sd, 6)) " (" (figure::fixed(*low, 6)) " … " (figure::fixed(*high, 6)) ")"
+        } @else { "–" }
+    }
+}

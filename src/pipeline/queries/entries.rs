@@ -1,0 +1,48 @@
+//! Rows of the history as the diagnosis of change takes them.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use crate::config::JudgedMethod;
+use crate::core::changes::{Entry, GyroHistory};
+use crate::core::figures::Figures;
+use crate::core::id::Id;
+use crate::core::time::Span;
+use crate::pipeline::ingest::judge::gyro_window::sample_of;
+use crate::store;
+use crate::store::{Store, StoreError, Stretch};
+
+/// Newest records of each gyro that tell what stations do.
+pub(super) const PEER_RECORDS: usize = 100;
+/// Most gyros by which stations are compared.
+const FLEET: usize = 600;
+
+/// Records of the fleet's gyros, without their temperatures and events; of a large fleet, of gyros spread over it.
+pub(super) async fn fleet_histories(store: &Store, method: JudgedMethod) -> Result<Vec<GyroHistory>, StoreError> {
+    let gyros: Vec<u32> = store.names().read().gyros.iter().map(|(number, _)| number).collect();
+    let every = gyros.len().div_ceil(FLEET).max(1);
+    let ever: Vec<Stretch> = gyros.iter().step_by(every).map(|gyro| (*gyro, Span::EVER)).collect();
+    let rows = store::histories::newest(store, &ever, PEER_RECORDS).await?;
+    let history =
+        |rows: &Vec<Figures>| GyroHistory { entries: entries(store, method, rows, &HashMap::new()), marks: Vec::new() };
+    Ok(rows.iter().map(history).collect())
+}
+
+pub(super) fn entries(
+    store: &Store,
+    method: JudgedMethod,
+    rows: &[Figures],
+    temperatures: &HashMap<Id, f64>,
+) -> Vec<Entry> {
+    let tables = store.names().read();
+    let name = |name: Option<&Arc<str>>| name.cloned().unwrap_or_default();
+    let entry = |figures: &Figures| Entry {
+        at: figures.at,
+        station: name(tables.stations.name(figures.station)),
+        imu: name(tables.imus.name(figures.imu)),
+        slot: figures.slot,
+        temperature_c: temperatures.get(&figures.record).copied(),
+        d: sample_of(figures, method).d,
+    };
+    rows.iter().map(entry).collect()
+}

@@ -1,0 +1,154 @@
+//! The answers to `GET /v1/stations` and `/v1/stations/{name}`: what each station does to every gyro that it measures.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::core::changes::{FleetStations, Shared, Spread, StationColumn, StationFigures};
+use crate::wire::time;
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct StationsBody {
+    pub unit: String,
+    /// The station that offsets count from: the one with most records.
+    pub against: Option<String>,
+    pub stations: Vec<StationBody>,
+    /// Spread of the stations' offsets; null where there is one station.
+    pub reproducibility: BothBody<Option<SpreadBody>>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct StationBody {
+    pub name: String,
+    /// The newest hundred of each gyro count.
+    pub records: usize,
+    pub gyros: usize,
+    pub imus: usize,
+    pub first: String,
+    pub last: String,
+    #[serde(flatten)]
+    pub coefficients: BothBody<StationColumnBody>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct BothBody<T> {
+    #[serde(rename = "D_I")]
+    pub d_i: T,
+    #[serde(rename = "D_S")]
+    pub d_s: T,
+}
+
+/// One coefficient at a station, deg/(h g0).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct StationColumnBody {
+    /// Standard deviation of one record; null with too few.
+    pub repeatability: Option<SpreadBody>,
+    /// How much more it reads than the station that offsets count from; null of that one, and where no gyro was at
+    /// both.
+    pub offset: Option<SharedBody>,
+    /// A year; null where nothing can be said.
+    pub drift: Option<SharedBody>,
+    /// Whether the drift is beyond chance.
+    pub drifts: bool,
+    /// Re-levellings and the like that were found, oldest first.
+    pub steps: Vec<StepBody>,
+    /// What single gyros show beyond the common offset: gyro x station; null with too few.
+    pub gyro_by_station: Option<SpreadBody>,
+    /// What its gyros read about their own levels, oldest first.
+    pub course: Vec<CoursePointBody>,
+}
+
+/// A standard deviation with its 95 % interval.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SpreadBody {
+    pub sd: f64,
+    pub interval: [f64; 2],
+}
+
+/// What the gyros share.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SharedBody {
+    pub value: f64,
+    pub sd: f64,
+    /// From so many gyros of so many IMUs.
+    pub gyros: usize,
+    pub imus: usize,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = StationStepBody)]
+pub struct StepBody {
+    pub at: String,
+    #[serde(flatten)]
+    pub size: SharedBody,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CoursePointBody {
+    pub at: String,
+    pub value: f64,
+    pub sd: f64,
+    pub records: usize,
+}
+
+impl From<Option<&FleetStations>> for StationsBody {
+    fn from(found: Option<&FleetStations>) -> Self {
+        let spread =
+            |column: usize| found.and_then(|found| found.reproducibility[column]).as_ref().map(SpreadBody::from);
+        Self {
+            unit: "deg/(h*g0)".to_owned(),
+            against: found.map(|found| found.against.to_string()),
+            stations: found.map_or_else(Vec::new, |found| found.stations.iter().map(StationBody::from).collect()),
+            reproducibility: BothBody { d_i: spread(0), d_s: spread(1) },
+        }
+    }
+}
+
+impl From<&StationFigures> for StationBody {
+    fn from(figures: &StationFigures) -> Self {
+        let [d_i, d_s] = [0, 1].map(|column| StationColumnBody::from(&figures.columns[column]));
+        Self {
+            name: figures.name.to_string(),
+            records: figures.records,
+            gyros: figures.gyros,
+            imus: figures.imus,
+            first: time::format(figures.first),
+            last: time::format(figures.last),
+            coefficients: BothBody { d_i, d_s },
+        }
+    }
+}
+
+impl From<&StationColumn> for StationColumnBody {
+    fn from(column: &StationColumn) -> Self {
+        let step = |(at, size): &(_, Shared)| StepBody { at: time::format(*at), size: SharedBody::from(size) };
+        let mut steps: Vec<_> = column.steps.clone();
+        steps.sort_by_key(|(at, _)| *at);
+        let course = column.course.iter().map(|point| CoursePointBody {
+            at: time::format(point.at),
+            value: point.value,
+            sd: point.sd,
+            records: point.records,
+        });
+        Self {
+            repeatability: column.repeatability.as_ref().map(SpreadBody::from),
+            offset: column.offset.as_ref().map(SharedBody::from),
+            drift: column.drift.as_ref().map(SharedBody::from),
+            drifts: column.drifts,
+            steps: steps.iter().map(step).collect(),
+            gyro_by_station: column.by_gyro.as_ref().map(SpreadBody::from),
+            course: course.collect(),
+        }
+    }
+}
+
+impl From<&Spread> for SpreadBody {
+    fn from(spread: &Spread) -> Self {
+        Self { sd: spread.sd, interval: spread.interval }
+    }
+}
+
+impl From<&Shared> for SharedBody {
+    fn from(shared: &Shared) -> Self {
+        Self { value: shared.value, sd: shared.sd, gyros: shared.gyros, imus: shared.imus }
+    }
+}

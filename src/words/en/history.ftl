@@ -1,0 +1,65 @@
+# Diagnoses of histories: why a coefficient changed over months, and what stations do.
+
+## Causes
+
+cause_station = station
+cause_ageing = ageing
+cause_step_at_event = step at an event
+cause_re_mounting = step at a re-mounting
+cause_temperature = temperature
+cause_clocking = clocking of the spin axis
+cause_wandering = wandering without a cause
+cause_step = step without a recorded event
+
+## What a cause is tied to
+
+change_slope = a steady slope
+change_event = { $event } on { $day }
+change_moved = from { $from } to { $to }
+change_temperature = about { $mean } degrees Celsius
+change_temperature_gaps = about { $mean } degrees Celsius; { $missing ->
+    [one] one record has
+   *[other] { $missing } records have
+} no temperature
+change_station_offset = { $station } reads differently from { $against }
+change_station_drift = { $station } drifts
+change_station_step = { $station } stepped on { $day }
+change_proportion = D_O in proportion to D_S
+change_instant = between { $after } and { $before }
+
+## Why a candidate was not named
+
+change_not_separable = not separable from what is named
+change_not_significant = not significant (adjusted p { $p })
+change_no_better_than_wandering = no better than a wandering coefficient (p { $p })
+change_others_deny = { $own } in this gyro, { $others } +- { $sd } in { $gyros ->
+    [one] another gyro
+   *[other] { $gyros } other gyros
+} of the station
+
+## What is said of a coefficient
+
+history_too_few = { $records ->
+    [0] No record
+    [one] One record
+   *[other] { $records } records
+}: not enough data to tell a change from scatter.
+history_no_change = No change above the scatter of calibration.
+history_explained = Explained. What is left is scatter.
+history_partly_explained = Partly explained. The coefficient may also wander without a recorded cause.
+history_unexplained = Unexplained. The coefficient wanders without a recorded cause.
+history_cause = { $cause }: { $detail }, { $value } +- { $sd } { $unit }
+history_class = These records cannot tell it from: { $others }.
+history_closure = Closes { $closure } of the change on records left out ({ $low } to { $high }).
+history_outlier = The record of { $day } is { $deviation } from its neighbours and was left out.
+history_wander_random_walk = It wanders by { $size } deg/(h g0) a root year.
+history_wander_walk_by_record = It wanders by { $size } deg/(h g0) from record to record.
+history_wander_flicker = It wanders by { $size } deg/(h g0) in all (1/f noise).
+history_due = It reaches its budget on { $day } (80 %: { $early } to { $late }).
+history_due_open = It reaches its budget on { $day } (80 %: from { $early }; the end is open).
+history_due_past = It reached its budget on { $day }.
+
+## Stations
+
+title_no_such_station = Unknown station
+no_such_station = there is no station { $name }

@@ -1,0 +1,55 @@
+# 履历诊断：系数数月间为何变化，测试站有何影响。
+
+## 原因
+
+cause_station = 测试站
+cause_ageing = 老化
+cause_step_at_event = 事件处阶跃
+cause_re_mounting = 重新安装处阶跃
+cause_temperature = 温度
+cause_clocking = 电机轴绕输入轴转位
+cause_wandering = 无原因的游走
+cause_step = 无事件记录的阶跃
+
+## 原因的依据
+
+change_slope = 持续斜率
+change_event = { $day }的{ $event }
+change_moved = 由{ $from }移至{ $to }
+change_temperature = 以{ $mean }摄氏度为中心
+change_temperature_gaps = 以{ $mean }摄氏度为中心；{ $missing }条记录无温度
+change_station_offset = { $station }与{ $against }读数不同
+change_station_drift = { $station }漂移
+change_station_step = { $station }于{ $day }阶跃
+change_proportion = D_O与D_S成比例
+change_instant = { $after }与{ $before }之间
+
+## 候选原因未采用的理由
+
+change_not_separable = 与已确定的原因无法区分
+change_not_significant = 不显著（校正后p为{ $p }）
+change_no_better_than_wandering = 不优于系数游走（p为{ $p }）
+change_others_deny = 本陀螺{ $own }，该测试站其他{ $gyros }只陀螺为{ $others } +- { $sd }
+
+## 对系数的结论
+
+history_too_few = 仅有{ $records }条记录：数据不足，无法区分变化与标定散布。
+history_no_change = 变化未超出标定散布。
+history_explained = 已解释，剩余为散布。
+history_partly_explained = 部分解释：系数也可能在游走，无记录的原因。
+history_unexplained = 未解释：系数游走，无记录的原因。
+history_cause = { $cause }：{ $detail }，{ $value } +- { $sd } { $unit }
+history_class = 现有记录无法将其与下列原因区分：{ $others }。
+history_closure = 在留出的记录上解释了变化的{ $closure }（{ $low }至{ $high }）。
+history_outlier = { $day }的记录偏离相邻记录{ $deviation }，未采用。
+history_wander_random_walk = 游走：每根号年{ $size } (°)/(h·g0)。
+history_wander_walk_by_record = 游走：每条记录{ $size } (°)/(h·g0)。
+history_wander_flicker = 游走（1/f噪声）：共{ $size } (°)/(h·g0)。
+history_due = 将于{ $day }达到允许范围（80 %：{ $early }至{ $late }）。
+history_due_open = 将于{ $day }达到允许范围（80 %：{ $early }起，上限不定）。
+history_due_past = 已于{ $day }达到允许范围。
+
+## 测试站
+
+title_no_such_station = 未知测试站
+no_such_station = 没有测试站{ $name }

@@ -191,7 +191,7 @@ async fn after_a_failed_flush_nothing_is_stored_and_none_is_tried_again() {
     }
     let copying = [("GYROWATCH_DATABASE__CHECKPOINT_PAGES", "40")];
     for (what, file, when, settings) in [
-        ("of a commit", "gyrowatch.db-wal", "36", &[][..]),
+        ("of a commit", "gyrowatch.db-wal", "44", &[][..]),
         ("of the database while the log is copied into it", "gyrowatch.db", "18", &copying),
     ] {
         // One flush of a thread fails and later ones would succeed: who tries again is found out.
@@ -226,7 +226,7 @@ async fn a_disk_that_cannot_be_written_is_answered_503_and_never_2xx() {
         return;
     }
     for error in ["EROFS", "EIO", "EDQUOT"] {
-        let (server, _) = failing("pwrite64", error, "300+", "gyrowatch.db-wal", &[]);
+        let (server, _) = failing("pwrite64", error, "600+", "gyrowatch.db-wal", &[]);
         let (answer, stored) = until_refused(&server).await;
         assert!(stored > 0);
         assert_eq!(answer.status, 503, "{error}: {}", answer.text());

@@ -18,6 +18,7 @@ pub async fn get_stations(State(app): State<App>) -> Result<Json<StationsBody>, 
 
 /// One station.
 #[utoipa::path(get, path = "/v1/stations/{name}", tag = "stations",
+    params(("name" = String, Path, description = "name of the station")),
     responses((status = 200, description = "the station", body = StationBody)))]
 pub async fn get_station(State(app): State<App>, Path(name): Path<String>) -> Result<Json<StationBody>, Problem> {
     let found = app.pipeline.queries.fleet.station_figures().await?;

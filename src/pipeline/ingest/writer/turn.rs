@@ -137,7 +137,8 @@ impl Task {
                         Corrected::Calibration { id, .. } => self.cells_of_record(id, &mut cells).await?,
                         Corrected::Bench(id) => {
                             let bench = store::bench::get(&self.store, id).await?;
-                            self.cells_of_gyros(bench.map(|bench| bench.gyro).into_iter().collect(), &mut cells).await?;
+                            self.cells_of_gyros(bench.map(|bench| bench.gyro).into_iter().collect(), &mut cells)
+                                .await?;
                         }
                     }
                 }
@@ -222,7 +223,7 @@ fn names_of<'a>(items: &[Item<'a>]) -> [Vec<&'a str>; 3] {
     for item in items {
         match item.sent {
             Submission::Calibration(sent) => of_calibration(sent),
-            Submission::Correction(sent) => sent.replacement.iter().for_each(|new| of_calibration(new)),
+            Submission::Correction(sent) => sent.replacement.iter().for_each(&mut of_calibration),
             other => others.push(other),
         }
     }

@@ -573,7 +573,7 @@ async fn names_of_earlier_versions_are_found_and_go_on() {
             let body = body.replace(&format!("\"{now}\""), &format!("\"{then}\""));
             // Earlier versions had none.
             sqlx::query("DELETE FROM head").execute(&mut file).await.unwrap();
-            sqlx::query("DELETE FROM head_made").execute(&mut file).await.unwrap();
+            sqlx::query("UPDATE head_made SET limits = ''").execute(&mut file).await.unwrap();
             sqlx::query("UPDATE record SET body = $2, body_sha256 = $3 WHERE body LIKE $1")
                 .bind(like)
                 .bind(&body)

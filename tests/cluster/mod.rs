@@ -80,7 +80,7 @@ const KEEPER: &str = r#"
 programs=$1 dir=$2 port=$3
 shift 3
 start() {
-    "$programs/postgres" -D "$dir/data" -k "$dir" -p "$port" -c listen_addresses=127.0.0.1 -c max_connections=60 \
+    "$programs/postgres" -D "$dir/data" -k "$dir" -p "$port" -c listen_addresses=127.0.0.1 -c max_connections=200 \
         -c shared_buffers=32MB "$@" >>"$dir/log" 2>&1 </dev/null &
     server=$!
 }

@@ -274,6 +274,7 @@ measured_vertical_rate = w.f/|f| is { $value } arcsec/s at rest in { $share }; O
 measured_turning_rate = in { $share } the table turns, but rate_arcsec_s is not along specific_force_g0 or is slower than any table ({ $value } arcsec/s)
 measured_heading = rate_arcsec_s is { $value } arcsec/s from the Earth's rate at the attitude in { $share }
 measured_output = the outputs are { $value } arcsec/s from the model in the root mean square
+measured_senses = the outputs of { $share } show input axes up to { $value } deg from those that static dwells show
 measured_gravity = |specific_force_g0| is { $value } g0 in { $share }; gravity is { $expected } g0
 measured_attitude = the vertical of the attitude is { $value } deg from specific_force_g0 in { $share }
 this_dwell = this dwell

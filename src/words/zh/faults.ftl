@@ -274,6 +274,7 @@ measured_vertical_rate = { $share }静止时w·f/|f|为{ $value } arcsec/s；Ω�
 measured_turning_rate = { $share }转台在转动，而rate_arcsec_s不沿specific_force_g0，或慢于任何转台（{ $value } arcsec/s）
 measured_heading = { $share }的rate_arcsec_s与该姿态下的地球自转相差{ $value } arcsec/s
 measured_output = 输出与模型的均方根差为{ $value } arcsec/s
+measured_senses = { $share }的输出所示输入轴与静态测量点所示相差最多{ $value }度
 measured_gravity = { $share }的|specific_force_g0|为{ $value } g0；重力为{ $expected } g0
 measured_attitude = { $share }的姿态垂线偏离specific_force_g0 { $value }°
 this_dwell = 该测点

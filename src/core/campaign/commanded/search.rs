@@ -1,5 +1,6 @@
 //! Which mistake explains what cannot be.
 
+use super::senses::senses;
 use super::measure::{HEADING_ROOM, Measures, RATE_ROOM};
 use super::transform::{Mistake, mistakes, other_headings, single_axes};
 use super::worth::{Tried, Worth};
@@ -39,6 +40,9 @@ pub fn findings(campaign: &Campaign) -> Vec<Finding> {
         if found.is_empty() {
             found.extend(look(campaign, &measures));
         }
+    }
+    if found.is_empty() {
+        found.extend(senses(campaign));
     }
     found.extend(gravity(campaign, &measures));
     found

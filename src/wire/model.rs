@@ -330,6 +330,7 @@ fn wanted(effect: Effect) -> Filling {
         Parameter::Clocking => "{\"clocking_rad\": angle}".into(),
         Parameter::Product => absent_or("{\"product\": 0|1|2}"),
         Parameter::Tilt => "{\"with_rate\": true|false}".into(),
+        Parameter::Seating => absent_or("{\"instant_s\": seconds}"),
         Parameter::Axes => absent_or("{\"axes\": \"input_spin\"}"),
         Parameter::None => message!("absent").into(),
     }

@@ -36,7 +36,7 @@ use super::note::Note;
 
 /// Raised by whoever changes what a diagnosis finds: one that was kept is then made again. A new entry of the
 /// catalogue raises it by itself: there were 48 when it was 8.
-pub const METHOD: u32 = 8 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
+pub const METHOD: u32 = 9 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one
 /// before returned.

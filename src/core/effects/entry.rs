@@ -26,6 +26,8 @@ pub enum Effect {
     Levelling,
     Azimuth,
     Magnetic,
+    Relevelling,
+    Reseating,
     CrossCompliance,
     CubicG,
     OutputAxisG,
@@ -121,6 +123,8 @@ pub enum Parameter {
     Product,
     /// Along the gyro's own axes or those of the body.
     Axes,
+    /// From an instant on, or while the table turns.
+    Seating,
 }
 
 impl Parameter {
@@ -137,6 +141,7 @@ impl Parameter {
             Self::Tilt => matches!(shape, Shape::Tilt { .. }),
             Self::Product => matches!(shape, Shape::Linear | Shape::Only(_)),
             Self::Axes => matches!(shape, Shape::Linear | Shape::InputSpin),
+            Self::Seating => matches!(shape, Shape::Linear | Shape::Instant(_)),
         }
     }
 }
@@ -167,6 +172,8 @@ pub struct Entry {
     /// something else that the campaign hardly shows has been blown up.
     pub plausible: f64,
     pub confused_with: &'static [Effect],
+    /// What is as good a name wherever this is one, because its columns hold all that the other's leave.
+    pub never_told_from: &'static [Effect],
     pub scope: Scope,
     pub prior: Prior,
     /// Of the shapes that its regressors are made for. Competing hypotheses have shapes of any kind.
@@ -214,6 +221,7 @@ pub(super) const PLAIN: Entry = Entry {
     typical: Typical { low: 0.0, high: 0.0, source: "" },
     plausible: f64::INFINITY,
     confused_with: &[],
+    never_told_from: &[],
     scope: Scope::Gyro,
     prior: Prior::Flat,
     parameter: Parameter::None,

@@ -135,6 +135,7 @@ must_not_be_zero = must not be zero
 no_noise_no_detectability = without noise nothing has a detectability: give sizes instead
 size_or_detectability = must have either a finite size or a positive detectability
 not_positive_time = { $value } is not a positive time
+acts_never = { $value } is no span of the campaign: give two shares of its time, the earlier first
 beyond_last_dwell = { $dwell } is beyond the last of { $dwells } dwells
 names_no_gyro = names no gyro of this campaign
 unknown_geometry = "{ $value }" is neither skewed nor orthogonal

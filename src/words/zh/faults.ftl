@@ -135,6 +135,7 @@ must_not_be_zero = 不能为零
 no_noise_no_detectability = 没有噪声就没有可检测性：请给出大小
 size_or_detectability = 应给出有限的大小或为正的可检测性
 not_positive_time = { $value }不是正的时间
+acts_never = { $value }不是试验中的一段：请给出两个时间份额，先小后大
 beyond_last_dwell = { $dwell }超出{ $dwells }个测点的范围
 names_no_gyro = 没有列出本次试验的陀螺
 unknown_geometry = “{ $value }”既非skewed也非orthogonal

@@ -39,15 +39,20 @@ use super::note::Note;
 pub const METHOD: u32 = 9 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one
-/// before returned.
+/// before returned. Where the first look names something or sees a gap, the search and what follows are done once more
+/// with all that the noise may be.
 ///
 /// Errors: [`Refusal`] where no residual can be formed at all. What merely cannot be tested (no temperature, no
 /// attitude, no repeats) is said in `notes` and `not_identifiable`.
 pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, Refusal> {
     let residuals = residuals(campaign, options)?;
     let searched = searched(residuals)?;
-    let closed = closed(names(campaign, &searched));
-    Ok(answer(campaign, closed))
+    let first = closed(names(campaign, &searched));
+    if first.verdict == Verdict::NoGap {
+        return Ok(answer(campaign, first));
+    }
+    let searched = searched.closer()?;
+    Ok(answer(campaign, closed(names(campaign, &searched))))
 }
 
 /// Stage 1: the campaign with the model in use taken out of it, over its noise.

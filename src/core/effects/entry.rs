@@ -187,6 +187,8 @@ pub struct Entry {
     pub of_temperature: bool,
     /// Belongs to the campaign in which it happened and to no other.
     pub one_occasion: bool,
+    /// Asked only where something would be named: too many shapes to look for in every campaign.
+    pub only_closer: bool,
     /// Lies inside G: residuals of dwells never show it, the closure of G does.
     pub closure_only: bool,
     /// Of the coefficients.
@@ -230,6 +232,7 @@ pub(super) const PLAIN: Entry = Entry {
     follows_time: false,
     of_temperature: false,
     one_occasion: false,
+    only_closer: false,
     closure_only: false,
     names: |_| vec!["k"],
     missing: |_| None,

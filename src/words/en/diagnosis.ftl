@@ -110,6 +110,7 @@ sign_harmonics = a named sinusoid has harmonics
 sign_several_bad_dwells = more than one dwell stands out
 sign_one_shape_is_not_enough = one entry would be needed twice, with two instants or periods
 sign_wandering_in_time = two courses in time that one wandering replaces nearly as well
+sign_noise_with_memory = the noise has a memory: its bias wanders from dwell to dwell
 sign_many_causes_at_once = more names than a gap that is explained would need
 sign_tests_together = no test alone, but all of them together
 

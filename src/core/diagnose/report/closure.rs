@@ -30,6 +30,9 @@ const REMAINS_BESIDE_A_NAME: f64 = 0.05;
 /// Power, in noise variances, of structure that the tests of what remains would miss half of the time.
 pub(crate) const UNSEEN: f64 = 10.0;
 
+/// What the probability that noise has no memory counts as at most, where it is certain enough to be said.
+const CERTAIN: f64 = 1e-2;
+
 pub(crate) fn level(named: &[Named]) -> f64 {
     if named.is_empty() { REMAINS } else { REMAINS_BESIDE_A_NAME }
 }
@@ -71,6 +74,9 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
             list.push(Sign { kind: rival.id(), slots: slots(frame, &named.part.members), p_value });
         }
     }
+    if let Some((_, _, probability)) = settled.noise_found.memory {
+        list.push(Sign { kind: "noise_with_memory", slots: all_slots(frame), p_value: (1.0 - probability).min(CERTAIN) });
+    }
     let extras: Vec<Basis> = (0..frame.gyros.len())
         .map(|j| {
             let mut basis = frame.gyros[j].basis.clone();
@@ -83,7 +89,8 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
             basis.split_off(model)
         })
         .collect();
-    let left = Left { frame, extras: &extras, residuals: &fit.residuals };
+    let apart = settled.noise_found.between_gyros.as_ref().map(|shared| shared.apart(&fit.residuals));
+    let left = Left { frame, extras: &extras, residuals: apart.as_ref().unwrap_or(&fit.residuals) };
     let mut tests = left.tests();
     tests.extend(harmonics(&left, named));
     let all_slots = all_slots(frame);

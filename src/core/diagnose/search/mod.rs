@@ -2,6 +2,7 @@
 
 pub(super) mod bayes_factor;
 pub(super) mod hypotheses;
+pub(super) mod noise_models;
 pub(super) mod noise_rounds;
 pub(super) mod null_distribution;
 pub(super) mod null_tables;
@@ -9,4 +10,5 @@ pub(super) mod odds;
 pub(super) mod projections;
 pub(super) mod refined_shape;
 pub(super) mod shared_coefficients;
+pub(super) mod shared_noise;
 pub(super) mod stepwise;

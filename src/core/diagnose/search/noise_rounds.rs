@@ -8,10 +8,12 @@ use crate::core::calibrate::growth::Law;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::Bank;
+use crate::core::diagnose::search::noise_models::{self, Found, NoiseModels, likelier_law};
 use crate::core::diagnose::search::null_distribution::Null;
+use crate::core::diagnose::search::projections::each_by_itself;
 use crate::core::diagnose::search::refined_shape::sharpened;
 use crate::core::diagnose::search::stepwise::{Choice, Known, Search, Threshold};
-use crate::core::effects::Refusal;
+use crate::core::effects::{Effect, Refusal, Shape};
 use crate::core::numerics::log_sum::LogSum;
 
 /// Probability with which noise alone may get anything named.
@@ -34,6 +36,12 @@ pub(crate) struct Settled {
     pub threshold: Threshold,
     known: Known,
     pub found: Vec<Choice>,
+    /// Shapes of the bank beyond the grid.
+    more: Vec<(Effect, Shape)>,
+    noise: NoiseModels,
+    /// What the noise is, with what was found in the model.
+    pub noise_found: Found,
+    pub law: Option<noise_models::Law>,
 }
 
 impl Settled {
@@ -45,21 +53,34 @@ impl Settled {
             let threshold =
                 Threshold { alone: null.threshold(FALSE_ALARM), beside: null.threshold(FALSE_ALARM_BESIDE) };
             let mut known = Known::default();
-            let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known };
+            let noise = NoiseModels::default();
+            let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known, noise: &noise };
             let mut found = search.run();
             // A handful of shapes more: what noise alone scores is as good as the same.
             let sharper = sharpened(&search, &found);
             if !sharper.is_empty() {
                 (bank, known) = (Bank::of(&frame, &sharper), Known::default());
-                found = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known }.run();
+                found =
+                    Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known, noise: &noise }.run();
             }
-            let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known };
+            let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known, noise: &noise };
             let next = frame.noise.law.and_then(|law| {
                 found = confirmed(&search, law, std::mem::take(&mut found));
                 next_growth(&frame, &bank, &found, law)
             });
             let empty = found.is_empty();
-            let settled = Self { frame, bank, null, threshold, known, found };
+            let settled = Self {
+                frame,
+                bank,
+                null,
+                threshold,
+                known,
+                found,
+                more: sharper,
+                noise,
+                noise_found: Found::default(),
+                law: None,
+            };
             match next.filter(|_| round < ROUNDS) {
                 Some(growth) => frame = settled.frame.with_growth(growth)?,
                 None if empty => return Ok(first.unwrap_or(settled)),
@@ -75,12 +96,73 @@ impl Settled {
 
     pub fn search(&self) -> Search<'_> {
         let (frame, bank, null, known) = (&self.frame, &self.bank, &self.null, &self.known);
-        Search { frame, bank, null, threshold: self.threshold, known }
+        Search { frame, bank, null, threshold: self.threshold, known, noise: &self.noise }
+    }
+
+    /// The search once more where something is named or a gap is seen: with all that the noise may be, and against
+    /// suspects that are not worth their time elsewhere.
+    pub fn closer(&self) -> Result<Self, Refusal> {
+        let rebased = match likelier_law(&self.frame, &self.bank, &self.found) {
+            Some((law, frame)) => Some(Self { law: Some(law), ..Self::of(frame)? }),
+            None => None,
+        };
+        let plain = rebased.as_ref().unwrap_or(self);
+        let bank = Bank::closer(&plain.frame, &plain.more);
+        let mut closer = Self {
+            frame: plain.frame.clone(),
+            noise: NoiseModels::of(&plain.frame, &bank, &plain.found, &plain.more),
+            bank,
+            null: plain.null.clone(),
+            threshold: plain.threshold,
+            known: Known::default(),
+            found: Vec::new(),
+            more: plain.more.clone(),
+            noise_found: Found::default(),
+            law: plain.law,
+        };
+        if !plain.found.is_empty() {
+            let search = closer.search();
+            let mut found = search.run();
+            if let Some(law) = closer.frame.noise.law {
+                found = confirmed(&search, law, found);
+            }
+            closer.found = found;
+        }
+        closer.noise_found = closer.noise_beside(&closer.found);
+        while closer.noise_found.memory.is_some()
+            && let Some(weakest) = closer.search().weakest_under_memory(&closer.found)
+        {
+            closer.found.remove(weakest);
+            closer.noise_found = closer.noise_beside(&closer.found);
+        }
+        Ok(closer)
+    }
+
+    fn noise_beside(&self, found: &[Choice]) -> Found {
+        let columns = designs(&self.frame, &self.bank, found, None);
+        let state = || each_by_itself(&self.frame, self.search().extras(found));
+        self.noise.found(&self.frame, &columns, state)
+    }
+}
+
+/// ln of evidence that a name in time or temperature needs more where the noise has a memory.
+const UNDER_MEMORY: f64 = 4.0;
+
+impl Search<'_> {
+    /// The least of the names in time or temperature that do not lead noise with a memory clearly.
+    fn weakest_under_memory(&self, found: &[Choice]) -> Option<usize> {
+        let of_time = |i: &usize| {
+            let entry = found[*i].kind.entry();
+            found[*i].kind.is_nameable() && (entry.follows_time || entry.of_temperature)
+        };
+        let lead = |i: usize| self.earned_beside_others(found, i) - self.needed(found.len() - 1) - UNDER_MEMORY;
+        let weak = (0..found.len()).filter(of_time).map(|i| (i, lead(i))).filter(|(_, lead)| *lead < 0.0);
+        weak.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
     }
 }
 
 /// Raw columns of the model and of all choices but `without`. Smooth competitors stay out: they are not a few columns.
-fn designs(frame: &Frame, bank: &Bank, found: &[Choice], without: Option<usize>) -> Vec<Vec<Vec<f64>>> {
+pub(super) fn designs(frame: &Frame, bank: &Bank, found: &[Choice], without: Option<usize>) -> Vec<Vec<Vec<f64>>> {
     (0..frame.gyros.len())
         .map(|j| {
             let mut design = frame.designs[j].clone();

@@ -313,8 +313,8 @@ impl ShapeBody {
             Shape::Only(only) => Self { product: only.first().copied(), ..linear },
             Shape::Tilt { with_rate } => Self { with_rate: Some(with_rate), ..linear },
             Shape::InputSpin => Self { axes: Some("input_spin".to_owned()), ..linear },
-            // A window belongs to competitors, which are never adopted.
-            Shape::Linear | Shape::Window(..) => linear,
+            // Windows and parts belong to competitors, which are never adopted.
+            Shape::Linear | Shape::Window(..) | Shape::Part { .. } | Shape::Restart(_) => linear,
         }
     }
 }

@@ -40,6 +40,7 @@ pub enum Effect {
     Burst,
     DriftingMassUnbalance,
     DriftingScale,
+    PartTime,
     BentTemperature,
     TemperatureRate,
     TemperatureLag,
@@ -82,6 +83,10 @@ pub enum Shape {
     Tilt { with_rate: bool },
     /// From one dwell up to, not including, another.
     Window(usize, usize),
+    /// Another effect, from an instant up to another, s.
+    Part { of: Effect, from: f64, to: f64 },
+    /// Time constant, s, from every power-up anew.
+    Restart(f64),
     /// Components along the gyro's input and spin axes instead of body axes.
     InputSpin,
 }
@@ -189,6 +194,8 @@ pub struct Entry {
     pub one_occasion: bool,
     /// Asked only where something would be named: too many shapes to look for in every campaign.
     pub only_closer: bool,
+    /// How many hypotheses of equal standing its shapes hold: their weights add up to that.
+    pub standing: usize,
     /// Lies inside G: residuals of dwells never show it, the closure of G does.
     pub closure_only: bool,
     /// Of the coefficients.
@@ -233,6 +240,7 @@ pub(super) const PLAIN: Entry = Entry {
     of_temperature: false,
     one_occasion: false,
     only_closer: false,
+    standing: 1,
     closure_only: false,
     names: |_| vec!["k"],
     missing: |_| None,

@@ -48,6 +48,7 @@ effect_bend_in_time = a bend in time
 effect_burst = a passing disturbance of several dwells
 effect_drifting_mass_unbalance = g-sensitivity that changes with time
 effect_drifting_scale = a scale factor that changes with time
+effect_part_time = effect of a part of the time
 effect_rate_even = an even function of rate
 effect_rate_odd = an odd function of rate
 effect_rate_curve = a smooth function of the rate along the input axis
@@ -111,6 +112,7 @@ sign_several_bad_dwells = more than one dwell stands out
 sign_one_shape_is_not_enough = one entry would be needed twice, with two instants or periods
 sign_wandering_in_time = two courses in time that one wandering replaces nearly as well
 sign_noise_with_memory = the noise has a memory: its bias wanders from dwell to dwell
+sign_not_constant = a named effect is not the same throughout the campaign
 sign_many_causes_at_once = more names than a gap that is explained would need
 sign_tests_together = no test alone, but all of them together
 
@@ -140,6 +142,23 @@ mostly_absorbed_by_model = the model in use absorbs all but { $share } of its po
 
 noise_from_repeats_and_residuals = no standard errors are stated: the noise is taken from repeats and residuals
 no_pure_error = no dwell repeats another: there is no pure error to check the noise against
+described_by = what is left goes with { $variable }; that is a description, no cause
+described_by_two = what is left goes with { $first } or { $second }; that is a description, no cause
+variable_time = time
+variable_temperature = temperature
+variable_temperature_rate = the rate of temperature
+variable_up_direction = the direction that is up
+variable_heading = the heading
+variable_rate_level = the size of the rate
+variable_rate_axis = the axis and sense of the rate
+variable_rate_history = the rates before
+variable_orientation_before = the orientation before
+variable_phase = rest against rotation
+acts_in_part = { $effect } acts in a part of the campaign only: from { $from } to { $to } h
+noise_shared = gyros share noise: their correlation is up to { $correlation }
+noise_memory = the noise has a memory (probability { $probability }): a wander of about { $size } deg/h
+noise_of_duration = the noise falls with duration to the power { $power }, which the standard errors do not say
+noise_of_time = the noise is { $times } times as large at the end as at the beginning, which the standard errors do not say
 standard_errors_understated = repeated dwells scatter { $times } times as much as the stated standard errors say. Those are too small, or what changes from one time to the next is no noise
 
 ## Against a reference

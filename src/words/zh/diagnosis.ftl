@@ -48,6 +48,7 @@ effect_bend_in_time = 随时间的转折
 effect_burst = 持续数个测点的短暂扰动
 effect_drifting_mass_unbalance = 随时间变化的g敏感性
 effect_drifting_scale = 随时间变化的标度因子
+effect_part_time = 仅在部分时间起作用的效应
 effect_rate_even = 角速度的偶函数
 effect_rate_odd = 角速度的奇函数
 effect_rate_curve = 沿输入轴角速度的平滑函数
@@ -111,6 +112,7 @@ sign_several_bad_dwells = 不止一个测点异常
 sign_one_shape_is_not_enough = 同一效应需以两个时刻或周期出现两次
 sign_wandering_in_time = 两种随时间的变化几乎可由一种漂移代替
 sign_noise_with_memory = 噪声有记忆：零偏在测点之间游走
+sign_not_constant = 已命名的效应在整个试验中不恒定
 sign_many_causes_at_once = 命名的效应多于解释差异所需
 sign_tests_together = 单项检验均不显著，但合起来显著
 
@@ -140,6 +142,23 @@ mostly_absorbed_by_model = 现用模型在本次试验的每个测点中吸收�
 
 noise_from_repeats_and_residuals = 未给出标准误差：噪声取自重复测量与残差
 no_pure_error = 没有重复的测点：无法用纯误差检验噪声
+described_by = 剩余部分与{ $variable }有关；这是描述，不是原因
+described_by_two = 剩余部分与{ $first }或{ $second }有关；这是描述，不是原因
+variable_time = 时间
+variable_temperature = 温度
+variable_temperature_rate = 温度变化率
+variable_up_direction = 朝上的方向
+variable_heading = 方位
+variable_rate_level = 角速度大小
+variable_rate_axis = 角速度的轴与方向
+variable_rate_history = 此前的角速度
+variable_orientation_before = 前一姿态
+variable_phase = 静止或转动
+acts_in_part = { $effect }仅在部分试验中起作用：从{ $from }到{ $to } h
+noise_shared = 各陀螺噪声相关：相关系数最高{ $correlation }
+noise_memory = 噪声有记忆（概率{ $probability }）：游走约{ $size }度每小时
+noise_of_duration = 噪声随时长的{ $power }次幂下降，而标准误差未反映
+noise_of_time = 结束时噪声为开始时的{ $times }倍，而标准误差未反映
 standard_errors_understated = 重复测点的散布是给定标准误差的{ $times }倍。标准误差偏小，或随时间变化的并非噪声
 
 ## Against a reference

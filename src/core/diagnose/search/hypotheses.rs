@@ -161,7 +161,7 @@ fn push_shapes(raws: &mut Vec<Raw>, frame: &Frame, entry: &Entry, more: &[(Effec
         raws.push(Raw {
             kind: entry.effect,
             shape,
-            log_weight: (weight / total).ln(),
+            log_weight: (entry.standing as f64 * weight / total).ln(),
             common: entry.scope == Scope::Common,
             prior: entry.prior,
             columns: (0..frame.gyros.len()).map(|j| (entry.columns)(&frame.setting, j, shape)).collect(),

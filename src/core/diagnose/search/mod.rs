@@ -1,6 +1,7 @@
 //! Stage 2: every hypothesis scored against the residuals, and those named that noise alone does not explain.
 
 pub(super) mod bayes_factor;
+pub(super) mod components;
 pub(super) mod hypotheses;
 pub(super) mod noise_models;
 pub(super) mod noise_rounds;

@@ -17,11 +17,14 @@ use super::noise_rounds::designs;
 use super::projections::{State, each_by_itself};
 use super::shared_noise::Shared;
 use super::stepwise::Choice;
+use crate::core::diagnose::diagnosis::{LawFound, MemoryFound, NoiseFound};
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::{Effect, Setting, Shape};
+use crate::core::message::{Message, figure, signed};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::log_sum::LogSum;
+use crate::message;
 
 /// Prior probability that the noise goes as stated with duration and time; the other laws share the rest.
 const AS_STATED: f64 = 0.8;
@@ -139,6 +142,53 @@ pub(crate) struct Found {
     /// Power of each kind of memory over the square of the median standard deviation, and the probability that there
     /// is any.
     pub memory: Option<(Memory, f64, f64)>,
+}
+
+impl Found {
+    /// As it is answered.
+    pub fn report(&self, frame: &Frame, law: Option<Law>) -> NoiseFound {
+        let gyros = &frame.setting.gyros;
+        let pairs = (0..gyros.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
+        let correlated = |shared: &Shared| {
+            pairs.map(|(j, i)| (gyros[j].slot, gyros[i].slot, shared.correlation(i, j))).collect::<Vec<_>>()
+        };
+        NoiseFound {
+            between_gyros: self.between_gyros.as_ref().map(correlated).unwrap_or_default(),
+            memory: self.memory.map(|(memory, power, probability)| MemoryFound {
+                kind: match memory {
+                    Memory::Flicker => "flicker",
+                    Memory::Walk => "random_walk",
+                },
+                deg_per_h: (frame.gyros.iter().zip(gyros))
+                    .map(|(gyro, axes)| (axes.slot, power.sqrt() * middle(&gyro.sd)))
+                    .collect(),
+                probability,
+            }),
+            law: law.map(|law| match law {
+                Law::Duration(power) => LawFound::Duration { power },
+                Law::Time(growth) => LawFound::Time { times: growth.exp() },
+            }),
+        }
+    }
+}
+
+impl NoiseFound {
+    /// In words.
+    pub(crate) fn notes(&self) -> Vec<Message> {
+        let mut notes = Vec::new();
+        let largest = self.between_gyros.iter().map(|(.., r)| *r).max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        notes.extend(largest.map(|r| message!("noise_shared", correlation = signed(r, 2))));
+        notes.extend(self.memory.as_ref().map(|memory| {
+            let size = memory.deg_per_h.iter().map(|(_, size)| *size).fold(0.0, f64::max);
+            let probability = figure(memory.probability.min(0.999), 3);
+            message!("noise_memory", probability = probability, size = crate::core::record::short(size))
+        }));
+        notes.extend(self.law.map(|law| match law {
+            LawFound::Duration { power } => message!("noise_of_duration", power = figure(power, 2)),
+            LawFound::Time { times } => message!("noise_of_time", times = figure(times, 1)),
+        }));
+        notes
+    }
 }
 
 /// One of the models that are averaged over.

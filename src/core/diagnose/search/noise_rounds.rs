@@ -7,12 +7,13 @@
 use crate::core::calibrate::growth::Law;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::components::{Component, Variable, components};
 use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::noise_models::{self, Found, NoiseModels, likelier_law};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::each_by_itself;
 use crate::core::diagnose::search::refined_shape::sharpened;
-use crate::core::diagnose::search::stepwise::{Choice, Known, Search, Threshold};
+use crate::core::diagnose::search::stepwise::{Choice, Known, Search, Threshold, without};
 use crate::core::effects::{Effect, Refusal, Shape};
 use crate::core::numerics::log_sum::LogSum;
 
@@ -42,6 +43,8 @@ pub(crate) struct Settled {
     /// What the noise is, with what was found in the model.
     pub noise_found: Found,
     pub law: Option<noise_models::Law>,
+    /// What the residuals go with beside what was found, and the evidence of it, the strongest first.
+    pub description: Vec<(Variable, f64)>,
 }
 
 impl Settled {
@@ -80,6 +83,7 @@ impl Settled {
                 noise,
                 noise_found: Found::default(),
                 law: None,
+                description: Vec::new(),
             };
             match next.filter(|_| round < ROUNDS) {
                 Some(growth) => frame = settled.frame.with_growth(growth)?,
@@ -119,6 +123,7 @@ impl Settled {
             more: plain.more.clone(),
             noise_found: Found::default(),
             law: plain.law,
+            description: Vec::new(),
         };
         if !plain.found.is_empty() {
             let search = closer.search();
@@ -135,6 +140,11 @@ impl Settled {
             closer.found.remove(weakest);
             closer.noise_found = closer.noise_beside(&closer.found);
         }
+        let components = components(&closer.frame.setting);
+        while let Some(of_another_form) = closer.search().of_another_form(&components, &closer.found) {
+            closer.found.remove(of_another_form);
+        }
+        closer.description = closer.search().described(&components, &closer.found);
         Ok(closer)
     }
 
@@ -145,10 +155,48 @@ impl Settled {
     }
 }
 
+/// ln of evidence by which a component must lead a name for the name to fall.
+const LEAD_OF_COMPONENT: f64 = 4.5;
+
+/// ln of evidence from which on what is left is described, and by how many variables.
+const LEAST_DESCRIBED: f64 = 2.0;
+const MOST_DESCRIBED: usize = 2;
+
 /// ln of evidence that a name in time or temperature needs more where the noise has a memory.
 const UNDER_MEMORY: f64 = 4.0;
 
 impl Search<'_> {
+    /// The name that a component leads by most, where one leads clearly: the cause has another form.
+    fn of_another_form(&self, components: &[Component], found: &[Choice]) -> Option<usize> {
+        let lead = |i: usize| {
+            let others = without(found, i);
+            let state = each_by_itself(self.frame, self.extras(&others));
+            let best = components.iter().map(|c| c.evidence(self.frame, &state)).fold(f64::NEG_INFINITY, f64::max);
+            best - self.evidence(&others, found[i].kind)
+        };
+        let named = (0..found.len()).filter(|&i| found[i].kind.is_nameable());
+        let leads = named.map(|i| (i, lead(i))).filter(|(_, lead)| *lead > LEAD_OF_COMPONENT);
+        leads.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
+    }
+
+    /// What the residuals beside `found` go with: each variable by its best component.
+    fn described(&self, components: &[Component], found: &[Choice]) -> Vec<(Variable, f64)> {
+        let nameable: Vec<Choice> = found.iter().filter(|choice| !choice.is_competitor()).cloned().collect();
+        let state = each_by_itself(self.frame, self.extras(&nameable));
+        let mut best: Vec<(Variable, f64)> = Vec::new();
+        for component in components {
+            let evidence = component.evidence(self.frame, &state);
+            match best.iter_mut().find(|(variable, _)| *variable == component.variable) {
+                Some(held) => held.1 = held.1.max(evidence),
+                None => best.push((component.variable, evidence)),
+            }
+        }
+        best.retain(|(_, evidence)| *evidence > LEAST_DESCRIBED);
+        best.sort_by(|a, b| b.1.total_cmp(&a.1));
+        best.truncate(MOST_DESCRIBED);
+        best
+    }
+
     /// The least of the names in time or temperature that do not lead noise with a memory clearly.
     fn weakest_under_memory(&self, found: &[Choice]) -> Option<usize> {
         let of_time = |i: &usize| {

@@ -3,7 +3,6 @@
 use nalgebra::Vector3;
 
 use crate::core::augmented::Adopted;
-pub use crate::core::diagnose::search::components::Variable;
 use crate::core::campaign::Phase;
 use crate::core::effects::{Effect, Estimate, Shape};
 use crate::core::message::Message;
@@ -67,6 +66,38 @@ pub struct Diagnosis {
     pub noise: NoiseFound,
     /// What is left goes with, the strongest first, where something is left: no cause.
     pub description: Vec<Described>,
+}
+
+/// What a dwell has that others may have too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Variable {
+    Time,
+    Temperature,
+    TemperatureRate,
+    UpDirection,
+    Heading,
+    RateLevel,
+    RateAxis,
+    RateHistory,
+    OrientationBefore,
+    Phase,
+}
+
+impl Variable {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Temperature => "temperature",
+            Self::TemperatureRate => "temperature_rate",
+            Self::UpDirection => "up_direction",
+            Self::Heading => "heading",
+            Self::RateLevel => "rate_level",
+            Self::RateAxis => "rate_axis",
+            Self::RateHistory => "rate_history",
+            Self::OrientationBefore => "orientation_before",
+            Self::Phase => "phase",
+        }
+    }
 }
 
 /// One thing that what is left goes with.

@@ -15,6 +15,7 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::projections::State;
 use crate::core::campaign::Phase;
+use crate::core::diagnose::diagnosis::Variable;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::Setting;
 use crate::core::numerics::log_sum::LogSum;
@@ -28,38 +29,6 @@ const POWERS: [f64; 11] = [0.1, 0.316, 1.0, 3.16, 10.0, 31.6, 100.0, 316.0, 1e3,
 /// Largest rank that is kept of a kernel, and share of its trace that may be left out.
 const MOST: usize = 24;
 const LEFT_OUT: f64 = 1e-3;
-
-/// What a dwell has that others may have too.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Variable {
-    Time,
-    Temperature,
-    TemperatureRate,
-    UpDirection,
-    Heading,
-    RateLevel,
-    RateAxis,
-    RateHistory,
-    OrientationBefore,
-    Phase,
-}
-
-impl Variable {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Time => "time",
-            Self::Temperature => "temperature",
-            Self::TemperatureRate => "temperature_rate",
-            Self::UpDirection => "up_direction",
-            Self::Heading => "heading",
-            Self::RateLevel => "rate_level",
-            Self::RateAxis => "rate_axis",
-            Self::RateHistory => "rate_history",
-            Self::OrientationBefore => "orientation_before",
-            Self::Phase => "phase",
-        }
-    }
-}
 
 /// One kernel, by its factor: dwells x rank.
 pub(crate) struct Component {

@@ -5,9 +5,10 @@
 //! growth averaged out, not only at its best value.
 
 use crate::core::calibrate::growth::Law;
+use crate::core::diagnose::diagnosis::Variable;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::components::{Component, Variable, components};
+use crate::core::diagnose::search::components::{Component, components};
 use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::noise_models::{self, Found, NoiseModels, likelier_law};
 use crate::core::diagnose::search::null_distribution::Null;

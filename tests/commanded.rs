@@ -212,8 +212,12 @@ const MUTANTS: [Mutant; 25] = [
         turning(c, axes(REVERSED_Z, false, true))
     }),
     ("rates reversed while turning", "rates_reversed", |c, _| turning(c, |d| d.rate_arcsec_s *= -1.0)),
-    ("outputs of two gyros exchanged", "direction_of_another", |c, _| turning(c, |_| ()).map(|c| outputs(&c, |o| o.swap(0, 1)))),
-    ("output of one gyro reversed", "direction_off_axis", |c, _| turning(c, |_| ()).map(|c| outputs(&c, |o| o[1] *= -1.0))),
+    ("outputs of two gyros exchanged", "direction_of_another", |c, _| {
+        turning(c, |_| ()).map(|c| outputs(&c, |o| o.swap(0, 1)))
+    }),
+    ("output of one gyro reversed", "direction_off_axis", |c, _| {
+        turning(c, |_| ()).map(|c| outputs(&c, |o| o[1] *= -1.0))
+    }),
     ("x and y of the rate exchanged", "axes_exchanged (first: x, second: y, vectors: rate_arcsec_s)", |c, _| {
         Some(each(c, axes(EXCHANGED_XY, false, true)))
     }),
@@ -244,7 +248,8 @@ fn no_clean_campaign_is_refused_or_noted() {
 /// What gyros do, however much of it, is no mistake of the station.
 #[test]
 fn no_campaign_with_a_large_effect_or_another_seat_is_refused() {
-    let ids = ["magnetic", "azimuth", "levelling", "temperature_scale", "scale_asymmetry", "g_rate_coupling", "periodic"];
+    let ids =
+        ["magnetic", "azimuth", "levelling", "temperature_scale", "scale_asymmetry", "g_rate_coupling", "periodic"];
     let mut tried = 0;
     for i in 0..56 {
         let mut s = Scenario { seed: 50_000 + i, ..Scenario::default() };

@@ -159,8 +159,7 @@ impl Kind {
         };
         // A tilt or a seat that changes midway is its own entry.
         let means = |named: &super::answer::Named, id: &str| {
-            named.means(id)
-                || self.hidden == PartOfTheTime && id == "levelling" && named.means("relevelling")
+            named.means(id) || self.hidden == PartOfTheTime && id == "levelling" && named.means("relevelling")
         };
         let answer = match answer {
             Ok(answer) => answer,

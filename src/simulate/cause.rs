@@ -16,24 +16,43 @@ pub enum Effect {
     TemperatureBias,
     TemperatureG([Vector3<f64>; 3]),
     TemperatureScale,
-    Warmup { tau_h: f64 },
+    Warmup {
+        tau_h: f64,
+    },
     TimeRamp,
-    BiasStep { first: usize },
-    OutlierDwell { index: usize },
-    Periodic { period_h: f64, phase: f64 },
+    BiasStep {
+        first: usize,
+    },
+    OutlierDwell {
+        index: usize,
+    },
+    Periodic {
+        period_h: f64,
+        phase: f64,
+    },
     Hysteresis,
     ScaleAsymmetry,
     ScaleQuadratic,
     ScaleCubic,
     Anisoinertia,
     GRateCoupling,
-    Levelling { east: f64, north: f64 },
+    Levelling {
+        east: f64,
+        north: f64,
+    },
     Azimuth,
     /// A tilt of the table that begins with a dwell.
-    Relevelling { east: f64, north: f64, first: usize },
+    Relevelling {
+        east: f64,
+        north: f64,
+        first: usize,
+    },
     /// The IMU sits otherwise in its fixture, turned about body axes, from a dwell on; where none is given, while the
     /// table turns.
-    Reseating { about: Vector3<f64>, first: Option<usize> },
+    Reseating {
+        about: Vector3<f64>,
+        first: Option<usize>,
+    },
     Magnetic([Vector3<f64>; 3]),
     CrossCompliance([Vector3<f64>; 3]),
     CubicG,
@@ -181,10 +200,9 @@ impl Effect {
                 let first = fixed.dwell.unwrap_or_else(|| inner_dwell(dwells, rng));
                 Self::Relevelling { east: along.x, north: along.y, first }
             }
-            "reseating" => Self::Reseating {
-                about: fixed.direction.unwrap_or_else(|| any_direction(rng)),
-                first: fixed.dwell,
-            },
+            "reseating" => {
+                Self::Reseating { about: fixed.direction.unwrap_or_else(|| any_direction(rng)), first: fixed.dwell }
+            }
             "magnetic" => Self::Magnetic(directions()),
             "cross_compliance" => Self::CrossCompliance(directions()),
             "cubic_g" => Self::CubicG,
@@ -222,7 +240,8 @@ impl Effect {
                 vec![vec![Self::Levelling { east: 1.0, north: 0.0 }, Self::Levelling { east: 0.0, north: 1.0 }]]
             }
             "relevelling" => {
-                let tilts = |first| [(1.0, 0.0), (0.0, 1.0)].map(|(east, north)| Self::Relevelling { east, north, first });
+                let tilts =
+                    |first| [(1.0, 0.0), (0.0, 1.0)].map(|(east, north)| Self::Relevelling { east, north, first });
                 (1..dwells).map(|first| tilts(first).to_vec()).collect()
             }
             "reseating" => {

@@ -390,7 +390,8 @@ impl From<&core::NoiseFound> for NoiseBody {
             gyros: [a, b].map(|slot| slot.name().to_owned()),
             correlation: *correlation,
         };
-        let wander = |(slot, deg_per_h): &(Slot, f64)| WanderBody { slot: slot.name().to_owned(), deg_per_h: *deg_per_h };
+        let wander =
+            |(slot, deg_per_h): &(Slot, f64)| WanderBody { slot: slot.name().to_owned(), deg_per_h: *deg_per_h };
         let (falls_with_duration, grows_in_time) = match noise.law {
             Some(core::LawFound::Duration { power }) => (Some(power), None),
             Some(core::LawFound::Time { times }) => (None, Some(times)),

@@ -316,8 +316,7 @@ impl Problem<'_> {
         let has_sem = self.campaign.states_errors();
         let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
         let evidence = Evidence::of(fit.chi2, fit.dof, pure_error);
-        let noise = noise(&[evidence], has_sem)[0]
-            .with_scatter(sem_scatter(&self.campaign.dwells, 0));
+        let noise = noise(&[evidence], has_sem)[0].with_scatter(sem_scatter(&self.campaign.dwells, 0));
         let covariance = noise.covariance_scale().map(|s| &fit.covariance * s);
         let sigma = noise.factor.map(|f| DVector::from_fn(self.sd.len(), |i, _| self.sd[i] * f));
         let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };

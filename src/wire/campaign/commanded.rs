@@ -4,8 +4,8 @@
 use serde_json::{Value, json};
 
 use crate::core::calibrate::outcome::evaluate;
-use crate::core::campaign::{Campaign, TestKind};
 use crate::core::campaign::commanded::{Cause, Finding, Part, Symptom, Vectors, findings};
+use crate::core::campaign::{Campaign, TestKind};
 use crate::core::fault::{Fault, Faults};
 use crate::core::message::{Message, Parameter, figure, signed};
 use crate::core::record::Plausibility;
@@ -76,11 +76,7 @@ fn pointer(finding: &Finding, dwell: usize) -> String {
         (_, Symptom::Gravity | Symptom::Output) => "specific_force_g0",
         (
             _,
-            Symptom::StaticRate
-            | Symptom::VerticalRate
-            | Symptom::TurningRate
-            | Symptom::Heading
-            | Symptom::Senses,
+            Symptom::StaticRate | Symptom::VerticalRate | Symptom::TurningRate | Symptom::Heading | Symptom::Senses,
         ) => "rate_arcsec_s",
     };
     format!("/dwells/{dwell}/{field}")

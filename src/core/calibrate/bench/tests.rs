@@ -316,8 +316,7 @@ fn a_product_that_hides_in_a_coefficient_is_said_with_what_it_does() {
         })
         .collect();
     let outputs = outputs(1.5, &DRIFT, &positions);
-    let found =
-        fitted(&bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1e-3), Some([1.5, 0.0, 0.0])));
+    let found = fitted(&bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1e-3), Some([1.5, 0.0, 0.0])));
     let moved: Vec<(&str, &str)> = found.aliases.iter().map(|alias| (alias.product, alias.coefficient)).collect();
     assert_eq!(moved, [("D_IO", "D_I"), ("D_OS", "D_S")]);
     assert!(found.aliases.iter().all(|alias| (alias.moves - 0.5).abs() < 1e-9), "{:?}", found.aliases);
@@ -333,7 +332,9 @@ fn what_eq_5_does_not_fit_shows_in_its_p_value() {
             .enumerate()
             .map(|(k, (y, (a, _)))| y + 1e-3 * ((k * 37 % 11) as f64 / 5.0 - 1.0) + curve * a[0].powi(3))
             .collect();
-        fitted(&bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1e-3), None)).p_value.expect("errors are stated")
+        fitted(&bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1e-3), None))
+            .p_value
+            .expect("errors are stated")
     };
     assert!(p_value(0.0) > 0.05 && p_value(0.1) < 1e-6, "{} {}", p_value(0.0), p_value(0.1));
 }

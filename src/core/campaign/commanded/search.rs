@@ -1,7 +1,7 @@
 //! Which mistake explains what cannot be.
 
-use super::senses::senses;
 use super::measure::{HEADING_ROOM, Measures, RATE_ROOM};
+use super::senses::senses;
 use super::transform::{Mistake, mistakes, other_headings, single_axes};
 use super::worth::{Tried, Worth};
 use super::{Cause, EARTH, Finding, Part, Symptom, median};

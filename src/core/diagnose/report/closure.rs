@@ -78,7 +78,11 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
         }
     }
     if let Some((_, _, probability)) = settled.noise_found.memory {
-        list.push(Sign { kind: "noise_with_memory", slots: all_slots(frame), p_value: (1.0 - probability).min(CERTAIN) });
+        list.push(Sign {
+            kind: "noise_with_memory",
+            slots: all_slots(frame),
+            p_value: (1.0 - probability).min(CERTAIN),
+        });
     }
     let extras: Vec<Basis> = (0..frame.gyros.len())
         .map(|j| {

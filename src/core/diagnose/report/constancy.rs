@@ -76,12 +76,7 @@ pub(crate) fn changes(left: &Left, named: &[Named], fit: &Fit, detectability: f6
 }
 
 /// Every change of a drift of gyro `j` that is tried: its probability, and the part in which it would act.
-fn of_gyro(
-    left: &Left,
-    j: usize,
-    drift: Vec<f64>,
-    shape: Shape,
-) -> impl Iterator<Item = (f64, Option<[f64; 2]>)> {
+fn of_gyro(left: &Left, j: usize, drift: Vec<f64>, shape: Shape) -> impl Iterator<Item = (f64, Option<[f64; 2]>)> {
     let s = &left.frame.setting;
     let n = s.dwells();
     // Off the model alone: what the other names leave of it is the effect's own.

@@ -33,6 +33,8 @@ const LEFT_OUT: f64 = 1e-3;
 /// One kernel, by its factor: dwells x rank.
 pub(crate) struct Component {
     pub variable: Variable,
+    /// Whether a name falls by it: not by what is an entry of the catalogue itself.
+    pub competes: bool,
     factor: DMatrix<f64>,
 }
 
@@ -43,12 +45,19 @@ const SAME: f64 = 1e-3;
 pub(crate) fn components(s: &Setting) -> Vec<Component> {
     let n = s.dwells();
     let mut found = Vec::new();
-    let mut add = |variable: Variable, like: &dyn Fn(usize, usize) -> f64| {
+    let mut component = |variable: Variable, competes: bool, like: &dyn Fn(usize, usize) -> f64| {
         let factor = factor(&DMatrix::from_fn(n, n, like));
         if factor.ncols() > 0 {
-            found.push(Component { variable, factor });
+            found.push(Component { variable, competes, factor });
         }
     };
+    if let Some(c) = &s.nav_to_body {
+        // What a field along north makes of each body axis: `magnetic` itself.
+        let north = |k: usize| c[k] * Vector3::y();
+        let still = |k: usize| f64::from(u8::from(s.phase[k] == Phase::Static));
+        component(Variable::Heading, false, &|a, b| still(a) * still(b) * north(a).dot(&north(b)));
+    }
+    let mut add = |variable: Variable, like: &dyn Fn(usize, usize) -> f64| component(variable, true, like);
     let same_face = |a: usize, b: usize| s.force[a].angle(&s.force[b]) < SAME;
     let turns = |k: usize| s.phase[k] == Phase::Rate;
     let both = |yes: bool| f64::from(u8::from(yes));
@@ -72,7 +81,6 @@ pub(crate) fn components(s: &Setting) -> Vec<Component> {
         let north: Vec<Vector3<f64>> = c.iter().map(|c| c * Vector3::y()).collect();
         let still = |a: usize, b: usize| !turns(a) && !turns(b);
         add(Variable::Heading, &|a, b| both(still(a, b) && same_face(a, b)) * north[a].dot(&north[b]));
-        add(Variable::Heading, &|a, b| both(still(a, b)) * north[a].dot(&north[b]));
     }
     let speed: Vec<f64> = s.rate.iter().map(Vector3::norm).collect();
     let top = speed.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
@@ -115,7 +123,12 @@ impl Component {
                 column
             });
             let columns: Vec<Vec<f64>> = columns.collect();
-            log_bayes(&columns, &left.residual, (gyro.dof() - left.extra.rank().min(gyro.dof())) as f64, frame.noise.stated)
+            log_bayes(
+                &columns,
+                &left.residual,
+                (gyro.dof() - left.extra.rank().min(gyro.dof())) as f64,
+                frame.noise.stated,
+            )
         };
         let each = (0..frame.gyros.len()).map(of_gyro);
         each.map(|log| LogSum::of(&[0.0, log]).log() - std::f64::consts::LN_2).sum()

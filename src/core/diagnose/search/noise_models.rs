@@ -30,7 +30,7 @@ use crate::message;
 const AS_STATED: f64 = 0.8;
 
 /// Prior probability that the noise has no memory.
-const WITHOUT_MEMORY: f64 = 0.98;
+const WITHOUT_MEMORY: f64 = 0.995;
 
 /// Prior probability that gyros share their noise.
 const BETWEEN_GYROS: f64 = 0.1;
@@ -241,7 +241,8 @@ impl NoiseModels {
         for memory in [Memory::Flicker, Memory::Walk] {
             let (kernel, size) = (memory.kernel(s), if memory == Memory::Walk { OF_WALK } else { 1.0 });
             for power in POWERS.map(|power| size * power) {
-                let framed = frame.with_memory(&kernel, power).map(|framed| (Kind::Memory(memory, power), odds, framed));
+                let framed =
+                    frame.with_memory(&kernel, power).map(|framed| (Kind::Memory(memory, power), odds, framed));
                 tried.extend(framed);
             }
         }
@@ -284,10 +285,11 @@ impl NoiseModels {
         }
         if let Some(log_odds) = self.shared {
             let shared = Shared::of(frame, state());
-            all.push((log_odds + shared.log_gain, Under::Shared(shared)));
+            if shared.is_of_noise() {
+                all.push((log_odds + shared.log_gain, Under::Shared(shared)));
+            }
         }
-        let top = all.iter().map(|(weight, _)| *weight).fold(f64::NEG_INFINITY, f64::max);
-        all.retain(|(weight, _)| weight - top > NOTHING - 3.0);
+        // None is dropped here: what weighs nothing without a name may be what the name holds under.
         all
     }
 
@@ -310,8 +312,9 @@ impl NoiseModels {
             Kind::Memory(memory, power) => Some((memory, power, probability)),
             Kind::Law(_) => None,
         });
-        let between_gyros =
-            shared.filter(|(log_odds, shared)| log_odds + shared.log_gain > 0.0).map(|(_, shared)| shared);
+        let between_gyros = shared
+            .filter(|(log_odds, shared)| shared.is_of_noise() && log_odds + shared.log_gain > 0.0)
+            .map(|(_, shared)| shared);
         Found { between_gyros, memory }
     }
 }

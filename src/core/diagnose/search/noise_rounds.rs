@@ -159,6 +159,9 @@ impl Settled {
 /// ln of evidence by which a component must lead a name for the name to fall.
 const LEAD_OF_COMPONENT: f64 = 4.5;
 
+/// And the share of the name's own evidence beside that: what a strong effect's shape misses is some hundredths of it.
+const LEAD_SHARE: f64 = 0.03;
+
 /// ln of evidence from which on what is left is described, and by how many variables.
 const LEAST_DESCRIBED: f64 = 2.0;
 const MOST_DESCRIBED: usize = 2;
@@ -172,8 +175,13 @@ impl Search<'_> {
         let lead = |i: usize| {
             let others = without(found, i);
             let state = each_by_itself(self.frame, self.extras(&others));
-            let best = components.iter().map(|c| c.evidence(self.frame, &state)).fold(f64::NEG_INFINITY, f64::max);
-            best - self.evidence(&others, found[i].kind)
+            let best = components
+                .iter()
+                .filter(|c| c.competes)
+                .map(|c| c.evidence(self.frame, &state))
+                .fold(f64::NEG_INFINITY, f64::max);
+            let own = self.against_white_noise(&others, found[i].kind);
+            best - own - LEAD_SHARE * own.max(0.0)
         };
         let named = (0..found.len()).filter(|&i| found[i].kind.is_nameable());
         let leads = named.map(|i| (i, lead(i))).filter(|(_, lead)| *lead > LEAD_OF_COMPONENT);

@@ -28,6 +28,10 @@ use crate::core::numerics::log_sum::LogSum;
 /// Observations of independent unit noise that the prior is worth.
 const K: f64 = 10.0;
 
+/// Mean square of a gyro's residuals from which on they are no noise: what is common to gyros is then an effect that is
+/// not in the model yet.
+const NO_NOISE: f64 = 9.0;
+
 /// How often R is found anew for coefficients that all gyros share.
 const ROUNDS: usize = 3;
 
@@ -70,9 +74,8 @@ impl Shared {
         let beyond = (MAX_GYROS - p) as f64 * K.ln();
         let free = ln_gamma_of_matrix(p, a) - ln_gamma_of_matrix(p, b) + b * p as f64 * K.ln()
             - a * (ln_det(&self.left(&Matrix3::zeros())) - beyond);
-        let of_scale = |rss: f64, nu: f64| {
-            ln_gamma(0.5 * (nu + K)) - ln_gamma(b) + b * K.ln() - 0.5 * (nu + K) * (K + rss).ln()
-        };
+        let of_scale =
+            |rss: f64, nu: f64| ln_gamma(0.5 * (nu + K)) - ln_gamma(b) + b * K.ln() - 0.5 * (nu + K) * (K + rss).ln();
         let own = self.products.diagonal();
         let mut scatter: Vec<Scatter> = own.iter().take(p).map(|rss| Scatter { rss: *rss, nu }).collect();
         let independent: f64 = match pool(&mut scatter) {
@@ -80,6 +83,11 @@ impl Shared {
             false => own.iter().take(p).map(|rss| of_scale(*rss, nu)).sum(),
         };
         free - independent
+    }
+
+    /// Whether the residuals are about as large as noise.
+    pub fn is_of_noise(&self) -> bool {
+        self.products.diagonal().max() < NO_NOISE * self.nu
     }
 
     /// k + S - D.
@@ -118,14 +126,7 @@ impl Shared {
         bank.kinds.iter().map(|(kind, range)| self.score(bank, *kind, range.clone(), &seen, &across)).collect()
     }
 
-    fn score(
-        &self,
-        bank: &Bank,
-        kind: Effect,
-        range: Range<usize>,
-        seen: &[Seen],
-        across: &[DMatrix<f64>],
-    ) -> Score {
+    fn score(&self, bank: &Bank, kind: Effect, range: Range<usize>, seen: &[Seen], across: &[DMatrix<f64>]) -> Score {
         let mut score = Score { kind, log_evidence: f64::NEG_INFINITY, best: range.start, gyro_log: [0.0; MAX_GYROS] };
         let mut total = LogSum::default();
         let mut best = f64::NEG_INFINITY;
@@ -273,8 +274,8 @@ impl Shared {
                 }
                 let Some(factor) = system.cholesky() else { break };
                 let estimate = factor.solve(&along);
-                penalty = 0.5 * (factor.ln_determinant() + size as f64 * power.ln())
-                    + 0.5 * estimate.norm_squared() / power;
+                penalty =
+                    0.5 * (factor.ln_determinant() + size as f64 * power.ln()) + 0.5 * estimate.norm_squared() / power;
                 for i in 0..p {
                     for j in 0..p {
                         taken[(i, j)] = sides[i][j].dot(&estimate) + sides[j][i].dot(&estimate)
@@ -303,8 +304,7 @@ fn coefficients(block: &Block, seen: &Seen, g: f64, across: &DMatrix<f64>, own: 
         return (solved.iter().take(block.len).copied().collect(), factor.ln_determinant());
     }
     let system = DMatrix::from_fn(block.len, block.len, |a, b| {
-        let taken: f64 =
-            seen.taken(block.start + a).iter().zip(seen.taken(block.start + b)).map(|(x, y)| x * y).sum();
+        let taken: f64 = seen.taken(block.start + a).iter().zip(seen.taken(block.start + b)).map(|(x, y)| x * y).sum();
         let own = if a == b { 1.0 + g * block.length(a) } else { 0.0 };
         own - g * taken
     });

@@ -150,6 +150,11 @@ impl Search<'_> {
         (0..self.bank.kinds.len()).map(of_kind).collect()
     }
 
+    /// Evidence of one kind beside `choices` where the noise is white and independent.
+    pub(super) fn against_white_noise(&self, choices: &[Choice], kind: Effect) -> f64 {
+        evidence_of(&scores(self.bank, &self.state(choices)), kind)
+    }
+
     fn under(&self, choices: &[Choice]) -> Vec<(f64, Under<'_>)> {
         let columns = designs(self.frame, self.bank, choices, None);
         self.noise.under(self.frame, self.bank, &columns, || each_by_itself(self.frame, self.extras(choices)))

@@ -61,7 +61,8 @@ fn check_particulars(world: &World, choice: &EffectChoice, pointer: &str) -> Res
         faults
             .push(format!("{pointer}/dwell"), message!("beyond_last_dwell", dwell = dwell, dwells = world.plan.len()));
     }
-    if let Some([from, to]) = choice.acts_in.filter(|[from, to]| !(from < to)) {
+    if let Some([from, to]) = choice.acts_in.filter(|[from, to]| from.partial_cmp(to) != Some(std::cmp::Ordering::Less))
+    {
         let value = format!("{from} .. {to}");
         faults.push(format!("{pointer}/acts_in"), message!("acts_never", value = text(value)));
     }

@@ -310,7 +310,7 @@ fn a_product_that_hides_in_a_coefficient_is_said_with_what_it_does() {
     let (across, along) = (0.75_f64.sqrt(), 0.5);
     let positions: Vec<Position> = (0..12)
         .map(|k| {
-            let angle = f64::from(k) * 0.523_598_775_598_298_9;
+            let angle = f64::from(k) * std::f64::consts::FRAC_PI_6;
             let a = [across * angle.cos(), across * angle.sin(), along];
             (a, [EARTH * a[0], EARTH * a[1], EARTH * a[2]])
         })

@@ -21,7 +21,7 @@ use crate::core::effects::Setting;
 use crate::core::numerics::log_sum::LogSum;
 
 /// Observations of unit noise that the stated errors are worth.
-const K: f64 = 10.0;
+const K: f64 = 4.0;
 
 /// Power of a component over the noise, phi.
 const POWERS: [f64; 11] = [0.1, 0.316, 1.0, 3.16, 10.0, 31.6, 100.0, 316.0, 1e3, 3.16e3, 1e4];
@@ -215,8 +215,8 @@ mod tests {
         let along: f64 = y.iter().map(|y| 0.5 * y).sum();
         let rss: f64 = y.iter().map(|y| y * y).sum();
         let of = |phi: f64| {
-            let left = (10.0 + rss - 4.0 * phi * along * along / (1.0 + 4.0 * phi)) / (10.0 + rss);
-            (-0.5 * (1.0 + 4.0 * phi).ln() - 7.0 * left.ln()).exp()
+            let left = (4.0 + rss - 4.0 * phi * along * along / (1.0 + 4.0 * phi)) / (4.0 + rss);
+            (-0.5 * (1.0 + 4.0 * phi).ln() - 4.0 * left.ln()).exp()
         };
         let expected = (POWERS.map(of).iter().sum::<f64>() / POWERS.len() as f64).ln();
         assert!((log_bayes(&[column], &y, 4.0, true) - expected).abs() < 1e-9);

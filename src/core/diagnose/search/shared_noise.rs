@@ -30,7 +30,7 @@ const K: f64 = 10.0;
 
 /// Mean square of a gyro's residuals from which on they are no noise: what is common to gyros is then an effect that is
 /// not in the model yet.
-const NO_NOISE: f64 = 9.0;
+const NO_NOISE: f64 = 2.5;
 
 /// How often R is found anew for coefficients that all gyros share.
 const ROUNDS: usize = 3;
@@ -263,7 +263,10 @@ impl Shared {
         for &power in hypothesis.powers {
             let (mut taken, mut penalty) = (Matrix3::zeros(), 0.0);
             for _ in 0..ROUNDS {
-                let Some(weights) = (self.left(&taken) / (self.nu + K)).try_inverse() else { break };
+                let Some(weights) = (self.left(&taken) / (self.nu + K)).cholesky().map(|factor| factor.inverse())
+                else {
+                    break;
+                };
                 let mut system = DMatrix::identity(size, size) / power;
                 let mut along = DVector::zeros(size);
                 for i in 0..p {

@@ -128,7 +128,7 @@ impl Search<'_> {
             .iter()
             .map(|(weight, under)| {
                 let scores = match under {
-                    Under::Independent(frame, bank) => scores(bank, &state(frame, extras(bank, choices))),
+                    Under::Independent(frame, bank) => independent(frame, bank, choices),
                     Under::Shared(shared) => shared.scores(self.bank),
                 };
                 (*weight, scores)
@@ -150,9 +150,9 @@ impl Search<'_> {
         (0..self.bank.kinds.len()).map(of_kind).collect()
     }
 
-    /// Evidence of one kind beside `choices` where the noise is white and independent.
+    /// Evidence of one kind beside `choices` where the noise is white and each gyro knows its own alone.
     pub(super) fn against_white_noise(&self, choices: &[Choice], kind: Effect) -> f64 {
-        evidence_of(&scores(self.bank, &self.state(choices)), kind)
+        evidence_of(&scores(self.bank, &each_by_itself(self.frame, self.extras(choices))), kind)
     }
 
     fn under(&self, choices: &[Choice]) -> Vec<(f64, Under<'_>)> {
@@ -444,6 +444,24 @@ impl Search<'_> {
         }
         total.log() - weights.log() + odds
     }
+}
+
+/// Evidence from which on what one gyro holds is too much noise to another that knows its noise from all.
+const STRONG: f64 = 25.0;
+
+/// Evidence under noise that gyros do not share. Where gyros know their noise from one another, what a strong effect
+/// leaves in the others counts as noise to each, and its evidence falls short of the likelihoods that it is weighed
+/// with: there each gyro has its own.
+fn independent(frame: &Frame, bank: &Bank, choices: &[Choice]) -> Vec<Score> {
+    let pooled = scores(bank, &state(frame, extras(bank, choices)));
+    if pooled.iter().all(|score| score.log_evidence < STRONG) {
+        return pooled;
+    }
+    let own = scores(bank, &each_by_itself(frame, extras(bank, choices)));
+    let stronger = |(pooled, own): (Score, Score)| {
+        if own.log_evidence > STRONG.max(pooled.log_evidence) { own } else { pooled }
+    };
+    pooled.into_iter().zip(own).map(stronger).collect()
 }
 
 /// Orthonormal columns of the choices in each gyro.

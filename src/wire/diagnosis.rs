@@ -154,6 +154,9 @@ pub struct NoiseBody {
     /// With what power of duration the noise falls, where the standard errors do not say it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub falls_with_duration: Option<f64>,
+    /// How many times the noise is as large at the fastest rate as at rest, where the standard errors do not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grows_with_rate: Option<f64>,
     /// How many times the noise is as large at the end as at the beginning, where the standard errors do not say it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grows_in_time: Option<f64>,
@@ -392,11 +395,14 @@ impl From<&core::NoiseFound> for NoiseBody {
         };
         let wander =
             |(slot, deg_per_h): &(Slot, f64)| WanderBody { slot: slot.name().to_owned(), deg_per_h: *deg_per_h };
-        let (falls_with_duration, grows_in_time) = match noise.law {
-            Some(core::LawFound::Duration { power }) => (Some(power), None),
-            Some(core::LawFound::Time { times }) => (None, Some(times)),
-            None => (None, None),
-        };
+        let (mut falls_with_duration, mut grows_with_rate, mut grows_in_time) = (None, None, None);
+        for law in &noise.laws {
+            match *law {
+                core::LawFound::Duration { power } => falls_with_duration = Some(power),
+                core::LawFound::Rate { times } => grows_with_rate = Some(times),
+                core::LawFound::Time { times } => grows_in_time = Some(times),
+            }
+        }
         Self {
             between_gyros: noise.between_gyros.iter().map(pair).collect(),
             flicker: noise.memory.as_ref().map(|memory| MemoryBody {
@@ -405,6 +411,7 @@ impl From<&core::NoiseFound> for NoiseBody {
                 probability: memory.probability,
             }),
             falls_with_duration,
+            grows_with_rate,
             grows_in_time,
         }
     }

@@ -114,7 +114,7 @@ pub struct NoiseFound {
     /// Correlations of gyros.
     pub between_gyros: Vec<(Slot, Slot, f64)>,
     pub memory: Option<MemoryFound>,
-    pub law: Option<LawFound>,
+    pub laws: Vec<LawFound>,
 }
 
 impl NoiseFound {
@@ -139,6 +139,8 @@ pub struct MemoryFound {
 pub enum LawFound {
     /// It falls with duration to this power.
     Duration { power: f64 },
+    /// So many times as large at the fastest rate as at rest.
+    Rate { times: f64 },
     /// So many times as large at the end as at the beginning.
     Time { times: f64 },
 }

@@ -146,7 +146,7 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     let (frame, bank) = (&settled.frame, &settled.bank);
     let classes: Vec<Vec<Effect>> = named.iter().map(Named::anywhere).collect();
     let mimics = identifiability::mimics(frame, bank, &parts);
-    let noise = settled.noise_found.report(frame, settled.law);
+    let noise = settled.noise_found.report(frame, &settled.laws);
     let remains = matches!(verdict, Verdict::PartlyExplained | Verdict::Unexplained);
     let described = settled.description.iter().filter(|_| remains);
     let description: Vec<Described> = described.map(|&(by, evidence)| Described { by, evidence }).collect();

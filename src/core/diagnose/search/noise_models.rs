@@ -17,6 +17,7 @@ use super::noise_rounds::designs;
 use super::projections::{State, each_by_itself};
 use super::shared_noise::Shared;
 use super::stepwise::Choice;
+use crate::core::campaign::Phase;
 use crate::core::diagnose::diagnosis::{LawFound, MemoryFound, NoiseFound};
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
@@ -55,6 +56,8 @@ const CERTAIN: f64 = 0.98;
 pub(crate) enum Law {
     /// Times (median duration/duration)^power.
     Duration(f64),
+    /// Times sqrt(1 + (growth w/top)^2), w the rate.
+    Rate(f64),
     /// Times exp(growth x), x the time from -1/2 to 1/2 of the campaign.
     Time(f64),
 }
@@ -65,7 +68,9 @@ impl Law {
         let median = middle(&s.duration);
         let unequal = s.duration.iter().any(|d| (d / median).ln().abs() > 0.2);
         let durations = [0.25, 0.5].into_iter().filter(|_| unequal).map(Self::Duration);
-        durations.chain([-1.1, -0.55, 0.55, 1.1].map(Self::Time)).collect()
+        let turns = s.phase.contains(&Phase::Rate);
+        let rates = [0.5, 1.0, 2.0, 4.0].into_iter().filter(|_| turns).map(Self::Rate);
+        durations.chain(rates).chain([-1.1, -0.55, 0.55, 1.1].map(Self::Time)).collect()
     }
 
     fn factors(self, s: &Setting) -> Vec<f64> {
@@ -73,6 +78,10 @@ impl Law {
         let span = s.span().max(f64::MIN_POSITIVE);
         match self {
             Self::Duration(power) => s.column(|k| (median / s.duration[k]).powf(power)),
+            Self::Rate(growth) => {
+                let top = s.rate.iter().map(|w| w.norm()).fold(f64::MIN_POSITIVE, f64::max);
+                s.column(|k| (1.0 + (growth * s.rate[k].norm() / top).powi(2)).sqrt())
+            }
             Self::Time(growth) => s.column(|k| (growth * (s.elapsed(k) / span - 0.5)).exp()),
         }
     }
@@ -146,7 +155,7 @@ pub(crate) struct Found {
 
 impl Found {
     /// As it is answered.
-    pub fn report(&self, frame: &Frame, law: Option<Law>) -> NoiseFound {
+    pub fn report(&self, frame: &Frame, laws: &[Law]) -> NoiseFound {
         let gyros = &frame.setting.gyros;
         let pairs = (0..gyros.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
         let correlated = |shared: &Shared| {
@@ -164,10 +173,13 @@ impl Found {
                     .collect(),
                 probability,
             }),
-            law: law.map(|law| match law {
-                Law::Duration(power) => LawFound::Duration { power },
-                Law::Time(growth) => LawFound::Time { times: growth.exp() },
-            }),
+            laws: (laws.iter())
+                .map(|law| match law {
+                    Law::Duration(power) => LawFound::Duration { power: *power },
+                    Law::Rate(growth) => LawFound::Rate { times: (1.0 + growth * growth).sqrt() },
+                    Law::Time(growth) => LawFound::Time { times: growth.exp() },
+                })
+                .collect(),
         }
     }
 }
@@ -183,8 +195,9 @@ impl NoiseFound {
             let probability = figure(memory.probability.min(0.999), 3);
             message!("noise_memory", probability = probability, size = crate::core::record::short(size))
         }));
-        notes.extend(self.law.map(|law| match law {
+        notes.extend(self.laws.iter().map(|law| match *law {
             LawFound::Duration { power } => message!("noise_of_duration", power = figure(power, 2)),
+            LawFound::Rate { times } => message!("noise_of_rate", times = figure(times, 1)),
             LawFound::Time { times } => message!("noise_of_time", times = figure(times, 1)),
         }));
         notes

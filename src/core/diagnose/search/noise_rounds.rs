@@ -43,7 +43,8 @@ pub(crate) struct Settled {
     noise: NoiseModels,
     /// What the noise is, with what was found in the model.
     pub noise_found: Found,
-    pub law: Option<noise_models::Law>,
+    /// How it goes beside what is stated.
+    pub laws: Vec<noise_models::Law>,
     /// What the residuals go with beside what was found, and the evidence of it, the strongest first.
     pub description: Vec<(Variable, f64)>,
 }
@@ -83,7 +84,7 @@ impl Settled {
                 more: sharper,
                 noise,
                 noise_found: Found::default(),
-                law: None,
+                laws: Vec::new(),
                 description: Vec::new(),
             };
             match next.filter(|_| round < ROUNDS) {
@@ -107,10 +108,13 @@ impl Settled {
     /// The search once more where something is named or a gap is seen: with all that the noise may be, and against
     /// suspects that are not worth their time elsewhere.
     pub fn closer(&self) -> Result<Self, Refusal> {
-        let rebased = match likelier_law(&self.frame, &self.bank, &self.found) {
-            Some((law, frame)) => Some(Self { law: Some(law), ..Self::of(frame)? }),
-            None => None,
-        };
+        let (mut laws, mut rebased) = (Vec::new(), None::<Self>);
+        while laws.len() < MOST_LAWS {
+            let now = rebased.as_ref().unwrap_or(self);
+            let Some((law, frame)) = likelier_law(&now.frame, &now.bank, &now.found) else { break };
+            laws.push(law);
+            rebased = Some(Self::of(frame)?);
+        }
         let plain = rebased.as_ref().unwrap_or(self);
         let bank = Bank::closer(&plain.frame, &plain.more);
         let mut closer = Self {
@@ -123,7 +127,7 @@ impl Settled {
             found: Vec::new(),
             more: plain.more.clone(),
             noise_found: Found::default(),
-            law: plain.law,
+            laws,
             description: Vec::new(),
         };
         if !plain.found.is_empty() {
@@ -155,6 +159,9 @@ impl Settled {
         self.noise.found(&self.frame, &columns, state)
     }
 }
+
+/// Laws of the noise that the standard errors may leave out at once: of duration, of rate and of time.
+const MOST_LAWS: usize = 3;
 
 /// ln of evidence by which a component must lead a name for the name to fall.
 const LEAD_OF_COMPONENT: f64 = 4.5;

@@ -45,6 +45,9 @@ pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
             .filter(|(_, e, f)| *e > evidence - EVIDENCE_MARGIN || *f > fit - FIT_MARGIN)
             .map(|(effect, ..)| *effect),
     );
+    let always =
+        own.entry().never_told_from.iter().filter(|effect| search.bank.kinds.iter().any(|(k, _)| k == *effect));
+    class.extend(always.filter(|effect| !class.contains(effect)).copied().collect::<Vec<_>>());
     class
 }
 

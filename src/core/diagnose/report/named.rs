@@ -12,7 +12,7 @@ use crate::core::mounting::Slot;
 const LEAD_OVER_WANDERING: f64 = 10.0;
 
 /// A gap that needs more names than this has been approximated, not explained.
-const MOST_NAMED: usize = 2;
+const MOST_NAMED: usize = 3;
 
 /// One adopted contract entry with all that belongs to it.
 pub(crate) struct Named {

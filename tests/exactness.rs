@@ -135,7 +135,11 @@ async fn sixteen_senders_at_four_servers_are_judged_as_by_one() {
     assert!(expected.len() > 8, "{expected:?}");
     let differing: Vec<_> =
         expected.keys().chain(found.keys()).filter(|key| expected.get(*key) != found.get(*key)).collect();
-    assert!(differing.is_empty(), "{:?}", differing.iter().map(|key| (key, expected.get(*key), found.get(*key))).collect::<Vec<_>>());
+    assert!(
+        differing.is_empty(),
+        "{:?}",
+        differing.iter().map(|key| (key, expected.get(*key), found.get(*key))).collect::<Vec<_>>()
+    );
     // What all share is judged in the order in which it came; whatever that was, an alert fires and ends by turns.
     let twice = "SELECT count(*) FROM (SELECT alert_step.action, lag(alert_step.action) OVER (PARTITION BY alert ORDER BY alert_step.id) AS before
                      FROM alert_step WHERE action IN ('fire', 'resolve')) AS steps WHERE action = before";

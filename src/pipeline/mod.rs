@@ -99,7 +99,8 @@ impl Pipeline {
         let after = writer::After { wake, models, due, guard };
         // It ends when the writers, who alone tell it of more, are gone.
         tokio::spawn(diagnoses.diagnoser.clone().run(watched));
-        let writers = std::iter::once((writer, Duties::Orders)).chain(lanes.into_iter().map(|lane| (lane, Duties::Lane)));
+        let writers =
+            std::iter::once((writer, Duties::Orders)).chain(lanes.into_iter().map(|lane| (lane, Duties::Lane)));
         // Each on a thread of its own: among other tasks a writer would wait its turn behind all whom it has just
         // answered.
         let runtime = Handle::current();

@@ -8,10 +8,10 @@ use tokio::sync::Mutex;
 use tokio::task::JoinHandle;
 
 use super::batch::{Batch, Rows};
+use super::cells::Cells;
 use super::db::{Sql, cell, insert};
 use super::error::StoreError;
 use super::id::IdSource;
-use super::cells::Cells;
 use super::postgres::{CellWriter, Missed};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
@@ -292,9 +292,21 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
     let mut batch = Batch::default();
     // A file knows of no cells.
     for (file, server, names) in [
-        (insert!("imu (id, name)", [int 0, words 2 3]), insert!("imu (id, cell, name)", [int 0, int 1, words 2 3]), &changes.imus),
-        (insert!("station (id, name)", [int 0, words 2 3]), insert!("station (id, cell, name)", [int 0, int 1, words 2 3]), &changes.stations),
-        (insert!("gyro (id, serial)", [int 0, words 2 3]), insert!("gyro (id, cell, serial)", [int 0, int 1, words 2 3]), &changes.gyros),
+        (
+            insert!("imu (id, name)", [int 0, words 2 3]),
+            insert!("imu (id, cell, name)", [int 0, int 1, words 2 3]),
+            &changes.imus,
+        ),
+        (
+            insert!("station (id, name)", [int 0, words 2 3]),
+            insert!("station (id, cell, name)", [int 0, int 1, words 2 3]),
+            &changes.stations,
+        ),
+        (
+            insert!("gyro (id, serial)", [int 0, words 2 3]),
+            insert!("gyro (id, cell, serial)", [int 0, int 1, words 2 3]),
+            &changes.gyros,
+        ),
     ] {
         let mut rows = Rows::default();
         for NewName { number, cell, name } in names {

@@ -55,8 +55,8 @@ pub use secrets::Secrets;
 
 pub use postgres::{claim, other_servers};
 pub use tables::{
-    access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, head, histories,
-    history, hook, keys, model, names, outbox, record, set_aside, silence,
+    access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, head, histories, history,
+    hook, keys, model, names, outbox, record, set_aside, silence,
 };
 
 #[cfg(test)]

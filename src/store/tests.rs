@@ -156,10 +156,7 @@ async fn what_is_committed_is_read_back_and_survives_reopening() {
     assert_eq!(store::history::oldest(&store, 1, early, 10).await.unwrap(), [rows[1].figures]);
     assert_eq!(store::history::oldest(&store, 77, Span::EVER, 10).await.unwrap(), []);
     let ever = [(1, Span::EVER), (2, Span::EVER)];
-    assert_eq!(
-        store::histories::newest(&store, &ever, 1).await.unwrap(),
-        [[rows[0].figures], [rows[2].figures]]
-    );
+    assert_eq!(store::histories::newest(&store, &ever, 1).await.unwrap(), [[rows[0].figures], [rows[2].figures]]);
     assert_eq!(store::bench::of_gyro(&store, 2, Span::EVER).await.unwrap(), [bench]);
     assert_eq!(store::event::of_gyro(&store, 2).await.unwrap(), [event]);
     assert_eq!(store::keys::get(&store, "k-1").await.unwrap(), Some((ids[0], vec![7; 32])));

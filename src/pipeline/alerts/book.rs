@@ -242,7 +242,8 @@ impl AlertCache {
     }
 
     pub(super) fn places(&self, gyros: &BTreeSet<u32>) -> Vec<(u32, usize)> {
-        let of = |gyro: &u32| (0..self.alerts.get(gyro).map_or(0, Vec::len)).map(|place| (*gyro, place)).collect::<Vec<_>>();
+        let of =
+            |gyro: &u32| (0..self.alerts.get(gyro).map_or(0, Vec::len)).map(|place| (*gyro, place)).collect::<Vec<_>>();
         gyros.iter().flat_map(of).collect()
     }
 

@@ -165,7 +165,8 @@ impl HookCache {
         context: &mut OutboxContext<'_>,
     ) -> Option<Action> {
         let heard = self.heard.entry(news.id).or_default();
-        let action = alert_decision::for_hook(&news.alert, heard.get(&subscription.hook).copied(), news.action, context.now)?;
+        let action =
+            alert_decision::for_hook(&news.alert, heard.get(&subscription.hook).copied(), news.action, context.now)?;
         // Whoever was told that it fires is told that it ends, whatever the filter has become.
         if action != Action::Resolve && !subscription.filter.wants(body) {
             return None;

@@ -417,7 +417,8 @@ mod tests {
         let (store, mut writer) = store::open(&options).await.unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let rows: Vec<HeadRow> = (1..=250).map(|gyro| drawn(gyro, &mut rng, now)).collect();
-        let gyros = rows.iter().map(|row| NewName { number: row.gyro, cell: 0, name: row.serial.to_string() }).collect();
+        let gyros =
+            rows.iter().map(|row| NewName { number: row.gyro, cell: 0, name: row.serial.to_string() }).collect();
         let heads = HeadChanges { rows: rows.clone(), made: None };
         writer.commit(&Changes { gyros, heads, ..Changes::default() }).await.unwrap();
         let pipeline = Pipeline::to_read(store, Arc::new(config), Clock::manual(now)).await.unwrap();

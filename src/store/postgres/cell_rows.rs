@@ -22,8 +22,7 @@ pub(super) enum News {
 }
 
 impl News {
-    pub const ALL: [Self; 6] =
-        [Self::Names, Self::Settings, Self::Outbox, Self::Models, Self::Diagnoses, Self::Access];
+    pub const ALL: [Self; 6] = [Self::Names, Self::Settings, Self::Outbox, Self::Models, Self::Diagnoses, Self::Access];
 
     /// Its column.
     pub const fn name(self) -> &'static str {
@@ -66,7 +65,8 @@ pub(crate) struct CellRow {
     pub(super) news: [i64; News::ALL.len()],
 }
 
-pub(super) const COLUMNS: &str = "SELECT cell, stamp, last_id, names, settings, outbox, models, diagnoses, access FROM cell";
+pub(super) const COLUMNS: &str =
+    "SELECT cell, stamp, last_id, names, settings, outbox, models, diagnoses, access FROM cell";
 
 impl CellRow {
     pub fn of(row: &PgRow) -> Result<Self, StoreError> {

@@ -22,9 +22,9 @@ use sqlx::{PgConnection, Row as _, SqlSafeStr};
 
 pub(super) use self::bounded::PgReaders;
 use self::bounded::within;
-use self::hosts::Hosts;
 pub use self::cell_rows::Missed;
 pub(super) use self::cell_writer::CellWriter;
+use self::hosts::Hosts;
 pub use self::lease::Duty;
 use super::commit::Writer;
 use super::db::Readers;

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
-use super::hosts::Hosts;
 use super::cell_rows::{AllCells, Missed};
+use super::hosts::Hosts;
 use super::lease::{self, Duty, Held};
 use super::{PgReaders, claim, names};
 use crate::store::error::StoreError;
@@ -30,13 +30,7 @@ impl Neighbours {
         Self { seen: watch::channel(AllCells::default()).1, held: watch::channel(Held::default()).1, lease: None }
     }
 
-    pub fn watch(
-        readers: PgReaders,
-        hosts: Hosts,
-        names: Names,
-        number: i64,
-        lease: Duration,
-    ) -> Self {
+    pub fn watch(readers: PgReaders, hosts: Hosts, names: Names, number: i64, lease: Duration) -> Self {
         // Whatever there is, is news to the first look.
         let (told, seen) = watch::channel(AllCells::default());
         let (keeper, held) = watch::channel(Held::default());

@@ -248,9 +248,8 @@ pub async fn verdict_sheet(store: &Store, id: Id) -> Result<Option<VerdictSheet>
 pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSheet>, StoreError> {
     let sql = "SELECT verdicts FROM record WHERE id = $1";
     let found: Option<Vec<u8>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(id.0).fetch_optional(db).await?);
-    let sheet = |packed_before: Vec<u8>| {
-        Ok(RejudgedSheet { sheet: VerdictSheet::unpack(id, &packed_before)?, packed_before })
-    };
+    let sheet =
+        |packed_before: Vec<u8>| Ok(RejudgedSheet { sheet: VerdictSheet::unpack(id, &packed_before)?, packed_before });
     found.map(sheet).transpose()
 }
 

@@ -134,9 +134,10 @@ impl Admission<'_> {
         group: &Group,
     ) -> Result<(), StoreError> {
         let station = self.number(NamesOf::Stations, sent.station.as_str(), group);
-        for (of, table, name, number) in
-            [(NameKind::Imu, NamesOf::Imus, &sent.imu, imu), (NameKind::Station, NamesOf::Stations, &sent.station, station)]
-        {
+        for (of, table, name, number) in [
+            (NameKind::Imu, NamesOf::Imus, &sent.imu, imu),
+            (NameKind::Station, NamesOf::Stations, &sent.station, station),
+        ] {
             let known = if number.is_none() { self.look_alike(table, name.as_str(), group) } else { None };
             notes.extend(known.map(|known| HistoryNote::LookAlike { of, name: name.to_string(), known }));
         }

@@ -140,7 +140,8 @@ impl Task {
             self.tick_in_turn(&found, now).await?;
             self.writer.give_back().await;
         }
-        let digest = rows.iter().filter_map(|row| row.alert.hushed.filter(|hushed| hushed.digest)).map(|it| it.at).max();
+        let digest =
+            rows.iter().filter_map(|row| row.alert.hushed.filter(|hushed| hushed.digest)).map(|it| it.at).max();
         if digest.is_some_and(|since| is_over(since, now)) {
             self.begin(&Cells::all()).await?;
             let mut changes = Changes::default();
@@ -168,8 +169,7 @@ impl Task {
         let mut changes = Changes::default();
         self.alerts.recall(&self.store, found.alerted.iter().chain(&found.overdue).copied(), now).await?;
         let gyros: Vec<u32> = found.overdue.iter().copied().collect();
-        let out_of_use =
-            if gyros.is_empty() { HashMap::new() } else { store::event::out_of_use(&self.store).await? };
+        let out_of_use = if gyros.is_empty() { HashMap::new() } else { store::event::out_of_use(&self.store).await? };
         let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
         let newest = store::histories::newest(&self.store, &ever, 1).await?;
         {

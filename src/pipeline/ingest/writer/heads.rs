@@ -12,7 +12,9 @@ use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::queries::heads::{HeadNames, checksum, stored_rows};
 use crate::pipeline::queries::standing::{Alerted, Facts, verdicts_on};
 use crate::store;
-use crate::store::{Cells, Changes, HeadChanges, HeadRow, HeadsMade, HistoryRow, Store, StoreError, VerdictSheet, Writer};
+use crate::store::{
+    Cells, Changes, HeadChanges, HeadRow, HeadsMade, HistoryRow, Store, StoreError, VerdictSheet, Writer,
+};
 
 /// Rows of one transaction where all are made.
 const AT_ONCE: u32 = 1000;

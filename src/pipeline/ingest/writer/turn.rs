@@ -137,7 +137,8 @@ impl Task {
                         Corrected::Calibration { id, .. } => self.cells_of_record(id, &mut cells).await?,
                         Corrected::Bench(id) => {
                             let bench = store::bench::get(&self.store, id).await?;
-                            self.cells_of_gyros(bench.map(|bench| bench.gyro).into_iter().collect(), &mut cells).await?;
+                            self.cells_of_gyros(bench.map(|bench| bench.gyro).into_iter().collect(), &mut cells)
+                                .await?;
                         }
                     }
                 }

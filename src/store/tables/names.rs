@@ -224,7 +224,7 @@ pub fn new_number(store: &Store, known: &Table, new: usize, is_new: impl Fn(u32)
 ///
 /// # Errors
 /// [`StoreError`].
-pub async fn look_up<'a>(store: &Store, names: [Vec<&'a str>; 3]) -> Result<(), StoreError> {
+pub async fn look_up(store: &Store, names: [Vec<&str>; 3]) -> Result<(), StoreError> {
     if matches!(store.place, Place::File(_)) {
         return Ok(());
     }

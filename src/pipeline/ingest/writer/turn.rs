@@ -223,7 +223,7 @@ fn names_of<'a>(items: &[Item<'a>]) -> [Vec<&'a str>; 3] {
     for item in items {
         match item.sent {
             Submission::Calibration(sent) => of_calibration(sent),
-            Submission::Correction(sent) => sent.replacement.iter().for_each(|new| of_calibration(new)),
+            Submission::Correction(sent) => sent.replacement.iter().for_each(&mut of_calibration),
             other => others.push(other),
         }
     }

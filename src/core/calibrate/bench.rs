@@ -16,7 +16,7 @@ use super::bench_form::{Form, Squares};
 use super::gyro_fit::standardised;
 use super::noise::{Evidence, Noise, noise};
 use super::{ScaleSource, sem_scatter, weights_sd};
-use crate::core::bench::{BenchMethod, BenchResult};
+use crate::core::bench::{Alias, BenchMethod, BenchResult};
 use crate::core::campaign::repeats::{PureError, repeats};
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::message::{Message, figure, list};
@@ -40,16 +40,6 @@ pub struct Coefficient {
     pub unit: &'static str,
     pub value: f64,
     pub sd: Option<f64>,
-}
-
-/// What a product of specific forces that is not fitted would do to D_I or D_S.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Alias {
-    /// D_SI, D_IO or D_OS: of a_S a_I, a_I a_O or a_O a_S.
-    pub product: &'static str,
-    pub coefficient: &'static str,
-    /// By how much one deg/(h g0^2) of it moves the coefficient, deg/(h g0).
-    pub moves: f64,
 }
 
 /// A product that moves a coefficient by less than this share of itself is told from it well enough.

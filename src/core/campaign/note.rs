@@ -1,7 +1,7 @@
 //! What is worth knowing about a campaign's dwells and their fit.
 
 use super::commanded::Finding;
-use crate::core::calibrate::bench::Alias;
+use crate::core::bench::Alias;
 use crate::core::effects::{Effect, Lack, Refusal};
 use crate::core::mounting::Slot;
 

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::core::calibrate::bench::Alias;
+use crate::core::bench::Alias;
 use crate::core::campaign::{CampaignNote, Column, LeftOut};
 use crate::core::message::{Message, Parameter, figure, list, text};
 use crate::core::mounting::Slot;

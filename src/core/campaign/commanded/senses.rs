@@ -52,7 +52,8 @@ impl Senses {
         }
         let mut senses = Self { still: Vec::new(), turning: Vec::new(), variance: 0.0, axes: [true; 3] };
         let mut known: Option<(Vec<f64>, Factor)> = None;
-        for j in (0..campaign.gyros.len()).filter(|j| campaign.gyros[*j].known_e.is_none()) {
+        let is_asked = |j: &usize| campaign.gyros[*j].known_e.is_none() && !campaign.is_silent(*j);
+        for j in (0..campaign.gyros.len()).filter(is_asked) {
             let sd = campaign.errors_of(j).unwrap_or_else(|| vec![1.0; n]);
             if known.as_ref().is_none_or(|(used, _)| *used != sd) {
                 known = Some((sd.clone(), Factor::new(design.clone(), &sd)));
@@ -108,7 +109,8 @@ impl Senses {
         let tried: Vec<(Matrix3<f64>, f64)> =
             signed_permutations().filter(|m| self.concerns(m)).map(|m| (m, self.left(&m))).collect();
         let least = tried.iter().map(|(_, left)| *left).fold(f64::INFINITY, f64::min);
-        if as_sent < CLEARLY * least || as_sent - least < TIMES_VARIANCE * self.variance {
+        let is_clear = as_sent > CLEARLY * least && as_sent - least > TIMES_VARIANCE * self.variance;
+        if !is_clear {
             return None;
         }
         let as_good = |left: f64| left < least + 0.1 * (as_sent - least);

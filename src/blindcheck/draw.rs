@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 use super::reach::Structure;
-use crate::simulate::cause::{CATALOGUE, Injectable, ShownBy};
+use crate::simulate::cause::{CATALOGUE, Injectable, SEAT, ShownBy};
 use crate::simulate::outside::FAMILIES;
 use crate::simulate::programme::{Order, Positions, Programme, any_direction};
 use crate::simulate::scenario::{
@@ -183,7 +183,7 @@ fn imu(number: usize) -> String {
 
 fn visible_enough(simulated: &Simulated) -> bool {
     // Another seat turns all rates alike, which E takes up whole; what is left is small and no absurd size.
-    simulated.causes.iter().filter(|cause| cause.label != "reseating").all(|cause| {
+    simulated.causes.iter().filter(|cause| cause.label != SEAT).all(|cause| {
         let (seen, power) = simulated.world.detectability(std::slice::from_ref(cause));
         seen.iter().sum::<f64>() > LEAST_VISIBLE * power.iter().sum::<f64>()
     })

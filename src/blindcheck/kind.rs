@@ -13,6 +13,7 @@ use super::answer::Answer;
 use super::draw::{effect_in_some_gyros, one_of, seen_by, style};
 use super::run::{Diagnoser, timed};
 use super::tally::Tally;
+use crate::simulate::cause::{FIELD, IN_TIME, POWER_UP, SEAT, THROUGHOUT, TILT, TILT_FROM_A_DWELL};
 use crate::simulate::outside::FAMILIES;
 use crate::simulate::programme::Order;
 use crate::simulate::scenario::{EffectChoice, Scenario, StandardErrors};
@@ -88,9 +89,9 @@ pub const KINDS: [Kind; 27] = [
         s.effects.iter_mut().for_each(|e| e.dwell = Some(30 + rng.random_range(0..20)));
         Some(())
     }),
-    kind("magnetic", Effects, |s, rng| {
+    kind(FIELD, Effects, |s, rng| {
         let d = one_of([8.0, 15.0], rng);
-        put(s, &["magnetic"], d, rng)
+        put(s, &[FIELD], d, rng)
     }),
     kind("half", PartOfTheTime, |s, rng| {
         let acts_in = one_of([[0.0, 0.5], [0.5, 1.0]], rng);
@@ -103,14 +104,14 @@ pub const KINDS: [Kind; 27] = [
     kind("power_up_midway", PartOfTheTime, |s, rng| {
         s.programme.power_ups = 2;
         stated(s)?;
-        s.effects.push(effect_in_some_gyros("warmup", one_of([12.0, 20.0], rng), s, rng));
+        s.effects.push(effect_in_some_gyros(POWER_UP, one_of([12.0, 20.0], rng), s, rng));
         Some(())
     }),
     kind("tilt_midway", PartOfTheTime, |s, rng| {
         stated(s)?;
-        let shown = seen_by(s).contains(&"levelling");
+        let shown = seen_by(s).contains(&TILT);
         let d = one_of([12.0, 20.0], rng);
-        s.effects.push(EffectChoice { acts_in: Some([0.5, 1.0]), ..EffectChoice::detectable("levelling", d) });
+        s.effects.push(EffectChoice { acts_in: Some([0.5, 1.0]), ..EffectChoice::detectable(TILT, d) });
         shown.then_some(())
     }),
     kind("three", Effects, |s, rng| {
@@ -121,9 +122,7 @@ pub const KINDS: [Kind; 27] = [
     }),
     kind("strong", Effects, |s, rng| put(s, &seen_by(s), 1000.0, rng)),
     kind("one_8", Effects, |s, rng| put(s, &seen_by(s), 8.0, rng)),
-    kind("time_8", Effects, |s, rng| {
-        put(s, &["time_ramp", "warmup", "bias_step", "periodic", "temperature_bias"], 8.0, rng)
-    }),
+    kind("time_8", Effects, |s, rng| put(s, &IN_TIME, 8.0, rng)),
     kind("outside", Outside, |s, rng| {
         let family = format!("outside:{}", FAMILIES[rng.random_range(0..FAMILIES.len())]);
         s.effects.push(effect_in_some_gyros(&family, one_of([15.0, 20.0, 30.0], rng), s, rng));
@@ -159,7 +158,7 @@ impl Kind {
         };
         // A tilt or a seat that changes midway is its own entry.
         let means = |named: &super::answer::Named, id: &str| {
-            named.means(id) || self.hidden == PartOfTheTime && id == "levelling" && named.means("relevelling")
+            named.means(id) || self.hidden == PartOfTheTime && id == TILT && named.means(TILT_FROM_A_DWELL)
         };
         let answer = match answer {
             Ok(answer) => answer,
@@ -167,7 +166,7 @@ impl Kind {
         };
         let right = |named: &super::answer::Named| hidden.iter().any(|id| means(named, id));
         let whole = |named: &super::answer::Named| {
-            self.hidden == PartOfTheTime && right(named) && named.acts_in.is_none() && !named.means("relevelling")
+            self.hidden == PartOfTheTime && right(named) && named.acts_in.is_none() && !named.means(TILT_FROM_A_DWELL)
         };
         KindScore {
             named: answer.effects.iter().map(|named| named.effect.clone()).collect(),
@@ -284,7 +283,7 @@ fn reseated(s: &mut Scenario, arcsec: f64, rng: &mut ChaCha8Rng) -> Option<()> {
         s.programme.order = Order::Random;
     }
     let size = arcsec / 3600.0 / 180.0 * std::f64::consts::PI;
-    s.effects.push(EffectChoice::sized("reseating", size));
+    s.effects.push(EffectChoice::sized(SEAT, size));
     stated(s)?;
     let _: f64 = rng.random();
     (!s.programme.rates_arcsec_s.is_empty()).then_some(())
@@ -300,18 +299,6 @@ fn put(s: &mut Scenario, ids: &[&str], d: f64, rng: &mut ChaCha8Rng) -> Option<(
 
 /// An effect that would act throughout, in a part of the campaign.
 fn part(s: &mut Scenario, acts_in: [f64; 2], rng: &mut ChaCha8Rng) -> Option<()> {
-    const THROUGHOUT: [&str; 10] = [
-        "temperature_bias",
-        "temperature_g",
-        "temperature_scale",
-        "time_ramp",
-        "hysteresis",
-        "scale_asymmetry",
-        "scale_quadratic",
-        "anisoinertia",
-        "g_rate_coupling",
-        "magnetic",
-    ];
     let d = one_of([12.0, 20.0], rng);
     put(s, &THROUGHOUT, d, rng)?;
     s.effects.iter_mut().for_each(|effect| effect.acts_in = Some(acts_in));

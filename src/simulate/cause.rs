@@ -128,6 +128,31 @@ pub fn listed() -> String {
     CATALOGUE.map(|known| known.id).join(", ")
 }
 
+/// What a station does, by its id: a field, the table tilted throughout and from a dwell on, the IMU seated anew, the
+/// power put on.
+pub const FIELD: &str = "magnetic";
+pub const TILT: &str = "levelling";
+pub const TILT_FROM_A_DWELL: &str = "relevelling";
+pub const SEAT: &str = "reseating";
+pub const POWER_UP: &str = "warmup";
+
+/// Ids that act in every dwell of a campaign that shows them, one way throughout.
+pub const THROUGHOUT: [&str; 10] = [
+    "temperature_bias",
+    "temperature_g",
+    "temperature_scale",
+    "time_ramp",
+    "hysteresis",
+    "scale_asymmetry",
+    "scale_quadratic",
+    "anisoinertia",
+    "g_rate_coupling",
+    FIELD,
+];
+
+/// Ids of biases that change in the course of a campaign.
+pub const IN_TIME: [&str; 5] = ["time_ramp", POWER_UP, "bias_step", "periodic", "temperature_bias"];
+
 /// Ids that act through the table on every gyro at once.
 pub const COMMON: [&str; 4] = ["levelling", "azimuth", "relevelling", "reseating"];
 

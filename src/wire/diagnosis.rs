@@ -42,7 +42,7 @@ pub struct DiagnosisBody {
     pub notes: Vec<String>,
     /// What the noise is beyond white, independent and as stated, where something is found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub noise: Option<NoiseBody>,
+    pub noise: Option<NoiseFoundBody>,
     /// What is left goes with, the strongest first: no cause.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub description: Vec<DescribedBody>,
@@ -144,7 +144,7 @@ pub struct DescribedBody {
 
 /// Noise beyond white, independent and as stated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct NoiseBody {
+pub struct NoiseFoundBody {
     /// Correlation of each pair of gyros.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub between_gyros: Vec<CorrelationBody>,
@@ -173,12 +173,12 @@ pub struct MemoryBody {
     /// `flicker` or `random_walk`, whichever is likelier.
     pub kind: String,
     /// Standard deviation of the wander; of a random walk at mid-campaign.
-    pub gyros: Vec<WanderBody>,
+    pub gyros: Vec<GyroMemoryBody>,
     pub probability: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct WanderBody {
+pub struct GyroMemoryBody {
     pub slot: String,
     pub deg_per_h: f64,
 }
@@ -379,7 +379,7 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             description: (d.description.iter())
                 .map(|one| DescribedBody { by: one.by.name().to_owned(), evidence: one.evidence })
                 .collect(),
-            noise: (!d.noise.is_empty()).then(|| NoiseBody::from(&d.noise)),
+            noise: (!d.noise.is_empty()).then(|| NoiseFoundBody::from(&d.noise)),
             note_codes: notes.map(|note| MessageBody::of(&note, asked())).collect(),
             reference: None,
         };
@@ -387,14 +387,14 @@ impl From<&core::Diagnosis> for DiagnosisBody {
     }
 }
 
-impl From<&core::NoiseFound> for NoiseBody {
+impl From<&core::NoiseFound> for NoiseFoundBody {
     fn from(noise: &core::NoiseFound) -> Self {
         let pair = |(a, b, correlation): &(Slot, Slot, f64)| CorrelationBody {
             gyros: [a, b].map(|slot| slot.name().to_owned()),
             correlation: *correlation,
         };
         let wander =
-            |(slot, deg_per_h): &(Slot, f64)| WanderBody { slot: slot.name().to_owned(), deg_per_h: *deg_per_h };
+            |(slot, deg_per_h): &(Slot, f64)| GyroMemoryBody { slot: slot.name().to_owned(), deg_per_h: *deg_per_h };
         let (mut falls_with_duration, mut grows_with_rate, mut grows_in_time) = (None, None, None);
         for law in &noise.laws {
             match *law {

@@ -8,6 +8,7 @@ use crate::core::effects::{Effect, Estimate, Shape};
 use crate::core::message::Message;
 use crate::core::model::Terms;
 use crate::core::mounting::Slot;
+use crate::core::named::named;
 use crate::core::note::Note;
 
 /// How far the catalogue explains the gap.
@@ -68,36 +69,21 @@ pub struct Diagnosis {
     pub description: Vec<Described>,
 }
 
+named! {
 /// What a dwell has that others may have too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Variable {
-    Time,
-    Temperature,
-    TemperatureRate,
-    UpDirection,
-    Heading,
-    RateLevel,
-    RateAxis,
-    RateHistory,
-    OrientationBefore,
-    Phase,
+pub enum Variable("variable_") {
+    Time = "time",
+    Temperature = "temperature",
+    TemperatureRate = "temperature_rate",
+    UpDirection = "up_direction",
+    Heading = "heading",
+    RateLevel = "rate_level",
+    RateAxis = "rate_axis",
+    RateHistory = "rate_history",
+    OrientationBefore = "orientation_before",
+    Phase = "phase",
 }
-
-impl Variable {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Time => "time",
-            Self::Temperature => "temperature",
-            Self::TemperatureRate => "temperature_rate",
-            Self::UpDirection => "up_direction",
-            Self::Heading => "heading",
-            Self::RateLevel => "rate_level",
-            Self::RateAxis => "rate_axis",
-            Self::RateHistory => "rate_history",
-            Self::OrientationBefore => "orientation_before",
-            Self::Phase => "phase",
-        }
-    }
 }
 
 /// One thing that what is left goes with.

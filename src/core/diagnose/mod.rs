@@ -13,7 +13,9 @@ mod search;
 pub use crate::core::diagnose::diagnosis::*;
 pub use crate::core::diagnose::record_closure::{CLOSURE_CLASS, ClosureDiagnosis, GyroClosure, closures};
 
-pub use crate::core::diagnose::report::against_reference::{Moved, NoReference, Parts, Reference, Split, split};
+pub use crate::core::diagnose::report::against_reference::{
+    Moved, NoReference, Parts, Reference, Split, may_be_split, split,
+};
 pub use crate::core::diagnose::search::noise_rounds::FALSE_ALARM;
 
 use crate::core::diagnose::report::calibrated::Calibrated;
@@ -150,12 +152,9 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     let remains = matches!(verdict, Verdict::PartlyExplained | Verdict::Unexplained);
     let described = settled.description.iter().filter(|_| remains);
     let description: Vec<Described> = described.map(|&(by, evidence)| Described { by, evidence }).collect();
-    let described = description.first().map(|first| {
-        let word = |by: Variable| Message { code: format!("variable_{}", by.name()).into(), parameters: Vec::new() };
-        match description.get(1) {
-            Some(second) => message!("described_by_two", first = word(first.by), second = word(second.by)),
-            None => message!("described_by", variable = word(first.by)),
-        }
+    let described = description.first().map(|first| match description.get(1) {
+        Some(second) => message!("described_by_two", first = first.by.word(), second = second.by.word()),
+        None => message!("described_by", variable = first.by.word()),
     });
     let parts_of_time = parts_of_time(settled, &effects);
     let overstated = stated_errors::too_large(&calibrated).map(Note::Campaign);

@@ -77,12 +77,8 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
             list.push(Sign { kind: rival.id(), slots: slots(frame, &named.part.members), p_value });
         }
     }
-    if let Some((_, _, probability)) = settled.noise_found.memory {
-        list.push(Sign {
-            kind: "noise_with_memory",
-            slots: all_slots(frame),
-            p_value: (1.0 - probability).min(CERTAIN),
-        });
+    if let Some((_, _, without)) = settled.noise_found.memory {
+        list.push(Sign { kind: "noise_with_memory", slots: all_slots(frame), p_value: without.min(CERTAIN) });
     }
     let extras: Vec<Basis> = (0..frame.gyros.len())
         .map(|j| {

@@ -4,7 +4,8 @@ use crate::core::diagnose::diagnosis::Sign;
 use crate::core::diagnose::report::indistinguishable;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::stepwise::{Choice, Search};
+use crate::core::diagnose::search::choice::Choice;
+use crate::core::diagnose::search::stepwise::Search;
 use crate::core::effects::Effect;
 use crate::core::mounting::Slot;
 

@@ -12,11 +12,11 @@
 
 use nalgebra::DMatrix;
 
+use super::choice::{Choice, designs};
 use super::hypotheses::Bank;
-use super::noise_rounds::designs;
 use super::projections::{State, each_by_itself};
 use super::shared_noise::Shared;
-use super::stepwise::Choice;
+use super::temperature_odds::odds_of_temperature;
 use crate::core::campaign::Phase;
 use crate::core::diagnose::diagnosis::{LawFound, MemoryFound, NoiseFound};
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
@@ -149,7 +149,7 @@ pub(crate) struct Found {
     /// Correlation between gyros, and the variances of their whitened residuals.
     pub between_gyros: Option<Shared>,
     /// Power of each kind of memory over the square of the median standard deviation, and the probability that there
-    /// is any.
+    /// is none.
     pub memory: Option<(Memory, f64, f64)>,
 }
 
@@ -163,7 +163,7 @@ impl Found {
         };
         NoiseFound {
             between_gyros: self.between_gyros.as_ref().map(correlated).unwrap_or_default(),
-            memory: self.memory.map(|(memory, power, probability)| MemoryFound {
+            memory: self.memory.map(|(memory, power, without)| MemoryFound {
                 kind: match memory {
                     Memory::Flicker => "flicker",
                     Memory::Walk => "random_walk",
@@ -171,7 +171,7 @@ impl Found {
                 deg_per_h: (frame.gyros.iter().zip(gyros))
                     .map(|(gyro, axes)| (axes.slot, power.sqrt() * middle(&gyro.sd)))
                     .collect(),
-                probability,
+                probability: 1.0 - without,
             }),
             laws: (laws.iter())
                 .map(|law| match law {
@@ -250,7 +250,7 @@ impl NoiseModels {
             let framed = |law: Law| Some((Kind::Law(law), odds, frame.with_factors(&law.factors(s)).ok()?));
             tried.extend(laws.into_iter().filter_map(framed));
         }
-        let odds = ((1.0 - WITHOUT_MEMORY) / WITHOUT_MEMORY / (2 * POWERS.len()) as f64).ln();
+        let odds = ((1.0 - WITHOUT_MEMORY) / WITHOUT_MEMORY / (2 * POWERS.len()) as f64).ln() - odds_of_temperature(s);
         for memory in [Memory::Flicker, Memory::Walk] {
             let (kernel, size) = (memory.kernel(s), if memory == Memory::Walk { OF_WALK } else { 1.0 });
             for power in POWERS.map(|power| size * power) {
@@ -313,16 +313,17 @@ impl NoiseModels {
         let weigh = |model: &Model| model.log_odds + log_likelihood(&model.frame, columns, pooled) - plain;
         let weights: Vec<f64> = self.models.iter().map(weigh).collect();
         let shared = self.shared.map(|log_odds| (log_odds, Shared::of(frame, state())));
-        let mut of_all = LogSum::of(&weights);
-        of_all.add(0.0);
         let with_memory = |model: &Model| matches!(model.kind, Kind::Memory(..));
         let memories: Vec<(f64, &Model)> =
             weights.iter().copied().zip(&self.models).filter(|(_, model)| with_memory(model)).collect();
-        let share = |weight: f64| (weight - of_all.log()).exp();
-        let probability: f64 = memories.iter().map(|(weight, _)| share(*weight)).sum();
+        let mut without = LogSum::of(&[0.0]);
+        (weights.iter().zip(&self.models)).filter(|(_, model)| !with_memory(model)).for_each(|(w, _)| without.add(*w));
+        let mut of_all = LogSum::of(&weights);
+        of_all.add(0.0);
+        let without = (without.log() - of_all.log()).exp().min(1.0);
         let likeliest = memories.iter().max_by(|a, b| a.0.total_cmp(&b.0));
-        let memory = likeliest.filter(|_| probability > CERTAIN).and_then(|(_, model)| match model.kind {
-            Kind::Memory(memory, power) => Some((memory, power, probability)),
+        let memory = likeliest.filter(|_| 1.0 - without > CERTAIN).and_then(|(_, model)| match model.kind {
+            Kind::Memory(memory, power) => Some((memory, power, without)),
             Kind::Law(_) => None,
         });
         let between_gyros = shared

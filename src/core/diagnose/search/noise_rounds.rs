@@ -8,13 +8,14 @@ use crate::core::calibrate::growth::Law;
 use crate::core::diagnose::diagnosis::Variable;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::choice::{Choice, designs};
 use crate::core::diagnose::search::components::{Component, components};
 use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::noise_models::{self, Found, NoiseModels, likelier_law};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::each_by_itself;
 use crate::core::diagnose::search::refined_shape::sharpened;
-use crate::core::diagnose::search::stepwise::{Choice, Known, Search, Threshold, without};
+use crate::core::diagnose::search::stepwise::{Known, Search, Threshold, without};
 use crate::core::effects::{Effect, Refusal, Shape};
 use crate::core::numerics::log_sum::LogSum;
 
@@ -140,16 +141,16 @@ impl Settled {
         }
         closer.noise_found = closer.noise_beside(&closer.found);
         while closer.noise_found.memory.is_some()
-            && let Some(weakest) = closer.search().weakest_under_memory(&closer.found)
+            && let Some(weakest) = closer.weakest_under_memory(&closer.found)
         {
             closer.found.remove(weakest);
             closer.noise_found = closer.noise_beside(&closer.found);
         }
         let components = components(&closer.frame.setting);
-        while let Some(of_another_form) = closer.search().of_another_form(&components, &closer.found) {
+        while let Some(of_another_form) = closer.of_another_form(&components, &closer.found) {
             closer.found.remove(of_another_form);
         }
-        closer.description = closer.search().described(&components, &closer.found);
+        closer.description = closer.described(&components, &closer.found);
         Ok(closer)
     }
 
@@ -176,18 +177,18 @@ const MOST_DESCRIBED: usize = 2;
 /// ln of evidence that a name in time or temperature needs more where the noise has a memory.
 const UNDER_MEMORY: f64 = 4.0;
 
-impl Search<'_> {
+impl Settled {
     /// The name that a component leads by most, where one leads clearly: the cause has another form.
     fn of_another_form(&self, components: &[Component], found: &[Choice]) -> Option<usize> {
         let lead = |i: usize| {
             let others = without(found, i);
-            let state = each_by_itself(self.frame, self.extras(&others));
+            let state = each_by_itself(&self.frame, self.search().extras(&others));
             let best = components
                 .iter()
                 .filter(|c| c.competes)
-                .map(|c| c.evidence(self.frame, &state))
+                .map(|c| c.evidence(&self.frame, &state))
                 .fold(f64::NEG_INFINITY, f64::max);
-            let own = self.against_white_noise(&others, found[i].kind);
+            let own = self.search().against_white_noise(&others, found[i].kind);
             best - own - LEAD_SHARE * own.max(0.0)
         };
         let named = (0..found.len()).filter(|&i| found[i].kind.is_nameable());
@@ -198,10 +199,10 @@ impl Search<'_> {
     /// What the residuals beside `found` go with: each variable by its best component.
     fn described(&self, components: &[Component], found: &[Choice]) -> Vec<(Variable, f64)> {
         let nameable: Vec<Choice> = found.iter().filter(|choice| !choice.is_competitor()).cloned().collect();
-        let state = each_by_itself(self.frame, self.extras(&nameable));
+        let state = each_by_itself(&self.frame, self.search().extras(&nameable));
         let mut best: Vec<(Variable, f64)> = Vec::new();
         for component in components {
-            let evidence = component.evidence(self.frame, &state);
+            let evidence = component.evidence(&self.frame, &state);
             match best.iter_mut().find(|(variable, _)| *variable == component.variable) {
                 Some(held) => held.1 = held.1.max(evidence),
                 None => best.push((component.variable, evidence)),
@@ -219,33 +220,12 @@ impl Search<'_> {
             let entry = found[*i].kind.entry();
             found[*i].kind.is_nameable() && (entry.follows_time || entry.of_temperature)
         };
-        let lead = |i: usize| self.earned_beside_others(found, i) - self.needed(found.len() - 1) - UNDER_MEMORY;
+        let search = self.search();
+        let lead = |i: usize| search.earned_beside_others(found, i) - search.needed(found.len() - 1) - UNDER_MEMORY;
         let weak = (0..found.len()).filter(of_time).map(|i| (i, lead(i))).filter(|(_, lead)| *lead < 0.0);
         weak.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
     }
 }
-
-/// Raw columns of the model and of all choices but `without`. Smooth competitors stay out: they are not a few columns.
-pub(super) fn designs(frame: &Frame, bank: &Bank, found: &[Choice], without: Option<usize>) -> Vec<Vec<Vec<f64>>> {
-    (0..frame.gyros.len())
-        .map(|j| {
-            let mut design = frame.designs[j].clone();
-            for (i, choice) in found.iter().enumerate() {
-                let hypothesis = &bank.hypotheses[choice.hypothesis];
-                if Some(i) != without && choice.members[j] && hypothesis.blocks[j].len <= MOST_COLUMNS {
-                    let block = &hypothesis.blocks[j];
-                    for c in block.start..block.start + block.len {
-                        let column = bank.column(j, c);
-                        design.push(column.iter().zip(&frame.gyros[j].sd).map(|(x, sd)| x * sd).collect());
-                    }
-                }
-            }
-            design
-        })
-        .collect()
-}
-
-const MOST_COLUMNS: usize = 4;
 
 /// Drops what owes its evidence to one value of the growth: ln of the ratio of mean to value at that of `law`, with the
 /// choice and without it, is added to its evidence.

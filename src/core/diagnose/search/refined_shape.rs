@@ -7,7 +7,8 @@
 use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::stepwise::{Choice, Search};
+use crate::core::diagnose::search::choice::Choice;
+use crate::core::diagnose::search::stepwise::Search;
 use crate::core::effects::{Effect, Shape};
 use crate::core::numerics::basis::dot;
 

@@ -7,9 +7,9 @@ use std::rc::Rc;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::{Score, log_bayes_in, scores, together};
+use crate::core::diagnose::search::choice::{Choice, designs};
 use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::noise_models::{NoiseModels, Under};
-use crate::core::diagnose::search::noise_rounds::designs;
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::{Products, State, each_by_itself, state};
 use crate::core::effects::Effect;
@@ -39,25 +39,6 @@ pub(crate) const PER_CAUSE: f64 = 3.0;
 const PAIR_STARTS: usize = 10;
 const PAIR_START: f64 = 1.0;
 const POLISH: f64 = 12.0;
-
-/// One adopted hypothesis.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Choice {
-    pub kind: Effect,
-    /// Index into the bank.
-    pub hypothesis: usize,
-    pub members: Vec<bool>,
-    /// Evidence given the other choices, prior odds included.
-    pub evidence: f64,
-    /// A competitor that explains the same a little better.
-    pub rival: Option<Effect>,
-}
-
-impl Choice {
-    pub fn is_competitor(&self) -> bool {
-        !self.kind.is_nameable()
-    }
-}
 
 /// Scores that have been computed, by what had been adopted: hypotheses in their order, and their members.
 pub(crate) type Known = RefCell<HashMap<Vec<(usize, Vec<bool>)>, Rc<[Score]>>>;
@@ -108,20 +89,23 @@ impl Search<'_> {
     }
 
     fn computed(&self, choices: &[Choice]) -> Vec<Score> {
-        let mut scores = self.over_all_noise(choices);
+        let (mut scores, white) = self.over_all_noise(choices);
         for score in &mut scores {
             if !score.kind.is_nameable() {
                 score.log_evidence += SUSPECT_ODDS;
             }
         }
-        self.weigh(choices, &mut scores);
+        self.weigh(choices, &mut scores, &white);
         scores
     }
 
-    /// Evidence of every kind, over all that the noise may be.
-    fn over_all_noise(&self, choices: &[Choice]) -> Vec<Score> {
+    /// Evidence of every kind, over all that the noise may be, and where it is as stated.
+    fn over_all_noise(&self, choices: &[Choice]) -> (Vec<Score>, Vec<f64>) {
+        let evidence = |scores: &[Score]| scores.iter().map(|score| score.log_evidence).collect();
         if self.noise.is_empty() {
-            return scores(self.bank, &self.state(choices));
+            let scores = scores(self.bank, &self.state(choices));
+            let white = evidence(&scores);
+            return (scores, white);
         }
         let under = self.under(choices);
         let all: Vec<(f64, Vec<Score>)> = under
@@ -147,7 +131,7 @@ impl Search<'_> {
             }
             Score { log_evidence: sum.log() - weights.log(), ..best.1.clone() }
         };
-        (0..self.bank.kinds.len()).map(of_kind).collect()
+        ((0..self.bank.kinds.len()).map(of_kind).collect(), evidence(&all[0].1))
     }
 
     /// Evidence of one kind beside `choices` where the noise is white and each gyro knows its own alone.

@@ -135,8 +135,8 @@ pub struct GyroFloorBody {
 /// One thing that what is left goes with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DescribedBody {
-    /// `time`, `temperature`, `temperature_rate`, `up_direction`, `heading`, `rate_level`, `rate_axis`,
-    /// `rate_history`, `orientation_before` or `phase`.
+    /// `time`, `temperature`, `rate_of_temperature`, `up_direction`, `heading`, `rate_level`, `rate_axis`,
+    /// `rate_history`, `previous_orientation` or `phase`.
     pub by: String,
     /// ln of the odds against noise.
     pub evidence: f64,

@@ -75,13 +75,13 @@ named! {
 pub enum Variable("variable_") {
     Time = "time",
     Temperature = "temperature",
-    TemperatureRate = "temperature_rate",
+    TemperatureRate = "rate_of_temperature",
     UpDirection = "up_direction",
     Heading = "heading",
     RateLevel = "rate_level",
     RateAxis = "rate_axis",
     RateHistory = "rate_history",
-    OrientationBefore = "orientation_before",
+    OrientationBefore = "previous_orientation",
     Phase = "phase",
 }
 }

@@ -27,12 +27,13 @@ fn only(case: Case) -> Draw {
 
 fn silent() -> Answer {
     let (effects, not_identifiable, impact, impact_within_noise) = (vec![], vec![], vec![], vec![]);
-    Answer { verdict: "no_gap".into(), effects, closure: None, not_identifiable, impact, impact_within_noise }
+    let (verdict, closure, noise) = ("no_gap".into(), None, None);
+    Answer { verdict, effects, closure, noise, not_identifiable, impact, impact_within_noise }
 }
 
 fn named(effect: &str, gyros: Vec<String>) -> Named {
     let held_out = Some(HeldOut { closure: Some(0.97), interval: Some([0.9, 1.0]) });
-    Named { effect: effect.into(), class: vec![effect.into()], gyros, held_out }
+    Named { effect: effect.into(), class: vec![effect.into()], gyros, held_out, acts_in: None }
 }
 
 /// The trial that a campaign's text is of: its IMU is numbered.

@@ -11,7 +11,7 @@ use gyrowatch::core::campaign::{Campaign, Dwell, Phase};
 use gyrowatch::core::frames::{Body, Nav, Rotation};
 use gyrowatch::core::record::Plausibility;
 use gyrowatch::core::units::EARTH_RATE_DEG_H;
-use gyrowatch::simulate::scenario::{Scenario, StandardErrors, StatedE};
+use gyrowatch::simulate::scenario::{EffectChoice, Scenario, StandardErrors, StatedE};
 use gyrowatch::simulate::{programme::Order, programme::Positions, simulate};
 use gyrowatch::wire::campaign::{parse_json, to_json};
 use gyrowatch::wire::document::parse;
@@ -86,6 +86,25 @@ fn earth(d: &Dwell, sin: f64) -> (Vector3<f64>, Vector3<f64>) {
     if d.phase == Phase::Static { (along, d.rate_arcsec_s - along) } else { (along, Vector3::zeros()) }
 }
 
+/// The campaign with a change in its turning dwells; none where it has none.
+fn turning(campaign: &Campaign, change: impl Fn(&mut Dwell)) -> Option<Campaign> {
+    let turns = |d: &Dwell| d.phase == Phase::Rate;
+    let changed = each(campaign, |d| {
+        if turns(d) {
+            change(d);
+        }
+    });
+    campaign.dwells.iter().any(turns).then_some(changed)
+}
+
+fn outputs(campaign: &Campaign, change: impl Fn(&mut Vec<f64>)) -> Campaign {
+    each(campaign, |d| {
+        change(&mut d.output_pulse_s);
+        d.output_sem_pulse_s.iter_mut().for_each(&change);
+        d.output_sem_pulse_s.iter_mut().flatten().for_each(|sem| *sem = sem.abs());
+    })
+}
+
 const REVERSED_X: Matrix3<f64> = Matrix3::new(-1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
 const REVERSED_Z: Matrix3<f64> = Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0);
 const EXCHANGED_XY: Matrix3<f64> = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
@@ -95,7 +114,7 @@ const NED: Matrix3<f64> = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -
 /// this sine; none where there is nothing to get wrong.
 type Mutant = (&'static str, &'static str, fn(&Campaign, f64) -> Option<Campaign>);
 
-const MUTANTS: [Mutant; 21] = [
+const MUTANTS: [Mutant; 25] = [
     ("force reversed", "force_reversed", |c, _| Some(each(c, |d| d.specific_force_g0 *= -1.0))),
     ("Earth rate left out", "earth_rate_left_out", |c, sin| {
         Some(each(c, |d| {
@@ -189,6 +208,16 @@ const MUTANTS: [Mutant; 21] = [
     ("x and y of the force exchanged", "axes_exchanged (first: x, second: y, vectors: specific_force_g0)", |c, _| {
         Some(each(c, axes(EXCHANGED_XY, true, false)))
     }),
+    ("z of the rate reversed while turning", "axis_reversed (axis: z, vectors: rate_arcsec_s)", |c, _| {
+        turning(c, axes(REVERSED_Z, false, true))
+    }),
+    ("rates reversed while turning", "rates_reversed", |c, _| turning(c, |d| d.rate_arcsec_s *= -1.0)),
+    ("outputs of two gyros exchanged", "direction_of_another", |c, _| {
+        turning(c, |_| ()).map(|c| outputs(&c, |o| o.swap(0, 1)))
+    }),
+    ("output of one gyro reversed", "direction_off_axis", |c, _| {
+        turning(c, |_| ()).map(|c| outputs(&c, |o| o[1] *= -1.0))
+    }),
     ("x and y of the rate exchanged", "axes_exchanged (first: x, second: y, vectors: rate_arcsec_s)", |c, _| {
         Some(each(c, axes(EXCHANGED_XY, false, true)))
     }),
@@ -214,6 +243,28 @@ fn no_clean_campaign_is_refused_or_noted() {
         assert_eq!(odd(campaign), [], "{i}");
     }
     println!("clean: 0 of {} refused", campaigns.len());
+}
+
+/// What gyros do, however much of it, is no mistake of the station.
+#[test]
+fn no_campaign_with_a_large_effect_or_another_seat_is_refused() {
+    let ids =
+        ["magnetic", "azimuth", "levelling", "temperature_scale", "scale_asymmetry", "g_rate_coupling", "periodic"];
+    let mut tried = 0;
+    for i in 0..56 {
+        let mut s = Scenario { seed: 50_000 + i, ..Scenario::default() };
+        s.site.latitude_deg = LATITUDES[i as usize % LATITUDES.len()];
+        s.programme.order = [Order::Random, Order::Fixed, Order::Mixed][i as usize % 3];
+        s.effects.push(match i % 8 {
+            7 => EffectChoice::sized("reseating", 300.0 / 3600.0_f64 * 0.017_453_292_519_943_295),
+            kind => EffectChoice::detectable(ids[kind as usize], [100.0, 1e3, 1e4][i as usize / 8 % 3]),
+        });
+        let Ok(simulated) = simulate(&s) else { continue };
+        tried += 1;
+        let refused = sent(&simulated.campaign);
+        assert_eq!(refused, Ok(()), "{i}: {:?}", s.effects[0].effect);
+    }
+    assert!(tried > 50, "{tried}");
 }
 
 /// With attitudes every mistake shows. Without them some cannot: on the equator the Earth's rate has no vertical

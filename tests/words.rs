@@ -7,6 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gyrowatch::core::bench::BenchMethod;
+use gyrowatch::core::diagnose::Variable;
 use gyrowatch::core::effects::{CATALOGUE, COMPETITORS};
 use gyrowatch::core::judge::{Event, Rule, Severity, Status};
 
@@ -186,6 +187,7 @@ fn named() -> BTreeSet<String> {
         Severity::ALL.map(Severity::word).to_vec(),
         Event::ALL.map(Event::word).to_vec(),
         BenchMethod::ALL.map(BenchMethod::word).to_vec(),
+        Variable::ALL.map(Variable::word).to_vec(),
     ];
     let effects = CATALOGUE.iter().chain(&COMPETITORS).map(|entry| entry.effect.word());
     let needs = CATALOGUE.iter().map(|entry| entry.effect.needs());

@@ -11,6 +11,9 @@ pub struct Answer {
     /// Closure by all adopted effects together.
     #[serde(default)]
     pub closure: Option<HeldOut>,
+    /// What the noise is beyond white and independent, where the answer says it.
+    #[serde(default)]
+    pub noise: Option<serde_json::Value>,
     #[serde(default)]
     pub not_identifiable: Vec<Unseen>,
     /// Coefficients that are reported as moved.
@@ -30,6 +33,9 @@ pub struct Named {
     pub gyros: Vec<String>,
     #[serde(default)]
     pub held_out: Option<HeldOut>,
+    /// The part of the campaign in which it acts, where that is not all of it.
+    #[serde(default)]
+    pub acts_in: Option<serde_json::Value>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]

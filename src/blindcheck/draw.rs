@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 use super::reach::Structure;
-use crate::simulate::cause::{CATALOGUE, Injectable, ShownBy};
+use crate::simulate::cause::{CATALOGUE, Injectable, SEAT, ShownBy};
 use crate::simulate::outside::FAMILIES;
 use crate::simulate::programme::{Order, Positions, Programme, any_direction};
 use crate::simulate::scenario::{
@@ -182,7 +182,8 @@ fn imu(number: usize) -> String {
 }
 
 fn visible_enough(simulated: &Simulated) -> bool {
-    simulated.causes.iter().all(|cause| {
+    // Another seat turns all rates alike, which E takes up whole; what is left is small and no absurd size.
+    simulated.causes.iter().filter(|cause| cause.label != SEAT).all(|cause| {
         let (seen, power) = simulated.world.detectability(std::slice::from_ref(cause));
         seen.iter().sum::<f64>() > LEAST_VISIBLE * power.iter().sum::<f64>()
     })
@@ -198,7 +199,7 @@ fn is_outside(simulated: &Simulated) -> bool {
 }
 
 /// Ids that a campaign of this scenario can show.
-fn seen_by(scenario: &Scenario) -> Vec<&'static str> {
+pub(super) fn seen_by(scenario: &Scenario) -> Vec<&'static str> {
     let turns = !scenario.programme.rates_arcsec_s.is_empty();
     let shows = |by: ShownBy| match by {
         ShownBy::Always => true,
@@ -216,6 +217,11 @@ fn seen_by(scenario: &Scenario) -> Vec<&'static str> {
         ids.retain(|id| !id.starts_with("temperature"));
     }
     ids
+}
+
+/// An effect of this detectability in a few of the gyros.
+pub(super) fn effect_in_some_gyros(id: &str, d: f64, scenario: &Scenario, rng: &mut ChaCha8Rng) -> EffectChoice {
+    in_some_gyros(EffectChoice::detectable(id, d), scenario, rng)
 }
 
 fn in_some_gyros(effect: EffectChoice, scenario: &Scenario, rng: &mut ChaCha8Rng) -> EffectChoice {
@@ -243,13 +249,13 @@ fn withhold(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
 }
 
 /// One of a list that is never empty, each as likely as often as it stands there.
-fn one_of<T: Copy, const N: usize>(choices: [T; N], rng: &mut ChaCha8Rng) -> T {
+pub(super) fn one_of<T: Copy, const N: usize>(choices: [T; N], rng: &mut ChaCha8Rng) -> T {
     const { assert!(N > 0) };
     choices[rng.random_range(0..N)]
 }
 
 /// A station, its programme and its gyros.
-fn style(rng: &mut ChaCha8Rng) -> Scenario {
+pub(super) fn style(rng: &mut ChaCha8Rng) -> Scenario {
     let mut scenario = Scenario { seed: rng.random(), ..Scenario::default() };
     scenario.programme = programme(rng);
     scenario.temperature = temperature(rng);

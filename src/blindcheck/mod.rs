@@ -6,11 +6,13 @@
 //! # In reading order
 //!
 //! [`draw`] which campaigns, [`answer`] what is read of a diagnosis, [`reach`] what the truth says could be told
-//! apart, [`score`] one campaign, [`tally`] proportions, [`report`] the table.
+//! apart, [`score`] one campaign, [`tally`] proportions, [`report`] the table; [`kind`] what stations do
+//! beyond white, independent noise.
 
 pub mod answer;
 pub mod draw;
 pub mod history;
+pub mod kind;
 pub mod reach;
 pub mod report;
 pub mod run;

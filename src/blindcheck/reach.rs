@@ -2,7 +2,7 @@
 //! can reproduce in this campaign. One effect's columns come from the simulator's physics, one coefficient at a time.
 
 use crate::simulate::Simulated;
-use crate::simulate::cause::{COMMON, Cause, Effect, Kind};
+use crate::simulate::cause::{ALWAYS, COMMON, Cause, Effect, Kind};
 use crate::simulate::detectability::{Sight, extend, norm, without};
 use crate::simulate::world::World;
 
@@ -64,7 +64,13 @@ impl<'a> Structure<'a> {
 
     /// Columns of one coefficient: one for a common effect, else one a gyro.
     fn columns(&self, effect: &str, kind: Effect, slots: &[String]) -> Vec<Vec<f64>> {
-        let unit = Cause { label: effect.into(), size: 1e-6, weights: [1.0; 3], kind: Kind::Catalogue(kind) };
+        let unit = Cause {
+            label: effect.into(),
+            size: 1e-6,
+            weights: [1.0; 3],
+            kind: Kind::Catalogue(kind),
+            acts_in_h: ALWAYS,
+        };
         let each = self.whitened(std::slice::from_ref(&unit));
         if COMMON.contains(&effect) {
             return vec![each.concat()];

@@ -82,7 +82,7 @@ pub fn foreign(
         .collect()
 }
 
-fn timed(text: &str, diagnose: &Diagnoser<'_>) -> (Result<Answer, String>, f64) {
+pub(super) fn timed(text: &str, diagnose: &Diagnoser<'_>) -> (Result<Answer, String>, f64) {
     let begun = Instant::now();
     let answer = diagnose(text);
     (answer, begun.elapsed().as_secs_f64() * 1e3)

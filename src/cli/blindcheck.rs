@@ -12,6 +12,7 @@ use super::document::{Format, print, print_json, table, write, write_all};
 use super::tallies::{figures, percent, progress};
 use crate::blindcheck::answer::Answer;
 use crate::blindcheck::draw::{Case, Draw};
+use crate::blindcheck::kind::{KINDS, Kind, KindRow, row};
 use crate::blindcheck::report::{Goal, Report};
 use crate::blindcheck::run::{Foreign, drawn, file_name, foreign, key, key_text};
 use crate::blindcheck::score::Score;
@@ -43,6 +44,9 @@ pub struct Blindcheck {
     case: Vec<Case>,
     #[arg(long, value_delimiter = ',', value_parser = effect, conflicts_with = "campaigns", help = effects_help())]
     effect: Vec<String>,
+    /// Only what stations do beyond white, independent noise: kinds by name, or "all" of them, `count` campaigns each.
+    #[arg(long, value_delimiter = ',', value_parser = kinds, conflicts_with_all = ["campaigns", "case", "keep"])]
+    kind: Vec<&'static str>,
     /// Detectability d of the case "one".
     #[arg(long, value_delimiter = ',', default_values_t = [8.0, 12.0, 20.0, 30.0], value_parser = positive, conflicts_with = "campaigns")]
     detectability: Vec<f64>,
@@ -86,6 +90,15 @@ fn effect(text: &str) -> Result<String, String> {
     known.then(|| text.to_owned()).ok_or_else(|| format!("effects are {}", listed()))
 }
 
+fn kinds(name: &str) -> Result<&'static str, String> {
+    let known = || KINDS.iter().map(|kind| kind.name).collect::<Vec<_>>().join(", ");
+    let found = KINDS.iter().map(|kind| kind.name).chain([ALL]).find(|kind| *kind == name);
+    found.ok_or_else(|| format!("kinds are {ALL}, {}", known()))
+}
+
+/// Every kind.
+const ALL: &str = "all";
+
 fn effects_help() -> String {
     format!("Only these effects of the catalogue (docs/diagnosis.md says what each is): {}", listed())
 }
@@ -99,6 +112,9 @@ impl Blindcheck {
     pub fn run(self) -> anyhow::Result<()> {
         if let Some(Of::History(history)) = self.of {
             return history.run();
+        }
+        if !self.kind.is_empty() {
+            return self.kinds();
         }
         let begun = Instant::now();
         let (seal, scores) = match (&self.campaigns, &self.key) {
@@ -114,6 +130,16 @@ impl Blindcheck {
             bail!("not every figure to be reached was reached");
         }
         Ok(())
+    }
+
+    fn kinds(&self) -> anyhow::Result<()> {
+        let wanted = |kind: &&Kind| self.kind.iter().any(|name| *name == ALL || *name == kind.name);
+        let rows: Vec<KindRow> =
+            KINDS.iter().filter(wanted).map(|kind| row(kind, self.seed, self.count, &diagnosed)).collect();
+        match self.format {
+            Format::Json => print_json(&rows),
+            Format::Table => print(&kind_table(&rows)),
+        }
     }
 
     fn drawn(&self) -> anyhow::Result<(String, Vec<Score>)> {
@@ -211,6 +237,38 @@ fn goals(report: &Report) -> Table {
         table.add_row([row.what.to_owned(), hits, trials, rate, interval, goal, mark.to_owned()]);
     }
     table
+}
+
+fn kind_table(rows: &[KindRow]) -> String {
+    let head = [
+        "kind",
+        "campaigns",
+        "confident wrong",
+        "doubted wrong",
+        "all named",
+        "explained as whole",
+        "gap, no name",
+        "noise said",
+        "median, ms",
+        "no answer",
+    ];
+    let mut table = table(head, 1..10);
+    for row in rows {
+        let hits = |tally: &Tally| tally.hits.to_string();
+        table.add_row([
+            row.kind.to_owned(),
+            row.confident_wrong.trials.to_string(),
+            hits(&row.confident_wrong),
+            hits(&row.doubted_wrong),
+            hits(&row.found),
+            hits(&row.explained_as_whole),
+            hits(&row.gap_without_a_name),
+            hits(&row.noise_said),
+            format!("{:.1}", row.milliseconds),
+            row.errors.to_string(),
+        ]);
+    }
+    table.to_string()
 }
 
 fn by_group(title: &str, groups: &BTreeMap<String, Tally>) -> Table {

@@ -8,8 +8,9 @@ use super::document::{self, Format, table};
 use super::{diagnose_all, diagnose_gyro, diagnose_record, model};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
-use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, split};
+use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, may_be_split, split};
 use crate::pages::{Subject, diagnosis_report};
+use crate::wire::campaign::parse_json;
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::document::DocumentKind;
 use crate::wire::document::{is_csv, parse};
@@ -93,7 +94,7 @@ impl Diagnose {
         let diagnosed = diagnose(&campaign, &options).with_context(file)?;
         let mut diagnosis = DiagnosisBody::from(&diagnosed);
         if let Some(path) = &self.reference {
-            let parts = split(&campaign, &options, &diagnosed.residuals, &reference(path)?);
+            let parts = split(&campaign, &options, &diagnosed.residuals, &reference(path, &campaign)?);
             diagnosis.reference = Some(SplitBody::from(&parts.with_context(|| document::name(path))?));
         }
         if let Some(path) = &self.report {
@@ -110,15 +111,19 @@ impl Diagnose {
     }
 }
 
-/// A campaign, or a record.
-fn reference(path: &Path) -> anyhow::Result<Reference> {
+/// A campaign, or a record. That it is no reference for `campaign` is said before what its outputs contradict.
+fn reference(path: &Path, campaign: &Campaign) -> anyhow::Result<Reference> {
     let bytes = document::read(path)?;
-    let parsed = if is_record(&bytes) {
-        parse_record(&bytes, &document::plausibility()?).map(Reference::Record)
-    } else {
-        parse(&bytes).map(Reference::Campaign)
-    };
-    parsed.with_context(|| document::name(path))
+    let file = || document::name(path);
+    if is_record(&bytes) {
+        return parse_record(&bytes, &document::plausibility()?).map(Reference::Record).with_context(file);
+    }
+    parse(&bytes).map(Reference::Campaign).or_else(|faults| {
+        if let Ok(other) = parse_json(&bytes).map(Reference::Campaign) {
+            may_be_split(campaign, &other).with_context(file)?;
+        }
+        Err(faults).with_context(file)
+    })
 }
 
 /// Refuses to adopt into a file that holds something else than a model.

@@ -30,3 +30,13 @@ pub struct BenchResult {
     pub operator: Option<String>,
     pub note: Option<String>,
 }
+
+/// What a product of specific forces that is not fitted would do to D_I or D_S.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alias {
+    /// D_SI, D_IO or D_OS: of a_S a_I, a_I a_O or a_O a_S.
+    pub product: &'static str,
+    pub coefficient: &'static str,
+    /// By how much one deg/(h g0^2) of it moves the coefficient, deg/(h g0).
+    pub moves: f64,
+}

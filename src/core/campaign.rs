@@ -143,6 +143,11 @@ pub struct Campaign {
 }
 
 impl Campaign {
+    /// Whether the output of gyro `j` is the same in every dwell: nothing can be said of it.
+    pub fn is_silent(&self, j: usize) -> bool {
+        self.dwells.windows(2).all(|pair| pair[0].output_pulse_s[j] == pair[1].output_pulse_s[j])
+    }
+
     /// The terms to fit: those asked for, else model (6).
     pub fn terms(&self) -> Terms {
         self.model.unwrap_or_default()

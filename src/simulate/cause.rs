@@ -16,19 +16,43 @@ pub enum Effect {
     TemperatureBias,
     TemperatureG([Vector3<f64>; 3]),
     TemperatureScale,
-    Warmup { tau_h: f64 },
+    Warmup {
+        tau_h: f64,
+    },
     TimeRamp,
-    BiasStep { first: usize },
-    OutlierDwell { index: usize },
-    Periodic { period_h: f64, phase: f64 },
+    BiasStep {
+        first: usize,
+    },
+    OutlierDwell {
+        index: usize,
+    },
+    Periodic {
+        period_h: f64,
+        phase: f64,
+    },
     Hysteresis,
     ScaleAsymmetry,
     ScaleQuadratic,
     ScaleCubic,
     Anisoinertia,
     GRateCoupling,
-    Levelling { east: f64, north: f64 },
+    Levelling {
+        east: f64,
+        north: f64,
+    },
     Azimuth,
+    /// A tilt of the table that begins with a dwell.
+    Relevelling {
+        east: f64,
+        north: f64,
+        first: usize,
+    },
+    /// The IMU sits otherwise in its fixture, turned about body axes, from a dwell on; where none is given, while the
+    /// table turns.
+    Reseating {
+        about: Vector3<f64>,
+        first: Option<usize>,
+    },
     Magnetic([Vector3<f64>; 3]),
     CrossCompliance([Vector3<f64>; 3]),
     CubicG,
@@ -65,7 +89,7 @@ const fn row(id: &'static str, typical: f64, shown_by: ShownBy) -> Injectable {
 }
 
 /// The effects that can be injected.
-pub const CATALOGUE: [Injectable; 23] = [
+pub const CATALOGUE: [Injectable; 25] = [
     row("g_linear", 0.05, ShownBy::OwnTerm),           // deg/(h g0)
     row("g_squared", 0.05, ShownBy::OwnTerm),          // deg/(h g0^2)
     row("temperature_bias", 0.005, ShownBy::Always),   // deg/h/K
@@ -84,6 +108,8 @@ pub const CATALOGUE: [Injectable; 23] = [
     row("g_rate_coupling", 1e-6, ShownBy::Rotation), // 1/g0
     row("levelling", 1e-4, ShownBy::Attitudes),      // rad
     row("azimuth", 2e-4, ShownBy::Attitudes),        // rad
+    row("relevelling", 1e-4, ShownBy::Attitudes),    // rad
+    row("reseating", 1e-4, ShownBy::Rotation),       // rad
     row("magnetic", 0.01, ShownBy::Attitudes),       // deg/h in the field of the site
     row("cross_compliance", 0.05, ShownBy::OffAxis), // deg/(h g0^2)
     row("cubic_g", 0.02, ShownBy::OffAxis),          // deg/(h g0^3)
@@ -102,8 +128,33 @@ pub fn listed() -> String {
     CATALOGUE.map(|known| known.id).join(", ")
 }
 
+/// What a station does, by its id: a field, the table tilted throughout and from a dwell on, the IMU seated anew, the
+/// power put on.
+pub const FIELD: &str = "magnetic";
+pub const TILT: &str = "levelling";
+pub const TILT_FROM_A_DWELL: &str = "relevelling";
+pub const SEAT: &str = "reseating";
+pub const POWER_UP: &str = "warmup";
+
+/// Ids that act in every dwell of a campaign that shows them, one way throughout.
+pub const THROUGHOUT: [&str; 10] = [
+    "temperature_bias",
+    "temperature_g",
+    "temperature_scale",
+    "time_ramp",
+    "hysteresis",
+    "scale_asymmetry",
+    "scale_quadratic",
+    "anisoinertia",
+    "g_rate_coupling",
+    FIELD,
+];
+
+/// Ids of biases that change in the course of a campaign.
+pub const IN_TIME: [&str; 5] = ["time_ramp", POWER_UP, "bias_step", "periodic", "temperature_bias"];
+
 /// Ids that act through the table on every gyro at once.
-pub const COMMON: [&str; 2] = ["levelling", "azimuth"];
+pub const COMMON: [&str; 4] = ["levelling", "azimuth", "relevelling", "reseating"];
 
 /// A cause in one campaign: what, how much, and by which factor in each slot (zero: the gyro does not have it).
 #[derive(Debug, Clone, PartialEq)]
@@ -113,7 +164,12 @@ pub struct Cause {
     pub size: f64,
     pub weights: [f64; 3],
     pub kind: Kind,
+    /// From when to when it acts, hours.
+    pub acts_in_h: [f64; 2],
 }
+
+/// All the time.
+pub const ALWAYS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Kind {
@@ -163,6 +219,15 @@ impl Effect {
                 Self::Levelling { east: along.x, north: along.y }
             }
             "azimuth" => Self::Azimuth,
+            "relevelling" => {
+                let angle = rng.random_range(0.0..std::f64::consts::TAU);
+                let along = fixed.direction.unwrap_or(Vector3::new(angle.cos(), angle.sin(), 0.0));
+                let first = fixed.dwell.unwrap_or_else(|| inner_dwell(dwells, rng));
+                Self::Relevelling { east: along.x, north: along.y, first }
+            }
+            "reseating" => {
+                Self::Reseating { about: fixed.direction.unwrap_or_else(|| any_direction(rng)), first: fixed.dwell }
+            }
             "magnetic" => Self::Magnetic(directions()),
             "cross_compliance" => Self::CrossCompliance(directions()),
             "cubic_g" => Self::CubicG,
@@ -198,6 +263,15 @@ impl Effect {
             "cross_compliance" => directions(Self::CrossCompliance),
             "levelling" => {
                 vec![vec![Self::Levelling { east: 1.0, north: 0.0 }, Self::Levelling { east: 0.0, north: 1.0 }]]
+            }
+            "relevelling" => {
+                let tilts =
+                    |first| [(1.0, 0.0), (0.0, 1.0)].map(|(east, north)| Self::Relevelling { east, north, first });
+                (1..dwells).map(|first| tilts(first).to_vec()).collect()
+            }
+            "reseating" => {
+                let turns = |first| (0..3).map(|i| Self::Reseating { about: Vector3::ith(i, 1.0), first }).collect();
+                [None].into_iter().chain((1..dwells).map(Some)).map(turns).collect()
             }
             "warmup" => {
                 let grid =
@@ -239,13 +313,29 @@ fn inner_dwell(dwells: usize, rng: &mut ChaCha8Rng) -> usize {
 }
 
 impl Cause {
-    /// How this cause misplaces the table; the identity for causes inside gyros.
-    pub fn table_from_nav(&self) -> Rotation3<f64> {
+    fn is_acting(&self, at: &Situation) -> bool {
+        (self.acts_in_h[0]..=self.acts_in_h[1]).contains(&at.time_h)
+    }
+
+    /// How this cause misplaces the table in one dwell; the identity for causes inside gyros.
+    pub fn table_from_nav(&self, at: &Situation) -> Rotation3<f64> {
+        let tilt = |east: f64, north: f64, up: f64| Rotation3::new(Vector3::new(east, north, up) * self.size);
         match self.kind {
-            Kind::Catalogue(Effect::Levelling { east, north }) => {
-                Rotation3::new(Vector3::new(east, north, 0.0) * self.size)
+            Kind::Catalogue(Effect::Levelling { east, north }) if self.is_acting(at) => tilt(east, north, 0.0),
+            Kind::Catalogue(Effect::Relevelling { east, north, first }) if at.index >= first => tilt(east, north, 0.0),
+            Kind::Catalogue(Effect::Azimuth) if self.is_acting(at) => tilt(0.0, 0.0, 1.0),
+            _ => Rotation3::identity(),
+        }
+    }
+
+    /// How the IMU sits in its fixture, as the body axes of one dwell see it.
+    pub fn seat(&self, at: &Situation) -> Rotation3<f64> {
+        match self.kind {
+            Kind::Catalogue(Effect::Reseating { about, first })
+                if first.map_or(at.turning, |first| at.index >= first) =>
+            {
+                Rotation3::new(about * self.size)
             }
-            Kind::Catalogue(Effect::Azimuth) => Rotation3::new(Vector3::new(0.0, 0.0, self.size)),
             _ => Rotation3::identity(),
         }
     }
@@ -261,7 +351,7 @@ impl Cause {
     /// What it adds to one gyro at one moment.
     pub fn acts(&self, gyro: usize, felt: &Felt, at: &Situation) -> Action {
         let k = self.size * self.weights[gyro];
-        if k == 0.0 {
+        if k == 0.0 || !self.is_acting(at) {
             return Action::default();
         }
         let unit = match &self.kind {
@@ -299,7 +389,11 @@ impl Effect {
             Self::CrossCompliance(k) => drift(k[gyro].dot(&Vector3::new(a.x * a.y, a.x * a.z, a.z * a.y))),
             Self::CubicG => drift(a.x.powi(3)),
             Self::OutputAxisG => drift(a.z),
-            Self::Levelling { .. } | Self::Azimuth | Self::MountClocking => Action::default(),
+            Self::Levelling { .. }
+            | Self::Azimuth
+            | Self::Relevelling { .. }
+            | Self::Reseating { .. }
+            | Self::MountClocking => Action::default(),
         }
     }
 }

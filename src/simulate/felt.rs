@@ -8,6 +8,8 @@ use super::station::Moment;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Situation {
     pub index: usize,
+    /// Whether the table turns.
+    pub turning: bool,
     /// Middle of the dwell, hours after the start.
     pub time_h: f64,
     pub since_power_up_h: f64,

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::core::fault::Faults;
 
-use super::cause::{CATALOGUE, COMMON, Cause, Effect, Kind, Particulars, known};
+use super::cause::{ALWAYS, CATALOGUE, COMMON, Cause, Effect, Kind, Particulars, known};
 use super::detectability::norm;
 use super::fault_at::fault;
 use super::outside::Outside;
@@ -41,7 +41,9 @@ pub fn injected(world: &World, choice: &EffectChoice, pointer: &str, rng: &mut C
         }
     };
     let weights = weights(world, choice, pointer, rng)?;
-    let cause = Cause { label: choice.effect.clone(), size: typical, weights, kind };
+    let last_h = mid_h.last().copied().unwrap_or(1.0);
+    let acts_in_h = choice.acts_in.map_or(ALWAYS, |shares| shares.map(|share| share * last_h));
+    let cause = Cause { label: choice.effect.clone(), size: typical, weights, kind, acts_in_h };
     match (choice.size, choice.detectability) {
         (Some(size), None) if size.is_finite() => Ok(Cause { size, ..cause }),
         (None, Some(d)) if d.is_finite() && d > 0.0 => sized(world, cause, d, pointer),
@@ -58,6 +60,11 @@ fn check_particulars(world: &World, choice: &EffectChoice, pointer: &str) -> Res
     if let Some(dwell) = choice.dwell.filter(|&k| k >= world.plan.len()) {
         faults
             .push(format!("{pointer}/dwell"), message!("beyond_last_dwell", dwell = dwell, dwells = world.plan.len()));
+    }
+    if let Some([from, to]) = choice.acts_in.filter(|[from, to]| from.partial_cmp(to) != Some(std::cmp::Ordering::Less))
+    {
+        let value = format!("{from} .. {to}");
+        faults.push(format!("{pointer}/acts_in"), message!("acts_never", value = text(value)));
     }
     faults.or(())
 }

@@ -49,6 +49,7 @@ pub(crate) enum Stream {
     StandardErrors = 5,
     Causes = 6,
     Experiment = 7,
+    SharedNoise = 8,
 }
 
 /// The generator of one stream of a seed; ChaCha8, so that the same seed gives the same campaign everywhere.

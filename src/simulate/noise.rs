@@ -28,12 +28,22 @@ impl Noise {
             ("rate_random_walk_deg_per_h_sqrt_h", self.rate_random_walk_deg_per_h_sqrt_h),
             ("turn_on_bias_deg_per_h", self.turn_on_bias_deg_per_h),
             ("pulse_quantum", self.pulse_quantum),
+            ("correlation", self.correlation),
+            ("growth", self.growth),
         ] {
             if !(value.is_finite() && value >= 0.0) {
                 faults.push(format!("/noise/{name}"), message!("not_zero_or_more", value = text(value)));
             }
         }
+        if self.correlation > 1.0 {
+            faults.push("/noise/correlation", message!("not_zero_or_more", value = text(1.0 - self.correlation)));
+        }
         faults.or(())
+    }
+
+    /// How much larger the white noise is than at first, after this share of the campaign's time.
+    pub fn grown(&self, share: f64) -> f64 {
+        self.growth.powf(share)
     }
 
     /// Standard deviation of the mean output over a dwell, pulse/s, white noise and grain together.
@@ -58,10 +68,19 @@ impl Noise {
     }
 }
 
-/// White noise of one mean without the grain (which [`Noise::counted`] makes), pulse/s.
-pub fn white(noise: &Noise, duration_s: f64, w_input: f64, scale_factor: f64, rng: &mut ChaCha8Rng) -> f64 {
+/// White noise of one mean without the grain (which [`Noise::counted`] makes), pulse/s; `shared` is the deviate that
+/// all gyros have in common.
+pub fn white(
+    noise: &Noise,
+    duration_s: f64,
+    w_input: f64,
+    scale_factor: f64,
+    shared: f64,
+    rng: &mut ChaCha8Rng,
+) -> f64 {
     let smooth = Noise { pulse_quantum: 0.0, ..noise.clone() };
-    smooth.white_sd_pulse_s(duration_s, w_input, scale_factor) * gaussian(rng)
+    let deviate = noise.correlation.sqrt() * shared + (1.0 - noise.correlation).sqrt() * gaussian(rng);
+    smooth.white_sd_pulse_s(duration_s, w_input, scale_factor) * deviate
 }
 
 /// How the bias of one gyro wanders: its mean over each dwell, deg/h.
@@ -147,7 +166,7 @@ mod tests {
     fn white_noise_averages_down_with_the_root_of_time() {
         let noise = Noise { rate_noise_ppm: 0.0, ..Default::default() };
         let mut rng = random(2, Stream::Noise);
-        let means: Vec<f64> = (0..40_000).map(|_| white(&noise, 180.0, 0.0, 1.0, &mut rng)).collect();
+        let means: Vec<f64> = (0..40_000).map(|_| white(&noise, 180.0, 0.0, 1.0, 0.0, &mut rng)).collect();
         // sigma^2(tau) = N^2/tau of IEEE 952, tau in hours.
         for m in [1, 4, 16] {
             let expected = noise.angle_random_walk_deg_per_sqrt_h.powi(2) / (m as f64 * 0.05);

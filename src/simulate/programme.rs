@@ -32,6 +32,8 @@ pub struct Programme {
     pub both_ups: bool,
     pub order: Order,
     pub dwell_s: f64,
+    /// Dwells last from `dwell_s` to this, each as it comes (evenly in the logarithm); left out, all alike.
+    pub longest_dwell_s: Option<f64>,
     pub settle_s: f64,
     /// Rate dwells last at least one turn (a slow rate makes them long); else they last as long as the others and
     /// the means are still those over a whole turn.
@@ -96,6 +98,7 @@ impl Default for Programme {
             both_ups: true,
             order: Order::Random,
             dwell_s: 180.0,
+            longest_dwell_s: None,
             settle_s: 60.0,
             whole_turns: false,
             power_ups: 1,
@@ -136,7 +139,7 @@ pub fn plan(programme: &Programme, pole_elevation: f64, rng: &mut ChaCha8Rng) ->
     if order.is_empty() {
         return Err(fault("/programme", message!("no_positions_or_rates")));
     }
-    Ok(clocked(programme, &order))
+    Ok(clocked(programme, &order, rng))
 }
 
 fn check(programme: &Programme) -> Result<(), Faults> {
@@ -147,6 +150,7 @@ fn check(programme: &Programme) -> Result<(), Faults> {
         }
     };
     positive("dwell_s", programme.dwell_s, false);
+    positive("longest_dwell_s", programme.longest_dwell_s.unwrap_or(programme.dwell_s), false);
     positive("settle_s", programme.settle_s, true);
     positive("power_off_s", programme.power_off_s, true);
     for (i, rate) in programme.rates_arcsec_s.iter().enumerate() {
@@ -268,7 +272,7 @@ fn turns(programme: &Programme) -> Vec<Station> {
     stations
 }
 
-fn clocked(programme: &Programme, order: &[Station]) -> Vec<Planned> {
+fn clocked(programme: &Programme, order: &[Station], rng: &mut ChaCha8Rng) -> Vec<Planned> {
     let per_power_up = order.len().div_ceil(programme.power_ups);
     let mut clock = 0.0;
     let mut switched_on = 0.0;
@@ -279,7 +283,9 @@ fn clocked(programme: &Programme, order: &[Station]) -> Vec<Planned> {
             clock += programme.power_off_s;
             switched_on = clock;
         }
-        let duration_s = duration(programme, station.turn_arcsec_s);
+        let times_longer = |longest: f64| (longest / programme.dwell_s).powf(rng.random_range(0.0..1.0));
+        let duration_s =
+            duration(programme, station.turn_arcsec_s) * programme.longest_dwell_s.map_or(1.0, times_longer);
         dwells.push(Planned {
             phase: if station.turn_arcsec_s == 0.0 { Phase::Static } else { Phase::Rate },
             start_s: clock,

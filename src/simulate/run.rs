@@ -142,13 +142,21 @@ impl World {
         let noise = &scenario.noise;
         let mut rng = random(scenario.seed, Stream::Noise);
         let ideal = self.outputs(causes);
+        let n = self.plan.len();
+        let mid_h = self.mid_h();
+        let last_h = mid_h.last().copied().unwrap_or(1.0);
+        // Drawn only where gyros share something, so that a seed without it gives what it always gave.
+        let mut of_all = random(scenario.seed, Stream::SharedNoise);
+        let shared: Vec<f64> = (0..n).map(|_| of_all.sample(StandardNormal)).collect();
+        let wander = noise.shared_wander.then(|| bias_wander(noise, &self.plan, &mut of_all));
         let noisy = |(gyro, ideal): (&TrueGyro, Vec<f64>)| -> Vec<f64> {
-            let bias = bias_wander(noise, &self.plan, &mut rng);
-            (0..self.plan.len())
+            let bias = wander.clone().unwrap_or_else(|| bias_wander(noise, &self.plan, &mut rng));
+            (0..n)
                 .map(|k| {
                     let dwell = &self.plan[k];
                     let w_input = gyro.input().dot(&self.commanded[k].1);
-                    let chance = white(noise, dwell.duration_s, w_input, gyro.scale_factor, &mut rng);
+                    let white = white(noise, dwell.duration_s, w_input, gyro.scale_factor, shared[k], &mut rng);
+                    let chance = noise.grown(mid_h[k] / last_h) * white;
                     let output = ideal[k] + gyro.scale_factor * bias[k] + chance;
                     noise.counted(output, dwell.duration_s, &mut rng)
                 })
@@ -163,9 +171,16 @@ impl World {
         match columns.standard_errors {
             StandardErrors::Absent => None,
             StandardErrors::Exact => Some(self.sd.clone()),
+            StandardErrors::Constant => Some(self.sd.iter().map(|sd| vec![middle(sd); sd.len()]).collect()),
             StandardErrors::Noisy => Some(self.sd.iter().map(|sd| sd.iter().map(|s| s * wrong()).collect()).collect()),
         }
     }
+}
+
+fn middle(sd: &[f64]) -> f64 {
+    let mut sorted = sd.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
 }
 
 fn gyro_key(gyro: &TrueGyro, axes: &Matrix3<f64>) -> GyroKey {

@@ -159,6 +159,13 @@ pub struct Noise {
     pub turn_on_bias_deg_per_h: f64,
     /// Smallest count that the electronics resolve, pulse (1 counts whole pulses, 0 has no grain).
     pub pulse_quantum: f64,
+    /// Share of the white noise's variance that all gyros have in common: their correlation.
+    pub correlation: f64,
+    /// Whether all gyros share one wander of the bias: one supply, one room.
+    pub shared_wander: bool,
+    /// How many times the white noise's standard deviation grows from the first dwell to the last, evenly in its
+    /// logarithm.
+    pub growth: f64,
 }
 
 /// Which optional columns the station writes.
@@ -177,6 +184,8 @@ pub enum StandardErrors {
     Exact,
     /// Wrong by 12 per cent, dwell by dwell, as estimates from few samples are.
     Noisy,
+    /// One number for all dwells of a gyro, the median of the true ones.
+    Constant,
     Absent,
 }
 
@@ -185,6 +194,7 @@ impl StandardErrors {
         match self {
             Self::Exact => "exact",
             Self::Noisy => "noisy",
+            Self::Constant => "constant",
             Self::Absent => "absent",
         }
     }
@@ -205,10 +215,14 @@ pub struct EffectChoice {
     /// Square root of the whitened power that the model cannot absorb, over all gyros.
     #[serde(default)]
     pub detectability: Option<f64>,
+    /// From which to which share of the campaign's time it acts; left out, all the time.
+    #[serde(default)]
+    pub acts_in: Option<[f64; 2]>,
     /// tau of `warmup`, period of `periodic`.
     #[serde(default)]
     pub time_h: Option<f64>,
-    /// The dwell of `outlier_dwell`, the first dwell after a `bias_step`.
+    /// The dwell of `outlier_dwell`, the first dwell after a `bias_step`, a `relevelling` or a `reseating` (which is
+    /// between static and turning dwells where it is left out).
     #[serde(default)]
     pub dwell: Option<usize>,
     /// The direction of `temperature_g`, `magnetic`, `cross_compliance` (k_IS, k_IO, k_OS), `levelling` (east, north).
@@ -229,6 +243,7 @@ impl EffectChoice {
             gyros: None,
             size: Some(size),
             detectability: None,
+            acts_in: None,
             time_h: None,
             dwell: None,
             direction: None,
@@ -301,6 +316,9 @@ impl Default for Noise {
             rate_random_walk_deg_per_h_sqrt_h: 0.0,
             turn_on_bias_deg_per_h: 0.0,
             pulse_quantum: 0.0,
+            correlation: 0.0,
+            shared_wander: false,
+            growth: 1.0,
         }
     }
 }

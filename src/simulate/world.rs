@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::core::campaign::TestKind;
+use crate::core::campaign::{Phase, TestKind};
 use crate::core::fault::Faults;
 use crate::core::model::Terms;
 use crate::core::mounting::Slot;
@@ -56,11 +56,14 @@ impl World {
             gyros.iter_mut().for_each(|gyro| gyro.scale_factor = 1.0);
         }
         let commanded: Vec<_> = plan.iter().map(|dwell| commanded(dwell, &earth)).collect();
+        let last_h = mid_h.last().copied().unwrap_or(1.0);
+        let grown: Vec<f64> = mid_h.iter().map(|t| scenario.noise.grown(t / last_h)).collect();
         let sd_of = |gyro: &TrueGyro| -> Vec<f64> {
             plan.iter()
                 .zip(&commanded)
-                .map(|(dwell, (_, w))| {
-                    scenario.noise.white_sd_pulse_s(dwell.duration_s, gyro.input().dot(w), gyro.scale_factor)
+                .zip(&grown)
+                .map(|((dwell, (_, w)), grown)| {
+                    grown * scenario.noise.white_sd_pulse_s(dwell.duration_s, gyro.input().dot(w), gyro.scale_factor)
                 })
                 .collect()
         };
@@ -75,9 +78,8 @@ impl World {
 
     /// Noise-free means of every gyro, pulse/s: `[gyro][dwell]`.
     pub fn outputs(&self, causes: &[Cause]) -> Vec<Vec<f64>> {
-        let table_from_nav = causes.iter().fold(Rotation3::identity(), |r, cause| cause.table_from_nav() * r);
-        let errors = TableErrors { table_from_nav };
-        let felt: Vec<Vec<Moment>> = self.plan.iter().map(|dwell| moments(dwell, &self.earth, &errors)).collect();
+        let felt: Vec<Vec<Moment>> =
+            self.plan.iter().zip(&self.situations).map(|(dwell, at)| self.felt(dwell, at, causes)).collect();
         self.gyros
             .iter()
             .map(|gyro| {
@@ -85,6 +87,20 @@ impl World {
                 felt.iter().zip(&self.situations).map(|(m, at)| mean_output(gyro, &axes, causes, m, at)).collect()
             })
             .collect()
+    }
+
+    /// What the IMU feels in one dwell.
+    fn felt(&self, dwell: &Planned, at: &Situation, causes: &[Cause]) -> Vec<Moment> {
+        let one = Rotation3::identity();
+        let table_from_nav = causes.iter().fold(one, |r, cause| cause.table_from_nav(at) * r);
+        let seat = causes.iter().fold(one, |r, cause| cause.seat(at) * r);
+        let mut felt = moments(dwell, &self.earth, &TableErrors { table_from_nav });
+        for moment in &mut felt {
+            for vector in [&mut moment.a, &mut moment.w, &mut moment.field, &mut moment.north] {
+                *vector = seat * *vector;
+            }
+        }
+        felt
     }
 
     /// Detectability of a set of causes, gyro by gyro, and the power of their response, seen or not.
@@ -123,6 +139,7 @@ fn situations(plan: &[Planned], commanded: &[(Vector3<f64>, Vector3<f64>)], temp
             let time_h = mid_h(&plan[k]);
             Situation {
                 index: k,
+                turning: plan[k].phase == Phase::Rate,
                 time_h,
                 since_power_up_h: plan[k].since_power_up_s / SECONDS_PER_HOUR,
                 since_face_change_h: time_h - face_since_s / SECONDS_PER_HOUR,

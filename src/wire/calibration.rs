@@ -14,7 +14,7 @@ use crate::core::calibrate::bench::BenchCalibration;
 use crate::core::calibrate::noise::Noise;
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::calibrate::{GyroCalibration, Parameter, ScaleSource};
-use crate::core::campaign::{self, Campaign};
+use crate::core::campaign::{self, Campaign, CampaignNote};
 use crate::core::model::{Term, Terms};
 use crate::core::note::Note;
 use crate::words;
@@ -196,6 +196,8 @@ impl CampaignAnswer {
                 }
             }
             Outcome::Bench(bench) => {
+                let aliased = bench.aliases.iter().map(|alias| Note::Campaign(CampaignNote::ProductAliased(*alias)));
+                answer.notes.extend(aliased.map(|note| NoteBody::of(&note)));
                 answer.calibration.repeats.clone_from(&bench.repeats);
                 answer.calibration.gyros = vec![GyroFitBody::of_bench(campaign, bench)];
                 answer.bench_result = Some(BenchBody::of(&bench.result(campaign)));
@@ -282,7 +284,7 @@ impl GyroFitBody {
             chi2: bench.chi2,
             dof: bench.dof,
             reduced_chi2: (has_sem && bench.dof > 0).then(|| bench.chi2 / bench.dof as f64),
-            p_value: None,
+            p_value: bench.p_value,
             noise: NoiseBody::of(&bench.noise, bench.sigma.as_ref(), has_sem, Some(k)),
             residuals: ResidualsBody {
                 pulse_per_s: list(&bench.residuals),

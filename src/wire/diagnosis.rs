@@ -40,6 +40,12 @@ pub struct DiagnosisBody {
     pub next_dwells: Vec<NextDwellBody>,
     pub residuals: Vec<ResidualBody>,
     pub notes: Vec<String>,
+    /// What the noise is beyond white, independent and as stated, where something is found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<NoiseFoundBody>,
+    /// What is left goes with, the strongest first: no cause.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub description: Vec<DescribedBody>,
     /// The notes for programs.
     #[serde(default)]
     pub note_codes: Vec<MessageBody>,
@@ -126,6 +132,57 @@ pub struct GyroFloorBody {
     pub repeat_dof: usize,
 }
 
+/// One thing that what is left goes with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct DescribedBody {
+    /// `time`, `temperature`, `rate_of_temperature`, `up_direction`, `heading`, `rate_level`, `rate_axis`,
+    /// `rate_history`, `previous_orientation` or `phase`.
+    pub by: String,
+    /// ln of the odds against noise.
+    pub evidence: f64,
+}
+
+/// Noise beyond white, independent and as stated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct NoiseFoundBody {
+    /// Correlation of each pair of gyros.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub between_gyros: Vec<CorrelationBody>,
+    /// A bias that wanders from dwell to dwell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flicker: Option<MemoryBody>,
+    /// With what power of duration the noise falls, where the standard errors do not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub falls_with_duration: Option<f64>,
+    /// How many times the noise is as large at the fastest rate as at rest, where the standard errors do not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grows_with_rate: Option<f64>,
+    /// How many times the noise is as large at the end as at the beginning, where the standard errors do not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grows_in_time: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CorrelationBody {
+    pub gyros: [String; 2],
+    pub correlation: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MemoryBody {
+    /// `flicker` or `random_walk`, whichever is likelier.
+    pub kind: String,
+    /// Standard deviation of the wander; of a random walk at mid-campaign.
+    pub gyros: Vec<GyroMemoryBody>,
+    pub probability: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct GyroMemoryBody {
+    pub slot: String,
+    pub deg_per_h: f64,
+}
+
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GapBody {
     /// Root mean square of the residuals.
@@ -146,6 +203,9 @@ pub struct EffectBody {
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub wider_in: Vec<GyroClassBody>,
     pub gyros: Vec<String>,
+    /// From when to when it acts, s after the first dwell, where that is not the whole campaign.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub acts_in: Option<[f64; 2]>,
     pub estimates: Vec<EstimateBody>,
     pub held_out: HeldOutBody,
     pub p_value_adjusted: f64,
@@ -316,10 +376,44 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             next_dwells: d.next_dwells.iter().map(NextDwellBody::from).collect(),
             residuals: d.residuals.iter().map(ResidualBody::from).collect(),
             notes: Vec::new(),
+            description: (d.description.iter())
+                .map(|one| DescribedBody { by: one.by.name().to_owned(), evidence: one.evidence })
+                .collect(),
+            noise: (!d.noise.is_empty()).then(|| NoiseFoundBody::from(&d.noise)),
             note_codes: notes.map(|note| MessageBody::of(&note, asked())).collect(),
             reference: None,
         };
         unsaid.said_in(asked())
+    }
+}
+
+impl From<&core::NoiseFound> for NoiseFoundBody {
+    fn from(noise: &core::NoiseFound) -> Self {
+        let pair = |(a, b, correlation): &(Slot, Slot, f64)| CorrelationBody {
+            gyros: [a, b].map(|slot| slot.name().to_owned()),
+            correlation: *correlation,
+        };
+        let wander =
+            |(slot, deg_per_h): &(Slot, f64)| GyroMemoryBody { slot: slot.name().to_owned(), deg_per_h: *deg_per_h };
+        let (mut falls_with_duration, mut grows_with_rate, mut grows_in_time) = (None, None, None);
+        for law in &noise.laws {
+            match *law {
+                core::LawFound::Duration { power } => falls_with_duration = Some(power),
+                core::LawFound::Rate { times } => grows_with_rate = Some(times),
+                core::LawFound::Time { times } => grows_in_time = Some(times),
+            }
+        }
+        Self {
+            between_gyros: noise.between_gyros.iter().map(pair).collect(),
+            flicker: noise.memory.as_ref().map(|memory| MemoryBody {
+                kind: memory.kind.to_owned(),
+                gyros: memory.deg_per_h.iter().map(wander).collect(),
+                probability: memory.probability,
+            }),
+            falls_with_duration,
+            grows_with_rate,
+            grows_in_time,
+        }
     }
 }
 
@@ -338,6 +432,7 @@ impl From<&core::NamedEffect> for EffectBody {
                 .map(|(slot, class)| GyroClassBody { slot: slot.name().to_owned(), class: ids(class) })
                 .collect(),
             gyros: names(&e.gyros),
+            acts_in: e.acts_in,
             estimates: e.estimates.iter().map(EstimateBody::from).collect(),
             held_out: HeldOutBody::from(&e.held_out),
             p_value_adjusted: e.p_value_adjusted,

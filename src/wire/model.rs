@@ -313,8 +313,8 @@ impl ShapeBody {
             Shape::Only(only) => Self { product: only.first().copied(), ..linear },
             Shape::Tilt { with_rate } => Self { with_rate: Some(with_rate), ..linear },
             Shape::InputSpin => Self { axes: Some("input_spin".to_owned()), ..linear },
-            // A window belongs to competitors, which are never adopted.
-            Shape::Linear | Shape::Window(..) => linear,
+            // Windows and parts belong to competitors, which are never adopted.
+            Shape::Linear | Shape::Window(..) | Shape::Part { .. } | Shape::Restart(_) => linear,
         }
     }
 }
@@ -330,6 +330,7 @@ fn wanted(effect: Effect) -> Filling {
         Parameter::Clocking => "{\"clocking_rad\": angle}".into(),
         Parameter::Product => absent_or("{\"product\": 0|1|2}"),
         Parameter::Tilt => "{\"with_rate\": true|false}".into(),
+        Parameter::Seating => absent_or("{\"instant_s\": seconds}"),
         Parameter::Axes => absent_or("{\"axes\": \"input_spin\"}"),
         Parameter::None => message!("absent").into(),
     }

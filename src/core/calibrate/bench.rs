@@ -3,7 +3,7 @@
 //! y_k = E.w_k + K (D_F + D_I a_I + D_S a_S + D_II a_I^2 + D_SS a_S^2), K = |E|, a on the gyro's axes. The torque
 //! feedback test counts pulses; in the servo test the table's rate in arcsec/s is itself the answer, so there E is
 //! the input axis with K = 1. The table may be driven so that its rate cancels the gyro's; the sign shows in the
-//! Earth's rate.
+//! Earth's rate. Where it does not show it has to be stated: with the other sign every coefficient is negated.
 //!
 //! Where the positions show it, D_O a_O is fitted too: the clocking of S about I on the fixture.
 //!
@@ -16,7 +16,7 @@ use super::bench_form::{Form, Squares};
 use super::gyro_fit::standardised;
 use super::noise::{Evidence, Noise, noise};
 use super::{ScaleSource, sem_scatter, weights_sd};
-use crate::core::bench::{BenchMethod, BenchResult};
+use crate::core::bench::{Alias, BenchMethod, BenchResult};
 use crate::core::campaign::repeats::{PureError, repeats};
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::message::{Message, figure, list};
@@ -42,6 +42,9 @@ pub struct Coefficient {
     pub sd: Option<f64>,
 }
 
+/// A product that moves a coefficient by less than this share of itself is told from it well enough.
+const LEAST_MOVED: f64 = 0.05;
+
 /// A bench test, fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BenchCalibration {
@@ -54,10 +57,14 @@ pub struct BenchCalibration {
     /// D_F, D_I, D_S and, where the positions allow, D_II, D_SS and D_O.
     pub coefficients: Vec<Coefficient>,
     pub gauge: Option<&'static str>,
+    /// Products that eq. (5) leaves out here and that these positions do not tell from D_I or D_S.
+    pub aliases: Vec<Alias>,
     /// Mean of a_I^2 + a_S^2, g0^2.
     squared_force: f64,
     pub chi2: f64,
     pub dof: usize,
+    /// Chance of residuals as large as these if eq. (5) and the noise scale are right; none where nothing tells.
+    pub p_value: Option<f64>,
     pub rank: usize,
     pub noise: Noise,
     /// Standard deviation of each output, none without a noise scale.
@@ -87,6 +94,10 @@ pub enum NotFitted {
         "the output answers the Earth's rate with {found:.4} where a table rate in arcsec/s answers with 1 or -1; state known_e_pulse_per_arcsec if the output is in other units"
     )]
     NotATableRate { found: f64 },
+    #[error(
+        "whether the table turns with the gyro's drift or against it does not show in the Earth's rate along the input axis; state known_e_pulse_per_arcsec, the input axis with its sign"
+    )]
+    NoServoSign,
 }
 
 impl NotFitted {
@@ -98,6 +109,7 @@ impl NotFitted {
                 message!("bench_undetermined", parameters = list(parameters.iter().copied()))
             }
             Self::NoScale => message!("bench_no_scale"),
+            Self::NoServoSign => message!("no_servo_sign"),
             Self::NotATableRate { found } => message!("not_a_table_rate", found = figure(*found, 4)),
         }
     }
@@ -152,7 +164,7 @@ impl Problem<'_> {
         }
         let along_input = fit_along(vec![input]);
         if !self.determines_scale(&along_input) {
-            return Ok(held(input));
+            return Err(NotFitted::NoServoSign);
         }
         let found = self.fit(method, &along_input)?;
         let answer = found.e.dot(&input);
@@ -161,7 +173,10 @@ impl Problem<'_> {
         if off.abs() > SERVO_SCALE.1 && off.abs() > SERVO_SCALE.0 * sd {
             return Err(NotFitted::NotATableRate { found: answer });
         }
-        Ok(held(input * if answer < -SERVO_SCALE.0 * sd { -1.0 } else { 1.0 }))
+        if answer.abs() <= SERVO_SCALE.0 * sd {
+            return Err(NotFitted::NoServoSign);
+        }
+        Ok(held(input * answer.signum()))
     }
 
     fn determines_scale(&self, scale: &Scale) -> bool {
@@ -264,16 +279,34 @@ impl Problem<'_> {
         );
         let fit = factor.fit(&y);
         let fitted: Vector3<f64> = scale.fitted.iter().zip(fit.estimate.iter()).map(|(axis, k)| axis * *k).sum();
-        Ok(Solved { e: held + fitted, axes, form, fit, y })
+        let aliases = self.aliases(&factor, &axes, first);
+        Ok(Solved { e: held + fitted, axes, form, fit, y, aliases })
+    }
+
+    /// A product's column fitted by what is fitted: what D_I and D_S take of it.
+    fn aliases(&self, factor: &Factor, axes: &Matrix3<f64>, first: usize) -> Vec<Alias> {
+        let dwells = &self.campaign.dwells;
+        let mut found = Vec::new();
+        for (product, a, b) in [("D_SI", 1, 0), ("D_IO", 0, 2), ("D_OS", 2, 1)] {
+            let forces = dwells.iter().map(|d| axes * d.specific_force_g0);
+            let taken = factor.fit(&DVector::from_iterator(dwells.len(), forces.map(|f| f[a] * f[b]))).estimate;
+            for (coefficient, place) in [("D_I", 1), ("D_S", 2)] {
+                let moves = taken[first + place];
+                if moves.abs() > LEAST_MOVED {
+                    found.push(Alias { product, coefficient, moves });
+                }
+            }
+        }
+        found
     }
 
     fn finish(&self, method: BenchMethod, scale: &Scale, solved: Solved) -> Result<BenchCalibration, NotFitted> {
-        let Solved { e, axes, form, fit, y } = solved;
+        let Solved { e, axes, form, fit, y, aliases } = solved;
         let groups = repeats(&self.campaign.dwells);
         let has_sem = self.campaign.states_errors();
         let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
-        let noise = noise(&[Evidence::of(fit.chi2, fit.dof, pure_error)], has_sem)[0]
-            .with_scatter(sem_scatter(&self.campaign.dwells, 0));
+        let evidence = Evidence::of(fit.chi2, fit.dof, pure_error);
+        let noise = noise(&[evidence], has_sem)[0].with_scatter(sem_scatter(&self.campaign.dwells, 0));
         let covariance = noise.covariance_scale().map(|s| &fit.covariance * s);
         let sigma = noise.factor.map(|f| DVector::from_fn(self.sd.len(), |i, _| self.sd[i] * f));
         let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
@@ -325,9 +358,11 @@ impl Problem<'_> {
             axes,
             coefficients,
             gauge: (form.squares == Squares::Difference).then_some(GAUGE),
+            aliases,
             squared_force: self.mean_squared_force(&axes),
             chi2: fit.chi2,
             dof: fit.dof,
+            p_value: noise.p_value(&evidence).filter(|_| fit.dof > 0),
             rank: fit.rank,
             standardised: sigma.as_ref().map(|sigma| standardised(&fit.residuals, sigma, &fit.leverage)),
             sigma,
@@ -345,6 +380,7 @@ struct Solved {
     form: Form,
     fit: Fit,
     y: DVector<f64>,
+    aliases: Vec<Alias>,
 }
 
 impl BenchCalibration {

@@ -1,6 +1,7 @@
 //! What is worth knowing about a campaign's dwells and their fit.
 
 use super::commanded::Finding;
+use crate::core::bench::Alias;
 use crate::core::effects::{Effect, Lack, Refusal};
 use crate::core::mounting::Slot;
 
@@ -50,6 +51,8 @@ pub enum CampaignNote {
     EffectsLeftOut {
         why: Refusal,
     },
+    /// A product of specific forces that a bench test does not fit moves a coefficient by so much of itself.
+    ProductAliased(Alias),
     /// The campaign does not determine E, whose size along the nominal axis is taken, pulse/arcsec.
     NominalAxis {
         slot: Slot,
@@ -90,6 +93,7 @@ impl CampaignNote {
             Self::ResidualsExceedNoise { .. } => "residuals_exceed_noise",
             Self::EffectLeftOut { .. } => "effect_left_out",
             Self::EffectsLeftOut { .. } => "effects_left_out",
+            Self::ProductAliased(_) => "product_aliased",
             Self::NominalAxis { .. } => "nominal_axis",
         }
     }

@@ -8,6 +8,7 @@ use crate::core::effects::{Effect, Estimate, Shape};
 use crate::core::message::Message;
 use crate::core::model::Terms;
 use crate::core::mounting::Slot;
+use crate::core::named::named;
 use crate::core::note::Note;
 
 /// How far the catalogue explains the gap.
@@ -62,6 +63,72 @@ pub struct Diagnosis {
     pub of_campaign: Vec<Note>,
     /// What could not be done with this campaign, and why.
     pub notes: Vec<Message>,
+    /// What the noise is beyond white, independent and as stated.
+    pub noise: NoiseFound,
+    /// What is left goes with, the strongest first, where something is left: no cause.
+    pub description: Vec<Described>,
+}
+
+named! {
+/// What a dwell has that others may have too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Variable("variable_") {
+    Time = "time",
+    Temperature = "temperature",
+    TemperatureRate = "rate_of_temperature",
+    UpDirection = "up_direction",
+    Heading = "heading",
+    RateLevel = "rate_level",
+    RateAxis = "rate_axis",
+    RateHistory = "rate_history",
+    OrientationBefore = "previous_orientation",
+    Phase = "phase",
+}
+}
+
+/// One thing that what is left goes with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Described {
+    pub by: Variable,
+    /// ln of the odds against noise.
+    pub evidence: f64,
+}
+
+/// What is found of the noise; empty where it is white, independent and as stated, or where nothing asked.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct NoiseFound {
+    /// Correlations of gyros.
+    pub between_gyros: Vec<(Slot, Slot, f64)>,
+    pub memory: Option<MemoryFound>,
+    pub laws: Vec<LawFound>,
+}
+
+impl NoiseFound {
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// A bias that wanders from dwell to dwell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MemoryFound {
+    /// `flicker` or `random_walk`, whichever is likelier.
+    pub kind: &'static str,
+    /// Its standard deviation in each gyro, of a random walk at mid-campaign.
+    pub deg_per_h: Vec<(Slot, f64)>,
+    /// That there is any.
+    pub probability: f64,
+}
+
+/// How the noise goes where the standard errors do not say so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LawFound {
+    /// It falls with duration to this power.
+    Duration { power: f64 },
+    /// So many times as large at the fastest rate as at rest.
+    Rate { times: f64 },
+    /// So many times as large at the end as at the beginning.
+    Time { times: f64 },
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -123,6 +190,8 @@ pub struct NamedEffect {
     pub wider_in: Vec<(Slot, Vec<Effect>)>,
     /// The gyros that have it.
     pub gyros: Vec<Slot>,
+    /// From when to when it acts, s after the first dwell, where that is not the whole campaign.
+    pub acts_in: Option<[f64; 2]>,
     pub estimates: Vec<Estimate>,
     pub held_out: HeldOut,
     pub p_value_adjusted: f64,

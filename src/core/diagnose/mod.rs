@@ -13,7 +13,9 @@ mod search;
 pub use crate::core::diagnose::diagnosis::*;
 pub use crate::core::diagnose::record_closure::{CLOSURE_CLASS, ClosureDiagnosis, GyroClosure, closures};
 
-pub use crate::core::diagnose::report::against_reference::{Moved, NoReference, Parts, Reference, Split, split};
+pub use crate::core::diagnose::report::against_reference::{
+    Moved, NoReference, Parts, Reference, Split, may_be_split, split,
+};
 pub use crate::core::diagnose::search::noise_rounds::FALSE_ALARM;
 
 use crate::core::diagnose::report::calibrated::Calibrated;
@@ -31,23 +33,30 @@ use crate::core::diagnose::search::stepwise::Search;
 
 use super::augmented::Options;
 use super::campaign::Campaign;
-use super::effects::{CATALOGUE, COMPETITORS, Effect, Refusal};
+use super::effects::{CATALOGUE, COMPETITORS, Effect, Refusal, Shape};
+use super::message::{Message, figure};
 use super::note::Note;
+use crate::message;
 
 /// Raised by whoever changes what a diagnosis finds: one that was kept is then made again. A new entry of the
 /// catalogue raises it by itself: there were 48 when it was 8.
-pub const METHOD: u32 = 8 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
+pub const METHOD: u32 = 9 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one
-/// before returned.
+/// before returned. Where the first look names something or sees a gap, the search and what follows are done once more
+/// with all that the noise may be.
 ///
 /// Errors: [`Refusal`] where no residual can be formed at all. What merely cannot be tested (no temperature, no
 /// attitude, no repeats) is said in `notes` and `not_identifiable`.
 pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, Refusal> {
     let residuals = residuals(campaign, options)?;
     let searched = searched(residuals)?;
-    let closed = closed(names(campaign, &searched));
-    Ok(answer(campaign, closed))
+    let first = closed(names(campaign, &searched));
+    if first.verdict == Verdict::NoGap {
+        return Ok(answer(campaign, first));
+    }
+    let searched = searched.closer()?;
+    Ok(answer(campaign, closed(names(campaign, &searched))))
 }
 
 /// Stage 1: the campaign with the model in use taken out of it, over its noise.
@@ -115,7 +124,7 @@ fn closed(names: Names<'_>) -> Closed<'_> {
         (false, false) => Verdict::Explained,
         (false, true) => Verdict::PartlyExplained,
     };
-    let effects = closure::effects(settled, named, parts, fit, &variances, &noise_floor);
+    let effects = closure::effects(settled, named, parts, fit, &variances, &noise_floor, &signs.changes);
     let all: Vec<&Part> = parts.iter().collect();
     let held_out = || {
         let errors = held_out::errors(frame, &[], &all, &variances);
@@ -139,6 +148,15 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     let (frame, bank) = (&settled.frame, &settled.bank);
     let classes: Vec<Vec<Effect>> = named.iter().map(Named::anywhere).collect();
     let mimics = identifiability::mimics(frame, bank, &parts);
+    let noise = settled.noise_found.report(frame, &settled.laws);
+    let remains = matches!(verdict, Verdict::PartlyExplained | Verdict::Unexplained);
+    let described = settled.description.iter().filter(|_| remains);
+    let description: Vec<Described> = described.map(|&(by, evidence)| Described { by, evidence }).collect();
+    let described = description.first().map(|first| match description.get(1) {
+        Some(second) => message!("described_by_two", first = first.by.word(), second = second.by.word()),
+        None => message!("described_by", variable = first.by.word()),
+    });
+    let parts_of_time = parts_of_time(settled, &effects);
     let overstated = stated_errors::too_large(&calibrated).map(Note::Campaign);
     Diagnosis {
         terms: frame.terms,
@@ -156,6 +174,27 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
         next_dwells: next_dwells::next_dwells(frame, bank, &parts, &fit, &classes, &mimics),
         residuals: where_in_campaign::residuals(frame, &fit.residuals, &variances),
         of_campaign: frame.of_campaign.iter().cloned().chain(overstated).collect(),
-        notes: frame.notes.iter().cloned().chain(stated_errors::too_small(&calibrated)).collect(),
+        notes: (frame.notes.iter().cloned())
+            .chain(stated_errors::too_small(&calibrated))
+            .chain(noise.notes())
+            .chain(parts_of_time)
+            .chain(described)
+            .collect(),
+        noise,
+        description,
     }
+}
+
+/// What acts in a part of the campaign only: names, and what stands for a name.
+fn parts_of_time(settled: &Settled, effects: &[NamedEffect]) -> Vec<Message> {
+    let hours = |s: f64| figure(s.clamp(0.0, settled.frame.setting.span()) / 3600.0, 1);
+    let note = |effect: Effect, from: f64, to: f64| {
+        message!("acts_in_part", effect = effect.word(), from = hours(from), to = hours(to))
+    };
+    let named = effects.iter().filter_map(|e| e.acts_in.map(|[from, to]| note(e.effect, from, to)));
+    let suspects = settled.found.iter().filter_map(|c| match settled.bank.hypotheses[c.hypothesis].shape {
+        Shape::Part { of, from, to } => Some(note(of, from, to)),
+        _ => None,
+    });
+    named.chain(suspects).collect()
 }

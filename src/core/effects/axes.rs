@@ -22,8 +22,7 @@ fn axes_of(campaign: &Campaign, j: usize, notes: &mut Vec<CampaignNote>) -> Resu
     let gyro = &campaign.gyros[j];
     let slot = gyro.slot;
     let nominal = campaign.geometry.triad(slot).ok_or(Refusal::NoAxes(slot.name()))?.mat_gyro_body();
-    let first = campaign.dwells.first().map_or(0.0, |d| d.output_pulse_s[j]);
-    if campaign.dwells.iter().all(|d| d.output_pulse_s[j] == first) {
+    if campaign.is_silent(j) {
         return Err(Refusal::NoOutput(slot.name()));
     }
     let (g, e) = rough_fit(campaign, j);

@@ -26,6 +26,8 @@ pub enum Effect {
     Levelling,
     Azimuth,
     Magnetic,
+    Relevelling,
+    Reseating,
     CrossCompliance,
     CubicG,
     OutputAxisG,
@@ -38,6 +40,7 @@ pub enum Effect {
     Burst,
     DriftingMassUnbalance,
     DriftingScale,
+    PartTime,
     BentTemperature,
     TemperatureRate,
     TemperatureLag,
@@ -80,6 +83,10 @@ pub enum Shape {
     Tilt { with_rate: bool },
     /// From one dwell up to, not including, another.
     Window(usize, usize),
+    /// Another effect, from an instant up to another, s.
+    Part { of: Effect, from: f64, to: f64 },
+    /// Time constant, s, from every power-up anew.
+    Restart(f64),
     /// Components along the gyro's input and spin axes instead of body axes.
     InputSpin,
 }
@@ -121,6 +128,8 @@ pub enum Parameter {
     Product,
     /// Along the gyro's own axes or those of the body.
     Axes,
+    /// From an instant on, or while the table turns.
+    Seating,
 }
 
 impl Parameter {
@@ -137,6 +146,7 @@ impl Parameter {
             Self::Tilt => matches!(shape, Shape::Tilt { .. }),
             Self::Product => matches!(shape, Shape::Linear | Shape::Only(_)),
             Self::Axes => matches!(shape, Shape::Linear | Shape::InputSpin),
+            Self::Seating => matches!(shape, Shape::Linear | Shape::Instant(_)),
         }
     }
 }
@@ -167,6 +177,8 @@ pub struct Entry {
     /// something else that the campaign hardly shows has been blown up.
     pub plausible: f64,
     pub confused_with: &'static [Effect],
+    /// What is as good a name wherever this is one, because its columns hold all that the other's leave.
+    pub never_told_from: &'static [Effect],
     pub scope: Scope,
     pub prior: Prior,
     /// Of the shapes that its regressors are made for. Competing hypotheses have shapes of any kind.
@@ -180,6 +192,10 @@ pub struct Entry {
     pub of_temperature: bool,
     /// Belongs to the campaign in which it happened and to no other.
     pub one_occasion: bool,
+    /// Asked only where something would be named: too many shapes to look for in every campaign.
+    pub only_closer: bool,
+    /// How many hypotheses of equal standing its shapes hold: their weights add up to that.
+    pub standing: usize,
     /// Lies inside G: residuals of dwells never show it, the closure of G does.
     pub closure_only: bool,
     /// Of the coefficients.
@@ -214,6 +230,7 @@ pub(super) const PLAIN: Entry = Entry {
     typical: Typical { low: 0.0, high: 0.0, source: "" },
     plausible: f64::INFINITY,
     confused_with: &[],
+    never_told_from: &[],
     scope: Scope::Gyro,
     prior: Prior::Flat,
     parameter: Parameter::None,
@@ -222,6 +239,8 @@ pub(super) const PLAIN: Entry = Entry {
     follows_time: false,
     of_temperature: false,
     one_occasion: false,
+    only_closer: false,
+    standing: 1,
     closure_only: false,
     names: |_| vec!["k"],
     missing: |_| None,

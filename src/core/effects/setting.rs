@@ -99,6 +99,12 @@ impl Setting {
         self.time[k] - self.time[0]
     }
 
+    /// Dwells before which there was a pause: ten usual intervals, which is what a change of fixture or power takes.
+    pub fn pauses(&self) -> impl Iterator<Item = usize> {
+        let long = 10.0 * self.interval();
+        (1..self.dwells()).filter(move |&k| self.time[k] - self.time[k - 1] > long)
+    }
+
     /// Median interval between the middles of neighbouring dwells, s.
     pub fn interval(&self) -> f64 {
         let mut steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();

@@ -11,7 +11,7 @@ use super::entry::{Effect, Entry, PLAIN, Parameter, Scope, Shape, Typical, no_at
 use super::setting::Setting;
 use crate::core::campaign::Phase;
 
-pub(super) const ENTRIES: &[&Entry] = &[&LEVELLING, &AZIMUTH, &MAGNETIC];
+pub(super) const ENTRIES: &[&Entry] = &[&LEVELLING, &AZIMUTH, &MAGNETIC, &RELEVELLING, &RESEATING];
 
 pub const LEVELLING: Entry = Entry {
     effect: Effect::Levelling,
@@ -71,6 +71,85 @@ pub const MAGNETIC: Entry = Entry {
     parameter: Parameter::FieldAzimuth,
     ..PLAIN
 };
+
+pub const RELEVELLING: Entry = Entry {
+    effect: Effect::Relevelling,
+    id: "relevelling",
+    cause: "the table was levelled anew or settled: its tilt changes once, for all gyros alike",
+    equation: "H(t - t_0) (G.C(d x f)/|E| + E.C(d x w)/|E|), d = (d_E, d_N, 0)",
+    unit: "rad",
+    typical: Typical { low: 5e-6, high: 1e-3, source: "levelling of two-axis tables, 1 to 200 arcsec" },
+    plausible: 0.2,
+    confused_with: &[Effect::Levelling, Effect::Magnetic, Effect::Reseating],
+    scope: Scope::Common,
+    names: |_| vec!["east", "north"],
+    missing: no_attitude,
+    shapes: |s| instants(s).map(|instant| (Shape::Instant(instant), 1.0)).collect(),
+    columns: |s, j, shape| {
+        let columns = [Vector3::x(), Vector3::y()].map(|axis| tilted(s, j, axis, false));
+        columns.into_iter().map(|column| afterwards(s, column, shape)).collect()
+    },
+    parameter: Parameter::Instant,
+    one_occasion: true,
+    ..PLAIN
+};
+
+/// A campaign that was fitted to another seat has E and G of turned axes; what rates and Earth then differ by is all
+/// that a field along north may leave, too.
+pub const RESEATING: Entry = Entry {
+    effect: Effect::Reseating,
+    id: "reseating",
+    cause: "the IMU sits otherwise in its fixture while the table turns, or from a time on; all gyros turn alike",
+    equation: "S (G.(d x A)/|E| + E.(d x w)/|E|), d in body axes, S = 1 in turning dwells or after t_0",
+    unit: "rad",
+    typical: Typical { low: 2e-5, high: 2e-3, source: "repeatability of fixtures and dowels, 5 to 300 arcsec" },
+    plausible: 0.2,
+    confused_with: &[Effect::Magnetic, Effect::Azimuth, Effect::Levelling],
+    never_told_from: &[Effect::Magnetic],
+    scope: Scope::Common,
+    names: |_| vec!["d_x", "d_y", "d_z"],
+    shapes: |s| {
+        let between_phases = s.phase.contains(&Phase::Rate) && s.phase.contains(&Phase::Static);
+        let while_turning = between_phases.then_some((Shape::Linear, 4.0));
+        while_turning.into_iter().chain(instants(s).map(|instant| (Shape::Instant(instant), 1.0))).collect()
+    },
+    columns: |s, j, shape| {
+        let gyro = &s.gyros[j];
+        let about = |axis: Vector3<f64>| {
+            s.column(|k| gyro.g.dot(&axis.cross(&s.force[k])) + gyro.input.dot(&axis.cross(&s.rate[k])))
+        };
+        let columns = [Vector3::x(), Vector3::y(), Vector3::z()].map(about);
+        columns.into_iter().map(|column| afterwards(s, column, shape)).collect()
+    },
+    parameter: Parameter::Seating,
+    one_occasion: true,
+    ..PLAIN
+};
+
+/// Instants within a campaign at which its station may have changed: evenly spaced ones, and pauses.
+fn instants(s: &Setting) -> impl Iterator<Item = f64> {
+    const COUNT: usize = 8;
+    let n = s.dwells();
+    let mut first: Vec<usize> = (1..=COUNT).map(|i| (i * n / (COUNT + 1)).max(1)).collect();
+    first.extend(s.pauses());
+    first.sort_unstable();
+    first.dedup();
+    first.into_iter().filter(move |&k| k < n).map(|k| 0.5 * (s.time[k - 1] + s.time[k]))
+}
+
+/// A column where the shape has the effect: after its instant, or without one in turning dwells.
+fn afterwards(s: &Setting, mut column: Vec<f64>, shape: Shape) -> Vec<f64> {
+    for (k, x) in column.iter_mut().enumerate() {
+        let acts = match shape {
+            Shape::Instant(instant) => s.time[k] > instant,
+            _ => s.phase[k] == Phase::Rate,
+        };
+        if !acts {
+            *x = 0.0;
+        }
+    }
+    column
+}
 
 /// Declinations rarely exceed 20 degrees; iron in the building can turn the field anywhere.
 fn field_directions(s: &Setting) -> Vec<(Shape, f64)> {

@@ -3,17 +3,19 @@
 
 use serde_json::{Value, json};
 
-use crate::core::campaign::Campaign;
+use crate::core::calibrate::outcome::evaluate;
 use crate::core::campaign::commanded::{Cause, Finding, Part, Symptom, Vectors, findings};
+use crate::core::campaign::{Campaign, TestKind};
 use crate::core::fault::{Fault, Faults};
 use crate::core::message::{Message, Parameter, figure, signed};
+use crate::core::record::Plausibility;
 use crate::message;
 
 /// Fields of a dwell that a station commands.
 const COMMANDED: [&str; 3] = ["attitude", "specific_force_g0", "rate_arcsec_s"];
 
-/// Refuses a campaign whose commanded vectors have moved D_I and D_S. Every way in calls it; what is stored is not
-/// asked again.
+/// Refuses a campaign whose commanded vectors have moved D_I and D_S, or whose outputs are those of gyros in other
+/// slots or of another sign. Every way in calls it; what is stored is not asked again.
 ///
 /// # Errors
 /// What it most likely is, and how to send it right.
@@ -21,6 +23,11 @@ pub fn check(campaign: &Campaign) -> Result<(), Faults> {
     let mut faults = Faults::default();
     for finding in findings(campaign).iter().filter(|finding| finding.matters) {
         faults.0.extend(faults_of(finding));
+    }
+    // A gyro without output is refused by its slot, not for an E of nothing.
+    let says_something = !(0..campaign.gyros.len()).any(|j| campaign.is_silent(j));
+    if faults.is_empty() && campaign.test == TestKind::Imu && says_something {
+        evaluate(campaign, &Plausibility::ever())?;
     }
     faults.or(())
 }
@@ -69,7 +76,10 @@ fn pointer(finding: &Finding, dwell: usize) -> String {
         ) => "specific_force_g0",
         (Some(Cause::AttitudeInverted), _) | (_, Symptom::Attitude) => "attitude",
         (_, Symptom::Gravity | Symptom::Output) => "specific_force_g0",
-        (_, Symptom::StaticRate | Symptom::VerticalRate | Symptom::TurningRate | Symptom::Heading) => "rate_arcsec_s",
+        (
+            _,
+            Symptom::StaticRate | Symptom::VerticalRate | Symptom::TurningRate | Symptom::Heading | Symptom::Senses,
+        ) => "rate_arcsec_s",
     };
     format!("/dwells/{dwell}/{field}")
 }
@@ -107,6 +117,7 @@ fn measured(finding: &Finding) -> Message {
         (Symptom::TurningRate, _) => message!("measured_turning_rate", value = figure(value, 3), share = share),
         (Symptom::Heading, _) => message!("measured_heading", value = figure(value, 2), share = share),
         (Symptom::Output, _) => message!("measured_output", value = figure(value, 2)),
+        (Symptom::Senses, _) => message!("measured_senses", value = figure(value, 1), share = share),
         (Symptom::Gravity, expected) => {
             let expected = figure(expected.unwrap_or(1.0), 5);
             message!("measured_gravity", value = figure(value, 5), share = share, expected = expected)

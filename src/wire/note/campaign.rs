@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::core::bench::Alias;
 use crate::core::campaign::{CampaignNote, Column, LeftOut};
 use crate::core::message::{Message, Parameter, figure, list, text};
 use crate::core::mounting::Slot;
@@ -61,6 +62,12 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             }
         }
         CampaignNote::EffectsLeftOut { why } => message!("effects_left_out", why = why.message()),
+        CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => message!(
+            "product_aliased",
+            product = *product,
+            coefficient = *coefficient,
+            moves = figure(0.01 * moves.abs(), 4),
+        ),
         CampaignNote::NominalAxis { slot, scale } => {
             message!("nominal_axis", slot = slot.name(), scale = figure(*scale, 4))
         }
@@ -102,6 +109,9 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             None => json!({"effect": effect.id()}),
         },
         CampaignNote::EffectsLeftOut { .. } => json!({}),
+        CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => {
+            json!({"product": product, "coefficient": coefficient, "moves": moves})
+        }
         CampaignNote::NominalAxis { slot, scale } => json!({"slot": Slot::name(*slot), "pulse_per_arcsec": scale}),
     };
     match value {

@@ -135,6 +135,7 @@ must_not_be_zero = must not be zero
 no_noise_no_detectability = without noise nothing has a detectability: give sizes instead
 size_or_detectability = must have either a finite size or a positive detectability
 not_positive_time = { $value } is not a positive time
+acts_never = { $value } is no span of the campaign: give two shares of its time, the earlier first
 beyond_last_dwell = { $dwell } is beyond the last of { $dwells } dwells
 names_no_gyro = names no gyro of this campaign
 unknown_geometry = "{ $value }" is neither skewed nor orthogonal
@@ -242,6 +243,7 @@ no_fixture_axes = the fixture's axes are not stated for { $slot }
 bench_undetermined = the dwells do not determine { $parameters }: the specific force must take several directions about the input and spin axes
 bench_no_scale = the scale factor is neither stated (known_e_pulse_per_arcsec) nor seen: the Earth's rate along the input axis hardly changes between dwells
 not_a_table_rate = the output answers the Earth's rate with { $found } where a table rate in arcsec/s answers with 1 or -1; state known_e_pulse_per_arcsec if the output is in other units
+no_servo_sign = whether the table turns with the gyro's drift or against it does not show in the Earth's rate: state known_e_pulse_per_arcsec, the input axis with its sign
 
 ## What was commanded against the Earth
 
@@ -274,6 +276,7 @@ measured_vertical_rate = w.f/|f| is { $value } arcsec/s at rest in { $share }; O
 measured_turning_rate = in { $share } the table turns, but rate_arcsec_s is not along specific_force_g0 or is slower than any table ({ $value } arcsec/s)
 measured_heading = rate_arcsec_s is { $value } arcsec/s from the Earth's rate at the attitude in { $share }
 measured_output = the outputs are { $value } arcsec/s from the model in the root mean square
+measured_senses = the outputs of { $share } show input axes up to { $value } deg from those that static dwells show
 measured_gravity = |specific_force_g0| is { $value } g0 in { $share }; gravity is { $expected } g0
 measured_attitude = the vertical of the attitude is { $value } deg from specific_force_g0 in { $share }
 this_dwell = this dwell

@@ -15,6 +15,7 @@ temperature_outlier = the temperature of /dwells/{ $dwell } is { $celsius } deg 
 rate_not_of_attitude = rate_arcsec_s of { $off } of { $of } static dwells is not the Earth's at their attitude and the site's latitude: by { $most } arcsec/s in /dwells/{ $dwell }
 no_standard_errors = no standard errors: all dwells have equal weight and the residuals give the noise
 no_repeats = no repeated dwells: nothing but the fit itself tells noise from what the model leaves out
+product_aliased = { $product } is not fitted, and these positions do not tell it from { $coefficient }: 0.01 deg/(h g0^2) of it would move { $coefficient } by { $moves } deg/(h g0)
 noise_grows_with_rate = the residuals at the fastest rate are { $times } times those at rest; sigmas follow them
 standard_errors_overstated = the stated standard errors are larger than the scatter of the dwells ({ $gyros }). If they are wrong, sigmas that rest on them are too large and a small gap may not be seen
 overstated_times = { $slot } { $times } times

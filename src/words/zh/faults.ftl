@@ -135,6 +135,7 @@ must_not_be_zero = 不能为零
 no_noise_no_detectability = 没有噪声就没有可检测性：请给出大小
 size_or_detectability = 应给出有限的大小或为正的可检测性
 not_positive_time = { $value }不是正的时间
+acts_never = { $value }不是试验中的一段：请给出两个时间份额，先小后大
 beyond_last_dwell = { $dwell }超出{ $dwells }个测点的范围
 names_no_gyro = 没有列出本次试验的陀螺
 unknown_geometry = “{ $value }”既非skewed也非orthogonal
@@ -242,6 +243,7 @@ no_fixture_axes = 没有给出{ $slot }的夹具轴
 bench_undetermined = 这些测点不能确定{ $parameters }：比力应绕输入轴与电机轴取多个方向
 bench_no_scale = 标度因子既未给出（known_e_pulse_per_arcsec）也看不到：各测点沿输入轴的地球自转分量几乎不变
 not_a_table_rate = 输出对地球自转的响应为{ $found }，而以arcsec/s计的转台角速度应为1或-1；若输出为其他单位，请给出known_e_pulse_per_arcsec
+no_servo_sign = 转台转动与陀螺漂移同向还是反向在地球自转中看不出来：请给出known_e_pulse_per_arcsec，即带符号的输入轴
 
 ## What was commanded against the Earth
 
@@ -274,6 +276,7 @@ measured_vertical_rate = { $share }静止时w·f/|f|为{ $value } arcsec/s；Ω�
 measured_turning_rate = { $share }转台在转动，而rate_arcsec_s不沿specific_force_g0，或慢于任何转台（{ $value } arcsec/s）
 measured_heading = { $share }的rate_arcsec_s与该姿态下的地球自转相差{ $value } arcsec/s
 measured_output = 输出与模型的均方根差为{ $value } arcsec/s
+measured_senses = { $share }的输出所示输入轴与静态测量点所示相差最多{ $value }度
 measured_gravity = { $share }的|specific_force_g0|为{ $value } g0；重力为{ $expected } g0
 measured_attitude = { $share }的姿态垂线偏离specific_force_g0 { $value }°
 this_dwell = 该测点

@@ -13,6 +13,7 @@ temperature_outlier = /dwells/{ $dwell }的温度为{ $celsius } °C，而本次
 rate_not_of_attitude = { $of }个静态测点中有{ $off }个的rate_arcsec_s不等于该姿态与测试站纬度下的地球自转角速度：/dwells/{ $dwell }处相差{ $most } arcsec/s
 no_standard_errors = 没有标准误差：各测点等权，噪声由残差给出
 no_repeats = 没有重复测点：只能凭拟合本身区分噪声与模型未含的部分
+product_aliased = 未拟合{ $product }，且这些位置无法将其与{ $coefficient }区分：0.01 deg/(h g0^2)的该项会使{ $coefficient }变化{ $moves } deg/(h g0)
 noise_grows_with_rate = 最高角速度下的残差为静止时的{ $times }倍；标准差随之变化
 standard_errors_overstated = 给定的标准误差大于测点的实际散布（{ $gyros }）：若其有误，以其为据的标准差偏大，且小的差异可能无法发现
 overstated_times = { $slot }为{ $times }倍

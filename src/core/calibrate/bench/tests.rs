@@ -290,15 +290,53 @@ fn a_servo_tests_scale_passes_for_one_within_its_noise_or_two_per_cent() {
         assert_eq!(found(k, 1e-6), Ok(k.signum()));
     }
     assert!(found(1.021, 1e-6).is_err() && found(0.979, 1e-6).is_err());
-    // The sign is turned only where it is seen.
-    assert_eq!([found(-0.5, 0.2), found(-0.5, 0.11), found(-1.1, 0.23)], [Ok(1.0), Ok(1.0), Ok(1.0)]);
-    assert_eq!(found(-1.1, 0.21), Ok(-1.0));
-    // And where the Earth's rate does not change along the input axis nothing contradicts a table rate.
+    // The sign must be seen, beyond five of its deviations, or stated: the other one negates all coefficients.
+    assert_eq!([found(-0.5, 0.2), found(-1.1, 0.23), found(1.1, 0.23)], [const { Err(NotFitted::NoServoSign) }; 3]);
+    assert_eq!([found(-1.1, 0.21), found(1.1, 0.21)], [Ok(-1.0), Ok(1.0)]);
     let still: Vec<Position> = all_over().into_iter().map(|(a, _)| (a, [9.0, 0.0, 0.0])).collect();
-    let campaign = bench(TestKind::TurntableServo, &still, &outputs(1.0, &DRIFT, &still), Some(1e-3), None);
-    let found = fitted(&campaign);
-    assert_eq!((found.scale_source, found.e), (ScaleSource::Held, Vector3::x()));
-    assert!((found.coefficient("D_F").unwrap().value - DRIFT[0]).abs() < 1e-9);
+    let tested = |k: f64, known_e| {
+        calibrate_bench(&bench(TestKind::TurntableServo, &still, &outputs(k, &DRIFT, &still), Some(1e-3), known_e))
+    };
+    assert_eq!(tested(1.0, None), Err(NotFitted::NoServoSign));
+    for k in [1.0, -1.0] {
+        let found = tested(k, Some([k, 0.0, 0.0])).expect("it is stated");
+        assert!((found.coefficient("D_I").unwrap().value - DRIFT[1]).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_product_that_hides_in_a_coefficient_is_said_with_what_it_does() {
+    // A tumble with the output axis at 30 degrees: a_O = 1/2 throughout, so that D_IO a_I a_O is D_I of half of it.
+    let (across, along) = (0.75_f64.sqrt(), 0.5);
+    let positions: Vec<Position> = (0..12)
+        .map(|k| {
+            let angle = f64::from(k) * std::f64::consts::FRAC_PI_6;
+            let a = [across * angle.cos(), across * angle.sin(), along];
+            (a, [EARTH * a[0], EARTH * a[1], EARTH * a[2]])
+        })
+        .collect();
+    let outputs = outputs(1.5, &DRIFT, &positions);
+    let found = fitted(&bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1e-3), Some([1.5, 0.0, 0.0])));
+    let moved: Vec<(&str, &str)> = found.aliases.iter().map(|alias| (alias.product, alias.coefficient)).collect();
+    assert_eq!(moved, [("D_IO", "D_I"), ("D_OS", "D_S")]);
+    assert!(found.aliases.iter().all(|alias| (alias.moves - 0.5).abs() < 1e-9), "{:?}", found.aliases);
+}
+
+#[test]
+fn what_eq_5_does_not_fit_shows_in_its_p_value() {
+    let positions = all_over();
+    let p_value = |curve: f64| {
+        let outputs: Vec<f64> = outputs(1.5, &DRIFT, &positions)
+            .iter()
+            .zip(&positions)
+            .enumerate()
+            .map(|(k, (y, (a, _)))| y + 1e-3 * ((k * 37 % 11) as f64 / 5.0 - 1.0) + curve * a[0].powi(3))
+            .collect();
+        fitted(&bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1e-3), None))
+            .p_value
+            .expect("errors are stated")
+    };
+    assert!(p_value(0.0) > 0.05 && p_value(0.1) < 1e-6, "{} {}", p_value(0.0), p_value(0.1));
 }
 
 #[test]

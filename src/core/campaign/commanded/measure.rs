@@ -82,7 +82,7 @@ impl Measure {
             Symptom::StaticRate => self.rate,
             Symptom::VerticalRate => self.vertical,
             Symptom::TurningRate => self.rate,
-            Symptom::Heading | Symptom::Output => self.off.unwrap_or(0.0),
+            Symptom::Heading | Symptom::Output | Symptom::Senses => self.off.unwrap_or(0.0),
             Symptom::Gravity => self.force,
             Symptom::Attitude => self.tilt.unwrap_or(0.0).to_degrees(),
         }

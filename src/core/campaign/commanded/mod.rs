@@ -5,11 +5,13 @@
 //! whatever the fit looks like.
 //!
 //! Reading order: [`measure`] (what each dwell says), [`transform`] (the mistakes that stations make, undone),
-//! [`search`] (which of them explains all dwells), [`worth`] (whether it matters). A campaign whose dwells are all as
+//! [`search`] (which of them explains all dwells), [`senses`] (turning against static dwells), [`worth`] (whether it
+//! matters). A campaign whose dwells are all as
 //! they should be costs no fit.
 
 mod measure;
 mod search;
+mod senses;
 mod transform;
 mod worth;
 
@@ -30,6 +32,8 @@ pub enum Symptom {
     Heading,
     /// The outputs contradict what was commanded.
     Output,
+    /// The outputs of turning dwells show other input axes than those of static dwells.
+    Senses,
     /// |f| is not local gravity.
     Gravity,
     /// The attitude contradicts the specific force.
@@ -44,6 +48,7 @@ impl Symptom {
             Self::TurningRate => "turning_rate",
             Self::Heading => "heading",
             Self::Output => "output",
+            Self::Senses => "senses",
             Self::Gravity => "gravity",
             Self::Attitude => "attitude",
         }

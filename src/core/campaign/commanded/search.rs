@@ -1,6 +1,7 @@
 //! Which mistake explains what cannot be.
 
 use super::measure::{HEADING_ROOM, Measures, RATE_ROOM};
+use super::senses::senses;
 use super::transform::{Mistake, mistakes, other_headings, single_axes};
 use super::worth::{Tried, Worth};
 use super::{Cause, EARTH, Finding, Part, Symptom, median};
@@ -39,6 +40,9 @@ pub fn findings(campaign: &Campaign) -> Vec<Finding> {
         if found.is_empty() {
             found.extend(look(campaign, &measures));
         }
+    }
+    if found.is_empty() {
+        found.extend(senses(campaign));
     }
     found.extend(gravity(campaign, &measures));
     found

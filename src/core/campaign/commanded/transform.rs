@@ -7,7 +7,7 @@ use crate::core::campaign::{Campaign, Dwell, Phase, with_earth_rate};
 use crate::core::frames::{Body, Nav, Rotation};
 
 /// Units of rate, in arcsec/s.
-const RATE_UNITS: [(&str, f64); 10] = [
+pub(super) const RATE_UNITS: [(&str, f64); 10] = [
     ("deg/s", 3600.0),
     ("rad/s", 206_264.806_247_096_36),
     ("arcmin/s", 60.0),

@@ -134,7 +134,7 @@ pub fn split(
     residuals: &[Residual],
     reference: &Reference,
 ) -> Result<Split, NoReference> {
-    check(campaign, reference)?;
+    may_be_split(campaign, reference)?;
     let frame = Frame::of(campaign, options)?;
     let (then, mut notes) = known(reference, &frame, options);
     let now = of_campaign(campaign, &frame, options);
@@ -174,7 +174,11 @@ pub fn split(
     Ok(Split { imu, station, measured_at, all: sums.parts(), gyros, moved, notes })
 }
 
-fn check(campaign: &Campaign, reference: &Reference) -> Result<(), NoReference> {
+/// Whether a campaign can be held against a reference at all.
+///
+/// # Errors
+/// [`NoReference`], where it is another IMU's, of another geometry or of a bench test.
+pub fn may_be_split(campaign: &Campaign, reference: &Reference) -> Result<(), NoReference> {
     let (imu, geometry, test) = match reference {
         Reference::Campaign(c) => (&c.imu, &c.geometry, c.test),
         Reference::Record(r) => (&r.imu, &r.geometry, TestKind::Imu),

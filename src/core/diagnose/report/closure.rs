@@ -4,6 +4,7 @@ use super::remaining::{self, Left, Tested};
 use crate::core::calibrate::Calibration;
 use crate::core::calibrate::noise::{self, Evidence};
 use crate::core::diagnose::diagnosis::*;
+use crate::core::diagnose::report::constancy::{self, Change};
 use crate::core::diagnose::report::held_out;
 use crate::core::diagnose::report::named::{Named, all_slots, slots};
 use crate::core::diagnose::residuals::augmented_fit;
@@ -30,6 +31,9 @@ const REMAINS_BESIDE_A_NAME: f64 = 0.05;
 /// Power, in noise variances, of structure that the tests of what remains would miss half of the time.
 pub(crate) const UNSEEN: f64 = 10.0;
 
+/// What the probability that noise has no memory counts as at most, where it is certain enough to be said.
+const CERTAIN: f64 = 1e-2;
+
 pub(crate) fn level(named: &[Named]) -> f64 {
     if named.is_empty() { REMAINS } else { REMAINS_BESIDE_A_NAME }
 }
@@ -52,6 +56,8 @@ pub(crate) fn floor_variances(frame: &Frame, fit: &Fit, remains: bool) -> Vec<f6
 pub(crate) struct Signs {
     pub list: Vec<Sign>,
     pub p_value: f64,
+    /// Names that are not the same throughout.
+    pub changes: Vec<Change>,
 }
 
 /// What is left beside the named effects: competitors that the search adopted, rivals, and tests that know no
@@ -71,6 +77,9 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
             list.push(Sign { kind: rival.id(), slots: slots(frame, &named.part.members), p_value });
         }
     }
+    if let Some((_, _, without)) = settled.noise_found.memory {
+        list.push(Sign { kind: "noise_with_memory", slots: all_slots(frame), p_value: without.min(CERTAIN) });
+    }
     let extras: Vec<Basis> = (0..frame.gyros.len())
         .map(|j| {
             let mut basis = frame.gyros[j].basis.clone();
@@ -83,7 +92,16 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
             basis.split_off(model)
         })
         .collect();
-    let left = Left { frame, extras: &extras, residuals: &fit.residuals };
+    let apart = settled.noise_found.between_gyros.as_ref().map(|shared| shared.apart(&fit.residuals));
+    let left = Left { frame, extras: &extras, residuals: apart.as_ref().unwrap_or(&fit.residuals) };
+    let power = |r: &[f64]| dot(r, r);
+    let taken: f64 = frame.gyros.iter().zip(&fit.residuals).map(|(g, r)| power(&g.residual) - power(r)).sum();
+    let changes = constancy::changes(&left, named, fit, taken.max(0.0).sqrt());
+    list.extend(changes.iter().map(|change| Sign {
+        kind: "not_constant",
+        slots: vec![frame.setting.gyros[change.gyro].slot],
+        p_value: change.p_value,
+    }));
     let mut tests = left.tests();
     tests.extend(harmonics(&left, named));
     let all_slots = all_slots(frame);
@@ -93,10 +111,10 @@ pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &F
         if list.is_empty() {
             list.push(Sign { kind: "tests_together", slots: all_slots, p_value });
         }
-        return Signs { list, p_value };
+        return Signs { list, p_value, changes };
     }
     let strongest = list.iter().map(|sign| sign.p_value).fold(p_value, f64::min);
-    Signs { list, p_value: strongest }
+    Signs { list, p_value: strongest, changes }
 }
 
 /// The second and third harmonic of each named sinusoid: a cycle of another form has them.
@@ -142,6 +160,7 @@ pub(crate) fn effects(
     fit: &Fit,
     variances: &[f64],
     noise_floor: &NoiseFloor,
+    changes: &[Change],
 ) -> Vec<NamedEffect> {
     let frame = &settled.frame;
     let rss = |fit: &Fit| fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum::<f64>();
@@ -162,6 +181,7 @@ pub(crate) fn effects(
                     .map(|(j, class)| (frame.setting.gyros[*j].slot, class.clone()))
                     .collect(),
                 gyros: slots(frame, &parts[p].members),
+                acts_in: changes.iter().find(|change| change.named == p).and_then(|change| change.acts_in),
                 estimates: estimates(frame, parts, p, fit),
                 held_out: errors.held_out(noise_floor.deg_per_h, coefficients, UNSEEN),
                 p_value_adjusted: settled.null.p_value(named[p].evidence),

@@ -1,8 +1,9 @@
 //! What a campaign cannot tell apart from what was adopted, and which gyros have it.
 
 use crate::core::diagnose::search::bayes_factor::{criterion, gains, of_gyro, score};
+use crate::core::diagnose::search::choice::Choice;
 use crate::core::diagnose::search::projections::Products;
-use crate::core::diagnose::search::stepwise::{Choice, Search};
+use crate::core::diagnose::search::stepwise::Search;
 use crate::core::effects::Effect;
 
 /// Entries whose evidence comes within this of the adopted one (a Bayes factor of 20) belong to its class.
@@ -45,6 +46,9 @@ pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
             .filter(|(_, e, f)| *e > evidence - EVIDENCE_MARGIN || *f > fit - FIT_MARGIN)
             .map(|(effect, ..)| *effect),
     );
+    let always =
+        own.entry().never_told_from.iter().filter(|effect| search.bank.kinds.iter().any(|(k, _)| k == *effect));
+    class.extend(always.filter(|effect| !class.contains(effect)).copied().collect::<Vec<_>>());
     class
 }
 

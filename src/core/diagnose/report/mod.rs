@@ -4,6 +4,7 @@
 pub(super) mod against_reference;
 pub(super) mod calibrated;
 pub(super) mod closure;
+pub(super) mod constancy;
 pub(super) mod held_out;
 pub(super) mod identifiability;
 pub(super) mod impact;

@@ -4,7 +4,8 @@ use crate::core::diagnose::diagnosis::Sign;
 use crate::core::diagnose::report::indistinguishable;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::stepwise::{Choice, Search};
+use crate::core::diagnose::search::choice::Choice;
+use crate::core::diagnose::search::stepwise::Search;
 use crate::core::effects::Effect;
 use crate::core::mounting::Slot;
 
@@ -12,7 +13,7 @@ use crate::core::mounting::Slot;
 const LEAD_OVER_WANDERING: f64 = 10.0;
 
 /// A gap that needs more names than this has been approximated, not explained.
-const MOST_NAMED: usize = 2;
+const MOST_NAMED: usize = 3;
 
 /// One adopted contract entry with all that belongs to it.
 pub(crate) struct Named {

@@ -1,5 +1,7 @@
 //! A campaign with the model in use taken out: whitened residuals of each gyro in deg/h over their noise.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::noise::{self, Noise};
 use crate::core::augmented::{Adopted, Options};
 use crate::core::campaign::{Campaign, CampaignGyro, TestKind, temperature_outliers};
@@ -15,6 +17,11 @@ use crate::core::numerics::basis::Basis;
 pub(crate) struct GyroFrame {
     /// Standard uncertainty of each dwell, deg/h, up to a common factor that the search estimates.
     pub sd: Vec<f64>,
+    /// The inverse of the Cholesky factor L of the dwells' correlation, where they are not independent: what is
+    /// divided by `sd` is multiplied by it.
+    pub unlike: Option<DMatrix<f64>>,
+    /// ln of the determinant of what columns are divided by: the sum of ln(sd L_kk) over the dwells.
+    pub log_scale: f64,
     /// Columns of the model in use.
     pub basis: Basis,
     pub residual: Vec<f64>,
@@ -47,7 +54,10 @@ impl GyroFrame {
 
     pub fn whiten(&self, mut column: Vec<f64>) -> Vec<f64> {
         column.iter_mut().zip(&self.sd).for_each(|(x, sd)| *x /= sd);
-        column
+        match &self.unlike {
+            Some(unlike) => (unlike * DVector::from_vec(column)).data.into(),
+            None => column,
+        }
     }
 }
 
@@ -81,8 +91,34 @@ impl Frame {
         Self { noise, ..self.clone() }.whitened()
     }
 
+    /// The same campaign with the standard deviation of each dwell times a factor.
+    pub fn with_factors(&self, factors: &[f64]) -> Result<Self, Refusal> {
+        let times = |sd: &Vec<f64>| sd.iter().zip(factors).map(|(sd, factor)| sd * factor).collect();
+        let noise = Noise { sd: self.noise.sd.iter().map(times).collect(), ..self.noise.clone() };
+        Self { noise, ..self.clone() }.whitened()
+    }
+
+    /// The same campaign with what dwells have in common: their covariance is sd^2 + power s^2 K, s the median of sd.
+    /// K is constant in deg/h: what a bias does between dwells asks for no dwell's own noise.
+    pub fn with_memory(&self, kernel: &DMatrix<f64>, power: f64) -> Option<Self> {
+        let n = self.dwells();
+        let mut frame = self.clone();
+        for (j, gyro) in frame.gyros.iter_mut().enumerate() {
+            let mut sorted = gyro.sd.clone();
+            sorted.sort_by(f64::total_cmp);
+            let usual = sorted[n / 2];
+            let share = |a: usize, b: usize| power * usual * usual / (gyro.sd[a] * gyro.sd[b]) * kernel[(a, b)];
+            let covariance = DMatrix::from_fn(n, n, |a, b| share(a, b) + if a == b { 1.0 } else { 0.0 });
+            let factor = covariance.cholesky()?.unpack();
+            let unlike = factor.solve_lower_triangular(&DMatrix::identity(n, n))?;
+            let log_det: f64 = factor.diagonal().iter().map(|x| x.ln()).sum();
+            *gyro = whitened(&gyro.sd, Some((unlike, log_det)), &self.outputs[j], &self.designs[j]);
+        }
+        Some(frame)
+    }
+
     pub(super) fn whitened(mut self) -> Result<Self, Refusal> {
-        let gyro = |j: usize| whitened(&self.noise.sd[j], &self.outputs[j], &self.designs[j]);
+        let gyro = |j: usize| whitened(&self.noise.sd[j], None, &self.outputs[j], &self.designs[j]);
         self.gyros = (0..self.outputs.len()).map(gyro).collect();
         match self.gyros.iter().find(|gyro| gyro.dof() == 0) {
             Some(gyro) => Err(Refusal::TooFewDwells { dwells: self.dwells(), parameters: gyro.basis.rank() }),
@@ -95,8 +131,10 @@ impl Frame {
     }
 }
 
-fn whitened(sd: &[f64], output: &[f64], design: &[Vec<f64>]) -> GyroFrame {
-    let mut gyro = GyroFrame { sd: sd.to_vec(), basis: Basis::default(), residual: Vec::new() };
+fn whitened(sd: &[f64], unlike: Option<(DMatrix<f64>, f64)>, output: &[f64], design: &[Vec<f64>]) -> GyroFrame {
+    let (unlike, log_det) = unlike.map_or((None, 0.0), |(unlike, log_det)| (Some(unlike), log_det));
+    let log_scale = sd.iter().map(|sd| sd.ln()).sum::<f64>() + log_det;
+    let mut gyro = GyroFrame { sd: sd.to_vec(), unlike, log_scale, basis: Basis::default(), residual: Vec::new() };
     for column in design {
         let column = gyro.whiten(column.clone());
         gyro.basis.push(column);

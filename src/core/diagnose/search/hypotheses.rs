@@ -89,12 +89,21 @@ impl Bank {
     /// Contract entries that could be a cause for this model, each with the shapes of its grid and those of `more`,
     /// and all competitors.
     pub fn of(frame: &Frame, more: &[(Effect, Shape)]) -> Self {
+        Self::against(frame, more, &|entry| !entry.only_closer)
+    }
+
+    /// The same with competitors that are asked only where something would be named.
+    pub fn closer(frame: &Frame, more: &[(Effect, Shape)]) -> Self {
+        Self::against(frame, more, &|_| true)
+    }
+
+    fn against(frame: &Frame, more: &[(Effect, Shape)], asked: &dyn Fn(&Entry) -> bool) -> Self {
         let mut raws: Vec<Raw> = Vec::new();
         for entry in CATALOGUE.iter().filter(|entry| could_be_a_cause(frame, entry)) {
             push_shapes(&mut raws, frame, entry, more);
         }
         let contract = raws.len();
-        for entry in COMPETITORS {
+        for entry in COMPETITORS.into_iter().filter(|entry| asked(entry)) {
             push_shapes(&mut raws, frame, entry, more);
         }
         Self::projected(frame, raws, contract)
@@ -152,7 +161,7 @@ fn push_shapes(raws: &mut Vec<Raw>, frame: &Frame, entry: &Entry, more: &[(Effec
         raws.push(Raw {
             kind: entry.effect,
             shape,
-            log_weight: (weight / total).ln(),
+            log_weight: (entry.standing as f64 * weight / total).ln(),
             common: entry.scope == Scope::Common,
             prior: entry.prior,
             columns: (0..frame.gyros.len()).map(|j| (entry.columns)(&frame.setting, j, shape)).collect(),
@@ -170,6 +179,11 @@ fn project_gyro(frame: &Frame, j: usize, raws: &[Raw]) -> (DMatrix<f64>, Vec<Blo
     let columns = raws.iter().flat_map(|raw| &raw.columns[j]);
     for (column, target) in columns.zip(matrix.as_mut_slice().chunks_exact_mut(n)) {
         target.iter_mut().zip(column).zip(&gyro.sd).for_each(|((target, x), sd)| *target = x / sd);
+    }
+    if let Some(unlike) = &gyro.unlike {
+        matrix = unlike * matrix;
+    }
+    for target in matrix.as_mut_slice().chunks_exact_mut(n) {
         // Coefficients have units from 1 to 1e-14: bring every column to unit length first.
         let norm = dot(target, target).sqrt();
         if norm > 0.0 && norm.is_finite() {

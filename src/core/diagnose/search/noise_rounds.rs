@@ -5,13 +5,18 @@
 //! growth averaged out, not only at its best value.
 
 use crate::core::calibrate::growth::Law;
+use crate::core::diagnose::diagnosis::Variable;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::choice::{Choice, designs};
+use crate::core::diagnose::search::components::{Component, components};
 use crate::core::diagnose::search::hypotheses::Bank;
+use crate::core::diagnose::search::noise_models::{self, Found, NoiseModels, likelier_law};
 use crate::core::diagnose::search::null_distribution::Null;
+use crate::core::diagnose::search::projections::each_by_itself;
 use crate::core::diagnose::search::refined_shape::sharpened;
-use crate::core::diagnose::search::stepwise::{Choice, Known, Search, Threshold};
-use crate::core::effects::Refusal;
+use crate::core::diagnose::search::stepwise::{Known, Search, Threshold, without};
+use crate::core::effects::{Effect, Refusal, Shape};
 use crate::core::numerics::log_sum::LogSum;
 
 /// Probability with which noise alone may get anything named.
@@ -34,6 +39,15 @@ pub(crate) struct Settled {
     pub threshold: Threshold,
     known: Known,
     pub found: Vec<Choice>,
+    /// Shapes of the bank beyond the grid.
+    more: Vec<(Effect, Shape)>,
+    noise: NoiseModels,
+    /// What the noise is, with what was found in the model.
+    pub noise_found: Found,
+    /// How it goes beside what is stated.
+    pub laws: Vec<noise_models::Law>,
+    /// What the residuals go with beside what was found, and the evidence of it, the strongest first.
+    pub description: Vec<(Variable, f64)>,
 }
 
 impl Settled {
@@ -45,21 +59,35 @@ impl Settled {
             let threshold =
                 Threshold { alone: null.threshold(FALSE_ALARM), beside: null.threshold(FALSE_ALARM_BESIDE) };
             let mut known = Known::default();
-            let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known };
+            let noise = NoiseModels::default();
+            let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known, noise: &noise };
             let mut found = search.run();
             // A handful of shapes more: what noise alone scores is as good as the same.
             let sharper = sharpened(&search, &found);
             if !sharper.is_empty() {
                 (bank, known) = (Bank::of(&frame, &sharper), Known::default());
-                found = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known }.run();
+                found =
+                    Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known, noise: &noise }.run();
             }
-            let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known };
+            let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known, noise: &noise };
             let next = frame.noise.law.and_then(|law| {
                 found = confirmed(&search, law, std::mem::take(&mut found));
                 next_growth(&frame, &bank, &found, law)
             });
             let empty = found.is_empty();
-            let settled = Self { frame, bank, null, threshold, known, found };
+            let settled = Self {
+                frame,
+                bank,
+                null,
+                threshold,
+                known,
+                found,
+                more: sharper,
+                noise,
+                noise_found: Found::default(),
+                laws: Vec::new(),
+                description: Vec::new(),
+            };
             match next.filter(|_| round < ROUNDS) {
                 Some(growth) => frame = settled.frame.with_growth(growth)?,
                 None if empty => return Ok(first.unwrap_or(settled)),
@@ -75,31 +103,129 @@ impl Settled {
 
     pub fn search(&self) -> Search<'_> {
         let (frame, bank, null, known) = (&self.frame, &self.bank, &self.null, &self.known);
-        Search { frame, bank, null, threshold: self.threshold, known }
+        Search { frame, bank, null, threshold: self.threshold, known, noise: &self.noise }
+    }
+
+    /// The search once more where something is named or a gap is seen: with all that the noise may be, and against
+    /// suspects that are not worth their time elsewhere.
+    pub fn closer(&self) -> Result<Self, Refusal> {
+        let (mut laws, mut rebased) = (Vec::new(), None::<Self>);
+        while laws.len() < MOST_LAWS {
+            let now = rebased.as_ref().unwrap_or(self);
+            let Some((law, frame)) = likelier_law(&now.frame, &now.bank, &now.found) else { break };
+            laws.push(law);
+            rebased = Some(Self::of(frame)?);
+        }
+        let plain = rebased.as_ref().unwrap_or(self);
+        let bank = Bank::closer(&plain.frame, &plain.more);
+        let mut closer = Self {
+            frame: plain.frame.clone(),
+            noise: NoiseModels::of(&plain.frame, &bank, &plain.found, &plain.more),
+            bank,
+            null: plain.null.clone(),
+            threshold: plain.threshold,
+            known: Known::default(),
+            found: Vec::new(),
+            more: plain.more.clone(),
+            noise_found: Found::default(),
+            laws,
+            description: Vec::new(),
+        };
+        if !plain.found.is_empty() {
+            let search = closer.search();
+            let mut found = search.run();
+            if let Some(law) = closer.frame.noise.law {
+                found = confirmed(&search, law, found);
+            }
+            closer.found = found;
+        }
+        closer.noise_found = closer.noise_beside(&closer.found);
+        while closer.noise_found.memory.is_some()
+            && let Some(weakest) = closer.weakest_under_memory(&closer.found)
+        {
+            closer.found.remove(weakest);
+            closer.noise_found = closer.noise_beside(&closer.found);
+        }
+        let components = components(&closer.frame.setting);
+        while let Some(of_another_form) = closer.of_another_form(&components, &closer.found) {
+            closer.found.remove(of_another_form);
+        }
+        closer.description = closer.described(&components, &closer.found);
+        Ok(closer)
+    }
+
+    fn noise_beside(&self, found: &[Choice]) -> Found {
+        let columns = designs(&self.frame, &self.bank, found, None);
+        let state = || each_by_itself(&self.frame, self.search().extras(found));
+        self.noise.found(&self.frame, &columns, state)
     }
 }
 
-/// Raw columns of the model and of all choices but `without`. Smooth competitors stay out: they are not a few columns.
-fn designs(frame: &Frame, bank: &Bank, found: &[Choice], without: Option<usize>) -> Vec<Vec<Vec<f64>>> {
-    (0..frame.gyros.len())
-        .map(|j| {
-            let mut design = frame.designs[j].clone();
-            for (i, choice) in found.iter().enumerate() {
-                let hypothesis = &bank.hypotheses[choice.hypothesis];
-                if Some(i) != without && choice.members[j] && hypothesis.blocks[j].len <= MOST_COLUMNS {
-                    let block = &hypothesis.blocks[j];
-                    for c in block.start..block.start + block.len {
-                        let column = bank.column(j, c);
-                        design.push(column.iter().zip(&frame.gyros[j].sd).map(|(x, sd)| x * sd).collect());
-                    }
-                }
-            }
-            design
-        })
-        .collect()
-}
+/// Laws of the noise that the standard errors may leave out at once: of duration, of rate and of time.
+const MOST_LAWS: usize = 3;
 
-const MOST_COLUMNS: usize = 4;
+/// ln of evidence by which a component must lead a name for the name to fall.
+const LEAD_OF_COMPONENT: f64 = 4.5;
+
+/// And the share of the name's own evidence beside that: what a strong effect's shape misses is some hundredths of it.
+const LEAD_SHARE: f64 = 0.03;
+
+/// ln of evidence from which on what is left is described, and by how many variables.
+const LEAST_DESCRIBED: f64 = 2.0;
+const MOST_DESCRIBED: usize = 2;
+
+/// ln of evidence that a name in time or temperature needs more where the noise has a memory.
+const UNDER_MEMORY: f64 = 4.0;
+
+impl Settled {
+    /// The name that a component leads by most, where one leads clearly: the cause has another form.
+    fn of_another_form(&self, components: &[Component], found: &[Choice]) -> Option<usize> {
+        let lead = |i: usize| {
+            let others = without(found, i);
+            let state = each_by_itself(&self.frame, self.search().extras(&others));
+            let best = components
+                .iter()
+                .filter(|c| c.competes)
+                .map(|c| c.evidence(&self.frame, &state))
+                .fold(f64::NEG_INFINITY, f64::max);
+            let own = self.search().against_white_noise(&others, found[i].kind);
+            best - own - LEAD_SHARE * own.max(0.0)
+        };
+        let named = (0..found.len()).filter(|&i| found[i].kind.is_nameable());
+        let leads = named.map(|i| (i, lead(i))).filter(|(_, lead)| *lead > LEAD_OF_COMPONENT);
+        leads.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
+    }
+
+    /// What the residuals beside `found` go with: each variable by its best component.
+    fn described(&self, components: &[Component], found: &[Choice]) -> Vec<(Variable, f64)> {
+        let nameable: Vec<Choice> = found.iter().filter(|choice| !choice.is_competitor()).cloned().collect();
+        let state = each_by_itself(&self.frame, self.search().extras(&nameable));
+        let mut best: Vec<(Variable, f64)> = Vec::new();
+        for component in components {
+            let evidence = component.evidence(&self.frame, &state);
+            match best.iter_mut().find(|(variable, _)| *variable == component.variable) {
+                Some(held) => held.1 = held.1.max(evidence),
+                None => best.push((component.variable, evidence)),
+            }
+        }
+        best.retain(|(_, evidence)| *evidence > LEAST_DESCRIBED);
+        best.sort_by(|a, b| b.1.total_cmp(&a.1));
+        best.truncate(MOST_DESCRIBED);
+        best
+    }
+
+    /// The least of the names in time or temperature that do not lead noise with a memory clearly.
+    fn weakest_under_memory(&self, found: &[Choice]) -> Option<usize> {
+        let of_time = |i: &usize| {
+            let entry = found[*i].kind.entry();
+            found[*i].kind.is_nameable() && (entry.follows_time || entry.of_temperature)
+        };
+        let search = self.search();
+        let lead = |i: usize| search.earned_beside_others(found, i) - search.needed(found.len() - 1) - UNDER_MEMORY;
+        let weak = (0..found.len()).filter(of_time).map(|i| (i, lead(i))).filter(|(_, lead)| *lead < 0.0);
+        weak.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
+    }
+}
 
 /// Drops what owes its evidence to one value of the growth: ln of the ratio of mean to value at that of `law`, with the
 /// choice and without it, is added to its evidence.

@@ -6,28 +6,25 @@ use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::Score;
-use crate::core::diagnose::search::stepwise::{Choice, Search};
+use crate::core::diagnose::search::choice::Choice;
+use crate::core::diagnose::search::stepwise::Search;
+use crate::core::diagnose::search::temperature_odds::odds_of_temperature;
 use crate::core::effects::Effect;
 
 /// ln of evidence from which on an effect is asked whether its size is plausible.
 const LEAST_ASKED: f64 = 1.0;
 
-/// Change of temperature within a campaign that is usual, K; what each further kelvin adds to the ln of prior odds;
-/// and the most of it.
-const USUAL_K: f64 = 10.0;
-const ODDS_PER_K: f64 = 0.5;
-const MOST_ODDS: f64 = 25.0;
-
 impl Search<'_> {
-    /// Rules out what is implausibly large, and gives temperature its odds.
-    pub(crate) fn weigh(&self, choices: &[Choice], scores: &mut [Score]) {
-        let odds = self.odds_of_temperature();
-        for score in scores {
+    /// Rules out what is implausibly large, and gives temperature its odds. Sizes are those of white noise, and so is
+    /// the evidence `white` from which on they are asked for.
+    pub(crate) fn weigh(&self, choices: &[Choice], scores: &mut [Score], white: &[f64]) {
+        let odds = odds_of_temperature(&self.frame.setting);
+        for (score, white) in scores.iter_mut().zip(white) {
             // Odds among causes, not against noise.
             if score.log_evidence > self.threshold.alone && score.kind.entry().of_temperature {
                 score.log_evidence += odds;
             }
-            if score.log_evidence > LEAST_ASKED && self.is_implausible(choices, score) {
+            if score.log_evidence.max(*white) > LEAST_ASKED && self.is_implausible(choices, score) {
                 score.log_evidence = f64::NEG_INFINITY;
             }
         }
@@ -35,7 +32,7 @@ impl Search<'_> {
 
     /// The choices, those of temperature before the others where it has odds.
     pub(crate) fn most_plausible_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
-        if self.odds_of_temperature() > 0.0 {
+        if odds_of_temperature(&self.frame.setting) > 0.0 {
             choices.sort_by_key(|choice| !choice.kind.entry().of_temperature);
         }
         choices
@@ -43,16 +40,8 @@ impl Search<'_> {
 
     /// Evidence without the odds that temperature has among causes.
     pub(crate) fn against_noise(&self, kind: Effect, evidence: f64) -> f64 {
-        let odds = if kind.entry().of_temperature { self.odds_of_temperature() } else { 0.0 };
+        let odds = if kind.entry().of_temperature { odds_of_temperature(&self.frame.setting) } else { 0.0 };
         if evidence > self.threshold.alone + odds { evidence - odds } else { evidence }
-    }
-
-    /// ln of prior odds of temperature against other causes: where it changed by more than usual, it is suspected
-    /// first.
-    fn odds_of_temperature(&self) -> f64 {
-        let Some(temperature) = &self.frame.setting.temperature else { return 0.0 };
-        let extremes = temperature.iter().fold((0.0_f64, 0.0_f64), |(low, high), t| (low.min(*t), high.max(*t)));
-        (ODDS_PER_K * (extremes.1 - extremes.0 - USUAL_K)).clamp(0.0, MOST_ODDS)
     }
 
     /// Whether what the outputs ask of an effect is more than any gyro has, beyond its own uncertainty.

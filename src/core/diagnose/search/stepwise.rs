@@ -7,7 +7,9 @@ use std::rc::Rc;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::{Score, log_bayes_in, scores, together};
+use crate::core::diagnose::search::choice::{Choice, designs};
 use crate::core::diagnose::search::hypotheses::Bank;
+use crate::core::diagnose::search::noise_models::{NoiseModels, Under};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::{Products, State, each_by_itself, state};
 use crate::core::effects::Effect;
@@ -38,25 +40,6 @@ const PAIR_STARTS: usize = 10;
 const PAIR_START: f64 = 1.0;
 const POLISH: f64 = 12.0;
 
-/// One adopted hypothesis.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Choice {
-    pub kind: Effect,
-    /// Index into the bank.
-    pub hypothesis: usize,
-    pub members: Vec<bool>,
-    /// Evidence given the other choices, prior odds included.
-    pub evidence: f64,
-    /// A competitor that explains the same a little better.
-    pub rival: Option<Effect>,
-}
-
-impl Choice {
-    pub fn is_competitor(&self) -> bool {
-        !self.kind.is_nameable()
-    }
-}
-
 /// Scores that have been computed, by what had been adopted: hypotheses in their order, and their members.
 pub(crate) type Known = RefCell<HashMap<Vec<(usize, Vec<bool>)>, Rc<[Score]>>>;
 
@@ -66,6 +49,8 @@ pub(crate) struct Search<'a> {
     pub null: &'a Null,
     pub known: &'a Known,
     pub threshold: Threshold,
+    /// What the noise may be beside that of `frame`.
+    pub noise: &'a NoiseModels,
 }
 
 /// Evidence that adoption asks for.
@@ -89,18 +74,7 @@ impl Search<'_> {
     }
 
     pub(crate) fn extras(&self, choices: &[Choice]) -> Vec<Basis> {
-        (0..self.frame.gyros.len()).map(|j| self.extra(choices, j)).collect()
-    }
-
-    fn extra(&self, choices: &[Choice], j: usize) -> Basis {
-        let mut extra = Basis::default();
-        for choice in choices.iter().filter(|choice| choice.members[j]) {
-            let block = &self.bank.hypotheses[choice.hypothesis].blocks[j];
-            for c in block.start..block.start + block.len {
-                extra.push(self.bank.column(j, c).as_slice().to_vec());
-            }
-        }
-        extra
+        extras(self.bank, choices)
     }
 
     /// Evidence of every kind given `choices`, with prior odds.
@@ -115,14 +89,59 @@ impl Search<'_> {
     }
 
     fn computed(&self, choices: &[Choice]) -> Vec<Score> {
-        let mut scores = scores(self.bank, &self.state(choices));
+        let (mut scores, white) = self.over_all_noise(choices);
         for score in &mut scores {
             if !score.kind.is_nameable() {
                 score.log_evidence += SUSPECT_ODDS;
             }
         }
-        self.weigh(choices, &mut scores);
+        self.weigh(choices, &mut scores, &white);
         scores
+    }
+
+    /// Evidence of every kind, over all that the noise may be, and where it is as stated.
+    fn over_all_noise(&self, choices: &[Choice]) -> (Vec<Score>, Vec<f64>) {
+        let evidence = |scores: &[Score]| scores.iter().map(|score| score.log_evidence).collect();
+        if self.noise.is_empty() {
+            let scores = scores(self.bank, &self.state(choices));
+            let white = evidence(&scores);
+            return (scores, white);
+        }
+        let under = self.under(choices);
+        let all: Vec<(f64, Vec<Score>)> = under
+            .iter()
+            .map(|(weight, under)| {
+                let scores = match under {
+                    Under::Independent(frame, bank) => independent(frame, bank, choices),
+                    Under::Shared(shared) => shared.scores(self.bank),
+                };
+                (*weight, scores)
+            })
+            .collect();
+        let mut weights = LogSum::default();
+        all.iter().for_each(|(weight, _)| weights.add(*weight));
+        let of_kind = |k: usize| {
+            let (mut sum, mut best) = (LogSum::default(), (f64::NEG_INFINITY, &all[0].1[k]));
+            for (weight, scores) in &all {
+                let log = weight + scores[k].log_evidence;
+                sum.add(log);
+                if log > best.0 {
+                    best = (log, &scores[k]);
+                }
+            }
+            Score { log_evidence: sum.log() - weights.log(), ..best.1.clone() }
+        };
+        ((0..self.bank.kinds.len()).map(of_kind).collect(), evidence(&all[0].1))
+    }
+
+    /// Evidence of one kind beside `choices` where the noise is white and each gyro knows its own alone.
+    pub(super) fn against_white_noise(&self, choices: &[Choice], kind: Effect) -> f64 {
+        evidence_of(&scores(self.bank, &each_by_itself(self.frame, self.extras(choices))), kind)
+    }
+
+    fn under(&self, choices: &[Choice]) -> Vec<(f64, Under<'_>)> {
+        let columns = designs(self.frame, self.bank, choices, None);
+        self.noise.under(self.frame, self.bank, &columns, || each_by_itself(self.frame, self.extras(choices)))
     }
 
     /// Whether `kind` was ruled out given `choices`.
@@ -381,16 +400,67 @@ impl Search<'_> {
     /// another's evidence stronger.
     fn in_members(&self, before: &[Choice], choice: &Choice) -> f64 {
         let Some((_, range)) = self.bank.kinds.iter().find(|(kind, _)| *kind == choice.kind) else { return 0.0 };
-        let hypotheses = &self.bank.hypotheses[range.clone()];
-        let state = each_by_itself(self.frame, self.extras(before));
-        let products = Products::of_some(self.bank, hypotheses, &state);
-        let seen = products.seen(&state);
-        let mut total = LogSum::default();
-        for hypothesis in hypotheses {
-            total.add(log_bayes_in(hypothesis, &choice.members, &seen));
+        let independent = |frame: &Frame, bank: &Bank| {
+            let hypotheses = &bank.hypotheses[range.clone()];
+            let state = each_by_itself(frame, extras(bank, before));
+            let products = Products::of_some(bank, hypotheses, &state);
+            let seen = products.seen(&state);
+            let mut total = LogSum::default();
+            hypotheses.iter().for_each(|hypothesis| total.add(log_bayes_in(hypothesis, &choice.members, &seen)));
+            total.log()
+        };
+        let odds = if choice.kind.is_nameable() { 0.0 } else { SUSPECT_ODDS };
+        if self.noise.is_empty() {
+            return independent(self.frame, self.bank) + odds;
         }
-        total.log() + if !choice.kind.is_nameable() { SUSPECT_ODDS } else { 0.0 }
+        let (mut total, mut weights) = (LogSum::default(), LogSum::default());
+        for (weight, under) in self.under(before) {
+            weights.add(weight);
+            total.add(
+                weight
+                    + match under {
+                        Under::Independent(frame, bank) => independent(frame, bank),
+                        Under::Shared(shared) => {
+                            shared.in_members(self.bank, &self.bank.hypotheses[range.clone()], &choice.members)
+                        }
+                    },
+            );
+        }
+        total.log() - weights.log() + odds
     }
+}
+
+/// Evidence from which on what one gyro holds is too much noise to another that knows its noise from all.
+const STRONG: f64 = 25.0;
+
+/// Evidence under noise that gyros do not share. Where gyros know their noise from one another, what a strong effect
+/// leaves in the others counts as noise to each, and its evidence falls short of the likelihoods that it is weighed
+/// with: there each gyro has its own.
+fn independent(frame: &Frame, bank: &Bank, choices: &[Choice]) -> Vec<Score> {
+    let pooled = scores(bank, &state(frame, extras(bank, choices)));
+    if pooled.iter().all(|score| score.log_evidence < STRONG) {
+        return pooled;
+    }
+    let own = scores(bank, &each_by_itself(frame, extras(bank, choices)));
+    let stronger = |(pooled, own): (Score, Score)| {
+        if own.log_evidence > STRONG.max(pooled.log_evidence) { own } else { pooled }
+    };
+    pooled.into_iter().zip(own).map(stronger).collect()
+}
+
+/// Orthonormal columns of the choices in each gyro.
+fn extras(bank: &Bank, choices: &[Choice]) -> Vec<Basis> {
+    let of_gyro = |j: usize| {
+        let mut extra = Basis::default();
+        for choice in choices.iter().filter(|choice| choice.members[j]) {
+            let block = &bank.hypotheses[choice.hypothesis].blocks[j];
+            for c in block.start..block.start + block.len {
+                extra.push(bank.column(j, c).as_slice().to_vec());
+            }
+        }
+        extra
+    };
+    (0..bank.columns.len()).map(of_gyro).collect()
 }
 
 pub(crate) fn without(choices: &[Choice], i: usize) -> Vec<Choice> {

@@ -14,6 +14,7 @@ pub(super) const ENTRIES: &[&Entry] = &[
     &BURST,
     &DRIFTING_MASS_UNBALANCE,
     &DRIFTING_SCALE,
+    &PART_TIME,
 ];
 
 pub const CURVE_IN_TIME: Entry = Entry {
@@ -110,6 +111,82 @@ pub const DRIFTING_SCALE: Entry = Entry {
     columns: |s, j, _| vec![s.column(|k| mid(s, k) * s.rate[k].dot(&s.gyros[j].input))],
     ..COMPETING
 };
+
+/// Effects that act throughout where they are a cause, and one column or a few.
+const PARTS: [Effect; 12] = [
+    Effect::TemperatureBias,
+    Effect::TemperatureG,
+    Effect::TemperatureScale,
+    Effect::TimeRamp,
+    Effect::Hysteresis,
+    Effect::ScaleAsymmetry,
+    Effect::ScaleQuadratic,
+    Effect::ScaleCubic,
+    Effect::Anisoinertia,
+    Effect::GRateCoupling,
+    Effect::Magnetic,
+    Effect::Warmup,
+];
+
+pub const PART_TIME: Entry = Entry {
+    effect: Effect::PartTime,
+    id: "part_time",
+    cause: "an effect of the catalogue that is switched on or off during the campaign",
+    equation: "another effect's regressors from one instant to another, or its time constant from every power-up anew",
+    unit: "that effect's",
+    typical: Typical { low: 1e-9, high: 1.0, source: "station logs: supplies, heaters and loops switched midway" },
+    confused_with: &[Effect::TemperatureBias, Effect::TimeRamp, Effect::BiasStep, Effect::Warmup],
+    shapes: parts,
+    columns: |s, j, shape| match shape {
+        Shape::Part { of, from, to } => {
+            let mut columns = (of.entry().columns)(s, j, whole(s, of));
+            for column in &mut columns {
+                let outside = |k: usize| !(from..=to).contains(&s.elapsed(k));
+                column.iter_mut().enumerate().filter(|(k, _)| outside(*k)).for_each(|(_, x)| *x = 0.0);
+            }
+            columns
+        }
+        Shape::Restart(tau) => vec![since_power_up(s).into_iter().map(|t| (-t / tau).exp()).collect()],
+        _ => Vec::new(),
+    },
+    only_closer: true,
+    standing: PARTS.len(),
+    ..COMPETING
+};
+
+/// The one shape in which an effect is tried for a part of the time.
+fn whole(s: &Setting, of: Effect) -> Shape {
+    let heaviest = (of.entry().shapes)(s).into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    heaviest.map_or(Shape::Linear, |(shape, _)| shape)
+}
+
+/// Each effect from one of seven instants on, up to one of them, or between two; and where there were pauses, from
+/// them on and up to them, and settling anew after each.
+fn parts(s: &Setting) -> Vec<(Shape, f64)> {
+    let (start, end) = (-1.0, s.span() + 1.0);
+    let shares = |from: f64, to: f64| (from * s.span(), to * s.span());
+    let mut spans = vec![shares(0.33, 0.66), shares(0.2, 0.5), shares(0.5, 0.8)];
+    let mut instants: Vec<f64> = (2..=8).map(|tenth| 0.1 * f64::from(tenth) * s.span()).collect();
+    let pauses: Vec<usize> = s.pauses().collect();
+    instants.extend(pauses.iter().map(|&k| 0.5 * (s.elapsed(k - 1) + s.elapsed(k))));
+    spans.extend(instants.iter().flat_map(|&t| [(start, t), (t, end)]));
+    let mut found = Vec::new();
+    for of in PARTS.into_iter().filter(|of| *of != Effect::Warmup && (of.entry().missing)(s).is_none()) {
+        found.extend(spans.iter().map(|&(from, to)| (Shape::Part { of, from, to }, 1.0)));
+    }
+    if !pauses.is_empty() {
+        let taus = [1.0, 3.0, 8.0, 20.0].map(|dwells| dwells * s.interval());
+        // As likely together as another effect in all its parts.
+        found.extend(taus.map(|tau| (Shape::Restart(tau), spans.len() as f64 / 4.0)));
+    }
+    found
+}
+
+/// Time since the last pause, or since the beginning, s.
+fn since_power_up(s: &Setting) -> Vec<f64> {
+    let pauses: Vec<usize> = s.pauses().collect();
+    s.column(|k| s.time[k] - s.time[pauses.iter().copied().filter(|&p| p <= k).max().unwrap_or(0)])
+}
 
 /// Half cosines over the campaign, the m-th in proportion to m^-roughness.
 fn waves(s: &Setting, count: usize, roughness: f64) -> Vec<Vec<f64>> {

@@ -1,0 +1,47 @@
+//! A hypothesis that the search adopted, and the columns that it adds.
+
+use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::hypotheses::Bank;
+use crate::core::effects::Effect;
+
+/// One adopted hypothesis.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Choice {
+    pub kind: Effect,
+    /// Index into the bank.
+    pub hypothesis: usize,
+    pub members: Vec<bool>,
+    /// Evidence given the other choices, prior odds included.
+    pub evidence: f64,
+    /// A competitor that explains the same a little better.
+    pub rival: Option<Effect>,
+}
+
+impl Choice {
+    pub fn is_competitor(&self) -> bool {
+        !self.kind.is_nameable()
+    }
+}
+
+/// More columns than these make a competitor smooth.
+const MOST_COLUMNS: usize = 4;
+
+/// Raw columns of the model and of all choices but `without`. Smooth competitors stay out: they are not a few columns.
+pub(crate) fn designs(frame: &Frame, bank: &Bank, found: &[Choice], without: Option<usize>) -> Vec<Vec<Vec<f64>>> {
+    (0..frame.gyros.len())
+        .map(|j| {
+            let mut design = frame.designs[j].clone();
+            for (i, choice) in found.iter().enumerate() {
+                let hypothesis = &bank.hypotheses[choice.hypothesis];
+                if Some(i) != without && choice.members[j] && hypothesis.blocks[j].len <= MOST_COLUMNS {
+                    let block = &hypothesis.blocks[j];
+                    for c in block.start..block.start + block.len {
+                        let column = bank.column(j, c);
+                        design.push(column.iter().zip(&frame.gyros[j].sd).map(|(x, sd)| x * sd).collect());
+                    }
+                }
+            }
+            design
+        })
+        .collect()
+}

@@ -1,0 +1,224 @@
+//! What the residuals go with, without a form: one variance component for each thing that a dwell has.
+//!
+//! Each says which dwells ought to err alike, by a kernel K that is constant in deg/h. With W the factor of K (K = B B')
+//! whitened and off all that is fitted, scaled to a mean eigenvalue of one, y the residual and k what the stated noise
+//! is worth,
+//!
+//! ```text
+//! ln B = ln mean over phi of exp[-1/2 ln det(1 + phi W'W) - (nu+k)/2 ln((k + y'(1 + phi W W')^-1 y)/(k + y'y))]
+//! ```
+//!
+//! and gyros add up as ln((1 + B)/2). A name that one of them leads clearly has the wrong form; what no name explains is
+//! described by them (variance components, Searle, Casella and McCulloch 1992).
+
+use nalgebra::{DMatrix, Vector3};
+
+use super::projections::State;
+use crate::core::campaign::Phase;
+use crate::core::diagnose::diagnosis::Variable;
+use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::effects::Setting;
+use crate::core::numerics::log_sum::LogSum;
+
+/// Observations of unit noise that the stated errors are worth.
+const K: f64 = 4.0;
+
+/// Power of a component over the noise, phi.
+const POWERS: [f64; 11] = [0.1, 0.316, 1.0, 3.16, 10.0, 31.6, 100.0, 316.0, 1e3, 3.16e3, 1e4];
+
+/// Largest rank that is kept of a kernel, and share of its trace that may be left out.
+const MOST: usize = 24;
+const LEFT_OUT: f64 = 1e-3;
+
+/// One kernel, by its factor: dwells x rank.
+pub(crate) struct Component {
+    pub variable: Variable,
+    /// Whether a name falls by it: not by what is an entry of the catalogue itself.
+    pub competes: bool,
+    factor: DMatrix<f64>,
+}
+
+/// Dwells' directions are the same within this angle, and rates within this share, rad.
+const SAME: f64 = 1e-3;
+
+/// Every component that a campaign can show.
+pub(crate) fn components(s: &Setting) -> Vec<Component> {
+    let n = s.dwells();
+    let mut found = Vec::new();
+    let mut component = |variable: Variable, competes: bool, like: &dyn Fn(usize, usize) -> f64| {
+        let factor = factor(&DMatrix::from_fn(n, n, like));
+        if factor.ncols() > 0 {
+            found.push(Component { variable, competes, factor });
+        }
+    };
+    if let Some(c) = &s.nav_to_body {
+        // What a field along north makes of each body axis: `magnetic` itself.
+        let north = |k: usize| c[k] * Vector3::y();
+        let still = |k: usize| f64::from(u8::from(s.phase[k] == Phase::Static));
+        component(Variable::Heading, false, &|a, b| still(a) * still(b) * north(a).dot(&north(b)));
+    }
+    let mut add = |variable: Variable, like: &dyn Fn(usize, usize) -> f64| component(variable, true, like);
+    let same_face = |a: usize, b: usize| s.force[a].angle(&s.force[b]) < SAME;
+    let turns = |k: usize| s.phase[k] == Phase::Rate;
+    let both = |yes: bool| f64::from(u8::from(yes));
+    let gaussian = |apart: f64| (-0.5 * apart * apart).exp();
+    let span = s.span().max(f64::MIN_POSITIVE);
+    for share in [0.2, 0.06, 0.02] {
+        add(Variable::Time, &|a, b| gaussian((s.time[a] - s.time[b]) / (share * span)));
+    }
+    add(Variable::Time, &|a, b| s.elapsed(a).min(s.elapsed(b)) / span);
+    if let Some(t) = s.temperature.as_ref().filter(|t| t.iter().any(|x| *x != 0.0)) {
+        let rate: Vec<f64> = slope(&s.time, t);
+        for share in [0.35, 0.12] {
+            let width = (share * range(t)).max(f64::MIN_POSITIVE);
+            add(Variable::Temperature, &|a, b| gaussian((t[a] - t[b]) / width));
+        }
+        let width = (0.35 * range(&rate)).max(f64::MIN_POSITIVE);
+        add(Variable::TemperatureRate, &|a, b| gaussian((rate[a] - rate[b]) / width));
+    }
+    add(Variable::UpDirection, &|a, b| both(same_face(a, b)));
+    if let Some(c) = &s.nav_to_body {
+        let north: Vec<Vector3<f64>> = c.iter().map(|c| c * Vector3::y()).collect();
+        let still = |a: usize, b: usize| !turns(a) && !turns(b);
+        add(Variable::Heading, &|a, b| both(still(a, b) && same_face(a, b)) * north[a].dot(&north[b]));
+    }
+    let speed: Vec<f64> = s.rate.iter().map(Vector3::norm).collect();
+    let top = speed.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    if (0..n).any(turns) {
+        let pair = |a: usize, b: usize| turns(a) && turns(b);
+        // The Earth's own rate makes the two senses of one table rate differ by twice 15 arcsec/s.
+        let alike = |a: usize, b: usize| (speed[a] - speed[b]).abs() < 35.0_f64.max(0.01 * speed[a]);
+        let sense = |k: usize| s.rate[k].dot(&s.force[k]).signum();
+        let signed = |k: usize| sense(k) * speed[k] / top;
+        let one_axis = |a: usize, b: usize| s.force[a].cross(&s.force[b]).norm() < SAME;
+        add(Variable::RateLevel, &|a, b| both(pair(a, b) && alike(a, b)));
+        add(Variable::RateLevel, &|a, b| both(pair(a, b) && (s.rate[a] - s.rate[b]).norm() < 1e-3 * top));
+        add(Variable::RateAxis, &|a, b| both(pair(a, b) && same_face(a, b)) * speed[a] * speed[b] / top.powi(2));
+        add(Variable::RateAxis, &|a, b| both(pair(a, b) && one_axis(a, b)) * signed(a) * signed(b));
+        add(Variable::RateAxis, &|a, b| both(pair(a, b) && same_face(a, b)) * sense(a) * sense(b));
+        for lag in [1_usize, 3, 8] {
+            let before: Vec<f64> = (0..n)
+                .map(|k| (k.saturating_sub(lag)..k).map(|i| (speed[i] / top).powi(2)).sum::<f64>() / lag as f64)
+                .collect();
+            add(Variable::RateHistory, &|a, b| before[a] * before[b]);
+        }
+        let phase = |k: usize| both(turns(k)) - 0.5;
+        add(Variable::Phase, &|a, b| phase(a) * phase(b));
+    }
+    add(Variable::OrientationBefore, &|a, b| {
+        both(a > 0 && b > 0 && s.force[a.max(1) - 1].angle(&s.force[b.max(1) - 1]) < SAME)
+    });
+    found
+}
+
+impl Component {
+    /// ln B over all gyros beside what was fitted, and of each gyro.
+    pub fn evidence(&self, frame: &Frame, state: &State) -> f64 {
+        let of_gyro = |j: usize| {
+            let (gyro, left) = (&frame.gyros[j], &state[j]);
+            let columns = self.factor.column_iter().map(|column| {
+                let mut column = gyro.whiten(column.iter().copied().collect());
+                gyro.basis.project_out(&mut column);
+                left.extra.project_out(&mut column);
+                column
+            });
+            let columns: Vec<Vec<f64>> = columns.collect();
+            log_bayes(
+                &columns,
+                &left.residual,
+                (gyro.dof() - left.extra.rank().min(gyro.dof())) as f64,
+                frame.noise.stated,
+            )
+        };
+        let each = (0..frame.gyros.len()).map(of_gyro);
+        each.map(|log| LogSum::of(&[0.0, log]).log() - std::f64::consts::LN_2).sum()
+    }
+}
+
+fn log_bayes(columns: &[Vec<f64>], y: &[f64], nu: f64, stated: bool) -> f64 {
+    let r = columns.len();
+    let n = y.len();
+    let w = DMatrix::from_fn(n, r, |k, c| columns[c][k]);
+    let trace = w.norm_squared();
+    if nu < 1.0 || trace <= 0.0 {
+        return 0.0;
+    }
+    let scale = nu / trace;
+    let axes = (w.tr_mul(&w) * scale).symmetric_eigen();
+    let y = DMatrix::from_column_slice(n, 1, y);
+    let along = axes.eigenvectors.tr_mul(&(w.tr_mul(&y) * scale.sqrt()));
+    let (rss, k) = (y.norm_squared(), if stated { K } else { 0.0 });
+    let mut sum = LogSum::default();
+    for phi in POWERS {
+        let (mut log_det, mut taken) = (0.0, 0.0);
+        for i in 0..r {
+            let l = axes.eigenvalues[i].max(0.0);
+            log_det += (phi * l).ln_1p();
+            taken += phi * along[i] * along[i] / (1.0 + phi * l);
+        }
+        let left = ((k + rss - taken) / (k + rss)).max(1e-12);
+        sum.add(-0.5 * log_det - 0.5 * (nu + k) * left.ln());
+    }
+    sum.log_mean(POWERS.len())
+}
+
+/// B with K = B B' up to a share of its trace: Cholesky's factor with the largest pivot first.
+fn factor(kernel: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = kernel.nrows();
+    let mut left: Vec<f64> = kernel.diagonal().iter().copied().collect();
+    let trace: f64 = left.iter().sum();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    while columns.len() < MOST && left.iter().sum::<f64>() > LEFT_OUT * trace {
+        let Some(pivot) = (0..n).max_by(|&a, &b| left[a].total_cmp(&left[b])).filter(|&p| left[p] > 0.0) else { break };
+        let root = left[pivot].sqrt();
+        let column: Vec<f64> = (0..n)
+            .map(|k| (kernel[(k, pivot)] - columns.iter().map(|c| c[k] * c[pivot]).sum::<f64>()) / root)
+            .collect();
+        left.iter_mut().zip(&column).for_each(|(left, x)| *left = (*left - x * x).max(0.0));
+        columns.push(column);
+    }
+    DMatrix::from_fn(n, columns.len(), |k, c| columns[c][k])
+}
+
+fn range(values: &[f64]) -> f64 {
+    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    high - low
+}
+
+/// Slope at each dwell from its neighbours.
+fn slope(time: &[f64], values: &[f64]) -> Vec<f64> {
+    let last = values.len() - 1;
+    let of = |k: usize| {
+        let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
+        if b > a { (values[b] - values[a]) / (time[b] - time[a]).max(f64::MIN_POSITIVE) } else { 0.0 }
+    };
+    (0..values.len()).map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_kernel_is_its_factor_times_itself() {
+        let kernel = DMatrix::from_fn(30, 30, |a, b| (-0.5 * ((a as f64 - b as f64) / 6.0).powi(2)).exp());
+        let factor = factor(&kernel);
+        assert!(factor.ncols() < 15, "{}", factor.ncols());
+        assert!((&factor * factor.transpose() - &kernel).abs().max() < 0.03);
+    }
+
+    #[test]
+    fn a_component_is_worth_what_the_determinants_say() {
+        // One column of unit length times the root of nu = 4, residual y: det(1 + phi W'W) = 1 + 4 phi.
+        let y = [1.0, -2.0, 0.5, 3.0];
+        let column = vec![0.5, 0.5, 0.5, 0.5];
+        let along: f64 = y.iter().map(|y| 0.5 * y).sum();
+        let rss: f64 = y.iter().map(|y| y * y).sum();
+        let of = |phi: f64| {
+            let left = (4.0 + rss - 4.0 * phi * along * along / (1.0 + 4.0 * phi)) / (4.0 + rss);
+            (-0.5 * (1.0 + 4.0 * phi).ln() - 4.0 * left.ln()).exp()
+        };
+        let expected = (POWERS.map(of).iter().sum::<f64>() / POWERS.len() as f64).ln();
+        assert!((log_bayes(&[column], &y, 4.0, true) - expected).abs() < 1e-9);
+    }
+}

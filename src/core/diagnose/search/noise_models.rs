@@ -1,0 +1,391 @@
+//! What the noise may be beside white, independent and as stated: every name must hold whatever it is.
+//!
+//! Each alternative m has a restricted likelihood L(m), its coefficients and scale integrated out, and Bayes factors
+//! B_m of its own. The evidence of a hypothesis is that of all together,
+//!
+//! ```text
+//! ln sum_m w_m L(m) B_m - ln sum_m w_m L(m)
+//! ```
+//!
+//! so that a name owes nothing to a noise that is not there. Alternatives only ever take names away: they are asked
+//! where something would be named, and those that neither with nor without the names weigh anything are left out.
+
+use nalgebra::DMatrix;
+
+use super::choice::{Choice, designs};
+use super::hypotheses::Bank;
+use super::projections::{State, each_by_itself};
+use super::shared_noise::Shared;
+use super::temperature_odds::odds_of_temperature;
+use crate::core::campaign::Phase;
+use crate::core::diagnose::diagnosis::{LawFound, MemoryFound, NoiseFound};
+use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
+use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::effects::{Effect, Setting, Shape};
+use crate::core::message::{Message, figure, signed};
+use crate::core::numerics::basis::{Basis, dot};
+use crate::core::numerics::log_sum::LogSum;
+use crate::message;
+
+/// Prior probability that the noise goes as stated with duration and time; the other laws share the rest.
+const AS_STATED: f64 = 0.8;
+
+/// Prior probability that the noise has no memory.
+const WITHOUT_MEMORY: f64 = 0.995;
+
+/// Prior probability that gyros share their noise.
+const BETWEEN_GYROS: f64 = 0.1;
+
+/// Powers of each kernel of memory, over the square of the median standard deviation.
+const POWERS: [f64; 5] = [0.15, 0.5, 1.5, 5.0, 20.0];
+
+/// A random walk needs more for as much, because the kernel is one at the middle of the campaign.
+const OF_WALK: f64 = 3.0;
+
+/// Correlation times of the memory, in spacings of dwells.
+const TIMES: [f64; 4] = [1.5, 5.0, 16.0, 50.0];
+
+/// ln of odds below which an alternative is left out, by its weight with and without the names.
+const NOTHING: f64 = -6.9;
+
+/// Weight from which on the noise is said to have a memory, and names of time and temperature need more.
+const CERTAIN: f64 = 0.98;
+
+/// How the standard errors may go beside what is stated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Law {
+    /// Times (median duration/duration)^power.
+    Duration(f64),
+    /// Times sqrt(1 + (growth w/top)^2), w the rate.
+    Rate(f64),
+    /// Times exp(growth x), x the time from -1/2 to 1/2 of the campaign.
+    Time(f64),
+}
+
+impl Law {
+    /// Those that these dwells let tell apart.
+    fn all(s: &Setting) -> Vec<Self> {
+        let median = middle(&s.duration);
+        let unequal = s.duration.iter().any(|d| (d / median).ln().abs() > 0.2);
+        let durations = [0.25, 0.5].into_iter().filter(|_| unequal).map(Self::Duration);
+        let turns = s.phase.contains(&Phase::Rate);
+        let rates = [0.5, 1.0, 2.0, 4.0].into_iter().filter(|_| turns).map(Self::Rate);
+        durations.chain(rates).chain([-1.1, -0.55, 0.55, 1.1].map(Self::Time)).collect()
+    }
+
+    fn factors(self, s: &Setting) -> Vec<f64> {
+        let median = middle(&s.duration);
+        let span = s.span().max(f64::MIN_POSITIVE);
+        match self {
+            Self::Duration(power) => s.column(|k| (median / s.duration[k]).powf(power)),
+            Self::Rate(growth) => {
+                let top = s.rate.iter().map(|w| w.norm()).fold(f64::MIN_POSITIVE, f64::max);
+                s.column(|k| (1.0 + (growth * s.rate[k].norm() / top).powi(2)).sqrt())
+            }
+            Self::Time(growth) => s.column(|k| (growth * (s.elapsed(k) / span - 0.5)).exp()),
+        }
+    }
+}
+
+fn middle(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(1.0)
+}
+
+/// What dwells have in common.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Memory {
+    /// Mean over [`TIMES`] of exp(-|dt|/tau): about as flat over the decades as flicker is.
+    Flicker,
+    /// min(t, t')/mean t.
+    Walk,
+}
+
+impl Memory {
+    fn kernel(self, s: &Setting) -> DMatrix<f64> {
+        let n = s.dwells();
+        let spacing = s.interval().max(f64::MIN_POSITIVE);
+        match self {
+            Self::Flicker => DMatrix::from_fn(n, n, |a, b| {
+                let apart = (s.time[a] - s.time[b]).abs() / spacing;
+                TIMES.map(|tau| (-apart / tau).exp()).iter().sum::<f64>() / TIMES.len() as f64
+            }),
+            Self::Walk => {
+                let mean = (0..n).map(|k| s.elapsed(k)).sum::<f64>() / n as f64;
+                let mean = mean.max(f64::MIN_POSITIVE);
+                DMatrix::from_fn(n, n, |a, b| s.elapsed(a).min(s.elapsed(b)) / mean)
+            }
+        }
+    }
+}
+
+/// What an alternative supposes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Law(Law),
+    Memory(Memory, f64),
+}
+
+struct Model {
+    kind: Kind,
+    frame: Frame,
+    bank: Bank,
+    /// ln of its prior odds against noise as it is stated.
+    log_odds: f64,
+}
+
+/// Alternatives to noise as it is stated.
+#[derive(Default)]
+pub(crate) struct NoiseModels {
+    models: Vec<Model>,
+    /// ln of the prior odds of noise that gyros share, where they may.
+    shared: Option<f64>,
+}
+
+/// What is found of the noise beyond white and independent.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Found {
+    /// Correlation between gyros, and the variances of their whitened residuals.
+    pub between_gyros: Option<Shared>,
+    /// Power of each kind of memory over the square of the median standard deviation, and the probability that there
+    /// is none.
+    pub memory: Option<(Memory, f64, f64)>,
+}
+
+impl Found {
+    /// As it is answered.
+    pub fn report(&self, frame: &Frame, laws: &[Law]) -> NoiseFound {
+        let gyros = &frame.setting.gyros;
+        let pairs = (0..gyros.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
+        let correlated = |shared: &Shared| {
+            pairs.map(|(j, i)| (gyros[j].slot, gyros[i].slot, shared.correlation(i, j))).collect::<Vec<_>>()
+        };
+        NoiseFound {
+            between_gyros: self.between_gyros.as_ref().map(correlated).unwrap_or_default(),
+            memory: self.memory.map(|(memory, power, without)| MemoryFound {
+                kind: match memory {
+                    Memory::Flicker => "flicker",
+                    Memory::Walk => "random_walk",
+                },
+                deg_per_h: (frame.gyros.iter().zip(gyros))
+                    .map(|(gyro, axes)| (axes.slot, power.sqrt() * middle(&gyro.sd)))
+                    .collect(),
+                probability: 1.0 - without,
+            }),
+            laws: (laws.iter())
+                .map(|law| match law {
+                    Law::Duration(power) => LawFound::Duration { power: *power },
+                    Law::Rate(growth) => LawFound::Rate { times: (1.0 + growth * growth).sqrt() },
+                    Law::Time(growth) => LawFound::Time { times: growth.exp() },
+                })
+                .collect(),
+        }
+    }
+}
+
+impl NoiseFound {
+    /// In words.
+    pub(crate) fn notes(&self) -> Vec<Message> {
+        let mut notes = Vec::new();
+        let largest = self.between_gyros.iter().map(|(.., r)| *r).max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        notes.extend(largest.map(|r| message!("noise_shared", correlation = signed(r, 2))));
+        notes.extend(self.memory.as_ref().map(|memory| {
+            let size = memory.deg_per_h.iter().map(|(_, size)| *size).fold(0.0, f64::max);
+            let probability = figure(memory.probability.min(0.999), 3);
+            message!("noise_memory", probability = probability, size = crate::core::record::short(size))
+        }));
+        notes.extend(self.laws.iter().map(|law| match *law {
+            LawFound::Duration { power } => message!("noise_of_duration", power = figure(power, 2)),
+            LawFound::Rate { times } => message!("noise_of_rate", times = figure(times, 1)),
+            LawFound::Time { times } => message!("noise_of_time", times = figure(times, 1)),
+        }));
+        notes
+    }
+}
+
+/// One of the models that are averaged over.
+pub(crate) enum Under<'a> {
+    Independent(&'a Frame, &'a Bank),
+    Shared(Shared),
+}
+
+/// The law by which the noise goes, where it is likelier than what is stated, with `found` in the model: the campaign
+/// with it.
+pub(crate) fn likelier_law(frame: &Frame, bank: &Bank, found: &[Choice]) -> Option<(Law, Frame)> {
+    if !frame.noise.stated {
+        return None;
+    }
+    let laws = Law::all(&frame.setting);
+    let odds = (1.0 - AS_STATED) / AS_STATED / laws.len().max(1) as f64;
+    let columns = designs(frame, bank, found, None);
+    let pooled = is_pooled(frame, &columns);
+    let as_stated = log_likelihood(frame, &columns, pooled);
+    let tried = laws.into_iter().filter_map(|law| {
+        let changed = frame.with_factors(&law.factors(&frame.setting)).ok()?;
+        Some((odds.ln() + log_likelihood(&changed, &columns, pooled) - as_stated, law, changed))
+    });
+    let (gain, law, changed) = tried.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (gain > 0.0).then_some((law, changed))
+}
+
+impl NoiseModels {
+    /// Those that weigh something beside the noise of `frame`, with `found` in the model or without. `more` are the
+    /// shapes of the bank beyond the grid.
+    pub fn of(frame: &Frame, bank: &Bank, found: &[Choice], more: &[(Effect, Shape)]) -> Self {
+        let s = &frame.setting;
+        let with = designs(frame, bank, found, None);
+        let designs = [&with, &frame.designs];
+        let plain: Vec<(bool, f64)> = designs
+            .iter()
+            .map(|columns| {
+                let pooled = is_pooled(frame, columns);
+                (pooled, log_likelihood(frame, columns, pooled))
+            })
+            .collect();
+        let mut tried: Vec<(Kind, f64, Frame)> = Vec::new();
+        if frame.noise.stated {
+            let laws = Law::all(s);
+            let odds = ((1.0 - AS_STATED) / AS_STATED / laws.len().max(1) as f64).ln();
+            let framed = |law: Law| Some((Kind::Law(law), odds, frame.with_factors(&law.factors(s)).ok()?));
+            tried.extend(laws.into_iter().filter_map(framed));
+        }
+        let odds = ((1.0 - WITHOUT_MEMORY) / WITHOUT_MEMORY / (2 * POWERS.len()) as f64).ln() - odds_of_temperature(s);
+        for memory in [Memory::Flicker, Memory::Walk] {
+            let (kernel, size) = (memory.kernel(s), if memory == Memory::Walk { OF_WALK } else { 1.0 });
+            for power in POWERS.map(|power| size * power) {
+                let framed =
+                    frame.with_memory(&kernel, power).map(|framed| (Kind::Memory(memory, power), odds, framed));
+                tried.extend(framed);
+            }
+        }
+        let gain = |framed: &Frame, i: usize| log_likelihood(framed, designs[i], plain[i].0) - plain[i].1;
+        let weighs = |(_, odds, framed): &(Kind, f64, Frame)| (0..2).any(|i| odds + gain(framed, i) > NOTHING);
+        let models = tried.into_iter().filter(weighs).map(|(kind, log_odds, frame)| {
+            let bank = Bank::closer(&frame, more);
+            Model { kind, frame, bank, log_odds }
+        });
+        let mut all = Self { models: models.collect(), shared: None };
+        if frame.gyros.len() > 1 {
+            let log_odds = (BETWEEN_GYROS / (1.0 - BETWEEN_GYROS)).ln();
+            let weighs = designs.iter().any(|columns| log_odds + shared_gain(frame, columns) > NOTHING);
+            all.shared = weighs.then_some(log_odds);
+        }
+        all
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.models.is_empty() && self.shared.is_none()
+    }
+
+    /// The models with the logarithm of the weight of each, the one as stated first; `columns` are the raw columns of
+    /// everything in the model, `state` the residuals that they leave.
+    pub fn under<'a>(
+        &'a self,
+        frame: &'a Frame,
+        bank: &'a Bank,
+        columns: &[Vec<Vec<f64>>],
+        state: impl FnOnce() -> State,
+    ) -> Vec<(f64, Under<'a>)> {
+        let mut all = vec![(0.0, Under::Independent(frame, bank))];
+        if !self.models.is_empty() {
+            let pooled = is_pooled(frame, columns);
+            let plain = log_likelihood(frame, columns, pooled);
+            for model in &self.models {
+                let gain = log_likelihood(&model.frame, columns, pooled) - plain;
+                all.push((model.log_odds + gain, Under::Independent(&model.frame, &model.bank)));
+            }
+        }
+        if let Some(log_odds) = self.shared {
+            let shared = Shared::of(frame, state());
+            if shared.is_of_noise() {
+                all.push((log_odds + shared.log_gain, Under::Shared(shared)));
+            }
+        }
+        // None is dropped here: what weighs nothing without a name may be what the name holds under.
+        all
+    }
+
+    /// What of it is there, with `columns` in the model.
+    pub fn found(&self, frame: &Frame, columns: &[Vec<Vec<f64>>], state: impl FnOnce() -> State) -> Found {
+        let pooled = is_pooled(frame, columns);
+        let plain = log_likelihood(frame, columns, pooled);
+        let weigh = |model: &Model| model.log_odds + log_likelihood(&model.frame, columns, pooled) - plain;
+        let weights: Vec<f64> = self.models.iter().map(weigh).collect();
+        let shared = self.shared.map(|log_odds| (log_odds, Shared::of(frame, state())));
+        let with_memory = |model: &Model| matches!(model.kind, Kind::Memory(..));
+        let memories: Vec<(f64, &Model)> =
+            weights.iter().copied().zip(&self.models).filter(|(_, model)| with_memory(model)).collect();
+        let mut without = LogSum::of(&[0.0]);
+        (weights.iter().zip(&self.models)).filter(|(_, model)| !with_memory(model)).for_each(|(w, _)| without.add(*w));
+        let mut of_all = LogSum::of(&weights);
+        of_all.add(0.0);
+        let without = (without.log() - of_all.log()).exp().min(1.0);
+        let likeliest = memories.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+        let memory = likeliest.filter(|_| 1.0 - without > CERTAIN).and_then(|(_, model)| match model.kind {
+            Kind::Memory(memory, power) => Some((memory, power, without)),
+            Kind::Law(_) => None,
+        });
+        let between_gyros = shared
+            .filter(|(log_odds, shared)| shared.is_of_noise() && log_odds + shared.log_gain > 0.0)
+            .map(|(_, shared)| shared);
+        Found { between_gyros, memory }
+    }
+}
+
+fn shared_gain(frame: &Frame, columns: &[Vec<Vec<f64>>]) -> f64 {
+    let extras = columns.iter().enumerate().map(|(j, columns)| {
+        let gyro = &frame.gyros[j];
+        let mut basis = gyro.basis.clone();
+        let model = basis.rank();
+        columns.iter().skip(frame.designs[j].len()).for_each(|column| {
+            basis.push(gyro.whiten(column.clone()));
+        });
+        basis.split_off(model)
+    });
+    Shared::of(frame, each_by_itself(frame, extras.collect())).log_gain
+}
+
+/// Sums of squares and degrees of freedom of each gyro with `columns` in the model, and ln det X'V^-1 X.
+fn scatters(frame: &Frame, columns: &[Vec<Vec<f64>>]) -> Vec<(Scatter, f64)> {
+    let of_gyro = |(j, columns): (usize, &Vec<Vec<f64>>)| {
+        let gyro = &frame.gyros[j];
+        let (mut basis, mut log_det) = (Basis::default(), 0.0);
+        for column in columns {
+            let whitened = gyro.whiten(column.clone());
+            let size = dot(column, column);
+            let before = dot(&whitened, &whitened);
+            let left = basis.push(whitened);
+            if left > 0.0 {
+                log_det += (left * before / size).ln();
+            }
+        }
+        let mut residual = gyro.whiten(frame.outputs[j].clone());
+        basis.project_out(&mut residual);
+        let dof = residual.len() - basis.rank().min(residual.len());
+        let rss = dot(&residual, &residual).max(frame.noise.rounding[j] * dof as f64).max(f64::MIN_POSITIVE);
+        (frame.noise.with_stated(rss, dof as f64), log_det)
+    };
+    columns.iter().enumerate().map(of_gyro).collect()
+}
+
+/// Whether gyros know their noise from one another.
+fn is_pooled(frame: &Frame, columns: &[Vec<Vec<f64>>]) -> bool {
+    let mut all: Vec<Scatter> = scatters(frame, columns).into_iter().map(|(scatter, _)| scatter).collect();
+    frame.noise.stated && pool(&mut all)
+}
+
+/// ln of the probability of the outputs, coefficients of `columns` and scale integrated out, up to a constant that
+/// all kinds of noise have in common: -sum ln diag chol V - 1/2 ln det X'V^-1 X - nu/2 ln RSS.
+fn log_likelihood(frame: &Frame, columns: &[Vec<Vec<f64>>], pooled: bool) -> f64 {
+    let all = scatters(frame, columns);
+    let scale: f64 = frame.gyros.iter().map(|gyro| gyro.log_scale).sum();
+    let log_det: f64 = all.iter().map(|(_, log_det)| log_det).sum();
+    let of_scale = |scatter: Scatter| 0.5 * scatter.nu * scatter.rss.ln();
+    let sum = |a: Scatter, b: Scatter| Scatter { rss: a.rss + b.rss, nu: a.nu + b.nu };
+    let squares = match pooled {
+        true => of_scale(all.iter().map(|(scatter, _)| *scatter).fold(Scatter { rss: 0.0, nu: 0.0 }, sum)),
+        false => all.iter().map(|(scatter, _)| of_scale(*scatter)).sum(),
+    };
+    -scale - 0.5 * log_det - squares
+}

@@ -85,16 +85,7 @@ pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<EventRow>, StoreErr
     rows.into_iter().map(event_of).collect()
 }
 
-/// Gyros that were retired or put into storage: when last, and which.
-pub async fn out_of_use(store: &Store) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
-    let sql = "SELECT gyro, at, kind FROM event WHERE kind IN ('retired', 'in_storage') ORDER BY gyro, at, id";
-    let rows: Vec<(Whole<u32>, i64, String)> = on!(store.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
-    let ended =
-        rows.into_iter().filter_map(|(Whole(gyro), at, kind)| Some((gyro, (UtcMicros(at), Event::from_name(&kind)?))));
-    Ok(ended.collect())
-}
-
-/// As [`out_of_use`], of some gyros.
+/// Those of some gyros that were retired or put into storage: when last, and which.
 pub async fn out_of_use_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
     let ended = of_gyros(store, gyros).await?.into_iter().filter(|event| event.event.ends_calibrations());
     Ok(ended.map(|event| (event.gyro, (event.at, event.event))).collect())

@@ -169,7 +169,7 @@ impl Task {
         let mut changes = Changes::default();
         self.alerts.recall(&self.store, found.alerted.iter().chain(&found.overdue).copied(), now).await?;
         let gyros: Vec<u32> = found.overdue.iter().copied().collect();
-        let out_of_use = if gyros.is_empty() { HashMap::new() } else { store::event::out_of_use(&self.store).await? };
+        let out_of_use = self.out_of_use(&gyros).await?;
         let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
         let newest = store::histories::newest(&self.store, &ever, 1).await?;
         {

@@ -98,7 +98,7 @@ impl Task {
     }
 
     /// When gyros were taken out of use last, by what has been judged or else by what is stored.
-    async fn out_of_use(&self, gyros: &[u32]) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
+    pub(super) async fn out_of_use(&self, gyros: &[u32]) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
         let unknown: Vec<u32> = gyros.iter().copied().filter(|gyro| self.judge.window(*gyro).is_none()).collect();
         let mut all = if unknown.is_empty() {
             HashMap::new()

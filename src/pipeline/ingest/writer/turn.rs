@@ -214,27 +214,25 @@ impl Task {
 /// Names of IMUs, stations and gyros.
 fn names_of<'a>(items: &[Item<'a>]) -> [Vec<&'a str>; 3] {
     let [mut imus, mut stations, mut gyros] = [const { Vec::new() }; 3];
-    let mut of_calibration = |sent: &'a Calibration| {
-        imus.push(sent.imu.as_str());
-        stations.push(sent.station.as_str());
-        gyros.extend(sent.gyros.iter().map(|gyro| gyro.serial.as_str()));
-    };
-    let mut others = Vec::new();
     for item in items {
-        match item.sent {
-            Submission::Calibration(sent) => of_calibration(sent),
-            Submission::Correction(sent) => sent.replacement.iter().for_each(&mut of_calibration),
-            other => others.push(other),
-        }
-    }
-    for other in others {
-        match other {
+        let calibration: Option<&Calibration> = match item.sent {
+            Submission::Calibration(sent) => Some(sent),
+            Submission::Correction(sent) => sent.replacement.as_ref(),
             Submission::Bench(sent) => {
                 stations.push(sent.result.station.as_str());
                 gyros.push(sent.result.serial.as_str());
+                None
             }
-            Submission::Event(sent) => gyros.push(sent.serial.as_str()),
-            _ => {}
+            Submission::Event(sent) => {
+                gyros.push(sent.serial.as_str());
+                None
+            }
+            Submission::Confirmation(_) => None,
+        };
+        if let Some(sent) = calibration {
+            imus.push(sent.imu.as_str());
+            stations.push(sent.station.as_str());
+            gyros.extend(sent.gyros.iter().map(|gyro| gyro.serial.as_str()));
         }
     }
     [imus, stations, gyros]

@@ -76,6 +76,7 @@ async fn recorded_run(records: usize) -> Run {
     for sender in senders {
         sender.await.unwrap();
     }
+    at_rest(&trace).await;
     server.kill();
     let began = Instant::now();
     let trace = loop {
@@ -91,6 +92,22 @@ async fn recorded_run(records: usize) -> Run {
     let files = ["gyrowatch.db", "gyrowatch.db-wal"];
     let left = files.map(|name| (name.to_owned(), std::fs::read(place.join(name)).unwrap())).into();
     Run { recording, left, sent: Arc::into_inner(sent).unwrap().into_inner().unwrap(), ready }
+}
+
+/// Waits until no call has been recorded for half a second: whether a write that is killed halfway reaches its file is
+/// not in the recording.
+async fn at_rest(trace: &Path) {
+    let began = Instant::now();
+    let mut seen = 0;
+    loop {
+        tokio::time::sleep(Duration::from_millis(500)).await;
+        let size = std::fs::metadata(trace).unwrap().len();
+        if size == seen {
+            return;
+        }
+        assert!(began.elapsed() < Duration::from_secs(60), "the service is never at rest");
+        seen = size;
+    }
 }
 
 impl Run {

@@ -41,6 +41,7 @@ pub(super) enum Section {
     Stations,
     Import,
     Hooks,
+    Book,
     None,
 }
 
@@ -118,6 +119,7 @@ impl Viewer {
                             (entry("/stations", t.stations, page.section == Section::Stations))
                             @if self.may(Role::Station) { (entry("/import", t.import, page.section == Section::Import)) }
                             @if self.may(Role::Engineer) { (entry("/hooks", t.hooks, page.section == Section::Hooks)) }
+                            (entry("/book", t.book, page.section == Section::Book))
                             (entry("/docs", t.api, false))
                         }
                         (self.switches())

@@ -6,6 +6,7 @@
 mod alerts;
 mod assets;
 mod before_after;
+mod book;
 mod calibration;
 mod chart;
 mod confirm;
@@ -94,6 +95,8 @@ pub fn routes() -> Routes<Pages> {
         .get(VIEWER, "/stations", stations::page)
         .get(VIEWER, "/stations/{name}", station::page)
         .get(VIEWER, "/gyros/{serial}/diagnosis", gyro_diagnosis::page)
+        .get(VIEWER, "/book", book::first)
+        .get(VIEWER, "/book/{*name}", book::one)
         .get(STATION, "/import", import::page)
         .post(STATION, "/import/preview", import::preview)
         .post(STATION, "/import/store", import::store)

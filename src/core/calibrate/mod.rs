@@ -37,6 +37,18 @@ use noise::Evidence;
 ///
 /// y_k = D0 + G.A_k + P.A_k^2 + E.w_k + noise, weights 1/sem^2 (equal without standard errors). A gyro with a known
 /// E has E.w_k taken off first and no scale term fitted.
+///
+/// ```
+/// use gyrowatch::core::{calibrate::calibrate, model::Terms};
+///
+/// let text = std::fs::read("tests/data/practice/campaign-00.json")?;
+/// let campaign = gyrowatch::wire::document::parse(&text)?;
+/// let fit = calibrate(&campaign, Terms::MODEL_6);
+/// // On a table D0 and P are one rank short: the null direction comes back, and G and E do not touch it.
+/// let g1 = &fit.gyros[0];
+/// assert_eq!((g1.parameters.len(), g1.rank, g1.null_directions.len()), (10, 9, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
     calibrate_augmented(campaign, terms, &[])
 }

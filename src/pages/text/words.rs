@@ -16,6 +16,8 @@ catalogue! {
     fleet: "Fleet", "全部陀螺";
     stations: "Stations", "测试站";
     api: "API", "接口";
+    book: "Book", "手册";
+    contents: "Contents", "目录";
     other_language: "中文", "English";
     dark: "Dark", "深色";
     light: "Light", "浅色";

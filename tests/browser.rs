@@ -554,6 +554,7 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
         ("hook-delete", &delete),
         ("report-gyro", "/gyros/LFG-0004/report"),
         ("report-imu", "/imus/IMU-21/report"),
+        ("book", if language == "zh" { "/book/zh/adopt-predict-compare" } else { "/book/tutorials/own-csv" }),
     ];
     let mut wrong = Vec::new();
     for dark in [false, true] {

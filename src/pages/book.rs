@@ -19,11 +19,9 @@ use crate::message;
 use crate::wire::problem::Problem;
 
 const SUMMARY: &str = include_str!("../../docs/SUMMARY.md");
-const FIGURE: (&str, &str) =
-    ("figures/paper-experiment.svg", include_str!("../../docs/figures/paper-experiment.svg"));
+const FIGURE: (&str, &str) = ("figures/paper-experiment.svg", include_str!("../../docs/figures/paper-experiment.svg"));
 /// What a page may hold of another file, as mdBook writes it.
-const INCLUDED: (&str, &str) =
-    ("{{#include ../config/default.toml}}", include_str!("../../config/default.toml"));
+const INCLUDED: (&str, &str) = ("{{#include ../config/default.toml}}", include_str!("../../config/default.toml"));
 
 macro_rules! sources {
     ($($name:literal)*) => {
@@ -135,7 +133,10 @@ impl Rendered {
         let (mut title, mut out, mut leads_away) = (String::new(), Vec::new(), None);
         for (at, event) in events.iter().enumerate() {
             match event {
-                Event::Html(_) | Event::InlineHtml(_) | Event::Start(Tag::HtmlBlock) | Event::End(TagEnd::HtmlBlock) => {}
+                Event::Html(_)
+                | Event::InlineHtml(_)
+                | Event::Start(Tag::HtmlBlock)
+                | Event::End(TagEnd::HtmlBlock) => {}
                 Event::Start(Tag::Heading { level, .. }) => {
                     let heading = text_of(&events[at + 1..]);
                     out.push(raw(format!("<{level} id=\"{}\">", anchors.next(&heading))));
@@ -215,7 +216,8 @@ struct Anchors(HashMap<String, usize>);
 
 impl Anchors {
     fn next(&mut self, heading: &str) -> String {
-        let kept = heading.to_lowercase().chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect::<String>();
+        let kept =
+            heading.to_lowercase().chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect::<String>();
         let name = kept.replace(' ', "-");
         let seen = self.0.entry(name.clone()).or_default();
         *seen += 1;
@@ -268,8 +270,13 @@ mod tests {
             assert!(!body.contains("<script") && !body.contains("<!--") && !body.contains(" style="), "{name}");
             assert!(!body.contains("=\"http") && !body.contains("{{#include"), "{name}");
         }
-        let made = Rendered::of("a", "# T\n<script>f()</script>\n\n[x](javascript:f) <b onclick='f()'>b</b> [y](https://e.example/z)");
-        assert!(!made.body.contains("<script") && !made.body.contains("onclick") && !made.body.contains("=\"javascript"));
+        let made = Rendered::of(
+            "a",
+            "# T\n<script>f()</script>\n\n[x](javascript:f) <b onclick='f()'>b</b> [y](https://e.example/z)",
+        );
+        assert!(
+            !made.body.contains("<script") && !made.body.contains("onclick") && !made.body.contains("=\"javascript")
+        );
         assert!(made.body.contains("y (https://e.example/z)"), "{}", made.body);
     }
 

@@ -127,8 +127,68 @@ async fn prometheus_finds_no_fault_with_the_metrics_nor_with_its_configuration()
     assert!(well && said.is_empty(), "{said}");
     let (well, said) = judged_by("promtool", &["check", "metrics"], "gyrowatch_x_total{ 1\n");
     assert!(!well && !said.is_empty(), "promtool takes anything");
-    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus.yml");
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus/prometheus.yml");
     let (well, said) = judged_by("promtool", &["check", "config", "--syntax-only", config.to_str().unwrap()], "");
+    assert!(well, "{said}");
+}
+
+#[tokio::test]
+async fn a_healthcheck_asks_the_service_where_the_configuration_says() {
+    let mut server = Server::start().await;
+    let asked = |address: &str| gyrowatch().arg("healthcheck").env("GYROWATCH_LISTEN", address).output().unwrap();
+    let address = server.address().to_owned();
+    let well = asked(&address);
+    assert!(well.status.success() && well.stdout.is_empty(), "{}", String::from_utf8_lossy(&well.stderr));
+    server.kill();
+    let away = asked(&address);
+    assert_eq!(away.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&away.stderr).contains("/readyz does not answer"));
+}
+
+/// The counters among the series, but for those of requests, whose routes come as they are asked for.
+fn counters(text: &str) -> std::collections::BTreeSet<&str> {
+    let series = text.lines().filter_map(|line| line.rsplit_once(' ').map(|(series, _)| series));
+    series.filter(|series| series.contains("_total{") && !series.starts_with("gyrowatch_http")).collect()
+}
+
+#[tokio::test]
+async fn every_counter_begins_at_zero() {
+    let server = Server::start().await;
+    let before = server.get("/metrics").await.text();
+    assert_eq!(metric(&before, r#"gyrowatch_items_total{kind="calibration",outcome="failed"}"#), 0.0);
+    assert_eq!(metric(&before, r#"gyrowatch_delivery_attempts_total{kind="alertmanager",outcome="dead"}"#), 0.0);
+    assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
+    assert_eq!(server.post("/v1/campaigns", "application/json", data("practice/campaign-00.json")).await.status, 201);
+    let bench = data("paper-bench.ndjson").lines().next().unwrap().to_owned();
+    assert_eq!(server.post("/v1/bench-results", "application/json", bench).await.status, 201);
+    let after = server.get("/metrics").await.text();
+    assert_eq!(counters(&after), counters(&before), "a counter is born with its first event");
+    assert!(!counters(&before).is_empty());
+}
+
+#[tokio::test]
+async fn metrics_tell_how_the_fleet_stands_and_what_the_process_takes() {
+    let server = Server::start().await;
+    assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
+    let text = server.get("/metrics").await.text();
+    assert_eq!(metric(&text, r#"gyrowatch_gyros{status="not_enough_data"}"#), 3.0);
+    assert_eq!(metric(&text, r#"gyrowatch_gyros{status="confirmed"}"#), 0.0);
+    assert_eq!(metric(&text, r#"gyrowatch_alerts_firing{severity="critical"}"#), 0.0);
+    assert!(metric(&text, "gyrowatch_station_newest_calibration_timestamp_seconds{station=") > 1e9);
+    assert!(metric(&text, "process_resident_memory_bytes") > 1e6);
+    assert!(metric(&text, "process_open_fds") > 3.0);
+}
+
+#[test]
+fn the_rules_of_prometheus_and_of_an_alertmanager_do_what_they_say() {
+    if !required("promtool") || !required("amtool") {
+        return;
+    }
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus");
+    let file = |name: &str| config.join(name).to_str().unwrap().to_owned();
+    let (well, said) = judged_by("promtool", &["test", "rules", &file("rules.test.yml")], "");
+    assert!(well, "{said}");
+    let (well, said) = judged_by("amtool", &["check-config", &file("alertmanager.yml")], "");
     assert!(well, "{said}");
 }
 

@@ -116,7 +116,7 @@ fn a_pushed_alert_expires_when_pushes_stop() {
           "summary": "LFG 01/01: D_I rms_successive fires (critical)",
           "value": "0.0123 deg/(h g0)"
         },
-        "endsAt": "2026-03-01T09:04:10Z",
+        "endsAt": "2026-03-02T09:00:10Z",
         "generatorURL": "https://gyros.example/gyros/LFG%2001%2F01",
         "labels": {
           "alertname": "GyroRmsSuccessive",
@@ -136,7 +136,7 @@ fn an_alertmanager_is_told_that_the_warning_ended_when_the_alert_became_critical
     let body = rendered(HookKind::Alertmanager, &message(Action::Escalate));
     let ends: Vec<_> = body.as_array().unwrap().iter().map(|a| (&a["labels"]["severity"], &a["endsAt"])).collect();
     assert_eq!(ends.len(), 2);
-    assert_eq!(ends[0], (&Value::from("critical"), &Value::from("2026-03-01T09:04:10Z")));
+    assert_eq!(ends[0], (&Value::from("critical"), &Value::from("2026-03-02T09:00:10Z")));
     assert_eq!(ends[1], (&Value::from("warning"), &Value::from("2026-03-01T09:00:00Z")));
 }
 

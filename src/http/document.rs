@@ -23,7 +23,7 @@ impl<S: Send + Sync> FromRequest<S> for Document {
         check_media_type(request.headers(), &["application/json"]).map_err(IntoResponse::into_response)?;
         Bytes::from_request(request, state).await.map(Self).map_err(|rejection| match rejection.status() {
             StatusCode::BAD_REQUEST => {
-                Problem::new(400, "title_body_broke_off", message!("body_broke_off")).into_response()
+                Problem::new(400, "title_broken_off", message!("body_broke_off")).into_response()
             }
             _ => rejection.into_response(),
         })

@@ -228,12 +228,20 @@ async fn the_dashboard_asks_for_what_the_metrics_hold() {
     assert_eq!(server.get(&diagnosis).await.status, 200);
     let metrics = server.get("/metrics").await.text();
 
-    let dashboard = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/grafana/dashboard.json");
-    let dashboard: Value = serde_json::from_str(&std::fs::read_to_string(dashboard).unwrap()).unwrap();
+    let of_file = |name: &str| -> Value {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/grafana").join(name);
+        serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap()
+    };
+    let dashboards = json!([of_file("dashboard.json"), of_file("gyros.json")]);
     let mut queries = Vec::new();
-    members(&dashboard, "expr", &mut queries);
-    let queries = queries.iter().map(|query| query.as_str().unwrap()).collect::<Vec<_>>();
-    assert!(queries.len() >= 15, "{queries:?}");
+    members(&dashboards, "expr", &mut queries);
+    // As Grafana fills them in; the labels of targets are Prometheus's own.
+    let filled = |query: &&Value| {
+        let query = query.as_str().unwrap().replace("$__rate_interval", "5m");
+        query.replace("instance=~\"$instance\",", "").replace("{instance=~\"$instance\"}", "")
+    };
+    let queries = queries.iter().map(filled).collect::<Vec<_>>();
+    assert!(queries.len() >= 20 && queries.iter().all(|query| !query.contains('$')), "{queries:?}");
     for query in &queries {
         let names = query.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
         // `up` is Prometheus's own, with the name of its job.
@@ -247,9 +255,20 @@ async fn the_dashboard_asks_for_what_the_metrics_hold() {
             }
         }
     }
-    let mut sources = Vec::new();
-    members(&dashboard, "datasource", &mut sources);
-    assert!(sources.iter().all(|source| source["uid"] == "gyrowatch"), "{sources:?}");
+    let mut panels = Vec::new();
+    members(&dashboards, "panels", &mut panels);
+    let panels: Vec<&Value> = panels.into_iter().flat_map(|panels| panels.as_array().unwrap()).collect();
+    for panel in &panels {
+        assert!(["${datasource}", "${api}"].contains(&panel["datasource"]["uid"].as_str().unwrap()), "{panel}");
+        assert!(panel["description"].as_str().is_some_and(|said| !said.is_empty()), "{panel}");
+    }
+    let mut urls = Vec::new();
+    members(&dashboards, "url", &mut urls);
+    assert_eq!(urls.len(), 3);
+    for url in urls {
+        let path = url.as_str().unwrap().replace("${serial}", "LFG-0101");
+        assert_eq!(server.get(&path).await.status, 200, "{path}");
+    }
     if required("promtool") {
         // The group's file is what promtool takes queries in.
         let numbered = queries.iter().enumerate();

@@ -89,7 +89,6 @@ pub async fn get_imus(
 
 /// One IMU: its gyros and how each stands.
 #[utoipa::path(get, path = "/v1/imus/{imu}", tag = "imus",
-    params(("imu" = String, Path, description = "name of the IMU")),
     responses((status = 200, description = "the IMU", body = ImuDetail)))]
 pub async fn get_imu(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuDetail>, Problem> {
     let number = app.pipeline.queries.names().imu_number(&imu);

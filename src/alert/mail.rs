@@ -99,8 +99,8 @@ pub fn recipients(url: &str) -> Result<Mailboxes, Message> {
     let listed = url.strip_prefix("mailto:").ok_or_else(|| message!("mail_scheme"))?;
     let mut all = Mailboxes::new();
     for one in listed.split(',') {
-        let mailbox: Mailbox = one.trim().parse().map_err(|_| message!("no_mail_address", value = one.to_owned()))?;
-        all.push(mailbox);
+        let mailbox = one.trim().parse::<Mailbox>().ok().filter(|_| !one.contains('?'));
+        all.push(mailbox.ok_or_else(|| message!("no_mail_address", value = one.to_owned()))?);
     }
     if all.iter().count() > MOST_RECIPIENTS {
         return Err(message!("too_many_recipients", most = MOST_RECIPIENTS));

@@ -25,7 +25,7 @@ struct Thing {
 }
 
 const fn thing(at: &'static str, name: &'static str, answer: (&'static str, &'static str, &'static str)) -> Thing {
-    Thing { at, name, by: "identifier", answer: answer }
+    Thing { at, name, by: "identifier", answer }
 }
 
 const THINGS: [Thing; 11] = [

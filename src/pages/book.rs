@@ -35,7 +35,8 @@ sources! {
     "tutorials/first-alert" "tutorials/own-csv" "tutorials/adopt-predict-compare"
     "how-to/install" "how-to/nginx" "how-to/postgresql" "how-to/monitoring" "how-to/hooks" "how-to/backup"
     "how-to/new-station" "how-to/repaired-gyro" "how-to/extend"
-    "commands" "api" "formats" "configuration" "judging" "alerts" "findings" "pages" "operations" "routes" "integrations"
+    "commands" "api" "formats" "configuration" "judging" "alerts" "findings" "pages" "operations" "routes"
+    "integrations"
     "method" "limits" "fit" "diagnosis" "histories" "simulation" "architecture" "decisions" "performance" "reliability"
     "glossary" "troubleshooting"
     "zh/first-alert" "zh/own-csv" "zh/adopt-predict-compare" "zh/glossary"
@@ -98,7 +99,8 @@ fn language(name: &str) -> &'static str {
 fn contents(here: &str) -> Markup {
     html! {
         @for part in PARTS.iter() {
-            @if !part.title.is_empty() { p.quiet lang="en" { (part.title) } }
+            @let english = part.title.is_ascii().then_some("en");
+            @if !part.title.is_empty() { p.quiet lang=[english] { (part.title) } }
             ul { @for (title, name) in &part.pages {
                 @let current = (*name == here).then_some("page");
                 li { a href={ "/book/" (name) } lang=(language(name)) aria-current=[current] { (title) } }

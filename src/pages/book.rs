@@ -271,7 +271,10 @@ mod tests {
         for (name, rendered) in RENDERED.iter() {
             let body = &rendered.body;
             assert!(!body.contains("<script") && !body.contains("<!--") && !body.contains(" style="), "{name}");
-            assert!(!body.contains("=\"http:") && !body.contains("=\"https:") && !body.contains("{{#include"), "{name}");
+            assert!(
+                !body.contains("=\"http:") && !body.contains("=\"https:") && !body.contains("{{#include"),
+                "{name}"
+            );
         }
         let made = Rendered::of(
             "a",

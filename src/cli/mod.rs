@@ -20,6 +20,7 @@ mod diagnose_all;
 mod diagnose_gyro;
 mod diagnose_record;
 mod document;
+mod dwells;
 mod experiment;
 mod export;
 mod fleet_noise;
@@ -43,6 +44,7 @@ use clap::{Parser, Subcommand};
 use crate::core::diagnose::NoReference;
 use crate::core::effects::Refusal;
 use crate::core::fault::Faults;
+use crate::logs::error::LogError;
 use crate::pipeline::AccessError;
 use crate::wire::problem::summary;
 use crate::words;
@@ -62,6 +64,7 @@ enum Command {
     Demo(demo::Demo),
     Separate(separate::Separate),
     Calibrate(calibrate::Calibrate),
+    Dwells(dwells::Dwells),
     Diagnose(diagnose::Diagnose),
     Import(import::Import),
     Export(export::Export),
@@ -84,6 +87,7 @@ impl Command {
             Self::Demo(demo) => demo.run(),
             Self::Separate(separate) => separate.run(),
             Self::Calibrate(calibrate) => calibrate.run(),
+            Self::Dwells(dwells) => dwells.run(),
             Self::Diagnose(diagnose) => diagnose.run(),
             Self::Import(import) => import.run(),
             Self::Export(export) => export.run(),
@@ -127,6 +131,7 @@ fn in_words(error: &anyhow::Error) -> String {
         }
         let message = None
             .or_else(|| cause.downcast_ref::<AccessError>().map(AccessError::message))
+            .or_else(|| cause.downcast_ref::<LogError>().map(LogError::message))
             .or_else(|| cause.downcast_ref::<Refusal>().map(Refusal::message))
             .or_else(|| cause.downcast_ref::<NoReference>().map(NoReference::message));
         message.map_or_else(|| cause.to_string(), |message| language.words(&message))

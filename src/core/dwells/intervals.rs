@@ -1,0 +1,260 @@
+//! Where nothing changes: the intervals of a log over which a mean has a meaning.
+
+use super::blocks::{Series, Track};
+
+/// What is looked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Search {
+    /// Shortest interval, s; from the log itself where none is given.
+    pub min_s: Option<f64>,
+    /// Times at which another log begins: no interval goes across.
+    pub breaks: Vec<f64>,
+}
+
+/// Blocks `from..to` of a series.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Interval {
+    pub from: usize,
+    pub to: usize,
+}
+
+/// What was found, and what was left out and why.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Found {
+    pub intervals: Vec<Interval>,
+    /// Steady, but much shorter than the others: pauses of the table.
+    pub short: Vec<Interval>,
+    /// Long intervals that are several dwells of one position by the clock of the others.
+    pub split: usize,
+    /// Shortest interval that was looked for, s.
+    pub min_s: f64,
+}
+
+/// Without a stated shortest interval: so many samples' time, and at least this.
+const LEAST_S: f64 = 2.0;
+const LEAST_BLOCKS: f64 = 24.0;
+/// Change between neighbouring means, in standard deviations of such changes, that is no noise. 10^7 normal values
+/// pass 7 once in 10^5 logs.
+const CHANGE: f64 = 7.0;
+/// Spread within a block against the usual one that is motion.
+const AGITATION: f64 = 4.0;
+/// Least samples in a block for its spread to be asked.
+const SPREAD_SAMPLES: u32 = 4;
+/// Change over an interval against the noise of short means that is a slow motion.
+const DRIFT: f64 = 15.0;
+/// Disturbances up to this share of an interval are cut out of it.
+const DISTURBANCE: f64 = 0.05;
+/// Intervals so many times shorter than the next longer one are pauses, where they take little of the time.
+const SHORTER: f64 = 2.5;
+const PAUSES: f64 = 0.2;
+/// Quantile of |change| for the first guess of the noise, and what it is for a normal distribution.
+const QUANTILE: f64 = 0.3;
+const NORMAL_QUANTILE: f64 = 0.385_320_5;
+const NORMAL_MEDIAN: f64 = 0.674_489_8;
+/// Room for regular dwells: durations and pauses that agree so well are a programme's.
+const REGULAR: f64 = 0.03;
+
+/// Finds the steady intervals of the channels `watched`.
+///
+/// A block is in motion where the means before and after it, over 1, 2, 4 ... blocks up to half of the shortest
+/// interval, differ by more than seven standard deviations of such differences in any channel, or where its samples
+/// scatter four times as much as usual. The noise is a quantile of these differences, then the median of those that are
+/// no motion. What is left are intervals; short disturbances between equal means are cut out, slow motion is left out.
+pub fn find(series: &Series, watched: &[usize], search: &Search) -> Found {
+    let min_s = search.min_s.unwrap_or_else(|| LEAST_S.max(LEAST_BLOCKS * series.block_s));
+    let top = ((0.5 * min_s / series.block_s).log2().floor().max(0.0)) as u32;
+    let stretches = stretches(series, search, min_s);
+    let mut moving = vec![false; series.number.len()];
+    let mut noise = Vec::new();
+    for &c in watched {
+        noise.push(mark(&series.tracks[c], &stretches, top, &mut moving));
+    }
+    let channels: Vec<(&Track, f64)> = watched.iter().map(|&c| &series.tracks[c]).zip(noise).collect();
+    let long = |i: &Interval| series.end_s(i.to) - series.start_s(i.from) >= min_s;
+    let mut quiet = Vec::new();
+    for &(from, to) in &stretches {
+        let runs = merged(series, &channels, runs(&moving, from, to));
+        quiet.extend(runs.into_iter().filter(long).filter(|run| !drifts(&channels, run)));
+    }
+    let (intervals, short) = without_pauses(series, quiet);
+    let (intervals, split) = split_by_the_clock(series, intervals);
+    Found { intervals, short, split, min_s }
+}
+
+/// Blocks one after the other, without a new log and without a gap that is longer than a dwell's disturbance.
+fn stretches(series: &Series, search: &Search, min_s: f64) -> Vec<(usize, usize)> {
+    let room = (2.0 * min_s / series.block_s).max(LEAST_BLOCKS) as i64;
+    let mut found = Vec::new();
+    let mut from = 0;
+    for k in 1..=series.number.len() {
+        let ends = k == series.number.len() || series.number[k] - series.number[k - 1] > room || {
+            let (before, after) = (series.start_s(k - 1), series.start_s(k));
+            search.breaks.iter().any(|&at| before < at && at <= after + 0.5 * series.block_s)
+        };
+        if ends && from < k {
+            found.push((from, k));
+            from = k;
+        }
+    }
+    found
+}
+
+/// Marks the motion in one channel; the noise of differences between means of the longest kind.
+fn mark(track: &Track, stretches: &[(usize, usize)], top: u32, moving: &mut [bool]) -> f64 {
+    let mut noise = 0.0;
+    for level in 0..=top {
+        let half = 1_usize << level;
+        let changes: Vec<(usize, f64)> = stretches.iter().flat_map(|&s| changes(track, s, half)).collect();
+        if changes.is_empty() {
+            continue;
+        }
+        let least = resolution(track) / (half as f64).sqrt();
+        let of = |share: f64, normal: f64, of: Vec<f64>| (quantile(of, share) / normal).max(least);
+        let rough = of(QUANTILE, NORMAL_QUANTILE, changes.iter().map(|c| c.1.abs()).collect());
+        let still: Vec<f64> = changes.iter().map(|c| c.1.abs()).filter(|c| *c <= CHANGE * rough).collect();
+        let sigma = of(0.5, NORMAL_MEDIAN, still).min(rough.max(least));
+        let reach = half.div_ceil(2);
+        for (at, _) in changes.iter().filter(|c| c.1.abs() > CHANGE * sigma) {
+            moving[at.saturating_sub(reach)..(at + reach).min(track.mean.len())].fill(true);
+        }
+        noise = sigma;
+    }
+    let usual = quantile(track.spread.iter().copied().filter(|s| *s > 0.0).collect(), QUANTILE);
+    for (k, moving) in moving.iter_mut().enumerate() {
+        *moving |= track.count[k] >= SPREAD_SAMPLES && usual > 0.0 && track.spread[k] > AGITATION * usual;
+    }
+    noise
+}
+
+/// Half a count of the converter, where the channel takes many: an exact channel of few levels has no noise.
+fn resolution(track: &Track) -> f64 {
+    let range = track.most - track.least;
+    if track.step > 0.0 && range > 20.0 * track.step { 0.5 * track.step } else { 1e-9 * range }
+}
+
+/// Difference of the means of `half` blocks before and after each block, with the block.
+fn changes(track: &Track, (from, to): (usize, usize), half: usize) -> Vec<(usize, f64)> {
+    let origin = track.mean[from];
+    let (mut sums, mut counts) = (vec![0.0], vec![0.0]);
+    for k in from..to {
+        let n = f64::from(track.count[k]);
+        sums.push(sums[k - from] + n * (track.mean[k] - origin));
+        counts.push(counts[k - from] + n);
+    }
+    let mean = |a: usize, b: usize| (sums[b] - sums[a]) / (counts[b] - counts[a]);
+    let last = (to - from).saturating_sub(half);
+    (half..=last).map(|k| (from + k, mean(k, k + half) - mean(k - half, k))).collect()
+}
+
+fn quantile(mut of: Vec<f64>, share: f64) -> f64 {
+    if of.is_empty() {
+        return 0.0;
+    }
+    let k = ((of.len() - 1) as f64 * share).round() as usize;
+    *of.select_nth_unstable_by(k, f64::total_cmp).1
+}
+
+fn runs(moving: &[bool], from: usize, to: usize) -> Vec<Interval> {
+    let mut found: Vec<Interval> = Vec::new();
+    for k in (from..to).filter(|&k| !moving[k]) {
+        match found.last_mut() {
+            Some(run) if run.to == k => run.to = k + 1,
+            _ => found.push(Interval { from: k, to: k + 1 }),
+        }
+    }
+    found
+}
+
+/// Joins runs of equal means between which there is no more than a disturbance: a spike, a knock, a few lost samples.
+fn merged(series: &Series, channels: &[(&Track, f64)], runs: Vec<Interval>) -> Vec<Interval> {
+    let mut found: Vec<Interval> = Vec::new();
+    for run in runs {
+        if let Some(before) = found.last_mut() {
+            let whole = series.end_s(run.to) - series.start_s(before.from);
+            let between = series.start_s(run.from) - series.end_s(before.to);
+            let alike = |&(track, noise): &(&Track, f64)| {
+                let difference = track.mean_of(before.from, before.to) - track.mean_of(run.from, run.to);
+                difference.abs() <= CHANGE * noise
+            };
+            if between <= DISTURBANCE * whole && channels.iter().all(alike) {
+                before.to = run.to;
+                continue;
+            }
+        }
+        found.push(run);
+    }
+    found
+}
+
+/// Whether a channel changes from the first to the last quarter as only motion does.
+fn drifts(channels: &[(&Track, f64)], run: &Interval) -> bool {
+    let quarter = (run.to - run.from).div_ceil(4);
+    channels.iter().any(|(track, noise)| {
+        let change = track.mean_of(run.to - quarter, run.to) - track.mean_of(run.from, run.from + quarter);
+        change.abs() > DRIFT * noise && change.abs() > 0.0
+    })
+}
+
+/// Takes out what is much shorter than everything else and takes little of the time.
+fn without_pauses(series: &Series, found: Vec<Interval>) -> (Vec<Interval>, Vec<Interval>) {
+    let duration = |i: &Interval| series.end_s(i.to) - series.start_s(i.from);
+    let mut lengths: Vec<f64> = found.iter().map(duration).collect();
+    lengths.sort_by(f64::total_cmp);
+    let whole: f64 = lengths.iter().sum();
+    let mut below = 0.0;
+    let mut least = 0.0;
+    let mut widest = SHORTER;
+    for pair in lengths.windows(2) {
+        below += pair[0];
+        if below <= PAUSES * whole && pair[1] / pair[0] > widest {
+            widest = pair[1] / pair[0];
+            least = pair[1];
+        }
+    }
+    found.into_iter().partition(|i| duration(i) >= least)
+}
+
+/// Splits an interval that lasts as long as k regular dwells and the pauses between them: one position twice, between
+/// which nothing moved.
+fn split_by_the_clock(series: &Series, found: Vec<Interval>) -> (Vec<Interval>, usize) {
+    let duration = |i: &Interval| series.end_s(i.to) - series.start_s(i.from);
+    let Some((dwell, period)) = clock(series, &found) else { return (found, 0) };
+    let mut split = 0;
+    let mut parts = Vec::new();
+    for interval in found {
+        let times = ((duration(&interval) - dwell) / period).round();
+        let expected = dwell + times * period;
+        if times < 1.0 || (duration(&interval) - expected).abs() > REGULAR * dwell {
+            parts.push(interval);
+            continue;
+        }
+        split += times as usize;
+        let start = series.start_s(interval.from);
+        for k in 0..=(times as usize) {
+            let begin = start + k as f64 * period;
+            let at = |time: f64| {
+                interval.from
+                    + (interval.from..interval.to).take_while(|&b| series.start_s(b) < time - 0.5 * series.block_s).count()
+            };
+            parts.push(Interval { from: at(begin), to: at(begin + dwell).max(at(begin) + 1) });
+        }
+    }
+    (parts, split)
+}
+
+/// Duration of a dwell and time from one to the next, where nine of ten keep both.
+fn clock(series: &Series, found: &[Interval]) -> Option<(f64, f64)> {
+    const FEW: usize = 8;
+    if found.len() < FEW {
+        return None;
+    }
+    let durations: Vec<f64> = found.iter().map(|i| series.end_s(i.to) - series.start_s(i.from)).collect();
+    let dwell = quantile(durations.clone(), 0.5);
+    let pauses: Vec<f64> = found.windows(2).map(|p| series.start_s(p[1].from) - series.end_s(p[0].to)).collect();
+    let pause = quantile(pauses.clone(), 0.5);
+    let keeps = |of: &[f64], usual: f64| {
+        let kept = of.iter().filter(|d| (*d - usual).abs() <= REGULAR * dwell).count();
+        10 * kept >= 8 * of.len()
+    };
+    (keeps(&durations, dwell) && keeps(&pauses, pause)).then_some((dwell, dwell + pause))
+}

@@ -23,6 +23,7 @@ mod document;
 mod dwells;
 mod experiment;
 mod export;
+mod faults;
 mod fleet_noise;
 mod import;
 mod model;
@@ -32,6 +33,7 @@ mod separate;
 mod serve;
 mod simulate;
 mod tallies;
+mod template;
 mod token;
 mod verify;
 
@@ -46,7 +48,6 @@ use crate::core::effects::Refusal;
 use crate::core::fault::Faults;
 use crate::logs::error::LogError;
 use crate::pipeline::AccessError;
-use crate::wire::problem::summary;
 use crate::words;
 use common::{Usage, block_on, instant};
 
@@ -70,6 +71,7 @@ enum Command {
     Export(export::Export),
     FleetNoise(fleet_noise::FleetNoise),
     Simulate(simulate::Simulate),
+    Template(template::Template),
     Blindcheck(blindcheck::Blindcheck),
     Backup(backup::Backup),
     Restore(restore::Restore),
@@ -93,6 +95,7 @@ impl Command {
             Self::Export(export) => export.run(),
             Self::FleetNoise(fleet_noise) => fleet_noise.run(),
             Self::Simulate(simulate) => simulate.run(),
+            Self::Template(template) => template.run(),
             Self::Blindcheck(blindcheck) => blindcheck.run(),
             Self::Backup(backup) => backup.run(),
             Self::Restore(restore) => restore.run(),
@@ -126,8 +129,8 @@ impl Cli {
 fn in_words(error: &anyhow::Error) -> String {
     let language = words::asked();
     let said = |cause: &(dyn Error + 'static)| {
-        if let Some(faults) = cause.downcast_ref::<Faults>() {
-            return summary(&faults.0, language);
+        if let Some(found) = cause.downcast_ref::<Faults>() {
+            return faults::in_words(&found.0, language);
         }
         let message = None
             .or_else(|| cause.downcast_ref::<AccessError>().map(AccessError::message))

@@ -75,12 +75,16 @@ struct Work<'a> {
 /// Why the log holds no campaign.
 pub fn assemble(
     map: &Map,
-    log: &Gathered,
+    log: &mut Gathered,
     site: Option<Site>,
     programme: Option<&[Position]>,
 ) -> Result<Assembled, LogError> {
+    let is_watched = |role: &Role| matches!(role, Role::Output(_) | Role::Force(_) | Role::Rate(_) | Role::Turn(_));
+    let watched: Vec<usize> = (0..log.roles.len()).filter(|&k| is_watched(&log.roles[k])).collect();
+    let (breaks, keep_short) = (log.breaks.clone(), programme.is_some());
+    let found = find(&mut log.series, &watched, &Search { min_s: map.min_s, breaks, keep_short });
     let mut work = Work { map, log, site, table: table(map)?, remarks: log.remarks.clone() };
-    work.assemble(programme).map_err(|fault| LogError::new("log", fault))
+    work.assemble(found, programme).map_err(|fault| LogError::new("log", fault))
 }
 
 fn table(map: &Map) -> Result<Option<Table>, LogError> {
@@ -110,12 +114,7 @@ impl Work<'_> {
         self.log.roles.iter().filter(|role| matches!(role, Role::Output(_))).count()
     }
 
-    fn assemble(&mut self, programme: Option<&[Position]>) -> Result<Assembled, Message> {
-        let is_watched = |role: &Role| matches!(role, Role::Output(_) | Role::Force(_) | Role::Rate(_) | Role::Turn(_));
-        let watched: Vec<usize> =
-            self.log.roles.iter().enumerate().filter(|(_, role)| is_watched(role)).map(|(k, _)| k).collect();
-        let search = Search { min_s: self.map.min_s, breaks: self.log.breaks.clone() };
-        let found = find(&self.log.series, &watched, &search);
+    fn assemble(&mut self, found: Found, programme: Option<&[Position]>) -> Result<Assembled, Message> {
         let span = self.log.series.end_s(self.log.series.number.len()) - self.log.series.start_s(0);
         if found.intervals.is_empty() {
             let (seconds, least) = (figure(span, 1), figure(found.min_s, 1));

@@ -44,8 +44,8 @@ pub fn campaign_of(files: &[PathBuf], map: &Map, programme: Option<&str>) -> Res
         (dwells, Vec::new(), counts, remarks, None)
     } else {
         let place = sources.first().map(|(place, _)| place.clone()).unwrap_or_default();
-        let gathered = gather(map, sources)?;
-        let made = assemble(map, &gathered, site, positions.as_deref())
+        let mut gathered = gather(map, sources)?;
+        let made = assemble(map, &mut gathered, site, positions.as_deref())
             .map_err(|error| if error.place == "log" { LogError { place, ..error } } else { error })?;
         (made.dwells, made.noise, gathered.counts, made.remarks, Some(gathered))
     };

@@ -15,6 +15,7 @@ pub mod map;
 mod mat;
 mod programme;
 pub mod report;
+pub mod sheet;
 mod source;
 mod text;
 mod units;

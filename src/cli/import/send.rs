@@ -8,8 +8,10 @@ use bytes::Bytes;
 use serde_json::Value;
 
 use super::source::{Content, Document, MAX_DOCUMENT_BYTES, read_line};
+use crate::cli::faults;
 use crate::cli::client::{LineAnswer, Sent, Service, Trouble};
 use crate::wire::problem::ProblemBody;
+use crate::words;
 
 /// A batch ends at either: enough to share a commit, little enough to answer soon.
 const BATCH_LINES: usize = 1000;
@@ -258,6 +260,9 @@ async fn patiently<T>(pauses: &[Duration], mut attempt: impl AsyncFnMut() -> Res
 fn in_words(problem: &ProblemBody) -> String {
     if problem.errors.is_empty() || problem.status == 409 {
         return problem.detail.clone();
+    }
+    if let Some(words) = faults::of_problem(problem, words::asked()) {
+        return words;
     }
     let place = |pointer: &str| if pointer.is_empty() { "document".to_owned() } else { pointer.to_owned() };
     let places = problem.errors.iter().map(|e| format!("{}: {}", place(&e.pointer), e.detail));

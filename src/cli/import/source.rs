@@ -12,6 +12,8 @@ use serde_json::value::RawValue;
 
 use crate::cli::Usage;
 use crate::cli::client::JSON;
+use crate::cli::document::readable;
+use crate::words;
 
 /// Longest line, and largest single document: far above any campaign, far below memory.
 pub const MAX_DOCUMENT_BYTES: u64 = 16 << 20;
@@ -93,6 +95,7 @@ fn classify(text: Vec<u8>) -> Result<Content, Unreadable> {
         return members(&text);
     }
     if !starts_with(&text, b'{') {
+        let text = readable(text).map_err(|fault| unreadable(&words::asked().words(&fault), false))?;
         let content_type = "text/csv";
         return Ok(Content::One(Document { route: "/v1/campaigns", content_type, body: text }));
     }

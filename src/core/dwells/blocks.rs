@@ -23,6 +23,8 @@ struct Sums {
     most: f64,
     last: f64,
     step: f64,
+    samples: u64,
+    changes: u64,
 }
 
 /// One channel over the blocks of a log.
@@ -36,6 +38,8 @@ pub struct Track {
     pub most: f64,
     /// Smallest difference between samples one after the other: one count of a converter.
     pub step: f64,
+    /// Share of the samples that differ from the one before.
+    pub changes: f64,
 }
 
 /// All channels over the same blocks. Block k covers `number[k] * block_s` to `(number[k] + 1) * block_s`.
@@ -61,6 +65,8 @@ impl Blocks {
             most: f64::NEG_INFINITY,
             last: f64::NAN,
             step: f64::INFINITY,
+            samples: 0,
+            changes: 0,
         };
         let level = interval_s.log2().ceil().clamp(-40.0, 40.0) as i32;
         Self { level, most, number: Vec::new(), count: Vec::new(), channels: vec![sums; channels] }
@@ -93,8 +99,10 @@ impl Blocks {
             channel.least = channel.least.min(value);
             channel.most = channel.most.max(value);
             let step = (value - channel.last).abs();
+            channel.samples += 1;
             if step > 0.0 {
                 channel.step = channel.step.min(step);
+                channel.changes += 1;
             }
             channel.last = value;
         }
@@ -144,7 +152,8 @@ impl Blocks {
         let (mean, spread) = moments.unzip();
         let count = kept.iter().map(|&k| self.count[k]).collect();
         let step = if channel.step.is_finite() { channel.step } else { 0.0 };
-        Track { mean, spread, count, least: channel.least, most: channel.most, step }
+        let changes = channel.changes as f64 / channel.samples.max(1) as f64;
+        Track { mean, spread, count, least: channel.least, most: channel.most, step, changes }
     }
 }
 
@@ -175,6 +184,20 @@ impl Series {
         };
         let tracks = logs.iter().zip(&kept).flat_map(of_log).collect();
         Self { block_s: 2f64.powi(level), number, tracks }
+    }
+
+    /// Leaves the blocks that are marked.
+    pub fn keep(&mut self, marked: &[bool]) {
+        fn only<T: Copy>(of: &mut Vec<T>, marked: &[bool]) {
+            let mut place = marked.iter();
+            of.retain(|_| *place.next().unwrap_or(&true));
+        }
+        only(&mut self.number, marked);
+        for track in &mut self.tracks {
+            only(&mut track.mean, marked);
+            only(&mut track.spread, marked);
+            only(&mut track.count, marked);
+        }
     }
 
     pub fn start_s(&self, block: usize) -> f64 {

@@ -9,6 +9,8 @@ pub struct Search {
     pub min_s: Option<f64>,
     /// Times at which another log begins: no interval goes across.
     pub breaks: Vec<f64>,
+    /// Short intervals are kept: a programme says what they are.
+    pub keep_short: bool,
 }
 
 /// Blocks `from..to` of a series.
@@ -36,17 +38,23 @@ const LEAST_BLOCKS: f64 = 24.0;
 /// Change between neighbouring means, in standard deviations of such changes, that is no noise. 10^7 normal values
 /// pass 7 once in 10^5 logs.
 const CHANGE: f64 = 7.0;
-/// Spread within a block against the usual one that is motion.
-const AGITATION: f64 = 4.0;
-/// Least samples in a block for its spread to be asked.
-const SPREAD_SAMPLES: u32 = 4;
 /// Change over an interval against the noise of short means that is a slow motion.
 const DRIFT: f64 = 15.0;
 /// Disturbances up to this share of an interval are cut out of it.
 const DISTURBANCE: f64 = 0.05;
-/// Intervals so many times shorter than the next longer one are pauses, where they take little of the time.
+/// Intervals so many times shorter than the next longer one may be pauses of the table: where they are between most
+/// others, few in a row, and take little of the time, or where they are hardly any.
 const SHORTER: f64 = 2.5;
 const PAUSES: f64 = 0.2;
+const PAUSES_IN_A_ROW: usize = 3;
+const BETWEEN_MOST: f64 = 0.6;
+const HARDLY_ANY: f64 = 0.1;
+const HARDLY_ANY_TIME: f64 = 0.03;
+/// Levels that a command takes at most, and the share of samples in which it changes.
+const FEW_LEVELS: f64 = 20.0;
+const SELDOM: f64 = 0.01;
+/// Blocks over which a channel's noise may be another than elsewhere.
+const LOCAL: usize = 48;
 /// Quantile of |change| for the first guess of the noise, and what it is for a normal distribution.
 const QUANTILE: f64 = 0.3;
 const NORMAL_QUANTILE: f64 = 0.385_320_5;
@@ -57,10 +65,13 @@ const REGULAR: f64 = 0.03;
 /// Finds the steady intervals of the channels `watched`.
 ///
 /// A block is in motion where the means before and after it, over 1, 2, 4 ... blocks up to half of the shortest
-/// interval, differ by more than seven standard deviations of such differences in any channel, or where its samples
-/// scatter four times as much as usual. The noise is a quantile of these differences, then the median of those that are
-/// no motion. What is left are intervals; short disturbances between equal means are cut out, slow motion is left out.
-pub fn find(series: &Series, watched: &[usize], search: &Search) -> Found {
+/// interval, differ by more than seven standard deviations of such differences in any channel. The noise is a quantile
+/// of these differences, then the median of those that are no motion. Gyros that turn are noisier than those at rest:
+/// what exceeds the log's noise must also exceed that of the blocks around, averaged down as white noise is. Noise
+/// averages, motion adds up. What is left are intervals; short disturbances between equal means are cut out, slow motion
+/// is left out.
+/// The blocks of disturbances are taken out of the series, so that no mean has them.
+pub fn find(series: &mut Series, watched: &[usize], search: &Search) -> Found {
     let min_s = search.min_s.unwrap_or_else(|| LEAST_S.max(LEAST_BLOCKS * series.block_s));
     let top = ((0.5 * min_s / series.block_s).log2().floor().max(0.0)) as u32;
     let stretches = stretches(series, search, min_s);
@@ -69,14 +80,14 @@ pub fn find(series: &Series, watched: &[usize], search: &Search) -> Found {
     for &c in watched {
         noise.push(mark(&series.tracks[c], &stretches, top, &mut moving));
     }
+    let channels: Vec<(&Track, f64)> = watched.iter().map(|&c| &series.tracks[c]).zip(noise.iter().copied()).collect();
+    let mut quiet: Vec<Interval> =
+        stretches.iter().flat_map(|&(from, to)| merged(series, &channels, runs(&moving, from, to))).collect();
+    take_out(series, &moving, &mut quiet);
     let channels: Vec<(&Track, f64)> = watched.iter().map(|&c| &series.tracks[c]).zip(noise).collect();
-    let long = |i: &Interval| series.end_s(i.to) - series.start_s(i.from) >= min_s;
-    let mut quiet = Vec::new();
-    for &(from, to) in &stretches {
-        let runs = merged(series, &channels, runs(&moving, from, to));
-        quiet.extend(runs.into_iter().filter(long).filter(|run| !drifts(&channels, run)));
-    }
-    let (intervals, short) = without_pauses(series, quiet);
+    quiet.retain(|i| series.end_s(i.to) - series.start_s(i.from) >= min_s && !drifts(&channels, i));
+    let keep = search.keep_short || search.min_s.is_some();
+    let (intervals, short) = if keep { (quiet, Vec::new()) } else { without_pauses(series, quiet) };
     let (intervals, split) = split_by_the_clock(series, intervals);
     Found { intervals, short, split, min_s }
 }
@@ -102,6 +113,7 @@ fn stretches(series: &Series, search: &Search, min_s: f64) -> Vec<(usize, usize)
 /// Marks the motion in one channel; the noise of differences between means of the longest kind.
 fn mark(track: &Track, stretches: &[(usize, usize)], top: u32, moving: &mut [bool]) -> f64 {
     let mut noise = 0.0;
+    let mut around = Vec::new();
     for level in 0..=top {
         let half = 1_usize << level;
         let changes: Vec<(usize, f64)> = stretches.iter().flat_map(|&s| changes(track, s, half)).collect();
@@ -113,23 +125,36 @@ fn mark(track: &Track, stretches: &[(usize, usize)], top: u32, moving: &mut [boo
         let rough = of(QUANTILE, NORMAL_QUANTILE, changes.iter().map(|c| c.1.abs()).collect());
         let still: Vec<f64> = changes.iter().map(|c| c.1.abs()).filter(|c| *c <= CHANGE * rough).collect();
         let sigma = of(0.5, NORMAL_MEDIAN, still).min(rough.max(least));
+        if level == 0 {
+            around = local(&changes, track.mean.len());
+        }
         let reach = half.div_ceil(2);
-        for (at, _) in changes.iter().filter(|c| c.1.abs() > CHANGE * sigma) {
+        let beyond = |c: &&(usize, f64)| {
+            c.1.abs() > CHANGE * sigma && c.1.abs() > CHANGE * around[c.0 / LOCAL] / (half as f64).sqrt()
+        };
+        for (at, _) in changes.iter().filter(beyond) {
             moving[at.saturating_sub(reach)..(at + reach).min(track.mean.len())].fill(true);
         }
         noise = sigma;
     }
-    let usual = quantile(track.spread.iter().copied().filter(|s| *s > 0.0).collect(), QUANTILE);
-    for (k, moving) in moving.iter_mut().enumerate() {
-        *moving |= track.count[k] >= SPREAD_SAMPLES && usual > 0.0 && track.spread[k] > AGITATION * usual;
-    }
     noise
 }
 
-/// Half a count of the converter, where the channel takes many: an exact channel of few levels has no noise.
+/// Noise of neighbouring blocks, by pieces of the log.
+fn local(changes: &[(usize, f64)], blocks: usize) -> Vec<f64> {
+    let mut pieces: Vec<Vec<f64>> = vec![Vec::new(); blocks / LOCAL + 1];
+    for (at, change) in changes {
+        pieces[at / LOCAL].push(change.abs());
+    }
+    pieces.into_iter().map(|piece| quantile(piece, 0.5) / NORMAL_MEDIAN).collect()
+}
+
+/// Half a count of the converter. A channel of few levels that changes hardly ever is a command: it has no noise.
 fn resolution(track: &Track) -> f64 {
     let range = track.most - track.least;
-    if track.step > 0.0 && range > 20.0 * track.step { 0.5 * track.step } else { 1e-9 * range }
+    let is_command = range <= FEW_LEVELS * track.step && track.changes < SELDOM;
+    let counts = if is_command { 0.0 } else { 0.5 * track.step };
+    counts.max(1e-9 * range)
 }
 
 /// Difference of the means of `half` blocks before and after each block, with the block.
@@ -186,6 +211,26 @@ fn merged(series: &Series, channels: &[(&Track, f64)], runs: Vec<Interval>) -> V
     found
 }
 
+/// Takes the blocks in motion within intervals out of the series, and out of the intervals.
+fn take_out(series: &mut Series, moving: &[bool], intervals: &mut [Interval]) {
+    let mut kept = vec![true; series.number.len()];
+    for interval in intervals.iter() {
+        for k in interval.from..interval.to {
+            kept[k] = !moving[k];
+        }
+    }
+    let before: Vec<usize> = std::iter::once(0)
+        .chain(kept.iter().scan(0, |sum, &kept| {
+            *sum += usize::from(kept);
+            Some(*sum)
+        }))
+        .collect();
+    for interval in intervals {
+        *interval = Interval { from: before[interval.from], to: before[interval.to] };
+    }
+    series.keep(&kept);
+}
+
 /// Whether a channel changes from the first to the last quarter as only motion does.
 fn drifts(channels: &[(&Track, f64)], run: &Interval) -> bool {
     let quarter = (run.to - run.from).div_ceil(4);
@@ -195,23 +240,29 @@ fn drifts(channels: &[(&Track, f64)], run: &Interval) -> bool {
     })
 }
 
-/// Takes out what is much shorter than everything else and takes little of the time.
+/// Takes out what is much shorter than everything else and stands between most of it, or is hardly there.
 fn without_pauses(series: &Series, found: Vec<Interval>) -> (Vec<Interval>, Vec<Interval>) {
     let duration = |i: &Interval| series.end_s(i.to) - series.start_s(i.from);
     let mut lengths: Vec<f64> = found.iter().map(duration).collect();
     lengths.sort_by(f64::total_cmp);
-    let whole: f64 = lengths.iter().sum();
-    let mut below = 0.0;
-    let mut least = 0.0;
-    let mut widest = SHORTER;
-    for pair in lengths.windows(2) {
-        below += pair[0];
-        if below <= PAUSES * whole && pair[1] / pair[0] > widest {
-            widest = pair[1] / pair[0];
-            least = pair[1];
-        }
-    }
+    let steps = lengths.windows(2).filter(|pair| pair[1] > SHORTER * pair[0]);
+    let least = steps.map(|pair| pair[1]).filter(|&least| are_pauses(&found, least, duration)).fold(0.0, f64::max);
     found.into_iter().partition(|i| duration(i) >= least)
+}
+
+fn are_pauses(found: &[Interval], least: f64, duration: impl Fn(&Interval) -> f64) -> bool {
+    let sum = |short: bool| found.iter().map(&duration).filter(|d| (*d < least) == short).sum::<f64>();
+    let share = sum(true) / (sum(true) + sum(false));
+    let runs: Vec<usize> = found
+        .chunk_by(|a, b| (duration(a) < least) == (duration(b) < least))
+        .filter(|run| duration(&run[0]) < least)
+        .map(<[Interval]>::len)
+        .collect();
+    let short: usize = runs.iter().sum();
+    let between = (found.len() - short).saturating_sub(1) as f64;
+    let everywhere = runs.iter().all(|run| *run <= PAUSES_IN_A_ROW) && runs.len() as f64 >= BETWEEN_MOST * between;
+    let hardly = short as f64 <= HARDLY_ANY * found.len() as f64 && share <= HARDLY_ANY_TIME;
+    share <= PAUSES && everywhere || hardly
 }
 
 /// Splits an interval that lasts as long as k regular dwells and the pauses between them: one position twice, between

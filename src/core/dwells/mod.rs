@@ -13,3 +13,6 @@ pub mod intervals;
 pub mod noise;
 pub mod programme;
 
+
+#[cfg(test)]
+mod tests;

@@ -76,7 +76,7 @@ rows_left_out = { $count } lines that are no rows are left out
 
 ## Intervals
 
-no_interval = no still or steady interval of at least { $least } s in { $seconds } s: the IMU moved all the time. A campaign needs positions that are held; `min_s` in the map allows shorter ones
+no_interval = no interval of { $least } s or more is still or steady in { $seconds } s of log. A campaign needs positions that are held; `min_s` in the map allows shorter ones
 one_interval = the whole log is one interval of { $seconds } s in one position (mean outputs { $means }). A campaign needs several positions: name the logs of all of them, in order
 one_orientation = all { $count } dwells have one orientation: the fit can tell neither D_I nor D_S from them
 intervals_short = { $count } steady intervals are much shorter than the others and are taken for pauses (at { $starts } s …); a smaller `min_s` in the map keeps them
@@ -114,3 +114,4 @@ programme_missing = { $count } of { $rows } rows of the programme have no interv
 programme_left = { $count } intervals are in no row of the programme and are left out
 programme_clock = the programme begins at { $seconds } s of the log
 programme_contradicted = in { $count } of { $of } dwells the accelerometers contradict the programme; the first at { $start } s, by { $degrees } deg: axes, signs or order are wrong
+cells_alike = { $count } cells in lines { $from } to { $to } have the same fault; the first: { $fault }

@@ -76,7 +76,7 @@ rows_left_out = { $count }行不是数据，已剔除
 
 ## 测点
 
-no_interval = 在{ $seconds } s中没有不短于{ $least } s的静止或匀速段：IMU一直在运动。测试需要保持不动的位置；映射中的`min_s`可允许更短的段
+no_interval = 在{ $seconds } s的记录中没有不短于{ $least } s的静止或匀速段。测试需要保持不动的位置；映射中的`min_s`可允许更短的段
 one_interval = 整个记录是一个位置上的一段，长{ $seconds } s（平均输出{ $means }）。测试需要多个位置：请按次序给出全部记录
 one_orientation = { $count }个测点的取向都相同：拟合不能得出D_I与D_S
 intervals_short = { $count }个稳定段比其他段短得多，视为停顿（{ $starts } s …）；映射中较小的`min_s`可保留它们
@@ -114,3 +114,4 @@ programme_missing = 测试程序{ $rows }行中有{ $count }行在记录中没�
 programme_left = { $count }段不在测试程序中，已剔除
 programme_clock = 测试程序始于记录的{ $seconds } s
 programme_contradicted = { $of }个测点中有{ $count }个加速度计与测试程序不符；第一处在{ $start } s，相差{ $degrees }°：轴、符号或次序有误
+cells_alike = 第{ $from }至{ $to }行有{ $count }个单元格错误相同；第一处：{ $fault }

@@ -63,9 +63,8 @@ fn check_by_hand(campaign: &Value) {
     let dwells = campaign["dwells"].as_array().unwrap();
     assert_eq!(dwells.len(), UPS.len(), "{dwells:?}");
     for (dwell, up) in dwells.iter().zip(UPS) {
-        let list = |name: &str| -> Vec<f64> {
-            dwell[name].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
-        };
+        let list =
+            |name: &str| -> Vec<f64> { dwell[name].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect() };
         assert!(list("specific_force_g0").iter().zip(up).all(|(f, u)| (f - u).abs() < 0.01), "{dwell}");
         let sem = list("output_sem_pulse_s");
         for ((mean, bias), sem) in list("output_pulse_s").iter().zip(BIAS).zip(&sem) {
@@ -120,7 +119,8 @@ fn counts_in_two_files_without_header_beside_one_another() {
 #[test]
 fn decimal_commas_units_in_a_row_of_their_own_and_utf_16() {
     let dir = tempfile::tempdir().unwrap();
-    let mut text = String::from("Messung;vom;25.11.2026;;;;\r\nZeit;ax;ay;az;gx;gy;gz\r\n[s];[g];[g];[g];[°/s];[°/s];[°/s]\r\n");
+    let mut text =
+        String::from("Messung;vom;25.11.2026;;;;\r\nZeit;ax;ay;az;gx;gy;gz\r\n[s];[g];[g];[g];[°/s];[°/s];[°/s]\r\n");
     for (t, f, w) in by_hand(3) {
         let row = format!("{t:.2};{:.5};{:.5};{:.5};{:.4};{:.4};{:.4}\r\n", f[0], f[1], f[2], w[0], w[1], w[2]);
         text.push_str(&row.replace('.', ","));
@@ -148,7 +148,12 @@ fn averages_of_a_chamber_are_dwells_already() {
     let mut text = String::new();
     for k in 0..20 {
         let t = 2.0 + 3.0 * f64::from(k);
-        writeln!(text, "BIN_DATA: {k:2}, {t:6.2}, {}, 7,  0.12, -0.11,  9.80, -0.00{k:02}, 0.004, 0.002, -49.5", 12_000 + k).unwrap();
+        writeln!(
+            text,
+            "BIN_DATA: {k:2}, {t:6.2}, {}, 7,  0.12, -0.11,  9.80, -0.00{k:02}, 0.004, 0.002, -49.5",
+            12_000 + k
+        )
+        .unwrap();
     }
     fs::write(dir.path().join("chamber.log"), text).unwrap();
     let output = dwells(dir.path(), &["chamber.log", "--map", map("averaged-chamber.toml").to_str().unwrap()]);
@@ -245,7 +250,13 @@ fn raw(campaign: &Campaign, hz: f64, seed: u64) -> String {
         writeln!(
             text,
             "{:.5},{:.5},{:.5},{:.5},{:.5},{:.5},{:.5}",
-            time + jitter, output[0], output[1], output[2], force[0], force[1], force[2]
+            time + jitter,
+            output[0],
+            output[1],
+            output[2],
+            force[0],
+            force[1],
+            force[2]
         )
         .unwrap();
     }
@@ -268,7 +279,9 @@ fn a_programme_says_what_was_commanded_and_the_campaign_is_the_one_that_was_meas
         writeln!(programme, "{},{},{},{},{turn},{},{}", q[0], q[1], q[2], q[3], d.start_s, d.duration_s).unwrap();
     }
     fs::write(dir.path().join("programme.csv"), &programme).unwrap();
-    let map = fs::read_to_string(map("pulses-with-a-programme.toml")).unwrap().replace("unit = \"pulse\"", "unit = \"pulse/s\"");
+    let map = fs::read_to_string(map("pulses-with-a-programme.toml"))
+        .unwrap()
+        .replace("unit = \"pulse\"", "unit = \"pulse/s\"");
     let site = truth.site.unwrap();
     let (latitude, gravity) = (site.latitude.to_degrees(), site.gravity_g0);
     let map = map.replace("34.25", &latitude.to_string()).replace("0.99905", &gravity.to_string());
@@ -282,7 +295,8 @@ fn a_programme_says_what_was_commanded_and_the_campaign_is_the_one_that_was_meas
         assert!((made["start_s"].as_f64().unwrap() - true_one.start_s).abs() < 10.0);
         for c in 0..3 {
             let value = |name: &str| made[name][c].as_f64().unwrap();
-            squares.push(((value("output_pulse_s") - true_one.output_pulse_s[c]) / value("output_sem_pulse_s")).powi(2));
+            squares
+                .push(((value("output_pulse_s") - true_one.output_pulse_s[c]) / value("output_sem_pulse_s")).powi(2));
             assert!((value("specific_force_g0") - true_one.specific_force_g0[c]).abs() < 1e-9);
             assert!((value("rate_arcsec_s") - true_one.rate_arcsec_s[c]).abs() < 0.02, "{made} {true_one:?}");
         }
@@ -291,10 +305,13 @@ fn a_programme_says_what_was_commanded_and_the_campaign_is_the_one_that_was_meas
     assert!((0.8..1.25).contains(&rms), "{rms}");
 
     // Without the station's clock the accelerometers say which is which.
-    let untimed: String = programme.lines().map(|line| {
-        let cells: Vec<&str> = line.split(',').collect();
-        cells[..5].join(",") + "\n"
-    }).collect();
+    let untimed: String = programme
+        .lines()
+        .map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            cells[..5].join(",") + "\n"
+        })
+        .collect();
     fs::write(dir.path().join("untimed.csv"), untimed).unwrap();
     let with_force = map + "force = { columns = [\"ax\", \"ay\", \"az\"], unit = \"g0\" }\n";
     fs::write(dir.path().join("force.toml"), &with_force).unwrap();
@@ -333,15 +350,44 @@ fn what_is_wrong_with_a_log_is_said() {
     };
     let same = |text: &str| text.to_owned();
     let cases: Vec<(&str, String, String, &str)> = vec![
-        ("time jumps back", text(&|k, r| if k > 2000 { r.0 -= 10.0 }), same(map), "time jumps back by 9.990 s"),
+        (
+            "time jumps back",
+            text(&|k, r| {
+                if k > 2000 {
+                    r.0 -= 10.0
+                }
+            }),
+            same(map),
+            "time jumps back by 9.990 s",
+        ),
         ("one position", one_position, same(map), "one interval of"),
         ("no still interval", moving, same(map), "is still or steady in"),
-        ("a column that is not there", clean.clone(), map.replace("\"gx\"", "\"gyr_x\""), "no column is named \"gyr_x\"; there are: t, ax"),
-        ("a number that is not there", clean.clone(), map.replace("\"gz\"", "9"), "there is no column 9; the log has 7"),
+        (
+            "a column that is not there",
+            clean.clone(),
+            map.replace("\"gx\"", "\"gyr_x\""),
+            "no column is named \"gyr_x\"; there are: t, ax",
+        ),
+        (
+            "a number that is not there",
+            clean.clone(),
+            map.replace("\"gz\"", "9"),
+            "there is no column 9; the log has 7",
+        ),
         ("another unit", clean.clone(), map.replace("unit = \"g\"", "unit = \"m/s^2\""), "is 0.1020 g0 long"),
-        ("raw counts", clean.clone(), map.replace("unit = \"deg/s\"", "unit = \"counts\""), "Raw counts need `scale` and `offset`"),
+        (
+            "raw counts",
+            clean.clone(),
+            map.replace("unit = \"deg/s\"", "unit = \"counts\""),
+            "Raw counts need `scale` and `offset`",
+        ),
         ("no unit", clean.clone(), map.replace(", unit = \"deg/s\"", ""), "the unit is missing"),
-        ("pulses by hand", clean.clone(), map.replace("unit = \"deg/s\"", "unit = \"pulse/s\""), "the heading of each position is not known"),
+        (
+            "pulses by hand",
+            clean.clone(),
+            map.replace("unit = \"deg/s\"", "unit = \"pulse/s\""),
+            "the heading of each position is not known",
+        ),
         ("a gyro's column as force", clean.clone(), map.replace("\"az\"]", "\"gz\"]"), "g0 long while nothing moves"),
         ("an unknown key", clean.clone(), map.replace("time =", "tme ="), "unknown field `tme`"),
         ("half the rows broken", clean.replace(".5", ".x"), same(map), "rows cannot be read"),
@@ -401,7 +447,10 @@ fn a_guessed_map_says_why_and_leaves_open_what_the_log_does_not_say() {
     assert!(map.contains("which is gravity in m/s^2"), "{map}");
     assert!(map.contains("output = { columns = [\"gyro_x\", \"gyro_y\", \"gyro_z\"], unit = \"?\" }"), "{map}");
     assert!(refused(&dwells(dir.path(), &["log.csv", "--map", "map.toml"])).contains("must be answered"));
-    let answered = map.replace("unit = \"?\"", "unit = \"deg/s\"").replace("\"?\"\n", "\"A\"\n").replace("0.0, gravity", "34.0, gravity");
+    let answered = map
+        .replace("unit = \"?\"", "unit = \"deg/s\"")
+        .replace("\"?\"\n", "\"A\"\n")
+        .replace("0.0, gravity", "34.0, gravity");
     fs::write(dir.path().join("map.toml"), answered).unwrap();
     check_by_hand(&campaign(&dwells(dir.path(), &["log.csv", "--map", "map.toml"])));
 }

@@ -107,10 +107,10 @@ impl Dwells {
 
 /// What was found, on standard error: the campaign may be on standard output.
 fn say(made: &Made) {
-    let rounded = |values: &[f64], digits: usize| {
-        values.iter().map(|v| format!("{v:.digits$}")).collect::<Vec<_>>().join(" ")
-    };
-    let mut table = document::table(["dwell", "phase", "start s", "length s", "force g0", "output pulse/s", "± pulse/s"], 0..7);
+    let rounded =
+        |values: &[f64], digits: usize| values.iter().map(|v| format!("{v:.digits$}")).collect::<Vec<_>>().join(" ");
+    let mut table =
+        document::table(["dwell", "phase", "start s", "length s", "force g0", "output pulse/s", "± pulse/s"], 0..7);
     for (k, d) in made.dwells.iter().enumerate() {
         table.add_row([
             (k + 1).to_string(),

@@ -34,7 +34,10 @@ pub(super) fn of_problem(problem: &ProblemBody, language: Language) -> Option<St
 
 /// Whether a message says itself where in a table it belongs.
 fn is_placed(message: &Message) -> bool {
-    matches!(&*message.code, "at_line" | "at_line_key" | "at_cell" | "at_column" | "at_head_line" | "no_table" | "utf16")
+    matches!(
+        &*message.code,
+        "at_line" | "at_line_key" | "at_cell" | "at_column" | "at_head_line" | "no_table" | "utf16"
+    )
 }
 
 fn count(message: &Message, name: &str) -> u64 {

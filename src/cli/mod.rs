@@ -14,6 +14,7 @@ mod codes;
 mod common;
 mod config;
 mod copy;
+mod correct;
 mod demo;
 mod diagnose;
 mod diagnose_all;
@@ -68,6 +69,8 @@ enum Command {
     Dwells(dwells::Dwells),
     Diagnose(diagnose::Diagnose),
     Import(import::Import),
+    Void(correct::Void),
+    Revise(correct::Revise),
     Export(export::Export),
     FleetNoise(fleet_noise::FleetNoise),
     Simulate(simulate::Simulate),
@@ -92,6 +95,8 @@ impl Command {
             Self::Dwells(dwells) => dwells.run(),
             Self::Diagnose(diagnose) => diagnose.run(),
             Self::Import(import) => import.run(),
+            Self::Void(void) => void.run(),
+            Self::Revise(revise) => revise.run(),
             Self::Export(export) => export.run(),
             Self::FleetNoise(fleet_noise) => fleet_noise.run(),
             Self::Simulate(simulate) => simulate.run(),

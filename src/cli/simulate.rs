@@ -196,13 +196,7 @@ fn list(mut out: impl Write) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn many(
-    scenario: &Scenario,
-    model: &AugmentedModel,
-    count: u64,
-    dir: &Path,
-    form: Written,
-) -> anyhow::Result<()> {
+fn many(scenario: &Scenario, model: &AugmentedModel, count: u64, dir: &Path, form: Written) -> anyhow::Result<()> {
     if scenario.seed.checked_add(count).is_none() {
         bail!("seeds end at {}", u64::MAX);
     }

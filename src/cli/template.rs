@@ -126,7 +126,9 @@ fn example() -> Campaign {
 /// 24 positions, then each axis up, turned both ways by a whole turn of a degree a second.
 fn programme() -> String {
     const AXES: [&str; 6] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
-    let mut text = String::from("# up, north: body axes that point up and north. rate_deg_s: turn about the vertical, + seen from above.\n");
+    let mut text = String::from(
+        "# up, north: body axes that point up and north. rate_deg_s: turn about the vertical, + seen from above.\n",
+    );
     text.push_str("# start_s, duration_s: by the station's clock; leave both columns out where it keeps none.\n");
     text.push_str("up,north,rate_deg_s,start_s,duration_s\n");
     let mut start = 0;

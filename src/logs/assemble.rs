@@ -149,7 +149,8 @@ impl Work<'_> {
     fn not_clipped(&mut self, intervals: Vec<Interval>) -> Result<Vec<Interval>, Message> {
         let measured = |role: &&Role| matches!(role, Role::Output(_) | Role::Force(_));
         let roles: Vec<Role> = self.log.roles.iter().filter(measured).copied().collect();
-        let clips = |i: &Interval| roles.iter().any(|r| self.track(*r).is_some_and(|t| t.clipped(i.from, i.to) > CLIPPED));
+        let clips =
+            |i: &Interval| roles.iter().any(|r| self.track(*r).is_some_and(|t| t.clipped(i.from, i.to) > CLIPPED));
         let (clipped, kept): (Vec<_>, Vec<_>) = intervals.into_iter().partition(clips);
         if !clipped.is_empty() {
             let starts = clipped.iter().take(5).map(|i| text(format_args!("{:.1}", self.log.series.start_s(i.from))));
@@ -208,7 +209,11 @@ impl Work<'_> {
         if GRAVITY.contains(&usual) {
             let off = lengths.iter().filter(|l| !GRAVITY.contains(l)).count();
             return if off * 4 > lengths.len() && !direction_only {
-                Err(message!("force_varies", least = figure(lengths[0], 3), most = figure(lengths[lengths.len() - 1], 3)))
+                Err(message!(
+                    "force_varies",
+                    least = figure(lengths[0], 3),
+                    most = figure(lengths[lengths.len() - 1], 3)
+                ))
             } else {
                 Ok(())
             };

@@ -293,7 +293,9 @@ fn period(before: f64, now: f64, factor: f64, back: f64, interval: f64) -> Optio
     let whole = before.fract() == 0.0 && now.fract() == 0.0;
     let counts = counts.into_iter().filter(|_| whole);
     let room = (5.0 * interval).max(1e-6);
-    counts.chain([86_400.0, 604_800.0]).find(|period| (period - back).abs() <= room && now.abs() * factor <= 0.01 * period)
+    counts
+        .chain([86_400.0, 604_800.0])
+        .find(|period| (period - back).abs() <= room && now.abs() * factor <= 0.01 * period)
 }
 
 struct Reader {

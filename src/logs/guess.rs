@@ -68,11 +68,17 @@ impl Looked {
         writeln!(text, "gyros = [{}]", serials.join(", ")).expect("a string takes everything");
         let lines = [
             Some(time.map_or_else(
-                || Line { text: "rate_hz = 0".into(), reason: "no column rises steadily: say how many samples a second".into() },
+                || Line {
+                    text: "rate_hz = 0".into(),
+                    reason: "no column rises steadily: say how many samples a second".into(),
+                },
                 |t| t.1,
             )),
             Some(output.map_or_else(
-                || Line { text: "output = { columns = [], unit = \"?\" }".into(), reason: "no column looks like a gyro's".into() },
+                || Line {
+                    text: "output = { columns = [], unit = \"?\" }".into(),
+                    reason: "no column looks like a gyro's".into(),
+                },
                 |places| self.output(&places),
             )),
             force.map(|places| self.force(&places)),
@@ -124,7 +130,8 @@ impl Looked {
             (None, None) if step < 5e5 => "us".to_owned(),
             (None, None) => "ns".to_owned(),
         };
-        let reason = format!("rises by {step} from row to row; {unit} gives {:.1} samples a second", self.hz(step, &unit));
+        let reason =
+            format!("rises by {step} from row to row; {unit} gives {:.1} samples a second", self.hz(step, &unit));
         Some((place, Line { text: format!("time = {{ column = {}, unit = \"{unit}\" }}", self.named(place)), reason }))
     }
 
@@ -178,7 +185,8 @@ impl Looked {
         let mut lengths: Vec<f64> = (0..count).map(|k| square(k).sqrt()).collect();
         lengths.sort_by(f64::total_cmp);
         let usual = *lengths.get(count / 2)?;
-        let units = [("m/s^2", STANDARD_GRAVITY_M_S2), ("g0", 1.0), ("mg", 1e3), ("cm/s^2", 100.0 * STANDARD_GRAVITY_M_S2)];
+        let units =
+            [("m/s^2", STANDARD_GRAVITY_M_S2), ("g0", 1.0), ("mg", 1e3), ("cm/s^2", 100.0 * STANDARD_GRAVITY_M_S2)];
         let fits = units.into_iter().find(|(_, g)| (usual / g - 1.0).abs() < ROOM)?;
         Some((fits.0, usual))
     }
@@ -187,7 +195,9 @@ impl Looked {
         let stated = self.columns[places[0]].unit.clone().filter(|u| Quantity::Output.unit(u).is_some());
         let (unit, reason) = match stated {
             Some(unit) => (unit.clone(), format!("the header says {unit}")),
-            None => (UNKNOWN.to_owned(), "nothing says the unit of the gyros: pulse/s, pulse, deg/s, rad/s ...".to_owned()),
+            None => {
+                (UNKNOWN.to_owned(), "nothing says the unit of the gyros: pulse/s, pulse, deg/s, rad/s ...".to_owned())
+            }
         };
         Line { text: format!("output = {{ columns = [{}], unit = \"{unit}\" }}", self.list(places)), reason }
     }
@@ -210,7 +220,9 @@ impl Looked {
     fn temperature(&self) -> Option<Line> {
         let is = |c: &Column| {
             let name = c.name.to_lowercase();
-            name.contains("temp") || name == "t_c" || c.unit.as_deref().is_some_and(|u| Quantity::Temperature.unit(u).is_some())
+            name.contains("temp")
+                || name == "t_c"
+                || c.unit.as_deref().is_some_and(|u| Quantity::Temperature.unit(u).is_some())
         };
         let place = self.columns.iter().position(is)?;
         let unit = self.columns[place].unit.clone().filter(|u| Quantity::Temperature.unit(u).is_some());

@@ -145,7 +145,8 @@ impl Map {
     /// # Errors
     /// What the TOML is not, with its line.
     pub fn parse(text: &str) -> Result<Self, Message> {
-        toml::from_str(text).map_err(|error| message!("map_unreadable", why = format_args!("{}", error.to_string().trim())))
+        toml::from_str(text)
+            .map_err(|error| message!("map_unreadable", why = format_args!("{}", error.to_string().trim())))
     }
 
     /// How many logs run beside one another.
@@ -214,7 +215,8 @@ impl Columns {
         let units = || list(of.units().iter().copied());
         let Some(stated) = &self.unit else {
             // What is scaled is not in the unit of its header any more.
-            let heading = heading.filter(|_| self.scale.is_empty()).and_then(|u| Some((of.unit(u)?, u.to_owned(), true)));
+            let heading =
+                heading.filter(|_| self.scale.is_empty()).and_then(|u| Some((of.unit(u)?, u.to_owned(), true)));
             return heading.ok_or_else(|| message!("map_unit_missing", known = units()));
         };
         let unit = of.unit(stated).ok_or_else(|| message!("map_unit_unknown", unit = sent(stated), known = units()))?;
@@ -257,7 +259,10 @@ mod tests {
         let map = Map::parse(SHORT).unwrap();
         let names = [ColumnName::Name("gx".into()), ColumnName::Name("-gy".into()), ColumnName::Number(4)];
         assert_eq!(map.output.columns, names);
-        assert_eq!((map.output.scale.as_slice(), map.output.offset.as_slice()), ([0.01].as_slice(), [1.0, 2.0, 3.0].as_slice()));
+        assert_eq!(
+            (map.output.scale.as_slice(), map.output.offset.as_slice()),
+            ([0.01].as_slice(), [1.0, 2.0, 3.0].as_slice())
+        );
         assert_eq!(map.time.unwrap().columns.len(), 1);
         let unknown = Map::parse("outputs = 1").unwrap_err();
         assert_eq!(unknown.code, "map_unreadable");

@@ -237,8 +237,11 @@ mod tests {
     fn a_file_that_breaks_off_is_refused() {
         let whole = file(&[array(6, "gyro", 2, 1, &element(9, &[0; 16]))]);
         for end in [127, 140, 150, whole.len() - 9] {
-            assert_eq!(arrays(&whole[..end]).map(|a| a.len()).map_err(|m| m.code.into_owned()).err().as_deref(),
-                       Some("mat_broken"), "{end}");
+            assert_eq!(
+                arrays(&whole[..end]).map(|a| a.len()).map_err(|m| m.code.into_owned()).err().as_deref(),
+                Some("mat_broken"),
+                "{end}"
+            );
         }
     }
 }

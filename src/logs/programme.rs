@@ -74,9 +74,8 @@ fn position(names: &csv::StringRecord, record: &csv::StringRecord) -> Result<Pos
     let quaternion = [number("attitude_w")?, number("attitude_x")?, number("attitude_y")?, number("attitude_z")?];
     let attitude = match (quaternion, cell("up"), cell("north")) {
         ([Some(w), Some(x), Some(y), Some(z)], None, None) => Rotation::from_attitude([w, x, y, z]),
-        ([None, None, None, None], Some(up), Some(north)) => {
-            attitude(axis(up)?, axis(north)?).ok_or_else(|| message!("programme_parallel", up = sent(up), north = sent(north)))?
-        }
+        ([None, None, None, None], Some(up), Some(north)) => attitude(axis(up)?, axis(north)?)
+            .ok_or_else(|| message!("programme_parallel", up = sent(up), north = sent(north)))?,
         _ => return Err(message!("programme_attitude")),
     };
     let rates = [number("rate_deg_s")?.map(|rate| 3600.0 * rate), number("rate_arcsec_s")?];

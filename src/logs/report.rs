@@ -6,7 +6,6 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::campaign::Made;
 use super::gather::{Gathered, Role};
-use crate::core::campaign::Phase;
 use crate::core::dwells::blocks::{Series, Track};
 use crate::words::Language;
 
@@ -15,10 +14,10 @@ const HEIGHT: f64 = 110.0;
 /// Columns of a plot: each shows the least and the most of what it covers.
 const PIECES: usize = 1100;
 
-const STYLE: &str = "body{font:14px/1.4 system-ui,sans-serif;max-width:1160px;margin:2em auto;padding:0 1em;color:#1b2733}\
-    table{border-collapse:collapse;font-variant-numeric:tabular-nums}td,th{padding:.15em .6em;text-align:right;\
-    border-bottom:1px solid #d8dee4}svg{display:block;margin:.2em 0 1em;background:#f6f8fa}h2{font-size:1.1em;margin:1.2em 0 .2em}\
-    .static{fill:#9cc4e4}.rate{fill:#f2c48d}";
+const STYLE: &str = "body{font:14px/1.4 system-ui,sans-serif;max-width:1160px;margin:2em auto;padding:0 1em;\
+    color:#1b2733}table{border-collapse:collapse;font-variant-numeric:tabular-nums}td,th{padding:.15em .6em;\
+    text-align:right;border-bottom:1px solid #d8dee4}svg{display:block;margin:.2em 0 1em;background:#f6f8fa}\
+    h2{font-size:1.1em;margin:1.2em 0 .2em}.static{fill:#9cc4e4}.rate{fill:#f2c48d}";
 
 /// One page that needs nothing else.
 pub fn report(made: &Made, title: &str, language: Language) -> String {
@@ -33,9 +32,9 @@ pub fn report(made: &Made, title: &str, language: Language) -> String {
                 p { (made.body.imu) ", " (made.body.station) ", " (made.body.measured_at) }
                 ul { @for remark in &made.remarks { li { (words(remark)) } } }
                 @if let Some(gathered) = &made.gathered {
-                    p {
-                        svg width="16" height="10" { rect.static width="16" height="10" {} } " " (head("static_dwells")) " "
-                        svg width="16" height="10" { rect.rate width="16" height="10" {} } " " (head("rate_dwells"))
+                    @for (class, code) in [("static", "static_dwells"), ("rate", "rate_dwells")] {
+                        svg width="16" height="10" { rect class=(class) width="16" height="10" {} }
+                        p { (head(code)) }
                     }
                     @for (role, track) in gathered.roles.iter().zip(&gathered.series.tracks) {
                         @if let Some(name) = name(*role) { h2 { (name) } (plot(made, gathered, track)) }
@@ -71,8 +70,9 @@ fn plot(made: &Made, gathered: &Gathered, track: &Track) -> Markup {
     html! {
         svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) width="100%" role="img" {
             @for dwell in &made.dwells {
-                rect class=(if dwell.phase == Phase::Static { "static" } else { "rate" }) y="0" height=(HEIGHT)
-                    x=(format!("{:.1}", x(dwell.start_s))) width=(format!("{:.1}", x(dwell.start_s + dwell.duration_s) - x(dwell.start_s))) {}
+                @let (from, to) = (x(dwell.start_s), x(dwell.start_s + dwell.duration_s));
+                rect class=(dwell.phase.name()) y="0" height=(HEIGHT)
+                    x=(format!("{from:.1}")) width=(format!("{:.1}", to - from)) {}
             }
             (PreEscaped(line(series, track, &x, &y)))
             text x="4" y="12" font-size="11" { (format!("{most:.6}")) }
@@ -98,16 +98,16 @@ fn line(series: &Series, track: &Track, x: &impl Fn(f64) -> f64, y: &impl Fn(f64
 }
 
 fn table(made: &Made) -> Markup {
-    let figures = |values: &[f64], digits: usize| {
-        values.iter().map(|v| format!("{v:.digits$}")).collect::<Vec<_>>().join(", ")
-    };
+    let figures =
+        |values: &[f64], digits: usize| values.iter().map(|v| format!("{v:.digits$}")).collect::<Vec<_>>().join(", ");
     html! {
         table {
             tr { th { "#" } th { "phase" } th { "start_s" } th { "duration_s" } th { "specific_force_g0" }
                  th { "rate_arcsec_s" } th { "output_pulse_s" } th { "output_sem_pulse_s" } th { "temperature_c" } }
             @for (k, d) in made.dwells.iter().enumerate() {
                 tr {
-                    td { (k + 1) } td { (d.phase.name()) } td { (figures(&[d.start_s], 1)) } td { (figures(&[d.duration_s], 1)) }
+                    td { (k + 1) } td { (d.phase.name()) }
+                    td { (figures(&[d.start_s], 1)) } td { (figures(&[d.duration_s], 1)) }
                     td { (figures(d.force_g0.as_slice(), 5)) } td { (figures(d.rate_arcsec_s.as_slice(), 3)) }
                     td { (figures(&d.output, 5)) } td { (figures(&d.output_sem, 5)) }
                     td { (d.temperature_c.map_or(String::new(), |t| figures(&[t], 2))) }

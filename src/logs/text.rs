@@ -64,9 +64,8 @@ impl TextLog {
         let Layout { delimiter, decimal_comma, skipped, .. } = self.layout;
         let place = self.place.clone();
         let fail = unreadable(&place);
-        let refuse = |line: u64, fault: Message| {
-            LogError::new(&place, message!("at_line", line = line as usize, fault = fault))
-        };
+        let refuse =
+            |line: u64, fault: Message| LogError::new(&place, message!("at_line", line = line as usize, fault = fault));
         let last = wanted.iter().copied().max().unwrap_or(0);
         let mut cells = Cells { delimiter, decimal_comma, ..Cells::default() };
         let (mut buffer, mut values) = (Vec::new(), vec![f64::NAN; wanted.len()]);
@@ -112,7 +111,8 @@ impl TextLog {
             && serious.len() as f64 > MOST_BAD * (rows + serious.len() as u64) as f64
         {
             let name = self.layout.columns.get(*column).map_or(String::new(), |c| c.name.clone());
-            let fault = message!("at_cell", line = *first as usize, column = column + 1, name = name, fault = why.clone());
+            let fault =
+                message!("at_cell", line = *first as usize, column = column + 1, name = name, fault = why.clone());
             let fault = message!("rows_unreadable", count = serious.len(), rows = rows as usize, fault = fault);
             return Err(LogError::new(&place, fault));
         }
@@ -130,12 +130,9 @@ fn is_comment(line: &[u8]) -> bool {
 
 fn reader_of(file: File, kind: FileKind) -> Box<dyn Read> {
     match kind {
-        FileKind::Utf16 { big_endian } => Box::new(Utf16 {
-            from: BufReader::with_capacity(1 << 18, file),
-            big_endian,
-            ready: Vec::new(),
-            given: 0,
-        }),
+        FileKind::Utf16 { big_endian } => {
+            Box::new(Utf16 { from: BufReader::with_capacity(1 << 18, file), big_endian, ready: Vec::new(), given: 0 })
+        }
         _ => Box::new(file),
     }
 }
@@ -311,7 +308,9 @@ pub fn decoded(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
         // Cut within a character: the piece ends there.
-        Err(error) if error.error_len().is_none() => String::from_utf8_lossy(&bytes[..error.valid_up_to()]).into_owned(),
+        Err(error) if error.error_len().is_none() => {
+            String::from_utf8_lossy(&bytes[..error.valid_up_to()]).into_owned()
+        }
         Err(_) => bytes.iter().map(|&b| char::from(b)).collect(),
     }
 }

@@ -13,14 +13,8 @@ pub enum Quantity {
     Temperature,
 }
 
-pub const QUANTITIES: [Quantity; 6] = [
-    Quantity::Time,
-    Quantity::Output,
-    Quantity::Force,
-    Quantity::Rate,
-    Quantity::Angle,
-    Quantity::Temperature,
-];
+pub const QUANTITIES: [Quantity; 6] =
+    [Quantity::Time, Quantity::Output, Quantity::Force, Quantity::Rate, Quantity::Angle, Quantity::Temperature];
 
 /// What a unit makes of a number: value = factor * number + offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,7 +79,8 @@ impl Quantity {
 fn plain(name: &str) -> String {
     let plain: String = name.chars().filter(|c| !c.is_whitespace() && *c != '·' && *c != '*').collect();
     let mut plain = plain.to_lowercase().replace('²', "^2").replace(['°', 'º'], "deg").replace(['µ', 'μ'], "u");
-    for (long, short) in [("pulses", "pulse"), ("degrees", "deg"), ("degree", "deg"), ("sec^2", "s^2"), ("/sec", "/s")] {
+    for (long, short) in [("pulses", "pulse"), ("degrees", "deg"), ("degree", "deg"), ("sec^2", "s^2"), ("/sec", "/s")]
+    {
         plain = plain.replace(long, short);
     }
     match plain.as_str() {

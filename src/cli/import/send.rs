@@ -8,8 +8,9 @@ use bytes::Bytes;
 use serde_json::Value;
 
 use super::source::{Content, Document, MAX_DOCUMENT_BYTES, read_line};
-use crate::cli::faults;
 use crate::cli::client::{LineAnswer, Sent, Service, Trouble};
+use crate::cli::faults;
+use crate::message;
 use crate::wire::problem::ProblemBody;
 use crate::words;
 
@@ -258,6 +259,10 @@ async fn patiently<T>(pauses: &[Duration], mut attempt: impl AsyncFnMut() -> Res
 /// The places at fault, or the detail where the problem names none. Of a conflict the detail too: it alone names what
 /// stands in the way, and how the two differ.
 fn in_words(problem: &ProblemBody) -> String {
+    if let (true, Some(id)) = (problem.message.code.starts_with("differs"), &problem.existing) {
+        let way_out = words::asked().words(&message!("replace_it", id = id.clone()));
+        return format!("{}; {way_out}", problem.detail);
+    }
     if problem.errors.is_empty() || problem.status == 409 {
         return problem.detail.clone();
     }

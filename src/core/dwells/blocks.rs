@@ -170,8 +170,7 @@ impl Series {
         let mut number = Vec::new();
         if let Some((first, others)) = logs.split_first() {
             for (k, &at) in first.number.iter().enumerate() {
-                let places: Option<Vec<usize>> =
-                    others.iter().map(|log| log.number.binary_search(&at).ok()).collect();
+                let places: Option<Vec<usize>> = others.iter().map(|log| log.number.binary_search(&at).ok()).collect();
                 let Some(places) = places else { continue };
                 number.push(at);
                 for (kept, place) in kept.iter_mut().zip(std::iter::once(k).chain(places)) {

@@ -68,9 +68,8 @@ const REGULAR: f64 = 0.03;
 /// interval, differ by more than seven standard deviations of such differences in any channel. The noise is a quantile
 /// of these differences, then the median of those that are no motion. Gyros that turn are noisier than those at rest:
 /// what exceeds the log's noise must also exceed that of the blocks around, averaged down as white noise is. Noise
-/// averages, motion adds up. What is left are intervals; short disturbances between equal means are cut out, slow motion
-/// is left out.
-/// The blocks of disturbances are taken out of the series, so that no mean has them.
+/// averages, motion adds up. What is left are intervals; short disturbances between equal means are cut out, slow
+/// motion is left out. The blocks of disturbances are taken out of the series, so that no mean has them.
 pub fn find(series: &mut Series, watched: &[usize], search: &Search) -> Found {
     let min_s = search.min_s.unwrap_or_else(|| LEAST_S.max(LEAST_BLOCKS * series.block_s));
     let top = ((0.5 * min_s / series.block_s).log2().floor().max(0.0)) as u32;
@@ -285,7 +284,9 @@ fn split_by_the_clock(series: &Series, found: Vec<Interval>) -> (Vec<Interval>, 
             let begin = start + k as f64 * period;
             let at = |time: f64| {
                 interval.from
-                    + (interval.from..interval.to).take_while(|&b| series.start_s(b) < time - 0.5 * series.block_s).count()
+                    + (interval.from..interval.to)
+                        .take_while(|&b| series.start_s(b) < time - 0.5 * series.block_s)
+                        .count()
             };
             parts.push(Interval { from: at(begin), to: at(begin + dwell).max(at(begin) + 1) });
         }

@@ -13,6 +13,5 @@ pub mod intervals;
 pub mod noise;
 pub mod programme;
 
-
 #[cfg(test)]
 mod tests;

@@ -299,18 +299,17 @@ fn a_programme_is_laid_over_what_was_seen() {
     let places: Vec<usize> = found.iter().flatten().copied().collect();
     assert_eq!(places.len(), 22);
     assert!(places.windows(2).all(|p| p[0] < p[1]));
-    assert!(places.iter().zip(all.iter().enumerate().filter(|(k, _)| *k != 10)).all(|(&j, (_, s))| {
-        s.up.unwrap().normalize().dot(&programme[j].up()) > 0.99
-    }));
+    assert!(
+        places
+            .iter()
+            .zip(all.iter().enumerate().filter(|(k, _)| *k != 10))
+            .all(|(&j, (_, s))| { s.up.unwrap().normalize().dot(&programme[j].up()) > 0.99 })
+    );
 }
 
 #[test]
 fn the_programmes_clock_is_found_in_the_log() {
-    let timed = |k: usize| Position {
-        start_s: Some(240.0 * k as f64),
-        duration_s: Some(180.0),
-        ..twenty_four()[k]
-    };
+    let timed = |k: usize| Position { start_s: Some(240.0 * k as f64), duration_s: Some(180.0), ..twenty_four()[k] };
     let programme: Vec<Position> = (0..24).map(timed).collect();
     let spans: Vec<(f64, f64)> = (0..24).map(|k| (37.0 + 240.0 * k as f64, 37.0 + 240.0 * k as f64 + 180.0)).collect();
     assert!((clock_offset(&spans, &programme).unwrap() - 37.0).abs() < 1e-9);

@@ -115,3 +115,5 @@ programme_left = { $count } intervals are in no row of the programme and are lef
 programme_clock = the programme begins at { $seconds } s of the log
 programme_contradicted = in { $count } of { $of } dwells the accelerometers contradict the programme; the first at { $start } s, by { $degrees } deg: axes, signs or order are wrong
 cells_alike = { $count } cells in lines { $from } to { $to } have the same fault; the first: { $fault }
+dwells_told = the head says { $told } dwells, the table has { $have }: it is not finished, or breaks off
+replace_it = if this one is right, `gyrowatch revise FILE --author NAME --reason WHY` puts it in the place of { $id }

@@ -115,3 +115,5 @@ programme_left = { $count }段不在测试程序中，已剔除
 programme_clock = 测试程序始于记录的{ $seconds } s
 programme_contradicted = { $of }个测点中有{ $count }个加速度计与测试程序不符；第一处在{ $start } s，相差{ $degrees }°：轴、符号或次序有误
 cells_alike = 第{ $from }至{ $to }行有{ $count }个单元格错误相同；第一处：{ $fault }
+dwells_told = 表头写有{ $told }个测点，表中有{ $have }个：尚未写完，或被截断
+replace_it = 若此份正确，`gyrowatch revise FILE --author 姓名 --reason 原因`可替换{ $id }

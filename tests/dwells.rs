@@ -449,8 +449,9 @@ fn a_guessed_map_says_why_and_leaves_open_what_the_log_does_not_say() {
     assert!(refused(&dwells(dir.path(), &["log.csv", "--map", "map.toml"])).contains("must be answered"));
     let answered = map
         .replace("unit = \"?\"", "unit = \"deg/s\"")
-        .replace("\"?\"\n", "\"A\"\n")
-        .replace("0.0, gravity", "34.0, gravity");
+        .replace("measured_at = \"?\"", "measured_at = \"2026-03-01T08:00:00Z\"")
+        .replace("latitude_deg = \"?\", gravity_g0 = \"?\"", "latitude_deg = 34.0, gravity_g0 = 1.0")
+        .replace("\"?\"\n", "\"A\"\n");
     fs::write(dir.path().join("map.toml"), answered).unwrap();
     check_by_hand(&campaign(&dwells(dir.path(), &["log.csv", "--map", "map.toml"])));
 }

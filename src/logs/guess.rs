@@ -35,6 +35,7 @@ struct Line {
 pub fn guess(path: &Path) -> Result<String, LogError> {
     let place = path.display().to_string();
     let mut source = Source::open(path)?;
+    source.leniently();
     let columns = source.columns().to_vec();
     let wanted: Vec<usize> = (0..columns.len()).collect();
     let mut values = vec![Vec::new(); columns.len()];
@@ -56,9 +57,9 @@ pub fn guess(path: &Path) -> Result<String, LogError> {
 impl Looked {
     fn map(&self, name: &str) -> String {
         let mut text = format!("# Guessed from {name}: check every line, and fill in what is \"{UNKNOWN}\".\n");
-        text.push_str("imu = \"?\"\nstation = \"?\"\nmeasured_at = \"2026-01-01T00:00:00Z\"  # when it was measured\n");
+        text.push_str("imu = \"?\"\nstation = \"?\"\nmeasured_at = \"?\"  # such as 2026-03-01T08:00:00Z\n");
         text.push_str("geometry = \"orthogonal\"  # or \"skewed\", or axes by slot\n");
-        text.push_str("site = { latitude_deg = 0.0, gravity_g0 = 1.0 }  # of the station\n");
+        text.push_str("site = { latitude_deg = \"?\", gravity_g0 = \"?\" }  # of the station\n");
         let time = self.time();
         let force = self.triple(&["acc", "accel", "force", "beschl"], &["a", "f"]);
         let output = self.triple(&["gyr", "gyro", "omega", "pulse", "count", "rate", "dreh"], &["g", "w"]);
@@ -69,7 +70,7 @@ impl Looked {
         let lines = [
             Some(time.map_or_else(
                 || Line {
-                    text: "rate_hz = 0".into(),
+                    text: "rate_hz = \"?\"".into(),
                     reason: "no column rises steadily: say how many samples a second".into(),
                 },
                 |t| t.1,
@@ -167,7 +168,11 @@ impl Looked {
             return (force, output);
         }
         let free = |places: &[usize]| places.iter().all(|&p| p < self.columns.len() && Some(p) != time);
-        let numeric = |places: &[usize]| places.iter().all(|&p| self.values[p].iter().any(|v| *v != 0.0));
+        let numeric = |places: &[usize]| {
+            places
+                .iter()
+                .all(|&p| self.values[p].iter().all(|v| v.is_finite()) && self.values[p].iter().any(|v| *v != 0.0))
+        };
         let threes: Vec<Vec<usize>> = (0..self.columns.len())
             .map(|k| vec![k, k + 1, k + 2])
             .filter(|places| free(places) && numeric(places))

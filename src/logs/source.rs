@@ -96,6 +96,13 @@ impl Source {
         Ok(Self::Whole { columns, first_line, values })
     }
 
+    /// Takes what is no number for an empty cell, where nobody has said yet which columns are numbers.
+    pub fn leniently(&mut self) {
+        if let Self::Text(log) = self {
+            log.lenient = true;
+        }
+    }
+
     pub fn columns(&self) -> &[Column] {
         match self {
             Self::Text(log) => &log.layout.columns,

@@ -34,6 +34,8 @@ pub struct TextLog {
     place: String,
     reader: Box<dyn BufRead>,
     pub layout: Layout,
+    /// Cells that are no numbers are empty ones: for a first look at what there is.
+    pub lenient: bool,
 }
 
 impl TextLog {
@@ -48,7 +50,7 @@ impl TextLog {
         let layout = Layout::of(&head, whole).map_err(|fault| LogError::new(&place, fault))?;
         file.rewind().map_err(&fail)?;
         let reader = Box::new(BufReader::with_capacity(1 << 18, reader_of(file, kind)));
-        Ok(Self { place, reader, layout })
+        Ok(Self { place, reader, layout, lenient: false })
     }
 
     /// Reads the rows from first to last: line, and the numbers of the columns `wanted`, NaN where a cell is empty.
@@ -62,7 +64,7 @@ impl TextLog {
         each: &mut dyn FnMut(Sample<'_>) -> Result<(), Message>,
     ) -> Result<usize, LogError> {
         let Layout { delimiter, decimal_comma, skipped, .. } = self.layout;
-        let place = self.place.clone();
+        let (place, lenient) = (self.place.clone(), self.lenient);
         let fail = unreadable(&place);
         let refuse =
             |line: u64, fault: Message| LogError::new(&place, message!("at_line", line = line as usize, fault = fault));
@@ -90,6 +92,7 @@ impl TextLog {
             for (value, &column) in values.iter_mut().zip(wanted) {
                 match cells.number(text, column) {
                     Ok(number) => *value = number,
+                    Err(_) if lenient => *value = f64::NAN,
                     Err(why) => fault = Some((column, why)),
                 }
             }

@@ -1,5 +1,7 @@
 //! Where nothing changes: the intervals of a log over which a mean has a meaning.
 
+use std::ops::RangeInclusive;
+
 use super::blocks::{Series, Track};
 
 /// What is looked for.
@@ -38,6 +40,8 @@ const LEAST_BLOCKS: f64 = 24.0;
 /// Change between neighbouring means, in standard deviations of such changes, that is no noise. 10^7 normal values
 /// pass 7 once in 10^5 logs.
 const CHANGE: f64 = 7.0;
+/// Windows in a usual interval, over which slow motion is looked for.
+const LONGEST_WINDOW: f64 = 12.0;
 /// Change over an interval against the noise of short means that is a slow motion.
 const DRIFT: f64 = 15.0;
 /// Disturbances up to this share of an interval are cut out of it.
@@ -61,6 +65,8 @@ const NORMAL_QUANTILE: f64 = 0.385_320_5;
 const NORMAL_MEDIAN: f64 = 0.674_489_8;
 /// Room for regular dwells: durations and pauses that agree so well are a programme's.
 const REGULAR: f64 = 0.03;
+/// What the first or last dwell may last, in regular ones.
+const AT_AN_END: std::ops::Range<f64> = 0.7..1.4;
 
 /// Finds the steady intervals of the channels `watched`.
 ///
@@ -73,18 +79,32 @@ const REGULAR: f64 = 0.03;
 pub fn find(series: &mut Series, watched: &[usize], search: &Search) -> Found {
     let min_s = search.min_s.unwrap_or_else(|| LEAST_S.max(LEAST_BLOCKS * series.block_s));
     let top = ((0.5 * min_s / series.block_s).log2().floor().max(0.0)) as u32;
-    let stretches = stretches(series, search, min_s);
+    let whole = stretches(series, search, min_s);
     let mut moving = vec![false; series.number.len()];
     let mut noise = Vec::new();
     for &c in watched {
-        noise.push(mark(&series.tracks[c], &stretches, top, &mut moving));
+        noise.push(mark(&series.tracks[c], &whole, 0..=top, &mut moving));
     }
     let channels: Vec<(&Track, f64)> = watched.iter().map(|&c| &series.tracks[c]).zip(noise.iter().copied()).collect();
     let mut quiet: Vec<Interval> =
-        stretches.iter().flat_map(|&(from, to)| merged(series, &channels, runs(&moving, from, to))).collect();
+        whole.iter().flat_map(|&(from, to)| merged(series, &channels, runs(&moving, from, to))).collect();
     take_out(series, &moving, &mut quiet);
     let channels: Vec<(&Track, f64)> = watched.iter().map(|&c| &series.tracks[c]).zip(noise).collect();
-    quiet.retain(|i| series.end_s(i.to) - series.start_s(i.from) >= min_s && !drifts(&channels, i));
+    let duration = |i: &Interval| series.end_s(i.to) - series.start_s(i.from);
+    quiet.retain(|i| duration(i) >= min_s);
+    // A small step that is made slowly shows over longer times alone.
+    let usual = quantile(quiet.iter().map(duration).collect(), 0.5);
+    let longest = (usual / LONGEST_WINDOW / series.block_s).log2().floor().max(0.0) as u32;
+    if longest > top && quiet.iter().any(|i| drifts(&channels, i)) {
+        let mut moving = vec![false; series.number.len()];
+        let whole = stretches(series, search, min_s);
+        for (track, _) in &channels {
+            mark(track, &whole, top + 1..=longest, &mut moving);
+        }
+        let again = |i: Interval| if drifts(&channels, &i) { runs(&moving, i.from, i.to) } else { vec![i] };
+        quiet = quiet.into_iter().flat_map(again).collect();
+    }
+    quiet.retain(|i| duration(i) >= min_s && !drifts(&channels, i));
     let keep = search.keep_short || search.min_s.is_some();
     let (intervals, short) = if keep { (quiet, Vec::new()) } else { without_pauses(series, quiet) };
     let (intervals, split) = split_by_the_clock(series, intervals);
@@ -110,10 +130,11 @@ fn stretches(series: &Series, search: &Search, min_s: f64) -> Vec<(usize, usize)
 }
 
 /// Marks the motion in one channel; the noise of differences between means of the longest kind.
-fn mark(track: &Track, stretches: &[(usize, usize)], top: u32, moving: &mut [bool]) -> f64 {
+fn mark(track: &Track, stretches: &[(usize, usize)], levels: RangeInclusive<u32>, moving: &mut [bool]) -> f64 {
     let mut noise = 0.0;
-    let mut around = Vec::new();
-    for level in 0..=top {
+    let shortest: Vec<(usize, f64)> = stretches.iter().flat_map(|&s| changes(track, s, 1)).collect();
+    let around = local(&shortest, track.mean.len());
+    for level in levels {
         let half = 1_usize << level;
         let changes: Vec<(usize, f64)> = stretches.iter().flat_map(|&s| changes(track, s, half)).collect();
         if changes.is_empty() {
@@ -124,9 +145,6 @@ fn mark(track: &Track, stretches: &[(usize, usize)], top: u32, moving: &mut [boo
         let rough = of(QUANTILE, NORMAL_QUANTILE, changes.iter().map(|c| c.1.abs()).collect());
         let still: Vec<f64> = changes.iter().map(|c| c.1.abs()).filter(|c| *c <= CHANGE * rough).collect();
         let sigma = of(0.5, NORMAL_MEDIAN, still).min(rough.max(least));
-        if level == 0 {
-            around = local(&changes, track.mean.len());
-        }
         let reach = half.div_ceil(2);
         let beyond = |c: &&(usize, f64)| {
             c.1.abs() > CHANGE * sigma && c.1.abs() > CHANGE * around[c.0 / LOCAL] / (half as f64).sqrt()
@@ -265,30 +283,34 @@ fn are_pauses(found: &[Interval], least: f64, duration: impl Fn(&Interval) -> f6
 }
 
 /// Splits an interval that lasts as long as k regular dwells and the pauses between them: one position twice, between
-/// which nothing moved.
+/// which nothing moved. The first and the last dwell may begin earlier or end later than by the clock, and are split in
+/// two at most: a station may stand still for long before and after its programme.
 fn split_by_the_clock(series: &Series, found: Vec<Interval>) -> (Vec<Interval>, usize) {
-    let duration = |i: &Interval| series.end_s(i.to) - series.start_s(i.from);
     let Some((dwell, period)) = clock(series, &found) else { return (found, 0) };
     let mut split = 0;
     let mut parts = Vec::new();
-    for interval in found {
-        let times = ((duration(&interval) - dwell) / period).round();
-        let expected = dwell + times * period;
-        if times < 1.0 || (duration(&interval) - expected).abs() > REGULAR * dwell {
+    let last = found.len() - 1;
+    for (place, interval) in found.into_iter().enumerate() {
+        let (start, end) = (series.start_s(interval.from), series.end_s(interval.to));
+        let more = ((end - start - dwell) / period).round();
+        let is_regular = (end - start - dwell - more * period).abs() <= REGULAR * dwell;
+        let at_end = (place == 0 || place == last) && AT_AN_END.contains(&((end - start - period) / dwell));
+        let times = if at_end { 1.0 } else { more };
+        if times < 1.0 || !(is_regular || at_end) {
             parts.push(interval);
             continue;
         }
         split += times as usize;
-        let start = series.start_s(interval.from);
+        let anchor = if place == 0 { end - dwell - times * period } else { start };
+        let block = |time: f64| {
+            let before = series.number[interval.from..interval.to].iter();
+            interval.from + before.take_while(|&&n| (n as f64 + 0.5) * series.block_s < time).count()
+        };
         for k in 0..=(times as usize) {
-            let begin = start + k as f64 * period;
-            let at = |time: f64| {
-                interval.from
-                    + (interval.from..interval.to)
-                        .take_while(|&b| series.start_s(b) < time - 0.5 * series.block_s)
-                        .count()
-            };
-            parts.push(Interval { from: at(begin), to: at(begin + dwell).max(at(begin) + 1) });
+            let begin = anchor + k as f64 * period;
+            let stop = if k == times as usize { end } else { begin + dwell };
+            let (from, to) = (block(begin), block(stop));
+            parts.push(Interval { from, to: to.max(from + 1) });
         }
     }
     (parts, split)

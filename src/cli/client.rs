@@ -13,6 +13,7 @@ use reqwest::{Certificate, Method, StatusCode};
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::common::service_address;
 use crate::system;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::ProblemBody;
@@ -77,7 +78,7 @@ pub struct Service {
 #[derive(Debug, clap::Args)]
 pub struct Connection {
     /// Address of the service
-    #[arg(long, env = "GYROWATCH_LISTEN", default_value = "127.0.0.1:8080")]
+    #[arg(long, env = "GYROWATCH_URL", default_value_t = service_address())]
     url: String,
 
     /// Access token, where the service asks for one

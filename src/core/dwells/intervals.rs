@@ -40,6 +40,8 @@ const LEAST_BLOCKS: f64 = 24.0;
 /// Change between neighbouring means, in standard deviations of such changes, that is no noise. 10^7 normal values
 /// pass 7 once in 10^5 logs.
 const CHANGE: f64 = 7.0;
+/// Growth of noise from one window to one of twice the length: white noise falls, flicker stays, motion doubles.
+const GROWTH: f64 = 1.2;
 /// Windows in a usual interval, over which slow motion is looked for.
 const LONGEST_WINDOW: f64 = 12.0;
 /// Change over an interval against the noise of short means that is a slow motion.
@@ -74,7 +76,7 @@ const AT_AN_END: std::ops::Range<f64> = 0.7..1.4;
 /// interval, differ by more than seven standard deviations of such differences in any channel. The noise is a quantile
 /// of these differences, then the median of those that are no motion. Gyros that turn are noisier than those at rest:
 /// what exceeds the log's noise must also exceed that of the blocks around, averaged down as white noise is. Noise
-/// averages, motion adds up. What is left are intervals; short disturbances between equal means are cut out, slow
+/// averages, motion adds up: what is taken for noise must not grow with the window. What is left are intervals; short disturbances between equal means are cut out, slow
 /// motion is left out. The blocks of disturbances are taken out of the series, so that no mean has them.
 pub fn find(series: &mut Series, watched: &[usize], search: &Search) -> Found {
     let min_s = search.min_s.unwrap_or_else(|| LEAST_S.max(LEAST_BLOCKS * series.block_s));
@@ -134,6 +136,7 @@ fn mark(track: &Track, stretches: &[(usize, usize)], levels: RangeInclusive<u32>
     let mut noise = 0.0;
     let shortest: Vec<(usize, f64)> = stretches.iter().flat_map(|&s| changes(track, s, 1)).collect();
     let around = local(&shortest, track.mean.len());
+    let mut most = f64::INFINITY;
     for level in levels {
         let half = 1_usize << level;
         let changes: Vec<(usize, f64)> = stretches.iter().flat_map(|&s| changes(track, s, half)).collect();
@@ -144,7 +147,8 @@ fn mark(track: &Track, stretches: &[(usize, usize)], levels: RangeInclusive<u32>
         let of = |share: f64, normal: f64, of: Vec<f64>| (quantile(of, share) / normal).max(least);
         let rough = of(QUANTILE, NORMAL_QUANTILE, changes.iter().map(|c| c.1.abs()).collect());
         let still: Vec<f64> = changes.iter().map(|c| c.1.abs()).filter(|c| *c <= CHANGE * rough).collect();
-        let sigma = of(0.5, NORMAL_MEDIAN, still).min(rough.max(least));
+        let sigma = of(0.5, NORMAL_MEDIAN, still).min(rough.max(least)).min(most).max(least);
+        most = GROWTH * sigma;
         let reach = half.div_ceil(2);
         let beyond = |c: &&(usize, f64)| {
             c.1.abs() > CHANGE * sigma && c.1.abs() > CHANGE * around[c.0 / LOCAL] / (half as f64).sqrt()

@@ -43,6 +43,7 @@ mod cookies;
 pub mod core;
 pub mod experiment;
 pub mod http;
+pub mod logs;
 pub mod pages;
 pub mod pipeline;
 pub mod routes;

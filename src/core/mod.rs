@@ -13,6 +13,7 @@ pub mod campaign;
 pub mod changes;
 pub mod delivery;
 pub mod diagnose;
+pub mod dwells;
 pub mod effects;
 pub mod fault;
 pub mod figures;

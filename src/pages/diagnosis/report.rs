@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn every_dwell_of_every_gyro_is_drawn() {
         let page = report_of("campaign-02.json", Language::English);
-        assert_eq!(page.matches("<circle").count(), 2 * 3 * 78);
+        assert_eq!(page.matches("<circle class=\"plain\"").count(), 2 * 3 * 78);
         let body = page.split("<main>").nth(1).unwrap();
         assert!(!body.contains("NaN") && !body.contains(">inf") && !body.contains("\"inf"));
     }

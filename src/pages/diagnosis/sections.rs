@@ -201,9 +201,10 @@ fn before_and_after(t: &Text, d: &DiagnosisBody, slots: &[(String, String)]) -> 
         section {
             h2 { (t.how_far) }
             p.note { (t.before_after_note) }
+            @let extent = residuals::extent(d.residuals.iter().flat_map(|one| [&one.before_deg_per_h, &one.after_deg_per_h]));
             @for (slot, serial) in slots {
                 h3 { (slot) " " (serial) }
-                (residuals::before_and_after(t, &d.residuals, slot))
+                (residuals::before_and_after(t, &d.residuals, slot, extent))
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::chart::{Across, Chart, Dot, Level, Track};
+use super::chart::{Across, Chart, Dot, Level, Track, bounds, widened};
 use super::figure::short;
 use super::text::Text;
 use crate::wire::diagnosis::ResidualBody;
@@ -68,6 +68,47 @@ fn picture(t: &Text, name: &str, unit: &str, tracks: Vec<Track>, band: Option<f6
         ..Chart::new(format!("{} {name}", t.residuals_by_dwell), caption, Across::Figure(t.dwell), x)
     };
     chart.markup()
+}
+
+/// One dwell: the figure that an effect follows, deg/h that it does not leave unexplained, and their uncertainty.
+pub(super) struct Point {
+    pub dwell: usize,
+    pub x: f64,
+    pub y: f64,
+    pub sd: f64,
+}
+
+/// An effect in one gyro.
+pub(super) struct Evidence {
+    pub name: String,
+    pub points: Vec<Point>,
+    /// Of the fit through zero, deg/h per unit of x.
+    pub slope: f64,
+}
+
+/// Residuals against what an effect follows, with its fit, all gyros on one scale.
+pub(super) fn evidence(t: &Text, all: &[Evidence]) -> Markup {
+    let points = || all.iter().flat_map(|one| &one.points);
+    let reach = 1.08 * extent(points().map(|point| &point.y)).max(f64::MIN_POSITIVE);
+    let Some(x) = bounds(points().map(|point| point.x)) else { return html! {} };
+    let x = widened(x, 0.05, 1.0);
+    let chart = |one: &Evidence| {
+        let dot = |point: &Point| Dot {
+            x: point.x,
+            y: point.y,
+            sd: Some(point.sd),
+            said: format!("{} {}: {} deg/h", t.dwell, point.dwell, short(point.y)),
+            ..Dot::default()
+        };
+        Chart {
+            range: Some((-reach, reach)),
+            height: HEIGHT,
+            tracks: vec![Track { class: "dot".into(), dots: one.points.iter().map(dot).collect(), ..Track::default() }],
+            lines: vec![("fit", [x.0, x.1].map(|x| (x, one.slope * x)).to_vec())],
+            ..Chart::new(format!("{}: {}", one.name, t.evidence_note), html! { span { (one.name) ", deg/h" } }, Across::Figure(t.regressor), x)
+        }
+    };
+    html! { div.charts.three { @for one in all { (chart(one).markup()) } } }
 }
 
 /// Gyros down, dwells across; the shade of a cell is its residual over its standard deviation.
@@ -136,6 +177,17 @@ mod tests {
             assert!(drawn.contains("<figcaption><span>deg/h</span>"), "{drawn}");
             assert!(drawn.contains("text-anchor=\"end\">dwell</text>"), "{drawn}");
         }
+    }
+
+    #[test]
+    fn the_fit_of_an_effect_goes_through_its_points() {
+        let point = |k: i32| Point { dwell: 0, x: f64::from(k), y: 0.002 * f64::from(k), sd: 1e-4 };
+        let one = Evidence { name: "G1".into(), points: (-3..=3).map(point).collect(), slope: 0.002 };
+        let drawn = evidence(Language::English.text(), &[one]).into_string();
+        let line = drawn.split("<polyline class=\"fit\" points=\"").nth(1).unwrap();
+        let ends: Vec<f64> = line.split('"').next().unwrap().split([',', ' ']).filter(|n| !n.is_empty()).map(|n| n.parse().unwrap()).collect();
+        assert!(ends[1] > ends[3] && (ends[1] + ends[3] - HEIGHT).abs() < 0.2, "{ends:?}");
+        assert_eq!(drawn.matches("<circle class=\"plain\"").count(), 7);
     }
 
     #[test]

@@ -259,8 +259,17 @@ catalogue! {
     diagnosis: "Diagnosis", "诊断";
     diagnosis_waiting: "Other diagnoses are being computed. This page loads itself again every few seconds.", "正在计算其他诊断，本页每隔几秒自动刷新。";
     gap_before: "Gap before", "解释前";
-    noise_alone: "Noise alone would leave", "仅有噪声时应余";
-    gap_after: "Left after", "解释后";
+    after_effect: "after", "计入后：";
+    ladder_note: "Error on dwells that were held out, after each effect in the order of adoption. Upright line: the noise floor.", "留出测点的误差，按采用顺序逐项计入效应后。竖线：噪声底。";
+    ladder_of_fit: "Root mean square of the residuals against the noise floor (upright line).", "残差均方根与噪声底（竖线）。";
+    semicolon: "; ", "；";
+    impact_none: "D_I and D_S are not moved beyond their noise.", "D_I与D_S的变化均在噪声范围内。";
+    impact_some: "It moves:", "造成的变化：";
+    evidence_note: "Residual without this effect against what the effect follows, with its fit. All gyros on one scale.", "不计该效应的残差与其回归量的关系及拟合线；各陀螺同一尺度。";
+    regressor: "regressor", "回归量";
+    ruled_out_same: "Explains the same as what is named", "与已指出的效应解释相同";
+    ruled_out_weaker: "Explains less", "解释较少";
+    ruled_out_within: "Within the noise", "在噪声范围内";
     model_in_use: "Model in use", "现用模型";
     noise_floor: "Noise floor", "噪声底";
     sign_of_more: "Sign of more", "还有其他迹象";
@@ -276,7 +285,6 @@ catalogue! {
     unit_word: "Unit", "单位";
     all_gyros: "all", "全部";
     held_out: "of the reducible gap closed on dwells that were held out:", "的可消除差异在留出的测点上得到解释：";
-    in_order: "Each closes of what those above it have left: their closures do not compare, their detectabilities do.", "每项的解释比例以前面各项所余差异为基准：解释比例不可相互比较，可检测度则可以。";
     located: "Where", "位置";
     heat_note: "Gyro by dwell. Shade: residual before over its standard uncertainty; full at six.", "陀螺×测点；颜色深浅为解释前残差与其标准不确定度之比，6倍时最深。";
     heat_map: "residual over uncertainty, gyro by dwell", "各陀螺各测点残差与不确定度之比";

@@ -545,6 +545,8 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
     let newest = "[...document.querySelectorAll(\"a[href$='/diagnosis']\")][1].pathname";
     let diagnosis = browser.eval(newest).await.as_str().unwrap().to_owned();
     let campaign = diagnosis.strip_suffix("/diagnosis").unwrap().to_owned();
+    let chosen = "'/compare?' + [...document.querySelectorAll('input[name=campaign]')].slice(0, 2).map((e) => 'campaign=' + e.value).join('&')";
+    let compared = browser.eval(chosen).await.as_str().unwrap().to_owned();
     browser.goto("/gyros/LFG-0004").await;
     let link = |start: &str| format!("document.querySelector(\"a[href^='{start}']\").pathname");
     let record = browser.eval(&link("/records/")).await;
@@ -575,6 +577,8 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
         ("hook", &hook),
         ("hook-new", "/hooks/new"),
         ("hook-delete", &delete),
+        ("compare-gyros", "/compare?gyro=LFG-0004&gyro=LFG-0005&gyro=LFG-0006"),
+        ("compare-campaigns", &compared),
         ("report-gyro", "/gyros/LFG-0004/report"),
         ("report-imu", "/imus/IMU-21/report"),
     ];
@@ -629,6 +633,15 @@ async fn a_report_prints_on_a_few_sheets_with_its_plots_and_without_what_is_for_
         let sheets = pdf.windows(11).filter(|bytes| *bytes == b"/Type /Page").count() - 1;
         assert!(pdf.starts_with(b"%PDF") && (2..=14).contains(&sheets), "{sheets} sheets");
         browser.on_paper().await;
+        if name == "gyro" {
+            // 297 mm less the margins of 14 and 16, at 96 pixels an inch.
+            let decide = browser.eval("document.querySelector('section.decide').getBoundingClientRect().height").await;
+            assert!(decide.as_f64().unwrap() < 1009.0, "the decision sheet is {decide} high");
+            // The newest points are on paper.
+            let newest = "[...document.querySelectorAll('section.decide svg.area')].map((area) => area.querySelector('.record').lastElementChild)";
+            let there = format!("{newest}.every((e) => e.getBoundingClientRect().right < innerWidth && e.checkVisibility())");
+            assert_eq!(browser.eval(&there).await, true);
+        }
         let shown = "[...document.querySelectorAll('header.bar, form, nav, .actions')].filter((e) => e.checkVisibility()).length";
         assert_eq!(browser.eval(shown).await, 0);
         assert_eq!(browser.eval("getComputedStyle(document.body).backgroundColor").await, "rgb(255, 255, 255)");
@@ -637,4 +650,28 @@ async fn a_report_prints_on_a_few_sheets_with_its_plots_and_without_what_is_for_
         browser.picture(&pictures().join(format!("paper-{name}.png"))).await;
     }
     browser.has_behaved().await;
+}
+
+#[tokio::test]
+async fn a_command_prints_a_report_and_refuses_what_is_none() {
+    if !chromium::is_installed() || !support::required("curl") {
+        return;
+    }
+    let demo = Demo::start();
+    let file = demo.dir.path().join("report.pdf");
+    let print = |address: String| {
+        let mut command = std::process::Command::new(Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/print_report"));
+        command.arg(address).arg(&file).env("CHROMIUM", "chromium --no-sandbox").env("GYROWATCH_LANGUAGE", "zh");
+        command.output().unwrap()
+    };
+    let done = print(format!("{}/gyros/LFG-0004/report", demo.base));
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let pdf = std::fs::read(&file).unwrap();
+    std::fs::write(pictures().join("printed-report.pdf"), &pdf).unwrap();
+    let sheets = pdf.windows(11).filter(|bytes| *bytes == b"/Type /Page").count() - 1;
+    assert!(pdf.starts_with(b"%PDF") && (2..=8).contains(&sheets), "{sheets} sheets");
+    for none in ["/gyros/LFG-0004", "/gyros/NOBODY/report"] {
+        let refused = print(format!("{}{none}", demo.base));
+        assert!(!refused.status.success() && !refused.stderr.is_empty(), "{none}");
+    }
 }

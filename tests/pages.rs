@@ -756,6 +756,16 @@ async fn a_report_has_its_plots_without_a_script() {
     let imu = page(&server, "/imus/IMU-B/report", &[("accept-language", "zh")]).await;
     assert!(imu.contains("惯性组合报告") && imu.contains("JUMP/1") && imu.contains("偏离基线"));
     assert_eq!(server.get("/gyros/NOBODY/report").await.status, 404);
+    // The first sheet is for deciding: limits in force, what the verdicts rest on, boxes; every sheet has its name.
+    let decide = part(&gyro, "<section class=\"decide\"", "</section>");
+    for there in ["+500 %", "judging.budget", "SHA-256", "newest record", "decision: re-test", "class=\"tick\"", "signature"] {
+        assert!(decide.contains(there), "{there} is not in {decide}");
+    }
+    assert_eq!(decide.matches("<figure class=\"chart\"").count(), 2);
+    assert!(gyro.contains("counter(page)") && gyro.contains("content: \"JUMP\\2f 1\""), "{gyro}");
+    let answer = server.get("/gyros/JUMP%2F1/report").await;
+    let policy = answer.headers["content-security-policy"].to_str().unwrap();
+    assert!(policy.contains("style-src 'self' 'sha256-") && !policy.contains("unsafe"), "{policy}");
 }
 
 /// A gyro without standard deviations, a month apart, in whatever IMU; its D_O is zero.
@@ -892,6 +902,41 @@ async fn a_decision_is_recorded_with_name_and_reason_and_stands_in_plot_report_a
     let steady = page(&server, "/gyros/STEADY", &[]).await;
     assert!(part(&steady, "<p class=\"decided\"", "</p>").contains("records since: 5"), "{steady}");
     assert!(steady.contains("2026-01-20 decision: re-test</title>"), "a flag in the pictures");
+}
+
+#[tokio::test]
+async fn gyros_and_campaigns_are_compared_from_the_page_of_their_imu() {
+    let server = Server::start().await;
+    for month in [3, 4] {
+        let body = campaign_with("/measured_at", json!(format!("2026-0{month}-01T08:00:00Z")));
+        let answer = server.post("/v1/campaigns", "application/json", body).await;
+        assert_eq!(answer.status, 201, "{}", answer.text());
+    }
+    let campaign: Value = serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap();
+    let imu = page(&server, &format!("/imus/{}", campaign["imu"].as_str().unwrap()), &[]).await;
+    let ticked: Vec<&str> =
+        imu.split("name=\"campaign\" value=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
+    assert_eq!(ticked.len(), 2, "{imu}");
+    let two = format!("/compare?campaign={}&campaign={}", ticked[1], ticked[0]);
+    let shown = page(&server, &two, &[]).await;
+    // The same dwells twice: every difference is nothing.
+    for there in ["(B - A)/σ", "+0.0", "Effects found", "2026-03-01 08:00 UTC", "2026-04-01 08:00 UTC"] {
+        assert!(shown.contains(there), "{there} is not in {shown}");
+    }
+    assert_eq!(shown.matches("<figure class=\"chart\"").count(), 6, "residuals of three gyros in two campaigns");
+    assert!(!shown.contains("beyond2") && !shown.contains("beyond3"), "{shown}");
+    let gyros = link(&imu, "/compare?gyro=", "/compare");
+    let shown = page(&server, &gyros, &[]).await;
+    assert_eq!(shown.matches("<figure class=\"chart\"").count(), 3);
+    for there in ["<g class=\"k0\"", "<g class=\"k2\"", "align=baseline", "+100 %"] {
+        assert!(shown.contains(there), "{there} is not in {shown}");
+    }
+    let serial = campaign["gyros"][0]["serial"].as_str().unwrap();
+    for (query, status) in
+        [(format!("gyro={serial}"), 400), (format!("gyro={serial}&gyro=NOBODY"), 404), (String::new(), 400), ("campaign=x&campaign=y".into(), 404)]
+    {
+        assert_eq!(server.get(&format!("/compare?{query}")).await.status, status, "{query}");
+    }
 }
 
 #[tokio::test]

@@ -639,7 +639,8 @@ async fn a_report_prints_on_a_few_sheets_with_its_plots_and_without_what_is_for_
             assert!(decide.as_f64().unwrap() < 1009.0, "the decision sheet is {decide} high");
             // The newest points are on paper.
             let newest = "[...document.querySelectorAll('section.decide svg.area')].map((area) => area.querySelector('.record').lastElementChild)";
-            let there = format!("{newest}.every((e) => e.getBoundingClientRect().right < innerWidth && e.checkVisibility())");
+            let there =
+                format!("{newest}.every((e) => e.getBoundingClientRect().right < innerWidth && e.checkVisibility())");
             assert_eq!(browser.eval(&there).await, true);
         }
         let shown = "[...document.querySelectorAll('header.bar, form, nav, .actions')].filter((e) => e.checkVisibility()).length";
@@ -660,7 +661,8 @@ async fn a_command_prints_a_report_and_refuses_what_is_none() {
     let demo = Demo::start();
     let file = demo.dir.path().join("report.pdf");
     let print = |address: String| {
-        let mut command = std::process::Command::new(Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/print_report"));
+        let mut command =
+            std::process::Command::new(Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/print_report"));
         command.arg(address).arg(&file).env("CHROMIUM", "chromium --no-sandbox").env("GYROWATCH_LANGUAGE", "zh");
         command.output().unwrap()
     };

@@ -758,7 +758,9 @@ async fn a_report_has_its_plots_without_a_script() {
     assert_eq!(server.get("/gyros/NOBODY/report").await.status, 404);
     // The first sheet is for deciding: limits in force, what the verdicts rest on, boxes; every sheet has its name.
     let decide = part(&gyro, "<section class=\"decide\"", "</section>");
-    for there in ["+500 %", "judging.budget", "SHA-256", "newest record", "decision: re-test", "class=\"tick\"", "signature"] {
+    for there in
+        ["+500 %", "judging.budget", "SHA-256", "newest record", "decision: re-test", "class=\"tick\"", "signature"]
+    {
         assert!(decide.contains(there), "{there} is not in {decide}");
     }
     assert_eq!(decide.matches("<figure class=\"chart\"").count(), 2);
@@ -932,9 +934,12 @@ async fn gyros_and_campaigns_are_compared_from_the_page_of_their_imu() {
         assert!(shown.contains(there), "{there} is not in {shown}");
     }
     let serial = campaign["gyros"][0]["serial"].as_str().unwrap();
-    for (query, status) in
-        [(format!("gyro={serial}"), 400), (format!("gyro={serial}&gyro=NOBODY"), 404), (String::new(), 400), ("campaign=x&campaign=y".into(), 404)]
-    {
+    for (query, status) in [
+        (format!("gyro={serial}"), 400),
+        (format!("gyro={serial}&gyro=NOBODY"), 404),
+        (String::new(), 400),
+        ("campaign=x&campaign=y".into(), 404),
+    ] {
         assert_eq!(server.get(&format!("/compare?{query}")).await.status, status, "{query}");
     }
 }

@@ -570,7 +570,7 @@ impl Plots {
     pub fn folded(&self, t: &Text) -> Markup {
         let speaks = |chart: &Chart| {
             let newest = chart.tracks.first().and_then(|track| track.dots.last());
-            newest.and_then(|dot| dot.status).is_some_and(|status| status > Status::InTolerance)
+            newest.and_then(|dot| dot.status).is_some_and(|status| status > Status::NotEnoughData)
         };
         html! {
             (self.of(&[0, 1]))

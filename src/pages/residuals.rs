@@ -105,7 +105,12 @@ pub(super) fn evidence(t: &Text, all: &[Evidence]) -> Markup {
             height: HEIGHT,
             tracks: vec![Track { class: "dot".into(), dots: one.points.iter().map(dot).collect(), ..Track::default() }],
             lines: vec![("fit", [x.0, x.1].map(|x| (x, one.slope * x)).to_vec())],
-            ..Chart::new(format!("{}: {}", one.name, t.evidence_note), html! { span { (one.name) ", deg/h" } }, Across::Figure(t.regressor), x)
+            ..Chart::new(
+                format!("{}: {}", one.name, t.evidence_note),
+                html! { span { (one.name) ", deg/h" } },
+                Across::Figure(t.regressor),
+                x,
+            )
         }
     };
     html! { div.charts.three { @for one in all { (chart(one).markup()) } } }
@@ -185,7 +190,14 @@ mod tests {
         let one = Evidence { name: "G1".into(), points: (-3..=3).map(point).collect(), slope: 0.002 };
         let drawn = evidence(Language::English.text(), &[one]).into_string();
         let line = drawn.split("<polyline class=\"fit\" points=\"").nth(1).unwrap();
-        let ends: Vec<f64> = line.split('"').next().unwrap().split([',', ' ']).filter(|n| !n.is_empty()).map(|n| n.parse().unwrap()).collect();
+        let ends: Vec<f64> = line
+            .split('"')
+            .next()
+            .unwrap()
+            .split([',', ' '])
+            .filter(|n| !n.is_empty())
+            .map(|n| n.parse().unwrap())
+            .collect();
         assert!(ends[1] > ends[3] && (ends[1] + ends[3] - HEIGHT).abs() < 0.2, "{ends:?}");
         assert_eq!(drawn.matches("<circle class=\"plain\"").count(), 7);
     }

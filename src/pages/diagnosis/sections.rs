@@ -52,7 +52,11 @@ fn effect_word<'a>(t: &'a Text, id: &'a str) -> &'a str {
 /// `G1 -1.108 ± 0.087 ppm; G2 …`: the coefficients as an engineer writes them.
 fn sizes(t: &Text, effect: &EffectBody) -> String {
     let size = |estimate: &EstimateBody| {
-        let (factor, unit) = if is_shape(estimate) { (1.0, estimate.unit.trim_matches('1')) } else { in_engineers_units(&estimate.unit) };
+        let (factor, unit) = if is_shape(estimate) {
+            (1.0, estimate.unit.trim_matches('1'))
+        } else {
+            in_engineers_units(&estimate.unit)
+        };
         let slot = if estimate.slot == "all" { String::new() } else { format!("{} ", estimate.slot) };
         let name = if estimate.name == "k" { String::new() } else { format!("{} = ", estimate.name) };
         let value = figure::with_sd(factor * estimate.value, Some(factor * estimate.sd).filter(|sd| *sd > 0.0), 3);
@@ -148,14 +152,18 @@ fn effects(t: &Text, d: &DiagnosisBody, gyros: &[(String, String)]) -> Markup {
 /// scale. Where it has one coefficient, x is its regressor.
 fn evidence(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String, String)]) -> Markup {
     let single = |slot: &str| {
-        let own: Vec<&EstimateBody> = effect.estimates.iter().filter(|one| !is_shape(one) && (one.slot == slot || one.slot == "all")).collect();
+        let own: Vec<&EstimateBody> =
+            effect.estimates.iter().filter(|one| !is_shape(one) && (one.slot == slot || one.slot == "all")).collect();
         match own.as_slice() {
             [one] if one.value != 0.0 => one.value,
             _ => 1.0,
         }
     };
     let after = |slot: &str, dwell: usize| {
-        d.residuals.iter().find(|one| one.slot == slot && one.index == dwell).map(|one| (one.after_deg_per_h, one.sd_deg_per_h))
+        d.residuals
+            .iter()
+            .find(|one| one.slot == slot && one.index == dwell)
+            .map(|one| (one.after_deg_per_h, one.sd_deg_per_h))
     };
     let pictures: Vec<residuals::Evidence> = (effect.drift.iter())
         .map(|drift| {
@@ -255,7 +263,8 @@ fn candidates(t: &Text, d: &DiagnosisBody) -> Markup {
     let named = |id: &String| d.effects.iter().any(|effect| effect.class.contains(id));
     let same = |one: &&CandidateBody| named(&one.effect) || !one.within_noise && one.finding.code == "one_class_with";
     let (same, others): (Vec<&CandidateBody>, Vec<&CandidateBody>) = d.candidates.iter().partition(same);
-    let (within, weaker): (Vec<&CandidateBody>, Vec<&CandidateBody>) = others.into_iter().partition(|one| one.within_noise);
+    let (within, weaker): (Vec<&CandidateBody>, Vec<&CandidateBody>) =
+        others.into_iter().partition(|one| one.within_noise);
     html! {
         @if !d.candidates.is_empty() {
             section {
@@ -384,7 +393,6 @@ fn next(t: &Text, d: &DiagnosisBody) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::diagnosis::HeldOutBody;
     use crate::words::Language;
 
     #[test]
@@ -397,7 +405,8 @@ mod tests {
             unit: unit.into(),
         };
         let of = |estimates: Vec<EstimateBody>| {
-            let held_out = HeldOutBody { before_deg_per_h: 1.0, after_deg_per_h: 0.5, closure: 0.9, interval: [0.8, 1.0] };
+            let held_out =
+                HeldOutBody { before_deg_per_h: 1.0, after_deg_per_h: 0.5, closure: 0.9, interval: [0.8, 1.0] };
             let effect = EffectBody {
                 effect: "scale_asymmetry".into(),
                 class: vec![],

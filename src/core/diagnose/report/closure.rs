@@ -15,6 +15,7 @@ use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
 use crate::core::diagnose::search::refined_shape::shape_sd;
 use crate::core::diagnose::search::stepwise::Search;
 use crate::core::effects::{Estimate, Shape};
+use crate::core::mounting::Slot;
 use crate::core::numerics::basis::{Basis, axpy, dot};
 
 /// Probability below which there is a gap. The search has as much of it as its first name is refused at, the tests

@@ -545,7 +545,8 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
     let newest = "[...document.querySelectorAll(\"a[href$='/diagnosis']\")][1].pathname";
     let diagnosis = browser.eval(newest).await.as_str().unwrap().to_owned();
     let campaign = diagnosis.strip_suffix("/diagnosis").unwrap().to_owned();
-    let chosen = "'/compare?' + [...document.querySelectorAll('input[name=campaign]')].slice(0, 2).map((e) => 'campaign=' + e.value).join('&')";
+    let chosen = "'/compare?' + [...document.querySelectorAll('input[name=campaign]')].slice(0, 2) \
+        .map((e) => 'campaign=' + e.value).join('&')";
     let compared = browser.eval(chosen).await.as_str().unwrap().to_owned();
     browser.goto("/gyros/LFG-0004").await;
     let link = |start: &str| format!("document.querySelector(\"a[href^='{start}']\").pathname");
@@ -638,7 +639,8 @@ async fn a_report_prints_on_a_few_sheets_with_its_plots_and_without_what_is_for_
             let decide = browser.eval("document.querySelector('section.decide').getBoundingClientRect().height").await;
             assert!(decide.as_f64().unwrap() < 1009.0, "the decision sheet is {decide} high");
             // The newest points are on paper.
-            let newest = "[...document.querySelectorAll('section.decide svg.area')].map((area) => area.querySelector('.record').lastElementChild)";
+            let newest = "[...document.querySelectorAll('section.decide svg.area')] \
+                .map((area) => area.querySelector('g.record').lastElementChild)";
             let there =
                 format!("{newest}.every((e) => e.getBoundingClientRect().right < innerWidth && e.checkVisibility())");
             assert_eq!(browser.eval(&there).await, true);

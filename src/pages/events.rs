@@ -170,7 +170,8 @@ fn what_it_resets(viewer: &Viewer, about: About) -> Markup {
         @if about != About::Decision { ul {
             @for event in about.events() {
                 @let rules = resets(event);
-                li { strong { (t.event(event)) } ": " (if rules.is_empty() { t.resets_nothing.to_owned() } else { rules.join(", ") }) }
+                @let said = if rules.is_empty() { t.resets_nothing.to_owned() } else { rules.join(", ") };
+                li { strong { (t.event(event)) } ": " (said) }
             }
         } }
     }

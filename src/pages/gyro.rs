@@ -181,12 +181,14 @@ fn history(viewer: &Viewer, serial: &str, view: &View, facts: &Facts, names: &Na
             div.tabs {
                 nav aria-label=(t.axis_word) {
                     @for (name, absolute) in [(t.axis_deviation, false), (t.axis_absolute, true)] {
-                        a href=(to(View { absolute, ..*view })) aria-current=[(absolute == view.absolute).then_some("true")] { (name) }
+                        @let here = (absolute == view.absolute).then_some("true");
+                        a href=(to(View { absolute, ..*view })) aria-current=[here] { (name) }
                     }
                 }
                 nav aria-label=(t.method) {
                     @for shown in Shown::ALL {
-                        a href=(to(View { shown, ..*view })) aria-current=[(shown == view.shown).then_some("true")] { (shown.title(t)) }
+                        @let here = (shown == view.shown).then_some("true");
+                        a href=(to(View { shown, ..*view })) aria-current=[here] { (shown.title(t)) }
                     }
                 }
                 nav aria-label=(t.span_word) {
@@ -194,7 +196,9 @@ fn history(viewer: &Viewer, serial: &str, view: &View, facts: &Facts, names: &Na
                     @for (name, from) in since {
                         @if from.is_some() {
                             @let part = View { from, ..whole };
-                            a href=(to(part)) aria-current=[(part.address() == view.address()).then_some("true")] { (name) }
+                            a href=(to(part)) aria-current=[(part.address() == view.address()).then_some("true")] {
+                                (name)
+                            }
                         }
                     }
                 }

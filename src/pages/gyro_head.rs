@@ -11,7 +11,7 @@ use super::text::Text;
 use super::viewer::Viewer;
 use crate::config::JudgedMethod;
 use crate::core::access::Role;
-use crate::core::changes::cause_word;
+use crate::core::changes::{HistoryDiagnosis, NamedCause, cause_word};
 use crate::core::judge::{
     Coefficient, Event, Finding, Load, Measured, Standpoint, Status, Suggestion, Verdict, suggest,
 };
@@ -156,7 +156,9 @@ fn load_row(t: &Text, stand: &Stand) -> Markup {
     let name = DRIFTS[stand.column];
     html! {
         tr {
-            th scope="row" title=[Coefficient::from_name(name).map(|coefficient| t.meaning(coefficient))] { (symbol(name)) }
+            th scope="row" title=[Coefficient::from_name(name).map(|coefficient| t.meaning(coefficient))] {
+                (symbol(name))
+            }
             @if let Some(load) = &stand.load {
                 td.n.load { (figure::load(load.share(), load.sd())) }
                 td.bars { (bar(load.share(), load.sd(), stand.status)) }
@@ -164,13 +166,18 @@ fn load_row(t: &Text, stand: &Stand) -> Markup {
             td.stands {
                 (status::badge(t, Some(stand.status)))
                 @if let Some(run) = &stand.run {
-                    " " span.quiet { (t.since_then) " " (instant(run.since)) " (" (run.records) " " (t.records_short) ")" }
+                    " "
+                    span.quiet { (t.since_then) " " (instant(run.since)) " (" (run.records) " " (t.records_short) ")" }
                 } @else if stand.load.is_none() { " " span.quiet { (t.baseline_forming) } }
             }
-            td.n data-label=(t.deviation) { @if let Some(load) = &stand.load { (figure::signed_drift(load.deviation.value, load.deviation.sd)) } }
+            td.n data-label=(t.deviation) {
+                @if let Some(load) = &stand.load { (figure::signed_drift(load.deviation.value, load.deviation.sd)) }
+            }
             td.n.quiet data-label=(t.value) { (figure::drift(stand.measured.value, stand.measured.sd)) }
             td.n.quiet data-label=(t.baseline_word) {
-                @if let Some(load) = &stand.load { (format!("{:.*}", figure::places_beside(stand.measured.sd, 6), load.level)) }
+                @if let Some(load) = &stand.load {
+                    (format!("{:.*}", figure::places_beside(stand.measured.sd, 6), load.level))
+                }
             }
         }
     }
@@ -185,7 +192,9 @@ pub(super) fn bar(share: f64, sd: Option<f64>, status: Status) -> Markup {
         svg.bullet viewBox="0 0 150 16" aria-hidden="true" {
             rect.band x=(one(-1.0)) y="2" width="96" height="12" {}
             line.level x1="75" x2="75" y1="0" y2="16" {}
-            @if let Some(sd) = sd.filter(|_| !beyond) { line.bar x1=(one(share - sd)) x2=(one(share + sd)) y1="8" y2="8" {} }
+            @if let Some(sd) = sd.filter(|_| !beyond) {
+                line.bar x1=(one(share - sd)) x2=(one(share + sd)) y1="8" y2="8" {}
+            }
             @if beyond {
                 path class=(status.name()) d=(if share > 0.0 { "M140 2l8 6l-8 6z" } else { "M10 2l-8 6l8 6z" }) {}
             } @else { circle class=(status.name()) cx=(one(share)) cy="8" r="4" {} }
@@ -202,11 +211,15 @@ fn causes(t: &Text, serial: &str, facts: &Facts, explained: Option<&ExplainedHis
             @for (_, answer) in answers.filter(|(column, _)| speaks(*column)) {
                 p {
                     strong { (t.cause) " " (symbol(answer.coefficient.name())) (t.colon) } " "
-                    @let (of_station, own): (Vec<_>, Vec<_>) = answer.causes.iter().partition(|cause| cause.cause == "station");
-                    @for cause in own.into_iter().chain(of_station).take(MOST_CAUSES) {
+                    @let (own, of_station) = (causes_of(answer, false), causes_of(answer, true));
+                    @for cause in own.chain(of_station).take(MOST_CAUSES) {
                         (t.words(&cause_word(cause.cause))) " ("
                         (t.words(&cause.tie.message())) ") "
-                        span.nowrap { (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) " " (drift_unit(t, cause.estimate.unit)) } "; "
+                        span.nowrap {
+                            (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) " "
+                            (drift_unit(t, cause.estimate.unit))
+                        }
+                        "; "
                     }
                     @for said in answer.sentences(None).iter().take(1) { (t.words(said)) }
                 }
@@ -219,6 +232,11 @@ fn causes(t: &Text, serial: &str, facts: &Facts, explained: Option<&ExplainedHis
             }
         }
     }
+}
+
+/// The causes that the station is, or the gyro's own.
+fn causes_of(answer: &HistoryDiagnosis, station: bool) -> impl Iterator<Item = &NamedCause> {
+    answer.causes.iter().filter(move |cause| (cause.cause == "station") == station)
 }
 
 /// A unit of the diagnosis of histories as people read it.

@@ -485,7 +485,9 @@ fn flags(t: &Text, course: &Course, view: &View, place: &str) -> Vec<Flag> {
 fn list(flags: &[Flag]) -> Markup {
     html! {
         @if !flags.is_empty() {
-            ol.flags { @for flag in flags { li id=(flag.anchor) value=(flag.number) { span translate="no" { (flag.label) } } } }
+            ol.flags {
+                @for flag in flags { li id=(flag.anchor) value=(flag.number) { span translate="no" { (flag.label) } } }
+            }
         }
     }
 }
@@ -525,26 +527,34 @@ fn legend(t: &Text, charts: &[(usize, Chart)], drawing: &Drawing<'_>) -> Markup 
         .enumerate()
         .filter(|(k, _)| tracks().any(|track| track.class == format!("bench{k}")));
     let any = |of: fn(&Chart) -> bool| charts.iter().any(|(_, chart)| of(chart));
-    let mark = |class: &str, shape: Markup| html! { svg.key aria-hidden="true" viewBox="-7 -7 14 14" { g class=(class) { (shape) } } };
+    let mark = |class: &str, shape: Markup| {
+        html! { svg.key aria-hidden="true" viewBox="-7 -7 14 14" { g class=(class) { (shape) } } }
+    };
+    let of_status = |status: Status| match status {
+        speaks if speaks >= Status::Drifting => html! { path class=(status.name()) d="M0-4.5l4.2 7.4h-8.4z" {} },
+        _ => html! { circle class=(status.name()) r="3" {} },
+    };
     html! {
         ul.legend {
             @for status in Status::ALL.into_iter().filter(occurs) {
-                li {
-                    (mark("record", if status >= Status::Drifting { html! { path class=(status.name()) d="M0-4.5l4.2 7.4h-8.4z" {} } }
-                        else { html! { circle class=(status.name()) r="3" {} } }))
-                    (t.status(status))
-                }
+                li { (mark("record", of_status(status))) (t.status(status)) }
             }
-            @for (k, method) in benches { li { (mark(&format!("bench{k}"), html! { circle.plain r="3" {} })) (t.method(method.name())) } }
+            @for (k, method) in benches {
+                li { (mark(&format!("bench{k}"), html! { circle.plain r="3" {} })) (t.method(method.name())) }
+            }
             @for rule in Rule::ALL.into_iter().filter(speaks) { li { b { (letter(rule)) } " " (t.rule(rule)) } }
-            @if drawing.budgets.iter().any(Option::is_some) { li { (mark("", html! { line.budget x1="-7" x2="7" {} })) (t.budget_line) } }
+            @if drawing.budgets.iter().any(Option::is_some) {
+                li { (mark("", html! { line.budget x1="-7" x2="7" {} })) (t.budget_line) }
+            }
             @if any(|chart| chart.levels.iter().any(|level| level.control.is_some())) {
                 li { (mark("", html! { line.control x1="-7" x2="7" {} })) (t.control_line) }
             }
             @if any(|chart| chart.levels.iter().any(|level| level.made.is_some())) {
                 li { (mark("", html! { rect.made x="-7" y="-5" width="14" height="10" {} })) (t.baseline_records) }
             }
-            @if any(|chart| chart.ahead.is_some()) { li { (mark("", html! { polyline.ahead points="-7,4 7,-4" {} })) (t.trend_line) } }
+            @if any(|chart| chart.ahead.is_some()) {
+                li { (mark("", html! { polyline.ahead points="-7,4 7,-4" {} })) (t.trend_line) }
+            }
         }
     }
 }
@@ -553,7 +563,11 @@ impl Plots {
     /// The pictures of some columns, side by side.
     pub fn of(&self, columns: &[usize]) -> Markup {
         html! {
-            div.charts { @for (_, chart) in self.charts.iter().filter(|(column, _)| columns.contains(column)) { (chart.markup()) } }
+            div.charts {
+                @for (_, chart) in self.charts.iter().filter(|(column, _)| columns.contains(column)) {
+                    (chart.markup())
+                }
+            }
         }
     }
 

@@ -59,9 +59,8 @@ async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Proble
         p.actions {
             a.action href={ "/imus/" (encoded(imu)) "/report" } { (t.report) }
             @if seats.now.len() > 1 {
-                a.action href={ "/compare?" (seats.now.iter().map(|gyro| format!("gyro={}", encoded(&gyro.serial))).collect::<Vec<_>>().join("&")) } {
-                    (t.compare_gyros)
-                }
+                @let gyros = seats.now.iter().map(|gyro| format!("gyro={}", encoded(&gyro.serial)));
+                a.action href={ "/compare?" (gyros.collect::<Vec<_>>().join("&")) } { (t.compare_gyros) }
             }
         }
         (seated(pages, t, &seats))

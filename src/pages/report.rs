@@ -63,8 +63,12 @@ async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, P
             (history::happenings(viewer, &facts.course, &names))
             section {
                 h2 { (t.calibrations) }
-                p.note { (t.newest_of) " " (count.min(ROWS)) " / " (count) ", " (t.method_of(view.shown.separation())) ", " (t.unit) }
-                (calibration_table(viewer, view.shown, &facts.statuses, facts.course.figures.iter().rev().take(ROWS), &names, false))
+                p.note {
+                    (t.newest_of) " " (count.min(ROWS)) " / " (count) ", " (t.method_of(view.shown.separation())) ", "
+                    (t.unit)
+                }
+                @let rows = facts.course.figures.iter().rev().take(ROWS);
+                (calibration_table(viewer, view.shown, &facts.statuses, rows, &names, false))
             }
         }
     };
@@ -147,12 +151,15 @@ fn limits(t: &Text, limits: &Limits) -> Markup {
                     tr {
                         td { (t.rule(rule)) }
                         @for limit in &all { td.n { @if let Some(limit) = limit { (figure::short(limit.value)) } } }
-                        @let keys: BTreeSet<String> = all.iter().flatten().map(|limit| limit.from.to_string()).collect();
-                        td { @for key in keys { code { (key) } " " } }
+                        @let keys = all.iter().flatten().map(|limit| limit.from.to_string());
+                        td { @for key in keys.collect::<BTreeSet<String>>() { code { (key) } " " } }
                     }
                 }
                 @if let Some(limit) = &limits.interval_days {
-                    tr { td { (t.rule(Rule::Overdue)) } td.n colspan="3" { (limit.value) " " (t.days) } td { code { (limit.from) } } }
+                    tr {
+                        td { (t.rule(Rule::Overdue)) } td.n colspan="3" { (limit.value) " " (t.days) }
+                        td { code { (limit.from) } }
+                    }
                 }
             }
         }

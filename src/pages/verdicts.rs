@@ -83,7 +83,10 @@ pub(super) fn table(viewer: &Viewer, verdicts: &[Said], alerts: &[AlertBody], he
         }
         @if !rest.is_empty() {
             details {
-                summary { (t.passed) " " (rest.len() - waiting) (t.stop) @if waiting > 0 { " " (t.too_few) " " (waiting) (t.stop) } }
+                summary {
+                    (t.passed) " " (rest.len() - waiting) (t.stop)
+                    @if waiting > 0 { " " (t.too_few) " " (waiting) (t.stop) }
+                }
                 (framed(t, &rows(&rest)))
             }
         }
@@ -117,12 +120,23 @@ fn row(viewer: &Viewer, said: &Said, alert: Option<&AlertBody>, here: Option<&st
                 }
             }
             td.n data-label=(t.value) {
-                @if let Some(value) = value { (format!("{value:.p$}")) @if let Some(sd) = sd { " ± " (format!("{:.*}", sd_digits(*sd, *limit), sd)) } }
+                @if let Some(value) = value {
+                    (format!("{value:.p$}"))
+                    @if let Some(sd) = sd { " ± " (format!("{:.*}", sd_digits(*sd, *limit), sd)) }
+                }
             }
             td.n data-label=(t.limit) { @if bounded { (format!("{limit:.p$}")) } }
-            td.n data-label="%" { @if let Some(value) = value.filter(|_| bounded && *limit > 0.0) { (format!("{:.0}", 100.0 * value / limit)) } }
-            td data-label=(t.since) { @if let Some(since) = alert.and_then(|alert| alert.since.as_ref()) { (written(since)) } }
-            td.n data-label=(t.probability) { @if let Some(probability) = said.body.probability { (certainty(probability)) } }
+            td.n data-label="%" {
+                @if let Some(value) = value.filter(|_| bounded && *limit > 0.0) {
+                    (format!("{:.0}", 100.0 * value / limit))
+                }
+            }
+            td data-label=(t.since) {
+                @if let Some(since) = alert.and_then(|alert| alert.since.as_ref()) { (written(since)) }
+            }
+            td.n data-label=(t.probability) {
+                @if let Some(probability) = said.body.probability { (certainty(probability)) }
+            }
             td { @if let Some(alert) = alert { (told(viewer, alert, here)) } }
         }
     }
@@ -136,7 +150,9 @@ fn alert_row(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
             td { (status::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
             th.words scope="row" {
                 details.why {
-                    summary { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
+                    summary {
+                        (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule)))
+                    }
                     p { (alert.finding.reason.words(viewer.language)) }
                 }
             }
@@ -164,7 +180,9 @@ fn told(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
     html! {
         (t.standing(&alert.state))
         @if let Some(said) = &alert.acknowledged { (remark(t.said_by, &said.by, &said.reason)) }
-        @if let Some(said) = &alert.silenced { " " (t.until) " " (written(&said.until)) (remark(t.said_by, &said.by, &said.reason)) }
+        @if let Some(said) = &alert.silenced {
+            " " (t.until) " " (written(&said.until)) (remark(t.said_by, &said.by, &said.reason))
+        }
         @if let Some(here) = here.filter(|_| viewer.may(Role::Engineer)) {
             " " span.actions.no-print {
                 @if alert.acknowledged.is_none() { a href=(deed("acknowledge", here)) { (t.acknowledge) } }

@@ -233,7 +233,8 @@ impl Chart {
         html! {
             figure.chart {
                 figcaption { (self.caption) }
-                div.picture.bare[self.whole.is_none()] role="group" tabindex="0" aria-label=(self.label) data-from=(from) data-until=(until) {
+                div.picture.bare[self.whole.is_none()] role="group" tabindex="0" aria-label=(self.label)
+                    data-from=(from) data-until=(until) {
                     svg.axis width=(LEFT) height=(whole) { (self.left(&scale)) }
                     svg.area height=(whole - TOP) {
                         (self.ground(&scale))
@@ -256,7 +257,9 @@ impl Chart {
         html! {
             @for figure in shown {
                 @let y = place(TOP + scale.y(figure.at) + 4.0);
-                @let text = if self.signed && figure.at != 0.0 { format!("{:+.decimals$}", figure.at) } else { format!("{:.decimals$}", figure.at) };
+                @let signed = self.signed && figure.at != 0.0;
+                @let plain = format!("{:.decimals$}", figure.at);
+                @let text = if signed { format!("{:+.decimals$}", figure.at) } else { plain };
                 text.limit[figure.named && figure.at != 0.0] x=(LEFT - 6.0) y=(y) text-anchor="end" { (text) }
             }
         }
@@ -275,6 +278,11 @@ impl Chart {
         }
     }
 
+    /// The view of what is stretched to the width of the picture.
+    fn stretched(&self) -> String {
+        format!("0 0 1000 {}", self.height)
+    }
+
     /// What the points stand before.
     fn ground(&self, scale: &Scale) -> Markup {
         let (figures, _) = round_steps(scale.y, 6.0);
@@ -290,7 +298,7 @@ impl Chart {
             } }
             @if let Some(ahead) = &self.ahead { (self.ahead(scale, ahead)) }
             @if !self.lines.is_empty() || self.tracks.iter().any(|track| track.joined || !track.envelope.is_empty()) {
-                svg.stretched width="100%" height=(self.height) viewBox={ "0 0 1000 " (self.height) } preserveAspectRatio="none" {
+                svg.stretched width="100%" height=(self.height) viewBox=(self.stretched()) preserveAspectRatio="none" {
                     @for track in &self.tracks {
                         @if !track.envelope.is_empty() { (envelope(scale, track)) }
                         @if track.joined { path class={ "join " (track.class) } d=(joined(scale, track)) {} }
@@ -318,7 +326,9 @@ impl Chart {
                 rect.band x=(x) y=(place(top)) width=(width) height=(place(bottom - top)) {}
                 @if let Some((from, until)) = level.made {
                     @let (x, width) = scale.stretch(from, until);
-                    rect.made x=(x) y=(place(top)) width=(width) height=(place(bottom - top)) { title { (level.label) } }
+                    rect.made x=(x) y=(place(top)) width=(width) height=(place(bottom - top)) {
+                        title { (level.label) }
+                    }
                 }
                 (across("budget", level.at + budget)) (across("budget", level.at - budget))
             }
@@ -332,8 +342,10 @@ impl Chart {
     fn ahead(&self, scale: &Scale, ahead: &Ahead) -> Markup {
         let [_, now, _] = ahead.line;
         html! {
-            svg.stretched width="100%" height=(self.height) viewBox={ "0 0 1000 " (self.height) } preserveAspectRatio="none" {
-                @if let Some([early, late]) = ahead.cone { polygon.cone points=(corners(scale, &[now, early, late])) {} }
+            svg.stretched width="100%" height=(self.height) viewBox=(self.stretched()) preserveAspectRatio="none" {
+                @if let Some([early, late]) = ahead.cone {
+                    polygon.cone points=(corners(scale, &[now, early, late])) {}
+                }
                 polyline.ahead points=(corners(scale, &ahead.line)) {}
             }
         }
@@ -353,7 +365,9 @@ impl Chart {
         }
         html! {
             g class=(track.class) {
-                @for (dot, lettered) in track.dots.iter().zip(lettered) { (self.dot(scale, dot, lettered, bars, reach)) }
+                @for (dot, lettered) in track.dots.iter().zip(lettered) {
+                    (self.dot(scale, dot, lettered, bars, reach))
+                }
             }
         }
     }
@@ -368,7 +382,9 @@ impl Chart {
             let (arrow, at) = if up { ("M0-3l5 8h-10z", 16.0) } else { ("M0 3l5-8h-10z", -9.0) };
             let text = format!("{:+}", short(dot.y));
             return html! {
-                svg.mark x=(x) y=(place(y)) { path class={ "off " (class) } d=(arrow) {} text.halo y=(at) text-anchor="middle" { (text) } }
+                svg.mark x=(x) y=(place(y)) {
+                    path class={ "off " (class) } d=(arrow) {} text.halo y=(at) text-anchor="middle" { (text) }
+                }
             };
         }
         let y = scale.y(dot.y);
@@ -400,7 +416,8 @@ impl Chart {
             @for level in &self.levels {
                 @let wide = (level.until - level.from) / (self.x.1 - self.x.0);
                 @if !level.label.is_empty() && wide > 0.012 * level.label.chars().count() as f64 {
-                    @let y = level.budget.map_or(self.height - 4.0, |budget| (scale.y(level.at - budget) - 4.0).clamp(LINE, self.height - 2.0));
+                    @let foot = |budget: f64| (scale.y(level.at - budget) - 4.0).clamp(LINE, self.height - 2.0);
+                    @let y = level.budget.map_or(self.height - 4.0, foot);
                     text.halo x=(scale.x(level.from)) dx="3" y=(place(y)) { (level.label) }
                 }
             }
@@ -442,7 +459,9 @@ impl Chart {
                     @for x in figures {
                         @let share = (x - self.x.0) / (self.x.1 - self.x.0);
                         line.tick x1=(scale.x(x)) x2=(scale.x(x)) y1=(self.height) y2=(self.height + 3.0) {}
-                        @if share < 0.82 { text.date x=(scale.x(x)) y=(foot) text-anchor="middle" { (format!("{x:.decimals$}")) } }
+                        @if share < 0.82 {
+                            text.date x=(scale.x(x)) y=(foot) text-anchor="middle" { (format!("{x:.decimals$}")) }
+                        }
                     }
                     text x="100%" y=(foot) text-anchor="end" { (name) }
                 }
@@ -470,7 +489,9 @@ impl Chart {
         html! {
             @for dot in shown {
                 @let y = place(scale.y(dot.y));
-                a.point href=[dot.href.as_deref()] tabindex="-1" { title { (dot.said) } circle cx=(scale.x(dot.x)) cy=(y) r="8" {} }
+                a.point href=[dot.href.as_deref()] tabindex="-1" {
+                    title { (dot.said) } circle cx=(scale.x(dot.x)) cy=(y) r="8" {}
+                }
             }
         }
     }

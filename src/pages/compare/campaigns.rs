@@ -1,5 +1,5 @@
-//! Two campaigns side by side: parameters with their difference over its standard deviation, residuals on one scale, the
-//! effects found in each.
+//! Two campaigns side by side: parameters with their difference over its standard deviation, residuals on one scale,
+//! the effects found in each.
 
 use std::time::Duration;
 
@@ -31,7 +31,11 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, ids: [&str; 2]) -> Resu
         h1 { (t.compare) ": " (t.kind_campaign) }
         div.scroll tabindex="0" { table.cards {
             thead { tr { th {} th { (t.imu) } th { (t.station) } th { (t.measured_at) } th { (t.effects_found) } } }
-            tbody { @for ((name, stored), found) in ["A", "B"].into_iter().zip(&both).zip(&found) { (side(t, name, stored, found)) } }
+            tbody {
+                @for ((name, stored), found) in ["A", "B"].into_iter().zip(&both).zip(&found) {
+                    (side(t, name, stored, found))
+                }
+            }
         } }
         @if both[0].answer.imu != both[1].answer.imu { p.note { (t.other_imus) } }
         @if pairs.is_empty() { p { (t.no_common_slot) } }
@@ -40,9 +44,12 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, ids: [&str; 2]) -> Resu
                 h2 { (slot.name()) " " (serials(a, b)) }
                 @if a.serial != b.serial { p.fault { (t.other_gyros) } }
                 (parameters(t, &both, *slot, a, b))
-                @let extent = residuals::extent([a, b].into_iter().filter_map(|fit| fit.residuals.deg_per_h.as_ref()).flatten());
+                @let of_both = [a, b].into_iter().filter_map(|fit| fit.residuals.deg_per_h.as_ref());
+                @let extent = residuals::extent(of_both.flatten());
                 @for (name, fit) in [("A", a), ("B", b)] {
-                    @if let Some(residuals) = &fit.residuals.deg_per_h { (residuals::in_rate(t, &format!("{name} {}", fit.serial), residuals, extent)) }
+                    @if let Some(residuals) = &fit.residuals.deg_per_h {
+                        (residuals::in_rate(t, &format!("{name} {}", fit.serial), residuals, extent))
+                    }
                 }
             }
         }
@@ -137,7 +144,12 @@ fn lines(both: &[StoredCampaign; 2], slot: Slot, a: &GyroFitBody, b: &GyroFitBod
 fn parameters(t: &Text, both: &[StoredCampaign; 2], slot: Slot, a: &GyroFitBody, b: &GyroFitBody) -> Markup {
     html! {
         div.scroll tabindex="0" { table.cards {
-            thead { tr { th { (t.parameter) } th.n { "A" } th.n { "B" } th.n { "B - A" } th.n { "(B - A)/σ" } th { (t.unit_word) } } }
+            thead {
+                tr {
+                    th { (t.parameter) } th.n { "A" } th.n { "B" } th.n { "B - A" } th.n { "(B - A)/σ" }
+                    th { (t.unit_word) }
+                }
+            }
             tbody { @for line in lines(both, slot, a, b) { (parameter(&line)) } }
         } }
     }
@@ -162,7 +174,9 @@ fn parameter(line: &Line) -> Markup {
             td.n data-label="A" { (figure::with_sd(a, sd_a, 6)) }
             td.n data-label="B" { (figure::with_sd(b, sd_b, 6)) }
             td.n data-label="B - A" { (figure::with_sd(b - a, sd, 6)) }
-            td.n class=[class.filter(|class| !class.is_empty())] data-label="(B - A)/σ" { @if let Some(over) = over { (format!("{over:+.1}")) } @else { "–" } }
+            td.n class=[class.filter(|class| !class.is_empty())] data-label="(B - A)/σ" {
+                @if let Some(over) = over { (format!("{over:+.1}")) } @else { "–" }
+            }
             td translate="no" { (line.unit) }
         }
     }

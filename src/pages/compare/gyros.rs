@@ -39,14 +39,17 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, serials: &[&str], align
     let body = html! {
         h1 { (t.compare) }
         p.lead { @for (k, one) in all.iter().enumerate() {
-            span.nowrap { svg.key aria-hidden="true" viewBox="-7 -7 14 14" { g class={ "k" (k) } { circle.plain r="4" {} } }
+            span.nowrap {
+                svg.key aria-hidden="true" viewBox="-7 -7 14 14" { g class={ "k" (k) } { circle.plain r="4" {} } }
                 a href={ "/gyros/" (encoded(one.serial)) } { (one.serial) } } " "
         } }
         (table(t, &view, &all, &names))
         section #history {
             div.tabs { nav aria-label=(t.span_word) {
                 a href={ "?align=time" (query) } aria-current=[(!aligned).then_some("true")] { (t.same_time) }
-                a href={ "?align=baseline" (query) } aria-current=[aligned.then_some("true")] { (t.time_since_baseline) }
+                a href={ "?align=baseline" (query) } aria-current=[aligned.then_some("true")] {
+                    (t.time_since_baseline)
+                }
             } }
             div.charts { @for column in 0..3 { (chart(t, &view, &all, column, aligned).markup()) } }
             p.note { (t.compare_note) }
@@ -86,16 +89,26 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
             td { (status::badge(t, facts.standing.as_ref().and_then(|standing| standing.status))) }
             @for (column, name) in DRIFTS.iter().enumerate() {
                 td.n data-label=(name) {
-                    @if let Some(load) = stands.get(column).and_then(|stand| stand.load) { (figure::load(load.share(), load.sd())) } @else { "–" }
+                    @if let Some(load) = stands.get(column).and_then(|stand| stand.load) {
+                        (figure::load(load.share(), load.sd()))
+                    } @else {
+                        "–"
+                    }
                 }
             }
             @for name in &DRIFTS[..2] {
                 td.n data-label={ (t.trend_a_year) " " (name) } {
-                    @if let Some(slope) = slope(facts, name) { (figure::signed_drift(slope.value, slope.sd)) } @else { "–" }
+                    @if let Some(slope) = slope(facts, name) {
+                        (figure::signed_drift(slope.value, slope.sd))
+                    } @else {
+                        "–"
+                    }
                 }
             }
             @for (column, name) in DRIFTS[..2].iter().enumerate() {
-                td.n data-label={ (t.scatter) " " (name) } { @if let Some(scatter) = scatter(column) { (figure::short(scatter)) } @else { "–" } }
+                td.n data-label={ (t.scatter) " " (name) } {
+                    @if let Some(scatter) = scatter(column) { (figure::short(scatter)) } @else { "–" }
+                }
             }
             td { @if let Some(epoch) = facts.epochs[0].last() { (instant(epoch.from)) } }
             td.n data-label=(t.records_word) { (facts.course.figures.len()) }

@@ -1,4 +1,5 @@
-//! `/compare`: 2 to 8 gyros over one another (`?gyro=A&gyro=B`), or two calibrations side by side (`?campaign=A&campaign=B`).
+//! `/compare`: 2 to 8 gyros over one another (`?gyro=A&gyro=B`), or two campaigns side by side
+//! (`?campaign=A&campaign=B`).
 
 mod campaigns;
 mod gyros;

@@ -29,7 +29,11 @@ fn summary(t: &Text, d: &DiagnosisBody) -> Markup {
     html! {
         p.lead { strong { (d.verdict_in_words(t.language())) } }
         @if !d.effects.is_empty() {
-            ul.found { @for effect in &d.effects { li { strong { (effect_word(t, &effect.effect)) } ": " span translate="no" { (sizes(t, effect)) } } } }
+            ul.found {
+                @for effect in &d.effects {
+                    li { strong { (effect_word(t, &effect.effect)) } ": " span translate="no" { (sizes(t, effect)) } }
+                }
+            }
         }
         p.lead { (consequence(t, d)) }
         (ladder(t, d))
@@ -93,7 +97,8 @@ fn consequence(t: &Text, d: &DiagnosisBody) -> Markup {
             (t.impact_some) " "
             @for (k, one) in moved.iter().enumerate() {
                 @if k > 0 { (t.semicolon) }
-                (one.slot) " " (layout::symbol(&one.coefficient)) " " (figure::signed_drift(one.shift, Some(one.augmented_sd))) " (" (percent(one.of_budget)) ")"
+                (one.slot) " " (layout::symbol(&one.coefficient)) " "
+                (figure::signed_drift(one.shift, Some(one.augmented_sd))) " (" (percent(one.of_budget)) ")"
             }
         }
     }
@@ -124,7 +129,11 @@ fn ladder(t: &Text, d: &DiagnosisBody) -> Markup {
                 }
                 tr {
                     th scope="row" { (t.noise_floor) }
-                    td { svg.rung width="100%" height="18" aria-hidden="true" { line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {} } }
+                    td {
+                        svg.rung width="100%" height="18" aria-hidden="true" {
+                            line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
+                        }
+                    }
                     td.n { (short(floor)) " deg/h" }
                 }
             }
@@ -143,7 +152,9 @@ fn effects(t: &Text, d: &DiagnosisBody, gyros: &[(String, String)]) -> Markup {
             h2 { (t.what_parts_them) }
             @if d.effects.is_empty() { p { (t.no_effect) } }
             @for effect in &d.effects { (one_effect(t, d, effect, gyros)) }
-            @if let Some(all) = d.closure.as_ref().filter(|_| d.effects.len() > 1) { p { (t.all_together) ": " } (closure(t, all)) }
+            @if let Some(all) = d.closure.as_ref().filter(|_| d.effects.len() > 1) {
+                p { (t.all_together) ": " } (closure(t, all))
+            }
         }
     }
 }
@@ -274,7 +285,11 @@ fn candidates(t: &Text, d: &DiagnosisBody) -> Markup {
                 @if !within.is_empty() {
                     details {
                         summary { (t.ruled_out_within) " (" (within.len()) ")" }
-                        p { @for (k, one) in within.iter().enumerate() { @if k > 0 { (t.semicolon) } (effect_word(t, &one.effect)) } }
+                        p {
+                            @for (k, one) in within.iter().enumerate() {
+                                @if k > 0 { (t.semicolon) } (effect_word(t, &one.effect))
+                            }
+                        }
                         (listed(t, &within))
                     }
                 }
@@ -290,7 +305,12 @@ fn group(t: &Text, name: &str, all: &[&CandidateBody]) -> Markup {
 fn listed(t: &Text, all: &[&CandidateBody]) -> Markup {
     html! {
         div.scroll tabindex="0" { table {
-            thead { tr { th { (t.effect) } th { (t.serial) } th { (t.closes_alone) } th.n { (t.adjusted_p) } th { (t.why_not) } } }
+            thead {
+                tr {
+                    th { (t.effect) } th { (t.serial) } th { (t.closes_alone) } th.n { (t.adjusted_p) }
+                    th { (t.why_not) }
+                }
+            }
             tbody { @for candidate in all {
                 tr {
                     td.words { (named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
@@ -341,7 +361,8 @@ fn before_and_after(t: &Text, d: &DiagnosisBody, slots: &[(String, String)]) -> 
         section {
             h2 { (t.how_far) }
             p.note { (t.before_after_note) }
-            @let extent = residuals::extent(d.residuals.iter().flat_map(|one| [&one.before_deg_per_h, &one.after_deg_per_h]));
+            @let all = d.residuals.iter().flat_map(|one| [&one.before_deg_per_h, &one.after_deg_per_h]);
+            @let extent = residuals::extent(all);
             @for (slot, serial) in slots {
                 h3 { (slot) " " (serial) }
                 (residuals::before_and_after(t, &d.residuals, slot, extent))

@@ -87,6 +87,7 @@ rule_before_after = 试验前后
 
 # 推送的一行。
 alert_fires = { $serial }：{ $coefficient } { $rule } 告警（{ $severity }）
+mail_test = 钩子{ $hook }的测试：一切正常
 alert_is_resolved = { $serial }：{ $coefficient } { $rule } 已恢复
 
 # 由判定得出的建议，由人决定。

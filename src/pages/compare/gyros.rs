@@ -7,7 +7,7 @@ use crate::core::time::UtcMicros;
 use crate::pages::chart::{Across, Chart, Dot, Level, Track, bounds, millis, widened};
 use crate::pages::gyro::{Facts, known};
 use crate::pages::history_plot::{budgets, epoch_of};
-use crate::pages::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
+use crate::pages::layout::{DRIFTS, Page, Section, encoded, symbol};
 use crate::pages::text::Text;
 use crate::pages::view::View;
 use crate::pages::viewer::Viewer;
@@ -61,17 +61,17 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, serials: &[&str], align
 /// How each stands, and how it behaves.
 fn table(t: &Text, view: &View, all: &[Compared<'_>], names: &Names<'_>) -> Markup {
     html! {
-        div.scroll tabindex="0" { table.cards {
+        div.scroll tabindex="0" { table.cards.wrapped {
             thead { tr {
                 th { (t.serial) } th { (t.imu) } th { (t.station) } th { (t.status_word) }
-                @for name in DRIFTS { th.n { (symbol(name)) ", " (t.percent_of_budget) } }
-                @for name in &DRIFTS[..2] { th.n { (t.trend_a_year) " " (symbol(name)) } }
+                @for name in DRIFTS { th.n { (t.axis_deviation) " " (symbol(name)) ", %" } }
+                @for name in &DRIFTS[..2] { th.n { (t.trend_a_year) " " (symbol(name)) ", %" } }
                 @for name in &DRIFTS[..2] { th.n { (t.scatter) " " (symbol(name)) } }
                 th { (t.baseline_word) } th.n { (t.records_word) }
             } }
             tbody { @for one in all { (row(t, view, one, names)) } }
         } }
-        p.note { (t.unit) }
+        p.note { "%: " (t.percent_of_budget) ". " (t.scatter) ": " (t.unit) }
     }
 }
 
@@ -99,7 +99,7 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
             @for name in &DRIFTS[..2] {
                 td.n data-label={ (t.trend_a_year) " " (name) } {
                     @if let Some(slope) = slope(facts, name) {
-                        (figure::signed_drift(slope.value, slope.sd))
+                        (figure::load(slope.value, slope.sd))
                     } @else {
                         "–"
                     }
@@ -110,18 +110,20 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
                     @if let Some(scatter) = scatter(column) { (figure::short(scatter)) } @else { "–" }
                 }
             }
-            td { @if let Some(epoch) = facts.epochs[0].last() { (instant(epoch.from)) } }
+            td.nowrap { @if let Some(epoch) = facts.epochs[0].last() { (epoch.from.date()) } }
             td.n data-label=(t.records_word) { (facts.course.figures.len()) }
         }
     }
 }
 
-/// What the trend rule has established of the newest record.
+/// What the trend rule has established of the newest record, budgets a year.
 fn slope(facts: &Facts, name: &str) -> Option<Measured> {
     let seen = facts.verdicts.iter().filter_map(|said| said.seen.as_ref());
     let of_trend = seen.filter(|verdict| verdict.rule == Rule::Trend && verdict.coefficient.name() == name);
     of_trend.into_iter().find_map(|verdict| match verdict.finding {
-        Finding::Trend { per_year, .. } => Some(per_year),
+        Finding::Trend { per_year: Measured { value, sd }, .. } => {
+            Some(Measured { value: value / verdict.limit, sd: sd.map(|sd| sd / verdict.limit) })
+        }
         _ => None,
     })
 }

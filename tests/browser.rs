@@ -71,11 +71,11 @@ async fn downloaded(dir: &Path, name: &str) -> Vec<u8> {
     panic!("{name} was never downloaded; there are {there:?}");
 }
 
-const RANGE: &str = "document.querySelector('[data-plot]').layout.xaxis.range.map((x) => +new Date(x))";
+/// Days that the pictures of a gyro's page show.
+const DAYS: &str = "(({from, until}) => (until - from) / 864e5)(document.querySelector('#history .picture').dataset)";
 
 async fn shown_days(browser: &Browser) -> f64 {
-    let range = browser.eval(RANGE).await;
-    (range[1].as_f64().unwrap() - range[0].as_f64().unwrap()) / 864e5
+    browser.eval(DAYS).await.as_f64().unwrap()
 }
 
 #[tokio::test]
@@ -90,51 +90,73 @@ async fn an_engineer_finds_a_gyro_zooms_switches_the_method_and_exports() {
     browser.type_into("input[type=search]", "lfg-0004\n").await;
     browser.wait("location.search.includes('lfg-0004')").await;
     browser.click("table.fleet tbody th a").await;
-    browser.wait("document.querySelector('[data-drawn]')").await;
+    browser.wait("document.querySelector('#history')").await;
+    browser.sees("Take it out, or accept the new level").await;
+    browser.click("#verdicts summary").await;
     browser.sees("deg/(h g0) above its baseline").await;
     browser.sees("Confirmed by a second campaign.").await;
+    // The pictures are above the fold.
+    let foot = "document.querySelector('#history .picture').getBoundingClientRect().bottom + scrollY";
+    let foot = browser.eval(foot).await.as_f64().unwrap();
+    assert!(foot < 900.0, "the first plot ends at {foot}");
 
-    browser.click("#alerts a[href*='/acknowledge']").await;
+    browser.click("#verdicts a[href*='/acknowledge']").await;
     browser.wait("document.querySelector('form.deed')").await;
     browser.type_into("input[name=by]", "Li Wei").await;
     browser.type_into("textarea[name=reason]", "ordered a bench test").await;
     browser.click("input[name=confirm]").await;
     browser.click("form.deed button").await;
-    browser.wait("location.pathname == '/gyros/LFG-0004' && document.querySelector('[data-drawn]')").await;
+    browser.wait("location.pathname == '/gyros/LFG-0004' && document.querySelector('#history')").await;
     browser.sees("by Li Wei: ordered a bench test").await;
 
     let whole = shown_days(&browser).await;
     assert!(whole > 600.0, "two years are shown: {whole} days");
     let place = browser.eval(
-        "(() => { const r = document.querySelector('.nsewdrag').getBoundingClientRect(); \
-        scrollTo(0, r.top + scrollY - 100); const s = document.querySelector('.nsewdrag').getBoundingClientRect(); \
-        return [s.left, s.top, s.width, s.height] })()",
+        "(() => { const area = document.querySelector('#history svg.area'); area.scrollIntoView({block: 'center'}); \
+        const r = area.getBoundingClientRect(); return [r.left, r.top, r.width, r.height] })()",
     );
-    let [left, top, width, height] = [0, 1, 2, 3].map({
-        let place = place.await;
-        move |i| place[i].as_f64().unwrap()
-    });
+    let place = place.await;
+    let [left, top, width, height] = [0, 1, 2, 3].map(|i| place[i].as_f64().unwrap());
     let at = |x: f64, y: f64| (left + x * width, top + y * height);
-    browser.drag(at(0.5, 0.2), at(0.75, 0.8)).await;
-    browser.wait(&format!("(() => {{ const [a, b] = {RANGE}; return b - a < {} }})()", 0.4 * whole * 864e5)).await;
-    browser.click("[data-zoom=all]").await;
-    browser.wait(&format!("(() => {{ const [a, b] = {RANGE}; return b - a > {} }})()", 0.9 * whole * 864e5)).await;
+    browser.drag(at(0.5, 0.2), at(0.75, 0.7)).await;
+    browser.wait(&format!("Math.abs({DAYS} / {whole} - 0.26) < 0.03")).await;
+    assert_eq!(browser.eval("location.search.includes('from=') && location.search.includes('to=')").await, true);
+    // Backwards as a browser goes.
+    browser.eval("history.back()").await;
+    browser.wait(&format!("{DAYS} > {}", 0.9 * whole)).await;
 
-    browser.click("[data-zoom=picture]").await;
+    // By keyboard from record to record, and into one.
+    browser.eval("document.querySelector('#history .picture').focus()").await;
+    let newest = "document.querySelector('#history .said').textContent";
+    browser.press("ArrowLeft").await;
+    browser.wait(&format!("{newest}.includes('confirmed')")).await;
+    let last = browser.eval(newest).await;
+    browser.press("ArrowLeft").await;
+    browser.wait(&format!("{newest} && {newest} != {last}")).await;
+    browser.press("Enter").await;
+    browser.wait("location.pathname.startsWith('/records/')").await;
+    browser.goto("/gyros/LFG-0004").await;
+
+    browser.click("#history [data-save]").await;
     let picture = downloaded(demo.dir.path(), "LFG-0004.png").await;
     assert!(picture.starts_with(b"\x89PNG") && picture.len() > 10_000);
     browser.click("a[download$='D_I.csv']").await;
     let csv = String::from_utf8(downloaded(demo.dir.path(), "LFG-0004-D_I.csv").await).unwrap();
     assert!(csv.starts_with("serial,coefficient,unit,calibrated_at,value,sd,") && csv.lines().count() > 30, "{csv}");
 
-    let names = "[...document.querySelector('[data-plot]').data].map((trace) => trace.name).join()";
-    browser.click(".tabs a[href$=published]").await;
-    browser.wait("document.querySelector('[data-drawn]')").await;
-    assert!(browser.eval(names).await.as_str().unwrap().contains("published"));
-    browser.click(".tabs a[href$=bench]").await;
-    browser.wait("document.querySelector('[data-drawn]')").await;
-    let bench = browser.eval(names).await;
-    assert_eq!(bench, "torque feedback,turntable servo,torque feedback,turntable servo");
+    browser.click(".tabs a[href*=published]").await;
+    browser.wait("document.querySelector('.tabs [aria-current]') && location.search.includes('published')").await;
+    browser.wait("document.querySelectorAll('.tabs [aria-current]')[1].textContent.includes('published')").await;
+    browser.click(".tabs a[href*=bench]").await;
+    browser.wait("document.querySelector('.legend').innerText.includes('turntable servo')").await;
+    assert_eq!(browser.eval("document.querySelectorAll('#history .record').length").await, 0);
+    assert_eq!(
+        browser.eval("document.querySelectorAll('#history .bench0, #history .bench1').length").await,
+        6,
+        "two pictures and the legend"
+    );
+    browser.click(".tabs a[href*=absolute]").await;
+    browser.wait("location.search.includes('axis=absolute') && document.querySelector('.picture.bare')").await;
     browser.has_behaved().await;
 }
 
@@ -165,7 +187,7 @@ async fn under_a_prefix_an_engineer_signs_in_sees_a_plot_and_reads_the_api() {
     browser.goto("/gyros/LFG-0101").await;
     browser.wait("location.pathname == '/gyrowatch/sign-in'").await;
     browser.type_into("input[name=token]", &format!("{}\n", token.trim())).await;
-    browser.wait("location.pathname == '/gyrowatch/gyros/LFG-0101' && document.querySelector('[data-drawn]')").await;
+    browser.wait("location.pathname == '/gyrowatch/gyros/LFG-0101' && document.querySelector('#history .point')").await;
     browser.click("a[href='/gyrowatch/docs']").await;
     browser.wait("document.querySelectorAll('.opblock').length > 40").await;
     browser.wait("document.querySelector('.servers select').value == '/gyrowatch'").await;
@@ -181,11 +203,9 @@ async fn a_plot_with_one_calibration_shows_a_month_and_the_budget_about_it() {
     let browser = Browser::open(&demo.base, demo.dir.path()).await;
     browser.look(1280, 1000, false).await;
     browser.goto("/gyros/PAPER-T4-G1").await;
-    browser.wait("document.querySelector('[data-drawn]')").await;
     assert!((shown_days(&browser).await - 30.0).abs() < 1e-6);
-    let width = "(([a, b]) => b - a)(document.querySelector('[data-plot]').layout.yaxis.range)";
-    let width = browser.eval(width).await.as_f64().unwrap();
-    assert!((width - 0.02).abs() < 1e-9, "{width}");
+    let figures = "[...document.querySelectorAll('#history .limit')].slice(0, 4).map((e) => e.textContent).join()";
+    assert_eq!(browser.eval(figures).await, "+0.010,-0.010,+100 %,-100 %");
     browser.sees("not enough data").await;
     browser.has_behaved().await;
 }
@@ -288,8 +308,8 @@ async fn an_engineer_voids_a_calibration_notes_a_repair_and_starts_a_baseline() 
     let browser = Browser::open(&server.url(""), server.dir()).await;
     browser.look(1280, 1000, false).await;
     browser.goto("/gyros/LFG-0101").await;
-    let drawn = "location.pathname == '/gyros/LFG-0101' && document.querySelector('[data-drawn]')";
-    let points = "document.querySelector('[data-plot]').data[0].x.length";
+    let drawn = "location.pathname == '/gyros/LFG-0101' && document.querySelector('#history .point')";
+    let points = "document.querySelector('#history .picture').querySelectorAll('.point').length";
     browser.wait(drawn).await;
     assert_eq!(browser.eval(points).await, 4);
 
@@ -322,7 +342,7 @@ async fn an_engineer_voids_a_calibration_notes_a_repair_and_starts_a_baseline() 
     means_it(&browser, "Zhao Min", "as it left the workshop").await;
     browser.wait(drawn).await;
     browser.sees("as it left the workshop (Zhao Min)").await;
-    let marks = "[...document.querySelector('[data-plot]').layout.annotations].map((mark) => mark.text).join()";
+    let marks = "document.querySelector('ol.flags').innerText";
     let marks = browser.eval(marks).await;
     assert!(marks.as_str().unwrap().contains("repair") && marks.as_str().unwrap().contains("new baseline"), "{marks}");
     browser.has_behaved().await;
@@ -388,9 +408,9 @@ async fn times_stand_in_the_viewers_zone_with_utc_beside_them() {
     let browser = Browser::open(&server.url(""), server.dir()).await;
     browser.cdp("Emulation.setTimezoneOverride", serde_json::json!({"timezoneId": "Asia/Shanghai"})).await;
     browser.goto("/gyros/LFG-0101").await;
-    browser.wait("document.querySelector('[data-drawn]')").await;
+    browser.wait("document.querySelector('#history')").await;
     let time = "document.querySelector('time[datetime=\"2026-03-01T08:00:00Z\"]')";
-    assert_eq!(browser.eval(&format!("{time}.textContent")).await, "2026-03-01 16:00");
+    assert_eq!(browser.eval(&format!("{time}.textContent")).await, "2026-03-01 16:00 UTC+8");
     assert_eq!(browser.eval(&format!("{time}.title")).await, "2026-03-01 08:00 UTC");
     browser.has_behaved().await;
 }
@@ -428,8 +448,8 @@ const FAULTS: &str = r#"(() => {
     const [a, b] = [light(channels(getComputedStyle(e).color)), light(ground(e))].sort((x, y) => y - x);
     if ((a + 0.05) / (b + 0.05) < 4.5) faults.push("too faint: " + e.outerHTML.slice(0, 90));
   }
-  for (const e of document.querySelectorAll(".plot svg.main-svg"))
-    if (e.getBoundingClientRect().right > innerWidth + 1) faults.push("a plot wider than the view: " + e.getBoundingClientRect().right);
+  for (const e of document.querySelectorAll(".picture, .picture circle, .picture text"))
+    if (e.checkVisibility() && e.getBoundingClientRect().right > innerWidth + 1) faults.push("a plot wider than the view: " + e.outerHTML.slice(0, 90));
   if (document.documentElement.scrollWidth > innerWidth + 1) faults.push("wider than the view: " + document.documentElement.scrollWidth);
   return [...new Set(faults)];
 })()"#;
@@ -441,11 +461,13 @@ const CUT: &str = r#"(() => {
     if (e.scrollWidth > e.clientWidth + 1) faults.push(`a table ${e.scrollWidth} wide in ${e.clientWidth}: ${e.innerText.slice(0, 60)}`);
   for (const e of document.querySelectorAll(".id"))
     if (e.checkVisibility() && e.offsetHeight > 1.9 * parseFloat(getComputedStyle(e).lineHeight)) faults.push("torn apart: " + e.textContent);
-  const boxes = (selector) => [...document.querySelectorAll(selector)].map((e) => [e, e.getBoundingClientRect()]);
-  for (const [text, a] of boxes("[data-plot] .annotation-text, [data-plot] [class$=title]"))
-    for (const [figure, b] of boxes("[data-plot] [class$=tick] text"))
-      if (a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom)
-        faults.push(`${text.textContent} lies on ${figure.textContent}`);
+  for (const axis of document.querySelectorAll("svg.axis")) {
+    const figures = [...axis.querySelectorAll("text")].map((e) => [e.textContent, e.getBoundingClientRect()]);
+    figures.forEach(([one, a], k) => figures.slice(0, k).forEach(([other, b]) => {
+      if (a.top + 2 < b.bottom - 2 && b.top + 2 < a.bottom - 2) faults.push(`${one} lies on ${other}`);
+    }));
+    for (const [one, a] of figures) if (a.left < axis.getBoundingClientRect().left - 1) faults.push(`${one} is cut off`);
+  }
   return faults;
 })()"#;
 
@@ -523,6 +545,9 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
     let newest = "[...document.querySelectorAll(\"a[href$='/diagnosis']\")][1].pathname";
     let diagnosis = browser.eval(newest).await.as_str().unwrap().to_owned();
     let campaign = diagnosis.strip_suffix("/diagnosis").unwrap().to_owned();
+    let chosen = "'/compare?' + [...document.querySelectorAll('input[name=campaign]')].slice(0, 2) \
+        .map((e) => 'campaign=' + e.value).join('&')";
+    let compared = browser.eval(chosen).await.as_str().unwrap().to_owned();
     browser.goto("/gyros/LFG-0004").await;
     let link = |start: &str| format!("document.querySelector(\"a[href^='{start}']\").pathname");
     let record = browser.eval(&link("/records/")).await;
@@ -546,12 +571,15 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
         ("void", &void),
         ("acknowledge", acknowledge.as_str().unwrap()),
         ("event", "/gyros/LFG-0004/events/new"),
+        ("decision", "/gyros/LFG-0004/events/new?event=decision_remove"),
         ("baseline", "/gyros/LFG-0004/events/new?event=baseline"),
         ("sign-in", "/sign-in"),
         ("hooks", "/hooks"),
         ("hook", &hook),
         ("hook-new", "/hooks/new"),
         ("hook-delete", &delete),
+        ("compare-gyros", "/compare?gyro=LFG-0004&gyro=LFG-0005&gyro=LFG-0006"),
+        ("compare-campaigns", &compared),
         ("report-gyro", "/gyros/LFG-0004/report"),
         ("report-imu", "/imus/IMU-21/report"),
         ("book", if language == "zh" { "/book/zh/adopt-predict-compare" } else { "/book/tutorials/own-csv" }),
@@ -563,8 +591,6 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
         for (name, path) in pages {
             browser.goto(path).await;
             browser.wait("!document.querySelector('#waiting')").await;
-            let plots = browser.eval("document.querySelectorAll('[data-plot]').length").await;
-            browser.wait(&format!("document.querySelectorAll('[data-drawn]').length == {plots}")).await;
             let mut faults = vec![browser.eval(FAULTS).await];
             // A telephone shows a page that is too wide at a smaller scale: its own view is no measure.
             let wide = browser.eval("document.documentElement.scrollWidth").await;
@@ -609,6 +635,17 @@ async fn a_report_prints_on_a_few_sheets_with_its_plots_and_without_what_is_for_
         let sheets = pdf.windows(11).filter(|bytes| *bytes == b"/Type /Page").count() - 1;
         assert!(pdf.starts_with(b"%PDF") && (2..=14).contains(&sheets), "{sheets} sheets");
         browser.on_paper().await;
+        if name == "gyro" {
+            // 297 mm less the margins of 14 and 16, at 96 pixels an inch.
+            let decide = browser.eval("document.querySelector('section.decide').getBoundingClientRect().height").await;
+            assert!(decide.as_f64().unwrap() < 1009.0, "the decision sheet is {decide} high");
+            // The newest points are on paper.
+            let newest = "[...document.querySelectorAll('section.decide svg.area')] \
+                .map((area) => area.querySelector('g.record').lastElementChild)";
+            let there =
+                format!("{newest}.every((e) => e.getBoundingClientRect().right < innerWidth && e.checkVisibility())");
+            assert_eq!(browser.eval(&there).await, true);
+        }
         let shown = "[...document.querySelectorAll('header.bar, form, nav, .actions')].filter((e) => e.checkVisibility()).length";
         assert_eq!(browser.eval(shown).await, 0);
         assert_eq!(browser.eval("getComputedStyle(document.body).backgroundColor").await, "rgb(255, 255, 255)");
@@ -617,4 +654,29 @@ async fn a_report_prints_on_a_few_sheets_with_its_plots_and_without_what_is_for_
         browser.picture(&pictures().join(format!("paper-{name}.png"))).await;
     }
     browser.has_behaved().await;
+}
+
+#[tokio::test]
+async fn a_command_prints_a_report_and_refuses_what_is_none() {
+    if !chromium::is_installed() || !support::required("curl") {
+        return;
+    }
+    let demo = Demo::start();
+    let file = demo.dir.path().join("report.pdf");
+    let print = |address: String| {
+        let mut command =
+            std::process::Command::new(Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/print_report"));
+        command.arg(address).arg(&file).env("CHROMIUM", "chromium --no-sandbox").env("GYROWATCH_LANGUAGE", "zh");
+        command.output().unwrap()
+    };
+    let done = print(format!("{}/gyros/LFG-0004/report", demo.base));
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let pdf = std::fs::read(&file).unwrap();
+    std::fs::write(pictures().join("printed-report.pdf"), &pdf).unwrap();
+    let sheets = pdf.windows(11).filter(|bytes| *bytes == b"/Type /Page").count() - 1;
+    assert!(pdf.starts_with(b"%PDF") && (2..=8).contains(&sheets), "{sheets} sheets");
+    for none in ["/gyros/LFG-0004", "/gyros/NOBODY/report"] {
+        let refused = print(format!("{}{none}", demo.base));
+        assert!(!refused.status.success() && !refused.stderr.is_empty(), "{none}");
+    }
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use gyrowatch::core::bench::BenchMethod;
 use gyrowatch::core::diagnose::Variable;
 use gyrowatch::core::effects::{CATALOGUE, COMPETITORS};
-use gyrowatch::core::judge::{Event, Rule, Severity, Status};
+use gyrowatch::core::judge::{Event, Rule, Severity, Status, Suggestion};
 
 use fluent_syntax::ast::{CallArguments, Entry, Expression, InlineExpression, Pattern, PatternElement};
 
@@ -188,6 +188,7 @@ fn named() -> BTreeSet<String> {
         Event::ALL.map(Event::word).to_vec(),
         BenchMethod::ALL.map(BenchMethod::word).to_vec(),
         Variable::ALL.map(Variable::word).to_vec(),
+        Suggestion::ALL.map(Suggestion::word).to_vec(),
     ];
     let effects = CATALOGUE.iter().chain(&COMPETITORS).map(|entry| entry.effect.word());
     let needs = CATALOGUE.iter().map(|entry| entry.effect.needs());

@@ -44,6 +44,19 @@ impl UtcMicros {
     }
 }
 
+impl UtcDate {
+    /// When the day begins: the inverse of [`UtcMicros::date`].
+    pub fn midnight(self) -> UtcMicros {
+        let year = self.year - i64::from(self.month <= 2);
+        let era = year.div_euclid(400);
+        let shifted_month = (i64::from(self.month) + 9) % 12;
+        let day_of_year = (153 * shifted_month + 2) / 5 + i64::from(self.day) - 1;
+        let year_of_era = year.rem_euclid(400);
+        let day_of_era = year_of_era * 365 + year_of_era / 4 - year_of_era / 100 + day_of_year;
+        UtcMicros((era * 146_097 + day_of_era - 719_468) * UtcMicros::DAY)
+    }
+}
+
 impl std::fmt::Display for UtcDate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         // As `{:04}-{:02}-{:02}` writes it, without three rounds through the formatter: an answer names dozens of

@@ -26,8 +26,8 @@ use crate::wire::{json, time};
 pub struct EventBody {
     id: String,
     at: String,
-    /// `baseline`, `repair`, `reinstallation`, `transport`, `firmware`, `note`, `environmental_test`, `retired` or
-    /// `in_storage`.
+    /// `baseline`, `repair`, `reinstallation`, `transport`, `firmware`, `note`, `environmental_test`, `retired`,
+    /// `in_storage`, `decision_release`, `decision_retest` or `decision_remove`.
     event: &'static str,
     /// Which environmental test it was.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -85,8 +85,8 @@ pub async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> R
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 struct NewEvent {
-    /// `repair`, `reinstallation`, `transport`, `firmware`, `note`, `environmental_test`, `retired`, `in_storage` or
-    /// `baseline`.
+    /// `repair`, `reinstallation`, `transport`, `firmware`, `note`, `environmental_test`, `retired`, `in_storage`,
+    /// `decision_release`, `decision_retest`, `decision_remove` or `baseline`.
     event: String,
     /// In words.
     #[schema(min_length = 1, max_length = 4096)]

@@ -100,7 +100,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         }
         (silences)
     };
-    Ok(Page { title: t.alerts.into(), section: Section::Alerts, plots: false, body })
+    Ok(Page { title: t.alerts.into(), section: Section::Alerts, body })
 }
 
 fn search(viewer: &Viewer, filters: &Filters) -> Markup {

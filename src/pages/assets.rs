@@ -1,4 +1,4 @@
-//! Style sheet, script and plot library, held compressed. Their names carry a hash of their content, so that a
+//! Style sheet and script, held compressed. Their names carry a hash of their content, so that a
 //! browser may keep them for ever and a new version is another name.
 
 use std::io::{Read, Write};
@@ -29,18 +29,12 @@ pub(super) static STYLE: LazyLock<Asset> =
     LazyLock::new(|| Asset::new("style", "css", "text/css; charset=utf-8", include_str!("static/style.css")));
 pub(super) static SCRIPT: LazyLock<Asset> =
     LazyLock::new(|| Asset::new("pages", "js", "text/javascript; charset=utf-8", include_str!("static/pages.js")));
-/// The bundle of plotly.js without maps, three dimensions and WebGL (npm's `plotly.js-basic-dist-min`), word for word.
-pub(super) static PLOTLY: LazyLock<Asset> = LazyLock::new(|| {
-    Asset::new("plotly", "js", "text/javascript; charset=utf-8", include_str!("static/plotly-basic.min.js"))
-});
-
 impl Asset {
     fn new(stem: &str, ending: &str, media_type: &'static str, content: &'static str) -> Self {
         let path = format!("/assets/{stem}-{:08x}.{ending}", crc32fast::hash(content.as_bytes()));
         Self { path, media_type, content, compressed: OnceLock::new() }
     }
 
-    /// Takes a tenth of a second for the plot library, the first time.
     fn compressed(&self) -> Bytes {
         let compress = || {
             let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
@@ -53,7 +47,7 @@ impl Asset {
 
 /// Answers with the asset of that name.
 pub(super) async fn serve(Path(name): Path<String>, headers: HeaderMap) -> Response {
-    let all: [&'static Asset; 3] = [&STYLE, &SCRIPT, &PLOTLY];
+    let all: [&'static Asset; 2] = [&STYLE, &SCRIPT];
     let Some(asset) = all.into_iter().find(|asset| asset.path.strip_prefix("/assets/") == Some(&name)) else {
         return StatusCode::NOT_FOUND.into_response();
     };
@@ -85,26 +79,6 @@ mod tests {
             host.is_some_and(|host| host.starts_with(char::is_alphanumeric) && !host.starts_with("www.w3.org/"))
         };
         script.split(['"', '\'', '`']).filter(is_address).collect()
-    }
-
-    #[test]
-    fn the_plot_library_is_plotly_and_needs_no_network() {
-        let script = PLOTLY.content;
-        assert!(script.starts_with("/**\n* plotly.js (basic - minified) v"), "{:?}", &script[..80]);
-        assert!(!script.contains("MathJax-script") && !script.contains("eval("));
-        for loads in ["fetch(", "import(", "importScripts", "sendBeacon", "WebSocket", "EventSource"] {
-            assert!(!script.contains(loads), "{loads}");
-        }
-        // The outlines of maps, which this bundle does not draw: that is the setting, and nothing reads it. Where
-        // formats are described. Where the emblem leads that a reader may press.
-        let named = [
-            "https://cdn.plot.ly/un/",
-            "https://github.com/d3/d3-format/tree/v1.4.5#d3-format",
-            "https://github.com/d3/d3-time-format/tree/v2.2.3#locale_format",
-            "https://plotly.com/",
-        ];
-        assert_eq!(addresses(script), named);
-        assert_eq!(script.matches("topojsonURL").count(), 1);
     }
 
     #[test]

@@ -64,7 +64,7 @@ fn line(viewer: &Viewer, course: &Course, test: &Tested, (method, column): (Judg
                     } @else { "–" }
                 } }
             }
-            td.n data-label=(t.difference) { @if let Some(Measured { value, sd }) = difference { (signed(value, sd)) } @else { "–" } }
+            td.n data-label=(t.difference) { @if let Some(Measured { value, sd }) = difference { (figure::signed_drift(value, sd)) } @else { "–" } }
             td.n data-label=(t.limit) { div {
                 @if let Some(verdict) = verdict {
                     (figure::short(verdict.limit)) @if let Some(key) = key(verdict.limit) { br; code.quiet { (key) } }
@@ -77,9 +77,4 @@ fn line(viewer: &Viewer, course: &Course, test: &Tested, (method, column): (Judg
             }
         }
     }
-}
-
-fn signed(value: f64, sd: Option<f64>) -> String {
-    let written = figure::drift(value, sd);
-    if value > 0.0 { format!("+{written}") } else { written }
 }

@@ -84,7 +84,7 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
         (closure(t, item.id, closures))
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }
     };
-    Ok(Page { title, section: Section::Fleet, plots: false, body: markup })
+    Ok(Page { title, section: Section::Fleet, body: markup })
 }
 
 /// Who sent it, from where and with what.
@@ -148,16 +148,17 @@ async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) 
         section {
             h2 { (t.residuals_by_dwell) }
             p.note { (t.residuals_note) }
+            @let extent = residuals::extent(fits.iter().filter_map(|gyro| gyro.residuals.standardised.as_ref()).flatten());
             @for gyro in fits {
                 h3 { (Slot::from(gyro.slot).name()) " " (gyro.serial) }
                 @if let Some(standardised) = &gyro.residuals.standardised {
-                    (residuals::strip(t, standardised))
+                    (residuals::strip(t, standardised, extent))
                 } @else { p { (t.no_noise) } }
             }
             (residual_table(viewer, fits))
         }
     };
-    Ok(Page { title, section: Section::Fleet, plots: false, body: markup })
+    Ok(Page { title, section: Section::Fleet, body: markup })
 }
 
 fn unreadable(id: &Id) -> Problem {

@@ -2,7 +2,8 @@
 
 use maud::{Markup, html};
 
-use super::chart::{BOTTOM, DATES, FIGURES, HEIGHT, LEFT, RIGHT, TOP, WIDTH, bounds, place, round_steps, widened};
+use super::chart::{Across, Chart, Dot, Flag, Track, bounds, millis, widened};
+use super::figure;
 use super::layout::symbol;
 use crate::core::time::UtcMicros;
 
@@ -22,48 +23,36 @@ pub(super) struct Course<'a> {
 
 impl Course<'_> {
     pub fn markup(&self) -> Markup {
-        let millis = |at: UtcMicros| (at.0 / 1000) as f64;
-        let times = self.points.iter().map(|(at, ..)| millis(*at));
-        let lines = || self.lines.iter().flat_map(|(_, line)| line);
-        let bars = self.points.iter().flat_map(|(_, v, sd)| [v - sd.unwrap_or(0.0), v + sd.unwrap_or(0.0)]);
-        let Some((t, v)) = bounds(times).zip(bounds(bars.chain(lines().map(|(_, v)| *v)))) else { return html! {} };
-        let (t, v) = (widened(t, 0.02, 8.64e7), widened(v, 0.06, 1e-3));
-        let x = |at: UtcMicros| LEFT + (millis(at) - t.0) / (t.1 - t.0) * (WIDTH - LEFT - RIGHT);
-        let y = |value: f64| HEIGHT - BOTTOM - (value - v.0) / (v.1 - v.0) * (HEIGHT - TOP - BOTTOM);
-        let (figures, decimals) = round_steps(v, FIGURES);
-        let (left, right, top, bottom) = (LEFT, WIDTH - RIGHT, TOP, HEIGHT - BOTTOM);
-        let corner = |(at, v): &(UtcMicros, f64)| format!("{},{}", place(x(*at)), place(y(*v)));
-        let corners = |line: &[(UtcMicros, f64)]| line.iter().map(corner).collect::<Vec<_>>().join(" ");
-        let date = |k: usize| UtcMicros(((t.0 + (t.1 - t.0) * (k as f64 + 0.5) / DATES as f64) * 1000.0) as i64);
-        html! {
-            figure.chart {
-                figcaption { (symbol(self.symbol)) ", " (self.unit) }
-                svg role="img" aria-label={ (self.name) " " (self.symbol) } viewBox={ "0 0 " (WIDTH) " " (HEIGHT) } {
-                    @for figure in figures {
-                        @let height = y(figure);
-                        line.grid x1=(left) x2=(right) y1=(place(height)) y2=(place(height)) {}
-                        text x=(left - 6.0) y=(place(height + 4.0)) text-anchor="end" {
-                            (format!("{figure:.decimals$}"))
-                        }
-                    }
-                    @for at in (0..DATES).map(date) {
-                        text x=(place(x(at))) y=(HEIGHT - 6.0) text-anchor="middle" { (at.date()) }
-                    }
-                    @for (at, label) in &self.marks {
-                        @let at = place(x(*at));
-                        line.event x1=(at) x2=(at) y1=(top) y2=(bottom) { title { (label) } }
-                    }
-                    @for (class, line) in &self.lines { polyline.(class) points=(corners(line)) {} }
-                    @for (at, v, sd) in &self.points {
-                        @let at = place(x(*at));
-                        @if let Some(sd) = sd {
-                            line.bar x1=(at) x2=(at) y1=(place(y(v - sd))) y2=(place(y(v + sd))) {}
-                        }
-                        circle.measured cx=(at) cy=(place(y(*v))) r="2.8" {}
-                    }
-                }
-            }
-        }
+        let lines = || self.lines.iter().flat_map(|(_, line)| line.iter().map(|(at, _)| millis(*at)));
+        let ends = bounds(self.points.iter().map(|(at, ..)| millis(*at)).chain(lines())).unwrap_or((0.0, 0.0));
+        let dot = |(at, y, sd): &(UtcMicros, f64, Option<f64>)| Dot {
+            x: millis(*at),
+            y: *y,
+            sd: *sd,
+            said: format!("{} · {} {} {}", at.date(), self.symbol, figure::drift(*y, *sd), self.unit),
+            ..Dot::default()
+        };
+        let flag = |(k, (at, label)): (usize, &(UtcMicros, String))| Flag {
+            x: millis(*at),
+            until: None,
+            number: k + 1,
+            anchor: self.symbol.to_owned(),
+            label: format!("{} {label}", at.date()),
+        };
+        let track = Track { class: "measured".into(), dots: self.points.iter().map(dot).collect(), ..Track::default() };
+        let line = |(class, line): &(&'static str, Vec<(UtcMicros, f64)>)| {
+            (*class, line.iter().map(|(at, y)| (millis(*at), *y)).collect())
+        };
+        let caption = html! { span { (symbol(self.symbol)) ", " (self.unit) } };
+        let label = format!("{} {}", self.name, self.symbol);
+        let chart = Chart {
+            around: 1e-3,
+            tracks: vec![track],
+            lines: self.lines.iter().map(line).collect(),
+            flags: self.marks.iter().enumerate().map(flag).collect(),
+            ..Chart::new(label, caption, Across::Time, widened(ends, 0.02, 8.64e7))
+        };
+        chart.markup()
     }
 }
 
@@ -83,8 +72,9 @@ mod tests {
             marks: vec![(day(4), "transport".into())],
         };
         let drawn = course.markup().into_string();
-        assert_eq!((drawn.matches("<circle").count(), drawn.matches("<polyline").count()), (2, 1), "{drawn}");
-        assert!(drawn.contains("<title>transport</title>") && !drawn.contains("NaN"), "{drawn}");
+        let of = |what: &str| drawn.matches(what).count();
+        assert_eq!((of("<circle class=\"plain\""), of("<polyline class=\"explained\"")), (2, 1), "{drawn}");
+        assert!(drawn.contains("1970-01-05 transport</title>") && !drawn.contains("NaN"), "{drawn}");
         let heights: Vec<f64> =
             drawn.split("cy=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse().unwrap()).collect();
         assert!(heights[1] < heights[0], "{heights:?}");

@@ -111,7 +111,7 @@ async fn build(
     } else {
         StatusCode::OK
     };
-    Ok((status, Page { title: t.diagnoses.into(), section: Section::Diagnoses, plots: false, body }))
+    Ok((status, Page { title: t.diagnoses.into(), section: Section::Diagnoses, body }))
 }
 
 fn search(t: &Text, filters: &Filters) -> Markup {

@@ -10,6 +10,7 @@ use super::Pages;
 use super::form::{Deed, Word, answered, see_other};
 use super::gyro;
 use super::layout::{Section, encoded};
+use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
@@ -33,7 +34,38 @@ pub(super) struct Said {
     kind: String,
 }
 
-/// The page on which an event is noted; `?event=baseline` starts a baseline.
+/// What a form is for: a baseline, a decision, or whatever else was done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum About {
+    Baseline,
+    Decision,
+    Other,
+}
+
+impl About {
+    fn of(event: Option<Event>) -> Self {
+        match event {
+            Some(Event::Baseline) => Self::Baseline,
+            Some(event) if event.is_decision() => Self::Decision,
+            _ => Self::Other,
+        }
+    }
+
+    fn title(self, t: &Text) -> &'static str {
+        match self {
+            Self::Baseline => t.start_baseline,
+            Self::Decision => t.record_decision,
+            Self::Other => t.add_event,
+        }
+    }
+
+    fn events(self) -> impl Iterator<Item = Event> {
+        Event::ALL.into_iter().filter(move |event| Self::of(Some(*event)) == self)
+    }
+}
+
+/// The page on which an event is noted; `?event=baseline` starts a baseline, `?event=decision_retest` records a
+/// decision.
 pub(super) async fn ask(
     Held(pages): Held<Pages>,
     viewer: Viewer,
@@ -95,20 +127,20 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
 
 fn with_form<T>(viewer: &Viewer, serial: &Name, said: &Said, show: impl FnOnce(&Deed<'_>) -> T) -> T {
     let t = viewer.text();
-    let baseline = said.event == Event::Baseline.name();
-    let title = if baseline { t.start_baseline } else { t.add_event };
+    let about = About::of(Event::from_name(&said.event));
+    let title = about.title(t);
     let path = format!("/gyros/{}", encoded(serial.as_str()));
     let fields = html! {
-        @if baseline { input type="hidden" name="event" value=(said.event); }
+        @if about == About::Baseline { input type="hidden" name="event" value=(said.event); }
         @else {
-            label { (t.event_word) select name="event" {
-                @for event in Event::ALL.into_iter().filter(|event| *event != Event::Baseline) {
+            label { (if about == About::Decision { t.decision } else { t.event_word }) select name="event" {
+                @for event in about.events() {
                     option value=(event.name()) selected[event.name() == said.event] { (t.event(event)) }
                 }
             } }
         }
         label { (t.event_at) input name="at" value=(said.at) placeholder="2026-03-01T08:00:00Z"; }
-        @if !baseline {
+        @if about == About::Other {
             label { (t.event_test_kind) input name="kind" value=(said.kind); }
             label { (t.event_test_to) input name="to" value=(said.to) placeholder="2026-03-03T16:00:00Z"; }
         }
@@ -116,7 +148,7 @@ fn with_form<T>(viewer: &Viewer, serial: &Name, said: &Said, show: impl FnOnce(&
     show(&Deed {
         section: Section::Fleet,
         title: &format!("{title}: {serial}"),
-        what: what_it_resets(viewer, baseline),
+        what: what_it_resets(viewer, about),
         fields,
         action: &format!("{path}/events/new"),
         button: title,
@@ -126,7 +158,7 @@ fn with_form<T>(viewer: &Viewer, serial: &Name, said: &Said, show: impl FnOnce(&
 }
 
 /// What the rules will no longer compare with what came before.
-fn what_it_resets(viewer: &Viewer, baseline: bool) -> Markup {
+fn what_it_resets(viewer: &Viewer, about: About) -> Markup {
     let t = viewer.text();
     let resets = |event: Event| -> Vec<&str> {
         let judges = |rule: &Rule| !matches!(rule, Rule::Overdue | Rule::Cusum);
@@ -134,12 +166,13 @@ fn what_it_resets(viewer: &Viewer, baseline: bool) -> Markup {
         rules.map(|rule| t.rule(rule)).collect()
     };
     html! {
-        p.lead { (t.event_what) }
-        ul {
-            @for event in Event::ALL.into_iter().filter(|event| (*event == Event::Baseline) == baseline) {
+        p.lead { (if about == About::Decision { t.decision_what } else { t.event_what }) }
+        @if about != About::Decision { ul {
+            @for event in about.events() {
                 @let rules = resets(event);
-                li { strong { (t.event(event)) } ": " (if rules.is_empty() { t.resets_nothing.to_owned() } else { rules.join(", ") }) }
+                @let said = if rules.is_empty() { t.resets_nothing.to_owned() } else { rules.join(", ") };
+                li { strong { (t.event(event)) } ": " (said) }
             }
-        }
+        } }
     }
 }

@@ -68,7 +68,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         }
         (stations(viewer, &found))
     };
-    Ok(Page { title: t.fleet.into(), section: Section::Fleet, plots: false, body })
+    Ok(Page { title: t.fleet.into(), section: Section::Fleet, body })
 }
 
 /// A gyro with its names and last values.

@@ -94,7 +94,7 @@ impl Deed<'_> {
                 p { button.primary { (self.button) } " " a href=(self.back) { (t.go_back) } }
             }
         };
-        Page { title: self.title.to_owned(), section: self.section, plots: false, body }
+        Page { title: self.title.to_owned(), section: self.section, body }
     }
 
     /// What was sent cannot be done as it is: the form again, with why.

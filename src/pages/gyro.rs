@@ -1,5 +1,7 @@
 //! `/gyros/{serial}`: one gyro, from its plot down to every figure.
 
+use std::time::Duration;
+
 use axum::extract::{Path, Query, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
@@ -14,12 +16,14 @@ use super::{Pages, alerts, before_after};
 use crate::core::access::Role;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::judge::Status;
+use crate::core::judge::{State, Status};
 use crate::core::time::UtcMicros;
+use crate::pages::gyro_head::{self, LONGEST_RUN};
 use crate::pages::history;
-use crate::pages::history::{Bands, Shown};
+use crate::pages::history_plot::{self, Epochs, Seen};
 use crate::pages::status;
-use crate::pipeline::{Comparison, Course, Names, Standing, Statuses, sample_of};
+use crate::pages::view::{AskedView, Shown, View};
+use crate::pipeline::{Comparison, Course, ExplainedHistory, Names, Standing, Statuses, sample_of};
 use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;
 use crate::wire::problem::Problem;
@@ -30,11 +34,11 @@ pub(super) const MOST_ROWS: usize = 40;
 
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct Asked {
-    /// `rigid`, `published` or `bench`; the judged one where it is left out.
-    method: Option<String>,
+    #[serde(flatten)]
+    view: AskedView,
     /// Names of older calibrations: how many to pass over.
     #[serde(default)]
-    skip: usize,
+    skip: String,
 }
 
 pub(super) async fn page(
@@ -50,7 +54,7 @@ pub(super) async fn page(
 pub(super) struct Facts {
     pub course: Course,
     /// What its course is held against.
-    pub bands: Bands,
+    pub epochs: Epochs,
     pub comparison: Comparison,
     /// How it stands; none for a gyro that has neither a calibration nor a bench result.
     pub standing: Option<Standing>,
@@ -64,21 +68,25 @@ pub(super) struct Facts {
 
 impl Facts {
     /// `skip`: how many of the newest records the table passes over.
-    pub async fn of(pages: &Pages, number: u32, serial: &str, shown: Shown, skip: usize) -> Result<Self, Problem> {
+    pub async fn of(pages: &Pages, number: u32, serial: &str, view: &View, skip: usize) -> Result<Self, Problem> {
         let pipeline = &pages.pipeline;
-        let course = pipeline.queries.histories.course(number, serial, shown.separation()).await?;
+        let method = view.shown.separation();
+        let course = pipeline.queries.histories.course(number, serial, method).await?;
         let comparison = pipeline.queries.histories.compare_methods(number, None).await?;
-        let bands = history::bands(&course, shown.separation());
+        let epochs = history_plot::epochs(&course, method);
         let standing = pipeline.queries.fleet.standings(vec![(number, course.figures.last().copied())]).await?.pop();
         let mut verdicts = newest_verdicts(pages, serial, &course).await?;
         for violation in standing.iter().flat_map(|standing| &standing.violations) {
             verdicts.iter_mut().for_each(|said| said.is_known_to_be(violation));
         }
-        let drawn = history::drawn(&course, shown.separation());
+        let drawn = history_plot::drawn(&course, view).into_iter();
         let listed = course.figures.iter().rev().skip(first_row(skip, course.figures.len())).take(MOST_ROWS);
-        let statuses = pipeline.queries.histories.statuses(number, drawn.chain(listed), &[0, 1, 2]).await?;
+        let beyond = |row: &&Figures| row.states.worst() == Some(State::Exceeded);
+        let run = course.figures.iter().rev().take_while(beyond).take(LONGEST_RUN);
+        let asked = drawn.chain(listed).chain(run);
+        let statuses = pipeline.queries.histories.statuses(number, asked, &[0, 1, 2]).await?;
         let alerts = alerts::open_ones(pages, number).await?;
-        Ok(Self { course, bands, comparison, standing, statuses, verdicts, alerts })
+        Ok(Self { course, epochs, comparison, standing, statuses, verdicts, alerts })
     }
 
     /// Its status, and that it is out of use where it is.
@@ -88,8 +96,8 @@ impl Facts {
     }
 
     /// What its plot is made from.
-    pub fn plotted(&self) -> (&Course, &Bands, &Statuses) {
-        (&self.course, &self.bands, &self.statuses)
+    pub fn seen(&self) -> Seen<'_> {
+        Seen { course: &self.course, epochs: &self.epochs, statuses: &self.statuses, verdicts: &self.verdicts }
     }
 }
 
@@ -106,49 +114,40 @@ pub(super) fn known(pages: &Pages, serial: &str) -> Result<u32, Problem> {
 
 async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> Result<Page, Problem> {
     let number = known(pages, serial)?;
-    let shown = Shown::asked(asked.method.as_deref(), pages.config.judging.method);
-    let facts = Facts::of(pages, number, serial, shown, asked.skip).await?;
+    let judged = pages.config.judging.method;
+    let view = View::asked(&asked.view, judged);
+    let skip = asked.skip.parse().unwrap_or(0);
+    let facts = Facts::of(pages, number, serial, &view, skip).await?;
+    let explained = explained(pages, number, serial, &facts).await?;
     let names = pages.pipeline.queries.names();
     let body = html! {
-        (head(viewer, serial, &facts, &names))
-        (deeds(viewer, serial))
-        (verdict_section(viewer, &facts.verdicts))
-        (history(viewer, serial, shown, &facts, &names))
-        (before_after::section(viewer, &facts.course, pages.config.judging.method))
-        (alert_section(viewer, &facts.alerts))
+        (gyro_head::head(viewer, serial, &facts, judged, explained.as_ref(), &names))
+        (history(viewer, serial, &view, &facts, &names))
+        (verdict_section(viewer, &facts))
+        (before_after::section(viewer, &facts.course, judged))
         (agreement(viewer, serial, &facts.comparison))
         (history::happenings(viewer, &facts.course, &names))
-        (changes_explained(viewer, serial))
         (benches(viewer, &facts.course))
-        (calibrations(viewer, serial, shown, asked.skip, &facts, &names))
+        (calibrations(viewer, serial, (&view, skip), &facts, &names))
     };
-    Ok(Page { title: serial.to_owned(), section: Section::Fleet, plots: true, body })
+    Ok(Page { title: serial.to_owned(), section: Section::Fleet, body })
 }
 
-/// What can be done about it.
-fn deeds(viewer: &Viewer, serial: &str) -> Markup {
-    let t = viewer.text();
-    let path = format!("/gyros/{}", encoded(serial));
-    html! {
-        p.actions {
-            @if viewer.may(Role::Engineer) {
-                a.action href={ (path) "/events/new" } { (t.add_event) }
-                a.action href={ (path) "/events/new?event=baseline" } { (t.start_baseline) }
-            }
-            a.action href={ (path) "/report" } { (t.report) }
-        }
-    }
-}
+/// How long the page waits for the diagnosis of the history; it has a page of its own.
+const PATIENCE: Duration = Duration::from_millis(400);
 
-fn alert_section(viewer: &Viewer, open: &[AlertBody]) -> Markup {
-    html! {
-        @if !open.is_empty() {
-            section #alerts {
-                h2 { (viewer.text().alerts_open) }
-                (alerts::table(viewer, open.iter(), false, Some(&viewer.here)))
-            }
-        }
+/// Why its coefficients changed; none for a gyro without calibrations, and where that takes longer.
+async fn explained(
+    pages: &Pages,
+    number: u32,
+    serial: &str,
+    facts: &Facts,
+) -> Result<Option<ExplainedHistory>, Problem> {
+    if facts.course.figures.is_empty() {
+        return Ok(None);
     }
+    let explained = tokio::time::timeout(PATIENCE, pages.pipeline.queries.histories.explain(number, serial)).await;
+    Ok(explained.ok().transpose()?)
 }
 
 async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result<Vec<Said>, Problem> {
@@ -157,61 +156,60 @@ async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result
     Ok(stored.map_or_else(Vec::new, |stored| Said::of_gyro(serial, &stored.answer.verdicts, &stored.seen)))
 }
 
-fn head(viewer: &Viewer, serial: &str, facts: &Facts, names: &Names<'_>) -> Markup {
-    let t = viewer.text();
+fn verdict_section(viewer: &Viewer, facts: &Facts) -> Markup {
     html! {
-        h1 {
-            (serial) " "
-            (facts.badge(t))
-        }
-        @if let Some(figures) = facts.course.figures.last() {
-            p.lead {
-                a href={ "/imus/" (encoded(names.imu(figures.imu))) } { (history::seat(figures, names)) }
-                " · " (t.station) " " (names.station(figures.station))
-                " · " (t.calibrated) " " (instant(figures.at))
-                @match facts.alerts.len() {
-                    0 => {}
-                    1 => { " · " a href="#alerts" { (t.alert_one) } }
-                    several => { " · " a href="#alerts" { (several) " " (t.alerts_count) } }
-                }
-            }
-        } @else {
-            p.lead { (t.never_calibrated) }
-        }
-    }
-}
-
-fn verdict_section(viewer: &Viewer, verdicts: &[Said]) -> Markup {
-    html! {
-        @if !verdicts.is_empty() {
-            section {
+        @if !facts.verdicts.is_empty() || !facts.alerts.is_empty() {
+            section #verdicts {
                 h2 { (viewer.text().verdicts) }
-                (verdicts::list(viewer, verdicts))
+                (verdicts::table(viewer, &facts.verdicts, &facts.alerts, Some(&viewer.here)))
             }
         }
     }
 }
 
-fn history(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, names: &Names<'_>) -> Markup {
+fn history(viewer: &Viewer, serial: &str, view: &View, facts: &Facts, names: &Names<'_>) -> Markup {
     let t = viewer.text();
-    let plot = history::plot(viewer, serial, shown, facts.plotted(), names);
-    let left_out = plot.strips.iter().flat_map(|strip| &strip.series).find_map(|series| series.thinned());
+    let plots = history_plot::plots(viewer, serial, *view, facts.seen(), names, "");
+    let to = |view: View| format!("{}#history", view.address());
+    let whole = View { from: None, to: None, ..*view };
+    let year = facts.course.figures.last().map(|newest| newest.at.plus_days(-365.0));
+    let baseline = facts.epochs[0].last().map(|epoch| epoch.from).filter(|_| facts.epochs[0].len() > 1);
+    let since = [(t.since_baseline, baseline), (t.last_year, year)];
     html! {
-        section {
+        section #history data-picture=(serial) {
             h2 { (t.history) }
-            nav.tabs aria-label=(t.method) {
-                @for one in Shown::ALL {
-                    a href={ "?method=" (one.name()) } aria-current=[(one == shown).then_some("true")] { (one.title(t)) }
+            div.tabs {
+                nav aria-label=(t.axis_word) {
+                    @for (name, absolute) in [(t.axis_deviation, false), (t.axis_absolute, true)] {
+                        @let here = (absolute == view.absolute).then_some("true");
+                        a href=(to(View { absolute, ..*view })) aria-current=[here] { (name) }
+                    }
                 }
+                nav aria-label=(t.method) {
+                    @for shown in Shown::ALL {
+                        @let here = (shown == view.shown).then_some("true");
+                        a href=(to(View { shown, ..*view })) aria-current=[here] { (shown.title(t)) }
+                    }
+                }
+                nav aria-label=(t.span_word) {
+                    a href=(to(whole)) aria-current=[(*view == whole).then_some("true")] { (t.whole_history) }
+                    @for (name, from) in since {
+                        @if from.is_some() {
+                            @let part = View { from, ..whole };
+                            a href=(to(part)) aria-current=[(part.address() == view.address()).then_some("true")] {
+                                (name)
+                            }
+                        }
+                    }
+                }
+                button type="button" data-save hidden { (t.save_picture) }
             }
-            (plot.markup(t))
+            (plots.folded(t))
             p.note {
-                (t.plot_note) " "
-                @if let Some(of) = left_out { (of) " " (t.thinned) ". " }
-                (t.csv) ": "
+                (t.plot_note) " " (t.csv) ": "
                 @for coefficient in DRIFTS {
                     a href={ "/v1/gyros/" (encoded(serial)) "/trend?coefficient=" (coefficient) "&method="
-                             (shown.separation_name()) "&format=csv" }
+                             (view.shown.separation_name()) "&format=csv" }
                       download={ (serial) "-" (coefficient) ".csv" } { (symbol(coefficient)) } " "
                 }
             }
@@ -262,27 +260,18 @@ pub(super) fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) 
     }
 }
 
-/// Where the diagnosis of its history is; it asks after the whole fleet, which is too much for every view of a page.
-fn changes_explained(viewer: &Viewer, serial: &str) -> Markup {
-    let t = viewer.text();
-    html! {
-        section #diagnosis {
-            h2 { (t.history_diagnosis) }
-            p {
-                (t.history_diagnosis_note) " "
-                a href={ "/gyros/" (encoded(serial)) "/diagnosis" } { (t.history_diagnosis) } " · "
-                a href={ "/v1/gyros/" (encoded(serial)) "/diagnosis" } { "JSON" }
-            }
-        }
-    }
-}
-
-fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, facts: &Facts, names: &Names<'_>) -> Markup {
-    let t = viewer.text();
+fn calibrations(
+    viewer: &Viewer,
+    serial: &str,
+    (view, skip): (&View, usize),
+    facts: &Facts,
+    names: &Names<'_>,
+) -> Markup {
+    let (t, shown) = (viewer.text(), view.shown);
     let count = facts.course.figures.len();
     let skip = first_row(skip, count);
     let rows = facts.course.figures.iter().rev().skip(skip).take(ROWS);
-    let to = |skip: usize| format!("/gyros/{}?method={}&skip={skip}#calibrations", encoded(serial), shown.name());
+    let to = |skip: usize| format!("/gyros/{}{}&skip={skip}#calibrations", encoded(serial), view.address());
     html! {
         @if count > 0 {
             section #calibrations {

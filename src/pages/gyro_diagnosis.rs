@@ -32,7 +32,7 @@ async fn build(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, Pro
         }
         @for coefficient in &explained.coefficients { (section(viewer, serial, coefficient, explained.newest)) }
     };
-    Ok(Page { title: format!("{serial}: {}", t.history_diagnosis), section: Section::Fleet, plots: false, body })
+    Ok(Page { title: format!("{serial}: {}", t.history_diagnosis), section: Section::Fleet, body })
 }
 
 fn section(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, newest: Option<UtcMicros>) -> Markup {

@@ -45,7 +45,7 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
             } }
         }
     };
-    Ok(Page { title: t.hooks.into(), section: Section::Hooks, plots: false, body })
+    Ok(Page { title: t.hooks.into(), section: Section::Hooks, body })
 }
 
 fn line(viewer: &Viewer, hook: &HookBody) -> Markup {

@@ -234,7 +234,7 @@ fn framed(viewer: &Viewer, text: &str, after: Markup) -> Page {
         }
         (after)
     };
-    Page { title: t.import.into(), section: Section::Import, plots: false, body }
+    Page { title: t.import.into(), section: Section::Import, body }
 }
 
 fn refused(t: &Text, line: usize, faults: &Faults) -> Markup {

@@ -10,6 +10,7 @@ use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::parameters::{self, Parameters};
 use super::text::Text;
 use super::viewer::Viewer;
+use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::message;
@@ -55,12 +56,18 @@ async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Proble
     let Facts { seats, records, parameters } = Facts::of(pages, viewer, imu).await?;
     let body = html! {
         h1 { (imu) }
-        p.actions { a.action href={ "/imus/" (encoded(imu)) "/report" } { (t.report) } }
+        p.actions {
+            a.action href={ "/imus/" (encoded(imu)) "/report" } { (t.report) }
+            @if seats.now.len() > 1 {
+                @let gyros = seats.now.iter().map(|gyro| format!("gyro={}", encoded(&gyro.serial)));
+                a.action href={ "/compare?" (gyros.collect::<Vec<_>>().join("&")) } { (t.compare_gyros) }
+            }
+        }
         (seated(pages, t, &seats))
         @if let Some(newest) = parameters { section { h2 { (t.newest_parameters) } (newest) } }
         section { h2 { (t.records) } (list(t, &records)) }
     };
-    Ok(Page { title: imu.to_owned(), section: Section::Fleet, plots: false, body })
+    Ok(Page { title: imu.to_owned(), section: Section::Fleet, body })
 }
 
 async fn newest_parameters(pages: &Pages, t: &Text, head: &RecordSummary) -> Result<Markup, Problem> {
@@ -130,21 +137,32 @@ fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup 
     }
 }
 
+/// Where there are two campaigns, two of them can be chosen to be compared.
 fn list(t: &Text, records: &[RecordSummary]) -> Markup {
+    let campaigns = records.iter().filter(|head| head.kind == Kind::Campaign);
+    let newest: Vec<Id> = campaigns.take(2).map(|head| head.id).collect();
+    let choice = newest.len() == 2;
     html! {
-        div.scroll.tall tabindex="0" { table {
-            thead { tr { th { (t.calibrated) } th { (t.station) } th { (t.kind) } } }
-            tbody { @for head in records {
-                @let campaign = head.kind == Kind::Campaign;
-                tr {
-                    td { a href={ (if campaign { "/campaigns/" } else { "/records/" }) (head.id) } { (instant(head.calibrated_at)) } }
-                    td { (head.station) }
-                    td {
-                        @if campaign { (t.kind_campaign) " · " a href={ "/campaigns/" (head.id) "/diagnosis" } { (t.diagnosis) } }
-                        @else { (t.kind_record) }
+        form action="/compare" method="get" {
+            div.scroll.tall tabindex="0" { table {
+                thead { tr { @if choice { th { (t.compare) } } th { (t.calibrated) } th { (t.station) } th { (t.kind) } } }
+                tbody { @for head in records {
+                    @let campaign = head.kind == Kind::Campaign;
+                    tr {
+                        @if choice { td { @if campaign {
+                            input type="checkbox" name="campaign" value=(head.id) checked[newest.contains(&head.id)]
+                                aria-label={ (t.compare) " " (head.calibrated_at.date()) };
+                        } } }
+                        td { a href={ (if campaign { "/campaigns/" } else { "/records/" }) (head.id) } { (instant(head.calibrated_at)) } }
+                        td { (head.station) }
+                        td {
+                            @if campaign { (t.kind_campaign) " · " a href={ "/campaigns/" (head.id) "/diagnosis" } { (t.diagnosis) } }
+                            @else { (t.kind_record) }
+                        }
                     }
-                }
+                } }
             } }
-        } }
+            @if choice { p { button { (t.compare_chosen) } } }
+        }
     }
 }

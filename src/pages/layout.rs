@@ -5,19 +5,22 @@ use axum::http::header::{
     CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, REFERRER_POLICY, VARY, X_CONTENT_TYPE_OPTIONS,
 };
 use axum::response::{IntoResponse, Response};
-use maud::{DOCTYPE, Markup, html};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::assets::{PLOTLY, SCRIPT, STYLE};
+use super::assets::{SCRIPT, STYLE};
 use super::viewer::{Theme, Viewer};
 use crate::core::access::Role;
 use crate::core::judge::Coefficient;
 use crate::core::time::UtcMicros;
+use crate::system;
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
-/// Nothing is loaded from elsewhere and nothing inline runs. Plotly puts style elements into the page, and pictures
-/// that are saved are made from blobs.
-const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
+/// Nothing is loaded from elsewhere, nothing inline runs and nothing inline is a style. Pictures that are saved are made
+/// from data of their own.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
                       connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
 
 /// Attributes that hold an address.
@@ -28,8 +31,6 @@ pub(super) struct Page {
     pub title: String,
     /// Which entry of the navigation it belongs to.
     pub section: Section,
-    /// Whether it has plots to draw.
-    pub plots: bool,
     pub body: Markup,
 }
 
@@ -58,15 +59,35 @@ impl Viewer {
     }
 
     pub fn respond(&self, status: StatusCode, page: &Page) -> Response {
+        self.leave(status, page, None)
+    }
+
+    /// The same, every sheet of paper with what it is about and its number.
+    pub fn show_for_paper(&self, page: Result<Page, Problem>, about: &str) -> Response {
+        match page {
+            Ok(page) => self.leave(StatusCode::OK, &page, Some(&sheets(about))),
+            Err(problem) => self.show(Err(problem)),
+        }
+    }
+
+    /// `style`: rules of this page alone, which the policy names by their hash.
+    fn leave(&self, status: StatusCode, page: &Page, style: Option<&str>) -> Response {
+        let policy = match style {
+            Some(style) => {
+                let hash = BASE64_STANDARD.encode(system::sha256(style.as_bytes()));
+                POLICY.replace("style-src 'self'", &format!("style-src 'self' 'sha256-{hash}'"))
+            }
+            None => POLICY.to_owned(),
+        };
         let head = [
             (CONTENT_TYPE, "text/html; charset=utf-8"),
-            (CONTENT_SECURITY_POLICY, POLICY),
+            (CONTENT_SECURITY_POLICY, policy.as_str()),
             (X_CONTENT_TYPE_OPTIONS, "nosniff"),
             (REFERRER_POLICY, "same-origin"),
             (CACHE_CONTROL, "no-cache"),
             (VARY, "accept-language, cookie"),
         ];
-        (status, head, self.under_base(self.document(page).into_string())).into_response()
+        (status, head, self.under_base(self.document(page, style).into_string())).into_response()
     }
 
     /// Has whatever leads to this service lead under its prefix. In text and values quotation marks are escaped, so
@@ -91,10 +112,10 @@ impl Viewer {
             }
             p { a href="/" { (t.error_back) } }
         };
-        Page { title: t.error_title.into(), section: Section::None, plots: false, body }
+        Page { title: t.error_title.into(), section: Section::None, body }
     }
 
-    fn document(&self, page: &Page) -> Markup {
+    fn document(&self, page: &Page, style: Option<&str>) -> Markup {
         let t = self.text();
         html! {
             (DOCTYPE)
@@ -105,7 +126,7 @@ impl Viewer {
                     title { (page.title) " · gyrowatch" }
                     link rel="icon" href="data:,";
                     link rel="stylesheet" href=(STYLE.path);
-                    @if page.plots { script src=(PLOTLY.path) defer {} }
+                    @if let Some(style) = style { style { (PreEscaped(style)) } }
                     script src=(SCRIPT.path) defer {}
                 }
                 body {
@@ -151,6 +172,17 @@ impl Viewer {
     }
 }
 
+/// Rules that put a name and the page's number on every sheet. Every character of the name but letters and digits as
+/// an escape, so that it can end neither the string nor the element.
+fn sheets(about: &str) -> String {
+    let escaped = |c: char| if c.is_ascii_alphanumeric() { c.to_string() } else { format!("\\{:x} ", u32::from(c)) };
+    let about: String = about.chars().map(escaped).collect();
+    format!(
+        "@page {{ @bottom-left {{ content: \"{about}\"; font-size: 8pt; }} \
+         @bottom-right {{ content: counter(page) \" / \" counter(pages); font-size: 8pt; }} }}"
+    )
+}
+
 fn entry(path: &str, name: &str, here: bool) -> Markup {
     html! { a href=(path) aria-current=[here.then_some("page")] { (name) } }
 }
@@ -163,7 +195,7 @@ pub(super) fn instant(at: UtcMicros) -> Markup {
 }
 
 /// Hours and minutes of an RFC 3339 time, with what they are counted in.
-fn clock(utc: &str) -> String {
+pub(super) fn clock(utc: &str) -> String {
     let start = utc.find('T').map_or(utc.len(), |at| at + 1);
     format!("{} UTC", utc.get(start..start + 5).unwrap_or_default())
 }
@@ -213,6 +245,13 @@ mod tests {
     fn names_fit_into_addresses_whatever_they_hold() {
         assert_eq!(encoded("LFG-0101_a.b~"), "LFG-0101_a.b~");
         assert_eq!(encoded("a/b?c d&陀"), "a%2Fb%3Fc%20d%26%E9%99%80");
+    }
+
+    #[test]
+    fn what_a_gyro_is_called_ends_neither_a_string_nor_a_style() {
+        assert!(sheets("LFG-1").contains("content: \"LFG\\2d 1\";"));
+        let evil = sheets("a\"}</style><script>\\");
+        assert!(!evil.contains('<') && evil.matches('"').count() == 4, "{evil}");
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod before_after;
 mod book;
 mod calibration;
 mod chart;
+mod compare;
 mod confirm;
 mod corrections;
 mod course;
@@ -21,14 +22,15 @@ mod fleet;
 mod form;
 mod gyro;
 mod gyro_diagnosis;
+mod gyro_head;
 mod history;
+mod history_plot;
 mod hooks;
 mod import;
 mod imu;
 mod layout;
 mod notes;
 mod parameters;
-mod plot;
 mod reference;
 mod report;
 mod residuals;
@@ -43,6 +45,7 @@ mod status;
 mod text;
 mod upload_parts;
 mod verdicts;
+mod view;
 mod viewer;
 
 use crate::routes::{ADMIN, ANYONE, ENGINEER, Routes, STATION, VIEWER};
@@ -61,6 +64,7 @@ pub fn routes() -> Routes<Pages> {
         .get(VIEWER, "/gyros/{serial}/report", report::gyro)
         .get(VIEWER, "/imus/{imu}", imu::page)
         .get(VIEWER, "/imus/{imu}/report", report::imu)
+        .get(VIEWER, "/compare", compare::page)
         .get(VIEWER, "/alerts", alerts::page)
         .get(ENGINEER, "/alerts/{id}/{deed}", alerts::ask)
         .post(ENGINEER, "/alerts/{id}/{deed}", alerts::act)

@@ -1,67 +1,192 @@
 //! `/gyros/{serial}/report` and `/imus/{imu}/report`: one to put into the acceptance file. Whole without scripts, its
 //! plots drawn by the service; the style sheet keeps what belongs together on one sheet of paper.
 
+use std::collections::BTreeSet;
+
 use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
 
 use super::gyro::{Facts, agreement, calibration_table, known};
-use super::layout::{Page, Section, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, instant, symbol};
+use super::text::Text;
 use super::viewer::Viewer;
-use super::{Pages, alerts, before_after, chart, figure, imu, verdicts};
-use crate::core::judge::Rule;
+use super::{Pages, before_after, figure, gyro_head, history_plot, imu, verdicts};
+use crate::core::id::Id;
+use crate::core::judge::{DriftLimits, Event, Limits, Rule};
 use crate::core::kind::Kind;
+use crate::core::time::UtcMicros;
 use crate::pages::history;
-use crate::pages::history::Shown;
+use crate::pages::view::View;
+use crate::pipeline::Names;
 use crate::wire::problem::Problem;
+use crate::{system, words};
 
 /// Calibrations that a report on a gyro lists; all are in its pictures.
 const ROWS: usize = super::gyro::MOST_ROWS;
 
 pub(super) async fn gyro(Held(pages): Held<Pages>, viewer: Viewer, Path(serial): Path<String>) -> Response {
-    viewer.show(of_gyro(&pages, &viewer, &serial).await)
+    viewer.show_for_paper(of_gyro(&pages, &viewer, &serial).await, &serial)
 }
 
 pub(super) async fn imu(Held(pages): Held<Pages>, viewer: Viewer, Path(imu): Path<String>) -> Response {
-    viewer.show(of_imu(&pages, &viewer, &imu).await)
+    viewer.show_for_paper(of_imu(&pages, &viewer, &imu).await, &imu)
 }
 
 async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, Problem> {
     let t = viewer.text();
     let number = known(pages, serial)?;
-    let shown = Shown::asked(None, pages.config.judging.method);
-    let facts = Facts::of(pages, number, serial, shown, 0).await?;
+    let view = View::whole(pages.config.judging.method);
+    let facts = Facts::of(pages, number, serial, &view, 0).await?;
+    let rested_on = rested_on(pages, &facts).await?;
     let names = pages.pipeline.queries.names();
+    let plots = history_plot::plots(viewer, serial, view, facts.seen(), &names, "");
     let count = facts.course.figures.len();
     let body = html! {
         article.report {
-            h1 { (t.report_of_gyro) " " (serial) " " (facts.badge(t)) }
-            (as_of(pages, viewer))
-            section { h2 { (t.identity) } (identity(viewer, serial, shown, &facts, &names)) }
-            section { h2 { (t.verdicts) } (verdicts::all(viewer, &facts.verdicts)) }
-            section { h2 { (t.history) } p.note { (t.report_plot_note) } (chart::strips(&history::plot(viewer, serial, shown, facts.plotted(), &names))) }
-            (before_after::section(viewer, &facts.course, pages.config.judging.method))
+            section.decide {
+                h1 { (t.report_of_gyro) " " (serial) " " (facts.badge(t)) }
+                (as_of(pages, viewer))
+                (identity(viewer, serial, &view, &facts, &names))
+                (gyro_head::loads(t, &facts.stands(view.judged)))
+                (conclusion(t, &facts))
+                (plots.of(&[0, 1]))
+                (plots.signs(t))
+                (limits(t, &facts.course.limits))
+                (hashes(t, &rested_on))
+                (boxes(t))
+            }
+            section { h2 { (t.verdicts) } (verdicts::table(viewer, &facts.verdicts, &facts.alerts, None)) }
+            section { h2 { (symbol("D_O")) ": " (t.meaning_d_o) } (plots.of(&[2])) }
+            (before_after::section(viewer, &facts.course, view.judged))
             (agreement(viewer, serial, &facts.comparison))
             (history::happenings(viewer, &facts.course, &names))
-            (open_alerts(viewer, &facts))
             section {
                 h2 { (t.calibrations) }
-                p.note { (t.newest_of) " " (count.min(ROWS)) " / " (count) ", " (t.method_of(shown.separation())) ", " (t.unit) }
-                (calibration_table(viewer, shown, &facts.statuses, facts.course.figures.iter().rev().take(ROWS), &names, false))
+                p.note {
+                    (t.newest_of) " " (count.min(ROWS)) " / " (count) ", " (t.method_of(view.shown.separation())) ", "
+                    (t.unit)
+                }
+                @let rows = facts.course.figures.iter().rev().take(ROWS);
+                (calibration_table(viewer, view.shown, &facts.statuses, rows, &names, false))
             }
-            (signature(viewer))
         }
     };
-    Ok(Page { title: format!("{} {serial}", t.report_of_gyro), section: Section::Fleet, plots: false, body })
+    Ok(Page { title: format!("{} {serial}", t.report_of_gyro), section: Section::Fleet, body })
+}
+
+/// A record that the verdicts rest on, and what it is for.
+struct RestedOn {
+    what: &'static str,
+    id: Id,
+    at: UtcMicros,
+    sha256: String,
+}
+
+/// The newest record and those that made the baseline of D_I, as they were sent.
+async fn rested_on(pages: &Pages, facts: &Facts) -> Result<Vec<RestedOn>, Problem> {
+    let t = words::asked().text();
+    let rows = &facts.course.figures;
+    let made = facts.epochs[0].last().and_then(|epoch| epoch.made);
+    let of_baseline = rows.iter().filter(|row| made.is_some_and(|(from, until)| from <= row.at && row.at <= until));
+    let newest = rows.last().map(|row| (t.newest_record, row));
+    let mut found = Vec::new();
+    for (what, row) in newest.into_iter().chain(of_baseline.map(|row| (t.baseline_record, row))) {
+        if let Some(item) = pages.pipeline.queries.records.sent(row.record).await? {
+            found.push(RestedOn {
+                what,
+                id: row.record,
+                at: row.at,
+                sha256: hex::encode(system::sha256(item.body.as_bytes())),
+            });
+        }
+    }
+    Ok(found)
+}
+
+fn hashes(t: &Text, rested_on: &[RestedOn]) -> Markup {
+    html! {
+        @if !rested_on.is_empty() {
+            table.small {
+                thead { tr { th { (t.records_judged) } th { (t.calibrated) } th { (t.identifier) } th { "SHA-256" } } }
+                tbody { @for one in rested_on {
+                    tr {
+                        td { (one.what) } td { (instant(one.at)) }
+                        td { a href={ "/records/" (one.id) } { code { (one.id) } } } td { code { (one.sha256) } }
+                    }
+                } }
+            }
+        }
+    }
+}
+
+/// What the verdicts suggest, and what was decided.
+fn conclusion(t: &Text, facts: &Facts) -> Markup {
+    html! {
+        @if let Some(suggestion) = facts.suggestion() {
+            p.suggestion { strong { (t.suggested) (t.colon) } " " (t.word(&suggestion.word())) }
+        }
+        (gyro_head::decision(t, facts))
+    }
+}
+
+/// Everything that the gyro is held to, each with the key that sets it.
+fn limits(t: &Text, limits: &Limits) -> Markup {
+    let of_rule = |rule: Rule| {
+        let of = |drift: &DriftLimits| match rule {
+            Rule::Trend => drift.trend.map(|trend| trend.budget),
+            Rule::Shift => drift.shift.map(|shift| shift.least),
+            _ => drift.of(rule),
+        };
+        [of(&limits.d_i), of(&limits.d_s), limits.closure.filter(|_| rule == Rule::Closure)]
+    };
+    let rules = Rule::ALL.into_iter().map(|rule| (rule, of_rule(rule)));
+    html! {
+        table.small {
+            thead { tr {
+                th { (t.limits_in_force) } @for name in DRIFTS { th.n { (symbol(name)) } } th { (t.set_by) }
+            } }
+            tbody {
+                @for (rule, all) in rules.filter(|(_, all)| all.iter().any(Option::is_some)) {
+                    tr {
+                        td { (t.rule(rule)) }
+                        @for limit in &all { td.n { @if let Some(limit) = limit { (figure::short(limit.value)) } } }
+                        @let keys = all.iter().flatten().map(|limit| limit.from.to_string());
+                        td { @for key in keys.collect::<BTreeSet<String>>() { code { (key) } " " } }
+                    }
+                }
+                @if let Some(limit) = &limits.interval_days {
+                    tr {
+                        td { (t.rule(Rule::Overdue)) } td.n colspan="3" { (limit.value) " " (t.days) }
+                        td { code { (limit.from) } }
+                    }
+                }
+            }
+        }
+        p.note { (t.unit) " · " (t.confidence_word) " " (figure::percent(limits.confidence)) }
+    }
+}
+
+/// To be ticked and signed by hand.
+fn boxes(t: &Text) -> Markup {
+    let decisions = [Event::DecisionRelease, Event::DecisionRetest, Event::DecisionRemove];
+    html! {
+        div.boxes {
+            strong { (t.decision) }
+            @for event in decisions { span { span.tick {} (t.event(event)) } }
+        }
+        p.signature { (t.reason_word) ":" }
+        p.signature { (t.signature) ":" }
+    }
 }
 
 async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Problem> {
     let t = viewer.text();
     let found = imu::Facts::of(pages, viewer, name).await?;
-    let shown = Shown::asked(None, pages.config.judging.method);
+    let view = View::whole(pages.config.judging.method);
     let mut gyros = Vec::new();
     for standing in &found.seats.now {
-        gyros.push((standing.serial.clone(), Facts::of(pages, standing.number, &standing.serial, shown, 0).await?));
+        gyros.push((standing.serial.clone(), Facts::of(pages, standing.number, &standing.serial, &view, 0).await?));
     }
     let names = pages.pipeline.queries.names();
     let campaigns = found.records.iter().filter(|head| head.kind == Kind::Campaign).count();
@@ -75,7 +200,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
                     dt { (t.imu) } dd { (name) }
                     @if let Some(newest) = found.records.first() { dt { (t.calibrated) } dd { (instant(newest.calibrated_at)) } }
                     dt { (t.records_word) } dd { (found.records.len()) " (" (t.kind_campaign) ": " (campaigns) ")" }
-                    dt { (t.judged_by) } dd { (t.method_of(shown.separation())) }
+                    dt { (t.judged_by) } dd { (t.method_of(view.shown.separation())) }
                 }
             }
             (imu::seated(pages, t, &found.seats))
@@ -83,29 +208,28 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
             @for (serial, facts) in &gyros {
                 section.sheet {
                     h2 { (t.serial) " " (serial) " " (facts.badge(t)) }
-                    (verdicts::all(viewer, &facts.verdicts))
-                    (chart::strips(&history::plot(viewer, serial, shown, facts.plotted(), &names)))
+                    (gyro_head::loads(t, &facts.stands(view.judged)))
+                    (conclusion(t, facts))
+                    (verdicts::table(viewer, &facts.verdicts, &facts.alerts, None))
+                    @let plots = history_plot::plots(viewer, serial, view, facts.seen(), &names, &format!("-{serial}"));
+                    (plots.of(&[0, 1, 2])) (plots.signs(t))
                     (before_after::section(viewer, &facts.course, pages.config.judging.method))
                     (agreement(viewer, serial, &facts.comparison))
                     (history::happenings(viewer, &facts.course, &names))
-                    (open_alerts(viewer, facts))
                 }
             }
             (signature(viewer))
         }
     };
-    Ok(Page { title: format!("{} {name}", t.report_of_imu), section: Section::Fleet, plots: false, body })
+    Ok(Page { title: format!("{} {name}", t.report_of_imu), section: Section::Fleet, body })
 }
 
 fn as_of(pages: &Pages, viewer: &Viewer) -> Markup {
     html! { p.note { (viewer.text().printed_at) " " (instant(pages.clock.now())) " · gyrowatch " (env!("CARGO_PKG_VERSION")) } }
 }
 
-fn identity(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, names: &crate::pipeline::Names<'_>) -> Markup {
+fn identity(viewer: &Viewer, serial: &str, view: &View, facts: &Facts, names: &Names<'_>) -> Markup {
     let t = viewer.text();
-    let limits = &facts.course.limits;
-    let budgets =
-        [("D_I", limits.d_i.of(Rule::Baseline)), ("D_S", limits.d_s.of(Rule::Baseline)), ("D_O", limits.closure)];
     html! {
         dl.facts {
             dt { (t.serial) } dd { (serial) }
@@ -115,25 +239,7 @@ fn identity(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, names: &
                 dt { (t.calibrated) } dd { (instant(newest.at)) }
             } @else { dt { (t.calibrated) } dd { (t.never_calibrated) } }
             dt { (t.records_word) } dd { (facts.course.figures.len()) }
-            dt { (t.judged_by) } dd { (t.method_of(shown.separation())) }
-            dt { (t.budget_word) }
-            dd {
-                @for (name, budget) in budgets {
-                    @if let Some(budget) = budget { span.nowrap { (symbol(name)) " ± " (figure::short(budget.value)) } " (" code { (budget.from) } ") " }
-                }
-                (t.unit)
-            }
-        }
-    }
-}
-
-fn open_alerts(viewer: &Viewer, facts: &Facts) -> Markup {
-    let t = viewer.text();
-    html! {
-        section {
-            h2 { (t.alerts_open) }
-            @if facts.alerts.is_empty() { p { (t.no_open_alerts) } }
-            @else { (alerts::table(viewer, facts.alerts.iter(), false, None)) }
+            dt { (t.judged_by) } dd { (t.method_of(view.shown.separation())) }
         }
     }
 }

@@ -2,11 +2,14 @@
 
 use maud::{Markup, html};
 
+use super::chart::{Across, Chart, Dot, Level, Track, bounds, widened};
+use super::figure::short;
 use super::text::Text;
 use crate::wire::diagnosis::ResidualBody;
 
 const WIDTH: f64 = 960.0;
-const HEIGHT: f64 = 150.0;
+/// Of one strip, pixels.
+const HEIGHT: f64 = 110.0;
 const LEFT: f64 = 62.0;
 const RIGHT: f64 = 8.0;
 /// Residuals of so many standard deviations are shown at full shade.
@@ -16,49 +19,101 @@ fn tenth(value: f64) -> String {
     format!("{value:.1}")
 }
 
+/// The largest of all, which the pictures of all gyros reach to.
+pub(super) fn extent<'a>(all: impl Iterator<Item = &'a f64>) -> f64 {
+    all.map(|value| value.abs()).filter(|size| size.is_finite()).fold(0.0, f64::max)
+}
+
 /// Residuals over their own standard deviations; two of them to either side are a band.
-pub(super) fn strip(t: &Text, standardised: &[f64]) -> Markup {
-    let points: Vec<_> = standardised.iter().enumerate().map(|(dwell, &value)| (dwell, value)).collect();
-    picture(t.residuals_by_dwell, "σ", &[(&points, "dot")], Some(2.0))
+pub(super) fn strip(t: &Text, standardised: &[f64], extent: f64) -> Markup {
+    let dots = standardised.iter().copied().enumerate();
+    picture(t, "", "σ", vec![track("dot", dots, "σ", t)], Some(2.0), extent)
+}
+
+/// Residuals of one gyro in one campaign, deg/h.
+pub(super) fn in_rate(t: &Text, name: &str, residuals: &[f64], extent: f64) -> Markup {
+    picture(t, name, "deg/h", vec![track("dot", residuals.iter().copied().enumerate(), "deg/h", t)], None, extent)
 }
 
 /// One gyro of a diagnosis, deg/h: hollow before, filled with the named effects added.
-pub(super) fn before_and_after(t: &Text, all: &[ResidualBody], slot: &str) -> Markup {
+pub(super) fn before_and_after(t: &Text, all: &[ResidualBody], slot: &str, extent: f64) -> Markup {
     let own = || all.iter().filter(|residual| residual.slot == slot);
-    let before: Vec<_> = own().map(|r| (r.index, r.before_deg_per_h)).collect();
-    let after: Vec<_> = own().map(|r| (r.index, r.after_deg_per_h)).collect();
+    let before = track("hollow", own().map(|r| (r.index, r.before_deg_per_h)), "deg/h", t);
+    let after = track("dot", own().map(|r| (r.index, r.after_deg_per_h)), "deg/h", t);
     let sd = own().map(|r| r.sd_deg_per_h).sum::<f64>() / own().count().max(1) as f64;
-    picture(t.residuals_by_dwell, "deg/h", &[(&before, "hollow"), (&after, "dot")], Some(2.0 * sd))
+    picture(t, "", "deg/h", vec![before, after], Some(2.0 * sd), extent)
 }
 
-/// Series of (dwell, value), each with its class; a band from -band to band.
-fn picture(label: &str, unit: &str, series: &[(&[(usize, f64)], &str)], band: Option<f64>) -> Markup {
-    let all = || series.iter().flat_map(|(points, _)| points.iter());
-    let dwells = all().map(|(dwell, _)| dwell + 1).max().unwrap_or(1);
-    let extent = all().map(|(_, value)| value.abs()).chain(band).fold(f64::MIN_POSITIVE, f64::max) * 1.08;
-    let x = |dwell: usize| LEFT + (WIDTH - LEFT - RIGHT) * (dwell as f64 + 0.5) / dwells as f64;
-    let y = |value: f64| (HEIGHT - 20.0) / 2.0 * (1.0 - value / extent) + 2.0;
-    let marked = extent / 1.08;
-    html! {
-        svg.dwells viewBox={ "0 0 " (WIDTH) " " (HEIGHT) } role="img" aria-label=(label) {
-            @if let Some(band) = band {
-                rect.band x=(LEFT) y=(tenth(y(band))) width=(WIDTH - LEFT - RIGHT) height=(tenth(y(-band) - y(band))) {}
-            }
-            @for value in [-marked, 0.0, marked] {
-                line x1=(LEFT) x2=(WIDTH - RIGHT) y1=(tenth(y(value))) y2=(tenth(y(value))) {}
-                text x=(LEFT - 4.0) y=(tenth(y(value) + 4.0)) text-anchor="end" { (super::figure::short(value)) }
-            }
-            @for (points, class) in series {
-                @for &(dwell, value) in *points {
-                    circle class=(class) cx=(tenth(x(dwell))) cy=(tenth(y(value))) r="3" {
-                        title { (dwell) ": " (super::figure::short(value)) " " (unit) }
-                    }
-                }
-            }
-            text x=(LEFT) y=(HEIGHT - 3.0) { "0" }
-            text x=(WIDTH - RIGHT) y=(HEIGHT - 3.0) text-anchor="end" { (dwells - 1) " · " (unit) }
+fn track(class: &str, values: impl Iterator<Item = (usize, f64)>, unit: &str, t: &Text) -> Track {
+    let dot = |(dwell, y): (usize, f64)| Dot {
+        x: dwell as f64,
+        y,
+        said: format!("{} {dwell}: {} {unit}", t.dwell, short(y)),
+        ..Dot::default()
+    };
+    Track { class: class.into(), dots: values.map(dot).collect(), ..Track::default() }
+}
+
+/// Dwells across; a band to either side of zero; the y axis reaches to `extent` on either side.
+fn picture(t: &Text, name: &str, unit: &str, tracks: Vec<Track>, band: Option<f64>, extent: f64) -> Markup {
+    let last = tracks.iter().flat_map(|track| &track.dots).map(|dot| dot.x).fold(0.0, f64::max);
+    let reach = 1.08 * extent.max(band.unwrap_or(0.0)).max(f64::MIN_POSITIVE);
+    let x = (-0.5, last + 0.5);
+    let caption = html! { span { @if !name.is_empty() { (name) ", " } (unit) } };
+    let chart = Chart {
+        range: Some((-reach, reach)),
+        height: HEIGHT,
+        levels: vec![Level { from: x.0, until: x.1, shade: band, ..Level::default() }],
+        tracks,
+        ..Chart::new(format!("{} {name}", t.residuals_by_dwell), caption, Across::Figure(t.dwell), x)
+    };
+    chart.markup()
+}
+
+/// One dwell: the figure that an effect follows, deg/h that it does not leave unexplained, and their uncertainty.
+pub(super) struct Point {
+    pub dwell: usize,
+    pub x: f64,
+    pub y: f64,
+    pub sd: f64,
+}
+
+/// An effect in one gyro.
+pub(super) struct Evidence {
+    pub name: String,
+    pub points: Vec<Point>,
+    /// Of the fit through zero, deg/h per unit of x.
+    pub slope: f64,
+}
+
+/// Residuals against what an effect follows, with its fit, all gyros on one scale.
+pub(super) fn evidence(t: &Text, all: &[Evidence]) -> Markup {
+    let points = || all.iter().flat_map(|one| &one.points);
+    let reach = 1.08 * extent(points().map(|point| &point.y)).max(f64::MIN_POSITIVE);
+    let Some(x) = bounds(points().map(|point| point.x)) else { return html! {} };
+    let x = widened(x, 0.05, 1.0);
+    let chart = |one: &Evidence| {
+        let dot = |point: &Point| Dot {
+            x: point.x,
+            y: point.y,
+            sd: Some(point.sd),
+            said: format!("{} {}: {} deg/h", t.dwell, point.dwell, short(point.y)),
+            ..Dot::default()
+        };
+        Chart {
+            range: Some((-reach, reach)),
+            height: HEIGHT,
+            tracks: vec![Track { class: "dot".into(), dots: one.points.iter().map(dot).collect(), ..Track::default() }],
+            lines: vec![("fit", [x.0, x.1].map(|x| (x, one.slope * x)).to_vec())],
+            ..Chart::new(
+                format!("{}: {}", one.name, t.evidence_note),
+                html! { span { (one.name) ", deg/h" } },
+                Across::Figure(t.regressor),
+                x,
+            )
         }
-    }
+    };
+    html! { div.charts.three { @for one in all { (chart(one).markup()) } } }
 }
 
 /// Gyros down, dwells across; the shade of a cell is its residual over its standard deviation.
@@ -117,8 +172,39 @@ mod tests {
     }
 
     #[test]
+    fn the_strips_of_all_gyros_have_one_scale_and_the_unit_of_their_own_axis() {
+        let t = Language::English.text();
+        let all = [residual(0, "G1", 0.5), residual(0, "G2", 0.001)];
+        let extent = extent(all.iter().map(|one| &one.before_deg_per_h));
+        for slot in ["G1", "G2"] {
+            let drawn = before_and_after(t, &all, slot, extent).into_string();
+            assert!(drawn.contains(">0.4</text>") && drawn.contains(">-0.4</text>"), "{slot}: {drawn}");
+            assert!(drawn.contains("<figcaption><span>deg/h</span>"), "{drawn}");
+            assert!(drawn.contains("text-anchor=\"end\">dwell</text>"), "{drawn}");
+        }
+    }
+
+    #[test]
+    fn the_fit_of_an_effect_goes_through_its_points() {
+        let point = |k: i32| Point { dwell: 0, x: f64::from(k), y: 0.002 * f64::from(k), sd: 1e-4 };
+        let one = Evidence { name: "G1".into(), points: (-3..=3).map(point).collect(), slope: 0.002 };
+        let drawn = evidence(Language::English.text(), &[one]).into_string();
+        let line = drawn.split("<polyline class=\"fit\" points=\"").nth(1).unwrap();
+        let ends: Vec<f64> = line
+            .split('"')
+            .next()
+            .unwrap()
+            .split([',', ' '])
+            .filter(|n| !n.is_empty())
+            .map(|n| n.parse().unwrap())
+            .collect();
+        assert!(ends[1] > ends[3] && (ends[1] + ends[3] - HEIGHT).abs() < 0.2, "{ends:?}");
+        assert_eq!(drawn.matches("<circle class=\"plain\"").count(), 7);
+    }
+
+    #[test]
     fn nothing_to_draw_is_no_trouble() {
-        assert!(!strip(Language::English.text(), &[]).into_string().contains("NaN"));
+        assert_eq!(strip(Language::English.text(), &[], 0.0).into_string(), "");
         assert!(!heat_map(Language::English.text(), &[], &[]).into_string().contains("NaN"));
     }
 }

@@ -94,5 +94,5 @@ fn form(viewer: &Viewer, back: Option<&str>, fault: Option<&str>) -> Page {
             button.primary { (t.sign_in) }
         }
     };
-    Page { title: t.sign_in.into(), section: Section::None, plots: false, body }
+    Page { title: t.sign_in.into(), section: Section::None, body }
 }

@@ -43,7 +43,7 @@ async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Probl
             }
         }
     };
-    Ok(Page { title: format!("{} {name}", t.station), section: Section::Stations, plots: false, body })
+    Ok(Page { title: format!("{} {name}", t.station), section: Section::Stations, body })
 }
 
 fn section(viewer: &Viewer, name: &str, coefficient: &str, column: &StationColumn, against: &str) -> Markup {

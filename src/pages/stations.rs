@@ -33,7 +33,7 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
             } }
         }
     };
-    Ok(Page { title: t.stations.into(), section: Section::Stations, plots: false, body })
+    Ok(Page { title: t.stations.into(), section: Section::Stations, body })
 }
 
 fn line(t: &Text, station: &StationEffect) -> Markup {

@@ -2,12 +2,14 @@
 
 use maud::{Markup, html};
 
-use super::layout::symbol;
+use super::layout::{encoded, remark, symbol, written};
 use super::text::{Language, Text};
 use super::viewer::Viewer;
+use crate::core::access::Role;
 use crate::core::judge::{Coefficient, Rule, Status, Unit, Verdict, digits, sd_digits};
 use crate::pages::status;
 use crate::pipeline::Violation;
+use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;
 
 /// A verdict, and what its rule saw, from which words are made in the viewer's language.
@@ -32,7 +34,7 @@ impl Said {
         }
     }
 
-    fn status(&self) -> Status {
+    pub fn status(&self) -> Status {
         Status::from_name(&self.body.status).unwrap_or(Status::NotEnoughData)
     }
 
@@ -58,11 +60,136 @@ pub(super) fn list(viewer: &Viewer, verdicts: &[Said]) -> Markup {
     }
 }
 
-/// All of them, nothing folded: on paper nothing can be unfolded.
-pub(super) fn all(viewer: &Viewer, verdicts: &[Said]) -> Markup {
+/// One line for each verdict, the alert on it beside it, and the alerts that no verdict on this record stands for. What
+/// is the matter comes first; the rest is folded.
+pub(super) fn table(viewer: &Viewer, verdicts: &[Said], alerts: &[AlertBody], here: Option<&str>) -> Markup {
+    let t = viewer.text();
+    let calm = |said: &&Said| matches!(said.status(), Status::InTolerance | Status::NotEnoughData);
+    let alert_of = |said: &Said| {
+        alerts.iter().find(|alert| (&alert.rule, &alert.coefficient) == (&said.body.rule, &said.body.coefficient))
+    };
+    let (rest, grave): (Vec<&Said>, Vec<&Said>) =
+        sorted(verdicts).into_iter().partition(|said| calm(said) && alert_of(said).is_none());
+    let alone = alerts.iter().filter(|alert| {
+        verdicts.iter().all(|said| (&alert.rule, &alert.coefficient) != (&said.body.rule, &said.body.coefficient))
+    });
+    let alone: Vec<&AlertBody> = alone.collect();
+    let waiting = rest.iter().filter(|said| said.status() == Status::NotEnoughData).count();
+    let rows = |all: &[&Said]| html! { @for said in all { (row(viewer, said, alert_of(said), here)) } };
     html! {
-        @if verdicts.is_empty() { p { (viewer.text().not_judged) } }
-        ul.verdicts { @for verdict in sorted(verdicts) { (one(viewer, verdict)) } }
+        @if verdicts.is_empty() && alerts.is_empty() { p { (t.not_judged) } }
+        @if !grave.is_empty() || !alone.is_empty() {
+            (framed(t, &html! { (rows(&grave)) @for alert in alone { (alert_row(viewer, alert, here)) } }))
+        }
+        @if !rest.is_empty() {
+            details {
+                summary {
+                    (t.passed) " " (rest.len() - waiting) (t.stop)
+                    @if waiting > 0 { " " (t.too_few) " " (waiting) (t.stop) }
+                }
+                (framed(t, &rows(&rest)))
+            }
+        }
+    }
+}
+
+fn framed(t: &Text, rows: &Markup) -> Markup {
+    html! {
+        div.scroll tabindex="0" { table.judged.cards {
+            thead { tr {
+                th { (t.status_word) } th { (t.rule_word) } th.n { (t.value) } th.n { (t.limit) } th.n { "%" }
+                th { (t.since) } th.n { (t.probability) } th { (t.alert_word) }
+            } }
+            tbody { (rows) }
+        } }
+    }
+}
+
+fn row(viewer: &Viewer, said: &Said, alert: Option<&AlertBody>, here: Option<&str>) -> Markup {
+    let (t, VerdictBody { value, limit, sd, .. }) = (viewer.text(), &said.body);
+    let (rule, coefficient) = (Rule::from_name(&said.body.rule), Coefficient::from_name(&said.body.coefficient));
+    let (p, unit) = (digits(*limit), rule.zip(coefficient).map(|(rule, coefficient)| rule.unit(coefficient)));
+    let bounded = rule.is_some_and(|rule| rule != Rule::Requirement);
+    html! {
+        tr {
+            td { (status::badge(t, Some(said.status()))) }
+            th.words scope="row" {
+                details.why {
+                    summary { (symbol(&said.body.coefficient)) " " (rule.map_or("", |rule| t.rule(rule))) }
+                    p { (said.reason(viewer.language)) @if let Some(unit) = unit { (figures(t, said, unit)) } }
+                }
+            }
+            td.n data-label=(t.value) {
+                @if let Some(value) = value {
+                    (format!("{value:.p$}"))
+                    @if let Some(sd) = sd { " ± " (format!("{:.*}", sd_digits(*sd, *limit), sd)) }
+                }
+            }
+            td.n data-label=(t.limit) { @if bounded { (format!("{limit:.p$}")) } }
+            td.n data-label="%" {
+                @if let Some(value) = value.filter(|_| bounded && *limit > 0.0) {
+                    (format!("{:.0}", 100.0 * value / limit))
+                }
+            }
+            td data-label=(t.since) {
+                @if let Some(since) = alert.and_then(|alert| alert.since.as_ref()) { (written(since)) }
+            }
+            td.n data-label=(t.probability) {
+                @if let Some(probability) = said.body.probability { (certainty(probability)) }
+            }
+            td { @if let Some(alert) = alert { (told(viewer, alert, here)) } }
+        }
+    }
+}
+
+/// Of an alert that no verdict on the newest record stands for: methods that disagree, a calibration that is overdue.
+fn alert_row(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
+    let t = viewer.text();
+    html! {
+        tr {
+            td { (status::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
+            th.words scope="row" {
+                details.why {
+                    summary {
+                        (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule)))
+                    }
+                    p { (alert.finding.reason.words(viewer.language)) }
+                }
+            }
+            td.n {} td.n {} td.n {}
+            td data-label=(t.since) { @if let Some(since) = &alert.since { (written(since)) } }
+            td.n {}
+            td { (told(viewer, alert, here)) }
+        }
+    }
+}
+
+fn certainty(probability: f64) -> String {
+    let percent = 100.0 * probability;
+    match percent {
+        above if above > 99.9 => "> 99.9 %".into(),
+        below if below < 0.1 => "< 0.1 %".into(),
+        percent => format!("{percent:.1} %"),
+    }
+}
+
+/// How the alert stands, and what can be done about it.
+fn told(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
+    let t = viewer.text();
+    let deed = |deed: &str, here: &str| format!("/alerts/{}/{deed}?back={}", alert.id, encoded(here));
+    html! {
+        (t.standing(&alert.state))
+        @if let Some(said) = &alert.acknowledged { (remark(t.said_by, &said.by, &said.reason)) }
+        @if let Some(said) = &alert.silenced {
+            " " (t.until) " " (written(&said.until)) (remark(t.said_by, &said.by, &said.reason))
+        }
+        @if let Some(here) = here.filter(|_| viewer.may(Role::Engineer)) {
+            " " span.actions.no-print {
+                @if alert.acknowledged.is_none() { a href=(deed("acknowledge", here)) { (t.acknowledge) } }
+                @else { a href=(deed("unacknowledge", here)) { (t.unacknowledge) } }
+                a href=(deed("silence", here)) { (t.silence) }
+            }
+        }
     }
 }
 

@@ -210,6 +210,16 @@ pub struct EffectBody {
     pub held_out: HeldOutBody,
     pub p_value_adjusted: f64,
     pub detectability: f64,
+    /// What it adds in each dwell of the gyros that have it, at the estimates.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drift: Vec<EffectDriftBody>,
+}
+
+/// What an effect adds to the drift of one gyro, dwell by dwell.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct EffectDriftBody {
+    pub slot: String,
+    pub deg_per_h: Vec<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -437,6 +447,12 @@ impl From<&core::NamedEffect> for EffectBody {
             held_out: HeldOutBody::from(&e.held_out),
             p_value_adjusted: e.p_value_adjusted,
             detectability: e.detectability,
+            drift: (e.drift.iter())
+                .map(|(slot, drift)| EffectDriftBody {
+                    slot: slot.name().to_owned(),
+                    deg_per_h: drift.iter().map(|v| (v * 1e9).round() / 1e9).collect(),
+                })
+                .collect(),
         }
     }
 }

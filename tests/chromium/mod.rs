@@ -130,6 +130,19 @@ impl Browser {
         self.post(&format!("element/{element}/value"), &json!({"text": text})).await;
     }
 
+    /// Presses a key by its name in DOM events.
+    pub async fn press(&self, key: &str) {
+        let code = match key {
+            "ArrowLeft" => '\u{e012}',
+            "ArrowRight" => '\u{e014}',
+            "Enter" => '\u{e007}',
+            _ => panic!("{key} is not among the keys that tests press"),
+        };
+        let press = |kind: &str| json!({"type": kind, "value": code});
+        let steps = json!([press("keyDown"), press("keyUp")]);
+        self.post("actions", &json!({"actions": [{"type": "key", "id": "keys", "actions": steps}]})).await;
+    }
+
     /// Presses at the first point, moves to the second, lets go; in pixels of the view.
     pub async fn drag(&self, from: (f64, f64), to: (f64, f64)) {
         let go = |(x, y): (f64, f64)| json!({"type": "pointerMove", "duration": 100, "x": x as i64, "y": y as i64});

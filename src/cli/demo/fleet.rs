@@ -88,7 +88,7 @@ pub fn draw(today: UtcMicros) -> Vec<Happening> {
             happenings.push(Happening::Record(Box::new(record)));
         }
     }
-    for (gyro, day) in [(3, 1.0), (7, 1.2), (10, 1.4), (15, 1.6), (10, stories::BACK - 2.0), (36, 380.0)] {
+    for (gyro, day) in [(3, 1.0), (7, 1.2), (10, 1.4), (15, 1.6), (10, stories::BACK - 0.8), (36, 380.0)] {
         for method in [BenchMethodBody::TorqueFeedback, BenchMethodBody::TurntableServo] {
             happenings.push(Happening::Bench(bench(&gyros[gyro], gyro, day, method, first_day, &mut rng)));
         }

@@ -68,7 +68,8 @@ fn ageing(series: &Series) -> Candidate {
 }
 
 fn steps_at_events(series: &Series, marks: &[Mark]) -> Vec<Candidate> {
-    let counts = |event| !matches!(event, Event::Note | Event::Baseline);
+    // What was written down or decided does nothing to a gyro.
+    let counts = |event: Event| !matches!(event, Event::Note | Event::Baseline) && !event.is_decision();
     let marks = marks.iter().filter(|mark| counts(mark.event));
     marks
         .filter_map(|mark| {

@@ -197,6 +197,8 @@ pub struct NamedEffect {
     pub p_value_adjusted: f64,
     /// Square root of the whitened power that the effect takes from the residual.
     pub detectability: f64,
+    /// What it adds in each dwell of the gyros that have it, at the estimates: sum_m k_m x_m, deg/h.
+    pub drift: Vec<(Slot, Vec<f64>)>,
 }
 
 /// Errors of prediction on dwells that were not fitted, and the fraction of the gap that closes.

@@ -23,6 +23,12 @@ pub enum Event("event_") {
     Retired = "retired",
     /// Not to be calibrated until it comes back.
     InStorage = "in_storage",
+    /// An engineer has decided: it is released for use as it is.
+    DecisionRelease = "decision_release",
+    /// It is to be measured again before anything else is decided.
+    DecisionRetest = "decision_retest",
+    /// It is to be taken out.
+    DecisionRemove = "decision_remove",
 }
 }
 
@@ -30,6 +36,11 @@ impl Event {
     /// Whether the next records form a new baseline.
     pub fn resets_baseline(self) -> bool {
         matches!(self, Event::Baseline | Event::Repair | Event::Reinstallation)
+    }
+
+    /// Whether it is somebody's decision, which does nothing to the gyro itself.
+    pub fn is_decision(self) -> bool {
+        matches!(self, Event::DecisionRelease | Event::DecisionRetest | Event::DecisionRemove)
     }
 
     /// Whether no calibration is expected after it, until the next one comes.
@@ -54,6 +65,7 @@ impl Event {
             ),
             Event::Firmware => matches!(rule, Rule::Trend | Rule::Shift | Rule::Cusum),
             Event::Transport | Event::Note | Event::EnvironmentalTest | Event::Retired | Event::InStorage => false,
+            Event::DecisionRelease | Event::DecisionRetest | Event::DecisionRemove => false,
         }
     }
 }

@@ -43,7 +43,7 @@ pub(super) async fn page(
 fn waiting(viewer: &Viewer) -> Response {
     let t = viewer.text();
     let body = html! { h1 { (t.diagnosis) } p.lead #waiting { (t.diagnosis_waiting) } };
-    let page = Page { title: t.diagnosis.into(), section: Section::Fleet, plots: false, body };
+    let page = Page { title: t.diagnosis.into(), section: Section::Fleet, body };
     let mut response = viewer.respond(StatusCode::ACCEPTED, &page);
     response.headers_mut().insert(REFRESH, HeaderValue::from_static("3"));
     response
@@ -77,7 +77,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Aske
         (sections::of(t, &diagnosis, &slots, &against.section(t)))
     };
     let title = format!("{} · {}", t.diagnosis, stored.answer.imu);
-    Ok(Some(Page { title, section: Section::Fleet, plots: false, body }))
+    Ok(Some(Page { title, section: Section::Fleet, body }))
 }
 
 fn head(t: &Text, stored: &StoredCampaign) -> Markup {

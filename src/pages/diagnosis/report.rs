@@ -82,13 +82,18 @@ mod tests {
             }
             assert!(page.contains("IMU &lt;7&gt;") && page.contains("ST &amp; Co"));
             assert!(page.contains("temperature_bias"));
+            // The effect's own evidence, with its fit; and the way from the gap to the noise.
+            assert!(page.contains("<polyline class=\"fit\"") && page.contains("<table class=\"ladder\""));
         }
     }
 
     #[test]
     fn every_dwell_of_every_gyro_is_drawn() {
         let page = report_of("campaign-02.json", Language::English);
-        assert_eq!(page.matches("<circle").count(), 2 * 3 * 78);
+        let pictures: Vec<&str> = page.split("<figure class=\"chart\"").skip(1).collect();
+        let of_dwells = pictures.iter().filter(|picture| picture.contains(">dwell</text>"));
+        let drawn: usize = of_dwells.map(|picture| picture.matches("<circle class=\"plain\"").count()).sum();
+        assert_eq!(drawn, 2 * 3 * 78);
         let body = page.split("<main>").nth(1).unwrap();
         assert!(!body.contains("NaN") && !body.contains(">inf") && !body.contains("\"inf"));
     }

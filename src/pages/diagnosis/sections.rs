@@ -6,48 +6,137 @@ use crate::core::effects::Effect;
 use crate::pages::figure::{percent, short};
 use crate::pages::text::Text;
 use crate::pages::{figure, layout, residuals};
-use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, HeldOutBody};
+use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, EstimateBody, HeldOutBody, ImpactBody};
 
 /// Slot and serial of each gyro in `gyros`; `against`: the gap against a reference.
 pub(super) fn of(t: &Text, d: &DiagnosisBody, gyros: &[(String, String)], against: &Markup) -> Markup {
     html! {
         (summary(t, d))
-        (effects(t, d))
+        (impact(t, d))
+        (effects(t, d, gyros))
         (against)
         (located(t, d, gyros))
-        (candidates(t, &d.candidates))
-        (impact(t, d))
         (before_and_after(t, d, gyros))
-        (blind_spots(t, d))
         (next(t, d))
+        (candidates(t, d))
+        (blind_spots(t, d))
         @if !d.notes.is_empty() { section { h2 { (t.notes) } ul { @for note in &d.notes { li { (note) } } } } }
     }
 }
 
+/// What was found with its size, the way from the gap to the noise, and what it does to D_I and D_S.
 fn summary(t: &Text, d: &DiagnosisBody) -> Markup {
-    let gap = |rms: f64, chi2: f64, p: f64| html! { td.n { (short(rms)) } td.n { (short(chi2)) } td.n { (short(p)) } };
     html! {
         p.lead { strong { (d.verdict_in_words(t.language())) } }
-        div.scroll tabindex="0" { table {
-            thead { tr { th {} th.n { "rms, deg/h" } th.n { "χ²/ν" } th.n { (t.adjusted_p) } } }
-            tbody {
-                tr { th scope="row" { (t.gap_before) } (gap(d.gap.rms_deg_per_h, d.gap.reduced_chi2, d.gap.p_value)) }
-                tr {
-                    th scope="row" { (t.noise_alone) } td.n { (short(d.gap.noise_alone_deg_per_h)) } td colspan="2" {}
-                }
-                tr {
-                    th scope="row" { (t.gap_after) }
-                    (gap(d.remaining.rms_deg_per_h, d.remaining.reduced_chi2, d.remaining.p_value))
-                }
-                tr { th scope="row" { (t.model_in_use) } td colspan="3" { code translate="no" { (d.model.listed()) } } }
-                tr {
-                    th scope="row" { (t.noise_floor) } td.n { (short(d.noise_floor.deg_per_h)) }
-                    td.quiet colspan="2" { (t.noise_source(&d.noise_floor.source)) }
+        @if !d.effects.is_empty() {
+            ul.found {
+                @for effect in &d.effects {
+                    li { strong { (effect_word(t, &effect.effect)) } ": " span translate="no" { (sizes(t, effect)) } }
                 }
             }
-        } }
+        }
+        p.lead { (consequence(t, d)) }
+        (ladder(t, d))
+        p.note {
+            (t.noise_floor) " " (short(d.noise_floor.deg_per_h)) " deg/h, " (t.noise_source(&d.noise_floor.source))
+            " · χ²/ν " (short(d.gap.reduced_chi2)) " → " (short(d.remaining.reduced_chi2))
+            " · " (t.adjusted_p) " " (short(d.gap.p_value)) " → " (short(d.remaining.p_value))
+            " · " (t.model_in_use) " " code translate="no" { (d.model.listed()) }
+        }
         @for sign in &d.remaining.signs {
             p { (t.sign_of_more) ": " (t.sign(&sign.kind)) " (" (sign.gyros.join(", ")) "), p = " (short(sign.p_value)) }
+        }
+    }
+}
+
+fn effect_word<'a>(t: &'a Text, id: &'a str) -> &'a str {
+    Effect::from_id(id).map_or(id, |effect| t.effect(effect))
+}
+
+/// `G1 -1.108 ± 0.087 ppm; G2 …`: the coefficients as an engineer writes them.
+fn sizes(t: &Text, effect: &EffectBody) -> String {
+    let size = |estimate: &EstimateBody| {
+        let (factor, unit) = if is_shape(estimate) {
+            (1.0, estimate.unit.trim_matches('1'))
+        } else {
+            in_engineers_units(&estimate.unit)
+        };
+        let slot = if estimate.slot == "all" { String::new() } else { format!("{} ", estimate.slot) };
+        let name = if estimate.name == "k" { String::new() } else { format!("{} = ", estimate.name) };
+        let value = figure::with_sd(factor * estimate.value, Some(factor * estimate.sd).filter(|sd| *sd > 0.0), 3);
+        format!("{slot}{name}{value} {unit}").trim_end().to_owned()
+    };
+    effect.estimates.iter().map(size).collect::<Vec<_>>().join(t.semicolon)
+}
+
+/// Whether an estimate is of the effect's shape: a time constant, an instant, a dwell. Its regressors are linear in the
+/// others alone.
+fn is_shape(estimate: &EstimateBody) -> bool {
+    matches!(estimate.name.as_str(), "tau" | "instant" | "period" | "dwell" | "field_azimuth")
+}
+
+/// What a figure is multiplied by, and the unit that it has then.
+fn in_engineers_units(unit: &str) -> (f64, &str) {
+    match unit {
+        "1" => (1e6, "ppm"),
+        "1/K" => (1e6, "ppm/K"),
+        "1/g0" => (1e6, "ppm/g0"),
+        "rad" => (3600.0 * 1.0_f64.to_degrees(), "arcsec"),
+        other => (1.0, other),
+    }
+}
+
+/// What all of it does to D_I and D_S, in a sentence.
+fn consequence(t: &Text, d: &DiagnosisBody) -> Markup {
+    let of_drift = |one: &&ImpactBody| matches!(one.coefficient.as_str(), "D_I" | "D_S");
+    let moved: Vec<&ImpactBody> = d.impact.iter().filter(of_drift).collect();
+    html! {
+        @if d.effects.is_empty() { }
+        @else if moved.is_empty() { (t.impact_none) }
+        @else {
+            (t.impact_some) " "
+            @for (k, one) in moved.iter().enumerate() {
+                @if k > 0 { (t.semicolon) }
+                (one.slot) " " (layout::symbol(&one.coefficient)) " "
+                (figure::signed_drift(one.shift, Some(one.augmented_sd))) " (" (percent(one.of_budget)) ")"
+            }
+        }
+    }
+}
+
+/// From the gap down to the noise: the error on dwells that were held out, after each effect in the order of adoption,
+/// all on one scale.
+fn ladder(t: &Text, d: &DiagnosisBody) -> Markup {
+    let first = d.effects.first().map_or(d.gap.rms_deg_per_h, |effect| effect.held_out.before_deg_per_h);
+    let steps = d.effects.iter().map(|effect| (effect_word(t, &effect.effect), effect.held_out.after_deg_per_h));
+    let steps: Vec<(&str, f64)> = std::iter::once((t.gap_before, first)).chain(steps).collect();
+    let floor = d.noise_floor.deg_per_h;
+    let most = steps.iter().map(|(_, size)| *size).fold(floor, f64::max).max(f64::MIN_POSITIVE);
+    let width = |size: f64| format!("{:.1}%", 100.0 * size / most);
+    html! {
+        table.ladder {
+            caption { (if d.effects.is_empty() { t.ladder_of_fit } else { t.ladder_note }) }
+            tbody {
+                @for (k, (name, size)) in steps.iter().enumerate() {
+                    tr {
+                        th scope="row" { @if k > 0 { (t.after_effect) " " } (name) }
+                        td { svg.rung width="100%" height="18" aria-hidden="true" {
+                            rect x="0" y="3" height="12" width=(width(*size)) {}
+                            line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
+                        } }
+                        td.n { (short(*size)) " deg/h" }
+                    }
+                }
+                tr {
+                    th scope="row" { (t.noise_floor) }
+                    td {
+                        svg.rung width="100%" height="18" aria-hidden="true" {
+                            line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
+                        }
+                    }
+                    td.n { (short(floor)) " deg/h" }
+                }
+            }
         }
     }
 }
@@ -57,27 +146,64 @@ fn named(t: &Text, id: &str) -> Markup {
     html! { @if let Some(effect) = Effect::from_id(id) { (t.effect(effect)) " " } code.quiet { (id) } }
 }
 
-fn effects(t: &Text, d: &DiagnosisBody) -> Markup {
+fn effects(t: &Text, d: &DiagnosisBody, gyros: &[(String, String)]) -> Markup {
     html! {
         section {
             h2 { (t.what_parts_them) }
             @if d.effects.is_empty() { p { (t.no_effect) } }
-            @for effect in &d.effects { (one_effect(t, effect)) }
+            @for effect in &d.effects { (one_effect(t, d, effect, gyros)) }
             @if let Some(all) = d.closure.as_ref().filter(|_| d.effects.len() > 1) {
-                p.note { (t.in_order) }
                 p { (t.all_together) ": " } (closure(t, all))
             }
         }
     }
 }
 
-fn one_effect(t: &Text, effect: &EffectBody) -> Markup {
+/// Residuals without the effect against what the effect adds, with the line of its fit: one picture a gyro, all on one
+/// scale. Where it has one coefficient, x is its regressor.
+fn evidence(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String, String)]) -> Markup {
+    let single = |slot: &str| {
+        let own: Vec<&EstimateBody> =
+            effect.estimates.iter().filter(|one| !is_shape(one) && (one.slot == slot || one.slot == "all")).collect();
+        match own.as_slice() {
+            [one] if one.value != 0.0 => one.value,
+            _ => 1.0,
+        }
+    };
+    let after = |slot: &str, dwell: usize| {
+        d.residuals
+            .iter()
+            .find(|one| one.slot == slot && one.index == dwell)
+            .map(|one| (one.after_deg_per_h, one.sd_deg_per_h))
+    };
+    let pictures: Vec<residuals::Evidence> = (effect.drift.iter())
+        .map(|drift| {
+            let points = drift.deg_per_h.iter().enumerate();
+            let point = |(dwell, added): (usize, &f64)| {
+                let (left, sd) = after(&drift.slot, dwell)?;
+                Some(residuals::Point { dwell, x: added / single(&drift.slot), y: left + added, sd })
+            };
+            let serial = gyros.iter().find(|(slot, _)| *slot == drift.slot).map_or("", |(_, serial)| serial.as_str());
+            let name = format!("{} {serial}", drift.slot).trim_end().to_owned();
+            residuals::Evidence { name, points: points.filter_map(point).collect(), slope: single(&drift.slot) }
+        })
+        .collect();
+    html! {
+        @if !pictures.is_empty() {
+            p.note { (t.evidence_note) }
+            (residuals::evidence(t, &pictures))
+        }
+    }
+}
+
+fn one_effect(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String, String)]) -> Markup {
     html! {
         article.effect {
             h3 { (named(t, &effect.effect)) " · " (effect.gyros.join(", ")) }
             @if let Some(entry) = Effect::from_id(&effect.effect).map(Effect::entry) {
                 p.note { code { (entry.equation) } }
             }
+            (evidence(t, d, effect, gyros))
             (closure(t, &effect.held_out))
             p.note {
                 (t.adjusted_p) " " (short(effect.p_value_adjusted)) " · " (t.detectability) " " (short(effect.detectability))
@@ -142,30 +268,64 @@ fn located(t: &Text, d: &DiagnosisBody, slots: &[(String, String)]) -> Markup {
     }
 }
 
-fn candidates(t: &Text, all: &[CandidateBody]) -> Markup {
+/// What was ruled out, in three groups: what explains the same as what is named, what explains less, what is within the
+/// noise.
+fn candidates(t: &Text, d: &DiagnosisBody) -> Markup {
+    let named = |id: &String| d.effects.iter().any(|effect| effect.class.contains(id));
+    let same = |one: &&CandidateBody| named(&one.effect) || !one.within_noise && one.finding.code == "one_class_with";
+    let (same, others): (Vec<&CandidateBody>, Vec<&CandidateBody>) = d.candidates.iter().partition(same);
+    let (within, weaker): (Vec<&CandidateBody>, Vec<&CandidateBody>) =
+        others.into_iter().partition(|one| one.within_noise);
     html! {
-        @if !all.is_empty() {
+        @if !d.candidates.is_empty() {
             section {
                 h2 { (t.what_else) }
-                div.scroll tabindex="0" { table {
-                    thead { tr { th { (t.effect) } th { (t.serial) } th { (t.closes_alone) } th.n { (t.adjusted_p) } th { (t.why_not) } } }
-                    tbody { @for candidate in all {
-                        tr {
-                            td.words { (named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
-                            td.nowrap {
-                                @if candidate.closure.is_some() && candidate.within_noise {
-                                    (t.within_noise)
-                                } @else if let Some(closure) = candidate.closure {
-                                    (residuals::closure_bar(closure, candidate.interval)) (percent(closure))
-                                    @if let Some([low, high]) = candidate.interval { " (" (percent(low)) " – " (percent(high)) ")" }
-                                } @else { "–" }
+                (group(t, t.ruled_out_same, &same))
+                (group(t, t.ruled_out_weaker, &weaker))
+                @if !within.is_empty() {
+                    details {
+                        summary { (t.ruled_out_within) " (" (within.len()) ")" }
+                        p {
+                            @for (k, one) in within.iter().enumerate() {
+                                @if k > 0 { (t.semicolon) } (effect_word(t, &one.effect))
                             }
-                            td.n { (short(candidate.p_value_adjusted)) } td.words { (candidate.why_not) }
                         }
-                    } }
-                } }
+                        (listed(t, &within))
+                    }
+                }
             }
         }
+    }
+}
+
+fn group(t: &Text, name: &str, all: &[&CandidateBody]) -> Markup {
+    html! { @if !all.is_empty() { details { summary { (name) " (" (all.len()) ")" } (listed(t, all)) } } }
+}
+
+fn listed(t: &Text, all: &[&CandidateBody]) -> Markup {
+    html! {
+        div.scroll tabindex="0" { table {
+            thead {
+                tr {
+                    th { (t.effect) } th { (t.serial) } th { (t.closes_alone) } th.n { (t.adjusted_p) }
+                    th { (t.why_not) }
+                }
+            }
+            tbody { @for candidate in all {
+                tr {
+                    td.words { (named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
+                    td.nowrap {
+                        @if candidate.closure.is_some() && candidate.within_noise {
+                            (t.within_noise)
+                        } @else if let Some(closure) = candidate.closure {
+                            (residuals::closure_bar(closure, candidate.interval)) (percent(closure))
+                            @if let Some([low, high]) = candidate.interval { " (" (percent(low)) " – " (percent(high)) ")" }
+                        } @else { "–" }
+                    }
+                    td.n { (short(candidate.p_value_adjusted)) } td.words { (candidate.why_not) }
+                }
+            } }
+        } }
     }
 }
 
@@ -201,9 +361,11 @@ fn before_and_after(t: &Text, d: &DiagnosisBody, slots: &[(String, String)]) -> 
         section {
             h2 { (t.how_far) }
             p.note { (t.before_after_note) }
+            @let all = d.residuals.iter().flat_map(|one| [&one.before_deg_per_h, &one.after_deg_per_h]);
+            @let extent = residuals::extent(all);
             @for (slot, serial) in slots {
                 h3 { (slot) " " (serial) }
-                (residuals::before_and_after(t, &d.residuals, slot))
+                (residuals::before_and_after(t, &d.residuals, slot, extent))
             }
         }
     }
@@ -246,5 +408,45 @@ fn next(t: &Text, d: &DiagnosisBody) -> Markup {
                 } }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::words::Language;
+
+    #[test]
+    fn sizes_are_in_units_that_an_engineer_writes() {
+        let estimate = |slot: &str, name: &str, value: f64, sd: f64, unit: &str| EstimateBody {
+            slot: slot.into(),
+            name: name.into(),
+            value,
+            sd,
+            unit: unit.into(),
+        };
+        let of = |estimates: Vec<EstimateBody>| {
+            let held_out =
+                HeldOutBody { before_deg_per_h: 1.0, after_deg_per_h: 0.5, closure: 0.9, interval: [0.8, 1.0] };
+            let effect = EffectBody {
+                effect: "scale_asymmetry".into(),
+                class: vec![],
+                wider_in: vec![],
+                gyros: vec![],
+                acts_in: None,
+                estimates,
+                held_out,
+                p_value_adjusted: 0.0,
+                detectability: 9.0,
+                drift: vec![],
+            };
+            sizes(Language::English.text(), &effect)
+        };
+        let asymmetry = vec![estimate("G1", "k", -1.108e-6, 8.7e-8, "1"), estimate("G2", "k", -7.3e-7, 1.0e-7, "1")];
+        assert_eq!(of(asymmetry), "G1 -1.108 ± 0.087 ppm; G2 -0.73 ± 0.10 ppm");
+        assert_eq!(of(vec![estimate("all", "dwell", 17.0, 0.0, "1")]), "dwell = 17.000");
+        let tilt = vec![estimate("all", "north", 1e-4, 1e-5, "rad")];
+        assert_eq!(of(tilt), "north = 20.6 ± 2.1 arcsec");
+        assert_eq!(of(vec![estimate("G3", "k", 1e-3, 1e-4, "deg/h/K")]), "G3 0.00100 ± 0.00010 deg/h/K");
     }
 }

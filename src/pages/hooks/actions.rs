@@ -93,7 +93,7 @@ fn shown_once(viewer: &Viewer, id: Id, secret: &str) -> Page {
         p { code { (secret) } }
         p { a href={ "/hooks/" (id) } { (t.hook) } }
     };
-    Page { title: t.hook_set_up.into(), section: Section::Hooks, plots: false, body }
+    Page { title: t.hook_set_up.into(), section: Section::Hooks, body }
 }
 
 fn with_form<T>(viewer: &Viewer, new: &NewHook, show: impl FnOnce(&Deed<'_>) -> T) -> T {

@@ -65,7 +65,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, filters: &Filters) -> R
             nav.pager aria-label=(t.deliveries) { a rel="next" href=(to(&filters.state, &last.id)) { (t.older) } }
         }
     };
-    Ok(Page { title: hook.name.clone(), section: Section::Hooks, plots: false, body })
+    Ok(Page { title: hook.name.clone(), section: Section::Hooks, body })
 }
 
 fn replay(viewer: &Viewer, hook: &HookBody) -> Markup {

@@ -74,14 +74,12 @@ catalogue! {
     next: "Next", "下一页";
     gyros: "gyros", "陀螺数";
     gyros_found: "gyros, worst first.", "个陀螺，最差优先。";
-    alert_one: "1 alert", "1 项告警";
-    alerts_count: "alerts", "项告警";
     last_seen: "Last seen", "最近上报";
     band_note: "Line: the last calibrations. Grey band: the budget about the baseline. Confirmed and unconfirmed: beyond a specification limit, with or without a second campaign that agrees. Drifting: within limits, but a statistical rule speaks.", "折线：最近各次标定；灰带：基线上下的允许范围。已证实、待复测：超出指标限值，已有或尚无第二次标定证实。漂移预警：仍在限值内，但统计规则已提示。";
 
     // One gyro.
     history: "History", "历史";
-    plot_note: "Bars: one standard deviation. Grey band: the budget about the baseline. Dotted: control limits, three standard deviations of the gyro's own scatter. Shaded upright: an environmental test. Drag to zoom, double-click for all.", "误差棒：一倍标准差；灰带：基线上下的允许范围；点线：控制限，为陀螺自身离散的三倍标准差；竖直阴影：环境试验。拖动放大，双击还原。";
+    plot_note: "Bars: one standard deviation. Drag across a plot to zoom, double-click for all; click a point to open its record.", "误差棒：一倍标准差。在图上拖动放大，双击还原；点击数据点打开其记录。";
     since_baseline: "Since the last baseline", "自最近基线起";
     whole_history: "All", "全部";
     save_picture: "Save picture", "保存图片";
@@ -103,7 +101,6 @@ catalogue! {
     no_events: "No events.", "无记录。";
     calibrations: "Calibrations", "标定记录";
     history_diagnosis: "Cause of change", "变化原因";
-    history_diagnosis_note: "Whether ageing, an event, a new seat, a station, temperature or clocking explains what D_I, D_S and D_O did over its history, or nothing on record does; told with the fleet beside it.", "D_I、D_S、D_O的历史变化可否由老化、事件、更换位置、测试站、温度或绕I轴转角解释，或记录中没有原因；与全部陀螺对照得出。";
     peers_of_stations: "Other gyros of its stations:", "同测试站的其他陀螺：";
     cause: "Cause", "原因";
     tied_to: "Tied to", "依据";
@@ -125,8 +122,50 @@ catalogue! {
     older: "Older", "更早";
     newer: "Newest", "最新";
     csv: "CSV", "CSV";
-    thinned: "points, thinned to their extremes in each stretch", "个点，按区段保留极值后显示";
+    deviation: "deviation from the baseline", "相对基线的偏差";
+    value_absolute: "value", "数值";
+    percent_of_budget: "% of the budget", "占允许范围 %";
+    chart_keys: "Arrow keys go from record to record, Enter opens one.", "方向键逐个记录移动，回车打开。";
+    baseline_word: "baseline", "基线";
+    no_baseline_yet: "no baseline yet, counted from", "尚无基线，起点";
+    baseline_forming: "no baseline yet", "尚无基线";
+    budget_line: "budget", "允许范围";
+    control_line: "UCL, LCL: control limits, three standard deviations of the gyro's own scatter", "UCL、LCL：控制限，自身离散的三倍标准差";
+    baseline_records: "records that make the baseline", "构成基线的记录";
+    trend_line: "trend; cone: when it reaches the budget (95 %)", "趋势；锥形：到达允许范围的时间（95 %）";
+    condensed: "calibrations. Shading: from the lowest to the highest of each stretch. Line: the median. Zoom in to see each.", "次标定。阴影：各区段最低至最高；线：中位数。放大可逐个查看。";
+    load: "Load, % of the budget", "占允许范围";
+    records_short: "records", "个记录";
+    suggested: "Suggested", "建议";
+    decision: "Decision", "决定";
+    record_decision: "Record a decision", "记录决定";
+    decision_what: "The decision is kept for good with your name and reason. It stands in the gyro's history, its plots and its report, and resets nothing.", "决定连同姓名与原因永久保存，列入该陀螺的履历、曲线与报告，不重置任何规则。";
+    records_since: "records since:", "此后记录：";
+    axis_word: "Axis", "坐标";
+    axis_deviation: "Deviation", "偏差";
+    axis_absolute: "Absolute", "绝对值";
+    span_word: "Time", "时间";
+    last_year: "Last year", "近一年";
+    since_then: "since", "自";
+    a_year: " a year", "/年";
+    probability: "P(out)", "超差概率";
+    alert_word: "Alert", "告警";
     never_calibrated: "Never calibrated in an IMU.", "从未在惯性组合中标定。";
+
+    // Several beside one another.
+    compare: "Compare", "对比";
+    compare_gyros: "Compare its gyros", "对比所装陀螺";
+    compare_chosen: "Compare the two that are ticked", "对比所选两次";
+    same_time: "By date", "按日期";
+    time_since_baseline: "From the baseline on", "自基线起";
+    days_since_baseline: "days since the baseline", "自基线起的天数";
+    compare_note: "Deviation of each gyro from its own baseline, on one scale. A triangle: a rule speaks.", "各陀螺相对自身基线的偏差，同一尺度。三角：规则提示。";
+    trend_a_year: "Trend a year", "年趋势";
+    measured_at: "Measured", "测试时间";
+    effects_found: "Effects found", "发现的效应";
+    other_imus: "The two are of different IMUs.", "两次试验属于不同的惯性组合。";
+    other_gyros: "Another gyro was in this slot: the difference is that of two gyros.", "该位置换了陀螺：差值为两个陀螺之差。";
+    no_common_slot: "The two have no slot in common.", "两次试验没有共同的位置。";
 
     // One calibration.
     record: "Calibration record", "标定记录";
@@ -222,8 +261,17 @@ catalogue! {
     diagnosis: "Diagnosis", "诊断";
     diagnosis_waiting: "Other diagnoses are being computed. This page loads itself again every few seconds.", "正在计算其他诊断，本页每隔几秒自动刷新。";
     gap_before: "Gap before", "解释前";
-    noise_alone: "Noise alone would leave", "仅有噪声时应余";
-    gap_after: "Left after", "解释后";
+    after_effect: "after", "计入后：";
+    ladder_note: "Error on dwells that were held out, after each effect in the order of adoption. Upright line: the noise floor.", "留出测点的误差，按采用顺序逐项计入效应后。竖线：噪声底。";
+    ladder_of_fit: "Root mean square of the residuals against the noise floor (upright line).", "残差均方根与噪声底（竖线）。";
+    semicolon: "; ", "；";
+    impact_none: "D_I and D_S are not moved beyond their noise.", "D_I与D_S的变化均在噪声范围内。";
+    impact_some: "It moves:", "造成的变化：";
+    evidence_note: "Residual without this effect against what the effect follows, with its fit. All gyros on one scale.", "不计该效应的残差与其回归量的关系及拟合线；各陀螺同一尺度。";
+    regressor: "regressor", "回归量";
+    ruled_out_same: "Explains the same as what is named", "与已指出的效应解释相同";
+    ruled_out_weaker: "Explains less", "解释较少";
+    ruled_out_within: "Within the noise", "在噪声范围内";
     model_in_use: "Model in use", "现用模型";
     noise_floor: "Noise floor", "噪声底";
     sign_of_more: "Sign of more", "还有其他迹象";
@@ -239,7 +287,6 @@ catalogue! {
     unit_word: "Unit", "单位";
     all_gyros: "all", "全部";
     held_out: "of the reducible gap closed on dwells that were held out:", "的可消除差异在留出的测点上得到解释：";
-    in_order: "Each closes of what those above it have left: their closures do not compare, their detectabilities do.", "每项的解释比例以前面各项所余差异为基准：解释比例不可相互比较，可检测度则可以。";
     located: "Where", "位置";
     heat_note: "Gyro by dwell. Shade: residual before over its standard uncertainty; full at six.", "陀螺×测点；颜色深浅为解释前残差与其标准不确定度之比，6倍时最深。";
     heat_map: "residual over uncertainty, gyro by dwell", "各陀螺各测点残差与不确定度之比";
@@ -321,7 +368,6 @@ catalogue! {
 
     // Alerts.
     alerts: "Alerts", "告警";
-    alerts_open: "Alerts on this gyro", "该陀螺的告警";
     alerts_note: "Newest first; what one record of a gyro shows stands together. An alert lasts: when it fires again it is the same alert.", "最新在前，同一陀螺同一记录的告警列在一起。告警是持续的：再次触发仍为同一告警。";
     no_alerts: "No alert fits.", "没有符合条件的告警。";
     alert_all: "all", "全部";
@@ -437,13 +483,17 @@ catalogue! {
     report: "Report to print", "打印报告";
     report_of_gyro: "Report on gyro", "陀螺报告";
     report_of_imu: "Report on IMU", "惯性组合报告";
-    report_plot_note: "Bars: one standard deviation. Grey band: the budget about the baseline. Dashed: the baseline. Dotted: control limits, three standard deviations of the gyro's own scatter. Circle: in tolerance; hollow: not decided. Triangle: filled where confirmed or out of tolerance, hollow where unconfirmed or drifting. Diamond: bench. Shaded upright: an environmental test. Upright lines: events; broken ones: changes of seat or station.", "误差棒：一倍标准差；灰带：基线允许范围；虚线：基线；点线：控制限（自身离散的三倍标准差）。圆：合格，空心为未判定；实心三角：已证实或超差；空心三角：待复测或漂移预警；菱形：单表测试。竖直阴影：环境试验。竖线：事件；断续竖线：更换位置或测试站。";
     printed_at: "As of", "截至";
     identity: "Identity", "基本信息";
-    budget_word: "Budget about the baseline", "基线允许范围";
     records_word: "Calibrations stored", "已存标定数";
     judged_by: "Judged by", "判定方法";
-    no_open_alerts: "No alert is open.", "没有未恢复的告警。";
+    records_judged: "Records that the verdicts rest on", "判定所依据的记录";
+    newest_record: "newest record", "最新记录";
+    baseline_record: "baseline", "基线";
+    limits_in_force: "Limits in force", "现行限值";
+    set_by: "Set by", "配置项";
+    days: "days", "天";
+    confidence_word: "certain from", "判定置信概率";
     newest_of: "newest", "最新";
     signature: "Name, date, signature", "姓名、日期、签名";
 

@@ -11,7 +11,7 @@ use crate::config::{Config, JudgedMethod};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
-use crate::core::judge::{Coefficient, Event, Limits, Rule};
+use crate::core::judge::{BASELINE_RECORDS, Coefficient, Event, Limits, Rule};
 use crate::core::judge::{Mark, Sample, stated_level};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
@@ -46,6 +46,8 @@ pub struct Baseline {
     pub moved: bool,
     /// D_I, D_S and the closure; none where there are too few records.
     pub level: [Option<f64>; 3],
+    /// First and last of the records that made each level; none where it is stated, or not made yet.
+    pub made: [Option<(UtcMicros, UtcMicros)>; 3],
 }
 
 /// An environmental test.
@@ -231,8 +233,10 @@ fn tested(events: &[EventItem], figures: &[Figures]) -> Vec<Tested> {
 fn baselines(samples: &[Sample], marks: &[Mark], limits: &Limits) -> Vec<Baseline> {
     let Some((first, last)) = samples.first().zip(samples.last()) else { return Vec::new() };
     let resets = marks.iter().filter(|mark| mark.event.resets_baseline() && mark.at > first.at && mark.at <= last.at);
-    let moves = samples.windows(2).filter(|pair| pair[0].seat != pair[1].seat).map(|pair| pair[1].at);
-    let own = std::iter::once(first.at).chain(resets.map(|mark| mark.at)).map(|at| (at, false));
+    let between = |pair: &[Sample]| resets.clone().any(|mark| pair[0].at < mark.at && mark.at <= pair[1].at);
+    // Where an event has begun everything anew before it, a move begins nothing.
+    let moves = samples.windows(2).filter(|pair| pair[0].seat != pair[1].seat && !between(pair)).map(|pair| pair[1].at);
+    let own = std::iter::once(first.at).chain(resets.clone().map(|mark| mark.at)).map(|at| (at, false));
     let mut starts: Vec<(UtcMicros, bool)> = own.chain(moves.map(|at| (at, true))).collect();
     starts.sort_unstable();
     starts.dedup_by_key(|(at, _)| *at);
@@ -240,11 +244,16 @@ fn baselines(samples: &[Sample], marks: &[Mark], limits: &Limits) -> Vec<Baselin
     let fixed = [limits.d_i.fixed_baseline, limits.d_s.fixed_baseline, None];
     let stretch = |(&(from, moved), until): (&(UtcMicros, bool), UtcMicros)| {
         let end = samples.partition_point(|sample| sample.at < until || until == last.at);
-        let newest = samples[..end].last().map_or(from, |sample| sample.at);
+        let newest = samples[..end].last().map_or(from, |sample| sample.at.max(from));
         let drift = baseline_of(&samples[..end], marks, newest);
         let records = [drift, drift, seat_baseline_of(&samples[..end], marks, newest)];
         let stated = |column: usize| stated_level(marks, newest, column).or(fixed[column]);
-        Baseline { from, until, moved, level: [0, 1, 2].map(|column| level(records[column], column, stated(column))) }
+        let made = |column: usize| {
+            let records = records[column].get(..BASELINE_RECORDS).filter(|_| stated(column).is_none())?;
+            Some((records[0].at, records[BASELINE_RECORDS - 1].at))
+        };
+        let level = |column: usize| level(records[column], column, stated(column));
+        Baseline { from, until, moved, level: [0, 1, 2].map(level), made: [0, 1, 2].map(made) }
     };
     starts.iter().zip(ends).map(stretch).collect()
 }
@@ -284,9 +293,14 @@ mod tests {
     fn a_move_begins_a_level_of_the_closure_alone() {
         let all = samples(&[(0, 1.0), (10, 1.0), (20, 1.0), (500, 4.0), (510, 5.0), (520, 6.0)]);
         let found = baselines(&all, &[], &Limits::from_budget(0.01));
+        assert_eq!(found[1].made, [Some((day(0), day(20))), Some((day(0), day(20))), Some((day(500), day(520)))]);
         let seen: Vec<_> = found.iter().map(|b| (b.from, b.moved, b.level)).collect();
         assert_eq!(seen, [(day(0), false, [Some(1.0); 3]), (day(500), true, [Some(1.0), Some(1.0), Some(5.0)])]);
-        // Where an event resets the baseline at the very record that moves, all levels begin.
+        // Where an event resets the baseline before the record that moves, or with it, all levels begin.
+        for at in [200, 500] {
+            let found = baselines(&all, &[Mark::of(day(at), Event::Repair)], &Limits::from_budget(0.01));
+            assert_eq!((found.len(), found[1].moved, found[1].level), (2, false, [Some(5.0); 3]), "{at}");
+        }
         let marks = [Mark::of(day(500), Event::Reinstallation)];
         let found = baselines(&all, &marks, &Limits::from_budget(0.01));
         assert_eq!((found.len(), found[1].moved, found[1].level), (2, false, [Some(5.0); 3]));

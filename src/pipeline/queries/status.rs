@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::judge::{Coefficient, State, Status};
+use crate::core::judge::{Coefficient, Rule, State, Status};
 use crate::store;
 use crate::store::{Store, StoreError, StoredVerdict};
 
@@ -32,7 +32,23 @@ fn worst(verdicts: &[StoredVerdict], coefficient: Coefficient) -> Option<Status>
 /// What the rules say of a gyro's records. Its history keeps a state for each coefficient; where that may mean
 /// several things, the verdicts themselves tell.
 #[derive(Debug, Clone, Default)]
-pub struct Statuses(HashMap<Id, [Option<Status>; 3]>);
+pub struct Statuses(HashMap<Id, [Said; 3]>);
+
+/// What the verdicts on one coefficient of a record come to.
+#[derive(Debug, Clone, Default)]
+struct Said {
+    status: Option<Status>,
+    /// The rules that say that a limit is passed.
+    rules: Vec<Rule>,
+}
+
+impl Said {
+    fn of(verdicts: &[StoredVerdict], coefficient: Coefficient) -> Self {
+        let beyond = |verdict: &&StoredVerdict| (verdict.coefficient, verdict.state) == (coefficient, State::Exceeded);
+        let rules = verdicts.iter().filter(beyond).map(|verdict| verdict.rule).collect();
+        Self { status: worst(verdicts, coefficient), rules }
+    }
+}
 
 impl Statuses {
     /// Of these rows of one gyro, for these columns of D_I, D_S and D_O.
@@ -51,18 +67,23 @@ impl Statuses {
         let sheets = store::record::verdict_sheets(store, records.into_iter()).await?;
         let of_gyro = sheets.iter().filter_map(|(record, sheet)| {
             let (_, verdicts) = sheet.0.iter().find(|(number, _)| *number == gyro)?;
-            Some((*record, COLUMNS.map(|coefficient| worst(verdicts, coefficient))))
+            Some((*record, COLUMNS.map(|coefficient| Said::of(verdicts, coefficient))))
         });
         Ok(Self(of_gyro.collect()))
     }
 
     pub fn get(&self, row: &Figures, column: usize) -> Status {
         let state = row.states.0[column];
-        let told = || self.0.get(&row.record).and_then(|of_record| of_record[column]);
+        let told = || self.0.get(&row.record).and_then(|of_record| of_record[column].status);
         match state {
             None | Some(State::Within) => Status::of_state(state),
             Some(_) => told().unwrap_or_else(|| Status::of_state(state)),
         }
+    }
+
+    /// The rules that say of it that a limit is passed.
+    pub fn rules(&self, row: &Figures, column: usize) -> Vec<Rule> {
+        self.0.get(&row.record).map_or_else(Vec::new, |of_record| of_record[column].rules.clone())
     }
 
     /// The worst of D_I, D_S and D_O, of those that could be judged.

@@ -35,6 +35,9 @@ event_note = note
 event_environmental_test = environmental test
 event_retired = retired
 event_in_storage = in storage
+event_decision_release = decision: release
+event_decision_retest = decision: re-test
+event_decision_remove = decision: take out
 
 # How a figure was found.
 method_rigid = rigid

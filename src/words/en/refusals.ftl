@@ -43,6 +43,7 @@ title_not_json = Not JSON
 title_unsupported_media_type = Unsupported media type
 title_bad_idempotency_key = Bad Idempotency-Key
 title_bad_query = Bad query
+compare_what = compare 2 to { $most } gyros (gyro=A&gyro=B) or two campaigns (campaign=A&campaign=B)
 title_too_large = Too large
 title_broken_off = Broken off
 title_foreign_page = Foreign page

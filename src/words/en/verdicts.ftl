@@ -96,3 +96,14 @@ rule_before_after = before and after a test
 alert_fires = { $serial }: { $coefficient } { $rule } fires ({ $severity })
 mail_test = Test of the hook { $hook }: nothing is wrong
 alert_is_resolved = { $serial }: { $coefficient } { $rule } is resolved
+
+# What the verdicts suggest. A person decides.
+suggestion_release = Release: in tolerance by every rule that could judge.
+suggestion_more_records = Calibrate again: there are too few records to judge by.
+suggestion_calibrate = Calibrate: its interval is over.
+suggestion_lower_uncertainty = Calibrate again with a smaller uncertainty: nothing can be decided with this one.
+suggestion_retest = Re-test: one more campaign decides.
+suggestion_shorten_interval = Calibrate sooner: it may reach its budget before its next calibration.
+suggestion_watch = Keep watching: it drifts within its budget.
+suggestion_check_mounting = Check the mounting: only D_O is out of tolerance. Note a re-installation if there was one; otherwise re-test.
+suggestion_remove = Take it out, or accept the new level: start a baseline with a reason.

@@ -32,6 +32,9 @@ event_note = 备注
 event_environmental_test = 环境试验
 event_retired = 退役
 event_in_storage = 入库
+event_decision_release = 决定：放行
+event_decision_retest = 决定：复测
+event_decision_remove = 决定：拆下
 
 method_rigid = 刚体法
 method_published = 论文公式(8)-(13)

@@ -89,3 +89,14 @@ rule_before_after = 试验前后
 alert_fires = { $serial }：{ $coefficient } { $rule } 告警（{ $severity }）
 mail_test = 钩子{ $hook }的测试：一切正常
 alert_is_resolved = { $serial }：{ $coefficient } { $rule } 已恢复
+
+# 由判定得出的建议，由人决定。
+suggestion_release = 放行：凡可判定的规则均合格。
+suggestion_more_records = 再次标定：记录过少，无法判定。
+suggestion_calibrate = 标定：已超过标定间隔。
+suggestion_lower_uncertainty = 以更小的不确定度再次标定：目前无法判定。
+suggestion_retest = 复测：再做一次标定即可判定。
+suggestion_shorten_interval = 提前标定：下次标定前可能达到允许范围。
+suggestion_watch = 继续观察：在允许范围内漂移。
+suggestion_check_mounting = 检查安装：仅D_O超差。若曾重新安装，请记录；否则复测。
+suggestion_remove = 拆下；或认可新水平，注明原因开始新基线。

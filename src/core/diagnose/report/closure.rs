@@ -15,7 +15,8 @@ use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
 use crate::core::diagnose::search::refined_shape::shape_sd;
 use crate::core::diagnose::search::stepwise::Search;
 use crate::core::effects::{Estimate, Shape};
-use crate::core::numerics::basis::{Basis, dot};
+use crate::core::mounting::Slot;
+use crate::core::numerics::basis::{Basis, axpy, dot};
 
 /// Probability below which there is a gap. The search has as much of it as its first name is refused at, the tests
 /// that know no catalogue the rest (Bonferroni's inequality, weighted), so that names, signs and verdict never
@@ -186,9 +187,23 @@ pub(crate) fn effects(
                 held_out: errors.held_out(noise_floor.deg_per_h, coefficients, UNSEEN),
                 p_value_adjusted: settled.null.p_value(named[p].evidence),
                 detectability: (rss(&augmented_fit::fit(frame, &others)) - rss(fit)).max(0.0).sqrt(),
+                drift: drift(frame, &parts[p], p, fit),
             }
         })
         .collect()
+}
+
+/// What one part adds in each dwell of the gyros that have it, deg/h.
+fn drift(frame: &Frame, part: &Part, p: usize, fit: &Fit) -> Vec<(Slot, Vec<f64>)> {
+    let of_gyro = |j: usize| {
+        let own = fit.fitted.iter().filter(|f| f.part == p && f.gyro.is_none_or(|gyro| gyro == j));
+        let mut drift = vec![0.0; frame.dwells()];
+        for (fitted, column) in own.zip(&part.columns(frame, j)) {
+            axpy(fitted.value, column, &mut drift);
+        }
+        (frame.setting.gyros[j].slot, drift)
+    };
+    (0..part.members.len()).filter(|j| part.members[*j]).map(of_gyro).collect()
 }
 
 fn estimates(frame: &Frame, parts: &[Part], p: usize, fit: &Fit) -> Vec<Estimate> {

@@ -1,0 +1,71 @@
+//! How much of its budget a coefficient takes up.
+
+use super::rule::Finding;
+use super::sample::Measured;
+use super::verdict::Verdict;
+
+/// The deviation of a record from the level of its own epoch, held against the budget:
+/// `load = (value - level) / budget`, signed, without a unit; 1 is the whole budget.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load {
+    /// value - level, deg/(h g0); its standard deviation counts the level's own.
+    pub deviation: Measured,
+    /// deg/(h g0).
+    pub level: f64,
+    /// deg/(h g0), more than zero.
+    pub budget: f64,
+}
+
+impl Load {
+    pub fn share(&self) -> f64 {
+        self.deviation.value / self.budget
+    }
+
+    /// None where the station's standard deviations are not known.
+    pub fn sd(&self) -> Option<f64> {
+        self.deviation.sd.map(|sd| sd / self.budget)
+    }
+}
+
+impl Verdict {
+    /// Of the rules that hold a record against its level (`baseline`, `closure`); none while the level is being made.
+    pub fn load(&self) -> Option<Load> {
+        let (Finding::Baseline { level, now, .. } | Finding::Closure { level, now, .. }) = self.finding else {
+            return None;
+        };
+        let deviation = Measured { value: now - level, sd: self.sd };
+        (self.value.is_some() && self.limit > 0.0).then_some(Load { deviation, level, budget: self.limit })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::judge::{Coefficient, LimitKey, Rule, State};
+
+    #[test]
+    fn a_load_has_the_sign_of_the_deviation_and_the_budget_as_its_unit() {
+        let finding = Finding::Baseline { level: -2.0628, since: None, now: -2.0377 };
+        let verdict = Verdict {
+            coefficient: Coefficient::DI,
+            rule: Rule::Baseline,
+            state: State::Exceeded,
+            value: Some(0.0251),
+            limit: 0.01,
+            limit_from: LimitKey::BUDGET,
+            sd: Some(0.0007),
+            probability: Some(1.0),
+            confirmed: true,
+            finding,
+        };
+        let load = verdict.load().unwrap();
+        assert!((load.share() - 2.51).abs() < 1e-9 && (load.sd().unwrap() - 0.07).abs() < 1e-12, "{load:?}");
+        let below = Finding::Closure { level: 0.5, since: None, moved: false, now: 0.495, d_s: None };
+        let load = Verdict { finding: below, sd: None, ..verdict }.load().unwrap();
+        assert!((load.share() + 0.5).abs() < 1e-9 && load.sd().is_none(), "{load:?}");
+        assert_eq!(Verdict { value: None, ..verdict }.load(), None, "the level is being made");
+        assert_eq!(Verdict { limit: 0.0, ..verdict }.load(), None, "nothing is a share of no budget");
+        let step = Finding::Step { level: 1.0, now: 2.0 };
+        assert_eq!(Verdict { finding: step, ..verdict }.load(), None, "a step is no deviation from the level");
+    }
+}

@@ -1,0 +1,132 @@
+//! What to do with a gyro, as its verdicts suggest it. A person decides.
+
+use super::coefficient::Coefficient;
+use super::verdict::Status;
+use crate::core::named::named;
+
+named! {
+/// What the verdicts suggest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Suggestion("suggestion_") {
+    /// Everything that could be judged is in tolerance.
+    Release = "release",
+    /// Nothing could be judged yet.
+    MoreRecords = "more_records",
+    /// Its interval is over.
+    Calibrate = "calibrate",
+    /// The standard deviations are too large to judge by.
+    LowerUncertainty = "lower_uncertainty",
+    /// One campaign is beyond a limit, or the uncertainty straddles one: another campaign decides.
+    Retest = "retest",
+    /// It drifts, and may be beyond its budget before its next calibration.
+    ShortenInterval = "shorten_interval",
+    /// It drifts, and stays in its budget beyond its next calibration.
+    Watch = "watch",
+    /// Nothing but D_O is out of tolerance: the mounting has moved, or something drifts along the output axis.
+    CheckMounting = "check_mounting",
+    /// Out of tolerance for certain: it goes, or somebody accepts its new level with a reason.
+    Remove = "remove",
+}
+}
+
+/// What a suggestion follows from.
+#[derive(Debug, Clone, Default)]
+pub struct Standpoint {
+    /// The worst of all; none for a gyro that was never calibrated.
+    pub status: Option<Status>,
+    /// What each rule that could judge says of which coefficient.
+    pub verdicts: Vec<(Coefficient, Status)>,
+    /// Whether its interval is over.
+    pub overdue: bool,
+    /// Days until a trend may have reached the budget: the early edge of its band.
+    pub reaches_in_days: Option<f64>,
+    /// Days from one calibration to the next.
+    pub interval_days: Option<f64>,
+}
+
+/// The most urgent deed; none for a gyro that was never calibrated.
+///
+/// A trend that may reach the budget within the interval shortens it; where no interval is asked for, a trend only
+/// has to be watched until it has passed the budget.
+pub fn suggest(of: &Standpoint) -> Option<Suggestion> {
+    let certain = |status: Status| matches!(status, Status::OutOfTolerance | Status::Confirmed);
+    let mut out = of.verdicts.iter().filter(|(_, status)| certain(*status)).map(|(coefficient, _)| *coefficient);
+    let soon = of.reaches_in_days.is_some_and(|days| days <= of.interval_days.unwrap_or(0.0));
+    Some(match of.status? {
+        status if certain(status) => {
+            let any = out.clone().next().is_some();
+            let closure_alone = any && out.all(|coefficient| coefficient == Coefficient::DO);
+            if closure_alone { Suggestion::CheckMounting } else { Suggestion::Remove }
+        }
+        Status::Unconfirmed => Suggestion::Retest,
+        _ if of.overdue => Suggestion::Calibrate,
+        Status::Drifting if soon => Suggestion::ShortenInterval,
+        Status::Drifting => Suggestion::Watch,
+        Status::Borderline => Suggestion::Retest,
+        Status::TooUncertain => Suggestion::LowerUncertainty,
+        Status::NotEnoughData => Suggestion::MoreRecords,
+        _ if soon => Suggestion::ShortenInterval,
+        _ => Suggestion::Release,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(status: Status, verdicts: &[(Coefficient, Status)]) -> Standpoint {
+        Standpoint { status: Some(status), verdicts: verdicts.to_vec(), ..Standpoint::default() }
+    }
+
+    #[test]
+    fn what_is_certain_goes_and_what_is_not_is_measured_again() {
+        use Coefficient::{DI, DO, DS, E};
+        for (status, verdicts, expected) in [
+            (Status::Confirmed, vec![(DI, Status::Confirmed), (DS, Status::InTolerance)], Suggestion::Remove),
+            (Status::Confirmed, vec![(DO, Status::Confirmed), (DI, Status::InTolerance)], Suggestion::CheckMounting),
+            (Status::Confirmed, vec![(DO, Status::Confirmed), (DI, Status::OutOfTolerance)], Suggestion::Remove),
+            // An alert knows what no verdict on the newest record says.
+            (Status::Confirmed, vec![], Suggestion::Remove),
+            (Status::Confirmed, vec![(E, Status::Confirmed)], Suggestion::Remove),
+            (Status::OutOfTolerance, vec![(DS, Status::OutOfTolerance)], Suggestion::Remove),
+            (Status::Unconfirmed, vec![(DO, Status::Unconfirmed)], Suggestion::Retest),
+            (Status::Borderline, vec![(DI, Status::Borderline)], Suggestion::Retest),
+            (Status::TooUncertain, vec![(DI, Status::TooUncertain)], Suggestion::LowerUncertainty),
+            (Status::NotEnoughData, vec![], Suggestion::MoreRecords),
+            (Status::InTolerance, vec![(DI, Status::InTolerance)], Suggestion::Release),
+        ] {
+            assert_eq!(suggest(&of(status, &verdicts)), Some(expected), "{status:?} {verdicts:?}");
+        }
+        assert_eq!(suggest(&Standpoint::default()), None, "never calibrated");
+    }
+
+    #[test]
+    fn a_drift_shortens_the_interval_where_it_may_reach_the_budget_within_it() {
+        let drifting = |reaches: Option<f64>, interval: Option<f64>| {
+            let seen = [(Coefficient::DI, Status::Drifting)];
+            suggest(&Standpoint { reaches_in_days: reaches, interval_days: interval, ..of(Status::Drifting, &seen) })
+        };
+        assert_eq!(drifting(Some(60.0), Some(90.0)), Some(Suggestion::ShortenInterval));
+        assert_eq!(drifting(Some(120.0), Some(90.0)), Some(Suggestion::Watch));
+        assert_eq!(drifting(Some(60.0), None), Some(Suggestion::Watch));
+        assert_eq!(drifting(None, Some(90.0)), Some(Suggestion::Watch));
+        // A trend that no rule speaks of yet.
+        let quiet =
+            Standpoint { reaches_in_days: Some(30.0), interval_days: Some(90.0), ..of(Status::InTolerance, &[]) };
+        assert_eq!(suggest(&quiet), Some(Suggestion::ShortenInterval));
+    }
+
+    #[test]
+    fn what_is_overdue_is_calibrated_before_anything_is_made_of_it() {
+        for (status, expected) in [
+            (Status::Overdue, Suggestion::Calibrate),
+            (Status::Drifting, Suggestion::Calibrate),
+            (Status::Borderline, Suggestion::Calibrate),
+            (Status::Unconfirmed, Suggestion::Retest),
+            (Status::Confirmed, Suggestion::Remove),
+        ] {
+            let seen = Standpoint { overdue: true, ..of(status, &[(Coefficient::DI, status)]) };
+            assert_eq!(suggest(&seen), Some(expected), "{status:?}");
+        }
+    }
+}

@@ -1,0 +1,134 @@
+use super::*;
+
+fn chart(values: &[f64]) -> Chart {
+    let day = 864e5;
+    let dot = |(k, y): (usize, &f64)| Dot {
+        x: k as f64 * day,
+        y: *y,
+        sd: Some(0.001),
+        status: Some(if *y > 0.01 { Status::Confirmed } else { Status::InTolerance }),
+        letters: if *y > 0.01 { "B".into() } else { String::new() },
+        href: Some(format!("/records/{k}")),
+        said: format!("record {k}"),
+    };
+    let x = widened((0.0, (values.len().max(2) - 1) as f64 * day), 0.02, 15.0 * day);
+    let mut chart = Chart::new("A D_I".into(), html! { "D_I" }, Across::Time, x);
+    chart.around = 0.01;
+    chart.whole = Some(0.01);
+    chart.signed = true;
+    chart.clips = true;
+    chart.levels = vec![Level { from: x.0, until: x.1, budget: Some(0.01), control: Some(0.004), ..Level::default() }];
+    let dots = values.iter().enumerate().map(dot).collect();
+    chart.tracks = vec![Track { class: "record".into(), dots, joined: true, ..Track::default() }];
+    chart
+}
+
+fn numbers(drawn: &str, before: &str) -> Vec<f64> {
+    drawn
+        .split(before)
+        .skip(1)
+        .map(|rest| rest.split('"').next().unwrap().trim_end_matches('%').parse().unwrap())
+        .collect()
+}
+
+#[test]
+fn every_point_has_its_shape_its_words_and_its_record_and_higher_values_stand_higher() {
+    let drawn = chart(&[0.0, 0.005, 0.02]).markup().into_string();
+    assert_eq!(drawn.matches("<circle class=\"in_tolerance\"").count(), 2, "{drawn}");
+    assert_eq!((drawn.matches("<path class=\"confirmed\"").count(), drawn.matches(">B</text>").count()), (1, 1));
+    for k in 0..3 {
+        assert!(
+            drawn.contains(&format!("href=\"/records/{k}\"")) && drawn.contains(&format!("<title>record {k}</title>"))
+        );
+    }
+    let heights = numbers(&drawn, "cy=\"");
+    assert!(heights[1] < heights[0], "{heights:?}");
+    assert!(!drawn.contains("NaN"));
+}
+
+#[test]
+fn the_axis_holds_the_budget_with_its_figures_however_little_was_measured() {
+    let drawn = chart(&[0.0, 0.0004, -0.0003]).markup().into_string();
+    for figure in [
+        ">+0.010</text>",
+        ">-0.010</text>",
+        ">+100 %</text>",
+        ">-100 %</text>",
+        ">0 %</text>",
+        ">UCL</text>",
+        ">LCL</text>",
+    ] {
+        assert!(drawn.contains(figure), "{figure} is not in {drawn}");
+    }
+    assert_eq!(drawn.matches("class=\"budget\"").count(), 2);
+    // 5 % of the budget are 5 % of half the height at the most.
+    let heights = numbers(&drawn, "cy=\"");
+    let spread = heights.iter().fold(f64::MIN, |a, b| a.max(*b)) - heights.iter().fold(f64::MAX, |a, b| a.min(*b));
+    assert!(spread < 0.05 * 170.0, "{heights:?}");
+}
+
+#[test]
+fn one_blunder_stands_at_the_edge_with_its_value_and_a_drift_is_drawn_to_its_end() {
+    let mut values = vec![0.001; 30];
+    values[12] = 5.19;
+    let drawn = chart(&values).markup().into_string();
+    assert!(drawn.contains("class=\"off confirmed\"") && drawn.contains(">+5.19</text>"), "{drawn}");
+    assert!(drawn.contains(">+100 %</text>") && !drawn.contains(">+50000 %<"), "the others keep their scale");
+    assert!(drawn.contains("href=\"/records/12\""), "and it still leads to its record");
+    let drift: Vec<f64> = (0..30).map(|k| 0.001 * f64::from(k)).collect();
+    let drawn = chart(&drift).markup().into_string();
+    assert!(!drawn.contains("class=\"off"), "{drawn}");
+    // The newest of few is no less to be seen.
+    let drawn = chart(&[0.0, 0.001, 0.0, 7.5]).markup().into_string();
+    assert!(drawn.contains(">+7.5</text>") && drawn.contains("href=\"/records/3\""), "{drawn}");
+}
+
+#[test]
+fn the_newest_point_stands_within_the_picture() {
+    let drawn = chart(&[0.0, 0.001, 0.002, 0.03]).markup().into_string();
+    let across = numbers(&drawn, "cx=\"");
+    assert!(across.iter().all(|x| (0.5..99.5).contains(x)), "{across:?}");
+}
+
+#[test]
+fn too_many_points_are_an_envelope_about_their_median() {
+    let mut all = chart(&[0.0]);
+    all.tracks[0].envelope = (0..200).map(|k| [f64::from(k) * 4e5, -0.003, 0.0, 0.004]).collect();
+    let drawn = all.markup().into_string();
+    assert_eq!((drawn.matches("class=\"envelope\"").count(), drawn.matches("class=\"median\"").count()), (1, 1));
+}
+
+#[test]
+fn nothing_to_draw_is_no_picture_and_one_point_is_one() {
+    assert_eq!(chart(&[]).markup().into_string(), "");
+    let one = chart(&[0.0]).markup().into_string();
+    assert!(one.contains("<circle") && !one.contains("NaN") && !one.contains("inf"), "{one}");
+}
+
+#[test]
+fn what_took_time_is_shaded_and_lanes_say_where_a_gyro_was() {
+    let mut all = chart(&[0.0, 0.001, 0.002]);
+    let flag = |number, until: Option<f64>, label: &str| Flag {
+        x: 4e7,
+        until,
+        number,
+        anchor: format!("event-{number}"),
+        label: label.into(),
+    };
+    all.flags = vec![flag(1, None, "repair"), flag(2, Some(9e7), "vibration")];
+    all.lanes = vec![vec![Segment { from: 0.0, until: 9e7, label: "IMU-02 G1".into(), kind: 7 }]];
+    let end = (2.0 * 864e5, 0.01);
+    all.ahead = Some(Ahead { line: [(0.0, 0.0), (864e5, 0.001), end], cone: Some([(1.5 * 864e5, 0.01), end]) });
+    let drawn = all.markup().into_string();
+    assert_eq!(drawn.matches("class=\"test\"").count(), 1);
+    for there in [
+        "<title>repair</title>",
+        "href=\"#event-1\"",
+        "class=\"lane1\"",
+        "IMU-02 G1",
+        "class=\"cone\"",
+        "class=\"ahead\"",
+    ] {
+        assert!(drawn.contains(there), "{there} is not in {drawn}");
+    }
+}

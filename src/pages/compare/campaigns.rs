@@ -1,0 +1,196 @@
+//! Two campaigns side by side: parameters with their difference over its standard deviation, residuals on one scale,
+//! the effects found in each.
+
+use std::time::Duration;
+
+use maud::{Markup, html};
+
+use crate::core::effects::Effect;
+use crate::core::mounting::Slot;
+use crate::pages::calibration::stored_campaign;
+use crate::pages::layout::{Page, Section, encoded, instant, symbol};
+use crate::pages::text::Text;
+use crate::pages::viewer::Viewer;
+use crate::pages::{Pages, figure, residuals};
+use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
+use crate::wire::calibration::GyroFitBody;
+use crate::wire::problem::Problem;
+
+/// How long the page waits for a diagnosis that is being made.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// What a diagnosis found; none while it is being made.
+type Found = Option<Vec<(String, Vec<String>)>>;
+
+pub(super) async fn page(pages: &Pages, viewer: &Viewer, ids: [&str; 2]) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let both = [stored_campaign(pages, ids[0]).await?, stored_campaign(pages, ids[1]).await?];
+    let found = [found(pages, &both[0]).await?, found(pages, &both[1]).await?];
+    let pairs = pairs(&both);
+    let body = html! {
+        h1 { (t.compare) ": " (t.kind_campaign) }
+        div.scroll tabindex="0" { table.cards {
+            thead { tr { th {} th { (t.imu) } th { (t.station) } th { (t.measured_at) } th { (t.effects_found) } } }
+            tbody {
+                @for ((name, stored), found) in ["A", "B"].into_iter().zip(&both).zip(&found) {
+                    (side(t, name, stored, found))
+                }
+            }
+        } }
+        @if both[0].answer.imu != both[1].answer.imu { p.note { (t.other_imus) } }
+        @if pairs.is_empty() { p { (t.no_common_slot) } }
+        @for (slot, a, b) in &pairs {
+            section {
+                h2 { (slot.name()) " " (serials(a, b)) }
+                @if a.serial != b.serial { p.fault { (t.other_gyros) } }
+                (parameters(t, &both, *slot, a, b))
+                @let of_both = [a, b].into_iter().filter_map(|fit| fit.residuals.deg_per_h.as_ref());
+                @let extent = residuals::extent(of_both.flatten());
+                @for (name, fit) in [("A", a), ("B", b)] {
+                    @if let Some(residuals) = &fit.residuals.deg_per_h {
+                        (residuals::in_rate(t, &format!("{name} {}", fit.serial), residuals, extent))
+                    }
+                }
+            }
+        }
+    };
+    Ok(Page { title: format!("{} {}", t.compare, both[0].answer.imu), section: Section::Fleet, body })
+}
+
+fn serials(a: &GyroFitBody, b: &GyroFitBody) -> Markup {
+    html! {
+        a href={ "/gyros/" (encoded(&a.serial)) } { (a.serial) }
+        @if a.serial != b.serial { " · " a href={ "/gyros/" (encoded(&b.serial)) } { (b.serial) } }
+    }
+}
+
+/// The fits of the slots that both have.
+fn pairs(both: &[StoredCampaign; 2]) -> Vec<(Slot, &GyroFitBody, &GyroFitBody)> {
+    let [a, b] = both.each_ref().map(|stored| &stored.answer.calibration.gyros);
+    let other = |fit: &GyroFitBody| b.iter().find(|other| Slot::from(other.slot) == Slot::from(fit.slot));
+    a.iter().filter_map(|fit| Some((Slot::from(fit.slot), fit, other(fit)?))).collect()
+}
+
+async fn found(pages: &Pages, stored: &StoredCampaign) -> Result<Found, Problem> {
+    Ok(match pages.pipeline.diagnoses.of_campaign(stored.item.id, PATIENCE).await? {
+        DiagnosisAnswer::Answered(diagnosed) => Some(diagnosed.as_ref().as_ref().map_or_else(
+            |_| Vec::new(),
+            |diagnosis| diagnosis.effects.iter().map(|effect| (effect.effect.clone(), effect.gyros.clone())).collect(),
+        )),
+        DiagnosisAnswer::Waiting | DiagnosisAnswer::NoSuchCampaign => None,
+    })
+}
+
+fn side(t: &Text, name: &str, stored: &StoredCampaign, found: &Found) -> Markup {
+    let id = stored.item.id;
+    html! {
+        tr {
+            th scope="row" { (name) }
+            td { a href={ "/imus/" (encoded(&stored.answer.imu)) } { (stored.answer.imu) } }
+            td { (stored.answer.station) }
+            td { a href={ "/campaigns/" (id) } { (instant(stored.item.calibrated_at)) } }
+            td.words {
+                @match found.as_deref() {
+                    None => (t.coverage_waiting),
+                    Some([]) => (t.no_effect),
+                    Some(effects) => @for (k, (effect, gyros)) in effects.iter().enumerate() {
+                        @if k > 0 { "; " }
+                        @if let Some(effect) = Effect::from_id(effect) { (t.effect(effect)) } @else { (effect) }
+                        " (" (gyros.join(", ")) ")"
+                    },
+                }
+                " · " a href={ "/campaigns/" (id) "/diagnosis" } { (t.diagnosis) }
+            }
+        }
+    }
+}
+
+/// One figure of both, with its unit.
+struct Line {
+    name: String,
+    unit: String,
+    /// Values and standard deviations.
+    of: [(f64, Option<f64>); 2],
+}
+
+impl Line {
+    /// B - A over its standard deviation.
+    fn over_sd(&self) -> Option<f64> {
+        let [(a, sd_a), (b, sd_b)] = self.of;
+        let sd = sd_a.zip(sd_b).map(|(a, b)| a.hypot(b)).filter(|sd| *sd > 0.0)?;
+        Some((b - a) / sd)
+    }
+}
+
+/// D_I, D_S and D_O, then every parameter of the fit that both have.
+fn lines(both: &[StoredCampaign; 2], slot: Slot, a: &GyroFitBody, b: &GyroFitBody) -> Vec<Line> {
+    let separated =
+        both.each_ref().map(|stored| stored.answer.separations.iter().find(|one| Slot::from(one.slot) == slot));
+    let mut lines = Vec::new();
+    if let [Some(a), Some(b)] = separated {
+        for (name, a, b) in [("D_I", &a.d_i, &b.d_i), ("D_S", &a.d_s, &b.d_s), ("D_O", &a.d_o, &b.d_o)] {
+            lines.push(Line { name: name.into(), unit: "deg/(h*g0)".into(), of: [(a.value, a.sd), (b.value, b.sd)] });
+        }
+    }
+    for own in &a.parameters {
+        if let Some(other) = b.parameters.iter().find(|other| other.name == own.name && other.unit == own.unit) {
+            let of = [(own.value, own.sd), (other.value, other.sd)];
+            lines.push(Line { name: own.name.clone(), unit: own.unit.clone(), of });
+        }
+    }
+    lines
+}
+
+fn parameters(t: &Text, both: &[StoredCampaign; 2], slot: Slot, a: &GyroFitBody, b: &GyroFitBody) -> Markup {
+    html! {
+        div.scroll tabindex="0" { table.cards {
+            thead {
+                tr {
+                    th { (t.parameter) } th.n { "A" } th.n { "B" } th.n { "B - A" } th.n { "(B - A)/σ" }
+                    th { (t.unit_word) }
+                }
+            }
+            tbody { @for line in lines(both, slot, a, b) { (parameter(&line)) } }
+        } }
+    }
+}
+
+fn parameter(line: &Line) -> Markup {
+    let [(a, sd_a), (b, sd_b)] = line.of;
+    let sd = sd_a.zip(sd_b).map(|(a, b)| a.hypot(b));
+    let over = line.over_sd();
+    let class = over.map(|over| {
+        if over.abs() > 3.0 {
+            "beyond3"
+        } else if over.abs() > 2.0 {
+            "beyond2"
+        } else {
+            ""
+        }
+    });
+    html! {
+        tr {
+            th scope="row" { (symbol(&line.name)) }
+            td.n data-label="A" { (figure::with_sd(a, sd_a, 6)) }
+            td.n data-label="B" { (figure::with_sd(b, sd_b, 6)) }
+            td.n data-label="B - A" { (figure::with_sd(b - a, sd, 6)) }
+            td.n class=[class.filter(|class| !class.is_empty())] data-label="(B - A)/σ" {
+                @if let Some(over) = over { (format!("{over:+.1}")) } @else { "–" }
+            }
+            td translate="no" { (line.unit) }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_difference_counts_by_the_uncertainty_of_both() {
+        let line = |of| Line { name: "E_x".into(), unit: String::new(), of };
+        assert_eq!(line([(1.0, Some(0.3)), (2.5, Some(0.4))]).over_sd(), Some(3.0));
+        assert_eq!(line([(1.0, Some(0.3)), (2.5, None)]).over_sd(), None, "one of them is not known");
+        assert_eq!(line([(1.0, Some(0.0)), (2.5, Some(0.0))]).over_sd(), None);
+    }
+}

@@ -1,0 +1,39 @@
+//! `/compare`: 2 to 8 gyros over one another (`?gyro=A&gyro=B`), or two campaigns side by side
+//! (`?campaign=A&campaign=B`).
+
+mod campaigns;
+mod gyros;
+
+use axum::extract::{Query, State as Held};
+use axum::response::Response;
+
+use super::Pages;
+use super::viewer::Viewer;
+use crate::message;
+use crate::wire::problem::Problem;
+
+/// Gyros at the most: more lines than that are told apart by nobody.
+const MOST_GYROS: usize = 8;
+
+pub(super) async fn page(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Query(asked): Query<Vec<(String, String)>>,
+) -> Response {
+    let of = |key: &str| -> Vec<&str> {
+        let mut found: Vec<&str> = Vec::new();
+        for (name, value) in &asked {
+            if name == key && !value.is_empty() && !found.contains(&value.as_str()) {
+                found.push(value);
+            }
+        }
+        found
+    };
+    let (gyros, campaigns) = (of("gyro"), of("campaign"));
+    let aligned = of("align").contains(&"baseline");
+    viewer.show(match campaigns.as_slice() {
+        [a, b] if gyros.is_empty() => campaigns::page(&pages, &viewer, [*a, *b]).await,
+        [] if (2..=MOST_GYROS).contains(&gyros.len()) => gyros::page(&pages, &viewer, &gyros, aligned).await,
+        _ => Err(Problem::new(400, "title_bad_query", message!("compare_what", most = MOST_GYROS))),
+    })
+}

@@ -1,0 +1,286 @@
+//! The head of a gyro's page: how it stands, by how much, since when, why, and what to do.
+
+use maud::{Markup, html};
+
+use super::figure;
+use super::gyro::Facts;
+use super::history::seat;
+use super::history_plot::{budgets, epoch_of};
+use super::layout::{DRIFTS, encoded, instant, symbol};
+use super::text::Text;
+use super::viewer::Viewer;
+use crate::config::JudgedMethod;
+use crate::core::access::Role;
+use crate::core::changes::{HistoryDiagnosis, NamedCause, cause_word};
+use crate::core::judge::{
+    Coefficient, Event, Finding, Load, Measured, Standpoint, Status, Suggestion, Verdict, suggest,
+};
+use crate::core::time::UtcMicros;
+use crate::pages::status;
+use crate::pipeline::{EventItem, ExplainedHistory, Names, sample_of};
+
+/// Records of a run that are told from what is only drifting; an older one began before.
+pub(super) const LONGEST_RUN: usize = 400;
+/// Causes of one coefficient's change in the head; all of them are on the page of the diagnosis.
+const MOST_CAUSES: usize = 3;
+
+/// Since when a coefficient has been as it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Run {
+    pub since: UtcMicros,
+    pub records: usize,
+}
+
+/// How one coefficient stands at the newest record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stand {
+    pub column: usize,
+    pub measured: Measured,
+    pub status: Status,
+    /// None while there is no level, or no budget.
+    pub load: Option<Load>,
+    /// Where it is out of tolerance or drifts.
+    pub run: Option<Run>,
+}
+
+impl Facts {
+    /// D_I, D_S and D_O by the judged method; nothing for a gyro that was never calibrated.
+    pub fn stands(&self, judged: JudgedMethod) -> Vec<Stand> {
+        let Some(newest) = self.course.figures.last() else { return Vec::new() };
+        let sample = sample_of(newest, judged);
+        let stand = |column: usize| {
+            let seen = self.verdicts.iter().filter_map(|said| said.seen.as_ref());
+            let of_verdict =
+                seen.filter(|verdict| verdict.coefficient.name() == DRIFTS[column]).find_map(Verdict::load);
+            Stand {
+                column,
+                measured: sample.d[column],
+                status: self.standing.as_ref().map_or(Status::NotEnoughData, |standing| standing.drift[column]),
+                load: of_verdict.or_else(|| self.load_now(column, newest.at, sample.d[column])),
+                run: self.run(column),
+            }
+        };
+        (0..3).map(stand).collect()
+    }
+
+    /// By today's limits and the level that is drawn, where the verdict was decided by others.
+    fn load_now(&self, column: usize, at: UtcMicros, measured: Measured) -> Option<Load> {
+        let level = epoch_of(&self.epochs[column], at)?
+            .level
+            .filter(|_| self.verdicts.iter().any(|said| said.seen.is_none()))?;
+        let budget = budgets(&self.course.limits)[column].filter(|budget| *budget > 0.0)?;
+        Some(Load { deviation: Measured { value: measured.value - level, sd: measured.sd }, level, budget })
+    }
+
+    /// The newest records that are all out of tolerance, or all drift.
+    fn run(&self, column: usize) -> Option<Run> {
+        let is_out = |row| {
+            let status = self.statuses.get(row, column);
+            (status >= Status::Drifting).then_some(status > Status::Drifting)
+        };
+        let rows = &self.course.figures;
+        let out = is_out(rows.last()?)?;
+        let run = rows.iter().rev().take_while(|row| is_out(row) == Some(out)).count();
+        Some(Run { since: rows[rows.len() - run].at, records: run })
+    }
+
+    /// What the verdicts suggest; nothing for a gyro that is out of use.
+    pub fn suggestion(&self) -> Option<Suggestion> {
+        let standing = self.standing.as_ref().filter(|standing| standing.out_of_use.is_none())?;
+        let judged = self.verdicts.iter().filter(|said| said.body.value.is_some());
+        let judged = judged.filter_map(|said| Some((Coefficient::from_name(&said.body.coefficient)?, said.status())));
+        let told = standing.violations.iter().map(|violation| (violation.coefficient, violation.status));
+        let early = |verdict: &Verdict| match verdict.finding {
+            Finding::Trend { until, reach: [Some(early), ..], .. } => Some(early.days_since(until)),
+            _ => None,
+        };
+        let seen = self.verdicts.iter().filter_map(|said| said.seen.as_ref());
+        suggest(&Standpoint {
+            status: standing.status,
+            verdicts: judged.chain(told).collect(),
+            overdue: standing.overdue_days.is_some(),
+            reaches_in_days: seen.filter_map(early).min_by(f64::total_cmp),
+            interval_days: self.course.limits.interval_days.map(|limit| limit.value),
+        })
+    }
+
+    /// What was decided last, and how many records have come since.
+    fn decision(&self) -> Option<(&EventItem, usize)> {
+        let last = self.course.events.iter().rev().find(|event| event.event.is_decision())?;
+        Some((last, self.course.figures.iter().filter(|row| row.at > last.at).count()))
+    }
+}
+
+pub(super) fn head(
+    viewer: &Viewer,
+    serial: &str,
+    facts: &Facts,
+    judged: JudgedMethod,
+    explained: Option<&ExplainedHistory>,
+    names: &Names<'_>,
+) -> Markup {
+    let t = viewer.text();
+    html! {
+        h1 { (serial) " " (facts.badge(t)) }
+        @if let Some(figures) = facts.course.figures.last() {
+            p.lead {
+                a href={ "/imus/" (encoded(names.imu(figures.imu))) } { (seat(figures, names)) }
+                " · " (t.station) " " (names.station(figures.station))
+                " · " (t.calibrated) " " (instant(figures.at))
+            }
+        } @else {
+            p.lead { (t.never_calibrated) }
+        }
+        (loads(t, &facts.stands(judged)))
+        (causes(t, serial, facts, explained))
+        (decided(viewer, serial, facts))
+    }
+}
+
+/// The figure of a gyro: how much of each budget is taken up, since when it is too much.
+pub(super) fn loads(t: &Text, stands: &[Stand]) -> Markup {
+    html! {
+        @if !stands.is_empty() {
+            div.scroll tabindex="0" { table.loads {
+                thead { tr {
+                    th { (t.coefficient) } th.n { (t.load) } th.bars {} th { (t.status_word) }
+                    th.n { (t.axis_deviation) ", " (t.unit) } th.n { (t.value) } th.n.capital { (t.baseline_word) }
+                } }
+                tbody { @for stand in stands { (load_row(t, stand)) } }
+            } }
+        }
+    }
+}
+
+fn load_row(t: &Text, stand: &Stand) -> Markup {
+    let name = DRIFTS[stand.column];
+    html! {
+        tr {
+            th scope="row" title=[Coefficient::from_name(name).map(|coefficient| t.meaning(coefficient))] {
+                (symbol(name))
+            }
+            @if let Some(load) = &stand.load {
+                td.n.load { (figure::load(load.share(), load.sd())) }
+                td.bars { (bar(load.share(), load.sd(), stand.status)) }
+            } @else { td.n.load { "–" } td.bars {} }
+            td.stands {
+                (status::badge(t, Some(stand.status)))
+                @if let Some(run) = &stand.run {
+                    " "
+                    span.quiet { (t.since_then) " " (instant(run.since)) " (" (run.records) " " (t.records_short) ")" }
+                } @else if stand.load.is_none() { " " span.quiet { (t.baseline_forming) } }
+            }
+            td.n data-label=(t.deviation) {
+                @if let Some(load) = &stand.load { (figure::signed_drift(load.deviation.value, load.deviation.sd)) }
+            }
+            td.n.quiet data-label=(t.value) { (figure::drift(stand.measured.value, stand.measured.sd)) }
+            td.n.quiet data-label=(t.baseline_word) {
+                @if let Some(load) = &stand.load {
+                    (format!("{:.*}", figure::places_beside(stand.measured.sd, 6), load.level))
+                }
+            }
+        }
+    }
+}
+
+/// A load on the axis that all gyros share, from -150 % to +150 %.
+pub(super) fn bar(share: f64, sd: Option<f64>, status: Status) -> Markup {
+    let x = |share: f64| 75.0 + 48.0 * share.clamp(-1.5, 1.5);
+    let one = |share: f64| format!("{:.1}", x(share));
+    let beyond = share.abs() > 1.5;
+    html! {
+        svg.bullet viewBox="0 0 150 16" aria-hidden="true" {
+            rect.band x=(one(-1.0)) y="2" width="96" height="12" {}
+            line.level x1="75" x2="75" y1="0" y2="16" {}
+            @if let Some(sd) = sd.filter(|_| !beyond) {
+                line.bar x1=(one(share - sd)) x2=(one(share + sd)) y1="8" y2="8" {}
+            }
+            @if beyond {
+                path class=(status.name()) d=(if share > 0.0 { "M140 2l8 6l-8 6z" } else { "M10 2l-8 6l8 6z" }) {}
+            } @else { circle class=(status.name()) cx=(one(share)) cy="8" r="4" {} }
+        }
+    }
+}
+
+/// Why those coefficients changed of which a rule speaks: the gyro's own causes first.
+fn causes(t: &Text, serial: &str, facts: &Facts, explained: Option<&ExplainedHistory>) -> Markup {
+    let speaks = |column: usize| facts.standing.as_ref().is_some_and(|one| one.drift[column] >= Status::Drifting);
+    let answers = explained.into_iter().flat_map(|explained| explained.coefficients.iter().enumerate());
+    html! {
+        div.causes {
+            @for (_, answer) in answers.filter(|(column, _)| speaks(*column)) {
+                p {
+                    strong { (t.cause) " " (symbol(answer.coefficient.name())) (t.colon) } " "
+                    @let (own, of_station) = (causes_of(answer, false), causes_of(answer, true));
+                    @for cause in own.chain(of_station).take(MOST_CAUSES) {
+                        (t.words(&cause_word(cause.cause))) " ("
+                        (t.words(&cause.tie.message())) ") "
+                        span.nowrap {
+                            (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) " "
+                            (drift_unit(t, cause.estimate.unit))
+                        }
+                        "; "
+                    }
+                    @for said in answer.sentences(None).iter().take(1) { (t.words(said)) }
+                }
+            }
+            @if !facts.course.figures.is_empty() {
+                p {
+                    a href={ "/gyros/" (encoded(serial)) "/diagnosis" } { (t.history_diagnosis) } " · "
+                    a href={ "/v1/gyros/" (encoded(serial)) "/diagnosis" } { "JSON" }
+                }
+            }
+        }
+    }
+}
+
+/// The causes that the station is, or the gyro's own.
+fn causes_of(answer: &HistoryDiagnosis, station: bool) -> impl Iterator<Item = &NamedCause> {
+    answer.causes.iter().filter(move |cause| (cause.cause == "station") == station)
+}
+
+/// A unit of the diagnosis of histories as people read it.
+fn drift_unit(t: &Text, unit: &str) -> String {
+    unit.replace("deg/(h*g0)", t.unit).replace("/year", t.a_year)
+}
+
+/// What the verdicts suggest, what was decided, and what can be done.
+fn decided(viewer: &Viewer, serial: &str, facts: &Facts) -> Markup {
+    let t = viewer.text();
+    let suggestion = facts.suggestion();
+    let path = format!("/gyros/{}", encoded(serial));
+    let first = match suggestion {
+        Some(Suggestion::Remove) => Event::DecisionRemove,
+        Some(Suggestion::Release) => Event::DecisionRelease,
+        _ => Event::DecisionRetest,
+    };
+    html! {
+        div.decision {
+            @if let Some(suggestion) = suggestion {
+                p.suggestion { strong { (t.suggested) (t.colon) } " " (t.word(&suggestion.word())) }
+            }
+            (decision(t, facts))
+            p.actions {
+                @if viewer.may(Role::Engineer) {
+                    a.action.primary href={ (path) "/events/new?event=" (first.name()) } { (t.record_decision) }
+                    a.action href={ (path) "/events/new" } { (t.add_event) }
+                    a.action href={ (path) "/events/new?event=baseline" } { (t.start_baseline) }
+                }
+                a.action href={ (path) "/report" } { (t.report) }
+            }
+        }
+    }
+}
+
+/// What was decided last, by whom and why.
+pub(super) fn decision(t: &Text, facts: &Facts) -> Markup {
+    html! {
+        @if let Some((event, since)) = facts.decision() {
+            p.decided {
+                strong { (t.event(event.event)) } " · " (instant(event.at)) " · "
+                span translate="no" { @if let Some(author) = &event.author { (author) ": " } (event.reason) }
+                @if since > 0 { " " span.quiet { "(" (t.records_since) " " (since) ")" } }
+            }
+        }
+    }
+}

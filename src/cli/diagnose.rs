@@ -87,7 +87,7 @@ impl Diagnose {
         let campaign = parse(&bytes).with_context(file)?;
         campaign.check_known_scales(&document::plausibility()?).with_context(file)?;
         if let Some(path) = &self.adopt {
-            may_be_replaced(path)?;
+            model::may_be_replaced(path)?;
         }
         let in_use = model::chosen(self.model.as_ref())?;
         let options = in_use.options(&campaign);
@@ -124,15 +124,6 @@ fn reference(path: &Path, campaign: &Campaign) -> anyhow::Result<Reference> {
         }
         Err(faults).with_context(file)
     })
-}
-
-/// Refuses to adopt into a file that holds something else than a model.
-fn may_be_replaced(path: &Path) -> anyhow::Result<()> {
-    let is_file = std::fs::metadata(path).is_ok_and(|there| there.is_file() && there.len() > 0);
-    if is_file && model::file(path).is_err() {
-        bail!("{}: holds no model, and --adopt replaces model files only; name another file", path.display());
-    }
-    Ok(())
 }
 
 /// A document with the time or the E of a record and no dwells; whatever else is no campaign is refused as one.

@@ -23,9 +23,12 @@ mod document;
 mod experiment;
 mod export;
 mod fleet_noise;
+mod gap;
 mod import;
 mod model;
+mod model_fit;
 mod notify;
+mod predict;
 mod restore;
 mod separate;
 mod serve;
@@ -43,6 +46,7 @@ use clap::{Parser, Subcommand};
 use crate::core::diagnose::NoReference;
 use crate::core::effects::Refusal;
 use crate::core::fault::Faults;
+use crate::core::imu_model::{NoForecast, NotIdentified};
 use crate::pipeline::AccessError;
 use crate::wire::problem::summary;
 use crate::words;
@@ -63,6 +67,9 @@ enum Command {
     Separate(separate::Separate),
     Calibrate(calibrate::Calibrate),
     Diagnose(diagnose::Diagnose),
+    Model(model_fit::Model),
+    Predict(predict::Predict),
+    Gap(gap::Gap),
     Import(import::Import),
     Export(export::Export),
     FleetNoise(fleet_noise::FleetNoise),
@@ -85,6 +92,9 @@ impl Command {
             Self::Separate(separate) => separate.run(),
             Self::Calibrate(calibrate) => calibrate.run(),
             Self::Diagnose(diagnose) => diagnose.run(),
+            Self::Model(model) => model.run(),
+            Self::Predict(predict) => predict.run(),
+            Self::Gap(gap) => gap.run(),
             Self::Import(import) => import.run(),
             Self::Export(export) => export.run(),
             Self::FleetNoise(fleet_noise) => fleet_noise.run(),
@@ -128,7 +138,9 @@ fn in_words(error: &anyhow::Error) -> String {
         let message = None
             .or_else(|| cause.downcast_ref::<AccessError>().map(AccessError::message))
             .or_else(|| cause.downcast_ref::<Refusal>().map(Refusal::message))
-            .or_else(|| cause.downcast_ref::<NoReference>().map(NoReference::message));
+            .or_else(|| cause.downcast_ref::<NoReference>().map(NoReference::message))
+            .or_else(|| cause.downcast_ref::<NotIdentified>().map(NotIdentified::message))
+            .or_else(|| cause.downcast_ref::<NoForecast>().map(NoForecast::message));
         message.map_or_else(|| cause.to_string(), |message| language.words(&message))
     };
     error.chain().map(said).collect::<Vec<_>>().join(": ")

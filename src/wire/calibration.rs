@@ -169,7 +169,7 @@ impl CampaignAnswer {
             notes: campaign::notes(campaign).iter().map(NoteBody::of).collect(),
         };
         match outcome {
-            Outcome::Imu { calibration, separations } => {
+            Outcome::Imu { calibration, separations, .. } => {
                 answer.calibration.model = names(calibration.terms);
                 answer.calibration.repeats.clone_from(&calibration.repeats);
                 for effect in calibration.gyros.iter().flat_map(|gyro| &gyro.effects).map(|e| e.effect.id()) {

@@ -6,10 +6,12 @@ use anyhow::Context;
 use clap::Args;
 use serde::Serialize;
 
+use super::client::Service;
 use super::document::{self, Format, table};
 use super::predict::{identified, measured};
+use super::{Usage, block_on};
 use crate::core::imu_model::{compare, ladder};
-use crate::wire::forecast::{ForecastBody, RungBody};
+use crate::wire::forecast::{ClosingBody, ComparedBody, ForecastBody, ForecastPointBody, ForecastSeriesBody, RungBody};
 use crate::wire::time;
 
 /// Show the gap between the model of an IMU and its later campaigns: model (6), each effect, the noise floor
@@ -17,12 +19,21 @@ use crate::wire::time;
 /// Every figure is of a forecast: nothing is fitted to the campaigns.
 #[derive(Debug, Args)]
 pub struct Gap {
-    /// A model file with the coefficients of an IMU (gyrowatch model fit)
+    /// A model file with the coefficients of an IMU (gyrowatch model fit); without campaigns, the name of an IMU in a
+    /// running service
+    #[arg(value_name = "MODEL|IMU")]
     model: PathBuf,
 
     /// Campaigns that the model was not fitted to, in JSON or CSV
-    #[arg(required = true)]
     campaigns: Vec<PathBuf>,
+
+    /// Address of the service
+    #[arg(long, env = "GYROWATCH_LISTEN", default_value = "127.0.0.1:8080")]
+    url: String,
+
+    /// Access token, where the service asks for one
+    #[arg(long, env = "GYROWATCH_TOKEN", hide_env_values = true)]
+    token: Option<String>,
 
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -35,12 +46,41 @@ struct Ladder {
     station: String,
     rungs: Vec<RungBody>,
     noise_deg_per_h: f64,
-    closing: Option<crate::wire::forecast::ClosingBody>,
+    closing: Option<ClosingBody>,
     state: String,
 }
 
 impl Gap {
     pub fn run(self) -> anyhow::Result<()> {
+        let (name, mut ladders) = if self.campaigns.is_empty() { self.of_service()? } else { self.of_files()? };
+        ladders.sort_by(|a, b| a.measured_at.cmp(&b.measured_at));
+        match self.format {
+            Format::Table => document::print(&tables(&name, &ladders)),
+            Format::Json => document::print_json(&ladders),
+        }
+    }
+
+    /// The campaigns of an IMU that a service stores, each from the model in force when it came in.
+    fn of_service(&self) -> anyhow::Result<(String, Vec<Ladder>)> {
+        if self.model.is_file() {
+            return Err(Usage("a model file wants campaigns to hold it against".to_owned()).into());
+        }
+        let imu = self.model.to_string_lossy().into_owned();
+        let name = url::form_urlencoded::byte_serialize(imu.as_bytes()).collect::<String>().replace('+', "%20");
+        let service = Service::at(&self.url, self.token.clone())?;
+        let answer = block_on(async { service.get(&format!("/v1/imus/{name}/forecast")).await })?;
+        let series: ForecastSeriesBody =
+            serde_json::from_value(answer).context("the answer is not one of gyrowatch")?;
+        for point in &series.points {
+            if let Some(why) = &point.why_not {
+                eprintln!("{}: {why}", point.measured_at);
+            }
+        }
+        let ladder = |point: ForecastPointBody| Some(Ladder::of(point.measured_at, point.station, point.compared?));
+        Ok((imu, series.points.into_iter().filter_map(ladder).collect()))
+    }
+
+    fn of_files(&self) -> anyhow::Result<(String, Vec<Ladder>)> {
         let model = identified(&self.model)?;
         let mut ladders = Vec::new();
         for path in &self.campaigns {
@@ -50,20 +90,16 @@ impl Gap {
             let steps = ladder(&model, &campaign).with_context(file)?;
             let body = ForecastBody::of(&model, &campaign, &comparison.forecast, None);
             let Some(compared) = body.compared(&comparison, &steps, None).compared else { continue };
-            ladders.push(Ladder {
-                measured_at: time::format(campaign.measured_at),
-                station: campaign.station.to_string(),
-                rungs: compared.ladder,
-                noise_deg_per_h: compared.noise_deg_per_h,
-                closing: compared.closing,
-                state: compared.state,
-            });
+            ladders.push(Ladder::of(time::format(campaign.measured_at), campaign.station.to_string(), compared));
         }
-        ladders.sort_by(|a, b| a.measured_at.cmp(&b.measured_at));
-        match self.format {
-            Format::Table => document::print(&tables(&model.imu.to_string(), &ladders)),
-            Format::Json => document::print_json(&ladders),
-        }
+        Ok((model.imu.to_string(), ladders))
+    }
+}
+
+impl Ladder {
+    fn of(measured_at: String, station: String, compared: ComparedBody) -> Self {
+        let ComparedBody { ladder, noise_deg_per_h, closing, state, .. } = compared;
+        Self { measured_at, station, rungs: ladder, noise_deg_per_h, closing, state }
     }
 }
 

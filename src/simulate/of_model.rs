@@ -85,9 +85,7 @@ fn geometry(geometry: &Geometry) -> GeometryChoice {
 /// g^2 - I^2 - S^2.
 fn choice(model: &Identified, gyro: &ModelGyro, gravity: f64) -> GyroChoice {
     let values = model.values();
-    let vector = |term| {
-        model.of_term(gyro.slot, term).map(|places| Vector3::from(places.map(|place| values[place])))
-    };
+    let vector = |term| model.of_term(gyro.slot, term).map(|places| Vector3::from(places.map(|place| values[place])));
     let e = vector(Term::Scale).filter(|_| !gyro.e_held).unwrap_or(gyro.e);
     let scale = e.norm();
     let y = vector(Term::GLinear).unwrap_or_default() / scale;

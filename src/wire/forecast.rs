@@ -34,6 +34,42 @@ pub struct ForecastBody {
     pub note_codes: Vec<MessageBody>,
 }
 
+/// Forecasts of the stored campaigns of an IMU, each from the model in force when it came in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ForecastSeriesBody {
+    pub imu: String,
+    /// Oldest first.
+    pub points: Vec<ForecastPointBody>,
+    /// The newest forecast, dwell by dwell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub latest: Option<ForecastBody>,
+}
+
+/// The forecast of one stored campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ForecastPointBody {
+    /// Its identifier.
+    pub campaign: String,
+    /// The adopted model that was in force when it came in; none for the plain one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub imu_model: Option<String>,
+    pub measured_at: String,
+    pub station: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<ForecastModelBody>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub promised: Option<ClosingBody>,
+    /// Without what is said dwell by dwell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compared: Option<ComparedBody>,
+    /// Adopted effects whose coefficients are others in this campaign.
+    pub effects_changed: Vec<String>,
+    pub notes: Vec<String>,
+    /// Why nothing was foretold.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub why_not: Option<String>,
+}
+
 /// The model that foretold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ForecastModelBody {
@@ -100,7 +136,9 @@ pub struct GyroComparedBody {
     pub rms_over_sd: f64,
     pub p_value: f64,
     /// By dwell.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub error_pulse_s: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub z: Vec<f64>,
 }
 
@@ -235,6 +273,17 @@ impl ComparedBody {
             closing: c.closing.map(ClosingBody::of),
             ladder: ladder.iter().map(RungBody::of).collect(),
         }
+    }
+}
+
+impl ComparedBody {
+    /// For a series: what is said of whole gyros and of dwells that missed.
+    pub fn without_dwells(mut self) -> Self {
+        for gyro in &mut self.gyros {
+            gyro.error_pulse_s.clear();
+            gyro.z.clear();
+        }
+        self
     }
 }
 

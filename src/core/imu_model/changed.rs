@@ -71,7 +71,7 @@ impl NotCompared {
 /// # Errors
 /// [`NotCompared`].
 pub fn changed(model: &Identified, campaign: &Campaign) -> Result<Changed, NotCompared> {
-    Programme::of(model, campaign)?;
+    Programme::of_another(model, campaign)?;
     // The phase of a cycle is another each time: nothing to compare.
     let lasting = model.effects.iter().filter(|adopted| adopted.effect.entry().parameter != Parameter::Period);
     let effects = lasting.map(|adopted| KnownEffect { adopted: adopted.clone(), estimates: Vec::new() }).collect();
@@ -100,6 +100,12 @@ pub fn changed(model: &Identified, campaign: &Campaign) -> Result<Changed, NotCo
     Ok(Changed { effects: found, shifts })
 }
 
+/// As [`changed`], where the model in use is one of the very IMU, holds effects, and can be compared.
+pub fn changed_since(model: &AugmentedModel, campaign: &Campaign) -> Option<Changed> {
+    let identified = model.identified.as_ref().filter(|identified| !identified.effects.is_empty())?;
+    changed(identified, campaign).ok()
+}
+
 /// The comparison, and the places of the coefficients in the campaign's own fit with the model's values.
 fn held_against(
     model: &Identified,
@@ -119,9 +125,8 @@ fn held_against(
         return None;
     }
     let values = |identified: &Identified, places: &[usize]| identified.values().select_rows(places);
-    let block = |identified: &Identified, places: &[usize]| {
-        identified.covariance.select_rows(places).select_columns(places)
-    };
+    let block =
+        |identified: &Identified, places: &[usize]| identified.covariance.select_rows(places).select_columns(places);
     let difference = values(now, &own) - values(model, &then);
     let covariance = block(now, &own) + block(model, &then);
     let statistic = difference.dot(&(scaled_inverse(&covariance)? * &difference));
@@ -130,9 +135,7 @@ fn held_against(
     let p_value = -f64::exp_m1(count as f64 * f64::ln_1p(-alone.min(1.0 - 1e-16)));
     let names = adopted.effect.entry().coefficients(adopted.shape);
     let coefficients = names.into_iter().enumerate().map(|(m, coefficient)| {
-        let pair = |identified: &Identified, place: usize| {
-            [identified.coefficients[place].value, identified.sd(place)]
-        };
+        let pair = |identified: &Identified, place: usize| [identified.coefficients[place].value, identified.sd(place)];
         (coefficient, pair(model, then[m]), pair(now, own[m]))
     });
     let one = ChangedEffect {

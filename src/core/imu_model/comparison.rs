@@ -14,7 +14,7 @@ use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
 use crate::core::mounting::Slot;
 use crate::core::numerics::normal::{normal_cdf, normal_quantile};
-use crate::core::numerics::tails::chi2_tail;
+use crate::core::numerics::tails::{chi2_tail, f_tail};
 
 /// Chance, over all dwells, below which a dwell has missed its forecast.
 const MISSED: f64 = 0.01;
@@ -90,7 +90,7 @@ pub struct Rung {
 /// # Errors
 /// [`NoForecast`]; also where the model was fitted to the campaign.
 pub fn compare(model: &Identified, campaign: &Campaign) -> Result<Comparison, NoForecast> {
-    let programme = of_another_campaign(model, campaign)?;
+    let programme = Programme::of_another(model, campaign)?;
     let knowledge = Knowledge::of(model, campaign, model.effects.len());
     let measured = programme.measured(campaign);
     let mut compared = compared(&programme, &knowledge, &measured);
@@ -110,8 +110,7 @@ pub fn promised(model: &Identified, campaign: &Campaign) -> Result<Option<Closin
         return Ok(None);
     }
     let programme = Programme::of(model, campaign)?;
-    let (knowledge, plain) =
-        (Knowledge::of(model, campaign, model.effects.len()), Knowledge::of(model, campaign, 0));
+    let (knowledge, plain) = (Knowledge::of(model, campaign, model.effects.len()), Knowledge::of(model, campaign, 0));
     let forecast = foretold(&programme, &knowledge);
     Ok(Some(Weighed::of(&programme, &knowledge, &plain, &forecast).promised()))
 }
@@ -121,7 +120,7 @@ pub fn promised(model: &Identified, campaign: &Campaign) -> Result<Option<Closin
 /// # Errors
 /// As [`compare`].
 pub fn ladder(model: &Identified, campaign: &Campaign) -> Result<Vec<Rung>, NoForecast> {
-    let programme = of_another_campaign(model, campaign)?;
+    let programme = Programme::of_another(model, campaign)?;
     let measured = programme.measured(campaign);
     let rung = |effects: usize| {
         let compared = compared(&programme, &Knowledge::of(model, campaign, effects), &measured);
@@ -134,12 +133,6 @@ pub fn ladder(model: &Identified, campaign: &Campaign) -> Result<Vec<Rung>, NoFo
     Ok((0..=model.effects.len()).map(rung).collect())
 }
 
-fn of_another_campaign(model: &Identified, campaign: &Campaign) -> Result<Programme, NoForecast> {
-    let programme = Programme::of(model, campaign)?;
-    let fitted_to = model.campaigns.iter().any(|fitted| fitted.measured_at == campaign.measured_at);
-    if fitted_to { Err(NoForecast::FittedTo) } else { Ok(programme) }
-}
-
 fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64>) -> Comparison {
     let forecast = foretold(programme, knowledge);
     let n = programme.dwells;
@@ -149,7 +142,8 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
     let (mut squares, mut count) = (0.0, 0);
     let (mut errors, mut weights) = (0.0, 0.0);
     for (j, gyro) in forecast.gyros.iter().enumerate() {
-        let error: Vec<f64> = (0..n).map(|k| measured[j * n + k] + programme.held[j * n + k] - gyro.predicted[k]).collect();
+        let error: Vec<f64> =
+            (0..n).map(|k| measured[j * n + k] + programme.held[j * n + k] - gyro.predicted[k]).collect();
         let z: Vec<f64> = (0..n).map(|k| if gyro.foretold[k] { error[k] / gyro.sd[k] } else { 0.0 }).collect();
         let told: Vec<usize> = (0..n).filter(|k| gyro.foretold[*k]).collect();
         let of_gyro: f64 = z.iter().map(|z| z * z).sum();
@@ -167,7 +161,7 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
             error,
             z,
             rms_over_sd: (of_gyro / told.len().max(1) as f64).sqrt(),
-            p_value: chi2_tail(independent, told.len()).unwrap_or(1.0),
+            p_value: as_large(independent, told.len(), programme.gyros[j].dof),
         });
     }
     let each = 1.0 - (1.0 - MISSED).powf(1.0 / count.max(1) as f64);
@@ -183,7 +177,7 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
         rms_over_sd: (squares / count.max(1) as f64).sqrt(),
         rms_deg_per_h: (errors / weights).sqrt(),
         noise_deg_per_h: (count as f64 / weights).sqrt(),
-        p_value: chi2_tail(independent.iter().map(|z| z * z).sum(), count).unwrap_or(1.0),
+        p_value: as_large(independent.iter().map(|z| z * z).sum(), count, scale_dof(programme)),
         pit_p_value: kolmogorov(&pit),
         pit,
         missed,
@@ -192,13 +186,27 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
     }
 }
 
+/// P of a sum of squares as large over a noise that `dof` degrees of freedom tell: F, chi-square for a known noise.
+fn as_large(squares: f64, count: usize, dof: f64) -> f64 {
+    if count == 0 {
+        return 1.0;
+    }
+    if dof.is_finite() {
+        f_tail(squares / count as f64, count as f64, dof)
+    } else {
+        chi2_tail(squares, count).unwrap_or(1.0)
+    }
+}
+
+/// Degrees of freedom of the noise of all gyros together: one scale is known as well as by any of them, scales of
+/// their own add up.
+fn scale_dof(programme: &Programme) -> f64 {
+    let dof = programme.gyros.iter().map(|gyro| gyro.dof);
+    if programme.one_scale { dof.fold(f64::INFINITY, f64::min) } else { dof.sum() }
+}
+
 /// Errors one by one, each over its standard deviation given those before; zero where nothing is foretold.
-fn innovations(
-    programme: &Programme,
-    knowledge: &Knowledge,
-    measured: &DVector<f64>,
-    forecast: &Forecast,
-) -> Vec<f64> {
+fn innovations(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64>, forecast: &Forecast) -> Vec<f64> {
     let n = programme.dwells;
     let (mut values, mut covariance) = (knowledge.values.clone(), knowledge.covariance.clone());
     let mut found = vec![0.0; measured.len()];
@@ -250,6 +258,8 @@ struct Weighed {
     power_of_model: f64,
     /// rms over sqrt of a mean square in units of the noise, deg/h.
     unit: f64,
+    /// Degrees of freedom that the noise is known by: it is in A and B alike, N^2 2/dof.
+    dof: f64,
 }
 
 impl Weighed {
@@ -269,6 +279,7 @@ impl Weighed {
             power: difference.component_mul(&difference).dot(&weight),
             power_of_model: along.dot(&(&with.covariance * &along)),
             unit: (rows.len() as f64 / scales).sqrt(),
+            dof: scale_dof(programme),
             rows,
             predicted,
             weight,
@@ -300,6 +311,7 @@ impl Weighed {
         let rms = |excess: f64| self.unit * ((excess + n).max(0.0) / n).sqrt();
         let closure = |ratio: f64| (1.0 - ratio).min(1.0);
         let z = NORMAL_95 * NORMAL_95;
+        let [of_a, of_b, of_both] = [of_a, of_b, of_both].map(|v| v + 2.0 * n * n / self.dof);
         // (a - r b)^2 = z^2 (var a - 2 r cov + r^2 var b).
         let (square, half, rest) = (b * b - z * of_b, a * b - z * of_both, a * a - z * of_a);
         let root = half * half - square * rest;

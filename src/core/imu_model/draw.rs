@@ -14,7 +14,8 @@ pub fn drawn(model: &Identified, z: &[f64]) -> Identified {
     let sd: DVector<f64> = model.covariance.diagonal().map(|v| if v > 0.0 { v.sqrt() } else { 1.0 });
     let correlation = model.covariance.map_with_location(|i, j, c| c / (sd[i] * sd[j]));
     let eigen = correlation.symmetric_eigen();
-    let within = eigen.eigenvectors * eigen.eigenvalues.map(|v| v.max(0.0).sqrt()).component_mul(&DVector::from_fn(p, |i, _| z[i]));
+    let within = eigen.eigenvectors
+        * eigen.eigenvalues.map(|v| v.max(0.0).sqrt()).component_mul(&DVector::from_fn(p, |i, _| z[i]));
     let mut coefficients = model.coefficients.clone();
     for (i, c) in coefficients.iter_mut().enumerate() {
         let step = if sd[i] < UNKNOWN { sd[i] * within[i] } else { 0.0 };

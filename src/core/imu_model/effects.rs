@@ -34,7 +34,12 @@ pub fn named(campaigns: &[&Campaign], terms: Option<Terms>) -> Result<Chosen, Re
             match (entry.closure_only, entry.one_occasion) {
                 (true, _) => {}
                 (false, true) => occasions.push(adopted(effect)),
-                (false, false) => join(&mut chosen.model, adopted(effect)),
+                // What one gyro has the others may have less of: their coefficients are as well known as the campaigns
+                // tell, and not zero.
+                (false, false) => {
+                    let slots = campaign.gyros.iter().map(|gyro| gyro.slot).collect();
+                    join(&mut chosen.model, Adopted { slots, ..adopted(effect) });
+                }
             }
         }
         chosen.occasions.push(occasions);

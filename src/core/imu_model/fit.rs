@@ -413,7 +413,7 @@ fn between(parts: &[Part]) -> [f64; 3] {
 /// The law that the noise of gyro `j` follows over all campaigns: least squares of sd^2 in shares of itself.
 fn noise(parts: &[Part], j: usize) -> NoiseLaw {
     let (mut uu, mut uv, mut vv, mut u1, mut v1) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    let mut factors = Vec::new();
+    let (mut factors, mut dof) = (Vec::new(), 0.0);
     for part in parts {
         let axes = &part.setting.gyros[j];
         for (k, sd) in part.sd[j].iter().enumerate() {
@@ -427,6 +427,7 @@ fn noise(parts: &[Part], j: usize) -> NoiseLaw {
             v1 += v;
         }
         let gyro = &part.calibration.gyros[j];
+        dof += gyro.noise.dof;
         factors.extend(gyro.noise.covariance_scale().filter(|_| part.calibration.has_sem));
     }
     let determinant = uu * vv - uv * uv;
@@ -441,6 +442,7 @@ fn noise(parts: &[Part], j: usize) -> NoiseLaw {
         sem_factor: (!factors.is_empty()).then(|| mean(&factors).sqrt()),
         random_walk: a.sqrt(),
         rate_ppm: b.sqrt(),
+        dof,
     }
 }
 

@@ -57,6 +57,8 @@ pub struct NoiseLaw {
     pub random_walk: f64,
     /// q, 1e-6 of the rate along the input axis.
     pub rate_ppm: f64,
+    /// Degrees of freedom that the scale is known by; infinite where standard errors are taken at their word.
+    pub dof: f64,
 }
 
 /// What a coefficient belongs to.
@@ -121,9 +123,7 @@ impl Identified {
 
     /// Places of the three components of a term of one gyro.
     pub fn of_term(&self, slot: Slot, term: Term) -> Option<[usize; 3]> {
-        let place = |i| {
-            self.coefficients.iter().position(|c| c.slot == Some(slot) && c.of == Of::Term(term, i))
-        };
+        let place = |i| self.coefficients.iter().position(|c| c.slot == Some(slot) && c.of == Of::Term(term, i));
         Some([place(0)?, place(1)?, place(2)?])
     }
 

@@ -15,7 +15,7 @@ mod forecast;
 mod identified;
 mod programme;
 
-pub use changed::{Changed, ChangedEffect, DriftShift, NotCompared, changed};
+pub use changed::{Changed, ChangedEffect, DriftShift, NotCompared, changed, changed_since};
 pub use comparison::{Closing, Comparison, GyroComparison, Miss, Rung, compare, ladder, promised};
 pub use draw::drawn;
 pub use effects::{Chosen, asked_for, named};

@@ -59,6 +59,8 @@ pub(super) struct Asked {
     pub serial: Name,
     /// |E|, pulse/arcsec.
     pub scale: f64,
+    /// Degrees of freedom that its noise is known by.
+    pub dof: f64,
 }
 
 /// Rows of all gyros one after the other, dwell by dwell.
@@ -72,6 +74,8 @@ pub(super) struct Programme {
     pub held: DVector<f64>,
     /// Standard deviation of each output's noise, pulse/s.
     pub noise: DVector<f64>,
+    /// Whether the scale of the noise is one for all gyros: a factor on stated standard errors.
+    pub one_scale: bool,
     pub notes: Vec<Message>,
 }
 
@@ -94,11 +98,15 @@ impl Programme {
         let axes = known.iter().map(|(_, gyro)| model.axes(gyro)).collect::<Result<Vec<_>, _>>()?;
         let setting = Setting::of(campaign, axes).referred_to(campaign, model.reference_c);
         let columns = columns(&setting, &model.coefficients, &model.effects);
-        notes.extend(columns.lacking.iter().map(|(effect, lack)| {
-            message!("effect_not_foretold", effect = effect.word(), why = lack.message())
-        }));
+        notes.extend(
+            columns
+                .lacking
+                .iter()
+                .map(|(effect, lack)| message!("effect_not_foretold", effect = effect.word(), why = lack.message())),
+        );
         outside(model, campaign, &setting, &mut notes);
         let n = setting.dwells();
+        let one_scale = campaign.states_errors() && known.iter().all(|(_, gyro)| gyro.noise.sem_factor.is_some());
         let (mut held, mut noise) = (DVector::zeros(known.len() * n), DVector::zeros(known.len() * n));
         for (j, (place, gyro)) in known.iter().enumerate() {
             let stated = campaign.errors_of(*place).zip(gyro.noise.sem_factor);
@@ -117,8 +125,15 @@ impl Programme {
             slot: gyro.slot,
             serial: gyro.serial.clone(),
             scale: axes.scale,
+            dof: gyro.noise.dof,
         });
-        Ok(Self { gyros: asked.collect(), dwells: n, columns: columns.matrix, held, noise, notes })
+        Ok(Self { gyros: asked.collect(), dwells: n, columns: columns.matrix, held, noise, one_scale, notes })
+    }
+
+    /// Of a campaign that the model was not fitted to.
+    pub fn of_another(model: &Identified, campaign: &Campaign) -> Result<Self, NoForecast> {
+        let programme = Self::of(model, campaign)?;
+        if is_fitted_to(model, campaign) { Err(NoForecast::FittedTo) } else { Ok(programme) }
     }
 
     /// Outputs of the gyros, less what held E make of the rates, pulse/s.
@@ -126,6 +141,10 @@ impl Programme {
         let all = self.gyros.iter().flat_map(|gyro| campaign.dwells.iter().map(|d| d.output_pulse_s[gyro.place]));
         DVector::from_iterator(self.held.len(), all) - &self.held
     }
+}
+
+fn is_fitted_to(model: &Identified, campaign: &Campaign) -> bool {
+    model.campaigns.iter().any(|fitted| fitted.measured_at == campaign.measured_at)
 }
 
 /// The gyros that both have; what the others are is noted.
@@ -200,7 +219,7 @@ impl Knowledge {
         let omitted: Vec<usize> = (effects..model.effects.len()).flat_map(|e| model.of_effect(e)).collect();
         knowledge.condition(&omitted, &DVector::zeros(omitted.len()));
         let same_station = model.campaigns.iter().any(|fitted| fitted.station == campaign.station);
-        let fitted_to = model.campaigns.iter().any(|fitted| fitted.measured_at == campaign.measured_at);
+        let fitted_to = is_fitted_to(model, campaign);
         for (e, adopted) in model.effects.iter().enumerate().take(effects).filter(|_| !fitted_to) {
             let entry = adopted.effect.entry();
             let places = model.of_effect(e);

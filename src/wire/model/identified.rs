@@ -67,6 +67,9 @@ pub struct NoiseLawBody {
     pub random_walk_deg_per_sqrt_h: f64,
     /// q, in parts per million.
     pub rate_noise_ppm: f64,
+    /// Degrees of freedom that the scale is known by; none where standard errors are taken at their word.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dof: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -154,6 +157,7 @@ impl IdentifiedBody {
                 sem_factor: gyro.noise.sem_factor,
                 random_walk_deg_per_sqrt_h: gyro.noise.random_walk,
                 rate_noise_ppm: gyro.noise.rate_ppm,
+                dof: gyro.noise.dof.is_finite().then_some(gyro.noise.dof),
             },
         };
         let campaign = |fitted: &FittedCampaign| FittedCampaignBody {
@@ -286,12 +290,13 @@ impl ModelGyroBody {
             return None;
         };
         let (e, g) = (self.e_pulse_per_arcsec.vector(), self.g_pulse_per_s_g0.vector());
-        let NoiseLawBody { sem_factor, random_walk_deg_per_sqrt_h: walk, rate_noise_ppm: ppm } = self.noise;
-        for value in e.iter().chain(g.iter()).chain(&[walk, ppm]).chain(&sem_factor) {
+        let NoiseLawBody { sem_factor, random_walk_deg_per_sqrt_h: walk, rate_noise_ppm: ppm, dof } = self.noise;
+        for value in e.iter().chain(g.iter()).chain(&[walk, ppm]).chain(&sem_factor).chain(&dof) {
             in_range(*value, &place, faults);
         }
         let quiet = walk <= 0.0 && ppm <= 0.0;
-        if quiet || walk < 0.0 || ppm < 0.0 || sem_factor.is_some_and(|f| f <= 0.0) || e.norm() <= 0.0 {
+        if quiet || walk < 0.0 || ppm < 0.0 || [sem_factor, dof].iter().flatten().any(|x| *x <= 0.0) || e.norm() <= 0.0
+        {
             faults.push(place.clone(), message!("gyro_without_noise_or_scale"));
         }
         Some(ModelGyro {
@@ -300,7 +305,7 @@ impl ModelGyroBody {
             e_held: self.e_held,
             e,
             g,
-            noise: NoiseLaw { sem_factor, random_walk: walk, rate_ppm: ppm },
+            noise: NoiseLaw { sem_factor, random_walk: walk, rate_ppm: ppm, dof: dof.unwrap_or(f64::INFINITY) },
         })
     }
 }

@@ -186,6 +186,7 @@ campaigns_of_other_gyro = { $slot } was { $first } and is { $other }: one model 
 campaigns_of_other_gyros = the campaigns have different slots, or hold another E
 campaigns_of_one_instant = two campaigns have the same time
 model_without_noise = { $slot }: nothing gives the noise: no standard errors, no repeats, no dwells left over
+nothing_to_foretell_from = no earlier campaign of the IMU has the same gyros: nothing to foretell from
 model_of_other_imu = the model is of IMU { $model }, the campaign of { $campaign }
 model_of_other_geometry = the model has another geometry than the campaign
 bench_test_has_no_forecast = a bench test of one gyro has no forecast

@@ -186,6 +186,7 @@ campaigns_of_other_gyro = { $slot }先为{ $first }，后为{ $other }：一个�
 campaigns_of_other_gyros = 各次试验的位置不同，或保持不变的E不同
 campaigns_of_one_instant = 有两次试验的时间相同
 model_without_noise = { $slot }：噪声无从得知：没有标准误差，没有重复测点，也没有多余测点
+nothing_to_foretell_from = 此前没有装有同一组陀螺的试验：无从预报
 model_of_other_imu = 模型属于惯组{ $model }，而本次试验属于{ $campaign }
 model_of_other_geometry = 模型与本次试验的构型不同
 bench_test_has_no_forecast = 单表试验没有预报

@@ -1,9 +1,14 @@
 //! How far a forecast came true, and how much of its error goes away with the adopted effects.
 //!
-//! Errors of one forecast hang together: all come from one set of coefficients. Taken dwell by dwell, each held
-//! against the forecast and the dwells before it, they are independent, `z_i = (y_i - x_i.theta_i)/sqrt(x_i'C_i x_i + s_i^2)`
-//! with `theta_i`, `C_i` as the dwells before `i` leave them (the innovations of a Kalman filter). The probability integral transform
-//! and the chi-square test are of those.
+//! Errors of one forecast are correlated: all come from one set of coefficients. Taken dwell by dwell, each held
+//! against the forecast and the dwells before it, they are independent:
+//!
+//! ```text
+//! z_i = (y_i - x_i.theta_i)/sqrt(x_i'C_i x_i + s_i^2)
+//! ```
+//!
+//! with `theta_i`, `C_i` as the dwells before `i` leave them (the innovations of a Kalman filter). The probability
+//! integral transform and the chi-square test are of those.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -242,9 +247,9 @@ pub(super) fn kolmogorov(uniform: &[f64]) -> f64 {
 
 /// The two forecasts over the noise: with the effects and without them.
 ///
-/// With `W = 1/noise^2` and `d` the difference of the forecasts, `A = e'We - N` and `B = (e + d)'W(e + d) - N` are what the
-/// errors with and without the effects exceed the noise by. Both are quadratic in normal errors, and their ratio has
-/// Fieller's interval.
+/// With `W = 1/noise^2` and `d` the difference of the forecasts, `A = e'We - N` and `B = (e + d)'W(e + d) - N` are what
+/// the errors with and without the effects exceed the noise by. Both are quadratic in normal errors, and their ratio
+/// has Fieller's interval.
 struct Weighed {
     /// Rows that are foretold.
     rows: Vec<usize>,

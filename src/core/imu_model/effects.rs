@@ -1,4 +1,4 @@
-//! Which effects a model is fitted with: those that the diagnoses of its campaigns name, or those that somebody asks for.
+//! Which effects a model is fitted with: those that the diagnoses of its campaigns name, or those that are asked for.
 
 use crate::core::augmented::{Adopted, AugmentedModel, KnownEffect};
 use crate::core::calibrate::calibrate_augmented;

@@ -5,9 +5,9 @@
 //! ```
 //!
 //! with `theta` the coefficients, gyros `j`, campaigns `c`, dwells `k`. `delta` is what D0, G and E do from campaign to
-//! campaign beyond their noise (power-ups, seats, ageing); `tau` of each of the three families comes from the campaigns' own fits
-//! (DerSimonian and Laird 1986) and is zero where their scatter is within their noise. The weights are the noise that
-//! each campaign's own calibration finds.
+//! campaign beyond their noise (power-ups, seats, ageing). `tau` of each of the three families comes from the
+//! campaigns' own fits (DerSimonian and Laird 1986) and is zero where their scatter is within their noise. The weights
+//! are the noise that each campaign's own calibration finds.
 
 use std::sync::Arc;
 

@@ -27,10 +27,13 @@ mod experiment;
 mod export;
 mod faults;
 mod fleet_noise;
+mod gap;
 mod healthcheck;
 mod import;
 mod model;
+mod model_fit;
 mod notify;
+mod predict;
 mod restore;
 mod separate;
 mod serve;
@@ -49,6 +52,7 @@ use clap::{Parser, Subcommand};
 use crate::core::diagnose::NoReference;
 use crate::core::effects::Refusal;
 use crate::core::fault::Faults;
+use crate::core::imu_model::{NoForecast, NotIdentified};
 use crate::logs::error::LogError;
 use crate::pipeline::AccessError;
 use crate::system;
@@ -71,6 +75,9 @@ enum Command {
     Calibrate(calibrate::Calibrate),
     Dwells(dwells::Dwells),
     Diagnose(diagnose::Diagnose),
+    Model(model_fit::Model),
+    Predict(predict::Predict),
+    Gap(gap::Gap),
     Import(import::Import),
     Void(correct::Void),
     Revise(correct::Revise),
@@ -100,6 +107,9 @@ impl Command {
             Self::Calibrate(calibrate) => calibrate.run(),
             Self::Dwells(dwells) => dwells.run(),
             Self::Diagnose(diagnose) => diagnose.run(),
+            Self::Model(model) => model.run(),
+            Self::Predict(predict) => predict.run(),
+            Self::Gap(gap) => gap.run(),
             Self::Import(import) => import.run(),
             Self::Void(void) => void.run(),
             Self::Revise(revise) => revise.run(),
@@ -150,7 +160,9 @@ fn in_words(error: &anyhow::Error) -> String {
             .or_else(|| cause.downcast_ref::<AccessError>().map(AccessError::message))
             .or_else(|| cause.downcast_ref::<LogError>().map(LogError::message))
             .or_else(|| cause.downcast_ref::<Refusal>().map(Refusal::message))
-            .or_else(|| cause.downcast_ref::<NoReference>().map(NoReference::message));
+            .or_else(|| cause.downcast_ref::<NoReference>().map(NoReference::message))
+            .or_else(|| cause.downcast_ref::<NotIdentified>().map(NotIdentified::message))
+            .or_else(|| cause.downcast_ref::<NoForecast>().map(NoForecast::message));
         message.map_or_else(|| cause.to_string(), |message| language.words(&message))
     };
     error.chain().map(said).collect::<Vec<_>>().join(": ")

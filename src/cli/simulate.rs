@@ -12,6 +12,7 @@ use crate::core::campaign::Campaign;
 use crate::simulate::augment::augment;
 use crate::simulate::cause::known;
 use crate::simulate::experiment::{Test, tests};
+use crate::simulate::of_model::drawn_from;
 use crate::simulate::presets::{PRESETS, preset};
 use crate::simulate::truth::Key;
 use crate::simulate::{Scenario, Simulated, simulate};
@@ -36,7 +37,8 @@ pub struct Simulate {
     /// Start from a scenario in TOML or JSON (by its extension).
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
-    /// Also put in the effects of this model file, as large as it says.
+    /// Simulate the IMU of this model file: gyros and effects drawn from its covariance by the seed. Of a file without
+    /// coefficients of an IMU, put in its effects only, as large as it says.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Overrides the scenario's seed.
@@ -183,8 +185,10 @@ impl Simulate {
 }
 
 fn made(scenario: &Scenario, model: &AugmentedModel) -> anyhow::Result<Simulated> {
-    let mut simulated = simulate(scenario).map_err(|faults| anyhow::anyhow!("scenario: {faults}"))?;
-    augment(&mut simulated, model).context("--model")?;
+    let refused = |faults| anyhow::anyhow!("scenario: {faults}");
+    let (scenario, model) = drawn_from(scenario, model).map_err(refused)?;
+    let mut simulated = simulate(&scenario).map_err(refused)?;
+    augment(&mut simulated, &model).context("--model")?;
     Ok(simulated)
 }
 

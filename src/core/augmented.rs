@@ -4,8 +4,11 @@
 //! ([`super::effects`], deg/h per unit of k_m). Each campaign fits the k_m anew beside model (6); the shapes (time
 //! constants, periods, directions) are held at what the diagnosis found.
 
+use std::sync::Arc;
+
 use super::campaign::Campaign;
 use super::effects::{Effect, Estimate, Shape};
+use super::imu_model::Identified;
 use super::model::{Term, Terms};
 use super::mounting::Slot;
 use super::record::Name;
@@ -27,6 +30,8 @@ pub struct Options {
     pub terms: Option<Terms>,
     /// Effects that the model in use holds already.
     pub adopted: Vec<Adopted>,
+    /// Temperature at which the coefficients are stated, deg C; the campaign's mean where none is given.
+    pub reference_c: Option<f64>,
 }
 
 /// An effect in the model, as large as the campaign in which it was found says.
@@ -51,6 +56,8 @@ pub struct AugmentedModel {
     pub terms: Option<Terms>,
     pub effects: Vec<KnownEffect>,
     pub found_in: Option<Provenance>,
+    /// The coefficients of the very IMU, where campaigns were fitted.
+    pub identified: Option<Arc<Identified>>,
 }
 
 impl AugmentedModel {
@@ -80,6 +87,7 @@ impl AugmentedModel {
             .is_some_and(|found| found.imu == campaign.imu && found.measured_at == campaign.measured_at);
         let adopted = self.effects.iter().map(|known| &known.adopted);
         let adopted = adopted.filter(|a| a.effect.term().is_none() && (here || !a.effect.entry().one_occasion));
-        Options { terms: Some(Terms::of(&terms)), adopted: adopted.cloned().collect() }
+        let reference_c = self.identified.as_ref().and_then(|identified| identified.reference_c);
+        Options { terms: Some(Terms::of(&terms)), adopted: adopted.cloned().collect(), reference_c }
     }
 }

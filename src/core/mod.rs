@@ -21,6 +21,7 @@ pub mod frames;
 pub mod history_note;
 pub mod hook_filter;
 pub mod id;
+pub mod imu_model;
 pub mod judge;
 pub mod kind;
 pub mod message;

@@ -58,7 +58,18 @@ pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
 ///
 /// An effect that model (6) absorbs in this campaign, or that lacks a column, is left out and noted.
 pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted]) -> Calibration {
-    let Regressors { own, shared: of_all, mut notes } = effect_columns::regressors(campaign, adopted);
+    calibrate_referred(campaign, terms, adopted, None)
+}
+
+/// As [`calibrate_augmented`], with effects of temperature counted from `reference_c` (deg C; the campaign's mean where
+/// there is none): D0, G and E are then those at that temperature.
+pub fn calibrate_referred(
+    campaign: &Campaign,
+    terms: Terms,
+    adopted: &[Adopted],
+    reference_c: Option<f64>,
+) -> Calibration {
+    let Regressors { own, shared: of_all, mut notes } = effect_columns::regressors(campaign, adopted, reference_c);
     let dwells = &campaign.dwells;
     let has_sem = campaign.states_errors();
     let repeats = crate::core::campaign::repeats::repeats(dwells);

@@ -89,7 +89,7 @@ fn page(name: &str, t: &Text) -> Result<Page, Problem> {
             }
         }
     };
-    Ok(Page { title: rendered.title.clone(), section: Section::Book, plots: false, body })
+    Ok(Page { title: rendered.title.clone(), section: Section::Book, body })
 }
 
 fn language(name: &str) -> &'static str {

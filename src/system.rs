@@ -4,8 +4,8 @@
 //! seeded or meant to be secret, and no HTTP client follows redirects or proxies by accident.
 #![expect(clippy::disallowed_methods, reason = "this is the one place that the bans point to")]
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
+use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 
 use crate::core::time::UtcMicros;
@@ -72,6 +72,15 @@ fn base_client(connect_timeout: Duration, timeout: Duration) -> reqwest::ClientB
         .connect_timeout(connect_timeout)
         .timeout(timeout)
         .user_agent(concat!("gyrowatch/", env!("CARGO_PKG_VERSION")))
+}
+
+/// The version, and the commit it was built from where the build was told it (`GYROWATCH_COMMIT`).
+pub fn version() -> &'static str {
+    static VERSION: LazyLock<String> = LazyLock::new(|| match option_env!("GYROWATCH_COMMIT") {
+        Some(commit) => format!("{} ({commit})", env!("CARGO_PKG_VERSION")),
+        None => env!("CARGO_PKG_VERSION").to_owned(),
+    });
+    &VERSION
 }
 
 /// By way of which proxies hooks are told.

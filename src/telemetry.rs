@@ -6,8 +6,12 @@
 use std::sync::OnceLock;
 use std::time::Duration;
 
-use metrics::{Unit, describe_counter, describe_gauge, describe_histogram, gauge};
+use metrics::{Unit, counter, describe_counter, describe_gauge, describe_histogram, gauge};
 use metrics_exporter_prometheus::{BuildError, Matcher, PrometheusBuilder, PrometheusHandle};
+use metrics_process::Collector;
+
+use crate::alert::HookKind;
+use crate::core::judge::{Rule, State, Status};
 
 pub const REQUESTS: &str = "gyrowatch_http_requests_total";
 pub const REQUEST_TIME: &str = "gyrowatch_http_request_duration_seconds";
@@ -27,7 +31,16 @@ pub const OUTBOX: &str = "gyrowatch_outbox_deliveries";
 pub const DIAGNOSES: &str = "gyrowatch_diagnoses_total";
 pub const DIAGNOSIS_TIME: &str = "gyrowatch_diagnosis_duration_seconds";
 pub const DIAGNOSES_WAITING: &str = "gyrowatch_diagnoses_waiting";
+pub const GYROS: &str = "gyrowatch_gyros";
+pub const ALERTS: &str = "gyrowatch_alerts_firing";
+pub const NEWEST_CALIBRATION: &str = "gyrowatch_station_newest_calibration_timestamp_seconds";
 const BUILD: &str = "gyrowatch_build_info";
+
+/// What items are, and what becomes of them.
+pub const ITEM_KINDS: [&str; 5] = ["calibration", "bench_result", "event", "correction", "confirmation"];
+pub const ITEM_OUTCOMES: [&str; 4] = ["stored", "there", "refused", "failed"];
+pub const ATTEMPT_OUTCOMES: [&str; 4] = ["delivered", "failed", "dead", "gone"];
+pub const DIAGNOSIS_OUTCOMES: [&str; 3] = ["made", "refused", "failed"];
 
 /// Upper bounds of the buckets of durations, seconds.
 const DURATIONS: [f64; 11] = [0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5, 2.0, 10.0];
@@ -51,6 +64,8 @@ pub fn start() -> Result<(), BuildError> {
         .set_buckets_for_metric(Matcher::Full(GROUP.to_owned()), &SIZES)?
         .install_recorder()?;
     describe();
+    begin_at_zero();
+    Collector::default().describe();
     let exporter = EXPORTER.get_or_init(|| handle);
     tokio::spawn(async move {
         loop {
@@ -61,9 +76,39 @@ pub fn start() -> Result<(), BuildError> {
     Ok(())
 }
 
-/// Everything counted so far, in Prometheus' text format; nothing before [`start`].
+/// Everything counted so far and what the process takes, in Prometheus' text format; nothing before [`start`].
 pub fn render() -> String {
-    EXPORTER.get().map(PrometheusHandle::render).unwrap_or_default()
+    let Some(exporter) = EXPORTER.get() else { return String::new() };
+    Collector::default().collect();
+    exporter.render()
+}
+
+/// Every counter whose labels are known beforehand: `rate` and `increase` see nothing of a counter that begins at 1.
+fn begin_at_zero() {
+    for (kind, outcome) in pairs(ITEM_KINDS, ITEM_OUTCOMES) {
+        counter!(ITEMS, "kind" => kind, "outcome" => outcome).absolute(0);
+    }
+    for rule in Rule::ALL.map(Rule::name) {
+        for state in State::ALL.map(State::name) {
+            counter!(VERDICTS, "rule" => rule, "state" => state).absolute(0);
+        }
+        for status in Status::ALL.map(Status::name) {
+            counter!(STATUSES, "rule" => rule, "status" => status).absolute(0);
+        }
+    }
+    for (kind, outcome) in pairs(HookKind::ALL.map(HookKind::name), ATTEMPT_OUTCOMES) {
+        counter!(ATTEMPTS, "kind" => kind, "outcome" => outcome).absolute(0);
+    }
+    for outcome in DIAGNOSIS_OUTCOMES {
+        counter!(DIAGNOSES, "outcome" => outcome).absolute(0);
+    }
+}
+
+fn pairs<const N: usize, const M: usize>(
+    first: [&'static str; N],
+    second: [&'static str; M],
+) -> impl Iterator<Item = (&'static str, &'static str)> {
+    first.into_iter().flat_map(move |a| second.into_iter().map(move |b| (a, b)))
 }
 
 fn describe() {
@@ -91,6 +136,13 @@ fn describe() {
     );
     describe_histogram!(DIAGNOSIS_TIME, Unit::Seconds, "Computing one diagnosis, behind all other work.");
     describe_gauge!(DIAGNOSES_WAITING, "Campaigns that wait to be diagnosed, by what for: stored, ordered.");
+    describe_gauge!(GYROS, "Gyros, by status: the worst of their verdicts and alerts, overdue ones by themselves.");
+    describe_gauge!(ALERTS, "Alerts that fire, acknowledged and silenced ones among them, by severity.");
+    describe_gauge!(
+        NEWEST_CALIBRATION,
+        Unit::Seconds,
+        "When the newest calibration of a station was made, Unix time, by station."
+    );
     describe_gauge!(BUILD, "1, labelled with the version.");
     gauge!(BUILD, "version" => env!("CARGO_PKG_VERSION")).set(1.0);
 }

@@ -173,7 +173,7 @@ async fn every_route_asks_for_a_token_that_is_valid_and_has_the_role() {
     assert!(routes().iter().filter(changing).all(|route| no_viewer.contains(route)));
     assert_eq!(call(&server, "GET", "/metrics", &viewer, "").await.status, 200);
     // What nobody has said anything about, a method or a path, is refused or not there.
-    assert_eq!(call(&server, "PUT", "/v1/gyros", &station, "").await.status, 403);
+    assert_eq!(call(&server, "PUT", "/v1/gyros", &station, "").await.status, 405);
     assert_eq!(call(&server, "GET", "/v1/nothing", "", "").await.status, 404);
 }
 

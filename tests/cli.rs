@@ -415,3 +415,32 @@ fn simulated_gyros_of_another_seed_are_other_gyros() {
     assert_eq!(first, serials("1"));
     assert!(first.iter().all(|serial| !other.contains(serial)), "{first:?} and {other:?}");
 }
+
+#[test]
+fn shells_and_man_know_every_command() {
+    let commands = ["serve", "import", "diagnose", "healthcheck"];
+    for shell in ["bash", "zsh", "fish", "powershell"] {
+        let script = printed(&["completions", shell]);
+        assert!(commands.iter().all(|command| script.contains(command)), "{shell}");
+    }
+    assert!(printed(&["man"]).contains(".TH gyrowatch 1"));
+    let dir = tempfile::tempdir().unwrap();
+    printed(&["man", dir.path().to_str().unwrap()]);
+    for command in commands {
+        let page = std::fs::read_to_string(dir.path().join(format!("gyrowatch-{command}.1"))).unwrap();
+        assert!(page.contains(".TH") && page.contains(&format!("gyrowatch\\-{command}")), "{page}");
+    }
+    assert!(dir.path().join("gyrowatch-token-create.1").is_file());
+}
+
+#[test]
+fn an_address_of_a_database_without_a_known_scheme_is_refused() {
+    for url in ["gyrowatch.db", "mysql://root:secret@host/gyros", "/var/lib/gyrowatch.db", ""] {
+        let dir = tempfile::tempdir().unwrap();
+        let mut command = gyrowatch(&["token", "create", "Weber", "--role", "admin"]);
+        let said = complaint(command.current_dir(dir.path()).env("GYROWATCH_DATABASE_URL", url), 1);
+        assert!(said.contains("database.url") && said.contains("sqlite://"), "{said}");
+        assert!(!said.contains("secret"), "{said}");
+        assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 0, "{url}");
+    }
+}

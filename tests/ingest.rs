@@ -257,14 +257,28 @@ async fn what_is_no_record_at_all_is_refused_in_the_common_form() {
     }
     lab.post_text("/v1/records", JSON, "x".repeat(100_001)).await.refused(413);
     lab.post_text("/v1/records", "text/plain", text.clone()).await.refused(415);
-    let request =
-        lab.request(Method::POST, "/v1/records").header(CONTENT_TYPE, JSON).header("content-encoding", "gzip");
-    Answer::of(request.body(text.clone())).await.refused(415);
+    let coded = |coding: &str, body: Vec<u8>| {
+        let request = lab.request(Method::POST, "/v1/records").header(CONTENT_TYPE, JSON);
+        Answer::of(request.header("content-encoding", coding).body(body))
+    };
+    coded("br", text.clone().into_bytes()).await.refused(415);
+    coded("gzip", text.clone().into_bytes()).await.refused(400);
+    coded("gzip", gzip(&"x".repeat(100_001))).await.refused(413);
+    let mut torn = gzip(&text);
+    torn.truncate(torn.len() / 2);
+    coded("gzip", torn).await.refused(400);
     lab.get("/v1/nothing").await.refused(404);
     let wrong_method = Answer::of(lab.request(Method::DELETE, "/v1/records")).await;
     wrong_method.refused(405);
     assert!(wrong_method.header("allow").contains("POST"));
-    lab.post_text("/v1/records", "application/json; charset=utf-8", text).await.created();
+    lab.post_text("/v1/records", "application/json; charset=utf-8", text.clone()).await.created();
+    assert_eq!(coded("gzip", gzip(&text)).await.status, 200, "the same record");
+}
+
+fn gzip(text: &str) -> Vec<u8> {
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    std::io::Write::write_all(&mut packed, text.as_bytes()).unwrap();
+    packed.finish().unwrap()
 }
 
 #[tokio::test]

@@ -127,8 +127,68 @@ async fn prometheus_finds_no_fault_with_the_metrics_nor_with_its_configuration()
     assert!(well && said.is_empty(), "{said}");
     let (well, said) = judged_by("promtool", &["check", "metrics"], "gyrowatch_x_total{ 1\n");
     assert!(!well && !said.is_empty(), "promtool takes anything");
-    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus.yml");
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus/prometheus.yml");
     let (well, said) = judged_by("promtool", &["check", "config", "--syntax-only", config.to_str().unwrap()], "");
+    assert!(well, "{said}");
+}
+
+#[tokio::test]
+async fn a_healthcheck_asks_the_service_where_the_configuration_says() {
+    let mut server = Server::start().await;
+    let asked = |address: &str| gyrowatch().arg("healthcheck").env("GYROWATCH_LISTEN", address).output().unwrap();
+    let address = server.address().to_owned();
+    let well = asked(&address);
+    assert!(well.status.success() && well.stdout.is_empty(), "{}", String::from_utf8_lossy(&well.stderr));
+    server.kill();
+    let away = asked(&address);
+    assert_eq!(away.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&away.stderr).contains("/readyz does not answer"));
+}
+
+/// The counters among the series, but for those of requests, whose routes come as they are asked for.
+fn counters(text: &str) -> std::collections::BTreeSet<&str> {
+    let series = text.lines().filter_map(|line| line.rsplit_once(' ').map(|(series, _)| series));
+    series.filter(|series| series.contains("_total{") && !series.starts_with("gyrowatch_http")).collect()
+}
+
+#[tokio::test]
+async fn every_counter_begins_at_zero() {
+    let server = Server::start().await;
+    let before = server.get("/metrics").await.text();
+    assert_eq!(metric(&before, r#"gyrowatch_items_total{kind="calibration",outcome="failed"}"#), 0.0);
+    assert_eq!(metric(&before, r#"gyrowatch_delivery_attempts_total{kind="alertmanager",outcome="dead"}"#), 0.0);
+    assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
+    assert_eq!(server.post("/v1/campaigns", "application/json", data("practice/campaign-00.json")).await.status, 201);
+    let bench = data("paper-bench.ndjson").lines().next().unwrap().to_owned();
+    assert_eq!(server.post("/v1/bench-results", "application/json", bench).await.status, 201);
+    let after = server.get("/metrics").await.text();
+    assert_eq!(counters(&after), counters(&before), "a counter is born with its first event");
+    assert!(!counters(&before).is_empty());
+}
+
+#[tokio::test]
+async fn metrics_tell_how_the_fleet_stands_and_what_the_process_takes() {
+    let server = Server::start().await;
+    assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
+    let text = server.get("/metrics").await.text();
+    assert_eq!(metric(&text, r#"gyrowatch_gyros{status="not_enough_data"}"#), 3.0);
+    assert_eq!(metric(&text, r#"gyrowatch_gyros{status="confirmed"}"#), 0.0);
+    assert_eq!(metric(&text, r#"gyrowatch_alerts_firing{severity="critical"}"#), 0.0);
+    assert!(metric(&text, "gyrowatch_station_newest_calibration_timestamp_seconds{station=") > 1e9);
+    assert!(metric(&text, "process_resident_memory_bytes") > 1e6);
+    assert!(metric(&text, "process_open_fds") > 3.0);
+}
+
+#[test]
+fn the_rules_of_prometheus_and_of_an_alertmanager_do_what_they_say() {
+    if !required("promtool") || !required("amtool") {
+        return;
+    }
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus");
+    let file = |name: &str| config.join(name).to_str().unwrap().to_owned();
+    let (well, said) = judged_by("promtool", &["test", "rules", &file("rules.test.yml")], "");
+    assert!(well, "{said}");
+    let (well, said) = judged_by("amtool", &["check-config", &file("alertmanager.yml")], "");
     assert!(well, "{said}");
 }
 
@@ -168,12 +228,20 @@ async fn the_dashboard_asks_for_what_the_metrics_hold() {
     assert_eq!(server.get(&diagnosis).await.status, 200);
     let metrics = server.get("/metrics").await.text();
 
-    let dashboard = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/grafana/dashboard.json");
-    let dashboard: Value = serde_json::from_str(&std::fs::read_to_string(dashboard).unwrap()).unwrap();
+    let of_file = |name: &str| -> Value {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/grafana").join(name);
+        serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap()
+    };
+    let dashboards = json!([of_file("dashboard.json"), of_file("gyros.json")]);
     let mut queries = Vec::new();
-    members(&dashboard, "expr", &mut queries);
-    let queries = queries.iter().map(|query| query.as_str().unwrap()).collect::<Vec<_>>();
-    assert!(queries.len() >= 15, "{queries:?}");
+    members(&dashboards, "expr", &mut queries);
+    // As Grafana fills them in; the labels of targets are Prometheus's own.
+    let filled = |query: &&Value| {
+        let query = query.as_str().unwrap().replace("$__rate_interval", "5m");
+        query.replace("instance=~\"$instance\",", "").replace("{instance=~\"$instance\"}", "")
+    };
+    let queries = queries.iter().map(filled).collect::<Vec<_>>();
+    assert!(queries.len() >= 20 && queries.iter().all(|query| !query.contains('$')), "{queries:?}");
     for query in &queries {
         let names = query.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
         // `up` is Prometheus's own, with the name of its job.
@@ -187,9 +255,20 @@ async fn the_dashboard_asks_for_what_the_metrics_hold() {
             }
         }
     }
-    let mut sources = Vec::new();
-    members(&dashboard, "datasource", &mut sources);
-    assert!(sources.iter().all(|source| source["uid"] == "gyrowatch"), "{sources:?}");
+    let mut panels = Vec::new();
+    members(&dashboards, "panels", &mut panels);
+    let panels: Vec<&Value> = panels.into_iter().flat_map(|panels| panels.as_array().unwrap()).collect();
+    for panel in &panels {
+        assert!(["${datasource}", "${api}"].contains(&panel["datasource"]["uid"].as_str().unwrap()), "{panel}");
+        assert!(panel["description"].as_str().is_some_and(|said| !said.is_empty()), "{panel}");
+    }
+    let mut urls = Vec::new();
+    members(&dashboards, "url", &mut urls);
+    assert_eq!(urls.len(), 3);
+    for url in urls {
+        let path = url.as_str().unwrap().replace("${serial}", "LFG-0101");
+        assert_eq!(server.get(&path).await.status, 200, "{path}");
+    }
     if required("promtool") {
         // The group's file is what promtool takes queries in.
         let numbered = queries.iter().enumerate();

@@ -9,6 +9,7 @@ use reqwest::header::{AUTHORIZATION, CONTENT_TYPE, HeaderMap, HeaderValue, LOCAT
 use reqwest::{Certificate, Client, Response, StatusCode};
 use url::Url;
 
+use super::mail::{Mailer, recipients};
 use super::message::HookKind;
 use super::payload::Payload;
 use super::resolver::{GuardedResolver, ResolveError};
@@ -82,6 +83,8 @@ pub struct Courier {
     limits: AttemptLimits,
     /// A proxy resolves the names of targets.
     proxied: bool,
+    /// None where the configuration names no mail server.
+    mailer: Option<Mailer>,
 }
 
 impl Courier {
@@ -123,7 +126,28 @@ impl Courier {
             .pool_max_idle_per_host(4)
             .tls_certs_merge(roots)
             .build()?;
-        Ok(Self { client, policy, limits, proxied: *proxies != Proxies::None })
+        Ok(Self { client, policy, limits, proxied: *proxies != Proxies::None, mailer: None })
+    }
+
+    /// The same, with somebody to hand e-mail to.
+    pub fn with_mailer(self, mailer: Option<Mailer>) -> Self {
+        Self { mailer, ..self }
+    }
+
+    /// One e-mail, under the identifier of the message.
+    pub async fn mail(&self, to: Destination<'_>, id: &str, payload: &Payload) -> Attempt {
+        let started = Instant::now();
+        let sending = async {
+            let mailer = self.mailer.as_ref().ok_or_else(|| message!("no_mail_server"))?;
+            mailer.send(recipients(to.url)?, id, payload).await
+        };
+        let sent = tokio::time::timeout(self.limits.whole, sending).await;
+        let sent = sent.unwrap_or_else(|_| Err(message!("no_answer_within", seconds = seconds(self.limits.whole))));
+        let (outcome, status, detail) = match sent {
+            Ok(code) => (Outcome::Delivered, Some(code), None),
+            Err(why) => (Outcome::Failed { retry_after: None }, None, Some(why)),
+        };
+        Attempt { outcome, status, detail, answer: None, took: started.elapsed() }
     }
 
     /// Sends one payload. `signature`: the headers that [`super::sign::headers`] made for it.

@@ -16,11 +16,18 @@ pub enum HookKind {
     Alertmanager,
     /// CloudEvents 1.0, structured JSON.
     CloudEvents,
+    /// E-mail to the addresses of a `mailto:` URL, by way of the mail server of the configuration.
+    Email,
 }
 
 impl HookKind {
-    pub const ALL: [HookKind; 4] =
-        [HookKind::StandardWebhooks, HookKind::AlertmanagerWebhook, HookKind::Alertmanager, HookKind::CloudEvents];
+    pub const ALL: [HookKind; 5] = [
+        HookKind::StandardWebhooks,
+        HookKind::AlertmanagerWebhook,
+        HookKind::Alertmanager,
+        HookKind::CloudEvents,
+        HookKind::Email,
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -28,6 +35,7 @@ impl HookKind {
             HookKind::AlertmanagerWebhook => "alertmanager-webhook",
             HookKind::Alertmanager => "alertmanager",
             HookKind::CloudEvents => "cloudevents",
+            HookKind::Email => "email",
         }
     }
 

@@ -12,6 +12,11 @@ pub(super) fn block_on<T>(work: impl Future<Output = anyhow::Result<T>>) -> anyh
     runtime.block_on(work)
 }
 
+/// Where the service is, unless `--url` or GYROWATCH_URL says so: where it would listen on this machine.
+pub(super) fn service_address() -> String {
+    std::env::var("GYROWATCH_LISTEN").unwrap_or_else(|_| "127.0.0.1:8080".to_owned())
+}
+
 /// A time in an argument.
 pub(super) fn instant(text: &str) -> Result<UtcMicros, String> {
     time::parse(text).map_err(|why| words::asked().words(&why))

@@ -12,6 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::de::DeserializeOwned;
 
 use super::client::{JSON, Sent, Service, Trouble};
+use super::common::service_address;
 use super::document::{self, Format, table};
 use crate::wire::diagnoses::{CoverageBody, DoubtBody, FindingBody, JobDetailBody, SummaryBody, WhichBody};
 
@@ -47,7 +48,7 @@ pub struct Fleet {
     again: bool,
 
     /// Address of the service
-    #[arg(long, env = "GYROWATCH_LISTEN", default_value = "127.0.0.1:8080")]
+    #[arg(long, env = "GYROWATCH_URL", default_value_t = service_address())]
     url: String,
 
     /// Access token, where the service asks for one

@@ -12,6 +12,7 @@ mod calibrate;
 mod client;
 mod codes;
 mod common;
+mod completions;
 mod config;
 mod copy;
 mod demo;
@@ -24,6 +25,7 @@ mod experiment;
 mod export;
 mod fleet_noise;
 mod gap;
+mod healthcheck;
 mod import;
 mod model;
 mod model_fit;
@@ -48,13 +50,14 @@ use crate::core::effects::Refusal;
 use crate::core::fault::Faults;
 use crate::core::imu_model::{NoForecast, NotIdentified};
 use crate::pipeline::AccessError;
+use crate::system;
 use crate::wire::problem::summary;
 use crate::words;
 use common::{Usage, block_on, instant};
 
 /// Separates, judges and diagnoses the drift coefficients of liquid-floated gyros from calibrations of their IMU.
 #[derive(Debug, Parser)]
-#[command(version, propagate_version = true, max_term_width = 110)]
+#[command(version = system::version(), propagate_version = true, max_term_width = 110)]
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -82,6 +85,9 @@ enum Command {
     Verify(verify::Verify),
     Config(config::Show),
     Codes(codes::Codes),
+    Healthcheck(healthcheck::Healthcheck),
+    Completions(completions::Completions),
+    Man(completions::Man),
 }
 
 impl Command {
@@ -107,6 +113,9 @@ impl Command {
             Self::Verify(verify) => verify.run(),
             Self::Config(show) => show.run(),
             Self::Codes(codes) => codes.run(),
+            Self::Healthcheck(healthcheck) => healthcheck.run(),
+            Self::Completions(completions) => completions.run(),
+            Self::Man(man) => man.run(),
         }
     }
 }

@@ -161,7 +161,7 @@ fn stop_signal() -> anyhow::Result<impl Future<Output = ()>> {
 
 fn start_log(log: &Log) -> anyhow::Result<()> {
     let filter = EnvFilter::try_new(&log.filter).with_context(|| format!("log.filter: {:?}", log.filter))?;
-    let colours = std::io::stderr().is_terminal();
+    let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let builder = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_ansi(colours);
     // A log that cannot be written, on a disk that is full say, must not end what it tells of: the complaint about it
     // panics.

@@ -10,6 +10,7 @@ use super::ConfigError;
 use super::values::list;
 use crate::alert::deliver::AttemptLimits;
 use crate::alert::ladder::{LONGEST_WAIT, Ladder};
+use crate::alert::mail::{MailError, Mailer};
 use crate::core::time::UtcMicros;
 use crate::system::Proxies;
 
@@ -28,6 +29,8 @@ pub struct Hooks {
     pub resend_s: f64,
     pub old_secret_hours: f64,
     pub ca_file: Option<PathBuf>,
+    pub smtp_url: String,
+    pub mail_from: String,
 }
 
 /// No target may hold an attempt for longer.
@@ -58,6 +61,17 @@ impl Hooks {
             "environment" => Proxies::Environment,
             url => Proxies::One(url.to_owned()),
         }
+    }
+
+    /// Whom e-mail is handed to; none where no mail server is named. `roots` as of [`Mailer::new`].
+    ///
+    /// # Errors
+    /// [`MailError`].
+    pub fn mailer(&self, roots: Option<&[u8]>) -> Result<Option<Mailer>, MailError> {
+        if self.smtp_url.is_empty() {
+            return Ok(None);
+        }
+        Mailer::new(&self.smtp_url, &self.mail_from, self.limits().whole, roots).map(Some)
     }
 
     pub fn resend_every(&self) -> Duration {
@@ -96,6 +110,10 @@ impl Hooks {
                 let detail = "must be http://host:port, `environment`, or empty for no proxy".to_owned();
                 return Err(ConfigError::Key { key: "hooks.proxy".into(), detail });
             }
+        }
+        if let Err(error) = self.mailer(None) {
+            let key = if matches!(error, MailError::From) { "hooks.mail_from" } else { "hooks.smtp_url" };
+            return Err(ConfigError::Key { key: key.into(), detail: error.to_string() });
         }
         match self.external_url() {
             Some(url) if !(url.starts_with("http://") || url.starts_with("https://")) => {

@@ -141,7 +141,22 @@ impl Server {
     }
 }
 
+/// What the address of a database may begin with.
+const DATABASES: [&str; 3] = ["sqlite:", "postgres://", "postgresql://"];
+
 impl Database {
+    /// An address without a scheme would be taken for a file of that name.
+    fn check(&self) -> Result<(), ConfigError> {
+        if DATABASES.iter().any(|scheme| self.url.starts_with(scheme)) {
+            return Ok(());
+        }
+        let detail = format!(
+            "must begin with sqlite:// or postgres://, is {:?}; a file is sqlite://gyrowatch.db",
+            self.options().shown()
+        );
+        Err(ConfigError::Key { key: "database.url".into(), detail })
+    }
+
     pub fn options(&self) -> Options {
         let mut options = Options {
             url: self.url.clone(),
@@ -280,6 +295,7 @@ impl Config {
             }
         }
         self.server.check()?;
+        self.database.check()?;
         self.access.check()?;
         self.alerts.check()?;
         self.hooks.check()?;

@@ -19,7 +19,7 @@ use crate::cookies;
 use crate::core::access::Role;
 use crate::message;
 use crate::pipeline::{By, Caller, Denied, SESSION_COOKIE};
-use crate::routes::{ADMIN, ANYONE, Rules};
+use crate::routes::{ADMIN, ANYONE, Rules, VIEWER};
 use crate::wire::problem::Problem;
 
 /// What decides about a request before it is handled.
@@ -34,8 +34,8 @@ pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next)
     let Some(route) = request.extensions().get::<MatchedPath>().cloned() else {
         return next.run(request).await; // Nothing is there: the fallback says so.
     };
-    // Most likely a method that the route does not take: its handler says so to those who may do everything.
-    let least = rules.get(request.method(), route.as_str()).unwrap_or(ADMIN);
+    // A method that the route does not take: its handler says so, to whoever may read at all.
+    let least = rules.get(request.method(), route.as_str()).unwrap_or(VIEWER);
     let origin = Origin::of(request.method(), request.headers());
     let source = request.extensions().get::<ConnectInfo<SocketAddr>>().map(|ConnectInfo(peer)| peer.ip());
     // Without an address (a request that came over no connection) it is nobody's, and certainly not this machine's.

@@ -2,7 +2,7 @@
 
 use axum::extract::{FromRequest, Request};
 use axum::http::header::{CONTENT_ENCODING, CONTENT_TYPE};
-use axum::http::{HeaderMap, HeaderName};
+use axum::http::{HeaderMap, HeaderName, StatusCode};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 
@@ -21,7 +21,12 @@ impl<S: Send + Sync> FromRequest<S> for Document {
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Response> {
         check_media_type(request.headers(), &["application/json"]).map_err(IntoResponse::into_response)?;
-        Bytes::from_request(request, state).await.map(Self).map_err(IntoResponse::into_response)
+        Bytes::from_request(request, state).await.map(Self).map_err(|rejection| match rejection.status() {
+            StatusCode::BAD_REQUEST => {
+                Problem::new(400, "title_broken_off", message!("body_broke_off")).into_response()
+            }
+            _ => rejection.into_response(),
+        })
     }
 }
 
@@ -48,7 +53,7 @@ impl Document {
     }
 }
 
-/// Which of `accepted` a body is sent as; one that is none of them, or compressed, is refused.
+/// Which of `accepted` a body is sent as; one that is none of them, or of another coding than gzip, is refused.
 pub fn check_media_type(headers: &HeaderMap, accepted: &[&'static str]) -> Result<&'static str, Problem> {
     let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?").trim().to_owned());
     let media_type = text(CONTENT_TYPE);

@@ -2,6 +2,9 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
+use axum::http::Uri;
+use axum::http::header::LINK;
+use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -59,7 +62,7 @@ pub struct Gyros {
 
 /// A gyro and its newest calibration.
 #[derive(Serialize, ToSchema)]
-struct Gyro {
+pub struct Gyro {
     serial: String,
     /// Null for a gyro that only a bench has seen.
     latest: Option<Latest>,
@@ -117,11 +120,13 @@ struct StatusesBody {
 /// Every gyro, with its newest figures and status.
 #[utoipa::path(get, path = "/v1/gyros", tag = "gyros",
     params(GyrosQuery),
-    responses((status = 200, description = "the gyros", body = Gyros)))]
+    responses((status = 200, description = "the gyros", body = Gyros,
+        headers(("Link" = Option<String>, description = "the next page")))))]
 pub async fn get_gyros(
     State(app): State<App>,
     Parameters(asked): Parameters<GyrosQuery>,
-) -> Result<Json<Gyros>, Problem> {
+    uri: Uri,
+) -> Result<Response, Problem> {
     let limit = query::limit(asked.limit, 1000, MOST_GYROS)?;
     let after = asked.cursor.as_deref().map_or(Ok(0), query::position)?;
     let after = u32::try_from(after).map_err(|_| query::bad(message!("invalid_cursor")))?;
@@ -129,7 +134,8 @@ pub async fn get_gyros(
     let next = standings.last().filter(|_| more).map(|standing| cursor::encode(i64::from(standing.number)));
     let names = app.pipeline.queries.names();
     let gyros = standings.iter().map(|standing| Gyro::of(standing, app.config.judging.method, &names));
-    Ok(Json(Gyros { gyros: gyros.collect(), next }))
+    let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
+    Ok((link, Json(Gyros { gyros: gyros.collect(), next })).into_response())
 }
 
 /// One gyro.
@@ -167,7 +173,7 @@ pub async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Res
 }
 
 impl Gyro {
-    fn of(standing: &Standing, method: JudgedMethod, names: &Names<'_>) -> Self {
+    pub fn of(standing: &Standing, method: JudgedMethod, names: &Names<'_>) -> Self {
         Self {
             serial: standing.serial.to_string(),
             latest: standing.newest.as_ref().map(|figures| Latest::of(figures, standing.drift, method, names)),

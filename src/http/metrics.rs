@@ -9,6 +9,7 @@ use axum::response::{IntoResponse, Response};
 use metrics::{counter, gauge, histogram};
 
 use super::app::App;
+use crate::core::judge::{Severity, Status};
 use crate::telemetry;
 use crate::wire::problem::Problem;
 
@@ -28,6 +29,17 @@ pub async fn get_metrics(State(app): State<App>) -> Result<Response, Problem> {
     let (stored, ordered) = app.pipeline.diagnoses.waiting().await?;
     gauge!(telemetry::DIAGNOSES_WAITING, "for" => "stored").set(stored as f64);
     gauge!(telemetry::DIAGNOSES_WAITING, "for" => "ordered").set(ordered as f64);
+    let totals = app.pipeline.queries.fleet.totals().await?;
+    for (status, gyros) in Status::ALL.into_iter().zip(totals.of_status) {
+        gauge!(telemetry::GYROS, "status" => status.name()).set(gyros as f64);
+    }
+    for (station, calibrated) in totals.of_station {
+        let newest = calibrated.last_calibrated.0 as f64 / 1e6;
+        gauge!(telemetry::NEWEST_CALIBRATION, "station" => station).set(newest);
+    }
+    for (severity, firing) in Severity::ALL.into_iter().zip(app.pipeline.alerts.firing().await?) {
+        gauge!(telemetry::ALERTS, "severity" => severity.name()).set(firing as f64);
+    }
     Ok(([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], telemetry::render()).into_response())
 }
 

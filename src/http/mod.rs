@@ -26,6 +26,7 @@ mod gyros;
 mod health;
 mod hooks;
 mod import;
+mod imus;
 mod metrics;
 mod middleware;
 mod models;
@@ -33,6 +34,7 @@ mod operation;
 mod prefer_header;
 pub mod problem;
 mod query;
+mod record_list;
 mod records;
 mod refusal;
 mod remark;
@@ -53,6 +55,7 @@ use axum::http::StatusCode;
 use axum::middleware::from_fn_with_state;
 use tower::ServiceBuilder;
 use tower_http::compression::CompressionLayer;
+use tower_http::decompression::RequestDecompressionLayer;
 use tower_http::timeout::{RequestBodyTimeoutLayer, TimeoutLayer};
 use utoipa_axum::routes;
 
@@ -74,6 +77,9 @@ pub fn router(app: App, pages: Routes) -> Router {
             .layer(CompressionLayer::new())
             .layer(from_fn_with_state(gate, middleware::pass))
             .layer(RequestBodyTimeoutLayer::new(Duration::from_secs_f64(server.body_timeout_s)))
+            // Another coding than gzip is passed through: the handlers say what they accept. The limit is over what was
+            // unpacked.
+            .layer(RequestDecompressionLayer::new().pass_through_unaccepted(true))
             .layer(DefaultBodyLimit::max(server.max_body_bytes)),
     )
 }
@@ -90,12 +96,14 @@ pub fn routes(server: &Server) -> Routes<App> {
         .api(ANYONE, routes!(health::readyz))
         .api(VIEWER, routes!(metrics::get_metrics))
         .api(STATION, routes!(records::post_record))
+        .api(VIEWER, routes!(record_list::get_records))
         .api(VIEWER, routes!(records::get_record))
         .api(VIEWER, routes!(records::get_record_diagnosis))
         .api(ENGINEER, routes!(corrections::void_record))
         .api(ENGINEER, routes!(corrections::revise_record))
         .api(ENGINEER, routes!(confirm::confirm_record))
         .api(STATION, routes!(campaigns::post_campaign))
+        .api(VIEWER, routes!(record_list::get_campaigns))
         .api(VIEWER, routes!(campaigns::get_campaign))
         .api(VIEWER, routes!(campaigns::get_diagnosis))
         .api(ENGINEER, routes!(corrections::void_campaign))
@@ -113,6 +121,8 @@ pub fn routes(server: &Server) -> Routes<App> {
         .api(VIEWER, routes!(events::get_events))
         .api(ENGINEER, routes!(events::post_event))
         .api(ENGINEER, routes!(baseline::post_baseline))
+        .api(VIEWER, routes!(imus::get_imus))
+        .api(VIEWER, routes!(imus::get_imu))
         .api(VIEWER, routes!(models::get_model))
         .api(ENGINEER, routes!(models::post_model))
         .api(VIEWER, routes!(models::get_forecast))

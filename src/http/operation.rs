@@ -21,11 +21,11 @@ struct Thing {
     /// What it is known by.
     by: &'static str,
     /// The answer that names it: path, status and JSON pointer.
-    answer: Option<(&'static str, &'static str, &'static str)>,
+    answer: (&'static str, &'static str, &'static str),
 }
 
 const fn thing(at: &'static str, name: &'static str, answer: (&'static str, &'static str, &'static str)) -> Thing {
-    Thing { at, name, by: "identifier", answer: Some(answer) }
+    Thing { at, name, by: "identifier", answer }
 }
 
 const THINGS: [Thing; 11] = [
@@ -39,7 +39,7 @@ const THINGS: [Thing; 11] = [
     thing("/v1/deliveries/{id}", "delivery", ("/v1/hooks/{id}/test", "202", "/id")),
     thing("/v1/tokens/{id}", "token", ("/v1/tokens", "201", "/id")),
     Thing { by: "serial number", ..thing("/v1/gyros/{serial}", "gyro", ("/v1/gyros", "200", "/gyros/0/serial")) },
-    Thing { at: "/v1/imus/{imu}", name: "IMU", by: "name", answer: None },
+    Thing { by: "name", ..thing("/v1/imus/{imu}", "IMU", ("/v1/imus", "200", "/imus/0/imu")) },
 ];
 
 impl Thing {
@@ -129,7 +129,7 @@ fn refusals(operation: &Operation, writes: bool, thing: Option<&Thing>, least: L
 /// Adds to answers the links to operations on what they name.
 fn link(openapi: &mut OpenApi) {
     for thing in &THINGS {
-        let Some((path, status, at)) = thing.answer else { continue };
+        let (path, status, at) = thing.answer;
         let below = openapi.paths.paths.iter_mut().filter(|(path, _)| thing.holds(path));
         let about: Vec<String> =
             below.flat_map(|(_, item)| operations(item)).filter_map(|(_, of)| of.operation_id.clone()).collect();

@@ -8,7 +8,7 @@ use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
 
 use super::app::App;
-use crate::core::message::{Message, list};
+use crate::core::message::{Message, list, text};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::message;
@@ -29,13 +29,33 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Parameters<T> 
     }
 }
 
-/// What axum says of a query that it cannot read.
-fn of_form(text: &str) -> Message {
-    let what = text.strip_prefix("Failed to deserialize query string: ").unwrap_or(text);
-    let Some((_, names)) = what.split_once("unknown field `") else { return Message::verbatim(what) };
-    let mut names = names.split('`').step_by(2).map(str::to_owned);
-    let parameter = names.next().unwrap_or_default();
-    message!("unknown_parameter", parameter = parameter, known = list(names.filter(|name| !name.is_empty())))
+/// What axum says of a query that it cannot read, in words of ours.
+fn of_form(said: &str) -> Message {
+    let what = said.strip_prefix("Failed to deserialize query string: ").unwrap_or(said);
+    if let Some((_, names)) = what.split_once("unknown field `") {
+        let mut names = names.split('`').step_by(2).map(str::to_owned);
+        let parameter = names.next().unwrap_or_default();
+        return message!(
+            "unknown_parameter",
+            parameter = parameter,
+            known = list(names.filter(|name| !name.is_empty()))
+        );
+    }
+    let quoted = |before: &str| Some(text(what.split_once(before)?.1.split('`').next()?));
+    if let Some(parameter) = quoted("duplicate field `") {
+        return message!("parameter_twice", parameter = parameter);
+    }
+    if let Some(parameter) = quoted("missing field `") {
+        return message!("parameter_missing", parameter = parameter);
+    }
+    match what.split_once(": ") {
+        Some((parameter, why)) if why.contains("digit") || why.contains("number too") || why.contains("integer") => {
+            message!("parameter_whole", parameter = text(parameter))
+        }
+        Some((parameter, why)) if why.contains("float") => message!("parameter_number", parameter = text(parameter)),
+        Some((parameter, why)) if why.contains("`true`") => message!("parameter_flag", parameter = text(parameter)),
+        _ => message!("query_unreadable"),
+    }
 }
 
 /// The answer to a parameter that cannot be used.
@@ -97,4 +117,42 @@ pub fn link_to(uri: &Uri, next: &str) -> String {
 pub fn gyro(app: &App, serial: &str) -> Result<u32, Problem> {
     let number = app.pipeline.queries.names().gyro_number(serial);
     number.ok_or_else(|| Problem::unknown_gyro(serial))
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::http::Request;
+    use serde::Deserialize;
+
+    use super::*;
+    use crate::words::Language;
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Asked {
+        #[serde(rename = "limit")]
+        _limit: Option<usize>,
+        #[serde(rename = "share")]
+        _share: Option<f64>,
+        #[serde(rename = "all")]
+        _all: Option<bool>,
+    }
+
+    #[tokio::test]
+    async fn a_query_that_cannot_be_read_is_refused_in_words_of_ours() {
+        for (query, expected) in [
+            ("limit=1&share=0.5&all=true", None),
+            ("limit=x", Some("limit must be a whole number")),
+            ("limit=-1", Some("limit must be a whole number")),
+            ("limit=99999999999999999999999", Some("limit must be a whole number")),
+            ("share=x", Some("share must be a number")),
+            ("all=x", Some("all must be true or false")),
+            ("limit=1&limit=2", Some("limit is given twice")),
+        ] {
+            let (mut parts, ()) = Request::get(format!("/?{query}")).body(()).unwrap().into_parts();
+            let read = Parameters::<Asked>::from_request_parts(&mut parts, &()).await;
+            let said = read.err().map(|problem| problem.body(Language::English).detail);
+            assert_eq!(said.as_deref(), expected, "{query}");
+        }
+    }
 }

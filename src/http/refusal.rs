@@ -68,6 +68,10 @@ impl From<HookError> for Problem {
                 let (pointer, place) = ("/secret", detail.clone());
                 Self::new(422, "title_cannot_be_stored", detail).with_place(pointer, place)
             }
+            HookError::OtherKind => {
+                let (pointer, place) = ("/url", detail.clone());
+                Self::new(422, "title_cannot_be_stored", detail).with_place(pointer, place)
+            }
             HookError::Write(error) => error.into(),
         }
     }

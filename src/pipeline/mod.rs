@@ -59,9 +59,9 @@ pub use ingest::{
 };
 pub use queries::{
     BEYOND, Baseline, BenchItem, Compared, Comparison, CorrectedResult, CorrectionItem, Course, EventItem,
-    ExplainedHistory, Fleet, FleetFilter, FleetPage, Histories, ItemStatus, Names, Queries, RecentValues, RecordItem,
-    RecordSummary, Records, Seats, Standing, StandingFilter, StationEffect, Statuses, StoredCampaign, StoredRecord,
-    Tested, Verified, Violation, sample_of,
+    ExplainedHistory, Fleet, FleetFilter, FleetPage, Histories, ItemStatus, ListFilter, ListedImu, ListedRecord, Names,
+    Queries, RecentValues, RecordItem, RecordSummary, Records, Seats, Standing, StandingFilter, StationEffect,
+    Statuses, StoredCampaign, StoredRecord, Tested, Verified, Violation, sample_of,
 };
 
 /// The rooms: each with its own types and errors. Cheap to clone.

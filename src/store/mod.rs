@@ -41,7 +41,7 @@ pub use crate::store::tables::hook::HookRow;
 pub use crate::store::tables::keys::KeyRow;
 pub use crate::store::tables::model::ModelRow;
 pub use crate::store::tables::names::{Names, NamesOf, NewName, Table, Tables};
-pub use crate::store::tables::record::{RecordAt, RecordHead, RecordRow, RejudgedSheet};
+pub use crate::store::tables::record::{RecordAt, RecordEntry, RecordFilter, RecordHead, RecordRow, RejudgedSheet};
 pub use crate::store::tables::set_aside::{ConfirmationRow, SetAside};
 pub use crate::store::tables::silence::SilenceRow;
 pub use cells::{Cells, cell_of};

@@ -17,8 +17,10 @@ use crate::wire::alert::AlertBody;
 use crate::wire::time;
 use crate::words::asked;
 
-/// A pushed alert expires by itself when so many pushes have failed to come: then nobody watches the gyro any more.
+/// A pushed alert expires by itself when so many pushes have failed to come, but not within a day: a service that is
+/// down for the night must not look like gyros that have recovered.
 pub const EXPIRES_AFTER_RESENDS: i64 = 4;
+const EXPIRES_NOT_WITHIN: i64 = 86_400 * 1_000_000;
 
 /// What Go's zero time looks like: an alert that has no end yet.
 const NO_END: &str = "0001-01-01T00:00:00Z";
@@ -108,7 +110,8 @@ fn json_payload(body: &impl Serialize) -> Payload {
 }
 
 fn expiry(context: &Context<'_>) -> UtcMicros {
-    UtcMicros(context.now.0.saturating_add(context.resend_every.saturating_mul(EXPIRES_AFTER_RESENDS)))
+    let after = context.resend_every.saturating_mul(EXPIRES_AFTER_RESENDS).max(EXPIRES_NOT_WITHIN);
+    UtcMicros(context.now.0.saturating_add(after))
 }
 
 /// The alerts of the message, each that has escalated followed by the lower severity's, resolved.

@@ -4,6 +4,7 @@
 mod alertmanager;
 mod body;
 mod cloudevents;
+mod email;
 mod standard;
 
 use super::message::{HookKind, Message};
@@ -17,6 +18,7 @@ pub fn render(kind: HookKind, message: &Message, context: &Context<'_>) -> Paylo
         HookKind::AlertmanagerWebhook => alertmanager::render_webhook(message, context),
         HookKind::Alertmanager => alertmanager::render_push(message, context),
         HookKind::CloudEvents => cloudevents::render(message, context),
+        HookKind::Email => email::render(message, context),
     }
 }
 

@@ -16,6 +16,7 @@ use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::client::Service;
+use super::common::service_address;
 use super::document;
 use gist::Gist;
 use send::{Courier, Event, PATIENCE, Tally, end};
@@ -44,7 +45,7 @@ pub struct Import {
     notify: Notify,
 
     /// Address of the service
-    #[arg(long, env = "GYROWATCH_LISTEN", default_value = "127.0.0.1:8080")]
+    #[arg(long, env = "GYROWATCH_URL", default_value_t = service_address())]
     url: String,
 
     /// Access token, where the service asks for one

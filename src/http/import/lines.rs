@@ -6,7 +6,6 @@ use bytes::{Bytes, BytesMut};
 use futures::{Stream, StreamExt};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
-use crate::core::message::text;
 use crate::http::problem;
 use crate::message;
 use crate::wire::problem::Problem;
@@ -127,9 +126,7 @@ impl<B: Stream<Item = Result<Bytes, axum::Error>> + Unpin> Splitter<B> {
                 let (most, key) = (self.longest.body, "server.max_import_bytes");
                 (self.read > most).then(|| problem::too_large(message!("too_long_import", most = most, key = key)))
             }
-            Some(Err(error)) => {
-                Some(Problem::new(400, "title_broken_off", message!("body_broke_off", why = text(error))))
-            }
+            Some(Err(_)) => Some(Problem::new(400, "title_broken_off", message!("body_broke_off"))),
         };
         match failed {
             None => Some(Ok(())),

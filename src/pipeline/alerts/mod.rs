@@ -17,6 +17,7 @@ use super::error::StorageError;
 use super::write_queue::{Job, WriteQueue};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::id::Id;
+use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::store;
 use crate::store::{StepRow, Store, StoreError};
@@ -80,6 +81,18 @@ impl Alerts {
         let tables = self.store.names().read();
         let naming = Naming { tables: &tables, new: None };
         rows.iter().map(|row| Ok((row.id, naming.alert(row, now)?))).collect()
+    }
+
+    /// How many alerts fire, acknowledged and silenced ones among them, of each severity.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn firing(&self) -> Result<[u64; Severity::ALL.len()], StorageError> {
+        let counts = store::alerts::firing_by_severity(&self.store).await?;
+        Ok(Severity::ALL.map(|severity| {
+            let count = counts.iter().find(|(name, _)| name == severity.name());
+            count.map_or(0, |(_, count)| count.unsigned_abs())
+        }))
     }
 
     /// One alert and its newest steps.

@@ -240,6 +240,10 @@ impl HookHandler<'_> {
                 hook.old_secret = earlier.map(|earlier| (earlier, self.old_secret_until));
             }
         }
+        let is_mail = hook.kind == HookKind::Email.name();
+        if patch.url.as_ref().is_some_and(|url| url.starts_with("mailto:") != is_mail) {
+            return Err(HookError::OtherKind);
+        }
         hook.name = patch.name.clone().unwrap_or(hook.name);
         hook.url = patch.url.clone().unwrap_or(hook.url);
         hook.authorization = patch.authorization.clone().unwrap_or(hook.authorization);

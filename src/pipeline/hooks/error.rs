@@ -21,6 +21,8 @@ pub enum HookError {
         id: Id,
     },
     SecretNeeded,
+    /// A `mailto:` address for a hook that is no e-mail, or another for one that is.
+    OtherKind,
     TooManyHooks {
         most: usize,
     },
@@ -36,6 +38,7 @@ impl HookError {
             Self::HookDisabled { id } => message!("hook_disabled", id = text(id)),
             Self::StillBehind { id } => message!("still_behind", id = text(id)),
             Self::SecretNeeded => message!("secret_needed"),
+            Self::OtherKind => message!("target_of_other_kind"),
             Self::TooManyHooks { most } => message!("too_many_hooks", most = *most),
             Self::Write(error) => error.message(),
         }

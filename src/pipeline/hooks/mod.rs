@@ -75,7 +75,11 @@ impl Hooks {
     /// # Errors
     /// Every fault by its place.
     pub fn read(&self, bytes: &[u8]) -> Result<NewHook, Faults> {
-        read::new_hook(bytes, &self.config.target_policy())
+        read::new_hook(bytes, &self.config.target_policy(), self.has_mail())
+    }
+
+    fn has_mail(&self) -> bool {
+        !self.config.hooks.smtp_url.is_empty()
     }
 
     /// Reads what is to change of a hook.
@@ -83,7 +87,7 @@ impl Hooks {
     /// # Errors
     /// Every fault by its place.
     pub fn read_patch(&self, bytes: &[u8]) -> Result<HookPatch, Faults> {
-        read::patch(bytes, &self.config.target_policy())
+        read::patch(bytes, &self.config.target_policy(), self.has_mail())
     }
 
     /// Has the writer carry out an order. Returns once it is on disk, with the identifier of the hook or delivery that

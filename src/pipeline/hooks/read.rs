@@ -1,6 +1,7 @@
 //! What clients say of hooks, checked: whatever can be refused is refused here, by the caller's task.
 
 use crate::alert::HookKind;
+use crate::alert::mail::recipients;
 use crate::alert::sign::Secret;
 use crate::alert::target::TargetPolicy;
 use crate::core::fault::Faults;
@@ -56,7 +57,8 @@ impl HookPatch {
     }
 }
 
-pub(super) fn new_hook(bytes: &[u8], policy: &TargetPolicy) -> Result<NewHook, Faults> {
+/// `has_mail`: the configuration names a mail server.
+pub(super) fn new_hook(bytes: &[u8], policy: &TargetPolicy, has_mail: bool) -> Result<NewHook, Faults> {
     let body: NewHookBody = json::parse(bytes)?;
     let mut faults = Faults::default();
     let kind = HookKind::from_name(&body.kind);
@@ -66,7 +68,7 @@ pub(super) fn new_hook(bytes: &[u8], policy: &TargetPolicy) -> Result<NewHook, F
     }
     let kind = kind.unwrap_or(HookKind::StandardWebhooks);
     check_name(body.name.as_deref(), &mut faults);
-    check_url(&body.url, policy, &mut faults);
+    check_target(kind, &body.url, policy, has_mail, &mut faults);
     check_authorization(body.authorization.as_deref(), &mut faults);
     body.filter.check("/filter", &mut faults);
     if let Some(expect) = &body.expect {
@@ -79,12 +81,13 @@ pub(super) fn new_hook(bytes: &[u8], policy: &TargetPolicy) -> Result<NewHook, F
     faults.or(NewHook { name, kind, url, secret, authorization, filter, enabled, batch, expect, drawn })
 }
 
-pub(super) fn patch(bytes: &[u8], policy: &TargetPolicy) -> Result<HookPatch, Faults> {
+pub(super) fn patch(bytes: &[u8], policy: &TargetPolicy, has_mail: bool) -> Result<HookPatch, Faults> {
     let body: HookPatchBody = json::parse(bytes)?;
     let mut faults = Faults::default();
     check_name(body.name.as_deref(), &mut faults);
     if let Some(url) = &body.url {
-        check_url(url, policy, &mut faults);
+        let kind = if url.starts_with("mailto:") { HookKind::Email } else { HookKind::StandardWebhooks };
+        check_target(kind, url, policy, has_mail, &mut faults);
     }
     check_authorization(body.authorization.as_ref().and_then(Option::as_deref), &mut faults);
     if let Some(filter) = &body.filter {
@@ -111,8 +114,13 @@ fn check_name(name: Option<&str>, faults: &mut Faults) {
     }
 }
 
-fn check_url(url: &str, policy: &TargetPolicy, faults: &mut Faults) {
-    if let Err(why) = policy.check_url(url) {
+fn check_target(kind: HookKind, url: &str, policy: &TargetPolicy, has_mail: bool, faults: &mut Faults) {
+    let checked = match kind {
+        HookKind::Email if !has_mail => Err(message!("no_mail_server")),
+        HookKind::Email => recipients(url).map(|_| ()),
+        _ => policy.check_url(url).map(|_| ()),
+    };
+    if let Err(why) = checked {
         faults.push("/url", why);
     }
 }

@@ -36,6 +36,14 @@ pub struct Seats {
     pub used: bool,
 }
 
+/// An IMU among others.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ListedImu {
+    pub number: u32,
+    pub name: String,
+    pub seats: Seats,
+}
+
 /// A gyro's last few values, and what they are held against.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecentValues {
@@ -138,6 +146,15 @@ impl Fleet {
         Ok(page)
     }
 
+    /// How many gyros have each status, and are overdue, and when each station calibrated last; no gyro by itself.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn totals(&self) -> Result<FleetPage, StorageError> {
+        let (all, of_stations) = store::head::counts(&self.store, self.clock.now()).await?;
+        Ok(self.counts(&all, &of_stations))
+    }
+
     fn counts(&self, all: &[Tally], of_stations: &[StationTally]) -> FleetPage {
         let mut page = FleetPage::default();
         for tally in all {
@@ -208,6 +225,21 @@ impl Fleet {
         let figures = words::spawn_blocking(move || changes::stations(&histories)).await;
         let failed = |error| StoreError::Damaged(format!("the stations could not be compared: {error}"));
         Ok(figures.map_err(failed)?)
+    }
+
+    /// IMUs by name with their gyros, after IMU number `after` (0: all), and whether there are more than `most`.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn imus(&self, after: u32, most: u32) -> Result<(Vec<ListedImu>, bool), StorageError> {
+        let mut found = store::head::imus_after(&self.store, after, most.saturating_add(1)).await?;
+        let more = found.len() > most as usize;
+        found.truncate(most as usize);
+        let mut imus = Vec::with_capacity(found.len());
+        for (number, name) in found {
+            imus.push(ListedImu { number, name, seats: self.seated_in(number).await? });
+        }
+        Ok((imus, more))
     }
 
     /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.

@@ -7,7 +7,9 @@ use crate::core::id::Id;
 use crate::core::judge::{Event, FixedLevels, State};
 use crate::core::kind::Kind;
 use crate::core::time::UtcMicros;
-use crate::store::{BenchRow, ConfirmationRow, CorrectionRow, EventRow, GyroCorrection, RecordHead, RecordRow, Tables};
+use crate::store::{
+    BenchRow, ConfirmationRow, CorrectionRow, EventRow, GyroCorrection, RecordEntry, RecordHead, RecordRow, Tables,
+};
 
 /// The names of what is stored, while it is looked at.
 #[derive(Debug)]
@@ -21,6 +23,10 @@ impl Names<'_> {
 
     pub fn station(&self, number: u32) -> &str {
         self.0.stations.name(number).map_or("", |name| &**name)
+    }
+
+    pub fn station_number(&self, station: &str) -> Option<u32> {
+        self.0.stations.number(station)
     }
 
     pub fn imu_number(&self, imu: &str) -> Option<u32> {
@@ -81,6 +87,27 @@ impl RecordSummary {
     pub(super) fn of(head: &RecordHead, names: &Names<'_>) -> Self {
         let RecordHead { id, kind, station, calibrated_at } = *head;
         Self { id, kind, station: names.station(station).to_owned(), calibrated_at }
+    }
+}
+
+/// A record or a campaign among those of all IMUs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ListedRecord {
+    pub id: Id,
+    pub kind: Kind,
+    pub imu: String,
+    pub station: String,
+    pub calibrated_at: UtcMicros,
+    pub received_at: UtcMicros,
+    /// Neither voided nor revised nor set aside.
+    pub counts: bool,
+}
+
+impl ListedRecord {
+    pub(super) fn of(entry: &RecordEntry, names: &Names<'_>) -> Self {
+        let RecordEntry { id, kind, imu, station, calibrated_at, received_at, voided } = *entry;
+        let (imu, station) = (names.imu(imu).to_owned(), names.station(station).to_owned());
+        Self { id, kind, imu, station, calibrated_at, received_at, counts: !voided }
     }
 }
 

@@ -24,10 +24,12 @@ use crate::system::Clock;
 pub use crate::pipeline::ingest::judge::gyro_window::sample_of;
 pub use agreement::{Compared, Comparison};
 pub use changes_explained::ExplainedHistory;
-pub use fleet::{BEYOND, Fleet, FleetFilter, FleetPage, RecentValues, Seats, StandingFilter};
+pub use fleet::{BEYOND, Fleet, FleetFilter, FleetPage, ListedImu, RecentValues, Seats, StandingFilter};
 pub use gyro_history::{Baseline, Course, Histories, Tested};
-pub use items::{BenchItem, CorrectedResult, CorrectionItem, EventItem, ItemStatus, Names, RecordItem, RecordSummary};
-pub use record::{Records, StoredCampaign, StoredRecord};
+pub use items::{
+    BenchItem, CorrectedResult, CorrectionItem, EventItem, ItemStatus, ListedRecord, Names, RecordItem, RecordSummary,
+};
+pub use record::{ListFilter, Records, StoredCampaign, StoredRecord};
 pub use standing::{Standing, Violation};
 pub use stations::StationEffect;
 pub use status::Statuses;

@@ -10,6 +10,7 @@ use crate::core::judge::history::Need;
 use crate::core::judge::{Older, Verdict};
 use crate::core::kind::Kind;
 use crate::core::name::Name;
+use crate::core::time::Span;
 use crate::message;
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::Reader;
@@ -18,10 +19,10 @@ use crate::pipeline::ingest::fitted::CampaignFit;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::queries::items::{
-    BenchItem, ConfirmationItem, CorrectionItem, ItemStatus, Names, RecordItem, RecordSummary,
+    BenchItem, ConfirmationItem, CorrectionItem, ItemStatus, ListedRecord, Names, RecordItem, RecordSummary,
 };
 use crate::store;
-use crate::store::{AuditRow, RecordRow, Store, StoreError, StoredVerdict};
+use crate::store::{AuditRow, RecordFilter, RecordRow, Store, StoreError, StoredVerdict};
 use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, VerdictBody};
 use crate::wire::calibration::CampaignAnswer;
@@ -46,6 +47,16 @@ pub struct StoredCampaign {
     pub answer: CampaignAnswer,
     /// As of [`StoredRecord`].
     pub seen: Vec<Option<Verdict>>,
+}
+
+/// What a list of records is narrowed down to.
+#[derive(Debug, Clone, Copy)]
+pub struct ListFilter<'a> {
+    pub kind: Option<Kind>,
+    pub imu: Option<&'a str>,
+    pub station: Option<&'a str>,
+    /// When they were calibrated.
+    pub calibrated: Span,
 }
 
 /// What a stored row says.
@@ -147,6 +158,35 @@ impl Records {
     /// [`StorageError`].
     pub async fn sent(&self, id: Id) -> Result<Option<RecordItem>, StorageError> {
         Ok(store::record::get(&self.store, id).await?.map(|row| self.item(row)))
+    }
+
+    /// Records and campaigns, the last to arrive first, from the one before `before` on; and whether there are more
+    /// than `most`.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn listed(
+        &self,
+        filter: &ListFilter<'_>,
+        before: Id,
+        most: u32,
+    ) -> Result<(Vec<ListedRecord>, bool), StorageError> {
+        let [imus, stations] =
+            [vec![filter.imu], vec![filter.station]].map(|name| name.into_iter().flatten().collect());
+        store::names::look_up(&self.store, [imus, stations, Vec::new()]).await?;
+        let numbers = {
+            let names = Names(self.store.names().read());
+            let imu = filter.imu.map(|imu| names.imu_number(imu));
+            (imu, filter.station.map(|station| names.station_number(station)))
+        };
+        let (None | Some(Some(_)), None | Some(Some(_))) = numbers else { return Ok((Vec::new(), false)) };
+        let (imu, station) = (numbers.0.flatten(), numbers.1.flatten());
+        let filter = RecordFilter { kind: filter.kind, imu, station, calibrated: filter.calibrated };
+        let mut entries = store::record::listed(&self.store, filter, before, most.saturating_add(1)).await?;
+        let more = entries.len() > most as usize;
+        entries.truncate(most as usize);
+        let names = Names(self.store.names().read());
+        Ok((entries.iter().map(|entry| ListedRecord::of(entry, &names)).collect(), more))
     }
 
     /// Records and campaigns of an IMU, newest first.

@@ -241,6 +241,12 @@ pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, Store
         .await?.iter().map(alert).collect())
 }
 
+/// How many alerts fire, by severity; of a severity without any there is no entry.
+pub async fn firing_by_severity(store: &Store) -> Result<Vec<(String, i64)>, StoreError> {
+    let sql = "SELECT severity, count(*) FROM alert WHERE status = 'firing' GROUP BY severity";
+    on!(store.readers, db => Ok(sqlx::query_as(sql).fetch_all(db).await?))
+}
+
 pub async fn get(store: &Store, id: Id) -> Result<Option<AlertRow>, StoreError> {
     let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.id = $1"));
     on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(alert).transpose())

@@ -138,6 +138,15 @@ pub async fn gyros_after(store: &Store, serial: &str, limit: u32) -> Result<Vec<
     Ok(rows.into_iter().map(|(Whole(gyro), serial)| (gyro, serial)).collect())
 }
 
+/// IMUs by name, from the first after that of IMU number `after` (0: all) on, as many as `limit`.
+pub async fn imus_after(store: &Store, after: u32, limit: u32) -> Result<Vec<(u32, String)>, StoreError> {
+    let sql = "SELECT id, name FROM imu WHERE name > coalesce((SELECT name FROM imu WHERE id = $1), '')
+               ORDER BY name LIMIT $2";
+    let rows: Vec<(Whole<u32>, String)> =
+        on!(store.readers, db => sqlx::query_as(sql).bind(Whole(after)).bind(Whole(limit)).fetch_all(db).await?);
+    Ok(rows.into_iter().map(|(Whole(imu), name)| (imu, name)).collect())
+}
+
 /// What a list of gyros is narrowed down to.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Narrowed<'a> {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::core::time::UtcMicros;
+use crate::core::time::{Span, UtcMicros};
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Readers, Sql, Whole, cell, insert, on};
 use crate::store::error::StoreError;
@@ -51,6 +51,29 @@ pub struct RecordHead {
     pub kind: Kind,
     pub station: u32,
     pub calibrated_at: UtcMicros,
+}
+
+/// A record or a campaign among others, without what it says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RecordEntry {
+    pub id: Id,
+    pub kind: Kind,
+    pub imu: u32,
+    pub station: u32,
+    pub calibrated_at: UtcMicros,
+    pub received_at: UtcMicros,
+    /// It does not count: voided, revised or set aside.
+    pub voided: bool,
+}
+
+/// What a list of records is narrowed down to.
+#[derive(Debug, Clone, Copy)]
+pub struct RecordFilter {
+    pub kind: Option<Kind>,
+    pub imu: Option<u32>,
+    pub station: Option<u32>,
+    /// When they were calibrated.
+    pub calibrated: Span,
 }
 
 /// An item at an instant that was asked for.
@@ -288,6 +311,54 @@ pub async fn of_imu(store: &Store, imu: u32, limit: u32) -> Result<Vec<RecordHea
         Ok(RecordHead { id: Id(id), kind, station, calibrated_at: UtcMicros(at) })
     };
     rows.into_iter().map(head).collect()
+}
+
+/// Records and campaigns, the last to arrive first, from the one before `before` on, as many as `limit`.
+pub async fn listed(
+    store: &Store,
+    filter: RecordFilter,
+    before: Id,
+    limit: u32,
+) -> Result<Vec<RecordEntry>, StoreError> {
+    // An IMU's records are found by their index and then sorted; all others are read in the order of arrival.
+    let (waiting, order, of_imu) = match filter.imu {
+        None => (Vec::new(), "id", "$3 IS NULL AND $4 IS NOT NULL"),
+        Some(imu) => (
+            store.unplaced.calendar.read().last_of(imu, usize::MAX).collect(),
+            "id + 0",
+            store.readers.words(Sql {
+                sqlite: "id IN (SELECT value FROM json_each($4)
+                                UNION SELECT record FROM calendar WHERE imu = $3 AND calibrated_at BETWEEN $6 AND $7)",
+                postgres: "imu = $3 AND $4 IS NOT NULL",
+            }),
+        ),
+    };
+    let sql = sqlx::AssertSqlSafe(format!(
+        "SELECT id, kind, imu, station, calibrated_at, received_at, voided <> 0 FROM record
+         WHERE {order} < $1 AND ($2 IS NULL OR kind = $2) AND {of_imu} AND ($5 IS NULL OR station = $5)
+             AND calibrated_at BETWEEN $6 AND $7
+         ORDER BY {order} DESC LIMIT $8"
+    ));
+    type Row = (i64, i64, Whole<u32>, Whole<u32>, i64, i64, bool);
+    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql)
+        .bind(before.0)
+        .bind(filter.kind.map(kind_code))
+        .bind(filter.imu.map(Whole))
+        .bind(json_of(waiting))
+        .bind(filter.station.map(Whole))
+        .bind(filter.calibrated.from.0)
+        .bind(filter.calibrated.to.0)
+        .bind(Whole(limit))
+        .fetch_all(db)
+        .await?);
+    let names = [rows.iter().map(|row| row.2.0).collect(), rows.iter().map(|row| row.3.0).collect(), Vec::new()];
+    postgres::names::look_up_numbers(store, names).await?;
+    let entry = |(id, kind, Whole(imu), Whole(station), calibrated_at, received_at, voided): Row| {
+        let kind = kind_of(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
+        let (calibrated_at, received_at) = (UtcMicros(calibrated_at), UtcMicros(received_at));
+        Ok(RecordEntry { id: Id(id), kind, imu, station, calibrated_at, received_at, voided })
+    };
+    rows.into_iter().map(entry).collect()
 }
 
 fn json_of(ids: impl IntoIterator<Item = Id>) -> String {

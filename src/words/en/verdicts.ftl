@@ -94,4 +94,5 @@ rule_before_after = before and after a test
 
 # A line of a hook.
 alert_fires = { $serial }: { $coefficient } { $rule } fires ({ $severity })
+mail_test = Test of the hook { $hook }: nothing is wrong
 alert_is_resolved = { $serial }: { $coefficient } { $rule } is resolved

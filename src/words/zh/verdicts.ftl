@@ -87,4 +87,5 @@ rule_before_after = 试验前后
 
 # 推送的一行。
 alert_fires = { $serial }：{ $coefficient } { $rule } 告警（{ $severity }）
+mail_test = 钩子{ $hook }的测试：一切正常
 alert_is_resolved = { $serial }：{ $coefficient } { $rule } 已恢复

@@ -76,6 +76,9 @@ impl DeliveryContext {
     }
 
     async fn send(&self, to: &Addressee, id: &str, payload: Payload, now: UtcMicros) -> Attempt {
+        if to.kind == HookKind::Email {
+            return self.courier.mail(to.destination(), id, &payload).await;
+        }
         let signature = sign::headers(id, now, &payload.body, &to.secrets(now));
         self.courier.attempt(to.destination(), &signature, payload, now).await
     }

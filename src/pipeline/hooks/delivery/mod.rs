@@ -24,6 +24,7 @@ use tokio::sync::watch;
 use tokio::task::{Id as TaskId, JoinError, JoinHandle, JoinSet};
 
 use crate::alert::deliver::Courier;
+use crate::alert::mail::MailError;
 use crate::core::id::Id;
 use crate::pipeline::hooks::Hooks;
 use crate::pipeline::hooks::delivery::context::{DeliveryContext, OFF_DUTY};
@@ -46,6 +47,8 @@ pub enum OutboxError {
     Authority { path: String, source: std::io::Error },
     #[error("the client for hooks cannot be made (hooks.ca_file, hooks.proxy): {0}")]
     Client(#[from] reqwest::Error),
+    #[error("hooks.smtp_url: {0}")]
+    Mail(#[from] MailError),
 }
 
 /// The worker, running. It holds a way to the writer, so stop it for the writer to end.
@@ -67,7 +70,8 @@ impl Outbox {
         });
         let roots = roots.transpose()?;
         let courier =
-            Courier::through(&config.proxies(), hooks.config.target_policy(), config.limits(), roots.as_deref())?;
+            Courier::through(&config.proxies(), hooks.config.target_policy(), config.limits(), roots.as_deref())?
+                .with_mailer(config.mailer(roots.as_deref())?);
         let (stop, stopping) = watch::channel(false);
         let context = Arc::new(DeliveryContext { hooks: hooks.clone(), courier, ladder: config.ladder() });
         context.hooks.pulse.beat();

@@ -1,0 +1,138 @@
+//! Alerts by e-mail, for laboratories that have nothing else: one message to all recipients of a hook.
+
+use std::time::Duration;
+
+use lettre::message::header::ContentType;
+use lettre::message::{Mailbox, Mailboxes};
+use lettre::transport::smtp::client::{Certificate, Tls, TlsParameters};
+use lettre::transport::smtp::{AsyncSmtpTransportBuilder, Error};
+use lettre::{AsyncSmtpTransport, AsyncTransport, Tokio1Executor};
+use url::Url;
+
+use super::payload::Payload;
+use crate::core::message::{Message, text};
+use crate::message;
+
+/// Recipients that a hook may have.
+const MOST_RECIPIENTS: usize = 50;
+
+/// Where e-mail is handed over, and who it is from.
+#[derive(Debug, Clone)]
+pub struct Mailer {
+    transport: AsyncSmtpTransport<Tokio1Executor>,
+    from: Mailbox,
+}
+
+/// Why no e-mail can be sent.
+#[derive(Debug, thiserror::Error)]
+pub enum MailError {
+    /// The text may hold a password.
+    #[error("must be smtps://user:password@host:port, or smtp://host:port?tls=required")]
+    Address,
+    #[error("must be an address such as gyrowatch@lab.example")]
+    From,
+    #[error("the certificates of the authority cannot be used: {0}")]
+    Authority(Error),
+}
+
+impl Mailer {
+    /// `url`: `smtps://user:password@host:465`, `smtp://host:587?tls=required`, or `smtp://host:25` in the open;
+    /// `roots`: certificates in PEM that are trusted beside the system's.
+    ///
+    /// # Errors
+    /// [`MailError`] where either cannot be read.
+    pub fn new(url: &str, from: &str, timeout: Duration, roots: Option<&[u8]>) -> Result<Self, MailError> {
+        let from = from.parse().map_err(|_| MailError::From)?;
+        let parsed = Url::parse(url).map_err(|_| MailError::Address)?;
+        let host = parsed.host_str().filter(|host| !host.is_empty()).ok_or(MailError::Address)?;
+        let mut builder = AsyncSmtpTransport::<Tokio1Executor>::from_url(url).map_err(|_| MailError::Address)?;
+        if let Some(roots) = roots {
+            builder = trusting(builder, &parsed, host, roots).map_err(MailError::Authority)?;
+        }
+        Ok(Self { transport: builder.timeout(Some(timeout)).build(), from })
+    }
+
+    /// Hands one message over. Its `Message-ID` is the same at every attempt, so that a repetition is recognised.
+    ///
+    /// # Errors
+    /// What the server, or the way to it, said.
+    pub async fn send(&self, to: Mailboxes, id: &str, payload: &Payload) -> Result<u16, Message> {
+        let said = String::from_utf8_lossy(&payload.body);
+        let (subject, body) = said.split_once("\n\n").unwrap_or((&said, ""));
+        let mut mail = lettre::Message::builder()
+            .from(self.from.clone())
+            .message_id(Some(format!("<{id}@gyrowatch>")))
+            .subject(subject)
+            .header(ContentType::TEXT_PLAIN);
+        for recipient in to {
+            mail = mail.to(recipient);
+        }
+        let unsendable = |error: &dyn std::error::Error| message!("mail_failed", why = text(error));
+        let mail = mail.body(body.to_owned()).map_err(|error| unsendable(&error))?;
+        let answer = self.transport.send(mail).await.map_err(|error| unsendable(&error))?;
+        Ok(answer.code().into())
+    }
+}
+
+fn trusting(
+    builder: AsyncSmtpTransportBuilder,
+    url: &Url,
+    host: &str,
+    roots: &[u8],
+) -> Result<AsyncSmtpTransportBuilder, Error> {
+    let parameters =
+        TlsParameters::builder(host.to_owned()).add_root_certificate(Certificate::from_pem(roots)?).build()?;
+    let starts = url.query_pairs().find(|(name, _)| name == "tls").map(|(_, value)| value.into_owned());
+    Ok(match (url.scheme(), starts.as_deref()) {
+        ("smtps", _) => builder.tls(Tls::Wrapper(parameters)),
+        (_, Some("required")) => builder.tls(Tls::Required(parameters)),
+        (_, Some("opportunistic")) => builder.tls(Tls::Opportunistic(parameters)),
+        _ => builder,
+    })
+}
+
+/// The recipients of `mailto:wei.li@lab.example,weber@lab.example`.
+///
+/// # Errors
+/// A message that names what is no address.
+pub fn recipients(url: &str) -> Result<Mailboxes, Message> {
+    let listed = url.strip_prefix("mailto:").ok_or_else(|| message!("mail_scheme"))?;
+    let mut all = Mailboxes::new();
+    for one in listed.split(',') {
+        let mailbox = one.trim().parse::<Mailbox>().ok().filter(|_| !one.contains('?'));
+        all.push(mailbox.ok_or_else(|| message!("no_mail_address", value = one.to_owned()))?);
+    }
+    if all.iter().count() > MOST_RECIPIENTS {
+        return Err(message!("too_many_recipients", most = MOST_RECIPIENTS));
+    }
+    Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recipients_are_addresses_parted_by_commas() {
+        let two = recipients("mailto:wei.li@lab.example, weber@lab.example").unwrap();
+        let addresses: Vec<String> = two.iter().map(|mailbox| mailbox.email.to_string()).collect();
+        assert_eq!(addresses, ["wei.li@lab.example", "weber@lab.example"]);
+        for bad in ["wei.li@lab.example", "mailto:", "mailto:nobody", "mailto:a@b,", "mailto:a@b?subject=x"] {
+            assert!(recipients(bad).is_err(), "{bad}");
+        }
+        assert!(recipients(&format!("mailto:{}", ["a@lab.example"; 51].join(","))).is_err());
+    }
+
+    #[test]
+    fn an_address_of_a_mail_server_is_checked_and_never_repeated() {
+        crate::system::install_crypto();
+        let made = |url, from| Mailer::new(url, from, Duration::from_secs(1), None).map(|_| ());
+        assert!(made("smtps://u:p@mail.example", "gyrowatch@lab.example").is_ok());
+        assert!(made("smtp://mail.example:587?tls=required", "Gyros <gyrowatch@lab.example>").is_ok());
+        for (url, from) in [("https://u:secret@mail.example", "a@b.example"), ("mail.example", "a@b.example")] {
+            let said = made(url, from).unwrap_err().to_string();
+            assert!(!said.contains("secret"), "{said}");
+        }
+        assert!(matches!(made("smtp://mail.example", "nobody"), Err(MailError::From)));
+    }
+}

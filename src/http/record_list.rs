@@ -1,0 +1,123 @@
+//! `GET /v1/records` and `GET /v1/campaigns`: what has been stored, the last to arrive first.
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::Uri;
+use axum::http::header::LINK;
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use super::app::App;
+use super::query::{self, Parameters};
+use crate::core::id::Id;
+use crate::core::kind::Kind;
+use crate::pipeline::{ListFilter, ListedRecord};
+use crate::wire::problem::Problem;
+use crate::wire::{cursor, time};
+
+const DEFAULT_RECORDS: usize = 100;
+const MOST_RECORDS: usize = 1000;
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct RecordsQuery {
+    /// Of one IMU.
+    imu: Option<String>,
+    /// Of one station.
+    station: Option<String>,
+    /// Calibrated then or later, RFC 3339.
+    from: Option<String>,
+    /// Calibrated then or earlier, RFC 3339.
+    to: Option<String>,
+    /// At most so many; 100 unless it is given.
+    #[param(minimum = 1, maximum = 1000)]
+    limit: Option<usize>,
+    /// `next` of the page before.
+    cursor: Option<String>,
+}
+
+/// Records and campaigns, the last to arrive first.
+#[derive(Serialize, ToSchema)]
+pub struct RecordList {
+    records: Vec<ListedRecordBody>,
+    /// Cursor of the next page; null on the last.
+    next: Option<String>,
+}
+
+/// Campaigns, the last to arrive first.
+#[derive(Serialize, ToSchema)]
+pub struct CampaignList {
+    campaigns: Vec<ListedRecordBody>,
+    /// Cursor of the next page; null on the last.
+    next: Option<String>,
+}
+
+/// A record or a campaign in a list.
+#[derive(Serialize, ToSchema)]
+struct ListedRecordBody {
+    id: String,
+    /// `record` or `campaign`.
+    kind: &'static str,
+    imu: String,
+    station: String,
+    calibrated_at: String,
+    received_at: String,
+    /// Whether it counts: it was neither voided nor revised nor set aside.
+    valid: bool,
+}
+
+impl From<ListedRecord> for ListedRecordBody {
+    fn from(listed: ListedRecord) -> Self {
+        let ListedRecord { id, kind, imu, station, calibrated_at, received_at, counts } = listed;
+        let (calibrated_at, received_at) = (time::format(calibrated_at), time::format(received_at));
+        let kind = match kind {
+            Kind::Record => "record",
+            Kind::Campaign => "campaign",
+        };
+        Self { id: id.to_string(), kind, imu, station, calibrated_at, received_at, valid: counts }
+    }
+}
+
+/// Records and campaigns of the fleet, the last to arrive first.
+#[utoipa::path(get, path = "/v1/records", tag = "records", params(RecordsQuery),
+    responses((status = 200, description = "the records", body = RecordList,
+        headers(("Link" = Option<String>, description = "the next page")))))]
+pub async fn get_records(
+    State(app): State<App>,
+    Parameters(asked): Parameters<RecordsQuery>,
+    uri: Uri,
+) -> Result<Response, Problem> {
+    let (records, next) = listed(&app, &asked, None).await?;
+    let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
+    Ok((link, Json(RecordList { records, next })).into_response())
+}
+
+/// Campaigns of the fleet, the last to arrive first.
+#[utoipa::path(get, path = "/v1/campaigns", tag = "campaigns", params(RecordsQuery),
+    responses((status = 200, description = "the campaigns", body = CampaignList,
+        headers(("Link" = Option<String>, description = "the next page")))))]
+pub async fn get_campaigns(
+    State(app): State<App>,
+    Parameters(asked): Parameters<RecordsQuery>,
+    uri: Uri,
+) -> Result<Response, Problem> {
+    let (campaigns, next) = listed(&app, &asked, Some(Kind::Campaign)).await?;
+    let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
+    Ok((link, Json(CampaignList { campaigns, next })).into_response())
+}
+
+async fn listed(
+    app: &App,
+    asked: &RecordsQuery,
+    kind: Option<Kind>,
+) -> Result<(Vec<ListedRecordBody>, Option<String>), Problem> {
+    let limit = query::limit(asked.limit, DEFAULT_RECORDS, MOST_RECORDS)?;
+    let before = asked.cursor.as_deref().map_or(Ok(i64::MAX), query::position).map(Id)?;
+    let calibrated = query::span(asked.from.as_deref(), asked.to.as_deref())?;
+    let filter = ListFilter { kind, imu: asked.imu.as_deref(), station: asked.station.as_deref(), calibrated };
+    let (found, more) = app.pipeline.queries.records.listed(&filter, before, limit as u32).await?;
+    let next = found.last().filter(|_| more).map(|last| cursor::encode(last.id.0));
+    Ok((found.into_iter().map(ListedRecordBody::from).collect(), next))
+}

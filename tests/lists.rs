@@ -1,0 +1,101 @@
+//! Lists of what is stored: every item once, whatever the page size, narrowed down by IMU, station, kind and time.
+
+mod support;
+
+use std::collections::BTreeSet;
+
+use rstest::rstest;
+use serde_json::{Value, json};
+use support::{Server, data, paper_record};
+
+/// All pages of a list, as the `Link` header leads on.
+async fn pages(server: &Server, path: &str, member: &str) -> Vec<Value> {
+    let (mut next, mut all) = (Some(path.to_owned()), Vec::new());
+    while let Some(path) = next {
+        let answer = server.get(&path).await;
+        assert_eq!(answer.status, 200, "{path}: {}", answer.text());
+        let body = answer.json();
+        all.extend(body[member].as_array().unwrap().clone());
+        next =
+            answer.headers.get("link").map(|link| link.to_str().unwrap().split(['<', '>']).nth(1).unwrap().to_owned());
+        assert_eq!(next.is_some(), body["next"].is_string(), "{path}");
+    }
+    all
+}
+
+fn ids(items: &[Value]) -> Vec<String> {
+    items.iter().map(|item| item["id"].as_str().unwrap().to_owned()).collect()
+}
+
+async fn filled() -> (Server, Vec<String>) {
+    let server = Server::start().await;
+    let mut stored = Vec::new();
+    for number in 0..12 {
+        let record = paper_record(number % 3, number).to_string();
+        let answer = server.post("/v1/records", "application/json", record).await;
+        assert_eq!(answer.status, 201, "{}", answer.text());
+        stored.push(answer.json()["id"].as_str().unwrap().to_owned());
+    }
+    let campaign = server.post("/v1/campaigns", "application/json", data("practice/campaign-00.json")).await;
+    stored.push(campaign.json()["id"].as_str().unwrap().to_owned());
+    stored.reverse();
+    (server, stored)
+}
+
+#[rstest]
+#[case(1)]
+#[case(5)]
+#[case(1000)]
+#[tokio::test]
+async fn every_record_is_listed_once_the_last_to_arrive_first(#[case] limit: usize) {
+    let (server, stored) = filled().await;
+    let listed = pages(&server, &format!("/v1/records?limit={limit}"), "records").await;
+    assert_eq!(ids(&listed), stored);
+    let campaigns = pages(&server, &format!("/v1/campaigns?limit={limit}"), "campaigns").await;
+    assert_eq!(ids(&campaigns), stored[..1]);
+    assert_eq!(campaigns[0]["kind"], "campaign");
+}
+
+#[tokio::test]
+async fn a_list_is_narrowed_down_by_imu_station_and_time() {
+    let (server, stored) = filled().await;
+    let all = pages(&server, "/v1/records", "records").await;
+    for imu in all.iter().map(|item| item["imu"].as_str().unwrap()).collect::<BTreeSet<_>>() {
+        let of_imu = pages(&server, &format!("/v1/records?imu={imu}&limit=2"), "records").await;
+        let expected: Vec<Value> = all.iter().filter(|item| item["imu"] == imu).cloned().collect();
+        assert_eq!(of_imu, expected, "{imu}");
+    }
+    let record = &all[4];
+    let (at, station) = (record["calibrated_at"].as_str().unwrap(), record["station"].as_str().unwrap());
+    let then = pages(&server, &format!("/v1/records?from={at}&to={at}&station={station}"), "records").await;
+    assert_eq!(then, std::slice::from_ref(record));
+    for none in ["imu=nowhere", "station=nowhere", "to=1999-01-01T00:00:00Z"] {
+        assert!(pages(&server, &format!("/v1/records?{none}"), "records").await.is_empty(), "{none}");
+    }
+    let order = json!({ "author": "Weber", "reason": "wrong unit" });
+    let id = record["id"].as_str().unwrap();
+    assert_eq!(server.post_json(&format!("/v1/records/{id}/void"), &order).await.status, 200);
+    let again = pages(&server, &format!("/v1/records?imu={}", record["imu"].as_str().unwrap()), "records").await;
+    let valid: Vec<bool> = again.iter().map(|item| item["valid"].as_bool().unwrap()).collect();
+    assert_eq!(valid.iter().filter(|valid| !**valid).count(), 1, "{valid:?}");
+    assert_eq!(stored.len(), all.len());
+}
+
+#[tokio::test]
+async fn imus_are_listed_with_the_gyros_in_them() {
+    let (server, _) = filled().await;
+    let imus = pages(&server, "/v1/imus?limit=2", "imus").await;
+    let names: Vec<&str> = imus.iter().map(|imu| imu["imu"].as_str().unwrap()).collect();
+    assert!(names.is_sorted() && names.len() == 4, "{names:?}");
+    for imu in &imus {
+        let detail = server.get(&format!("/v1/imus/{}", imu["imu"].as_str().unwrap())).await.json();
+        let serials: Vec<&Value> = detail["gyros"].as_array().unwrap().iter().map(|gyro| &gyro["serial"]).collect();
+        assert_eq!(imu["gyros"].as_array().unwrap().iter().collect::<Vec<_>>(), serials);
+        assert_eq!(detail["status"], imu["status"]);
+        assert_eq!(serials.len(), 3);
+    }
+    assert_eq!(server.get("/v1/imus/nowhere").await.status, 404);
+    for bad in ["/v1/imus?cursor=x", "/v1/records?limit=0", "/v1/records?from=x", "/v1/campaigns?kind=record"] {
+        assert_eq!(server.get(bad).await.status, 400, "{bad}");
+    }
+}

@@ -6,22 +6,13 @@
 
 use std::sync::Arc;
 
+pub use super::adopted::Adopted;
 use super::campaign::Campaign;
-use super::effects::{Effect, Estimate, Shape};
+use super::effects::Estimate;
 use super::imu_model::Identified;
 use super::model::{Term, Terms};
-use super::mounting::Slot;
 use super::record::Name;
 use super::time::UtcMicros;
-
-/// An effect that has entered the model: its regressors are fitted with model (6), its shape is held.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Adopted {
-    pub effect: Effect,
-    pub shape: Shape,
-    /// Gyros that have it; all of them for effects of the station.
-    pub slots: Vec<Slot>,
-}
 
 /// What is compared with the campaign.
 #[derive(Debug, Clone, PartialEq, Default)]

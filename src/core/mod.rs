@@ -4,6 +4,7 @@
 //! needs is passed in, what it found is returned, evidence included. `tests/architecture.rs` keeps it so.
 
 pub mod access;
+pub mod adopted;
 pub mod alert_decision;
 pub mod alert_filter;
 pub mod augmented;

@@ -256,11 +256,10 @@ struct Weighed {
     predicted: DVector<f64>,
     weight: DVector<f64>,
     difference: DVector<f64>,
-    /// tr(CM), tr(CMCM), d'Wd, d'WPWd; M = X'WX, P = XCX'.
-    trace: f64,
-    trace_of_square: f64,
-    power: f64,
-    power_of_model: f64,
+    /// tr(CM), tr((CM)^2), tr((CM)^3); M = X'WX.
+    traces: [f64; 3],
+    /// d'Wd, d'WPWd, d'WPWPWd; P = XCX'.
+    powers: [f64; 3],
     /// rms over sqrt of a mean square in units of the noise, deg/h.
     unit: f64,
     /// Degrees of freedom that the noise is known by: it is in A and B alike, N^2 2/dof.
@@ -276,13 +275,17 @@ impl Weighed {
         let (predicted, difference) = (&x * &with.values, &x * (&with.values - &without.values));
         let weighted = DMatrix::from_fn(x.nrows(), x.ncols(), |i, c| x[(i, c)] * weight[i]);
         let cm = &with.covariance * x.tr_mul(&weighted);
+        let squared = &cm * &cm;
         let along = weighted.tr_mul(&difference);
+        let spread = &with.covariance * &along;
         let scales: f64 = rows.iter().map(|i| (programme.gyros[i / n].scale / programme.noise[*i]).powi(2)).sum();
         Self {
-            trace: cm.trace(),
-            trace_of_square: (&cm * &cm).trace(),
-            power: difference.component_mul(&difference).dot(&weight),
-            power_of_model: along.dot(&(&with.covariance * &along)),
+            traces: [cm.trace(), squared.trace(), (&squared * &cm).trace()],
+            powers: [
+                difference.component_mul(&difference).dot(&weight),
+                along.dot(&spread),
+                spread.dot(&x.tr_mul(&weighted).tr_mul(&spread)),
+            ],
             unit: (rows.len() as f64 / scales).sqrt(),
             dof: scale_dof(programme),
             rows,
@@ -292,12 +295,39 @@ impl Weighed {
         }
     }
 
+    /// A is a sum of squares few of which may be large: the errors of a few coefficients. The quantiles of A - r B are
+    /// those of Pearson's type III with its first three cumulants.
     fn promised(&self) -> Closing {
         let n = self.rows.len() as f64;
-        let variance = 2.0 * (n + 2.0 * self.trace + self.trace_of_square);
-        let a = self.trace;
-        let b = a + self.power;
-        self.closing(a, b, variance, variance + 4.0 * (self.power + self.power_of_model), variance)
+        let [t1, t2, t3] = self.traces;
+        let [p1, p2, p3] = self.powers;
+        let below_zero = |r: f64, quantile: f64| {
+            let (own, rest) = (1.0 - r, 4.0 * r * r);
+            let mean = own * t1 - r * p1;
+            let of_noise = 2.0 * n * n / self.dof;
+            let sd = (own * own * (2.0 * (n + 2.0 * t1 + t2) + of_noise) + rest * (p1 + p2)).sqrt();
+            let third = own.powi(3) * 8.0 * (n + 3.0 * t1 + 3.0 * t2 + t3) + 6.0 * own * rest * (p1 + 2.0 * p2 + p3);
+            -mean - sd * pearson(quantile, third / sd.powi(3))
+        };
+        let root = |quantile: f64| {
+            let (mut low, mut high) = (-3.0, 1.0);
+            if below_zero(low, quantile) > 0.0 || below_zero(high, quantile) < 0.0 {
+                return None;
+            }
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if below_zero(middle, quantile) < 0.0 { low = middle } else { high = middle }
+            }
+            Some(1.0 - high)
+        };
+        let interval = root(0.975).zip(root(0.025)).map(|(low, high)| [low.min(1.0), high.min(1.0)]);
+        let rms = |excess: f64| self.unit * ((excess + n) / n).sqrt();
+        Closing {
+            before_deg_per_h: rms(t1 + p1),
+            after_deg_per_h: rms(t1),
+            closure: p1 / (t1 + p1).max(f64::MIN_POSITIVE),
+            interval,
+        }
     }
 
     fn seen(&self, measured: &DVector<f64>) -> Closing {
@@ -331,9 +361,28 @@ impl Weighed {
     }
 }
 
+/// Quantile of Pearson's type III with mean 0, variance 1 and this skewness (Wilson and Hilferty 1931).
+fn pearson(quantile: f64, skewness: f64) -> f64 {
+    let z = normal_quantile(quantile);
+    if skewness.abs() < 1e-6 {
+        return z;
+    }
+    let g = skewness / 6.0;
+    ((1.0 + g * z - g * g).powi(3) - 1.0) / (3.0 * g)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn quantiles_of_pearsons_type_iii_are_those_of_chi_square() {
+        // Upper and lower 2.5 % of 8 degrees of freedom: 17.535 and 2.180 (Pearson and Hartley); skewness sqrt(8/8).
+        for (p, chi2) in [(0.975, 17.535), (0.025, 2.180)] {
+            let found = 8.0 + 4.0 * pearson(p, 1.0);
+            assert!((found / chi2 - 1.0).abs() < 0.02, "{found} {chi2}");
+        }
+    }
 
     #[test]
     fn kolmogorovs_p_is_that_of_the_tables() {

@@ -17,6 +17,7 @@ use super::columns::columns;
 use super::identified::{FittedCampaign, Identified, ModelCoefficient, ModelGyro, NoiseLaw, Of, Validity};
 use crate::core::augmented::{Adopted, AugmentedModel, KnownEffect, Provenance};
 use crate::core::calibrate::design::Design;
+use crate::core::calibrate::noise::Source;
 use crate::core::calibrate::{Calibration, calibrate_referred};
 use crate::core::campaign::{Campaign, CampaignGyro, Dwell, Temperatures, TestKind};
 use crate::core::effects::{Estimate, GyroAxes, Refusal, Scope, Setting, axes};
@@ -181,6 +182,37 @@ struct Part<'a> {
     setting: Setting,
     /// Of the noise, gyro by gyro.
     sd: Vec<Vec<f64>>,
+    scales: Vec<Scale>,
+}
+
+/// How far outputs of one gyro scatter about the model.
+#[derive(Debug, Clone, Copy)]
+struct Scale {
+    /// Over the standard deviations that the calibration finds.
+    of_sigma: f64,
+    /// Over the standard errors as stated, or 1 pulse/s.
+    of_weights: f64,
+    dof: f64,
+}
+
+impl Scale {
+    /// As the calibration's covariance has it. Where repeats scatter less than the residuals do, the residuals count:
+    /// what the model leaves out is in the next campaign, too.
+    fn of(calibration: &Calibration, j: usize) -> Option<Self> {
+        let gyro = &calibration.gyros[j];
+        let factor = gyro.noise.factor.filter(|f| *f > 0.0)?;
+        let found = gyro.noise.covariance_scale()?.sqrt();
+        let by_repeats = matches!(gyro.noise.source, Source::SemAndRepeats | Source::Repeats);
+        let gyros = if calibration.has_sem { &calibration.gyros[..] } else { std::slice::from_ref(gyro) };
+        let squares: f64 =
+            gyros.iter().filter_map(|g| Some(g.residuals.component_div(g.sigma.as_ref()?).norm_squared())).sum();
+        let dof = gyros.iter().map(|g| g.dof).sum::<usize>() as f64;
+        let of_residuals = (squares / (dof - 2.0)).sqrt();
+        if by_repeats && dof > 2.0 && of_residuals * factor > found {
+            return Some(Self { of_sigma: of_residuals, of_weights: of_residuals * factor, dof });
+        }
+        Some(Self { of_sigma: found / factor, of_weights: found, dof: gyro.noise.dof })
+    }
 }
 
 struct Problem<'a> {
@@ -206,15 +238,15 @@ impl<'a> Problem<'a> {
             let c = sample.campaign;
             let all: Vec<Adopted> = effects.iter().chain(&sample.occasions).cloned().collect();
             let calibration = calibrate_referred(c, terms, &all, reference_c);
-            let sd = calibration.gyros.iter().map(|gyro| {
-                let (sigma, noise) = (gyro.sigma.as_ref()?, &gyro.noise);
-                let times = noise.covariance_scale()?.sqrt() / noise.factor.filter(|f| *f > 0.0)?;
-                Some(sigma.iter().map(|s| s * times).collect())
+            let scales =
+                (0..c.gyros.len()).map(|j| Scale::of(&calibration, j).ok_or(NotIdentified::NoNoise(c.gyros[j].slot)));
+            let scales = scales.collect::<Result<Vec<Scale>, _>>()?;
+            let sd = calibration.gyros.iter().zip(&scales).map(|(gyro, scale)| {
+                gyro.sigma.iter().flat_map(|sigma| sigma.iter()).map(|s| s * scale.of_sigma).collect()
             });
-            let known = sd.zip(&c.gyros).map(|(sd, gyro)| sd.ok_or(NotIdentified::NoNoise(gyro.slot)));
-            let sd = known.collect::<Result<Vec<Vec<f64>>, _>>()?;
+            let sd = sd.collect();
             let setting = Setting::of(c, axes.to_vec()).referred_to(c, reference_c);
-            Ok(Part { sample, calibration, setting, sd })
+            Ok(Part { sample, calibration, setting, sd, scales })
         };
         let parts = samples.iter().map(part).collect::<Result<Vec<_>, _>>()?;
         let between = between(&parts);
@@ -426,9 +458,8 @@ fn noise(parts: &[Part], j: usize) -> NoiseLaw {
             u1 += u;
             v1 += v;
         }
-        let gyro = &part.calibration.gyros[j];
-        dof += gyro.noise.dof;
-        factors.extend(gyro.noise.covariance_scale().filter(|_| part.calibration.has_sem));
+        dof += part.scales[j].dof;
+        factors.extend(part.calibration.has_sem.then(|| part.scales[j].of_weights.powi(2)));
     }
     let determinant = uu * vv - uv * uv;
     let both = ((u1 * vv - v1 * uv) / determinant, (v1 * uu - u1 * uv) / determinant);

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use crate::core::augmented::Adopted;
+use crate::core::adopted::Adopted;
 use crate::core::effects::{GyroAxes, Refusal};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};

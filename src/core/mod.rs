@@ -16,6 +16,7 @@ pub mod diagnose;
 pub mod effects;
 pub mod fault;
 pub mod figures;
+pub mod fleet_order;
 pub mod frames;
 pub mod history_note;
 pub mod hook_filter;

@@ -13,6 +13,7 @@ mod decide;
 mod event;
 mod extremes;
 mod noise;
+mod outlook;
 mod range_summary;
 mod reason;
 mod rule;
@@ -26,6 +27,7 @@ pub use event::{Event, FixedLevels, Mark, baseline_since, reset_before, stated_l
 pub use history::{History, Need};
 pub use limits::{Bounds, DriftLimits, Limit, LimitKey, Limits, Requirement, ShiftLimits, TrendLimits};
 pub use noise::{FleetNoise, Noise, Spacing, fit_fleet};
+pub use outlook::{Outlook, Reach};
 pub use range_summary::Older;
 pub use reason::{digits, sd_digits, turn_arcmin};
 pub use rule::{Finding, LimitKind, Rule, Source, Unit};

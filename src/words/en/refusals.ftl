@@ -221,3 +221,4 @@ event_needed = choose an event
 ## Several at once
 
 several = { $faults }
+no_alert_selected = no alert is selected

@@ -26,7 +26,7 @@ pub(super) async fn imu(Held(pages): Held<Pages>, viewer: Viewer, Path(imu): Pat
     viewer.show(of_imu(&pages, &viewer, &imu).await)
 }
 
-async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, Problem> {
+pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, Problem> {
     let t = viewer.text();
     let number = known(pages, serial)?;
     let shown = Shown::asked(None, pages.config.judging.method);

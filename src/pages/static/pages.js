@@ -9,8 +9,26 @@
     const at = new Date(time.dateTime);
     if (isNaN(at)) continue;
     time.title = time.textContent;
-    time.textContent = local(at);
+    time.textContent = "day" in time.dataset ? local(at).slice(0, 10) : local(at);
   }
+
+  // Local times say no zone: the head of the page does.
+  const zone = document.getElementById("zone");
+  if (zone) {
+    const minutes = -new Date().getTimezoneOffset();
+    const hours = `${Math.floor(Math.abs(minutes) / 60)}${Math.abs(minutes) % 60 ? `:${two(Math.abs(minutes) % 60)}` : ""}`;
+    zone.textContent = minutes ? `UTC${minutes < 0 ? "-" : "+"}${hours}` : "UTC";
+  }
+
+  // "/" leads to the search, unless something is being written.
+  document.addEventListener("keydown", (event) => {
+    const find = document.getElementById("find");
+    if (event.key !== "/" || event.ctrlKey || event.metaKey || event.altKey || !find) return;
+    if (event.target.closest("input, textarea, select, [contenteditable]")) return;
+    event.preventDefault();
+    find.focus();
+    find.select();
+  });
 
   const colour = (name) => {
     // Resolves light-dark(): a custom property alone keeps it unresolved.
@@ -268,6 +286,8 @@
     const take = async (file) => {
       if (!file) return;
       form.querySelector("textarea").value = await file.text();
+      const name = form.querySelector("input[name=file]");
+      [name.disabled, name.value] = [false, file.name];
       form.requestSubmit();
     };
     input.closest("[hidden]").hidden = false;

@@ -18,6 +18,7 @@ pub mod dwells;
 pub mod effects;
 pub mod fault;
 pub mod figures;
+pub mod fleet_order;
 pub mod frames;
 pub mod history_note;
 pub mod hook_filter;

@@ -31,5 +31,5 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &[(String, String)]) -> Re
         @if sheets.is_empty() { h1 { (t.reports) } p.lead { (t.none_selected) } }
         @for (k, sheet) in sheets.iter().enumerate() { section.sheet[k > 0] { (sheet) } }
     };
-    Ok(Page { title: t.reports.into(), section: Section::Fleet, plots: false, body })
+    Ok(Page { title: t.reports.into(), section: Section::Fleet, body })
 }

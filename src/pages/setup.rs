@@ -39,7 +39,7 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
         (limits(t, &pages.config.judging))
         (access)
     };
-    Ok(Page { title: t.setup.into(), section: Section::Setup, plots: false, body })
+    Ok(Page { title: t.setup.into(), section: Section::Setup, body })
 }
 
 /// Every limit that a rule of D_I or D_S has.
@@ -83,7 +83,7 @@ fn limits(t: &Text, judging: &Judging) -> Markup {
                         code { "judging.overrides[" (place) "]" } " "
                         @if let Some(imu) = &one.imu { (t.imu) " " span translate="no" { (imu) } " " }
                         @if let Some(serial) = &one.serial { (t.serial) " " span translate="no" { (serial) } " " }
-                        @if let Some(budget) = one.budget { (t.budget_word) " " (figure::short(budget)) }
+                        @if let Some(budget) = one.budget { (t.budget_line) " " (figure::short(budget)) }
                     }
                 } }
             }

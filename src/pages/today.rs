@@ -62,7 +62,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
             (several(t, &today))
         }
     };
-    Ok(Page { title: t.today_title.into(), section: Section::Today, plots: false, body })
+    Ok(Page { title: t.today_title.into(), section: Section::Today, body })
 }
 
 fn block(title: &Markup, count: usize, nothing: &str, body: &Markup, all: Option<(&str, String)>) -> Markup {

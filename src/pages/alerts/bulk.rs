@@ -172,7 +172,7 @@ fn form(viewer: &Viewer, said: &Said, found: &[AlertBody], faults: &Faults) -> P
             p { button.primary { (t.confirm_short) } " " a href=(said.back()) { (t.go_back) } }
         }
     };
-    Page { title: t.bulk_title.into(), section: Section::Alerts, plots: false, body }
+    Page { title: t.bulk_title.into(), section: Section::Alerts, body }
 }
 
 /// One form for the gyros that are ticked.

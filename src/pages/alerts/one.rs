@@ -55,5 +55,5 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem
         }
         p { a href=(of_gyro) { (t.alerts_of_gyro) } }
     };
-    Ok(Page { title: format!("{} {}", t.alert, alert.serial), section: Section::Alerts, plots: false, body })
+    Ok(Page { title: format!("{} {}", t.alert, alert.serial), section: Section::Alerts, body })
 }

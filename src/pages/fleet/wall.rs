@@ -32,7 +32,7 @@ pub(super) async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> 
             (filters.pager(viewer, wall.number, wall.last))
         }
     };
-    Ok(Page { title: t.fleet.into(), section: Section::Fleet, plots: false, body })
+    Ok(Page { title: t.fleet.into(), section: Section::Fleet, body })
 }
 
 fn card(t: &Text, imu: &str, gyros: &[Standing]) -> Markup {

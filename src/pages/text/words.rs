@@ -71,9 +71,6 @@ catalogue! {
     previous: "Previous", "上一页";
     next: "Next", "下一页";
     gyros: "gyros", "陀螺数";
-    gyros_found: "gyros, worst first.", "个陀螺，最差优先。";
-    alert_one: "1 alert", "1 项告警";
-    alerts_count: "alerts", "项告警";
     last_seen: "Last seen", "最近上报";
 
     // One gyro.
@@ -367,7 +364,6 @@ catalogue! {
 
     // Alerts.
     alerts: "Alerts", "告警";
-    alerts_open: "Alerts on this gyro", "该陀螺的告警";
     alerts_note: "One line per gyro, the worst first; its alerts are folded below. An alert lasts: when it fires again it is the same alert.", "每个陀螺一行，最差优先，其告警折叠于下。告警是持续的：再次触发仍为同一告警。";
     no_alerts: "No alert fits.", "没有符合条件的告警。";
     alert_all: "all", "全部";

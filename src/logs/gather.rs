@@ -459,7 +459,7 @@ impl Reader {
         Ok(Some(column))
     }
 
-    fn into_gathered(mut self, series: Series, roles: Vec<Role>) -> Result<Gathered, LogError> {
+    fn into_gathered(mut self, mut series: Series, roles: Vec<Role>) -> Result<Gathered, LogError> {
         let clock = &self.clock;
         let mut say = |count: u64, message: Message| {
             if count > 0 {
@@ -473,11 +473,18 @@ impl Reader {
         say(clock.wrapped, message!("time_wrapped", count = clock.wrapped));
         say(self.missing, message!("rows_incomplete", count = self.missing));
         say(self.bad as u64, message!("rows_left_out", count = self.bad));
-        let frozen = self.longest_run.0 >= FROZEN && self.equal * 5 < self.rows;
+        let counted = matches!(self.counts, Counts::Increment | Counts::Total);
+        // Counts of a second are equal by nature.
+        let frozen = !counted && self.longest_run.0 >= FROZEN && self.equal * 50 < self.rows;
         let (length, end) = self.longest_run;
         say(u64::from(frozen), message!("samples_frozen", count = length, end = figure(end, 2)));
         if series.number.is_empty() {
             return Err(LogError::new("map", message!("logs_apart")));
+        }
+        if counted {
+            // By the usual time between samples; a dwell's mean is brought to its own time afterwards.
+            let outputs = roles.iter().zip(&mut series.tracks).filter(|(role, _)| matches!(role, Role::Output(_)));
+            outputs.for_each(|(_, track)| track.scale(interval.recip()));
         }
         let unix_s = self.clock.origin.filter(|_| self.absolute);
         Ok(Gathered {

@@ -4,8 +4,9 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use super::column::Column;
 use super::error::LogError;
-use super::source::{Column, Source};
+use super::source::Source;
 use super::units::Quantity;
 use crate::core::message::Message;
 use crate::core::units::STANDARD_GRAVITY_M_S2;

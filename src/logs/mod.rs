@@ -7,6 +7,7 @@
 pub mod assemble;
 mod averaged;
 pub mod campaign;
+mod column;
 pub mod error;
 mod gather;
 pub mod guess;

@@ -4,9 +4,9 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
+use super::column::{Column, Sample};
 use super::error::{LogError, unreadable};
 use super::kind::{FileKind, HEAD};
-use super::source::{Column, Sample};
 use super::units::QUANTITIES;
 use crate::core::message::{Message, sent};
 use crate::message;

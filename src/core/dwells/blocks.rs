@@ -3,6 +3,9 @@
 /// Most blocks that are kept. Where a log has more, two and two become one.
 pub const MOST_BLOCKS: usize = 1 << 18;
 
+/// Blocks at the end of a range that are no chance.
+const IN_A_ROW: usize = 8;
+
 /// Sums over blocks of 2^level seconds, which begin at whole multiples of their length.
 #[derive(Debug, Clone)]
 pub struct Blocks {
@@ -222,14 +225,25 @@ impl Track {
         first + sum / count
     }
 
-    /// Share of the blocks `from..to` whose samples all stand at the end of the channel's range.
+    /// Share of the blocks `from..to` that stand at the end of the channel's range, several in a row.
     pub fn clipped(&self, from: usize, to: usize) -> f64 {
         if self.most <= self.least {
             return 0.0;
         }
         let room = 1e-12 * (self.most - self.least);
-        let at_end = |mean: f64| mean - self.least <= room || self.most - mean <= room;
-        let clipped = (from..to).filter(|&k| at_end(self.mean[k])).count();
+        let at_end = |mean: &f64| mean - self.least <= room || self.most - mean <= room;
+        let runs = self.mean[from..to].chunk_by(|a, b| at_end(a) == at_end(b));
+        let clipped: usize = runs.filter(|run| at_end(&run[0]) && run.len() >= IN_A_ROW).map(<[f64]>::len).sum();
         clipped as f64 / (to - from) as f64
+    }
+
+    /// The same channel in another unit.
+    pub fn scale(&mut self, factor: f64) {
+        for value in self.mean.iter_mut().chain(&mut self.spread) {
+            *value *= factor;
+        }
+        for value in [&mut self.least, &mut self.most, &mut self.step] {
+            *value *= factor;
+        }
     }
 }

@@ -28,8 +28,33 @@ pub struct Noise {
 
 /// Octaves below the longest that are fitted: what filters do to shorter times says nothing of a dwell's mean.
 const OCTAVES: usize = 8;
-const ROUNDS: usize = 2000;
+const ROUNDS: usize = 1000;
+/// What quantisation and walk must gain in minus twice the logarithm of the likelihood.
+const FURTHER: f64 = 3.0;
 const EULER: f64 = 0.577_215_664_901_532_9;
+
+fn powers(tau: f64) -> [f64; 4] {
+    [tau.powi(-2), tau.recip(), 1.0, tau]
+}
+
+/// The parts at the likelihood's top, from a start; a part that is zero stays so.
+fn climbed(octaves: &[&Octave], mut parts: [f64; 4]) -> Noise {
+    for _ in 0..ROUNDS {
+        let (mut up, mut down) = ([0.0; 4], [0.0; 4]);
+        for octave in octaves {
+            let at = powers(octave.tau_s);
+            let model: f64 = at.iter().zip(&parts).map(|(a, p)| a * p).sum::<f64>().max(1e-300);
+            for k in 0..4 {
+                up[k] += octave.pairs * at[k] * octave.variance / (model * model);
+                down[k] += octave.pairs * at[k] / model;
+            }
+        }
+        for k in 0..4 {
+            parts[k] *= (up[k] / down[k]).sqrt();
+        }
+    }
+    Noise { parts }
+}
 
 /// Allan variances of means `values` that stand for `step_s` seconds each, over octaves and over half of the whole.
 pub fn octaves(values: &[f64], step_s: f64) -> Vec<Octave> {
@@ -56,7 +81,8 @@ impl Noise {
     /// Fits the octaves of all dwells of one channel.
     ///
     /// Each octave's variance is a mean of squares of normal values, so the likelihood is that of a chi-squared
-    /// variance; the parts stay positive (multiplicative steps, which never lower it).
+    /// variance; the parts stay positive (multiplicative steps, which never lower it). Quantisation and walk are taken in
+    /// only where the likelihood asks for them: of few dwells the long octaves are mere chance.
     pub fn fit(octaves: &[Octave]) -> Self {
         let longest = octaves.iter().map(|o| o.tau_s).fold(0.0, f64::max);
         let least = longest / 2f64.powi(OCTAVES as i32);
@@ -65,31 +91,31 @@ impl Noise {
         if level <= 0.0 {
             return Self::default();
         }
-        let powers = |tau: f64| [tau.powi(-2), tau.recip(), 1.0, tau];
         // A start at which every part matters somewhere.
         let middle = (longest * least).sqrt();
-        let mut parts = powers(middle).map(|p| 0.25 * level / p);
-        for _ in 0..ROUNDS {
-            let (mut up, mut down) = ([0.0; 4], [0.0; 4]);
-            for octave in &used {
-                let at = powers(octave.tau_s);
-                let model: f64 = at.iter().zip(&parts).map(|(a, p)| a * p).sum::<f64>().max(1e-300);
-                for k in 0..4 {
-                    up[k] += octave.pairs * at[k] * octave.variance / (model * model);
-                    down[k] += octave.pairs * at[k] / model;
-                }
-            }
-            for k in 0..4 {
-                parts[k] *= (up[k] / down[k]).sqrt();
-            }
-        }
-        Self { parts }
+        let start = powers(middle).map(|p| 0.25 * level / p);
+        let models = [[0.0, 1.0, 1.0, 0.0], [1.0; 4]];
+        let fits = models.iter().zip([0.0, 1.0]).map(|(model, further)| {
+            let mut parts = start;
+            parts.iter_mut().zip(model).for_each(|(part, there)| *part *= there);
+            let fit = climbed(&used, parts);
+            (fit.misfit(&used) + FURTHER * further, fit)
+        });
+        fits.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Self::default, |(_, fit)| fit)
+    }
+
+    /// Minus twice the logarithm of the likelihood.
+    fn misfit(&self, octaves: &[&Octave]) -> f64 {
+        let of = |o: &&Octave| {
+            let model = self.allan(o.tau_s).max(1e-300);
+            o.pairs * (model.ln() + o.variance / model)
+        };
+        octaves.iter().map(of).sum()
     }
 
     /// The Allan variance at tau.
     pub fn allan(&self, tau_s: f64) -> f64 {
-        let [q, n, h, k] = self.parts;
-        q / (tau_s * tau_s) + n / tau_s + h + k * tau_s
+        powers(tau_s).iter().zip(&self.parts).map(|(power, part)| power * part).sum()
     }
 
     /// Standard deviation of white noise in a mean over one second, N.

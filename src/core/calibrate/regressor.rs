@@ -42,3 +42,20 @@ pub(super) fn told_apart<T>(
     }
     (kept, hidden)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_adds_something_where_more_than_a_millionth_of_its_power_is_left() {
+        let mut basis = Basis::default();
+        basis.push_beyond(vec![1.0, 0.0, 0.0], 0.0);
+        let column = |left: f64| DVector::from_vec(vec![100.0, left, 0.0]);
+        // Squares of 0.2 and 0.05 are left of a power of 1e4, of which a millionth is 0.01.
+        let (adds, basis) = adding(basis, [(1e4, column(0.2)), (1e4, column(0.05))].into_iter());
+        assert_eq!((adds, basis.rank()), (vec![true, false], 2));
+        let (adds, _) = adding(Basis::default(), [(1e4, column(0.0)), (1e4, column(0.05))].into_iter());
+        assert_eq!(adds, [true, false]);
+    }
+}

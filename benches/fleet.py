@@ -16,8 +16,11 @@ from datetime import datetime, timedelta, timezone
 
 INPUT = [0.5773502691896258, -0.4082482904638631, 0.7071067811865475]
 SPIN = [0.0, 0.8660254037844387, 0.5]
-PAGES = ("/", "/?page=1", "/?page=1200", "/?q=LFG-0005", "/?q=imu-1", "/?q=nobody", "/?status=overdue",
-         "/?state=exceeded", "/?status=in_tolerance&page=700", "/?station=ST-3", "/v1/gyros?limit=100",
+PAGES = ("/", "/fleet", "/fleet?page=1", "/fleet?page=1200", "/fleet?q=LFG-0005", "/fleet?q=imu-1", "/fleet?q=nobody",
+         "/fleet?status=overdue", "/fleet?state=exceeded", "/fleet?status=in_tolerance&page=700", "/fleet?station=ST-3",
+         "/fleet?station=ST-3&station_when=ever", "/fleet?rule=baseline", "/fleet?sort=load", "/fleet?sort=eta&page=900",
+         "/fleet?sort=age", "/fleet?sort=serial&page=1000", "/fleet?view=imu", "/fleet?view=imu&page=300",
+         "/v1/gyros?limit=100", "/v1/gyros?station=ST-3&station_when=ever&limit=100", "/v1/gyros?rule=baseline&limit=100",
          "/v1/gyros?status=overdue&limit=100", "/v1/gyros?status=confirmed&limit=100", "/imus/IMU-00100", "/alerts")
 SETTINGS = {"GYROWATCH_LISTEN": "127.0.0.1:0", "GYROWATCH_JUDGING__INTERVAL_DAYS": "45",
             "GYROWATCH_ALERTS__BACKFILL_DAYS": "100000"}

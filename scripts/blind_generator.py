@@ -8,9 +8,14 @@ A diagnosis whose figures hold on both does not owe them to one simulator.
 
     python3 scripts/blind_generator.py --out DIR --seed 7 --count 200
     python3 scripts/blind_generator.py --out DIR --seed 7 --count 200 --hard
+    python3 scripts/blind_generator.py --out DIR --seed 7 --count 100 --pairs
 
 With --hard the noise is not what standard errors say: they are wrong by a factor of their own for each gyro, or absent,
 or the noise has heavy tails, and the programme is one that no table of positions lists.
+
+With --pairs it makes two campaigns of each IMU: the same gyros, the same effects with the same coefficients, another order
+of dwells, another course of temperature and other noise; the second is as warm as the first, or 3 K off. In some the
+coefficients have tripled.
 """
 
 import argparse
@@ -143,9 +148,15 @@ class Campaign:
         self.o = np.cross(self.i, self.s)
         self.k = rng.uniform(1.45, 1.49, 3)
         self.d_f, self.d_i, self.d_s = rng.normal(0, 2, 3), rng.normal(0, 5, 3), rng.normal(0, 7, 3)
-        floor = style["noise"]
-        self.sd = np.array([np.hypot(floor, floor * np.abs(self.turn) / style["knee"]) * rng.uniform(0.9, 1.1)
-                            for _ in range(3)])
+        self.quality = np.array([rng.uniform(0.9, 1.1) for _ in range(3)])
+        self.find_noise()
+        self.reference_c = None
+
+    def find_noise(self):
+        floor = self.style["noise"]
+        loud = np.hypot(floor, floor * np.abs(self.turn) / self.style["knee"])
+        self.sd = self.quality[:, None] * loud
+        n = self.n
         design_matrix = np.c_[np.ones(n), self.a, self.a**2, self.w]
         self.left_over = []
         for j in range(3):
@@ -159,7 +170,7 @@ class Campaign:
         rng, a, w, t = self.rng, self.a, self.w, self.t
         i, s, o = self.i[j], self.s[j], self.o[j]
         ai, as_, ao, wi, ws = a @ i, a @ s, a @ o, w @ i, w @ s
-        warm = self.temperature - self.temperature.mean()
+        warm = self.temperature - (self.temperature.mean() if self.reference_c is None else self.reference_c)
         n, shared = self.n, self.shared
         north = np.array([c[:, 1] if r == 0 else 0 * c[:, 1] for c, r in zip(self.attitudes, self.turn)])
         east = np.array([c[:, 0] if r == 0 else 0 * c[:, 0] for c, r in zip(self.attitudes, self.turn)])
@@ -357,16 +368,89 @@ def one(seed, number, hard):
     return campaign.document(number, outputs), entry
 
 
+LASTING = """temperature_bias temperature_g temperature_scale hysteresis scale_asymmetry scale_quadratic anisoinertia
+g_rate_coupling magnetic levelling azimuth warmup""".split()
+
+
+class Same:
+    """Draws the same directions for each campaign of a pair."""
+
+    def __init__(self, seed):
+        self.seed = seed
+
+    def normal(self, size=None):
+        return np.random.default_rng(self.seed).normal(size=size)
+
+
+def pair(seed, number):
+    """Two campaigns of one IMU, and what is true of them."""
+    rng = np.random.default_rng([seed, number, 2])
+    kind = str(rng.choice(["same", "warmer", "tripled", "clean"], p=[0.3, 0.4, 0.15, 0.15]))
+    design = str(rng.choice(DESIGNS))
+    count = 0 if kind == "clean" else 1 if kind == "tripled" else int(rng.choice([1, 2]))
+    effects = [str(name) for name in rng.choice(LASTING, count, replace=False)]
+    given = style(rng, False)
+    first, second = Campaign(rng, design, given), Campaign(rng, design, given)
+    for name in "k i s o d_f d_i d_s quality".split():
+        setattr(second, name, getattr(first, name))
+    second.find_noise()
+    second.temperature += {"warmer": 3.0 * rng.choice([-1, 1])}.get(kind, 0.0)
+    first.draw_shared()
+    second.shared = first.shared
+    responses, key, moved = [[], []], [], np.zeros((2, 3))
+    for effect in effects:
+        chosen = np.ones(first.count, bool)
+        if effect not in COMMON:
+            chosen = rng.random(first.count) < 0.7
+            chosen[rng.integers(first.count)] = True
+        direction = [int(x) for x in rng.integers(1 << 30, size=3)]
+        columns = []
+        for campaign in (first, second):
+            kept = campaign.rng
+            of_gyros = []
+            for j in range(first.count):
+                campaign.rng, campaign.reference_c = Same(direction[j]), 45.0
+                of_gyros.append(campaign.k[j] * campaign.column(effect, j) * chosen[j])
+            campaign.rng = kept
+            columns.append(of_gyros)
+        seen = np.linalg.norm([np.linalg.norm(first.left_over[j](c)) for j, c in enumerate(columns[0])])
+        size = (20.0 if kind == "tripled" else float(rng.choice([12, 20, 40]))) / seen
+        size *= rng.choice([-1, 1])
+        responses[0].append([size * c for c in columns[0]])
+        responses[1].append([(3.0 if kind == "tripled" else 1.0) * size * c for c in columns[1]])
+        if effect == "temperature_g":
+            for j in range(first.count):
+                d = Same(direction[j]).normal(size=2)
+                moved[:, j] += size * chosen[j] * d / np.linalg.norm(d)
+        key.append(effect)
+    documents = []
+    for at, campaign, given in zip(("2026-04-01", "2026-07-01"), (first, second), responses):
+        document = campaign.document(number, campaign.measured(given))
+        document["measured_at"] = f"{at}T06:00:00+08:00"
+        documents.append(document)
+    truth = {"kind": kind, "effects": key, "sem": first.style["sem"], "design": design,
+             "D_I": list(first.d_i[:first.count]), "D_S": list(first.d_s[:first.count]),
+             "per_kelvin": moved[:, :first.count].tolist(), "reference_c": 45.0}
+    return documents, truth
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder to write campaigns and key.json into")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--hard", action="store_true", help="standard errors wrong or absent, heavy tails, other designs")
+    parser.add_argument("--pairs", action="store_true", help="two campaigns of each IMU")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     key = {}
-    for number in range(options.count):
+    for number in range(options.count if options.pairs else 0):
+        documents, entry = pair(options.seed, number)
+        names = [f"pair-{number:04d}-{letter}.json" for letter in "ab"]
+        for name, document in zip(names, documents):
+            (options.out / name).write_text(json.dumps(document))
+        key[names[0]] = {"next": names[1], **entry}
+    for number in range(0 if options.pairs else options.count):
         document, entry = one(options.seed, number, options.hard)
         name = f"blind-{number:04d}.json"
         (options.out / name).write_text(json.dumps(document))

@@ -15,9 +15,22 @@
 //!
 //! # In reading order
 //!
-//! [`core::record`] and [`core::campaign`] say what comes in, [`core::mounting`] where axes point,
-//! [`core::model`] what model (6) predicts, [`simulate`] what a station would measure,
-//! [`experiment`] the paper's own comparison on simulated gyros, [`blindcheck`] how well a hidden cause is found.
+//! The mathematics, which is plain functions of their arguments:
+//!
+//! 1. [`core::units`], [`core::frames`], [`core::mounting`]: conversions, rotations with their direction in the type,
+//!    where axes point (Tables 1 and 2 of the paper).
+//! 2. [`core::record`], [`core::campaign`], [`core::model`]: what comes in, and what model (6) predicts.
+//! 3. [`core::calibrate::calibrate`]: dwells to E and G, with covariance, rank and null directions.
+//! 4. [`core::separate::separate`]: E and G to D_I, D_S and the closure D_O, by eqs. (7) to (13) and by the rigid method.
+//! 5. [`core::judge::judge`]: a history and limits to verdicts; [`core::alert_decision`]: verdicts to alerts.
+//! 6. [`core::effects`], [`core::diagnose::diagnose`]: the catalogue, and which of it explains what a campaign shows.
+//! 7. [`core::changes`]: why a gyro's coefficients changed over its history, the gyro or its station.
+//!
+//! What it is checked by: [`simulate`] (a station from physics), [`experiment`] (the paper's own comparison) and
+//! [`blindcheck`] (how often a hidden cause is found).
+//!
+//! The service around it: [`wire`] (documents), [`words`] (English and Chinese), [`store`], [`pipeline`], [`alert`],
+//! [`http`], [`pages`], [`cli`]. `docs/architecture.md` says which may use which.
 
 // What ships never unwraps in silence: `expect` says why it cannot fail.
 #![warn(clippy::unwrap_used)]
@@ -30,6 +43,7 @@ mod cookies;
 pub mod core;
 pub mod experiment;
 pub mod http;
+pub mod logs;
 pub mod pages;
 pub mod pipeline;
 pub mod routes;

@@ -87,9 +87,13 @@ async fn an_engineer_finds_a_gyro_zooms_switches_the_method_and_exports() {
     let browser = Browser::open(&demo.base, demo.dir.path()).await;
     browser.look(1280, 1000, false).await;
     browser.goto("/").await;
-    browser.type_into("input[type=search]", "lfg-0004\n").await;
-    browser.wait("location.search.includes('lfg-0004')").await;
-    browser.click("table.fleet tbody th a").await;
+    // With the keyboard alone: a slash leads to the search, and one gyro is there at once.
+    browser
+        .eval("document.body.dispatchEvent(new KeyboardEvent('keydown', {key: '/', bubbles: true, cancelable: true}))")
+        .await;
+    assert_eq!(browser.eval("document.activeElement.id").await, "find");
+    browser.type_into("#find", "lfg-0004\n").await;
+    browser.wait("location.pathname == '/gyros/LFG-0004'").await;
     browser.wait("document.querySelector('#history')").await;
     browser.sees("Take it out, or accept the new level").await;
     browser.click("#verdicts summary").await;
@@ -220,7 +224,7 @@ async fn a_metrologist_reads_what_was_hidden_in_a_campaign() {
     assert_eq!(stored.status, 201);
     let browser = Browser::open(&server.url(""), server.dir()).await;
     browser.look(1280, 1000, false).await;
-    browser.goto("/?q=IMU-9009").await;
+    browser.goto("/fleet?q=IMU-9009").await;
     browser.click("table.fleet a[href^='/imus/']").await;
     browser.wait("location.pathname == '/imus/IMU-9009'").await;
     browser.click("a[href$='/diagnosis']").await;
@@ -262,8 +266,9 @@ async fn an_operator_sees_what_is_wrong_with_a_file_before_anything_is_stored() 
     for there in [
         "1 can be stored · 2 cannot",
         "Line 2 · refused",
-        "/calibrated_at",
-        "/gyros/1/e_pulse_per_arcsec",
+        "calibrated_at: ",
+        "gyro 2, e_pulse_per_arcsec: ",
+        "Preview · calibrations.ndjson",
         "Line 3 · refused",
         "2.957643",
     ] {
@@ -552,11 +557,17 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
     let link = |start: &str| format!("document.querySelector(\"td a[href^='{start}']\").pathname");
     let record = browser.eval(&link("/records/")).await;
     let acknowledge = browser.eval(&link("/alerts/")).await;
+    let alert = acknowledge.as_str().unwrap().trim_end_matches("/acknowledge").to_owned();
     let void = format!("{}/void", record.as_str().unwrap());
     let hook = format!("/hooks/{}", set_up_hook(&browser).await);
     let delete = format!("{hook}/delete");
     let pages = [
-        ("fleet", "/"),
+        ("today", "/?since=2026-01-01"),
+        ("fleet", "/fleet"),
+        ("fleet-imu", "/fleet?view=imu"),
+        ("setup", "/setup"),
+        ("alerts-bulk", "/alerts/bulk?gyro=LFG-0004"),
+        ("alert", &alert),
         ("gyro", "/gyros/LFG-0011"),
         ("drifting", "/gyros/LFG-0004"),
         ("bench", "/gyros/PAPER-T5-G1?method=bench"),
@@ -582,6 +593,7 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
         ("compare-campaigns", &compared),
         ("report-gyro", "/gyros/LFG-0004/report"),
         ("report-imu", "/imus/IMU-21/report"),
+        ("book", if language == "zh" { "/book/zh/adopt-predict-compare" } else { "/book/tutorials/own-csv" }),
     ];
     let mut wrong = Vec::new();
     for dark in [false, true] {

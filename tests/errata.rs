@@ -250,3 +250,25 @@ fn the_angles_of_equation_14_are_not_those_of_table_3() {
     }
     assert!((0.009..0.01).contains(&largest), "{largest}");
 }
+
+/// Singular values of a design that are more than rounding.
+fn rank(columns: &[fn(f64, f64, f64) -> f64]) -> usize {
+    let steps = (0..40).map(|k| (f64::from(k) * 0.7).sin_cos());
+    let rows: Vec<f64> = steps
+        .enumerate()
+        .flat_map(|(k, (s, c))| {
+            let (i, spin, o) = (s * (k as f64 * 0.31).cos(), c, s * (k as f64 * 0.31).sin() * 1.3);
+            columns.iter().map(move |column| column(i, spin, o)).collect::<Vec<_>>()
+        })
+        .collect();
+    nalgebra::DMatrix::from_row_slice(40, columns.len(), &rows).rank(1e-9)
+}
+
+#[test]
+fn d_si_of_equation_5_multiplies_a_product_and_not_the_square_of_d_ss() {
+    let common: [fn(f64, f64, f64) -> f64; 7] =
+        [|_, _, _| 1.0, |i, _, _| i, |_, s, _| s, |i, _, o| i * o, |_, s, o| o * s, |i, _, _| i * i, |_, s, _| s * s];
+    let with = |d_si: fn(f64, f64, f64) -> f64| rank(&[&common[..], &[d_si]].concat());
+    assert_eq!(with(|i, s, _| s * i), 8, "as in the equation");
+    assert_eq!(with(|_, s, _| s * s), 7, "as the words below it have it");
+}

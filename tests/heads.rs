@@ -221,6 +221,11 @@ async fn a_row_that_is_wrong_or_missing_is_found_and_limits_that_change_make_all
             ("sought = upper(sought)", "sought = lower(sought)"),
             ("firing = 1", "firing = 0"),
             ("d_s_sd = 0.5", "d_s_sd = NULL"),
+            ("since = 5", "since = NULL"),
+            ("changed_at = 5", "changed_at = NULL"),
+            ("d_i_load_sd = 0.5", "d_i_load_sd = NULL"),
+            ("d_i_load = d_i_load + 0.1", "d_i_load = d_i_load - 0.1"),
+            ("reach_of = 'D_I', reach_at = 5", "reach_of = NULL, reach_at = NULL"),
         ] {
             assert_eq!(change(&lab, &format!("UPDATE head SET {wrong} WHERE serial = 'B'")).await, 1);
             let faults = lab.verified().await.faults;
@@ -250,6 +255,90 @@ async fn a_row_that_is_wrong_or_missing_is_found_and_limits_that_change_make_all
         let overdue = lab.get("/v1/gyros?status=overdue").await.ok();
         assert_eq!(overdue["gyros"].as_array().unwrap().len(), 3);
         assert_ne!(says(&lab, "A", "version").await, "100");
+    }
+}
+
+/// The serials that the API lists.
+async fn listed(lab: &Lab, query: &str) -> Vec<String> {
+    let gyros = lab.get(&format!("/v1/gyros?{query}")).await.ok()["gyros"].clone();
+    gyros.as_array().unwrap().iter().map(|gyro| gyro["serial"].as_str().unwrap().to_owned()).collect()
+}
+
+#[tokio::test]
+async fn the_fleet_is_narrowed_down_by_station_imu_rule_and_time_and_says_where_gyros_go() {
+    for mut lab in on_both(|config| config.alerts.backfill_days = 100_000.0).await {
+        let sent = async |lab: &Lab, station: &str, at: i64, d: f64| {
+            let mut body = record("IMU-1", &day(at), &[("G1", "A", d, 2.0), ("G2", "B", 1.0, 2.0 + 1e-5 * at as f64)]);
+            body["station"] = station.into();
+            lab.posts(&body).await;
+        };
+        for at in 0..4 {
+            sent(&lab, "ST-1", 10 * at, 1.0 + 1e-5 * at as f64).await;
+        }
+        sent(&lab, "ST-2", 40, 0.97).await;
+        sent(&lab, "ST-2", 50, 0.97).await;
+        let mut other = record("IMU-2", &day(45), &[("G1", "C", 1.0, 2.0)]);
+        other["station"] = "ST-2".into();
+        lab.posts(&other).await;
+        lab.post("/v1/bench-results", &bench("E", &day(46), 1.0, 2.0)).await.created();
+        for (query, serials) in [
+            ("", &["A", "B", "C", "E"][..]),
+            ("station=ST-1", &[]),
+            ("station=ST-1&station_when=ever", &["A", "B"]),
+            ("station=ST-2&station_when=ever", &["A", "B", "C"]),
+            ("station=ST-2", &["A", "B", "C"]),
+            ("station=nowhere", &[]),
+            ("imu=IMU-2", &["C"]),
+            ("q=imu-1", &["A", "B"]),
+            ("rule=baseline", &["A"]),
+            ("rule=overdue", &[]),
+            ("calibrated_since=2025-02-16", &["A", "B"]),
+            ("calibrated_since=2025-02-16T12:00:00%2B02:00", &["A", "B"]),
+            ("calibrated_since=2025-02-15", &["A", "B", "C"]),
+            // Its step and its distance from the baseline began on 10 February.
+            ("changed_since=2025-02-10", &["A"]),
+            ("changed_since=2025-02-11", &[]),
+            ("rule=baseline&imu=IMU-2", &[]),
+            ("status=confirmed&station=ST-2&changed_since=2025-02-01", &["A"]),
+        ] {
+            assert_eq!(listed(&lab, query).await, serials, "{query}");
+        }
+        for wrong in ["rule=nonsense", "station_when=then", "changed_since=yesterday"] {
+            assert_eq!(lab.get(&format!("/v1/gyros?{wrong}")).await.status, 400, "{wrong}");
+        }
+        let gyro = lab.get("/v1/gyros/A").await.ok();
+        let load = gyro["latest"]["loads"]["D_I"]["value"].as_f64().unwrap();
+        // 0.03 below the median of 1, 1.00001 and 1.00002.
+        assert!((load + 3.001).abs() < 1e-6, "{gyro}");
+        assert_eq!(gyro["since"], "2025-02-10T12:00:00Z");
+        assert!(gyro["latest"]["reach"].is_null());
+        // What stations have ever calibrated is made anew where it is missing.
+        lab.stop().await;
+        change(&lab, "DELETE FROM gyro_station").await;
+        change(&lab, "UPDATE head_made SET limits = ''").await;
+        lab.start().await;
+        assert_eq!(listed(&lab, "station=ST-1&station_when=ever").await, ["A", "B"]);
+        stand(&lab, "made anew").await;
+    }
+}
+
+#[tokio::test]
+async fn a_gyro_that_ages_says_when_it_reaches_its_budget() {
+    for lab in on_both(|_| {}).await {
+        for week in 0..40 {
+            let d = 1.0 + 1e-4 * week as f64 + if week % 2 == 0 { 5e-5 } else { -5e-5 };
+            lab.posts(&record("IMU-1", &day(7 * week), &[("G1", "OLD", d, 2.0)])).await;
+        }
+        stand(&lab, "ageing").await;
+        let latest = lab.get("/v1/gyros/OLD").await.ok()["latest"].clone();
+        let load = latest["loads"]["D_I"]["value"].as_f64().unwrap();
+        assert!((0.3..0.45).contains(&load), "{latest}");
+        // 0.01 at 1e-4 a week is 100 weeks after the first few.
+        let reach = &latest["reach"];
+        assert_eq!(reach["coefficient"], "D_I");
+        let at = &reach["at"].as_str().unwrap()[..7];
+        assert!(("2026-10".."2027-03").contains(&at), "{reach}");
+        assert!(reach["earliest"].as_str().unwrap() < reach["at"].as_str().unwrap(), "{reach}");
     }
 }
 
@@ -288,11 +377,11 @@ async fn pages_and_cursors_show_every_gyro_once_and_in_one_order() {
         assert_eq!(answer.matches("\"status\":201").count(), records.len(), "{answer}");
         let mut paged = Vec::new();
         for number in 0..3 {
-            paged.extend(shown(&server, &format!("/?page={number}")).await);
+            paged.extend(shown(&server, &format!("/fleet?page={number}")).await);
         }
         assert_eq!(
-            shown(&server, "/?page=3").await,
-            shown(&server, "/?page=2").await,
+            shown(&server, "/fleet?page=3").await,
+            shown(&server, "/fleet?page=2").await,
             "beyond the last the last is shown"
         );
         let mut each_once = paged.clone();
@@ -331,7 +420,7 @@ async fn pages_and_cursors_show_every_gyro_once_and_in_one_order() {
         for status in worst {
             let filtered =
                 server.get(&format!("/v1/gyros?status={status}")).await.json()["gyros"].as_array().unwrap().len();
-            let of_page = shown(&server, &format!("/?status={status}&q=S-")).await.len();
+            let of_page = shown(&server, &format!("/fleet?status={status}&q=S-")).await.len();
             assert_eq!(of_page, filtered.min(40), "{status}");
         }
     }

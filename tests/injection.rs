@@ -175,7 +175,16 @@ async fn sql_in_any_parameter_reads_and_changes_nothing_else() {
             }
         }
     }
-    for page in ["/?q=", "/?imu=", "/?station=", "/alerts?state=", "/alerts?serial=", "/gyros/"] {
+    for page in [
+        "/fleet?q=",
+        "/fleet?imu=",
+        "/fleet?station=",
+        "/find?q=",
+        "/?since=",
+        "/alerts?state=",
+        "/alerts?serial=",
+        "/gyros/",
+    ] {
         for sql in SQL {
             let answer = server.get(&format!("{page}{}", encoded(sql))).await;
             assert!(answer.status < 500, "{page}{sql}: {}", answer.status);

@@ -48,27 +48,111 @@ fn place(text: &str, what: &str) -> usize {
 #[tokio::test]
 async fn the_fleet_shows_the_worst_first_and_is_narrowed_down_by_its_address() {
     let server = a_small_fleet().await;
-    let all = page(&server, "/", &[]).await;
+    let all = page(&server, "/fleet", &[]).await;
     assert!(place(&all, "JUMP/1") < place(&all, "STEADY"));
     assert!(all.contains(r#"href="/gyros/JUMP%2F1""#) && all.contains("distance from baseline"));
     for (address, shown, hidden) in [
-        ("/?status=confirmed", "JUMP/1", "STEADY"),
-        ("/?status=in_tolerance", "STEADY", "JUMP/1"),
+        ("/fleet?status=confirmed", "JUMP/1", "STEADY"),
+        ("/fleet?status=in_tolerance", "STEADY", "JUMP/1"),
         // As earlier versions had it.
-        ("/?state=exceeded", "JUMP/1", "STEADY"),
-        ("/?state=within", "STEADY", "JUMP/1"),
-        ("/?q=imu-b", "JUMP/1", "STEADY"),
-        ("/?q=steady", "STEADY", "JUMP/1"),
-        ("/?station=ST-1", "STEADY", "JUMP/1"),
+        ("/fleet?state=exceeded", "JUMP/1", "STEADY"),
+        ("/fleet?state=within", "STEADY", "JUMP/1"),
+        ("/fleet?q=imu-b", "JUMP/1", "STEADY"),
+        ("/fleet?q=steady", "STEADY", "JUMP/1"),
+        ("/fleet?station=ST-1", "STEADY", "JUMP/1"),
     ] {
         let some = page(&server, address, &[]).await;
         assert!(some.contains(shown) && !some.contains(hidden), "{address}: {some}");
     }
-    for nothing in ["/?q=nobody", "/?status=drifting", "/?status=nonsense"] {
+    for nothing in ["/fleet?q=nobody", "/fleet?status=drifting", "/fleet?status=nonsense"] {
         assert!(page(&server, nothing, &[]).await.contains("Nothing fits"), "{nothing}");
     }
-    let chinese = page(&server, "/", &[("accept-language", "zh")]).await;
+    // Counts follow the other filters, and where these stood before they lead on.
+    let narrowed = page(&server, "/fleet?q=steady&sort=load", &[]).await;
+    assert!(narrowed.contains("href=\"/fleet?q=steady&amp;status=in_tolerance&amp;sort=load\""), "{narrowed}");
+    assert!(!narrowed.contains("status=confirmed"), "{narrowed}");
+    let earlier = server.get("/?status=confirmed").await;
+    assert_eq!(earlier.status, 308);
+    assert_eq!(earlier.headers["location"], "/fleet?status=confirmed");
+    for (sort, first, second) in
+        [("load", "JUMP/1", "STEADY"), ("serial", "JUMP/1", "STEADY"), ("eta", "JUMP/1", "STEADY")]
+    {
+        let sorted = page(&server, &format!("/fleet?sort={sort}"), &[]).await;
+        assert!(place(&sorted, first) < place(&sorted, second) && sorted.contains("aria-sort"), "{sort}");
+    }
+    let wall = server.get("/fleet?view=imu&refresh=60").await;
+    assert_eq!(wall.headers["refresh"], "60");
+    let wall = wall.text();
+    assert!(wall.contains("article class=\"card confirmed\"") && wall.contains("href=\"/imus/IMU-B\""), "{wall}");
+    assert_eq!(server.get("/fleet?changed_since=soon").await.status, 400);
+    let both = page(&server, "/reports?gyro=JUMP%2F1&gyro=STEADY", &[]).await;
+    assert!(both.contains("Report on gyro JUMP/1") && both.contains("Report on gyro STEADY"), "{both}");
+    let chinese = page(&server, "/fleet", &[("accept-language", "zh")]).await;
     assert!(place(&chinese, "已证实") < place(&chinese, "合格") && !chinese.contains("超限"), "{chinese}");
+}
+
+#[tokio::test]
+async fn what_is_found_is_gone_to_where_it_is_one_thing() {
+    let server = a_small_fleet().await;
+    let record = server.get("/v1/gyros/STEADY").await.json()["latest"]["record"].as_str().unwrap().to_owned();
+    let alert = server.get("/v1/alerts").await.json()["alerts"][0]["id"].as_str().unwrap().to_owned();
+    for (sought, place) in [
+        ("STEADY", "/gyros/STEADY".to_owned()),
+        ("steady", "/gyros/STEADY".to_owned()),
+        ("JUMP/1", "/gyros/JUMP%2F1".to_owned()),
+        ("IMU-B", "/imus/IMU-B".to_owned()),
+        ("ST-2", "/stations/ST-2".to_owned()),
+        ("imu", "/fleet?q=imu".to_owned()),
+        ("nobody", "/fleet?q=nobody".to_owned()),
+        ("", "/fleet".to_owned()),
+        (&record, format!("/records/{record}")),
+        (&alert, format!("/alerts/{alert}")),
+    ] {
+        let answer = server.get(&format!("/find?q={}", sought.replace('/', "%2F"))).await;
+        assert_eq!((answer.status, goes_on_at(&answer)), (303, place.as_str()), "{sought}");
+    }
+}
+
+#[tokio::test]
+async fn limits_say_where_they_come_from_and_tokens_are_for_administrators() {
+    let server =
+        Server::start_with(&[("GYROWATCH_JUDGING__BUDGET", "0.02"), ("GYROWATCH_JUDGING__INTERVAL_DAYS", "45")]).await;
+    let setup = page(&server, "/setup", &[]).await;
+    for there in ["judging.budget", "judging.interval_days", "0.0200", "Audit trail"] {
+        assert!(setup.contains(there), "{there} is not in {setup}");
+    }
+    let admin = server.post_json("/v1/tokens", &json!({"name": "Chen", "role": "admin"})).await.json();
+    let admin = format!("Bearer {}", admin["token"].as_str().unwrap());
+    let made = json!({"name": "Li Wei", "role": "engineer"}).to_string();
+    let headers = [("authorization", admin.as_str()), ("content-type", "application/json")];
+    let engineer = server.call("POST", "/v1/tokens", &headers, made).await.json();
+    let engineer = format!("Bearer {}", engineer["token"].as_str().unwrap());
+    let all = page(&server, "/setup", &[("authorization", &admin)]).await;
+    assert!(all.contains("Li Wei") && all.contains("create token"), "{all}");
+    let some = page(&server, "/setup", &[("authorization", &engineer)]).await;
+    assert!(some.contains("judging.budget") && !some.contains("Chen"), "{some}");
+}
+
+#[tokio::test]
+async fn today_shows_what_became_worse_and_several_gyros_at_once() {
+    let server = Server::start_with(&[("GYROWATCH_JUDGING__INTERVAL_DAYS", "30")]).await;
+    for day in 0..6 {
+        for k in 0..9 {
+            // All that this station reads goes up by a third of the budget; one gyro leaves it.
+            let d = 1.5 + if day == 5 { 0.0035 } else { 0.0 } + if k == 4 && day > 3 { 0.05 } else { 0.0 };
+            let d = d + 1e-4 * f64::from((k * 7 + day as i32 * 3) % 5);
+            let body = record(&format!("IMU-{k}"), "ST-7", &format!("MANY-{k}"), 7 * day, [d, 1.0]);
+            assert_eq!(server.post_json("/v1/records", &body).await.status, 201);
+        }
+    }
+    let today = page(&server, "/?since=2026-01-20", &[]).await;
+    for there in ["MANY-4", "href=\"/stations/ST-7\"", "9 gyros", "badge overdue", "/alerts/bulk?gyro=MANY-4"] {
+        assert!(today.contains(there), "{there} is not in {today}");
+    }
+    assert!(!today.contains("MANY-3"), "it has not become worse: {today}");
+    let quiet = page(&server, "/?since=2100-01-01", &[("accept-language", "zh")]).await;
+    assert!(quiet.contains("没有新出现或加重的情况") && !quiet.contains("MANY-4"), "{quiet}");
+    assert_eq!(server.get("/?since=yesterday").await.status, 400);
 }
 
 #[tokio::test]
@@ -95,7 +179,7 @@ async fn a_gyro_whose_methods_disagree_is_unconfirmed_however_well_it_keeps_its_
         "method": "torque_feedback", "d_i_deg_per_h_g0": 2.5, "d_s_deg_per_h_g0": -2.2501});
     assert_eq!(server.post_json("/v1/bench-results", &bench).await.status, 201);
     // A hundred budgets apart in two results; the other gyro has moved by five, in several campaigns.
-    let fleet = page(&server, "/?state=exceeded", &[]).await;
+    let fleet = page(&server, "/fleet?state=exceeded", &[]).await;
     let table = &fleet[place(&fleet, "<tbody>")..];
     assert!(place(table, "JUMP/1") < place(table, "STEADY"), "{table}");
     assert!(table[place(table, "STEADY")..].contains("agreement of methods"), "{table}");
@@ -124,13 +208,13 @@ async fn what_does_not_exist_is_said_on_a_page() {
     let answer = server.get("/gyros/NOBODY").await;
     assert_eq!((answer.status, answer.content_type.as_str()), (404, "text/html; charset=utf-8"));
     assert!(answer.text().contains("no gyro has the serial NOBODY"));
-    assert!(page(&server, "/", &[]).await.contains("Nothing is stored yet"));
+    assert!(page(&server, "/fleet", &[]).await.contains("Nothing is stored yet"));
 }
 
 #[tokio::test]
 async fn nothing_is_loaded_from_elsewhere_and_nothing_inline_runs() {
     let server = a_small_fleet().await;
-    for path in ["/", "/gyros/STEADY"] {
+    for path in ["/", "/fleet", "/fleet?view=imu", "/gyros/STEADY"] {
         let answer = server.get(path).await;
         let policy = answer.headers["content-security-policy"].to_str().unwrap().to_owned();
         assert!(policy.contains("default-src 'none'") && policy.contains("script-src 'self';"), "{policy}");
@@ -386,6 +470,57 @@ async fn a_preview_says_what_storing_would_refuse() {
 }
 
 #[tokio::test]
+async fn a_preview_compares_with_the_last_values_and_is_not_green_for_what_is_hardly_true() {
+    let server = Server::start().await;
+    for day in 0..5 {
+        let d = 1.0 + 1e-5 * f64::from(day);
+        assert_eq!(
+            server.post_json("/v1/records", &record("IMU-A", "ST-1", "GYRO", 7 * day, [d, 2.0])).await.status,
+            201
+        );
+    }
+    let preview = async |body: &Value| {
+        let form = format!("file=Monday.json\r\ntext={body}\r\n");
+        server.call("POST", "/import/preview", &[("content-type", "text/plain")], form).await.text()
+    };
+    let good = preview(&record("IMU-A", "ST-1", "GYRO", 35, [1.0012, 2.0])).await;
+    for there in ["article class=\"sound\"", "Monday.json", "1.000040", "2026-02-01", "+11.6", "badge in_tolerance"] {
+        assert!(good.contains(there), "{there} is not in {good}");
+    }
+    assert!(!good.contains("Check before storing"), "{good}");
+    // 0.03 up: three budgets, which a gyro may do.
+    let worse = preview(&record("IMU-A", "ST-1", "GYRO", 35, [1.03, 2.0])).await;
+    assert!(worse.contains("article class=\"sound\"") && worse.contains("badge unconfirmed"), "{worse}");
+    for (body, said) in [
+        (record("IMU-A", "ST-1", "GYRO", 35, [6.19, 2.0]), "from its last value"),
+        (record("IMU-A", "ST-9", "GYRO", 35, [1.0, 2.0]), "No calibration of this station is stored:"),
+        (record("IMU-A", "ST-1", "OTHER", 35, [1.0, 2.0]), "this gyro is not:"),
+    ] {
+        let shown = preview(&body).await;
+        assert!(shown.contains("article class=\"doubtful\"") && shown.contains(said), "{said}: {shown}");
+        assert!(shown.contains("1 to be checked") && !shown.contains("class=\"sound\""), "{shown}");
+    }
+    assert_eq!(server.get("/v1/gyros/GYRO").await.json()["calibrations"], 5, "a preview stores nothing");
+}
+
+#[tokio::test]
+async fn a_preview_marks_the_faulty_line_and_its_cell() {
+    let server = Server::start().await;
+    let preview = async |text: &str| {
+        let form = format!("text={}\r\n", text.replace('\n', "\r\n"));
+        server.call("POST", "/import/preview", &[("content-type", "text/plain")], form).await.text()
+    };
+    let mut bad = record("IMU-A", "ST-1", "GYRO", 7, [1.0, 2.0]);
+    bad["gyros"][0]["e_pulse_per_arcsec"] = json!([0.0, 0.0, 0.0]);
+    let shown = preview(&format!("{}\n{bad}\n", record("IMU-A", "ST-1", "GYRO", 0, [1.0, 2.0]))).await;
+    assert!(shown.contains("<mark>[0.0,0.0,0.0]</mark>") && shown.contains("id=\"line-2\""), "{shown}");
+    assert!(shown.contains("gyro 1, <code>e_pulse_per_arcsec</code>: ") && !shown.contains("/gyros/0"), "{shown}");
+    let campaign = "# imu: IMU-1\nphase,start_s\nstatic,soon\n";
+    let shown = preview(campaign).await;
+    assert!(shown.contains("<mark>") && shown.contains("class=\"faulty\""), "{shown}");
+}
+
+#[tokio::test]
 async fn a_preview_holds_no_more_documents_against_what_is_stored_than_it_shows() {
     let server = Server::start().await;
     let bench = |minute: usize, d_i: f64| {
@@ -513,23 +648,82 @@ async fn an_alert_is_found_acknowledged_and_silenced_on_its_pages() {
 }
 
 #[tokio::test]
-async fn what_one_record_of_a_gyro_violates_stands_together() {
+async fn what_a_gyro_violates_stands_together_and_many_are_acknowledged_at_once() {
     let server = a_small_fleet().await;
     let again = record("IMU-B", "ST-2", "JUMP/1", 7 * 8, [3.5, 4.0]);
     assert_eq!(server.post_json("/v1/records", &again).await.status, 201);
     let firing = page(&server, "/alerts", &[]).await;
-    assert_eq!(firing.matches("scope=\"rowgroup\"").count(), 1, "{firing}");
-    let head = &firing[place(&firing, "scope=\"rowgroup\"")..];
-    let head = &head[..place(head, "</th>")];
+    assert_eq!(firing.matches("<article").count(), 1, "{firing}");
+    let head = &firing[place(&firing, "<article")..];
+    let summary = &head[place(head, "<summary")..place(head, "</summary>")];
     let alerts = server.get("/v1/alerts?state=firing").await.json()["alerts"].as_array().unwrap().len();
-    assert!(alerts > 2 && head.matches("class=\"violated\"").count() == alerts, "{alerts}: {head}");
-    for there in ["/gyros/JUMP%2F1", "distance from baseline", "</var> step", "IMU-B", "ST-2"] {
+    assert!(alerts > 2 && summary.matches("class=\"violated\"").count() == alerts, "{alerts}: {summary}");
+    for there in ["/gyros/JUMP%2F1", "distance from baseline", "</var> step", "IMU-B", "ST-2", "badge confirmed"] {
         assert!(head.contains(there), "{there} is not in {head}");
     }
-    // Another gyro stands apart.
+    assert!(firing.contains(&format!("firing <span class=\"count\">{alerts}</span>")), "{firing}");
+    // Another gyro stands apart, after the one that is confirmed; three of one record stand together.
     let other = record("IMU-A", "ST-1", "STEADY", 7 * 8, [1.7, -2.25]);
     assert_eq!(server.post_json("/v1/records", &other).await.status, 201);
-    assert_eq!(page(&server, "/alerts", &[]).await.matches("scope=\"rowgroup\"").count(), 2);
+    let both = page(&server, "/alerts", &[]).await;
+    assert!(both.matches("<article").count() == 2 && place(&both, "JUMP%2F1") < place(&both, "STEADY"), "{both}");
+    assert!(!both.contains("class=\"together\""), "{both}");
+    let nobody = [("gyro", "JUMP/1"), ("gyro", "STEADY"), ("deed", "acknowledge"), ("reason", "seen on Monday")];
+    let refused = sends_form(&server, "/alerts/bulk", &nobody).await;
+    assert!(refused.status == 422 && refused.text().contains("seen on Monday"), "nobody says who: {}", refused.text());
+    let mut meant = nobody.to_vec();
+    meant.extend([("by", "Li Wei"), ("back", "/alerts?state=firing")]);
+    assert_eq!(sends_form_from(&server, "https://evil.example", "/alerts/bulk", &meant).await.status, 403);
+    let done = sends_form(&server, "/alerts/bulk", &meant).await;
+    let after = page(&server, goes_on_at(&done), &[]).await;
+    assert!(!after.contains("<article") && after.contains("acknowledged: "), "{after}");
+    let known = server.get("/v1/alerts?state=acknowledged").await.json()["alerts"].as_array().unwrap().clone();
+    assert!(known.len() > alerts && known.iter().all(|alert| alert["acknowledged"]["by"] == "Li Wei"), "{known:?}");
+    // One of them has a page of its own, with what was said; a comment changes nothing.
+    let id = known[0]["id"].as_str().unwrap();
+    let said =
+        [("alert", id), ("deed", "comment"), ("by", "Zhao"), ("reason", "bearing ordered"), ("back", "/alerts/x")];
+    assert_eq!(sends_form(&server, "/alerts/bulk", &said).await.status, 303);
+    let own = page(&server, &format!("/alerts/{id}"), &[]).await;
+    assert!(own.contains("bearing ordered") && own.contains("seen on Monday") && own.contains("comment"), "{own}");
+    assert_eq!(server.get(&format!("/v1/alerts/{id}")).await.json()["state"], "acknowledged");
+    // It is taken back for all that the address names.
+    let ids = goes_on_at(&done).split("done=").nth(1).unwrap().split(',').collect::<Vec<_>>();
+    let mut undo = vec![("deed", "unacknowledge"), ("by", "Li Wei"), ("reason", "too soon")];
+    undo.extend(ids.iter().map(|id| ("alert", *id)));
+    assert_eq!(goes_on_at(&sends_form(&server, "/alerts/bulk", &undo).await), "/alerts");
+    assert_eq!(server.get("/v1/alerts?state=acknowledged").await.json()["alerts"], json!([]));
+    assert_eq!(sends_form(&server, "/alerts/bulk", &[("deed", "acknowledge"), ("by", "L")]).await.status, 422);
+    assert_eq!(sends_form(&server, "/alerts/bulk", &[("gyro", "NOBODY"), ("by", "L")]).await.status, 404);
+    for unknown in ["/alerts/0000000000000", "/alerts/nonsense"] {
+        assert_eq!(server.get(unknown).await.status, 404);
+    }
+    let silence = [("gyro", "STEADY"), ("deed", "silence"), ("by", "Li Wei"), ("reason", "table moved"), ("days", "2")];
+    sends_form(&server, "/alerts/bulk", &silence).await;
+    let silenced = page(&server, "/alerts?state=silenced", &[]).await;
+    assert!(silenced.contains("STEADY") && !silenced.contains("JUMP%2F1"), "{silenced}");
+}
+
+#[tokio::test]
+async fn gyros_that_one_record_has_shown_stand_under_their_imu() {
+    let server = Server::start().await;
+    for day in 0..5 {
+        let shift = if day < 4 { 0.0 } else { 5.0 };
+        let mut body = record("IMU-T", "ST-1", "T-1", 7 * day, [1.5 + shift, 2.0]);
+        let first = body["gyros"][0].clone();
+        for (slot, serial) in [("G2", "T-2"), ("G3", "T-3")] {
+            let mut gyro = first.clone();
+            (gyro["slot"], gyro["serial"]) = (slot.into(), serial.into());
+            body["gyros"].as_array_mut().unwrap().push(gyro);
+            body["geometry"][slot] = body["geometry"]["G1"].clone();
+        }
+        assert_eq!(server.post_json("/v1/records", &body).await.status, 201);
+    }
+    let firing = page(&server, "/alerts", &[]).await;
+    let together = &firing[place(&firing, "class=\"together\"")..];
+    assert!(together.matches("<article").count() == 3 && together.contains("3 gyros by one record"), "{firing}");
+    let today = page(&server, "/?since=2026-01-01", &[]).await;
+    assert!(today.contains("Wrong file or wrong serials?") && today.contains("/imus/IMU-T"), "{today}");
 }
 
 #[tokio::test]
@@ -725,6 +919,28 @@ async fn a_hook_is_set_up_tried_switched_off_and_deleted_on_its_pages() {
     assert_eq!(sends_form(&server, &format!("{path}/delete"), &[]).await.status, 422);
     assert_eq!(goes_on_at(&sends_form(&server, &format!("{path}/delete"), &[meant]).await), "/hooks");
     assert_eq!(server.get("/v1/hooks").await.json()["hooks"], json!([]));
+}
+
+#[tokio::test]
+async fn a_delivery_names_its_gyro_and_what_comes_of_it_appears_by_itself() {
+    let server = a_small_fleet().await;
+    // Takes connections, and never answers.
+    let silent = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let url = format!("http://{}/", silent.local_addr().unwrap());
+    let hook = json!({"kind": "cloudevents", "name": "chat", "url": url});
+    let hook = server.post_json("/v1/hooks", &hook).await.json()["id"].as_str().unwrap().to_owned();
+    let path = format!("/hooks/{hook}");
+    let patience = Instant::now() + Duration::from_secs(60);
+    while !page(&server, &path, &[]).await.contains("JUMP/1") {
+        assert!(Instant::now() < patience, "{}", server.log());
+        tokio::time::sleep(Duration::from_millis(20)).await;
+    }
+    let pending = server.get(&path).await;
+    assert_eq!(pending.headers["refresh"], "2");
+    let shown = pending.text();
+    assert!(shown.contains("href=\"/alerts/") && shown.contains("<sub>I</sub>"), "{shown}");
+    assert_eq!(sends_form(&server, &format!("{path}/enabled"), &[("enabled", "false")]).await.status, 303);
+    assert!(!server.get(&path).await.headers.contains_key("refresh"), "nothing is about to come");
 }
 
 #[tokio::test]
@@ -1000,13 +1216,13 @@ async fn a_gyro_out_of_use_is_not_overdue_and_says_so() {
         let ended = json!({"event": event, "reason": "spare", "at": "2026-02-20T00:00:00Z"});
         assert_eq!(server.post_json(&format!("/v1/gyros/{serial}/events"), &ended).await.status, 201);
     }
-    let fleet = page(&server, "/", &[]).await;
+    let fleet = page(&server, "/fleet", &[]).await;
     let table = &fleet[place(&fleet, "<tbody>")..];
     let [late, retired, stored] = ["/gyros/LATE", "/gyros/RETIRED", "/gyros/STORED"].map(|link| place(table, link));
     assert!(late < retired && late < stored, "what is in use comes first: {table}");
     assert!(table.contains(">retired<") && table.contains(">in storage<"), "{table}");
     assert_eq!(table.matches("badge overdue").count(), 1, "{table}");
-    let overdue = page(&server, "/?status=overdue", &[]).await;
+    let overdue = page(&server, "/fleet?status=overdue", &[]).await;
     let overdue = &overdue[place(&overdue, "<tbody>")..];
     assert!(overdue.contains("LATE") && !overdue.contains("RETIRED") && !overdue.contains("STORED"), "{overdue}");
     let listed = server.get("/v1/gyros?status=overdue").await.json();

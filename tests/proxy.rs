@@ -82,7 +82,7 @@ fn admin_token(server: &Server) -> String {
 }
 
 const TRUSTING: (&str, &str) = ("GYROWATCH_SERVER__TRUSTED_PROXIES", "127.0.0.1/32");
-/// What nginx is to be told, as docs/operations.md has it.
+/// What nginx is to be told, as docs/how-to/nginx.md has it.
 const TELLING: &str = "proxy_set_header Host $http_host;
 proxy_set_header X-Forwarded-For $proxy_add_x_forwarded_for;
 proxy_set_header X-Forwarded-Proto $scheme;

@@ -1,4 +1,4 @@
-//! What people read is said in both languages alike, and as docs/contributing asks.
+//! What people read is said in both languages alike, and as CONTRIBUTING.md asks.
 //!
 //! The messages are read with Fluent's own parser; the code's uses of `message!` from the sources.
 

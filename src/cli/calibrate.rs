@@ -71,7 +71,7 @@ fn tables(campaign: &Campaign, outcome: &Outcome, answer: &CampaignAnswer) -> St
     text.push_str(&fit_table(&calibration.gyros));
     text.push_str(&parameter_table(&calibration.gyros));
     text.push_str(&residual_table(campaign, &calibration.gyros));
-    if let Outcome::Imu { calibration, separations } = outcome {
+    if let Outcome::Imu { calibration, separations, .. } = outcome {
         let separated = calibration.gyros.iter().zip(separations);
         let rows: Vec<_> = separated.filter_map(|(g, s)| Some((g.serial.as_str(), s.as_ref().ok()?))).collect();
         if !rows.is_empty() {

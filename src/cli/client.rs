@@ -3,15 +3,17 @@
 //! Every answer is sorted into one of three: the service has the document ([`Sent`]), the document is at fault
 //! ([`Sent::Refused`]), or something else is ([`Trouble`]): then the document stays where it is.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
 use bytes::Bytes;
 use reqwest::header::{ACCEPT_LANGUAGE, CONTENT_TYPE, RETRY_AFTER};
-use reqwest::{Method, StatusCode};
+use reqwest::{Certificate, Method, StatusCode};
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::common::service_address;
 use crate::system;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::ProblemBody;
@@ -72,13 +74,61 @@ pub struct Service {
     telling: &'static str,
 }
 
+/// Where the service is, and how it is spoken to.
+#[derive(Debug, clap::Args)]
+pub struct Connection {
+    /// Address of the service
+    #[arg(long, env = "GYROWATCH_URL", default_value_t = service_address())]
+    url: String,
+
+    /// Access token, where the service asks for one
+    #[arg(long, env = "GYROWATCH_TOKEN", hide_env_values = true)]
+    token: Option<String>,
+
+    /// File with the access token, which then stands in no list of processes
+    #[arg(long, value_name = "FILE", conflicts_with = "token")]
+    token_file: Option<PathBuf>,
+
+    /// Certificate (PEM) of the authority that signed the service's, where this machine does not know it
+    #[arg(long, value_name = "FILE")]
+    ca_file: Option<PathBuf>,
+}
+
+impl Connection {
+    /// # Errors
+    /// A file that cannot be read; what is no address.
+    pub fn service(&self) -> anyhow::Result<Service> {
+        let read = |path: &PathBuf| std::fs::read(path).with_context(|| path.display().to_string());
+        let token = match &self.token_file {
+            Some(path) => Some(String::from_utf8_lossy(&read(path)?).trim().to_owned()),
+            None => self.token.clone(),
+        };
+        let authorities = match &self.ca_file {
+            Some(path) => {
+                let found = Certificate::from_pem_bundle(&read(path)?).unwrap_or_default();
+                anyhow::ensure!(!found.is_empty(), "{}: holds no certificate in PEM", path.display());
+                found
+            }
+            None => Vec::new(),
+        };
+        Service::trusting(&self.url, token, authorities)
+    }
+}
+
 impl Service {
     /// `address`: `http://host:port`, or `host:port` alone as `GYROWATCH_LISTEN` gives it.
     pub fn at(address: &str, token: Option<String>) -> anyhow::Result<Self> {
+        Self::trusting(address, token, Vec::new())
+    }
+
+    /// As [`Service::at`], trusting also what these authorities have signed.
+    fn trusting(address: &str, token: Option<String>, authorities: Vec<Certificate>) -> anyhow::Result<Self> {
         let base = if address.contains("://") { address.to_owned() } else { format!("http://{address}") };
         let url = reqwest::Url::parse(&base).with_context(|| format!("{address} is not an address"))?;
         anyhow::ensure!(matches!(url.scheme(), "http" | "https"), "{address}: the scheme must be http or https");
-        let http = system::http_client(CONNECT_TIMEOUT, ANSWER_TIMEOUT).build().context("cannot set up HTTP")?;
+        let client = system::http_client(CONNECT_TIMEOUT, ANSWER_TIMEOUT);
+        let client = if authorities.is_empty() { client } else { client.tls_certs_merge(authorities) };
+        let http = client.build().context("cannot set up HTTP")?;
         Ok(Self { base: base.trim_end_matches('/').to_owned(), token, http, telling: "" })
     }
 

@@ -5,15 +5,18 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 use super::document::{self, Format, table};
+use super::predict::against_model;
 use super::{diagnose_all, diagnose_gyro, diagnose_record, model};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, may_be_split, split};
+use crate::core::imu_model::changed_since;
 use crate::pages::{Subject, diagnosis_report};
 use crate::wire::campaign::parse_json;
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::document::DocumentKind;
 use crate::wire::document::{is_csv, parse};
+use crate::wire::forecast::ChangedBody;
 use crate::wire::record::parse_record;
 use crate::wire::split::SplitBody;
 use crate::wire::{self, time};
@@ -87,12 +90,13 @@ impl Diagnose {
         let campaign = parse(&bytes).with_context(file)?;
         campaign.check_known_scales(&document::plausibility()?).with_context(file)?;
         if let Some(path) = &self.adopt {
-            may_be_replaced(path)?;
+            model::may_be_replaced(path)?;
         }
         let in_use = model::chosen(self.model.as_ref())?;
         let options = in_use.options(&campaign);
         let diagnosed = diagnose(&campaign, &options).with_context(file)?;
         let mut diagnosis = DiagnosisBody::from(&diagnosed);
+        diagnosis.effects_against_model = changed_since(&in_use, &campaign).map(|changed| ChangedBody::of(&changed));
         if let Some(path) = &self.reference {
             let parts = split(&campaign, &options, &diagnosed.residuals, &reference(path, &campaign)?);
             diagnosis.reference = Some(SplitBody::from(&parts.with_context(|| document::name(path))?));
@@ -124,15 +128,6 @@ fn reference(path: &Path, campaign: &Campaign) -> anyhow::Result<Reference> {
         }
         Err(faults).with_context(file)
     })
-}
-
-/// Refuses to adopt into a file that holds something else than a model.
-fn may_be_replaced(path: &Path) -> anyhow::Result<()> {
-    let is_file = std::fs::metadata(path).is_ok_and(|there| there.is_file() && there.len() > 0);
-    if is_file && model::file(path).is_err() {
-        bail!("{}: holds no model, and --adopt replaces model files only; name another file", path.display());
-    }
-    Ok(())
 }
 
 /// A document with the time or the E of a record and no dwells; whatever else is no campaign is refused as one.
@@ -177,8 +172,18 @@ fn tables(campaign: &Campaign, d: &DiagnosisBody) -> String {
         d.gap.p_value
     );
     out.push_str(&format!("model: {}\n", d.model.listed()));
-    let sections =
-        [reference_parts(d), effects(d), impact(d), signs(d), candidates(d), within_noise(d), blind_spots(d), next(d)];
+    let against = d.effects_against_model.as_ref().map(|changed| against_model(changed).trim().to_owned());
+    let sections = [
+        reference_parts(d),
+        against,
+        effects(d),
+        impact(d),
+        signs(d),
+        candidates(d),
+        within_noise(d),
+        blind_spots(d),
+        next(d),
+    ];
     for section in sections.into_iter().flatten() {
         out.push('\n');
         out.push_str(&section);

@@ -15,24 +15,31 @@ mod common;
 mod completions;
 mod config;
 mod copy;
+mod correct;
 mod demo;
 mod diagnose;
 mod diagnose_all;
 mod diagnose_gyro;
 mod diagnose_record;
 mod document;
+mod dwells;
 mod experiment;
 mod export;
+mod faults;
 mod fleet_noise;
+mod gap;
 mod healthcheck;
 mod import;
 mod model;
+mod model_fit;
 mod notify;
+mod predict;
 mod restore;
 mod separate;
 mod serve;
 mod simulate;
 mod tallies;
+mod template;
 mod token;
 mod verify;
 
@@ -45,9 +52,10 @@ use clap::{Parser, Subcommand};
 use crate::core::diagnose::NoReference;
 use crate::core::effects::Refusal;
 use crate::core::fault::Faults;
+use crate::core::imu_model::{NoForecast, NotIdentified};
+use crate::logs::error::LogError;
 use crate::pipeline::AccessError;
 use crate::system;
-use crate::wire::problem::summary;
 use crate::words;
 use common::{Usage, block_on, instant};
 
@@ -65,11 +73,18 @@ enum Command {
     Demo(demo::Demo),
     Separate(separate::Separate),
     Calibrate(calibrate::Calibrate),
+    Dwells(dwells::Dwells),
     Diagnose(diagnose::Diagnose),
+    Model(model_fit::Model),
+    Predict(predict::Predict),
+    Gap(gap::Gap),
     Import(import::Import),
+    Void(correct::Void),
+    Revise(correct::Revise),
     Export(export::Export),
     FleetNoise(fleet_noise::FleetNoise),
     Simulate(simulate::Simulate),
+    Template(template::Template),
     Blindcheck(blindcheck::Blindcheck),
     Backup(backup::Backup),
     Restore(restore::Restore),
@@ -90,11 +105,18 @@ impl Command {
             Self::Demo(demo) => demo.run(),
             Self::Separate(separate) => separate.run(),
             Self::Calibrate(calibrate) => calibrate.run(),
+            Self::Dwells(dwells) => dwells.run(),
             Self::Diagnose(diagnose) => diagnose.run(),
+            Self::Model(model) => model.run(),
+            Self::Predict(predict) => predict.run(),
+            Self::Gap(gap) => gap.run(),
             Self::Import(import) => import.run(),
+            Self::Void(void) => void.run(),
+            Self::Revise(revise) => revise.run(),
             Self::Export(export) => export.run(),
             Self::FleetNoise(fleet_noise) => fleet_noise.run(),
             Self::Simulate(simulate) => simulate.run(),
+            Self::Template(template) => template.run(),
             Self::Blindcheck(blindcheck) => blindcheck.run(),
             Self::Backup(backup) => backup.run(),
             Self::Restore(restore) => restore.run(),
@@ -131,13 +153,16 @@ impl Cli {
 fn in_words(error: &anyhow::Error) -> String {
     let language = words::asked();
     let said = |cause: &(dyn Error + 'static)| {
-        if let Some(faults) = cause.downcast_ref::<Faults>() {
-            return summary(&faults.0, language);
+        if let Some(found) = cause.downcast_ref::<Faults>() {
+            return faults::in_words(&found.0, language);
         }
         let message = None
             .or_else(|| cause.downcast_ref::<AccessError>().map(AccessError::message))
+            .or_else(|| cause.downcast_ref::<LogError>().map(LogError::message))
             .or_else(|| cause.downcast_ref::<Refusal>().map(Refusal::message))
-            .or_else(|| cause.downcast_ref::<NoReference>().map(NoReference::message));
+            .or_else(|| cause.downcast_ref::<NoReference>().map(NoReference::message))
+            .or_else(|| cause.downcast_ref::<NotIdentified>().map(NotIdentified::message))
+            .or_else(|| cause.downcast_ref::<NoForecast>().map(NoForecast::message));
         message.map_or_else(|| cause.to_string(), |message| language.words(&message))
     };
     error.chain().map(said).collect::<Vec<_>>().join(": ")

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 
 use super::document;
 use crate::core::augmented::AugmentedModel;
@@ -43,4 +43,13 @@ pub fn chosen(choice: Option<&Choice>) -> anyhow::Result<AugmentedModel> {
 /// A model file.
 pub fn file(path: &Path) -> anyhow::Result<AugmentedModel> {
     model::parse(&document::read(path)?).with_context(|| document::name(path))
+}
+
+/// Refuses to replace a file that holds something else than a model.
+pub fn may_be_replaced(path: &Path) -> anyhow::Result<()> {
+    let is_file = std::fs::metadata(path).is_ok_and(|there| there.is_file() && there.len() > 0);
+    if is_file && file(path).is_err() {
+        bail!("{}: holds no model, and only model files are replaced; name another file", path.display());
+    }
+    Ok(())
 }

@@ -8,9 +8,11 @@ use clap::Args;
 
 use super::{Usage, document, experiment, model};
 use crate::core::augmented::AugmentedModel;
+use crate::core::campaign::Campaign;
 use crate::simulate::augment::augment;
 use crate::simulate::cause::known;
 use crate::simulate::experiment::{Test, tests};
+use crate::simulate::of_model::drawn_from;
 use crate::simulate::presets::{PRESETS, preset};
 use crate::simulate::truth::Key;
 use crate::simulate::{Scenario, Simulated, simulate};
@@ -35,7 +37,8 @@ pub struct Simulate {
     /// Start from a scenario in TOML or JSON (by its extension).
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
-    /// Also put in the effects of this model file, as large as it says.
+    /// Simulate the IMU of this model file: gyros and effects drawn from its covariance by the seed. Of a file without
+    /// coefficients of an IMU, put in its effects only, as large as it says.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Overrides the scenario's seed.
@@ -56,12 +59,40 @@ pub struct Simulate {
     /// Print every result of --preset paper-experiment as CSV instead of the table.
     #[arg(long, conflicts_with_all = ["dir", "scenario"])]
     csv: bool,
+    /// How campaigns are written.
+    #[arg(long, value_enum, default_value_t)]
+    format: Written,
     /// List the presets.
     #[arg(long, conflicts_with_all = ["count", "out", "truth", "print_scenario"])]
     list: bool,
     /// Print the scenario in TOML, every key with its value, and simulate nothing.
     #[arg(long, conflicts_with_all = ["count", "out", "truth"])]
     print_scenario: bool,
+}
+
+/// How a campaign is written.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+enum Written {
+    #[default]
+    Json,
+    /// One row a dwell, as a station's table program writes it
+    Csv,
+}
+
+impl Written {
+    fn text(self, campaign: &Campaign) -> String {
+        match self {
+            Self::Json => wire::campaign::to_json(campaign),
+            Self::Csv => wire::campaign_csv::to_csv(campaign).trim_end().to_owned(),
+        }
+    }
+
+    fn ending(self) -> &'static str {
+        match self {
+            Self::Json => "json",
+            Self::Csv => "csv",
+        }
+    }
 }
 
 fn known_preset(name: &str) -> Result<String, String> {
@@ -96,7 +127,7 @@ impl Simulate {
             return Ok(std::io::stdout().lock().write_all(text.as_bytes())?);
         }
         match (&self.dir, self.count) {
-            (Some(dir), count) => many(&scenario, &self.effects()?, count.unwrap_or(1), dir),
+            (Some(dir), count) => many(&scenario, &self.effects()?, count.unwrap_or(1), dir, self.format),
             (None, Some(_)) => Err(Usage("--count wants a --dir to write into".to_owned()).into()),
             (None, None) => self.one(&scenario),
         }
@@ -115,12 +146,13 @@ impl Simulate {
         let seed = self.seed.unwrap_or(1);
         match &self.dir {
             Some(dir) => {
+                let form = self.format;
                 let made = (0..self.count.unwrap_or(1)).flat_map(|k| {
                     let seed = seed.wrapping_add(k);
-                    let file = move |test: &Test| format!("{seed:04}-{}.json", test.name());
+                    let file = move |test: &Test| format!("{seed:04}-{}.{}", test.name(), form.ending());
                     tests(seed).into_iter().map(move |test| (file(&test), test.scenario))
                 });
-                write_all(made, &AugmentedModel::default(), dir)
+                write_all(made, &AugmentedModel::default(), dir, form)
             }
             None => experiment::print(seed, self.count.unwrap_or(200), self.csv),
         }
@@ -140,7 +172,7 @@ impl Simulate {
 
     fn one(&self, scenario: &Scenario) -> anyhow::Result<()> {
         let simulated = made(scenario, &self.effects()?)?;
-        let text = wire::campaign::to_json(&simulated.campaign);
+        let text = self.format.text(&simulated.campaign);
         match &self.out {
             Some(path) => write(path, &text)?,
             None => writeln!(std::io::stdout().lock(), "{text}")?,
@@ -153,8 +185,10 @@ impl Simulate {
 }
 
 fn made(scenario: &Scenario, model: &AugmentedModel) -> anyhow::Result<Simulated> {
-    let mut simulated = simulate(scenario).map_err(|faults| anyhow::anyhow!("scenario: {faults}"))?;
-    augment(&mut simulated, model).context("--model")?;
+    let refused = |faults| anyhow::anyhow!("scenario: {faults}");
+    let (scenario, model) = drawn_from(scenario, model).map_err(refused)?;
+    let mut simulated = simulate(&scenario).map_err(refused)?;
+    augment(&mut simulated, &model).context("--model")?;
     Ok(simulated)
 }
 
@@ -166,15 +200,15 @@ fn list(mut out: impl Write) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn many(scenario: &Scenario, model: &AugmentedModel, count: u64, dir: &Path) -> anyhow::Result<()> {
+fn many(scenario: &Scenario, model: &AugmentedModel, count: u64, dir: &Path, form: Written) -> anyhow::Result<()> {
     if scenario.seed.checked_add(count).is_none() {
         bail!("seeds end at {}", u64::MAX);
     }
     let named = |k: u64| {
         let scenario = Scenario { seed: scenario.seed + k, ..scenario.clone() };
-        (format!("campaign-{k:05}.json"), scenario)
+        (format!("campaign-{k:05}.{}", form.ending()), scenario)
     };
-    write_all((0..count).map(named), model, dir)
+    write_all((0..count).map(named), model, dir, form)
 }
 
 /// The campaigns, and their truth in key.json beside them.
@@ -182,12 +216,13 @@ fn write_all(
     scenarios: impl Iterator<Item = (String, Scenario)>,
     model: &AugmentedModel,
     dir: &Path,
+    form: Written,
 ) -> anyhow::Result<()> {
     let mut key = Key::new();
     let campaigns = scenarios.map(|(name, scenario)| {
         let simulated = made(&scenario, model)?;
         key.insert(name.clone(), simulated.truth);
-        Ok((name, wire::campaign::to_json(&simulated.campaign) + "\n"))
+        Ok((name, form.text(&simulated.campaign) + "\n"))
     });
     document::write_all(dir, campaigns)?;
     write_key(&dir.join("key.json"), &key)

@@ -4,21 +4,15 @@
 //! ([`super::effects`], deg/h per unit of k_m). Each campaign fits the k_m anew beside model (6); the shapes (time
 //! constants, periods, directions) are held at what the diagnosis found.
 
+use std::sync::Arc;
+
+pub use super::adopted::Adopted;
 use super::campaign::Campaign;
-use super::effects::{Effect, Estimate, Shape};
+use super::effects::Estimate;
+use super::imu_model::Identified;
 use super::model::{Term, Terms};
-use super::mounting::Slot;
 use super::record::Name;
 use super::time::UtcMicros;
-
-/// An effect that has entered the model: its regressors are fitted with model (6), its shape is held.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Adopted {
-    pub effect: Effect,
-    pub shape: Shape,
-    /// Gyros that have it; all of them for effects of the station.
-    pub slots: Vec<Slot>,
-}
 
 /// What is compared with the campaign.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -27,6 +21,8 @@ pub struct Options {
     pub terms: Option<Terms>,
     /// Effects that the model in use holds already.
     pub adopted: Vec<Adopted>,
+    /// Temperature at which the coefficients are stated, deg C; the campaign's mean where none is given.
+    pub reference_c: Option<f64>,
 }
 
 /// An effect in the model, as large as the campaign in which it was found says.
@@ -51,6 +47,8 @@ pub struct AugmentedModel {
     pub terms: Option<Terms>,
     pub effects: Vec<KnownEffect>,
     pub found_in: Option<Provenance>,
+    /// The coefficients of the very IMU, where campaigns were fitted.
+    pub identified: Option<Arc<Identified>>,
 }
 
 impl AugmentedModel {
@@ -80,6 +78,7 @@ impl AugmentedModel {
             .is_some_and(|found| found.imu == campaign.imu && found.measured_at == campaign.measured_at);
         let adopted = self.effects.iter().map(|known| &known.adopted);
         let adopted = adopted.filter(|a| a.effect.term().is_none() && (here || !a.effect.entry().one_occasion));
-        Options { terms: Some(Terms::of(&terms)), adopted: adopted.cloned().collect() }
+        let reference_c = self.identified.as_ref().and_then(|identified| identified.reference_c);
+        Options { terms: Some(Terms::of(&terms)), adopted: adopted.cloned().collect(), reference_c }
     }
 }

@@ -4,6 +4,7 @@
 //! needs is passed in, what it found is returned, evidence included. `tests/architecture.rs` keeps it so.
 
 pub mod access;
+pub mod adopted;
 pub mod alert_decision;
 pub mod alert_filter;
 pub mod augmented;
@@ -13,13 +14,16 @@ pub mod campaign;
 pub mod changes;
 pub mod delivery;
 pub mod diagnose;
+pub mod dwells;
 pub mod effects;
 pub mod fault;
 pub mod figures;
+pub mod fleet_order;
 pub mod frames;
 pub mod history_note;
 pub mod hook_filter;
 pub mod id;
+pub mod imu_model;
 pub mod judge;
 pub mod kind;
 pub mod message;

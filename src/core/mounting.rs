@@ -106,6 +106,16 @@ pub enum Geometry {
 }
 
 impl Geometry {
+    /// Whether every slot has the same axes, within what a document keeps of them.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let alike = |a: Triad, b: Triad| (a.mat_gyro_body() - b.mat_gyro_body()).amax() < 1e-9;
+        Slot::ALL.into_iter().all(|slot| match (self.triad(slot), other.triad(slot)) {
+            (Some(a), Some(b)) => alike(a, b),
+            (None, None) => true,
+            _ => false,
+        })
+    }
+
     /// The nominal triad of a slot; none where a custom geometry leaves the slot out.
     pub fn triad(&self, slot: Slot) -> Option<Triad> {
         match self {

@@ -14,10 +14,10 @@ use super::query::{self, Parameters};
 use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
 use crate::core::judge::Measured;
-use crate::core::judge::{Event, State as Judgement, Status};
+use crate::core::judge::{Event, Outlook, Reach, Rule, State as Judgement, Status};
 use crate::core::time::Span;
 use crate::message;
-use crate::pipeline::{Names, Queries, Standing, StandingFilter, sample_of};
+use crate::pipeline::{FleetFilter, Names, Queries, Standing, StandingFilter, sample_of};
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, time};
@@ -36,6 +36,49 @@ pub struct GyrosQuery {
     status: Option<String>,
     /// Only gyros of this state.
     state: Option<String>,
+    /// Only gyros with this in their serial, IMU or station.
+    q: Option<String>,
+    /// Only gyros that this station calibrated last, or with `station_when=ever` at any time.
+    station: Option<String>,
+    /// `now` or `ever`; `now` unless it is given.
+    station_when: Option<String>,
+    /// Only gyros that were last calibrated in this IMU.
+    imu: Option<String>,
+    /// Only gyros with an alert of this rule that is not resolved.
+    rule: Option<String>,
+    /// Only gyros that were calibrated no earlier: a day (UTC) or a time.
+    calibrated_since: Option<String>,
+    /// Only gyros of which something began to be worse no earlier.
+    changed_since: Option<String>,
+}
+
+/// What a list is narrowed down to besides.
+fn fleet_filter(asked: &GyrosQuery) -> Result<FleetFilter<'_>, Problem> {
+    let start = |name: &'static str, said: &Option<String>| {
+        let read = |said: &String| {
+            let fault = |fault| query::bad(message!("parameter_fault", parameter = name, fault = fault));
+            time::parse_start(&query::with_sign(said)).map_err(fault)
+        };
+        said.as_ref().map(read).transpose()
+    };
+    let rule =
+        |said: &String| Rule::from_name(said).ok_or_else(|| query::not_one_of("rule", Rule::ALL.map(Rule::name), said));
+    let station = asked.station.as_deref().unwrap_or_default();
+    let (now, ever) = match asked.station_when.as_deref() {
+        None | Some("now") => (station, ""),
+        Some("ever") => ("", station),
+        Some(other) => return Err(query::not_one_of("station_when", ["now", "ever"], other)),
+    };
+    Ok(FleetFilter {
+        text: asked.q.as_deref().unwrap_or_default(),
+        station: now,
+        ever,
+        imu: asked.imu.as_deref().unwrap_or_default(),
+        rule: asked.rule.as_ref().map(rule).transpose()?,
+        calibrated_since: start("calibrated_since", &asked.calibrated_since)?,
+        changed_since: start("changed_since", &asked.changed_since)?,
+        ..FleetFilter::default()
+    })
 }
 
 /// What a list is narrowed down to.
@@ -76,6 +119,8 @@ pub struct Gyro {
     status: Option<&'static str>,
     /// `retired` or `in_storage`, until it is calibrated again: it is never overdue.
     out_of_use: Option<&'static str>,
+    /// Since when it is beyond its limits; where it is not, since when it drifts.
+    since: Option<String>,
 }
 
 /// The newest calibration, deg/(h g0).
@@ -93,6 +138,41 @@ struct Latest {
     d_o: FigureBody,
     states: StatesBody,
     statuses: StatusesBody,
+    /// (value - baseline) / budget, signed: 1 at the budget.
+    loads: LoadsBody,
+    /// When a trend that is established carries D_I or D_S to the budget, whichever does so first; null without one.
+    reach: Option<ReachBody>,
+}
+
+/// Each null before its baseline is complete.
+#[derive(Serialize, ToSchema)]
+struct LoadsBody {
+    #[serde(rename = "D_I")]
+    d_i: Option<FigureBody>,
+    #[serde(rename = "D_S")]
+    d_s: Option<FigureBody>,
+    #[serde(rename = "D_O")]
+    d_o: Option<FigureBody>,
+}
+
+/// By the trend's line, and by both edges of its 95 % band.
+#[derive(Serialize, ToSchema)]
+struct ReachBody {
+    coefficient: &'static str,
+    at: String,
+    earliest: Option<String>,
+    /// Null where the late edge never does.
+    latest: Option<String>,
+    /// The course is young: these dates may be off by more than they say.
+    provisional: bool,
+}
+
+impl ReachBody {
+    fn of(reach: Reach) -> Self {
+        let [earliest, latest] = reach.between.map(|at| at.map(time::format));
+        let (coefficient, at) = (reach.coefficient.name(), time::format(reach.at));
+        Self { coefficient, at, earliest, latest, provisional: reach.provisional }
+    }
 }
 
 /// `within`, `exceeded`, or `indeterminate`.
@@ -130,7 +210,8 @@ pub async fn get_gyros(
     let limit = query::limit(asked.limit, 1000, MOST_GYROS)?;
     let after = asked.cursor.as_deref().map_or(Ok(0), query::position)?;
     let after = u32::try_from(after).map_err(|_| query::bad(message!("invalid_cursor")))?;
-    let (standings, more) = app.pipeline.queries.fleet.by_serial(after, limit as u32, filter_of(&asked)?).await?;
+    let (of_status, of_fleet) = (filter_of(&asked)?, fleet_filter(&asked)?);
+    let (standings, more) = app.pipeline.queries.fleet.by_serial(after, limit as u32, of_status, &of_fleet).await?;
     let next = standings.last().filter(|_| more).map(|standing| cursor::encode(i64::from(standing.number)));
     let names = app.pipeline.queries.names();
     let gyros = standings.iter().map(|standing| Gyro::of(standing, app.config.judging.method, &names));
@@ -176,19 +257,22 @@ impl Gyro {
     pub fn of(standing: &Standing, method: JudgedMethod, names: &Names<'_>) -> Self {
         Self {
             serial: standing.serial.to_string(),
-            latest: standing.newest.as_ref().map(|figures| Latest::of(figures, standing.drift, method, names)),
+            latest: standing.newest.as_ref().map(|figures| Latest::of(figures, standing, method, names)),
             state: standing.state.map(Judgement::name),
             status: standing.status.map(Status::name),
             out_of_use: standing.out_of_use.map(Event::name),
+            since: standing.since.map(time::format),
         }
     }
 }
 
 impl Latest {
-    fn of(figures: &Figures, statuses: [Status; 3], method: JudgedMethod, names: &Names<'_>) -> Self {
+    fn of(figures: &Figures, standing: &Standing, method: JudgedMethod, names: &Names<'_>) -> Self {
         let [d_i, d_s, d_o] = sample_of(figures, method).d.map(|Measured { value, sd }| FigureBody { value, sd });
         let [i, s, o] = figures.states.0.map(|state| state.unwrap_or(Judgement::Indeterminate).name());
-        let [status_i, status_s, status_o] = statuses.map(Status::name);
+        let [status_i, status_s, status_o] = standing.drift.map(Status::name);
+        let Outlook { load, reach, .. } = standing.outlook;
+        let [load_i, load_s, load_o] = load.map(|load| load.map(|Measured { value, sd }| FigureBody { value, sd }));
         Self {
             calibrated_at: time::format(figures.at),
             imu: names.imu(figures.imu).to_owned(),
@@ -205,6 +289,8 @@ impl Latest {
             d_o,
             states: StatesBody { d_i: i, d_s: s, d_o: o },
             statuses: StatusesBody { d_i: status_i, d_s: status_s, d_o: status_o },
+            loads: LoadsBody { d_i: load_i, d_s: load_s, d_o: load_o },
+            reach: reach.map(ReachBody::of),
         }
     }
 }

@@ -125,6 +125,7 @@ pub fn routes(server: &Server) -> Routes<App> {
         .api(VIEWER, routes!(imus::get_imu))
         .api(VIEWER, routes!(models::get_model))
         .api(ENGINEER, routes!(models::post_model))
+        .api(VIEWER, routes!(models::get_forecast))
         .api(VIEWER, routes!(diagnoses::get_diagnoses))
         .api(ENGINEER, routes!(diagnoses::post_diagnoses))
         .api(VIEWER, routes!(diagnoses::get_summary))

@@ -1,15 +1,18 @@
-//! `/v1/imus/{imu}/model`: the error model that the campaigns of an IMU are fitted with and compared with.
+//! `/v1/imus/{imu}/model`, `/forecast`: the error model that the campaigns of an IMU are fitted with and compared with,
+//! and what it foretold of them.
 
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use serde::Serialize;
-use utoipa::ToSchema;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
 
 use super::app::App;
 use super::document::Document;
+use super::query::{self, Parameters};
 use crate::message;
 use crate::pipeline::{Accepted, AdoptedModel, Adoption};
+use crate::wire::forecast::ForecastSeriesBody;
 use crate::wire::json;
 use crate::wire::model::{AdoptionBody, ModelBody};
 use crate::wire::problem::Problem;
@@ -80,4 +83,33 @@ pub async fn post_model(
     adopted
         .map(|adopted| (status, Json(adopted)))
         .ok_or_else(|| Problem::new(500, "title_internal_error", message!("model_lost")))
+}
+
+/// Most forecasts in one answer.
+const MOST_FORECASTS: usize = 100;
+
+/// How many forecasts.
+#[derive(Debug, Default, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct ForecastQuery {
+    /// The newest so many campaigns; 20 by default, at most 100.
+    #[param(minimum = 1, maximum = 100)]
+    limit: Option<usize>,
+}
+
+/// What was foretold of the IMU's campaigns, and how far it came true.
+///
+/// Each campaign is foretold by the model in force when it came in: by its coefficients where the model file holds
+/// them, else by those of up to five campaigns before it, fitted with the terms and effects in force.
+#[utoipa::path(get, path = "/v1/imus/{imu}/forecast", tag = "imus", params(ForecastQuery),
+    responses((status = 200, description = "the forecasts, oldest first", body = ForecastSeriesBody)))]
+pub async fn get_forecast(
+    State(app): State<App>,
+    Path(imu): Path<String>,
+    Parameters(asked): Parameters<ForecastQuery>,
+) -> Result<Json<ForecastSeriesBody>, Problem> {
+    let limit = query::limit(asked.limit, 20, MOST_FORECASTS)?;
+    let series = app.pipeline.diagnoses.forecasts(&imu, limit as u32).await?;
+    series.map(Json).ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = imu.clone())))
 }

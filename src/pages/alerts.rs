@@ -1,4 +1,7 @@
-//! `/alerts`: what fires, what has fired; and what people say of it, each on a page of its own.
+//! `/alerts`: what fires, what has fired, a gyro on a line; and what people say of it.
+
+mod bulk;
+mod one;
 
 use axum::Form;
 use axum::extract::{Path, Query, State as Held};
@@ -7,8 +10,9 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
+use super::figure;
 use super::form::{Deed, Word, answered, see_other};
-use super::layout::{Page, Section, encoded, remark, symbol, written};
+use super::layout::{Page, Section, encoded, remark, symbol, written, written_day};
 use super::silences;
 use super::silences::LONGEST_SILENCE;
 use super::text::Text;
@@ -26,10 +30,13 @@ use crate::pipeline::{AlertChange, AlertOrder};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 
-/// Alerts on one page.
-const ROWS: usize = 60;
+/// Gyros on one page.
+const ROWS: usize = 30;
 /// Alerts of one gyro, one for each coefficient and rule: never more than so many.
 const MOST_OF_A_GYRO: u32 = 200;
+/// Gyros of an IMU whose alerts rest on one record: more likely the file or the station than each of them.
+const TOGETHER: usize = 3;
+
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Filters {
@@ -38,8 +45,9 @@ pub(super) struct Filters {
     serial: String,
     rule: String,
     severity: String,
-    /// Only older ones than this.
-    before: String,
+    page: usize,
+    /// Alerts that have just been acknowledged, parted by commas: that can be taken back.
+    done: String,
 }
 
 impl Filters {
@@ -47,13 +55,14 @@ impl Filters {
         if self.state.is_empty() { "firing" } else { &self.state }
     }
 
-    fn address(&self, state: &str, before: &str) -> String {
+    fn address(&self, state: &str, page: usize) -> String {
+        let page = if page > 0 { page.to_string() } else { String::new() };
         let all = [
             ("state", state),
             ("serial", self.serial.trim()),
             ("rule", &self.rule),
             ("severity", &self.severity),
-            ("before", before),
+            ("page", &page),
         ];
         let given = all.iter().filter(|(_, value)| !value.is_empty());
         let query: Vec<String> = given.map(|(key, value)| format!("{key}={}", encoded(value))).collect();
@@ -69,34 +78,52 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let t = viewer.text();
     let serial = filters.serial.trim();
     let gyro = pages.pipeline.queries.names().gyro_number(serial);
-    let filter = AlertFilter {
-        standing: Standing::from_name(filters.state()),
+    let any = AlertFilter {
         gyro,
         rule: Rule::from_name(&filters.rule),
         severity: Severity::from_name(&filters.severity),
         ..AlertFilter::default()
     };
     let nobody = gyro.is_none() && !serial.is_empty();
-    let before = filters.before.parse::<Id>().ok();
-    let mut found =
-        if nobody { Vec::new() } else { pages.pipeline.alerts.find(&filter, before, ROWS as u32 + 1).await? };
+    let counts = if nobody { Vec::new() } else { pages.pipeline.alerts.standings(&any).await? };
+    let of = |standing: Standing| counts.iter().find(|(one, _)| *one == standing).map_or([0, 0], |(_, counts)| *counts);
+    let wanted = Standing::from_name(filters.state());
+    let filter = AlertFilter { standing: wanted, ..any };
+    let found = if nobody {
+        Vec::new()
+    } else {
+        pages.pipeline.alerts.by_gyro(&filter, filters.page.saturating_mul(ROWS), ROWS + 1).await?
+    };
     let more = found.len() > ROWS;
-    found.truncate(ROWS);
+    let groups = together(found.into_iter().take(ROWS).collect());
     let silences = silences::list(pages, viewer).await?;
+    let here = filters.address(filters.state(), filters.page);
+    let all: usize = Standing::ALL.iter().map(|standing| of(*standing)[0]).sum();
+    let tabs = Standing::ALL.map(|standing| (standing.name(), t.standing(standing.name()), of(standing)[0]));
+    let tabs = tabs.into_iter().chain([("all", t.alert_all, all)]);
+    let may = viewer.may(Role::Engineer) && wanted != Some(Standing::Resolved);
     let body = html! {
         h1 { (t.alerts) }
+        (bulk::done(viewer, &filters.done, &here))
         nav.tabs aria-label=(t.state) {
-            @for name in Standing::ALL.map(Standing::name) {
-                a href=(filters.address(name, "")) aria-current=[(name == filters.state()).then_some("true")] { (t.standing(name)) }
+            @for (name, word, count) in tabs {
+                a href=(filters.address(name, 0)) aria-current=[(name == filters.state()).then_some("true")] {
+                    (word) " " span.count { (count) }
+                }
             }
-            a href=(filters.address("all", "")) aria-current=[(filters.state() == "all").then_some("true")] { (t.alert_all) }
         }
         (search(viewer, filters))
         p.note { (t.alerts_note) }
-        @if found.is_empty() { p.lead { (t.no_alerts) } }
-        @else { (by_gyro_and_record(viewer, found.iter().map(|(_, alert)| alert))) }
-        @if more && let Some((last, _)) = found.last() {
-            nav.pager aria-label=(t.alerts) { a rel="next" href=(filters.address(filters.state(), &last.to_string())) { (t.older) } }
+        @if groups.is_empty() { p.lead { (t.no_alerts) } }
+        @else {
+            @for group in &groups { (group.shown(viewer, may, &here)) }
+            @if may { (bulk::bar(viewer, &here)) }
+        }
+        @if more || filters.page > 0 {
+            nav.pager aria-label=(t.alerts) {
+                @if filters.page > 0 { a rel="prev" href=(filters.address(filters.state(), filters.page - 1)) { (t.previous) } }
+                @if more { a rel="next" href=(filters.address(filters.state(), filters.page + 1)) { (t.next) } }
+            }
         }
         (silences)
     };
@@ -122,6 +149,89 @@ fn search(viewer: &Viewer, filters: &Filters) -> Markup {
     }
 }
 
+/// Gyros whose alerts stand together: one, or those of an IMU that one record has shown.
+struct Group {
+    /// Where there are several.
+    imu: Option<String>,
+    gyros: Vec<Vec<AlertBody>>,
+}
+
+/// The record that an alert rests on.
+fn record_of(alerts: &[AlertBody]) -> Option<&str> {
+    alerts.first().and_then(|alert| alert.finding.record.as_deref())
+}
+
+/// Gyros of one record stand together where there are [`TOGETHER`] of them, where the first of them does.
+fn together(found: Vec<Vec<AlertBody>>) -> Vec<Group> {
+    let many = |record: &str| found.iter().filter(|alerts| record_of(alerts) == Some(record)).count() >= TOGETHER;
+    let records: Vec<Option<String>> =
+        found.iter().map(|alerts| record_of(alerts).filter(|record| many(record)).map(str::to_owned)).collect();
+    let mut groups: Vec<(Option<String>, Group)> = Vec::new();
+    for (alerts, record) in found.into_iter().zip(records) {
+        match groups.iter_mut().find(|(of, _)| record.is_some() && *of == record) {
+            Some((_, group)) => group.gyros.push(alerts),
+            None => {
+                let imu = alerts.first().and_then(|alert| alert.finding.imu.clone()).filter(|_| record.is_some());
+                groups.push((record, Group { imu, gyros: vec![alerts] }));
+            }
+        }
+    }
+    groups.into_iter().map(|(_, group)| group).collect()
+}
+
+impl Group {
+    fn shown(&self, viewer: &Viewer, may: bool, here: &str) -> Markup {
+        let t = viewer.text();
+        let gyros = html! { @for alerts in &self.gyros { (of_gyro(viewer, alerts, may, here)) } };
+        html! {
+            @if let Some(imu) = &self.imu {
+                section.together {
+                    h2 {
+                        a.id href={ "/imus/" (encoded(imu)) } { (imu) } " " span.note { (self.gyros.len()) " " (t.gyros_of_one_record) }
+                    }
+                    (gyros)
+                }
+            } @else { (gyros) }
+        }
+    }
+}
+
+/// A gyro on one line, what it is told of folded under it.
+fn of_gyro(viewer: &Viewer, alerts: &[AlertBody], may: bool, here: &str) -> Markup {
+    let t = viewer.text();
+    let Some(first) = alerts.first() else { return html! {} };
+    let (serial, finding) = (&first.serial, &first.finding);
+    let worst = alerts.iter().filter_map(|alert| alert.status.as_deref().and_then(Status::from_name)).max();
+    let since = alerts.iter().filter_map(|alert| alert.since.as_deref()).min();
+    let of_limit = |alert: &AlertBody| {
+        alert.finding.value.filter(|_| alert.rule != Rule::Overdue.name()).map(|v| v.abs() / alert.finding.limit)
+    };
+    let largest = alerts.iter().filter_map(of_limit).filter(|load| load.is_finite()).max_by(f64::total_cmp);
+    let is_known = |alert: &AlertBody| alert.state != Standing::Firing.name();
+    html! {
+        article.alerted {
+            header {
+                @if may { input type="checkbox" name="gyro" value=(serial) form="bulk" aria-label=(serial); }
+                (status::badge(t, worst))
+                strong { a.id href={ "/gyros/" (encoded(serial)) } { (serial) } }
+                @if let Some(imu) = &finding.imu {
+                    span { a.id href={ "/imus/" (encoded(imu)) } { (imu) } @if let Some(slot) = &finding.slot { " " span.quiet { (slot) } } }
+                }
+                @if let Some(largest) = largest { span.n title=(t.of_limit) { (figure::percent(largest)) } }
+                @if let Some(since) = since { span.quiet { (t.since) " " (written_day(since)) } }
+                @if may && !alerts.iter().all(is_known) { (bulk::acknowledge(viewer, serial, here)) }
+            }
+            details open[alerts.len() == 1] {
+                summary { @for alert in alerts { span.violated { (violated(t, alert)) } " " } }
+                (table(viewer, alerts.iter(), false, may.then_some(here)))
+                @if let Some(at) = finding.record.as_ref().and(finding.calibrated_at.as_ref()) {
+                    p.note { (t.calibrated) " " (written(at)) @if let Some(station) = &finding.station { " · " span.id { (station) } } }
+                }
+            }
+        }
+    }
+}
+
 /// Alerts of a gyro that are not resolved, critical ones first, then the newest.
 pub(super) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>, Problem> {
     let filter = AlertFilter { gyro: Some(gyro), ..AlertFilter::default() };
@@ -131,54 +241,6 @@ pub(super) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>
         found.into_iter().map(|(_, alert)| alert).filter(|alert| alert.state != resolved).collect();
     open.sort_by_key(|alert| alert.severity != Severity::Critical.name());
     Ok(open)
-}
-
-/// Alerts that stand together: of one gyro, and among those of one record. Gyros and their records come in the order
-/// in which their first alerts do.
-fn groups<'a>(alerts: impl Iterator<Item = &'a AlertBody>) -> Vec<Vec<&'a AlertBody>> {
-    let mut gyros: Vec<(&str, Vec<Vec<&AlertBody>>)> = Vec::new();
-    for alert in alerts {
-        let place = gyros.iter().position(|(serial, _)| *serial == alert.serial).unwrap_or_else(|| {
-            gyros.push((&alert.serial, Vec::new()));
-            gyros.len() - 1
-        });
-        let records = &mut gyros[place].1;
-        match records.iter_mut().find(|group| group[0].finding.record == alert.finding.record) {
-            Some(group) => group.push(alert),
-            None => records.push(vec![alert]),
-        }
-    }
-    gyros.into_iter().flat_map(|(_, records)| records).collect()
-}
-
-fn by_gyro_and_record<'a>(viewer: &Viewer, alerts: impl Iterator<Item = &'a AlertBody>) -> Markup {
-    html! {
-        div.scroll tabindex="0" { table.alerts {
-            (heading(viewer, false))
-            @for group in groups(alerts) {
-                tbody {
-                    tr.group { th.words scope="rowgroup" colspan="6" { (group_heading(viewer, &group)) } }
-                    @for alert in group { (line(viewer, alert, false, Some(&viewer.here))) }
-                }
-            }
-        } }
-    }
-}
-
-/// The gyro, what it violates, and the record that shows it.
-fn group_heading(viewer: &Viewer, group: &[&AlertBody]) -> Markup {
-    let t = viewer.text();
-    let (serial, finding) = (&group[0].serial, &group[0].finding);
-    html! {
-        a.id href={ "/gyros/" (encoded(serial)) } { (serial) }
-        @for alert in group { " " span.violated { (violated(t, alert)) } }
-        @if let Some(at) = finding.record.as_ref().and(finding.calibrated_at.as_ref()) {
-            " " span.quiet {
-                (t.calibrated) " " (written(at))
-                @for place in [&finding.imu, &finding.station].into_iter().flatten() { " · " span.id { (place) } }
-            }
-        }
-    }
 }
 
 fn violated(t: &Text, alert: &AlertBody) -> Markup {
@@ -228,7 +290,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
                 }
             }
             td data-label=(t.since) { @if let Some(since) = &alert.since { (written(since)) } }
-            td data-label=(t.fired) { (written(&alert.fired_at)) }
+            td data-label=(t.fired) { a href={ "/alerts/" (alert.id) } { (written(&alert.fired_at)) } }
             td.words {
                 (t.standing(&alert.state))
                 @if let Some(said) = &alert.acknowledged { (remark(t.said_by, &said.by, &said.reason)) }
@@ -245,6 +307,9 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
         }
     }
 }
+
+pub(super) use bulk::{act as act_bulk, ask as ask_bulk};
+pub(super) use one::page as one;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]

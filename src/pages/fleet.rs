@@ -1,70 +1,65 @@
-//! `/`: the fleet at a glance. What is narrowed down stays in the address.
+//! `/fleet`: every gyro on a line, all loads on one scale; or by IMU. What is narrowed down stays in the address.
+
+mod filters;
+mod wall;
 
 use axum::extract::{Query, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
-use serde::Deserialize;
 
 use super::Pages;
+use super::bullet;
 use super::figure;
-use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
 use super::spark;
+use super::text::Text;
 use super::viewer::Viewer;
-use crate::core::judge::Measured;
-use crate::core::judge::Status;
-use crate::core::time::UtcMicros;
+use crate::core::access::Role;
+use crate::core::judge::{Coefficient, Measured, Outlook, Rule, Status};
+use crate::core::time::{Span, UtcMicros};
 use crate::pages::status as badges;
-use crate::pipeline::{BEYOND, FleetFilter, FleetPage, Names, RecentValues, Standing, Violation, sample_of};
+use crate::pipeline::{BEYOND, FleetPage, Names, RecentValues, Standing, Violation, sample_of};
 use crate::wire::problem::Problem;
+pub(super) use filters::{Filters, as_day, bad_parameter};
 
-/// Gyros on one page, and values in one small line.
+/// Gyros on one page, values in one small line, and how long that is.
 const ROWS: usize = 40;
 const VALUES: usize = 24;
-
-#[derive(Debug, Default, Deserialize)]
-pub(super) struct Filters {
-    /// Part of a serial, IMU or station.
-    #[serde(default)]
-    q: String,
-    /// By its name on the wire.
-    #[serde(default)]
-    status: String,
-    /// As links of earlier versions have it: `exceeded`, `warning`, `indeterminate`, `within` or `overdue`.
-    #[serde(default)]
-    state: String,
-    #[serde(default)]
-    station: String,
-    #[serde(default)]
-    page: usize,
-}
+const SPAN_DAYS: f64 = 365.0;
 
 pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(filters): Query<Filters>) -> Response {
-    viewer.show(build(&pages, &viewer, &filters).await)
+    let shown = match filters.is_wall() {
+        true => wall::build(&pages, &viewer, &filters).await,
+        false => build(&pages, &viewer, &filters).await,
+    };
+    filters.again(viewer.show(shown))
 }
 
 async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page, Problem> {
     let t = viewer.text();
-    let filter = FleetFilter { text: &filters.q, station: &filters.station, statuses: filters.statuses() };
-    let found = pages.pipeline.queries.fleet.page(&filter, filters.page, ROWS).await?;
+    let queries = &pages.pipeline.queries;
+    let found = queries.fleet.page(&filters.filter()?, filters.page, ROWS).await?;
     let gyros: Vec<&Standing> = found.gyros.iter().collect();
-    let recent_values = pages.pipeline.queries.fleet.recent_values(&gyros, VALUES).await?;
-    let rows: Vec<Row> = {
-        let names = pages.pipeline.queries.names();
-        gyros.iter().zip(&recent_values).map(|(standing, recent)| Row::of(standing, recent, &names)).collect()
-    };
+    let recent_values = queries.fleet.recent_values(&gyros, VALUES).await?;
     let now = pages.clock.now();
+    let table = {
+        let names = queries.names();
+        let rows = gyros.iter().zip(&recent_values).map(|(standing, recent)| Row::of(standing, recent, &names));
+        html! { (table(viewer, pages, filters, &rows.collect::<Vec<_>>(), now)) }
+    };
     let body = html! {
         h1 { (t.fleet) }
         (tiles(viewer, &found, filters))
-        (search(viewer, filters))
+        (filters.form(viewer, &found))
         @if found.total == 0 {
             p.lead { (t.nothing_yet) }
-        } @else if rows.is_empty() {
+        } @else if gyros.is_empty() {
             p.lead { (t.none_found) }
         } @else {
-            p.note { (found.found) " " (t.gyros_found) " " (t.band_note) }
-            (table(viewer, pages, &rows, now))
-            (pager(viewer, filters, found.number, found.last))
+            p.note { (found.found) " " (t.gyros_of) " " (t.load_note) }
+            (table)
+            (filters.pager(viewer, found.number, found.last))
+            (selection(viewer))
         }
         (stations(viewer, &found))
     };
@@ -88,56 +83,18 @@ impl<'a> Row<'a> {
     }
 }
 
-impl Filters {
-    /// What is wanted; none where all is.
-    fn statuses(&self) -> Option<&'static [Status]> {
-        if !self.status.is_empty() {
-            let one = Status::ALL.iter().position(|status| status.name() == self.status);
-            return Some(one.map_or(&[], |place| &Status::ALL[place..=place]));
-        }
-        match self.state.as_str() {
-            "" => None,
-            "exceeded" => Some(&BEYOND),
-            "warning" => Some(&[Status::Drifting]),
-            "indeterminate" => Some(&[Status::Borderline, Status::TooUncertain, Status::NotEnoughData]),
-            "within" => Some(&[Status::InTolerance]),
-            "overdue" => Some(&[Status::Overdue]),
-            _ => Some(&[]),
-        }
-    }
-
-    /// The address of another page of the same list.
-    fn page(&self, page: usize) -> String {
-        self.with((&self.status, &self.state), page)
-    }
-
-    /// The address of the same list with another status.
-    fn address(&self, status: &str) -> String {
-        self.with((status, ""), 0)
-    }
-
-    fn with(&self, (status, state): (&str, &str), page: usize) -> String {
-        let page = if page > 0 { page.to_string() } else { String::new() };
-        let all =
-            [("q", self.q.trim()), ("status", status), ("state", state), ("station", &self.station), ("page", &page)];
-        let given = all.iter().filter(|(_, value)| !value.is_empty());
-        let query: Vec<String> = given.map(|(key, value)| format!("{key}={}", encoded(value))).collect();
-        if query.is_empty() { "/".into() } else { format!("/?{}", query.join("&")) }
-    }
-}
-
-/// How many of the fleet have each status; each leads to them.
-fn tiles(viewer: &Viewer, fleet: &FleetPage, filters: &Filters) -> Markup {
+/// How many of those that the other filters find have each status; each leads to them.
+pub(super) fn tiles(viewer: &Viewer, fleet: &FleetPage, filters: &Filters) -> Markup {
     let t = viewer.text();
     let of_status = |status: Status| (status.name(), t.status(status), fleet.of_status[status as usize]);
     let there = |(name, _, count): &(&str, &str, usize)| *count > 0 || filters.status == *name;
     let counts = Status::ALL.into_iter().rev().map(of_status).filter(there);
-    let counts = counts.chain([("", t.all_states, fleet.total)]);
+    let counts = counts.chain([("", t.all_states, fleet.of_any)]);
     html! {
         ul.tiles {
             @for (status, name, count) in counts {
                 li {
-                    a.(if status.is_empty() { "total" } else { status }) href=(filters.address(status))
+                    a.(if status.is_empty() { "total" } else { status }) href=(filters.of_status(status))
                         aria-current=[(filters.status == status && filters.state.is_empty()).then_some("true")] {
                         strong { (count) } span { (name) }
                     }
@@ -147,32 +104,22 @@ fn tiles(viewer: &Viewer, fleet: &FleetPage, filters: &Filters) -> Markup {
     }
 }
 
-fn search(viewer: &Viewer, filters: &Filters) -> Markup {
+fn table(viewer: &Viewer, pages: &Pages, filters: &Filters, rows: &[Row<'_>], now: UtcMicros) -> Markup {
     let t = viewer.text();
-    let narrowed = !(filters.q.is_empty() && filters.statuses().is_none() && filters.station.is_empty());
-    html! {
-        form.search role="search" action="/" method="get" {
-            input type="search" name="q" value=(filters.q) placeholder=(t.search_hint) aria-label=(t.search_hint);
-            @for (name, value) in [("status", &filters.status), ("state", &filters.state)] {
-                @if !value.is_empty() { input type="hidden" name=(name) value=(value); }
-            }
-            @if !filters.station.is_empty() { input type="hidden" name="station" value=(filters.station); }
-            button { (t.search) }
-            @if !filters.station.is_empty() { span.note { (t.station) ": " (filters.station) } }
-            @if narrowed { a href="/" { (t.clear_filters) } }
-        }
-    }
-}
-
-fn table(viewer: &Viewer, pages: &Pages, rows: &[Row<'_>], now: UtcMicros) -> Markup {
-    let t = viewer.text();
+    let head = |sort: &str, name: Markup| filters.head(sort, &name);
     html! {
         div.scroll tabindex="0" {
             table.fleet {
                 thead { tr {
-                    th { (t.status_word) } th { (t.serial) } th { (t.imu) }
-                    th { (symbol("D_I")) ", " (t.unit) } th { (symbol("D_S")) ", " (t.unit) }
-                    th { (t.violates) } th { (t.calibrated) }
+                    th.no-print { span.hidden { (t.choose) } }
+                    (head("", html! { (t.status_word) }))
+                    (head("serial", html! { (t.serial) }))
+                    th { (t.imu) }
+                    @for symbol_of in &DRIFTS[..2] { (head("load", html! { (symbol(symbol_of)) (t.of_budget_unit) })) }
+                    (head("eta", html! { (t.slope_a_year) }))
+                    th { (t.violates_besides) }
+                    th { (t.since) }
+                    (head("age", html! { (t.calibrated) }))
                 } }
                 tbody { @for row in rows { (line(viewer, pages, row, now)) } }
             }
@@ -183,9 +130,13 @@ fn table(viewer: &Viewer, pages: &Pages, rows: &[Row<'_>], now: UtcMicros) -> Ma
 fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, now: UtcMicros) -> Markup {
     let (t, standing) = (viewer.text(), row.standing);
     let newest = standing.newest.as_ref().map(|figures| sample_of(figures, pages.config.judging.method));
+    let is_worse = standing.status.is_some_and(|status| status >= Status::Drifting);
     html! {
         tr {
-            td { (badges::badge(t, standing.status)) " " (badges::out_of_use(t, standing.out_of_use)) }
+            td.choice.no-print {
+                input type="checkbox" name="gyro" value=(standing.serial) form="selection" aria-label=(standing.serial);
+            }
+            td { (badges::badge(t, standing.status)) (badges::out_of_use(t, standing.out_of_use)) }
             th scope="row" { a.id href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
             td {
                 @if let Some(figures) = &standing.newest {
@@ -194,54 +145,91 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, now: UtcMicros) -> Markup
             }
             @for column in 0..2 {
                 td.trend data-label=(DRIFTS[column]) {
-                    @if let Some(sample) = &newest { (trend(row.recent, column, sample.d[column])) }
+                    @if let Some(sample) = &newest {
+                        (load(row.recent, column, standing.outlook.load[column], sample.d[column], now))
+                    }
                 }
             }
-            td {
-                @for Violation { coefficient, rule, status } in &standing.violations {
-                    span.broken.(status.name()) title=(t.status(*status)) { (symbol(coefficient.name())) " " (t.rule(*rule)) }
-                }
-                @if standing.overdue_days.is_some() { span.broken.overdue { (t.status(Status::Overdue)) } }
-            }
-            td { @if let Some(figures) = &standing.newest { (age(viewer, figures.at, now, &row.station)) } }
+            td data-label=(t.slope_a_year) { (trend(t, standing)) }
+            td data-label=(t.violates) { (violated(t, &besides(&standing.violations))) }
+            td data-label=(t.since) { @if let Some(since) = standing.since.filter(|_| is_worse) { (day(since)) } }
+            td data-label=(t.calibrated) { @if let Some(figures) = &standing.newest { (age(viewer, figures.at, now, &row.station)) } }
         }
     }
 }
 
-fn trend(recent: &RecentValues, column: usize, newest: Measured) -> Markup {
-    let values: Vec<f64> = recent.samples.iter().map(|sample| sample.d[column].value).collect();
-    let written = figure::drift(newest.value, newest.sd);
+/// The last values, the load on the common scale, and in figures; before the baseline is complete, the value.
+fn load(recent: &RecentValues, column: usize, load: Option<Measured>, newest: Measured, now: UtcMicros) -> Markup {
+    let values: Vec<(UtcMicros, f64)> =
+        recent.samples.iter().map(|sample| (sample.at, sample.d[column].value)).collect();
+    let span = Span { from: now.plus_days(-SPAN_DAYS), to: now };
+    let value = figure::drift(newest.value, newest.sd);
     html! {
-        (spark::line(&values, recent.level[column], recent.budget[column], &written))
-        span.n { (written) }
+        @if let Some(load) = load {
+            @let percent = bullet::percent(load);
+            (spark::line(&values, span, recent.level[column], recent.budget[column]))
+            (bullet::bar(load, &format!("{percent} %")))
+            span.n title=(value) { (percent) }
+        } @else { span.n.quiet { (value) } }
+    }
+}
+
+/// Slopes that are established, and when the first of them reaches the budget.
+pub(super) fn trend(t: &Text, standing: &Standing) -> Markup {
+    let Outlook { per_year, reach, .. } = standing.outlook;
+    let is_ahead = standing.status.is_none_or(|status| !BEYOND.contains(&status));
+    html! {
+        @for (slope, name) in per_year.iter().zip(DRIFTS) {
+            @if let Some(slope) = slope {
+                span.slope { (symbol(name)) " " (bullet::percent(*slope)) (t.percent_a_year) } " "
+            }
+        }
+        @if let Some(reach) = reach.filter(|_| is_ahead) {
+            span.slope.quiet title=(t.reaches_budget) { "→ " (day(reach.at)) @if reach.provisional { " ?" } }
+        }
+    }
+}
+
+/// What the loads do not show: all but the distances of D_I and D_S from their baselines.
+fn besides(violations: &[Violation]) -> Vec<Violation> {
+    let is_load =
+        |one: &Violation| one.rule == Rule::Baseline && matches!(one.coefficient, Coefficient::DI | Coefficient::DS);
+    violations.iter().copied().filter(|one| !is_load(one)).collect()
+}
+
+/// The gravest, and how many more.
+pub(super) fn violated(t: &Text, violations: &[Violation]) -> Markup {
+    let gravest = violations.iter().max_by_key(|violation| violation.status);
+    html! {
+        @if let Some(Violation { coefficient, rule, status }) = gravest {
+            span.broken.(status.name()) title=(t.status(*status)) { (symbol(coefficient.name())) " " (t.rule(*rule)) }
+            @if violations.len() > 1 {
+                @let all: Vec<String> =
+                    violations.iter().map(|one| format!("{} {}", one.coefficient.name(), t.rule(one.rule))).collect();
+                span.quiet title=(all.join(" · ")) { "+" (violations.len() - 1) }
+            }
+        }
     }
 }
 
 fn age(viewer: &Viewer, at: UtcMicros, now: UtcMicros, station: &str) -> Markup {
     let t = viewer.text();
-    let days = now.days_since(at).floor();
     html! {
-        span.nowrap { (instant(at)) }
-        br;
-        span.quiet {
-            span.nowrap {
-                @if days < 1.0 { (t.today) } @else if days < 2.0 { (t.yesterday) } @else { (format!("{days:.0}")) " " (t.days_ago) }
-                " ·"
-            }
-            " " span.id { (station) }
+        span.nowrap title=(as_day(at)) {
+            (format!("{:.0}", now.days_since(at).floor().max(0.0))) " " (t.days_short) " " span.quiet { "· " span.id { (station) } }
         }
     }
 }
 
-fn pager(viewer: &Viewer, filters: &Filters, number: usize, last: usize) -> Markup {
+/// What is done with the gyros that are ticked.
+fn selection(viewer: &Viewer) -> Markup {
     let t = viewer.text();
     html! {
-        @if last > 0 {
-            nav.pager aria-label=(t.page_of) {
-                @if number > 0 { a rel="prev" href=(filters.page(number - 1)) { (t.previous) } }
-                span { (number + 1) " / " (last + 1) }
-                @if number < last { a rel="next" href=(filters.page(number + 1)) { (t.next) } }
-            }
+        form.selection.no-print #selection method="get" action="/compare" {
+            span.quiet { (t.with_selected) }
+            button formaction="/compare" { (t.compare_ticked) }
+            @if viewer.may(Role::Engineer) { button formaction="/alerts/bulk" { (t.acknowledge) } }
+            button formaction="/reports" { (t.reports) }
         }
     }
 }
@@ -256,39 +244,12 @@ fn stations(viewer: &Viewer, fleet: &FleetPage) -> Markup {
                 thead { tr { th { (t.station) } th.n.capital { (t.gyros) } th.n.capital { (t.beyond) } th { (t.last_seen) } } }
                 tbody { @for (name, of_station) in &fleet.of_station {
                     tr {
-                        th scope="row" { a.id href={ "/?station=" (encoded(name)) } { (name) } }
+                        th scope="row" { a.id href={ "/fleet?station=" (encoded(name)) } { (name) } }
                         td.n { (of_station.gyros) } td.n { (of_station.beyond) }
                         td { (instant(of_station.last_calibrated)) }
                     }
                 } }
             } }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn filters_stay_in_the_address() {
-        let filters =
-            Filters { q: " IMU 07&".into(), station: "ST-2".into(), status: "confirmed".into(), ..Filters::default() };
-        assert_eq!(filters.page(2), "/?q=IMU%2007%26&status=confirmed&station=ST-2&page=2");
-        assert_eq!(filters.address("overdue"), "/?q=IMU%2007%26&status=overdue&station=ST-2");
-        assert_eq!(Filters::default().page(0), "/");
-    }
-
-    #[test]
-    fn addresses_of_earlier_versions_find_what_they_found() {
-        let of = |state: &str| Filters { state: state.into(), ..Filters::default() };
-        assert_eq!(of("exceeded").page(1), "/?state=exceeded&page=1");
-        assert_eq!(of("exceeded").address("drifting"), "/?status=drifting", "another choice takes its place");
-        let every: Vec<&Status> = ["exceeded", "warning", "indeterminate", "within", "overdue"]
-            .iter()
-            .flat_map(|old| of(old).statuses().unwrap())
-            .collect();
-        assert!(every.len() == Status::ALL.len() && Status::ALL.iter().all(|status| every.contains(&status)));
-        assert_eq!((of("").statuses(), of("nonsense").statuses()), (None, Some(&[][..])));
     }
 }

@@ -80,9 +80,7 @@ impl Deed<'_> {
         let body = html! {
             h1 { (self.title) }
             (self.what)
-            @if !faults.0.is_empty() {
-                ul.fault role="alert" { @for fault in &faults.0 { li { (field(t, &fault.pointer)) ": " (t.words(&fault.message)) } } }
-            }
+            (fault_list(t, faults))
             form.deed action=(self.action) method="post" {
                 input type="hidden" name="back" value=(self.back);
                 (self.fields)
@@ -103,6 +101,15 @@ impl Deed<'_> {
     }
 }
 
+/// What is missing or wrong on a form.
+pub(super) fn fault_list(t: &Text, faults: &Faults) -> Markup {
+    html! {
+        @if !faults.0.is_empty() {
+            ul.fault role="alert" { @for fault in &faults.0 { li { (field(t, &fault.pointer)) ": " (t.words(&fault.message)) } } }
+        }
+    }
+}
+
 /// What a field is called on the form; a place within it as it stands.
 fn field(t: &Text, pointer: &str) -> Markup {
     let label = match pointer {
@@ -112,6 +119,7 @@ fn field(t: &Text, pointer: &str) -> Markup {
         "at" => t.event_time,
         "days" => t.silence_days,
         "confirm" => t.confirmation,
+        "alert" => t.alert,
         "/name" => t.hook_name,
         "/kind" => t.kind,
         "/url" => t.hook_url,

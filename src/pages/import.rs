@@ -4,6 +4,9 @@
 //! The form is sent as `text/plain`, which is the text as it stands: it works without a script, and a file is no
 //! larger on the way than it is.
 
+mod located;
+mod numbered;
+
 use std::sync::Arc;
 
 use axum::Extension;
@@ -11,22 +14,27 @@ use axum::extract::State as Held;
 use axum::response::Response;
 use maud::{Markup, html};
 
-use super::Pages;
-use super::figure;
-use super::layout::{Page, Section, encoded, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
 use super::notes::noted;
 use super::off_the_loop;
 use super::text::Text;
 use super::viewer::Viewer;
+use super::{Pages, bullet, figure, status};
 use crate::core::alert_decision::Late;
 use crate::core::fault::{Fault, Faults};
+use crate::core::history_note::HistoryNote;
 use crate::core::id::Id;
+use crate::core::judge::Measured;
 use crate::core::note::Note;
 use crate::pages::upload_parts::{Piece, pieces};
-use crate::pipeline::{Accepted, Caller, Origin, Pipeline, Preview, ReadDocument, Refused, Reply, Submission};
+use crate::pipeline::{
+    Accepted, Calibration, Caller, Forecast, Foreseen, Origin, Pipeline, Preview, ReadDocument, Refused, Reply,
+    StorageError, Submission,
+};
 use crate::wire::campaign::Form;
 use crate::wire::json::from_line;
 use crate::wire::note::NoteBody;
+use located::Place;
 
 /// Documents of one form that are shown; all are read and all are stored. So many of the sound ones are held against
 /// what is stored, each with queries of its own: all that are shown, and no more, for a file may hold tens of
@@ -45,14 +53,38 @@ pub(super) async fn preview(
     form: String,
 ) -> Response {
     let pipeline = pages.pipeline.clone();
-    let (text, read) = off_the_loop(move || {
-        let text = text_of(&form);
+    let (file, text, read, places) = off_the_loop(move || {
+        let (file, text) = (file_of(&form), text_of(&form));
         let read = read_all(&pipeline, &caller, &text);
-        (text, read)
+        let places = places(&text, &read);
+        (file, text, read, places)
     })
     .await;
-    let prospects = previews(&pages.pipeline, read).await;
-    off_the_loop(move || viewer.show(Ok(previewed(&viewer, &prospects, &text)))).await
+    let prospects = match previews(&pages.pipeline, read).await {
+        Ok(prospects) => prospects,
+        Err(error) => return viewer.show(Err(error.into())),
+    };
+    let file = Source { name: file, text, places };
+    off_the_loop(move || viewer.show(Ok(previewed(&viewer, &prospects, &file)))).await
+}
+
+/// The text that is looked at.
+struct Source {
+    /// Of the file, where the script knows it.
+    name: String,
+    text: String,
+    /// What is faulty in it.
+    places: Vec<Place>,
+}
+
+/// Where the faults are of the first that have some.
+fn places(text: &str, read: &[(usize, Result<ReadDocument, Faults>)]) -> Vec<Place> {
+    let pieces = pieces(text);
+    let faulty = pieces.iter().zip(read).filter_map(|(piece, (_, read))| Some((piece, read.as_ref().err()?)));
+    let of_piece = |(piece, faults): (&Piece<'_>, &Faults)| -> Vec<Place> {
+        faults.0.iter().map(|fault| located::place(piece, fault)).collect()
+    };
+    faulty.take(MOST_SHOWN).flat_map(of_piece).collect()
 }
 
 /// What storing a document would come to.
@@ -61,28 +93,39 @@ enum Prospect {
     Refused(Refused),
     /// Another document of the text, on this line, holds its place with other content.
     Contradicts(usize),
-    Sound(Box<Submission>, Arc<[Note]>),
+    /// What is foreseen of it where it is a calibration.
+    Sound(Box<Submission>, Arc<[Note]>, Option<Forecast>),
 }
 
 /// Every document with its line, and what storing it would come to: what is stored already may stand in the way of
 /// the first [`MOST_SHOWN`] that are sound.
-async fn previews(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faults>)>) -> Vec<(usize, Prospect)> {
+async fn previews(
+    pipeline: &Pipeline,
+    read: Vec<(usize, Result<ReadDocument, Faults>)>,
+) -> Result<Vec<(usize, Prospect)>, StorageError> {
     let sound: Vec<(usize, &ReadDocument)> =
         read.iter().filter_map(|(line, read)| Some((*line, read.as_ref().ok()?))).collect();
     let documents: Vec<&ReadDocument> = sound.iter().map(|(_, document)| *document).take(MOST_SHOWN).collect();
     let outcomes = pipeline.ingest.preview(&documents).await;
+    let mut forecasts = Vec::with_capacity(documents.len());
+    for document in &documents {
+        forecasts.push(match document.submission.calibration() {
+            Some(calibration) => Some(pipeline.queries.foresee(calibration).await?),
+            None => None,
+        });
+    }
     let lines: Vec<usize> = sound.iter().map(|(line, _)| *line).collect();
-    let mut outcomes = outcomes.into_iter();
+    let mut outcomes = outcomes.into_iter().zip(forecasts);
     let mut prospect = |read| match read {
         Err(faults) => Prospect::Faulty(faults),
         Ok(ReadDocument { submission, .. }) => match outcomes.next() {
-            Some(Preview::Refused(why)) => Prospect::Refused(why),
-            Some(Preview::Contradicts(earlier)) => Prospect::Contradicts(lines[earlier]),
-            Some(Preview::Taken { notes }) => Prospect::Sound(Box::new(submission), notes),
-            None => Prospect::Sound(Box::new(submission), [].into()),
+            Some((Preview::Refused(why), _)) => Prospect::Refused(why),
+            Some((Preview::Contradicts(earlier), _)) => Prospect::Contradicts(lines[earlier]),
+            Some((Preview::Taken { notes }, forecast)) => Prospect::Sound(Box::new(submission), notes, forecast),
+            None => Prospect::Sound(Box::new(submission), [].into(), None),
         },
     };
-    read.into_iter().map(|(line, read)| (line, prospect(read))).collect()
+    Ok(read.into_iter().map(|(line, read)| (line, prospect(read))).collect())
 }
 
 pub(super) async fn store(
@@ -97,8 +140,15 @@ pub(super) async fn store(
     viewer.show(Ok(outcome(&viewer, &outcomes)))
 }
 
+/// The name of the file, which the script sends before its text.
+fn file_of(form: &str) -> String {
+    let name = form.strip_prefix("file=").and_then(|form| form.split_once("\r\n"));
+    name.map_or("", |(name, _)| name).to_owned()
+}
+
 /// The field `text` of a form sent as text/plain, with line ends as files have them.
 fn text_of(form: &str) -> String {
+    let form = form.strip_prefix("file=").and_then(|form| form.split_once("\r\n")).map_or(form, |(_, text)| text);
     let text = form.strip_prefix("text=").unwrap_or(form);
     text.strip_suffix("\r\n").unwrap_or(text).replace("\r\n", "\n")
 }
@@ -117,20 +167,23 @@ fn read(pipeline: &Pipeline, caller: &Caller, piece: &Piece) -> Result<ReadDocum
     Ok(document)
 }
 
-fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], text: &str) -> Page {
+fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) -> Page {
     let t = viewer.text();
     let is_sound = |(_, prospect): &&(usize, Prospect)| matches!(prospect, Prospect::Sound(..));
     let sound = prospects.iter().filter(is_sound).count();
     let faulty = prospects.len() - sound;
     let read = prospects.iter().filter(|(_, prospect)| !matches!(prospect, Prospect::Faulty(_))).count();
+    let doubtful = prospects.iter().filter(|(_, prospect)| prospect.is_doubtful()).count();
     let body = html! {
         section.preview aria-live="polite" {
-            h2 { (t.preview) }
+            h2 { (t.preview) @if !source.name.is_empty() { " · " span translate="no" { (source.name) } } }
             @if prospects.is_empty() { p.fault { (t.no_document) } }
             p.lead {
                 (sound) " " (t.can_be_stored)
                 @if faulty > 0 { " · " strong { (faulty) " " (t.cannot_be_stored) } }
+                @if doubtful > 0 { " · " strong.doubt { (doubtful) " " (t.to_be_checked) } }
             }
+            (numbered::shown(t, &source.text, &source.places))
             @if read > MOST_SHOWN { p.note { (t.first_foreseen) " " (MOST_SHOWN) } }
             @for (line, prospect) in prospects.iter().filter(|one| !is_sound(one)).take(MOST_SHOWN) {
                 @match prospect {
@@ -141,18 +194,20 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], text: &str) -> Pa
                 }
             }
             @for (line, prospect) in prospects.iter().take(MOST_SHOWN) {
-                @if let Prospect::Sound(submission, notes) = prospect { (sound_document(t, *line, submission, notes)) }
+                @if let Prospect::Sound(submission, notes, forecast) = prospect {
+                    (sound_document(t, *line, submission, notes, forecast.as_ref()))
+                }
             }
             @if sound > 0 {
                 form.confirm action="/import/store" method="post" enctype="text/plain" {
-                    textarea name="text" hidden { (text) }
+                    textarea name="text" hidden { (source.text) }
                     button.primary { (t.store) " (" (sound) ")" }
                     span.note { (t.store_note) }
                 }
             }
         }
     };
-    framed(viewer, text, body)
+    framed(viewer, &source.text, body)
 }
 
 /// What one document has come to.
@@ -228,6 +283,7 @@ fn framed(viewer: &Viewer, text: &str, after: Markup) -> Page {
         h1 { (t.import) }
         p.lead { (t.import_note) }
         form.import action="/import/preview" method="post" enctype="text/plain" data-drop {
+            input type="hidden" name="file" disabled;
             p hidden { label { (t.choose_file) " " input type="file" accept=".json,.ndjson,.jsonl,.csv,.txt"; } }
             label { (t.or_paste) textarea name="text" rows="10" spellcheck="false" required { (text) } }
             button.primary { (t.preview) }
@@ -242,9 +298,31 @@ fn refused(t: &Text, line: usize, faults: &Faults) -> Markup {
         article.fault {
             h3 { (t.line) " " (line) " · " (t.refused) }
             ul { @for fault in &faults.0 {
-                li { @if !fault.pointer.is_empty() { code { (fault.pointer) } ": " } (t.words(&fault.message)) }
+                // What a table's fault says names line and column itself.
+                li { @if !fault.message.code.starts_with("at_") { (named(t, &fault.pointer)) } (t.words(&fault.message)) }
             } }
         }
+    }
+}
+
+/// What a fault is about, in words: `gyro 2, e_pulse_per_arcsec: `. Members have the names that files have.
+fn named(t: &Text, pointer: &str) -> Markup {
+    let tokens: Vec<String> =
+        pointer.split('/').skip(1).map(|token| token.replace("~1", "/").replace("~0", "~")).collect();
+    let of_list = |k: usize| tokens.get(k + 1).and_then(|place| place.parse::<usize>().ok());
+    let (mut parts, mut k) = (Vec::new(), 0);
+    while let Some(token) = tokens.get(k) {
+        match (token.as_str(), of_list(k)) {
+            ("gyros", Some(place)) => parts.push(html! { (t.gyro_word) " " (place + 1) }),
+            ("dwells", Some(place)) => parts.push(html! { (t.dwell) " " (place + 1) }),
+            (name, Some(place)) => parts.push(html! { code { (name) } " " (place + 1) }),
+            (name, None) => parts.push(html! { code { (name) } }),
+        }
+        k += if of_list(k).is_some() { 2 } else { 1 };
+    }
+    html! {
+        @for (k, part) in parts.iter().enumerate() { @if k > 0 { ", " } (part) }
+        @if !parts.is_empty() { ": " }
     }
 }
 
@@ -258,28 +336,63 @@ fn hindered(t: &Text, line: usize, why: &str) -> Markup {
     }
 }
 
-fn sound_document(t: &Text, line: usize, submission: &Submission, notes: &[Note]) -> Markup {
-    let notes: Vec<NoteBody> = notes.iter().map(NoteBody::of).collect();
+/// Budgets by which a gyro hardly ever moves.
+const FAR: f64 = 5.0;
+
+impl Prospect {
+    /// Whether somebody should look at it before it is stored.
+    fn is_doubtful(&self) -> bool {
+        match self {
+            Prospect::Sound(submission, notes, forecast) => {
+                notes.iter().any(is_doubt)
+                    || forecast.as_ref().zip(submission.calibration()).is_some_and(|(forecast, calibration)| {
+                        !forecast.station_is_known
+                            || !strangers(calibration, forecast).is_empty()
+                            || forecast.gyros.iter().any(|gyro| far(gyro).is_some())
+                    })
+            }
+            _ => false,
+        }
+    }
+}
+
+/// Notes that say what a file is to be doubted for; others say what it lacks.
+fn is_doubt(note: &Note) -> bool {
+    matches!(note, Note::History(note) if !matches!(note, HistoryNote::Moved { .. }))
+}
+
+/// Gyros that nobody knows, in an IMU that is known.
+fn strangers<'c>(calibration: &'c Calibration, forecast: &Forecast) -> Vec<&'c str> {
+    let unknown = calibration.gyros.iter().zip(&forecast.gyros).filter(|(_, foreseen)| !foreseen.is_known);
+    unknown.filter(|_| forecast.imu_is_known).map(|(gyro, _)| gyro.serial.as_str()).collect()
+}
+
+/// What of a gyro is farther from its last value than it ever moves.
+fn far(gyro: &Foreseen) -> Option<(usize, Measured)> {
+    let changes = gyro.change.iter().enumerate().filter_map(|(column, change)| Some((column, (*change)?)));
+    changes
+        .filter(|(_, change)| change.value.abs() > FAR)
+        .max_by(|(_, a), (_, b)| a.value.abs().total_cmp(&b.value.abs()))
+}
+
+fn sound_document(
+    t: &Text,
+    line: usize,
+    submission: &Submission,
+    notes: &[Note],
+    forecast: Option<&Forecast>,
+) -> Markup {
+    let (doubts, others): (Vec<&Note>, Vec<&Note>) = notes.iter().partition(|note| is_doubt(note));
+    let others: Vec<NoteBody> = others.into_iter().map(NoteBody::of).collect();
+    let of_calibration = submission.calibration().zip(forecast);
+    let doubted = of_calibration.map_or(html! {}, |(calibration, forecast)| doubted(t, calibration, forecast));
+    let is_doubtful = !doubts.is_empty() || !doubted.0.is_empty();
     html! {
-        article.sound {
+        article.(if is_doubtful { "doubtful" } else { "sound" }) {
             @match submission {
                 Submission::Calibration(calibration) => {
                     h3 { (t.line) " " (line) " · " (calibration.imu) }
                     p.note { (t.station) " " (calibration.station) " · " (t.calibrated) " " (instant(calibration.calibrated_at)) }
-                    div.scroll tabindex="0" { table {
-                        thead { tr { th { (t.slot) } th { (t.serial) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } } }
-                        tbody { @for gyro in &calibration.gyros {
-                            @let rigid = &gyro.separation.rigid;
-                            @let sd = rigid.sd();
-                            tr {
-                                td { (gyro.slot.name()) }
-                                th scope="row" { a href={ "/gyros/" (encoded(gyro.serial.as_str())) } { (gyro.serial) } }
-                                @for (i, value) in [rigid.d_i, rigid.d_s, rigid.d_o].into_iter().enumerate() {
-                                    td.n { (figure::drift(value, sd.map(|sd| sd[i]))) }
-                                }
-                            }
-                        } }
-                    } }
                 }
                 Submission::Bench(bench) => {
                     h3 { (t.line) " " (line) " · " (bench.result.serial) " · " (t.method(bench.result.method.name())) }
@@ -291,8 +404,83 @@ fn sound_document(t: &Text, line: usize, submission: &Submission, notes: &[Note]
                 }
                 _ => {}
             }
-            (noted(t, &notes))
+            @if is_doubtful {
+                p.doubt { strong { (t.check_first) } }
+                ul { @for note in &doubts { li { (NoteBody::of(note).detail) } } (doubted) }
+            }
+            @match (submission, forecast) {
+                (Submission::Calibration(calibration), Some(forecast)) => (foreseen(t, calibration, forecast)),
+                (Submission::Calibration(calibration), None) => (plain(calibration)),
+                _ => {}
+            }
+            (noted(t, &others))
         }
+    }
+}
+
+/// What the notes of intake do not say: of the station, of serials, of gyros one by one.
+fn doubted(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup {
+    html! {
+        @if !forecast.station_is_known { li { (t.station_unknown) " " strong translate="no" { (calibration.station) } } }
+        @for serial in strangers(calibration, forecast) { li { (t.serial_unknown) " " strong translate="no" { (serial) } } }
+        @for (gyro, foreseen) in calibration.gyros.iter().zip(&forecast.gyros) {
+            @if let Some((column, change)) = far(foreseen) {
+                li { strong translate="no" { (gyro.serial) } ": " (symbol(DRIFTS[column])) " " (bullet::percent(change)) (t.share_of_budget_unit) ", " (t.from_last_value) }
+            }
+        }
+    }
+}
+
+/// Each coefficient beside its last value, and what it would be judged to be.
+fn foreseen(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup {
+    html! {
+        div.scroll tabindex="0" { table.foreseen {
+            thead { tr {
+                th { (t.slot) } th { (t.serial) } th { span.hidden { (t.coefficient) } } th.n { (t.value) ", " (t.unit) }
+                th.n { (t.last_value) } th { (t.date) } th.n { (t.change_of_budget) } th.n { (t.load_word) } th { (t.status_word) }
+            } }
+            @for (gyro, foreseen) in calibration.gyros.iter().zip(&forecast.gyros) {
+                tbody { @for (column, name) in DRIFTS.into_iter().enumerate() {
+                    tr {
+                        @if column == 0 {
+                            td rowspan="3" { (gyro.slot.name()) }
+                            th scope="rowgroup" rowspan="3" { a href={ "/gyros/" (encoded(gyro.serial.as_str())) } { (gyro.serial) } br; (status::badge(t, Some(foreseen.status))) }
+                        }
+                        td { (symbol(name)) }
+                        td.n { (figure::drift(foreseen.d[column].value, foreseen.d[column].sd)) }
+                        @if let Some((at, last)) = &foreseen.last {
+                            td.n { (figure::drift(last[column].value, last[column].sd)) } td { (day(*at)) }
+                        } @else { td.n { "–" } td { (t.first_calibration) } }
+                        td.n { (share(foreseen.change[column])) }
+                        td.n { (share(foreseen.outlook.load[column])) }
+                        td { (status::badge(t, Some(foreseen.drift[column]))) }
+                    }
+                } }
+            }
+        } }
+    }
+}
+
+fn share(share: Option<Measured>) -> Markup {
+    html! { @if let Some(share) = share { (bullet::percent(share)) } @else { "–" } }
+}
+
+/// Where it is not held against what is stored.
+fn plain(calibration: &Calibration) -> Markup {
+    html! {
+        div.scroll tabindex="0" { table {
+            thead { tr { th {} th {} @for name in DRIFTS { th.n { (symbol(name)) } } } }
+            tbody { @for gyro in &calibration.gyros {
+                @let rigid = &gyro.separation.rigid;
+                @let sd = rigid.sd();
+                tr {
+                    td { (gyro.slot.name()) } th scope="row" { (gyro.serial) }
+                    @for (i, value) in [rigid.d_i, rigid.d_s, rigid.d_o].into_iter().enumerate() {
+                        td.n { (figure::drift(value, sd.map(|sd| sd[i]))) }
+                    }
+                }
+            } }
+        } }
     }
 }
 
@@ -304,5 +492,9 @@ mod tests {
     fn the_text_comes_out_of_the_form_as_the_file_had_it() {
         assert_eq!(text_of("text={\r\n \"a\": 1\r\n}\r\n"), "{\n \"a\": 1\n}");
         assert_eq!(text_of("text=a=b\r\n"), "a=b");
+        assert_eq!(text_of("text=file=b\r\ntext=c\r\n"), "file=b\ntext=c");
+        let named = "file=ST-2 \u{53f0}.csv\r\ntext=# imu: A\r\n1\r\n";
+        assert_eq!((file_of(named).as_str(), text_of(named).as_str()), ("ST-2 \u{53f0}.csv", "# imu: A\n1"));
+        assert_eq!(file_of("text=a"), "");
     }
 }

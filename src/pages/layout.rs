@@ -36,12 +36,15 @@ pub(super) struct Page {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Section {
+    Today,
     Fleet,
     Alerts,
     Diagnoses,
     Stations,
     Import,
     Hooks,
+    Book,
+    Setup,
     None,
 }
 
@@ -133,13 +136,19 @@ impl Viewer {
                     header.bar {
                         a.name href="/" { "gyrowatch" }
                         nav aria-label=(t.navigation) {
-                            (entry("/", t.fleet, page.section == Section::Fleet))
+                            (entry("/", t.today_title, page.section == Section::Today))
+                            (entry("/fleet", t.fleet, page.section == Section::Fleet))
                             (entry("/alerts", t.alerts, page.section == Section::Alerts))
                             (entry("/diagnoses", t.diagnoses, page.section == Section::Diagnoses))
                             (entry("/stations", t.stations, page.section == Section::Stations))
                             @if self.may(Role::Station) { (entry("/import", t.import, page.section == Section::Import)) }
                             @if self.may(Role::Engineer) { (entry("/hooks", t.hooks, page.section == Section::Hooks)) }
+                            (entry("/book", t.book, page.section == Section::Book))
+                            @if self.may(Role::Engineer) { (entry("/setup", t.setup, page.section == Section::Setup)) }
                             (entry("/docs", t.api, false))
+                        }
+                        form.find role="search" aria-label=(t.find_hint) action="/find" method="get" {
+                            input #find type="search" name="q" placeholder=(t.find_short) aria-label=(t.find_hint) title=(t.find_hint);
                         }
                         (self.switches())
                     }
@@ -162,8 +171,11 @@ impl Viewer {
                 a href=(to("language", other)) lang=(other) { (t.other_language) }
                 a.to-dark href=(to("theme", "dark")) { (t.dark) }
                 a.to-light href=(to("theme", "light")) { (t.light) }
+                span.quiet #zone title=(t.times_are_in) { "UTC" }
                 @if let Some(name) = &self.signed_in {
-                    form.sign-out action="/sign-out" method="post" { button title=(name) { (t.sign_out) } }
+                    span.who translate="no" { (name) }
+                    @if let Some(role) = self.role { span.quiet { (t.role(role)) } }
+                    form.sign-out action="/sign-out" method="post" { button { (t.sign_out) } }
                 }
             }
         }
@@ -192,6 +204,12 @@ pub(super) fn instant(at: UtcMicros) -> Markup {
     html! { time datetime=(utc) title=(utc) { (shown) } }
 }
 
+/// The day of an instant: in UTC as it stands, in the viewer's zone once the script has run.
+pub(super) fn day(at: UtcMicros) -> Markup {
+    let utc = time::format(at);
+    html! { time datetime=(utc) title=(utc) data-day { (&utc[..utc.find('T').unwrap_or(utc.len())]) } }
+}
+
 /// Hours and minutes of an RFC 3339 time, with what they are counted in.
 pub(super) fn clock(utc: &str) -> String {
     let start = utc.find('T').map_or(utc.len(), |at| at + 1);
@@ -203,9 +221,15 @@ pub(super) fn written(text: &str) -> Markup {
     time::parse(text).map_or_else(|_| html! { (text) }, instant)
 }
 
-/// Who said something, and why.
+/// The day of a time as the service writes it on the wire.
+pub(super) fn written_day(text: &str) -> Markup {
+    time::parse(text).map_or_else(|_| html! { (text) }, day)
+}
+
+/// Who said something, and why, where they said that.
 pub(super) fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
-    html! { br; span.quiet { (said_by) " " span translate="no" { (by) ": " (reason) } } }
+    let reason = if reason.is_empty() { String::new() } else { format!(": {reason}") };
+    html! { br; span.quiet { (said_by) " " span translate="no" { (by) (reason) } } }
 }
 
 /// What is separated, in the order of the figures.

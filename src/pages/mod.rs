@@ -6,6 +6,8 @@
 mod alerts;
 mod assets;
 mod before_after;
+mod book;
+mod bullet;
 mod calibration;
 mod chart;
 mod compare;
@@ -17,6 +19,7 @@ mod diagnosis;
 mod downsample;
 mod events;
 pub(crate) mod figure;
+mod find;
 mod fleet;
 mod form;
 mod gyro;
@@ -32,8 +35,10 @@ mod notes;
 mod parameters;
 mod reference;
 mod report;
+mod reports;
 mod residuals;
 mod separation;
+mod setup;
 mod sign_in;
 mod silences;
 mod spark;
@@ -42,6 +47,7 @@ mod station;
 mod stations;
 mod status;
 mod text;
+mod today;
 mod upload_parts;
 mod verdicts;
 mod view;
@@ -56,15 +62,22 @@ use state::off_the_loop;
 /// Every page, and what they load.
 pub fn routes() -> Routes<Pages> {
     Routes::default()
-        .get(VIEWER, "/", fleet::page)
+        .get(VIEWER, "/", today::page)
+        .get(VIEWER, "/fleet", fleet::page)
+        .get(VIEWER, "/find", find::page)
+        .get(ENGINEER, "/setup", setup::page)
         .get(VIEWER, "/gyros/{serial}", gyro::page)
         .get(ENGINEER, "/gyros/{serial}/events/new", events::ask)
         .post(ENGINEER, "/gyros/{serial}/events/new", events::act)
         .get(VIEWER, "/gyros/{serial}/report", report::gyro)
+        .get(VIEWER, "/reports", reports::page)
         .get(VIEWER, "/imus/{imu}", imu::page)
         .get(VIEWER, "/imus/{imu}/report", report::imu)
         .get(VIEWER, "/compare", compare::page)
         .get(VIEWER, "/alerts", alerts::page)
+        .get(ENGINEER, "/alerts/bulk", alerts::ask_bulk)
+        .post(ENGINEER, "/alerts/bulk", alerts::act_bulk)
+        .get(VIEWER, "/alerts/{id}", alerts::one)
         .get(ENGINEER, "/alerts/{id}/{deed}", alerts::ask)
         .post(ENGINEER, "/alerts/{id}/{deed}", alerts::act)
         .get(ENGINEER, "/silences/new", silences::ask_new)
@@ -98,6 +111,8 @@ pub fn routes() -> Routes<Pages> {
         .get(VIEWER, "/stations", stations::page)
         .get(VIEWER, "/stations/{name}", station::page)
         .get(VIEWER, "/gyros/{serial}/diagnosis", gyro_diagnosis::page)
+        .get(VIEWER, "/book", book::first)
+        .get(VIEWER, "/book/{*name}", book::one)
         .get(STATION, "/import", import::page)
         .post(STATION, "/import/preview", import::preview)
         .post(STATION, "/import/store", import::store)

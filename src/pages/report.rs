@@ -33,7 +33,7 @@ pub(super) async fn imu(Held(pages): Held<Pages>, viewer: Viewer, Path(imu): Pat
     viewer.show_for_paper(of_imu(&pages, &viewer, &imu).await, &imu)
 }
 
-async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, Problem> {
+pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, Problem> {
     let t = viewer.text();
     let number = known(pages, serial)?;
     let view = View::whole(pages.config.judging.method);

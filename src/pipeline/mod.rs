@@ -58,10 +58,11 @@ pub use ingest::{
     Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Sent, Submission,
 };
 pub use queries::{
-    BEYOND, Baseline, BenchItem, Compared, Comparison, CorrectedResult, CorrectionItem, Course, EventItem,
-    ExplainedHistory, Fleet, FleetFilter, FleetPage, Histories, ItemStatus, ListFilter, ListedImu, ListedRecord, Names,
-    Queries, RecentValues, RecordItem, RecordSummary, Records, Seats, Standing, StandingFilter, StationEffect,
-    Statuses, StoredCampaign, StoredRecord, Tested, Verified, Violation, sample_of,
+    BEYOND, Baseline, BenchItem, Compared, Comparison, CorrectedResult, CorrectionItem, Course, DUE_DAYS, DueImu,
+    EventItem, ExplainedHistory, FirstOf, Fleet, FleetFilter, FleetPage, Forecast, Foreseen, Histories, ItemStatus,
+    ListFilter, ListedImu, ListedRecord, Names, Queries, RecentValues, RecordItem, RecordSummary, Records, Seats,
+    Standing, StandingFilter, StationEffect, StationShift, Statuses, StoredCampaign, StoredRecord, Tested, Today,
+    Verified, Violation, WallPage, sample_of,
 };
 
 /// The rooms: each with its own types and errors. Cheap to clone.

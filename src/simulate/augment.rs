@@ -36,9 +36,16 @@ pub fn augment(simulated: &mut Simulated, model: &AugmentedModel) -> Result<(), 
         return Err(NotPossible::BenchTest);
     }
     let (setting, _) = axes::setting(&simulated.campaign)?;
+    let reference_c = model.identified.as_ref().and_then(|identified| identified.reference_c);
+    let setting = setting.referred_to(&simulated.campaign, reference_c);
+    // Counted from the model's temperature, an effect of temperature adds nothing where that holds throughout.
+    let idle = |known: &&KnownEffect| {
+        reference_c.is_some() && (known.adopted.effect.entry().missing)(&setting) == Some(Lack::TemperatureChange)
+    };
+    let acting: Vec<&KnownEffect> = model.effects.iter().filter(|known| !idle(known)).collect();
     let responses: Vec<Response> =
-        model.effects.iter().map(|known| Response::of(known, &setting)).collect::<Result<_, _>>()?;
-    for (known, response) in model.effects.iter().zip(&responses) {
+        acting.iter().map(|known| Response::of(known, &setting)).collect::<Result<_, _>>()?;
+    for (known, response) in acting.iter().zip(&responses) {
         for (k, dwell) in simulated.campaign.dwells.iter_mut().enumerate() {
             dwell.output_pulse_s.iter_mut().zip(&response.pulses).for_each(|(output, pulses)| *output += pulses[k]);
         }

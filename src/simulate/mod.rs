@@ -11,7 +11,7 @@
 //! positions and rates in time; [`station`] what the IMU feels in each dwell ([`felt`]: at one moment); [`gyro`] how
 //! it answers; [`cause`] and [`outside`] what may go wrong, [`inject`] how much of it; [`world`] puts them together;
 //! [`noise`] and [`environment`] chance; [`detectability`] how visible a cause is; [`truth`] what is written apart
-//! from the campaign.
+//! from the campaign. [`of_model`] and [`augment`] take gyros and effects from a model file instead.
 
 pub mod augment;
 pub mod cause;
@@ -23,6 +23,7 @@ pub mod felt;
 pub mod gyro;
 pub mod inject;
 pub mod noise;
+pub mod of_model;
 pub mod outside;
 pub mod presets;
 pub mod programme;
@@ -50,6 +51,7 @@ pub(crate) enum Stream {
     Causes = 6,
     Experiment = 7,
     SharedNoise = 8,
+    Model = 9,
 }
 
 /// The generator of one stream of a seed; ChaCha8, so that the same seed gives the same campaign everywhere.

@@ -60,7 +60,7 @@ pub(crate) enum Place {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 17] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 18] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -78,6 +78,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 17] = [
     (15, "senders", include_str!("../../migrations/sqlite/0015_senders.sql")),
     (16, "checksums", include_str!("../../migrations/sqlite/0016_checksums.sql")),
     (17, "head", include_str!("../../migrations/sqlite/0017_head.sql")),
+    (18, "outlook", include_str!("../../migrations/sqlite/0018_outlook.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.

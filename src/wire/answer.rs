@@ -73,6 +73,18 @@ pub struct SeparationBody {
     pub published: Option<PublishedBody>,
     /// Equations (8) to (13) letter by letter, misprints included: for comparison only.
     pub as_printed: Option<PublishedBody>,
+    /// Where the model in force states the coefficients at a temperature of its own: the same at the mean temperature
+    /// of this campaign.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub as_measured: Option<AsMeasuredBody>,
+}
+
+/// D_I and D_S at the temperature at which they were measured.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct AsMeasuredBody {
+    pub temperature_c: f64,
+    pub d_i: FigureBody,
+    pub d_s: FigureBody,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -149,7 +161,14 @@ impl SeparationBody {
             rigid: rigid_beside,
             published: published.map(PublishedBody::of),
             as_printed: separation.as_printed.as_ref().ok().map(PublishedBody::of),
+            as_measured: None,
         }
+    }
+
+    /// With the same gyro at the temperature at which it was measured.
+    pub fn measured_at(self, temperature_c: f64, measured: &Separation) -> Self {
+        let Self { d_i, d_s, .. } = Self::of(&self.serial, measured, self.method);
+        Self { as_measured: Some(AsMeasuredBody { temperature_c, d_i, d_s }), ..self }
     }
 }
 

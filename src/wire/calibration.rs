@@ -169,7 +169,7 @@ impl CampaignAnswer {
             notes: campaign::notes(campaign).iter().map(NoteBody::of).collect(),
         };
         match outcome {
-            Outcome::Imu { calibration, separations } => {
+            Outcome::Imu { calibration, separations, as_measured } => {
                 answer.calibration.model = names(calibration.terms);
                 answer.calibration.repeats.clone_from(&calibration.repeats);
                 for effect in calibration.gyros.iter().flat_map(|gyro| &gyro.effects).map(|e| e.effect.id()) {
@@ -181,10 +181,18 @@ impl CampaignAnswer {
                     calibration.gyros.iter().map(|gyro| GyroFitBody::of(gyro, calibration.has_sem)).collect();
                 let notes = calibration.all_notes().into_iter().map(Note::Campaign);
                 answer.notes.extend(notes.map(|note| NoteBody::of(&note)));
-                for (gyro, separation) in calibration.gyros.iter().zip(separations) {
+                for (j, (gyro, separation)) in calibration.gyros.iter().zip(separations).enumerate() {
                     let (slot, serial) = (gyro.slot.into(), gyro.serial.to_string());
                     match separation {
-                        Ok(s) => answer.separations.push(SeparationBody::of(&serial, s, method)),
+                        Ok(s) => {
+                            let body = SeparationBody::of(&serial, s, method);
+                            let own =
+                                as_measured.as_ref().and_then(|own| Some((own, own.separations[j].as_ref().ok()?)));
+                            answer.separations.push(match own {
+                                Some((own, measured)) => body.measured_at(own.temperature_c, measured),
+                                None => body,
+                            });
+                        }
                         Err(why) => {
                             answer.not_separated.push(NotSeparatedBody {
                                 slot,

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::forecast::ChangedBody;
 use super::located::WhereBody;
 use super::message::MessageBody;
 use super::note;
@@ -52,6 +53,9 @@ pub struct DiagnosisBody {
     /// The gap against a reference, where one was given.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub reference: Option<SplitBody>,
+    /// Effects of the model in use as this campaign shows them, where the model holds the coefficients of the IMU.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub effects_against_model: Option<ChangedBody>,
 }
 
 impl DiagnosisBody {
@@ -392,6 +396,7 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             noise: (!d.noise.is_empty()).then(|| NoiseFoundBody::from(&d.noise)),
             note_codes: notes.map(|note| MessageBody::of(&note, asked())).collect(),
             reference: None,
+            effects_against_model: None,
         };
         unsaid.said_in(asked())
     }

@@ -19,6 +19,7 @@ pub mod diagnosis;
 pub mod differences;
 pub mod document;
 pub mod event;
+pub mod forecast;
 pub mod geometry;
 pub mod history;
 pub mod history_note;

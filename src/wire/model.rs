@@ -1,8 +1,14 @@
 //! The model file: terms and effects that an IMU is compared with. `diagnose --adopt` writes it; `calibrate`,
 //! `diagnose` and `simulate` take it with `--model`, the service by `POST /v1/imus/{imu}/model`.
 
+mod identified;
+
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
+
+pub use identified::IdentifiedBody;
 
 use super::campaign::terms_from_names;
 use super::numbers::in_range;
@@ -20,6 +26,9 @@ use crate::message;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelBody {
+    /// Of the file's form: 2 where it holds the coefficients of one IMU, else 1 or left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub version: Option<u32>,
     /// Of `bias`, `g_linear`, `g_squared`, `scale`; empty: those that each campaign asks for.
     pub terms: Vec<String>,
     /// Effects beside the terms, in the order of adoption.
@@ -27,12 +36,20 @@ pub struct ModelBody {
     /// The campaign in which the effects were found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub provenance: Option<ProvenanceBody>,
+    /// The coefficients of the very IMU (`gyrowatch model fit`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub identified: Option<IdentifiedBody>,
 }
+
+/// Forms of the model file that are read.
+const VERSIONS: [u32; 2] = [1, 2];
 
 /// The content of a model file, with who adopts it and why.
 #[derive(Debug, Clone, PartialEq, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AdoptionBody {
+    #[serde(default)]
+    pub version: Option<u32>,
     /// As in the model file. Without terms and effects the plain model is in force again.
     #[serde(default)]
     pub terms: Vec<String>,
@@ -40,6 +57,8 @@ pub struct AdoptionBody {
     pub effects: Vec<KnownEffectBody>,
     #[serde(default)]
     pub provenance: Option<ProvenanceBody>,
+    #[serde(default)]
+    pub identified: Option<IdentifiedBody>,
     #[schema(min_length = 1, max_length = 64)]
     pub author: String,
     #[schema(min_length = 1, max_length = 4096)]
@@ -131,7 +150,7 @@ pub fn to_json(model: &AugmentedModel) -> String {
 impl ModelBody {
     /// Model (6), each campaign with the terms that it asks for.
     pub fn plain() -> Self {
-        Self { terms: Vec::new(), effects: Vec::new(), provenance: None }
+        Self { version: None, terms: Vec::new(), effects: Vec::new(), provenance: None, identified: None }
     }
 
     /// Converts and checks.
@@ -140,17 +159,23 @@ impl ModelBody {
     /// All faults, by JSON pointer.
     pub fn to_core(&self) -> Result<AugmentedModel, Faults> {
         let mut faults = Faults::default();
+        if let Some(version) = self.version.filter(|version| !VERSIONS.contains(version)) {
+            faults.push("/version", message!("must_be_one_of", known = list(["1", "2"]), value = text(version)));
+        }
         let terms = match self.terms.as_slice() {
             [] => None,
             names => terms_from_names(names).map_err(|part| faults.absorb("/terms", part)).ok(),
         };
-        let effects = self.effects.iter().enumerate().filter_map(|(i, e)| e.to_core(i, &mut faults)).collect();
+        let effects: Vec<KnownEffect> =
+            self.effects.iter().enumerate().filter_map(|(i, e)| e.to_core(i, &mut faults)).collect();
         let found_in = self.provenance.as_ref().map(|p| Provenance {
             imu: text::name("/provenance/imu", &p.imu, &mut faults),
             station: text::name("/provenance/station", &p.station, &mut faults),
             measured_at: text::instant("/provenance/measured_at", &p.measured_at, &mut faults),
         });
-        faults.or(AugmentedModel { terms, effects, found_in })
+        let adopted: Vec<Adopted> = effects.iter().map(|known| known.adopted.clone()).collect();
+        let identified = self.identified.as_ref().and_then(|body| body.to_core(&adopted, &mut faults));
+        faults.or(AugmentedModel { terms, effects, found_in, identified: identified.map(Arc::new) })
     }
 }
 
@@ -166,9 +191,10 @@ impl AdoptionBody {
                 faults.push(pointer, message!("empty_text"));
             }
         }
-        let author = text::short("/author", &Some(self.author), &mut faults).unwrap_or_default();
-        let reason = text::note("/reason", &Some(self.reason), &mut faults).unwrap_or_default();
-        let file = ModelBody { terms: self.terms, effects: self.effects, provenance: self.provenance };
+        let author = text::short("/author", &Some(self.author.clone()), &mut faults).unwrap_or_default();
+        let reason = text::note("/reason", &Some(self.reason.clone()), &mut faults).unwrap_or_default();
+        let Self { version, terms, effects, provenance, identified, .. } = self;
+        let file = ModelBody { version, terms, effects, provenance, identified };
         match file.to_core() {
             Ok(model) => faults.or((model, author, reason)),
             Err(part) => {
@@ -339,6 +365,8 @@ fn wanted(effect: Effect) -> Filling {
 impl From<&AugmentedModel> for ModelBody {
     fn from(model: &AugmentedModel) -> Self {
         Self {
+            version: model.identified.as_ref().map(|_| 2),
+            identified: model.identified.as_deref().map(IdentifiedBody::of),
             terms: model.terms.iter().flat_map(|terms| terms.iter()).map(|term| term.name().to_owned()).collect(),
             effects: model.effects.iter().map(KnownEffectBody::from).collect(),
             provenance: model.found_in.as_ref().map(|found| ProvenanceBody {

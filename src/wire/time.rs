@@ -25,6 +25,12 @@ pub fn parse(text: &str) -> Result<UtcMicros, Message> {
     Ok(instant)
 }
 
+/// Reads the beginning of a stretch of time: an RFC 3339 time, or a day, which begins at midnight UTC.
+pub fn parse_start(text: &str) -> Result<UtcMicros, Message> {
+    let is_day = text.len() == 10 && text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-');
+    if is_day { parse(&format!("{text}T00:00:00Z")) } else { parse(text) }
+}
+
 /// Writes an instant in UTC with as many digits as it needs.
 pub fn format(instant: UtcMicros) -> String {
     Stamp::of(instant).as_str().to_owned()

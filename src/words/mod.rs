@@ -69,8 +69,10 @@ macro_rules! sources {
     };
 }
 
-const ENGLISH: &[&str] = sources!("en": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history");
-const CHINESE: &[&str] = sources!("zh": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history");
+const ENGLISH: &[&str] =
+    sources!("en": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history", "stations");
+const CHINESE: &[&str] =
+    sources!("zh": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history", "stations");
 
 static BUNDLES: LazyLock<[FluentBundle<FluentResource>; 2]> =
     LazyLock::new(|| [Language::English, Language::Chinese].map(Language::bundle));

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::body::{Context, MOST_LISTED, Payload, page, summary, to_json};
+use super::body::{Context, MOST_LISTED, Payload, alert_page, summary, to_json};
 use crate::alert::message::{Change, Event, Message};
 use crate::core::alert_decision::Action;
 use crate::core::judge::Severity;
@@ -166,7 +166,7 @@ fn of_alert(alert: &AlertBody, severity: &str, ends_at: &str, context: &Context<
         annotations,
         starts_at: alert.fired_at.clone(),
         ends_at: ends_at.to_owned(),
-        generator_url: page(context, &alert.serial),
+        generator_url: alert_page(context, alert),
     }
 }
 

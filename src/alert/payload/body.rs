@@ -43,6 +43,11 @@ pub(super) fn page(context: &Context<'_>, serial: &str) -> String {
     url
 }
 
+/// The page of an alert.
+pub(super) fn alert_page(context: &Context<'_>, alert: &AlertBody) -> String {
+    format!("{}/alerts/{}", context.external_url.unwrap_or_default(), alert.id)
+}
+
 /// One line for people: `LFG-0101: D_I step fires (warning)`.
 pub(super) fn summary(alert: &AlertBody, resolved: bool) -> String {
     let AlertBody { serial, coefficient, rule, severity, .. } = alert;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::body::{Context, MOST_LISTED, Payload, page, to_json};
+use super::body::{Context, MOST_LISTED, Payload, alert_page, page, to_json};
 use crate::alert::message::{Change, Event, Message, event_name};
 use crate::wire::time;
 
@@ -55,6 +55,7 @@ pub fn alerts(event: &Event, context: &Context<'_>) -> Option<Vec<Value>> {
 fn alert(change: &Change, context: &Context<'_>) -> Value {
     let mut alert =
         serde_json::to_value(&change.alert).expect("an alert has string keys, and every figure is finite or null");
-    alert["links"] = json!({ "gyro": page(context, &change.alert.serial) });
+    alert["links"] =
+        json!({ "alert": alert_page(context, &change.alert), "gyro": page(context, &change.alert.serial) });
     alert
 }

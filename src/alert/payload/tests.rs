@@ -77,7 +77,10 @@ fn a_standard_webhook_holds_type_timestamp_and_the_alert() {
         (&"rms_explained".into(), &"0.00720".into())
     );
     assert_eq!(body["data"]["reason"], "Stated standard deviations explain 0.00720.");
-    assert_eq!(body["data"]["links"], serde_json::json!({ "gyro": "https://gyros.example/gyros/LFG%2001%2F01" }));
+    assert_eq!(
+        body["data"]["links"],
+        serde_json::json!({ "alert": "https://gyros.example/alerts/a1", "gyro": "https://gyros.example/gyros/LFG%2001%2F01" })
+    );
     assert_eq!(body["alerts"][0]["event"], "alert.fired");
     assert_eq!(body.as_object().unwrap().len(), 4);
 }
@@ -117,7 +120,7 @@ fn a_pushed_alert_expires_when_pushes_stop() {
           "value": "0.0123 deg/(h g0)"
         },
         "endsAt": "2026-03-02T09:00:10Z",
-        "generatorURL": "https://gyros.example/gyros/LFG%2001%2F01",
+        "generatorURL": "https://gyros.example/alerts/a1",
         "labels": {
           "alertname": "GyroRmsSuccessive",
           "coefficient": "D_I",
@@ -171,7 +174,7 @@ fn the_webhook_body_is_what_alertmanager_posts() {
           "annotations": null,
           "endsAt": "0001-01-01T00:00:00Z",
           "fingerprint": "524e15a1f4e6caa5",
-          "generatorURL": "https://gyros.example/gyros/LFG%2001%2F01",
+          "generatorURL": "https://gyros.example/alerts/a1",
           "labels": {
             "alertname": "GyroRmsSuccessive",
             "coefficient": "D_I",
@@ -271,9 +274,10 @@ fn without_an_address_of_the_service_a_link_is_the_path_alone() {
     let context = Context { external_url: None, ..CONTEXT };
     for kind in HookKind::ALL.into_iter().filter(|kind| *kind != HookKind::Email) {
         let body: Value = serde_json::from_slice(&render(kind, &message(Action::Fire), &context).body).unwrap();
-        let links = ["/data/links/gyro", "/alerts/0/generatorURL", "/0/generatorURL"];
+        let links = ["/data/links/alert", "/alerts/0/generatorURL", "/0/generatorURL"];
         let link = links.iter().find_map(|place| body.pointer(place)).unwrap();
-        assert_eq!(link, "/gyros/LFG%2001%2F01", "{kind:?}");
+        assert_eq!(link, "/alerts/a1", "{kind:?}");
+        assert!(body.pointer("/data/links/gyro").is_none_or(|link| link == "/gyros/LFG%2001%2F01"), "{kind:?}");
     }
 }
 

@@ -41,6 +41,8 @@ mod stories {
     pub const FALLING: (usize, f64) = (10, -0.021);
     pub const TAKEN_OUT: f64 = 395.0;
     pub const BACK: f64 = 448.0;
+    /// Before a bench tests it, and it goes back.
+    pub const REPAIRED: f64 = BACK - 3.0;
     /// LFG-0016 and LFG-0019 change places.
     pub const SWAPPED: (usize, usize, f64) = (15, 18, 301.0);
     /// LFG-0031: a bearing that does not settle.
@@ -95,7 +97,7 @@ pub fn draw(today: UtcMicros) -> Vec<Happening> {
     }
     happenings.push(Happening::Repair {
         serial: gyros[stories::FALLING.0].serial.clone(),
-        at: time::format(instant(first_day, stories::BACK - 1.0)),
+        at: time::format(instant(first_day, stories::REPAIRED)),
         reason: "rotor bearing replaced, rebalanced; goes into IMU-09".into(),
     });
     happenings
@@ -127,7 +129,7 @@ impl Gyro {
         if number == stories::JUMPING.0 && day >= stories::JUMPING.1 {
             d_s += stories::JUMPING.2;
         }
-        if number == stories::FALLING.0 && day >= stories::BACK - 5.0 {
+        if number == stories::FALLING.0 && day >= stories::REPAIRED {
             // Rebalanced: another level, and it stays there.
             (d_i, d_s) = (self.start[0] - 0.62, self.start[1] + 0.35);
         }
@@ -351,6 +353,28 @@ mod tests {
     }
 
     #[test]
+    fn a_bench_tests_the_gyro_after_its_repair_and_finds_what_the_next_calibration_does() {
+        let histories = histories();
+        let (serial, mut repaired, mut tested) = ("LFG-0011", None, Vec::new());
+        for happening in draw(TODAY) {
+            match happening {
+                Happening::Repair { at, .. } => repaired = Some(time::parse(&at).expect("a time")),
+                Happening::Bench(bench) if bench.serial == serial => tested.push(bench),
+                _ => {}
+            }
+        }
+        let repaired = repaired.expect("a repair");
+        let after: Vec<&BenchBody> =
+            tested.iter().filter(|bench| time::parse(&bench.measured_at).expect("a time") > repaired).collect();
+        assert_eq!((tested.len(), after.len()), (4, 2));
+        let next = histories[serial].iter().find(|point| point[0] > stories::BACK - 1.0).expect("it is back");
+        for bench in after {
+            let apart = (bench.d_i_deg_per_h_g0 - next[1]).abs().max((bench.d_s_deg_per_h_g0 - next[2]).abs());
+            assert!(apart < 5e-3, "{apart}");
+        }
+    }
+
+    #[test]
     fn moves_and_remounting_show_in_the_closure_alone() {
         let histories = histories();
         for (serial, day) in [("LFG-0016", 301.0), ("LFG-0019", 301.0), ("LFG-0028", 515.0)] {
@@ -377,7 +401,7 @@ mod tests {
             };
             let samples: Vec<Sample> = history.into_iter().map(sample).collect();
             let repaired = serial == "LFG-0011";
-            let mark = Mark::of(TODAY.plus_days(stories::BACK - 1.0 - DAYS), Event::Repair);
+            let mark = Mark::of(TODAY.plus_days(stories::REPAIRED - DAYS), Event::Repair);
             let series = Series::new(samples, if repaired { vec![mark] } else { Vec::new() });
             let (mut verdicts, newest) = (Vec::new(), series.len() - 1);
             judge(&History::whole(&series, newest), newest, &Limits::default(), &mut verdicts);

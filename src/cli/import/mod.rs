@@ -15,8 +15,7 @@ use std::time::Duration;
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::client::Service;
-use super::common::service_address;
+use super::client::{Connection, Service};
 use super::document;
 use gist::Gist;
 use send::{Courier, Event, PATIENCE, Tally, end};
@@ -36,21 +35,17 @@ pub struct Import {
     #[arg(long, conflicts_with = "watch")]
     no_retry: bool,
 
-    /// With --watch: seconds for which a file must not change before it is sent
-    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = seconds)]
-    settle: f64,
+    /// With --watch: seconds for which a file must not change before it is sent [default: 1, of CSV 30, since nothing
+    /// else says when a table is whole but a head line `# dwells: N`]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    settle: Option<f64>,
 
     /// Who is told of what gyros did longer ago than `alerts.backfill_days`
     #[arg(long, value_enum, default_value_t = Notify::Digest)]
     notify: Notify,
 
-    /// Address of the service
-    #[arg(long, env = "GYROWATCH_URL", default_value_t = service_address())]
-    url: String,
-
-    /// Access token, where the service asks for one
-    #[arg(long, env = "GYROWATCH_TOKEN", hide_env_values = true)]
-    token: Option<String>,
+    #[command(flatten)]
+    connection: Connection,
 }
 
 /// Who is told of what is found late.
@@ -77,10 +72,12 @@ impl Notify {
 
 impl Import {
     pub fn run(self) -> anyhow::Result<()> {
-        let service = Service::at(&self.url, self.token)?.telling(self.notify.query());
+        let service = self.connection.service()?.telling(self.notify.query());
         let digest = self.notify == Notify::Digest;
         match self.watch {
-            Some(dir) => super::block_on(watch::watch(&dir, Duration::from_secs_f64(self.settle), &service, digest)),
+            Some(dir) => {
+                super::block_on(watch::watch(&dir, self.settle.map(Duration::from_secs_f64), &service, digest))
+            }
             None => super::block_on(import(&self.files, &service, digest, if self.no_retry { &[] } else { &PATIENCE })),
         }
     }

@@ -9,7 +9,10 @@ use serde_json::Value;
 
 use super::source::{Content, Document, MAX_DOCUMENT_BYTES, read_line};
 use crate::cli::client::{LineAnswer, Sent, Service, Trouble};
+use crate::cli::faults;
+use crate::message;
 use crate::wire::problem::ProblemBody;
+use crate::words;
 
 /// A batch ends at either: enough to share a commit, little enough to answer soon.
 const BATCH_LINES: usize = 1000;
@@ -256,8 +259,15 @@ async fn patiently<T>(pauses: &[Duration], mut attempt: impl AsyncFnMut() -> Res
 /// The places at fault, or the detail where the problem names none. Of a conflict the detail too: it alone names what
 /// stands in the way, and how the two differ.
 fn in_words(problem: &ProblemBody) -> String {
+    if let (true, Some(id)) = (problem.message.code.starts_with("differs"), &problem.existing) {
+        let way_out = words::asked().words(&message!("replace_it", id = id.clone()));
+        return format!("{}; {way_out}", problem.detail);
+    }
     if problem.errors.is_empty() || problem.status == 409 {
         return problem.detail.clone();
+    }
+    if let Some(words) = faults::of_problem(problem, words::asked()) {
+        return words;
     }
     let place = |pointer: &str| if pointer.is_empty() { "document".to_owned() } else { pointer.to_owned() };
     let places = problem.errors.iter().map(|e| format!("{}: {}", place(&e.pointer), e.detail));

@@ -12,6 +12,9 @@ use serde_json::value::RawValue;
 
 use crate::cli::Usage;
 use crate::cli::client::JSON;
+use crate::cli::document::readable;
+use crate::message;
+use crate::words;
 
 /// Longest line, and largest single document: far above any campaign, far below memory.
 pub const MAX_DOCUMENT_BYTES: u64 = 16 << 20;
@@ -93,11 +96,25 @@ fn classify(text: Vec<u8>) -> Result<Content, Unreadable> {
         return members(&text);
     }
     if !starts_with(&text, b'{') {
+        let text = readable(text).map_err(|fault| unreadable(&words::asked().words(&fault), false))?;
+        if let Some((told, have)) = unfinished(&text) {
+            let why = words::asked().words(&message!("dwells_told", told = told, have = have));
+            return Err(unreadable(&why, true));
+        }
         let content_type = "text/csv";
         return Ok(Content::One(Document { route: "/v1/campaigns", content_type, body: text }));
     }
     let route = route_of(without_mark(&text))?;
     Ok(Content::One(Document { route, content_type: JSON, body: text }))
+}
+
+/// Of a table whose head says how many dwells follow (`# dwells: 78`) and that has fewer: both numbers.
+fn unfinished(text: &[u8]) -> Option<(usize, usize)> {
+    let lines = || text.split(|&b| b == b'\n').map(<[u8]>::trim_ascii);
+    let told = lines().find_map(|line| line.strip_prefix(b"# dwells:"))?;
+    let told: usize = std::str::from_utf8(told.trim_ascii()).ok()?.parse().ok()?;
+    let have = lines().filter(|line| !line.is_empty() && !line.starts_with(b"#")).count().saturating_sub(1);
+    (have < told).then_some((told, have))
 }
 
 /// Which endpoint takes the document, by the member that only its kind has.
@@ -180,6 +197,8 @@ mod tests {
         assert!(cut("{\"gyros\": [\n"));
         assert!(cut(""));
         assert!(cut("[{\"gyros\": []},\n"));
+        assert!(cut("# dwells: 2\nphase,start_s\nstatic,0\n"));
+        assert!(content("# dwells: 1\nphase,start_s\nstatic,0\n").is_ok());
         assert!(!cut("{\"gyros\" = 1}\n"));
         assert!(!cut("{\"imu\": \"A\"}\n"));
     }

@@ -118,7 +118,7 @@ async fn watch_until(dir: &Path, service: &Service, done: impl Fn() -> bool) {
         }
     };
     tokio::select! {
-        stopped = watch(dir, Duration::ZERO, service, false) => stopped.unwrap(),
+        stopped = watch(dir, Some(Duration::ZERO), service, false) => stopped.unwrap(),
         waited = tokio::time::timeout(Duration::from_secs(10), finished) => waited.expect("it is done within ten seconds"),
     }
 }

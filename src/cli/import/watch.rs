@@ -25,6 +25,9 @@ use crate::wire::time;
 const POLL: Duration = Duration::from_millis(200);
 /// How long a text that breaks off may still be somebody's unfinished writing.
 const CUT_SHORT_GRACE: Duration = Duration::from_secs(60);
+/// How long a file must not change before it is sent: JSON, and what has no end of its own.
+const SETTLE: Duration = Duration::from_secs(1);
+const SETTLE_TABLE: Duration = Duration::from_secs(30);
 const FIRST_PAUSE: Duration = Duration::from_millis(500);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 /// Where files go whose fate is known.
@@ -36,7 +39,7 @@ const UNFINISHED: [&str; 6] = [".tmp", ".part", ".partial", ".crdownload", ".swp
 /// Watches until the process is ended.
 ///
 /// `digest`: each file is an import, whose end the service is told.
-pub async fn watch(dir: &Path, settle: Duration, service: &Service, digest: bool) -> anyhow::Result<()> {
+pub async fn watch(dir: &Path, settle: Option<Duration>, service: &Service, digest: bool) -> anyhow::Result<()> {
     let mut folder = Folder { digest, ..Folder::open(dir, settle)? };
     say(&format!("watching {} for {}", dir.display(), service.base()));
     loop {
@@ -49,13 +52,20 @@ struct Folder {
     path: PathBuf,
     /// As it was opened for this pass.
     dir: Dir,
-    settle: Duration,
+    /// For how long a file must not change; by its kind where nothing is said.
+    settle: Option<Duration>,
     digest: bool,
     waiting: HashMap<OsString, Waiting>,
     /// Symbolic links that somebody has heard of.
     links: HashSet<OsString>,
     /// Trouble that concerns every file: the folder cannot be read, or no service answers.
     trouble: Trials,
+}
+
+/// JSON says itself where it ends.
+fn usual_settle(name: &OsStr) -> Duration {
+    let ends = |ending: &&str| name.to_string_lossy().to_lowercase().ends_with(*ending);
+    if [".json", ".ndjson", ".jsonl"].iter().any(|e| ends(e)) { SETTLE } else { SETTLE_TABLE }
 }
 
 struct Waiting {
@@ -73,7 +83,7 @@ enum Fate {
 }
 
 impl Folder {
-    fn open(path: &Path, settle: Duration) -> anyhow::Result<Self> {
+    fn open(path: &Path, settle: Option<Duration>) -> anyhow::Result<Self> {
         std::fs::create_dir_all(path).with_context(|| format!("cannot create {}", path.display()))?;
         let dir = Dir::open(path).with_context(|| path.display().to_string())?;
         for within in [SENT, REFUSED] {
@@ -91,8 +101,10 @@ impl Folder {
         if let Err(error) = self.look() {
             return self.trouble.again(&format!("cannot read {}: {error}", self.path.display()), None);
         }
-        let due = |w: &Waiting| w.since.elapsed() >= self.settle && w.trouble.due();
-        let mut files: Vec<_> = self.waiting.iter().filter(|(_, w)| due(w)).map(|(name, _)| name.clone()).collect();
+        let settle = |name: &OsStr| self.settle.unwrap_or_else(|| usual_settle(name));
+        let due = |name: &OsStr, w: &Waiting| w.since.elapsed() >= settle(name) && w.trouble.due();
+        let mut files: Vec<_> =
+            self.waiting.iter().filter(|(name, w)| due(name, w)).map(|(name, _)| name.clone()).collect();
         files.sort();
         for name in files {
             let outcome = self.deliver(&name, service).await.and_then(|fate| self.conclude(&name, fate));
@@ -292,7 +304,7 @@ mod tests {
         std::fs::write(elsewhere.path(), "secret").unwrap();
         let file = at.path().join("run.json");
         std::fs::write(&file, "secret").unwrap();
-        let mut folder = Folder::open(at.path(), Duration::ZERO).unwrap();
+        let mut folder = Folder::open(at.path(), Some(Duration::ZERO)).unwrap();
         folder.look().unwrap();
         assert!(folder.waiting.contains_key(OsStr::new("run.json")));
         std::fs::remove_file(&file).unwrap();

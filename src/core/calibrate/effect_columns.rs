@@ -21,13 +21,13 @@ pub(super) struct Regressors {
     pub notes: Vec<CampaignNote>,
 }
 
-pub(super) fn regressors(campaign: &Campaign, adopted: &[Adopted]) -> Regressors {
+pub(super) fn regressors(campaign: &Campaign, adopted: &[Adopted], reference_c: Option<f64>) -> Regressors {
     let none = |notes| Regressors { own: vec![Vec::new(); campaign.gyros.len()], shared: Vec::new(), notes };
     if adopted.is_empty() {
         return none(Vec::new());
     }
     let (setting, notes) = match axes::setting(campaign) {
-        Ok(found) => found,
+        Ok((setting, notes)) => (setting.referred_to(campaign, reference_c), notes),
         Err(why) => return none(vec![CampaignNote::EffectsLeftOut { why }]),
     };
     let mut all = none(notes);

@@ -37,6 +37,18 @@ use noise::Evidence;
 ///
 /// y_k = D0 + G.A_k + P.A_k^2 + E.w_k + noise, weights 1/sem^2 (equal without standard errors). A gyro with a known
 /// E has E.w_k taken off first and no scale term fitted.
+///
+/// ```
+/// use gyrowatch::core::{calibrate::calibrate, model::Terms};
+///
+/// let text = std::fs::read("tests/data/practice/campaign-00.json")?;
+/// let campaign = gyrowatch::wire::document::parse(&text)?;
+/// let fit = calibrate(&campaign, Terms::MODEL_6);
+/// // On a table D0 and P are one rank short: the null direction comes back, and G and E do not touch it.
+/// let g1 = &fit.gyros[0];
+/// assert_eq!((g1.parameters.len(), g1.rank, g1.null_directions.len()), (10, 9, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
     calibrate_augmented(campaign, terms, &[])
 }
@@ -46,7 +58,18 @@ pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
 ///
 /// An effect that model (6) absorbs in this campaign, or that lacks a column, is left out and noted.
 pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted]) -> Calibration {
-    let Regressors { own, shared: of_all, mut notes } = effect_columns::regressors(campaign, adopted);
+    calibrate_referred(campaign, terms, adopted, None)
+}
+
+/// As [`calibrate_augmented`], with effects of temperature counted from `reference_c` (deg C; the campaign's mean where
+/// there is none): D0, G and E are then those at that temperature.
+pub fn calibrate_referred(
+    campaign: &Campaign,
+    terms: Terms,
+    adopted: &[Adopted],
+    reference_c: Option<f64>,
+) -> Calibration {
+    let Regressors { own, shared: of_all, mut notes } = effect_columns::regressors(campaign, adopted, reference_c);
     let dwells = &campaign.dwells;
     let has_sem = campaign.states_errors();
     let repeats = crate::core::campaign::repeats::repeats(dwells);

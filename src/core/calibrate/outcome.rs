@@ -2,11 +2,12 @@
 
 use super::bench::{BenchCalibration, calibrate_bench};
 use super::drift::NotSeparated;
-use super::{Calibration, calibrate_augmented};
+use super::{Calibration, calibrate_augmented, calibrate_referred};
 use crate::core::augmented::AugmentedModel;
 use crate::core::augmented::Options;
-use crate::core::campaign::{Campaign, TestKind};
+use crate::core::campaign::{Campaign, Temperatures, TestKind};
 use crate::core::fault::Faults;
+use crate::core::model::Terms;
 use crate::core::record::Plausibility;
 use crate::core::separate::Separation;
 
@@ -16,8 +17,17 @@ pub enum Outcome {
     Imu {
         calibration: Calibration,
         separations: Vec<Result<Separation, NotSeparated>>,
+        /// Where those are stated at the temperature of the IMU's model: the same at the campaign's own.
+        as_measured: Option<AsMeasured>,
     },
     Bench(Box<BenchCalibration>),
+}
+
+/// Separations at the mean temperature of the campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AsMeasured {
+    pub temperature_c: f64,
+    pub separations: Vec<Result<Separation, NotSeparated>>,
 }
 
 /// Fits a campaign that passed [`Campaign::check`] with the terms that it asks for, and separates its gyros.
@@ -43,12 +53,25 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
         });
     }
     let terms = model.terms.unwrap_or_else(|| campaign.terms());
-    let calibration = calibrate_augmented(campaign, terms, &model.adopted);
+    let calibration = calibrate_referred(campaign, terms, &model.adopted, model.reference_c);
     let separations = calibration.separate(&campaign.geometry, limits);
+    let as_measured = as_measured(campaign, terms, model, limits);
     for (i, separation) in separations.iter().enumerate() {
         if let Err(why @ (NotSeparated::Implausible(_) | NotSeparated::Unseparable(_))) = separation {
             faults.push(format!("/gyros/{i}"), why.message());
         }
     }
-    faults.or(Outcome::Imu { calibration, separations })
+    faults.or(Outcome::Imu { calibration, separations, as_measured })
+}
+
+/// None where no effect of temperature moves anything.
+fn as_measured(campaign: &Campaign, terms: Terms, model: &Options, limits: &Plausibility) -> Option<AsMeasured> {
+    model.reference_c?;
+    model.adopted.iter().find(|adopted| adopted.effect.entry().of_temperature)?;
+    let filled = Temperatures::of(campaign).filled?;
+    let own = calibrate_augmented(campaign, terms, &model.adopted);
+    Some(AsMeasured {
+        temperature_c: filled.iter().sum::<f64>() / filled.len() as f64,
+        separations: own.separate(&campaign.geometry, limits),
+    })
 }

@@ -19,6 +19,8 @@ impl AugmentedModel {
                 station: campaign.station.clone(),
                 measured_at: campaign.measured_at,
             }),
+            // Coefficients that were fitted without the new effects are not those with them.
+            identified: None,
         }
     }
 }

@@ -46,7 +46,22 @@ pub const METHOD: u32 = 9 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as 
 /// before returned. Where the first look names something or sees a gap, the search and what follows are done once more
 /// with all that the noise may be.
 ///
-/// Errors: [`Refusal`] where no residual can be formed at all. What merely cannot be tested (no temperature, no
+/// ```
+/// use gyrowatch::core::augmented::Options;
+/// use gyrowatch::core::diagnose::{Verdict, diagnose};
+/// use gyrowatch::core::effects::Effect;
+///
+/// // A campaign of another simulator, into which a change of bias with temperature was put.
+/// let text = std::fs::read("tests/data/practice/campaign-02.json")?;
+/// let campaign = gyrowatch::wire::document::parse(&text)?;
+/// let diagnosis = diagnose(&campaign, &Options::default()).expect("it has dwells to spare");
+/// assert_eq!(diagnosis.verdict, Verdict::Explained);
+/// assert_eq!(diagnosis.effects[0].effect, Effect::TemperatureBias);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`Refusal`] where no residual can be formed at all. What merely cannot be tested (no temperature, no
 /// attitude, no repeats) is said in `notes` and `not_identifiable`.
 pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, Refusal> {
     let residuals = residuals(campaign, options)?;

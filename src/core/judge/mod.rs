@@ -14,6 +14,7 @@ mod event;
 mod extremes;
 mod load;
 mod noise;
+mod outlook;
 mod range_summary;
 mod reason;
 mod rule;
@@ -29,6 +30,7 @@ pub use history::{History, Need};
 pub use limits::{Bounds, DriftLimits, Limit, LimitKey, Limits, Requirement, ShiftLimits, TrendLimits};
 pub use load::Load;
 pub use noise::{FleetNoise, Noise, Spacing, fit_fleet};
+pub use outlook::{Outlook, Reach};
 pub use range_summary::Older;
 pub use reason::{digits, sd_digits, turn_arcmin};
 pub use rule::{Finding, LimitKind, Rule, Source, Unit};
@@ -45,6 +47,22 @@ use rules::Case;
 ///
 /// Used for the latest record as for any earlier one that has to be judged again: records after `k` have no part in it.
 /// [`requirement`], [`agreement`] and [`overdue`] are judged apart: they need no history.
+///
+/// ```
+/// use gyrowatch::core::judge::{Coefficient, History, Limits, Measured, Rule, Sample, Seat, Series, Status, judge};
+/// use gyrowatch::core::time::UtcMicros;
+///
+/// // Four calibrations of one gyro, 30 days apart; at the last one D_I is 0.02 deg/(h g0) higher.
+/// let sample = |day: f64, d_i: f64| {
+///     let d = [d_i, 4.618, 0.004].map(|value| Measured { value, sd: Some(3e-4) });
+///     Sample { at: UtcMicros(0).plus_days(20_000.0 + day), seat: Seat::default(), d }
+/// };
+/// let samples = vec![sample(0.0, 2.957), sample(30.0, 2.957), sample(60.0, 2.958), sample(90.0, 2.977)];
+/// let (series, mut verdicts) = (Series::new(samples, vec![]), vec![]);
+/// judge(&History::whole(&series, 3), 3, &Limits::from_budget(0.01), &mut verdicts);
+/// let step = verdicts.iter().find(|v| v.rule == Rule::Step && v.coefficient == Coefficient::DI).unwrap();
+/// assert_eq!(step.status(), Status::Unconfirmed); // beyond the budget, and a second campaign is to confirm it
+/// ```
 ///
 /// # Panics
 /// Where `k` is not an index of `history.samples`.

@@ -43,6 +43,20 @@ pub struct Separation {
 /// `e` pulse/arcsec and `g` pulse/(s g0) in body axes; `covariance` of (E, G) with its cross terms, or none, and
 /// then no standard deviations come out. No allocation.
 ///
+/// ```
+/// use gyrowatch::core::mounting::{Geometry, Slot};
+/// use gyrowatch::core::separate::separate;
+/// use nalgebra::Vector3;
+///
+/// // G1 of the paper: E from Table 3, G from Table 4.
+/// let (e, g) = (Vector3::new(0.8473, -0.6011, 1.0367), Vector3::new(2.4210, 4.0554, 6.5179));
+/// let g1 = separate(&Geometry::Skewed, Slot::G1, &e, &g, None)?;
+/// assert!((g1.rigid.d_i - 2.957643).abs() < 1e-6 && (g1.rigid.d_s - 4.618005).abs() < 1e-6);
+/// let by_eq_8 = g1.published.expect("the geometry is the paper's");
+/// assert!((by_eq_8.d_i - 2.958219).abs() < 1e-6);
+/// # Ok::<(), gyrowatch::core::separate::Unseparable>(())
+/// ```
+///
 /// # Errors
 /// [`Unseparable`] where E has no usable direction, lies more than 90 deg from the nominal input axis, or a result
 /// would not be finite.

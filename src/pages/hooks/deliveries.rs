@@ -1,6 +1,8 @@
 //! `/hooks/{id}`: what one hook was told, newest first, with the dead letters.
 
 use axum::extract::{Path, Query, State as Held};
+use axum::http::HeaderValue;
+use axum::http::header::HeaderName;
 use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -8,10 +10,12 @@ use serde::Deserialize;
 use super::{buttons, filter, known, state, written};
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
+use crate::core::judge::Rule;
 use crate::pages::Pages;
-use crate::pages::layout::{Page, Section};
+use crate::pages::layout::{Page, Section, symbol};
 use crate::pages::viewer::Viewer;
 use crate::pipeline::DeliveryPage;
+use crate::wire::alert::AlertBody;
 use crate::wire::hook::{DeliveryBody, HookBody};
 use crate::wire::problem::Problem;
 
@@ -33,10 +37,17 @@ pub(in crate::pages) async fn page(
     Path(id): Path<String>,
     Query(filters): Query<Filters>,
 ) -> Response {
-    viewer.show(build(&pages, &viewer, &id, &filters).await)
+    let built = build(&pages, &viewer, &id, &filters).await;
+    let is_pending = built.as_ref().is_ok_and(|(_, is_pending)| *is_pending);
+    let mut response = viewer.show(built.map(|(page, _)| page));
+    if is_pending {
+        response.headers_mut().insert(HeaderName::from_static("refresh"), HeaderValue::from_static("2"));
+    }
+    response
 }
 
-async fn build(pages: &Pages, viewer: &Viewer, id: &str, filters: &Filters) -> Result<Page, Problem> {
+/// The page, and whether something on it is about to be sent: what comes of it then appears by itself.
+async fn build(pages: &Pages, viewer: &Viewer, id: &str, filters: &Filters) -> Result<(Page, bool), Problem> {
     let t = viewer.text();
     let (number, hook) = known(pages, id).await?;
     let asked = DeliveryPage {
@@ -47,6 +58,11 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, filters: &Filters) -> R
     let mut deliveries = pages.pipeline.hooks.deliveries(number, asked).await?;
     let more = deliveries.len() > ROWS;
     deliveries.truncate(ROWS);
+    let is_pending = hook.enabled
+        && filters.before.is_empty()
+        && deliveries.iter().any(|delivery| delivery.state == "waiting" && delivery.attempts.is_empty());
+    let alerts: Vec<Id> = deliveries.iter().filter_map(|one| one.alert.as_ref()?.parse().ok()).collect();
+    let alerts = pages.pipeline.alerts.of(&alerts).await?;
     let to = |state: &str, before: &str| format!("/hooks/{id}?state={state}&before={before}");
     let body = html! {
         h1 { span translate="no" { (hook.name) } " " (state(viewer, &hook)) }
@@ -60,12 +76,12 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, filters: &Filters) -> R
             }
         }
         (replay(viewer, &hook))
-        @if deliveries.is_empty() { p { (t.no_deliveries) } } @else { (table(viewer, id, &deliveries)) }
+        @if deliveries.is_empty() { p { (t.no_deliveries) } } @else { (table(viewer, id, &deliveries, &alerts)) }
         @if more && let Some(last) = deliveries.last() {
             nav.pager aria-label=(t.deliveries) { a rel="next" href=(to(&filters.state, &last.id)) { (t.older) } }
         }
     };
-    Ok(Page { title: hook.name.clone(), section: Section::Hooks, body })
+    Ok((Page { title: hook.name.clone(), section: Section::Hooks, body }, is_pending))
 }
 
 fn replay(viewer: &Viewer, hook: &HookBody) -> Markup {
@@ -77,19 +93,22 @@ fn replay(viewer: &Viewer, hook: &HookBody) -> Markup {
     }
 }
 
-fn table(viewer: &Viewer, hook: &str, deliveries: &[DeliveryBody]) -> Markup {
+fn table(viewer: &Viewer, hook: &str, deliveries: &[DeliveryBody], alerts: &[AlertBody]) -> Markup {
     let t = viewer.text();
     html! {
         div.scroll tabindex="0" { table.cards {
             thead { tr {
-                th { (t.message) } th { (t.queued) } th { (t.state) } th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
+                th { (t.message) } th { (t.serial) } th { (t.queued) } th { (t.state) } th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
             } }
-            tbody { @for delivery in deliveries { (line(viewer, hook, delivery)) } }
+            tbody { @for delivery in deliveries {
+                @let alert = alerts.iter().find(|alert| Some(&alert.id) == delivery.alert.as_ref());
+                (line(viewer, hook, delivery, alert))
+            } }
         } }
     }
 }
 
-fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody) -> Markup {
+fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody, alert: Option<&AlertBody>) -> Markup {
     let t = viewer.text();
     let shape = match delivery.state {
         "delivered" => "within",
@@ -100,6 +119,12 @@ fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody) -> Markup {
     html! {
         tr {
             th.nowrap scope="row" { (delivery.event) br; span.quiet { (delivery.webhook_id) } }
+            td data-label=(t.serial) {
+                @if let Some(alert) = alert {
+                    a.id href={ "/alerts/" (alert.id) } { (alert.serial) } " "
+                    span.nowrap { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
+                }
+            }
             td data-label=(t.queued) { (written(&delivery.queued_at)) }
             td {
                 span class={ "badge " (shape) } { (t.delivery(delivery.state)) }

@@ -11,12 +11,24 @@
     const size = Math.abs(minutes);
     return `UTC${minutes < 0 ? "-" : "+"}${Math.floor(size / 60)}${size % 60 ? `:${two(size % 60)}` : ""}`;
   };
+  const inHead = document.getElementById("zone");
+  if (inHead && new Date().getTimezoneOffset()) inHead.textContent = zone(new Date());
+
+  // "/" leads to the search, unless something is being written.
+  document.addEventListener("keydown", (event) => {
+    const find = document.getElementById("find");
+    if (event.key !== "/" || event.ctrlKey || event.metaKey || event.altKey || !find) return;
+    if (event.target.closest("input, textarea, select, [contenteditable]")) return;
+    event.preventDefault();
+    find.focus();
+    find.select();
+  });
   const localTimes = (root) => {
     for (const time of root.querySelectorAll("time[datetime]")) {
       const at = new Date(time.dateTime);
       if (isNaN(at) || !at.getTimezoneOffset()) continue;
       time.title = time.textContent;
-      time.textContent = `${local(at)} ${zone(at)}`;
+      time.textContent = "day" in time.dataset ? local(at).slice(0, 10) : `${local(at)} ${zone(at)}`;
     }
   };
   localTimes(document);
@@ -184,6 +196,8 @@
     const take = async (file) => {
       if (!file) return;
       form.querySelector("textarea").value = await file.text();
+      const name = form.querySelector("input[name=file]");
+      [name.disabled, name.value] = [false, file.name];
       form.requestSubmit();
     };
     input.closest("[hidden]").hidden = false;

@@ -63,6 +63,22 @@ impl Text {
         }
     }
 
+    /// A step of an alert by its name on the wire.
+    pub fn alert_step<'n>(&self, name: &'n str) -> &'n str {
+        match name {
+            "fire" => self.step_fires,
+            "escalate" => self.step_escalates,
+            "repeat" => self.step_repeats,
+            "resolve" => self.alert_resolved,
+            "silent" => self.step_silent,
+            "acknowledge" => self.alert_acknowledged,
+            "unacknowledge" => self.unacknowledge,
+            "silence" => self.alert_silenced,
+            "comment" => self.comment,
+            other => other,
+        }
+    }
+
     pub fn role(&self, role: Role) -> &'static str {
         match role {
             Role::Viewer => self.role_viewer,

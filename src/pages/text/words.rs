@@ -16,6 +16,8 @@ catalogue! {
     fleet: "Fleet", "全部陀螺";
     stations: "Stations", "测试站";
     api: "API", "接口";
+    book: "Book", "手册";
+    contents: "Contents", "目录";
     other_language: "中文", "English";
     dark: "Dark", "深色";
     light: "Light", "浅色";
@@ -64,16 +66,12 @@ catalogue! {
     nothing_yet: "Nothing is stored yet. Post a calibration record to /v1/records, or send files with gyrowatch import.", "尚无数据。请向 /v1/records 提交标定记录，或用 gyrowatch import 发送文件。";
     clear_filters: "Clear filters", "清除筛选";
     days_ago: "days ago", "天前";
-    yesterday: "1 day ago", "1 天前";
-    today: "today", "今天";
     violates: "Violates", "违反";
     page_of: "page", "第";
     previous: "Previous", "上一页";
     next: "Next", "下一页";
     gyros: "gyros", "陀螺数";
-    gyros_found: "gyros, worst first.", "个陀螺，最差优先。";
     last_seen: "Last seen", "最近上报";
-    band_note: "Line: the last calibrations. Grey band: the budget about the baseline. Confirmed and unconfirmed: beyond a specification limit, with or without a second campaign that agrees. Drifting: within limits, but a statistical rule speaks.", "折线：最近各次标定；灰带：基线上下的允许范围。已证实、待复测：超出指标限值，已有或尚无第二次标定证实。漂移预警：仍在限值内，但统计规则已提示。";
 
     // One gyro.
     history: "History", "历史";
@@ -366,7 +364,7 @@ catalogue! {
 
     // Alerts.
     alerts: "Alerts", "告警";
-    alerts_note: "Newest first; what one record of a gyro shows stands together. An alert lasts: when it fires again it is the same alert.", "最新在前，同一陀螺同一记录的告警列在一起。告警是持续的：再次触发仍为同一告警。";
+    alerts_note: "One line per gyro, the worst first; its alerts are folded below. An alert lasts: when it fires again it is the same alert.", "每个陀螺一行，最差优先，其告警折叠于下。告警是持续的：再次触发仍为同一告警。";
     no_alerts: "No alert fits.", "没有符合条件的告警。";
     alert_all: "all", "全部";
     alert_firing: "firing", "触发中";
@@ -507,4 +505,106 @@ catalogue! {
     role_admin: "administrator", "管理员";
     wrong_token: "This token is not valid.", "令牌无效。";
     too_many_tokens: "Too many attempts. Wait a minute.", "尝试次数过多，请一分钟后再试。";
+
+    // Today, and the fleet on one scale.
+    today_title: "Today", "今日";
+    worse_since: "New or worse since", "新出现或加重，自";
+    since_day: "Since", "起始日期";
+    nothing_worse: "Nothing has become worse.", "没有新出现或加重的情况。";
+    will_cross: "Will reach the budget", "将达到允许范围";
+    nothing_crosses: "No established trend leads to the budget.", "没有已确立的趋势会达到允许范围。";
+    reach_note: "By the straight line of the rule trend; behind it the 95 % interval. A question mark: the course is still short, and the date is provisional.", "按趋势规则的直线外推，其后为95 %区间。问号：记录尚短，日期为暂定。";
+    never: "never", "不会达到";
+    overdue_and_due: "Overdue, and due within 14 days", "超期及14天内到期";
+    nothing_due: "Nothing is due. The interval is judging.interval_days.", "没有到期的标定。间隔由 judging.interval_days 规定。";
+    none_selected: "No gyro is selected.", "未选择陀螺。";
+    due_word: "due", "到期";
+    due_more: "IMUs due within 14 days:", "14天内到期的惯性组合：";
+    in_days: "in", "还有";
+    days_word: "days", "天";
+    several_at_once: "Several gyros at once", "多个陀螺同时变化";
+    nothing_together: "No station's gyros lie to one side together.", "没有测试站的陀螺同时偏向一侧。";
+    several_note: "Newest calibrations since that day. The median load of a station's gyros is shown where it is four standard errors from zero. Check the station before the gyros.", "取该日以来的最新标定；某测试站各陀螺负荷的中位数偏离零超过四倍标准误差时列出。请先检查测试站，再检查陀螺。";
+    all_moved_by: "every gyro is", "各陀螺偏离基线";
+    budgets_or_more: "budgets or more from its baseline", "倍允许范围以上";
+    wrong_file: "Wrong file or wrong serials?", "文件或陀螺编号是否有误？";
+    median_word: "median", "中位数";
+    share_of_budget_unit: " % of budget", " %允许范围";
+    percent_sign: " %", " %";
+    percent_a_year: " %/yr", " %/年";
+    of_budget_unit: ", % of budget", "，占允许范围 %";
+    slope_a_year: "Trend a year", "年趋势";
+    days_short: "d", "天";
+    violates_besides: "Violates besides", "另违反";
+    reaches_budget: "The trend reaches the budget", "按趋势达到允许范围的日期";
+    gyros_of: "gyros.", "个陀螺。";
+    load_note: "Load: distance from the baseline over the budget, with its standard deviation. Tint: the budget. Arrow: beyond 150 %. Small line: the last year.", "负荷：与基线之差占允许范围的百分比及其标准差。底色：允许范围；箭头：超过150 %；小折线：最近一年。";
+    choose: "Select", "选择";
+    with_selected: "With the selected gyros:", "对所选陀螺：";
+    compare_ticked: "Compare", "比较";
+    reports: "Reports", "报告";
+    more_filters: "More filters", "更多筛选";
+    calibrated_there: "Calibrated there", "在该站标定";
+    calibrated_last: "last", "最近一次";
+    calibrated_ever: "at any time", "任何一次";
+    calibrated_since: "Calibrated since", "标定起始";
+    changed_since: "New or worse since", "新出现或加重起始";
+    as_list: "List", "列表";
+    by_imu: "By IMU", "按惯性组合";
+    imus_worst_first: "IMUs, worst first. Figures: loads in % of the budget.", "个惯性组合，最差优先。数字为负荷，占允许范围的百分比。";
+    all_of_them: "All", "全部";
+
+    // Many alerts at once, and one by itself.
+    alert: "Alert", "告警";
+    alerts_of_gyro: "All alerts of this gyro", "该陀螺的全部告警";
+    gyros_of_one_record: "gyros by one record", "个陀螺由同一记录触发";
+    of_limit: "Largest figure, in % of its limit", "最大值占限值的百分比";
+    bulk_title: "Acknowledge, silence or comment on alerts", "确认、静默或评注告警";
+    action_word: "What to do", "操作";
+    comment: "Comment", "评注";
+    undo: "Undo", "撤销";
+    confirm_short: "Confirm", "确定";
+    what_became: "What became of it", "经过";
+    what_word: "What", "事项";
+    told_word: "Hooks told", "已通知";
+    told_yes: "yes", "是";
+    step_fires: "fires", "触发";
+    step_escalates: "confirmed by a second campaign", "经第二次标定证实";
+    step_repeats: "still fires", "仍在触发";
+    step_silent: "judged again", "重新判定";
+
+    // The head of every page, and how the service is set up.
+    find_short: "Search ( / )", "搜索（/）";
+    find_hint: "Find a gyro, an IMU, a station or a record", "查找陀螺、惯性组合、测试站或记录";
+    times_are_in: "Times are in this zone", "时间所用时区";
+    setup: "Setup", "设置";
+    setup_limits: "Limits in force", "现行限值";
+    limits_note: "For every gyro that no override names. The last column names the key of the configuration that sets the limit.", "适用于未单独规定的陀螺。末列为规定该限值的配置项。";
+    set_by_key: "Set by", "规定于";
+    overrides: "Overrides", "单独规定";
+    tokens: "Tokens", "令牌";
+    tokens_note: "Made and revoked on the command line or by the API.", "由命令行或接口创建和撤销。";
+    name_word: "Name", "名称";
+    role_word: "Role", "角色";
+    created: "Created", "创建时间";
+    expires: "Expires", "失效时间";
+    valid: "valid", "有效";
+    not_valid: "revoked or expired", "已撤销或失效";
+    audit: "Audit trail", "审计记录";
+    audit_note: "The newest lines. All of them:", "最新若干条。全部见";
+    subject: "Subject", "对象";
+    from_where: "From", "来源";
+
+    // What a file would come to.
+    gyro_word: "gyro", "陀螺";
+    text_of_file: "The text", "文件内容";
+    to_be_checked: "to be checked", "项需核对";
+    check_first: "Check before storing", "保存前请核对";
+    station_unknown: "No calibration of this station is stored:", "尚无该测试站的标定：";
+    serial_unknown: "This IMU is known, this gyro is not:", "惯性组合已知，但陀螺未知：";
+    from_last_value: "from its last value", "与上次相比";
+    last_value: "Last value", "上次值";
+    change_of_budget: "Change, % of budget", "变化，占允许范围 %";
+    load_word: "Load, % of budget", "负荷，占允许范围 %";
+    first_calibration: "first calibration", "首次标定";
 }

@@ -15,6 +15,7 @@ mod sources;
 use super::access::Actor;
 use super::error::StorageError;
 use super::write_queue::{Job, WriteQueue};
+use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::id::Id;
 use crate::core::judge::Severity;
@@ -81,6 +82,48 @@ impl Alerts {
         let tables = self.store.names().read();
         let naming = Naming { tables: &tables, new: None };
         rows.iter().map(|row| Ok((row.id, naming.alert(row, now)?))).collect()
+    }
+
+    /// Alerts that a filter lets through, gyro by gyro: those that stand worst first, of what is resolved those whose
+    /// alert is the newest; from the gyro of place `skip` on, as many as `most`.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn by_gyro(
+        &self,
+        filter: &AlertFilter,
+        skip: usize,
+        most: usize,
+    ) -> Result<Vec<Vec<AlertBody>>, StorageError> {
+        let (now, is_newest_first) = (self.clock.now(), filter.standing == Some(Standing::Resolved));
+        let gyros = store::alerts::gyros_found(&self.store, filter, now, is_newest_first, [skip, most]).await?;
+        let rows = store::alerts::found_of(&self.store, filter, now, &gyros).await?;
+        let tables = self.store.names().read();
+        let naming = Naming { tables: &tables, new: None };
+        let of_gyro = |gyro: &u32| {
+            let of_it = rows.iter().filter(|row| row.gyro == *gyro);
+            of_it.map(|row| naming.alert(row, now)).collect::<Result<Vec<AlertBody>, StoreError>>()
+        };
+        Ok(gyros.iter().map(of_gyro).collect::<Result<_, StoreError>>()?)
+    }
+
+    /// Those of these alerts that there are.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn of(&self, ids: &[Id]) -> Result<Vec<AlertBody>, StorageError> {
+        let (now, rows) = (self.clock.now(), store::alerts::of_ids(&self.store, ids).await?);
+        let tables = self.store.names().read();
+        let naming = Naming { tables: &tables, new: None };
+        Ok(rows.iter().map(|row| naming.alert(row, now)).collect::<Result<_, StoreError>>()?)
+    }
+
+    /// How many alerts of how many gyros stand how, among those that a filter lets through.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn standings(&self, filter: &AlertFilter) -> Result<Vec<(Standing, [usize; 2])>, StorageError> {
+        Ok(store::alerts::standings(&self.store, filter, self.clock.now()).await?)
     }
 
     /// How many alerts fire, acknowledged and silenced ones among them, of each severity.

@@ -29,6 +29,8 @@ pub enum AlertChange {
     Unacknowledge,
     /// Nobody is to be told before a time.
     Silence { until: UtcMicros },
+    /// Something is said of it, and nothing changes.
+    Comment,
 }
 
 impl AlertChange {
@@ -37,6 +39,7 @@ impl AlertChange {
             Self::Acknowledge => "acknowledge",
             Self::Unacknowledge => "unacknowledge",
             Self::Silence { .. } => "silence",
+            Self::Comment => "comment",
         }
     }
 }
@@ -74,6 +77,7 @@ impl AlertCache {
                 };
                 self.say(order.alert, order.change.name(), &remark, change, pen)
             }
+            AlertChange::Comment => self.say(order.alert, order.change.name(), &remark, |_| {}, pen),
             AlertChange::Silence { until } => {
                 let change = |row: &mut AlertRow| {
                     row.alert = alert_decision::silence(&row.alert, Some(until));

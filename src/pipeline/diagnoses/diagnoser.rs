@@ -9,6 +9,7 @@ use tokio::sync::{Semaphore, oneshot, watch};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::diagnose;
 use crate::core::id::Id;
+use crate::core::imu_model::changed_since;
 use crate::core::kind::Kind;
 use crate::core::time::UtcMicros;
 use crate::message;
@@ -24,6 +25,7 @@ use crate::system::Clock;
 use crate::telemetry;
 use crate::wire::campaign;
 use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::forecast::ChangedBody;
 use crate::wire::message::{from_stored, to_stored};
 
 /// Computed at the same time at the least, where there is but one processor: one asked for need not wait for another.
@@ -155,8 +157,12 @@ impl Diagnoser {
         let _turn = self.turns.acquire().await;
         let (begun_at, begun) = (self.clock.now(), Instant::now());
         let options = in_force.model.options_as_asked(&campaign);
+        let model = Arc::clone(&in_force.model);
         let work = move || match diagnose(&campaign, &options) {
-            Ok(diagnosis) => Ok(DiagnosisBody::from(&diagnosis)),
+            Ok(diagnosis) => {
+                let changed = changed_since(&model, &campaign).map(|changed| ChangedBody::of(&changed));
+                Ok(DiagnosisBody { effects_against_model: changed, ..DiagnosisBody::from(&diagnosis) })
+            }
             Err(why) => Err(why.message()),
         };
         let made = beside_others("diagnosis", awaited, work).await;

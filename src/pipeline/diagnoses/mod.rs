@@ -5,12 +5,14 @@
 //! the service stopped is made after its start. Whoever asks for one that is due comes first, and waits or asks again.
 //!
 //! [`jobs`] takes orders to diagnose many campaigns, [`queue`] works them off behind what is due, [`summary`] says
-//! what many diagnoses say together, from the [`digest`] that is kept of each.
+//! what many diagnoses say together, from the [`digest`] that is kept of each, [`forecasts`] what was foretold of
+//! campaigns before they came in.
 
 pub(super) mod background;
 mod diagnoser;
 pub(super) mod digest;
 mod error;
+mod forecasts;
 mod jobs;
 mod made;
 pub(super) mod models;

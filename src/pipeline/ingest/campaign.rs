@@ -89,7 +89,7 @@ impl Reader {
         (body, body_sha256): (Arc<str>, [u8; 32]),
     ) -> Calibration {
         let gyros = match outcome {
-            Outcome::Imu { calibration, separations } => {
+            Outcome::Imu { calibration, separations, .. } => {
                 let pairs = calibration.gyros.iter().zip(&campaign.gyros).zip(separations).enumerate();
                 let separated = pairs.filter_map(|(place, ((fitted, gyro), separation))| {
                     let separation = separation.as_ref().ok()?;

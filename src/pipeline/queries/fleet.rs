@@ -8,9 +8,11 @@ use super::entries::fleet_histories;
 use super::record::Records;
 use super::standing::{Standing, StoredFacts, of_rank, rank};
 use super::stations::{StationEffect, station_effects};
+use super::today::{Today, today};
 use crate::config::Config;
 use crate::core::changes::{self, FleetStations};
 use crate::core::figures::Figures;
+use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Rule, State, Status};
 use crate::core::mounting::Slot;
@@ -20,7 +22,7 @@ use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::store;
 use crate::store::head::{Narrowed, Ranks, Standings, StationTally, Tally};
-use crate::store::{RecordHead, Store, StoreError, Stretch};
+use crate::store::{RecordHead, Store, StoreError, Stretch, Table};
 use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
 use crate::words;
@@ -64,22 +66,48 @@ pub struct Fleet {
     pub(super) records: Records,
 }
 
-/// What the fleet's page is narrowed down to.
-#[derive(Debug, Clone, Copy)]
+/// What a list of the fleet is narrowed down to, and its order.
+#[derive(Debug, Clone, Copy, Default)]
 pub struct FleetFilter<'a> {
     /// Part of a serial, IMU or station, in whatever letters; empty where all are wanted.
     pub text: &'a str,
     /// Name of the station of the newest calibration; empty as above.
     pub station: &'a str,
+    /// Name of a station that has ever calibrated it.
+    pub ever: &'a str,
+    /// Name of the IMU of the newest calibration.
+    pub imu: &'a str,
+    /// A rule of which an alert is not resolved.
+    pub rule: Option<Rule>,
+    /// Calibrated no earlier than this.
+    pub calibrated_since: Option<UtcMicros>,
+    /// Something began to be worse no earlier than this.
+    pub changed_since: Option<UtcMicros>,
     /// Any of these; none where all are wanted. Who wants `overdue` wants those as well whose status is worse.
     pub statuses: Option<&'a [Status]>,
+    /// None: the worst status first.
+    pub order: Option<FleetOrder>,
+}
+
+/// IMUs with their gyros, the worst first.
+#[derive(Debug, Clone, Default)]
+pub struct WallPage {
+    /// Each with the gyros that were calibrated in it last, by slot.
+    pub imus: Vec<(String, Vec<Standing>)>,
+    /// IMUs that the filter finds.
+    pub found: usize,
+    /// The page, counted from 0: that which was asked for, or the last.
+    pub number: usize,
+    pub last: usize,
 }
 
 /// One page of the fleet, and what all of it counts.
 #[derive(Debug, Clone, Default)]
 pub struct FleetPage {
-    /// Gyros of each status, by its place, and of the whole fleet, whatever is asked for.
+    /// Gyros of each status, by its place, and of any, among those that the other filters find.
     pub of_status: [usize; Status::ALL.len()],
+    pub of_any: usize,
+    /// Gyros of the whole fleet.
     pub total: usize,
     /// By the station that calibrated them last.
     pub of_station: BTreeMap<String, StationGyros>,
@@ -117,15 +145,16 @@ impl Fleet {
     pub async fn page(&self, filter: &FleetFilter<'_>, number: usize, rows: usize) -> Result<FleetPage, StorageError> {
         let now = self.clock.now();
         let (all, of_stations) = store::head::counts(&self.store, now).await?;
-        let mut page = self.counts(&all, &of_stations);
-        let text = filter.text.trim().to_lowercase();
-        let station = self.store.names().read().stations.number(filter.station);
-        let narrowed = Narrowed { sought: (!text.is_empty()).then_some(&text), station };
-        let of_filter = match station {
-            None if !filter.station.is_empty() => Vec::new(),
-            None if text.is_empty() => all,
-            _ => store::head::tallies(&self.store, narrowed, now).await?,
+        let total = all.iter().map(|tally| tally.gyros).sum();
+        let narrowed = self.narrowed(filter);
+        let of_filter = match &narrowed {
+            None => Vec::new(),
+            Some(narrowed) if *narrowed == Narrowed::default() => all,
+            Some(narrowed) => store::head::tallies(&self.store, narrowed, now).await?,
         };
+        let mut page = self.counts(&of_filter, &of_stations);
+        page.total = total;
+        let narrowed = narrowed.unwrap_or_default();
         let size = |ranks: &Ranks| -> usize {
             of_filter.iter().filter(|tally| is_of(tally, ranks)).map(|tally| tally.gyros).sum()
         };
@@ -135,15 +164,79 @@ impl Fleet {
         page.last = page.found.saturating_sub(1) / rows;
         page.number = number.min(page.last);
         let (mut skip, mut gyros) = (page.number * rows, Vec::with_capacity(rows));
-        for (ranks, size) in sizes {
-            if skip < size && gyros.len() < rows {
-                let part = [skip, rows - gyros.len()];
-                gyros.extend(store::head::of_ranks(&self.store, ranks, narrowed, now, part).await?);
+        if let Some(order) = filter.order.filter(|_| page.found > 0) {
+            let ranks = ranks_of(filter.statuses);
+            gyros = store::head::in_order(&self.store, order, ranks.as_deref(), &narrowed, now, [skip, rows]).await?;
+        } else {
+            for (ranks, size) in sizes {
+                if skip < size && gyros.len() < rows {
+                    let part = [skip, rows - gyros.len()];
+                    gyros.extend(store::head::of_ranks(&self.store, ranks, &narrowed, now, part).await?);
+                }
+                skip = skip.saturating_sub(size);
             }
-            skip = skip.saturating_sub(size);
         }
         page.gyros = self.standings_of(&gyros).await?;
         Ok(page)
+    }
+
+    /// IMUs with the gyros in them, the worst first.
+    pub async fn wall(&self, filter: &FleetFilter<'_>, number: usize, imus: usize) -> Result<WallPage, StorageError> {
+        let Some(narrowed) = self.narrowed(filter) else { return Ok(WallPage::default()) };
+        let (ranks, now) = (ranks_of(filter.statuses), self.clock.now());
+        let part = async |number: usize| {
+            store::head::imus(&self.store, ranks.as_deref(), &narrowed, now, [number.saturating_mul(imus), imus]).await
+        };
+        let (mut shown, found) = part(number).await?;
+        let last = found.saturating_sub(1) / imus;
+        if number > last {
+            shown = part(last).await?.0;
+        }
+        let gyros = store::head::of_imus(&self.store, &shown).await?;
+        let gyros: Vec<u32> = gyros.iter().map(|row| row.gyro).collect();
+        let mut of_imu: HashMap<u32, BTreeMap<Slot, Standing>> = HashMap::new();
+        for standing in self.standings_of(&gyros).await? {
+            let Some(newest) = standing.newest else { continue };
+            let in_slot = of_imu.entry(newest.imu).or_default();
+            let known = in_slot.get(&newest.slot).and_then(|known| known.newest);
+            if known.is_none_or(|known| known.at < newest.at) {
+                in_slot.insert(newest.slot, standing);
+            }
+        }
+        let tables = self.store.names().read();
+        let named = shown.into_iter().filter_map(|imu| {
+            let gyros = of_imu.remove(&imu)?.into_values().collect();
+            Some((tables.imus.name(imu)?.to_string(), gyros))
+        });
+        Ok(WallPage { imus: named.collect(), found, number: number.min(last), last })
+    }
+
+    /// What has become worse since an instant, what soon will, what is due, and where several gyros moved at once; of
+    /// each as many as `most`.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn today(&self, since: UtcMicros, most: usize) -> Result<Today, StorageError> {
+        today(self, since, most).await
+    }
+
+    /// None where nothing can be found, for a name is unknown.
+    fn narrowed(&self, filter: &FleetFilter<'_>) -> Option<Narrowed> {
+        let tables = self.store.names().read();
+        let number = |name: &str, of: &Table| match name {
+            "" => Some(None),
+            name => of.number(name).map(Some),
+        };
+        let text = filter.text.trim().to_lowercase();
+        Some(Narrowed {
+            sought: (!text.is_empty()).then_some(text),
+            station: number(filter.station, &tables.stations)?,
+            ever: number(filter.ever, &tables.stations)?,
+            imu: number(filter.imu, &tables.imus)?,
+            rule: filter.rule,
+            calibrated_since: filter.calibrated_since,
+            changed_since: filter.changed_since,
+        })
     }
 
     /// How many gyros have each status, and are overdue, and when each station calibrated last; no gyro by itself.
@@ -152,13 +245,14 @@ impl Fleet {
     /// [`StorageError`].
     pub async fn totals(&self) -> Result<FleetPage, StorageError> {
         let (all, of_stations) = store::head::counts(&self.store, self.clock.now()).await?;
-        Ok(self.counts(&all, &of_stations))
+        let total = all.iter().map(|tally| tally.gyros).sum();
+        Ok(FleetPage { total, ..self.counts(&all, &of_stations) })
     }
 
     fn counts(&self, all: &[Tally], of_stations: &[StationTally]) -> FleetPage {
         let mut page = FleetPage::default();
         for tally in all {
-            page.total += tally.gyros;
+            page.of_any += tally.gyros;
             let (status, overdue) = (status_of(tally), tally.is_overdue.then_some(Status::Overdue));
             for status in status.into_iter().chain(overdue.filter(|_| status != overdue)) {
                 page.of_status[status as usize] += tally.gyros;
@@ -185,22 +279,24 @@ impl Fleet {
         after: u32,
         most: u32,
         filter: StandingFilter,
+        of_fleet: &FleetFilter<'_>,
     ) -> Result<(Vec<Standing>, bool), StorageError> {
-        let narrowed = Standings {
+        let Some(narrowed) = self.narrowed(of_fleet) else { return Ok((Vec::new(), false)) };
+        let standings = Standings {
             rank: filter.status.filter(|status| *status != Status::Overdue).map(|status| rank(false, Some(status))),
             // Time makes worse only what is better than overdue.
             is_overdue: filter.status.filter(|status| *status <= Status::Overdue).map(|of| of == Status::Overdue),
             state: filter.state,
         };
-        let mut gyros =
-            store::head::by_serial(&self.store, after, narrowed, self.clock.now(), most.saturating_add(1)).await?;
+        let (now, limit) = (self.clock.now(), most.saturating_add(1));
+        let mut gyros = store::head::by_serial(&self.store, after, standings, &narrowed, now, limit).await?;
         let more = gyros.len() > most as usize;
         gyros.truncate(most as usize);
         Ok((self.standings_of(&gyros).await?, more))
     }
 
     /// How these gyros stand, in their order.
-    async fn standings_of(&self, gyros: &[u32]) -> Result<Vec<Standing>, StorageError> {
+    pub(super) async fn standings_of(&self, gyros: &[u32]) -> Result<Vec<Standing>, StorageError> {
         self.standings(self.newest_of(gyros).await?).await
     }
 
@@ -291,7 +387,10 @@ impl Fleet {
 
     /// How gyros stand with these newest calibrations.
     pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<Standing>, StorageError> {
-        let stored = StoredFacts::of(&self.store, &newest).await?;
+        let gyros: Vec<u32> = newest.iter().map(|(gyro, _)| *gyro).collect();
+        let heads = store::head::of_gyros(&self.store, &gyros).await?;
+        let outlooks = heads.into_iter().map(|row| (row.gyro, row.outlook)).collect();
+        let stored = StoredFacts::of(&self.store, &newest, outlooks).await?;
         let (tables, now) = (self.store.names().read(), self.clock.now());
         let standing = |(number, newest): (u32, Option<Figures>)| {
             let serial = tables.gyros.name(number)?.clone();
@@ -380,6 +479,12 @@ fn is_wanted(ranks: &Ranks, statuses: Option<&[Status]>) -> bool {
     statuses.is_none_or(|wanted| wanted.iter().any(is_it))
 }
 
+/// None where all are wanted.
+fn ranks_of(statuses: Option<&[Status]>) -> Option<Vec<Ranks>> {
+    statuses?;
+    Some(in_order().into_iter().filter(|ranks| is_wanted(ranks, statuses)).collect())
+}
+
 fn last_of(rows: &[Figures]) -> UtcMicros {
     rows.last().map_or(UtcMicros(0), |figures| figures.at)
 }
@@ -399,6 +504,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
+    use crate::core::judge::Outlook;
     use crate::pipeline::Pipeline;
     use crate::store::{Changes, HeadChanges, HeadRow, NewName, Options};
 
@@ -436,7 +542,14 @@ mod tests {
             out_of_use: None,
             firing: 0,
             severity: None,
+            outlook: Outlook { load: [drawn_load(rng), drawn_load(rng), None], ..Outlook::default() },
+            since: None,
+            changed_at: rng.random_bool(0.3).then(|| UtcMicros(now.0 - rng.random_range(0..5))),
         }
+    }
+
+    fn drawn_load(rng: &mut ChaCha8Rng) -> Option<Measured> {
+        rng.random_bool(0.9).then(|| Measured::exact(f64::from(rng.random_range(-3..4_i8))))
     }
 
     /// Against the order of the whole fleet, sorted at once.
@@ -451,7 +564,7 @@ mod tests {
         let rows: Vec<HeadRow> = (1..=250).map(|gyro| drawn(gyro, &mut rng, now)).collect();
         let gyros =
             rows.iter().map(|row| NewName { number: row.gyro, cell: 0, name: row.serial.to_string() }).collect();
-        let heads = HeadChanges { rows: rows.clone(), made: None };
+        let heads = HeadChanges { rows: rows.clone(), ..HeadChanges::default() };
         writer.commit(&Changes { gyros, heads, ..Changes::default() }).await.unwrap();
         let pipeline = Pipeline::to_read(store, Arc::new(config), Clock::manual(now)).await.unwrap();
         let fleet = &pipeline.queries.fleet;
@@ -473,7 +586,7 @@ mod tests {
                     row.sought.contains(&wanted) && statuses.is_none_or(|statuses| statuses.iter().any(is))
                 };
                 let expected: Vec<u32> = sorted.iter().filter(fits).map(|row| row.gyro).collect();
-                let filter = FleetFilter { text, station: "", statuses };
+                let filter = FleetFilter { text, statuses, ..FleetFilter::default() };
                 let mut found = Vec::new();
                 for number in 0..=expected.len().saturating_sub(1) / 17 {
                     let page = fleet.page(&filter, number, 17).await.unwrap();
@@ -485,14 +598,42 @@ mod tests {
             }
         }
         assert!(cut > 40, "{cut}");
-        let counts = fleet.page(&FleetFilter { text: "", station: "", statuses: None }, 0, 1).await.unwrap().of_status;
+        let by_load = |a: &&HeadRow, b: &&HeadRow| {
+            let extreme = |row: &HeadRow| row.outlook.extreme().unwrap_or(-1.0);
+            extreme(b).total_cmp(&extreme(a)).then(a.serial.cmp(&b.serial))
+        };
+        for statuses in all {
+            for changed_since in [None, Some(UtcMicros(now.0 - 2))] {
+                let fits = |row: &&&HeadRow| {
+                    let is = |of: &Status| status(row) == Some(*of) || *of == Status::Overdue && is_overdue(row);
+                    statuses.is_none_or(|statuses| statuses.iter().any(is))
+                        && changed_since.is_none_or(|since| row.changed_at.is_some_and(|at| at >= since))
+                };
+                let mut expected: Vec<&HeadRow> = sorted.iter().filter(fits).copied().collect();
+                for order in [FleetOrder::Load, FleetOrder::Serial] {
+                    match order {
+                        FleetOrder::Load => expected.sort_by(by_load),
+                        _ => expected.sort_by(|a, b| a.serial.cmp(&b.serial)),
+                    }
+                    let filter = FleetFilter { statuses, changed_since, order: Some(order), ..FleetFilter::default() };
+                    let mut found = Vec::new();
+                    for number in 0..=expected.len().saturating_sub(1) / 17 {
+                        let page = fleet.page(&filter, number, 17).await.unwrap();
+                        assert_eq!((page.number, page.found), (number, expected.len()), "{filter:?}");
+                        found.extend(page.gyros.iter().map(|standing| standing.number));
+                    }
+                    assert!(found.iter().eq(expected.iter().map(|row| &row.gyro)), "{filter:?}");
+                }
+            }
+        }
+        let counts = fleet.page(&FleetFilter::default(), 0, 1).await.unwrap().of_status;
         for (of, count) in Status::ALL.into_iter().zip(counts) {
             let is = |row: &&HeadRow| status(row) == Some(of) || of == Status::Overdue && is_overdue(row);
             assert_eq!(count, rows.iter().filter(is).count(), "{of:?}");
         }
         for of in Status::ALL {
             let filter = StandingFilter { status: Some(of), state: None };
-            let (found, more) = fleet.by_serial(0, 1000, filter).await.unwrap();
+            let (found, more) = fleet.by_serial(0, 1000, filter, &FleetFilter::default()).await.unwrap();
             let is = |row: &&&HeadRow| status(row) == Some(of) || of == Status::Overdue && is_overdue(row);
             let mut expected: Vec<&HeadRow> = sorted.iter().filter(is).copied().collect();
             expected.sort_by(|a, b| a.serial.cmp(&b.serial));

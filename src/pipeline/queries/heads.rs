@@ -1,15 +1,20 @@
 //! The rows of the table `head`, by what is stored or about to be.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 use crate::config::Judging;
 use crate::core::figures::Figures;
+use crate::core::judge::{Need, Older, Outlook};
 use crate::core::time::Span;
+use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, read_ahead};
 use crate::pipeline::queries::standing::{Facts, StoredFacts};
 use crate::store;
 use crate::store::{Changes, HeadRow, NewName, Store, StoreError, Tables};
 use crate::system::sha256;
+
+/// Gyros whose histories are held at once.
+const WINDOWS_AT_ONCE: usize = 128;
 
 /// The names of what is stored, and of what a transaction adds.
 pub(crate) struct HeadNames<'a> {
@@ -49,12 +54,56 @@ pub(crate) async fn stored_rows(store: &Store, judging: &Judging, gyros: &[u32])
     let rows = store::histories::newest(store, &ever, 1).await?;
     let newest: Vec<(u32, Option<Figures>)> =
         gyros.iter().zip(rows).map(|(gyro, mut rows)| (*gyro, rows.pop())).collect();
-    let stored = StoredFacts::of(store, &newest).await?;
+    let outlooks = stored_outlooks(store, judging, &newest).await?;
+    let stored = StoredFacts::of(store, &newest, outlooks).await?;
     let (tables, nothing_new) = (store.names().read(), Changes::default());
     let names = HeadNames::new(&tables, &nothing_new);
     let row =
         |(gyro, newest): &(u32, Option<Figures>)| names.row(&stored.facts(*gyro, names.gyro(*gyro), *newest), judging);
     Ok(newest.iter().map(row).collect())
+}
+
+/// How gyros with these newest calibrations lie to their budgets and where they go, judged anew by what is stored.
+pub(crate) async fn stored_outlooks(
+    store: &Store,
+    judging: &Judging,
+    newest: &[(u32, Option<Figures>)],
+) -> Result<HashMap<u32, Outlook>, StoreError> {
+    let need = Need::of(&judging.limits("", ""));
+    let mut outlooks = HashMap::with_capacity(newest.len());
+    for some in newest.chunks(WINDOWS_AT_ONCE) {
+        let ever: Vec<_> = some.iter().map(|(gyro, _)| (*gyro, Span::EVER)).collect();
+        let rows = store::histories::newest(store, &ever, read_ahead(need)).await?;
+        let read: Vec<_> = some.iter().map(|(gyro, _)| *gyro).zip(rows).collect();
+        let mut windows: HashMap<u32, GyroWindow> =
+            GyroWindow::load_many(store, &read, need, judging.method).await?.into_iter().collect();
+        for (gyro, newest) in some {
+            let Some(figures) = newest else { continue };
+            let window = match windows.remove(gyro) {
+                Some(window) => window,
+                None => GyroWindow::load(store, *gyro, Span::EVER.to, need, judging.method).await?,
+            };
+            let limits = {
+                let tables = store.names().read();
+                let name = |name: Option<&Arc<str>>| name.cloned().unwrap_or_default();
+                judging.limits(&name(tables.imus.name(figures.imu)), &name(tables.gyros.name(*gyro)))
+            };
+            outlooks.insert(*gyro, Outlook::of(&window.judge_newest(&limits, Older::NONE)));
+        }
+    }
+    Ok(outlooks)
+}
+
+/// Which stations have ever calibrated gyros, station first.
+pub(crate) async fn stations_of(store: &Store, gyros: &[u32]) -> Result<Vec<[u32; 2]>, StoreError> {
+    let mut seen = BTreeSet::new();
+    for some in gyros.chunks(WINDOWS_AT_ONCE) {
+        let ever: Vec<_> = some.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+        for (gyro, rows) in some.iter().zip(store::histories::oldest(store, &ever, i32::MAX as usize).await?) {
+            seen.extend(rows.iter().map(|row| [row.station, *gyro]));
+        }
+    }
+    Ok(seen.into_iter().collect())
 }
 
 /// Of all that decides how a gyro stands besides what is stored.

@@ -25,12 +25,12 @@ impl Names<'_> {
         self.0.stations.name(number).map_or("", |name| &**name)
     }
 
-    pub fn station_number(&self, station: &str) -> Option<u32> {
-        self.0.stations.number(station)
-    }
-
     pub fn imu_number(&self, imu: &str) -> Option<u32> {
         self.0.imus.number(imu)
+    }
+
+    pub fn station_number(&self, station: &str) -> Option<u32> {
+        self.0.stations.number(station)
     }
 
     pub fn gyro_number(&self, serial: &str) -> Option<u32> {

@@ -5,6 +5,7 @@ mod changes_explained;
 mod entries;
 mod fleet;
 mod fleet_noise;
+mod foreseen;
 mod gyro_history;
 pub(super) mod heads;
 mod items;
@@ -12,6 +13,7 @@ mod record;
 pub(super) mod standing;
 mod stations;
 mod status;
+mod today;
 mod verify;
 
 use std::sync::Arc;
@@ -24,7 +26,8 @@ use crate::system::Clock;
 pub use crate::pipeline::ingest::judge::gyro_window::sample_of;
 pub use agreement::{Compared, Comparison};
 pub use changes_explained::ExplainedHistory;
-pub use fleet::{BEYOND, Fleet, FleetFilter, FleetPage, ListedImu, RecentValues, Seats, StandingFilter};
+pub use fleet::{BEYOND, Fleet, FleetFilter, FleetPage, ListedImu, RecentValues, Seats, StandingFilter, WallPage};
+pub use foreseen::{Forecast, Foreseen};
 pub use gyro_history::{Baseline, Course, Histories, Tested};
 pub use items::{
     BenchItem, CorrectedResult, CorrectionItem, EventItem, ItemStatus, ListedRecord, Names, RecordItem, RecordSummary,
@@ -33,6 +36,7 @@ pub use record::{ListFilter, Records, StoredCampaign, StoredRecord};
 pub use standing::{Standing, Violation};
 pub use stations::StationEffect;
 pub use status::Statuses;
+pub use today::{DUE_DAYS, DueImu, FirstOf, StationShift, Today};
 pub use verify::Verified;
 
 /// What is stored, as it is asked for. Cheap to clone.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::config::Judging;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::judge::{Coefficient, Event, Limits, Rule, Severity, State, Status, overdue};
+use crate::core::judge::{Coefficient, Event, LimitKind, Limits, Outlook, Rule, Severity, State, Status, overdue};
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{finding_of, status_of};
 use crate::pipeline::ingest::judge::gyro_window::sample_of;
@@ -39,6 +39,10 @@ pub struct Standing {
     pub overdue_days: Option<f64>,
     /// That it was retired or put into storage, and not calibrated since.
     pub out_of_use: Option<Event>,
+    /// Since when it is beyond its limits; where it is not, since when it drifts.
+    pub since: Option<UtcMicros>,
+    /// How it lies to its budget and where it goes, by its row of the table `head`.
+    pub outlook: Outlook,
 }
 
 /// A rule that says that a gyro is beyond a limit.
@@ -66,6 +70,10 @@ pub(crate) struct Alerted {
     told: Vec<AlertFinding>,
     firing: u32,
     severity: Option<Severity>,
+    /// When the first that is beyond a specification began, and the first that drifts.
+    since: [Option<UtcMicros>; 2],
+    /// When the newest of both began.
+    changed_at: Option<UtcMicros>,
 }
 
 impl Alerted {
@@ -78,6 +86,7 @@ impl Alerted {
         for row in firing {
             alerted.firing += 1;
             alerted.severity = alerted.severity.max(Some(row.alert.severity));
+            alerted.learn_when(row);
             let told = match row.rule {
                 Rule::Agreement => &mut alerted.told,
                 Rule::Requirement => &mut of_requirements,
@@ -90,6 +99,21 @@ impl Alerted {
         }
         alerted.told.append(&mut of_requirements);
         Ok(alerted)
+    }
+
+    fn learn_when(&mut self, row: &AlertRow) {
+        // Being overdue is a matter of the calendar.
+        if row.rule == Rule::Overdue {
+            return;
+        }
+        let began = row.alert.since;
+        let of_kind = &mut self.since[usize::from(row.rule.limit_kind() == LimitKind::Control)];
+        *of_kind = Some(of_kind.map_or(began, |known| known.min(began)));
+        self.changed_at = self.changed_at.max(Some(began));
+    }
+
+    fn since(&self) -> Option<UtcMicros> {
+        self.since[0].or(self.since[1])
     }
 }
 
@@ -104,6 +128,8 @@ pub(crate) struct Facts<'a> {
     pub alerted: &'a Alerted,
     /// When it was retired or put into storage last, and which.
     pub out_of_use: Option<(UtcMicros, Event)>,
+    /// By the verdicts on its newest calibration when they were decided.
+    pub outlook: Outlook,
 }
 
 impl Facts<'_> {
@@ -142,6 +168,8 @@ impl Facts<'_> {
             overdue_days,
             out_of_use,
             newest,
+            since: self.alerted.since(),
+            outlook: self.outlook,
         }
     }
 
@@ -176,6 +204,9 @@ impl Facts<'_> {
             out_of_use,
             firing: self.alerted.firing,
             severity: self.alerted.severity,
+            outlook: self.outlook,
+            since: self.alerted.since(),
+            changed_at: self.alerted.changed_at,
         }
     }
 }
@@ -236,11 +267,16 @@ pub(crate) struct StoredFacts {
     sheets: HashMap<Id, VerdictSheet>,
     alerted: HashMap<u32, Alerted>,
     out_of_use: HashMap<u32, (UtcMicros, Event)>,
+    outlooks: HashMap<u32, Outlook>,
 }
 
 impl StoredFacts {
-    /// Of gyros with these newest calibrations, in three queries for all.
-    pub async fn of(store: &Store, newest: &[(u32, Option<Figures>)]) -> Result<Self, StoreError> {
+    /// Of gyros with these newest calibrations, in three queries for all; their outlooks are known elsewhere.
+    pub async fn of(
+        store: &Store,
+        newest: &[(u32, Option<Figures>)],
+        outlooks: HashMap<u32, Outlook>,
+    ) -> Result<Self, StoreError> {
         let gyros: Vec<u32> = newest.iter().map(|(gyro, _)| *gyro).collect();
         let records: HashSet<Id> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
         let sheets = store::record::verdict_sheets(store, records.into_iter()).await?.into_iter().collect();
@@ -251,12 +287,13 @@ impl StoredFacts {
         let alerted = rows.iter().map(|(gyro, rows)| Ok((*gyro, Alerted::of(rows.iter())?)));
         let alerted = alerted.collect::<Result<_, StoreError>>()?;
         let out_of_use = store::event::out_of_use_of(store, &gyros).await?;
-        Ok(Self { sheets, alerted, out_of_use })
+        Ok(Self { sheets, alerted, out_of_use, outlooks })
     }
 
     /// Of one gyro.
     pub fn facts(&self, number: u32, serial: Arc<str>, newest: Option<Figures>) -> Facts<'_> {
-        static NONE: Alerted = Alerted { told: Vec::new(), firing: 0, severity: None };
+        static NONE: Alerted =
+            Alerted { told: Vec::new(), firing: 0, severity: None, since: [None; 2], changed_at: None };
         Facts {
             number,
             serial,
@@ -264,6 +301,7 @@ impl StoredFacts {
             verdicts: newest.map_or(&[], |figures| verdicts_on(self.sheets.get(&figures.record), number)),
             alerted: self.alerted.get(&number).unwrap_or(&NONE),
             out_of_use: self.out_of_use.get(&number).copied(),
+            outlook: self.outlooks.get(&number).copied().unwrap_or_default(),
         }
     }
 }

@@ -76,7 +76,7 @@ impl Records {
                 let serial = &expected.serial;
                 match found.iter().find(|row| row.gyro == expected.gyro) {
                     None => verified.faults.push(format!("gyro {serial}: is missing from the table head")),
-                    Some(row) if *row != expected => verified.faults.push(format!(
+                    Some(row) if !row.agrees(&expected) => verified.faults.push(format!(
                         "gyro {serial}: the table head has {row:?}, by what is stored it is {expected:?}"
                     )),
                     Some(_) => {}

@@ -172,6 +172,36 @@ fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
     })
 }
 
+/// How an alert stands for whoever looks at it.
+const STANDING: &str = "CASE WHEN alert.status = 'resolved' THEN 'resolved'
+                             WHEN alert.silenced_until > $7 OR alert.muted_until > $7 THEN 'silenced'
+                             WHEN alert.acknowledged_at IS NOT NULL THEN 'acknowledged'
+                             ELSE 'firing' END";
+
+/// What a filter lets through: seven parameters, see [`bound`].
+fn conditions(store: &Store) -> String {
+    let imu =
+        store.readers.words(Sql { sqlite: "alert.finding->>'imu'", postgres: "CAST(alert.finding AS JSONB)->>'imu'" });
+    format!(
+        "($1 IS NULL OR alert.gyro = $1) AND ($2 IS NULL OR alert.coefficient = $2) AND ($3 IS NULL OR alert.rule = $3)
+             AND ($4 IS NULL OR alert.severity = $4) AND ($5 IS NULL OR {imu} = $5)
+             AND ($6 IS NULL OR $6 = {STANDING})"
+    )
+}
+
+macro_rules! bound {
+    ($query:expr, $filter:expr, $now:expr) => {
+        $query
+            .bind($filter.gyro.map(Whole))
+            .bind($filter.coefficient.map(Coefficient::name))
+            .bind($filter.rule.map(Rule::name))
+            .bind($filter.severity.map(Severity::name))
+            .bind($filter.imu.as_deref())
+            .bind($filter.standing.map(Standing::name))
+            .bind($now.0)
+    };
+}
+
 /// Alerts that a filter lets through at `now`, with identifiers below `before`, newest first.
 pub async fn find(
     store: &Store,
@@ -180,29 +210,76 @@ pub async fn find(
     before: Option<Id>,
     limit: u32,
 ) -> Result<Vec<AlertRow>, StoreError> {
-    let imu = store.readers.words(Sql { sqlite: "finding->>'imu'", postgres: "CAST(finding AS JSONB)->>'imu'" });
-    let sql = sqlx::AssertSqlSafe(format!(
-        "{COLUMNS} WHERE alert.id < $1 AND ($2 IS NULL OR gyro = $2) AND ($3 IS NULL OR coefficient = $3)
-             AND ($4 IS NULL OR alert.rule = $4) AND ($5 IS NULL OR severity = $5)
-             AND ($6 IS NULL OR {imu} = $6)
-             AND ($7 IS NULL OR $7 = CASE WHEN status = 'resolved' THEN 'resolved'
-                                          WHEN silenced_until > $8 OR muted_until > $8 THEN 'silenced'
-                                          WHEN acknowledged_at IS NOT NULL THEN 'acknowledged'
-                                          ELSE 'firing' END)
-         ORDER BY alert.id DESC LIMIT $9"
-    ));
-    on!(store.readers, db => sqlx::query(sql)
+    let conditions = conditions(store);
+    let sql =
+        sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE {conditions} AND alert.id < $8 ORDER BY alert.id DESC LIMIT $9"));
+    on!(store.readers, db => bound!(sqlx::query(sql), filter, now)
         .bind(before.map_or(i64::MAX, |id| id.0))
-        .bind(filter.gyro.map(Whole))
-        .bind(filter.coefficient.map(Coefficient::name))
-        .bind(filter.rule.map(Rule::name))
-        .bind(filter.severity.map(Severity::name))
-        .bind(filter.imu.as_deref())
-        .bind(filter.standing.map(Standing::name))
-        .bind(now.0)
         .bind(Whole(limit))
         .fetch_all(db)
         .await?.iter().map(alert).collect())
+}
+
+/// Gyros with alerts that a filter lets through: those that stand worst first, or with `newest`, those whose newest
+/// alert is the newest; from place `skip` on, as many as `limit`.
+pub async fn gyros_found(
+    store: &Store,
+    filter: &AlertFilter,
+    now: UtcMicros,
+    newest: bool,
+    [skip, limit]: [usize; 2],
+) -> Result<Vec<u32>, StoreError> {
+    let conditions = conditions(store);
+    let order = match newest {
+        true => "max(alert.id) DESC",
+        false => "max(head.rank) DESC, max(head.load) DESC, max(head.serial)",
+    };
+    let sql = sqlx::AssertSqlSafe(format!(
+        "SELECT alert.gyro FROM alert JOIN head ON head.gyro = alert.gyro WHERE {conditions}
+         GROUP BY alert.gyro ORDER BY {order} LIMIT $8 OFFSET $9"
+    ));
+    let rows: Vec<Whole<u32>> = on!(store.readers, db => bound!(sqlx::query_scalar(sql), filter, now)
+        .bind(i64::try_from(limit).unwrap_or(i64::MAX))
+        .bind(i64::try_from(skip).unwrap_or(i64::MAX))
+        .fetch_all(db)
+        .await?);
+    Ok(rows.into_iter().map(|Whole(gyro)| gyro).collect())
+}
+
+/// Alerts of some gyros that a filter lets through, in the order in which they first fired.
+pub async fn found_of(
+    store: &Store,
+    filter: &AlertFilter,
+    now: UtcMicros,
+    gyros: &[u32],
+) -> Result<Vec<AlertRow>, StoreError> {
+    let conditions = conditions(store);
+    let those = store.readers.words(LISTED).replace("$1", "$8");
+    let sql =
+        sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE {conditions} AND alert.gyro IN ({those}) ORDER BY alert.id"));
+    let gyros = serde_json::json!(gyros).to_string();
+    on!(store.readers, db => bound!(sqlx::query(sql), filter, now)
+        .bind(gyros)
+        .fetch_all(db)
+        .await?.iter().map(alert).collect())
+}
+
+/// How many alerts of how many gyros stand how, among those that a filter lets through.
+pub async fn standings(
+    store: &Store,
+    filter: &AlertFilter,
+    now: UtcMicros,
+) -> Result<Vec<(Standing, [usize; 2])>, StoreError> {
+    let conditions = conditions(store);
+    let sql = sqlx::AssertSqlSafe(format!(
+        "SELECT {STANDING}, count(*), count(DISTINCT alert.gyro) FROM alert WHERE {conditions} GROUP BY 1"
+    ));
+    let rows: Vec<(String, i64, i64)> =
+        on!(store.readers, db => bound!(sqlx::query_as(sql), filter, now).fetch_all(db).await?);
+    let count = |count: i64| count.unsigned_abs() as usize;
+    let known =
+        |(name, alerts, gyros): (String, i64, i64)| Some((Standing::from_name(&name)?, [count(alerts), count(gyros)]));
+    Ok(rows.into_iter().filter_map(known).collect())
 }
 
 /// Alerts that may change with the clock alone: that fire, or of which somebody is still to be told something.
@@ -250,6 +327,15 @@ pub async fn firing_by_severity(store: &Store) -> Result<Vec<(String, i64)>, Sto
 pub async fn get(store: &Store, id: Id) -> Result<Option<AlertRow>, StoreError> {
     let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.id = $1"));
     on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(alert).transpose())
+}
+
+/// Those of these alerts that there are, in the order in which they first fired.
+pub async fn of_ids(store: &Store, ids: &[Id]) -> Result<Vec<AlertRow>, StoreError> {
+    let those = store.readers.words(LISTED);
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.id IN ({those}) ORDER BY alert.id"));
+    let ids: Vec<i64> = ids.iter().map(|id| id.0).collect();
+    let ids = serde_json::json!(ids).to_string();
+    on!(store.readers, db => sqlx::query(sql).bind(ids).fetch_all(db).await?.iter().map(alert).collect())
 }
 
 /// The newest `limit` steps of an alert, oldest first.

@@ -1,10 +1,11 @@
 //! How each gyro stands, a row a gyro: what lists are made of.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
+use crate::core::fleet_order::FleetOrder;
 use crate::core::id::Id;
-use crate::core::judge::{Event, Measured, Severity, State, Status};
+use crate::core::judge::{Coefficient, Event, Measured, Outlook, Reach, Rule, Severity, State, Status};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
@@ -33,6 +34,44 @@ pub struct HeadRow {
     /// Alerts that are not resolved, and the gravest of them.
     pub firing: u32,
     pub severity: Option<Severity>,
+    pub outlook: Outlook,
+    /// Since when it is beyond its limits; where it is not, since when it drifts.
+    pub since: Option<UtcMicros>,
+    /// When the newest of its alerts that fire began, what is overdue left out.
+    pub changed_at: Option<UtcMicros>,
+}
+
+impl HeadRow {
+    /// Whether another row says the same: figures that were computed twice may differ in their last digits.
+    pub fn agrees(&self, other: &Self) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs()).max(1.0);
+        let same = |a: Option<f64>, b: Option<f64>| match (a, b) {
+            (Some(a), Some(b)) => near(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let figures = |row: &Self| {
+            let Outlook { load, per_year, .. } = row.outlook;
+            let measured: Vec<Option<Measured>> = load.into_iter().chain(per_year).collect();
+            let of = |one: &Option<Measured>| [one.map(|it| it.value), one.and_then(|it| it.sd)];
+            measured.iter().flat_map(of).collect::<Vec<_>>()
+        };
+        let dates =
+            |row: &Self| row.outlook.reach.map(|Reach { at, between: [from, until], .. }| [Some(at), from, until]);
+        let of_reach = |row: &Self| row.outlook.reach.map(|reach| (reach.coefficient, reach.provisional));
+        // A date lies a year ahead: its last digits are a minute.
+        let same_date = |(a, b): (&Option<UtcMicros>, &Option<UtcMicros>)| match (a, b) {
+            (Some(a), Some(b)) => (a.0 - b.0).abs() <= 60_000_000,
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let same_dates = match (dates(self), dates(other)) {
+            (Some(a), Some(b)) => a.iter().zip(&b).all(same_date),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let (mine, theirs) = (figures(self), figures(other));
+        let same_figures = mine.into_iter().zip(theirs).all(|(a, b)| same(a, b));
+        let otherwise = Self { outlook: other.outlook, ..self.clone() } == *other;
+        otherwise && same_figures && of_reach(self) == of_reach(other) && same_dates
+    }
 }
 
 /// A gyro's newest calibration.
@@ -53,6 +92,10 @@ pub struct HeadChanges {
     /// One a gyro.
     pub rows: Vec<HeadRow>,
     pub made: Option<HeadsMade>,
+    /// Stations (first) that have calibrated gyros.
+    pub seen: Vec<[u32; 2]>,
+    /// What the verdicts on records of this transaction say of where their gyros go.
+    pub outlooks: HashMap<(Id, u32), Outlook>,
 }
 
 /// How far the rows of all gyros have been made.
@@ -91,20 +134,44 @@ pub(crate) fn upsert(heads: &HeadChanges, batch: &mut Batch) {
             .optional_text(head.out_of_use.map(Event::name))
             .integer(i64::from(head.firing))
             .optional_text(head.severity.map(Severity::name));
+        let Outlook { load, per_year, reach } = head.outlook;
+        for figure in load.into_iter().chain(per_year) {
+            row.real(figure.map(|figure| figure.value)).real(figure.and_then(|figure| figure.sd));
+        }
+        row.real(Some(head.outlook.extreme().map_or(-1.0, |extreme| extreme.min(f64::MAX))))
+            .optional_text(reach.map(|reach| reach.coefficient.name()))
+            .optional_integer(reach.map(|reach| reach.at.0));
+        for edge in 0..2 {
+            row.optional_integer(reach.and_then(|reach| reach.between[edge]).map(|at| at.0));
+        }
+        row.integer(i64::from(reach.is_some_and(|reach| reach.provisional)))
+            .optional_integer(head.since.map(|at| at.0))
+            .optional_integer(head.changed_at.map(|at| at.0));
     }
     batch.add(
         insert!(
             "head (gyro, serial, sought, calibrated_at, record, imu, station, slot, d_i, d_i_sd, d_s, d_s_sd, state,
-             status, rank, load, d_i_ahead, d_s_ahead, overdue_at, out_of_use, firing, severity)",
+             status, rank, load, d_i_ahead, d_s_ahead, overdue_at, out_of_use, firing, severity, d_i_load, d_i_load_sd,
+             d_s_load, d_s_load_sd, d_o_load, d_o_load_sd, d_i_year, d_i_year_sd, d_s_year, d_s_year_sd, extreme,
+             reach_of, reach_at, reach_from, reach_until, reach_provisional, since, changed_at)",
             [int 0, text 1, text 2, int 3, int 4, int 5, int 6, text 7, real 8, real 9, real 10, real 11, text 12,
-             text 13, int 14, real 15, real 16, real 17, int 18, text 19, int 20, text 21],
+             text 13, int 14, real 15, real 16, real 17, int 18, text 19, int 20, text 21, real 22,
+             real 23, real 24, real 25, real 26, real 27, real 28, real 29, real 30, real 31, real 32, text 33, int 34,
+             int 35, int 36, int 37, int 38, int 39],
             "ON CONFLICT (gyro) DO UPDATE SET version = head.version + 1, sought = excluded.sought,
              calibrated_at = excluded.calibrated_at, record = excluded.record, imu = excluded.imu,
              station = excluded.station, slot = excluded.slot, d_i = excluded.d_i, d_i_sd = excluded.d_i_sd,
              d_s = excluded.d_s, d_s_sd = excluded.d_s_sd, state = excluded.state, status = excluded.status,
              rank = excluded.rank, load = excluded.load, d_i_ahead = excluded.d_i_ahead, d_s_ahead = excluded.d_s_ahead,
              overdue_at = excluded.overdue_at, out_of_use = excluded.out_of_use, firing = excluded.firing,
-             severity = excluded.severity"
+             severity = excluded.severity,
+             d_i_load = excluded.d_i_load, d_i_load_sd = excluded.d_i_load_sd, d_s_load = excluded.d_s_load,
+             d_s_load_sd = excluded.d_s_load_sd, d_o_load = excluded.d_o_load, d_o_load_sd = excluded.d_o_load_sd,
+             d_i_year = excluded.d_i_year, d_i_year_sd = excluded.d_i_year_sd, d_s_year = excluded.d_s_year,
+             d_s_year_sd = excluded.d_s_year_sd, extreme = excluded.extreme, reach_of = excluded.reach_of,
+             reach_at = excluded.reach_at, reach_from = excluded.reach_from, reach_until = excluded.reach_until,
+             reach_provisional = excluded.reach_provisional, since = excluded.since,
+             changed_at = excluded.changed_at"
         ),
         rows,
     );
@@ -120,6 +187,11 @@ pub(crate) fn upsert(heads: &HeadChanges, batch: &mut Batch) {
         ),
         rows,
     );
+    let mut rows = Rows::default();
+    for [station, gyro] in &heads.seen {
+        rows.row().integer(i64::from(*station)).integer(i64::from(*gyro));
+    }
+    batch.add(insert!("gyro_station (station, gyro)", [int 0, int 1], "ON CONFLICT DO NOTHING"), rows);
 }
 
 /// How far the rows of all gyros have been made.
@@ -148,12 +220,35 @@ pub async fn imus_after(store: &Store, after: u32, limit: u32) -> Result<Vec<(u3
 }
 
 /// What a list of gyros is narrowed down to.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Narrowed<'a> {
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Narrowed {
     /// Part of [`HeadRow::sought`].
-    pub sought: Option<&'a str>,
+    pub sought: Option<String>,
     /// Number of the station of the newest calibration.
     pub station: Option<u32>,
+    /// Number of a station that has ever calibrated it.
+    pub ever: Option<u32>,
+    /// Number of the IMU of the newest calibration.
+    pub imu: Option<u32>,
+    /// A rule of which an alert is not resolved.
+    pub rule: Option<Rule>,
+    /// Calibrated, or new or worse, no earlier than this.
+    pub calibrated_since: Option<UtcMicros>,
+    pub changed_since: Option<UtcMicros>,
+}
+
+/// Binds what a list is narrowed down to: seven parameters.
+macro_rules! bound {
+    ($query:expr, $narrowed:expr) => {
+        $query
+            .bind($narrowed.sought.as_deref())
+            .bind($narrowed.station.map(Whole))
+            .bind($narrowed.ever.map(Whole))
+            .bind($narrowed.imu.map(Whole))
+            .bind($narrowed.rule.map(Rule::name))
+            .bind($narrowed.calibrated_since.map(|at| at.0))
+            .bind($narrowed.changed_since.map(|at| at.0))
+    };
 }
 
 /// How many gyros have a rank, and are overdue or not.
@@ -206,18 +301,14 @@ pub async fn counts(store: &Store, now: UtcMicros) -> Result<(Vec<Tally>, Vec<St
 }
 
 /// Counts what is left of the fleet where it is narrowed down.
-pub async fn tallies(store: &Store, narrowed: Narrowed<'_>, now: UtcMicros) -> Result<Vec<Tally>, StoreError> {
-    let Words { rank, conditions } = Words::of(store, narrowed, "$2", "$3");
+pub async fn tallies(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Result<Vec<Tally>, StoreError> {
+    let Words { rank, conditions } = Words::of(store, narrowed, 2);
     let sql = sqlx::AssertSqlSafe(format!(
         "SELECT rank, CAST(CASE WHEN overdue_at < $1 THEN 1 ELSE 0 END AS BIGINT), count(*) FROM head
          WHERE {conditions} GROUP BY {rank}, 2"
     ));
-    let rows: Vec<(i64, i64, i64)> = on!(store.readers, db => sqlx::query_as(sql)
-        .bind(now.0)
-        .bind(narrowed.sought)
-        .bind(narrowed.station.map(Whole))
-        .fetch_all(db)
-        .await?);
+    let rows: Vec<(i64, i64, i64)> =
+        on!(store.readers, db => bound!(sqlx::query_as(sql).bind(now.0), narrowed).fetch_all(db).await?);
     let tally = |(rank, is_overdue, gyros): (i64, i64, i64)| Tally {
         rank,
         is_overdue: is_overdue == 1,
@@ -233,16 +324,34 @@ struct Words {
 }
 
 impl Words {
-    /// `sought` and `station` are the places of these parameters. Who narrows the fleet down reads it through: in the
+    /// The parameters of [`bound`] stand from place `first` on. Who narrows the fleet down reads it through: in the
     /// order of an index each row would be looked up by itself.
-    fn of(store: &Store, narrowed: Narrowed<'_>, sought: &str, station: &str) -> Self {
-        let all = narrowed.sought.is_none() && narrowed.station.is_none();
+    fn of(store: &Store, narrowed: &Narrowed, first: usize) -> Self {
+        let all = *narrowed == Narrowed::default();
         let rank = if all { "rank" } else { store.readers.words(Sql { sqlite: "+rank", postgres: "rank" }) };
         let has = store.readers.words(Sql { sqlite: "instr", postgres: "strpos" });
-        // Not one condition for both: each is to find its index.
-        let of_sought = narrowed.sought.map_or(format!("{sought} IS NULL"), |_| format!("{has}(sought, {sought}) > 0"));
-        let of_station = narrowed.station.map_or(format!("{station} IS NULL"), |_| format!("station = {station}"));
-        Self { rank, conditions: format!("{of_sought} AND {of_station}") }
+        // Each condition by itself, so that it finds its index; one that is not asked for is no condition.
+        let asked = [
+            (narrowed.sought.is_some(), format!("{has}(sought, $) > 0")),
+            (narrowed.station.is_some(), "station = $".to_owned()),
+            (narrowed.ever.is_some(), "gyro IN (SELECT gyro FROM gyro_station WHERE station = $)".to_owned()),
+            (narrowed.imu.is_some(), "imu = $".to_owned()),
+            (
+                narrowed.rule.is_some(),
+                "gyro IN (SELECT gyro FROM alert WHERE status = 'firing' AND rule = $)".to_owned(),
+            ),
+            (
+                narrowed.calibrated_since.is_some(),
+                // As the index has it; who was never calibrated has the last instant of all.
+                "coalesce(calibrated_at, 9223372036854775807) BETWEEN $ AND 9223372036854775806".to_owned(),
+            ),
+            (narrowed.changed_since.is_some(), "changed_at >= $".to_owned()),
+        ];
+        let condition = |(place, (is_asked, words)): (usize, &(bool, String))| match is_asked {
+            true => words.replace('$', &format!("${}", first + place)),
+            false => format!("${} IS NULL", first + place),
+        };
+        Self { rank, conditions: asked.iter().enumerate().map(condition).collect::<Vec<_>>().join(" AND ") }
     }
 }
 
@@ -258,26 +367,22 @@ pub struct Ranks {
 pub async fn of_ranks(
     store: &Store,
     ranks: Ranks,
-    narrowed: Narrowed<'_>,
+    narrowed: &Narrowed,
     now: UtcMicros,
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>, StoreError> {
     let Ranks { lowest, highest, is_overdue } = ranks;
-    let Words { rank, conditions } = Words::of(store, narrowed, "$4", "$5");
+    let Words { rank, conditions } = Words::of(store, narrowed, 4);
     // Of one rank the index has the order.
     let ranks =
         if lowest == highest { format!("{rank} = $1 AND {rank} = $2") } else { format!("{rank} BETWEEN $1 AND $2") };
     let overdue = if is_overdue { "overdue_at < $3" } else { "(overdue_at IS NULL OR overdue_at >= $3)" };
     let sql = sqlx::AssertSqlSafe(format!(
         "SELECT gyro FROM head WHERE {ranks} AND {overdue} AND {conditions}
-         ORDER BY load DESC, serial LIMIT $6 OFFSET $7"
+         ORDER BY load DESC, serial LIMIT $11 OFFSET $12"
     ));
-    let rows: Vec<(Whole<u32>,)> = on!(store.readers, db => sqlx::query_as(sql)
-        .bind(lowest)
-        .bind(highest)
-        .bind(now.0)
-        .bind(narrowed.sought)
-        .bind(narrowed.station.map(Whole))
+    let rows: Vec<(Whole<u32>,)> = on!(store.readers, db =>
+        bound!(sqlx::query_as(sql).bind(lowest).bind(highest).bind(now.0), narrowed)
         .bind(i64::try_from(limit).unwrap_or(i64::MAX))
         .bind(i64::try_from(skip).unwrap_or(i64::MAX))
         .fetch_all(db)
@@ -285,7 +390,7 @@ pub async fn of_ranks(
     Ok(rows.into_iter().map(|(Whole(gyro),)| gyro).collect())
 }
 
-/// What a list by serial is narrowed down to.
+/// What a list by serial is narrowed down to besides.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Standings {
     /// Of gyros that are not in use; those that are have ten more.
@@ -299,24 +404,206 @@ pub struct Standings {
 pub async fn by_serial(
     store: &Store,
     after: u32,
-    narrowed: Standings,
+    standings: Standings,
+    narrowed: &Narrowed,
     now: UtcMicros,
     limit: u32,
 ) -> Result<Vec<u32>, StoreError> {
-    let sql = "SELECT gyro FROM head WHERE serial > coalesce((SELECT serial FROM gyro WHERE id = $1), '')
-                   AND ($2 IS NULL OR rank = $2 OR rank = $2 + 10)
-                   AND ($3 IS NULL OR $3 = (overdue_at IS NOT NULL AND overdue_at < $4)) AND ($5 IS NULL OR state = $5)
-               ORDER BY serial LIMIT $6";
-    let rows: Vec<(Whole<u32>,)> = on!(store.readers, db => sqlx::query_as(sql)
-        .bind(Whole(after))
-        .bind(narrowed.rank)
-        .bind(narrowed.is_overdue)
-        .bind(now.0)
-        .bind(narrowed.state.map(State::name))
-        .bind(Whole(limit))
+    let Words { conditions, .. } = Words::of(store, narrowed, 7);
+    let sql = sqlx::AssertSqlSafe(format!(
+        "SELECT gyro FROM head WHERE serial > coalesce((SELECT serial FROM gyro WHERE id = $1), '')
+             AND ($2 IS NULL OR rank = $2 OR rank = $2 + 10)
+             AND ($3 IS NULL OR $3 = (overdue_at IS NOT NULL AND overdue_at < $4)) AND ($5 IS NULL OR state = $5)
+             AND {conditions}
+         ORDER BY serial LIMIT $6"
+    ));
+    let rows: Vec<(Whole<u32>,)> = on!(store.readers, db => {
+        let query = sqlx::query_as(sql).bind(Whole(after)).bind(standings.rank).bind(standings.is_overdue).bind(now.0);
+        bound!(query.bind(standings.state.map(State::name)).bind(Whole(limit)), narrowed).fetch_all(db).await?
+    });
+    Ok(rows.into_iter().map(|(Whole(gyro),)| gyro).collect())
+}
+
+/// `$1` is the time.
+fn among_ranks(of_ranks: Option<&[Ranks]>) -> String {
+    let one = |Ranks { lowest, highest, is_overdue }: &Ranks| {
+        let overdue = if *is_overdue { "overdue_at < $1" } else { "(overdue_at IS NULL OR overdue_at >= $1)" };
+        format!("(rank BETWEEN {lowest} AND {highest} AND {overdue})")
+    };
+    match of_ranks {
+        None => "$1 = $1".to_owned(),
+        Some([]) => "$1 <> $1".to_owned(),
+        Some(ranks) => format!("({})", ranks.iter().map(one).collect::<Vec<_>>().join(" OR ")),
+    }
+}
+
+/// Gyros of some ranks, or of all, in an order, from place `skip` on, as many as `limit`.
+pub async fn in_order(
+    store: &Store,
+    order: FleetOrder,
+    of_ranks: Option<&[Ranks]>,
+    narrowed: &Narrowed,
+    now: UtcMicros,
+    [skip, limit]: [usize; 2],
+) -> Result<Vec<u32>, StoreError> {
+    let Words { conditions, .. } = Words::of(store, narrowed, 2);
+    let ranks = among_ranks(of_ranks);
+    let by = match order {
+        FleetOrder::Load => "extreme DESC, serial",
+        FleetOrder::Reach => "coalesce(reach_at, 9223372036854775807), serial",
+        FleetOrder::Age => "coalesce(calibrated_at, 9223372036854775807), serial",
+        FleetOrder::Serial => "serial",
+    };
+    let sql = sqlx::AssertSqlSafe(format!(
+        "SELECT gyro FROM head WHERE {ranks} AND {conditions} ORDER BY {by} LIMIT $9 OFFSET $10"
+    ));
+    let rows: Vec<(Whole<u32>,)> = on!(store.readers, db => bound!(sqlx::query_as(sql).bind(now.0), narrowed)
+        .bind(i64::try_from(limit).unwrap_or(i64::MAX))
+        .bind(i64::try_from(skip).unwrap_or(i64::MAX))
         .fetch_all(db)
         .await?);
     Ok(rows.into_iter().map(|(Whole(gyro),)| gyro).collect())
+}
+
+/// Gyros of which something began to be worse no earlier than `since`, the newest first: as many as `limit`, of all.
+pub async fn changed(store: &Store, since: UtcMicros, limit: usize) -> Result<(Vec<u32>, usize), StoreError> {
+    let (of, counted) = (
+        "SELECT gyro FROM head WHERE changed_at >= $1 AND rank > 10 ORDER BY changed_at DESC, serial LIMIT $2",
+        "SELECT count(*) FROM head WHERE changed_at >= $1 AND rank > 10",
+    );
+    first_and_count(store, of, counted, [since.0, i64::try_from(limit).unwrap_or(i64::MAX)]).await
+}
+
+/// Gyros in use that are not beyond a limit and that their trends carry to the budget after `now`, the first to reach it
+/// first: as many as `limit`, of all.
+pub async fn approaching(store: &Store, now: UtcMicros, limit: usize) -> Result<(Vec<u32>, usize), StoreError> {
+    // The rank is no way to find them: nearly all gyros have one of these.
+    let (of, counted) = (
+        "SELECT gyro FROM head
+         WHERE coalesce(reach_at, 9223372036854775807) BETWEEN $1 AND 9223372036854775806 AND rank + 0 BETWEEN 10 AND 16
+         ORDER BY coalesce(reach_at, 9223372036854775807), serial LIMIT $2",
+        "SELECT count(*) FROM head
+         WHERE coalesce(reach_at, 9223372036854775807) BETWEEN $1 AND 9223372036854775806 AND rank + 0 BETWEEN 10 AND 16",
+    );
+    first_and_count(store, of, counted, [now.0, i64::try_from(limit).unwrap_or(i64::MAX)]).await
+}
+
+async fn first_and_count(
+    store: &Store,
+    of: &'static str,
+    counted: &'static str,
+    [at, limit]: [i64; 2],
+) -> Result<(Vec<u32>, usize), StoreError> {
+    let rows: Vec<Whole<u32>> =
+        on!(store.readers, db => sqlx::query_scalar(of).bind(at).bind(limit).fetch_all(db).await?);
+    let count: i64 = on!(store.readers, db => sqlx::query_scalar(counted).bind(at).fetch_one(db).await?);
+    Ok((rows.into_iter().map(|Whole(gyro)| gyro).collect(), count.unsigned_abs() as usize))
+}
+
+/// IMUs with gyros that are due from one instant until before another, those whose first is due the longest ago first:
+/// number, when the first was or is due, how many are; as many as `limit`, of all.
+pub async fn due(
+    store: &Store,
+    [from, until]: [UtcMicros; 2],
+    limit: usize,
+) -> Result<(Vec<(u32, UtcMicros, usize)>, usize), StoreError> {
+    let sql = "SELECT imu, min(overdue_at), count(*) FROM head
+               WHERE overdue_at IS NOT NULL AND overdue_at >= $1 AND overdue_at < $2 AND imu IS NOT NULL
+               GROUP BY imu ORDER BY 2, 1 LIMIT $3";
+    let counted = "SELECT count(DISTINCT imu) FROM head
+                   WHERE overdue_at IS NOT NULL AND overdue_at >= $1 AND overdue_at < $2";
+    let rows: Vec<(Whole<u32>, i64, i64)> = on!(store.readers, db => sqlx::query_as(sql)
+        .bind(from.0)
+        .bind(until.0)
+        .bind(i64::try_from(limit).unwrap_or(i64::MAX))
+        .fetch_all(db)
+        .await?);
+    let count: i64 =
+        on!(store.readers, db => sqlx::query_scalar(counted).bind(from.0).bind(until.0).fetch_one(db).await?);
+    let row = |(Whole(imu), at, gyros): (Whole<u32>, i64, i64)| (imu, UtcMicros(at), gyros.unsigned_abs() as usize);
+    Ok((rows.into_iter().map(row).collect(), count.unsigned_abs() as usize))
+}
+
+/// Station, time, and loads of D_I and D_S of the gyros whose newest calibration was made between two instants; of very
+/// many, the newest.
+pub async fn calibrated_between(
+    store: &Store,
+    [from, to]: [UtcMicros; 2],
+) -> Result<Vec<(u32, UtcMicros, [Option<f64>; 2])>, StoreError> {
+    let sql = "SELECT station, calibrated_at, d_i_load, d_s_load FROM head
+               WHERE coalesce(calibrated_at, 9223372036854775807) BETWEEN $1 AND $2 AND station IS NOT NULL
+               ORDER BY coalesce(calibrated_at, 9223372036854775807) DESC LIMIT 20000";
+    type Row = (Whole<u32>, i64, Option<f64>, Option<f64>);
+    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(from.0).bind(to.0).fetch_all(db).await?);
+    Ok(rows.into_iter().map(|(Whole(station), at, d_i, d_s)| (station, UtcMicros(at), [d_i, d_s])).collect())
+}
+
+/// A record of which every gyro lies far from its baseline.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MovedRow {
+    pub record: Id,
+    pub imu: u32,
+    pub at: UtcMicros,
+    pub gyros: usize,
+    /// The least load of them.
+    pub least: f64,
+}
+
+/// Records with three gyros or more that began to be worse no earlier than `since` and lie `loads` budgets or more
+/// from their baselines, the farthest first.
+pub async fn moved(store: &Store, since: UtcMicros, loads: f64, limit: usize) -> Result<Vec<MovedRow>, StoreError> {
+    let sql = "SELECT record, imu, max(calibrated_at), count(*), min(extreme) FROM head
+               WHERE changed_at >= $1 AND extreme >= $2 GROUP BY record, imu HAVING count(*) >= 3
+               ORDER BY 5 DESC, 1 LIMIT $3";
+    let rows: Vec<(i64, Whole<u32>, i64, i64, f64)> = on!(store.readers, db => sqlx::query_as(sql)
+        .bind(since.0)
+        .bind(loads)
+        .bind(i64::try_from(limit).unwrap_or(i64::MAX))
+        .fetch_all(db)
+        .await?);
+    let row = |(record, Whole(imu), at, gyros, least): (i64, Whole<u32>, i64, i64, f64)| MovedRow {
+        record: Id(record),
+        imu,
+        at: UtcMicros(at),
+        gyros: gyros.unsigned_abs() as usize,
+        least,
+    };
+    Ok(rows.into_iter().map(row).collect())
+}
+
+/// IMUs by their worst gyro, then by the largest load, and how many there are.
+pub async fn imus(
+    store: &Store,
+    of_ranks: Option<&[Ranks]>,
+    narrowed: &Narrowed,
+    now: UtcMicros,
+    [skip, limit]: [usize; 2],
+) -> Result<(Vec<u32>, usize), StoreError> {
+    let Words { conditions, .. } = Words::of(store, narrowed, 2);
+    let ranks = among_ranks(of_ranks);
+    let sql = sqlx::AssertSqlSafe(format!(
+        "SELECT imu FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}
+         GROUP BY imu ORDER BY max(rank) DESC, max(extreme) DESC, imu LIMIT $9 OFFSET $10"
+    ));
+    let counted = sqlx::AssertSqlSafe(format!(
+        "SELECT count(DISTINCT imu) FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}"
+    ));
+    let rows: Vec<Whole<u32>> = on!(store.readers, db => bound!(sqlx::query_scalar(sql).bind(now.0), narrowed)
+        .bind(i64::try_from(limit).unwrap_or(i64::MAX))
+        .bind(i64::try_from(skip).unwrap_or(i64::MAX))
+        .fetch_all(db)
+        .await?);
+    let count: i64 =
+        on!(store.readers, db => bound!(sqlx::query_scalar(counted).bind(now.0), narrowed).fetch_one(db).await?);
+    Ok((rows.into_iter().map(|Whole(imu)| imu).collect(), count.unsigned_abs() as usize))
+}
+
+/// Gyros whose newest calibration was made in any of these IMUs.
+pub async fn of_imus(store: &Store, imus: &[u32]) -> Result<Vec<HeadRow>, StoreError> {
+    let those = store.readers.words(LISTED);
+    let sql = sqlx::AssertSqlSafe(format!("SELECT * FROM head WHERE imu IN ({those}) ORDER BY serial"));
+    let imus = serde_json::json!(imus).to_string();
+    on!(store.readers, db => sqlx::query(sql).bind(imus).fetch_all(db).await?.iter().map(head).collect())
 }
 
 /// The gyros whose newest calibration was made in an IMU.
@@ -379,5 +666,27 @@ fn head(row: &impl AnyRow) -> Result<HeadRow, StoreError> {
         out_of_use: named(row, "out_of_use", Event::from_name, damaged)?,
         firing: row.cell::<Whole<u32>>("firing")?.0,
         severity: named(row, "severity", Severity::from_name, damaged)?,
+        outlook: Outlook {
+            load: [
+                measured(real("d_i_load")?, real("d_i_load_sd")?),
+                measured(real("d_s_load")?, real("d_s_load_sd")?),
+                measured(real("d_o_load")?, real("d_o_load_sd")?),
+            ],
+            per_year: [
+                measured(real("d_i_year")?, real("d_i_year_sd")?),
+                measured(real("d_s_year")?, real("d_s_year_sd")?),
+            ],
+            reach: match named(row, "reach_of", Coefficient::from_name, damaged)?.zip(instant("reach_at")?) {
+                Some((coefficient, at)) => Some(Reach {
+                    coefficient,
+                    at,
+                    between: [instant("reach_from")?, instant("reach_until")?],
+                    provisional: row.cell::<i64>("reach_provisional")? != 0,
+                }),
+                None => None,
+            },
+        },
+        since: instant("since")?,
+        changed_at: instant("changed_at")?,
     })
 }

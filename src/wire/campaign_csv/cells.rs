@@ -54,12 +54,14 @@ pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option
     let columns = Columns::read(&header, first_line + 1, faults);
     let mut rows = Vec::new();
     let mut dwell = 0;
-    for record in records {
+    let records: Vec<_> = records.collect();
+    let whole = records.iter().flatten().find(|record| record.len() == columns.names.len());
+    for record in &records {
         match record {
             Ok(record) if record.iter().all(str::is_empty) => {}
             Ok(record) => {
                 let line = first_line + record.position().map_or(0, |p| p.line() as usize);
-                rows.extend(columns.row(&record, dwell, line, faults));
+                rows.extend(columns.row(record, whole, dwell, line, faults));
                 dwell += 1;
             }
             Err(error) => faults.push("/dwells", message!("table_unreadable", why = format_args!("{error}"))),
@@ -144,9 +146,17 @@ impl Columns {
         Some((column + 1, &self.names[column]))
     }
 
-    fn row(&self, record: &csv::StringRecord, dwell: usize, line: usize, faults: &mut Faults) -> Option<Row> {
+    /// `whole`: some row with a cell a column, if there is one.
+    fn row(
+        &self,
+        record: &csv::StringRecord,
+        whole: Option<&csv::StringRecord>,
+        dwell: usize,
+        line: usize,
+        faults: &mut Faults,
+    ) -> Option<Row> {
         if record.len() > self.names.len() && record.iter().skip(self.names.len()).any(|cell| !cell.is_empty()) {
-            faults.push(format!("/dwells/{dwell}"), self.too_many(record, line));
+            faults.push(format!("/dwells/{dwell}"), self.too_many(record, whole, line));
             return None;
         }
         let mut numbers = vec![None; self.names.len()];
@@ -186,14 +196,17 @@ impl Columns {
         }
     }
 
-    /// More cells than columns: most often decimal commas. Names the first cell that looks like half a number.
-    fn too_many(&self, record: &csv::StringRecord, line: usize) -> Message {
+    /// More cells than columns: most often decimal commas. Of cells that look like half a number it names the one
+    /// without which the row is most like a whole one; the first, where there is none.
+    fn too_many(&self, record: &csv::StringRecord, whole: Option<&csv::StringRecord>, line: usize) -> Message {
         let digits = |cell: &str| !cell.is_empty() && cell.bytes().all(|b| b.is_ascii_digit());
         let half = |i: usize| {
             let whole = record.get(i).unwrap_or_default();
             digits(whole.trim_start_matches(['-', '+'])) && record.get(i + 1).is_some_and(digits)
         };
-        let competitor = (0..self.names.len()).find(|&i| self.names[i] != "phase" && half(i));
+        let halves = (0..self.names.len()).filter(|&i| self.names[i] != "phase" && half(i));
+        let likeness = |i: &usize| whole.map_or(0.0, |whole| likeness(record, whole, *i));
+        let competitor = halves.rev().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
         let (cells, columns) = (record.len(), self.names.len());
         match competitor {
             Some(i) => {
@@ -207,6 +220,23 @@ impl Columns {
             }
         }
     }
+}
+
+/// How like a whole row is one whose cells `i` and `i + 1` are one number: 1 for each cell of the same size.
+fn likeness(record: &csv::StringRecord, whole: &csv::StringRecord, i: usize) -> f64 {
+    let merged = format!("{}.{}", record.get(i).unwrap_or_default(), record.get(i + 1).unwrap_or_default());
+    let cell = |k: usize| match k {
+        _ if k < i => record.get(k),
+        _ if k == i => Some(merged.as_str()),
+        _ => record.get(k + 1),
+    };
+    let number = |text: Option<&str>| text.and_then(|text| text.parse::<f64>().ok());
+    let alike = |k: usize| match (number(cell(k)), number(whole.get(k))) {
+        (Some(a), Some(b)) if a == b => 1.0,
+        (Some(a), Some(b)) => 1.0 - (a - b).abs() / (a.abs() + b.abs()),
+        _ => f64::from(cell(k) == whole.get(k)),
+    };
+    (0..whole.len()).map(alike).sum()
 }
 
 fn last_given(places: &[Option<usize>]) -> usize {

@@ -12,6 +12,8 @@ pub(super) struct Head {
     pub document: Value,
     /// Pointer of each key that was given, and its line.
     lines: Vec<(String, usize)>,
+    /// How many dwells follow, and the line that says so.
+    pub told: Option<(usize, usize)>,
 }
 
 /// What a key's bare (not JSON) value is.
@@ -42,13 +44,15 @@ pub(super) const KEYS: &[(&str, &str, Kind)] = &[
     ("magnetic_field_nav", "/site/magnetic_field_nav", Kind::Numbers),
     ("gyros", "/gyros", Kind::Gyros),
 ];
+/// A station that writes while it measures says with it when its table is whole.
+const DWELLS: &str = "dwells";
 pub(super) const GYRO_KEYS: &[(&str, Kind)] =
     &[("slot", Kind::Text), ("serial", Kind::Text), ("known_e_pulse_per_arcsec", Kind::Numbers)];
 
 impl Head {
     /// Reads the lines above the table; the second value is the table's first line (counted from 0).
     pub fn read(text: &str, faults: &mut Faults) -> (Self, usize) {
-        let mut head = Self { document: json!({"dwells": []}), lines: Vec::new() };
+        let mut head = Self { document: json!({"dwells": []}), lines: Vec::new(), told: None };
         let mut table = 0;
         for (i, line) in text.lines().enumerate() {
             table = i;
@@ -72,6 +76,10 @@ impl Head {
         let Some((key, value)) = comment.split_once(':') else { return };
         let (key, value) = (key.trim(), value.trim());
         if key.is_empty() || key.contains(char::is_whitespace) {
+            return;
+        }
+        if let (DWELLS, Ok(count)) = (key, value.parse()) {
+            self.told = Some((count, number));
             return;
         }
         let Some((pointer, kind)) = meaning(key) else {

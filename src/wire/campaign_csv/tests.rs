@@ -155,9 +155,10 @@ fn what_is_not_utf_8_says_so() {
     );
 }
 
-/// What docs/api.md says of a campaign's CSV, and its example.
+/// What docs/formats.md says of a campaign's CSV, and its example.
 fn documented() -> (&'static str, &'static str) {
-    let (_, after) = include_str!("../../../docs/api.md").split_once("\n### A campaign as CSV\n").expect("a section");
+    let (_, after) =
+        include_str!("../../../docs/formats.md").split_once("\n### A campaign as CSV\n").expect("a section");
     let section = after.split_once("\n## ").map_or(after, |(section, _)| section);
     let example = section.split("```").nth(1).and_then(|block| block.strip_prefix("text\n")).expect("an example");
     (section, example)

@@ -85,8 +85,11 @@ fn each_entry_of_the_catalogue_can_be_kept_with_every_kind_of_shape_it_has() {
                 .iter()
                 .map(|c| Estimate { slot, name: c.name, value: 0.25, sd: 0.125, unit: c.unit })
                 .collect();
-            let model =
-                AugmentedModel { terms: None, effects: vec![KnownEffect { adopted, estimates }], found_in: None };
+            let model = AugmentedModel {
+                terms: None,
+                effects: vec![KnownEffect { adopted, estimates }],
+                ..AugmentedModel::default()
+            };
             assert_eq!(parse(to_json(&model).as_bytes()), Ok(model), "{}", entry.id);
         }
     }

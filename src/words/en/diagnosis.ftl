@@ -176,6 +176,36 @@ effects_fitted_anew = the effects of the model in use are fitted anew in each ca
 reference_without_noise_of_d0 = the reference is a record: it states no noise of D0 and P
 reference_taken_as_exact = the reference states no standard deviations: it is taken to be exact
 
+## Model of an IMU and its forecast
+
+no_campaign_to_fit = there is no campaign to fit
+bench_test_has_no_model = a bench test of one gyro makes no model of an IMU
+campaigns_of_other_imu = the campaigns are of IMU { $first } and of { $other }
+campaigns_of_other_geometry = the campaigns have different geometries
+campaigns_of_other_gyro = { $slot } was { $first } and is { $other }: one model holds the same gyros throughout
+campaigns_of_other_gyros = the campaigns have different slots, or hold another E
+campaigns_of_one_instant = two campaigns have the same time
+model_without_noise = { $slot }: nothing gives the noise: no standard errors, no repeats, no dwells left over
+nothing_to_foretell_from = no earlier campaign of the IMU has the same gyros: nothing to foretell from
+model_of_other_imu = the model is of IMU { $model }, the campaign of { $campaign }
+model_of_other_geometry = the model has another geometry than the campaign
+bench_test_has_no_forecast = a bench test of one gyro has no forecast
+model_without_gyros = no gyro of the campaign is in the model
+model_fitted_to_campaign = the model was fitted to this campaign: that is no forecast
+effect_not_foretold = { $effect } is left out of the forecast: { $why }
+effect_of_other_station = { $effect } is left out of the forecast: it was found at another station
+gyro_exchanged_since = { $slot } was { $then } and is { $now }: left out of the forecast
+gyro_not_in_model = { $slot } ({ $serial }) is not in the model: left out of the forecast
+temperature_outside_model = outside the model: { $least } to { $most } °C; its campaigns have { $low } to { $high } °C
+rate_outside_model = outside the model: rates up to { $now } arcsec/s; its campaigns have up to { $seen }
+attitudes_outside_model = outside the model: { $dwells } dwells are more than 20° from every attitude of its campaigns
+campaign_before_model = the campaign is older than the model
+ageing_unknown = one campaign does not say how the coefficients change from campaign to campaign: no such change is in the sd
+covariance_is_no_triangle = must be a lower triangle of { $need } rows, has { $have } or rows of other lengths
+covariance_is_not_positive = is no covariance: it has a negative eigenvalue
+sd_is_not_of_covariance = is not the root of its place in the covariance
+gyro_without_noise_or_scale = E and the noise must be larger than zero
+
 ## What noise is known from
 
 noise_sem = standard errors

@@ -222,3 +222,4 @@ event_needed = choose an event
 ## Several at once
 
 several = { $faults }
+no_alert_selected = no alert is selected

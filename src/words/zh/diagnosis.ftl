@@ -176,6 +176,36 @@ effects_fitted_anew = 现用模型中的效应在每次试验中重新拟合，�
 reference_without_noise_of_d0 = 参照为标定记录：没有给出D0与P的噪声
 reference_taken_as_exact = 参照标定没有给出标准差：视为准确值
 
+## 惯组模型与预报
+
+no_campaign_to_fit = 没有可供拟合的试验
+bench_test_has_no_model = 单表试验不能建立惯组模型
+campaigns_of_other_imu = 试验分属惯组{ $first }与{ $other }
+campaigns_of_other_geometry = 各次试验的构型不同
+campaigns_of_other_gyro = { $slot }先为{ $first }，后为{ $other }：一个模型只含同一组陀螺
+campaigns_of_other_gyros = 各次试验的位置不同，或保持不变的E不同
+campaigns_of_one_instant = 有两次试验的时间相同
+model_without_noise = { $slot }：噪声无从得知：没有标准误差，没有重复测点，也没有多余测点
+nothing_to_foretell_from = 此前没有装有同一组陀螺的试验：无从预报
+model_of_other_imu = 模型属于惯组{ $model }，而本次试验属于{ $campaign }
+model_of_other_geometry = 模型与本次试验的构型不同
+bench_test_has_no_forecast = 单表试验没有预报
+model_without_gyros = 本次试验的陀螺均不在模型中
+model_fitted_to_campaign = 模型即由本次试验拟合得到，不构成预报
+effect_not_foretold = { $effect }未计入预报：{ $why }
+effect_of_other_station = { $effect }未计入预报：该效应在另一测试站发现
+gyro_exchanged_since = { $slot }原为{ $then }，现为{ $now }：未计入预报
+gyro_not_in_model = { $slot }（{ $serial }）不在模型中：未计入预报
+temperature_outside_model = 超出模型范围：{ $least }至{ $most } °C；模型的试验为{ $low }至{ $high } °C
+rate_outside_model = 超出模型范围：速率达{ $now } arcsec/s；模型的试验最大为{ $seen }
+attitudes_outside_model = 超出模型范围：{ $dwells }个测点的姿态与模型试验的任一姿态相差20°以上
+campaign_before_model = 本次试验早于模型
+ageing_unknown = 仅有一次试验，不能说明系数逐次的变化：标准差中未计入此项
+covariance_is_no_triangle = 应为{ $need }行的下三角，实为{ $have }行，或行长不符
+covariance_is_not_positive = 不是协方差：存在负特征值
+sd_is_not_of_covariance = 与协方差中相应位置的平方根不符
+gyro_without_noise_or_scale = E与噪声应大于零
+
 ## What noise is known from
 
 noise_sem = 标准误差

@@ -222,3 +222,4 @@ event_needed = 请选择事件
 ## Several at once
 
 several = { $faults }
+no_alert_selected = 未选择告警

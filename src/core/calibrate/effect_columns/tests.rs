@@ -138,7 +138,7 @@ fn a_column_adds_where_it_leaves_more_than_a_millionth_of_its_power() {
 fn an_effect_of_several_shared_coefficients_comes_back_beside_another() {
     let both = [Slot::G1, Slot::G2];
     let model = [Effect::Azimuth, Effect::Levelling].map(|effect| adopted(effect, Shape::Linear, &both));
-    let shared = regressors(&campaign(), &model).shared;
+    let shared = regressors(&campaign(), &model, None).shared;
     let names: Vec<&str> = shared.iter().map(|gyros| gyros[0].as_ref().expect("G1 has it").coefficient.name).collect();
     let of = |effect: Effect| effect.entry().coefficients(Shape::Linear);
     let expected = [of(Effect::Azimuth), of(Effect::Levelling)].concat();

@@ -13,7 +13,7 @@ use crate::core::figures::Figures;
 use crate::core::figures::States;
 use crate::core::id::Id;
 use crate::core::judge::history::Need;
-use crate::core::judge::{Coefficient, Limit, Limits, Mark, Rule, Verdict};
+use crate::core::judge::{Coefficient, Limit, Limits, Mark, Older, Outlook, Rule, Verdict};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::Naming;
@@ -100,6 +100,7 @@ impl Judge {
         self.enter_confirmed(&judged.verdicts, changes, &mut sheets).await?;
         changes.rejudged.sheets = sheets.into_iter().collect();
         enter(&judged.verdicts, changes);
+        changes.heads.outlooks = judged.verdicts.iter().map(|(of, verdicts)| (*of, Outlook::of(verdicts))).collect();
         self.undo(changes, &mut judged).await?;
         Self::mark(changes);
         Ok(judged)
@@ -157,6 +158,12 @@ impl Judge {
     /// What is remembered of a gyro.
     pub fn window(&self, gyro: u32) -> Option<&GyroWindow> {
         self.lines.get(&gyro)
+    }
+
+    /// How a gyro that is remembered lies to its budget in its IMU, and where it goes.
+    pub fn outlook(&self, gyro: u32, imu: u32, changes: &Changes) -> Option<Outlook> {
+        let window = self.window(gyro)?;
+        Some(Outlook::of(&window.judge_newest(&self.limits(Some((gyro, imu, changes))), Older::NONE)))
     }
 
     pub fn knows(&self, gyro: u32) -> bool {

@@ -6,10 +6,10 @@ use super::state::Task;
 use crate::config::Config;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::judge::Event;
+use crate::core::judge::{Event, Outlook};
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
-use crate::pipeline::queries::heads::{HeadNames, checksum, stored_rows};
+use crate::pipeline::queries::heads::{HeadNames, checksum, stations_of, stored_outlooks, stored_rows};
 use crate::pipeline::queries::standing::{Alerted, Facts, verdicts_on};
 use crate::store;
 use crate::store::{
@@ -18,6 +18,8 @@ use crate::store::{
 
 /// Rows of one transaction where all are made.
 const AT_ONCE: u32 = 1000;
+/// Stations with gyros that are remembered.
+const MOST_SEEN: usize = 1_000_000;
 
 impl Task {
     /// Enters into a transaction how the gyros will stand that it touches: the last thing before it is committed. The
@@ -41,6 +43,7 @@ impl Task {
         };
         sheets.extend(stored.iter().map(|(record, sheet)| (*record, sheet)));
         let out_of_use = self.out_of_use(&gyros).await?;
+        let outlooks = self.outlooks(&newest, changes).await?;
         let rows = {
             let tables = self.store.names().read();
             let names = HeadNames::new(&tables, changes);
@@ -53,13 +56,54 @@ impl Task {
                     verdicts: newest.map_or(&[], |figures| verdicts_on(sheets.get(&figures.record).copied(), *gyro)),
                     alerted: &Alerted::of(self.alerts.firing(*gyro))?,
                     out_of_use: out_of_use.get(gyro).copied(),
+                    outlook: outlooks.get(gyro).copied().unwrap_or_default(),
                 };
                 Ok(names.row(&facts, &self.config.judging))
             };
             gyros.iter().map(row).collect::<Result<Vec<HeadRow>, StoreError>>()?
         };
         changes.heads.rows = rows;
+        self.enter_stations(changes);
         Ok(())
+    }
+
+    /// How gyros with these newest calibrations lie to their budgets and where they go: by the verdicts of this
+    /// transaction; of what it does not judge, by what is remembered, or else by what is stored.
+    async fn outlooks(
+        &self,
+        newest: &HashMap<u32, Figures>,
+        changes: &Changes,
+    ) -> Result<HashMap<u32, Outlook>, StoreError> {
+        let (mut outlooks, mut unknown) = (HashMap::with_capacity(newest.len()), Vec::new());
+        for (gyro, figures) in newest {
+            let judged = changes.heads.outlooks.get(&(figures.record, *gyro)).copied();
+            match judged.or_else(|| self.judge.outlook(*gyro, figures.imu, changes)) {
+                Some(outlook) => _ = outlooks.insert(*gyro, outlook),
+                None => unknown.push((*gyro, Some(*figures))),
+            }
+        }
+        if unknown.is_empty() {
+            return Ok(outlooks);
+        }
+        let gyros: Vec<u32> = unknown.iter().map(|(gyro, _)| *gyro).collect();
+        for row in store::head::of_gyros(&self.store, &gyros).await? {
+            let same = row.newest.map(|newest| newest.record) == newest.get(&row.gyro).map(|figures| figures.record);
+            if same {
+                outlooks.insert(row.gyro, row.outlook);
+            }
+        }
+        unknown.retain(|(gyro, _)| !outlooks.contains_key(gyro));
+        outlooks.extend(stored_outlooks(&self.store, &self.config.judging, &unknown).await?);
+        Ok(outlooks)
+    }
+
+    /// Enters which stations have calibrated gyros, where that may be new.
+    fn enter_stations(&mut self, changes: &mut Changes) {
+        if self.seen_at.len() > MOST_SEEN {
+            self.seen_at.clear();
+        }
+        let pairs: BTreeSet<[u32; 2]> = changes.history.iter().map(|row| [row.figures.station, row.gyro]).collect();
+        changes.heads.seen = pairs.into_iter().filter(|pair| self.seen_at.insert(*pair)).collect();
     }
 
     /// The newest calibration of each of these gyros once `changes` are stored. Nearly always it is one of them.
@@ -151,8 +195,10 @@ pub(crate) async fn make_missing(store: &Store, writer: &mut Writer, config: &Co
         done += gyros.len();
         let gyros: Vec<u32> = gyros.into_iter().map(|(gyro, _)| gyro).collect();
         let rows = stored_rows(store, &config.judging, &gyros).await?;
+        let seen = stations_of(store, &gyros).await?;
         let is_last = through.is_none();
-        let heads = HeadChanges { rows, made: Some(HeadsMade { limits: limits.clone(), through }) };
+        let made = Some(HeadsMade { limits: limits.clone(), through });
+        let heads = HeadChanges { rows, made, seen, ..HeadChanges::default() };
         writer.commit(&Changes { heads, ..Changes::default() }).await?;
         if all > AT_ONCE as usize {
             tracing::info!(gyros = done, of = all, "how gyros stand is entered into the table head");

@@ -8,7 +8,7 @@ pub(crate) mod overlapped;
 mod state;
 pub(crate) mod turn;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -66,6 +66,7 @@ impl Task {
             judge,
             alerts,
             benched: HashMap::new(),
+            seen_at: HashSet::new(),
             hooks: HookCache::default(),
             after,
             duties,

@@ -137,6 +137,7 @@ impl Task {
         self.memory.forget();
         self.alerts.forget();
         self.benched.clear();
+        self.seen_at.clear();
         self.hooks.forget();
     }
 }

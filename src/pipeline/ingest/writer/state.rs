@@ -33,6 +33,8 @@ pub(crate) struct Task {
     pub(super) alerts: AlertCache,
     /// Whether a bench has measured a gyro, so that its methods are to agree.
     pub(super) benched: HashMap<u32, bool>,
+    /// Stations with gyros that they are known to have calibrated.
+    pub(super) seen_at: HashSet<[u32; 2]>,
     pub(super) hooks: HookCache,
     pub(super) after: After,
     pub(super) duties: Duties,

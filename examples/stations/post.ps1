@@ -1,0 +1,25 @@
+# Send a file from Windows (PowerShell 5.1 or later); read the answer; try again where that can help.
+#   $env:GYROWATCH_URL = 'http://service:8080'; .\post.ps1 campaign.csv campaigns text/csv
+param([string]$File, [string]$Kind = 'campaigns', [string]$Type = 'application/json')
+$url = "$(if ($env:GYROWATCH_URL) { $env:GYROWATCH_URL } else { 'http://127.0.0.1:8080' })/v1/$Kind"
+$headers = @{}
+if ($env:GYROWATCH_TOKEN) { $headers['Authorization'] = "Bearer $env:GYROWATCH_TOKEN" }
+$pause = 1
+while ($true) {
+    try {
+        # -InFile sends the file byte for byte: no line end and no encoding changes.
+        $answer = Invoke-RestMethod -Uri $url -Method Post -InFile $File -ContentType $Type -Headers $headers -TimeoutSec 120
+        "stored as $($answer.id)"
+        exit 0
+    } catch {
+        $status = 0
+        if ($_.Exception.Response) { $status = [int]$_.Exception.Response.StatusCode }
+        if ($status -ge 400 -and $status -lt 500 -and $status -notin 408, 425, 429) {
+            Write-Error "refused ($status): $($_.ErrorDetails.Message)"
+            exit 1
+        }
+        Write-Warning "try again in $pause s: $($_.Exception.Message)"
+        Start-Sleep -Seconds $pause
+        $pause = [Math]::Min(2 * $pause, 60)
+    }
+}

@@ -1,0 +1,15 @@
+#!/bin/sh
+# Send a file with curl; read the answer; try again where that can help.
+#   GYROWATCH_URL=http://127.0.0.1:8080 GYROWATCH_TOKEN=... sh post.sh campaign.csv campaigns text/csv
+file=$1 kind=${2:-campaigns} type=${3:-application/json}
+url=${GYROWATCH_URL:-http://127.0.0.1:8080}/v1/$kind
+answer=$(mktemp) || exit 1
+trap 'rm -f "$answer"' EXIT
+# --retry waits as Retry-After says, on 408, 429 and 5xx; --data-binary sends the file byte for byte.
+status=$(curl --silent --show-error --retry 5 --retry-connrefused --max-time 120 \
+    ${GYROWATCH_TOKEN:+--header "Authorization: Bearer $GYROWATCH_TOKEN"} \
+    --header "Content-Type: $type" --data-binary "@$file" --output "$answer" --write-out '%{http_code}' "$url")
+case $status in
+200 | 201 | 202) cat "$answer"; echo; exit 0 ;;
+*) echo "refused ($status):" >&2; cat "$answer" >&2; echo >&2; exit 1 ;;
+esac

@@ -1,0 +1,138 @@
+//! `void` and `revise`: what was stored counts no more, or another stands in its place. Nothing is deleted.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, bail};
+use bytes::Bytes;
+use serde_json::{Value, json};
+
+use super::client::{Connection, JSON, Sent, Service, Trouble};
+use super::{block_on, document, faults};
+use crate::wire::campaign_csv::parse_csv_as_sent;
+use crate::wire::document::{DocumentKind, is_csv};
+use crate::wire::problem::ProblemBody;
+use crate::words;
+
+/// Say that a stored record, campaign or bench result counts no more; it stays, with who said so and why
+#[derive(Debug, clap::Args)]
+pub struct Void {
+    /// Its identifier, as the answer gave it
+    id: String,
+
+    #[command(flatten)]
+    remark: Remark,
+
+    #[command(flatten)]
+    connection: Connection,
+}
+
+/// Put the right record or campaign in the place of a wrong one; both stay, with who said so and why
+///
+/// Without --of it takes the place of what is stored for the same IMU and time.
+#[derive(Debug, clap::Args)]
+pub struct Revise {
+    /// The right one, in JSON, CSV or xlsx
+    file: PathBuf,
+
+    /// Identifier of the wrong one
+    #[arg(long, value_name = "ID")]
+    of: Option<String>,
+
+    #[command(flatten)]
+    remark: Remark,
+
+    #[command(flatten)]
+    connection: Connection,
+}
+
+/// Who says so, and why.
+#[derive(Debug, clap::Args)]
+struct Remark {
+    /// Who says so
+    #[arg(long)]
+    author: String,
+
+    /// Why
+    #[arg(long)]
+    reason: String,
+}
+
+impl Void {
+    pub fn run(self) -> anyhow::Result<()> {
+        block_on(async {
+            let service = self.connection.service()?;
+            let order = json!({ "author": self.remark.author, "reason": self.remark.reason }).to_string();
+            let post = |kind: &str| post(&service, format!("/v1/{kind}/{}/void", self.id), order.clone());
+            // A campaign is a record too; a bench result is none.
+            let sent = match post("records").await {
+                Err(Trouble::Stop(why)) if why.starts_with("404") => post("bench-results").await?,
+                other => other?,
+            };
+            let standing = accepted(sent)?;
+            document::print(&format!("{} is voided", standing["id"].as_str().unwrap_or(&self.id)))
+        })
+    }
+}
+
+impl Revise {
+    pub fn run(self) -> anyhow::Result<()> {
+        let name = document::name(&self.file);
+        let bytes = document::read(&self.file)?;
+        let (kind, member, new) = read(&bytes).with_context(|| name.clone())?;
+        block_on(async {
+            let service = self.connection.service()?;
+            let id = match &self.of {
+                Some(id) => id.clone(),
+                None => match post(&service, format!("/v1/{kind}"), new.to_string()).await? {
+                    Sent::Refused(ProblemBody { status: 409, existing: Some(id), .. }) => id,
+                    Sent::Refused(problem) => bail!("{name}: {}", in_words(&problem)),
+                    Sent::Known(answer) => bail!("{name}: is what is stored already, as {}", answer["id"]),
+                    Sent::Stored(answer) => {
+                        let id = answer["id"].as_str().unwrap_or_default();
+                        return document::print(&format!(
+                            "{name}: nothing was stored for this IMU and time; it is stored as {id}. If it replaces \
+                             one of another time, void that one"
+                        ));
+                    }
+                },
+            };
+            let order = json!({ "author": self.remark.author, "reason": self.remark.reason, member: new }).to_string();
+            let answer = accepted(post(&service, format!("/v1/{kind}/{id}/revise"), order).await?)?;
+            document::print(&format!(
+                "{name}: stands in the place of {id}, as {}",
+                answer["id"].as_str().unwrap_or("?")
+            ))
+        })
+    }
+}
+
+/// Where a document belongs, what a revision calls it, and the document as JSON.
+fn read(bytes: &[u8]) -> anyhow::Result<(&'static str, &'static str, Value)> {
+    if is_csv(bytes) {
+        let (body, _) = parse_csv_as_sent(bytes)?;
+        return Ok(("campaigns", "campaign", serde_json::to_value(&body)?));
+    }
+    let document = serde_json::from_slice(bytes)?;
+    if DocumentKind::is_campaign(bytes) {
+        Ok(("campaigns", "campaign", document))
+    } else if DocumentKind::is_record(bytes) {
+        Ok(("records", "record", document))
+    } else {
+        bail!("is neither a record nor a campaign; a bench result is voided, and the right one is sent")
+    }
+}
+
+async fn post(service: &Service, route: String, body: String) -> Result<Sent, Trouble> {
+    service.post(&route, JSON, Bytes::from(body)).await
+}
+
+fn accepted(sent: Sent) -> anyhow::Result<Value> {
+    match sent {
+        Sent::Stored(answer) | Sent::Known(answer) => Ok(answer),
+        Sent::Refused(problem) => bail!("{}", in_words(&problem)),
+    }
+}
+
+fn in_words(problem: &ProblemBody) -> String {
+    faults::of_problem(problem, words::asked()).unwrap_or_else(|| problem.detail.clone())
+}

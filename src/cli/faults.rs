@@ -1,0 +1,117 @@
+//! Faults of a document for a person at a station: those of a table by line and column, and alike ones together.
+
+use serde_json::json;
+
+use crate::core::fault::Fault;
+use crate::core::message::{Message, Parameter};
+use crate::message;
+use crate::wire::message::read;
+use crate::wire::problem::{ProblemBody, summary};
+use crate::words::Language;
+
+/// Cells of one kind of fault from which on they are said together.
+const ALIKE: usize = 4;
+
+/// What is wrong, for the eye: of a table one fault a line, without pointers into a document that nobody wrote; of JSON
+/// with its pointers, in one line.
+pub(super) fn in_words(faults: &[Fault], language: Language) -> String {
+    if faults.is_empty() || !faults.iter().all(|fault| is_placed(&fault.message)) {
+        return summary(faults, language);
+    }
+    let lines: Vec<String> = together(faults).iter().map(|message| language.words(message)).collect();
+    lines.join("\n  ")
+}
+
+/// The same of a refusal that a service answered; none where it is of a version that gives no codes.
+pub(super) fn of_problem(problem: &ProblemBody, language: Language) -> Option<String> {
+    let fault = |place: &crate::wire::problem::Place| {
+        let message = read(&json!({ "code": place.message.code, "parameters": place.message.parameters }))?;
+        is_placed(&message).then(|| Fault { pointer: place.pointer.clone(), message })
+    };
+    let faults: Option<Vec<Fault>> = problem.errors.iter().map(fault).collect();
+    Some(in_words(&faults.filter(|faults| !faults.is_empty())?, language))
+}
+
+/// Whether a message says itself where in a table it belongs.
+fn is_placed(message: &Message) -> bool {
+    matches!(
+        &*message.code,
+        "at_line" | "at_line_key" | "at_cell" | "at_column" | "at_head_line" | "no_table" | "utf16"
+    )
+}
+
+fn count(message: &Message, name: &str) -> u64 {
+    match message.parameter(name) {
+        Some(Parameter::Count(count)) => *count,
+        _ => 0,
+    }
+}
+
+/// Cells with the same kind of fault as one message each, in the place of the first.
+fn together(faults: &[Fault]) -> Vec<Message> {
+    let kind = |message: &Message| match message.parameter("fault") {
+        Some(Parameter::Message(inner)) if message.code == "at_cell" => Some(inner.code.clone()),
+        _ => None,
+    };
+    let mut said = Vec::new();
+    let mut done = Vec::new();
+    for fault in faults {
+        let Some(code) = kind(&fault.message) else {
+            said.push(fault.message.clone());
+            continue;
+        };
+        if done.contains(&code) {
+            continue;
+        }
+        let alike: Vec<&Message> =
+            faults.iter().map(|f| &f.message).filter(|m| kind(m).as_ref() == Some(&code)).collect();
+        if alike.len() < ALIKE {
+            said.push(fault.message.clone());
+            continue;
+        }
+        done.push(code);
+        let lines = || alike.iter().map(|message| count(message, "line"));
+        let (from, to) = (lines().min().unwrap_or(0), lines().max().unwrap_or(0));
+        said.push(message!("cells_alike", count = alike.len(), from = from, to = to, fault = fault.message.clone()));
+    }
+    said
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::campaign_csv::{parse_csv, to_csv};
+
+    fn campaign() -> String {
+        let scenario = crate::simulate::presets::preset("24-position").unwrap();
+        to_csv(&crate::simulate::simulate(&scenario).unwrap().campaign)
+    }
+
+    fn said(text: &str) -> String {
+        in_words(&parse_csv(text.as_bytes()).unwrap_err().0, Language::English)
+    }
+
+    #[test]
+    fn decimal_commas_of_a_whole_table_are_one_line() {
+        let (head, table) = campaign().split_once("phase,").map(|(a, b)| (a.to_owned(), format!("phase,{b}"))).unwrap();
+        let german = head + &table.replace(',', ";").replace('.', ",");
+        let said = said(&german);
+        assert!(said.contains("cells in lines") && said.contains("has a decimal comma"), "{said}");
+        assert!(said.lines().count() <= 2 && !said.contains("/dwells"), "{said}");
+    }
+
+    #[test]
+    fn one_decimal_comma_among_points_is_found_in_its_own_column() {
+        let text = campaign();
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let head = lines.iter().position(|line| line.starts_with("phase,")).unwrap();
+        let column = lines[head].split(',').position(|name| name == "temperature_c").unwrap();
+        let broken = head + 7;
+        let mut cells: Vec<String> = lines[broken].split(',').map(str::to_owned).collect();
+        cells[column] = "45,67".into();
+        lines[broken] = cells.join(",");
+        let said = said(&lines.join("\n"));
+        let expected = format!("line {}, column {} (temperature_c)", broken + 1, column + 1);
+        assert!(said.contains(&expected) && said.contains("45,67"), "{said}");
+    }
+}

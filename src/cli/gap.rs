@@ -1,0 +1,129 @@
+//! `gyrowatch gap`: the forecast error of an IMU's campaigns, step by step from the paper's model to the noise.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+use serde::Serialize;
+
+use super::client::Service;
+use super::document::{self, Format, table};
+use super::predict::{identified, measured};
+use super::{Usage, block_on};
+use crate::core::imu_model::{compare, ladder};
+use crate::wire::forecast::{ClosingBody, ComparedBody, ForecastBody, ForecastPointBody, ForecastSeriesBody, RungBody};
+use crate::wire::time;
+
+/// Show the gap between the model of an IMU and its later campaigns: model (6), each effect, the noise floor
+///
+/// Every figure is of a forecast: nothing is fitted to the campaigns.
+#[derive(Debug, Args)]
+pub struct Gap {
+    /// A model file with the coefficients of an IMU (gyrowatch model fit); without campaigns, the name of an IMU in a
+    /// running service
+    #[arg(value_name = "MODEL|IMU")]
+    model: PathBuf,
+
+    /// Campaigns that the model was not fitted to, in JSON or CSV
+    campaigns: Vec<PathBuf>,
+
+    /// Address of the service
+    #[arg(long, env = "GYROWATCH_LISTEN", default_value = "127.0.0.1:8080")]
+    url: String,
+
+    /// Access token, where the service asks for one
+    #[arg(long, env = "GYROWATCH_TOKEN", hide_env_values = true)]
+    token: Option<String>,
+
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// The ladder of one campaign.
+#[derive(Debug, Serialize)]
+struct Ladder {
+    measured_at: String,
+    station: String,
+    rungs: Vec<RungBody>,
+    noise_deg_per_h: f64,
+    closing: Option<ClosingBody>,
+    state: String,
+}
+
+impl Gap {
+    pub fn run(self) -> anyhow::Result<()> {
+        let (name, mut ladders) = if self.campaigns.is_empty() { self.of_service()? } else { self.of_files()? };
+        ladders.sort_by(|a, b| a.measured_at.cmp(&b.measured_at));
+        match self.format {
+            Format::Table => document::print(&tables(&name, &ladders)),
+            Format::Json => document::print_json(&ladders),
+        }
+    }
+
+    /// The campaigns of an IMU that a service stores, each from the model in force when it came in.
+    fn of_service(&self) -> anyhow::Result<(String, Vec<Ladder>)> {
+        if self.model.is_file() {
+            return Err(Usage("a model file wants campaigns to hold it against".to_owned()).into());
+        }
+        let imu = self.model.to_string_lossy().into_owned();
+        let name = url::form_urlencoded::byte_serialize(imu.as_bytes()).collect::<String>().replace('+', "%20");
+        let service = Service::at(&self.url, self.token.clone())?;
+        let answer = block_on(async { service.get(&format!("/v1/imus/{name}/forecast")).await })?;
+        let series: ForecastSeriesBody =
+            serde_json::from_value(answer).context("the answer is not one of gyrowatch")?;
+        for point in &series.points {
+            if let Some(why) = &point.why_not {
+                eprintln!("{}: {why}", point.measured_at);
+            }
+        }
+        let ladder = |point: ForecastPointBody| Some(Ladder::of(point.measured_at, point.station, point.compared?));
+        Ok((imu, series.points.into_iter().filter_map(ladder).collect()))
+    }
+
+    fn of_files(&self) -> anyhow::Result<(String, Vec<Ladder>)> {
+        let model = identified(&self.model)?;
+        let mut ladders = Vec::new();
+        for path in &self.campaigns {
+            let campaign = measured(path)?;
+            let file = || document::name(path);
+            let comparison = compare(&model, &campaign).with_context(file)?;
+            let steps = ladder(&model, &campaign).with_context(file)?;
+            let body = ForecastBody::of(&model, &campaign, &comparison.forecast, None);
+            let Some(compared) = body.compared(&comparison, &steps, None).compared else { continue };
+            ladders.push(Ladder::of(time::format(campaign.measured_at), campaign.station.to_string(), compared));
+        }
+        Ok((model.imu.to_string(), ladders))
+    }
+}
+
+impl Ladder {
+    fn of(measured_at: String, station: String, compared: ComparedBody) -> Self {
+        let ComparedBody { ladder, noise_deg_per_h, closing, state, .. } = compared;
+        Self { measured_at, station, rungs: ladder, noise_deg_per_h, closing, state }
+    }
+}
+
+fn tables(imu: &str, ladders: &[Ladder]) -> String {
+    let mut rows = table(["campaign", "model", "forecast error, deg/h", "in sd", "closes"], 2..4);
+    for one in ladders {
+        for (k, rung) in one.rungs.iter().enumerate() {
+            let last = k + 1 == one.rungs.len();
+            let closes = one.closing.filter(|_| last && k > 0).map_or(String::new(), |c| match c.interval {
+                Some([low, high]) => {
+                    format!("{:.0} % ({:.0} to {:.0})", 100.0 * c.closure, 100.0 * low, 100.0 * high)
+                }
+                None => "nothing to close".to_owned(),
+            });
+            rows.add_row([
+                if k == 0 { one.measured_at.clone() } else { String::new() },
+                rung.effect.as_ref().map_or("model (6)".to_owned(), |effect| format!("+ {effect}")),
+                format!("{:.3e}", rung.rms_deg_per_h),
+                format!("{:.2}", rung.rms_over_sd),
+                closes,
+            ]);
+        }
+        let floor = format!("{:.3e}", one.noise_deg_per_h);
+        rows.add_row([String::new(), "noise floor".to_owned(), floor, "1.00".to_owned(), String::new()]);
+    }
+    format!("{imu}: forecast error of each campaign\n{rows}")
+}

@@ -1,0 +1,212 @@
+//! `gyrowatch model fit`: the model of one IMU from its campaigns.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::{Args, Subcommand};
+
+use super::document::{self, Format, table};
+use super::model;
+use crate::core::augmented::{Adopted, AugmentedModel};
+use crate::core::campaign::Campaign;
+use crate::core::diagnose::Verdict;
+use crate::core::effects::Effect;
+use crate::core::imu_model::{Chosen, Identified, Of, Sample, asked_for, identify, named};
+use crate::core::model::{Term, Terms};
+use crate::system::sha256;
+use crate::wire::campaign::terms_from_names;
+use crate::wire::document::parse;
+use crate::wire::{self, time};
+use crate::words;
+
+/// Make a model of one IMU from its campaigns
+#[derive(Debug, Args)]
+pub struct Model {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    Fit(Fit),
+}
+
+/// Fit the coefficients of one IMU to one or several of its campaigns
+///
+/// The model file holds D0, G, P and E of every gyro, the effects, and the covariance of all of them. It is for
+/// `predict`, `gap`, `diagnose --model`, `calibrate --model`, `simulate --model` and POST /v1/imus/{imu}/model.
+#[derive(Debug, Args)]
+struct Fit {
+    /// Campaigns of one IMU, in JSON or CSV, in any order
+    #[arg(required = true)]
+    campaigns: Vec<PathBuf>,
+
+    /// Effects beside model (6): what the diagnoses of the campaigns name (`auto`), `none`, or ids of the catalogue
+    /// with commas between them, in all gyros
+    #[arg(long, value_name = "auto|none|IDS", default_value = "auto")]
+    effects: String,
+
+    /// Terms of bias, g_linear, g_squared, scale, with commas between them [default: the newest campaign's own, or all]
+    #[arg(long, value_name = "TERMS", value_parser = terms)]
+    terms: Option<Terms>,
+
+    /// Write the model file here instead of to standard output
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+
+    /// With --out: how the result is printed
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+fn terms(argument: &str) -> Result<Terms, String> {
+    let names: Vec<&str> = argument.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
+    terms_from_names(&names).map_err(|faults| {
+        let said: Vec<String> = faults.0.iter().map(|fault| words::asked().words(&fault.message)).collect();
+        said.join("; ")
+    })
+}
+
+impl Model {
+    pub fn run(self) -> anyhow::Result<()> {
+        match self.what {
+            What::Fit(fit) => fit.run(),
+        }
+    }
+}
+
+/// A campaign and the hash of its file.
+fn read(path: &Path) -> anyhow::Result<(Campaign, String)> {
+    let bytes = document::read(path)?;
+    let campaign = parse(&bytes).with_context(|| document::name(path))?;
+    campaign.check_known_scales(&document::plausibility()?).with_context(|| document::name(path))?;
+    let hash: String = sha256(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok((campaign, format!("sha256:{hash}")))
+}
+
+fn samples<'a>(read: &'a [(Campaign, String)], occasions: &[Vec<Adopted>]) -> Vec<Sample<'a>> {
+    let one = |((campaign, source), occasions): (&'a (Campaign, String), &Vec<Adopted>)| Sample {
+        campaign,
+        source: Some(source.clone()),
+        occasions: occasions.clone(),
+    };
+    read.iter().zip(occasions).map(one).collect()
+}
+
+impl Fit {
+    fn run(self) -> anyhow::Result<()> {
+        if let Some(path) = &self.out {
+            model::may_be_replaced(path)?;
+        }
+        let mut read = self.campaigns.iter().map(|path| read(path)).collect::<anyhow::Result<Vec<_>>>()?;
+        read.sort_by_key(|(campaign, _)| campaign.measured_at);
+        let campaigns: Vec<&Campaign> = read.iter().map(|(campaign, _)| campaign).collect();
+        // What does not fit together is said before anything is diagnosed.
+        let plain = AugmentedModel { terms: self.terms, ..AugmentedModel::default() };
+        let nothing = vec![Vec::new(); read.len()];
+        let plainly = samples(&read, &nothing);
+        identify(&plainly, &plain)?;
+        let chosen = self.chosen(&campaigns)?;
+        let identified = identify(&samples(&read, &chosen.occasions), &chosen.model)?;
+        for (campaign, verdict) in campaigns.iter().zip(&chosen.verdicts) {
+            if matches!(verdict, Verdict::PartlyExplained | Verdict::Unexplained) {
+                let at = time::format(campaign.measured_at);
+                eprintln!("{at}: {}; forecasts will miss by what is left", verdict.name().replace('_', " "));
+            }
+        }
+        let shown = tables(&identified);
+        let file = identified.into_model(&chosen.model);
+        let text = wire::model::to_json(&file);
+        match &self.out {
+            None => document::print(&text),
+            Some(path) => {
+                document::write(path, &(text + "\n"))?;
+                match self.format {
+                    Format::Table => document::print(&shown),
+                    Format::Json => document::print_json(&wire::model::ModelBody::from(&file)),
+                }
+            }
+        }
+    }
+
+    fn chosen(&self, campaigns: &[&Campaign]) -> anyhow::Result<Chosen> {
+        let none = |model| Chosen { model, occasions: vec![Vec::new(); campaigns.len()], verdicts: Vec::new() };
+        match self.effects.as_str() {
+            "auto" => Ok(named(campaigns, self.terms)?),
+            "none" => Ok(none(AugmentedModel { terms: self.terms, ..AugmentedModel::default() })),
+            ids => {
+                let effects = ids.split(',').map(|id| lasting(id.trim())).collect::<anyhow::Result<Vec<_>>>()?;
+                let newest = campaigns[campaigns.len() - 1];
+                Ok(none(asked_for(&effects, newest, self.terms)?))
+            }
+        }
+    }
+}
+
+/// An effect that may act in campaigns to come.
+fn lasting(id: &str) -> anyhow::Result<Effect> {
+    let Some(effect) = Effect::from_id(id) else {
+        bail!("--effects: {id:?} is none of {}", crate::core::effects::known());
+    };
+    let entry = effect.entry();
+    if entry.one_occasion {
+        bail!("--effects: {id} belongs to the campaign in which it happened; auto finds it there");
+    }
+    if entry.closure_only {
+        bail!("--effects: {id} is part of G, which the model holds already");
+    }
+    Ok(effect)
+}
+
+fn tables(model: &Identified) -> String {
+    let at = |t| time::format(t);
+    let reference = model.reference_c.map_or("no temperature".to_owned(), |t| format!("{t:.2} deg C"));
+    let mut out = format!(
+        "{}: {} coefficients from {} campaign(s), {} to {}, at {reference}\n\n",
+        model.imu,
+        model.coefficients.len(),
+        model.campaigns.len(),
+        at(model.campaigns[0].measured_at),
+        at(model.measured_at)
+    );
+    let mut drift = table(["gyro", "serial", "D_F", "D_I", "D_S", "D_O", "|E|", "noise N"], 2..8);
+    let (values, covariance) = (model.values(), &model.covariance);
+    for gyro in &model.gyros {
+        let figure = |value: f64, sd: f64| format!("{value:+.5} ± {sd:.5}");
+        let bias = model.coefficients.iter().position(|c| c.slot == Some(gyro.slot) && c.of == Of::Term(Term::Bias, 0));
+        let k = gyro.e.norm();
+        let d_f = bias.map_or("-".to_owned(), |place| figure(values[place] / k, model.sd(place) / k));
+        let row = match model.separation(gyro.slot, &values, covariance) {
+            Some(s) => {
+                let sd = s.rigid.sd().unwrap_or_default();
+                let [d_i, d_s, d_o] = [(s.rigid.d_i, sd[0]), (s.rigid.d_s, sd[1]), (s.rigid.d_o, sd[2])]
+                    .map(|(value, sd)| figure(value, sd));
+                [d_i, d_s, d_o, format!("{:.6}", s.scale_factor)]
+            }
+            None => ["-", "-", "-", "-"].map(str::to_owned),
+        };
+        let [d_i, d_s, d_o, e] = row;
+        let noise = format!("{:.2e}", gyro.noise.random_walk);
+        drift.add_row([gyro.slot.name().to_owned(), gyro.serial.to_string(), d_f, d_i, d_s, d_o, e, noise]);
+    }
+    out.push_str(&format!("Gyros: deg/h, deg/(h g0), pulse/arcsec, deg/sqrt(h)\n{drift}\n"));
+    let mut effects = table(["effect", "gyro", "coefficient", "value", "unit"], 3..4);
+    for (place, c) in model.coefficients.iter().enumerate() {
+        let Of::Effect(effect, number) = c.of else { continue };
+        let adopted = &model.effects[effect];
+        let one = adopted.effect.entry().coefficients(adopted.shape)[number];
+        effects.add_row([
+            adopted.effect.id().to_owned(),
+            c.slot.map_or("all", crate::core::mounting::Slot::name).to_owned(),
+            one.name.to_owned(),
+            format!("{:+.3e} ± {:.1e}", c.value, model.sd(place)),
+            document::unit(one.unit),
+        ]);
+    }
+    if model.effects.is_empty() {
+        out.push_str("\nNo effects beside model (6)\n");
+    } else {
+        out.push_str(&format!("\nEffects\n{effects}\n"));
+    }
+    out
+}

@@ -1,0 +1,208 @@
+//! `gyrowatch predict`: what the model of an IMU foretells of a campaign, and how far it came true.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::Args;
+
+use super::document::{self, Format, table};
+use super::model;
+use crate::core::campaign::Campaign;
+use crate::core::imu_model::{Identified, changed, compare, forecast, ladder, promised};
+use crate::simulate::of_model::scenario_of;
+use crate::simulate::{Scenario, simulate};
+use crate::wire::document::parse;
+use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastBody};
+
+/// Dwells that a table shows.
+const SHOWN: usize = 8;
+
+/// Foretell a campaign from the model of its IMU, and compare it where it is measured
+///
+/// Nothing is fitted to the campaign: the forecast takes what it commands and the temperatures that it reads.
+#[derive(Debug, Args)]
+pub struct Predict {
+    /// A model file with the coefficients of an IMU (gyrowatch model fit)
+    model: PathBuf,
+
+    /// A measured campaign in JSON or CSV, or what is still to be measured: a scenario in TOML as `simulate` takes it
+    campaign: PathBuf,
+
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Predict {
+    pub fn run(self) -> anyhow::Result<()> {
+        let model = identified(&self.model)?;
+        let file = || document::name(&self.campaign);
+        let body = if self.campaign.extension().is_some_and(|e| e == "toml") {
+            let campaign = programme(&self.campaign, &model).with_context(file)?;
+            body(&model, &campaign).with_context(file)?
+        } else {
+            let campaign = measured(&self.campaign)?;
+            held_against(&model, &campaign).with_context(file)?
+        };
+        match self.format {
+            Format::Table => document::print(&tables(&body)),
+            Format::Json => document::print_json(&body),
+        }
+    }
+}
+
+/// The model of an IMU in a file.
+pub(super) fn identified(path: &Path) -> anyhow::Result<std::sync::Arc<Identified>> {
+    match model::file(path)?.identified {
+        Some(identified) => Ok(identified),
+        None => bail!(
+            "{}: holds effects but no coefficients of an IMU; `gyrowatch model fit` makes such a file",
+            document::name(path)
+        ),
+    }
+}
+
+pub(super) fn measured(path: &Path) -> anyhow::Result<Campaign> {
+    let bytes = document::read(path)?;
+    let campaign = parse(&bytes).with_context(|| document::name(path))?;
+    campaign.check_known_scales(&document::plausibility()?).with_context(|| document::name(path))?;
+    Ok(campaign)
+}
+
+/// A campaign of the model's IMU as a scenario commands it.
+fn programme(path: &Path, model: &Identified) -> anyhow::Result<Campaign> {
+    let text = String::from_utf8(document::read(path)?).context("is not UTF-8")?;
+    let scenario: Scenario = toml::from_str(&text)?;
+    let simulated = simulate(&scenario_of(&scenario, model)?)?;
+    let mut campaign = simulated.campaign;
+    // What it would state of its noise is the simulator's; the model has its own.
+    campaign.dwells.iter_mut().for_each(|dwell| dwell.output_sem_pulse_s = None);
+    Ok(campaign)
+}
+
+fn body(model: &Identified, campaign: &Campaign) -> anyhow::Result<ForecastBody> {
+    Ok(ForecastBody::of(model, campaign, &forecast(model, campaign)?, promised(model, campaign)?))
+}
+
+/// The forecast of a measured campaign, with how far it came true.
+fn held_against(model: &Identified, campaign: &Campaign) -> anyhow::Result<ForecastBody> {
+    let compared = compare(model, campaign)?;
+    let changed = if model.effects.is_empty() { None } else { changed(model, campaign).ok() };
+    Ok(body(model, campaign)?.compared(&compared, &ladder(model, campaign)?, changed.as_ref()))
+}
+
+fn tables(body: &ForecastBody) -> String {
+    let model = &body.model;
+    let effects = if model.effects.is_empty() { "no effects".to_owned() } else { model.effects.join(", ") };
+    let mut out = format!(
+        "{}, {} at {}: forecast by the model of {} ({} campaign(s), {effects})\n",
+        body.imu, body.station, body.measured_at, model.measured_at, model.campaigns
+    );
+    if let Some(promised) = &body.promised {
+        out.push_str(&format!("Promised by the model: {}\n", closing(promised)));
+    }
+    match &body.compared {
+        Some(compared) => out.push_str(&comparison(compared)),
+        None => out.push_str(&foretold(body)),
+    }
+    if let Some(changed) = &body.effects_against_model {
+        out.push_str(&against_model(changed));
+    }
+    for note in &body.notes {
+        out.push_str(&format!("\nnote: {note}"));
+    }
+    out
+}
+
+fn closing(c: &ClosingBody) -> String {
+    let interval = match c.interval {
+        Some([low, high]) => format!("95 % {:.1} to {:.1} %", 100.0 * low, 100.0 * high),
+        None => "no interval: the error without them is within the noise".to_owned(),
+    };
+    format!(
+        "the effects close {:.1} % of the forecast error ({interval}); {:.2e} deg/h before, {:.2e} after",
+        100.0 * c.closure,
+        c.before_deg_per_h,
+        c.after_deg_per_h
+    )
+}
+
+fn foretold(body: &ForecastBody) -> String {
+    let mut rows = table(["dwell", "gyro", "output, pulse/s", "sd", "of it noise"], 0..1);
+    for gyro in &body.gyros {
+        for k in 0..gyro.predicted_pulse_s.len() {
+            let (sd, noise) = (gyro.sd_pulse_s[k], gyro.noise_sd_pulse_s[k]);
+            let told = !gyro.not_foretold.contains(&k);
+            rows.add_row([
+                k.to_string(),
+                gyro.slot.clone(),
+                if told { format!("{:+.6}", gyro.predicted_pulse_s[k]) } else { "not foretold".to_owned() },
+                if told { format!("{sd:.6}") } else { "-".to_owned() },
+                format!("{noise:.6}"),
+            ]);
+        }
+    }
+    format!("{rows}\n")
+}
+
+fn comparison(c: &ComparedBody) -> String {
+    let state = if c.state == "outside" { "outside its forecast" } else { "as foretold" };
+    let mut out = format!(
+        "Measured: {state}. rms(error/sd) {:.3} over {} outputs, p {:.2e}; uniformity of the PIT, p {:.2}\n",
+        c.rms_over_sd, c.count, c.p_value, c.pit_p_value
+    );
+    if let Some(seen) = &c.closing {
+        out.push_str(&format!("Seen: {}\n", closing(seen)));
+    }
+    let mut gyros = table(["gyro", "rms(error/sd)", "p"], 1..3);
+    for gyro in &c.gyros {
+        gyros.add_row([gyro.slot.clone(), format!("{:.3}", gyro.rms_over_sd), format!("{:.2e}", gyro.p_value)]);
+    }
+    out.push_str(&format!("\n{gyros}\n"));
+    out.push_str(&steps(c));
+    if !c.missed.is_empty() {
+        let mut missed = table(["missed dwell", "gyro", "z"], 0..1);
+        for miss in c.missed.iter().take(SHOWN) {
+            missed.add_row([miss.dwell.to_string(), miss.slot.clone(), format!("{:+.1}", miss.z)]);
+        }
+        out.push_str(&format!("\n{} outputs missed their forecast\n{missed}\n", c.missed.len()));
+    }
+    out
+}
+
+/// The ladder with the noise floor at its foot.
+pub(super) fn steps(c: &ComparedBody) -> String {
+    let mut steps = table(["model", "forecast error, deg/h", "in sd"], 1..3);
+    for rung in &c.ladder {
+        let name = rung.effect.as_ref().map_or("model (6)".to_owned(), |effect| format!("+ {effect}"));
+        steps.add_row([name, format!("{:.3e}", rung.rms_deg_per_h), format!("{:.2}", rung.rms_over_sd)]);
+    }
+    steps.add_row(["noise floor".to_owned(), format!("{:.3e}", c.noise_deg_per_h), "1.00".to_owned()]);
+    format!("\n{steps}\n")
+}
+
+pub(super) fn against_model(changed: &ChangedBody) -> String {
+    let mut rows = table(["effect", "gyro", "coefficient", "model", "now", "unit", "p", "changed"], 3..5);
+    for effect in &changed.effects {
+        for c in &effect.coefficients {
+            rows.add_row([
+                effect.effect.clone(),
+                effect.slot.clone(),
+                c.name.clone(),
+                format!("{:+.3e} ± {:.1e}", c.model, c.model_sd),
+                format!("{:+.3e} ± {:.1e}", c.now, c.now_sd),
+                document::unit(&c.unit),
+                format!("{:.1e}", effect.p_value),
+                if effect.changed { "yes" } else { "no" }.to_owned(),
+            ]);
+        }
+    }
+    let mut out = format!("\nEffects against the model\n{rows}\n");
+    for shift in &changed.shifts {
+        let (slot, coefficient) = (&shift.slot, &shift.coefficient);
+        out.push_str(&format!(
+            "{coefficient} of {slot}: {:+.5} ± {:.5} deg/(h g0) from the change\n",
+            shift.shift, shift.sd
+        ));
+    }
+    out
+}

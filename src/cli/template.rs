@@ -1,0 +1,151 @@
+//! `template`: a worked example of each document that a station writes, to be filled with its own figures.
+
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use rust_xlsxwriter::{Format, Workbook};
+
+use super::{Usage, document};
+use crate::core::campaign::Campaign;
+use crate::simulate::presets::preset;
+use crate::simulate::simulate;
+use crate::wire::campaign::to_json;
+use crate::wire::campaign_csv::to_csv;
+
+const RECORD: &str = include_str!("../../examples/templates/record.json");
+const BENCH: &str = include_str!("../../examples/templates/bench.json");
+const MAP: &str = include_str!("../../examples/maps/pulses-on-a-table.toml");
+
+/// Print a worked example of a document, to be filled with your own figures
+///
+/// The campaign is a simulated one that fits: `gyrowatch template campaign | gyrowatch calibrate -`.
+#[derive(Debug, clap::Args)]
+pub struct Template {
+    #[arg(value_enum)]
+    of: Of,
+
+    /// Of a campaign csv, json or xlsx; of a programme csv or xlsx; the others have one format
+    #[arg(long, value_enum)]
+    format: Option<As>,
+
+    /// Write it here; an xlsx file is not printed
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Of {
+    /// Dwells of an IMU
+    Campaign,
+    /// Parameters that the station has fitted itself
+    Record,
+    /// D_I and D_S of one gyro on a bench
+    Bench,
+    /// Positions and turns of the table, for `dwells --programme`
+    Programme,
+    /// Columns of a raw log, for `dwells --map`
+    Map,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum As {
+    Csv,
+    Json,
+    Xlsx,
+    Toml,
+}
+
+impl Template {
+    pub fn run(self) -> anyhow::Result<()> {
+        let of_name = self.out.as_deref().and_then(Path::extension).and_then(|e| match e.to_str()? {
+            "csv" => Some(As::Csv),
+            "json" => Some(As::Json),
+            "xlsx" => Some(As::Xlsx),
+            "toml" => Some(As::Toml),
+            _ => None,
+        });
+        let usual = match self.of {
+            Of::Campaign | Of::Programme => As::Csv,
+            Of::Record | Of::Bench => As::Json,
+            Of::Map => As::Toml,
+        };
+        let text = match (self.of, self.format.or(of_name).unwrap_or(usual)) {
+            (Of::Campaign, As::Json) => to_json(&example()) + "\n",
+            (Of::Campaign, As::Csv) => to_csv(&example()),
+            (Of::Campaign, As::Xlsx) => return self.sheet(&to_csv(&example())),
+            (Of::Record, As::Json) => RECORD.to_owned(),
+            (Of::Bench, As::Json) => BENCH.to_owned(),
+            (Of::Programme, As::Csv) => programme(),
+            (Of::Programme, As::Xlsx) => return self.sheet(&programme()),
+            (Of::Map, As::Toml) => MAP.to_owned(),
+            (of, wanted) => {
+                return Err(Usage(format!("there is no {of:?} as {wanted:?}: see `gyrowatch template --help`")).into());
+            }
+        };
+        match &self.out {
+            Some(path) => document::write(path, text.trim_end_matches('\n')),
+            None => document::print(text.trim_end()),
+        }
+    }
+
+    /// The CSV as a sheet: a cell a value, head matter in one cell a line.
+    fn sheet(&self, text: &str) -> anyhow::Result<()> {
+        let mut book = Workbook::new();
+        let sheet = book.add_worksheet();
+        let bold = Format::new().set_bold();
+        for (row, line) in (0_u32..).zip(text.lines()) {
+            if line.starts_with('#') {
+                sheet.write_string(row, 0, line)?;
+                continue;
+            }
+            let is_head = line.split(',').all(|cell| cell.parse::<f64>().is_err());
+            for (column, cell) in (0_u16..).zip(line.split(',')) {
+                match cell.parse::<f64>() {
+                    Ok(number) => sheet.write_number(row, column, number)?,
+                    Err(_) if is_head => sheet.write_string_with_format(row, column, cell, &bold)?,
+                    Err(_) => sheet.write_string(row, column, cell)?,
+                };
+            }
+        }
+        let bytes = book.save_to_buffer()?;
+        match &self.out {
+            Some(path) => std::fs::write(path, bytes).with_context(|| document::name(path)),
+            None if std::io::stdout().is_terminal() => Err(Usage("write a workbook with --out FILE".to_owned()).into()),
+            None => Ok(std::io::stdout().lock().write_all(&bytes)?),
+        }
+    }
+}
+
+/// A simulated campaign of the usual programme, always the same.
+fn example() -> Campaign {
+    let scenario = preset("24-position").expect("the preset is one of the list");
+    simulate(&scenario).expect("the preset's scenario is sound").campaign
+}
+
+/// 24 positions, then each axis up, turned both ways by a whole turn of a degree a second.
+fn programme() -> String {
+    const AXES: [&str; 6] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
+    let mut text = String::from(
+        "# up, north: body axes that point up and north. rate_deg_s: turn about the vertical, + seen from above.\n",
+    );
+    text.push_str("# start_s, duration_s: by the station's clock; leave both columns out where it keeps none.\n");
+    text.push_str("up,north,rate_deg_s,start_s,duration_s\n");
+    let mut start = 0;
+    let mut row = |up: &str, north: &str, rate: &str, duration: u32| {
+        text.push_str(&format!("{up},{north},{rate},{start},{duration}\n"));
+        start += duration + 60;
+    };
+    for up in AXES {
+        for north in AXES.iter().filter(|north| north[1..] != up[1..]) {
+            row(up, north, "0", 180);
+        }
+    }
+    for up in AXES {
+        let north = if up.ends_with('Z') { "+X" } else { "+Z" };
+        for rate in ["1", "-1"] {
+            row(up, north, rate, 360);
+        }
+    }
+    text
+}

@@ -1,0 +1,89 @@
+//! Which part of an interval is averaged, and how far its means are known.
+
+use super::blocks::{Series, Track};
+use super::intervals::Interval;
+use super::noise::{Noise, Octave, octaves};
+
+/// Share of an interval that is cut off each end where nothing else is said.
+const EDGE: f64 = 0.01;
+/// Share before which an interval may still be settling: the noise is not taken from it.
+const SETTLING: usize = 5;
+/// Part of an interval that is compared with the rest, and how many such parts an end may lose.
+const PART: usize = 16;
+const MOST_PARTS: usize = 6;
+/// Difference of a part from the rest, in standard deviations, that is settling.
+const UNSETTLED: f64 = 4.5;
+/// Pairs that say something of a dwell's own noise, and how far it must be from that of the others.
+const OWN_PAIRS: f64 = 30.0;
+const OWN_NOISE: f64 = 4.0;
+
+/// The interval without its edges: `cut_s` at each end, or a hundredth and a block.
+pub fn without_edges(series: &Series, interval: Interval, cut_s: Option<f64>) -> Option<Interval> {
+    let blocks = interval.to - interval.from;
+    let cut = match cut_s {
+        Some(cut) => (cut / series.block_s).ceil() as usize,
+        None => 1 + (EDGE * blocks as f64) as usize,
+    };
+    (blocks > 2 * cut + 1).then(|| Interval { from: interval.from + cut, to: interval.to - cut })
+}
+
+/// Noise of one channel over intervals, their first fifth left out.
+pub fn noise(series: &Series, track: &Track, intervals: &[Interval]) -> Noise {
+    let pooled = intervals.iter().flat_map(|i| {
+        let from = i.from + (i.to - i.from) / SETTLING;
+        octaves(&track.mean[from..i.to], series.block_s)
+    });
+    Noise::fit(&pooled.collect::<Vec<Octave>>())
+}
+
+/// The interval without what has not settled: ends whose mean differs from that of the rest by more than noise does.
+pub fn settled(series: &Series, channels: &[(&Track, Noise)], interval: Interval) -> Interval {
+    let part = ((interval.to - interval.from) / PART).max(1);
+    let mut kept = interval;
+    let unsettled = |end: Interval, rest: Interval| {
+        let tau = part as f64 * series.block_s;
+        channels.iter().any(|(track, noise)| {
+            let off = track.mean_of(end.from, end.to) - track.mean_of(rest.from, rest.to);
+            let allowed = (2.0 * noise.allan(tau)).sqrt();
+            allowed > 0.0 && off.abs() > UNSETTLED * allowed
+        })
+    };
+    for _ in 0..MOST_PARTS {
+        let cut = kept.from + part;
+        if !unsettled(Interval { to: cut, ..kept }, Interval { from: cut, ..kept }) {
+            break;
+        }
+        kept.from = cut;
+    }
+    for _ in 0..MOST_PARTS {
+        let cut = kept.to - part;
+        if !unsettled(Interval { from: cut, ..kept }, Interval { to: cut, ..kept }) {
+            break;
+        }
+        kept.to = cut;
+    }
+    kept
+}
+
+/// Standard error of a channel's mean over an interval. Where this dwell scatters otherwise than those that the noise
+/// is of, its white part is its own.
+pub fn standard_error(series: &Series, track: &Track, noise: &Noise, interval: Interval, sample_s: f64) -> f64 {
+    let dwell_s = series.end_s(interval.to) - series.start_s(interval.from);
+    let samples: f64 = track.count[interval.from..interval.to].iter().map(|&n| f64::from(n)).sum();
+    let log_s = series.end_s(series.number.len()) - series.start_s(0);
+    let own = own_noise(series, track, noise, interval).unwrap_or(*noise);
+    own.standard_error(dwell_s, (samples * sample_s).min(dwell_s), log_s)
+}
+
+fn own_noise(series: &Series, track: &Track, noise: &Noise, interval: Interval) -> Option<Noise> {
+    let own = octaves(&track.mean[interval.from..interval.to], series.block_s);
+    let longest = own.last()?.tau_s;
+    let told = own.iter().filter(|o| o.tau_s > longest / 128.0 && o.pairs >= 4.0);
+    let (mut ratio, mut pairs) = (0.0, 0.0);
+    for octave in told {
+        ratio += octave.pairs * octave.variance / noise.allan(octave.tau_s).max(1e-300);
+        pairs += octave.pairs;
+    }
+    let ratio = ratio / pairs;
+    (pairs >= OWN_PAIRS && (ratio.ln()).abs() > OWN_NOISE * (2.0 / pairs).sqrt()).then(|| noise.with_white(ratio))
+}

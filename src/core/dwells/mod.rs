@@ -1,0 +1,17 @@
+//! From the time series of a log to dwells: still and turning intervals, their means, and the errors of these means.
+//!
+//! ```text
+//! samples -> blocks -> series -> intervals -> (programme) -> means and standard errors
+//! ```
+//!
+//! [`blocks`] gathers samples in memory that does not grow with the log, [`intervals`] finds where nothing changes,
+//! [`noise`] says from the log's own Allan variance how far a mean is known, and [`programme`] what the table was told.
+
+pub mod averages;
+pub mod blocks;
+pub mod intervals;
+pub mod noise;
+pub mod programme;
+
+#[cfg(test)]
+mod tests;

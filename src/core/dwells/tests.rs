@@ -1,0 +1,317 @@
+use std::f64::consts::TAU;
+
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+use super::averages::{noise, settled, standard_error, without_edges};
+use super::blocks::{Blocks, Series};
+use super::intervals::{Found, Interval, Search, find};
+use super::noise::{Noise, octaves};
+use super::programme::{Position, Seen, Table, align, attitude, clock_offset, twenty_four};
+use crate::core::campaign::Site;
+use crate::core::frames::Vector;
+
+/// White noise of standard deviation `white` a sample, and flicker h/f made of Gauss-Markov processes, two an octave,
+/// from a few samples to much more than the log: each has variance h ln(sqrt 2) of an octave's half.
+struct Source {
+    rng: ChaCha8Rng,
+    white: f64,
+    states: Vec<(f64, f64, f64)>,
+}
+
+impl Source {
+    fn new(seed: u64, step_s: f64, log_s: f64, white: f64, h: f64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let slowest = log_s / TAU;
+        let sd = (h * 0.5 * std::f64::consts::LN_2).sqrt();
+        let times = std::iter::successors(Some(slowest), |t| Some(t / 2f64.sqrt())).take_while(|t| *t > 2.0 * step_s);
+        let states = times
+            .map(|time| {
+                let keep = (-step_s / time).exp();
+                (sd * rng.sample::<f64, _>(StandardNormal), keep, sd * (1.0 - keep * keep).sqrt())
+            })
+            .collect();
+        Self { rng, white, states }
+    }
+
+    fn next(&mut self) -> f64 {
+        let mut value = self.white * self.rng.sample::<f64, _>(StandardNormal);
+        for (state, keep, kick) in &mut self.states {
+            *state = *state * *keep + *kick * self.rng.sample::<f64, _>(StandardNormal);
+            value += *state;
+        }
+        value
+    }
+}
+
+const DWELL_S: f64 = 180.0;
+const PAUSE_S: f64 = 60.0;
+const SLEW_S: f64 = 15.0;
+const DWELLS: usize = 78;
+
+/// A log of three gyros: dwells of a level each, slews between them, jitter, lost samples and spikes.
+fn log(seed: u64, hz: f64) -> (Series, Vec<[f64; 3]>) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x5eed);
+    let log_s = DWELLS as f64 * (DWELL_S + PAUSE_S);
+    let step = hz.recip();
+    let mut sources: Vec<Source> =
+        (0..3).map(|k| Source::new(3 * seed + k, step, log_s, 0.02 * hz.sqrt(), 1e-6)).collect();
+    let mut levels: Vec<[f64; 3]> = (0..DWELLS).map(|_| [0; 3].map(|_| rng.random_range(-30.0..30.0))).collect();
+    // Now and then a position is taken twice in a row, and nothing moves between.
+    for k in 1..DWELLS {
+        if rng.random_range(0.0..1.0) < 0.02 {
+            levels[k] = levels[k - 1];
+        }
+    }
+    let mut blocks = Blocks::new(3, step);
+    let samples = (log_s * hz) as usize;
+    for k in 0..samples {
+        let time = k as f64 * step;
+        let noise: Vec<f64> = sources.iter_mut().map(Source::next).collect();
+        if rng.random_range(0.0..1.0) < 1e-3 {
+            continue;
+        }
+        let dwell = (time / (DWELL_S + PAUSE_S)) as usize;
+        let into = time - dwell as f64 * (DWELL_S + PAUSE_S) - DWELL_S;
+        let next = levels[(dwell + 1).min(DWELLS - 1)];
+        let share = (into / SLEW_S).clamp(0.0, 1.0);
+        let share = share * share * (3.0 - 2.0 * share);
+        // What turns fast is noisier: a third of the dwells by up to three times.
+        let louder = 0.02 * hz.sqrt() * (levels[dwell][0] - 10.0).max(0.0) / 10.0;
+        let extra: Vec<f64> = (0..3).map(|_| louder * rng.sample::<f64, _>(StandardNormal)).collect();
+        let value = |c: usize| levels[dwell][c] * (1.0 - share) + next[c] * share + noise[c] + extra[c];
+        let spike = if rng.random_range(0.0..1.0) < 2e-6 { 500.0 } else { 0.0 };
+        let jitter = 0.1 * step * rng.random_range(-1.0..1.0);
+        blocks.push(time + jitter, &[value(0) + spike, value(1), value(2)]);
+    }
+    (Series::join(vec![blocks]), levels)
+}
+
+fn found(series: &mut Series) -> Found {
+    find(series, &[0, 1, 2], &Search { min_s: None, breaks: Vec::new(), keep_short: false })
+}
+
+/// Logs in which dwells are missed or invented, and errors of means in standard errors.
+fn measure(seeds: std::ops::Range<u64>, hz: f64) -> (usize, Vec<f64>) {
+    let (mut wrong, mut errors) = (0, Vec::new());
+    for seed in seeds {
+        let (mut series, levels) = log(seed, hz);
+        let found = found(&mut series);
+        // The next position is held before its dwell begins.
+        let starts: Vec<f64> = found.intervals.iter().map(|i| series.start_s(i.from)).collect();
+        let at = |k: usize| (starts[k] / (DWELL_S + PAUSE_S)).round() as usize;
+        if found.intervals.len() != DWELLS || (0..DWELLS).any(|k| at(k) != k) {
+            wrong += 1;
+            continue;
+        }
+        let cut: Vec<Interval> = found.intervals.iter().filter_map(|i| without_edges(&series, *i, None)).collect();
+        for (c, track) in series.tracks.iter().enumerate() {
+            let of = noise(&series, track, &cut);
+            for (k, interval) in cut.iter().enumerate() {
+                let interval = settled(&series, &[(track, of)], *interval);
+                let sem = standard_error(&series, track, &of, interval, hz.recip());
+                errors.push((track.mean_of(interval.from, interval.to) - levels[k][c]) / sem);
+            }
+        }
+    }
+    (wrong, errors)
+}
+
+/// `GYROWATCH_LOGS=100 cargo test --lib dwells_are -- --nocapture` prints the figures of as many logs.
+#[test]
+fn dwells_are_found_unbiased_and_as_well_known_as_they_say() {
+    let logs: u64 = std::env::var("GYROWATCH_LOGS").ok().and_then(|n| n.parse().ok()).unwrap_or(6);
+    let (wrong, errors) = measure(1..1 + logs, 5.0);
+    let n = errors.len() as f64;
+    let mean = errors.iter().sum::<f64>() / n;
+    let rms = (errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
+    println!("logs {logs}, with a dwell missed or invented {wrong}; error/sd: mean {mean:+.3}, rms {rms:.3}");
+    assert_eq!(wrong, 0);
+    assert!(mean.abs() < 0.25, "{mean}");
+    assert!((0.85..1.15).contains(&rms), "{rms}");
+}
+
+#[test]
+fn blocks_that_are_halved_hold_the_same_sums() {
+    let (mut fine, mut coarse) = (Blocks::with_room(1, 0.01, 1 << 16), Blocks::with_room(1, 0.01, 64));
+    for k in 0..10_000 {
+        let value = [1e6 + f64::from(k % 7)];
+        fine.push(f64::from(k) * 0.01, &value);
+        coarse.push(f64::from(k) * 0.01, &value);
+    }
+    let [fine, coarse] = [fine, coarse].map(|blocks| Series::join(vec![blocks]));
+    assert!(coarse.number.len() <= 64 && coarse.block_s > 1.0);
+    let whole = |s: &Series| s.tracks[0].mean_of(0, s.number.len());
+    assert!((whole(&fine) - whole(&coarse)).abs() < 1e-9);
+    let expected = 1e6 + (0..10_000).map(|k| f64::from(k % 7)).sum::<f64>() / 1e4;
+    assert!((whole(&coarse) - expected).abs() < 1e-9);
+    assert!((coarse.tracks[0].spread[3] - 2.0).abs() < 0.1, "sd of 0..6 is 2");
+    assert_eq!(coarse.tracks[0].step, 1.0);
+}
+
+#[test]
+fn logs_beside_one_another_share_their_blocks() {
+    let (mut fast, mut slow) = (Blocks::new(1, 0.01), Blocks::new(1, 0.1));
+    for k in 0..1000 {
+        fast.push(f64::from(k) * 0.01, &[1.0]);
+    }
+    for k in 0..50 {
+        slow.push(5.0 + f64::from(k) * 0.1, &[2.0]);
+    }
+    let series = Series::join(vec![fast, slow]);
+    assert_eq!((series.tracks[0].mean[0], series.tracks[1].mean[0]), (1.0, 2.0));
+    assert!((series.start_s(0) - 5.0).abs() <= series.block_s);
+}
+
+#[test]
+fn the_noise_of_known_parts_is_found_again() {
+    // White of 1 at 1 s: A(tau) = 1/tau. The Allan variance of flicker h/f is 2 ln 2 h at every tau.
+    let step = 0.1;
+    let pooled = |h: f64| {
+        let mut all = Vec::new();
+        for seed in 0..60 {
+            let mut source = Source::new(100 + seed, step, 7200.0, (1.0 / step as f64).sqrt(), h);
+            let values: Vec<f64> = (0..2000).map(|_| source.next()).collect();
+            all.extend(octaves(&values, step));
+        }
+        Noise::fit(&all)
+    };
+    let white = pooled(0.0);
+    assert!((white.white() - 1.0).abs() < 0.03, "{}", white.white());
+    assert!((white.standard_error(200.0, 200.0, 200.0) * 200f64.sqrt() - 1.0).abs() < 0.25);
+    let both = pooled(0.05);
+    let floor = (2.0 * std::f64::consts::LN_2 * 0.05_f64).sqrt();
+    assert!((both.flicker() / floor - 1.0).abs() < 0.15, "{} for {floor}", both.flicker());
+}
+
+#[test]
+fn a_log_that_moves_all_the_time_has_no_interval() {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut blocks = Blocks::new(3, 0.01);
+    for k in 0..6000 {
+        let t = f64::from(k) * 0.01;
+        let wave = |f: f64, p: f64| 30.0 * (TAU * f * t + p).sin() + 12.0 * (TAU * 2.3 * f * t).sin();
+        let noise = 0.1 * rng.sample::<f64, _>(StandardNormal);
+        blocks.push(t, &[wave(0.21, 0.0) + noise, wave(0.34, 1.0), wave(0.17, 2.0)]);
+    }
+    assert!(found(&mut Series::join(vec![blocks])).intervals.is_empty());
+}
+
+#[test]
+fn the_last_bit_of_a_converter_is_no_motion() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let mut blocks = Blocks::new(2, 0.01);
+    // Two levels of a converter, held for ten samples each; and a command that never changes.
+    let mut level = 0.0;
+    for k in 0..1000 {
+        if k % 10 == 0 {
+            level = f64::from(u8::from(rng.random_range(0.0..1.0) < 0.4)) * 0.02;
+        }
+        blocks.push(f64::from(k) * 0.01, &[level, 90.0]);
+    }
+    let mut series = Series::join(vec![blocks]);
+    let found = find(&mut series, &[0, 1], &Search { min_s: None, breaks: Vec::new(), keep_short: false });
+    assert_eq!(found.intervals.len(), 1, "{found:?}");
+}
+
+#[test]
+fn one_position_taken_twice_is_cut_by_the_clock_of_the_others() {
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    let mut blocks = Blocks::new(1, 0.1);
+    // Dwells of 60 s every 80 s; the fifth and sixth in one position.
+    let levels = [0.0, 5.0, 1.0, 6.0, 3.0, 3.0, 8.0, 2.0, 9.0, 4.0, 7.0, 1.5];
+    for k in 0..9600 {
+        let t = f64::from(k) * 0.1;
+        let (dwell, into) = ((t / 80.0) as usize, t % 80.0);
+        let next = levels[(dwell + 1).min(11)];
+        let share = if into < 60.0 { 0.0 } else { (into - 60.0) / 20.0 };
+        let level = levels[dwell] * (1.0 - share) + next * share;
+        blocks.push(t, &[level + 0.01 * rng.sample::<f64, _>(StandardNormal)]);
+    }
+    let mut series = Series::join(vec![blocks]);
+    let found = find(&mut series, &[0], &Search { min_s: None, breaks: Vec::new(), keep_short: false });
+    assert_eq!((found.intervals.len(), found.split), (12, 1));
+    let starts: Vec<f64> = found.intervals.iter().map(|i| (series.start_s(i.from) / 80.0).fract()).collect();
+    assert!(starts.iter().all(|s| *s < 0.04 || *s > 0.97), "{starts:?}");
+}
+
+#[test]
+fn what_has_not_settled_is_cut_off() {
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let mut blocks = Blocks::new(1, 0.1);
+    for k in 0..2000 {
+        let t = f64::from(k) * 0.1;
+        let settling = 0.3 * (-t / 8.0).exp();
+        blocks.push(t, &[10.0 + settling + 0.05 * rng.sample::<f64, _>(StandardNormal)]);
+    }
+    let series = Series::join(vec![blocks]);
+    let whole = Interval { from: 0, to: series.number.len() };
+    let track = &series.tracks[0];
+    let kept = settled(&series, &[(track, noise(&series, track, &[whole]))], whole);
+    assert!(series.start_s(kept.from) > 12.0 && kept.to == whole.to, "{kept:?}");
+    assert!((track.mean_of(kept.from, kept.to) - 10.0).abs() < 0.008);
+}
+
+#[test]
+fn twenty_four_positions_are_all_rotations_and_all_different() {
+    let all = twenty_four();
+    assert_eq!(all.len(), 24);
+    for (k, one) in all.iter().enumerate() {
+        let matrix = one.attitude.matrix();
+        assert!((matrix.determinant() - 1.0).abs() < 1e-12);
+        assert!(all[..k].iter().all(|other| (other.attitude.matrix() - matrix).norm() > 1.0));
+    }
+}
+
+#[test]
+fn a_table_turns_the_body_as_its_axes_say() {
+    // Outer axis north, inner axis body Z, zero: body X east, Y north, Z up.
+    let zero = attitude(Vector3::z(), Vector3::y()).unwrap();
+    let table = Table { outer: Vector3::y(), inner: Vector3::z(), zero };
+    let up = |outer: f64, inner: f64| {
+        let up = table.attitude(outer.to_radians(), inner.to_radians()) * Vector::new(Vector3::z());
+        [up.0.x, up.0.y, up.0.z].map(|c| c.round() as i32)
+    };
+    assert_eq!(up(0.0, 0.0), [0, 0, 1]);
+    // Turned by +90 deg about north, body Z points east, and -X points up.
+    assert_eq!(up(90.0, 0.0), [-1, 0, 0]);
+    assert_eq!(up(90.0, 90.0), [0, 1, 0]);
+    assert!((table.turn((0.0, 0.3), (0.0, 360.0)) - 360.0).abs() < 1e-9);
+    assert!(table.turn((TAU / 4.0, 0.0), (0.0, 360.0)).abs() < 1e-9, "the inner axis is level");
+    let site = Site { latitude: 0.6, gravity_g0: 0.999, magnetic_field_nav: None };
+    let turning = Position { attitude: zero, turn_arcsec_s: 360.0, start_s: None, duration_s: None };
+    let (force, rate) = turning.commanded(&site);
+    assert!((force - Vector3::new(0.0, 0.0, 0.999)).norm() < 1e-12);
+    assert!((rate - Vector3::new(0.0, 0.0, 360.0 + 15.041_067_178_669 * 0.6_f64.sin())).norm() < 1e-9);
+}
+
+#[test]
+fn a_programme_is_laid_over_what_was_seen() {
+    let programme = twenty_four();
+    let seen = |k: usize| Seen { up: Some(programme[k].up() + Vector3::new(0.01, -0.01, 0.02)), turn_arcsec_s: None };
+    // The first position is missing, something else happened after the tenth, and the last was not reached.
+    let mut all: Vec<Seen> = (1..23).map(seen).collect();
+    all.insert(10, Seen { up: Some(Vector3::new(1.0, 1.0, 1.0)), turn_arcsec_s: None });
+    let found = align(&all, &programme);
+    assert_eq!(found[10], None);
+    let places: Vec<usize> = found.iter().flatten().copied().collect();
+    assert_eq!(places.len(), 22);
+    assert!(places.windows(2).all(|p| p[0] < p[1]));
+    assert!(
+        places
+            .iter()
+            .zip(all.iter().enumerate().filter(|(k, _)| *k != 10))
+            .all(|(&j, (_, s))| { s.up.unwrap().normalize().dot(&programme[j].up()) > 0.99 })
+    );
+}
+
+#[test]
+fn the_programmes_clock_is_found_in_the_log() {
+    let timed = |k: usize| Position { start_s: Some(240.0 * k as f64), duration_s: Some(180.0), ..twenty_four()[k] };
+    let programme: Vec<Position> = (0..24).map(timed).collect();
+    let spans: Vec<(f64, f64)> = (0..24).map(|k| (37.0 + 240.0 * k as f64, 37.0 + 240.0 * k as f64 + 180.0)).collect();
+    assert!((clock_offset(&spans, &programme).unwrap() - 37.0).abs() < 1e-9);
+    assert_eq!(clock_offset(&spans, &twenty_four()), None);
+}

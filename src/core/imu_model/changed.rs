@@ -1,0 +1,171 @@
+//! Adopted coefficients that are others in a campaign than the model says, and what that does to D_I and D_S.
+
+use nalgebra::DVector;
+
+use super::fit::{NotIdentified, Sample, identify_at};
+use super::identified::Identified;
+use super::programme::{Knowledge, NoForecast, Programme, effect_of, scaled_inverse};
+use crate::core::augmented::{AugmentedModel, KnownEffect};
+use crate::core::campaign::Campaign;
+use crate::core::effects::{Coefficient, Effect, Parameter};
+use crate::core::message::Message;
+use crate::core::mounting::Slot;
+use crate::core::numerics::tails::chi2_tail;
+use crate::core::separate::Rigid;
+
+/// Chance, over all effects of the model, below which one has changed.
+const CHANGED: f64 = 0.005;
+
+/// The model's effects held against a campaign's own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Changed {
+    pub effects: Vec<ChangedEffect>,
+    /// What D_I and D_S of this campaign are with the effects that have changed as it shows them, less what they
+    /// are with the model's.
+    pub shifts: Vec<DriftShift>,
+}
+
+/// One effect then and now, one gyro or all gyros together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChangedEffect {
+    pub effect: Effect,
+    /// None for one that all gyros share.
+    pub slot: Option<Slot>,
+    /// Each with its value and standard deviation then and now.
+    pub coefficients: Vec<(Coefficient, [f64; 2], [f64; 2])>,
+    /// Of noise alone, over all that is compared (Sidak).
+    pub p_value: f64,
+    pub changed: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriftShift {
+    pub slot: Slot,
+    pub coefficient: &'static str,
+    /// deg/(h g0).
+    pub shift: f64,
+    pub sd: f64,
+}
+
+/// Why nothing can be compared.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NotCompared {
+    #[error(transparent)]
+    NoForecast(#[from] NoForecast),
+    #[error(transparent)]
+    NotIdentified(#[from] NotIdentified),
+}
+
+impl NotCompared {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::NoForecast(why) => why.message(),
+            Self::NotIdentified(why) => why.message(),
+        }
+    }
+}
+
+/// Fits the model's effects to the campaign anew, at the model's temperature, and holds them against the model:
+/// chi-square of `(k - k_model)' (C + C_model)^-1 (k - k_model)`.
+///
+/// # Errors
+/// [`NotCompared`].
+pub fn changed(model: &Identified, campaign: &Campaign) -> Result<Changed, NotCompared> {
+    Programme::of_another(model, campaign)?;
+    // The phase of a cycle is another each time: nothing to compare.
+    let lasting = model.effects.iter().filter(|adopted| adopted.effect.entry().parameter != Parameter::Period);
+    let effects = lasting.map(|adopted| KnownEffect { adopted: adopted.clone(), estimates: Vec::new() }).collect();
+    let as_model = AugmentedModel { terms: Some(model.terms), effects, ..AugmentedModel::default() };
+    let sample = Sample { campaign, source: None, occasions: Vec::new() };
+    let now = identify_at(&[sample], &as_model, model.reference_c)?;
+    let mut groups: Vec<(usize, Option<Slot>)> = Vec::new();
+    for (place, coefficient) in now.coefficients.iter().enumerate() {
+        if let Some((effect, _)) = effect_of(&now, place)
+            && !groups.contains(&(effect, coefficient.slot))
+        {
+            groups.push((effect, coefficient.slot));
+        }
+    }
+    let count = groups.len();
+    let mut places = Vec::new();
+    let mut found = Vec::new();
+    for (effect, slot) in groups {
+        let Some((one, own)) = held_against(model, &now, effect, slot, count) else { continue };
+        if one.changed {
+            places.extend(own);
+        }
+        found.push(one);
+    }
+    let shifts = if places.is_empty() { Vec::new() } else { shifts(&now, &places) };
+    Ok(Changed { effects: found, shifts })
+}
+
+/// As [`changed`], where the model in use is one of the very IMU, holds effects, and can be compared.
+pub fn changed_since(model: &AugmentedModel, campaign: &Campaign) -> Option<Changed> {
+    let identified = model.identified.as_ref().filter(|identified| !identified.effects.is_empty())?;
+    changed(identified, campaign).ok()
+}
+
+/// The comparison, and the places of the coefficients in the campaign's own fit with the model's values.
+fn held_against(
+    model: &Identified,
+    now: &Identified,
+    effect: usize,
+    slot: Option<Slot>,
+    count: usize,
+) -> Option<(ChangedEffect, Vec<(usize, f64)>)> {
+    let adopted = &now.effects[effect];
+    let of = |identified: &Identified, effect: usize| -> Vec<usize> {
+        let places = identified.of_effect(effect).into_iter();
+        places.filter(|place| identified.coefficients[*place].slot == slot).collect()
+    };
+    let then = of(model, model.effects.iter().position(|known| known == adopted)?);
+    let own = of(now, effect);
+    if then.len() != own.len() || then.is_empty() {
+        return None;
+    }
+    let values = |identified: &Identified, places: &[usize]| identified.values().select_rows(places);
+    let block =
+        |identified: &Identified, places: &[usize]| identified.covariance.select_rows(places).select_columns(places);
+    let difference = values(now, &own) - values(model, &then);
+    let covariance = block(now, &own) + block(model, &then);
+    let statistic = difference.dot(&(scaled_inverse(&covariance)? * &difference));
+    let alone = chi2_tail(statistic, own.len()).unwrap_or(1.0);
+    // 1 - (1 - p)^n without losing small p.
+    let p_value = -f64::exp_m1(count as f64 * f64::ln_1p(-alone.min(1.0 - 1e-16)));
+    let names = adopted.effect.entry().coefficients(adopted.shape);
+    let coefficients = names.into_iter().enumerate().map(|(m, coefficient)| {
+        let pair = |identified: &Identified, place: usize| [identified.coefficients[place].value, identified.sd(place)];
+        (coefficient, pair(model, then[m]), pair(now, own[m]))
+    });
+    let one = ChangedEffect {
+        effect: adopted.effect,
+        slot,
+        coefficients: coefficients.collect(),
+        p_value,
+        changed: p_value < CHANGED,
+    };
+    Some((one, own.into_iter().zip(values(model, &then).iter().copied()).collect()))
+}
+
+/// D_I and D_S with the effects as the campaign has them, less those with the model's.
+fn shifts(now: &Identified, changed: &[(usize, f64)]) -> Vec<DriftShift> {
+    let free = Knowledge { values: now.values(), covariance: now.covariance.clone() };
+    let mut held = free.clone();
+    let places: Vec<usize> = changed.iter().map(|(place, _)| *place).collect();
+    held.condition(&places, &DVector::from_iterator(changed.len(), changed.iter().map(|(_, value)| *value)));
+    let mut all = Vec::new();
+    for gyro in &now.gyros {
+        let of = |k: &Knowledge| Some(now.separation(gyro.slot, &k.values, &k.covariance)?.rigid);
+        let (Some(free), Some(held)) = (of(&free), of(&held)) else { continue };
+        // The variance of a fit less that of the same fit with something known is the variance of their difference.
+        let variance = |rigid: &Rigid, i: usize| rigid.covariance.map_or(0.0, |c| c[(i, i)]);
+        for (i, (coefficient, shift)) in
+            [("D_I", free.d_i - held.d_i), ("D_S", free.d_s - held.d_s)].into_iter().enumerate()
+        {
+            let sd = (variance(&free, i) - variance(&held, i)).max(0.0).sqrt();
+            all.push(DriftShift { slot: gyro.slot, coefficient, shift, sd });
+        }
+    }
+    all
+}

@@ -1,0 +1,399 @@
+//! How far a forecast came true, and how much of its error goes away with the adopted effects.
+//!
+//! Errors of one forecast are correlated: all come from one set of coefficients. Taken dwell by dwell, each held
+//! against the forecast and the dwells before it, they are independent:
+//!
+//! ```text
+//! z_i = (y_i - x_i.theta_i)/sqrt(x_i'C_i x_i + s_i^2)
+//! ```
+//!
+//! with `theta_i`, `C_i` as the dwells before `i` leave them (the innovations of a Kalman filter). The probability
+//! integral transform and the chi-square test are of those.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::forecast::{Forecast, foretold};
+use super::identified::Identified;
+use super::programme::{Knowledge, NoForecast, Programme};
+use crate::core::campaign::Campaign;
+use crate::core::effects::Effect;
+use crate::core::mounting::Slot;
+use crate::core::numerics::normal::{normal_cdf, normal_quantile};
+use crate::core::numerics::tails::{chi2_tail, f_tail};
+
+/// Chance, over all dwells, below which a dwell has missed its forecast.
+const MISSED: f64 = 0.01;
+/// Of a two-sided interval of 95 %.
+const NORMAL_95: f64 = 1.959_963_985;
+
+/// A forecast held against what was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    pub forecast: Forecast,
+    pub gyros: Vec<GyroComparison>,
+    /// Dwells and gyros that were foretold.
+    pub count: usize,
+    /// Root mean square of error over stated standard deviation.
+    pub rms_over_sd: f64,
+    /// Root mean square of the error, weighted by 1/noise^2, and of the noise alone, deg/h.
+    pub rms_deg_per_h: f64,
+    pub noise_deg_per_h: f64,
+    /// That the errors are as large if model and noise are right.
+    pub p_value: f64,
+    /// Kolmogorov's test that the probability integral transform is uniform.
+    pub pit_p_value: f64,
+    /// The transform of each independent error, in the order of the rows.
+    pub pit: Vec<f64>,
+    /// Beyond what chance has over all dwells, the furthest first.
+    pub missed: Vec<Miss>,
+    /// None where the model holds no effects.
+    pub closing: Option<Closing>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct GyroComparison {
+    pub slot: Slot,
+    /// Measured less foretold, pulse/s, by dwell.
+    pub error: Vec<f64>,
+    /// Over the stated standard deviation; zero where nothing was foretold.
+    pub z: Vec<f64>,
+    pub rms_over_sd: f64,
+    /// That the errors of this gyro are as large.
+    pub p_value: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Miss {
+    pub slot: Slot,
+    pub dwell: usize,
+    pub z: f64,
+}
+
+/// How much of the forecast error above the noise goes away with the adopted effects.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Closing {
+    /// Root mean square of the error without and with them, deg/h.
+    pub before_deg_per_h: f64,
+    pub after_deg_per_h: f64,
+    /// 1 - (after^2 - noise^2)/(before^2 - noise^2), at most 1.
+    pub closure: f64,
+    /// 95 %; none where the error without them does not exceed the noise.
+    pub interval: Option<[f64; 2]>,
+}
+
+/// One step of the ladder.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rung {
+    /// The effect that this step adds; none for model (6) alone.
+    pub effect: Option<Effect>,
+    pub rms_deg_per_h: f64,
+    pub rms_over_sd: f64,
+}
+
+/// Holds a measured campaign against its forecast.
+///
+/// # Errors
+/// [`NoForecast`]; also where the model was fitted to the campaign.
+pub fn compare(model: &Identified, campaign: &Campaign) -> Result<Comparison, NoForecast> {
+    let programme = Programme::of_another(model, campaign)?;
+    let knowledge = Knowledge::of(model, campaign, model.effects.len());
+    let measured = programme.measured(campaign);
+    let mut compared = compared(&programme, &knowledge, &measured);
+    if !model.effects.is_empty() {
+        let plain = Knowledge::of(model, campaign, 0);
+        compared.closing = Some(Weighed::of(&programme, &knowledge, &plain, &compared.forecast).seen(&measured));
+    }
+    Ok(compared)
+}
+
+/// What the model promises of [`Closing`] before the campaign is measured.
+///
+/// # Errors
+/// As [`compare`].
+pub fn promised(model: &Identified, campaign: &Campaign) -> Result<Option<Closing>, NoForecast> {
+    if model.effects.is_empty() {
+        return Ok(None);
+    }
+    let programme = Programme::of(model, campaign)?;
+    let (knowledge, plain) = (Knowledge::of(model, campaign, model.effects.len()), Knowledge::of(model, campaign, 0));
+    let forecast = foretold(&programme, &knowledge);
+    Ok(Some(Weighed::of(&programme, &knowledge, &plain, &forecast).promised()))
+}
+
+/// Model (6) alone, then effect by effect: the error of each one's forecast.
+///
+/// # Errors
+/// As [`compare`].
+pub fn ladder(model: &Identified, campaign: &Campaign) -> Result<Vec<Rung>, NoForecast> {
+    let programme = Programme::of_another(model, campaign)?;
+    let measured = programme.measured(campaign);
+    let rung = |effects: usize| {
+        let compared = compared(&programme, &Knowledge::of(model, campaign, effects), &measured);
+        Rung {
+            effect: effects.checked_sub(1).map(|last| model.effects[last].effect),
+            rms_deg_per_h: compared.rms_deg_per_h,
+            rms_over_sd: compared.rms_over_sd,
+        }
+    };
+    Ok((0..=model.effects.len()).map(rung).collect())
+}
+
+fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64>) -> Comparison {
+    let forecast = foretold(programme, knowledge);
+    let n = programme.dwells;
+    let innovations = innovations(programme, knowledge, measured, &forecast);
+    let mut gyros = Vec::new();
+    let mut missed = Vec::new();
+    let (mut squares, mut count) = (0.0, 0);
+    let (mut errors, mut weights) = (0.0, 0.0);
+    for (j, gyro) in forecast.gyros.iter().enumerate() {
+        let error: Vec<f64> =
+            (0..n).map(|k| measured[j * n + k] + programme.held[j * n + k] - gyro.predicted[k]).collect();
+        let z: Vec<f64> = (0..n).map(|k| if gyro.foretold[k] { error[k] / gyro.sd[k] } else { 0.0 }).collect();
+        let told: Vec<usize> = (0..n).filter(|k| gyro.foretold[*k]).collect();
+        let of_gyro: f64 = z.iter().map(|z| z * z).sum();
+        let independent: f64 = told.iter().map(|k| innovations[j * n + k].powi(2)).sum();
+        for k in &told {
+            let weight = (gyro.scale / gyro.noise[*k]).powi(2);
+            errors += weight * (error[*k] / gyro.scale).powi(2);
+            weights += weight;
+            missed.push(Miss { slot: gyro.slot, dwell: *k, z: z[*k] });
+        }
+        squares += of_gyro;
+        count += told.len();
+        gyros.push(GyroComparison {
+            slot: gyro.slot,
+            error,
+            z,
+            rms_over_sd: (of_gyro / told.len().max(1) as f64).sqrt(),
+            p_value: as_large(independent, told.len(), programme.gyros[j].dof),
+        });
+    }
+    let each = 1.0 - (1.0 - MISSED).powf(1.0 / count.max(1) as f64);
+    let limit = -normal_quantile(0.5 * each);
+    missed.retain(|miss| miss.z.abs() > limit);
+    missed.sort_by(|a, b| b.z.abs().total_cmp(&a.z.abs()));
+    let told = |i: &usize| forecast.gyros[*i / n].foretold[*i % n];
+    let independent: Vec<f64> = (0..innovations.len()).filter(told).map(|i| innovations[i]).collect();
+    let pit: Vec<f64> = independent.iter().map(|z| normal_cdf(*z)).collect();
+    Comparison {
+        gyros,
+        count,
+        rms_over_sd: (squares / count.max(1) as f64).sqrt(),
+        rms_deg_per_h: (errors / weights).sqrt(),
+        noise_deg_per_h: (count as f64 / weights).sqrt(),
+        p_value: as_large(independent.iter().map(|z| z * z).sum(), count, scale_dof(programme)),
+        pit_p_value: kolmogorov(&pit),
+        pit,
+        missed,
+        closing: None,
+        forecast,
+    }
+}
+
+/// P of a sum of squares as large over a noise that `dof` degrees of freedom tell: F, chi-square for a known noise.
+fn as_large(squares: f64, count: usize, dof: f64) -> f64 {
+    if count == 0 {
+        return 1.0;
+    }
+    if dof.is_finite() {
+        f_tail(squares / count as f64, count as f64, dof)
+    } else {
+        chi2_tail(squares, count).unwrap_or(1.0)
+    }
+}
+
+/// Degrees of freedom of the noise of all gyros together: one scale is known as well as by any of them, scales of
+/// their own add up.
+fn scale_dof(programme: &Programme) -> f64 {
+    let dof = programme.gyros.iter().map(|gyro| gyro.dof);
+    if programme.one_scale { dof.fold(f64::INFINITY, f64::min) } else { dof.sum() }
+}
+
+/// Errors one by one, each over its standard deviation given those before; zero where nothing is foretold.
+fn innovations(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64>, forecast: &Forecast) -> Vec<f64> {
+    let n = programme.dwells;
+    let (mut values, mut covariance) = (knowledge.values.clone(), knowledge.covariance.clone());
+    let mut found = vec![0.0; measured.len()];
+    for (i, found) in found.iter_mut().enumerate() {
+        if !forecast.gyros[i / n].foretold[i % n] {
+            continue;
+        }
+        let row = programme.columns.row(i).transpose();
+        let spread = &covariance * &row;
+        let variance = row.dot(&spread).max(0.0) + programme.noise[i].powi(2);
+        let error = measured[i] - row.dot(&values);
+        *found = error / variance.sqrt();
+        values.axpy(error / variance, &spread, 1.0);
+        covariance.ger(-1.0 / variance, &spread, &spread, 1.0);
+    }
+    found
+}
+
+/// P of Kolmogorov's statistic for numbers that should be uniform (Stephens 1970).
+pub(super) fn kolmogorov(uniform: &[f64]) -> f64 {
+    let mut sorted = uniform.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len() as f64;
+    if sorted.is_empty() {
+        return 1.0;
+    }
+    let away = |(i, u): (usize, &f64)| ((i as f64 + 1.0) / n - u).max(u - i as f64 / n);
+    let distance = sorted.iter().enumerate().map(away).fold(0.0, f64::max);
+    let x = (n.sqrt() + 0.12 + 0.11 / n.sqrt()) * distance;
+    let term = |k: i32| f64::from(if k % 2 == 1 { 2 } else { -2 }) * (-2.0 * f64::from(k * k) * x * x).exp();
+    if x < 0.3 { 1.0 } else { (1..=100).map(term).sum::<f64>().clamp(0.0, 1.0) }
+}
+
+/// The two forecasts over the noise: with the effects and without them.
+///
+/// With `W = 1/noise^2` and `d` the difference of the forecasts, `A = e'We - N` and `B = (e + d)'W(e + d) - N` are what
+/// the errors with and without the effects exceed the noise by. Both are quadratic in normal errors, and their ratio
+/// has Fieller's interval.
+struct Weighed {
+    /// Rows that are foretold.
+    rows: Vec<usize>,
+    predicted: DVector<f64>,
+    weight: DVector<f64>,
+    difference: DVector<f64>,
+    /// tr(CM), tr((CM)^2), tr((CM)^3); M = X'WX.
+    traces: [f64; 3],
+    /// d'Wd, d'WPWd, d'WPWPWd; P = XCX'.
+    powers: [f64; 3],
+    /// rms over sqrt of a mean square in units of the noise, deg/h.
+    unit: f64,
+    /// Degrees of freedom that the noise is known by: it is in A and B alike, N^2 2/dof.
+    dof: f64,
+}
+
+impl Weighed {
+    fn of(programme: &Programme, with: &Knowledge, without: &Knowledge, forecast: &Forecast) -> Self {
+        let n = programme.dwells;
+        let rows: Vec<usize> = (0..programme.noise.len()).filter(|i| forecast.gyros[i / n].foretold[i % n]).collect();
+        let x = programme.columns.select_rows(&rows);
+        let weight = programme.noise.select_rows(&rows).map(|s| s.powi(-2));
+        let (predicted, difference) = (&x * &with.values, &x * (&with.values - &without.values));
+        let weighted = DMatrix::from_fn(x.nrows(), x.ncols(), |i, c| x[(i, c)] * weight[i]);
+        let cm = &with.covariance * x.tr_mul(&weighted);
+        let squared = &cm * &cm;
+        let along = weighted.tr_mul(&difference);
+        let spread = &with.covariance * &along;
+        let scales: f64 = rows.iter().map(|i| (programme.gyros[i / n].scale / programme.noise[*i]).powi(2)).sum();
+        Self {
+            traces: [cm.trace(), squared.trace(), (&squared * &cm).trace()],
+            powers: [
+                difference.component_mul(&difference).dot(&weight),
+                along.dot(&spread),
+                spread.dot(&x.tr_mul(&weighted).tr_mul(&spread)),
+            ],
+            unit: (rows.len() as f64 / scales).sqrt(),
+            dof: scale_dof(programme),
+            rows,
+            predicted,
+            weight,
+            difference,
+        }
+    }
+
+    /// A is a sum of squares few of which may be large: the errors of a few coefficients. The quantiles of A - r B are
+    /// those of Pearson's type III with its first three cumulants.
+    fn promised(&self) -> Closing {
+        let n = self.rows.len() as f64;
+        let [t1, t2, t3] = self.traces;
+        let [p1, p2, p3] = self.powers;
+        let below_zero = |r: f64, quantile: f64| {
+            let (own, rest) = (1.0 - r, 4.0 * r * r);
+            let mean = own * t1 - r * p1;
+            let of_noise = 2.0 * n * n / self.dof;
+            let sd = (own * own * (2.0 * (n + 2.0 * t1 + t2) + of_noise) + rest * (p1 + p2)).sqrt();
+            let third = own.powi(3) * 8.0 * (n + 3.0 * t1 + 3.0 * t2 + t3) + 6.0 * own * rest * (p1 + 2.0 * p2 + p3);
+            -mean - sd * pearson(quantile, third / sd.powi(3))
+        };
+        let root = |quantile: f64| {
+            let (mut low, mut high) = (-3.0, 1.0);
+            if below_zero(low, quantile) > 0.0 || below_zero(high, quantile) < 0.0 {
+                return None;
+            }
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if below_zero(middle, quantile) < 0.0 { low = middle } else { high = middle }
+            }
+            Some(1.0 - high)
+        };
+        let interval = root(0.975).zip(root(0.025)).map(|(low, high)| [low.min(1.0), high.min(1.0)]);
+        let rms = |excess: f64| self.unit * ((excess + n) / n).sqrt();
+        Closing {
+            before_deg_per_h: rms(t1 + p1),
+            after_deg_per_h: rms(t1),
+            closure: p1 / (t1 + p1).max(f64::MIN_POSITIVE),
+            interval,
+        }
+    }
+
+    fn seen(&self, measured: &DVector<f64>) -> Closing {
+        let n = self.rows.len() as f64;
+        let with = measured.select_rows(&self.rows) - &self.predicted;
+        let without = &with + &self.difference;
+        let product = |x: &DVector<f64>, y: &DVector<f64>| x.component_mul(y).dot(&self.weight) - n;
+        let (a, b, c) = (product(&with, &with), product(&without, &without), product(&with, &without));
+        let variance = |x: f64| 2.0 * n + 4.0 * x.max(0.0);
+        self.closing(a, b, variance(a), variance(b), 2.0 * n + 4.0 * c.max(0.0))
+    }
+
+    /// Of excesses `a`, `b`, their variances and covariance.
+    fn closing(&self, a: f64, b: f64, of_a: f64, of_b: f64, of_both: f64) -> Closing {
+        let n = self.rows.len() as f64;
+        let rms = |excess: f64| self.unit * ((excess + n).max(0.0) / n).sqrt();
+        let closure = |ratio: f64| (1.0 - ratio).min(1.0);
+        let z = NORMAL_95 * NORMAL_95;
+        let [of_a, of_b, of_both] = [of_a, of_b, of_both].map(|v| v + 2.0 * n * n / self.dof);
+        // (a - r b)^2 = z^2 (var a - 2 r cov + r^2 var b).
+        let (square, half, rest) = (b * b - z * of_b, a * b - z * of_both, a * a - z * of_a);
+        let root = half * half - square * rest;
+        let bounded = b > 0.0 && square > 0.0 && root >= 0.0;
+        let interval = bounded.then(|| [1.0, -1.0].map(|sign| closure((half + sign * root.sqrt()) / square)));
+        Closing {
+            before_deg_per_h: rms(b),
+            after_deg_per_h: rms(a),
+            closure: if b > 0.0 { closure(a / b) } else { 0.0 },
+            interval,
+        }
+    }
+}
+
+/// Quantile of Pearson's type III with mean 0, variance 1 and this skewness (Wilson and Hilferty 1931).
+fn pearson(quantile: f64, skewness: f64) -> f64 {
+    let z = normal_quantile(quantile);
+    if skewness.abs() < 1e-6 {
+        return z;
+    }
+    let g = skewness / 6.0;
+    ((1.0 + g * z - g * g).powi(3) - 1.0) / (3.0 * g)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_of_pearsons_type_iii_are_those_of_chi_square() {
+        // Upper and lower 2.5 % of 8 degrees of freedom: 17.535 and 2.180 (Pearson and Hartley); skewness sqrt(8/8).
+        for (p, chi2) in [(0.975, 17.535), (0.025, 2.180)] {
+            let found = 8.0 + 4.0 * pearson(p, 1.0);
+            assert!((found / chi2 - 1.0).abs() < 0.02, "{found} {chi2}");
+        }
+    }
+
+    #[test]
+    fn kolmogorovs_p_is_that_of_the_tables() {
+        // sqrt(n) D = 1.358 has p = 0.05, 1.628 has p = 0.01 for many numbers (Smirnov 1948).
+        let n = 40_000;
+        for (x, p) in [(1.358, 0.05), (1.628, 0.01)] {
+            let shift = x / f64::from(n).sqrt();
+            let moved: Vec<f64> = (0..n).map(|i| (f64::from(i) + 0.5) / f64::from(n) * (1.0 - shift)).collect();
+            assert!((kolmogorov(&moved) / p - 1.0).abs() < 0.05, "{x}: {}", kolmogorov(&moved));
+        }
+        let even: Vec<f64> = (0..500).map(|i| (f64::from(i) + 0.5) / 500.0).collect();
+        assert_eq!(kolmogorov(&even), 1.0);
+    }
+}

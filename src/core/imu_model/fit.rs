@@ -1,0 +1,535 @@
+//! From campaigns of one IMU to its model: one weighted fit of all gyros and campaigns together.
+//!
+//! ```text
+//! y_cjk = x_cjk.(theta + delta_c) + noise,     delta_c ~ N(0, tau^2)
+//! ```
+//!
+//! with `theta` the coefficients, gyros `j`, campaigns `c`, dwells `k`. `delta` is what D0, G and E do from campaign to
+//! campaign beyond their noise (power-ups, seats, ageing). `tau` of each of the three families comes from the
+//! campaigns' own fits (DerSimonian and Laird 1986) and is zero where their scatter is within their noise. The weights
+//! are the noise that each campaign's own calibration finds.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::columns::columns;
+use super::identified::{FittedCampaign, Identified, ModelCoefficient, ModelGyro, NoiseLaw, Of, Validity};
+use crate::core::augmented::{Adopted, AugmentedModel, KnownEffect, Provenance};
+use crate::core::calibrate::design::Design;
+use crate::core::calibrate::noise::Source;
+use crate::core::calibrate::{Calibration, calibrate_referred};
+use crate::core::campaign::{Campaign, CampaignGyro, Dwell, Temperatures, TestKind};
+use crate::core::effects::{Estimate, GyroAxes, Refusal, Scope, Setting, axes};
+use crate::core::message::{Message, text};
+use crate::core::model::{Term, Terms};
+use crate::core::mounting::Slot;
+use crate::core::numerics::least_squares::Factor;
+use crate::core::numerics::tails::chi2_tail;
+use crate::core::record::Name;
+use crate::message;
+
+/// One campaign to fit.
+#[derive(Debug, Clone)]
+pub struct Sample<'a> {
+    pub campaign: &'a Campaign,
+    /// Its identifier or the hash of its document.
+    pub source: Option<String>,
+    /// Effects of this campaign and of no other.
+    pub occasions: Vec<Adopted>,
+}
+
+/// Why campaigns make no model of one IMU.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NotIdentified {
+    #[error("no campaign")]
+    NoCampaign,
+    #[error("a bench test of one gyro is no campaign of an IMU")]
+    BenchTest,
+    #[error("campaigns of IMU {first} and of {other}")]
+    OtherImu { first: Name, other: Name },
+    #[error("the campaigns have different geometries")]
+    OtherGeometry,
+    #[error("{} was {first} and is {other}", .slot.name())]
+    GyroExchanged { slot: Slot, first: Name, other: Name },
+    #[error("the campaigns have different gyros, or hold another E")]
+    OtherGyros,
+    #[error("two campaigns of one instant")]
+    SameInstant,
+    #[error("nothing gives the noise of {}", .0.name())]
+    NoNoise(Slot),
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+}
+
+impl NotIdentified {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::NoCampaign => message!("no_campaign_to_fit"),
+            Self::BenchTest => message!("bench_test_has_no_model"),
+            Self::OtherImu { first, other } => {
+                message!("campaigns_of_other_imu", first = text(first), other = text(other))
+            }
+            Self::OtherGeometry => message!("campaigns_of_other_geometry"),
+            Self::GyroExchanged { slot, first, other } => {
+                message!("campaigns_of_other_gyro", slot = slot.name(), first = text(first), other = text(other))
+            }
+            Self::OtherGyros => message!("campaigns_of_other_gyros"),
+            Self::SameInstant => message!("campaigns_of_one_instant"),
+            Self::NoNoise(slot) => message!("model_without_noise", slot = slot.name()),
+            Self::Refused(why) => why.message(),
+        }
+    }
+}
+
+/// Directions of specific force nearer than this are one, cosine of 10 degrees.
+const SAME_DIRECTION: f64 = 0.985;
+/// Standard deviation along what no campaign shows, in the units of model (6) and above: beyond anything possible.
+const UNKNOWN: f64 = 100.0;
+/// Chance below which campaigns differ by more than their noise.
+const BEYOND_NOISE: f64 = 0.05;
+/// Families of coefficients that may differ from campaign to campaign.
+const FAMILIES: [Term; 3] = [Term::Bias, Term::GLinear, Term::Scale];
+
+/// Fits `model`'s terms and effects to campaigns of one IMU, at their mean temperature.
+///
+/// # Errors
+/// [`NotIdentified`], naming what does not fit together.
+pub fn identify(samples: &[Sample], model: &AugmentedModel) -> Result<Identified, NotIdentified> {
+    identify_at(samples, model, mean_temperature(samples))
+}
+
+/// As [`identify`], at a temperature that is given.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_at(
+    samples: &[Sample],
+    model: &AugmentedModel,
+    reference_c: Option<f64>,
+) -> Result<Identified, NotIdentified> {
+    let mut samples = samples.to_vec();
+    samples.sort_by_key(|sample| sample.campaign.measured_at);
+    check(&samples)?;
+    let newest = samples.last().ok_or(NotIdentified::NoCampaign)?.campaign;
+    let adopted = || model.effects.iter().map(|known| &known.adopted);
+    let of_model_6 = adopted().filter_map(|a| a.effect.term());
+    let terms: Vec<Term> = model.terms.unwrap_or_else(|| newest.terms()).iter().chain(of_model_6).collect();
+    let terms = Terms::of(&terms);
+    let lasts = |a: &&Adopted| {
+        let entry = a.effect.entry();
+        a.effect.term().is_none() && !entry.one_occasion && !entry.closure_only
+    };
+    let mut effects: Vec<Adopted> = adopted().filter(lasts).cloned().collect();
+    let axes = axes_of(&samples)?;
+    loop {
+        let problem = Problem::new(&samples, terms, &effects, reference_c, &axes)?;
+        match problem.undetermined() {
+            Some(effect) => _ = effects.remove(effect),
+            None => return Ok(problem.solved(&effects)),
+        }
+    }
+}
+
+fn check(samples: &[Sample]) -> Result<(), NotIdentified> {
+    let first = samples.first().ok_or(NotIdentified::NoCampaign)?.campaign;
+    for sample in samples {
+        let c = sample.campaign;
+        if c.test != TestKind::Imu {
+            return Err(NotIdentified::BenchTest);
+        }
+        if c.imu != first.imu {
+            return Err(NotIdentified::OtherImu { first: first.imu.clone(), other: c.imu.clone() });
+        }
+        if !c.geometry.is_same(&first.geometry) {
+            return Err(NotIdentified::OtherGeometry);
+        }
+        for gyro in &c.gyros {
+            let other = first.gyros.iter().find(|g| g.slot == gyro.slot).ok_or(NotIdentified::OtherGyros)?;
+            if other.serial != gyro.serial {
+                let (first, other) = (other.serial.clone(), gyro.serial.clone());
+                return Err(NotIdentified::GyroExchanged { slot: gyro.slot, first, other });
+            }
+        }
+        let held = |c: &Campaign| c.gyros.iter().map(|g| (g.slot, g.known_e)).collect::<Vec<_>>();
+        if held(c) != held(first) {
+            return Err(NotIdentified::OtherGyros);
+        }
+    }
+    let at_once = samples.windows(2).any(|pair| pair[0].campaign.measured_at == pair[1].campaign.measured_at);
+    if at_once { Err(NotIdentified::SameInstant) } else { Ok(()) }
+}
+
+fn mean_temperature(samples: &[Sample]) -> Option<f64> {
+    let known: Vec<f64> = samples.iter().filter_map(|s| Temperatures::of(s.campaign).filled).flatten().collect();
+    (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+}
+
+/// Axes as the campaign with the fastest rate shows them.
+fn axes_of(samples: &[Sample]) -> Result<Vec<GyroAxes>, Refusal> {
+    let fastest = samples.iter().max_by(|a, b| fastest(a.campaign).total_cmp(&fastest(b.campaign)));
+    Ok(fastest.map(|s| axes::setting(s.campaign)).transpose()?.map(|(s, _)| s.gyros).unwrap_or_default())
+}
+
+fn fastest(campaign: &Campaign) -> f64 {
+    campaign.dwells.iter().map(|d| d.rate_arcsec_s.norm()).fold(0.0, f64::max)
+}
+
+/// One campaign on its way into the fit.
+struct Part<'a> {
+    sample: &'a Sample<'a>,
+    calibration: Calibration,
+    setting: Setting,
+    /// Of the noise, gyro by gyro.
+    sd: Vec<Vec<f64>>,
+    scales: Vec<Scale>,
+}
+
+/// How far outputs of one gyro scatter about the model.
+#[derive(Debug, Clone, Copy)]
+struct Scale {
+    /// Over the standard deviations that the calibration finds.
+    of_sigma: f64,
+    /// Over the standard errors as stated, or 1 pulse/s.
+    of_weights: f64,
+    dof: f64,
+}
+
+impl Scale {
+    /// As the calibration's covariance has it. Where repeats scatter less than the residuals do, the residuals count:
+    /// what the model leaves out is in the next campaign, too.
+    fn of(calibration: &Calibration, j: usize) -> Option<Self> {
+        let gyro = &calibration.gyros[j];
+        let factor = gyro.noise.factor.filter(|f| *f > 0.0)?;
+        let found = gyro.noise.covariance_scale()?.sqrt();
+        let by_repeats = matches!(gyro.noise.source, Source::SemAndRepeats | Source::Repeats);
+        let gyros = if calibration.has_sem { &calibration.gyros[..] } else { std::slice::from_ref(gyro) };
+        let squares: f64 =
+            gyros.iter().filter_map(|g| Some(g.residuals.component_div(g.sigma.as_ref()?).norm_squared())).sum();
+        let dof = gyros.iter().map(|g| g.dof).sum::<usize>() as f64;
+        let of_residuals = (squares / (dof - 2.0)).sqrt();
+        if by_repeats && dof > 2.0 && of_residuals * factor > found {
+            return Some(Self { of_sigma: of_residuals, of_weights: of_residuals * factor, dof });
+        }
+        Some(Self { of_sigma: found / factor, of_weights: found, dof: gyro.noise.dof })
+    }
+}
+
+struct Problem<'a> {
+    parts: Vec<Part<'a>>,
+    terms: Terms,
+    reference_c: Option<f64>,
+    coefficients: Vec<ModelCoefficient>,
+    /// From what is fitted to the coefficients: the gauge of P at constant |a|.
+    expand: DMatrix<f64>,
+    factor: Factor,
+    side: DVector<f64>,
+}
+
+impl<'a> Problem<'a> {
+    fn new(
+        samples: &'a [Sample<'a>],
+        terms: Terms,
+        effects: &[Adopted],
+        reference_c: Option<f64>,
+        axes: &[GyroAxes],
+    ) -> Result<Self, NotIdentified> {
+        let part = |sample: &'a Sample<'a>| -> Result<Part<'a>, NotIdentified> {
+            let c = sample.campaign;
+            let all: Vec<Adopted> = effects.iter().chain(&sample.occasions).cloned().collect();
+            let calibration = calibrate_referred(c, terms, &all, reference_c);
+            let scales =
+                (0..c.gyros.len()).map(|j| Scale::of(&calibration, j).ok_or(NotIdentified::NoNoise(c.gyros[j].slot)));
+            let scales = scales.collect::<Result<Vec<Scale>, _>>()?;
+            let sd = calibration.gyros.iter().zip(&scales).map(|(gyro, scale)| {
+                gyro.sigma.iter().flat_map(|sigma| sigma.iter()).map(|s| s * scale.of_sigma).collect()
+            });
+            let sd = sd.collect();
+            let setting = Setting::of(c, axes.to_vec()).referred_to(c, reference_c);
+            Ok(Part { sample, calibration, setting, sd, scales })
+        };
+        let parts = samples.iter().map(part).collect::<Result<Vec<_>, _>>()?;
+        let between = between(&parts);
+        let coefficients = coefficients(&samples[0].campaign.gyros, terms, effects, axes, &between);
+        let dwells: Vec<Dwell> = samples.iter().flat_map(|s| s.campaign.dwells.iter().cloned()).collect();
+        let expand = expand(&coefficients, Design::new(&dwells, terms).gauge.is_some());
+        let (factor, side) = stacked(&parts, &coefficients, effects, &expand);
+        Ok(Self { parts, terms, reference_c, coefficients, expand, factor, side })
+    }
+
+    /// An effect that the campaigns do not tell from the rest.
+    fn undetermined(&self) -> Option<usize> {
+        let of = |place: usize| match self.coefficients[place].of {
+            Of::Effect(effect, _) => Some(effect),
+            Of::Term(..) => None,
+        };
+        let width = self.factor.covariance().nrows();
+        (0..self.coefficients.len()).find_map(|place| {
+            let effect = of(place)?;
+            let direction = self.expand.row(place).transpose().resize_vertically(width, 0.0);
+            (!self.factor.determines(&direction)).then_some(effect)
+        })
+    }
+
+    fn solved(self, effects: &[Adopted]) -> Identified {
+        let q = self.expand.ncols();
+        let fit = self.factor.fit(&self.side);
+        let values = &self.expand * fit.estimate.rows(0, q);
+        let mut covariance = &self.expand * fit.covariance.view((0, 0), (q, q)) * self.expand.transpose();
+        for null in fit.null_directions.column_iter() {
+            let unseen = &self.expand * null.rows(0, q) * UNKNOWN;
+            covariance += &unseen * unseen.transpose();
+        }
+        covariance = 0.5 * (&covariance + covariance.transpose());
+        let mut coefficients = self.coefficients;
+        coefficients.iter_mut().zip(values.iter()).for_each(|(c, value)| c.value = *value);
+        let newest = self.parts[self.parts.len() - 1].sample.campaign;
+        let gyros = newest.gyros.iter().enumerate().map(|(j, gyro)| {
+            let axes = &self.parts[0].setting.gyros[j];
+            ModelGyro {
+                slot: gyro.slot,
+                serial: gyro.serial.clone(),
+                e_held: gyro.known_e.is_some(),
+                e: gyro.known_e.unwrap_or(axes.scale * axes.input),
+                g: axes.scale * axes.g,
+                noise: noise(&self.parts, j),
+            }
+        });
+        Identified {
+            imu: newest.imu.clone(),
+            geometry: newest.geometry.clone(),
+            terms: self.terms,
+            reference_c: self.reference_c,
+            measured_at: newest.measured_at,
+            gyros: gyros.collect(),
+            effects: effects.to_vec(),
+            coefficients,
+            covariance,
+            campaigns: self.parts.iter().map(|part| fitted(part.sample)).collect(),
+            validity: validity(&self.parts),
+        }
+    }
+}
+
+fn coefficients(
+    gyros: &[CampaignGyro],
+    terms: Terms,
+    effects: &[Adopted],
+    axes: &[GyroAxes],
+    between: &[f64; 3],
+) -> Vec<ModelCoefficient> {
+    let mut all = Vec::new();
+    for (gyro, axes) in gyros.iter().zip(axes) {
+        let slot = Some(gyro.slot);
+        for term in terms.iter().filter(|term| *term != Term::Scale || gyro.known_e.is_none()) {
+            let family = FAMILIES.iter().position(|family| *family == term);
+            let between = family.map_or(0.0, |family| between[family] * axes.scale);
+            let one = |part| ModelCoefficient { slot, of: Of::Term(term, part), value: 0.0, between };
+            all.extend((0..term.columns()).map(one));
+        }
+        for (e, adopted) in effects.iter().enumerate().filter(|(_, a)| a.slots.contains(&gyro.slot)) {
+            let entry = adopted.effect.entry();
+            let count = if entry.scope == Scope::Gyro { entry.coefficients(adopted.shape).len() } else { 0 };
+            all.extend((0..count).map(|m| ModelCoefficient { slot, of: Of::Effect(e, m), value: 0.0, between: 0.0 }));
+        }
+    }
+    for (e, adopted) in effects.iter().enumerate().filter(|(_, a)| a.effect.entry().scope == Scope::Common) {
+        let count = adopted.effect.entry().coefficients(adopted.shape).len();
+        all.extend((0..count).map(|m| ModelCoefficient { slot: None, of: Of::Effect(e, m), value: 0.0, between: 0.0 }));
+    }
+    all
+}
+
+/// P_x = -P_y - P_z of every gyro where the gauge holds.
+fn expand(coefficients: &[ModelCoefficient], gauged: bool) -> DMatrix<f64> {
+    let p = coefficients.len();
+    let held = |c: &ModelCoefficient| gauged && c.of == Of::Term(Term::GSquared, 0);
+    let free: Vec<usize> = (0..p).filter(|place| !held(&coefficients[*place])).collect();
+    let mut expand = DMatrix::zeros(p, free.len());
+    for (column, place) in free.iter().enumerate() {
+        expand[(*place, column)] = 1.0;
+        if gauged && matches!(coefficients[*place].of, Of::Term(Term::GSquared, _)) {
+            let of_same = |c: &ModelCoefficient| c.slot == coefficients[*place].slot && held(c);
+            if let Some(first) = coefficients.iter().position(of_same) {
+                expand[(first, column)] = -1.0;
+            }
+        }
+    }
+    expand
+}
+
+/// The design of all campaigns, their own coefficients after the common ones, and the outputs.
+fn stacked(
+    parts: &[Part],
+    coefficients: &[ModelCoefficient],
+    effects: &[Adopted],
+    expand: &DMatrix<f64>,
+) -> (Factor, DVector<f64>) {
+    let q = expand.ncols();
+    let varying: Vec<usize> = (0..coefficients.len()).filter(|c| coefficients[*c].between > 0.0).collect();
+    let own = |part: &Part| -> Vec<ModelCoefficient> {
+        let gyros = &part.sample.campaign.gyros;
+        let axes = &part.setting.gyros;
+        coefficients_of_occasions(gyros, &part.sample.occasions, axes)
+    };
+    let owns: Vec<Vec<ModelCoefficient>> = parts.iter().map(own).collect();
+    let width = q + owns.iter().map(|own| own.len() + varying.len()).sum::<usize>();
+    let rows: usize = parts.iter().map(|part| part.sd.len() * part.setting.dwells() + varying.len()).sum();
+    let (mut design, mut side, mut sd) = (DMatrix::zeros(rows, width), DVector::zeros(rows), Vec::with_capacity(rows));
+    let (mut row, mut column) = (0, q);
+    for (part, own) in parts.iter().zip(&owns) {
+        let n = part.setting.dwells();
+        let height = part.sd.len() * n;
+        let of_all = columns(&part.setting, coefficients, effects).matrix;
+        design.view_mut((row, 0), (height, q)).copy_from(&(&of_all * expand));
+        let of_own = columns(&part.setting, own, &part.sample.occasions).matrix;
+        design.view_mut((row, column), (height, own.len())).copy_from(&of_own);
+        column += own.len();
+        for (v, place) in varying.iter().enumerate() {
+            design.view_mut((row, column + v), (height, 1)).copy_from(&of_all.column(*place));
+        }
+        for (j, of_gyro) in part.sd.iter().enumerate() {
+            let e = part.sample.campaign.gyros[j].known_e;
+            for (k, dwell) in part.sample.campaign.dwells.iter().enumerate() {
+                side[row + j * n + k] = dwell.output_pulse_s[j] - e.map_or(0.0, |e| e.dot(&dwell.rate_arcsec_s));
+            }
+            sd.extend(of_gyro);
+        }
+        row += height;
+        for (v, place) in varying.iter().enumerate() {
+            design[(row, column + v)] = 1.0;
+            sd.push(coefficients[*place].between);
+            row += 1;
+        }
+        column += varying.len();
+    }
+    (Factor::new(design, &sd), side)
+}
+
+fn coefficients_of_occasions(
+    gyros: &[CampaignGyro],
+    occasions: &[Adopted],
+    axes: &[GyroAxes],
+) -> Vec<ModelCoefficient> {
+    coefficients(gyros, Terms::of(&[]), occasions, axes, &[0.0; 3])
+}
+
+/// tau of each family, over |E|: (sum Q - dof)/sum(S1 - S2/S1) over gyros and components, where Q is beyond chance.
+fn between(parts: &[Part]) -> [f64; 3] {
+    FAMILIES.map(|term| {
+        let (mut squares, mut dof, mut weight) = (0.0, 0, 0.0);
+        for j in 0..parts[0].sample.campaign.gyros.len() {
+            for i in 0..term.columns() {
+                let of_part = |part: &Part| {
+                    let parameter = part.calibration.gyros[j].of(term)?[i];
+                    let scale = part.setting.gyros[j].scale;
+                    Some((parameter.value / scale, parameter.sd.filter(|sd| *sd > 0.0)? / scale))
+                };
+                let known: Vec<(f64, f64)> = parts.iter().filter_map(of_part).collect();
+                let sum = |f: &dyn Fn(f64, f64) -> f64| known.iter().map(|(x, sd)| f(*x, sd.powi(-2))).sum::<f64>();
+                let (s1, s2) = (sum(&|_, w| w), sum(&|_, w| w * w));
+                if known.len() < 2 {
+                    continue;
+                }
+                let mean = sum(&|x, w| x * w) / s1;
+                squares += sum(&|x, w| w * (x - mean).powi(2));
+                dof += known.len() - 1;
+                weight += s1 - s2 / s1;
+            }
+        }
+        let beyond = chi2_tail(squares, dof).is_some_and(|p| p < BEYOND_NOISE);
+        if beyond { ((squares - dof as f64) / weight).max(0.0).sqrt() } else { 0.0 }
+    })
+}
+
+/// The law that the noise of gyro `j` follows over all campaigns: least squares of sd^2 in shares of itself.
+fn noise(parts: &[Part], j: usize) -> NoiseLaw {
+    let (mut uu, mut uv, mut vv, mut u1, mut v1) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    let (mut factors, mut dof) = (Vec::new(), 0.0);
+    for part in parts {
+        let axes = &part.setting.gyros[j];
+        for (k, sd) in part.sd[j].iter().enumerate() {
+            let variance = (sd / axes.scale).powi(2);
+            let (u, v) = (3600.0 / part.setting.duration[k], part.setting.rate[k].dot(&axes.input).powi(2) * 1e-12);
+            let (u, v) = (u / variance, v / variance);
+            uu += u * u;
+            uv += u * v;
+            vv += v * v;
+            u1 += u;
+            v1 += v;
+        }
+        dof += part.scales[j].dof;
+        factors.extend(part.calibration.has_sem.then(|| part.scales[j].of_weights.powi(2)));
+    }
+    let determinant = uu * vv - uv * uv;
+    let both = ((u1 * vv - v1 * uv) / determinant, (v1 * uu - u1 * uv) / determinant);
+    let (a, b) = match both {
+        (a, b) if determinant > 1e-9 * uu * vv && a > 0.0 && b >= 0.0 => (a, b),
+        (a, _) if determinant > 1e-9 * uu * vv && a <= 0.0 && vv > 0.0 => (0.0, v1 / vv),
+        _ => (u1 / uu, 0.0),
+    };
+    let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
+    NoiseLaw {
+        sem_factor: (!factors.is_empty()).then(|| mean(&factors).sqrt()),
+        random_walk: a.sqrt(),
+        rate_ppm: b.sqrt(),
+        dof,
+    }
+}
+
+fn fitted(sample: &Sample) -> FittedCampaign {
+    let c = sample.campaign;
+    FittedCampaign {
+        station: c.station.clone(),
+        measured_at: c.measured_at,
+        dwells: c.dwells.len(),
+        source: sample.source.clone(),
+    }
+}
+
+fn validity(parts: &[Part]) -> Validity {
+    let temperatures = || parts.iter().filter_map(|p| Temperatures::of(p.sample.campaign).filled).flatten();
+    let (low, high) = (temperatures().fold(f64::INFINITY, f64::min), temperatures().fold(f64::NEG_INFINITY, f64::max));
+    let mut directions: Vec<Vector3<f64>> = Vec::new();
+    for force in parts.iter().flat_map(|part| &part.setting.force).filter(|force| force.norm() > 0.0) {
+        let direction = force.normalize();
+        if directions.iter().all(|known| known.dot(&direction) < SAME_DIRECTION) {
+            directions.push(direction);
+        }
+    }
+    Validity {
+        temperature_c: (low <= high).then_some([low, high]),
+        rate_arcsec_s: parts.iter().map(|p| fastest(p.sample.campaign)).fold(0.0, f64::max),
+        directions,
+    }
+}
+
+impl Identified {
+    /// The model file of this IMU: the effects of `model` with the values that were fitted.
+    pub fn into_model(self, model: &AugmentedModel) -> AugmentedModel {
+        let estimates = |adopted: &Adopted| -> Vec<Estimate> {
+            let names = adopted.effect.entry().coefficients(adopted.shape);
+            let place = self.effects.iter().position(|own| own == adopted);
+            let places = place.map(|place| self.of_effect(place)).unwrap_or_default().into_iter();
+            let estimate = |place: usize| {
+                let own = self.coefficients[place];
+                let Of::Effect(_, number) = own.of else { return None };
+                let coefficient = names[number];
+                let (name, unit) = (coefficient.name, coefficient.unit);
+                Some(Estimate { slot: own.slot, name, value: own.value, sd: self.sd(place), unit })
+            };
+            places.filter_map(estimate).collect()
+        };
+        // What the campaigns cannot tell is left out of the model; terms have become terms.
+        let kept = model.effects.iter().filter(|known| self.effects.contains(&known.adopted));
+        let effects = kept.map(|k| KnownEffect { adopted: k.adopted.clone(), estimates: estimates(&k.adopted) });
+        let newest = self.campaigns.iter().max_by_key(|fitted| fitted.measured_at);
+        let found_in = newest.map(|newest| Provenance {
+            imu: self.imu.clone(),
+            station: newest.station.clone(),
+            measured_at: newest.measured_at,
+        });
+        let effects = effects.collect();
+        AugmentedModel { terms: Some(self.terms), effects, found_in, identified: Some(Arc::new(self)) }
+    }
+}

@@ -1,0 +1,25 @@
+//! The model of the very IMU: all its coefficients with their joint covariance, and what it says of campaigns to come.
+//!
+//! Reading order: [`identified`] (what the model is), [`effects`] (which effects it holds), [`fit`] (from campaigns to
+//! it), [`programme`] (what a campaign asks of it), [`forecast`] (what it foretells), [`comparison`] (how far that came
+//! true, and how much of the error the adopted effects take away), [`changed`] (coefficients that are others now),
+//! [`draw`] (one IMU of all that the model allows).
+
+mod changed;
+mod columns;
+mod comparison;
+mod draw;
+mod effects;
+mod fit;
+mod forecast;
+mod identified;
+mod programme;
+
+pub use changed::{Changed, ChangedEffect, DriftShift, NotCompared, changed, changed_since};
+pub use comparison::{Closing, Comparison, GyroComparison, Miss, Rung, compare, ladder, promised};
+pub use draw::drawn;
+pub use effects::{Chosen, asked_for, named};
+pub use fit::{NotIdentified, Sample, identify, identify_at};
+pub use forecast::{Forecast, GyroForecast, forecast};
+pub use identified::{FittedCampaign, Identified, ModelCoefficient, ModelGyro, NoiseLaw, Of, Validity};
+pub use programme::NoForecast;

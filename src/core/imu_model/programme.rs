@@ -1,0 +1,287 @@
+//! What a campaign, measured or to be measured, asks of the model: columns, noise, and what the model knows for it.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::columns::columns;
+use super::identified::{Identified, ModelGyro, Of};
+use crate::core::campaign::{Campaign, Temperatures, TestKind};
+use crate::core::effects::{Parameter, Refusal, Scope, Setting};
+use crate::core::message::{Message, figure, text};
+use crate::core::mounting::Slot;
+use crate::core::record::Name;
+use crate::message;
+
+/// Why a model foretells nothing of a campaign.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NoForecast {
+    #[error("the model is of IMU {model}, the campaign of {campaign}")]
+    OtherImu { model: Name, campaign: Name },
+    #[error("the model has another geometry than the campaign")]
+    OtherGeometry,
+    #[error("a bench test of one gyro is not foretold")]
+    BenchTest,
+    #[error("no gyro of the campaign is one of the model")]
+    NoGyro,
+    #[error("the campaign is one that the model was fitted to")]
+    FittedTo,
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+}
+
+impl NoForecast {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::OtherImu { model, campaign } => {
+                message!("model_of_other_imu", model = text(model), campaign = text(campaign))
+            }
+            Self::OtherGeometry => message!("model_of_other_geometry"),
+            Self::BenchTest => message!("bench_test_has_no_forecast"),
+            Self::NoGyro => message!("model_without_gyros"),
+            Self::FittedTo => message!("model_fitted_to_campaign"),
+            Self::Refused(why) => why.message(),
+        }
+    }
+}
+
+/// Cosine of the angle from every direction that the model has seen beyond which an attitude is new to it: 20 degrees.
+const NEW_DIRECTION: f64 = 0.94;
+/// Share by which a rate may exceed those seen.
+const FASTER: f64 = 1.01;
+/// K by which a temperature may lie outside the span seen, beside a tenth of it.
+const WARMER_K: f64 = 0.5;
+
+/// One gyro that both know.
+#[derive(Debug, Clone)]
+pub(super) struct Asked {
+    /// Among the campaign's gyros.
+    pub place: usize,
+    pub slot: Slot,
+    pub serial: Name,
+    /// |E|, pulse/arcsec.
+    pub scale: f64,
+    /// Degrees of freedom that its noise is known by.
+    pub dof: f64,
+}
+
+/// Rows of all gyros one after the other, dwell by dwell.
+#[derive(Debug, Clone)]
+pub(super) struct Programme {
+    pub gyros: Vec<Asked>,
+    pub dwells: usize,
+    /// pulse/s per unit of each coefficient.
+    pub columns: DMatrix<f64>,
+    /// What held E make of the rates, pulse/s.
+    pub held: DVector<f64>,
+    /// Standard deviation of each output's noise, pulse/s.
+    pub noise: DVector<f64>,
+    /// Whether the scale of the noise is one for all gyros: a factor on stated standard errors.
+    pub one_scale: bool,
+    pub notes: Vec<Message>,
+}
+
+impl Programme {
+    pub fn of(model: &Identified, campaign: &Campaign) -> Result<Self, NoForecast> {
+        if campaign.test != TestKind::Imu {
+            return Err(NoForecast::BenchTest);
+        }
+        if campaign.imu != model.imu {
+            return Err(NoForecast::OtherImu { model: model.imu.clone(), campaign: campaign.imu.clone() });
+        }
+        if !campaign.geometry.is_same(&model.geometry) {
+            return Err(NoForecast::OtherGeometry);
+        }
+        let mut notes = Vec::new();
+        let known = known(model, campaign, &mut notes);
+        if known.is_empty() {
+            return Err(NoForecast::NoGyro);
+        }
+        let axes = known.iter().map(|(_, gyro)| model.axes(gyro)).collect::<Result<Vec<_>, _>>()?;
+        let setting = Setting::of(campaign, axes).referred_to(campaign, model.reference_c);
+        let columns = columns(&setting, &model.coefficients, &model.effects);
+        notes.extend(
+            columns
+                .lacking
+                .iter()
+                .map(|(effect, lack)| message!("effect_not_foretold", effect = effect.word(), why = lack.message())),
+        );
+        outside(model, campaign, &setting, &mut notes);
+        let n = setting.dwells();
+        let one_scale = campaign.states_errors() && known.iter().all(|(_, gyro)| gyro.noise.sem_factor.is_some());
+        let (mut held, mut noise) = (DVector::zeros(known.len() * n), DVector::zeros(known.len() * n));
+        for (j, (place, gyro)) in known.iter().enumerate() {
+            let stated = campaign.errors_of(*place).zip(gyro.noise.sem_factor);
+            let law = |k: usize| {
+                let walk = gyro.noise.random_walk.powi(2) * 3600.0 / setting.duration[k];
+                let uneven = 1e-6 * gyro.noise.rate_ppm * setting.rate[k].dot(&setting.gyros[j].input);
+                setting.gyros[j].scale * (walk + uneven * uneven).sqrt()
+            };
+            for k in 0..n {
+                noise[j * n + k] = stated.as_ref().map_or_else(|| law(k), |(sem, factor)| sem[k] * factor);
+                held[j * n + k] = if gyro.e_held { gyro.e.dot(&setting.rate[k]) } else { 0.0 };
+            }
+        }
+        let asked = known.iter().zip(&setting.gyros).map(|((place, gyro), axes)| Asked {
+            place: *place,
+            slot: gyro.slot,
+            serial: gyro.serial.clone(),
+            scale: axes.scale,
+            dof: gyro.noise.dof,
+        });
+        Ok(Self { gyros: asked.collect(), dwells: n, columns: columns.matrix, held, noise, one_scale, notes })
+    }
+
+    /// Of a campaign that the model was not fitted to.
+    pub fn of_another(model: &Identified, campaign: &Campaign) -> Result<Self, NoForecast> {
+        let programme = Self::of(model, campaign)?;
+        if is_fitted_to(model, campaign) { Err(NoForecast::FittedTo) } else { Ok(programme) }
+    }
+
+    /// Outputs of the gyros, less what held E make of the rates, pulse/s.
+    pub fn measured(&self, campaign: &Campaign) -> DVector<f64> {
+        let all = self.gyros.iter().flat_map(|gyro| campaign.dwells.iter().map(|d| d.output_pulse_s[gyro.place]));
+        DVector::from_iterator(self.held.len(), all) - &self.held
+    }
+}
+
+fn is_fitted_to(model: &Identified, campaign: &Campaign) -> bool {
+    model.campaigns.iter().any(|fitted| fitted.measured_at == campaign.measured_at)
+}
+
+/// The gyros that both have; what the others are is noted.
+fn known<'a>(model: &'a Identified, campaign: &Campaign, notes: &mut Vec<Message>) -> Vec<(usize, &'a ModelGyro)> {
+    let mut known = Vec::new();
+    for (place, gyro) in campaign.gyros.iter().enumerate() {
+        match model.gyro(gyro.slot) {
+            Some(own) if own.serial == gyro.serial => known.push((place, own)),
+            Some(own) => notes.push(message!(
+                "gyro_exchanged_since",
+                slot = gyro.slot.name(),
+                then = text(&own.serial),
+                now = text(&gyro.serial)
+            )),
+            None => notes.push(message!("gyro_not_in_model", slot = gyro.slot.name(), serial = text(&gyro.serial))),
+        }
+    }
+    known
+}
+
+/// Notes what the model's campaigns have not shown.
+fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &mut Vec<Message>) {
+    if let (Some([low, high]), Some(now)) = (model.validity.temperature_c, Temperatures::of(campaign).filled) {
+        let room = WARMER_K + 0.1 * (high - low);
+        let (least, most) = now.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), t| (l.min(*t), m.max(*t)));
+        if least < low - room || most > high + room {
+            let [low, high, least, most] = [low, high, least, most].map(|t| figure(t, 1));
+            notes.push(message!("temperature_outside_model", low = low, high = high, least = least, most = most));
+        }
+    }
+    let fastest = setting.rate.iter().map(|w| w.norm()).fold(0.0, f64::max);
+    if fastest > FASTER * model.validity.rate_arcsec_s {
+        let (seen, now) = (figure(model.validity.rate_arcsec_s, 0), figure(fastest, 0));
+        notes.push(message!("rate_outside_model", seen = seen, now = now));
+    }
+    let is_new = |force: &&nalgebra::Vector3<f64>| {
+        let along = |known: &nalgebra::Vector3<f64>| known.dot(force) / force.norm();
+        force.norm() > 0.0 && model.validity.directions.iter().all(|known| along(known) < NEW_DIRECTION)
+    };
+    let new = setting.force.iter().filter(is_new).count();
+    if new > 0 {
+        notes.push(message!("attitudes_outside_model", dwells = new));
+    }
+    if campaign.measured_at < model.measured_at {
+        notes.push(message!("campaign_before_model"));
+    }
+    let stations = || model.campaigns.iter().map(|fitted| &fitted.station);
+    if !stations().any(|station| *station == campaign.station) {
+        let of_station = model.effects.iter().filter(|adopted| adopted.effect.entry().scope == Scope::Common);
+        notes.extend(of_station.map(|a| message!("effect_of_other_station", effect = a.effect.word())));
+    }
+    if model.campaigns.len() == 1 {
+        notes.push(message!("ageing_unknown"));
+    }
+}
+
+/// Coefficients with their covariance.
+#[derive(Debug, Clone)]
+pub(super) struct Knowledge {
+    pub values: DVector<f64>,
+    pub covariance: DMatrix<f64>,
+}
+
+impl Knowledge {
+    /// What the model knows for a campaign, with its first `effects` effects only.
+    ///
+    /// Without the others it is the fit in which they are zero, `theta - C_k C_kk^-1 k`: what the same campaigns say
+    /// where nobody has adopted them. From campaign to campaign coefficients differ by `between`; the phase of a
+    /// cycle is any; effects of another station's table are none of this one's.
+    pub fn of(model: &Identified, campaign: &Campaign, effects: usize) -> Self {
+        let mut knowledge = Self { values: model.values(), covariance: model.covariance.clone() };
+        let omitted: Vec<usize> = (effects..model.effects.len()).flat_map(|e| model.of_effect(e)).collect();
+        knowledge.condition(&omitted, &DVector::zeros(omitted.len()));
+        let same_station = model.campaigns.iter().any(|fitted| fitted.station == campaign.station);
+        let fitted_to = is_fitted_to(model, campaign);
+        for (e, adopted) in model.effects.iter().enumerate().take(effects).filter(|_| !fitted_to) {
+            let entry = adopted.effect.entry();
+            let places = model.of_effect(e);
+            if entry.scope == Scope::Common && !same_station {
+                places.iter().for_each(|place| knowledge.forget(*place, 0.0));
+            }
+            if entry.parameter == Parameter::Period {
+                for pair in places.chunks(2) {
+                    let power: f64 = pair.iter().map(|p| knowledge.values[*p].powi(2)).sum();
+                    pair.iter().for_each(|place| knowledge.forget(*place, 0.5 * power));
+                }
+            }
+        }
+        if !fitted_to {
+            for (place, coefficient) in model.coefficients.iter().enumerate() {
+                knowledge.covariance[(place, place)] += coefficient.between.powi(2);
+            }
+        }
+        knowledge
+    }
+
+    /// Fixes the coefficients at `places` at `values`.
+    pub fn condition(&mut self, places: &[usize], values: &DVector<f64>) {
+        if places.is_empty() {
+            return;
+        }
+        let across = self.covariance.select_columns(places);
+        let within = across.select_rows(places);
+        let Some(inverse) = scaled_inverse(&within) else { return };
+        let gain = across * inverse;
+        self.values -= &gain * (self.values.select_rows(places) - values);
+        let told = &gain * self.covariance.select_rows(places);
+        self.covariance -= told;
+        for (i, place) in places.iter().enumerate() {
+            self.covariance.row_mut(*place).fill(0.0);
+            self.covariance.column_mut(*place).fill(0.0);
+            self.values[*place] = values[i];
+        }
+    }
+
+    /// A coefficient of which nothing but a variance about zero is known.
+    fn forget(&mut self, place: usize, variance: f64) {
+        self.values[place] = 0.0;
+        self.covariance.row_mut(place).fill(0.0);
+        self.covariance.column_mut(place).fill(0.0);
+        self.covariance[(place, place)] = variance;
+    }
+}
+
+/// Inverse of a covariance whose units may be far apart.
+pub(super) fn scaled_inverse(covariance: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let sd: Vec<f64> = covariance.diagonal().iter().map(|v| v.max(f64::MIN_POSITIVE).sqrt()).collect();
+    let m = sd.len();
+    let correlation = DMatrix::from_fn(m, m, |i, j| covariance[(i, j)] / (sd[i] * sd[j]));
+    let inverse = correlation.cholesky()?.inverse();
+    Some(DMatrix::from_fn(m, m, |i, j| inverse[(i, j)] / (sd[i] * sd[j])))
+}
+
+/// The place of an effect's coefficient in words: its effect and number.
+pub(super) fn effect_of(model: &Identified, place: usize) -> Option<(usize, usize)> {
+    match model.coefficients[place].of {
+        Of::Effect(effect, number) => Some((effect, number)),
+        Of::Term(..) => None,
+    }
+}

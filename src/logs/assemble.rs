@@ -1,0 +1,486 @@
+//! Intervals of a log become dwells of a campaign: what was commanded in each, and what the gyros said.
+
+use nalgebra::Vector3;
+
+use super::error::LogError;
+use super::gather::{Gathered, Role};
+use super::map::Map;
+use super::programme::{axis, earth_axis};
+use super::units::Counts;
+use crate::core::campaign::{Phase, Site};
+use crate::core::dwells::averages::{noise, settled, standard_error, without_edges};
+use crate::core::dwells::blocks::Track;
+use crate::core::dwells::intervals::{Found, Interval, Search, find};
+use crate::core::dwells::noise::Noise;
+use crate::core::dwells::programme::{Position, REST_ARCSEC_S, Seen, Table, align, attitude, clock_offset};
+use crate::core::frames::{Body, Nav, Rotation};
+use crate::core::message::{Message, figure, list, text};
+use crate::core::units::EARTH_RATE_DEG_H;
+use crate::message;
+
+/// A dwell with everything that is known of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dwell {
+    pub phase: Phase,
+    pub start_s: f64,
+    pub duration_s: f64,
+    pub attitude: Option<Rotation<Nav, Body>>,
+    pub force_g0: Vector3<f64>,
+    pub rate_arcsec_s: Vector3<f64>,
+    pub temperature_c: Option<f64>,
+    pub output: Vec<f64>,
+    pub output_sem: Vec<f64>,
+}
+
+/// The dwells of a log, and all that was left out.
+pub struct Assembled {
+    pub dwells: Vec<Dwell>,
+    pub remarks: Vec<Message>,
+    /// Noise of the outputs: white (at 1 s) and flicker floor, pulse/s.
+    pub noise: Vec<Noise>,
+}
+
+/// Share of an interval's blocks at the end of a channel's range above which its mean is worth nothing.
+const CLIPPED: f64 = 0.02;
+/// Length of the specific force that is gravity in the unit stated.
+const GRAVITY: std::ops::Range<f64> = 0.9..1.1;
+/// Angle between measured and commanded vertical that is another position, radians (8 deg).
+const OFF_COMMANDED: f64 = 0.14;
+/// Turning of gyros that measure rates themselves, where nothing else says that the table turns: arcsec/s (1 deg/s).
+const TURNING: f64 = 3600.0;
+const WHOLE_TURN_ARCSEC: f64 = 1_296_000.0;
+/// Cosine below which two verticals are different orientations (10 deg).
+const SAME_UP: f64 = 0.985;
+
+/// One interval on its way to a dwell.
+struct Candidate {
+    interval: Interval,
+    force: Option<Vector3<f64>>,
+    seen: Seen,
+    attitude: Option<Rotation<Nav, Body>>,
+    position: Option<Position>,
+}
+
+struct Work<'a> {
+    map: &'a Map,
+    log: &'a Gathered,
+    site: Option<Site>,
+    table: Option<Table>,
+    remarks: Vec<Message>,
+}
+
+/// Finds the dwells of what was gathered.
+///
+/// # Errors
+/// Why the log holds no campaign.
+pub fn assemble(
+    map: &Map,
+    log: &mut Gathered,
+    site: Option<Site>,
+    programme: Option<&[Position]>,
+) -> Result<Assembled, LogError> {
+    let is_watched = |role: &Role| matches!(role, Role::Output(_) | Role::Force(_) | Role::Rate(_) | Role::Turn(_));
+    let watched: Vec<usize> = (0..log.roles.len()).filter(|&k| is_watched(&log.roles[k])).collect();
+    let (breaks, keep_short) = (log.breaks.clone(), programme.is_some());
+    let found = find(&mut log.series, &watched, &Search { min_s: map.min_s, breaks, keep_short });
+    let mut work = Work { map, log, site, table: table(map)?, remarks: log.remarks.clone() };
+    work.assemble(found, programme).map_err(|fault| LogError::new("log", fault))
+}
+
+fn table(map: &Map) -> Result<Option<Table>, LogError> {
+    let Some(of) = &map.table else { return Ok(None) };
+    let fail = |fault: Message| LogError::new("map", message!("at_map_key", key = "table", fault = fault));
+    let (up, north) = (axis(&of.zero_up).map_err(fail)?, axis(&of.zero_north).map_err(fail)?);
+    let parallel = || fail(message!("programme_parallel", up = of.zero_up.clone(), north = of.zero_north.clone()));
+    let zero = attitude(up, north).ok_or_else(parallel)?;
+    Ok(Some(Table { outer: earth_axis(&of.outer).map_err(fail)?, inner: axis(&of.inner).map_err(fail)?, zero }))
+}
+
+impl Work<'_> {
+    fn track(&self, role: Role) -> Option<&Track> {
+        let place = self.log.roles.iter().position(|own| *own == role)?;
+        Some(&self.log.series.tracks[place])
+    }
+
+    fn mean(&self, role: Role, i: Interval) -> Option<f64> {
+        Some(self.track(role)?.mean_of(i.from, i.to))
+    }
+
+    fn vector(&self, role: fn(usize) -> Role, i: Interval) -> Option<Vector3<f64>> {
+        Some(Vector3::new(self.mean(role(0), i)?, self.mean(role(1), i)?, self.mean(role(2), i)?))
+    }
+
+    fn outputs(&self) -> usize {
+        self.log.roles.iter().filter(|role| matches!(role, Role::Output(_))).count()
+    }
+
+    fn assemble(&mut self, found: Found, programme: Option<&[Position]>) -> Result<Assembled, Message> {
+        let span = self.log.series.end_s(self.log.series.number.len()) - self.log.series.start_s(0);
+        if found.intervals.is_empty() {
+            let (seconds, least) = (figure(span, 1), figure(found.min_s, 1));
+            return Err(message!("no_interval", seconds = seconds, least = least));
+        }
+        self.note(&found);
+        let intervals = self.not_clipped(found.intervals)?;
+        let mut candidates: Vec<Candidate> = intervals.into_iter().map(|i| self.candidate(i)).collect();
+        self.check_force(&candidates)?;
+        self.command(&mut candidates, programme)?;
+        if candidates.len() == 1 {
+            return Err(self.one_interval(&candidates[0]));
+        }
+        let mut made = self.dwells(candidates)?;
+        if one_orientation(&made.dwells) {
+            made.remarks.push(message!("one_orientation", count = made.dwells.len()));
+        }
+        Ok(made)
+    }
+
+    fn note(&mut self, found: &Found) {
+        let start = |i: &Interval| text(format_args!("{:.1}", self.log.series.start_s(i.from)));
+        if !found.short.is_empty() {
+            let starts = list(found.short.iter().take(5).map(start));
+            self.remarks.push(message!("intervals_short", count = found.short.len(), starts = starts));
+        }
+        if found.split > 0 {
+            self.remarks.push(message!("intervals_split", count = found.split));
+        }
+    }
+
+    fn not_clipped(&mut self, intervals: Vec<Interval>) -> Result<Vec<Interval>, Message> {
+        // Counts since the sample before are few and equal by nature.
+        let counted = matches!(self.log.counts, Counts::Increment | Counts::Total);
+        let measured = |role: &&Role| matches!(role, Role::Force(_)) || matches!(role, Role::Output(_)) && !counted;
+        let roles: Vec<Role> = self.log.roles.iter().filter(measured).copied().collect();
+        let clips =
+            |i: &Interval| roles.iter().any(|r| self.track(*r).is_some_and(|t| t.clipped(i.from, i.to) > CLIPPED));
+        let (clipped, kept): (Vec<_>, Vec<_>) = intervals.into_iter().partition(clips);
+        if !clipped.is_empty() {
+            let starts = clipped.iter().take(5).map(|i| text(format_args!("{:.1}", self.log.series.start_s(i.from))));
+            let clipped = message!("intervals_clipped", count = clipped.len(), starts = list(starts));
+            if kept.is_empty() {
+                return Err(clipped);
+            }
+            self.remarks.push(clipped);
+        }
+        Ok(kept)
+    }
+
+    /// What the log says of an interval.
+    fn candidate(&self, interval: Interval) -> Candidate {
+        let force = self.vector(Role::Force, interval);
+        let up = force.and_then(|f| f.try_normalize(0.0));
+        let quaternion = [0, 1, 2, 3].map(|k| self.mean(Role::Attitude(k), interval));
+        let mut attitude = match quaternion {
+            [Some(w), Some(x), Some(y), Some(z)] => Some(Rotation::from_attitude([w, x, y, z])),
+            _ => None,
+        };
+        let along = |rate: Vector3<f64>| up.map_or(rate.norm(), |up| rate.dot(&up));
+        let mut turn = match self.vector(Role::Rate, interval) {
+            Some(rate) => Some(along(rate)),
+            None => self.mean(Role::Rate(0), interval),
+        };
+        if let (Some(table), Some(angles), Some(rates)) = (self.table, self.angles(interval), self.rates(interval)) {
+            attitude = Some(table.attitude(angles.0, angles.1));
+            turn = Some(table.turn(angles, rates));
+        }
+        Candidate { interval, force, seen: Seen { up, turn_arcsec_s: turn }, attitude, position: None }
+    }
+
+    /// Angles of the table at the start of an interval, where it turns; over all of it, where it stands.
+    fn angles(&self, interval: Interval) -> Option<(f64, f64)> {
+        let rates = self.rates(interval)?;
+        let stands = rates.0.abs().max(rates.1.abs()) < REST_ARCSEC_S;
+        let part = Interval { to: if stands { interval.to } else { interval.from + 1 }, ..interval };
+        let angle = |k: usize| {
+            let (cosine, sine) = (self.mean(Role::Cosine(k), part)?, self.mean(Role::Sine(k), part)?);
+            Some(sine.atan2(cosine))
+        };
+        Some((angle(0)?, angle(1)?))
+    }
+
+    fn rates(&self, interval: Interval) -> Option<(f64, f64)> {
+        Some((self.mean(Role::Turn(0), interval)?, self.mean(Role::Turn(1), interval)?))
+    }
+
+    /// The specific force must be gravity in the unit that the map states.
+    fn check_force(&self, candidates: &[Candidate]) -> Result<(), Message> {
+        let mut lengths: Vec<f64> = candidates.iter().filter_map(|c| Some(c.force?.norm())).collect();
+        lengths.sort_by(f64::total_cmp);
+        let Some(&usual) = lengths.get(lengths.len() / 2) else { return Ok(()) };
+        let direction_only = self.map.force.as_ref().is_some_and(|f| f.direction_only);
+        if GRAVITY.contains(&usual) {
+            let off = lengths.iter().filter(|l| !GRAVITY.contains(l)).count();
+            return if off * 4 > lengths.len() && !direction_only {
+                Err(message!(
+                    "force_varies",
+                    least = figure(lengths[0], 3),
+                    most = figure(lengths[lengths.len() - 1], 3)
+                ))
+            } else {
+                Ok(())
+            };
+        }
+        let units = [("m/s^2", 9.806_65), ("mg", 1e3), ("g0", 1.0 / 9.806_65), ("cm/s^2", 980.665), ("g0", 1e-3)];
+        let likely = units.iter().find(|(_, factor)| GRAVITY.contains(&(usual / factor)));
+        Err(match likely {
+            Some((unit, _)) => message!("force_other_unit", length = figure(usual, 4), unit = *unit),
+            None => message!("force_no_unit", length = figure(usual, 4)),
+        })
+    }
+
+    /// What the table did in each candidate. Those that nothing is known of are taken out.
+    fn command(&mut self, candidates: &mut Vec<Candidate>, programme: Option<&[Position]>) -> Result<(), Message> {
+        match programme {
+            Some(programme) => self.by_programme(candidates, programme),
+            None => {
+                let mut turning = 0;
+                candidates.retain(|c| {
+                    let keeps = c.seen.turn_arcsec_s.is_some() || !self.turns_by_itself(c.interval);
+                    turning += usize::from(!keeps);
+                    keeps
+                });
+                if turning > 0 {
+                    self.remarks.push(message!("intervals_turning", count = turning));
+                }
+                for candidate in candidates.iter_mut() {
+                    let turn = candidate.seen.turn_arcsec_s.filter(|turn| turn.abs() >= REST_ARCSEC_S);
+                    candidate.position = candidate.attitude.map(|attitude| Position {
+                        attitude,
+                        turn_arcsec_s: turn.unwrap_or(0.0),
+                        start_s: None,
+                        duration_s: None,
+                    });
+                }
+                if candidates.is_empty() { Err(message!("all_turning")) } else { Ok(()) }
+            }
+        }
+    }
+
+    /// Whether gyros that measure rates say that the IMU turns.
+    fn turns_by_itself(&self, interval: Interval) -> bool {
+        let rates = (0..self.outputs()).filter_map(|k| self.mean(Role::Output(k), interval));
+        self.log.counts == Counts::Angular && rates.map(|r| r * r).sum::<f64>().sqrt() > TURNING
+    }
+
+    fn by_programme(&mut self, candidates: &mut Vec<Candidate>, programme: &[Position]) -> Result<(), Message> {
+        let series = &self.log.series;
+        let spans: Vec<(f64, f64)> =
+            candidates.iter().map(|c| (series.start_s(c.interval.from), series.end_s(c.interval.to))).collect();
+        if let Some(offset) = clock_offset(&spans, programme) {
+            let found = self.by_the_clock(&spans, candidates, programme, offset);
+            let missing = programme.len() - found.len();
+            *candidates = found;
+            if missing > 0 {
+                self.remarks.push(message!("programme_missing", count = missing, rows = programme.len()));
+            }
+            self.remarks.push(message!("programme_clock", seconds = figure(offset, 2)));
+        } else {
+            let seen: Vec<Seen> = candidates.iter().map(|c| c.seen).collect();
+            let blind = seen.iter().all(|s| s.up.is_none() && s.turn_arcsec_s.is_none());
+            if blind && seen.len() != programme.len() {
+                return Err(message!("programme_count", intervals = seen.len(), rows = programme.len()));
+            }
+            let matched = align(&seen, programme);
+            let taken = matched.iter().flatten().count();
+            if taken == 0 || 5 * taken < 4 * seen.len() {
+                let (intervals, rows) = (seen.len(), programme.len());
+                return Err(message!("programme_other", matched = taken, intervals = intervals, rows = rows));
+            }
+            let mut places = matched.iter();
+            candidates.retain_mut(|c| {
+                c.position = places.next().copied().flatten().map(|j| programme[j]);
+                c.position.is_some()
+            });
+            let (left, missing) = (seen.len() - taken, programme.len() - taken);
+            if left > 0 {
+                self.remarks.push(message!("programme_left", count = left));
+            }
+            if missing > 0 {
+                self.remarks.push(message!("programme_missing", count = missing, rows = programme.len()));
+            }
+        }
+        self.check_commanded(candidates)
+    }
+
+    /// Each position's own time, as far as the log was steady in it.
+    fn by_the_clock(
+        &self,
+        spans: &[(f64, f64)],
+        candidates: &[Candidate],
+        programme: &[Position],
+        offset: f64,
+    ) -> Vec<Candidate> {
+        let series = &self.log.series;
+        let block = |time: f64| series.number.partition_point(|&n| (n as f64 + 0.5) * series.block_s < time);
+        let mut found = Vec::new();
+        for position in programme {
+            let (Some(start), Some(duration)) = (position.start_s, position.duration_s) else { continue };
+            let (from, to) = (start + offset, start + offset + duration);
+            let shared = spans.iter().enumerate().map(|(k, &(a, b))| (k, a.max(from), b.min(to)));
+            let Some((k, from, to)) = shared.max_by(|a, b| (a.2 - a.1).total_cmp(&(b.2 - b.1))) else { continue };
+            let interval = Interval { from: block(from), to: block(to) };
+            if to - from < 0.5 * duration || interval.to <= interval.from {
+                continue;
+            }
+            let interval = Interval { from: interval.from.max(candidates[k].interval.from), ..interval };
+            found.push(Candidate { position: Some(*position), ..self.candidate(interval) });
+        }
+        found
+    }
+
+    /// Accelerometers, where there are any, must agree with the programme.
+    fn check_commanded(&self, candidates: &[Candidate]) -> Result<(), Message> {
+        let angle = |c: &Candidate| Some(c.seen.up?.dot(&c.position?.up()).clamp(-1.0, 1.0).acos());
+        let off: Vec<(usize, f64)> = candidates.iter().enumerate().filter_map(|(k, c)| Some((k, angle(c)?))).collect();
+        let wrong: Vec<&(usize, f64)> = off.iter().filter(|(_, angle)| *angle > OFF_COMMANDED).collect();
+        let Some(&&(first, angle)) = wrong.first() else { return Ok(()) };
+        let start = self.log.series.start_s(candidates[first].interval.from);
+        let (start, angle) = (figure(start, 1), figure(angle.to_degrees(), 1));
+        Err(message!("programme_contradicted", count = wrong.len(), of = off.len(), start = start, degrees = angle))
+    }
+
+    fn one_interval(&self, candidate: &Candidate) -> Message {
+        let i = candidate.interval;
+        let outputs = (0..self.outputs()).filter_map(|k| self.mean(Role::Output(k), i));
+        let means = list(outputs.map(|mean| text(format_args!("{mean:.4}"))));
+        let seconds = figure(self.log.series.end_s(i.to) - self.log.series.start_s(i.from), 1);
+        message!("one_interval", seconds = seconds, means = means)
+    }
+
+    fn dwells(&mut self, candidates: Vec<Candidate>) -> Result<Assembled, Message> {
+        let series = &self.log.series;
+        let cut = |c: Candidate| {
+            let interval = without_edges(series, c.interval, self.map.cut_s)?;
+            Some(Candidate { interval, ..c })
+        };
+        let before = candidates.len();
+        let mut candidates: Vec<Candidate> = candidates.into_iter().filter_map(cut).collect();
+        let gone = before - candidates.len();
+        let phase = |c: &Candidate| c.position.map_or(Phase::Static, |p| p.phase());
+        let outputs: Vec<&Track> = (0..self.outputs()).filter_map(|k| self.track(Role::Output(k))).collect();
+        let of_phase = |candidates: &[Candidate], wanted: Phase| {
+            let own: Vec<Interval> = candidates.iter().filter(|c| phase(c) == wanted).map(|c| c.interval).collect();
+            outputs.iter().map(|track| noise(series, track, &own)).collect::<Vec<Noise>>()
+        };
+        let rough = [Phase::Static, Phase::Rate].map(|p| of_phase(&candidates, p));
+        let of = |noise: &[Vec<Noise>; 2], c: &Candidate| noise[usize::from(phase(c) == Phase::Rate)].clone();
+        let mut short_turns = 0;
+        for candidate in &mut candidates {
+            let noise = of(&rough, candidate);
+            let channels: Vec<(&Track, Noise)> = outputs.iter().copied().zip(noise).collect();
+            candidate.interval = settled(series, &channels, candidate.interval);
+            short_turns += usize::from(!self.whole_turns(candidate));
+        }
+        let fine = [Phase::Static, Phase::Rate].map(|p| of_phase(&candidates, p));
+        let dwells = candidates.iter().map(|c| self.dwell(c, &of(&fine, c))).collect::<Result<Vec<_>, _>>()?;
+        if gone > 0 {
+            self.remarks.push(message!("intervals_all_edge", count = gone));
+        }
+        if short_turns > 0 {
+            self.remarks.push(message!("turns_not_whole", count = short_turns));
+        }
+        let [still, turning] = fine;
+        let noise = if candidates.iter().any(|c| phase(c) == Phase::Static) { still } else { turning };
+        Ok(Assembled { dwells, remarks: std::mem::take(&mut self.remarks), noise })
+    }
+
+    /// Cuts a turning interval to whole turns; whether that can be done.
+    fn whole_turns(&self, candidate: &mut Candidate) -> bool {
+        let turn = candidate.position.map_or(0.0, |p| p.turn_arcsec_s);
+        if turn == 0.0 {
+            return true;
+        }
+        let series = &self.log.series;
+        let i = candidate.interval;
+        let turns = (series.end_s(i.to) - series.start_s(i.from)) * turn.abs() / WHOLE_TURN_ARCSEC;
+        if turns < 1.0 {
+            return false;
+        }
+        let end = series.start_s(i.from) + turns.floor() * WHOLE_TURN_ARCSEC / turn.abs();
+        candidate.interval.to = series.number.partition_point(|&n| (n as f64 + 0.5) * series.block_s < end).min(i.to);
+        true
+    }
+
+    fn dwell(&self, candidate: &Candidate, noise: &[Noise]) -> Result<Dwell, Message> {
+        let i = candidate.interval;
+        let series = &self.log.series;
+        let Commanded { phase, attitude, force_g0, rate_arcsec_s } = self.commanded(candidate)?;
+        // Increments are divided by the time that they were counted in, as the clock says it.
+        let scale = self.mean(Role::Interval, i).map_or(1.0, |step| self.log.sample_s / step);
+        let (mut output, mut output_sem) = (Vec::new(), Vec::new());
+        for (k, noise) in noise.iter().enumerate() {
+            let Some(track) = self.track(Role::Output(k)) else { continue };
+            output.push(scale * track.mean_of(i.from, i.to));
+            output_sem.push(standard_error(series, track, noise, i, self.log.sample_s));
+        }
+        let (start, end) = (series.start_s(i.from), series.end_s(i.to));
+        Ok(Dwell {
+            phase,
+            start_s: start.max(0.0),
+            duration_s: end - start.max(0.0),
+            attitude,
+            force_g0,
+            rate_arcsec_s,
+            temperature_c: self.mean(Role::Temperature, i),
+            output,
+            output_sem,
+        })
+    }
+
+    fn commanded(&self, candidate: &Candidate) -> Result<Commanded, Message> {
+        if let Some(position) = &candidate.position {
+            let site = self.site.ok_or_else(|| message!("map_site_missing"))?;
+            let (force_g0, rate_arcsec_s) = position.commanded(&site);
+            return Ok(Commanded {
+                phase: position.phase(),
+                attitude: Some(position.attitude),
+                force_g0,
+                rate_arcsec_s,
+            });
+        }
+        let direction_only = self.map.force.as_ref().is_some_and(|f| f.direction_only);
+        by_accelerometers(candidate.force, candidate.seen.turn_arcsec_s, self.site, self.log.counts, direction_only)
+    }
+}
+
+/// What was commanded in a dwell, or stands for it.
+pub struct Commanded {
+    pub phase: Phase,
+    pub attitude: Option<Rotation<Nav, Body>>,
+    pub force_g0: Vector3<f64>,
+    pub rate_arcsec_s: Vector3<f64>,
+}
+
+/// Measured specific force in place of the commanded one. It leaves the heading open, so that of the Earth's rate at
+/// rest only the vertical part is known: enough for gyros that measure rates of turn and do not see the rest.
+///
+/// # Errors
+/// No accelerometers, or gyros that see the Earth's rate.
+pub fn by_accelerometers(
+    force: Option<Vector3<f64>>,
+    turn_arcsec_s: Option<f64>,
+    site: Option<Site>,
+    counts: Counts,
+    direction_only: bool,
+) -> Result<Commanded, Message> {
+    let Some(force) = force else { return Err(message!("commanded_unknown")) };
+    if counts != Counts::Angular {
+        return Err(message!("commanded_heading"));
+    }
+    let turn = turn_arcsec_s.filter(|turn| turn.abs() >= REST_ARCSEC_S);
+    let up = force.try_normalize(0.0).ok_or_else(|| message!("force_no_unit", length = figure(0.0, 1)))?;
+    let vertical = site.map_or(0.0, |site| EARTH_RATE_DEG_H * site.latitude.sin());
+    let gravity = site.map_or(1.0, |site| site.gravity_g0);
+    Ok(Commanded {
+        phase: if turn.is_some() { Phase::Rate } else { Phase::Static },
+        attitude: None,
+        force_g0: if direction_only { gravity * up } else { force },
+        rate_arcsec_s: (turn.unwrap_or(0.0) + vertical) * up,
+    })
+}
+
+/// Whether all dwells have one vertical.
+fn one_orientation(dwells: &[Dwell]) -> bool {
+    let ups: Vec<Vector3<f64>> = dwells.iter().filter_map(|d| d.force_g0.try_normalize(0.0)).collect();
+    ups.iter().all(|up| up.dot(&ups[0]) > SAME_UP)
+}

@@ -1,0 +1,140 @@
+//! From logs and a map to the campaign's document.
+
+use std::path::PathBuf;
+
+use super::assemble::{Dwell, assemble};
+use super::averaged;
+use super::error::LogError;
+use super::gather::{Gathered, gather};
+use super::map::Map;
+use super::programme;
+use super::source::Source;
+use super::units::Counts;
+use crate::core::campaign::{Phase, Site};
+use crate::core::dwells::noise::Noise;
+use crate::core::message::{Message, sent};
+use crate::core::mounting::Slot;
+use crate::core::time::UtcMicros;
+use crate::core::units::radians;
+use crate::message;
+use crate::wire::campaign::{CampaignBody, CampaignGyroBody, DwellBody};
+use crate::wire::time;
+
+/// A campaign with what it was made from.
+pub struct Made {
+    pub body: CampaignBody,
+    pub dwells: Vec<Dwell>,
+    pub noise: Vec<Noise>,
+    pub remarks: Vec<Message>,
+    /// None of a log of averages.
+    pub gathered: Option<Gathered>,
+}
+
+/// Reads the logs once and makes their campaign.
+///
+/// # Errors
+/// Why they hold none, with the file, and with line and column where there is one.
+pub fn campaign_of(files: &[PathBuf], map: &Map, programme: Option<&str>) -> Result<Made, LogError> {
+    let positions = programme.map(programme::read).transpose()?;
+    let open = |path: &PathBuf| Ok((path.display().to_string(), Source::open(path)?));
+    let mut sources = files.iter().map(open).collect::<Result<Vec<_>, LogError>>()?;
+    let site = site_of(map);
+    let (dwells, noise, counts, remarks, gathered) = if map.averaged {
+        let (dwells, counts, remarks) = averaged::dwells(map, &mut sources, site)?;
+        (dwells, Vec::new(), counts, remarks, None)
+    } else {
+        let place = sources.first().map(|(place, _)| place.clone()).unwrap_or_default();
+        let mut gathered = gather(map, sources)?;
+        let made = assemble(map, &mut gathered, site, positions.as_deref())
+            .map_err(|error| if error.place == "log" { LogError { place, ..error } } else { error })?;
+        (made.dwells, made.noise, gathered.counts, made.remarks, Some(gathered))
+    };
+    let mut made = Made { body: body(map, &dwells, gathered.as_ref())?, dwells, noise, remarks, gathered };
+    hold_e(&mut made, map, counts)?;
+    Ok(made)
+}
+
+fn site_of(map: &Map) -> Option<Site> {
+    let site = map.site.as_ref()?;
+    let (latitude, gravity_g0) = (radians(site.latitude_deg), site.gravity_g0);
+    Some(Site { latitude, gravity_g0, magnetic_field_nav: None })
+}
+
+fn body(map: &Map, dwells: &[Dwell], gathered: Option<&Gathered>) -> Result<CampaignBody, LogError> {
+    let missing = |key: &'static str| LogError::new("map", message!("map_missing", key = key));
+    let began = gathered.and_then(|g| g.unix_s).map(|s| time::format(UtcMicros((s * 1e6) as i64)));
+    if map.gyros.is_empty() {
+        return Err(missing("gyros"));
+    }
+    Ok(CampaignBody {
+        imu: map.imu.clone().ok_or_else(|| missing("imu"))?,
+        station: map.station.clone().ok_or_else(|| missing("station"))?,
+        measured_at: map.measured_at.clone().or(began).ok_or_else(|| missing("measured_at"))?,
+        geometry: map.geometry.clone().ok_or_else(|| missing("geometry"))?,
+        site: map.site.clone(),
+        gyros: map.gyros.iter().map(|text| gyro(text)).collect::<Result<_, _>>()?,
+        dwells: dwells.iter().map(DwellBody::from).collect(),
+        rates: None,
+        test: None,
+        model: None,
+        temperature_c: None,
+        operator: map.operator.clone(),
+        note: map.note.clone(),
+    })
+}
+
+fn gyro(text: &str) -> Result<CampaignGyroBody, LogError> {
+    let parts = text.trim().split_once([' ', '=', ':']);
+    let (slot, serial) =
+        parts.ok_or_else(|| LogError::new("map", message!("not_slot_and_serial", text = sent(text))))?;
+    let serial = serial.trim_start_matches(['=', ':', ' ']).trim().to_owned();
+    Ok(CampaignGyroBody { slot: Some(slot.trim().to_owned()), serial, known_e_pulse_per_arcsec: None })
+}
+
+/// Where nothing turned at a known rate, E cannot be fitted. Of gyros that measure rates of turn it is the input axis:
+/// one pulse is one arcsec.
+fn hold_e(made: &mut Made, map: &Map, counts: Counts) -> Result<(), LogError> {
+    let known = match &map.known_e {
+        Some(known) if known.len() != made.body.gyros.len() => {
+            let fault = message!("map_known_e", have = known.len(), gyros = made.body.gyros.len());
+            return Err(LogError::new("map", fault));
+        }
+        Some(known) => known.clone(),
+        None if counts != Counts::Angular || made.dwells.iter().any(|d| d.phase == Phase::Rate) => return Ok(()),
+        None => {
+            let Ok(geometry) = made.body.geometry.to_core() else { return Ok(()) };
+            let slots = made.body.gyros.iter().filter_map(|g| Slot::from_name(g.slot.as_deref()?));
+            let axes: Vec<[f64; 3]> = slots.filter_map(|s| Some(geometry.triad(s)?.input().into())).collect();
+            if axes.len() != made.body.gyros.len() {
+                return Ok(());
+            }
+            made.remarks.push(message!("e_held"));
+            axes
+        }
+    };
+    for (gyro, e) in made.body.gyros.iter_mut().zip(known) {
+        gyro.known_e_pulse_per_arcsec = Some(e.as_slice().into());
+    }
+    Ok(())
+}
+
+impl From<&Dwell> for DwellBody {
+    fn from(d: &Dwell) -> Self {
+        let tidy = |v: &nalgebra::Vector3<f64>| v.map(|c| (c * 1e12).round() / 1e12);
+        Self {
+            phase: d.phase.name().to_owned(),
+            start_s: d.start_s,
+            duration_s: d.duration_s,
+            attitude: d.attitude.map(|c| c.to_attitude().as_slice().into()),
+            specific_force_g0: (&tidy(&d.force_g0)).into(),
+            rate_arcsec_s: (&tidy(&d.rate_arcsec_s)).into(),
+            temperature_c: d.temperature_c,
+            output_pulse_s: d.output.as_slice().into(),
+            output_sem_pulse_s: d
+                .output_sem
+                .first()
+                .filter(|_| d.output_sem.iter().all(|sem| *sem > 0.0))
+                .map(|_| d.output_sem.as_slice().into()),
+        }
+    }
+}

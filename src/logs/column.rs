@@ -1,0 +1,56 @@
+//! Columns as logs name them, and rows of their numbers.
+
+/// A column as the log names it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Column {
+    /// The name without its unit; empty where there is none.
+    pub name: String,
+    /// The unit as it stands behind the name or below it.
+    pub unit: Option<String>,
+}
+
+/// One row: the numbers of the columns that were asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Sample<'a> {
+    pub line: u64,
+    pub values: &'a [f64],
+}
+
+impl Column {
+    /// From a heading such as `gyro_x (deg/s)` or `ax [m/s^2]`.
+    pub fn named(heading: &str) -> Self {
+        let heading = heading.trim();
+        let open = heading.rfind(['(', '[']).filter(|&at| at > 0 && heading.ends_with([')', ']']));
+        match open {
+            Some(at) => {
+                let unit = heading[at + 1..heading.len() - 1].trim();
+                if unit.parse::<f64>().is_ok() {
+                    return Self { name: heading.to_owned(), unit: None };
+                }
+                let unit = Some(unit).filter(|unit| !unit.is_empty()).map(str::to_owned);
+                Self { name: heading[..at].trim().to_owned(), unit }
+            }
+            None => Self { name: heading.to_owned(), unit: None },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn headings_are_parted_from_their_units() {
+        for (heading, name, unit) in [
+            ("gyro_x (deg/s)", "gyro_x", Some("deg/s")),
+            ("ax [m/s^2]", "ax", Some("m/s^2")),
+            ("a(1) [g]", "a(1)", Some("g")),
+            ("a(2)", "a(2)", None),
+            ("gyro_x", "gyro_x", None),
+            ("(deg/s)", "(deg/s)", None),
+            ("t []", "t", None),
+        ] {
+            assert_eq!(Column::named(heading), Column { name: name.to_owned(), unit: unit.map(str::to_owned) });
+        }
+    }
+}

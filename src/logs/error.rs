@@ -1,0 +1,27 @@
+//! Why a log becomes no campaign: a code with its parameters, and the file that it is about.
+
+use crate::core::message::{Message, sent};
+use crate::message;
+
+/// What is wrong, and in which file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{place}: {fault}")]
+pub struct LogError {
+    pub place: String,
+    pub fault: Message,
+}
+
+impl LogError {
+    pub fn new(place: impl Into<String>, fault: Message) -> Self {
+        Self { place: place.into(), fault }
+    }
+
+    pub fn message(&self) -> Message {
+        message!("at_file", file = sent(&self.place), fault = self.fault.clone())
+    }
+}
+
+/// What the operating system, or a library, says of a file.
+pub fn unreadable(place: &str) -> impl Fn(std::io::Error) -> LogError + '_ {
+    move |error| LogError::new(place, Message::verbatim(error))
+}

@@ -1,0 +1,22 @@
+//! A station's own files: raw logs of any layout, read by a map, become campaigns.
+//!
+//! [`kind`] says what a file is, [`source`] reads it as named columns of numbers, [`map`] says which are what,
+//! [`gather`] brings all samples to one series, [`assemble`] makes dwells of it and [`campaign`] the document.
+//! The mathematics is in [`crate::core::dwells`].
+
+pub mod assemble;
+mod averaged;
+pub mod campaign;
+mod column;
+pub mod error;
+mod gather;
+pub mod guess;
+pub mod kind;
+pub mod map;
+mod mat;
+mod programme;
+pub mod report;
+pub mod sheet;
+mod source;
+mod text;
+mod units;

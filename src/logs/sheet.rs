@@ -1,0 +1,43 @@
+//! A campaign that somebody keeps in a workbook: its first sheet as the CSV that it would be saved as.
+
+use std::io::Cursor;
+
+use calamine::{Data, Reader, Xlsx};
+
+use crate::core::message::Message;
+use crate::message;
+
+/// Whether bytes are a zip archive, as every xlsx file is.
+pub fn is_workbook(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PK\x03\x04")
+}
+
+/// The first sheet as CSV: a line a row, cells parted by commas, head matter as it stands.
+///
+/// # Errors
+/// What cannot be read as xlsx.
+pub fn to_csv(bytes: &[u8]) -> Result<String, Message> {
+    let broken = |error: calamine::XlsxError| message!("xlsx_broken", why = format_args!("{error}"));
+    let mut book: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).map_err(broken)?;
+    let first = book.sheet_names().first().cloned().ok_or_else(|| message!("xlsx_no_table"))?;
+    let range = book.worksheet_range(&first).map_err(broken)?;
+    let mut text = String::new();
+    for row in range.rows() {
+        let filled = row.iter().rposition(|cell| !matches!(cell, Data::Empty)).map_or(0, |last| last + 1);
+        let cells: Vec<String> = row[..filled].iter().map(cell).collect();
+        text.push_str(&cells.join(","));
+        text.push('\n');
+    }
+    Ok(text)
+}
+
+fn cell(cell: &Data) -> String {
+    match cell {
+        Data::Float(value) => value.to_string(),
+        Data::Int(value) => value.to_string(),
+        Data::String(text) if !text.starts_with('#') && text.contains([',', '"', '\n']) => {
+            format!("\"{}\"", text.replace('"', "\"\""))
+        }
+        other => other.to_string(),
+    }
+}

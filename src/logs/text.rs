@@ -1,0 +1,406 @@
+//! Text tables as loggers write them: any delimiter, decimal commas, a header in brackets, a row of units.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek};
+use std::path::Path;
+
+use super::column::{Column, Sample};
+use super::error::{LogError, unreadable};
+use super::kind::{FileKind, HEAD};
+use super::units::QUANTITIES;
+use crate::core::message::{Message, sent};
+use crate::message;
+
+/// Longest line that is a row of a table.
+const LONGEST_LINE: u64 = 1 << 20;
+/// Rows of the head that the layout is taken from.
+const SAMPLED: usize = 60;
+/// Share of rows that may be no rows, before the table is refused.
+const MOST_BAD: f64 = 0.01;
+
+/// How a table is written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    /// None: blanks of any number.
+    pub delimiter: Option<u8>,
+    pub decimal_comma: bool,
+    /// Lines before the first row.
+    pub skipped: u64,
+    pub columns: Vec<Column>,
+}
+
+/// A text file with its layout.
+pub struct TextLog {
+    place: String,
+    reader: Box<dyn BufRead>,
+    pub layout: Layout,
+    /// Cells that are no numbers are empty ones: for a first look at what there is.
+    pub lenient: bool,
+}
+
+impl TextLog {
+    pub fn open(path: &Path, kind: FileKind) -> Result<Self, LogError> {
+        let place = path.display().to_string();
+        let named = place.clone();
+        let fail = unreadable(&named);
+        let mut file = File::open(path).map_err(&fail)?;
+        let mut head = Vec::new();
+        reader_of(file.try_clone().map_err(&fail)?, kind).take(HEAD as u64).read_to_end(&mut head).map_err(&fail)?;
+        let whole = head.len() < HEAD;
+        let layout = Layout::of(&head, whole).map_err(|fault| LogError::new(&place, fault))?;
+        file.rewind().map_err(&fail)?;
+        let reader = Box::new(BufReader::with_capacity(1 << 18, reader_of(file, kind)));
+        Ok(Self { place, reader, layout, lenient: false })
+    }
+
+    /// Reads the rows from first to last: line, and the numbers of the columns `wanted`, NaN where a cell is empty.
+    /// Returns how many lines were no rows.
+    ///
+    /// # Errors
+    /// What `each` refuses, with its line; a table of which more than one row in a hundred cannot be read.
+    pub fn rows(
+        &mut self,
+        wanted: &[usize],
+        each: &mut dyn FnMut(Sample<'_>) -> Result<(), Message>,
+    ) -> Result<usize, LogError> {
+        let Layout { delimiter, decimal_comma, skipped, .. } = self.layout;
+        let (place, lenient) = (self.place.clone(), self.lenient);
+        let fail = unreadable(&place);
+        let refuse =
+            |line: u64, fault: Message| LogError::new(&place, message!("at_line", line = line as usize, fault = fault));
+        let last = wanted.iter().copied().max().unwrap_or(0);
+        let mut cells = Cells { delimiter, decimal_comma, ..Cells::default() };
+        let (mut buffer, mut values) = (Vec::new(), vec![f64::NAN; wanted.len()]);
+        let (mut line, mut rows, mut bad) = (0_u64, 0_u64, Vec::new());
+        loop {
+            buffer.clear();
+            let read = (&mut self.reader).take(LONGEST_LINE).read_until(b'\n', &mut buffer).map_err(&fail)?;
+            if read == 0 {
+                break;
+            }
+            line += 1;
+            let whole = buffer.last() == Some(&b'\n');
+            let text = trimmed(&buffer);
+            if line <= skipped || text.is_empty() || is_comment(text) {
+                continue;
+            }
+            if text[0] == 0 {
+                return Err(refuse(line, message!("zeros_from_here")));
+            }
+            cells.split(text, last);
+            let mut fault = None;
+            for (value, &column) in values.iter_mut().zip(wanted) {
+                match cells.number(text, column) {
+                    Ok(number) => *value = number,
+                    Err(_) if lenient => *value = f64::NAN,
+                    Err(why) => fault = Some((column, why)),
+                }
+            }
+            match fault {
+                None => {
+                    rows += 1;
+                    each(Sample { line, values: &values }).map_err(|fault| refuse(line, fault))?;
+                }
+                // The last line of a file that was being written breaks off anywhere.
+                Some(_) if !whole => bad.push((line, None)),
+                Some(found) => bad.push((line, Some(found))),
+            }
+            if bad.len() as f64 > 20.0 + MOST_BAD * rows as f64 {
+                break;
+            }
+        }
+        let serious: Vec<_> = bad.iter().filter_map(|(line, found)| Some((*line, found.clone()?))).collect();
+        if let Some((first, (column, why))) = serious.first()
+            && serious.len() as f64 > MOST_BAD * (rows + serious.len() as u64) as f64
+        {
+            let name = self.layout.columns.get(*column).map_or(String::new(), |c| c.name.clone());
+            let fault =
+                message!("at_cell", line = *first as usize, column = column + 1, name = name, fault = why.clone());
+            let fault = message!("rows_unreadable", count = serious.len(), rows = rows as usize, fault = fault);
+            return Err(LogError::new(&place, fault));
+        }
+        Ok(bad.len())
+    }
+}
+
+fn trimmed(line: &[u8]) -> &[u8] {
+    line.trim_ascii()
+}
+
+fn is_comment(line: &[u8]) -> bool {
+    line.starts_with(b"#") || line.starts_with(b"%") || line.starts_with(b"//")
+}
+
+fn reader_of(file: File, kind: FileKind) -> Box<dyn Read> {
+    match kind {
+        FileKind::Utf16 { big_endian } => {
+            Box::new(Utf16 { from: BufReader::with_capacity(1 << 18, file), big_endian, ready: Vec::new(), given: 0 })
+        }
+        _ => Box::new(file),
+    }
+}
+
+/// UTF-16 as UTF-8, as it is read.
+struct Utf16 {
+    from: BufReader<File>,
+    big_endian: bool,
+    ready: Vec<u8>,
+    given: usize,
+}
+
+impl Read for Utf16 {
+    fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+        if self.given == self.ready.len() {
+            let mut bytes = vec![0; 1 << 16];
+            let mut filled = 0;
+            while filled < bytes.len() {
+                match self.from.read(&mut bytes[filled..])? {
+                    0 => break,
+                    more => filled += more,
+                }
+            }
+            let unit = |pair: &[u8]| {
+                let pair = [pair[0], pair[1]];
+                if self.big_endian { u16::from_be_bytes(pair) } else { u16::from_le_bytes(pair) }
+            };
+            let units = bytes[..filled].chunks_exact(2).map(unit).filter(|&unit| unit != 0xfeff);
+            let text: String = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
+            (self.ready, self.given) = (text.into_bytes(), 0);
+        }
+        let count = out.len().min(self.ready.len() - self.given);
+        out[..count].copy_from_slice(&self.ready[self.given..self.given + count]);
+        self.given += count;
+        Ok(count)
+    }
+}
+
+/// Where the cells of a line begin and end.
+#[derive(Default)]
+struct Cells {
+    delimiter: Option<u8>,
+    decimal_comma: bool,
+    ends: Vec<(usize, usize)>,
+    plain: String,
+}
+
+impl Cells {
+    /// Finds the cells up to column `last`.
+    fn split(&mut self, line: &[u8], last: usize) {
+        self.ends.clear();
+        match self.delimiter {
+            Some(delimiter) if !line.contains(&b'"') => {
+                let mut from = 0;
+                for at in memchr::memchr_iter(delimiter, line) {
+                    self.ends.push((from, at));
+                    from = at + 1;
+                    if self.ends.len() > last {
+                        return;
+                    }
+                }
+                self.ends.push((from, line.len()));
+            }
+            Some(delimiter) => {
+                let (mut from, mut quoted) = (0, false);
+                for (at, &byte) in line.iter().enumerate() {
+                    quoted ^= byte == b'"';
+                    if byte == delimiter && !quoted {
+                        self.ends.push((from, at));
+                        from = at + 1;
+                    }
+                }
+                self.ends.push((from, line.len()));
+            }
+            None => {
+                let mut from = None;
+                for (at, byte) in line.iter().enumerate() {
+                    match (byte.is_ascii_whitespace(), from) {
+                        (false, None) => from = Some(at),
+                        (true, Some(begin)) => {
+                            self.ends.push((begin, at));
+                            from = None;
+                        }
+                        _ => {}
+                    }
+                }
+                self.ends.extend(from.map(|begin| (begin, line.len())));
+            }
+        }
+    }
+
+    fn cell<'a>(&self, line: &'a [u8], column: usize) -> Option<&'a [u8]> {
+        let &(from, to) = self.ends.get(column)?;
+        let cell = line[from..to].trim_ascii();
+        Some(cell.strip_prefix(b"\"").and_then(|c| c.strip_suffix(b"\"")).unwrap_or(cell).trim_ascii())
+    }
+
+    fn number(&mut self, line: &[u8], column: usize) -> Result<f64, Message> {
+        let Some(cell) = self.cell(line, column) else { return Err(message!("cell_missing")) };
+        let text = std::str::from_utf8(cell).map_err(|_| message!("not_utf8_text"))?;
+        if let Ok(number) = text.parse::<f64>() {
+            return Ok(number);
+        }
+        if self.decimal_comma {
+            self.plain.clear();
+            self.plain.push_str(text);
+            if let Some(comma) = text.find(',') {
+                self.plain.replace_range(comma..=comma, ".");
+            }
+            if let Ok(number) = self.plain.parse() {
+                return Ok(number);
+            }
+        }
+        if is_empty(text) { Ok(f64::NAN) } else { Err(message!("not_a_number", value = sent(text))) }
+    }
+}
+
+fn is_empty(text: &str) -> bool {
+    matches!(text, "" | "-" | "--" | "NA" | "N/A" | "n/a" | "null" | "NULL" | "None")
+}
+
+fn is_number(cell: &str, decimal_comma: bool) -> bool {
+    cell.parse::<f64>().is_ok() || decimal_comma && cell.replacen(',', ".", 1).parse::<f64>().is_ok()
+}
+
+impl Layout {
+    /// The layout that a file's first bytes show.
+    ///
+    /// # Errors
+    /// No table in it.
+    pub fn of(head: &[u8], whole: bool) -> Result<Self, Message> {
+        let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+        let text = decoded(head);
+        let mut lines: Vec<&str> = text.split('\n').map(str::trim).collect();
+        // The last line of a piece is a piece itself.
+        if !whole || lines.last().is_some_and(|line| line.is_empty()) {
+            lines.pop();
+        }
+        let rows: Vec<(usize, &str)> =
+            lines.iter().copied().enumerate().filter(|(_, l)| !l.is_empty() && !is_comment(l.as_bytes())).collect();
+        let sampled: Vec<&str> = rows.iter().rev().take(SAMPLED).map(|(_, line)| *line).collect();
+        let candidates = [Some(b'\t'), Some(b';'), Some(b','), Some(b'|'), None];
+        let best = candidates
+            .into_iter()
+            .flat_map(|delimiter| [false, true].map(|comma| (delimiter, comma)))
+            .filter(|&(delimiter, comma)| !(comma && delimiter == Some(b',')))
+            .map(|(delimiter, comma)| (numbers(&sampled, delimiter, comma), delimiter, comma))
+            // The first of equals: a decimal comma only where it makes more numbers.
+            .fold((0.0, None, false), |best, next| if next.0 > best.0 + 1e-9 { next } else { best });
+        let (found, delimiter, decimal_comma) = best;
+        if found < 1.0 {
+            return Err(message!("no_numbers", lines = lines.len()));
+        }
+        let fields = |line: &str| split(line, delimiter);
+        let is_row = |line: &str| {
+            let cells = fields(line);
+            let filled = cells.iter().filter(|c| !is_empty(c)).count();
+            let numbers = cells.iter().filter(|c| is_number(c, decimal_comma)).count();
+            numbers > 0 && 2 * numbers >= filled
+        };
+        let Some(first) = rows.iter().position(|(_, line)| is_row(line)) else {
+            return Err(message!("no_numbers", lines = lines.len()));
+        };
+        let width = rows[first..].iter().take(SAMPLED).map(|(_, line)| fields(line).len()).max().unwrap_or(0);
+        let above: Vec<Vec<String>> = rows[..first].iter().map(|(_, line)| fields(line)).collect();
+        let columns = columns(above, &lines[..rows[first].0], width, delimiter);
+        Ok(Self { delimiter, decimal_comma, skipped: rows[first].0 as u64, columns })
+    }
+}
+
+/// UTF-8, or one byte a character as Windows writes Western Europe's.
+pub fn decoded(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_owned(),
+        // Cut within a character: the piece ends there.
+        Err(error) if error.error_len().is_none() => {
+            String::from_utf8_lossy(&bytes[..error.valid_up_to()]).into_owned()
+        }
+        Err(_) => bytes.iter().map(|&b| char::from(b)).collect(),
+    }
+}
+
+fn split(line: &str, delimiter: Option<u8>) -> Vec<String> {
+    let mut cells = Cells { delimiter, ..Cells::default() };
+    cells.split(line.as_bytes(), usize::MAX - 1);
+    let text = |k: usize| cells.cell(line.as_bytes(), k).map(|c| String::from_utf8_lossy(c).into_owned());
+    (0..cells.ends.len()).filter_map(text).collect()
+}
+
+/// Numbers a row, where most rows have the same number of cells; fewer where they differ.
+fn numbers(rows: &[&str], delimiter: Option<u8>, decimal_comma: bool) -> f64 {
+    let cells: Vec<Vec<String>> = rows.iter().map(|row| split(row, delimiter)).collect();
+    let mut widths: Vec<usize> = cells.iter().map(Vec::len).collect();
+    widths.sort_unstable();
+    let Some(&usual) = widths.get(widths.len() / 2) else { return 0.0 };
+    let alike: Vec<&Vec<String>> = cells.iter().filter(|row| row.len() == usual).collect();
+    let numbers = alike.iter().flat_map(|row| row.iter()).filter(|cell| is_number(cell, decimal_comma)).count();
+    numbers as f64 / rows.len().max(1) as f64
+}
+
+/// Names and units from the rows above the first row of numbers, or from a comment just above it.
+pub fn columns(mut above: Vec<Vec<String>>, lines: &[&str], width: usize, delimiter: Option<u8>) -> Vec<Column> {
+    above.retain(|cells| cells.len() >= width.max(2) - 1 && cells.len() <= width + 1);
+    if above.is_empty() {
+        let comments = lines.iter().rev().filter(|line| is_comment(line.as_bytes()));
+        let named = comments.map(|line| split(line.trim_start_matches(['#', '%', '/', ' ']), delimiter));
+        above.extend(named.filter(|cells| cells.len() == width && width > 1).take(1));
+    }
+    let mut last = above.pop().unwrap_or_default();
+    let units = if above.is_empty() || !last.iter().any(|cell| is_unit(cell)) {
+        Vec::new()
+    } else {
+        std::mem::replace(&mut last, above.pop().unwrap_or_default())
+    };
+    let names = last;
+    (0..width)
+        .map(|k| {
+            let column = Column::named(names.get(k).map_or("", String::as_str));
+            let below = units.get(k).map(|u| u.trim_matches(['[', ']', '(', ')', ' ']).to_owned());
+            Column { unit: column.unit.or(below.filter(|u| !u.is_empty())), ..column }
+        })
+        .collect()
+}
+
+/// Whether a cell of a second header row is a unit.
+fn is_unit(cell: &str) -> bool {
+    let bare = cell.trim_matches(['[', ']', '(', ')', ' ']);
+    !bare.is_empty() && (bare.len() < cell.len() || QUANTITIES.iter().any(|q| q.unit(bare).is_some()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layout(text: &str) -> Layout {
+        Layout::of(text.as_bytes(), true).unwrap()
+    }
+
+    fn heads(layout: &Layout) -> Vec<(&str, Option<&str>)> {
+        layout.columns.iter().map(|c| (c.name.as_str(), c.unit.as_deref())).collect()
+    }
+
+    #[test]
+    fn delimiters_decimals_headers_and_units_are_seen() {
+        let plain = layout("t (s),gx [deg/s],gy (deg/s)\n0.00,1.5,2\n0.01,1.6,2\n");
+        assert_eq!((plain.delimiter, plain.decimal_comma, plain.skipped), (Some(b','), false, 1));
+        assert_eq!(heads(&plain), [("t", Some("s")), ("gx", Some("deg/s")), ("gy", Some("deg/s"))]);
+
+        let german = layout("Datum;25.11.2026\nZeit;Drehrate\ns;deg/s\n0,00;1,5\n0,01;1,25\n0,02;1,75\n");
+        assert_eq!((german.delimiter, german.decimal_comma, german.skipped), (Some(b';'), true, 3));
+        assert_eq!(heads(&german), [("Zeit", Some("s")), ("Drehrate", Some("deg/s"))]);
+
+        let blanks = layout("   2.98e-02   3.3e+04   3.3e+04\n   3.98e-02   3.3e+04   3.3e+04\n");
+        assert_eq!((blanks.delimiter, blanks.skipped, blanks.columns.len()), (None, 0, 3));
+
+        let tabs = layout("% t\tax\n0,1\t2,5\n0,2\t2,5\n");
+        assert_eq!((tabs.delimiter, tabs.decimal_comma), (Some(b'\t'), true));
+        assert_eq!(heads(&tabs), [("t", None), ("ax", None)]);
+
+        let tagged = layout("LOG:  9,   1.38, 19674, -0.1\nLOG: 10,   3.23, 81550, -0.2\n");
+        assert_eq!((tagged.delimiter, tagged.columns.len()), (Some(b','), 4));
+    }
+
+    #[test]
+    fn what_has_no_numbers_is_no_table() {
+        assert_eq!(Layout::of(b"dear all,\nplease find\n", true).unwrap_err().code, "no_numbers");
+    }
+}

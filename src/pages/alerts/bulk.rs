@@ -1,0 +1,225 @@
+//! One word for many alerts: of the gyros that are ticked, or of those that are named.
+
+use axum::extract::{Form, Query, State as Held};
+use axum::http::StatusCode;
+use axum::response::Response;
+use maud::{Markup, html};
+
+use super::{open_ones, table};
+use crate::core::alert_decision::Standing;
+use crate::core::fault::{Fault, Faults};
+use crate::core::id::Id;
+use crate::core::message::Message;
+use crate::message;
+use crate::pages::Pages;
+use crate::pages::form::{answered, fault_list, see_other};
+use crate::pages::layout::{Page, Section};
+use crate::pages::silences::LONGEST_SILENCE;
+use crate::pages::viewer::{Viewer, is_local};
+use crate::pipeline::{AlertChange, AlertOrder};
+use crate::wire::alert::AlertBody;
+use crate::wire::problem::Problem;
+use crate::wire::text;
+
+/// Alerts of one form, and gyros that are looked through for them.
+const MOST: usize = 500;
+/// Alerts of which an address says that they have just been acknowledged.
+const MOST_DONE: usize = 60;
+
+/// What is said of alerts, and of which.
+#[derive(Debug, Default)]
+struct Said {
+    gyros: Vec<String>,
+    alerts: Vec<String>,
+    deed: String,
+    by: String,
+    reason: String,
+    days: String,
+    back: String,
+}
+
+impl Said {
+    fn of(fields: Vec<(String, String)>) -> Self {
+        let mut said = Self::default();
+        for (name, value) in fields {
+            match name.as_str() {
+                "gyro" => said.gyros.push(value),
+                "alert" => said.alerts.push(value),
+                "deed" => said.deed = value,
+                "by" => said.by = value,
+                "reason" => said.reason = value,
+                "days" => said.days = value,
+                "back" => said.back = value,
+                _ => {}
+            }
+        }
+        said
+    }
+
+    fn back(&self) -> &str {
+        if is_local(&self.back) { &self.back } else { "/alerts" }
+    }
+
+    /// The alerts that are meant: of a gyro all that are not resolved.
+    async fn found(&self, pages: &Pages) -> Result<Vec<AlertBody>, Problem> {
+        let mut found: Vec<AlertBody> = Vec::new();
+        for serial in self.gyros.iter().take(MOST) {
+            let gyro = pages.pipeline.queries.names().gyro_number(serial);
+            let gyro = gyro.ok_or_else(|| Problem::unknown_gyro(serial))?;
+            found.extend(open_ones(pages, gyro).await?);
+        }
+        for id in self.alerts.iter().take(MOST) {
+            found.push(super::known(pages, id).await?.1);
+        }
+        found.truncate(MOST);
+        Ok(found)
+    }
+}
+
+pub(in crate::pages) async fn ask(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Query(fields): Query<Vec<(String, String)>>,
+) -> Response {
+    let said = Said::of(fields);
+    let found = said.found(&pages).await;
+    viewer.show(found.map(|found| form(&viewer, &said, &found, &Faults::default())))
+}
+
+pub(in crate::pages) async fn act(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Form(fields): Form<Vec<(String, String)>>,
+) -> Response {
+    let said = Said::of(fields);
+    answered(&viewer, done_of(&pages, &viewer, &said).await)
+}
+
+async fn done_of(pages: &Pages, viewer: &Viewer, said: &Said) -> Result<Response, Problem> {
+    let found = said.found(pages).await?;
+    let by = viewer.signed_in.clone().filter(|_| said.by.trim().is_empty()).unwrap_or_else(|| said.by.clone());
+    let days: Option<f64> = said.days.trim().parse().ok().filter(|days| *days > 0.0 && *days <= LONGEST_SILENCE);
+    let mut faults = Faults::default();
+    text::required_short("by", by.clone(), &mut faults);
+    let change = match said.deed.as_str() {
+        "unacknowledge" => AlertChange::Unacknowledge,
+        "comment" => AlertChange::Comment,
+        "silence" => {
+            if days.is_none() {
+                faults.push("days", Message::verbatim(format_args!("0 … {LONGEST_SILENCE}")));
+            }
+            AlertChange::Silence { until: pages.clock.now().plus_days(days.unwrap_or_default()) }
+        }
+        _ => AlertChange::Acknowledge,
+    };
+    let is_brief = matches!(change, AlertChange::Acknowledge | AlertChange::Unacknowledge);
+    // Whoever has signed in is known; that they know of it needs no reason.
+    if !(is_brief && viewer.signed_in.is_some() && said.reason.trim().is_empty()) {
+        text::required_note("reason", said.reason.clone(), &mut faults);
+    }
+    if found.is_empty() {
+        faults.0.push(Fault { pointer: "alert".into(), message: message!("no_alert_selected") });
+    }
+    if !faults.is_empty() {
+        return Ok(viewer.respond(StatusCode::UNPROCESSABLE_ENTITY, &form(viewer, said, &found, &faults)));
+    }
+    let mut done = Vec::new();
+    for alert in &found {
+        let Ok(id) = alert.id.parse::<Id>() else { continue };
+        // Who knows already has said so better.
+        if change == AlertChange::Acknowledge && alert.acknowledged.is_some() {
+            continue;
+        }
+        let order = AlertOrder { alert: id, change, by: by.clone(), reason: said.reason.trim().to_owned() };
+        pages.pipeline.alerts.change(order).await?;
+        done.push(alert.id.clone());
+    }
+    let back = said.back();
+    let is_list = back == "/alerts" || back.starts_with("/alerts?");
+    if change == AlertChange::Acknowledge && is_list && (1..=MOST_DONE).contains(&done.len()) {
+        let joint = if back.contains('?') { '&' } else { '?' };
+        return Ok(see_other(&format!("{back}{joint}done={}", done.join(","))));
+    }
+    Ok(see_other(back))
+}
+
+/// What is about to be said of which alerts, on a page of its own.
+fn form(viewer: &Viewer, said: &Said, found: &[AlertBody], faults: &Faults) -> Page {
+    let t = viewer.text();
+    let by = if said.by.is_empty() { viewer.signed_in.as_deref().unwrap_or_default() } else { &said.by };
+    let days = if said.days.is_empty() { "7" } else { &said.days };
+    let deeds = [
+        ("acknowledge", t.acknowledge),
+        ("silence", t.silence),
+        ("comment", t.comment),
+        ("unacknowledge", t.unacknowledge),
+    ];
+    let chosen = deeds.iter().position(|(name, _)| *name == said.deed).unwrap_or(0);
+    let body = html! {
+        h1 { (t.bulk_title) }
+        (fault_list(t, faults))
+        @if found.is_empty() { p.lead { (t.no_alerts) } } @else { (table(viewer, found.iter(), true, None)) }
+        p.note { (t.acknowledge_what) " " (t.silence_what) }
+        form.deed action="/alerts/bulk" method="post" {
+            input type="hidden" name="back" value=(said.back());
+            @for alert in found { input type="hidden" name="alert" value=(alert.id); }
+            label { (t.action_word) select name="deed" {
+                @for (k, (name, word)) in deeds.iter().enumerate() { option value=(name) selected[k == chosen] { (word) } }
+            } }
+            label { (t.who) input name="by" value=(by) required maxlength="128" autocomplete="name"; }
+            label { (t.reason_word) textarea name="reason" rows="3" maxlength="4096" required[viewer.signed_in.is_none()] { (said.reason) } }
+            label { (t.silence_days) input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value=(days); }
+            p { button.primary { (t.confirm_short) } " " a href=(said.back()) { (t.go_back) } }
+        }
+    };
+    Page { title: t.bulk_title.into(), section: Section::Alerts, body }
+}
+
+/// One form for the gyros that are ticked.
+pub(super) fn bar(viewer: &Viewer, here: &str) -> Markup {
+    let t = viewer.text();
+    let deeds = [("acknowledge", t.acknowledge), ("silence", t.silence), ("comment", t.comment)];
+    html! {
+        form.selection.no-print #bulk method="post" action="/alerts/bulk" {
+            input type="hidden" name="back" value=(here);
+            span.quiet { (t.with_selected) }
+            @if viewer.signed_in.is_none() {
+                label { (t.who) " " input name="by" maxlength="128" autocomplete="name" size="12"; }
+            }
+            label { (t.reason_word) " " input name="reason" maxlength="4096" size="20"; }
+            label { (t.silence_days) " " input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value="7"; }
+            @for (name, word) in deeds { button name="deed" value=(name) { (word) } }
+        }
+    }
+}
+
+/// At once for whoever has signed in; others are asked who they are.
+pub(super) fn acknowledge(viewer: &Viewer, serial: &str, here: &str) -> Markup {
+    let method = if viewer.signed_in.is_some() { "post" } else { "get" };
+    html! {
+        form.no-print action="/alerts/bulk" method=(method) {
+            input type="hidden" name="gyro" value=(serial);
+            input type="hidden" name="deed" value="acknowledge";
+            input type="hidden" name="back" value=(here);
+            button { (viewer.text().acknowledge) }
+        }
+    }
+}
+
+/// That alerts have just been acknowledged, and the way to take that back.
+pub(super) fn done(viewer: &Viewer, done: &str, here: &str) -> Markup {
+    let t = viewer.text();
+    let ids: Vec<&str> = done.split(',').filter(|id| id.parse::<Id>().is_ok()).take(MOST_DONE).collect();
+    let method = if viewer.signed_in.is_some() { "post" } else { "get" };
+    html! {
+        @if !ids.is_empty() {
+            form.done role="status" action="/alerts/bulk" method=(method) {
+                span { (t.standing(Standing::Acknowledged.name())) ": " (ids.len()) }
+                input type="hidden" name="deed" value="unacknowledge";
+                input type="hidden" name="back" value=(here);
+                @for id in ids { input type="hidden" name="alert" value=(id); }
+                button { (t.undo) }
+            }
+        }
+    }
+}

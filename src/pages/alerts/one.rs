@@ -1,0 +1,59 @@
+//! `/alerts/{id}`: one alert, what became of it step by step, and what people said.
+
+use axum::extract::{Path, State as Held};
+use axum::response::Response;
+use maud::html;
+
+use super::table;
+use crate::core::access::Role;
+use crate::core::id::Id;
+use crate::message;
+use crate::pages::Pages;
+use crate::pages::layout::{Page, Section, encoded, instant, symbol};
+use crate::pages::viewer::Viewer;
+use crate::pipeline::AlertStep;
+use crate::wire::problem::Problem;
+
+pub(in crate::pages) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
+    viewer.show(build(&pages, &viewer, &id).await)
+}
+
+async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let unknown = || Problem::new(404, "title_unknown_alert", message!("unknown_alert", id = id.to_owned()));
+    let number = id.parse::<Id>().map_err(|_| unknown())?;
+    let record = pages.pipeline.alerts.get(number).await?.ok_or_else(unknown)?;
+    let alert = &record.alert;
+    let here = format!("/alerts/{}", alert.id);
+    let of_gyro = format!("/alerts?state=all&serial={}", encoded(&alert.serial));
+    let body = html! {
+        h1 { (t.alert) " · " span.id { (alert.serial) } " " (symbol(&alert.coefficient)) }
+        (table(viewer, std::iter::once(alert), true, Some(&here)))
+        h2 { (t.what_became) }
+        div.scroll tabindex="0" { table {
+            thead { tr { th { (t.date) } th { (t.what_word) } th { (t.who) } th { (t.reason_word) } th { (t.told_word) } } }
+            tbody { @for AlertStep { at, action, told, author, reason, .. } in record.steps.iter().rev() {
+                tr {
+                    td { (instant(*at)) }
+                    td { (t.alert_step(action)) }
+                    td translate="no" { (author.as_deref().unwrap_or_default()) }
+                    td.words translate="no" { (reason.as_deref().unwrap_or_default()) }
+                    td { @if *told { (t.told_yes) } }
+                }
+            } }
+        } }
+        @if viewer.may(Role::Engineer) {
+            h2 { (t.comment) }
+            form.deed action="/alerts/bulk" method="post" {
+                input type="hidden" name="alert" value=(alert.id);
+                input type="hidden" name="deed" value="comment";
+                input type="hidden" name="back" value=(here);
+                label { (t.who) input name="by" value=(viewer.signed_in.as_deref().unwrap_or_default()) required maxlength="128" autocomplete="name"; }
+                label { (t.reason_word) textarea name="reason" rows="3" required maxlength="4096" {} }
+                p { button.primary { (t.comment) } }
+            }
+        }
+        p { a href=(of_gyro) { (t.alerts_of_gyro) } }
+    };
+    Ok(Page { title: format!("{} {}", t.alert, alert.serial), section: Section::Alerts, body })
+}

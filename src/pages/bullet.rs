@@ -1,0 +1,92 @@
+//! A load as a bar the height of a word: every one on the same scale, so that the eye can run down a column.
+
+use maud::{Markup, html};
+
+use crate::core::judge::Measured;
+
+/// Loads beyond this stand at the edge, as an arrow.
+const EDGE: f64 = 1.5;
+const WIDTH: f64 = 90.0;
+const HEIGHT: f64 = 16.0;
+/// Room for the arrow.
+const ARROW: f64 = 7.0;
+
+/// `+251 ± 7`, %: two digits of the standard deviation, at most whole ones.
+pub(super) fn percent(load: Measured) -> String {
+    let percent = 100.0 * load.value;
+    let sd = load.sd.map(|sd| 100.0 * sd).filter(|sd| sd.is_finite());
+    let places = if percent.abs().max(sd.unwrap_or(0.0)) < 9.95 && sd.is_none_or(|sd| sd < 0.95) { 1 } else { 0 };
+    let size = format!("{:.places$}", percent.abs());
+    let sign = match size.bytes().all(|byte| matches!(byte, b'0' | b'.')) {
+        true => "",
+        false if percent < 0.0 => "-",
+        false => "+",
+    };
+    match sd {
+        Some(sd) => format!("{sign}{size} ± {sd:.places$}"),
+        None => format!("{sign}{size}"),
+    }
+}
+
+/// `+251`, %: where there is room for no more.
+pub(super) fn rounded(load: Measured) -> String {
+    percent(Measured { value: (100.0 * load.value).round() / 100.0, sd: Some(0.01) }).replace(" ± 1", "")
+}
+
+/// The budget as a tint, zero as a line, the load as a dot with one standard deviation to either side. `label` says it
+/// in words.
+pub(super) fn bar(load: Measured, label: &str) -> Markup {
+    let half = WIDTH / 2.0 - ARROW;
+    let x = |value: f64| WIDTH / 2.0 + half * (value / EDGE).clamp(-1.0, 1.0);
+    let at = |value: f64| format!("{:.1}", x(value));
+    let (middle, value) = (HEIGHT / 2.0, load.value);
+    let class = if value.abs() > 1.0 { "out" } else { "in" };
+    let tip = WIDTH / 2.0 + (half + ARROW) * value.signum();
+    let foot = WIDTH / 2.0 + half * value.signum();
+    html! {
+        svg.load-bar viewBox={ "0 0 " (WIDTH) " " (HEIGHT) } role="img" aria-label=(label) {
+            rect x=(at(-1.0)) y="1" width=(format!("{:.1}", x(1.0) - x(-1.0))) height=(HEIGHT - 2.0) {}
+            path d={ "M" (WIDTH / 2.0) " 0V" (HEIGHT) } {}
+            @if value.abs() > EDGE {
+                polygon points={ (foot) "," (middle - 5.0) " " (tip) "," (middle) " " (foot) "," (middle + 5.0) } {}
+            } @else {
+                @if let Some(sd) = load.sd { path.sd d={ "M" (at(value - sd)) " " (middle) "H" (at(value + sd)) } {} }
+                circle class=(class) cx=(at(value)) cy=(middle) r="3.5" {}
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(value: f64, sd: Option<f64>) -> Measured {
+        Measured { value, sd }
+    }
+
+    #[test]
+    fn a_load_has_its_sign_and_no_more_digits_than_it_deserves() {
+        for (value, sd, text) in [
+            (2.514, Some(0.069), "+251 ± 7"),
+            (-0.0512, Some(0.069), "-5 ± 7"),
+            (-0.0512, None, "-5.1"),
+            (0.0004, Some(0.004), "0.0 ± 0.4"),
+            (0.012, Some(0.004), "+1.2 ± 0.4"),
+            (-519.0, Some(0.07), "-51900 ± 7"),
+            (0.0, None, "0.0"),
+        ] {
+            assert_eq!(percent(load(value, sd)), text, "{value}");
+        }
+    }
+
+    #[test]
+    fn what_is_beyond_the_scale_is_an_arrow_on_its_side() {
+        let drawn = |value| bar(load(value, Some(0.07)), "a \"b\"").into_string();
+        assert!(drawn(0.5).contains("class=\"in\"") && drawn(-1.2).contains("class=\"out\""));
+        assert!(drawn(2.5).contains("83,3 90,8 83,13") && drawn(-519.0).contains("7,3 0,8 7,13"), "{}", drawn(2.5));
+        assert!(!drawn(2.5).contains("circle") && drawn(0.5).contains("&quot;b&quot;"));
+        // Half the budget is a third of the way from the middle to the edge.
+        assert!(drawn(0.5).contains(&format!("cx=\"{:.1}\"", 45.0 + 38.0 / 3.0)));
+    }
+}

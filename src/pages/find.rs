@@ -1,0 +1,66 @@
+//! `/find`: what a name or an identifier is of. Where that is one thing, its page; else the fleet, searched.
+
+use axum::extract::{Query, State as Held};
+use axum::response::Response;
+use serde::Deserialize;
+
+use super::Pages;
+use super::form::see_other;
+use super::layout::encoded;
+use super::viewer::Viewer;
+use crate::core::id::Id;
+use crate::pipeline::FleetFilter;
+use crate::wire::problem::Problem;
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Asked {
+    q: String,
+}
+
+pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(asked): Query<Asked>) -> Response {
+    match place(&pages, asked.q.trim()).await {
+        Ok(place) => see_other(&format!("{}{place}", viewer.base_path)),
+        Err(problem) => viewer.show(Err(problem)),
+    }
+}
+
+/// The address of what is meant.
+async fn place(pages: &Pages, sought: &str) -> Result<String, Problem> {
+    let of_fleet = || format!("/fleet?q={}", encoded(sought));
+    if let Some(named) = named(pages, sought) {
+        return Ok(named);
+    }
+    if let Ok(id) = sought.parse::<Id>() {
+        if pages.pipeline.queries.records.sent(id).await?.is_some() {
+            return Ok(format!("/records/{id}"));
+        }
+        if pages.pipeline.alerts.get(id).await?.is_some() {
+            return Ok(format!("/alerts/{id}"));
+        }
+    }
+    if sought.is_empty() {
+        return Ok("/fleet".to_owned());
+    }
+    let filter = FleetFilter { text: sought, ..FleetFilter::default() };
+    let found = pages.pipeline.queries.fleet.page(&filter, 0, 1).await?;
+    Ok(match &found.gyros[..] {
+        [one] if found.found == 1 => format!("/gyros/{}", encoded(&one.serial)),
+        _ => of_fleet(),
+    })
+}
+
+/// A gyro, an IMU or a station of this very name.
+fn named(pages: &Pages, name: &str) -> Option<String> {
+    let names = pages.pipeline.queries.names();
+    let path = if names.gyro_number(name).is_some() {
+        "gyros"
+    } else if names.imu_number(name).is_some() {
+        "imus"
+    } else if names.station_number(name).is_some() {
+        "stations"
+    } else {
+        return None;
+    };
+    Some(format!("/{path}/{}", encoded(name)))
+}

@@ -1,0 +1,266 @@
+//! What the fleet's page is narrowed down to: in the address, in a form, and in the heads of columns.
+
+use axum::http::HeaderValue;
+use axum::http::header::HeaderName;
+use axum::response::Response;
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use crate::core::fleet_order::FleetOrder;
+use crate::core::judge::{Rule, Status};
+use crate::core::message::Message;
+use crate::core::time::UtcMicros;
+use crate::message;
+use crate::pages::layout::encoded;
+use crate::pages::viewer::Viewer;
+use crate::pipeline::{BEYOND, FleetFilter, FleetPage};
+use crate::wire::problem::Problem;
+use crate::wire::time;
+
+/// Stations that the form offers.
+const MOST_OFFERED: usize = 100;
+/// A wall display is loaded again after no less, s.
+const LEAST_REFRESH: u32 = 10;
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(in crate::pages) struct Filters {
+    /// Part of a serial, IMU or station.
+    pub q: String,
+    /// By its name on the wire.
+    pub status: String,
+    /// As links of earlier versions have it: `exceeded`, `warning`, `indeterminate`, `within` or `overdue`.
+    pub state: String,
+    pub station: String,
+    /// `ever`: the station is any that has calibrated it.
+    pub station_when: String,
+    pub imu: String,
+    pub rule: String,
+    pub calibrated_since: String,
+    pub changed_since: String,
+    /// `load`, `eta`, `age` or `serial`; else the worst status first.
+    pub sort: String,
+    /// `imu`: by IMU.
+    pub view: String,
+    /// Seconds after which a browser loads the page again.
+    pub refresh: String,
+    pub page: usize,
+}
+
+impl Filters {
+    pub fn is_wall(&self) -> bool {
+        self.view == "imu"
+    }
+
+    /// What is asked of the fleet.
+    pub fn filter(&self) -> Result<FleetFilter<'_>, Problem> {
+        let (now, ever) = if self.station_when == "ever" { ("", &*self.station) } else { (&*self.station, "") };
+        let start = |name: &'static str, said: &str| match said.trim() {
+            "" => Ok(None),
+            said => time::parse_start(said).map(Some).map_err(|fault| bad_parameter(name, fault)),
+        };
+        Ok(FleetFilter {
+            text: &self.q,
+            station: now,
+            ever,
+            imu: self.imu.trim(),
+            rule: Rule::from_name(&self.rule),
+            calibrated_since: start("calibrated_since", &self.calibrated_since)?,
+            changed_since: start("changed_since", &self.changed_since)?,
+            statuses: self.statuses(),
+            order: match self.sort.as_str() {
+                "load" => Some(FleetOrder::Load),
+                "eta" => Some(FleetOrder::Reach),
+                "age" => Some(FleetOrder::Age),
+                "serial" => Some(FleetOrder::Serial),
+                _ => None,
+            },
+        })
+    }
+
+    /// What is wanted; none where all is.
+    fn statuses(&self) -> Option<&'static [Status]> {
+        if !self.status.is_empty() {
+            let one = Status::ALL.iter().position(|status| status.name() == self.status);
+            return Some(one.map_or(&[], |place| &Status::ALL[place..=place]));
+        }
+        match self.state.as_str() {
+            "" => None,
+            "exceeded" => Some(&BEYOND),
+            "warning" => Some(&[Status::Drifting]),
+            "indeterminate" => Some(&[Status::Borderline, Status::TooUncertain, Status::NotEnoughData]),
+            "within" => Some(&[Status::InTolerance]),
+            "overdue" => Some(&[Status::Overdue]),
+            _ => Some(&[]),
+        }
+    }
+
+    /// Has the browser load a wall display again.
+    pub fn again(&self, mut response: Response) -> Response {
+        if let Some(seconds) = self.refresh.parse::<u32>().ok().filter(|_| self.is_wall()) {
+            let name = HeaderName::from_static("refresh");
+            response.headers_mut().insert(name, HeaderValue::from(seconds.max(LEAST_REFRESH)));
+        }
+        response
+    }
+
+    /// The address of the same list with another value of some parameters.
+    fn with(&self, other: &[(&str, &str)]) -> String {
+        let all = [
+            ("q", self.q.trim()),
+            ("status", &self.status),
+            ("state", &self.state),
+            ("station", &self.station),
+            ("station_when", &self.station_when),
+            ("imu", self.imu.trim()),
+            ("rule", &self.rule),
+            ("calibrated_since", &self.calibrated_since),
+            ("changed_since", &self.changed_since),
+            ("sort", &self.sort),
+            ("view", &self.view),
+            ("refresh", &self.refresh),
+            ("page", ""),
+        ];
+        let of = |(key, value): (&'static str, &str)| {
+            let value = other.iter().find(|(name, _)| *name == key).map_or(value, |(_, value)| *value);
+            (!value.is_empty()).then(|| format!("{key}={}", encoded(value)))
+        };
+        let query: Vec<String> = all.into_iter().filter_map(of).collect();
+        if query.is_empty() { "/fleet".into() } else { format!("/fleet?{}", query.join("&")) }
+    }
+
+    pub fn of_status(&self, status: &str) -> String {
+        self.with(&[("status", status), ("state", "")])
+    }
+
+    pub fn at_page(&self, page: usize) -> String {
+        self.with(&[("page", &if page > 0 { page.to_string() } else { String::new() })])
+    }
+
+    /// The head of a column by which the list can be sorted.
+    pub fn head(&self, sort: &str, name: &Markup) -> Markup {
+        let is_it = self.sort == sort;
+        let direction = if matches!(sort, "serial" | "eta" | "age") { "ascending" } else { "descending" };
+        html! {
+            th aria-sort=[is_it.then_some(direction)] {
+                a href=(self.with(&[("sort", sort)])) { (name) @if is_it { " " span.sorted aria-hidden="true" { "▾" } } }
+            }
+        }
+    }
+
+    pub fn form(&self, viewer: &Viewer, found: &FleetPage) -> Markup {
+        let t = viewer.text();
+        let kept = [
+            ("status", &self.status),
+            ("state", &self.state),
+            ("sort", &self.sort),
+            ("view", &self.view),
+            ("refresh", &self.refresh),
+        ];
+        let more = [&self.station, &self.imu, &self.rule, &self.calibrated_since, &self.changed_since];
+        let has_more = more.iter().any(|value| !value.is_empty());
+        let is_narrowed = has_more || !self.q.is_empty() || self.statuses().is_some();
+        html! {
+            form.search role="search" action="/fleet" method="get" {
+                input type="search" name="q" value=(self.q) placeholder=(t.search_hint) aria-label=(t.search_hint);
+                @for (name, value) in kept {
+                    @if !value.is_empty() { input type="hidden" name=(name) value=(value); }
+                }
+                button { (t.search) }
+                @if is_narrowed { a href="/fleet" { (t.clear_filters) } }
+                (self.views(viewer))
+                details.filters open[has_more] {
+                    summary { (t.more_filters) }
+                    div.fields {
+                        label { (t.station) " " input name="station" value=(self.station) list="stations" size="12"; }
+                        datalist #stations {
+                            @for name in found.of_station.keys().take(MOST_OFFERED) { option value=(name) {} }
+                        }
+                        label { (t.calibrated_there) " " select name="station_when" {
+                            option value="" { (t.calibrated_last) }
+                            option value="ever" selected[self.station_when == "ever"] { (t.calibrated_ever) }
+                        } }
+                        label { (t.imu) " " input name="imu" value=(self.imu) size="12"; }
+                        label { (t.rule_word) " " select name="rule" {
+                            option value="" { (t.any) }
+                            @for rule in Rule::ALL { option value=(rule.name()) selected[rule.name() == self.rule] { (t.rule(rule)) } }
+                        } }
+                        label { (t.calibrated_since) " " input type="date" name="calibrated_since" value=(self.calibrated_since); }
+                        label { (t.changed_since) " " input type="date" name="changed_since" value=(self.changed_since); }
+                    }
+                }
+            }
+        }
+    }
+
+    /// As a list, or by IMU.
+    fn views(&self, viewer: &Viewer) -> Markup {
+        let t = viewer.text();
+        html! {
+            span.views {
+                a href=(self.with(&[("view", ""), ("refresh", "")])) aria-current=[(!self.is_wall()).then_some("true")] { (t.as_list) }
+                a href=(self.with(&[("view", "imu"), ("sort", "")])) aria-current=[self.is_wall().then_some("true")] { (t.by_imu) }
+            }
+        }
+    }
+
+    pub fn pager(&self, viewer: &Viewer, number: usize, last: usize) -> Markup {
+        let t = viewer.text();
+        html! {
+            @if last > 0 {
+                nav.pager aria-label=(t.page_of) {
+                    @if number > 0 { a rel="prev" href=(self.at_page(number - 1)) { (t.previous) } }
+                    span { (number + 1) " / " (last + 1) }
+                    @if number < last { a rel="next" href=(self.at_page(number + 1)) { (t.next) } }
+                }
+            }
+        }
+    }
+}
+
+/// A parameter of an address that cannot be used.
+pub(in crate::pages) fn bad_parameter(name: &'static str, fault: Message) -> Problem {
+    Problem::new(400, "title_bad_query", message!("parameter_fault", parameter = name, fault = fault))
+}
+
+/// The day of an instant as a form has it.
+pub(in crate::pages) fn as_day(at: UtcMicros) -> String {
+    at.date().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn filters_stay_in_the_address() {
+        let filters = Filters {
+            q: " IMU 07&".into(),
+            station: "ST-2".into(),
+            station_when: "ever".into(),
+            status: "confirmed".into(),
+            sort: "load".into(),
+            ..Filters::default()
+        };
+        let kept = "station=ST-2&station_when=ever&sort=load";
+        assert_eq!(filters.at_page(2), format!("/fleet?q=IMU%2007%26&status=confirmed&{kept}&page=2"));
+        assert_eq!(filters.of_status("overdue"), format!("/fleet?q=IMU%2007%26&status=overdue&{kept}"));
+        assert_eq!(Filters::default().at_page(0), "/fleet");
+        let filter = filters.filter().unwrap();
+        assert_eq!((filter.station, filter.ever, filter.order), ("", "ST-2", Some(FleetOrder::Load)));
+        assert!(Filters { changed_since: "yesterday".into(), ..Filters::default() }.filter().is_err());
+    }
+
+    #[test]
+    fn addresses_of_earlier_versions_find_what_they_found() {
+        let of = |state: &str| Filters { state: state.into(), ..Filters::default() };
+        assert_eq!(of("exceeded").at_page(1), "/fleet?state=exceeded&page=1");
+        assert_eq!(of("exceeded").of_status("drifting"), "/fleet?status=drifting", "another choice takes its place");
+        let every: Vec<&Status> = ["exceeded", "warning", "indeterminate", "within", "overdue"]
+            .iter()
+            .flat_map(|old| of(old).statuses().unwrap())
+            .collect();
+        assert!(every.len() == Status::ALL.len() && Status::ALL.iter().all(|status| every.contains(&status)));
+        assert_eq!((of("").statuses(), of("nonsense").statuses()), (None, Some(&[][..])));
+    }
+}

@@ -1,0 +1,137 @@
+//! `/setup`: the limits in force and where each comes from; who may use the service, and what was done with it.
+
+use axum::extract::State as Held;
+use axum::response::Response;
+use maud::{Markup, html};
+
+use super::layout::{DRIFTS, Page, Section, instant, symbol};
+use super::text::Text;
+use super::viewer::Viewer;
+use super::{Pages, figure};
+use crate::config::Judging;
+use crate::core::access::{AuditFilter, Role};
+use crate::core::judge::{DriftLimits, Limit, Rule};
+use crate::pipeline::{AuditEntry, Token};
+use crate::wire::problem::Problem;
+
+/// Lines of the audit trail that are shown.
+const LINES: u32 = 50;
+
+pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
+    viewer.show(build(&pages, &viewer).await)
+}
+
+async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let access = match viewer.may(Role::Admin) {
+        true => {
+            let tokens = pages.pipeline.access.tokens().await?;
+            let audit = pages.pipeline.access.audit(&AuditFilter::default(), None, LINES).await?;
+            html! { (self::tokens(pages, t, &tokens)) (trail(t, &audit)) }
+        }
+        false => html! {},
+    };
+    let body = html! {
+        h1 { (t.setup) }
+        p {
+            a href="/hooks" { (t.hooks) } " · " a href="/docs" { (t.api) }
+        }
+        (limits(t, &pages.config.judging))
+        (access)
+    };
+    Ok(Page { title: t.setup.into(), section: Section::Setup, body })
+}
+
+/// Every limit that a rule of D_I or D_S has.
+fn of_drift(drift: &DriftLimits) -> Vec<(Rule, Limit)> {
+    let special = |rule: Rule| match rule {
+        Rule::Trend => drift.trend.map(|trend| trend.budget),
+        Rule::Shift => drift.shift.map(|shift| shift.least),
+        _ => drift.of(rule),
+    };
+    Rule::ALL.into_iter().filter_map(|rule| Some((rule, special(rule)?))).collect()
+}
+
+fn limits(t: &Text, judging: &Judging) -> Markup {
+    let limits = judging.limits("", "");
+    let row = |name: &str, rule: Rule, limit: Limit, unit: &str| {
+        html! {
+            tr {
+                td { (symbol(name)) } th scope="row" { (t.rule(rule)) }
+                td.n { (figure::short(limit.value)) } td { (unit) } td { code { (limit.from) } }
+            }
+        }
+    };
+    html! {
+        section {
+            h2 { (t.setup_limits) }
+            p.note { (t.limits_note) }
+            div.scroll tabindex="0" { table {
+                thead { tr { th { (t.coefficient) } th { (t.rule_word) } th.n { (t.limit) } th { (t.unit_word) } th { (t.set_by_key) } } }
+                tbody {
+                    @for (name, drift) in DRIFTS.iter().zip([&limits.d_i, &limits.d_s]) {
+                        @for (rule, limit) in of_drift(drift) { (row(name, rule, limit, t.unit)) }
+                    }
+                    @if let Some(closure) = limits.closure { (row(DRIFTS[2], Rule::Closure, closure, t.unit)) }
+                    @if let Some(interval) = limits.interval_days { (row("all", Rule::Overdue, interval, t.days_word)) }
+                }
+            } }
+            @if !judging.overrides.is_empty() {
+                h3 { (t.overrides) }
+                ul { @for (place, one) in judging.overrides.iter().enumerate() {
+                    li {
+                        code { "judging.overrides[" (place) "]" } " "
+                        @if let Some(imu) = &one.imu { (t.imu) " " span translate="no" { (imu) } " " }
+                        @if let Some(serial) = &one.serial { (t.serial) " " span translate="no" { (serial) } " " }
+                        @if let Some(budget) = one.budget { (t.budget_line) " " (figure::short(budget)) }
+                    }
+                } }
+            }
+        }
+    }
+}
+
+fn tokens(pages: &Pages, t: &Text, tokens: &[Token]) -> Markup {
+    let now = pages.clock.now();
+    let holds = |token: &Token| token.revoked_at.is_none() && token.expires_at.is_none_or(|at| at > now);
+    html! {
+        section {
+            h2 { (t.tokens) }
+            p.note { (t.tokens_note) }
+            div.scroll tabindex="0" { table {
+                thead { tr { th { (t.name_word) } th { (t.role_word) } th { (t.station) } th { (t.created) } th { (t.expires) } th { (t.status_word) } } }
+                tbody { @for token in tokens {
+                    tr {
+                        th scope="row" translate="no" { (token.name) }
+                        td { (t.role(token.role)) }
+                        td translate="no" { (token.station.as_deref().unwrap_or("–")) }
+                        td { (instant(token.created_at)) }
+                        td { @if let Some(at) = token.expires_at { (instant(at)) } @else { (t.never) } }
+                        td { @if holds(token) { (t.valid) } @else { span.quiet { (t.not_valid) } } }
+                    }
+                } }
+            } }
+        }
+    }
+}
+
+fn trail(t: &Text, lines: &[AuditEntry]) -> Markup {
+    html! {
+        section {
+            h2 { (t.audit) }
+            p.note { (t.audit_note) " " code { "GET /v1/audit" } }
+            div.scroll tabindex="0" { table {
+                thead { tr { th { (t.date) } th { (t.who) } th { (t.what_word) } th { (t.subject) } th { (t.from_where) } } }
+                tbody { @for line in lines {
+                    tr {
+                        td { (instant(line.at)) }
+                        td translate="no" { (line.who) }
+                        td translate="no" { (line.action) }
+                        td translate="no" { code { (line.subject) } }
+                        td translate="no" { (line.source) }
+                    }
+                } }
+            } }
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! `/`: what there is to be done. Four blocks, each with its first few lines and the way to all of them.
+
+use axum::extract::{Query, State as Held};
+use axum::http::Uri;
+use axum::response::{IntoResponse, Redirect, Response};
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::fleet::{Filters, as_day, bad_parameter, tiles, trend, violated};
+use super::layout::{DRIFTS, Page, Section, day, encoded, symbol};
+use super::text::Text;
+use super::viewer::Viewer;
+use super::{Pages, bullet};
+use crate::core::access::Role;
+use crate::core::judge::{Coefficient, Measured, Status};
+use crate::core::time::UtcMicros;
+use crate::pages::status as badges;
+use crate::pipeline::{DueImu, FirstOf, FleetFilter, Names, Standing, Today};
+use crate::wire::problem::Problem;
+use crate::wire::time;
+
+/// Lines of a block.
+const LINES: usize = 6;
+/// What is new, unless another day is asked for.
+const DAYS: f64 = 7.0;
+/// Parameters of the fleet, which stood here in earlier versions.
+const OF_FLEET: [&str; 5] = ["q", "status", "state", "station", "page"];
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Asked {
+    /// A day, or a time.
+    since: String,
+}
+
+pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, uri: Uri, Query(asked): Query<Asked>) -> Response {
+    let query = uri.query().unwrap_or_default();
+    let is_of_fleet = |one: &str| OF_FLEET.contains(&one.split('=').next().unwrap_or_default());
+    if query.split('&').any(is_of_fleet) {
+        return Redirect::permanent(&format!("{}/fleet?{query}", viewer.base_path)).into_response();
+    }
+    viewer.show(build(&pages, &viewer, &asked).await)
+}
+
+async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Problem> {
+    let (t, now) = (viewer.text(), pages.clock.now());
+    let since = match asked.since.trim() {
+        "" => now.plus_days(-DAYS),
+        said => time::parse_start(said).map_err(|fault| bad_parameter("since", fault))?,
+    };
+    let queries = &pages.pipeline.queries;
+    let today = queries.fleet.today(since, LINES).await?;
+    let counted = queries.fleet.page(&FleetFilter::default(), 0, 1).await?;
+    let names = queries.names();
+    let body = html! {
+        h1 { (t.today_title) }
+        (tiles(viewer, &counted, &Filters::default()))
+        div.blocks {
+            (worse(viewer, &today.worse, since, &names))
+            (approaching(t, &today.approaching, &names))
+            (due(t, &today, now))
+            (several(t, &today))
+        }
+    };
+    Ok(Page { title: t.today_title.into(), section: Section::Today, body })
+}
+
+fn block(title: &Markup, count: usize, nothing: &str, body: &Markup, all: Option<(&str, String)>) -> Markup {
+    html! {
+        section.block {
+            h2 { (title) " " span.count { (count) } }
+            @if count == 0 { p.note { (nothing) } } @else { (body) }
+            @if let Some((words, address)) = all { p { a href=(address) { (words) " →" } } }
+        }
+    }
+}
+
+/// The way to all, where there are more than are shown.
+fn all_of<'a, T>(t: &'a Text, list: &FirstOf<T>, address: impl FnOnce() -> String) -> Option<(&'a str, String)> {
+    (list.of > list.first.len()).then(|| (t.all_of_them, address()))
+}
+
+fn gyro(standing: &Standing, names: &Names<'_>) -> Markup {
+    html! {
+        th scope="row" { a.id href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
+        td {
+            @if let Some(newest) = &standing.newest {
+                @let imu = names.imu(newest.imu);
+                a.id href={ "/imus/" (encoded(imu)) } { (imu) } " " span.quiet { (newest.slot.name()) }
+            }
+        }
+    }
+}
+
+/// The larger load of D_I and D_S.
+fn largest(standing: &Standing) -> Option<(usize, Measured)> {
+    let loads = standing.outlook.load[..2].iter().enumerate();
+    let known = loads.filter_map(|(column, load)| Some((column, (*load)?)));
+    known.max_by(|(_, a), (_, b)| a.value.abs().total_cmp(&b.value.abs()))
+}
+
+fn load(t: &Text, column: usize, load: Measured) -> Markup {
+    let percent = bullet::percent(load);
+    html! {
+        (symbol(DRIFTS[column])) " " (bullet::bar(load, &format!("{} {percent} %", DRIFTS[column])))
+        " " span.n { (percent) (t.percent_sign) }
+    }
+}
+
+fn worse(viewer: &Viewer, list: &FirstOf<Standing>, since: UtcMicros, names: &Names<'_>) -> Markup {
+    let t = viewer.text();
+    let from = as_day(since);
+    let title = html! { (t.worse_since) " " (day(since)) };
+    let ack = |serial: &str| format!("/alerts/bulk?gyro={}&back=%2F", encoded(serial));
+    let rows = html! {
+        div.scroll tabindex="0" { table.lines { tbody { @for standing in &list.first {
+            tr {
+                td { (badges::badge(t, standing.status)) }
+                (gyro(standing, names))
+                td.nowrap { @if let Some((column, largest)) = largest(standing) { (load(t, column, largest)) } }
+                td { (violated(t, &standing.violations)) }
+                td.nowrap { @if let Some(at) = standing.since { span.quiet { (t.since) " " } (day(at)) } }
+                @if viewer.may(Role::Engineer) { td.no-print { a href=(ack(&standing.serial)) { (t.acknowledge) } } }
+            }
+        } } } }
+    };
+    let form = html! {
+        form.search.no-print action="/" method="get" {
+            label { (t.since_day) " " input type="date" name="since" value=(from); }
+            button { (t.search) }
+        }
+    };
+    let address = || Filters { changed_since: from.clone(), ..Filters::default() }.at_page(0);
+    let shown = block(&title, list.of, t.nothing_worse, &rows, all_of(t, list, address));
+    html! { div { (shown) (form) } }
+}
+
+fn approaching(t: &Text, list: &FirstOf<Standing>, names: &Names<'_>) -> Markup {
+    let of_reach = |coefficient: Coefficient| coefficient.column().unwrap_or_default();
+    let rows = html! {
+        div.scroll tabindex="0" { table.lines { tbody { @for standing in &list.first {
+            @if let Some(reach) = standing.outlook.reach {
+                tr {
+                    td.nowrap { strong { (day(reach.at)) } @if reach.provisional { " ?" } }
+                    (gyro(standing, names))
+                    td.nowrap {
+                        @let column = of_reach(reach.coefficient);
+                        @if let Some(now) = standing.outlook.load[column] { (load(t, column, now)) }
+                    }
+                    td.nowrap { (trend(t, &Standing { status: Some(Status::Confirmed), ..standing.clone() })) }
+                    td.nowrap.quiet {
+                        @let [early, late] = reach.between;
+                        @if let Some(early) = early { (day(early)) } " … " @if let Some(late) = late { (day(late)) } @else { (t.never) }
+                    }
+                }
+            }
+        } } } }
+        p.note { (t.reach_note) }
+    };
+    let address = || Filters { sort: "eta".into(), ..Filters::default() }.at_page(0);
+    block(&html! { (t.will_cross) }, list.of, t.nothing_crosses, &rows, all_of(t, list, address))
+}
+
+fn due(t: &Text, today: &Today, now: UtcMicros) -> Markup {
+    let lines = |list: &FirstOf<DueImu>, is_over: bool| {
+        html! {
+            @for due in &list.first {
+                tr {
+                    td { @if is_over { (badges::badge(t, Some(Status::Overdue))) } @else { span.quiet { (t.due_word) } } }
+                    th scope="row" { a.id href={ "/imus/" (encoded(&due.imu)) } { (due.imu) } }
+                    td.nowrap { (due.gyros) " " (t.gyros) }
+                    td.nowrap { (day(due.at)) " " span.quiet { (days_to(t, due.at, now)) } }
+                }
+            }
+        }
+    };
+    let rows = html! {
+        div.scroll tabindex="0" { table.lines { tbody { (lines(&today.overdue, true)) (lines(&today.due, false)) } } }
+        @if today.due.of > today.due.first.len() { p.note { (t.due_more) " " (today.due.of) } }
+    };
+    let count = today.overdue.of + today.due.of;
+    let address = || Filters { status: "overdue".into(), ..Filters::default() }.at_page(0);
+    block(&html! { (t.overdue_and_due) }, count, t.nothing_due, &rows, all_of(t, &today.overdue, address))
+}
+
+fn days_to(t: &Text, at: UtcMicros, now: UtcMicros) -> Markup {
+    let days = at.days_since(now);
+    html! {
+        @if days < 0.0 { (format!("{:.0}", -days)) " " (t.days_ago) }
+        @else { (t.in_days) " " (format!("{days:.0}")) " " (t.days_word) }
+    }
+}
+
+/// Where gyros moved together: the station, or the file, before the gyros.
+fn several(t: &Text, today: &Today) -> Markup {
+    let rows = html! {
+        ul.findings {
+            @for moved in &today.moved {
+                li {
+                    a.id href={ "/imus/" (encoded(&moved.imu)) } { (moved.imu) } " · "
+                    a href={ "/records/" (moved.record) } { (day(moved.at)) } ": "
+                    (t.all_moved_by) " " (format!("{:.0}", moved.least)) " " (t.budgets_or_more) " (" (moved.gyros) " " (t.gyros) "). "
+                    strong { (t.wrong_file) }
+                }
+            }
+            @for found in &today.shifts {
+                li {
+                    a.id href={ "/stations/" (encoded(&found.station)) } { (found.station) } ", "
+                    (day(found.between[0])) " … " (day(found.between[1])) ": "
+                    (symbol(DRIFTS[found.column])) ", " (found.shift.gyros) " " (t.gyros) ", " (t.median_word) " "
+                    (bullet::percent(Measured { value: found.shift.median, sd: Some(found.shift.error) })) (t.share_of_budget_unit)
+                }
+            }
+        }
+        p.note { (t.several_note) }
+    };
+    let count = today.moved.len() + today.shifts.len();
+    block(&html! { (t.several_at_once) }, count, t.nothing_together, &rows, None)
+}

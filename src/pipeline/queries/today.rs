@@ -1,0 +1,208 @@
+//! What there is to be done: what has become worse, what soon will, what is due, and where several gyros moved at once.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::fleet::Fleet;
+use super::standing::Standing;
+use crate::core::id::Id;
+use crate::core::time::UtcMicros;
+use crate::pipeline::error::StorageError;
+use crate::store;
+
+/// Days ahead for which calibrations are due.
+pub const DUE_DAYS: f64 = 14.0;
+/// Gyros that a station must have calibrated for a shift of theirs to be told.
+const LEAST_GYROS: usize = 8;
+/// A shift is told where its median is so many standard errors of it from zero, and more than so much of the budget.
+const ERRORS: f64 = 4.0;
+const LEAST_SHIFT: f64 = 0.1;
+/// Standard deviation over the median of absolute departures, and the median's standard error over the mean's, both of
+/// normal values.
+const OF_MEDIAN: f64 = 1.482_602_218_505_602;
+const MEDIAN_ERROR: f64 = 1.253_314_137_315_500_3;
+/// All gyros of an IMU so many budgets from their baselines: hardly all of them at once.
+const MOVED: f64 = 5.0;
+
+/// The first of a list, and how long it is.
+#[derive(Debug, Clone)]
+pub struct FirstOf<T> {
+    pub first: Vec<T>,
+    pub of: usize,
+}
+
+/// What there is to be done.
+#[derive(Debug, Clone)]
+pub struct Today {
+    /// Of which something began to be worse, the newest first.
+    pub worse: FirstOf<Standing>,
+    /// Within their limits, and carried to the budget by an established trend, the first to reach it first.
+    pub approaching: FirstOf<Standing>,
+    pub overdue: FirstOf<DueImu>,
+    /// Within [`DUE_DAYS`].
+    pub due: FirstOf<DueImu>,
+    pub shifts: Vec<StationShift>,
+    pub moved: Vec<MovedImu>,
+}
+
+/// An IMU with gyros to be calibrated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DueImu {
+    pub imu: Arc<str>,
+    /// When the first of them was or is due.
+    pub at: UtcMicros,
+    pub gyros: usize,
+}
+
+/// The newest calibrations of a station's gyros lie to one side of their baselines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StationShift {
+    pub station: Arc<str>,
+    /// 0: D_I, 1: D_S.
+    pub column: usize,
+    pub shift: Shift,
+    /// The first and the last of these calibrations.
+    pub between: [UtcMicros; 2],
+}
+
+/// What gyros have in common, in budgets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shift {
+    pub median: f64,
+    /// Standard error of the median.
+    pub error: f64,
+    pub gyros: usize,
+}
+
+/// An IMU of which every gyro lies far from its baseline.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MovedImu {
+    pub imu: Arc<str>,
+    pub record: Id,
+    pub at: UtcMicros,
+    pub gyros: usize,
+    /// That of the gyro that lies nearest, in budgets.
+    pub least: f64,
+}
+
+/// What has changed since an instant, and what is to come; of each as many as `most`.
+///
+/// # Errors
+/// [`StorageError`].
+pub(super) async fn today(fleet: &Fleet, since: UtcMicros, most: usize) -> Result<Today, StorageError> {
+    let (store, now) = (&fleet.store, fleet.clock.now());
+    let worse = store::head::changed(store, since, most).await?;
+    let approaching = store::head::approaching(store, now, most).await?;
+    let due_by = now.plus_days(DUE_DAYS);
+    let overdue = store::head::due(store, [UtcMicros(i64::MIN), now], most).await?;
+    let due = store::head::due(store, [now, due_by], most).await?;
+    let newest = store::head::calibrated_between(store, [since, now]).await?;
+    let moved = store::head::moved(store, since, MOVED, most).await?;
+    let (worse, approaching) = (first_of(fleet, worse).await?, first_of(fleet, approaching).await?);
+    let tables = store.names().read();
+    let imu = |number: u32| tables.imus.name(number).cloned().unwrap_or_default();
+    let imus = |(rows, of): (Vec<(u32, UtcMicros, usize)>, usize)| FirstOf {
+        first: rows.into_iter().map(|(number, at, gyros)| DueImu { imu: imu(number), at, gyros }).collect(),
+        of,
+    };
+    let moved = moved.into_iter().map(|row| {
+        let store::head::MovedRow { record, at, gyros, least, .. } = row;
+        MovedImu { imu: imu(row.imu), record, at, gyros, least }
+    });
+    let station = |station: u32| tables.stations.name(station).cloned().unwrap_or_default();
+    Ok(Today {
+        worse,
+        approaching,
+        overdue: imus(overdue),
+        due: imus(due),
+        shifts: shifts_of(&newest, station),
+        moved: moved.collect(),
+    })
+}
+
+async fn first_of(fleet: &Fleet, (gyros, of): (Vec<u32>, usize)) -> Result<FirstOf<Standing>, StorageError> {
+    Ok(FirstOf { first: fleet.standings_of(&gyros).await?, of })
+}
+
+/// Station, time, and the loads of D_I and D_S of gyros' newest calibrations.
+type Calibrated = (u32, UtcMicros, [Option<f64>; 2]);
+
+fn shifts_of(newest: &[Calibrated], name: impl Fn(u32) -> Arc<str>) -> Vec<StationShift> {
+    let mut of_station: BTreeMap<u32, Vec<&Calibrated>> = BTreeMap::new();
+    for row in newest {
+        of_station.entry(row.0).or_default().push(row);
+    }
+    let mut shifts = Vec::new();
+    for (station, rows) in of_station {
+        for column in 0..2 {
+            let loads: Vec<f64> = rows.iter().filter_map(|(_, _, loads)| loads[column]).collect();
+            let Some(shift) = common(&loads) else { continue };
+            let times = || rows.iter().map(|(_, at, _)| *at);
+            let between = [times().min().unwrap_or(UtcMicros(0)), times().max().unwrap_or(UtcMicros(0))];
+            shifts.push(StationShift { station: name(station), column, shift, between });
+        }
+    }
+    shifts.sort_by(|a, b| b.shift.median.abs().total_cmp(&a.shift.median.abs()));
+    shifts
+}
+
+/// What values have in common that scatter independently about it: none where zero is as likely. By the median, so
+/// that a few gyros which moved by themselves do not count.
+fn common(values: &[f64]) -> Option<Shift> {
+    let gyros = values.len();
+    if gyros < LEAST_GYROS {
+        return None;
+    }
+    let centre = median(values.to_vec());
+    let spread = OF_MEDIAN * median(values.iter().map(|value| (value - centre).abs()).collect());
+    let error = MEDIAN_ERROR * spread / (gyros as f64).sqrt();
+    (centre.abs() > LEAST_SHIFT && centre.abs() > ERRORS * error).then_some(Shift { median: centre, error, gyros })
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let upper = values[values.len() / 2];
+    if values.len() % 2 == 1 { upper } else { (values[values.len() / 2 - 1] + upper) / 2.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+
+    use super::*;
+
+    fn drawn(rng: &mut ChaCha8Rng, gyros: usize, shift: f64) -> Vec<f64> {
+        let noise = Normal::new(shift, 0.1).unwrap();
+        (0..gyros).map(|_| noise.sample(rng)).collect()
+    }
+
+    #[test]
+    fn gyros_that_share_nothing_show_no_shift_and_those_that_do_show_its_size() {
+        let mut rng = ChaCha8Rng::seed_from_u64(23);
+        for gyros in [8, 12, 30] {
+            let told = (0..2000).filter(|_| common(&drawn(&mut rng, gyros, 0.0)).is_some()).count();
+            assert!(told <= 10, "{told} of 2000 with {gyros} gyros");
+            let found: Vec<Shift> = (0..500).filter_map(|_| common(&drawn(&mut rng, gyros, 0.35))).collect();
+            assert!(found.len() > 480, "{} of 500 with {gyros} gyros", found.len());
+            let mean = found.iter().map(|shift| shift.median).sum::<f64>() / found.len() as f64;
+            assert!((mean - 0.35).abs() < 0.01, "{mean}");
+        }
+    }
+
+    #[test]
+    fn gyros_that_moved_by_themselves_are_no_shift_and_a_few_gyros_tell_nothing() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let mut loads = drawn(&mut rng, 20, 0.0);
+        loads[..6].iter_mut().for_each(|load| *load += 3.0);
+        assert_eq!(common(&loads), None);
+        assert_eq!(common(&[0.5; 7]), None);
+        let rows: Vec<Calibrated> = (0..8).map(|k| (k % 2, UtcMicros(i64::from(k)), [Some(0.35), Some(0.0)])).collect();
+        assert!(shifts_of(&rows, |_| "ST".into()).is_empty(), "four gyros a station");
+        let rows: Vec<Calibrated> = rows.iter().map(|(_, at, loads)| (1, *at, *loads)).collect();
+        let shifts = shifts_of(&rows, |_| "ST".into());
+        assert_eq!((shifts.len(), shifts[0].column), (1, 0));
+        assert_eq!(shifts[0].between, [UtcMicros(0), UtcMicros(7)]);
+    }
+}

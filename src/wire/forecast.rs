@@ -1,0 +1,329 @@
+//! What the model of an IMU foretells of a campaign, and how far it came true.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::message::MessageBody;
+use super::time;
+use crate::core::campaign::Campaign;
+use crate::core::imu_model::{
+    Changed, ChangedEffect, Closing, Comparison, DriftShift, Forecast, GyroForecast, Identified, Rung,
+};
+use crate::core::mounting::Slot;
+use crate::words::asked;
+
+/// Forecast of one campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ForecastBody {
+    pub imu: String,
+    pub station: String,
+    pub measured_at: String,
+    pub model: ForecastModelBody,
+    pub gyros: Vec<GyroForecastBody>,
+    /// What the adopted effects should take away of the forecast error; none without effects.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub promised: Option<ClosingBody>,
+    /// Where the campaign is measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compared: Option<ComparedBody>,
+    /// The model's effects as this campaign shows them; none without effects, or where they cannot be fitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub effects_against_model: Option<ChangedBody>,
+    /// What is left out, and what lies outside the model's validity.
+    pub notes: Vec<String>,
+    pub note_codes: Vec<MessageBody>,
+}
+
+/// Forecasts of the stored campaigns of an IMU, each from the model in force when it came in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ForecastSeriesBody {
+    pub imu: String,
+    /// Oldest first.
+    pub points: Vec<ForecastPointBody>,
+    /// The newest forecast, dwell by dwell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub latest: Option<ForecastBody>,
+}
+
+/// The forecast of one stored campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ForecastPointBody {
+    /// Its identifier.
+    pub campaign: String,
+    /// The adopted model that was in force when it came in; none for the plain one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub imu_model: Option<String>,
+    pub measured_at: String,
+    pub station: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<ForecastModelBody>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub promised: Option<ClosingBody>,
+    /// Without what is said dwell by dwell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compared: Option<ComparedBody>,
+    /// Adopted effects whose coefficients are others in this campaign.
+    pub effects_changed: Vec<String>,
+    pub notes: Vec<String>,
+    /// Why nothing was foretold.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub why_not: Option<String>,
+}
+
+/// The model that foretold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ForecastModelBody {
+    /// When the newest of its campaigns was measured.
+    pub measured_at: String,
+    pub campaigns: usize,
+    pub effects: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_temperature_c: Option<f64>,
+}
+
+/// By dwell, deg/h: pulse/s over `scale_pulse_per_arcsec`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct GyroForecastBody {
+    pub slot: String,
+    pub serial: String,
+    pub scale_pulse_per_arcsec: f64,
+    pub predicted_pulse_s: Vec<f64>,
+    /// Of the output: model, campaign to campaign, noise.
+    pub sd_pulse_s: Vec<f64>,
+    /// Of the noise alone.
+    pub noise_sd_pulse_s: Vec<f64>,
+    /// Dwells of which the model's campaigns say nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_foretold: Vec<usize>,
+}
+
+/// How much of the forecast error above the noise goes away with the adopted effects.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ClosingBody {
+    /// Root mean square of the error without and with them.
+    pub before_deg_per_h: f64,
+    pub after_deg_per_h: f64,
+    /// 1 - (after^2 - noise^2)/(before^2 - noise^2).
+    pub closure: f64,
+    /// 95 %; none where the error without them does not exceed the noise.
+    pub interval: Option<[f64; 2]>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ComparedBody {
+    /// `as_foretold`, or `outside` where errors as large have a probability of less than 1 %.
+    pub state: String,
+    /// Dwells times gyros that were foretold.
+    pub count: usize,
+    pub rms_over_sd: f64,
+    pub rms_deg_per_h: f64,
+    pub noise_deg_per_h: f64,
+    pub p_value: f64,
+    /// Kolmogorov's test that the probability integral transform of the independent errors is uniform.
+    pub pit_p_value: f64,
+    pub gyros: Vec<GyroComparedBody>,
+    /// Dwells beyond what chance has in 1 % of campaigns, the furthest first.
+    pub missed: Vec<MissBody>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub closing: Option<ClosingBody>,
+    /// Model (6) alone, then effect by effect.
+    pub ladder: Vec<RungBody>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct GyroComparedBody {
+    pub slot: String,
+    pub rms_over_sd: f64,
+    pub p_value: f64,
+    /// By dwell.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub error_pulse_s: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub z: Vec<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MissBody {
+    pub slot: String,
+    pub dwell: usize,
+    pub z: f64,
+}
+
+/// One step of the ladder of models.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct RungBody {
+    /// The effect that joins here; none for model (6) alone.
+    pub effect: Option<String>,
+    pub rms_deg_per_h: f64,
+    pub rms_over_sd: f64,
+}
+
+/// The model's effects then and now.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ChangedBody {
+    pub effects: Vec<ChangedEffectBody>,
+    /// D_I and D_S with the changed effects as the campaign has them, less those with the model's.
+    pub shifts: Vec<ShiftBody>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ChangedEffectBody {
+    pub effect: String,
+    /// `all` for one that the gyros share.
+    pub slot: String,
+    pub coefficients: Vec<ThenNowBody>,
+    /// Adjusted for everything that is compared.
+    pub p_value: f64,
+    pub changed: bool,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ThenNowBody {
+    pub name: String,
+    pub unit: String,
+    pub model: f64,
+    pub model_sd: f64,
+    pub now: f64,
+    pub now_sd: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ShiftBody {
+    pub slot: String,
+    pub coefficient: String,
+    pub shift: f64,
+    pub sd: f64,
+}
+
+/// Probability of errors as large below which a campaign lies outside its forecast.
+pub const OUTSIDE: f64 = 0.01;
+
+impl ForecastBody {
+    pub fn of(model: &Identified, campaign: &Campaign, forecast: &Forecast, promised: Option<Closing>) -> Self {
+        Self {
+            imu: campaign.imu.to_string(),
+            station: campaign.station.to_string(),
+            measured_at: time::format(campaign.measured_at),
+            model: ForecastModelBody {
+                measured_at: time::format(model.measured_at),
+                campaigns: model.campaigns.len(),
+                effects: model.effects.iter().map(|adopted| adopted.effect.id().to_owned()).collect(),
+                reference_temperature_c: model.reference_c,
+            },
+            gyros: forecast.gyros.iter().map(GyroForecastBody::of).collect(),
+            promised: promised.map(ClosingBody::of),
+            compared: None,
+            effects_against_model: None,
+            notes: forecast.notes.iter().map(|note| asked().words(note)).collect(),
+            note_codes: forecast.notes.iter().map(|note| MessageBody::of(note, asked())).collect(),
+        }
+    }
+
+    /// With what was measured.
+    pub fn compared(mut self, comparison: &Comparison, ladder: &[Rung], changed: Option<&Changed>) -> Self {
+        self.compared = Some(ComparedBody::of(comparison, ladder));
+        self.effects_against_model = changed.map(ChangedBody::of);
+        self
+    }
+}
+
+impl GyroForecastBody {
+    fn of(gyro: &GyroForecast) -> Self {
+        let not_foretold = gyro.foretold.iter().enumerate().filter(|(_, foretold)| !**foretold);
+        Self {
+            slot: gyro.slot.name().to_owned(),
+            serial: gyro.serial.to_string(),
+            scale_pulse_per_arcsec: gyro.scale,
+            predicted_pulse_s: gyro.predicted.clone(),
+            sd_pulse_s: gyro.sd.clone(),
+            noise_sd_pulse_s: gyro.noise.clone(),
+            not_foretold: not_foretold.map(|(k, _)| k).collect(),
+        }
+    }
+}
+
+impl ClosingBody {
+    fn of(closing: Closing) -> Self {
+        let Closing { before_deg_per_h, after_deg_per_h, closure, interval } = closing;
+        Self { before_deg_per_h, after_deg_per_h, closure, interval }
+    }
+}
+
+impl ComparedBody {
+    fn of(c: &Comparison, ladder: &[Rung]) -> Self {
+        let gyros = c.gyros.iter().map(|gyro| GyroComparedBody {
+            slot: gyro.slot.name().to_owned(),
+            rms_over_sd: gyro.rms_over_sd,
+            p_value: gyro.p_value,
+            error_pulse_s: gyro.error.clone(),
+            z: gyro.z.clone(),
+        });
+        let missed =
+            c.missed.iter().map(|m| MissBody { slot: m.slot.name().to_owned(), dwell: m.dwell, z: m.z }).collect();
+        Self {
+            state: if c.p_value < OUTSIDE { "outside" } else { "as_foretold" }.to_owned(),
+            count: c.count,
+            rms_over_sd: c.rms_over_sd,
+            rms_deg_per_h: c.rms_deg_per_h,
+            noise_deg_per_h: c.noise_deg_per_h,
+            p_value: c.p_value,
+            pit_p_value: c.pit_p_value,
+            gyros: gyros.collect(),
+            missed,
+            closing: c.closing.map(ClosingBody::of),
+            ladder: ladder.iter().map(RungBody::of).collect(),
+        }
+    }
+}
+
+impl ComparedBody {
+    /// For a series: what is said of whole gyros and of dwells that missed.
+    pub fn without_dwells(mut self) -> Self {
+        for gyro in &mut self.gyros {
+            gyro.error_pulse_s.clear();
+            gyro.z.clear();
+        }
+        self
+    }
+}
+
+impl RungBody {
+    fn of(rung: &Rung) -> Self {
+        Self {
+            effect: rung.effect.map(|effect| effect.id().to_owned()),
+            rms_deg_per_h: rung.rms_deg_per_h,
+            rms_over_sd: rung.rms_over_sd,
+        }
+    }
+}
+
+impl ChangedBody {
+    pub fn of(changed: &Changed) -> Self {
+        let effect = |one: &ChangedEffect| ChangedEffectBody {
+            effect: one.effect.id().to_owned(),
+            slot: one.slot.map_or("all", Slot::name).to_owned(),
+            coefficients: (one.coefficients.iter())
+                .map(|(c, [model, model_sd], [now, now_sd])| ThenNowBody {
+                    name: c.name.to_owned(),
+                    unit: c.unit.to_owned(),
+                    model: *model,
+                    model_sd: *model_sd,
+                    now: *now,
+                    now_sd: *now_sd,
+                })
+                .collect(),
+            p_value: one.p_value,
+            changed: one.changed,
+        };
+        let shift = |s: &DriftShift| ShiftBody {
+            slot: s.slot.name().to_owned(),
+            coefficient: s.coefficient.to_owned(),
+            shift: s.shift,
+            sd: s.sd,
+        };
+        Self {
+            effects: changed.effects.iter().map(effect).collect(),
+            shifts: changed.shifts.iter().map(shift).collect(),
+        }
+    }
+}

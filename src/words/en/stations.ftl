@@ -1,0 +1,119 @@
+# What is said of a station's own files, by code.
+
+at_file = { $file }: { $fault }
+at_map_key = `{ $key }`: { $fault }
+
+## What a file is
+
+file_is_folder = is a folder; name the files in it
+file_is_empty = is empty: nothing was written to it
+file_is_zeros = holds nothing but zeros: it was being written when the power failed; take the copy of the logger
+file_is_binary = is binary, in a format that is not known here; let the logger write CSV, or convert the file to CSV
+file_is_other = is a file of { $name }, not a log; export a table of samples as CSV
+file_is_mat73 = is a MAT-file of version 7.3 (HDF5), which is not read; in MATLAB: load('FILE'); save('FILE7.mat', '-v7')
+file_is_hdf5 = is an HDF5 file, which is not read; write the data sets as CSV, for example with h5dump or Python's h5py
+file_is_ulog = is a ULog of PX4, a binary log of many topics; `pip install pyulog`, then `ulog2csv FILE -m sensor_combined`, and use the CSV
+file_is_rosbag = is a ROS bag, which is not read; `rostopic echo -b FILE -p /imu/data > log.csv`, and use the CSV
+file_is_mcap = is an MCAP recording, which is not read; export the IMU's topic as CSV, for example with Foxglove
+file_is_dataflash = is a dataflash log of ArduPilot, which is not read; `mavlogdump.py --format csv --types IMU FILE > log.csv`
+file_is_tdms = is a TDMS file of LabVIEW, which is not read; open it in Excel with NI's add-in and save it as xlsx or CSV
+file_is_xls = is an old Excel or Office file (.xls); save it as .xlsx or CSV
+file_is_npy = is a NumPy array, which is not read; in Python: numpy.savetxt("log.csv", numpy.load("FILE"), delimiter=",")
+file_is_parquet = is a Parquet file, which is not read; in Python: pandas.read_parquet("FILE").to_csv("log.csv", index=False)
+file_is_gzip = is compressed with gzip; unpack it with `gunzip FILE`
+file_is_zip = is a zip archive; unpack it and name the files in it
+file_is_json = is JSON, not a table of samples; campaigns and records go to `gyrowatch import`
+mat_broken = is a MAT-file that breaks off or is damaged; save it again with save('FILE', '-v7')
+xlsx_broken = cannot be read as xlsx: { $why }
+xlsx_no_table = is a workbook without a table of numbers
+no_numbers = is text without a table of numbers ({ $lines } lines were looked at)
+no_rows = has no row with all columns filled
+zeros_from_here = only zero bytes from here on: the logger lost power while it wrote; cut the file off here
+rows_unreadable = { $count } of { $rows } rows cannot be read; the first: { $fault }
+cell_missing = the row ends before this column
+
+## Columns
+
+log_column_unknown = no column is named "{ $name }"; there are: { $known }
+log_column_number = there is no column { $number }; the log has { $columns }
+log_column_twice = several columns are named "{ $name }"; give the number of the one that is meant
+log_columns_unnamed = the log has no header, so no column is named "{ $name }"; name columns by number, 1 to { $columns }
+log_other_layout = has other columns than { $first }; logs that follow one another must be alike
+log_unused = nothing in the map is of log { $log }; say `log = { $log }` where its columns are named
+logs_apart = the logs have no time in common; do they run beside one another?
+
+## The map
+
+map_unreadable = the map cannot be read: { $why }
+map_unanswered = "?" must be answered: the log does not say it
+map_missing = `{ $key }` is missing in the map and on the command line
+map_no_columns = names no column
+map_column_count = must name { $need } columns, names { $have }
+map_each = `{ $name }` must be one number or one per column; it has { $have } for { $columns } columns
+map_gyros = `gyros` names { $gyros }, `output` has { $outputs } columns
+map_known_e = `known_e` has { $have } rows for { $gyros } gyros
+map_log = there is no log { $log }: { $logs } were named on the command line
+map_logs = the map is of { $logs } logs beside one another; { $have } were named
+map_no_time = neither `time` nor `rate_hz` is given: how many samples a second are there?
+map_unit_missing = the unit is missing, and the header does not say it; one of { $known }
+map_unit_unknown = "{ $unit }" is no unit of this; one of { $known }. Raw counts need `scale` and `offset`, and the unit that these lead to
+map_unit_of_header = the map says { $unit }, the header of the log says { $header }; which is right?
+map_site_missing = `site` is missing: without latitude and gravity nobody knows what was commanded
+unit_of_header = { $key } is taken for { $unit }, as the header says
+unit_of_map = { $key } is taken for { $unit }, as the map says
+
+## Time
+
+time_back = time jumps back by { $seconds } s, from { $from } to { $to }: two logs in one file, or a clock that was set; cut the file here and name both parts
+time_coarse = { $repeated } of { $rows } samples repeat the time before: the clock is too coarse; leave `time` out and give `rate_hz`
+time_wrapped = the clock began anew { $count } times (midnight, or a full counter) and was carried on
+samples_lost = { $lost } samples are lost in { $gaps } gaps, of { $rows }; means are of what is there
+samples_repeated = { $count } samples repeat the time before and are left out
+samples_disordered = { $count } samples are out of order by less than two intervals
+samples_frozen = { $count } rows in a run are identical, up to { $end } s: did the logger hang?
+rows_incomplete = { $count } rows with empty cells are left out
+rows_left_out = { $count } lines that are no rows are left out
+
+## Intervals
+
+no_interval = no interval of { $least } s or more is still or steady in { $seconds } s of log. A campaign needs positions that are held; `min_s` in the map allows shorter ones
+one_interval = the whole log is one interval of { $seconds } s in one position (mean outputs { $means }). A campaign needs several positions: name the logs of all of them, in order
+one_orientation = all { $count } dwells have one orientation: the fit can tell neither D_I nor D_S from them
+intervals_short = { $count } steady intervals are much shorter than the others and are taken for pauses (at { $starts } s …); a smaller `min_s` in the map keeps them
+intervals_split = { $count } long intervals were cut into dwells by the regular clock of the others: the position was taken twice
+intervals_clipped = { $count } intervals are clipped: an output or the force is at the end of its range (at { $starts } s …)
+intervals_turning = { $count } turning intervals are left out: nothing says how fast the table turned; give `rate`, `table` or --programme
+intervals_all_edge = { $count } intervals are left out: they are nothing but edges; `cut_s` in the map cuts less
+all_turning = the IMU turns in every interval, and nothing says how fast; give `rate`, `table` or --programme
+turns_not_whole = { $count } turning dwells are shorter than one turn: the Earth's horizontal rate does not average out in them
+averaged_rows = { $count } rows are taken for averages, one dwell each; their standard errors are not known
+averaged_durations = durations are made up (one second a row): give `samples` and `rate_hz` for true ones
+averaged_counts = averages must be rates: pulse/s, deg/s ...
+averaged_many = has more than { $most } rows: these are samples, not averages; leave `averaged` out
+
+## What was commanded
+
+commanded_unknown = nothing says what was commanded: give --programme, or name `table`, `attitude` or `force` in the map
+commanded_heading = the heading of each position is not known, and gyros in pulses see the Earth's horizontal rate: give --programme, or name `table` or `attitude` in the map
+force_other_unit = the force is { $length } g0 long in the usual interval: it looks like { $unit }, and the map says otherwise
+force_no_unit = the force is { $length } g0 long in the usual interval, which is gravity in no unit: are these the columns of the accelerometers?
+force_varies = the force is { $least } to { $most } g0 long while nothing moves: is one of its columns that of another sensor, or is the scale of one wrong?
+e_held = nothing turned at a known rate, so E is held: one pulse is one arcsec about the nominal input axis
+
+## The programme
+
+programme_empty = the programme has no rows
+programme_attitude = a position is `up` and `north`, or all of attitude_w, _x, _y, _z
+programme_parallel = "{ $up }" up and "{ $north }" north are parallel
+at_programme_column = column { $name }: { $fault }
+not_an_axis = "{ $text }" is no body axis; write +X, -X, +Y, -Y, +Z, -Z or three numbers
+not_an_earth_axis = "{ $text }" is no direction of the Earth; write east, north or up, with a minus for the opposite
+programme_count = { $intervals } intervals were found and the programme has { $rows } rows; without `force`, `rate` or times nothing says which is which
+programme_other = only { $matched } of { $intervals } intervals and { $rows } rows of the programme agree in vertical, rate and order: is it another programme, or are axes exchanged?
+programme_missing = { $count } of { $rows } rows of the programme have no interval in the log
+programme_left = { $count } intervals are in no row of the programme and are left out
+programme_clock = the programme begins at { $seconds } s of the log
+programme_contradicted = in { $count } of { $of } dwells the accelerometers contradict the programme; the first at { $start } s, by { $degrees } deg: axes, signs or order are wrong
+cells_alike = { $count } cells in lines { $from } to { $to } have the same fault; the first: { $fault }
+dwells_told = the head says { $told } dwells, the table has { $have }: it is not finished, or breaks off
+replace_it = if this one is right, `gyrowatch revise FILE --author NAME --reason WHY` puts it in the place of { $id }

@@ -1,0 +1,119 @@
+# 测试站自有文件的说明，按代码。
+
+at_file = { $file }：{ $fault }
+at_map_key = `{ $key }`：{ $fault }
+
+## 文件是什么
+
+file_is_folder = 是文件夹；请给出其中的文件
+file_is_empty = 是空文件：未写入任何内容
+file_is_zeros = 全为零字节：写入时断电；请取记录仪的副本
+file_is_binary = 是未知格式的二进制文件；请让记录仪输出CSV，或转换为CSV
+file_is_other = 是{ $name }文件，不是记录；请将采样表导出为CSV
+file_is_mat73 = 是7.3版MAT文件（HDF5），不能读取；在MATLAB中：load('FILE'); save('FILE7.mat', '-v7')
+file_is_hdf5 = 是HDF5文件，不能读取；请用h5dump或Python的h5py导出为CSV
+file_is_ulog = 是PX4的ULog二进制记录；`pip install pyulog`，再运行`ulog2csv FILE -m sensor_combined`，使用所得CSV
+file_is_rosbag = 是ROS bag，不能读取；`rostopic echo -b FILE -p /imu/data > log.csv`，使用所得CSV
+file_is_mcap = 是MCAP记录，不能读取；请将IMU话题导出为CSV（例如用Foxglove）
+file_is_dataflash = 是ArduPilot的dataflash记录，不能读取；`mavlogdump.py --format csv --types IMU FILE > log.csv`
+file_is_tdms = 是LabVIEW的TDMS文件，不能读取；请在Excel中用NI插件打开，另存为xlsx或CSV
+file_is_xls = 是旧版Excel或Office文件（.xls）；请另存为.xlsx或CSV
+file_is_npy = 是NumPy数组，不能读取；在Python中：numpy.savetxt("log.csv", numpy.load("FILE"), delimiter=",")
+file_is_parquet = 是Parquet文件，不能读取；在Python中：pandas.read_parquet("FILE").to_csv("log.csv", index=False)
+file_is_gzip = 是gzip压缩文件；请用`gunzip FILE`解压
+file_is_zip = 是zip压缩包；请解压后给出其中的文件
+file_is_json = 是JSON，不是采样表；测试数据与标定记录请用`gyrowatch import`
+mat_broken = 是不完整或损坏的MAT文件；请用save('FILE', '-v7')重新保存
+xlsx_broken = 不能作为xlsx读取：{ $why }
+xlsx_no_table = 工作簿中没有数值表
+no_numbers = 是没有数值表的文本（看过{ $lines }行）
+no_rows = 没有各列齐全的行
+zeros_from_here = 此后全为零字节：记录仪写入时断电；请在此处截断文件
+rows_unreadable = { $rows }行中有{ $count }行不能读取；第一处：{ $fault }
+cell_missing = 该行在此列之前结束
+
+## 列
+
+log_column_unknown = 没有名为"{ $name }"的列；现有：{ $known }
+log_column_number = 没有第{ $number }列；记录有{ $columns }列
+log_column_twice = 有多列名为"{ $name }"；请用列号指明
+log_columns_unnamed = 记录没有表头，没有名为"{ $name }"的列；请用列号1至{ $columns }
+log_other_layout = 的列与{ $first }不同；前后相接的记录须有相同的列
+log_unused = 映射中没有用到第{ $log }个记录；请在其列处写`log = { $log }`
+logs_apart = 各记录没有共同的时间；它们是同时记录的吗？
+
+## 映射
+
+map_unreadable = 映射不能读取：{ $why }
+map_unanswered = "?"须填写：记录中没有说明
+map_missing = 映射与命令行中都没有`{ $key }`
+map_no_columns = 没有给出列
+map_column_count = 须给出{ $need }列，现为{ $have }列
+map_each = `{ $name }`须为一个数或每列一个数；现有{ $have }个，对应{ $columns }列
+map_gyros = `gyros`有{ $gyros }个，`output`有{ $outputs }列
+map_known_e = `known_e`有{ $have }行，陀螺有{ $gyros }个
+map_log = 没有第{ $log }个记录：命令行给出了{ $logs }个
+map_logs = 映射对应同时记录的{ $logs }个文件；现给出{ $have }个
+map_no_time = `time`与`rate_hz`都没有给出：每秒多少个采样？
+map_unit_missing = 缺少单位，表头也没有说明；可用：{ $known }
+map_unit_unknown = "{ $unit }"不是此量的单位；可用：{ $known }。原始码值须给出`scale`与`offset`，以及换算后的单位
+map_unit_of_header = 映射写{ $unit }，记录表头写{ $header }；哪个正确？
+map_site_missing = 缺少`site`：没有纬度与重力就不知道给定的输入
+unit_of_header = { $key }按表头取为{ $unit }
+unit_of_map = { $key }按映射取为{ $unit }
+
+## 时间
+
+time_back = 时间倒退{ $seconds } s，从{ $from }到{ $to }：一个文件中有两个记录，或时钟被重设；请在此处分为两个文件
+time_coarse = { $rows }个采样中有{ $repeated }个与前一时刻相同：时钟分辨率不足；请去掉`time`，给出`rate_hz`
+time_wrapped = 时钟重新开始{ $count }次（午夜或计数器溢出），已接续
+samples_lost = { $rows }个采样中在{ $gaps }处缺失{ $lost }个；均值取自现有采样
+samples_repeated = { $count }个采样与前一时刻相同，已剔除
+samples_disordered = { $count }个采样次序颠倒，不到两个采样间隔
+samples_frozen = 至{ $end } s有连续{ $count }行完全相同：记录仪是否停滞？
+rows_incomplete = { $count }行有空单元格，已剔除
+rows_left_out = { $count }行不是数据，已剔除
+
+## 测点
+
+no_interval = 在{ $seconds } s的记录中没有不短于{ $least } s的静止或匀速段。测试需要保持不动的位置；映射中的`min_s`可允许更短的段
+one_interval = 整个记录是一个位置上的一段，长{ $seconds } s（平均输出{ $means }）。测试需要多个位置：请按次序给出全部记录
+one_orientation = { $count }个测点的取向都相同：拟合不能得出D_I与D_S
+intervals_short = { $count }个稳定段比其他段短得多，视为停顿（{ $starts } s …）；映射中较小的`min_s`可保留它们
+intervals_split = 按其他测点的固定节拍切分了{ $count }处长段：同一位置连续测了两次
+intervals_clipped = { $count }个段饱和：输出或比力处于量程端点（{ $starts } s …）
+intervals_turning = 剔除{ $count }个转动段：不知道转台转速；请给出`rate`、`table`或--programme
+intervals_all_edge = 剔除{ $count }个段：只有边缘；映射中的`cut_s`可少切
+all_turning = IMU在每一段中都在转动，且不知道转速；请给出`rate`、`table`或--programme
+turns_not_whole = { $count }个转动测点不足一整圈：地球自转的水平分量不能平均掉
+averaged_rows = { $count }行视为均值，每行一个测点；其标准误差未知
+averaged_durations = 时长为假定（每行一秒）：请给出`samples`与`rate_hz`
+averaged_counts = 均值须为速率：pulse/s、deg/s等
+averaged_many = 超过{ $most }行：这是采样而不是均值；请去掉`averaged`
+
+## 给定的输入
+
+commanded_unknown = 不知道给定的输入：请给出--programme，或在映射中给出`table`、`attitude`或`force`
+commanded_heading = 各位置的方位未知，而脉冲输出的陀螺敏感地球自转的水平分量：请给出--programme，或在映射中给出`table`或`attitude`
+force_other_unit = 比力在一般测点中长{ $length } g0：像是{ $unit }，与映射不符
+force_no_unit = 比力在一般测点中长{ $length } g0，不是任何单位的重力：这些是加速度计的列吗？
+force_varies = 静止时比力长度为{ $least }至{ $most } g0：是否有一列属于其他传感器，或某列的标度有误？
+e_held = 没有以已知转速转动，E取定值：绕标称输入轴一个脉冲为一角秒
+
+## 测试程序
+
+programme_empty = 测试程序没有行
+programme_attitude = 位置由`up`与`north`给出，或由attitude_w、_x、_y、_z全部给出
+programme_parallel = "{ $up }"向上与"{ $north }"向北相互平行
+at_programme_column = { $name }列：{ $fault }
+not_an_axis = "{ $text }"不是载体轴；请写+X、-X、+Y、-Y、+Z、-Z或三个数
+not_an_earth_axis = "{ $text }"不是地球方向；请写east、north或up，反向加负号
+programme_count = 找到{ $intervals }段，测试程序有{ $rows }行；没有`force`、`rate`或时间，无法对应
+programme_other = { $intervals }段与测试程序{ $rows }行中只有{ $matched }个在垂线、转速与次序上相符：是否为另一程序，或轴互换？
+programme_missing = 测试程序{ $rows }行中有{ $count }行在记录中没有对应段
+programme_left = { $count }段不在测试程序中，已剔除
+programme_clock = 测试程序始于记录的{ $seconds } s
+programme_contradicted = { $of }个测点中有{ $count }个加速度计与测试程序不符；第一处在{ $start } s，相差{ $degrees }°：轴、符号或次序有误
+cells_alike = 第{ $from }至{ $to }行有{ $count }个单元格错误相同；第一处：{ $fault }
+dwells_told = 表头写有{ $told }个测点，表中有{ $have }个：尚未写完，或被截断
+replace_it = 若此份正确，`gyrowatch revise FILE --author 姓名 --reason 原因`可替换{ $id }

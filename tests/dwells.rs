@@ -1,0 +1,456 @@
+//! `dwells`: raw logs of every layout that the maps in `examples/maps` describe, made here, and what is wrong with logs.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use assert_cmd::Command;
+use gyrowatch::core::campaign::{Campaign, Phase};
+use gyrowatch::simulate::presets::preset;
+use gyrowatch::simulate::simulate;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use serde_json::Value;
+
+const G: f64 = 9.806_65;
+
+fn map(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/maps").join(name)
+}
+
+fn dwells(dir: &Path, arguments: &[&str]) -> Output {
+    Command::cargo_bin("gyrowatch").unwrap().current_dir(dir).arg("dwells").args(arguments).output().unwrap()
+}
+
+fn campaign(output: &Output) -> Value {
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {said}"))
+}
+
+fn refused(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stdout));
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Positions of an IMU held by hand: body directions that point up.
+const UPS: [[f64; 3]; 6] =
+    [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0], [0.0, 0.6, -0.8], [-1.0, 0.0, 0.0]];
+const BIAS: [f64; 3] = [0.3, -0.2, 0.1];
+
+/// 100 Hz: five seconds in each position, three seconds of turning between; time, force in g0, rates in deg/s.
+fn by_hand(seed: u64) -> Vec<(f64, [f64; 3], [f64; 3])> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut noise = |sd: f64| sd * rng.sample::<f64, _>(StandardNormal);
+    let mut rows = Vec::new();
+    for k in 0..(UPS.len() * 800 - 300) {
+        let (position, into) = (k / 800, (k % 800) as f64 * 0.01);
+        let share = ((into - 5.0) / 3.0).clamp(0.0, 1.0);
+        let next = UPS[(position + 1).min(UPS.len() - 1)];
+        let mixed: Vec<f64> = (0..3).map(|c| UPS[position][c] * (1.0 - share) + next[c] * share).collect();
+        let length = mixed.iter().map(|c| c * c).sum::<f64>().sqrt().max(0.1);
+        let turning = if share > 0.0 { 40.0 * (std::f64::consts::PI * share).sin() } else { 0.0 };
+        let force = [0, 1, 2].map(|c| mixed[c] / length + noise(1e-3));
+        let rate = [0, 1, 2].map(|c| BIAS[c] + turning * (1.0 + c as f64) + noise(0.05));
+        rows.push((k as f64 * 0.01, force, rate));
+    }
+    rows
+}
+
+fn check_by_hand(campaign: &Value) {
+    let dwells = campaign["dwells"].as_array().unwrap();
+    assert_eq!(dwells.len(), UPS.len(), "{dwells:?}");
+    for (dwell, up) in dwells.iter().zip(UPS) {
+        let list =
+            |name: &str| -> Vec<f64> { dwell[name].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect() };
+        assert!(list("specific_force_g0").iter().zip(up).all(|(f, u)| (f - u).abs() < 0.01), "{dwell}");
+        let sem = list("output_sem_pulse_s");
+        for ((mean, bias), sem) in list("output_pulse_s").iter().zip(BIAS).zip(&sem) {
+            assert!((mean - 3600.0 * bias).abs() < 6.0 * sem, "{mean} {sem}");
+            // 0.05 deg/s a sample, 450 samples.
+            assert!((4.0..40.0).contains(sem), "{sem}");
+        }
+    }
+    assert!(campaign["gyros"][1]["known_e_pulse_per_arcsec"] == serde_json::json!([0.0, 1.0, 0.0]), "{campaign}");
+}
+
+#[test]
+fn a_csv_of_an_ahrs_with_more_columns_than_are_needed() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut text = String::from("HI91,sys_time,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z,mag_x,temperature\n");
+    for (t, f, w) in by_hand(1) {
+        let ms = (t * 1000.0).round();
+        writeln!(text, "HI91,{ms},{},{},{},{},{},{},12.5,30,", f[0], f[1], f[2], w[0], w[1], w[2]).unwrap();
+    }
+    fs::write(dir.path().join("log.csv"), text).unwrap();
+    let map = map("hi91-csv.toml");
+    let made = campaign(&dwells(dir.path(), &["log.csv", "--map", map.to_str().unwrap()]));
+    check_by_hand(&made);
+    assert_eq!(made["dwells"][2]["temperature_c"], 30.0);
+
+    let report = ["log.csv", "--map", map.to_str().unwrap(), "--report", "r.html", "-o", "c.csv"];
+    assert!(dwells(dir.path(), &report).status.success());
+    let page = fs::read_to_string(dir.path().join("r.html")).unwrap();
+    assert_eq!(page.matches("class=\"static\"").count(), 1 + 7 * UPS.len(), "a legend, and six dwells in seven plots");
+    let mut calibrate = Command::cargo_bin("gyrowatch").unwrap();
+    calibrate.current_dir(dir.path()).args(["calibrate", "c.csv", "--model", "bias"]).assert().success();
+}
+
+#[test]
+fn counts_in_two_files_without_header_beside_one_another() {
+    let dir = tempfile::tempdir().unwrap();
+    let (mut force, mut rate) = (String::new(), String::new());
+    for (t, f, w) in by_hand(2) {
+        let a = [0, 1, 2].map(|c| [33_123.0, 33_276.0, 32_360.0][c] + (f[c] * G / 0.00241).round());
+        let g = [0, 1, 2].map(|c| [32_768.0, 32_466.0, 32_485.0][c] + (w[c].to_radians() / 0.00021).round());
+        writeln!(force, "   {t:.7e}   {:.7e}   {:.7e}   {:.7e}", a[0], a[1], a[2]).unwrap();
+        writeln!(rate, "   {t:.7e}   {:.7e}   {:.7e}   {:.7e}", g[0], g[1], g[2]).unwrap();
+    }
+    fs::write(dir.path().join("acc.mat"), force).unwrap();
+    fs::write(dir.path().join("gyro.mat"), rate).unwrap();
+    let map = map("counts-beside-one-another.toml");
+    check_by_hand(&campaign(&dwells(dir.path(), &["acc.mat", "gyro.mat", "--map", map.to_str().unwrap()])));
+    let one = refused(&dwells(dir.path(), &["acc.mat", "--map", map.to_str().unwrap()]));
+    assert!(one.contains("the map is of 2 logs beside one another; 1 were named"), "{one}");
+}
+
+#[test]
+fn decimal_commas_units_in_a_row_of_their_own_and_utf_16() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut text =
+        String::from("Messung;vom;25.11.2026;;;;\r\nZeit;ax;ay;az;gx;gy;gz\r\n[s];[g];[g];[g];[°/s];[°/s];[°/s]\r\n");
+    for (t, f, w) in by_hand(3) {
+        let row = format!("{t:.2};{:.5};{:.5};{:.5};{:.4};{:.4};{:.4}\r\n", f[0], f[1], f[2], w[0], w[1], w[2]);
+        text.push_str(&row.replace('.', ","));
+    }
+    let wide: Vec<u8> = std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    fs::write(dir.path().join("wide.csv"), wide).unwrap();
+    let latin: Vec<u8> = text.chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect();
+    fs::write(dir.path().join("latin.csv"), latin).unwrap();
+    let map = "imu = \"A\"\nstation = \"S\"\nmeasured_at = \"2026-03-01T08:00:00Z\"\ngeometry = \"orthogonal\"\n\
+        gyros = [\"G1 X\", \"G2 Y\", \"G3 Z\"]\ntime = { column = \"Zeit\" }\n\
+        force = { columns = [\"ax\", \"ay\", \"az\"] }\noutput = { columns = [\"gx\", \"gy\", \"gz\"] }\n";
+    fs::write(dir.path().join("map.toml"), map).unwrap();
+    for file in ["wide.csv", "latin.csv"] {
+        check_by_hand(&campaign(&dwells(dir.path(), &[file, "--map", "map.toml"])));
+    }
+    // What the header says is not contradicted in silence.
+    fs::write(dir.path().join("other.toml"), map.replace("\"gz\"]", "\"gz\"], unit = \"rad/s\"")).unwrap();
+    let said = refused(&dwells(dir.path(), &["latin.csv", "--map", "other.toml"]));
+    assert!(said.contains("the map says rad/s, the header of the log says °/s"), "{said}");
+}
+
+#[test]
+fn averages_of_a_chamber_are_dwells_already() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut text = String::new();
+    for k in 0..20 {
+        let t = 2.0 + 3.0 * f64::from(k);
+        let ripple = |f: f64| 5e-4 * (f * f64::from(k * k)).sin();
+        let rates = [-0.002 + ripple(1.3), 0.004 + ripple(2.1), 0.002 + ripple(0.7)];
+        let rates = rates.map(|rate| format!("{rate:8.5}")).join(", ");
+        writeln!(text, "BIN_DATA: {k:2}, {t:6.2}, {}, 7,  0.12, -0.11,  9.80, {rates}, -49.5", 12_000 + k).unwrap();
+    }
+    fs::write(dir.path().join("chamber.log"), text).unwrap();
+    let output = dwells(dir.path(), &["chamber.log", "--map", map("averaged-chamber.toml").to_str().unwrap()]);
+    let made = campaign(&output);
+    assert_eq!(made["dwells"].as_array().unwrap().len(), 20);
+    assert_eq!((&made["dwells"][3]["temperature_c"], &made["dwells"][3]["duration_s"]), (&11.0.into(), &120.03.into()));
+    assert!(made["dwells"][3].get("output_sem_pulse_s").is_none());
+}
+
+/// A log of pulses on a two-axis table: what the table did is in its angles.
+fn on_a_table() -> String {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let mut text = String::from("time,outer,inner,pulses_1,pulses_2,pulses_3,temperature\n");
+    let stops = [(0.0, 0.0), (90.0, 0.0), (90.0, 90.0), (180.0, 90.0), (270.0, 90.0), (270.0, 0.0), (0.0, 0.0)];
+    let mut counted = [0.0_f64; 3];
+    let (mut time, mut row) = (0.0, 0);
+    let mut add = |outer: f64, inner: f64, level: f64, text: &mut String| {
+        let step = 0.1;
+        let before = counted;
+        for (c, count) in counted.iter_mut().enumerate() {
+            *count += step * (100.0 + level * (1.0 + c as f64)) + 0.05 * rng.sample::<f64, _>(StandardNormal);
+        }
+        let pulses: Vec<f64> = (0..3).map(|c| counted[c].floor() - before[c].floor()).collect();
+        row += 1;
+        if row % 997 != 0 {
+            writeln!(text, "{time:.3},{outer:.4},{inner:.4},{},{},{},45.2", pulses[0], pulses[1], pulses[2]).unwrap();
+        }
+        time += step;
+    };
+    for (k, (outer, inner)) in stops.iter().enumerate() {
+        for _ in 0..600 {
+            add(*outer, *inner, 3.0 * k as f64, &mut text);
+        }
+        let next = stops.get(k + 1).unwrap_or(&(0.0, 0.0));
+        for s in 0..100 {
+            let share = f64::from(s) / 100.0;
+            let between = |a: f64, b: f64| (a + (b - a) * share + 360.0) % 360.0;
+            add(between(*outer, next.0), between(*inner, next.1), 40.0, &mut text);
+        }
+    }
+    // A turn about the vertical, two degrees a second.
+    for k in 0..1800 {
+        add(0.0, f64::from(k) * 0.2 % 360.0, 60.0, &mut text);
+    }
+    text
+}
+
+#[test]
+fn angles_of_a_table_say_what_was_commanded() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("table.csv"), on_a_table()).unwrap();
+    let map = fs::read_to_string(map("pulses-on-a-table.toml")).unwrap();
+    fs::write(dir.path().join("map.toml"), map).unwrap();
+    let output = dwells(dir.path(), &["table.csv", "--map", "map.toml", "--report", "r.html"]);
+    // The outputs are made up, so the fit is refused; what was commanded stands in the report.
+    let page = fs::read_to_string(dir.path().join("r.html")).unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(page.matches("<td>static</td>").count(), 7, "{said}");
+    assert_eq!(page.matches("<td>rate</td>").count(), 1, "{said}");
+    assert!(page.contains("<td>-0.99905, 0.00000, 0.00000</td>"), "outer axis at 90: -X up");
+    assert!(page.contains("0.000, 0.000, 7208.465"), "two degrees a second and the Earth's {said}");
+    assert!(page.contains("<td>100.0") || page.contains("<td>99.9"), "pulses of 0.1 s over 0.1 s");
+    assert!(said.contains("samples are lost"), "{said}");
+}
+
+/// A whole campaign as a raw log of a hundred rows a second: white noise, flicker, jitter, lost samples.
+fn raw(campaign: &Campaign, hz: f64, seed: u64) -> String {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut text = String::from("time,pulses_1,pulses_2,pulses_3,ax,ay,az\n");
+    let end = campaign.dwells.last().map_or(0.0, |d| d.start_s + d.duration_s);
+    let mut k = 0;
+    let mut slow = [0.0_f64; 3];
+    for row in 0..(end * hz) as usize {
+        let time = row as f64 / hz;
+        while k + 1 < campaign.dwells.len() && campaign.dwells[k + 1].start_s <= time {
+            k += 1;
+        }
+        let (now, next) = (&campaign.dwells[k], campaign.dwells.get(k + 1).unwrap_or(&campaign.dwells[k]));
+        let share = ((time - now.start_s - now.duration_s) / 20.0).clamp(0.0, 1.0);
+        let mixed = |a: f64, b: f64| a * (1.0 - share) + b * share;
+        for state in &mut slow {
+            *state = *state * (1.0 - 1e-3 / hz * 10.0) + 1e-5 * rng.sample::<f64, _>(StandardNormal);
+        }
+        let mut normal = || rng.sample::<f64, _>(StandardNormal);
+        let output: Vec<f64> = (0..3)
+            .map(|c| mixed(now.output_pulse_s[c], next.output_pulse_s[c]) + slow[c] + 0.02 * hz.sqrt() * normal())
+            .collect();
+        let force: Vec<f64> =
+            (0..3).map(|c| mixed(now.specific_force_g0[c], next.specific_force_g0[c]) + 2e-4 * normal()).collect();
+        let jitter = 0.1 / hz * normal().clamp(-3.0, 3.0);
+        if rng.random_range(0.0..1.0) < 1e-3 {
+            continue;
+        }
+        writeln!(
+            text,
+            "{:.5},{:.5},{:.5},{:.5},{:.5},{:.5},{:.5}",
+            time + jitter,
+            output[0],
+            output[1],
+            output[2],
+            force[0],
+            force[1],
+            force[2]
+        )
+        .unwrap();
+    }
+    text
+}
+
+#[test]
+fn a_programme_says_what_was_commanded_and_the_campaign_is_the_one_that_was_measured() {
+    let dir = tempfile::tempdir().unwrap();
+    let truth = simulate(&preset("24-position").unwrap()).unwrap().campaign;
+    fs::write(dir.path().join("log.csv"), raw(&truth, 5.0, 9)).unwrap();
+    let mut programme = String::from("attitude_w,attitude_x,attitude_y,attitude_z,rate_arcsec_s,start_s,duration_s\n");
+    let vertical = truth.site.unwrap().earth_rate().0.z;
+    for d in &truth.dwells {
+        let q = d.attitude.unwrap().to_attitude();
+        let turn = match d.phase {
+            Phase::Static => 0.0,
+            Phase::Rate => d.rate_arcsec_s.dot(&d.specific_force_g0.normalize()) - vertical,
+        };
+        writeln!(programme, "{},{},{},{},{turn},{},{}", q[0], q[1], q[2], q[3], d.start_s, d.duration_s).unwrap();
+    }
+    fs::write(dir.path().join("programme.csv"), &programme).unwrap();
+    let map = fs::read_to_string(map("pulses-with-a-programme.toml"))
+        .unwrap()
+        .replace("unit = \"pulse\"", "unit = \"pulse/s\"");
+    let site = truth.site.unwrap();
+    let (latitude, gravity) = (site.latitude.to_degrees(), site.gravity_g0);
+    let map = map.replace("34.25", &latitude.to_string()).replace("0.99905", &gravity.to_string());
+    fs::write(dir.path().join("map.toml"), &map).unwrap();
+    let output = dwells(dir.path(), &["log.csv", "--map", "map.toml", "--programme", "programme.csv"]);
+    let made = campaign(&output);
+    let dwells_made = made["dwells"].as_array().unwrap();
+    assert_eq!(dwells_made.len(), truth.dwells.len(), "{}", String::from_utf8_lossy(&output.stderr));
+    let mut squares = Vec::new();
+    for (made, true_one) in dwells_made.iter().zip(&truth.dwells) {
+        assert!((made["start_s"].as_f64().unwrap() - true_one.start_s).abs() < 10.0);
+        for c in 0..3 {
+            let value = |name: &str| made[name][c].as_f64().unwrap();
+            squares
+                .push(((value("output_pulse_s") - true_one.output_pulse_s[c]) / value("output_sem_pulse_s")).powi(2));
+            assert!((value("specific_force_g0") - true_one.specific_force_g0[c]).abs() < 1e-9);
+            assert!((value("rate_arcsec_s") - true_one.rate_arcsec_s[c]).abs() < 0.02, "{made} {true_one:?}");
+        }
+    }
+    let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    // How much flicker there is, one log of white noise says poorly: its errors may be stated too large.
+    assert!((0.6..1.25).contains(&rms), "{rms}");
+
+    // Without the station's clock the accelerometers say which is which.
+    let untimed: String = programme
+        .lines()
+        .map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            cells[..5].join(",") + "\n"
+        })
+        .collect();
+    fs::write(dir.path().join("untimed.csv"), untimed).unwrap();
+    let with_force = map + "force = { columns = [\"ax\", \"ay\", \"az\"], unit = \"g0\" }\n";
+    fs::write(dir.path().join("force.toml"), &with_force).unwrap();
+    let made = campaign(&dwells(dir.path(), &["log.csv", "--map", "force.toml", "--programme", "untimed.csv"]));
+    assert_eq!(made["dwells"].as_array().unwrap().len(), truth.dwells.len());
+    // Two axes exchanged.
+    fs::write(dir.path().join("swapped.toml"), with_force.replace("\"ax\", \"ay\"", "\"ay\", \"ax\"")).unwrap();
+    let said = refused(&dwells(dir.path(), &["log.csv", "--map", "swapped.toml", "--programme", "untimed.csv"]));
+    assert!(said.contains("axes exchanged") || said.contains("contradict the programme"), "{said}");
+}
+
+/// What a log holds, the map's change, and what is said.
+#[test]
+fn what_is_wrong_with_a_log_is_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = by_hand(4);
+    let head = "t,ax,ay,az,gx,gy,gz\n";
+    let row = |t: f64, f: [f64; 3], w: [f64; 3]| {
+        format!("{t:.2},{:.5},{:.5},{:.5},{:.4},{:.4},{:.4}\n", f[0], f[1], f[2], w[0], w[1], w[2])
+    };
+    let text = |change: &dyn Fn(usize, &mut (f64, [f64; 3], [f64; 3]))| {
+        let mut rows = rows.clone();
+        rows.iter_mut().enumerate().for_each(|(k, r)| change(k, r));
+        head.to_owned() + &rows.iter().map(|&(t, f, w)| row(t, f, w)).collect::<String>()
+    };
+    let map = "imu = \"A\"\nstation = \"S\"\nmeasured_at = \"2026-03-01T08:00:00Z\"\ngeometry = \"orthogonal\"\n\
+        gyros = [\"G1 X\", \"G2 Y\", \"G3 Z\"]\ntime = { column = \"t\", unit = \"s\" }\n\
+        force = { columns = [\"ax\", \"ay\", \"az\"], unit = \"g\" }\n\
+        output = { columns = [\"gx\", \"gy\", \"gz\"], unit = \"deg/s\" }\n";
+    let clean = text(&|_, _| {});
+    let one_position = head.to_owned() + &rows[..480].iter().map(|&(t, f, w)| row(t, f, w)).collect::<String>();
+    let moving = {
+        let only = rows.iter().enumerate().filter(|(k, _)| k % 800 > 510 && k % 800 < 790);
+        let again = only.enumerate().map(|(n, (_, &(_, f, w)))| row(n as f64 * 0.01, f, w));
+        head.to_owned() + &again.collect::<String>()
+    };
+    let same = |text: &str| text.to_owned();
+    let cases: Vec<(&str, String, String, &str)> = vec![
+        (
+            "time jumps back",
+            text(&|k, r| {
+                if k > 2000 {
+                    r.0 -= 10.0
+                }
+            }),
+            same(map),
+            "time jumps back by 9.990 s",
+        ),
+        ("one position", one_position, same(map), "one interval of"),
+        ("no still interval", moving, same(map), "is still or steady in"),
+        (
+            "a column that is not there",
+            clean.clone(),
+            map.replace("\"gx\"", "\"gyr_x\""),
+            "no column is named \"gyr_x\"; there are: t, ax",
+        ),
+        (
+            "a number that is not there",
+            clean.clone(),
+            map.replace("\"gz\"", "9"),
+            "there is no column 9; the log has 7",
+        ),
+        ("another unit", clean.clone(), map.replace("unit = \"g\"", "unit = \"m/s^2\""), "is 0.1020 g0 long"),
+        (
+            "raw counts",
+            clean.clone(),
+            map.replace("unit = \"deg/s\"", "unit = \"counts\""),
+            "Raw counts need `scale` and `offset`",
+        ),
+        ("no unit", clean.clone(), map.replace(", unit = \"deg/s\"", ""), "the unit is missing"),
+        (
+            "pulses by hand",
+            clean.clone(),
+            map.replace("unit = \"deg/s\"", "unit = \"pulse/s\""),
+            "the heading of each position is not known",
+        ),
+        ("a gyro's column as force", clean.clone(), map.replace("\"az\"]", "\"gz\"]"), "g0 long while nothing moves"),
+        ("an unknown key", clean.clone(), map.replace("time =", "tme ="), "unknown field `tme`"),
+        ("half the rows broken", clean.replace(".5", ".x"), same(map), "rows cannot be read"),
+        ("unanswered", clean.clone(), map.replace("imu = \"A\"", "imu = \"?\""), "line 1: \"?\" must be answered"),
+        ("clipped", text(&|_, r| r.1 = r.1.map(|f| f.clamp(-0.95, 0.95))), same(map), "intervals are clipped"),
+    ];
+    for (name, log, map, expected) in cases {
+        fs::write(dir.path().join("log.csv"), log).unwrap();
+        fs::write(dir.path().join("map.toml"), map).unwrap();
+        let output = dwells(dir.path(), &["log.csv", "--map", "map.toml"]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains(expected), "{name}: {said}");
+    }
+    // Lost, repeated and unfinished rows are left out, and said.
+    let mut broken = clean.replace("3.00,", "2.99,");
+    broken.truncate(broken.len() - 20);
+    fs::write(dir.path().join("log.csv"), broken).unwrap();
+    fs::write(dir.path().join("map.toml"), map).unwrap();
+    let output = dwells(dir.path(), &["log.csv", "--map", "map.toml"]);
+    check_by_hand(&campaign(&output));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("5 samples repeat the time before") && said.contains("1 lines that are no rows"), "{said}");
+}
+
+#[test]
+fn foreign_files_are_named_as_what_they_are() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("map.toml"), fs::read(map("hi91-csv.toml")).unwrap()).unwrap();
+    for (bytes, expected) in [
+        (b"ULog\x01\x12\x35\x01more".to_vec(), "is a ULog of PX4"),
+        (b"MATLAB 7.3 MAT-file, Platform".to_vec(), "save('FILE7.mat', '-v7')"),
+        (b"#ROSBAG V2.0\n".to_vec(), "is a ROS bag"),
+        (vec![0; 4096], "nothing but zeros"),
+        (vec![3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8, 200, 7, 1, 2], "is binary"),
+        (Vec::new(), "is empty"),
+        (b"dear colleagues,\nthe log follows\n".to_vec(), "text without a table of numbers"),
+    ] {
+        fs::write(dir.path().join("log.bin"), bytes).unwrap();
+        let said = refused(&dwells(dir.path(), &["log.bin", "--map", "map.toml"]));
+        assert!(said.contains(expected) && said.contains("log.bin"), "{said}");
+    }
+}
+
+#[test]
+fn a_guessed_map_says_why_and_leaves_open_what_the_log_does_not_say() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut text = String::from("timestamp,acc_x,acc_y,acc_z,gyro_x,gyro_y,gyro_z,temp\n");
+    for (t, f, w) in by_hand(6) {
+        let f = f.map(|f| f * G);
+        writeln!(text, "{},{},{},{},{},{},{},25", (t * 1e6).round(), f[0], f[1], f[2], w[0], w[1], w[2]).unwrap();
+    }
+    fs::write(dir.path().join("log.csv"), text).unwrap();
+    let output = dwells(dir.path(), &["log.csv", "--guess", "-o", "map.toml"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let map = fs::read_to_string(dir.path().join("map.toml")).unwrap();
+    assert!(map.contains("time = { column = \"timestamp\", unit = \"us\" }"), "{map}");
+    assert!(map.contains("which is gravity in m/s^2"), "{map}");
+    assert!(map.contains("output = { columns = [\"gyro_x\", \"gyro_y\", \"gyro_z\"], unit = \"?\" }"), "{map}");
+    assert!(refused(&dwells(dir.path(), &["log.csv", "--map", "map.toml"])).contains("must be answered"));
+    let answered = map
+        .replace("unit = \"?\"", "unit = \"deg/s\"")
+        .replace("measured_at = \"?\"", "measured_at = \"2026-03-01T08:00:00Z\"")
+        .replace("latitude_deg = \"?\", gravity_g0 = \"?\"", "latitude_deg = 34.0, gravity_g0 = 1.0")
+        .replace("\"?\"\n", "\"A\"\n");
+    fs::write(dir.path().join("map.toml"), answered).unwrap();
+    check_by_hand(&campaign(&dwells(dir.path(), &["log.csv", "--map", "map.toml"])));
+}

@@ -1,0 +1,337 @@
+//! The model of one IMU: fitted to its campaigns, it foretells the next ones, says what has changed, and is what
+//! `simulate --model` draws.
+
+mod lab;
+mod support;
+
+use std::path::{Path, PathBuf};
+
+use gyrowatch::core::augmented::{Adopted, AugmentedModel, KnownEffect};
+use gyrowatch::core::calibrate::outcome::{Outcome, evaluate_with};
+use gyrowatch::core::campaign::Campaign;
+use gyrowatch::core::effects::{Effect, Shape};
+use gyrowatch::core::imu_model::{
+    Identified, NoForecast, NotIdentified, Sample, changed, compare, identify, ladder, named, promised,
+};
+use gyrowatch::core::model::Term;
+use gyrowatch::core::mounting::Slot;
+use gyrowatch::core::record::Plausibility;
+use gyrowatch::simulate::scenario::GyroChoice;
+use gyrowatch::simulate::{Scenario, simulate};
+use gyrowatch::wire;
+use lab::Lab;
+use serde_json::{Value, json};
+use support::{data_path, gyrowatch};
+
+/// Change of D_I and D_S of G1 with temperature, deg/(h g0 K).
+const K: [f64; 2] = [0.003, -0.002];
+/// Deg C at which D_I and D_S are what [`gyros`] says.
+const NOMINAL_C: f64 = 45.0;
+const D_I: [f64; 3] = [4.2, -1.6, 1.7];
+const D_S: [f64; 3] = [5.8, 6.1, -9.9];
+
+/// The same gyros in every campaign.
+fn gyros() -> Vec<GyroChoice> {
+    let one = |k: usize| GyroChoice {
+        slot: format!("G{}", k + 1),
+        serial: Some(format!("LFG-{k}")),
+        scale_factor: Some(1.46 + 0.01 * k as f64),
+        d_f: Some(0.7 - 0.3 * k as f64),
+        d_i: Some(D_I[k]),
+        d_s: Some(D_S[k]),
+        misalignment_arcmin: Some([3.0 * k as f64, -4.0, 5.0]),
+        ..GyroChoice::default()
+    };
+    (0..3).map(one).collect()
+}
+
+/// A campaign of that IMU in the `month`, at a mean temperature; G1's mass unbalance follows temperature, `times` as
+/// much as [`K`] says. What the temperature does is written out here, by the true axes.
+fn campaign(seed: u64, month: u32, celsius: f64, times: f64) -> Campaign {
+    let mut scenario = Scenario { seed, gyros: gyros(), ..Scenario::default() };
+    scenario.temperature.mean_c = celsius;
+    scenario.measured_at = format!("2026-{month:02}-01T08:00:00Z");
+    let simulated = simulate(&scenario).unwrap();
+    let gyro = &simulated.world.gyros[0];
+    let mut campaign = simulated.campaign;
+    for dwell in &mut campaign.dwells {
+        let (a, warm) = (dwell.specific_force_g0, dwell.temperature_c.unwrap() - NOMINAL_C);
+        let drift = warm * (K[0] * gyro.input().dot(&a) + K[1] * gyro.spin().dot(&a));
+        dwell.output_pulse_s[0] += times * gyro.scale_factor * drift;
+    }
+    campaign
+}
+
+fn sample(campaign: &Campaign) -> Sample<'_> {
+    Sample { campaign, source: None, occasions: Vec::new() }
+}
+
+fn temperature_g() -> AugmentedModel {
+    let adopted = Adopted { effect: Effect::TemperatureG, shape: Shape::InputSpin, slots: vec![Slot::G1] };
+    let effects = vec![KnownEffect { adopted, estimates: Vec::new() }];
+    AugmentedModel { effects, ..AugmentedModel::default() }
+}
+
+fn model(campaigns: &[&Campaign]) -> Identified {
+    let samples: Vec<Sample> = campaigns.iter().map(|c| sample(c)).collect();
+    identify(&samples, &temperature_g()).unwrap()
+}
+
+#[test]
+fn the_next_campaign_is_as_foretold_also_three_kelvin_warmer_and_d_i_makes_no_step() {
+    let (mut squares, mut count, mut inside, mut sorted) = (0.0, 0, 0, Vec::new());
+    for seed in 0..10 {
+        let (first, next) = (campaign(seed, 1, NOMINAL_C, 1.0), campaign(1000 + seed, 2, NOMINAL_C + 3.0, 1.0));
+        let chosen = named(&[&first], None).unwrap();
+        let effects: Vec<Effect> = chosen.model.effects.iter().map(|known| known.adopted.effect).collect();
+        assert_eq!(effects, [Effect::TemperatureG]);
+        let model = identify(&[sample(&first)], &chosen.model).unwrap();
+        let found = compare(&model, &next).unwrap();
+        squares += found.rms_over_sd.powi(2) * found.count as f64;
+        count += found.count;
+        sorted.push(found.rms_over_sd);
+        let steps = ladder(&model, &next).unwrap();
+        assert!(steps[0].rms_over_sd > 2.0 && steps[0].effect.is_none(), "{steps:?}");
+        assert_eq!((steps.len(), steps[1].rms_deg_per_h), (2, found.rms_deg_per_h));
+        let (told, seen) = (promised(&model, &next).unwrap().unwrap(), found.closing.unwrap());
+        assert!(seen.closure > 0.7 && told.before_deg_per_h > 2.0 * told.after_deg_per_h, "{told:?} {seen:?}");
+        let [low, high] = told.interval.unwrap();
+        inside += usize::from(low <= seen.closure && seen.closure <= high);
+        assert!(!changed(&model, &next).unwrap().effects[0].changed, "seed {seed}");
+
+        // D_I and D_S are stated at the model's temperature, in the model and in either campaign.
+        let whole = model.separation(Slot::G1, &model.values(), &model.covariance).unwrap().rigid;
+        let warm = model.reference_c.unwrap() - NOMINAL_C;
+        let (truth, sd) = ([D_I[0] + K[0] * warm, D_S[0] + K[1] * warm], whole.sd().unwrap());
+        assert!((whole.d_i - truth[0]).abs() < 4.0 * sd[0] && (whole.d_s - truth[1]).abs() < 4.0 * sd[1]);
+        let file = model.into_model(&chosen.model);
+        let at = |campaign: &Campaign| {
+            let outcome = evaluate_with(campaign, &file.options(campaign), &Plausibility::ever()).unwrap();
+            let Outcome::Imu { separations, as_measured, .. } = outcome else { panic!("a campaign of an IMU") };
+            let own = as_measured.unwrap();
+            (separations[0].as_ref().unwrap().rigid, own.temperature_c, own.separations[0].as_ref().unwrap().rigid)
+        };
+        let ((then, ..), (now, celsius, measured)) = (at(&first), at(&next));
+        let step = (now.d_i - then.d_i).abs() / now.sd().unwrap()[0].hypot(then.sd().unwrap()[0]);
+        assert!(step < 3.5, "seed {seed}: {step} sd");
+        let warm = celsius - NOMINAL_C;
+        assert!((measured.d_i - D_I[0] - K[0] * warm).abs() < 5.0 * measured.sd().unwrap()[0]);
+        assert!((measured.d_i - then.d_i).abs() > 10.0 * measured.sd().unwrap()[0], "as measured it does step");
+    }
+    sorted.sort_by(f64::total_cmp);
+    let rms = (squares / f64::from(u32::try_from(count).unwrap())).sqrt();
+    assert!(sorted[8] <= 1.15 && (rms - 1.0).abs() < 0.05, "{rms} {sorted:?}");
+    assert!(inside >= 8, "{inside} of 10");
+}
+
+#[test]
+fn a_coefficient_that_has_tripled_is_said_with_what_it_does_to_d_i() {
+    let first = campaign(1, 1, NOMINAL_C, 1.0);
+    let model = model(&[&first]);
+    // The campaign's own mean lies beside the model's temperature: what k does there is what D_I is off by.
+    let next = campaign(2, 2, NOMINAL_C + 3.0, 3.0);
+    let found = changed(&model, &next).unwrap();
+    assert!(found.effects[0].changed && found.effects[0].p_value < 1e-6, "{found:?}");
+    let (_, then, now) = found.effects[0].coefficients[0];
+    assert!((then[0] - K[0]).abs() < 4.0 * then[1] && (now[0] - 3.0 * K[0]).abs() < 4.0 * now[1], "{found:?}");
+    let d_i = found.shifts.iter().find(|s| (s.slot, s.coefficient) == (Slot::G1, "D_I")).unwrap();
+    let mean = |c: &Campaign| c.dwells.iter().map(|d| d.temperature_c.unwrap()).sum::<f64>() / c.dwells.len() as f64;
+    let expected = -2.0 * K[0] * (mean(&next) - mean(&first));
+    assert!((d_i.shift - expected).abs() < 4.0 * d_i.sd, "{d_i:?} is not {expected}");
+    assert!(compare(&model, &next).unwrap().p_value < 1e-3, "outside its forecast");
+}
+
+#[test]
+fn what_coefficients_do_from_campaign_to_campaign_is_in_the_sd_of_the_next_forecast() {
+    // The bias of each gyro is another after each power-up.
+    let turned_on = |month: u32, shift: f64| {
+        let mut campaign = campaign(40 + u64::from(month), month, NOMINAL_C, 1.0);
+        for dwell in &mut campaign.dwells {
+            dwell.output_pulse_s.iter_mut().enumerate().for_each(|(j, y)| *y += shift * (1.0 - 0.7 * j as f64));
+        }
+        campaign
+    };
+    let shifts = [0.004, -0.011, 0.008, -0.003, 0.010, -0.007];
+    let all: Vec<Campaign> = shifts.iter().zip(1..).map(|(shift, month)| turned_on(month, *shift)).collect();
+    let model = model(&all[..5].iter().collect::<Vec<_>>());
+    let bias = model.coefficients.iter().find(|c| c.of == gyrowatch::core::imu_model::Of::Term(Term::Bias, 0)).unwrap();
+    assert!((0.003..0.02).contains(&bias.between), "{bias:?}");
+    let found = compare(&model, &all[5]).unwrap();
+    assert!(found.p_value > 1e-3 && found.rms_over_sd < 2.0, "{} {}", found.p_value, found.rms_over_sd);
+    let lone = identify(&[sample(&all[4])], &temperature_g()).unwrap();
+    assert!(compare(&lone, &all[5]).unwrap().p_value < 1e-9, "one campaign knows nothing of it");
+}
+
+#[test]
+fn campaigns_that_are_not_of_one_imu_make_no_model_and_other_campaigns_have_no_forecast() {
+    let (first, next) = (campaign(1, 1, NOMINAL_C, 1.0), campaign(2, 2, NOMINAL_C, 1.0));
+    let with = |change: &dyn Fn(&mut Campaign)| {
+        let mut other = next.clone();
+        change(&mut other);
+        other
+    };
+    let name = |text: &str| gyrowatch::core::record::Name::parse(text).unwrap();
+    let of_both = |other: &Campaign| identify(&[sample(&first), sample(other)], &temperature_g()).unwrap_err();
+    let exchanged = with(&|c| c.gyros[1].serial = name("LFG-NEW"));
+    assert!(matches!(of_both(&exchanged), NotIdentified::GyroExchanged { slot: Slot::G2, .. }));
+    assert!(matches!(of_both(&with(&|c| c.imu = name("IMU-X"))), NotIdentified::OtherImu { .. }));
+    assert_eq!(of_both(&first), NotIdentified::SameInstant);
+
+    let model = model(&[&first]);
+    assert_eq!(compare(&model, &first).unwrap_err(), NoForecast::FittedTo);
+    assert!(matches!(compare(&model, &with(&|c| c.imu = name("IMU-X"))), Err(NoForecast::OtherImu { .. })));
+    let found = compare(&model, &exchanged).unwrap();
+    let codes: Vec<&str> = found.forecast.notes.iter().map(|note| note.code.as_ref()).collect();
+    assert_eq!(found.gyros.len(), 2);
+    assert!(codes.contains(&"gyro_exchanged_since") && codes.contains(&"ageing_unknown"), "{codes:?}");
+    let blind = with(&|c| c.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None));
+    let notes = compare(&model, &blind).unwrap().forecast.notes;
+    assert!(notes.iter().any(|note| note.code == "effect_not_foretold"), "{notes:?}");
+    let warm = compare(&model, &campaign(3, 3, 49.0, 1.0)).unwrap().forecast.notes;
+    assert!(warm.iter().any(|note| note.code == "temperature_outside_model"), "{warm:?}");
+}
+
+fn written(dir: &Path, name: &str, campaign: &Campaign) -> PathBuf {
+    let path = dir.join(name);
+    std::fs::write(&path, wire::campaign::to_json(campaign)).unwrap();
+    path
+}
+
+fn run(arguments: &[&str]) -> (i32, String, String) {
+    let output = gyrowatch().args(arguments).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+fn ran(arguments: &[&str]) -> String {
+    let (status, out, error) = run(arguments);
+    assert_eq!(status, 0, "{arguments:?}: {error}");
+    out
+}
+
+#[test]
+fn the_command_line_fits_foretells_climbs_the_ladder_and_simulates_this_imu() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name).to_str().unwrap().to_owned();
+    let first = written(dir.path(), "first.json", &campaign(1, 1, NOMINAL_C, 1.0));
+    let next = written(dir.path(), "next.json", &campaign(2, 2, NOMINAL_C + 3.0, 1.0));
+    let (first, next) = (first.to_str().unwrap(), next.to_str().unwrap());
+    let model = path("model.json");
+    let table = ran(&["model", "fit", first, "-o", &model]);
+    assert!(table.contains("temperature_g") && table.contains("LFG-0"), "{table}");
+    let file: Value = serde_json::from_slice(&std::fs::read(&model).unwrap()).unwrap();
+    assert_eq!((&file["version"], &file["effects"][0]["effect"]), (&json!(2), &json!("temperature_g")));
+    let coefficients = file["identified"]["coefficients"].as_array().unwrap();
+    assert_eq!(file["identified"]["covariance"].as_array().unwrap().len(), coefficients.len());
+    let asked = ran(&["model", "fit", first, "--effects", "temperature_g"]);
+    let asked: Value = serde_json::from_str(&asked).unwrap();
+    assert_eq!(asked["effects"][0]["gyros"], json!(["G1", "G2", "G3"]));
+
+    let told: Value = serde_json::from_str(&ran(&["predict", &model, next, "--format", "json"])).unwrap();
+    assert_eq!(told["compared"]["state"], "as_foretold", "{}", told["compared"]);
+    assert_eq!(told["gyros"][0]["predicted_pulse_s"].as_array().unwrap().len(), 78);
+    let table = ran(&["predict", &model, next]);
+    assert!(table.contains("Promised by the model") && table.contains("noise floor"), "{table}");
+    let steps: Value = serde_json::from_str(&ran(&["gap", &model, next, "--format", "json"])).unwrap();
+    assert_eq!(steps[0]["rungs"][1]["effect"], "temperature_g");
+    let against: Value =
+        serde_json::from_str(&ran(&["diagnose", next, "--model", &model, "--format", "json"])).unwrap();
+    assert_eq!(against["effects_against_model"]["effects"][0]["changed"], false);
+
+    // What is still to be measured: the same IMU at another temperature, and one that the model allows.
+    let scenario = path("tomorrow.toml");
+    std::fs::write(&scenario, "measured_at = \"2026-09-01T08:00:00Z\"\n[temperature]\nmean_c = 47.0\n").unwrap();
+    let told: Value = serde_json::from_str(&ran(&["predict", &model, &scenario, "--format", "json"])).unwrap();
+    assert!(told["compared"].is_null() && told["promised"]["closure"].as_f64().unwrap() > 0.8, "{}", told["promised"]);
+    let mut z = Vec::new();
+    for seed in ["3", "4", "5"] {
+        let made = path("made.json");
+        ran(&["simulate", "--scenario", &scenario, "--model", &model, "--seed", seed, "--out", &made]);
+        let told: Value = serde_json::from_str(&ran(&["predict", &model, &made, "--format", "json"])).unwrap();
+        z.push(told["compared"]["p_value"].as_f64().unwrap());
+        let document: Value = serde_json::from_slice(&std::fs::read(&made).unwrap()).unwrap();
+        assert_eq!(document["gyros"][2]["serial"], "LFG-2");
+    }
+    assert!(z.iter().all(|p| *p > 1e-3), "{z:?}");
+
+    let old = path("old.json");
+    std::fs::write(&old, json!({"terms": [], "effects": []}).to_string()).unwrap();
+    let practice = data_path("practice/campaign-00.json");
+    let refusals: [(&[&str], &str); 7] = [
+        (&["predict", &old, next], "gyrowatch model fit"),
+        (&["predict", &model, first], "fitted to this campaign"),
+        (&["predict", &model, practice.to_str().unwrap()], "the model is of IMU"),
+        (&["model", "fit", first, practice.to_str().unwrap()], "the campaigns are of IMU"),
+        (&["model", "fit", first, first], "two campaigns have the same time"),
+        (&["model", "fit", first, "--effects", "ghost"], "ghost"),
+        (&["model", "fit", first, "-o", next], "holds no model"),
+    ];
+    for (arguments, said) in refusals {
+        let (status, out, error) = run(arguments);
+        assert!(status == 1 && out.is_empty() && error.contains(said), "{arguments:?}: {error}");
+    }
+}
+
+#[test]
+fn a_model_file_that_contradicts_itself_is_refused_by_the_place_of_its_fault() {
+    let model = model(&[&campaign(1, 1, NOMINAL_C, 1.0)]).into_model(&temperature_g());
+    let file: Value = serde_json::from_str(&wire::model::to_json(&model)).unwrap();
+    let again = wire::model::parse(file.to_string().as_bytes()).unwrap();
+    let (one, other) = (model.identified.unwrap(), again.identified.unwrap());
+    assert_eq!((&one.effects, &one.gyros.len(), &one.terms), (&other.effects, &other.gyros.len(), &other.terms));
+    assert!((&one.covariance - &other.covariance).amax() <= 1e-12 * one.covariance.amax());
+    assert_eq!(one.values().len(), other.values().len());
+    let cases = [
+        ("/version", json!(3), "/version"),
+        ("/identified/covariance/0", json!([1.0, 2.0]), "/identified/covariance"),
+        ("/identified/covariance/3/3", json!(-1.0), "/identified/covariance"),
+        ("/identified/coefficients/0/sd", json!(5.0), "/identified/coefficients/0/sd"),
+        ("/identified/coefficients/0/unit", json!("deg/h"), "/identified/coefficients/0/unit"),
+        ("/identified/coefficients/0/name", json!("D_F"), "/identified/coefficients/0/name"),
+        ("/identified/coefficients/0/slot", json!("G9"), "/identified/coefficients/0/slot"),
+        ("/identified/gyros/0/noise/random_walk_deg_per_sqrt_h", json!(-1.0), "/identified/gyros/0"),
+        ("/identified/campaigns", json!([]), "/identified/campaigns"),
+    ];
+    for (place, value, fault) in cases {
+        let mut bad = file.clone();
+        *bad.pointer_mut(place).unwrap() = value;
+        let faults = wire::model::parse(bad.to_string().as_bytes()).unwrap_err();
+        assert!(faults.0.iter().any(|f| f.pointer == fault), "{place}: {faults:?}");
+    }
+}
+
+#[tokio::test]
+async fn the_service_foretells_each_campaign_by_the_model_in_force_when_it_came_in() {
+    let lab = Lab::open().await;
+    let document = |campaign: &Campaign| -> Value { serde_json::from_str(&wire::campaign::to_json(campaign)).unwrap() };
+    let (first, second) = (campaign(1, 1, NOMINAL_C, 1.0), campaign(2, 2, NOMINAL_C + 3.0, 1.0));
+    let third = campaign(3, 3, NOMINAL_C + 3.0, 1.0);
+    lab.get("/v1/imus/IMU-07/forecast").await.refused(404);
+    lab.post("/v1/campaigns", &document(&first)).await.created();
+    lab.post("/v1/campaigns", &document(&second)).await.created();
+
+    let file = model(&[&first]).into_model(&temperature_g());
+    let mut body: Value = serde_json::from_str(&wire::model::to_json(&file)).unwrap();
+    body["author"] = "M. Adopter".into();
+    body["reason"] = "it foretells".into();
+    let adopted = lab.post("/v1/imus/IMU-07/model", &body).await.created();
+    assert_eq!(adopted["model"]["version"], 2);
+    let stored = lab.post("/v1/campaigns", &document(&third)).await.created();
+    let own = &stored["separations"][0]["as_measured"];
+    assert!((own["temperature_c"].as_f64().unwrap() - 48.0).abs() < 1.0, "{stored}");
+    let moved = stored["separations"][0]["d_i"]["value"].as_f64().unwrap() - own["d_i"]["value"].as_f64().unwrap();
+    assert!((moved + 3.0 * K[0]).abs() < 0.003, "{moved}");
+
+    let series = lab.get("/v1/imus/IMU-07/forecast").await.ok();
+    let points = series["points"].as_array().unwrap();
+    let state = |k: usize| points[k]["compared"]["state"].as_str();
+    assert_eq!((points.len(), state(0), state(1), state(2)), (3, None, Some("outside"), Some("as_foretold")));
+    assert!(points[0]["why_not"].as_str().unwrap().contains("no earlier campaign"));
+    assert_eq!((&points[1]["imu_model"], &points[2]["imu_model"]), (&Value::Null, &adopted["id"]));
+    assert_eq!(points[2]["model"]["effects"], json!(["temperature_g"]));
+    assert_eq!(series["latest"]["gyros"][0]["predicted_pulse_s"].as_array().unwrap().len(), 78);
+    assert_eq!(lab.get("/v1/imus/IMU-07/forecast?limit=1").await.ok()["points"].as_array().unwrap().len(), 1);
+    lab.get("/v1/imus/IMU-07/forecast?limit=0").await.refused(400);
+    let diagnosis = lab.diagnosis(stored["id"].as_str().unwrap()).await.ok();
+    assert_eq!(diagnosis["effects_against_model"]["effects"][0]["changed"], false, "{diagnosis}");
+}

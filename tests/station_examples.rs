@@ -1,0 +1,115 @@
+//! What a station copies: each example is run where Debian has its program, and each template fits.
+
+mod support;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+use support::Server;
+
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/stations").join(name)
+}
+
+fn template(of: &str, format: &str, to: &Path) {
+    let made = support::gyrowatch().args(["template", of, "--format", format, "--out"]).arg(to).output().unwrap();
+    assert!(made.status.success(), "{of} {format}: {}", String::from_utf8_lossy(&made.stderr));
+}
+
+fn run(mut command: Command, server: &Server) -> (bool, String) {
+    let output = command.env("GYROWATCH_URL", format!("http://{}", server.address())).output().unwrap();
+    let said = [output.stdout, output.stderr].concat();
+    (output.status.success(), String::from_utf8_lossy(&said).into_owned())
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn python_and_curl_send_templates_twice_and_hear_of_faults() {
+    let server = Server::start().await;
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    template("record", "json", &at("record.json"));
+    template("bench", "json", &at("bench.json"));
+    template("campaign", "csv", &at("campaign.csv"));
+    let python = |file: &str| {
+        let mut command = Command::new("python3");
+        command.arg(example("post.py")).arg(at(file));
+        command
+    };
+    for file in ["record.json", "bench.json", "campaign.csv"] {
+        let (sent, said) = run(python(file), &server);
+        assert!(sent && said.contains("stored as"), "{file}: {said}");
+    }
+    let curl = |file: &str, kind: &str, content_type: &str| {
+        let mut command = Command::new("sh");
+        command.arg(example("post.sh")).arg(at(file)).args([kind, content_type]);
+        command
+    };
+    let (sent, said) = run(curl("campaign.csv", "campaigns", "text/csv"), &server);
+    assert!(sent && said.contains("separations"), "{said}");
+    let text = std::fs::read_to_string(at("record.json")).unwrap();
+    std::fs::write(at("wrong.json"), text.replace("2.4210", "\"a\"")).unwrap();
+    let (sent, said) = run(python("wrong.json"), &server);
+    assert!(!sent && said.contains("refused:") && said.contains("/gyros/0/g_pulse_per_s_g0"), "{said}");
+    let (sent, said) = run(curl("wrong.json", "records", "application/json"), &server);
+    assert!(!sent && said.contains("refused (422)") || said.contains("refused (400)"), "{said}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_wrong_campaign_is_revised_from_csv_and_voided_by_commands() {
+    let server = Server::start().await;
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    template("campaign", "csv", &at("wrong.csv"));
+    let text = std::fs::read_to_string(at("wrong.csv")).unwrap();
+    std::fs::write(at("right.csv"), format!("# operator: Li Wei\n{text}")).unwrap();
+    let command = |arguments: &[&str]| {
+        let mut command = support::gyrowatch();
+        command.current_dir(dir.path()).args(arguments).args(["--url", server.address()]);
+        let output = command.output().unwrap();
+        let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+        (output.status.success(), said)
+    };
+    assert!(command(&["import", "wrong.csv"]).0);
+    let (stored, said) = command(&["import", "right.csv"]);
+    assert!(!stored && said.contains("gyrowatch revise"), "{said}");
+    let who = ["--author", "Li Wei", "--reason", "operator was missing"];
+    let (revised, said) = command(&[&["revise", "right.csv"], &who[..]].concat());
+    assert!(revised && said.contains("stands in the place of"), "{said}");
+    let id = said.trim().rsplit(' ').next().unwrap().to_owned();
+    let answer: Value = server.get(&format!("/v1/campaigns/{id}")).await.json();
+    assert_eq!((&answer["campaign"]["operator"], &answer["state"]), (&"Li Wei".into(), &"valid".into()));
+    let (voided, said) = command(&[&["void", &id], &who[..]].concat());
+    assert!(voided && said.contains("is voided"), "{said}");
+    let answer: Value = server.get(&format!("/v1/campaigns/{id}")).await.json();
+    assert_eq!(answer["state"], "voided");
+    let (voided, said) = command(&[&["void", "r999"], &who[..]].concat());
+    assert!(!voided && said.contains("404"), "{said}");
+}
+
+#[test]
+fn every_template_fits() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    let fits = |arguments: &[&str]| {
+        let output = support::gyrowatch().current_dir(dir.path()).args(arguments).output().unwrap();
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let mut answers = Vec::new();
+    for format in ["csv", "json", "xlsx"] {
+        let name = format!("campaign.{format}");
+        template("campaign", format, &at(&name));
+        answers.push(fits(&["calibrate", &name, "--format", "json"]));
+    }
+    assert!(answers[0] == answers[1] && answers[1] == answers[2], "one campaign in three formats");
+    template("record", "json", &at("record.json"));
+    assert!(fits(&["separate", "record.json"]).contains("LFG-0101"));
+    template("programme", "csv", &at("programme.csv"));
+    let programme = std::fs::read_to_string(at("programme.csv")).unwrap();
+    assert_eq!(programme.lines().filter(|line| !line.starts_with('#')).count(), 1 + 24 + 12);
+    assert_eq!(
+        fits(&["simulate", "--format", "csv"]),
+        std::fs::read_to_string(at("campaign.csv")).unwrap().trim_end().to_owned() + "\n"
+    );
+}

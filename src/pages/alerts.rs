@@ -26,7 +26,7 @@ use crate::core::judge::{Rule, Severity, Status};
 use crate::core::message::Message;
 use crate::message;
 use crate::pages::status;
-use crate::pipeline::{AlertChange, AlertOrder};
+use crate::pipeline::{AlertChange, AlertOrder, BEYOND};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 
@@ -202,7 +202,13 @@ fn of_gyro(viewer: &Viewer, alerts: &[AlertBody], may: bool, here: &str) -> Mark
     let Some(first) = alerts.first() else { return html! {} };
     let (serial, finding) = (&first.serial, &first.finding);
     let worst = alerts.iter().filter_map(|alert| alert.status.as_deref().and_then(Status::from_name)).max();
-    let since = alerts.iter().filter_map(|alert| alert.since.as_deref()).min();
+    // As the fleet says it: of what is beyond a specification where something is.
+    let is_beyond = |alert: &AlertBody| {
+        alert.status.as_deref().and_then(Status::from_name).is_some_and(|status| BEYOND.contains(&status))
+    };
+    let has_worse = alerts.iter().any(is_beyond);
+    let of_worst = alerts.iter().filter(|alert| !has_worse || is_beyond(alert));
+    let since = of_worst.filter_map(|alert| alert.since.as_deref()).min();
     let of_limit = |alert: &AlertBody| {
         alert.finding.value.filter(|_| alert.rule != Rule::Overdue.name()).map(|v| v.abs() / alert.finding.limit)
     };

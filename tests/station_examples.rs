@@ -52,7 +52,7 @@ async fn python_and_curl_send_templates_twice_and_hear_of_faults() {
     let (sent, said) = run(python("wrong.json"), &server);
     assert!(!sent && said.contains("refused:") && said.contains("/gyros/0/g_pulse_per_s_g0"), "{said}");
     let (sent, said) = run(curl("wrong.json", "records", "application/json"), &server);
-    assert!(!sent && said.contains("refused (422)") || said.contains("refused (400)"), "{said}");
+    assert!(!sent && (said.contains("refused (422)") || said.contains("refused (400)")), "{said}");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -74,16 +74,16 @@ async fn a_wrong_campaign_is_revised_from_csv_and_voided_by_commands() {
     let (stored, said) = command(&["import", "right.csv"]);
     assert!(!stored && said.contains("gyrowatch revise"), "{said}");
     let who = ["--author", "Li Wei", "--reason", "operator was missing"];
-    let (revised, said) = command(&[&["revise", "right.csv"], &who[..]].concat());
+    let (revised, said) = command(&[&["revise", "right.csv"][..], &who[..]].concat());
     assert!(revised && said.contains("stands in the place of"), "{said}");
     let id = said.trim().rsplit(' ').next().unwrap().to_owned();
     let answer: Value = server.get(&format!("/v1/campaigns/{id}")).await.json();
     assert_eq!((&answer["campaign"]["operator"], &answer["state"]), (&"Li Wei".into(), &"valid".into()));
-    let (voided, said) = command(&[&["void", &id], &who[..]].concat());
+    let (voided, said) = command(&[&["void", id.as_str()][..], &who[..]].concat());
     assert!(voided && said.contains("is voided"), "{said}");
     let answer: Value = server.get(&format!("/v1/campaigns/{id}")).await.json();
     assert_eq!(answer["state"], "voided");
-    let (voided, said) = command(&[&["void", "r999"], &who[..]].concat());
+    let (voided, said) = command(&[&["void", "r999"][..], &who[..]].concat());
     assert!(!voided && said.contains("404"), "{said}");
 }
 

@@ -152,7 +152,7 @@ async fn an_engineer_finds_a_gyro_zooms_switches_the_method_and_exports() {
     browser.wait("document.querySelector('.tabs [aria-current]') && location.search.includes('published')").await;
     browser.wait("document.querySelectorAll('.tabs [aria-current]')[1].textContent.includes('published')").await;
     browser.click(".tabs a[href*=bench]").await;
-    browser.wait("document.querySelector('.legend').innerText.includes('turntable servo')").await;
+    browser.wait("document.querySelectorAll('.tabs [aria-current]')[1].textContent == 'bench'").await;
     assert_eq!(browser.eval("document.querySelectorAll('#history .record').length").await, 0);
     assert_eq!(
         browser.eval("document.querySelectorAll('#history .bench0, #history .bench1').length").await,
@@ -554,7 +554,7 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
         .map((e) => 'campaign=' + e.value).join('&')";
     let compared = browser.eval(chosen).await.as_str().unwrap().to_owned();
     browser.goto("/gyros/LFG-0004").await;
-    let link = |start: &str| format!("document.querySelector(\"a[href^='{start}']\").pathname");
+    let link = |start: &str| format!("document.querySelector(\"td a[href^='{start}']\").pathname");
     let record = browser.eval(&link("/records/")).await;
     let acknowledge = browser.eval(&link("/alerts/")).await;
     let alert = acknowledge.as_str().unwrap().trim_end_matches("/acknowledge").to_owned();

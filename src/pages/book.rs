@@ -36,7 +36,7 @@ sources! {
     "how-to/install" "how-to/nginx" "how-to/postgresql" "how-to/monitoring" "how-to/hooks" "how-to/backup"
     "how-to/new-station" "how-to/repaired-gyro" "how-to/extend"
     "commands" "api" "formats" "configuration" "judging" "alerts" "findings" "pages" "operations" "routes"
-    "integrations"
+    "integrations" "stations" "model"
     "method" "limits" "fit" "diagnosis" "histories" "simulation" "architecture" "decisions" "performance" "reliability"
     "glossary" "troubleshooting"
     "zh/first-alert" "zh/own-csv" "zh/adopt-predict-compare" "zh/glossary"

@@ -51,11 +51,10 @@ pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Res
                 (gyro_head::loads(t, &facts.stands(view.judged)))
                 (conclusion(t, &facts))
                 (plots.of(&[0, 1]))
-                (plots.signs(t))
-                (limits(t, &facts.course.limits))
-                (hashes(t, &rested_on))
+                div.beside { (limits(t, &facts.course.limits)) (hashes(t, &rested_on)) }
                 (boxes(t))
             }
+            (plots.signs(t))
             section { h2 { (t.verdicts) } (verdicts::table(viewer, &facts.verdicts, &facts.alerts, None)) }
             section { h2 { (symbol("D_O")) ": " (t.meaning_d_o) } (plots.of(&[2])) }
             (before_after::section(viewer, &facts.course, view.judged))
@@ -141,7 +140,7 @@ fn limits(t: &Text, limits: &Limits) -> Markup {
         [of(&limits.d_i), of(&limits.d_s), limits.closure.filter(|_| rule == Rule::Closure)]
     };
     let rules = Rule::ALL.into_iter().map(|rule| (rule, of_rule(rule)));
-    html! {
+    html! { div {
         table.small {
             thead { tr {
                 th { (t.limits_in_force) } @for name in DRIFTS { th.n { (symbol(name)) } } th { (t.set_by) }
@@ -164,7 +163,7 @@ fn limits(t: &Text, limits: &Limits) -> Markup {
             }
         }
         p.note { (t.unit) " · " (t.confidence_word) " " (figure::percent(limits.confidence)) }
-    }
+    } }
 }
 
 /// To be ticked and signed by hand.

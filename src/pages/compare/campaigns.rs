@@ -24,7 +24,8 @@ type Found = Option<Vec<(String, Vec<String>)>>;
 
 pub(super) async fn page(pages: &Pages, viewer: &Viewer, ids: [&str; 2]) -> Result<Page, Problem> {
     let t = viewer.text();
-    let both = [stored_campaign(pages, ids[0]).await?, stored_campaign(pages, ids[1]).await?];
+    let mut both = [stored_campaign(pages, ids[0]).await?, stored_campaign(pages, ids[1]).await?];
+    both.sort_by_key(|stored| stored.item.calibrated_at);
     let found = [found(pages, &both[0]).await?, found(pages, &both[1]).await?];
     let pairs = pairs(&both);
     let body = html! {

@@ -1,4 +1,5 @@
-//! `dwells`: raw logs of every layout that the maps in `examples/maps` describe, made here, and what is wrong with logs.
+//! `dwells`: raw logs of every layout that the maps in `examples/maps` describe, made here, and what is wrong with
+//! logs.
 
 use std::fmt::Write;
 use std::fs;

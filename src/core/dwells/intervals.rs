@@ -76,7 +76,8 @@ const AT_AN_END: std::ops::Range<f64> = 0.7..1.4;
 /// interval, differ by more than seven standard deviations of such differences in any channel. The noise is a quantile
 /// of these differences, then the median of those that are no motion. Gyros that turn are noisier than those at rest:
 /// what exceeds the log's noise must also exceed that of the blocks around, averaged down as white noise is. Noise
-/// averages, motion adds up: what is taken for noise must not grow with the window. What is left are intervals; short disturbances between equal means are cut out, slow
+/// averages, motion adds up: what is taken for noise must not grow with the window. What is left are intervals; short
+/// disturbances between equal means are cut out, slow
 /// motion is left out. The blocks of disturbances are taken out of the series, so that no mean has them.
 pub fn find(series: &mut Series, watched: &[usize], search: &Search) -> Found {
     let min_s = search.min_s.unwrap_or_else(|| LEAST_S.max(LEAST_BLOCKS * series.block_s));

@@ -81,8 +81,8 @@ impl Noise {
     /// Fits the octaves of all dwells of one channel.
     ///
     /// Each octave's variance is a mean of squares of normal values, so the likelihood is that of a chi-squared
-    /// variance; the parts stay positive (multiplicative steps, which never lower it). Quantisation and walk are taken in
-    /// only where the likelihood asks for them: of few dwells the long octaves are mere chance.
+    /// variance; the parts stay positive (multiplicative steps, which never lower it). Quantisation and walk are taken
+    /// in only where the likelihood asks for them: of few dwells the long octaves are mere chance.
     pub fn fit(octaves: &[Octave]) -> Self {
         let longest = octaves.iter().map(|o| o.tau_s).fold(0.0, f64::max);
         let least = longest / 2f64.powi(OCTAVES as i32);

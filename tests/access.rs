@@ -18,7 +18,10 @@ const OPEN: [&str; 7] = [
     "GET /preference",
     "GET /assets/{name}",
 ];
-const ENGINEERS: [&str; 44] = [
+const ENGINEERS: [&str; 47] = [
+    "GET /alerts/bulk",
+    "POST /alerts/bulk",
+    "GET /setup",
     "POST /v1/diagnoses",
     "DELETE /v1/diagnoses/{id}",
     "POST /diagnoses",

@@ -84,7 +84,7 @@ fn the_next_campaign_is_as_foretold_also_three_kelvin_warmer_and_d_i_makes_no_st
         let (first, next) = (campaign(seed, 1, NOMINAL_C, 1.0), campaign(1000 + seed, 2, NOMINAL_C + 3.0, 1.0));
         let chosen = named(&[&first], None).unwrap();
         let effects: Vec<Effect> = chosen.model.effects.iter().map(|known| known.adopted.effect).collect();
-        assert_eq!(effects, [Effect::TemperatureG]);
+        assert_eq!(effects, [Effect::TemperatureG], "seed {seed}");
         let model = identify(&[sample(&first)], &chosen.model).unwrap();
         let found = compare(&model, &next).unwrap();
         squares += found.rms_over_sd.powi(2) * found.count as f64;
@@ -138,7 +138,8 @@ fn a_coefficient_that_has_tripled_is_said_with_what_it_does_to_d_i() {
     let mean = |c: &Campaign| c.dwells.iter().map(|d| d.temperature_c.unwrap()).sum::<f64>() / c.dwells.len() as f64;
     let expected = -2.0 * K[0] * (mean(&next) - mean(&first));
     assert!((d_i.shift - expected).abs() < 4.0 * d_i.sd, "{d_i:?} is not {expected}");
-    assert!(compare(&model, &next).unwrap().p_value < 1e-3, "outside its forecast");
+    let told = compare(&model, &next).unwrap();
+    assert!(told.p_value < 1e-3, "outside its forecast: {} {}", told.p_value, told.rms_over_sd);
 }
 
 #[test]

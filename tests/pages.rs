@@ -484,7 +484,7 @@ async fn a_preview_compares_with_the_last_values_and_is_not_green_for_what_is_ha
         server.call("POST", "/import/preview", &[("content-type", "text/plain")], form).await.text()
     };
     let good = preview(&record("IMU-A", "ST-1", "GYRO", 35, [1.0012, 2.0])).await;
-    for there in ["article class=\"sound\"", "Monday.json", "1.000040", "2026-02-01", "+11.6", "badge in_tolerance"] {
+    for there in ["article class=\"sound\"", "Monday.json", "1.000040", "2026-02-01", ">+12<", "badge in_tolerance"] {
         assert!(good.contains(there), "{there} is not in {good}");
     }
     assert!(!good.contains("Check before storing"), "{good}");

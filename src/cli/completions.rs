@@ -5,10 +5,10 @@ use std::io;
 use std::path::PathBuf;
 
 use anyhow::Context;
-use clap::{Args, Command, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 
-use super::{Cli, document};
+use super::document;
 
 /// Print what completes commands and options in a shell
 ///
@@ -20,9 +20,10 @@ pub struct Completions {
 }
 
 impl Completions {
-    pub fn run(self) -> anyhow::Result<()> {
+    /// `command`: the whole command line.
+    pub fn run(self, mut command: Command) -> anyhow::Result<()> {
         let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut Cli::command(), "gyrowatch", &mut script);
+        clap_complete::generate(self.shell, &mut command, "gyrowatch", &mut script);
         document::print(String::from_utf8(script)?.trim_end())
     }
 }
@@ -35,13 +36,14 @@ pub struct Man {
 }
 
 impl Man {
-    pub fn run(self) -> anyhow::Result<()> {
+    /// `command`: the whole command line.
+    pub fn run(self, command: Command) -> anyhow::Result<()> {
         let Some(directory) = self.directory else {
-            return document::print(String::from_utf8(page(Cli::command())?)?.trim_end());
+            return document::print(String::from_utf8(page(command)?)?.trim_end());
         };
         fs::create_dir_all(&directory).with_context(|| format!("cannot make {}", directory.display()))?;
         // The version stands on the first page.
-        let command = Cli::command().disable_help_subcommand(true);
+        let command = command.disable_help_subcommand(true);
         for (name, command) in pages("gyrowatch".to_owned(), command) {
             let file = directory.join(format!("{name}.1"));
             fs::write(&file, page(command)?).with_context(|| format!("cannot write {}", file.display()))?;

@@ -47,7 +47,7 @@ use std::error::Error;
 use std::io;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::core::diagnose::NoReference;
 use crate::core::effects::Refusal;
@@ -126,8 +126,8 @@ impl Command {
             Self::Config(show) => show.run(),
             Self::Codes(codes) => codes.run(),
             Self::Healthcheck(healthcheck) => healthcheck.run(),
-            Self::Completions(completions) => completions.run(),
-            Self::Man(man) => man.run(),
+            Self::Completions(completions) => completions.run(Cli::command()),
+            Self::Man(man) => man.run(Cli::command()),
         }
     }
 }

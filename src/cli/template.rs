@@ -9,7 +9,7 @@ use rust_xlsxwriter::{Format, Workbook};
 use super::{Usage, document};
 use crate::core::campaign::Campaign;
 use crate::simulate::presets::preset;
-use crate::simulate::simulate;
+use crate::simulate::{Scenario, simulate};
 use crate::wire::campaign::to_json;
 use crate::wire::campaign_csv::to_csv;
 
@@ -120,6 +120,8 @@ impl Template {
 /// A simulated campaign of the usual programme, always the same.
 fn example() -> Campaign {
     let scenario = preset("24-position").expect("the preset is one of the list");
+    // Beside the record's example and not in its place.
+    let scenario = Scenario { imu: "IMU-08".to_owned(), measured_at: "2026-03-02T08:00:00Z".to_owned(), ..scenario };
     simulate(&scenario).expect("the preset's scenario is sound").campaign
 }
 

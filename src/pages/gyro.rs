@@ -18,7 +18,7 @@ use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::{State, Status};
 use crate::core::time::UtcMicros;
-use crate::pages::gyro_head::{self, LONGEST_RUN};
+use crate::pages::gyro_head;
 use crate::pages::history;
 use crate::pages::history_plot::{self, Epochs, Seen};
 use crate::pages::status;
@@ -27,6 +27,9 @@ use crate::pipeline::{Comparison, Course, ExplainedHistory, Names, Standing, Sta
 use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;
 use crate::wire::problem::Problem;
+
+/// Records of a run that are told from what is only drifting; an older one began before.
+const LONGEST_RUN: usize = 400;
 
 /// Calibrations in one table, on the page and in a report.
 const ROWS: usize = 30;

@@ -19,8 +19,6 @@ use crate::core::time::UtcMicros;
 use crate::pages::status;
 use crate::pipeline::{EventItem, ExplainedHistory, Names, sample_of};
 
-/// Records of a run that are told from what is only drifting; an older one began before.
-pub(super) const LONGEST_RUN: usize = 400;
 /// Causes of one coefficient's change in the head; all of them are on the page of the diagnosis.
 const MOST_CAUSES: usize = 3;
 
@@ -50,8 +48,7 @@ impl Facts {
         let sample = sample_of(newest, judged);
         let stand = |column: usize| {
             let seen = self.verdicts.iter().filter_map(|said| said.seen.as_ref());
-            let of_verdict =
-                seen.filter(|verdict| verdict.coefficient.name() == DRIFTS[column]).find_map(Verdict::load);
+            let of_verdict = seen.filter(|verdict| verdict.coefficient.name() == DRIFTS[column]).find_map(Load::of);
             Stand {
                 column,
                 measured: sample.d[column],

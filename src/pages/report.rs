@@ -106,7 +106,7 @@ async fn rested_on(pages: &Pages, facts: &Facts) -> Result<Vec<RestedOn>, Proble
 fn hashes(t: &Text, rested_on: &[RestedOn]) -> Markup {
     html! {
         @if !rested_on.is_empty() {
-            table.small {
+            div.scroll tabindex="0" { table.small {
                 thead { tr { th { (t.records_judged) } th { (t.calibrated) } th { (t.identifier) } th { "SHA-256" } } }
                 tbody { @for one in rested_on {
                     tr {
@@ -114,7 +114,7 @@ fn hashes(t: &Text, rested_on: &[RestedOn]) -> Markup {
                         td { a href={ "/records/" (one.id) } { code { (one.id) } } } td { code { (one.sha256) } }
                     }
                 } }
-            }
+            } }
         }
     }
 }
@@ -141,7 +141,7 @@ fn limits(t: &Text, limits: &Limits) -> Markup {
     };
     let rules = Rule::ALL.into_iter().map(|rule| (rule, of_rule(rule)));
     html! { div {
-        table.small {
+        div.scroll tabindex="0" { table.small {
             thead { tr {
                 th { (t.limits_in_force) } @for name in DRIFTS { th.n { (symbol(name)) } } th { (t.set_by) }
             } }
@@ -161,7 +161,7 @@ fn limits(t: &Text, limits: &Limits) -> Markup {
                     }
                 }
             }
-        }
+        } }
         p.note { (t.unit) " · " (t.confidence_word) " " (figure::percent(limits.confidence)) }
     } }
 }

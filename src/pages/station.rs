@@ -26,7 +26,7 @@ async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Probl
         p.lead {
             (t.last_seen) " " (instant(figures.last)) " · " (figures.records) " " (t.calibrations_seen)
             " · " (figures.gyros) " " (t.gyros) " · " (figures.imus) " " (t.imu)
-            " · " a href={ "/?station=" (encoded(name)) } { (t.gyros) }
+            " · " a href={ "/fleet?station=" (encoded(name)) } { (t.gyros) }
             " · " a href={ "/v1/stations/" (encoded(name)) } { "JSON" }
         }
         p.note { (t.station_figures_note) " " (t.unit) }

@@ -39,7 +39,7 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
 fn line(t: &Text, station: &StationEffect) -> Markup {
     html! {
         tr {
-            th scope="row" { a href={ "/stations/" (encoded(&station.name)) } { (station.name) } " · " a href={ "/?station=" (encoded(&station.name)) } { (t.gyros) } }
+            th scope="row" { a href={ "/stations/" (encoded(&station.name)) } { (station.name) } " · " a href={ "/fleet?station=" (encoded(&station.name)) } { (t.gyros) } }
             td data-label=(t.last_seen) { (instant(station.last)) }
             td.n data-label=(t.calibrations_seen) { (station.records) }
             @for (scatter, name) in station.scatter.into_iter().zip(DRIFTS) { td.n data-label={ (t.scatter) " " (name) } { @if let Some(scatter) = scatter { (figure::fixed(scatter, 6)) } @else { "–" } } }

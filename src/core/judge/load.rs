@@ -25,16 +25,14 @@ impl Load {
     pub fn sd(&self) -> Option<f64> {
         self.deviation.sd.map(|sd| sd / self.budget)
     }
-}
 
-impl Verdict {
     /// Of the rules that hold a record against its level (`baseline`, `closure`); none while the level is being made.
-    pub fn load(&self) -> Option<Load> {
-        let (Finding::Baseline { level, now, .. } | Finding::Closure { level, now, .. }) = self.finding else {
+    pub fn of(verdict: &Verdict) -> Option<Self> {
+        let (Finding::Baseline { level, now, .. } | Finding::Closure { level, now, .. }) = verdict.finding else {
             return None;
         };
-        let deviation = Measured { value: now - level, sd: self.sd };
-        (self.value.is_some() && self.limit > 0.0).then_some(Load { deviation, level, budget: self.limit })
+        let deviation = Measured { value: now - level, sd: verdict.sd };
+        (verdict.value.is_some() && verdict.limit > 0.0).then_some(Self { deviation, level, budget: verdict.limit })
     }
 }
 
@@ -58,14 +56,14 @@ mod tests {
             confirmed: true,
             finding,
         };
-        let load = verdict.load().unwrap();
+        let load = Load::of(&verdict).unwrap();
         assert!((load.share() - 2.51).abs() < 1e-9 && (load.sd().unwrap() - 0.07).abs() < 1e-12, "{load:?}");
         let below = Finding::Closure { level: 0.5, since: None, moved: false, now: 0.495, d_s: None };
-        let load = Verdict { finding: below, sd: None, ..verdict }.load().unwrap();
+        let load = Load::of(&Verdict { finding: below, sd: None, ..verdict }).unwrap();
         assert!((load.share() + 0.5).abs() < 1e-9 && load.sd().is_none(), "{load:?}");
-        assert_eq!(Verdict { value: None, ..verdict }.load(), None, "the level is being made");
-        assert_eq!(Verdict { limit: 0.0, ..verdict }.load(), None, "nothing is a share of no budget");
+        assert_eq!(Load::of(&Verdict { value: None, ..verdict }), None, "the level is being made");
+        assert_eq!(Load::of(&Verdict { limit: 0.0, ..verdict }), None, "nothing is a share of no budget");
         let step = Finding::Step { level: 1.0, now: 2.0 };
-        assert_eq!(Verdict { finding: step, ..verdict }.load(), None, "a step is no deviation from the level");
+        assert_eq!(Load::of(&Verdict { finding: step, ..verdict }), None, "a step is no deviation from the level");
     }
 }

@@ -8,7 +8,6 @@ use super::entries::fleet_histories;
 use super::record::Records;
 use super::standing::{Standing, StoredFacts, of_rank, rank};
 use super::stations::{StationEffect, station_effects};
-use super::today::{Today, today};
 use crate::config::Config;
 use crate::core::changes::{self, FleetStations};
 use crate::core::figures::Figures;
@@ -209,15 +208,6 @@ impl Fleet {
             Some((tables.imus.name(imu)?.to_string(), gyros))
         });
         Ok(WallPage { imus: named.collect(), found, number: number.min(last), last })
-    }
-
-    /// What has become worse since an instant, what soon will, what is due, and where several gyros moved at once; of
-    /// each as many as `most`.
-    ///
-    /// # Errors
-    /// [`StorageError`].
-    pub async fn today(&self, since: UtcMicros, most: usize) -> Result<Today, StorageError> {
-        today(self, since, most).await
     }
 
     /// None where nothing can be found, for a name is unknown.

@@ -5,6 +5,9 @@ mod support;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use gyrowatch::core::time::UtcMicros;
+use gyrowatch::system::Clock;
+use gyrowatch::wire::time;
 use serde_json::{Value, json};
 use support::{Server, paper_record};
 use tokio::io::{AsyncBufReadExt, AsyncWriteExt, BufReader};
@@ -100,11 +103,10 @@ async fn with(mail: &MailServer) -> Server {
 
 /// Campaigns of this month; D_I of one gyro is far off in the last two.
 async fn violates(server: &Server) {
-    let now = jiff::Timestamp::now();
+    let now = Clock::System.now();
     for number in 0..8_i64 {
         let mut record = paper_record(0, 0);
-        record["calibrated_at"] =
-            now.checked_sub(jiff::Span::new().hours(72 * (8 - number))).unwrap().to_string().into();
+        record["calibrated_at"] = time::format(UtcMicros(now.0 - (8 - number) * 72 * 3_600_000_000)).into();
         let g = &mut record["gyros"][0]["g_pulse_per_s_g0"][0];
         let factor = if number > 5 { 1.5 } else { 1.0 + 1e-7 * number as f64 };
         *g = Value::from(g.as_f64().unwrap() * factor);

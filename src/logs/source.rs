@@ -90,11 +90,11 @@ impl Source {
             Self::Text(log) => log.rows(wanted, each),
             Self::Whole { values, first_line, .. } => {
                 let mut row = vec![0.0; wanted.len()];
-                for k in 0..values.first().map_or(0, Vec::len) {
+                let rows = values.first().map_or(0, Vec::len);
+                for (k, line) in (*first_line..).take(rows).enumerate() {
                     for (cell, &column) in row.iter_mut().zip(wanted) {
                         *cell = values[column][k];
                     }
-                    let line = *first_line + k as u64;
                     each(Sample { line, values: &row }).map_err(|fault| {
                         LogError::new(place, message!("at_line", line = line as usize, fault = fault))
                     })?;
@@ -159,7 +159,7 @@ fn of_workbook(path: &Path) -> Result<(Vec<Named>, u64), Message> {
             let numbers = numbers(row);
             numbers > 0 && 2 * numbers >= filled
         };
-        let Some(first) = rows.iter().position(|row| is_row(&row)) else { continue };
+        let Some(first) = rows.iter().position(is_row) else { continue };
         let width = rows[first].len();
         let heads: Vec<Vec<String>> =
             rows[..first].iter().map(|row| row.iter().map(ToString::to_string).collect()).collect();

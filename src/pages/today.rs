@@ -15,7 +15,7 @@ use crate::core::access::Role;
 use crate::core::judge::{Coefficient, Measured, Status};
 use crate::core::time::UtcMicros;
 use crate::pages::status as badges;
-use crate::pipeline::{DueImu, FirstOf, FleetFilter, Names, Standing, Today};
+use crate::pipeline::{DueImu, FirstOf, FleetFilter, Names, Standing, Today, today};
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
@@ -49,7 +49,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
         said => time::parse_start(said).map_err(|fault| bad_parameter("since", fault))?,
     };
     let queries = &pages.pipeline.queries;
-    let today = queries.fleet.today(since, LINES).await?;
+    let today = today(&queries.fleet, since, LINES).await?;
     let counted = queries.fleet.page(&FleetFilter::default(), 0, 1).await?;
     let names = queries.names();
     let body = html! {

@@ -62,7 +62,7 @@ pub use queries::{
     EventItem, ExplainedHistory, FirstOf, Fleet, FleetFilter, FleetPage, Forecast, Foreseen, Histories, ItemStatus,
     ListFilter, ListedImu, ListedRecord, Names, Queries, RecentValues, RecordItem, RecordSummary, Records, Seats,
     Standing, StandingFilter, StationEffect, StationShift, Statuses, StoredCampaign, StoredRecord, Tested, Today,
-    Verified, Violation, WallPage, sample_of,
+    Verified, Violation, WallPage, sample_of, today,
 };
 
 /// The rooms: each with its own types and errors. Cheap to clone.

@@ -65,7 +65,7 @@ struct Folder {
 /// JSON says itself where it ends.
 fn usual_settle(name: &OsStr) -> Duration {
     let ends = |ending: &&str| name.to_string_lossy().to_lowercase().ends_with(*ending);
-    if [".json", ".ndjson", ".jsonl"].iter().any(|e| ends(e)) { SETTLE } else { SETTLE_TABLE }
+    if [".json", ".ndjson", ".jsonl"].iter().any(ends) { SETTLE } else { SETTLE_TABLE }
 }
 
 struct Waiting {

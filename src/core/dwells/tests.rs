@@ -172,7 +172,7 @@ fn the_noise_of_known_parts_is_found_again() {
     let pooled = |h: f64| {
         let mut all = Vec::new();
         for seed in 0..60 {
-            let mut source = Source::new(100 + seed, step, 7200.0, (1.0 / step as f64).sqrt(), h);
+            let mut source = Source::new(100 + seed, step, 7200.0, (1.0 / step).sqrt(), h);
             let values: Vec<f64> = (0..2000).map(|_| source.next()).collect();
             all.extend(octaves(&values, step));
         }

@@ -36,7 +36,7 @@ pub use record::{ListFilter, Records, StoredCampaign, StoredRecord};
 pub use standing::{Standing, Violation};
 pub use stations::StationEffect;
 pub use status::Statuses;
-pub use today::{DUE_DAYS, DueImu, FirstOf, StationShift, Today};
+pub use today::{DUE_DAYS, DueImu, FirstOf, StationShift, Today, today};
 pub use verify::Verified;
 
 /// What is stored, as it is asked for. Cheap to clone.

@@ -85,18 +85,12 @@ pub struct MovedImu {
     pub least: f64,
 }
 
-impl Fleet {
-    /// What has become worse since an instant, what soon will, what is due, and where several gyros moved at once; of
-    /// each as many as `most`.
-    ///
-    /// # Errors
-    /// [`StorageError`].
-    pub async fn today(&self, since: UtcMicros, most: usize) -> Result<Today, StorageError> {
-        today(self, since, most).await
-    }
-}
-
-async fn today(fleet: &Fleet, since: UtcMicros, most: usize) -> Result<Today, StorageError> {
+/// What has become worse since an instant, what soon will, what is due, and where several gyros moved at once; of
+/// each as many as `most`.
+///
+/// # Errors
+/// [`StorageError`].
+pub async fn today(fleet: &Fleet, since: UtcMicros, most: usize) -> Result<Today, StorageError> {
     let (store, now) = (&fleet.store, fleet.clock.now());
     let worse = store::head::changed(store, since, most).await?;
     let approaching = store::head::approaching(store, now, most).await?;

@@ -1,8 +1,8 @@
 //! The model of the very IMU: all its coefficients with their joint covariance, and what it says of campaigns to come.
 //!
 //! Reading order: [`identified`] (what the model is), [`effects`] (which effects it holds), [`fit`] (from campaigns to
-//! it), [`programme`] (what a campaign asks of it), [`forecast`] (what it foretells), [`comparison`] (how far that came
-//! true, and how much of the error the adopted effects take away), [`changed`] (coefficients that are others now),
+//! it), [`programme`] (what a campaign asks of it), [`mod@forecast`] (what it foretells), [`comparison`] (how far that came
+//! true, and how much of the error the adopted effects take away), [`mod@changed`] (coefficients that are others now),
 //! [`draw`] (one IMU of all that the model allows).
 
 mod changed;

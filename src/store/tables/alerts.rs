@@ -178,7 +178,7 @@ const STANDING: &str = "CASE WHEN alert.status = 'resolved' THEN 'resolved'
                              WHEN alert.acknowledged_at IS NOT NULL THEN 'acknowledged'
                              ELSE 'firing' END";
 
-/// What a filter lets through: seven parameters, see [`bound`].
+/// What a filter lets through: seven parameters, see the macro `bound`.
 fn conditions(store: &Store) -> String {
     let imu =
         store.readers.words(Sql { sqlite: "alert.finding->>'imu'", postgres: "CAST(alert.finding AS JSONB)->>'imu'" });

@@ -11,8 +11,7 @@ use bytes::Bytes;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::de::DeserializeOwned;
 
-use super::client::{JSON, Sent, Service, Trouble};
-use super::common::service_address;
+use super::client::{Connection, JSON, Sent, Service, Trouble};
 use super::document::{self, Format, table};
 use crate::wire::diagnoses::{CoverageBody, DoubtBody, FindingBody, JobDetailBody, SummaryBody, WhichBody};
 
@@ -47,19 +46,14 @@ pub struct Fleet {
     #[arg(long, conflicts_with = "campaign")]
     again: bool,
 
-    /// Address of the service
-    #[arg(long, env = "GYROWATCH_URL", default_value_t = service_address())]
-    url: String,
-
-    /// Access token, where the service asks for one
-    #[arg(long, env = "GYROWATCH_TOKEN", hide_env_values = true)]
-    token: Option<String>,
+    #[command(flatten)]
+    connection: Connection,
 }
 
 impl Fleet {
     /// The service that is asked.
     pub fn service(&self) -> anyhow::Result<Service> {
-        Service::at(&self.url, self.token.clone())
+        self.connection.service()
     }
 
     fn which(&self) -> WhichBody {

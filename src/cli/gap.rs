@@ -6,7 +6,7 @@ use anyhow::Context;
 use clap::Args;
 use serde::Serialize;
 
-use super::client::Service;
+use super::client::Connection;
 use super::document::{self, Format, table};
 use super::predict::{identified, measured};
 use super::{Usage, block_on};
@@ -27,13 +27,8 @@ pub struct Gap {
     /// Campaigns that the model was not fitted to, in JSON or CSV
     campaigns: Vec<PathBuf>,
 
-    /// Address of the service
-    #[arg(long, env = "GYROWATCH_LISTEN", default_value = "127.0.0.1:8080")]
-    url: String,
-
-    /// Access token, where the service asks for one
-    #[arg(long, env = "GYROWATCH_TOKEN", hide_env_values = true)]
-    token: Option<String>,
+    #[command(flatten)]
+    connection: Connection,
 
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -67,7 +62,7 @@ impl Gap {
         }
         let imu = self.model.to_string_lossy().into_owned();
         let name = url::form_urlencoded::byte_serialize(imu.as_bytes()).collect::<String>().replace('+', "%20");
-        let service = Service::at(&self.url, self.token.clone())?;
+        let service = self.connection.service()?;
         let answer = block_on(async { service.get(&format!("/v1/imus/{name}/forecast")).await })?;
         let series: ForecastSeriesBody =
             serde_json::from_value(answer).context("the answer is not one of gyrowatch")?;

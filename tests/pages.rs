@@ -884,7 +884,16 @@ async fn a_hook_is_set_up_tried_switched_off_and_deleted_on_its_pages() {
             && wrong.text().contains("Address: must begin with http")
             && wrong.text().contains("/filter/rules/0")
     );
+    let wrong =
+        sends_form(&server, "/hooks/new", &[fields[0], fields[1], fields[2], meant, ("expect", "errcode")]).await;
+    assert!(wrong.status == 422 && wrong.text().contains("errcode = 0"), "{}", wrong.text());
     assert!(page(&server, "/hooks", &[]).await.contains("No hook is set up"));
+    let robot = [("batch", "true"), ("expect", "errcode = 0, result=ok")];
+    let robot = [("name", "robot"), fields[1], fields[2], meant, robot[0], robot[1]];
+    assert_eq!(sends_form(&server, "/hooks/new", &robot).await.status, 201);
+    let robot = server.get("/v1/hooks").await.json()["hooks"][0].clone();
+    assert_eq!((&robot["batch"], &robot["expect"]), (&json!(true), &json!({"json": {"errcode": 0, "result": "ok"}})));
+    goes_on_at(&sends_form(&server, &format!("/hooks/{}/delete", robot["id"].as_str().unwrap()), &[meant]).await);
 
     let set_up = sends_form(&server, "/hooks/new", &fields).await;
     assert!(set_up.status == 201 && set_up.text().contains("whsec_"), "{}", set_up.text());

@@ -123,6 +123,7 @@ fn field(t: &Text, pointer: &str) -> Markup {
         "/name" => t.hook_name,
         "/kind" => t.kind,
         "/url" => t.hook_url,
+        "/expect" => t.hook_expect,
         "/secret" => t.hook_secret_word,
         "/authorization" => t.hook_authorization,
         _ => return html! { code { (pointer) } },

@@ -453,6 +453,8 @@ catalogue! {
     hook_rules: "Rules, separated by commas (all, if empty)", "规则，以逗号分隔（留空为全部）";
     hook_gyros: "Gyros, separated by commas (all, if empty)", "陀螺编号，以逗号分隔（留空为全部）";
     hook_severity: "Least severity", "最低级别";
+    hook_batch: "One message per record, with all its alerts", "每条记录一条消息，含其全部告警";
+    hook_expect: "A successful answer holds (for chat robots)", "成功的应答须含（用于聊天机器人）";
     hook_set_up: "The hook is set up.", "目标已设置。";
     enabled: "enabled", "启用";
     disabled: "disabled", "停用";

@@ -111,6 +111,7 @@ until_before_since = must not be before `since`
 ## Hooks
 
 expected_members = must have 1 to { $most } members, for example {"{"}"errcode": 0{"}"}
+expected_pair = a member and its value, for example `errcode = 0`; given was `{ $given }`
 too_many_entries = must have at most { $most } entries, has { $have }
 unknown_severity = must be `warning` or `critical`
 secret_is_drawn = generates a secret, so `secret` must be left out

@@ -111,6 +111,7 @@ until_before_since = 不应早于起始时间
 ## Hooks
 
 expected_members = 应有1至{ $most }个成员，如{"{"}"errcode": 0{"}"}
+expected_pair = 应为“成员 = 值”，如errcode = 0；所给为{ $given }
 too_many_entries = 最多{ $most }项，实有{ $have }项
 unknown_severity = 应为warning或critical
 secret_is_drawn = 由服务生成密钥，不能再给出secret

@@ -6,8 +6,9 @@
 //! * **Standard errors and repeats.** The spread of repeats (pure error) estimates the square of a factor f that is
 //!   common to all standard errors. Repeats are few, so what the station states counts too, as
 //!   [`PRIOR_DOF`] degrees of freedom in favour of f = 1: f^2 = (chi2 + PRIOR_DOF)/(dof + PRIOR_DOF). The repeats of
-//!   all gyros are pooled (one electronics, one procedure) unless one gyro scatters in a way of its own. Where the residuals
-//!   of the fit scatter no more than that (lack of fit is not significant), they join in, and f is known well.
+//!   all gyros are pooled (one electronics, one procedure) unless one gyro scatters in a way of its own; what is
+//!   stated of all does not count for that one. Where the residuals of the fit scatter no more than that (lack of fit
+//!   is not significant), they join in, and f is known well.
 //! * **Standard errors alone.** Taken at their word, unless the residuals exceed them beyond chance: then f^2 is
 //!   the reduced chi-square of all gyros (the Birge ratio), which covers what the model leaves out.
 //! * **No standard errors.** Weights are equal. The residuals give the scale, and how it goes with rate and duration
@@ -36,7 +37,7 @@ pub const PRIOR_DOF: f64 = 4.0;
 /// Largest relative scatter of standard errors that passes for their own uncertainty.
 pub const LARGEST_SCATTER: f64 = 0.25;
 
-/// Chance below which one gyro's repeats no longer pool with the others', residuals overrule standard errors, or
+/// Chance below which one gyro's repeats do not pool with the others', residuals overrule standard errors, or
 /// repeats overrule residuals. Small on purpose: a scale that is chosen because it came out small is too small.
 const BEYOND_CHANCE: f64 = 1e-3;
 

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::design;
-use super::memory::median;
+use super::law::median;
 use super::noise::{self, Noise};
 use super::noise_found::NoiseFound;
 use crate::core::campaign::{Campaign, CampaignNote};

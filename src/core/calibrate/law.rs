@@ -2,7 +2,6 @@
 
 use nalgebra::Vector3;
 
-use super::memory::median;
 use super::noise_found::LawFound;
 
 /// Prior probability that the noise goes as stated; the laws share the rest.
@@ -77,4 +76,14 @@ impl Law {
             Self::Time(growth) => LawFound::Time { times: growth.exp() },
         }
     }
+}
+
+/// The middle one, the upper of two.
+///
+/// # Panics
+/// Of none.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
 }

@@ -19,7 +19,7 @@ use std::ops::AddAssign;
 
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
-use super::law::{AS_STATED, Course, Law};
+use super::law::{AS_STATED, Course, Law, median};
 use super::noise::PRIOR_DOF;
 use crate::core::numerics::log_sum::LogSum;
 
@@ -311,12 +311,6 @@ pub(super) fn scaled(basis: &DMatrix<f64>, variances: &DVector<f64>) -> DMatrix<
         row *= *v;
     }
     basis.tr_mul(&scaled)
-}
-
-pub fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
 }
 
 #[cfg(test)]

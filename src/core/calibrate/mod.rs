@@ -17,6 +17,7 @@ pub mod law;
 pub mod memory;
 pub mod noise;
 pub mod noise_found;
+mod noise_report;
 pub mod outcome;
 mod regressor;
 mod shared_coefficients;
@@ -37,7 +38,6 @@ use gyro_fit::{GyroFit, SharedFactors, fit_gyro};
 use law::Course;
 use memory::Fitted;
 use noise::{Evidence, Noise};
-use noise_found::NoiseFound;
 
 /// Fits `terms` to every gyro of a campaign that passed [`Campaign::check`].
 ///
@@ -110,7 +110,7 @@ pub fn calibrate_referred(
         .zip(&campaign.gyros)
         .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, &shared))
         .collect();
-    let noise_found = NoiseFound::of(&found, &gyros);
+    let noise_found = noise_report::report(&found, &gyros);
     Calibration { terms, has_sem, repeats, growth, gyros, notes, noise_found }
 }
 

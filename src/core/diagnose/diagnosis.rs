@@ -41,6 +41,8 @@ pub struct Diagnosis {
     /// What the campaign was compared with: terms of model (6), and effects that the model holds already.
     pub terms: Terms,
     pub adopted: Vec<Adopted>,
+    /// Hypotheses of one's own that competed with the catalogue.
+    pub hypotheses: Vec<Effect>,
     pub verdict: Verdict,
     pub noise_floor: NoiseFloor,
     /// What model (6), or the terms and effects in use, leaves above the floor.

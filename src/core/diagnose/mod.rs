@@ -176,6 +176,7 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     Diagnosis {
         terms: frame.terms,
         adopted: frame.adopted.clone(),
+        hypotheses: frame.hypotheses.clone(),
         verdict,
         noise_floor,
         gap,

@@ -23,10 +23,10 @@ pub const LEVELLING: Entry = Entry {
     plausible: 0.2,
     confused_with: &[Effect::Azimuth, Effect::Magnetic],
     scope: Scope::Common,
-    names: |_| vec!["east", "north"],
-    missing: no_attitude,
-    shapes: |_| vec![(Shape::Tilt { with_rate: false }, 1.0), (Shape::Tilt { with_rate: true }, 1.0)],
-    columns: |s, j, shape| {
+    names: &|_| vec!["east", "north"],
+    missing: &no_attitude,
+    shapes: &|_| vec![(Shape::Tilt { with_rate: false }, 1.0), (Shape::Tilt { with_rate: true }, 1.0)],
+    columns: &|s, j, shape| {
         let with_rate = shape == Shape::Tilt { with_rate: true };
         vec![tilted(s, j, Vector3::x(), with_rate), tilted(s, j, Vector3::y(), with_rate)]
     },
@@ -44,9 +44,9 @@ pub const AZIMUTH: Entry = Entry {
     plausible: 0.5,
     confused_with: &[Effect::Levelling, Effect::Magnetic],
     scope: Scope::Common,
-    names: |_| vec!["up"],
-    missing: no_attitude,
-    columns: |s, j, _| vec![tilted(s, j, Vector3::z(), false)],
+    names: &|_| vec!["up"],
+    missing: &no_attitude,
+    columns: &|s, j, _| vec![tilted(s, j, Vector3::z(), false)],
     ..PLAIN
 };
 
@@ -59,10 +59,10 @@ pub const MAGNETIC: Entry = Entry {
     typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, magnetic sensitivity, per 0.5 gauss" },
     plausible: 1e3,
     confused_with: &[Effect::Azimuth, Effect::Levelling, Effect::Scale],
-    names: |_| vec!["k_x", "k_y", "k_z"],
-    missing: no_attitude,
-    shapes: field_directions,
-    columns: |s, _, shape| {
+    names: &|_| vec!["k_x", "k_y", "k_z"],
+    missing: &no_attitude,
+    shapes: &field_directions,
+    columns: &|s, _, shape| {
         let Shape::Azimuth(angle) = shape else { return Vec::new() };
         let field = Vector3::new(angle.sin(), angle.cos(), 0.0);
         let body = in_body(s, field);
@@ -82,10 +82,10 @@ pub const RELEVELLING: Entry = Entry {
     plausible: 0.2,
     confused_with: &[Effect::Levelling, Effect::Magnetic, Effect::Reseating],
     scope: Scope::Common,
-    names: |_| vec!["east", "north"],
-    missing: no_attitude,
-    shapes: |s| instants(s).map(|instant| (Shape::Instant(instant), 1.0)).collect(),
-    columns: |s, j, shape| {
+    names: &|_| vec!["east", "north"],
+    missing: &no_attitude,
+    shapes: &|s| instants(s).map(|instant| (Shape::Instant(instant), 1.0)).collect(),
+    columns: &|s, j, shape| {
         let columns = [Vector3::x(), Vector3::y()].map(|axis| tilted(s, j, axis, false));
         columns.into_iter().map(|column| afterwards(s, column, shape)).collect()
     },
@@ -107,13 +107,13 @@ pub const RESEATING: Entry = Entry {
     confused_with: &[Effect::Magnetic, Effect::Azimuth, Effect::Levelling],
     never_told_from: &[Effect::Magnetic],
     scope: Scope::Common,
-    names: |_| vec!["d_x", "d_y", "d_z"],
-    shapes: |s| {
+    names: &|_| vec!["d_x", "d_y", "d_z"],
+    shapes: &|s| {
         let between_phases = s.phase.contains(&Phase::Rate) && s.phase.contains(&Phase::Static);
         let while_turning = between_phases.then_some((Shape::Linear, 4.0));
         while_turning.into_iter().chain(instants(s).map(|instant| (Shape::Instant(instant), 1.0))).collect()
     },
-    columns: |s, j, shape| {
+    columns: &|s, j, shape| {
         let gyro = &s.gyros[j];
         let about = |axis: Vector3<f64>| {
             s.column(|k| gyro.g.dot(&axis.cross(&s.force[k])) + gyro.input.dot(&axis.cross(&s.rate[k])))

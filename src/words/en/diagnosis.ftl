@@ -95,6 +95,7 @@ needed_for_g_rate_coupling = each rate axis with its up-direction both ways
 needed_for_temperature_bias = a temperature column whose course differs from time's
 needed_for_temperature_g = a temperature column that varies within each orientation family
 needed_for_temperature_scale = a temperature column and rate dwells
+needed_for_ones_own = dwells in which its equation differs from what the model holds
 
 ## Signs that more remains
 
@@ -194,6 +195,7 @@ model_without_gyros = no gyro of the campaign is in the model
 model_fitted_to_campaign = the model was fitted to this campaign: that is no forecast
 effect_not_foretold = { $effect } is left out of the forecast: { $why }
 effect_of_other_station = { $effect } is left out of the forecast: it was found at another station
+effect_of_ones_own = { $words }
 gyro_exchanged_since = { $slot } was { $then } and is { $now }: left out of the forecast
 gyro_not_in_model = { $slot } ({ $serial }) is not in the model: left out of the forecast
 temperature_outside_model = outside the model: { $least } to { $most } °C; its campaigns have { $low } to { $high } °C

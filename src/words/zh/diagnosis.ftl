@@ -95,6 +95,7 @@ needed_for_g_rate_coupling = 每个转轴正、反朝上各一次
 needed_for_temperature_bias = 变化过程不同于时间的温度数据
 needed_for_temperature_g = 在每组同类姿态之内都有变化的温度数据
 needed_for_temperature_scale = 温度数据与速率测点
+needed_for_ones_own = 使其方程与模型已有各项不同的驻留段
 
 ## Signs that more remains
 
@@ -194,6 +195,7 @@ model_without_gyros = 本次试验的陀螺均不在模型中
 model_fitted_to_campaign = 模型即由本次试验拟合得到，不构成预报
 effect_not_foretold = { $effect }未计入预报：{ $why }
 effect_of_other_station = { $effect }未计入预报：该效应在另一测试站发现
+effect_of_ones_own = { $words }
 gyro_exchanged_since = { $slot }原为{ $then }，现为{ $now }：未计入预报
 gyro_not_in_model = { $slot }（{ $serial }）不在模型中：未计入预报
 temperature_outside_model = 超出模型范围：{ $least }至{ $most } °C；模型的试验为{ $low }至{ $high } °C

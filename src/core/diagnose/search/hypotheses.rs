@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVectorView, Matrix3};
 
 use crate::core::augmented::Adopted;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::effects::{CATALOGUE, COMPETITORS, Effect, Entry, Prior, Scope, Shape};
+use crate::core::effects::{COMPETITORS, Effect, Entry, Prior, Scope, Shape};
 use crate::core::numerics::basis::{Basis, dot, scale};
 
 /// Share of an effect's whitened power below which the design does not show it (amplitude below one in a thousand).
@@ -76,6 +76,7 @@ pub(crate) struct Bank {
 }
 
 /// Raw columns of one hypothesis, before projection.
+#[derive(Clone)]
 struct Raw {
     kind: Effect,
     shape: Shape,
@@ -99,12 +100,18 @@ impl Bank {
 
     fn against(frame: &Frame, more: &[(Effect, Shape)], asked: &dyn Fn(&Entry) -> bool) -> Self {
         let mut raws: Vec<Raw> = Vec::new();
-        for entry in CATALOGUE.iter().filter(|entry| could_be_a_cause(frame, entry)) {
+        for entry in frame.nameable().filter(|entry| could_be_a_cause(frame, entry)) {
             push_shapes(&mut raws, frame, entry, more);
         }
         let contract = raws.len();
         for entry in COMPETITORS.into_iter().filter(|entry| asked(entry)) {
             push_shapes(&mut raws, frame, entry, more);
+        }
+        if !frame.hypotheses.is_empty() {
+            let (named, competing) = raws.split_at(contract);
+            let kept: Vec<Raw> = competing.iter().filter(|raw| !named.iter().any(|own| is_what_is(own, raw))).cloned().collect();
+            raws.truncate(contract);
+            raws.extend(kept);
         }
         Self::projected(frame, raws, contract)
     }
@@ -167,6 +174,21 @@ fn push_shapes(raws: &mut Vec<Raw>, frame: &Frame, entry: &Entry, more: &[(Effec
             columns: (0..frame.gyros.len()).map(|j| (entry.columns)(&frame.setting, j, shape)).collect(),
         });
     }
+}
+
+/// Whether a competitor is, in every gyro, a hypothesis of one's own: who asks for it by name is not told that it is
+/// something without a name.
+fn is_what_is(own: &Raw, competitor: &Raw) -> bool {
+    let same = |(own, competitor): (&Vec<Vec<f64>>, &Vec<Vec<f64>>)| {
+        let span = Basis::of(own.iter().cloned());
+        own.len() == competitor.len()
+            && competitor.iter().all(|column| {
+                let mut left = column.clone();
+                span.project_out(&mut left);
+                dot(&left, &left) <= 1e-12 * dot(column, column)
+            })
+    };
+    own.kind.hypothesis().is_some() && own.columns.iter().zip(&competitor.columns).all(same)
 }
 
 /// One gyro's matrix: everything whitened, the model's basis projected out twice, flat blocks made orthonormal.

@@ -118,8 +118,12 @@ fn neighbours(search: &Search, effect: Effect, at: f64) -> Option<(f64, f64)> {
             above = above.min(x);
         }
     }
+    let held = effect.hypothesis().is_some();
     match (below.is_finite(), above.is_finite()) {
         (true, true) => Some((below, above)),
+        // The range of a hypothesis of one's own ends where it says.
+        (true, false) if held => Some((below, at)),
+        (false, true) if held => Some((at, above)),
         (true, false) => Some((below, at + (at - below))),
         (false, true) => Some((at - 0.5 * (above - at).min(at.abs()), above)),
         (false, false) => None,
@@ -129,7 +133,7 @@ fn neighbours(search: &Search, effect: Effect, at: f64) -> Option<(f64, f64)> {
 /// The number that a shape hangs on without a step.
 fn value(shape: Shape) -> Option<f64> {
     match shape {
-        Shape::Tau(x) | Shape::Period(x) | Shape::Azimuth(x) => Some(x),
+        Shape::Tau(x) | Shape::Period(x) | Shape::Azimuth(x) | Shape::Own(x) => Some(x),
         _ => None,
     }
 }
@@ -139,6 +143,7 @@ fn with_value(shape: Shape, x: f64) -> Shape {
         Shape::Tau(_) => Shape::Tau(x),
         Shape::Period(_) => Shape::Period(x),
         Shape::Azimuth(_) => Shape::Azimuth(x),
+        Shape::Own(_) => Shape::Own(x),
         other => other,
     }
 }

@@ -46,7 +46,8 @@ impl Dimension {
         let unknown = || message!("unknown_unit", value = sent(unit), known = known());
         // A space between two units is a product.
         let spaced = unit.split_whitespace().collect::<Vec<_>>().join(" ");
-        let close = spaced.chars().zip(spaced.chars().skip(1).chain([' '])).zip([' '].into_iter().chain(spaced.chars()));
+        let close =
+            spaced.chars().zip(spaced.chars().skip(1).chain([' '])).zip([' '].into_iter().chain(spaced.chars()));
         let product = |((c, after), before): ((char, char), char)| {
             let word = |c: char| c.is_alphanumeric() || c == '(' || c == ')';
             if c == ' ' && word(before) && word(after) && before != '(' && after != ')' { '*' } else { c }

@@ -128,7 +128,8 @@ impl Equation {
         if length > LONGEST {
             return Err(message!("equation_too_long", have = length, most = LONGEST));
         }
-        let mut reader = Reader { rest: text.char_indices().collect(), next: 0, depth: 0, steps: vec![], names: vec![] };
+        let mut reader =
+            Reader { rest: text.char_indices().collect(), next: 0, depth: 0, steps: vec![], names: vec![] };
         reader.sum()?;
         match reader.peek() {
             Some(_) => Err(reader.unexpected(message!("equation_operator"))),
@@ -242,9 +243,9 @@ impl Reader {
                 let name = self.name();
                 if self.take(&['(']).is_some() {
                     let known = || Function::ALL.map(|(name, _)| name).join(", ");
-                    let function = Function::named(&name).ok_or_else(
-                        || message!("equation_function", place = at, name = sent(&name), known = known()),
-                    )?;
+                    let function = Function::named(&name).ok_or_else(|| {
+                        message!("equation_function", place = at, name = sent(&name), known = known())
+                    })?;
                     self.closed()?;
                     self.push(What::Function(function), at);
                     return Ok(());

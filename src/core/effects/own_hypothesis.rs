@@ -325,7 +325,8 @@ fn checked_range(range: &Range, faults: &mut Faults) -> Option<(Dimension, f64)>
         faults.push(place.clone(), message!("range_empty", from = text(range.from), to = text(range.to)));
     }
     let quantity = QUANTITIES.iter().any(|(known, _)| *known == range.name);
-    let named = range.name.starts_with(char::is_alphabetic) && range.name.chars().all(|c| c.is_alphanumeric() || c == '_');
+    let named =
+        range.name.starts_with(char::is_alphabetic) && range.name.chars().all(|c| c.is_alphanumeric() || c == '_');
     if quantity || !named || range.name.starts_with('k') {
         faults.push(place.clone(), message!("range_name", name = sent(&range.name)));
     }

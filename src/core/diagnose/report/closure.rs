@@ -219,7 +219,8 @@ fn estimates(frame: &Frame, parts: &[Part], p: usize, fit: &Fit) -> Vec<Estimate
             unit: f.coefficient.unit,
         })
         .collect();
-    let shape = |name: &'static str, value, sd, unit: &'static str| Some(Estimate { slot: None, name, value, sd, unit });
+    let shape =
+        |name: &'static str, value, sd, unit: &'static str| Some(Estimate { slot: None, name, value, sd, unit });
     let known_to = |grid: f64| shape_sd(frame, parts, p, &fit.variances, grid);
     list.extend(match parts[p].shape {
         Shape::Tau(tau) => shape("tau", tau, known_to(0.25 * tau), "s"),

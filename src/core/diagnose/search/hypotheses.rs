@@ -109,7 +109,8 @@ impl Bank {
         }
         if !frame.hypotheses.is_empty() {
             let (named, competing) = raws.split_at(contract);
-            let kept: Vec<Raw> = competing.iter().filter(|raw| !named.iter().any(|own| is_what_is(own, raw))).cloned().collect();
+            let kept: Vec<Raw> =
+                competing.iter().filter(|raw| !named.iter().any(|own| is_what_is(own, raw))).cloned().collect();
             raws.truncate(contract);
             raws.extend(kept);
         }

@@ -341,3 +341,65 @@ fn kinds_of(hypotheses: &[Hypothesis]) -> Vec<(Effect, Range<usize>)> {
     }
     kinds
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::augmented::Options;
+    use crate::core::diagnose::search::bayes_factor::scores;
+    use crate::core::diagnose::search::projections::state;
+    use crate::core::effects::{OwnHypothesis, Written, own};
+
+    fn own_of(id: &str, equation: &str, unit: &str) -> Effect {
+        let written = Written {
+            id: id.into(),
+            words: id.into(),
+            cause: id.into(),
+            equation: equation.into(),
+            unit: unit.into(),
+            plausible: 100.0,
+            typical: [1e-3, 1e-2],
+            common: false,
+            range: None,
+        };
+        own(OwnHypothesis::of(written).unwrap()).unwrap()
+    }
+
+    fn frame(hypotheses: Vec<Effect>) -> Frame {
+        let campaign = std::fs::read("tests/data/practice/campaign-02.json").unwrap();
+        let campaign = crate::wire::campaign::parse_json(&campaign).unwrap();
+        Frame::of(&campaign, &Options { hypotheses, ..Options::default() }).unwrap()
+    }
+
+    #[test]
+    fn a_hypothesis_that_is_an_entry_has_its_evidence() {
+        let twins = [
+            ("temperature_bias", own_of("own_bias", "k * T", "deg/h/K")),
+            ("temperature_scale", own_of("own_scale", "k * T * w_I", "1/K")),
+            ("time_ramp", own_of("own_ramp", "k * t", "deg/h/h")),
+            ("hysteresis", own_of("own_set", "k * a_O_before", "deg/(h g0)")),
+        ];
+        let frame = frame(twins.iter().map(|(_, own)| *own).collect());
+        let bank = Bank::of(&frame, &[]);
+        let state = state(&frame, vec![Basis::default(); frame.gyros.len()]);
+        let scores = scores(&bank, &state);
+        let evidence = |id: &str| scores.iter().find(|score| score.kind.id() == id).unwrap().log_evidence;
+        for (id, own) in twins {
+            let (theirs, mine) = (evidence(id), evidence(own.id()));
+            assert!((theirs - mine).abs() < 1e-6 * theirs.abs().max(1.0), "{id}: {theirs} {mine}");
+        }
+        assert!(evidence("temperature_bias") > 20.0);
+    }
+
+    #[test]
+    fn a_competitor_that_somebody_asks_for_by_name_competes_no_more() {
+        let kinds = |hypotheses: Vec<Effect>| {
+            let frame = frame(hypotheses);
+            Bank::of(&frame, &[]).hypotheses.iter().map(|h| (h.kind.id(), h.shape)).collect::<Vec<_>>()
+        };
+        let slope = |kinds: &[(&str, Shape)]| kinds.iter().filter(|(id, _)| *id == "temperature_rate").count();
+        let (plain, asked) = (kinds(Vec::new()), kinds(vec![own_of("own_slope", "k * dT/dt", "deg/K")]));
+        assert_eq!((slope(&plain), slope(&asked)), (2, 1));
+        assert_eq!(asked.len(), plain.len(), "one more, one less");
+    }
+}

@@ -87,7 +87,8 @@ impl Diagnose {
             let of_dwells = [&self.adopt, &self.report, &self.reference].into_iter().any(Option::is_some);
             if of_dwells || self.model.is_some() || !self.hypothesis.is_empty() {
                 bail!(
-                    "{}: a record has no dwells; --model, --hypothesis, --adopt, --report and --reference go with a campaign",
+                    "{}: a record has no dwells; --model, --hypothesis, --adopt, --report and --reference go with a \
+                     campaign",
                     file()
                 );
             }

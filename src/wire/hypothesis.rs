@@ -35,13 +35,13 @@ pub struct HypothesisBody {
     pub common: bool,
     /// The one parameter that is no factor, and where it may lie.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub range: BTreeMap<String, RangeBody>,
+    pub range: BTreeMap<String, HypothesisRangeBody>,
 }
 
 /// Where a parameter may lie.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-pub struct RangeBody {
+pub struct HypothesisRangeBody {
     pub from: f64,
     pub to: f64,
     pub unit: String,
@@ -120,7 +120,7 @@ impl HypothesisBody {
 
     pub fn of(written: &Written) -> Self {
         let range = |range: &Range| {
-            (range.name.clone(), RangeBody { from: range.from, to: range.to, unit: range.unit.clone() })
+            (range.name.clone(), HypothesisRangeBody { from: range.from, to: range.to, unit: range.unit.clone() })
         };
         Self {
             id: written.id.clone(),

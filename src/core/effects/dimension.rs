@@ -45,14 +45,9 @@ impl Dimension {
         let known = || UNITS.map(|(name, ..)| name).join(", ");
         let unknown = || message!("unknown_unit", value = sent(unit), known = known());
         // A space between two units is a product.
-        let spaced = unit.split_whitespace().collect::<Vec<_>>().join(" ");
-        let close =
-            spaced.chars().zip(spaced.chars().skip(1).chain([' '])).zip([' '].into_iter().chain(spaced.chars()));
-        let product = |((c, after), before): ((char, char), char)| {
-            let word = |c: char| c.is_alphanumeric() || c == '(' || c == ')';
-            if c == ' ' && word(before) && word(after) && before != '(' && after != ')' { '*' } else { c }
-        };
-        let equation = Equation::read(&close.map(product).collect::<String>()).map_err(|_| unknown())?;
+        let tight = unit.replace("( ", "(").replace(" )", ")").replace(" /", "/").replace("/ ", "/");
+        let product = tight.split_whitespace().collect::<Vec<_>>().join("*");
+        let equation = Equation::read(&product).map_err(|_| unknown())?;
         let unit_of = |name: &str| UNITS.iter().find(|(known, ..)| *known == name);
         let units: Option<Vec<_>> = equation.names().iter().map(|name| unit_of(&name.name)).collect();
         let units = units.ok_or_else(unknown)?;

@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 
 use super::answer::{MethodBody, SeparationBody, VerdictBody};
 use super::bench::BenchBody;
+use super::diagnosis::NoiseFoundBody;
 use super::note::NoteBody;
 use super::record::SlotBody;
 use super::time;
@@ -67,6 +68,10 @@ pub struct CalibrationBody {
     pub dwells: usize,
     /// Groups of repeated dwells, as indices.
     pub repeats: Vec<Vec<usize>>,
+    /// What the noise is beyond white, independent and as stated, where something is found. The memory is in every
+    /// standard deviation and covariance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<NoiseFoundBody>,
     pub gyros: Vec<GyroFitBody>,
 }
 
@@ -160,6 +165,7 @@ impl CampaignAnswer {
                 effects: Vec::new(),
                 dwells: campaign.dwells.len(),
                 repeats: Vec::new(),
+                noise: None,
                 gyros: Vec::new(),
             },
             separations: Vec::new(),
@@ -172,6 +178,8 @@ impl CampaignAnswer {
             Outcome::Imu { calibration, separations, as_measured } => {
                 answer.calibration.model = names(calibration.terms);
                 answer.calibration.repeats.clone_from(&calibration.repeats);
+                let found = &calibration.noise_found;
+                answer.calibration.noise = (!found.is_empty()).then(|| NoiseFoundBody::from(found));
                 for effect in calibration.gyros.iter().flat_map(|gyro| &gyro.effects).map(|e| e.effect.id()) {
                     if !answer.calibration.effects.iter().any(|known| known == effect) {
                         answer.calibration.effects.push(effect.to_owned());

@@ -10,6 +10,7 @@ use super::message::MessageBody;
 use super::note;
 use super::split::SplitBody;
 use crate::core::augmented::Adopted;
+use crate::core::calibrate::noise_found::{LawFound, NoiseFound};
 use crate::core::diagnose as core;
 use crate::core::effects::{Effect, Estimate};
 use crate::core::mounting::Slot;
@@ -411,8 +412,8 @@ impl From<&core::Diagnosis> for DiagnosisBody {
     }
 }
 
-impl From<&core::NoiseFound> for NoiseFoundBody {
-    fn from(noise: &core::NoiseFound) -> Self {
+impl From<&NoiseFound> for NoiseFoundBody {
+    fn from(noise: &NoiseFound) -> Self {
         let pair = |(a, b, correlation): &(Slot, Slot, f64)| CorrelationBody {
             gyros: [a, b].map(|slot| slot.name().to_owned()),
             correlation: *correlation,
@@ -422,9 +423,9 @@ impl From<&core::NoiseFound> for NoiseFoundBody {
         let (mut falls_with_duration, mut grows_with_rate, mut grows_in_time) = (None, None, None);
         for law in &noise.laws {
             match *law {
-                core::LawFound::Duration { power } => falls_with_duration = Some(power),
-                core::LawFound::Rate { times } => grows_with_rate = Some(times),
-                core::LawFound::Time { times } => grows_in_time = Some(times),
+                LawFound::Duration { power } => falls_with_duration = Some(power),
+                LawFound::Rate { times } => grows_with_rate = Some(times),
+                LawFound::Time { times } => grows_in_time = Some(times),
             }
         }
         Self {

@@ -3,7 +3,9 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::design;
+use super::law::median;
 use super::noise::{self, Noise};
+use super::noise_found::NoiseFound;
 use crate::core::campaign::{Campaign, CampaignNote};
 use crate::core::effects::{Coefficient, Effect};
 use crate::core::model::{Term, Terms};
@@ -102,6 +104,8 @@ pub struct Calibration {
     pub gyros: Vec<GyroCalibration>,
     /// Effects of the model that this campaign could not be fitted with, and why.
     pub notes: Vec<CampaignNote>,
+    /// What the noise is beyond white, independent and as stated; its memory is in the covariances.
+    pub noise_found: NoiseFound,
 }
 
 /// Standard deviations used as weights for gyro `j`: its standard errors, or ones.
@@ -115,6 +119,14 @@ impl Calibration {
         let mut notes = self.notes.clone();
         notes.extend((!self.has_sem).then_some(CampaignNote::NoStandardErrors));
         notes.extend((self.growth > 0.1).then(|| CampaignNote::NoiseGrows { times: (1.0 + self.growth).sqrt() }));
+        let found = &self.noise_found;
+        let correlations = found.between_gyros.iter().map(|(.., r)| *r);
+        let largest = correlations.max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        notes.extend(largest.map(|correlation| CampaignNote::NoiseShared { correlation }));
+        notes.extend(found.memory.as_ref().map(|memory| CampaignNote::NoiseRemembers {
+            probability: memory.probability,
+            deg_per_h: memory.deg_per_h.iter().map(|(_, size)| *size).fold(0.0, f64::max),
+        }));
         notes.extend(self.repeats.is_empty().then_some(CampaignNote::NoRepeats));
         let gyros = self.overstated();
         notes.extend((!gyros.is_empty()).then_some(CampaignNote::ErrorsOverstated { gyros }));
@@ -168,6 +180,12 @@ impl GyroCalibration {
     /// E, pulse/arcsec, body axes: fitted or held.
     pub fn e(&self) -> Option<Vector3<f64>> {
         self.known_e.or_else(|| self.of(Term::Scale).map(vector))
+    }
+
+    /// Standard deviation of a wander of this power over the square of the median noise of a dwell, deg/h.
+    pub(super) fn wander(&self, power: f64) -> Option<f64> {
+        let usual = median(self.sigma.as_ref()?.as_slice());
+        Some(power.sqrt() * usual / self.scale_factor()?)
     }
 
     /// The parameters of one term, where it was fitted.

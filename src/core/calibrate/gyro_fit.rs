@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::calibration::{EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource, weights_sd};
 use super::design::{self, Design};
 use super::growth::{Exposure, Unweighted};
+use super::memory::{self, Fitted};
 use super::noise::{Evidence, Noise};
 use crate::core::calibrate::effect_columns;
 use crate::core::calibrate::regressor::Regressor;
@@ -60,8 +61,9 @@ pub(super) struct GyroFit {
     pub hidden: Vec<Effect>,
     /// What this gyro shares with the others.
     common: Option<OfCommon>,
-    /// Variances over those of the weights.
+    /// Variances over those of the weights; and the same without a growth with rate.
     pub variances: DVector<f64>,
+    pub even: DVector<f64>,
     pub evidence: Evidence,
 }
 
@@ -109,7 +111,20 @@ pub(super) fn fit_gyro(
         (None, false) => ScaleSource::Missing,
     };
     let variances = DVector::from_element(c.dwells.len(), 1.0);
-    GyroFit { factor, scale_source, known_e, fit, of_position, regressors, hidden, common: None, variances, evidence }
+    let even = variances.clone();
+    GyroFit {
+        factor,
+        scale_source,
+        known_e,
+        fit,
+        of_position,
+        regressors,
+        hidden,
+        common: None,
+        variances,
+        even,
+        evidence,
+    }
 }
 
 impl GyroFit {
@@ -184,16 +199,36 @@ impl GyroFit {
         e.filter(|e| e.norm() > 0.0)
     }
 
-    pub fn finish(self, gyro: &CampaignGyro, noise: Noise, shared: &SharedFactors) -> GyroCalibration {
+    /// What the search for a memory of the noise needs.
+    pub fn fitted<'a>(&'a self, shared: &'a SharedFactors) -> Fitted<'a> {
+        let (_, _, factor) = &shared.0[self.factor];
+        let Self { fit, variances, even, .. } = self;
+        let (basis, weights) = (factor.basis(), factor.weights());
+        Fitted { basis, weights, variances, even, residuals: &fit.residuals, dof: fit.dof }
+    }
+
+    /// Covariance of the coordinates on the design's basis without a memory of the noise.
+    pub fn coordinates(&self, noise: &Noise, shared: &SharedFactors) -> Option<DMatrix<f64>> {
+        let basis = shared.0[self.factor].2.basis();
+        Some(memory::scaled(basis, &self.variances) * noise.covariance_scale()?)
+    }
+
+    /// `coordinates` are the covariance on the design's basis.
+    pub fn finish(
+        self,
+        gyro: &CampaignGyro,
+        noise: Noise,
+        coordinates: Option<DMatrix<f64>>,
+        shared: &SharedFactors,
+    ) -> GyroCalibration {
         let (design, sd, factor) = &shared.0[self.factor];
         let Self { scale_source, known_e, fit, variances, evidence, regressors, common, .. } = self;
         let values = &design.expand * &fit.estimate;
-        let covariance = noise.covariance_scale().map(|scale| {
-            let equal = variances.iter().all(|v| *v == 1.0);
-            let reduced = if equal { fit.covariance.clone() } else { factor.covariance_for(&variances) };
+        let covariance = coordinates.zip(noise.covariance_scale()).map(|(coordinates, scale)| {
+            let own = factor.covariance_of(&coordinates);
             let shared = common.as_ref().map(|common| &common.into * &common.covariance * common.into.transpose());
-            let reduced = shared.into_iter().fold(reduced, |reduced, shared| reduced + shared);
-            &design.expand * reduced * design.expand.transpose() * scale
+            let reduced = shared.into_iter().fold(own, |own, shared| own + shared * scale);
+            &design.expand * reduced * design.expand.transpose()
         });
         let determined: Vec<bool> = design.expand.row_iter().map(|row| factor.determines(&row.transpose())).collect();
         let terms_by_column = design.terms.iter().flat_map(|t| std::iter::repeat_n(t, t.columns()));

@@ -13,7 +13,11 @@ pub mod drift;
 pub mod effect_columns;
 pub mod growth;
 mod gyro_fit;
+pub mod law;
+pub mod memory;
 pub mod noise;
+pub mod noise_found;
+mod noise_report;
 pub mod outcome;
 mod regressor;
 mod shared_coefficients;
@@ -29,9 +33,11 @@ use super::model::Terms;
 use crate::core::calibrate::effect_columns::Regressors;
 use crate::core::calibrate::shared_coefficients::{Own, Shared};
 use crate::core::campaign::repeats::PureError;
-use growth::Exposure;
+use growth::{Exposure, Law};
 use gyro_fit::{GyroFit, SharedFactors, fit_gyro};
-use noise::Evidence;
+use law::Course;
+use memory::Fitted;
+use noise::{Evidence, Noise};
 
 /// Fits `terms` to every gyro of a campaign that passed [`Campaign::check`].
 ///
@@ -88,14 +94,24 @@ pub fn calibrate_referred(
     }
     let growth = if has_sem { 0.0 } else { unequal_variances(campaign, &repeats, &mut fits) };
     let evidence: Vec<Evidence> = fits.iter().map(|f| f.evidence).collect();
-    let gyros = fits
+    let scatter = |(j, noise): (usize, Noise)| noise.with_scatter(sem_scatter(dwells, j));
+    let noises: Vec<Noise> = noise::noise(&evidence, has_sem).into_iter().enumerate().map(scatter).collect();
+    let mut coordinates: Vec<_> =
+        fits.iter().zip(&noises).map(|(fit, noise)| fit.coordinates(noise, &shared)).collect();
+    let fitted: Vec<Fitted> = fits.iter().map(|fit| fit.fitted(&shared)).collect();
+    let times: Vec<f64> = dwells.iter().map(Dwell::mid_s).collect();
+    let (durations, rates): (Vec<f64>, Vec<_>) = dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).unzip();
+    let course = Course { times: &times, durations: &durations, rates: &rates };
+    let found = memory::weigh(&course, &fitted, &mut coordinates, has_sem);
+    let gyros: Vec<GyroCalibration> = fits
         .into_iter()
-        .zip(noise::noise(&evidence, has_sem))
+        .zip(noises)
+        .zip(coordinates)
         .zip(&campaign.gyros)
-        .enumerate()
-        .map(|(j, ((fit, noise), gyro))| fit.finish(gyro, noise.with_scatter(sem_scatter(dwells, j)), &shared))
+        .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, &shared))
         .collect();
-    Calibration { terms, has_sem, repeats, growth, gyros, notes }
+    let noise_found = noise_report::report(&found, &gyros);
+    Calibration { terms, has_sem, repeats, growth, gyros, notes, noise_found }
 }
 
 /// Fits what all gyros share and takes it out of each gyro's fit; answers what these dwells cannot tell.
@@ -125,6 +141,7 @@ fn unequal_variances(campaign: &Campaign, repeats: &[Vec<usize>], fits: &mut [Gy
     let law = growth::law(&unweighted);
     for (fit, dwells) in fits.iter_mut().zip(&exposures) {
         fit.variances = law.variances(dwells);
+        fit.even = Law { growth: 0.0, ..law }.variances(dwells);
         let scaled = fit.fit.residuals.zip_map(&fit.variances, |r, v| r * r / v);
         let pure_error = PureError::of(repeats, |k| fit.of_position[k], |k| fit.variances[k].sqrt());
         let evidence = Evidence::of(scaled.sum(), fit.fit.dof, pure_error);

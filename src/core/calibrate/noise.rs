@@ -6,8 +6,9 @@
 //! * **Standard errors and repeats.** The spread of repeats (pure error) estimates the square of a factor f that is
 //!   common to all standard errors. Repeats are few, so what the station states counts too, as
 //!   [`PRIOR_DOF`] degrees of freedom in favour of f = 1: f^2 = (chi2 + PRIOR_DOF)/(dof + PRIOR_DOF). The repeats of
-//!   all gyros are pooled (one electronics, one procedure) unless one gyro's differ beyond chance. Where the residuals
-//!   of the fit scatter no more than that (lack of fit is not significant), they join in, and f is known well.
+//!   all gyros are pooled (one electronics, one procedure) unless one gyro scatters in a way of its own; what is
+//!   stated of all does not count for that one. Where the residuals of the fit scatter no more than that (lack of fit
+//!   is not significant), they join in, and f is known well.
 //! * **Standard errors alone.** Taken at their word, unless the residuals exceed them beyond chance: then f^2 is
 //!   the reduced chi-square of all gyros (the Birge ratio), which covers what the model leaves out.
 //! * **No standard errors.** Weights are equal. The residuals give the scale, and how it goes with rate and duration
@@ -23,6 +24,8 @@
 //! a factor sqrt(dof/(dof - 2)), so that rms(error/sd) is 1 whatever the dof. Below three dof no such deviation
 //! exists and none is reported.
 
+use statrs::function::gamma::ln_gamma;
+
 use crate::core::campaign::repeats::PureError;
 use crate::core::numerics::tails;
 use crate::core::numerics::tails::chi2_tail;
@@ -34,7 +37,7 @@ pub const PRIOR_DOF: f64 = 4.0;
 /// Largest relative scatter of standard errors that passes for their own uncertainty.
 pub const LARGEST_SCATTER: f64 = 0.25;
 
-/// Chance below which one gyro's repeats no longer pool with the others', residuals overrule standard errors, or
+/// Chance below which one gyro's repeats do not pool with the others', residuals overrule standard errors, or
 /// repeats overrule residuals. Small on purpose: a scale that is chosen because it came out small is too small.
 const BEYOND_CHANCE: f64 = 1e-3;
 
@@ -181,17 +184,43 @@ pub fn noise(evidence: &[Evidence], has_sem: bool) -> Vec<Noise> {
     if !has_sem {
         return evidence.iter().map(unweighted).collect();
     }
-    let pooled = evidence.iter().fold(Evidence::of(0.0, 0, PureError::default()), |sum, e| sum.plus(e));
-    if pooled.pure_error.dof > 0 {
-        return evidence.iter().map(|e| with_repeats(e, &pooled)).collect();
-    }
-    let (chi2, dof) = (pooled.chi2, pooled.dof);
-    let exceeded = chi2_tail(chi2, dof).is_some_and(|p| p < BEYOND_CHANCE);
-    let of = |e: &Evidence| match exceeded {
-        true => Noise::of(Source::SemAndResiduals, chi2 / dof as f64, dof as f64, e.pure_error),
-        false => Noise::of(Source::Sem, 1.0, f64::INFINITY, e.pure_error),
+    let alone = alone(evidence);
+    let of = |(j, e): (usize, &Evidence)| {
+        let is_peer = |i: &usize| *i == j || !(alone[*i] || alone[j]);
+        let pooled = (0..evidence.len()).filter(is_peer).map(|i| evidence[i]).reduce(|sum, e| sum.plus(&e))?;
+        if pooled.pure_error.dof > 0 {
+            return Some(with_repeats(e, &pooled, if alone[j] { 0.0 } else { PRIOR_DOF }));
+        }
+        let (chi2, dof) = (pooled.chi2, pooled.dof);
+        Some(match chi2_tail(chi2, dof).is_some_and(|p| p < BEYOND_CHANCE) {
+            true => Noise::of(Source::SemAndResiduals, chi2 / dof as f64, dof as f64, e.pure_error),
+            false => Noise::of(Source::Sem, 1.0, f64::INFINITY, e.pure_error),
+        })
     };
-    evidence.iter().map(of).collect()
+    evidence.iter().enumerate().filter_map(of).collect()
+}
+
+/// Which gyros scatter in a way of their own: none, one, or every one, whichever is likeliest by the residuals, with
+/// the scale integrated out. The one electronics and procedure that all have in common speak for none.
+fn alone(evidence: &[Evidence]) -> Vec<bool> {
+    const ALIKE: f64 = 0.8;
+    let log_likelihood = |alone: &[bool]| {
+        let of_scale = |(chi2, dof): (f64, f64)| {
+            let a = 0.5 * (dof + PRIOR_DOF);
+            ln_gamma(a) - ln_gamma(0.5 * PRIOR_DOF) + 0.5 * PRIOR_DOF * PRIOR_DOF.ln() - a * (PRIOR_DOF + chi2).ln()
+        };
+        let sums = |e: &Evidence| (e.chi2, e.dof as f64);
+        let own: f64 = evidence.iter().zip(alone).filter(|(_, alone)| **alone).map(|(e, _)| of_scale(sums(e))).sum();
+        let rest = evidence.iter().zip(alone).filter(|(_, alone)| !**alone).map(|(e, _)| sums(e));
+        own + of_scale(rest.fold((0.0, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1)))
+    };
+    let n = evidence.len();
+    let none = vec![false; n];
+    let one = (0..n).map(|j| (0..n).map(|i| i == j).collect());
+    let others: Vec<Vec<bool>> = one.chain([vec![true; n]]).filter(|_| n > 1).collect();
+    let least = log_likelihood(&none) - ((1.0 - ALIKE) / ALIKE / others.len().max(1) as f64).ln();
+    let likelier = others.into_iter().map(|alone| (log_likelihood(&alone), alone)).filter(|(log, _)| *log > least);
+    likelier.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(none, |(_, alone)| alone)
 }
 
 /// A sum of squares over standard errors, and its degrees of freedom, with what is stated counted in.
@@ -199,13 +228,14 @@ pub fn with_stated(chi2: f64, dof: f64) -> (f64, f64) {
     (chi2 + PRIOR_DOF, dof + PRIOR_DOF)
 }
 
-fn with_repeats(own: &Evidence, pooled: &Evidence) -> Noise {
+/// `prior` degrees of freedom speak for what is stated.
+fn with_repeats(own: &Evidence, pooled: &Evidence, prior: f64) -> Noise {
     let (mine, all) = (own.pure_error, pooled.pure_error);
     let others = (all.chi2 - mine.chi2, (all.dof - mine.dof) as f64);
     let odd =
         mean_squares_tail((mine.chi2, mine.dof as f64), others).is_some_and(|p| p.min(1.0 - p) < 0.5 * BEYOND_CHANCE);
     let used = if odd { own } else { pooled };
-    let stated = with_stated(used.pure_error.chi2, used.pure_error.dof as f64);
+    let stated = (used.pure_error.chi2 + prior, used.pure_error.dof as f64 + prior);
     let rest = used.lack_of_fit();
     if rest.1 > 0.0 && mean_squares_tail(rest, stated).is_some_and(|p| p >= LACK_OF_FIT) {
         let (chi2, dof) = (stated.0 + rest.0, stated.1 + rest.1);

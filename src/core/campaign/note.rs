@@ -34,6 +34,15 @@ pub enum CampaignNote {
     NoiseGrows {
         times: f64,
     },
+    /// Correlation of the two gyros that share most noise.
+    NoiseShared {
+        correlation: f64,
+    },
+    /// Dwells near in time err alike: how likely, and by how much in the gyro that wanders most.
+    NoiseRemembers {
+        probability: f64,
+        deg_per_h: f64,
+    },
     /// How many times the stated standard errors are too large.
     ErrorsOverstated {
         gyros: Vec<(Slot, f64)>,
@@ -89,6 +98,8 @@ impl CampaignNote {
             Self::NoStandardErrors => "no_standard_errors",
             Self::NoRepeats => "no_repeats",
             Self::NoiseGrows { .. } => "noise_grows_with_rate",
+            Self::NoiseShared { .. } => "residuals_shared",
+            Self::NoiseRemembers { .. } => "residuals_remember",
             Self::ErrorsOverstated { .. } => "standard_errors_overstated",
             Self::ResidualsExceedNoise { .. } => "residuals_exceed_noise",
             Self::EffectLeftOut { .. } => "effect_left_out",

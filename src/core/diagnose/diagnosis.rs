@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::core::augmented::Adopted;
+use crate::core::calibrate::noise_found::NoiseFound;
 use crate::core::campaign::Phase;
 use crate::core::effects::{Effect, Estimate, Shape};
 use crate::core::message::Message;
@@ -94,43 +95,6 @@ pub struct Described {
     pub by: Variable,
     /// ln of the odds against noise.
     pub evidence: f64,
-}
-
-/// What is found of the noise; empty where it is white, independent and as stated, or where nothing asked.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct NoiseFound {
-    /// Correlations of gyros.
-    pub between_gyros: Vec<(Slot, Slot, f64)>,
-    pub memory: Option<MemoryFound>,
-    pub laws: Vec<LawFound>,
-}
-
-impl NoiseFound {
-    pub fn is_empty(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-/// A bias that wanders from dwell to dwell.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MemoryFound {
-    /// `flicker` or `random_walk`, whichever is likelier.
-    pub kind: &'static str,
-    /// Its standard deviation in each gyro, of a random walk at mid-campaign.
-    pub deg_per_h: Vec<(Slot, f64)>,
-    /// That there is any.
-    pub probability: f64,
-}
-
-/// How the noise goes where the standard errors do not say so.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LawFound {
-    /// It falls with duration to this power.
-    Duration { power: f64 },
-    /// So many times as large at the fastest rate as at rest.
-    Rate { times: f64 },
-    /// So many times as large at the end as at the beginning.
-    Time { times: f64 },
 }
 
 #[derive(Debug, Clone, PartialEq)]

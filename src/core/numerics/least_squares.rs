@@ -123,17 +123,9 @@ impl Factor {
         &self.covariance
     }
 
-    /// Covariance where the variances of the whitened rows are `variances` (n) and not one, for the same estimate.
-    ///
-    /// # Panics
-    /// Where `variances` has another length than the design has rows.
-    pub fn covariance_for(&self, variances: &DVector<f64>) -> DMatrix<f64> {
-        assert_eq!(variances.len(), self.basis.nrows(), "one variance a row");
-        let mut scaled = self.basis.clone();
-        for (mut row, v) in scaled.row_iter_mut().zip(variances.iter()) {
-            row *= *v;
-        }
-        &self.back * self.basis.tr_mul(&scaled) * self.back.transpose()
+    /// Covariance of the parameters (p x p) from that of the coordinates on the basis (rank x rank).
+    pub fn covariance_of(&self, coordinates: &DMatrix<f64>) -> DMatrix<f64> {
+        &self.back * coordinates * self.back.transpose()
     }
 
     pub fn leverage(&self) -> &DVector<f64> {

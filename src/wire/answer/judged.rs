@@ -175,8 +175,14 @@ mod tests {
     }
 
     fn campaign() -> CampaignAnswer {
-        let calibration =
-            CalibrationBody { model: vec!["bias".into()], effects: vec![], dwells: 24, repeats: vec![], gyros: vec![] };
+        let calibration = CalibrationBody {
+            model: vec!["bias".into()],
+            effects: vec![],
+            dwells: 24,
+            repeats: vec![],
+            noise: None,
+            gyros: vec![],
+        };
         CampaignAnswer {
             id: Some("7".into()),
             imu: "IMU-07".into(),

@@ -4,8 +4,9 @@ use serde_json::{Map, Value, json};
 
 use crate::core::bench::Alias;
 use crate::core::campaign::{CampaignNote, Column, LeftOut};
-use crate::core::message::{Message, Parameter, figure, list, text};
+use crate::core::message::{Message, Parameter, figure, list, signed, text};
 use crate::core::mounting::Slot;
+use crate::core::record::short;
 use crate::message;
 use crate::wire::campaign::commanded;
 
@@ -39,6 +40,12 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::NoStandardErrors => message!("no_standard_errors"),
         CampaignNote::NoRepeats => message!("no_repeats"),
         CampaignNote::NoiseGrows { times } => message!("noise_grows_with_rate", times = figure(*times, 1)),
+        CampaignNote::NoiseShared { correlation } => {
+            message!("residuals_shared", correlation = signed(*correlation, 2))
+        }
+        CampaignNote::NoiseRemembers { probability, deg_per_h } => {
+            message!("residuals_remember", probability = figure(probability.min(0.999), 3), size = short(*deg_per_h))
+        }
         CampaignNote::ErrorsOverstated { gyros } => {
             let one = |(slot, times): &(Slot, f64)| match *times < 1e3 {
                 true => message!("overstated_times", slot = slot.name(), times = figure(*times, 1)),
@@ -96,6 +103,10 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         }),
         CampaignNote::NoStandardErrors | CampaignNote::NoRepeats => json!({}),
         CampaignNote::NoiseGrows { times } => json!({"times": times}),
+        CampaignNote::NoiseShared { correlation } => json!({"correlation": correlation}),
+        CampaignNote::NoiseRemembers { probability, deg_per_h } => {
+            json!({"probability": probability, "deg_per_h": deg_per_h})
+        }
         CampaignNote::ErrorsOverstated { gyros } => {
             let times: Map<String, Value> =
                 gyros.iter().map(|(s, times)| (s.name().to_owned(), json!(times))).collect();

@@ -3,7 +3,7 @@
 use super::*;
 use crate::core::calibrate::noise::Source;
 use crate::core::calibrate::shared_coefficients::Shared;
-use crate::core::calibrate::{calibrate, fit_common, noise};
+use crate::core::calibrate::{calibrate, fit_common, noise, unequal_variances};
 use crate::core::campaign::repeats;
 use crate::core::campaign::{CampaignNote, LeftOut, Phase, TestKind};
 use crate::core::effects::Coefficient;
@@ -171,7 +171,8 @@ fn gyros_with_effects_of_their_own_and_shared_ones_are_those_of_one_fit() {
         assert_eq!(dofs.iter().sum::<usize>(), 3 * N - total);
         let noises = noise::noise(&evidence, has_sem);
         for (j, (fit, noise)) in fits.into_iter().zip(noises).enumerate() {
-            let found = fit.finish(&campaign.gyros[j], noise, &factors);
+            let coordinates = fit.coordinates(&noise, &factors);
+            let found = fit.finish(&campaign.gyros[j], noise, coordinates, &factors);
             let exact = N as f64 - (0..N).map(|k| hat[(j * N + k, j * N + k)]).sum::<f64>();
             assert!((found.dof as f64 - exact).abs() < 1.0, "{} of {exact}", found.dof);
             // The covariance of all at once, in units of the gyro's own noise.
@@ -273,11 +274,21 @@ fn turned(fastest: f64, held: Option<[f64; 3]>) -> (Campaign, Vec<f64>) {
     (campaign, felt)
 }
 
+/// The one gyro with its noise as the growth has it and no other kind, and that growth.
+fn without_other_kinds(campaign: &Campaign, terms: Terms) -> (GyroCalibration, f64) {
+    let (groups, mut factors) = (repeats::repeats(&campaign.dwells), SharedFactors::default());
+    let mut fits = vec![fit_gyro(campaign, 0, terms, vec![], &groups, &mut factors)];
+    let growth = unequal_variances(campaign, &groups, &mut fits);
+    let fit = fits.remove(0);
+    let noise = noise::noise(&[fit.evidence], false)[0];
+    let coordinates = fit.coordinates(&noise, &factors);
+    (fit.finish(&campaign.gyros[0], noise, coordinates, &factors), growth)
+}
+
 #[test]
 fn noise_that_grows_with_the_rate_is_in_the_covariance_and_in_every_sigma() {
     let (campaign, felt) = turned(400.0, Some([2.0, 0.0, 0.0]));
-    let calibration = calibrate(&campaign, Terms::of(&[Term::Bias, Term::GLinear, Term::Scale]));
-    let (found, rho) = (&calibration.gyros[0], calibration.growth);
+    let (found, rho) = without_other_kinds(&campaign, Terms::of(&[Term::Bias, Term::GLinear, Term::Scale]));
     assert!((3.0..300.0).contains(&rho), "{rho}");
     // E is held and the force is one, so D0 + G_z is a mean: its variance is that of the mean of unequal ones.
     let n = felt.len() as f64;

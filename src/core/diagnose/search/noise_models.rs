@@ -10,25 +10,19 @@
 //! so that a name owes nothing to a noise that is not there. Alternatives only ever take names away: they are asked
 //! where something would be named, and those that neither with nor without the names weigh anything are left out.
 
-use nalgebra::DMatrix;
-
 use super::choice::{Choice, designs};
 use super::hypotheses::Bank;
 use super::projections::{State, each_by_itself};
 use super::shared_noise::Shared;
 use super::temperature_odds::odds_of_temperature;
-use crate::core::campaign::Phase;
-use crate::core::diagnose::diagnosis::{LawFound, MemoryFound, NoiseFound};
+use crate::core::calibrate::law::{AS_STATED, Course, Law, median};
+use crate::core::calibrate::memory::{Memory, POWERS};
+use crate::core::calibrate::noise_found::{MemoryFound, NoiseFound};
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::{Effect, Setting, Shape};
-use crate::core::message::{Message, figure, signed};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::log_sum::LogSum;
-use crate::message;
-
-/// Prior probability that the noise goes as stated with duration and time; the other laws share the rest.
-const AS_STATED: f64 = 0.8;
 
 /// Prior probability that the noise has no memory.
 const WITHOUT_MEMORY: f64 = 0.995;
@@ -36,88 +30,15 @@ const WITHOUT_MEMORY: f64 = 0.995;
 /// Prior probability that gyros share their noise.
 const BETWEEN_GYROS: f64 = 0.1;
 
-/// Powers of each kernel of memory, over the square of the median standard deviation.
-const POWERS: [f64; 5] = [0.15, 0.5, 1.5, 5.0, 20.0];
-
-/// A random walk needs more for as much, because the kernel is one at the middle of the campaign.
-const OF_WALK: f64 = 3.0;
-
-/// Correlation times of the memory, in spacings of dwells.
-const TIMES: [f64; 4] = [1.5, 5.0, 16.0, 50.0];
-
 /// ln of odds below which an alternative is left out, by its weight with and without the names.
 const NOTHING: f64 = -6.9;
 
 /// Weight from which on the noise is said to have a memory, and names of time and temperature need more.
 const CERTAIN: f64 = 0.98;
 
-/// How the standard errors may go beside what is stated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Law {
-    /// Times (median duration/duration)^power.
-    Duration(f64),
-    /// Times sqrt(1 + (growth w/top)^2), w the rate.
-    Rate(f64),
-    /// Times exp(growth x), x the time from -1/2 to 1/2 of the campaign.
-    Time(f64),
-}
-
-impl Law {
-    /// Those that these dwells let tell apart.
-    fn all(s: &Setting) -> Vec<Self> {
-        let median = middle(&s.duration);
-        let unequal = s.duration.iter().any(|d| (d / median).ln().abs() > 0.2);
-        let durations = [0.25, 0.5].into_iter().filter(|_| unequal).map(Self::Duration);
-        let turns = s.phase.contains(&Phase::Rate);
-        let rates = [0.5, 1.0, 2.0, 4.0].into_iter().filter(|_| turns).map(Self::Rate);
-        durations.chain(rates).chain([-1.1, -0.55, 0.55, 1.1].map(Self::Time)).collect()
-    }
-
-    fn factors(self, s: &Setting) -> Vec<f64> {
-        let median = middle(&s.duration);
-        let span = s.span().max(f64::MIN_POSITIVE);
-        match self {
-            Self::Duration(power) => s.column(|k| (median / s.duration[k]).powf(power)),
-            Self::Rate(growth) => {
-                let top = s.rate.iter().map(|w| w.norm()).fold(f64::MIN_POSITIVE, f64::max);
-                s.column(|k| (1.0 + (growth * s.rate[k].norm() / top).powi(2)).sqrt())
-            }
-            Self::Time(growth) => s.column(|k| (growth * (s.elapsed(k) / span - 0.5)).exp()),
-        }
-    }
-}
-
-fn middle(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(1.0)
-}
-
-/// What dwells have in common.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Memory {
-    /// Mean over [`TIMES`] of exp(-|dt|/tau): about as flat over the decades as flicker is.
-    Flicker,
-    /// min(t, t')/mean t.
-    Walk,
-}
-
-impl Memory {
-    fn kernel(self, s: &Setting) -> DMatrix<f64> {
-        let n = s.dwells();
-        let spacing = s.interval().max(f64::MIN_POSITIVE);
-        match self {
-            Self::Flicker => DMatrix::from_fn(n, n, |a, b| {
-                let apart = (s.time[a] - s.time[b]).abs() / spacing;
-                TIMES.map(|tau| (-apart / tau).exp()).iter().sum::<f64>() / TIMES.len() as f64
-            }),
-            Self::Walk => {
-                let mean = (0..n).map(|k| s.elapsed(k)).sum::<f64>() / n as f64;
-                let mean = mean.max(f64::MIN_POSITIVE);
-                DMatrix::from_fn(n, n, |a, b| s.elapsed(a).min(s.elapsed(b)) / mean)
-            }
-        }
-    }
+/// What the laws take of a campaign.
+fn course(s: &Setting) -> Course<'_> {
+    Course { times: &s.time, durations: &s.duration, rates: &s.rate }
 }
 
 /// What an alternative supposes.
@@ -164,43 +85,14 @@ impl Found {
         NoiseFound {
             between_gyros: self.between_gyros.as_ref().map(correlated).unwrap_or_default(),
             memory: self.memory.map(|(memory, power, without)| MemoryFound {
-                kind: match memory {
-                    Memory::Flicker => "flicker",
-                    Memory::Walk => "random_walk",
-                },
+                kind: memory.name(),
                 deg_per_h: (frame.gyros.iter().zip(gyros))
-                    .map(|(gyro, axes)| (axes.slot, power.sqrt() * middle(&gyro.sd)))
+                    .map(|(gyro, axes)| (axes.slot, power.sqrt() * median(&gyro.sd)))
                     .collect(),
                 probability: 1.0 - without,
             }),
-            laws: (laws.iter())
-                .map(|law| match law {
-                    Law::Duration(power) => LawFound::Duration { power: *power },
-                    Law::Rate(growth) => LawFound::Rate { times: (1.0 + growth * growth).sqrt() },
-                    Law::Time(growth) => LawFound::Time { times: growth.exp() },
-                })
-                .collect(),
+            laws: laws.iter().map(|law| law.found()).collect(),
         }
-    }
-}
-
-impl NoiseFound {
-    /// In words.
-    pub(crate) fn notes(&self) -> Vec<Message> {
-        let mut notes = Vec::new();
-        let largest = self.between_gyros.iter().map(|(.., r)| *r).max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        notes.extend(largest.map(|r| message!("noise_shared", correlation = signed(r, 2))));
-        notes.extend(self.memory.as_ref().map(|memory| {
-            let size = memory.deg_per_h.iter().map(|(_, size)| *size).fold(0.0, f64::max);
-            let probability = figure(memory.probability.min(0.999), 3);
-            message!("noise_memory", probability = probability, size = crate::core::record::short(size))
-        }));
-        notes.extend(self.laws.iter().map(|law| match *law {
-            LawFound::Duration { power } => message!("noise_of_duration", power = figure(power, 2)),
-            LawFound::Rate { times } => message!("noise_of_rate", times = figure(times, 1)),
-            LawFound::Time { times } => message!("noise_of_time", times = figure(times, 1)),
-        }));
-        notes
     }
 }
 
@@ -216,13 +108,13 @@ pub(crate) fn likelier_law(frame: &Frame, bank: &Bank, found: &[Choice]) -> Opti
     if !frame.noise.stated {
         return None;
     }
-    let laws = Law::all(&frame.setting);
+    let laws = Law::all(&course(&frame.setting));
     let odds = (1.0 - AS_STATED) / AS_STATED / laws.len().max(1) as f64;
     let columns = designs(frame, bank, found, None);
     let pooled = is_pooled(frame, &columns);
     let as_stated = log_likelihood(frame, &columns, pooled);
     let tried = laws.into_iter().filter_map(|law| {
-        let changed = frame.with_factors(&law.factors(&frame.setting)).ok()?;
+        let changed = frame.with_factors(&law.factors(&course(&frame.setting))).ok()?;
         Some((odds.ln() + log_likelihood(&changed, &columns, pooled) - as_stated, law, changed))
     });
     let (gain, law, changed) = tried.max_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -245,15 +137,15 @@ impl NoiseModels {
             .collect();
         let mut tried: Vec<(Kind, f64, Frame)> = Vec::new();
         if frame.noise.stated {
-            let laws = Law::all(s);
+            let laws = Law::all(&course(s));
             let odds = ((1.0 - AS_STATED) / AS_STATED / laws.len().max(1) as f64).ln();
-            let framed = |law: Law| Some((Kind::Law(law), odds, frame.with_factors(&law.factors(s)).ok()?));
+            let framed = |law: Law| Some((Kind::Law(law), odds, frame.with_factors(&law.factors(&course(s))).ok()?));
             tried.extend(laws.into_iter().filter_map(framed));
         }
         let odds = ((1.0 - WITHOUT_MEMORY) / WITHOUT_MEMORY / (2 * POWERS.len()) as f64).ln() - odds_of_temperature(s);
-        for memory in [Memory::Flicker, Memory::Walk] {
-            let (kernel, size) = (memory.kernel(s), if memory == Memory::Walk { OF_WALK } else { 1.0 });
-            for power in POWERS.map(|power| size * power) {
+        for memory in Memory::ALL {
+            let kernel = memory.kernel(&s.time);
+            for power in POWERS.map(|power| memory.size() * power) {
                 let framed =
                     frame.with_memory(&kernel, power).map(|framed| (Kind::Memory(memory, power), odds, framed));
                 tried.extend(framed);

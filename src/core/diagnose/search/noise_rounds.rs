@@ -5,13 +5,14 @@
 //! growth averaged out, not only at its best value.
 
 use crate::core::calibrate::growth::Law;
+use crate::core::calibrate::law;
 use crate::core::diagnose::diagnosis::Variable;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::choice::{Choice, designs};
 use crate::core::diagnose::search::components::{Component, components};
 use crate::core::diagnose::search::hypotheses::Bank;
-use crate::core::diagnose::search::noise_models::{self, Found, NoiseModels, likelier_law};
+use crate::core::diagnose::search::noise_models::{Found, NoiseModels, likelier_law};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::each_by_itself;
 use crate::core::diagnose::search::refined_shape::sharpened;
@@ -45,7 +46,7 @@ pub(crate) struct Settled {
     /// What the noise is, with what was found in the model.
     pub noise_found: Found,
     /// How it goes beside what is stated.
-    pub laws: Vec<noise_models::Law>,
+    pub laws: Vec<law::Law>,
     /// What the residuals go with beside what was found, and the evidence of it, the strongest first.
     pub description: Vec<(Variable, f64)>,
 }

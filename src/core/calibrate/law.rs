@@ -1,0 +1,89 @@
+//! Laws by which the noise of a dwell may go beside what is stated: with its duration, its rate, or the time.
+
+use nalgebra::Vector3;
+
+use super::noise_found::LawFound;
+
+/// Prior probability that the noise goes as stated; the laws share the rest.
+pub const AS_STATED: f64 = 0.8;
+
+/// Share by which durations must differ to say anything of how noise goes with them, as a logarithm.
+const OTHER_DURATION: f64 = 0.2;
+
+/// Rates up to this are the Earth's and the table's creep, arcsec/s.
+const SLOW_ARCSEC_S: f64 = 20.0;
+
+/// What the laws take of the dwells.
+#[derive(Debug, Clone, Copy)]
+pub struct Course<'a> {
+    /// Of the middle of each dwell, s.
+    pub times: &'a [f64],
+    pub durations: &'a [f64],
+    pub rates: &'a [Vector3<f64>],
+}
+
+/// By how much the standard deviation of a dwell departs from what is stated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Law {
+    /// Times (median duration/duration)^power.
+    Duration(f64),
+    /// Times sqrt(1 + (growth w/top)^2), w the rate.
+    Rate(f64),
+    /// Times exp(growth x), x the time from -1/2 to 1/2 of the campaign.
+    Time(f64),
+}
+
+impl Course<'_> {
+    fn top(&self) -> f64 {
+        self.rates.iter().map(|w| w.norm()).fold(f64::MIN_POSITIVE, f64::max)
+    }
+}
+
+impl Law {
+    /// Those that these dwells let tell apart.
+    pub fn all(course: &Course) -> Vec<Self> {
+        let usual = median(course.durations);
+        let unequal = course.durations.iter().any(|d| (d / usual).ln().abs() > OTHER_DURATION);
+        let durations = [0.25, 0.5].into_iter().filter(|_| unequal).map(Self::Duration);
+        let turns = course.top() > SLOW_ARCSEC_S;
+        let rates = [0.5, 1.0, 2.0, 4.0].into_iter().filter(|_| turns).map(Self::Rate);
+        durations.chain(rates).chain([-1.1, -0.55, 0.55, 1.1].map(Self::Time)).collect()
+    }
+
+    /// On the standard deviation of each dwell.
+    pub fn factors(self, course: &Course) -> Vec<f64> {
+        match self {
+            Self::Duration(power) => {
+                let usual = median(course.durations);
+                course.durations.iter().map(|d| (usual / d).powf(power)).collect()
+            }
+            Self::Rate(growth) => {
+                let top = course.top();
+                course.rates.iter().map(|w| (1.0 + (growth * w.norm() / top).powi(2)).sqrt()).collect()
+            }
+            Self::Time(growth) => {
+                let (first, last) = (course.times[0], course.times[course.times.len() - 1]);
+                let span = (last - first).max(f64::MIN_POSITIVE);
+                course.times.iter().map(|t| (growth * ((t - first) / span - 0.5)).exp()).collect()
+            }
+        }
+    }
+
+    pub fn found(self) -> LawFound {
+        match self {
+            Self::Duration(power) => LawFound::Duration { power },
+            Self::Rate(growth) => LawFound::Rate { times: (1.0 + growth * growth).sqrt() },
+            Self::Time(growth) => LawFound::Time { times: growth.exp() },
+        }
+    }
+}
+
+/// The middle one, the upper of two.
+///
+/// # Panics
+/// Of none.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
+}

@@ -1,0 +1,370 @@
+//! Noise that dwells have in common: what a bias does between them, beside what scatters within each.
+//!
+//! Per gyro `V = diag(d^2) + phi s^2 K`, d the standard deviation of each dwell, s their median, and K one of two
+//! kernels of the dwells' times ([`Memory`]). K is constant in pulse/s: a wandering bias does not ask how long a dwell
+//! was. phi is common to the gyros, each wanders for itself. Every pair (K, phi) has its restricted likelihood
+//!
+//! ```text
+//! ln L = -1/2 ln det V - 1/2 ln det X'V^-1 X - 1/2 (n - q + k) ln(k + RSS)
+//! ```
+//!
+//! with k the degrees of freedom in favour of what is stated, none without standard errors; and so has every
+//! [`Law`] by which the noise may go beside what is stated. The estimates stay those of the stated weights; their
+//! covariance is the mean over all of these and over white noise as stated, each with its weight.
+//!
+//! Both kernels are states of a linear system, so `L^-1 X` with `V = L L'` is what a Kalman filter makes of X: its
+//! work grows with the dwells, not with their cube.
+
+use std::ops::AddAssign;
+
+use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
+
+use super::law::{AS_STATED, Course, Law, median};
+use super::noise::PRIOR_DOF;
+use crate::core::numerics::log_sum::LogSum;
+
+/// Powers of each kernel, over the square of the median standard deviation.
+pub const POWERS: [f64; 5] = [0.15, 0.5, 1.5, 5.0, 20.0];
+
+/// A random walk needs more for as much, because its kernel is one at the middle of the campaign.
+pub const OF_WALK: f64 = 3.0;
+
+/// Correlation times of flicker, in spacings of dwells.
+pub const TIMES: [f64; 4] = [1.5, 5.0, 16.0, 50.0];
+
+/// Prior probability that there is no memory; the pairs of kernel and power share the rest.
+const WITHOUT: f64 = 0.98;
+
+/// ln of a weight below which a kind of noise is left out.
+const NOTHING: f64 = -9.0;
+
+/// What dwells have in common.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Memory {
+    /// Mean over [`TIMES`] of exp(-|dt|/tau): about as flat over the decades as flicker is.
+    Flicker,
+    /// min(t, t')/mean t.
+    Walk,
+}
+
+impl Memory {
+    pub const ALL: [Self; 2] = [Self::Flicker, Self::Walk];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Flicker => "flicker",
+            Self::Walk => "random_walk",
+        }
+    }
+
+    /// By how much more power a pair of this kernel has.
+    pub fn size(self) -> f64 {
+        if self == Self::Walk { OF_WALK } else { 1.0 }
+    }
+
+    /// K for dwells at these times, n x n.
+    pub fn kernel(self, times: &[f64]) -> DMatrix<f64> {
+        let n = times.len();
+        self.times(times, DMatrix::identity(n, n))
+    }
+
+    /// K X without K (n x n): two passes over the dwells.
+    fn times(self, times: &[f64], x: DMatrix<f64>) -> DMatrix<f64> {
+        let n = times.len();
+        let mut product = DMatrix::zeros(n, x.ncols());
+        let clock = Clock::of(times);
+        match self {
+            Self::Flicker => {
+                for tau in TIMES {
+                    let keep = |k: usize| (-clock.steps[k] / tau / clock.spacing).exp();
+                    let (mut before, mut after) = (x.clone(), x.clone());
+                    for k in 1..n {
+                        let last = before.row(k - 1) * keep(k);
+                        before.row_mut(k).add_assign(&last);
+                    }
+                    for k in (1..n).rev() {
+                        let next = after.row(k) * keep(k);
+                        after.row_mut(k - 1).add_assign(&next);
+                    }
+                    product += (before + after - &x) / TIMES.len() as f64;
+                }
+            }
+            Self::Walk => {
+                let mut after = x;
+                for k in (1..n).rev() {
+                    let next = after.row(k).into_owned();
+                    after.row_mut(k - 1).add_assign(&next);
+                }
+                for k in 1..n {
+                    let step = product.row(k - 1) + after.row(k) * (clock.steps[k] / clock.mean);
+                    product.set_row(k, &step);
+                }
+            }
+        }
+        product
+    }
+
+    /// `L^-1 X` and ln det L, with `L L' = diag(d^2) + power K`.
+    fn whitened(self, times: &[f64], d: &DVector<f64>, power: f64, mut x: DMatrix<f64>) -> (DMatrix<f64>, f64) {
+        let clock = Clock::of(times);
+        let m = x.ncols();
+        // What the states are expected to be, column by column of X, and their covariance.
+        let mut expected = DMatrix::<f64>::zeros(4, m);
+        let each = power / TIMES.len() as f64;
+        let (mut covariance, mut log_det) = (Matrix4::from_diagonal_element(each), 0.0);
+        if self == Self::Walk {
+            covariance.fill(0.0);
+        }
+        let seen = Vector4::repeat(1.0);
+        for k in 0..times.len() {
+            if k > 0 && self == Self::Flicker {
+                let keep = Vector4::from(TIMES.map(|tau| (-clock.steps[k] / tau / clock.spacing).exp()));
+                covariance = Matrix4::from_fn(|a, b| {
+                    keep[a] * keep[b] * covariance[(a, b)] + if a == b { each * (1.0 - keep[a] * keep[a]) } else { 0.0 }
+                });
+                expected.row_iter_mut().zip(&keep).for_each(|(mut row, keep)| row *= *keep);
+            } else if k > 0 {
+                covariance[(0, 0)] += power * clock.steps[k] / clock.mean;
+            }
+            let gain = covariance * seen;
+            let variance = gain.sum() + d[k] * d[k];
+            for c in 0..m {
+                let surprise = x[(k, c)] - expected.column(c).sum();
+                for a in 0..4 {
+                    expected[(a, c)] += gain[a] * surprise / variance;
+                }
+                x[(k, c)] = surprise / variance.sqrt();
+            }
+            covariance -= gain * gain.transpose() / variance;
+            log_det += 0.5 * variance.ln();
+        }
+        (x, log_det)
+    }
+}
+
+/// Times of dwells as the kernels need them.
+struct Clock {
+    /// Since the dwell before, s.
+    steps: Vec<f64>,
+    /// Usual one.
+    spacing: f64,
+    /// Mean time since the first dwell.
+    mean: f64,
+}
+
+impl Clock {
+    fn of(times: &[f64]) -> Self {
+        let steps: Vec<f64> = (0..times.len()).map(|k| if k > 0 { times[k] - times[k - 1] } else { 0.0 }).collect();
+        let mut sorted: Vec<f64> = steps.iter().skip(1).copied().collect();
+        sorted.sort_by(f64::total_cmp);
+        let spacing = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
+        let since = times.iter().map(|t| t - times[0]).sum::<f64>() / times.len() as f64;
+        Self { steps, spacing, mean: since.max(f64::MIN_POSITIVE) }
+    }
+}
+
+/// One gyro as its fit leaves it.
+pub(super) struct Fitted<'a> {
+    /// Orthonormal basis of the design over `weights`, n x q.
+    pub basis: &'a DMatrix<f64>,
+    pub weights: &'a DVector<f64>,
+    /// Variances over those of the weights; and the same without a growth with rate.
+    pub variances: &'a DVector<f64>,
+    pub even: &'a DVector<f64>,
+    /// y - X b.
+    pub residuals: &'a DVector<f64>,
+    /// Degrees of freedom left over.
+    pub dof: usize,
+}
+
+/// Noise other than white and as stated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kind {
+    Law(Law),
+    /// A kernel with its power phi.
+    Memory(Memory, f64),
+}
+
+/// What the noise is, by weight.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Found {
+    /// Kinds with their probabilities; white noise as stated has the rest.
+    pub kinds: Vec<(Kind, f64)>,
+}
+
+impl Fitted<'_> {
+    fn deviations(&self) -> DVector<f64> {
+        self.variances.zip_map(self.weights, |v, w| v.sqrt() / w)
+    }
+
+    /// ln L and RSS; `whitened` are the basis, as wide as the outputs, and the residuals over `L`.
+    fn restricted(&self, (whitened, log_det): (DMatrix<f64>, f64), stated: bool) -> Option<(f64, f64)> {
+        let q = self.basis.ncols();
+        let (x, z) = (whitened.columns(0, q), whitened.column(q));
+        let factor = x.tr_mul(&x).cholesky()?;
+        let side = x.tr_mul(&z);
+        let rss = z.norm_squared() - side.dot(&factor.solve(&side));
+        let k = if stated { PRIOR_DOF } else { 0.0 };
+        let log = -log_det - 0.5 * factor.ln_determinant() - 0.5 * (self.dof as f64 + k) * (k + rss).ln();
+        log.is_finite().then_some((log, rss))
+    }
+
+    /// The basis in pulse/s and beside it the residuals.
+    fn columns(&self) -> DMatrix<f64> {
+        let q = self.basis.ncols();
+        let mut columns = self.basis.clone().resize_horizontally(q + 1, 0.0);
+        for (mut row, w) in columns.row_iter_mut().zip(self.weights.iter()) {
+            row /= *w;
+        }
+        columns.set_column(q, self.residuals);
+        columns
+    }
+
+    /// Variances where the noise goes by a law, over those of the weights.
+    fn under(&self, law: Law, course: &Course) -> DVector<f64> {
+        let factors = DVector::from_vec(law.factors(course));
+        self.even.component_mul(&factors.component_mul(&factors))
+    }
+
+    /// Likelihood of independent noise of these standard deviations.
+    fn independent(&self, d: &DVector<f64>, stated: bool) -> Option<(f64, f64)> {
+        let mut columns = self.columns();
+        for (mut row, d) in columns.row_iter_mut().zip(d.iter()) {
+            row /= *d;
+        }
+        self.restricted((columns, d.iter().map(|d| d.ln()).sum()), stated)
+    }
+}
+
+/// Weighs what the noise may be by what the residuals of all gyros say. Each gyro's covariance of the coordinates on
+/// its basis (q x q), given for white noise as stated, becomes the mean over all kinds.
+pub(super) fn weigh(course: &Course, gyros: &[Fitted], plain: &mut [Option<DMatrix<f64>>], stated: bool) -> Found {
+    let d: Vec<DVector<f64>> = gyros.iter().map(Fitted::deviations).collect();
+    let white = gyros.iter().zip(&d).map(|(gyro, d)| gyro.independent(d, stated)).collect::<Option<Vec<_>>>();
+    let Some(white) = white.filter(|_| gyros.iter().all(|gyro| gyro.dof > LEAST_DOF && gyro.residuals.norm() > 0.0))
+    else {
+        return Found::default();
+    };
+    let usual: Vec<f64> = d.iter().map(|d| median(d.as_slice())).collect();
+    // Without standard errors the duration is in the variances, and the rate along the input axis.
+    let is_open = |law: &Law| stated || !matches!(law, Law::Duration(_));
+    let laws: Vec<Law> = Law::all(course).into_iter().filter(is_open).collect();
+    let of_laws = ((1.0 - AS_STATED) / laws.len() as f64).ln();
+    let of_pairs = ((1.0 - WITHOUT) / (Memory::ALL.len() * POWERS.len()) as f64).ln();
+    let pairs = Memory::ALL.into_iter().flat_map(|memory| POWERS.map(|power| (memory, power * memory.size())));
+    let kinds = laws.into_iter().map(|law| (Kind::Law(law), of_laws));
+    let kinds = kinds.chain(pairs.map(|(memory, power)| (Kind::Memory(memory, power), of_pairs)));
+    let under = |kind: Kind, j: usize| match kind {
+        Kind::Law(law) => {
+            let variances = gyros[j].under(law, course);
+            gyros[j].independent(&variances.zip_map(gyros[j].weights, |v, w| v.sqrt() / w), stated)
+        }
+        Kind::Memory(memory, power) => {
+            let whitened = memory.whitened(course.times, &d[j], power * usual[j].powi(2), gyros[j].columns());
+            gyros[j].restricted(whitened, stated)
+        }
+    };
+    let as_stated = (AS_STATED - (1.0 - WITHOUT)).ln();
+    let mut all = LogSum::of(&[as_stated]);
+    let mut likely: Vec<(Kind, f64, Vec<f64>)> = Vec::new();
+    for (kind, prior) in kinds {
+        let Some(found) = (0..gyros.len()).map(|j| under(kind, j)).collect::<Option<Vec<_>>>() else { continue };
+        let gain: f64 = found.iter().zip(&white).map(|((log, _), (white, _))| log - white).sum();
+        if prior + gain > NOTHING {
+            all.add(prior + gain);
+            likely.push((kind, prior + gain, found.into_iter().map(|(_, rss)| rss).collect()));
+        }
+    }
+    let weight = |log: f64| (log - all.log()).exp();
+    let k = if stated { PRIOR_DOF } else { 0.0 };
+    for (j, (plain, gyro)) in plain.iter_mut().zip(gyros).enumerate() {
+        let Some(covariance) = plain else { continue };
+        let nu = gyro.dof as f64 + k;
+        let x = DMatrix::from_fn(gyro.basis.nrows(), gyro.basis.ncols(), |k, c| gyro.basis[(k, c)] * gyro.weights[k]);
+        let shared = Memory::ALL.map(|memory| {
+            let is_likely = likely.iter().any(|(kind, ..)| matches!(kind, Kind::Memory(of, _) if *of == memory));
+            is_likely.then(|| x.tr_mul(&memory.times(course.times, x.clone())))
+        });
+        *covariance *= weight(as_stated);
+        for (kind, log, rss) in &likely {
+            let own = match *kind {
+                Kind::Law(law) => scaled(gyro.basis, &gyro.under(law, course)),
+                Kind::Memory(memory, power) => {
+                    let shared = shared[usize::from(memory == Memory::Walk)].iter();
+                    let within = scaled(gyro.basis, gyro.variances);
+                    shared.fold(within, |sum, shared| sum + shared * (power * usual[j].powi(2)))
+                }
+            };
+            *covariance += own * (weight(*log) * (k + rss[j]) / (nu - 2.0));
+        }
+    }
+    Found { kinds: likely.into_iter().map(|(kind, log, _)| (kind, weight(log))).collect() }
+}
+
+/// Degrees of freedom from which on a memory is looked for.
+const LEAST_DOF: usize = 10;
+
+/// Q'diag(v)Q.
+pub(super) fn scaled(basis: &DMatrix<f64>, variances: &DVector<f64>) -> DMatrix<f64> {
+    let mut scaled = basis.clone();
+    for (mut row, v) in scaled.row_iter_mut().zip(variances.iter()) {
+        row *= *v;
+    }
+    basis.tr_mul(&scaled)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Dwells of unequal spacing and noise.
+    fn dwells() -> (Vec<f64>, DVector<f64>, DMatrix<f64>) {
+        let times: Vec<f64> = (0..20).map(|k| 90.0 + 240.0 * k as f64 + if k > 11 { 3000.0 } else { 0.0 }).collect();
+        let d = DVector::from_fn(20, |k, _| 1.0 + 0.3 * (1.7 * k as f64).sin());
+        (times, d, DMatrix::from_fn(20, 3, |k, c| (7.3 * k as f64 + 2.1 * c as f64 * c as f64).sin()))
+    }
+
+    #[test]
+    fn kernels_are_as_defined_and_the_filter_is_their_cholesky_factor() {
+        let (times, d, x) = dwells();
+        let since = |k: usize| times[k] - times[0];
+        let mean = (0..20).map(since).sum::<f64>() / 20.0;
+        for memory in Memory::ALL {
+            let kernel = DMatrix::from_fn(20, 20, |a, b| match memory {
+                Memory::Flicker => {
+                    TIMES.map(|tau| (-(times[a] - times[b]).abs() / 240.0 / tau).exp()).iter().sum::<f64>() / 4.0
+                }
+                Memory::Walk => since(a).min(since(b)) / mean,
+            });
+            assert!((memory.kernel(&times) - &kernel).amax() < 1e-12, "{memory:?}");
+            let covariance = DMatrix::from_diagonal(&d.component_mul(&d)) + 2.5 * &kernel;
+            let lower = covariance.cholesky().expect("positive").unpack();
+            let by_matrix = lower.solve_lower_triangular(&x).expect("it is regular");
+            let (whitened, log_det) = memory.whitened(&times, &d, 2.5, x.clone());
+            assert!((whitened - by_matrix).amax() < 1e-10, "{memory:?}");
+            assert!((log_det - lower.diagonal().map(f64::ln).sum()).abs() < 1e-10, "{memory:?}");
+        }
+    }
+
+    #[test]
+    fn a_few_dwells_or_none_that_scatter_say_nothing() {
+        let (times, d, x) = dwells();
+        let basis = x.qr().q();
+        let (weights, variances) = (d.map(|d| 1.0 / d), DVector::from_element(20, 1.0));
+        let rates = vec![nalgebra::Vector3::zeros(); 20];
+        let course = Course { times: &times, durations: &[180.0; 20], rates: &rates };
+        for (residuals, dof) in [(d.clone(), LEAST_DOF), (DVector::zeros(20), 17)] {
+            let fitted = Fitted {
+                basis: &basis,
+                weights: &weights,
+                variances: &variances,
+                even: &variances,
+                residuals: &residuals,
+                dof,
+            };
+            let mut covariance = [Some(DMatrix::identity(3, 3))];
+            assert_eq!(weigh(&course, &[fitted], &mut covariance, true), Found::default());
+            assert_eq!(covariance, [Some(DMatrix::identity(3, 3))]);
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! What is found of the noise beyond white, independent and as stated, by a fit or a diagnosis.
+
+use crate::core::message::{Message, figure, signed};
+use crate::core::mounting::Slot;
+use crate::message;
+
+/// What is found of the noise; empty where it is white, independent and as stated, or where nothing asked.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct NoiseFound {
+    /// Correlations of gyros.
+    pub between_gyros: Vec<(Slot, Slot, f64)>,
+    pub memory: Option<MemoryFound>,
+    pub laws: Vec<LawFound>,
+}
+
+/// A bias that wanders from dwell to dwell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MemoryFound {
+    /// `flicker` or `random_walk`, whichever is likelier.
+    pub kind: &'static str,
+    /// Its standard deviation in each gyro, of a random walk at mid-campaign.
+    pub deg_per_h: Vec<(Slot, f64)>,
+    /// That there is any.
+    pub probability: f64,
+}
+
+/// How the noise goes where the standard errors do not say so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LawFound {
+    /// It falls with duration to this power.
+    Duration { power: f64 },
+    /// So many times as large at the fastest rate as at rest.
+    Rate { times: f64 },
+    /// So many times as large at the end as at the beginning.
+    Time { times: f64 },
+}
+
+impl NoiseFound {
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// In words.
+    pub(crate) fn notes(&self) -> Vec<Message> {
+        let mut notes = Vec::new();
+        let largest = self.between_gyros.iter().map(|(.., r)| *r).max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        notes.extend(largest.map(|r| message!("noise_shared", correlation = signed(r, 2))));
+        notes.extend(self.memory.as_ref().map(|memory| {
+            let size = memory.deg_per_h.iter().map(|(_, size)| *size).fold(0.0, f64::max);
+            let probability = figure(memory.probability.min(0.999), 3);
+            message!("noise_memory", probability = probability, size = crate::core::record::short(size))
+        }));
+        notes.extend(self.laws.iter().map(|law| match *law {
+            LawFound::Duration { power } => message!("noise_of_duration", power = figure(power, 2)),
+            LawFound::Rate { times } => message!("noise_of_rate", times = figure(times, 1)),
+            LawFound::Time { times } => message!("noise_of_time", times = figure(times, 1)),
+        }));
+        notes
+    }
+}

@@ -1,0 +1,60 @@
+//! What the residuals of all gyros say of the noise, as it is answered.
+
+use nalgebra::DMatrix;
+
+use super::GyroCalibration;
+use super::memory::{Found, Kind};
+use super::noise_found::{MemoryFound, NoiseFound};
+use crate::core::mounting::Slot;
+use crate::core::numerics::tails::chi2_tail;
+
+/// Weight from which on the noise is said to have a memory.
+const CERTAIN: f64 = 0.98;
+
+/// Chance below which gyros are said to share their noise.
+const SHARED: f64 = 1e-3;
+
+/// What the residuals of a fit say.
+pub(super) fn report(found: &Found, gyros: &[GyroCalibration]) -> NoiseFound {
+    let certain = |of_kind: &dyn Fn(&Kind) -> bool| {
+        let those = found.kinds.iter().filter(|(kind, _)| of_kind(kind));
+        let probability: f64 = those.clone().map(|(_, weight)| weight).sum();
+        let likeliest = those.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(kind, _)| *kind);
+        likeliest.filter(|_| probability > CERTAIN).map(|kind| (kind, probability))
+    };
+    let memory = match certain(&|kind| matches!(kind, Kind::Memory(..))) {
+        Some((Kind::Memory(memory, power), probability)) => Some(MemoryFound {
+            kind: memory.name(),
+            deg_per_h: gyros.iter().filter_map(|gyro| Some((gyro.slot, gyro.wander(power)?))).collect(),
+            probability,
+        }),
+        _ => None,
+    };
+    let laws = match certain(&|kind| matches!(kind, Kind::Law(_))) {
+        Some((Kind::Law(law), _)) => vec![law.found()],
+        _ => Vec::new(),
+    };
+    // Gyros that wander each for itself seem to go together, too.
+    let between_gyros = if memory.is_some() { Vec::new() } else { between(gyros) };
+    NoiseFound { between_gyros, memory, laws }
+}
+
+/// Correlations of the standardised residuals of every two gyros, where Bartlett's test of none (Biometrika 41, 1954)
+/// has less than [`SHARED`]: -(nu - (2 p + 5)/6) ln det R is chi-square of p (p - 1)/2.
+fn between(gyros: &[GyroCalibration]) -> Vec<(Slot, Slot, f64)> {
+    let p = gyros.len();
+    let Some(residuals) = gyros.iter().map(|gyro| gyro.standardised.as_ref()).collect::<Option<Vec<_>>>() else {
+        return Vec::new();
+    };
+    let correlation = |i: usize, j: usize| {
+        residuals[i].dot(residuals[j]) / (residuals[i].norm() * residuals[j].norm()).max(f64::MIN_POSITIVE)
+    };
+    let matrix = DMatrix::from_fn(p, p, |i, j| if i == j { 1.0 } else { correlation(i, j) });
+    let nu = gyros.iter().map(|gyro| gyro.dof).min().unwrap_or(0) as f64;
+    let statistic = -(nu - (2 * p + 5) as f64 / 6.0) * matrix.determinant().max(f64::MIN_POSITIVE).ln();
+    if !chi2_tail(statistic.max(0.0), p * (p - 1) / 2).is_some_and(|chance| chance < SHARED) {
+        return Vec::new();
+    }
+    let pairs = (0..p).flat_map(|i| (0..i).map(move |j| (j, i)));
+    pairs.map(|(j, i)| (gyros[j].slot, gyros[i].slot, correlation(i, j))).collect()
+}

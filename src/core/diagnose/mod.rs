@@ -81,7 +81,11 @@ fn residuals(campaign: &Campaign, options: &Options) -> Result<Frame, Refusal> {
 
 /// Stage 2: every hypothesis is scored, and those are chosen that noise alone does not explain.
 fn searched(residuals: Frame) -> Result<Settled, Refusal> {
-    Settled::of(residuals)
+    let settled = Settled::of(residuals)?;
+    match settled.about_strong() {
+        Some(frame) => Settled::of(frame?),
+        None => Ok(settled),
+    }
 }
 
 /// What the search chose and what of it gets a name, fitted together with the model in use.

@@ -206,6 +206,9 @@ pub struct Entry {
     pub shapes: fn(&Setting) -> Vec<(Shape, f64)>,
     /// Regressors of gyro `j`, deg/h per unit coefficient, one vector over the dwells each.
     pub columns: fn(&Setting, usize, Shape) -> Vec<Vec<f64>>,
+    /// What coefficients of this size add beyond their regressors, deg/h: rotations are linear while they are small.
+    /// Nothing where the effect is linear.
+    pub beyond: Option<fn(&Setting, usize, Shape, &[f64]) -> Vec<f64>>,
 }
 
 impl Entry {
@@ -246,6 +249,7 @@ pub(super) const PLAIN: Entry = Entry {
     missing: |_| None,
     shapes: |_| vec![(Shape::Linear, 1.0)],
     columns: |_, _, _| Vec::new(),
+    beyond: None,
 };
 
 /// What competing hypotheses have in common.

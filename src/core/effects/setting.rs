@@ -29,6 +29,13 @@ impl GyroAxes {
         let (input, spin) = (turn * i0, turn * s0);
         Self { slot, scale, input, spin, output: input.cross(&spin), g: g / scale }
     }
+
+    /// The same gyro with another E and G, in units of the scale that it has, and its triad carried along.
+    pub fn turned(&self, e: Vector3<f64>, g: Vector3<f64>) -> Self {
+        let input = e.normalize();
+        let spin = (self.spin - input * input.dot(&self.spin)).normalize();
+        Self { input, spin, output: input.cross(&spin), g: g / e.norm(), ..self.clone() }
+    }
 }
 
 /// The dwells as columns. `n` dwells, `gyros` gyros.

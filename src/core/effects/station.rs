@@ -5,7 +5,7 @@
 //! it turns about its own tilted vertical: horizontal parts of Earth rate and gravity average away, and of `d x w`
 //! only the vertical part stays. Where the *IMU on the table* is tilted, the table's rate itself is seen turned by `d`.
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 
 use super::entry::{Effect, Entry, PLAIN, Parameter, Scope, Shape, Typical, no_attitude};
 use super::setting::Setting;
@@ -30,6 +30,9 @@ pub const LEVELLING: Entry = Entry {
         let with_rate = shape == Shape::Tilt { with_rate: true };
         vec![tilted(s, j, Vector3::x(), with_rate), tilted(s, j, Vector3::y(), with_rate)]
     },
+    beyond: Some(|s, j, shape, d| {
+        tilted_beyond(s, j, Vector3::new(d[0], d[1], 0.0), shape == Shape::Tilt { with_rate: true })
+    }),
     parameter: Parameter::Tilt,
     ..PLAIN
 };
@@ -47,6 +50,7 @@ pub const AZIMUTH: Entry = Entry {
     names: |_| vec!["up"],
     missing: no_attitude,
     columns: |s, j, _| vec![tilted(s, j, Vector3::z(), false)],
+    beyond: Some(|s, j, _, d| tilted_beyond(s, j, Vector3::z() * d[0], false)),
     ..PLAIN
 };
 
@@ -89,6 +93,7 @@ pub const RELEVELLING: Entry = Entry {
         let columns = [Vector3::x(), Vector3::y()].map(|axis| tilted(s, j, axis, false));
         columns.into_iter().map(|column| afterwards(s, column, shape)).collect()
     },
+    beyond: Some(|s, j, shape, d| afterwards(s, tilted_beyond(s, j, Vector3::new(d[0], d[1], 0.0), false), shape)),
     parameter: Parameter::Instant,
     one_occasion: true,
     ..PLAIN
@@ -121,6 +126,11 @@ pub const RESEATING: Entry = Entry {
         let columns = [Vector3::x(), Vector3::y(), Vector3::z()].map(about);
         columns.into_iter().map(|column| afterwards(s, column, shape)).collect()
     },
+    beyond: Some(|s, j, shape, d| {
+        let (gyro, d) = (&s.gyros[j], Vector3::new(d[0], d[1], d[2]));
+        let turned = s.column(|k| gyro.g.dot(&beyond(d, s.force[k])) + gyro.input.dot(&beyond(d, s.rate[k])));
+        afterwards(s, turned, shape)
+    }),
     parameter: Parameter::Seating,
     one_occasion: true,
     ..PLAIN
@@ -191,4 +201,23 @@ fn tilted(s: &Setting, j: usize, axis: Vector3<f64>, with_rate: bool) -> Vec<f64
         Phase::Rate if with_rate => gyro.input.dot(&(c[k] * axis.cross(&(c[k].transpose() * s.rate[k])))),
         Phase::Rate => gyro.input.dot(&(c[k] * Vector3::new(0.0, 0.0, earth.z))),
     })
+}
+
+/// As [`tilted`], for a rotation `d` that is not small: what it adds beyond its first order.
+fn tilted_beyond(s: &Setting, j: usize, d: Vector3<f64>, with_rate: bool) -> Vec<f64> {
+    let Some(c) = &s.nav_to_body else { return vec![0.0; s.dwells()] };
+    let gyro = &s.gyros[j];
+    let force = beyond(d, Vector3::new(0.0, 0.0, s.gravity));
+    let earth = beyond(d, s.earth_nav);
+    let up = |v: Vector3<f64>| Vector3::new(0.0, 0.0, v.z);
+    s.column(|k| match s.phase[k] {
+        Phase::Static => gyro.input.dot(&(c[k] * earth)) + gyro.g.dot(&(c[k] * force)),
+        Phase::Rate if with_rate => gyro.input.dot(&(c[k] * beyond(d, c[k].transpose() * s.rate[k]))),
+        Phase::Rate => gyro.input.dot(&(c[k] * up(earth))) + gyro.g.dot(&(c[k] * up(force))),
+    })
+}
+
+/// exp(d x) v - v - d x v.
+fn beyond(d: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
+    Rotation3::new(d) * v - v - d.cross(&v)
 }

@@ -6,6 +6,7 @@
 
 use crate::core::calibrate::growth::Law;
 use crate::core::diagnose::diagnosis::Variable;
+use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::choice::{Choice, designs};
@@ -14,7 +15,7 @@ use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::noise_models::{self, Found, NoiseModels, likelier_law};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::each_by_itself;
-use crate::core::diagnose::search::refined_shape::sharpened;
+use crate::core::diagnose::search::refined_shape::{STRONG, sharpened};
 use crate::core::diagnose::search::stepwise::{Known, Search, Threshold, without};
 use crate::core::effects::{Effect, Refusal, Shape};
 use crate::core::numerics::log_sum::LogSum;
@@ -99,6 +100,15 @@ impl Settled {
             }
         }
         unreachable!("the last round returns")
+    }
+
+    /// The campaign about the strong effects that were found, where there are any: what hangs on axes and on small
+    /// angles is then that of the fit with them.
+    pub fn about_strong(&self) -> Option<Result<Frame, Refusal>> {
+        let named: Vec<&Choice> = self.found.iter().filter(|choice| !choice.is_competitor()).collect();
+        let strong = named.iter().any(|choice| choice.evidence > STRONG);
+        let parts: Vec<Part> = named.iter().filter_map(|choice| self.search().part(choice)).collect();
+        strong.then(|| self.frame.about(&parts))
     }
 
     pub fn search(&self) -> Search<'_> {

@@ -79,13 +79,24 @@ fn residuals(campaign: &Campaign, options: &Options) -> Result<Frame, Refusal> {
     Frame::of(campaign, options)
 }
 
-/// Stage 2: every hypothesis is scored, and those are chosen that noise alone does not explain.
+/// Searches about a strong effect: what it is may look otherwise once what hangs on it is right.
+const ROUNDS_ABOUT_STRONG: usize = 2;
+
+/// Stage 2: every hypothesis is scored, and those are chosen that noise alone does not explain. Where one is strong, the
+/// search is done again about its fit.
 fn searched(residuals: Frame) -> Result<Settled, Refusal> {
-    let settled = Settled::of(residuals)?;
-    match settled.about_strong() {
-        Some(frame) => Settled::of(frame?),
-        None => Ok(settled),
+    let mut settled = Settled::of(residuals.clone())?;
+    let mut about = Vec::new();
+    for _ in 0..ROUNDS_ABOUT_STRONG {
+        match settled.about_strong(&residuals)? {
+            Some((strong, frame)) if strong != about => {
+                settled = Settled::of(frame)?;
+                about = strong;
+            }
+            _ => break,
+        }
     }
+    Ok(settled)
 }
 
 /// What the search chose and what of it gets a name, fitted together with the model in use.

@@ -18,6 +18,8 @@ pub struct GyroAxes {
     pub output: Vector3<f64>,
     /// G/|E|, deg/(h g0), body axes.
     pub g: Vector3<f64>,
+    /// P/|E|, deg/(h g0^2), likewise; only rotations that are not small ask for it.
+    pub p: Vector3<f64>,
 }
 
 impl GyroAxes {
@@ -27,14 +29,14 @@ impl GyroAxes {
         let (i0, s0) = (nominal.row(0).transpose(), nominal.row(1).transpose());
         let turn = Rotation3::rotation_between(&i0, &e).unwrap_or_else(Rotation3::identity);
         let (input, spin) = (turn * i0, turn * s0);
-        Self { slot, scale, input, spin, output: input.cross(&spin), g: g / scale }
+        Self { slot, scale, input, spin, output: input.cross(&spin), g: g / scale, p: Vector3::zeros() }
     }
 
-    /// The same gyro with another E and G, in units of the scale that it has, and its triad carried along.
-    pub fn turned(&self, e: Vector3<f64>, g: Vector3<f64>) -> Self {
+    /// The same gyro with another E, G and P, in units of the scale that it has, and its triad carried along.
+    pub fn turned(&self, e: Vector3<f64>, g: Vector3<f64>, p: Vector3<f64>) -> Self {
         let input = e.normalize();
         let spin = (self.spin - input * input.dot(&self.spin)).normalize();
-        Self { input, spin, output: input.cross(&spin), g: g / e.norm(), ..self.clone() }
+        Self { input, spin, output: input.cross(&spin), g: g / e.norm(), p: p / e.norm(), ..self.clone() }
     }
 }
 

@@ -127,9 +127,9 @@ pub const RESEATING: Entry = Entry {
         columns.into_iter().map(|column| afterwards(s, column, shape)).collect()
     },
     beyond: Some(|s, j, shape, d| {
-        let (gyro, d) = (&s.gyros[j], Vector3::new(d[0], d[1], d[2]));
-        let turned = s.column(|k| gyro.g.dot(&beyond(d, s.force[k])) + gyro.input.dot(&beyond(d, s.rate[k])));
-        afterwards(s, turned, shape)
+        let d = Vector3::new(d[0], d[1], d[2]);
+        let of_rate = |k: usize| s.gyros[j].input.dot(&beyond(d, s.rate[k]));
+        afterwards(s, s.column(|k| of_rate(k) + of_force(s, j, k, d.cross(&s.force[k]), beyond(d, s.force[k]))), shape)
     }),
     parameter: Parameter::Seating,
     one_occasion: true,
@@ -206,15 +206,24 @@ fn tilted(s: &Setting, j: usize, axis: Vector3<f64>, with_rate: bool) -> Vec<f64
 /// As [`tilted`], for a rotation `d` that is not small: what it adds beyond its first order.
 fn tilted_beyond(s: &Setting, j: usize, d: Vector3<f64>, with_rate: bool) -> Vec<f64> {
     let Some(c) = &s.nav_to_body else { return vec![0.0; s.dwells()] };
-    let gyro = &s.gyros[j];
-    let force = beyond(d, Vector3::new(0.0, 0.0, s.gravity));
-    let earth = beyond(d, s.earth_nav);
+    let (input, f, w) = (s.gyros[j].input, Vector3::new(0.0, 0.0, s.gravity), s.earth_nav);
     let up = |v: Vector3<f64>| Vector3::new(0.0, 0.0, v.z);
     s.column(|k| match s.phase[k] {
-        Phase::Static => gyro.input.dot(&(c[k] * earth)) + gyro.g.dot(&(c[k] * force)),
-        Phase::Rate if with_rate => gyro.input.dot(&(c[k] * beyond(d, c[k].transpose() * s.rate[k]))),
-        Phase::Rate => gyro.input.dot(&(c[k] * up(earth))) + gyro.g.dot(&(c[k] * up(force))),
+        Phase::Static => {
+            input.dot(&(c[k] * beyond(d, w))) + of_force(s, j, k, c[k] * d.cross(&f), c[k] * beyond(d, f))
+        }
+        Phase::Rate if with_rate => input.dot(&(c[k] * beyond(d, c[k].transpose() * s.rate[k]))),
+        Phase::Rate => {
+            input.dot(&(c[k] * up(beyond(d, w)))) + of_force(s, j, k, Vector3::zeros(), c[k] * up(beyond(d, f)))
+        }
     })
+}
+
+/// What specific force that is `first` off, to first order, and `beyond` more makes beside `G.first`.
+fn of_force(s: &Setting, j: usize, k: usize, first: Vector3<f64>, beyond: Vector3<f64>) -> f64 {
+    let (gyro, a) = (&s.gyros[j], s.force[k]);
+    let turned = a + first + beyond;
+    gyro.g.dot(&beyond) + gyro.p.dot(&(turned.component_mul(&turned) - a.component_mul(&a)))
 }
 
 /// exp(d x) v - v - d x v.

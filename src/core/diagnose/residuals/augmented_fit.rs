@@ -234,7 +234,11 @@ impl Frame {
             let value = |i: usize| solution[before + i] / lengths[before + i];
             terms.contains(term).then(|| Vector3::new(value(0), value(1), value(2)))
         };
-        axes.turned(vector(Term::Scale).unwrap_or(axes.input), vector(Term::GLinear).unwrap_or(axes.g))
+        axes.turned(
+            vector(Term::Scale).unwrap_or(axes.input),
+            vector(Term::GLinear).unwrap_or(axes.g),
+            vector(Term::GSquared).unwrap_or(axes.p),
+        )
     }
 
     /// The same less effects whose coefficients all gyros share: as columns of each gyro they would be fitted once a

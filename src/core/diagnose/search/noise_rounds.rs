@@ -6,7 +6,7 @@
 
 use crate::core::calibrate::growth::Law;
 use crate::core::diagnose::diagnosis::Variable;
-use crate::core::diagnose::residuals::augmented_fit::Part;
+use crate::core::diagnose::residuals::augmented_fit::{self, Part};
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::choice::{Choice, designs};
@@ -102,13 +102,25 @@ impl Settled {
         unreachable!("the last round returns")
     }
 
-    /// The campaign about the strong effects that were found, where there are any: what hangs on axes and on small
-    /// angles is then that of the fit with them.
-    pub fn about_strong(&self) -> Option<Result<Frame, Refusal>> {
-        let named: Vec<&Choice> = self.found.iter().filter(|choice| !choice.is_competitor()).collect();
-        let strong = named.iter().any(|choice| choice.evidence > STRONG);
-        let parts: Vec<Part> = named.iter().filter_map(|choice| self.search().part(choice)).collect();
-        strong.then(|| self.frame.about(&parts))
+    /// `plain`, the campaign as it is, about the strong effects: those among what was found, or one rotation in their
+    /// place, where that leaves less. With its axes off, a rotation may pass for a field.
+    pub fn about_strong(&self, plain: &Frame) -> Result<Option<(Vec<Part>, Frame)>, Refusal> {
+        let search = self.search();
+        let named = self.found.iter().filter(|choice| !choice.is_competitor());
+        let strong: Vec<Part> = named.filter(|c| c.evidence > STRONG).filter_map(|c| search.part(c)).collect();
+        let alone = search.scores(&[]);
+        let rotations = alone.iter().filter(|s| s.log_evidence > STRONG && s.kind.entry().beyond.is_some());
+        let rotations = rotations.filter_map(|score| Some(vec![search.part(&search.choice(score))?]));
+        let mut best: Option<(f64, Vec<Part>, Frame)> = None;
+        for parts in rotations.chain([strong]).filter(|parts| !parts.is_empty()) {
+            let frame = plain.about(&parts)?;
+            let fit = augmented_fit::fit(&frame, &parts);
+            let left: f64 = fit.variances.iter().zip(&fit.dof).map(|(variance, dof)| dof * variance.ln()).sum();
+            if best.as_ref().is_none_or(|(least, ..)| left < *least) {
+                best = Some((left, parts, frame));
+            }
+        }
+        Ok(best.map(|(_, parts, frame)| (parts, frame)))
     }
 
     pub fn search(&self) -> Search<'_> {
@@ -231,7 +243,7 @@ impl Settled {
             found[*i].kind.is_nameable() && (entry.follows_time || entry.of_temperature)
         };
         let search = self.search();
-        let lead = |i: usize| search.earned_beside_others(found, i) - search.needed(found.len() - 1) - UNDER_MEMORY;
+        let lead = |i: usize| search.earned_beside_others(found, i) - search.needed(&without(found, i)) - UNDER_MEMORY;
         let weak = (0..found.len()).filter(of_time).map(|i| (i, lead(i))).filter(|(_, lead)| *lead < 0.0);
         weak.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
     }
@@ -250,11 +262,11 @@ fn confirmed(search: &Search, law: Law, mut found: Vec<Choice>) -> Vec<Choice> {
         let with_all = excess(&designs(frame, search.bank, &found, None));
         let mut weakest: Option<(usize, f64)> = None;
         for i in 0..found.len() {
-            let without = excess(&designs(frame, search.bank, &found, Some(i)));
-            found[i].evidence = search.earned_beside_others(&found, i) + with_all - without;
+            let without_it = excess(&designs(frame, search.bank, &found, Some(i)));
+            found[i].evidence = search.earned_beside_others(&found, i) + with_all - without_it;
             let named = found[i].kind.is_nameable();
             if named
-                && found[i].evidence < search.needed(found.len() - 1)
+                && found[i].evidence < search.needed(&without(&found, i))
                 && weakest.is_none_or(|(_, e)| found[i].evidence < e)
             {
                 weakest = Some((i, found[i].evidence));

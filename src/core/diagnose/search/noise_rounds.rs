@@ -18,6 +18,7 @@ use crate::core::diagnose::search::projections::each_by_itself;
 use crate::core::diagnose::search::refined_shape::{STRONG, sharpened};
 use crate::core::diagnose::search::stepwise::{Known, Search, Threshold, without};
 use crate::core::effects::{Effect, Refusal, Shape};
+use crate::core::numerics::basis::dot;
 use crate::core::numerics::log_sum::LogSum;
 
 /// Probability with which noise alone may get anything named.
@@ -103,7 +104,7 @@ impl Settled {
     }
 
     /// `plain`, the campaign as it is, about the strong effects: those among what was found, or one rotation in their
-    /// place, where that leaves less. With its axes off, a rotation may pass for a field.
+    /// place, where that leaves less (Schwarz's criterion). With its axes off, a rotation may pass for a field.
     pub fn about_strong(&self, plain: &Frame) -> Result<Option<(Vec<Part>, Frame)>, Refusal> {
         let search = self.search();
         let named = self.found.iter().filter(|choice| !choice.is_competitor());
@@ -115,7 +116,8 @@ impl Settled {
         for parts in rotations.chain([strong]).filter(|parts| !parts.is_empty()) {
             let frame = plain.about(&parts)?;
             let fit = augmented_fit::fit(&frame, &parts);
-            let left: f64 = fit.variances.iter().zip(&fit.dof).map(|(variance, dof)| dof * variance.ln()).sum();
+            let n = frame.dwells() as f64;
+            let left = fit.residuals.iter().map(|r| n * dot(r, r).ln()).sum::<f64>() + fit.fitted.len() as f64 * n.ln();
             if best.as_ref().is_none_or(|(least, ..)| left < *least) {
                 best = Some((left, parts, frame));
             }

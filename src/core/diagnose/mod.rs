@@ -180,8 +180,13 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     let mimics = identifiability::mimics(frame, bank, &parts);
     let noise = settled.noise_found.report(frame, &settled.laws);
     let remains = matches!(verdict, Verdict::PartlyExplained | Verdict::Unexplained);
-    let described = settled.description.iter().filter(|_| remains);
-    let description: Vec<Described> = described.map(|&(by, evidence)| Described { by, evidence }).collect();
+    // Beside the names; where they leave nothing and are in doubt themselves, without them.
+    let is_named = |effect, shape| named.iter().any(|n| n.part.effect == effect && n.part.shape == shape);
+    let mut described = if remains { settled.described(is_named) } else { Vec::new() };
+    if remains && described.is_empty() && !named.is_empty() {
+        described = settled.described(|_, _| false);
+    }
+    let description: Vec<Described> = described.into_iter().map(|(by, evidence)| Described { by, evidence }).collect();
     let described = description.first().map(|first| match description.get(1) {
         Some(second) => message!("described_by_two", first = first.by.word(), second = second.by.word()),
         None => message!("described_by", variable = first.by.word()),

@@ -10,7 +10,7 @@ use crate::core::diagnose::residuals::augmented_fit::{self, Part};
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::choice::{Choice, designs};
-use crate::core::diagnose::search::components::{Component, components};
+use crate::core::diagnose::search::components::{Component, components, of_single_dwells};
 use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::noise_models::{self, Found, NoiseModels, likelier_law};
 use crate::core::diagnose::search::null_distribution::Null;
@@ -48,8 +48,6 @@ pub(crate) struct Settled {
     pub noise_found: Found,
     /// How it goes beside what is stated.
     pub laws: Vec<noise_models::Law>,
-    /// What the residuals go with beside what was found, and the evidence of it, the strongest first.
-    pub description: Vec<(Variable, f64)>,
 }
 
 impl Settled {
@@ -88,7 +86,6 @@ impl Settled {
                 noise,
                 noise_found: Found::default(),
                 laws: Vec::new(),
-                description: Vec::new(),
             };
             match next.filter(|_| round < ROUNDS) {
                 Some(growth) => frame = settled.frame.with_growth(growth)?,
@@ -153,7 +150,6 @@ impl Settled {
             more: plain.more.clone(),
             noise_found: Found::default(),
             laws,
-            description: Vec::new(),
         };
         if !plain.found.is_empty() {
             let search = closer.search();
@@ -174,7 +170,6 @@ impl Settled {
         while let Some(of_another_form) = closer.of_another_form(&components, &closer.found) {
             closer.found.remove(of_another_form);
         }
-        closer.description = closer.described(&components, &closer.found);
         Ok(closer)
     }
 
@@ -196,6 +191,8 @@ const LEAD_SHARE: f64 = 0.03;
 
 /// ln of evidence from which on what is left is described, and by how many variables.
 const LEAST_DESCRIBED: f64 = 2.0;
+/// The same where two variables act together, and of a few dwells alone: there are more of those.
+const LEAST_TOGETHER: f64 = 4.0;
 const MOST_DESCRIBED: usize = 2;
 
 /// ln of evidence that a name in time or temperature needs more where the noise has a memory.
@@ -220,19 +217,31 @@ impl Settled {
         leads.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
     }
 
-    /// What the residuals beside `found` go with: each variable by its best component.
-    fn described(&self, components: &[Component], found: &[Choice]) -> Vec<(Variable, f64)> {
-        let nameable: Vec<Choice> = found.iter().filter(|choice| !choice.is_competitor()).cloned().collect();
-        let state = each_by_itself(&self.frame, self.search().extras(&nameable));
+    /// What the residuals go with beside those of the choices that are named, the strongest first: each variable by its
+    /// best component.
+    pub fn described(&self, is_named: impl Fn(Effect, Shape) -> bool) -> Vec<(Variable, f64)> {
+        let found = self.found.iter();
+        let named = found.filter(|c| is_named(c.kind, self.bank.hypotheses[c.hypothesis].shape)).cloned();
+        let state = each_by_itself(&self.frame, self.search().extras(&named.collect::<Vec<_>>()));
         let mut best: Vec<(Variable, f64)> = Vec::new();
-        for component in components {
+        for component in components(&self.frame.setting) {
             let evidence = component.evidence(&self.frame, &state);
             match best.iter_mut().find(|(variable, _)| *variable == component.variable) {
                 Some(held) => held.1 = held.1.max(evidence),
                 None => best.push((component.variable, evidence)),
             }
         }
-        best.retain(|(_, evidence)| *evidence > LEAST_DESCRIBED);
+        best.push((Variable::SingleDwells, of_single_dwells(&state)));
+        let least = |variable: Variable| match variable {
+            Variable::TimeAndForce
+            | Variable::TimeAndRate
+            | Variable::TemperatureAndForce
+            | Variable::TemperatureAndRate
+            | Variable::TemperatureAndTime
+            | Variable::SingleDwells => LEAST_TOGETHER,
+            _ => LEAST_DESCRIBED,
+        };
+        best.retain(|(variable, evidence)| *evidence > least(*variable));
         best.sort_by(|a, b| b.1.total_cmp(&a.1));
         best.truncate(MOST_DESCRIBED);
         best

@@ -40,7 +40,7 @@ use crate::message;
 
 /// Raised by whoever changes what a diagnosis finds: one that was kept is then made again. A new entry of the
 /// catalogue raises it by itself: there were 48 when it was 8.
-pub const METHOD: u32 = 9 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
+pub const METHOD: u32 = 10 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one
 /// before returned. Where the first look names something or sees a gap, the search and what follows are done once more
@@ -82,8 +82,8 @@ fn residuals(campaign: &Campaign, options: &Options) -> Result<Frame, Refusal> {
 /// Searches about a strong effect: what it is may look otherwise once what hangs on it is right.
 const ROUNDS_ABOUT_STRONG: usize = 2;
 
-/// Stage 2: every hypothesis is scored, and those are chosen that noise alone does not explain. Where one is strong, the
-/// search is done again about its fit.
+/// Stage 2: every hypothesis is scored, and those are chosen that noise alone does not explain. Where one is strong,
+/// the search is done again about its fit.
 fn searched(residuals: Frame) -> Result<Settled, Refusal> {
     let mut settled = Settled::of(residuals.clone())?;
     let mut about = Vec::new();

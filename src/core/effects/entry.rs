@@ -206,8 +206,8 @@ pub struct Entry {
     pub shapes: fn(&Setting) -> Vec<(Shape, f64)>,
     /// Regressors of gyro `j`, deg/h per unit coefficient, one vector over the dwells each.
     pub columns: fn(&Setting, usize, Shape) -> Vec<Vec<f64>>,
-    /// What coefficients of this size add beyond their regressors, deg/h: rotations are linear while they are small.
-    /// Nothing where the effect is linear.
+    /// What coefficients of this size in gyro `j` add beyond their regressors, deg/h: rotations are linear while they are
+    /// small, and a scale factor's change is that of drift, too. Nothing where the effect is linear.
     pub beyond: Option<fn(&Setting, usize, Shape, &[f64]) -> Vec<f64>>,
 }
 

@@ -209,9 +209,7 @@ fn tilted_beyond(s: &Setting, j: usize, d: Vector3<f64>, with_rate: bool) -> Vec
     let (input, f, w) = (s.gyros[j].input, Vector3::new(0.0, 0.0, s.gravity), s.earth_nav);
     let up = |v: Vector3<f64>| Vector3::new(0.0, 0.0, v.z);
     s.column(|k| match s.phase[k] {
-        Phase::Static => {
-            input.dot(&(c[k] * beyond(d, w))) + of_force(s, j, k, c[k] * d.cross(&f), c[k] * beyond(d, f))
-        }
+        Phase::Static => input.dot(&(c[k] * beyond(d, w))) + of_force(s, j, k, c[k] * d.cross(&f), c[k] * beyond(d, f)),
         Phase::Rate if with_rate => input.dot(&(c[k] * beyond(d, c[k].transpose() * s.rate[k]))),
         Phase::Rate => {
             input.dot(&(c[k] * up(beyond(d, w)))) + of_force(s, j, k, Vector3::zeros(), c[k] * up(beyond(d, f)))
@@ -229,4 +227,18 @@ fn of_force(s: &Setting, j: usize, k: usize, first: Vector3<f64>, beyond: Vector
 /// exp(d x) v - v - d x v.
 fn beyond(d: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
     Rotation3::new(d) * v - v - d.cross(&v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn a_quarter_turn_is_more_than_its_first_order() {
+        // About the vertical it takes east to north; to first order it adds pi/2 of north and keeps east.
+        let more = beyond(Vector3::z() * FRAC_PI_2, Vector3::x());
+        assert!((more - Vector3::new(-1.0, 1.0 - FRAC_PI_2, 0.0)).norm() < 1e-12, "{more}");
+        assert!(beyond(Vector3::z() * 1e-4, Vector3::x()).norm() < 1e-8);
+    }
 }

@@ -92,12 +92,13 @@ pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>
     (named, crowded)
 }
 
-/// Two courses in time in one gyro that a single wandering one would replace without much loss: each may be there, or
-/// neither.
+/// A course in time that one which wanders would replace without much loss, and two such in one gyro: each may be
+/// there, or neither.
 fn wandering(search: &Search, found: &[Choice]) -> Vec<Sign> {
     let course = |choice: &Choice| choice.kind.entry().course_in_time;
     let mut signs = Vec::new();
-    for (i, choice) in found.iter().enumerate().filter(|(_, c)| c.kind.is_nameable() && (course(c) || c.kind.entry().follows_time)) {
+    let slow = |c: &Choice| c.kind.is_nameable() && (course(c) || c.kind.entry().follows_time);
+    for (i, choice) in found.iter().enumerate().filter(|(_, choice)| slow(choice)) {
         let all = choice.members.iter().all(|member| *member);
         let lead = if all { LEAD_OF_ALL } else { LEAD_OF_SOME };
         if search.lead_of_one(found, i) < lead {

@@ -195,10 +195,10 @@ fn solve(frame: &Frame, design: &DMatrix<f64>, variances: &[f64]) -> (DVector<f6
 const ROUNDS: usize = 4;
 
 impl Frame {
-    /// The same about the fit of `parts`: the gyros' axes and G as they are with the parts in the model, and the outputs
-    /// less what rotations of that size add beyond their regressors. The axes of the plain fit are off by what a strong
-    /// effect moves them.
-    pub(crate) fn about(&self, parts: &[Part]) -> Result<Self, Refusal> {
+    /// The same about the fit of `parts`: the gyros' axes, G and P as they are with the parts in the model, and the
+    /// outputs less what effects of that size add beyond their regressors. The axes of the plain fit are off by what
+    /// a strong effect moves them. Of first order alone where not `all_orders`.
+    pub(crate) fn about(&self, parts: &[Part], all_orders: bool) -> Result<Self, Refusal> {
         let mut frame = self.clone();
         for _ in 0..ROUNDS {
             let fit = fit(&frame, parts);
@@ -206,9 +206,10 @@ impl Frame {
             frame.setting.gyros = gyros.collect();
             for (j, output) in frame.outputs.iter_mut().enumerate() {
                 output.clone_from(&self.outputs[j]);
-                for (p, part) in parts.iter().enumerate() {
+                for (p, part) in parts.iter().enumerate().filter(|(_, part)| all_orders && part.members[j]) {
                     let Some(beyond) = part.effect.entry().beyond else { continue };
-                    let own: Vec<f64> = fit.fitted.iter().filter(|f| f.part == p).map(|f| f.value).collect();
+                    let own = fit.fitted.iter().filter(|f| f.part == p && f.gyro.is_none_or(|gyro| gyro == j));
+                    let own: Vec<f64> = own.map(|f| f.value).collect();
                     axpy(-1.0, &beyond(&frame.setting, j, part.shape, &own), output);
                 }
             }
@@ -236,8 +237,8 @@ impl Frame {
         };
         axes.turned(
             vector(Term::Scale).unwrap_or(axes.input),
-            vector(Term::GLinear).unwrap_or(axes.g),
-            vector(Term::GSquared).unwrap_or(axes.p),
+            [vector(Term::GLinear).unwrap_or(axes.g), vector(Term::GSquared).unwrap_or(axes.p)],
+            if terms.contains(Term::Bias) { solution[0] / lengths[0] } else { 0.0 },
         )
     }
 

@@ -263,7 +263,11 @@ fn slope(time: &[f64], values: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use statrs::distribution::{ContinuousCDF, Normal};
+
     use super::*;
+    use crate::core::diagnose::search::projections::GyroState;
+    use crate::core::numerics::basis::Basis;
 
     #[test]
     fn a_kernel_is_its_factor_times_itself() {
@@ -286,5 +290,21 @@ mod tests {
         };
         let expected = (POWERS.map(of).iter().sum::<f64>() / POWERS.len() as f64).ln();
         assert!((log_bayes(&[column], &y, 4.0, true) - expected).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_few_dwells_apart_are_said_to_be_few() {
+        let gyro = |residual: Vec<f64>| {
+            let rss = residual.iter().map(|r| r * r).sum();
+            vec![GyroState { extra: Basis::default(), nu: residual.len() as f64, rss, residual }]
+        };
+        // Normal scores: (k + 1/2)/60 of a normal distribution, and the same with three dwells off.
+        let normal = Normal::standard();
+        let mut scores: Vec<f64> = (0..60).map(|k| normal.inverse_cdf((f64::from(k) + 0.5) / 60.0)).collect();
+        assert!(of_single_dwells(&gyro(scores.clone())) < 1.0);
+        for k in [7, 30, 41] {
+            scores[k] = 9.0;
+        }
+        assert!(of_single_dwells(&gyro(scores)) > 10.0);
     }
 }

@@ -100,18 +100,20 @@ impl Settled {
         unreachable!("the last round returns")
     }
 
-    /// `plain`, the campaign as it is, about the strong effects: those among what was found, or one rotation in their
-    /// place, where that leaves less (Schwarz's criterion). With its axes off, a rotation may pass for a field.
+    /// `plain`, the campaign as it is, about the strong effects: those among what was found, or one that is
+    /// not linear in their place, where that leaves less (Schwarz's criterion). With its axes off, a rotation may pass
+    /// for a field.
     pub fn about_strong(&self, plain: &Frame) -> Result<Option<(Vec<Part>, Frame)>, Refusal> {
         let search = self.search();
         let named = self.found.iter().filter(|choice| !choice.is_competitor());
         let strong: Vec<Part> = named.filter(|c| c.evidence > STRONG).filter_map(|c| search.part(c)).collect();
         let alone = search.scores(&[]);
-        let rotations = alone.iter().filter(|s| s.log_evidence > STRONG && s.kind.entry().beyond.is_some());
-        let rotations = rotations.filter_map(|score| Some(vec![search.part(&search.choice(score))?]));
+        let curved = alone.iter().filter(|s| s.log_evidence > STRONG && s.kind.entry().beyond.is_some());
+        let curved = curved.filter_map(|score| Some(vec![search.part(&search.choice(score))?]));
         let mut best: Option<(f64, Vec<Part>, Frame)> = None;
-        for parts in rotations.chain([strong]).filter(|parts| !parts.is_empty()) {
-            let frame = plain.about(&parts)?;
+        let tried = curved.chain([strong]).filter(|parts| !parts.is_empty());
+        for (parts, all_orders) in tried.flat_map(|parts| [(parts.clone(), true), (parts, false)]) {
+            let frame = plain.about(&parts, all_orders)?;
             let fit = augmented_fit::fit(&frame, &parts);
             let n = frame.dwells() as f64;
             let left = fit.residuals.iter().map(|r| n * dot(r, r).ln()).sum::<f64>() + fit.fitted.len() as f64 * n.ln();

@@ -342,6 +342,7 @@ impl Search<'_> {
         evidence_of(&self.scores(&without(choices, i)), choices[i].kind)
     }
 
+    /// By how much (ln) choice `i` explains more than the best wandering course in its place would.
     pub fn lead_of_one(&self, choices: &[Choice], i: usize) -> f64 {
         let known = self.scores(&without(choices, i));
         let wandering = known.iter().filter(|score| score.kind.entry().wanders);

@@ -17,7 +17,7 @@ use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::each_by_itself;
 use crate::core::diagnose::search::refined_shape::{STRONG, sharpened};
 use crate::core::diagnose::search::stepwise::{Known, Search, Threshold, without};
-use crate::core::effects::{Effect, Refusal, Shape};
+use crate::core::effects::{Effect, Entry, Refusal, Shape};
 use crate::core::numerics::basis::dot;
 use crate::core::numerics::log_sum::LogSum;
 
@@ -162,11 +162,17 @@ impl Settled {
             closer.found = found;
         }
         closer.noise_found = closer.noise_beside(&closer.found);
+        let slow = |entry: &Entry| entry.follows_time || entry.of_temperature;
         while closer.noise_found.memory.is_some()
-            && let Some(weakest) = closer.weakest_under_memory(&closer.found)
+            && let Some(weakest) = closer.weakest(&closer.found, UNDER_MEMORY, slow)
         {
             closer.found.remove(weakest);
             closer.noise_found = closer.noise_beside(&closer.found);
+        }
+        while !closer.laws.is_empty()
+            && let Some(weakest) = closer.weakest(&closer.found, UNDER_LAW, |_| true)
+        {
+            closer.found.remove(weakest);
         }
         let components = components(&closer.frame.setting);
         while let Some(of_another_form) = closer.of_another_form(&components, &closer.found) {
@@ -199,6 +205,9 @@ const MOST_DESCRIBED: usize = 2;
 
 /// ln of evidence that a name in time or temperature needs more where the noise has a memory.
 const UNDER_MEMORY: f64 = 4.0;
+
+/// And that any name needs more where the noise does not go as stated: its law is then known from the same residuals.
+const UNDER_LAW: f64 = 2.0;
 
 impl Settled {
     /// The name that a component leads by most, where one leads clearly: the cause has another form.
@@ -249,15 +258,13 @@ impl Settled {
         best
     }
 
-    /// The least of the names in time or temperature that do not lead noise with a memory clearly.
-    fn weakest_under_memory(&self, found: &[Choice]) -> Option<usize> {
-        let of_time = |i: &usize| {
-            let entry = found[*i].kind.entry();
-            found[*i].kind.is_nameable() && (entry.follows_time || entry.of_temperature)
-        };
+    /// The least of the names asked about that do not pass by `more` evidence than elsewhere, which noise beyond what is
+    /// stated asks for.
+    fn weakest(&self, found: &[Choice], more: f64, asked: impl Fn(&Entry) -> bool) -> Option<usize> {
         let search = self.search();
-        let lead = |i: usize| search.earned_beside_others(found, i) - search.needed(&without(found, i)) - UNDER_MEMORY;
-        let weak = (0..found.len()).filter(of_time).map(|i| (i, lead(i))).filter(|(_, lead)| *lead < 0.0);
+        let lead = |i: usize| search.earned_beside_others(found, i) - search.needed(&without(found, i)) - more;
+        let named = (0..found.len()).filter(|&i| found[i].kind.is_nameable() && asked(found[i].kind.entry()));
+        let weak = named.map(|i| (i, lead(i))).filter(|(_, lead)| *lead < 0.0);
         weak.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
     }
 }

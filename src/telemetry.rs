@@ -37,7 +37,8 @@ pub const NEWEST_CALIBRATION: &str = "gyrowatch_station_newest_calibration_times
 const BUILD: &str = "gyrowatch_build_info";
 
 /// What items are, and what becomes of them.
-pub const ITEM_KINDS: [&str; 5] = ["calibration", "bench_result", "event", "correction", "confirmation"];
+pub const ITEM_KINDS: [&str; 7] =
+    ["calibration", "bench_result", "event", "correction", "confirmation", "doubt", "attributes"];
 pub const ITEM_OUTCOMES: [&str; 4] = ["stored", "there", "refused", "failed"];
 pub const ATTEMPT_OUTCOMES: [&str; 4] = ["delivered", "failed", "dead", "gone"];
 pub const DIAGNOSIS_OUTCOMES: [&str; 3] = ["made", "refused", "failed"];

@@ -18,7 +18,16 @@ const OPEN: [&str; 7] = [
     "GET /preference",
     "GET /assets/{name}",
 ];
-const ENGINEERS: [&str; 47] = [
+const ENGINEERS: [&str; 56] = [
+    "PATCH /v1/gyros/{serial}",
+    "GET /gyros/{serial}/attributes",
+    "POST /gyros/{serial}/attributes",
+    "POST /v1/stations/{name}/suspect",
+    "POST /v1/stations/{name}/trust",
+    "GET /stations/{name}/suspect",
+    "POST /stations/{name}/suspect",
+    "GET /stations/{name}/trust",
+    "POST /stations/{name}/trust",
     "GET /alerts/bulk",
     "POST /alerts/bulk",
     "GET /setup",

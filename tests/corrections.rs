@@ -490,3 +490,62 @@ async fn a_service_that_is_killed_while_a_record_is_voided_has_done_all_of_it_or
     }
     println!("{done} of 12 were voided before the service died");
 }
+
+fn of_window(from: i64, to: i64) -> Value {
+    json!({"from": day(from), "to": day(to), "by": "Li Wei", "reason": "the fixture was loose"})
+}
+
+#[tokio::test]
+async fn a_suspect_window_of_a_station_does_not_count_until_it_is_trusted_again() {
+    let lab = Lab::open().await;
+    // A level, a jump that a second record confirms, and the level again: as it is without the window, and with it.
+    let history = [(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.05), (160, 1.05), (200, 1.0)];
+    let ids = station_posts(&lab, &history).await;
+    let before = (alerts(&lab).await, trend(&lab, "").await);
+    assert!(before.0.iter().any(|alert| alert.starts_with("step")), "{before:?}");
+
+    let path = |deed: &str| format!("/v1/stations/ST-1/{deed}");
+    let aside = lab.post(&path("suspect"), &of_window(100, 170)).await.ok();
+    assert_eq!(aside["records"], json!(ids[3..5]), "{aside}");
+    let left: Vec<f64> = trend(&lab, "").await.into_iter().map(|(_, d_i)| d_i).collect();
+    assert_eq!(left, [1.0; 4]);
+    let firing = lab.get("/v1/alerts?state=firing&serial=A").await.ok();
+    assert_eq!(firing["alerts"], json!([]), "as though they had never come");
+    let one = lab.get(&format!("/v1/records/{}", ids[3])).await.ok();
+    assert_eq!(one["state"], "set_aside", "{one}");
+    let note = &one["notes"][0];
+    assert_eq!(
+        (&note["code"], &note["station"], &note["author"]),
+        (&json!("suspect"), &json!("ST-1"), &json!("Li Wei"))
+    );
+
+    let again = lab.post(&path("suspect"), &of_window(100, 170)).await.ok();
+    assert_eq!(again["records"], json!([]), "said already");
+    let back = lab.post(&path("trust"), &of_window(100, 170)).await.ok();
+    assert_eq!(back["records"], json!(ids[3..5]), "{back}");
+    assert_eq!(trend(&lab, "").await, before.1);
+    // It may be doubted a second time, and trusted again.
+    assert_eq!(lab.post(&path("suspect"), &of_window(0, 300)).await.ok()["records"], json!(ids));
+    assert_eq!(lab.post(&path("trust"), &of_window(0, 300)).await.ok()["records"], json!(ids));
+    assert_eq!(trend(&lab, "").await, before.1);
+}
+
+#[tokio::test]
+async fn a_window_leaves_other_stations_and_times_alone_and_what_was_voided_voided() {
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0)]).await;
+    let mut other = of_a(41, 1.0);
+    other["station"] = json!("ST-ELSEWHERE");
+    let elsewhere = id_of(&lab.posts(&other).await);
+    engineer_voids(&lab, &ids[2]).await;
+    let path = |station: &str, deed: &str| format!("/v1/stations/{station}/{deed}");
+    let aside = lab.post(&path("ST-1", "suspect"), &of_window(30, 100)).await.ok();
+    assert_eq!(aside["records"], json!([ids[1]]));
+    let state = async |id: &str| lab.get(&format!("/v1/records/{id}")).await.ok()["state"].clone();
+    assert_eq!((state(&ids[2]).await, state(&elsewhere).await), (json!("voided"), json!("valid")));
+    assert_eq!(lab.post(&path("ST-1", "trust"), &of_window(0, 100)).await.ok()["records"], json!([ids[1]]));
+    assert_eq!(state(&ids[2]).await, "voided");
+    assert_eq!(lab.post(&path("nowhere", "suspect"), &of_window(0, 1)).await.status, 404);
+    let backwards = lab.post(&path("ST-1", "suspect"), &of_window(5, 1)).await;
+    assert_eq!(backwards.refused(422), ["/to"]);
+}

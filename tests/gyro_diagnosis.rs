@@ -5,6 +5,7 @@ mod lab;
 use serde_json::Value;
 
 use lab::{Lab, day, record};
+use sqlx::{Connection, SqliteConnection};
 
 /// Scatter of calibration, deg/(h g0): a fixed sequence that no cause follows.
 fn scatter(k: i64) -> f64 {
@@ -70,6 +71,37 @@ async fn a_temperature_that_the_records_state_is_a_candidate() {
     assert_eq!(warm["causes"][0]["cause"], "temperature", "{warm}");
     let per_kelvin = warm["causes"][0]["estimates"][0]["value"].as_f64().unwrap();
     assert!((per_kelvin - 2e-3).abs() < 2e-4, "{per_kelvin}");
+}
+
+/// A campaign in CSV says its temperature as one in JSON does, and a sensor's fault value is none.
+#[tokio::test]
+async fn a_campaigns_temperature_is_the_mean_of_what_its_dwells_can_be_believed() {
+    let lab = Lab::open().await;
+    let csv = include_str!("../docs/examples/march.csv");
+    let column =
+        csv.lines().find(|line| line.starts_with("phase,")).unwrap().split(',').position(|c| c == "temperature_c");
+    let (column, mut stated, mut faulty) = (column.unwrap(), Vec::new(), String::new());
+    for line in csv.lines() {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        match cells.get(column).and_then(|cell| cell.parse::<f64>().ok()) {
+            Some(_) if stated.len() == 7 => {
+                cells[column] = "999";
+                stated.push(f64::NAN);
+            }
+            Some(temperature) => stated.push(temperature),
+            None => {}
+        }
+        faulty += &(cells.join(",") + "\n");
+    }
+    let request = lab.request(reqwest::Method::POST, "/v1/campaigns").header("content-type", "text/csv").body(faulty);
+    let stored = lab::Answer::of(request).await.created();
+    assert!(stored["id"].is_string());
+    let mut database = SqliteConnection::connect(&format!("sqlite://{}", lab.database().display())).await.unwrap();
+    let kept: f64 = sqlx::query_scalar("SELECT temperature_c FROM record").fetch_one(&mut database).await.unwrap();
+    // In the place of the fault stands what lies between its neighbours.
+    stated[7] = 0.5 * (stated[6] + stated[8]);
+    let mean = stated.iter().sum::<f64>() / stated.len() as f64;
+    assert!((kept - mean).abs() < 1e-3, "{kept} {mean}");
 }
 
 #[tokio::test]

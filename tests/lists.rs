@@ -99,3 +99,57 @@ async fn imus_are_listed_with_the_gyros_in_them() {
         assert_eq!(server.get(bad).await.status, 400, "{bad}");
     }
 }
+
+#[tokio::test]
+async fn gyros_are_found_by_their_batch_and_what_is_said_of_them_is_audited() {
+    let (server, _) = filled().await;
+    let all = pages(&server, "/v1/gyros", "gyros").await;
+    let serials: Vec<String> = all.iter().map(|gyro| gyro["serial"].as_str().unwrap().to_owned()).collect();
+    assert_eq!(all[0]["attributes"], json!({"batch": null, "type": null, "unit": null}));
+    let patch = async |serial: &str, body: Value| {
+        let path = format!("/v1/gyros/{serial}");
+        server.call("PATCH", &path, &[("content-type", "application/json")], body.to_string()).await
+    };
+    for serial in &serials[..2] {
+        let changed = patch(serial, json!({"batch": "2024-B", "type": "LFG-4"})).await;
+        assert_eq!(changed.status, 200, "{}", changed.text());
+        assert_eq!(changed.json()["attributes"], json!({"batch": "2024-B", "type": "LFG-4", "unit": null}));
+    }
+    let of_batch = pages(&server, "/v1/gyros?batch=2024-B&limit=1", "gyros").await;
+    assert_eq!(of_batch.iter().map(|gyro| gyro["serial"].clone()).collect::<Vec<_>>(), serials[..2]);
+    let shown = server.get("/fleet?batch=2024-B").await.text();
+    assert!(serials.iter().enumerate().all(|(k, serial)| shown.contains(&format!("/gyros/{serial}\"")) == (k < 2)));
+
+    // What is left out stays, null takes away.
+    let changed = patch(&serials[0], json!({"batch": null})).await.json();
+    assert_eq!(changed["attributes"], json!({"batch": null, "type": "LFG-4", "unit": null}));
+    assert_eq!(pages(&server, "/v1/gyros?batch=2024-B", "gyros").await.len(), 1);
+    let audit = server.get("/v1/audit?limit=100").await.json();
+    let lines: Vec<&Value> =
+        audit["lines"].as_array().unwrap().iter().filter(|line| line["action"] == "set attributes").collect();
+    assert_eq!(
+        (lines.len(), &lines[0]["before"]["batch"], &lines[0]["after"]["batch"]),
+        (3, &json!("2024-B"), &Value::Null)
+    );
+    // The same again changes nothing, and is no line.
+    assert_eq!(patch(&serials[0], json!({"batch": null})).await.status, 200);
+    assert_eq!(
+        server.get("/v1/audit?limit=100").await.json()["lines"].as_array().unwrap().len(),
+        audit["lines"].as_array().unwrap().len()
+    );
+
+    for (body, status, pointer) in [
+        (json!({"batch": "x".repeat(65)}), 422, "/batch"),
+        (json!({"batsch": "x"}), 422, "/batsch"),
+        (json!({"type": 4}), 422, "/type"),
+    ] {
+        let refused = patch(&serials[0], body).await;
+        assert_eq!(
+            (refused.status, &refused.json()["errors"][0]["pointer"]),
+            (status, &json!(pointer)),
+            "{}",
+            refused.text()
+        );
+    }
+    assert_eq!(patch("NOBODY", json!({"batch": "x"})).await.status, 404);
+}

@@ -884,7 +884,16 @@ async fn a_hook_is_set_up_tried_switched_off_and_deleted_on_its_pages() {
             && wrong.text().contains("Address: must begin with http")
             && wrong.text().contains("/filter/rules/0")
     );
+    let wrong =
+        sends_form(&server, "/hooks/new", &[fields[0], fields[1], fields[2], meant, ("expect", "errcode")]).await;
+    assert!(wrong.status == 422 && wrong.text().contains("errcode = 0"), "{}", wrong.text());
     assert!(page(&server, "/hooks", &[]).await.contains("No hook is set up"));
+    let robot = [("batch", "true"), ("expect", "errcode = 0, result=ok")];
+    let robot = [("name", "robot"), fields[1], fields[2], meant, robot[0], robot[1]];
+    assert_eq!(sends_form(&server, "/hooks/new", &robot).await.status, 201);
+    let robot = server.get("/v1/hooks").await.json()["hooks"][0].clone();
+    assert_eq!((&robot["batch"], &robot["expect"]), (&json!(true), &json!({"json": {"errcode": 0, "result": "ok"}})));
+    goes_on_at(&sends_form(&server, &format!("/hooks/{}/delete", robot["id"].as_str().unwrap()), &[meant]).await);
 
     let set_up = sends_form(&server, "/hooks/new", &fields).await;
     assert!(set_up.status == 201 && set_up.text().contains("whsec_"), "{}", set_up.text());
@@ -1410,7 +1419,7 @@ async fn notes_are_shown_before_and_after_storing_and_a_doubtful_time_is_confirm
     assert!(chinese.contains("暂不计入，待确认时间") && !chinese.contains(words), "{chinese}");
     let id = server.post_json("/v1/records", &early).await.json()["id"].as_str().unwrap().to_owned();
     let shown = page(&server, &format!("/records/{id}"), &[]).await;
-    assert!(shown.contains(words) && shown.contains("Set aside: its time is in doubt"), "{shown}");
+    assert!(shown.contains(words) && shown.contains("Set aside: it does not count"), "{shown}");
     assert!(page(&server, "/gyros/STEADY", &[]).await.contains("<strong>set aside</strong>"));
     let ask = link(&shown, "/records/", "/confirm");
     let path = ask.split('?').next().unwrap();
@@ -1424,4 +1433,36 @@ async fn notes_are_shown_before_and_after_storing_and_a_doubtful_time_is_confirm
     assert!(confirmed.contains("the log book says so") && !confirmed.contains("Set aside:"), "{confirmed}");
     assert_eq!(sends_form(&server, path, &fields).await.status, 409, "there is nothing left to confirm");
     assert!(!page(&server, "/gyros/STEADY", &[]).await.contains("<strong>set aside</strong>"));
+}
+
+#[tokio::test]
+async fn a_window_is_marked_as_suspect_and_trusted_and_a_gyro_gets_its_batch_on_pages() {
+    let server = a_small_fleet().await;
+    let records = async || -> Vec<Value> {
+        let station = "ST-1";
+        let listed = server.get(&format!("/v1/records?station={station}&limit=1000")).await.json();
+        listed["records"].as_array().unwrap().iter().filter(|record| record["valid"] == true).cloned().collect()
+    };
+    let before = records().await;
+    let at = before[0]["calibrated_at"].as_str().unwrap().to_owned();
+    let said = [("by", "Li Wei"), ("reason", "loose fixture"), ("confirm", "yes"), ("from", &at), ("to", &at)];
+    assert!(page(&server, "/stations/ST-1", &[]).await.contains("href=\"/stations/ST-1/suspect\""));
+    assert!(page(&server, "/stations/ST-1/suspect", &[]).await.contains("Mark a window as suspect"));
+    let wrong = sends_form(&server, "/stations/ST-1/suspect", &[said[0], said[1], said[2], said[3]]).await;
+    assert!(wrong.status == 422 && wrong.text().contains("To (RFC 3339)"), "{}", wrong.text());
+    assert_eq!(goes_on_at(&sends_form(&server, "/stations/ST-1/suspect", &said).await), "/stations/ST-1");
+    let of_instant = before.iter().filter(|record| record["calibrated_at"] == *at).count();
+    assert_eq!(records().await.len(), before.len() - of_instant);
+    let shown = page(&server, &format!("/records/{}", before[0]["id"].as_str().unwrap()), &[]).await;
+    assert!(shown.contains("what ST-1 measured at that time is suspect (Li Wei: loose fixture)"), "{shown}");
+    goes_on_at(&sends_form(&server, "/stations/ST-1/trust", &said).await);
+    assert_eq!(records().await.len(), before.len());
+    assert_eq!(server.get("/stations/NOWHERE/suspect").await.status, 404);
+
+    let fields = [("batch", "2024-B"), ("type", ""), ("unit", "vehicle 3"), ("confirm", "yes")];
+    assert_eq!(goes_on_at(&sends_form(&server, "/gyros/JUMP%2F1/attributes", &fields).await), "/gyros/JUMP%2F1");
+    let gyro = page(&server, "/gyros/JUMP%2F1", &[]).await;
+    assert!(gyro.contains("href=\"/fleet?batch=2024-B\"") && gyro.contains("vehicle 3"), "{gyro}");
+    assert!(page(&server, "/gyros/JUMP%2F1/attributes", &[]).await.contains("value=\"2024-B\""));
+    assert!(page(&server, "/fleet?batch=2024-B", &[]).await.contains("/gyros/JUMP%2F1\""));
 }

@@ -380,3 +380,28 @@ async fn periods_come_as_csv_and_a_wrong_period_is_named() {
     assert!(wrong.text.contains("every must be one of day, week, month, is year"), "{}", wrong.text);
     assert_eq!(lab.get("/v1/gyros/A/trend?every=day&voided=include").await.status, 400);
 }
+
+#[tokio::test]
+async fn a_trend_as_columns_says_what_its_points_say() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.001), (80, 1.05), (120, 1.002)]).await;
+    let points = lab.sees_trend("A", "").await;
+    let all = lab.get("/v1/gyros/A/trend?columns=all").await.ok();
+    assert!(all.get("points").is_none() && all["next"].is_null(), "{all}");
+    for (name, column) in all["columns"].as_object().unwrap() {
+        let of_points: Vec<&Value> = points.iter().map(|point| &point[name]).collect();
+        assert_eq!(column.as_array().unwrap().iter().collect::<Vec<_>>(), of_points, "{name}");
+    }
+    assert_eq!(all["columns"].as_object().unwrap().len(), points[0].as_object().unwrap().len());
+    let some = lab.get("/v1/gyros/A/trend?columns=value,calibrated_at&limit=2").await;
+    let body = some.ok();
+    assert_eq!(
+        body["columns"],
+        json!({"value": [points[0]["value"], points[1]["value"]],
+        "calibrated_at": [day(0), day(40)]})
+    );
+    assert!(body["next"].is_string() && some.header("link").contains("columns=value"), "{}", some.header("link"));
+    assert_ne!(some.header("etag"), lab.get("/v1/gyros/A/trend?limit=2").await.header("etag"));
+    for wrong in ["columns=valeu", "columns=", "columns=all&format=csv", "columns=all&every=month"] {
+        assert_eq!(lab.get(&format!("/v1/gyros/A/trend?{wrong}")).await.status, 400, "{wrong}");
+    }
+}

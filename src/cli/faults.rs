@@ -36,7 +36,16 @@ pub(super) fn of_problem(problem: &ProblemBody, language: Language) -> Option<St
 fn is_placed(message: &Message) -> bool {
     matches!(
         &*message.code,
-        "at_line" | "at_line_key" | "at_cell" | "at_column" | "at_head_line" | "no_table" | "utf16"
+        "at_line"
+            | "at_line_key"
+            | "at_cell"
+            | "at_column"
+            | "at_head_line"
+            | "no_table"
+            | "utf16"
+            | "map_names"
+            | "map_column_missing"
+            | "table_without_rows"
     )
 }
 

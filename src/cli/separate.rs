@@ -116,19 +116,19 @@ fn tables(record: &Record, separations: &[Separation], verdicts: &[Requirements]
 /// How E and G keep to what is required of them, and below the table why where they do not; empty where nothing is
 /// required.
 fn requirement_table<'a>(gyros: impl Iterator<Item = (&'a GyroParameters, &'a Requirements)>) -> String {
-    let (mut states, mut reasons) = (table(["gyro", "serial", "E", "G"], 4..4), String::new());
+    let (mut statuses, mut reasons) = (table(["gyro", "serial", "E", "G"], 4..4), String::new());
     for (gyro, verdicts) in gyros.filter(|(_, verdicts)| verdicts.iter().any(Option::is_some)) {
         let (slot, serial) = (gyro.slot.name(), gyro.serial.as_str());
-        let [e, g] = verdicts.map(|verdict| verdict.map_or("-", |verdict| verdict.state.name()));
-        states.add_row([slot, serial, e, g]);
+        let [e, g] = verdicts.map(|verdict| verdict.map_or("-", |verdict| asked().word(&verdict.status().word().code)));
+        statuses.add_row([slot, serial, e, g]);
         for verdict in verdicts.iter().flatten().filter(|verdict| verdict.state != State::Within) {
             reasons.push_str(&format!("\n{slot} {serial}: {}", asked().reason(verdict)));
         }
     }
-    if states.is_empty() {
+    if statuses.is_empty() {
         String::new()
     } else {
-        format!("\n\nE and G against what is required of them\n{states}{reasons}")
+        format!("\n\nE and G against what is required of them\n{statuses}{reasons}")
     }
 }
 

@@ -15,6 +15,8 @@ use crate::wire::campaign_csv::to_csv;
 
 const RECORD: &str = include_str!("../../examples/templates/record.json");
 const BENCH: &str = include_str!("../../examples/templates/bench.json");
+const RECORD_TABLE: &str = include_str!("../../examples/templates/record.csv");
+const BENCH_TABLE: &str = include_str!("../../examples/templates/bench.csv");
 const MAP: &str = include_str!("../../examples/maps/pulses-on-a-table.toml");
 
 /// Print a worked example of a document, to be filled with your own figures
@@ -25,7 +27,7 @@ pub struct Template {
     #[arg(value_enum)]
     of: Of,
 
-    /// Of a campaign csv, json or xlsx; of a programme csv or xlsx; the others have one format
+    /// csv, json or xlsx; of a programme csv or xlsx; a map is TOML
     #[arg(long, value_enum)]
     format: Option<As>,
 
@@ -76,6 +78,10 @@ impl Template {
             (Of::Campaign, As::Xlsx) => return self.sheet(&to_csv(&example())),
             (Of::Record, As::Json) => RECORD.to_owned(),
             (Of::Bench, As::Json) => BENCH.to_owned(),
+            (Of::Record, As::Csv) => RECORD_TABLE.to_owned(),
+            (Of::Bench, As::Csv) => BENCH_TABLE.to_owned(),
+            (Of::Record, As::Xlsx) => return self.sheet(RECORD_TABLE),
+            (Of::Bench, As::Xlsx) => return self.sheet(BENCH_TABLE),
             (Of::Programme, As::Csv) => programme(),
             (Of::Programme, As::Xlsx) => return self.sheet(&programme()),
             (Of::Map, As::Toml) => MAP.to_owned(),

@@ -11,6 +11,8 @@ pub enum HistoryNote {
     TimeInDoubt(TimeDoubt),
     /// Earlier records are set aside because this one is decades after them.
     OthersSetAside { records: Vec<Named> },
+    /// Somebody suspects what its station measured at that time: it is set aside until somebody confirms it.
+    Suspect { station: String, author: String, reason: String },
     /// Ahead of the service's clock, hours.
     AheadOfNow { hours: f64 },
     /// A slot in which another gyro was has a gyro that nobody knows.
@@ -70,6 +72,7 @@ impl HistoryNote {
         match self {
             Self::TimeInDoubt(_) => "time_in_doubt",
             Self::OthersSetAside { .. } => "others_set_aside",
+            Self::Suspect { .. } => "suspect",
             Self::AheadOfNow { .. } => "ahead_of_now",
             Self::NewSerial { .. } => "new_serial",
             Self::LookAlike { .. } => "look_alike",

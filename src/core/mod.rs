@@ -20,6 +20,7 @@ pub mod fault;
 pub mod figures;
 pub mod fleet_order;
 pub mod frames;
+pub mod gyro_attributes;
 pub mod history_note;
 pub mod hook_filter;
 pub mod id;

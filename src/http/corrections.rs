@@ -28,7 +28,7 @@ use crate::words;
 /// How a record, campaign or bench result stands.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct StandingBody {
-    /// `valid`, `voided`, `revised`, or `set_aside` until somebody confirms its time; only what is valid counts.
+    /// `valid`, `voided`, `revised`, or `set_aside` until somebody confirms it; only what is valid counts.
     state: &'static str,
     voided: Option<RemarkBody>,
     /// What stands in its place.

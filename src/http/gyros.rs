@@ -9,18 +9,25 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::app::App;
+use super::document::Document;
 use super::events::EventBody;
 use super::query::{self, Parameters};
 use crate::config::JudgedMethod;
+use crate::core::fault::Faults;
 use crate::core::figures::Figures;
+use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
 use crate::core::judge::Measured;
 use crate::core::judge::{Event, Outlook, Reach, Rule, State as Judgement, Status};
+use crate::core::record::Name;
 use crate::core::time::Span;
 use crate::message;
-use crate::pipeline::{FleetFilter, Names, Queries, Standing, StandingFilter, sample_of};
+use crate::pipeline::{
+    Actor, AttributesOrder, FleetFilter, Names, Queries, Standing, StandingFilter, Submission, sample_of,
+};
 use crate::wire::answer::{FigureBody, VerdictBody};
+use crate::wire::json::present;
 use crate::wire::problem::Problem;
-use crate::wire::{cursor, time};
+use crate::wire::{cursor, json, text, time};
 
 const MOST_GYROS: usize = 10_000;
 
@@ -46,6 +53,8 @@ pub struct GyrosQuery {
     imu: Option<String>,
     /// Only gyros with an alert of this rule that is not resolved.
     rule: Option<String>,
+    /// Only gyros of this batch.
+    batch: Option<String>,
     /// Only gyros that were calibrated no earlier: a day (UTC) or a time.
     calibrated_since: Option<String>,
     /// Only gyros of which something began to be worse no earlier.
@@ -75,6 +84,7 @@ fn fleet_filter(asked: &GyrosQuery) -> Result<FleetFilter<'_>, Problem> {
         ever,
         imu: asked.imu.as_deref().unwrap_or_default(),
         rule: asked.rule.as_ref().map(rule).transpose()?,
+        batch: asked.batch.as_deref().unwrap_or_default(),
         calibrated_since: start("calibrated_since", &asked.calibrated_since)?,
         changed_since: start("changed_since", &asked.changed_since)?,
         ..FleetFilter::default()
@@ -121,6 +131,53 @@ pub struct Gyro {
     out_of_use: Option<&'static str>,
     /// Since when it is beyond its limits; where it is not, since when it drifts.
     since: Option<String>,
+    attributes: AttributesBody,
+}
+
+/// What the laboratory says of a gyro, in words of its own.
+#[derive(Serialize, ToSchema)]
+struct AttributesBody {
+    /// Of production.
+    batch: Option<String>,
+    r#type: Option<String>,
+    /// The owner, or the vehicle that it flies in.
+    unit: Option<String>,
+}
+
+impl From<&GyroAttributes> for AttributesBody {
+    fn from(GyroAttributes { batch, r#type, unit }: &GyroAttributes) -> Self {
+        Self { batch: batch.clone(), r#type: r#type.clone(), unit: unit.clone() }
+    }
+}
+
+/// What changes; `null` takes a word away, what is left out stays (RFC 7396).
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields, default)]
+#[derive(Default)]
+struct AttributesPatchBody {
+    #[serde(deserialize_with = "present")]
+    #[schema(value_type = Option<String>, max_length = 64)]
+    batch: Option<Option<String>>,
+    #[serde(deserialize_with = "present")]
+    #[schema(value_type = Option<String>, max_length = 64)]
+    r#type: Option<Option<String>>,
+    #[serde(deserialize_with = "present")]
+    #[schema(value_type = Option<String>, max_length = 64)]
+    unit: Option<Option<String>>,
+}
+
+impl AttributesPatchBody {
+    fn to_core(&self) -> Result<GyroAttributesPatch, Faults> {
+        let mut faults = Faults::default();
+        let mut word = |pointer: &str, patch: &Option<Option<String>>| match patch {
+            Some(Some(word)) => Some(text::matched(pointer, word, &mut faults)),
+            Some(None) => Some(None),
+            None => None,
+        };
+        let [batch, r#type, unit] =
+            [("/batch", &self.batch), ("/type", &self.r#type), ("/unit", &self.unit)].map(|(at, of)| word(at, of));
+        faults.or(GyroAttributesPatch { batch, r#type, unit })
+    }
 }
 
 /// The newest calibration, deg/(h g0).
@@ -253,6 +310,23 @@ pub async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Res
     Ok(Json(GyroDetail { gyro, verdicts, events, calibrations, bench_results }))
 }
 
+/// Batch, type and unit of a gyro.
+#[utoipa::path(patch, path = "/v1/gyros/{serial}", tag = "gyros", request_body = AttributesPatchBody,
+    responses((status = 200, description = "the gyro as it is now", body = GyroDetail)))]
+pub async fn patch_gyro(
+    State(app): State<App>,
+    Path(serial): Path<String>,
+    body: Document,
+) -> Result<Json<GyroDetail>, Problem> {
+    let read = json::parse::<AttributesPatchBody>(&body.0).and_then(|patch| patch.to_core());
+    let patch = read.map_err(|faults| Document::problem(&body.0, faults))?;
+    query::gyro(&app, &serial)?;
+    let name = Name::parse(&serial).map_err(|_| Problem::unknown_gyro(&serial))?;
+    let order = AttributesOrder { serial: name, patch, by: Actor::by_caller() };
+    app.pipeline.ingest.submit(Submission::Attributes(order)).await?;
+    get_gyro(State(app), Path(serial)).await
+}
+
 impl Gyro {
     pub fn of(standing: &Standing, method: JudgedMethod, names: &Names<'_>) -> Self {
         Self {
@@ -262,6 +336,7 @@ impl Gyro {
             status: standing.status.map(Status::name),
             out_of_use: standing.out_of_use.map(Event::name),
             since: standing.since.map(time::format),
+            attributes: AttributesBody::from(&standing.attributes),
         }
     }
 }

@@ -2,10 +2,16 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use super::app::App;
+use super::document::Document;
+use crate::core::fault::Faults;
+use crate::pipeline::{Refused, SuspectWindow, WindowOutcome};
 use crate::wire::problem::Problem;
 use crate::wire::stations::{StationBody, StationsBody};
+use crate::wire::{json, text};
 
 /// Every station: repeatability, offset, drift and steps as the gyros of the fleet share them, gyro x station, and how
 /// the stations spread (gauge repeatability and reproducibility), each with its uncertainty.
@@ -25,4 +31,91 @@ pub async fn get_station(State(app): State<App>, Path(name): Path<String>) -> Re
     let stations = found.map(|found| found.stations).unwrap_or_default();
     let station = stations.iter().find(|station| *station.name == *name);
     Ok(Json(StationBody::from(station.ok_or_else(|| Problem::no_such_station(&name))?)))
+}
+
+/// A window of time at a station, and who says what of it.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+struct WindowOrder {
+    /// Calibrated then or later, RFC 3339.
+    from: String,
+    /// Calibrated then or earlier.
+    to: String,
+    #[schema(min_length = 1, max_length = 64)]
+    by: String,
+    #[schema(min_length = 1, max_length = 4096)]
+    reason: String,
+}
+
+/// What has come of the records of a window.
+#[derive(Serialize, ToSchema)]
+pub struct WindowBody {
+    station: String,
+    /// Identifiers of the records that were set aside, or count again.
+    records: Vec<String>,
+    /// Those of which that could not be done, and why.
+    refused: Vec<RefusedBody>,
+}
+
+#[derive(Serialize, ToSchema)]
+struct RefusedBody {
+    record: String,
+    detail: String,
+}
+
+/// What a station measured in a window of time is suspect: its records are set aside, and what depends on them is
+/// judged again. Nothing is deleted.
+#[utoipa::path(post, path = "/v1/stations/{name}/suspect", tag = "stations", request_body = WindowOrder,
+    params(("name" = String, Path, description = "name of the station")),
+    responses((status = 200, description = "the records that were set aside", body = WindowBody)))]
+pub async fn suspect_window(
+    State(app): State<App>,
+    Path(name): Path<String>,
+    body: Document,
+) -> Result<Json<WindowBody>, Problem> {
+    let window = window(&app, name, &body).await?;
+    let outcome = app.pipeline.suspect(&window).await?;
+    Ok(Json(WindowBody::of(window.station, outcome)))
+}
+
+/// What was marked as suspect in a window of time counts again.
+#[utoipa::path(post, path = "/v1/stations/{name}/trust", tag = "stations", request_body = WindowOrder,
+    params(("name" = String, Path, description = "name of the station")),
+    responses((status = 200, description = "the records that count again", body = WindowBody)))]
+pub async fn trust_window(
+    State(app): State<App>,
+    Path(name): Path<String>,
+    body: Document,
+) -> Result<Json<WindowBody>, Problem> {
+    let window = window(&app, name, &body).await?;
+    let outcome = app.pipeline.trust(&window).await?;
+    Ok(Json(WindowBody::of(window.station, outcome)))
+}
+
+async fn window(app: &App, station: String, body: &Document) -> Result<SuspectWindow, Problem> {
+    let WindowOrder { from, to, by, reason } =
+        json::parse(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let mut faults = Faults::default();
+    let span = text::span(("/from", &from), ("/to", &to), &mut faults);
+    let author = text::required_short("/by", by, &mut faults);
+    let reason = text::required_note("/reason", reason, &mut faults);
+    faults.or(()).map_err(|faults| Document::problem(&body.0, faults))?;
+    if !app.pipeline.queries.is_station(&station).await? {
+        return Err(Problem::no_such_station(&station));
+    }
+    Ok(SuspectWindow { station, span, author, reason })
+}
+
+impl WindowBody {
+    fn of(station: String, outcome: WindowOutcome) -> Self {
+        let refused = |(id, why): (crate::core::id::Id, Refused)| RefusedBody {
+            record: id.to_string(),
+            detail: crate::words::asked().words(&why.message()),
+        };
+        Self {
+            station,
+            records: outcome.changed.iter().map(ToString::to_string).collect(),
+            refused: outcome.refused.into_iter().map(refused).collect(),
+        }
+    }
 }

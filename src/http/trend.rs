@@ -111,7 +111,11 @@ fn written(
         events,
         next: next.clone(),
     };
-    let text = if request.csv { csv::written(&trend, request.voided) } else { json::written(&trend) };
+    let text = match &request.columns {
+        _ if request.csv => csv::written(&trend, request.voided),
+        Some(columns) => json::columns(&trend, columns),
+        None => json::written(&trend),
+    };
     let text = text.ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
     Ok(Written { text, csv: request.csv, next })
 }

@@ -38,6 +38,11 @@ fn cell(cell: &Data) -> String {
         Data::String(text) if !text.starts_with('#') && text.contains([',', '"', '\n']) => {
             format!("\"{}\"", text.replace('"', "\"\""))
         }
+        // A workbook knows no offset from UTC: what reads the table has to say it.
+        Data::DateTime(at) if at.is_datetime() => {
+            let (year, month, day, hour, minute, second, _) = at.to_ymd_hms_milli();
+            format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}")
+        }
         other => other.to_string(),
     }
 }

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::figure;
 use super::gyro::Facts;
+use super::gyro_attributes;
 use super::history::seat;
 use super::history_plot::{budgets, epoch_of};
 use super::layout::{DRIFTS, encoded, instant, symbol};
@@ -119,6 +120,7 @@ pub(super) fn head(
     let t = viewer.text();
     html! {
         h1 { (serial) " " (facts.badge(t)) }
+        @if let Some(standing) = &facts.standing { (gyro_attributes::line(viewer, serial, &standing.attributes)) }
         @if let Some(figures) = facts.course.figures.last() {
             p.lead {
                 a href={ "/imus/" (encoded(names.imu(figures.imu))) } { (seat(figures, names)) }

@@ -26,6 +26,7 @@ use crate::core::history_note::HistoryNote;
 use crate::core::id::Id;
 use crate::core::judge::Measured;
 use crate::core::note::Note;
+use crate::message;
 use crate::pages::upload_parts::{Piece, pieces};
 use crate::pipeline::{
     Accepted, Calibration, Caller, Forecast, Foreseen, Origin, Pipeline, Preview, ReadDocument, Refused, Reply,
@@ -34,6 +35,7 @@ use crate::pipeline::{
 use crate::wire::campaign::Form;
 use crate::wire::json::from_line;
 use crate::wire::note::NoteBody;
+use crate::wire::record_table::{TableMap, documents};
 use located::Place;
 
 /// Documents of one form that are shown; all are read and all are stored. So many of the sound ones are held against
@@ -79,7 +81,13 @@ struct Source {
 
 /// Where the faults are of the first that have some.
 fn places(text: &str, read: &[(usize, Result<ReadDocument, Faults>)]) -> Vec<Place> {
-    let pieces = pieces(text);
+    let is_table = documents(text, &TableMap::default()).is_some();
+    let pieces = if is_table {
+        // Its faults name lines of the whole.
+        vec![Piece { line: 1, text, form: Form::Csv }; read.len()]
+    } else {
+        pieces(text)
+    };
     let faulty = pieces.iter().zip(read).filter_map(|(piece, (_, read))| Some((piece, read.as_ref().err()?)));
     let of_piece = |(piece, faults): (&Piece<'_>, &Faults)| -> Vec<Place> {
         faults.0.iter().map(|fault| located::place(piece, fault)).collect()
@@ -219,7 +227,22 @@ enum Outcome {
 
 /// Every document of the text, with the line on which it begins.
 fn read_all(pipeline: &Pipeline, caller: &Caller, text: &str) -> Vec<(usize, Result<ReadDocument, Faults>)> {
-    pieces(text).iter().map(|piece| (piece.line, read(pipeline, caller, piece))).collect()
+    let Some(table) = documents(text, &TableMap::default()) else {
+        return pieces(text).iter().map(|piece| (piece.line, read(pipeline, caller, piece))).collect();
+    };
+    let rows = match table {
+        Ok(rows) => rows,
+        Err(faults) => return vec![(1, Err(faults))],
+    };
+    let at =
+        |line: usize, fault: Fault| Fault { message: message!("at_line", line = line, fault = fault.message), ..fault };
+    let read = |(line, document): (usize, serde_json::Value)| {
+        let text = document.to_string();
+        let read = read(pipeline, caller, &Piece { line, text: &text, form: Form::Json });
+        let placed = |faults: Faults| Faults(faults.0.into_iter().map(|fault| at(line, fault)).collect());
+        (line, read.map_err(placed))
+    };
+    rows.into_iter().map(read).collect()
 }
 
 /// Submits all together, so that they share their flushes of the disk.

@@ -23,6 +23,7 @@ mod find;
 mod fleet;
 mod form;
 mod gyro;
+mod gyro_attributes;
 mod gyro_diagnosis;
 mod gyro_head;
 mod history;
@@ -46,6 +47,7 @@ mod state;
 mod station;
 mod stations;
 mod status;
+mod suspect;
 mod text;
 mod today;
 mod upload_parts;
@@ -110,6 +112,12 @@ pub fn routes() -> Routes<Pages> {
         .post(ENGINEER, "/diagnoses/{id}/cancel", diagnoses::cancel)
         .get(VIEWER, "/stations", stations::page)
         .get(VIEWER, "/stations/{name}", station::page)
+        .get(ENGINEER, "/stations/{name}/suspect", suspect::ask_suspect)
+        .post(ENGINEER, "/stations/{name}/suspect", suspect::suspect)
+        .get(ENGINEER, "/stations/{name}/trust", suspect::ask_trust)
+        .post(ENGINEER, "/stations/{name}/trust", suspect::trust)
+        .get(ENGINEER, "/gyros/{serial}/attributes", gyro_attributes::ask)
+        .post(ENGINEER, "/gyros/{serial}/attributes", gyro_attributes::act)
         .get(VIEWER, "/gyros/{serial}/diagnosis", gyro_diagnosis::page)
         .get(VIEWER, "/book", book::first)
         .get(VIEWER, "/book/{*name}", book::one)

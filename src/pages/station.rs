@@ -9,6 +9,7 @@ use super::course::Course;
 use super::figure;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::viewer::Viewer;
+use crate::core::access::Role;
 use crate::core::changes::{Shared, Spread, StationColumn};
 use crate::wire::problem::Problem;
 
@@ -28,6 +29,12 @@ async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Probl
             " · " (figures.gyros) " " (t.gyros) " · " (figures.imus) " " (t.imu)
             " · " a href={ "/fleet?station=" (encoded(name)) } { (t.gyros) }
             " · " a href={ "/v1/stations/" (encoded(name)) } { "JSON" }
+        }
+        @if viewer.may(Role::Engineer) {
+            p {
+                a.action href={ "/stations/" (encoded(name)) "/suspect" } { (t.suspect_window) } " "
+                a.action href={ "/stations/" (encoded(name)) "/trust" } { (t.trust_window) }
+            }
         }
         p.note { (t.station_figures_note) " " (t.unit) }
         @for (column, coefficient) in figures.columns.iter().zip(DRIFTS) {

@@ -5,7 +5,7 @@ use serde_json::value::RawValue;
 
 use crate::wire::campaign::Form;
 
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Piece<'a> {
     /// Counting from 1.
     pub line: usize,

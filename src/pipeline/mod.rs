@@ -23,6 +23,7 @@ mod error;
 mod hooks;
 mod ingest;
 mod queries;
+mod suspect;
 mod write_queue;
 
 use std::sync::Arc;
@@ -54,8 +55,9 @@ pub use diagnoses::{
 pub use error::{StorageError, StorageFault, WriteError};
 pub use hooks::{DeliveryPage, HookError, HookPatch, Hooks, NewHook, Order, Outbox, OutboxError};
 pub use ingest::{
-    Accepted, BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Fitted, GyroEvent, Ingest,
-    Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Sent, Submission,
+    Accepted, AttributesOrder, BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt,
+    Fitted, GyroEvent, Ingest, Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Sent,
+    Submission,
 };
 pub use queries::{
     BEYOND, Baseline, BenchItem, Compared, Comparison, CorrectedResult, CorrectionItem, Course, DUE_DAYS, DueImu,
@@ -64,6 +66,8 @@ pub use queries::{
     Standing, StandingFilter, StationEffect, StationShift, Statuses, StoredCampaign, StoredRecord, Tested, Today,
     Verified, Violation, WallPage, sample_of, today,
 };
+
+pub use suspect::{SuspectWindow, WindowOutcome};
 
 /// The rooms: each with its own types and errors. Cheap to clone.
 #[derive(Debug, Clone)]

@@ -98,7 +98,8 @@ impl WriteQueue {
             Submission::Calibration(sent) => store::names::cell_of_imu(store, sent.imu.as_str()),
             Submission::Bench(sent) => store::names::cell_of_gyro(store, sent.result.serial.as_str()),
             Submission::Event(sent) => store::names::cell_of_gyro(store, sent.serial.as_str()),
-            Submission::Correction(_) | Submission::Confirmation(_) => 0,
+            Submission::Attributes(sent) => store::names::cell_of_gyro(store, sent.serial.as_str()),
+            Submission::Correction(_) | Submission::Confirmation(_) | Submission::Doubt(_) => 0,
         };
         usize::from(cell) % self.lanes.len()
     }

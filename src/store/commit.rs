@@ -33,6 +33,8 @@ use crate::store::tables::diagnosis_job;
 use crate::store::tables::diagnosis_job::JobChanges;
 use crate::store::tables::event;
 use crate::store::tables::event::EventRow;
+use crate::store::tables::gyro_attribute;
+use crate::store::tables::gyro_attribute::GyroAttributeRow;
 use crate::store::tables::head;
 use crate::store::tables::head::HeadChanges;
 use crate::store::tables::history::HistoryRow;
@@ -69,6 +71,7 @@ pub struct Changes {
     pub confirmed: Vec<ConfirmationRow>,
     pub benches: Vec<BenchRow>,
     pub events: Vec<EventRow>,
+    pub attributes: Vec<GyroAttributeRow>,
     pub keys: Vec<KeyRow>,
     pub alerts: Vec<AlertRow>,
     pub alert_steps: Vec<StepRow>,
@@ -116,6 +119,7 @@ impl Changes {
             && self.confirmed.is_empty()
             && self.benches.is_empty()
             && self.events.is_empty()
+            && self.attributes.is_empty()
             && self.keys.is_empty()
             && self.rejudged.history.is_empty()
             && self.alerts.is_empty()
@@ -323,6 +327,7 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
     record::update_verdicts(&changes.rejudged.sheets, &mut batch);
     bench::insert(&changes.benches, &mut batch);
     event::insert(&changes.events, &mut batch);
+    gyro_attribute::upsert(&changes.attributes, &mut batch);
     keys::insert(&changes.keys, &mut batch);
     silence::upsert(&changes.silences, &mut batch);
     alerts::upsert(&changes.alerts, &mut batch);

@@ -49,8 +49,9 @@ const TABLES: &[Table] = tables! {
     "imu" by "id": Whole id, Text name;
     "station" by "id": Whole id, Text name;
     "gyro" by "id": Whole id, Text serial;
+    "gyro_attribute" by "gyro": Whole gyro, Text batch type unit;
     "record" by "id": Whole id kind imu station calibrated_at received_at, Text body, Bytes body_sha256 verdicts, Whole voided, Text notes,
-        Whole sent_by;
+        Whole sent_by, Real temperature_c;
     "history" by "gyro, calibrated_at": Whole gyro calibrated_at record, Bytes figures;
     "voided_history" by "gyro, calibrated_at, record": Whole gyro calibrated_at record, Bytes figures;
     "bench_result" by "id": Whole id gyro station measured_at, Text method, Real d_i d_s d_i_sd d_s_sd, Whole received_at,

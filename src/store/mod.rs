@@ -34,6 +34,7 @@ pub use crate::store::tables::diagnosis_job::{
     CampaignFilter, FailedTask, JobChanges, JobRow, NewJob, SettledTask, TaskCounts,
 };
 pub use crate::store::tables::event::EventRow;
+pub use crate::store::tables::gyro_attribute::GyroAttributeRow;
 pub use crate::store::tables::head::{HeadChanges, HeadRow, HeadsMade, NewestRow};
 pub use crate::store::tables::histories::Stretch;
 pub use crate::store::tables::history::HistoryRow;
@@ -42,7 +43,7 @@ pub use crate::store::tables::keys::KeyRow;
 pub use crate::store::tables::model::ModelRow;
 pub use crate::store::tables::names::{Names, NamesOf, NewName, Table, Tables};
 pub use crate::store::tables::record::{RecordAt, RecordEntry, RecordFilter, RecordHead, RecordRow, RejudgedSheet};
-pub use crate::store::tables::set_aside::{ConfirmationRow, SetAside};
+pub use crate::store::tables::set_aside::{ConfirmationRow, SetAside, StoredAside};
 pub use crate::store::tables::silence::SilenceRow;
 pub use cells::{Cells, cell_of};
 pub use commit::{Changes, Committer, Rejudged, Writer, Written};
@@ -55,8 +56,8 @@ pub use secrets::Secrets;
 
 pub use postgres::{claim, other_servers};
 pub use tables::{
-    access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, head, histories, history,
-    hook, keys, model, names, outbox, record, set_aside, silence,
+    access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, gyro_attribute, head,
+    histories, history, hook, keys, model, names, outbox, record, set_aside, silence,
 };
 
 #[cfg(test)]

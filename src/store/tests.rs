@@ -58,6 +58,7 @@ pub(super) fn record(id: Id, at: i64, note: &str) -> RecordRow {
         voided: false,
         notes: None,
         sent_by: None,
+        temperature_c: None,
     }
 }
 

@@ -20,11 +20,12 @@ mod write;
 
 pub use write::to_csv;
 
-use cells::{Columns, Row, at_cell};
+use cells::{Columns, Row};
 use head::Head;
 
 use super::campaign::{CampaignBody, commanded};
 use super::json;
+use super::table::at_cell;
 use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
 use crate::core::message::Message;

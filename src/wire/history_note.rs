@@ -21,6 +21,7 @@ const VERSION: u64 = 1;
 enum Coded {
     TimeInDoubt { set_aside: bool, epoch: Option<String>, nearest: Option<String> },
     OthersSetAside { records: Vec<NamedBody> },
+    Suspect { station: String, author: String, reason: String },
     AheadOfNow { hours: f64 },
     NewSerial { slot: SlotBody, serial: String, had: String, nearest: Option<String> },
     LookAlike { of: KindBody, name: String, known: String },
@@ -93,6 +94,9 @@ impl From<&HistoryNote> for Coded {
             HistoryNote::OthersSetAside { records } => {
                 let body = |it: &Named| NamedBody { record: it.record.clone(), calibrated_at: time::format(it.at) };
                 Self::OthersSetAside { records: records.iter().map(body).collect() }
+            }
+            HistoryNote::Suspect { station, author, reason } => {
+                Self::Suspect { station: station.clone(), author: author.clone(), reason: reason.clone() }
             }
             HistoryNote::AheadOfNow { hours } => Self::AheadOfNow { hours: *hours },
             HistoryNote::NewSerial { slot, serial, had, nearest } => Self::NewSerial {
@@ -213,6 +217,10 @@ impl Coded {
                 };
                 message!("others_set_aside", records = list(records.iter().map(one)))
             }
+            Self::Suspect { station, author, reason } => {
+                let (station, author, reason) = (station.clone(), author.clone(), reason.clone());
+                message!("suspect", station = station, author = author, reason = reason)
+            }
             Self::AheadOfNow { hours } => message!("ahead_of_now", hours = figure(*hours, 1)),
             Self::NewSerial { slot, serial, had, nearest } => {
                 let (serial, slot, had) = (serial.clone(), slot_name(*slot), had.clone());
@@ -294,6 +302,7 @@ mod tests {
             HistoryNote::TimeInDoubt(TimeDoubt::NearEpoch { epoch: UtcMicros(946_684_800_000_000) }),
             HistoryNote::TimeInDoubt(TimeDoubt::FarFromOthers { nearest: UtcMicros(1_767_254_400_000_000) }),
             HistoryNote::OthersSetAside { records: vec![named("r1"), named("r2")] },
+            HistoryNote::Suspect { station: "ST-1".into(), author: "Li Wei".into(), reason: "loose fixture".into() },
             HistoryNote::AheadOfNow { hours: 3.25 },
             HistoryNote::NewSerial { slot: Slot::G2, serial: "B".into(), had: "8".into(), nearest: Some("8".into()) },
             HistoryNote::NewSerial { slot: Slot::G2, serial: "B".into(), had: "8".into(), nearest: None },
@@ -338,13 +347,14 @@ mod tests {
             (0, "near 2000-01-01"),
             (1, "(nearest: 2026-01-01)"),
             (2, "r1 (2026-01-01), r2"),
-            (4, "B is new in G2, which had 8 before; the nearest known serial is 8"),
-            (9, "A has the figures of B, B has the figures of A"),
-            (11, "A, B: identical to record r1 of 2026-01-01T08:00:00Z"),
-            (12, "E of A is 3600 times what it was before: is it in pulse/deg?"),
-            (13, "G of A is 1/9.80665 times what it was before: is it in pulse/(s m/s^2)?"),
-            (14, "G of A is 9.80665 times what it was before: is it in another unit?"),
-            (15, "A was in I-1 G1 in its last record and is in I-2 G3 now"),
+            (3, "what ST-1 measured"),
+            (5, "B is new in G2, which had 8 before; the nearest known serial is 8"),
+            (10, "A has the figures of B, B has the figures of A"),
+            (12, "A, B: identical to record r1 of 2026-01-01T08:00:00Z"),
+            (13, "E of A is 3600 times what it was before: is it in pulse/deg?"),
+            (14, "G of A is 1/9.80665 times what it was before: is it in pulse/(s m/s^2)?"),
+            (15, "G of A is 9.80665 times what it was before: is it in another unit?"),
+            (16, "A was in I-1 G1 in its last record and is in I-2 G3 now"),
         ] {
             assert!(said[place].contains(words), "{}", said[place]);
         }

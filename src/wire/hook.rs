@@ -6,6 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use utoipa::ToSchema;
 
 use super::alert::AlertBody;
+use super::json::present;
 use super::message::MessageBody;
 use crate::core::fault::Faults;
 use crate::core::judge::{Rule, Severity};
@@ -115,11 +116,6 @@ impl ExpectBody {
 /// 0 and 0.0 are the same number.
 fn same(a: &serde_json::Value, b: &serde_json::Value) -> bool {
     a == b || a.as_f64().is_some_and(|a| Some(a) == b.as_f64())
-}
-
-/// Tells `null` from left out.
-fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<String>>, D::Error> {
-    Option::deserialize(deserializer).map(Some)
 }
 
 /// Which alerts a hook is told of; an empty list lets all through.

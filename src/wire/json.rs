@@ -7,6 +7,7 @@ mod several;
 mod words;
 
 use serde::de::{DeserializeOwned, IgnoredAny};
+use serde::{Deserialize, Deserializer};
 
 use crate::core::fault::{Fault, Faults};
 use crate::message;
@@ -62,6 +63,11 @@ fn without_blanks_after(bytes: &[u8]) -> &[u8] {
 
 pub(crate) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+/// Tells `null` from left out.
+pub fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<String>>, D::Error> {
+    Option::deserialize(deserializer).map(Some)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use super::triple::Triple;
 use crate::core::fault::Faults;
 use crate::core::message::text;
 use crate::core::record::{MAX_NAME_CHARS, MAX_NOTE_CHARS, Name};
-use crate::core::time::UtcMicros;
+use crate::core::time::{Span, UtcMicros};
 use crate::message;
 
 /// A name that something is to match: in its one spelling, without characters that nobody sees.
@@ -58,6 +58,16 @@ pub fn short(pointer: &str, text: &Option<String>, faults: &mut Faults) -> Optio
 /// Optional text of several lines.
 pub fn note(pointer: &str, text: &Option<String>, faults: &mut Faults) -> Option<String> {
     optional(pointer, text, MAX_NOTE_CHARS, |c| c.is_control() && !matches!(c, '\n' | '\r' | '\t'), faults)
+}
+
+/// Two instants, the second not before the first.
+pub fn span((from_at, from): (&str, &str), (to_at, to): (&str, &str), faults: &mut Faults) -> Span {
+    let before = faults.0.len();
+    let span = Span { from: instant(from_at, from, faults), to: instant(to_at, to, faults) };
+    if faults.0.len() == before && span.to < span.from {
+        faults.push(to_at, message!("to_before_from"));
+    }
+    span
 }
 
 /// Text of one line that must say something: who did it, say.

@@ -4,8 +4,11 @@ use std::fmt;
 
 use serde_json::Value;
 
-/// Displays D_I and D_S of each gyro or why there are none, how many verdicts there are of each state, what was
-/// judged out of bounds, and what could not be checked; nothing for other answers.
+use crate::core::judge::Status;
+use crate::words;
+
+/// Displays D_I and D_S of each gyro or why there are none, how many verdicts there are of each status, what was
+/// judged beyond its limit, and what could not be checked; nothing for other answers.
 pub struct Gist<'a>(pub &'a Value);
 
 impl fmt::Display for Gist<'_> {
@@ -19,16 +22,24 @@ impl fmt::Display for Gist<'_> {
             let (slot, serial, reason) = (text(gyro, "slot"), text(gyro, "serial"), text(gyro, "reason"));
             writeln!(f, "  {slot} {serial}  no D_I and D_S: {reason}")?;
         }
-        let of = |state: &str| members(self.0, "verdicts").filter(|verdict| text(verdict, "state") == state).count();
-        let counts = ["exceeded", "indeterminate", "within"].map(|state| (of(state), state));
-        if counts.iter().any(|(count, _)| *count > 0) {
-            let counts: Vec<String> = counts.iter().map(|(count, state)| format!("{count} {state}")).collect();
+        let verdicts: Vec<(Status, &Value)> = members(self.0, "verdicts")
+            .filter_map(|verdict| Some((Status::from_name(text(verdict, "status"))?, verdict)))
+            .collect();
+        let word = |status: Status| words::asked().word(&status.word().code);
+        let counts: Vec<String> = Status::ALL
+            .into_iter()
+            .rev()
+            .map(|status| (status, verdicts.iter().filter(|(other, _)| *other == status).count()))
+            .filter(|(_, count)| *count > 0)
+            .map(|(status, count)| format!("{count} {}", word(status)))
+            .collect();
+        if !counts.is_empty() {
             writeln!(f, "  verdicts: {}", counts.join(", "))?;
         }
-        for verdict in members(self.0, "verdicts").filter(|verdict| text(verdict, "state") == "exceeded") {
+        for (status, verdict) in verdicts.iter().filter(|(_, verdict)| text(verdict, "state") == "exceeded") {
             let (serial, coefficient) = (text(verdict, "serial"), text(verdict, "coefficient"));
             let (rule, reason) = (text(verdict, "rule"), text(verdict, "reason"));
-            writeln!(f, "  {serial} {coefficient} {rule} exceeded: {reason}")?;
+            writeln!(f, "  {serial} {coefficient} {rule} {}: {reason}", word(*status))?;
         }
         write!(f, "{}", Notes(self.0))
     }
@@ -65,16 +76,16 @@ mod tests {
             "separations": [{"slot": "G1", "serial": "LFG-1", "d_i": {"value": 2.957643}, "d_s": {"value": -4.618005}}],
             "not_separated": [{"slot": "G2", "serial": "LFG-2", "reason": "the dwells do not determine G_x"}],
             "verdicts": [
-                {"serial": "LFG-1", "coefficient": "D_I", "rule": "step", "state": "exceeded", "reason": "too far"},
-                {"serial": "LFG-1", "coefficient": "D_I", "rule": "trend", "state": "indeterminate", "reason": "too few"},
-                {"serial": "LFG-1", "coefficient": "D_S", "rule": "trend", "state": "indeterminate", "reason": "too few"},
-                {"serial": "LFG-1", "coefficient": "D_S", "rule": "step", "state": "within", "reason": "close"}],
+                {"serial": "LFG-1", "coefficient": "D_I", "rule": "step", "state": "exceeded", "status": "unconfirmed", "reason": "too far"},
+                {"serial": "LFG-1", "coefficient": "D_I", "rule": "trend", "state": "indeterminate", "status": "not_enough_data", "reason": "too few"},
+                {"serial": "LFG-1", "coefficient": "D_S", "rule": "trend", "state": "indeterminate", "status": "not_enough_data", "reason": "too few"},
+                {"serial": "LFG-1", "coefficient": "D_S", "rule": "step", "state": "within", "status": "in_tolerance", "reason": "close"}],
             "notes": [{"code": "no_temperatures", "detail": "no temperature column"}, {"code": "moved", "detail": "LFG-1 has moved"}]});
         let lines = [
             "  G1 LFG-1  D_I +2.957643  D_S -4.618005 deg/(h g0)",
             "  G2 LFG-2  no D_I and D_S: the dwells do not determine G_x",
-            "  verdicts: 1 exceeded, 2 indeterminate, 1 within",
-            "  LFG-1 D_I step exceeded: too far",
+            "  verdicts: 1 unconfirmed, 2 not enough data, 1 in tolerance",
+            "  LFG-1 D_I step unconfirmed: too far",
             "  note: no temperature column",
             "  note: LFG-1 has moved",
         ];

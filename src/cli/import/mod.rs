@@ -9,7 +9,7 @@ mod watch;
 #[cfg(test)]
 mod tests;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, bail};
@@ -17,8 +17,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::client::{Connection, Service};
 use super::document;
+use crate::wire::record_table::TableMap;
 use gist::Gist;
 use send::{Courier, Event, PATIENCE, Tally, end};
+use source::Content;
 
 /// Send records, campaigns and bench results (JSON, NDJSON, CSV) to a running service
 #[derive(Debug, clap::Args)]
@@ -43,6 +45,14 @@ pub struct Import {
     /// Who is told of what gyros did longer ago than `alerts.backfill_days`
     #[arg(long, value_enum, default_value_t = Notify::Digest)]
     notify: Notify,
+
+    /// What the columns of a table of records or bench results mean (TOML), where its header is your own
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
+
+    /// Print the documents that a table comes to, one a line, instead of sending them
+    #[arg(long, conflicts_with = "watch")]
+    print: bool,
 
     #[command(flatten)]
     connection: Connection,
@@ -72,13 +82,21 @@ impl Notify {
 
 impl Import {
     pub fn run(self) -> anyhow::Result<()> {
+        let map = self.map.as_deref().map(table_map).transpose()?.unwrap_or_default();
+        if self.print {
+            return self.files.iter().try_for_each(|path| print(path, &map));
+        }
         let service = self.connection.service()?.telling(self.notify.query());
         let digest = self.notify == Notify::Digest;
         match self.watch {
             Some(dir) => {
-                super::block_on(watch::watch(&dir, self.settle.map(Duration::from_secs_f64), &service, digest))
+                let settle = self.settle.map(Duration::from_secs_f64);
+                super::block_on(watch::watch(&dir, map, settle, &service, digest))
             }
-            None => super::block_on(import(&self.files, &service, digest, if self.no_retry { &[] } else { &PATIENCE })),
+            None => {
+                let pauses: &[Duration] = if self.no_retry { &[] } else { &PATIENCE };
+                super::block_on(import(&self.files, &map, &service, digest, pauses))
+            }
         }
     }
 }
@@ -88,14 +106,35 @@ fn seconds(text: &str) -> Result<f64, String> {
     if (0.0..=3600.0).contains(&seconds) { Ok(seconds) } else { Err("must lie between 0 and 3600".into()) }
 }
 
-async fn import(files: &[PathBuf], service: &Service, digest: bool, pauses: &[Duration]) -> anyhow::Result<()> {
+fn table_map(path: &Path) -> anyhow::Result<TableMap> {
+    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    toml::from_str(&text).with_context(|| path.display().to_string())
+}
+
+fn print(path: &Path, map: &TableMap) -> anyhow::Result<()> {
+    match source::open(path, map)? {
+        Ok(Content::Members(members)) => {
+            members.iter().try_for_each(|(_, text)| document::print(&String::from_utf8_lossy(text)))
+        }
+        Ok(_) => bail!("{}: holds documents already; there is nothing to print", path.display()),
+        Err(unreadable) => bail!("{}: {}", path.display(), unreadable.why),
+    }
+}
+
+async fn import(
+    files: &[PathBuf],
+    map: &TableMap,
+    service: &Service,
+    digest: bool,
+    pauses: &[Duration],
+) -> anyhow::Result<()> {
     let bar = progress_bar(files);
     let mut total = Tally::default();
     for path in files {
         let name = path.display();
         bar.set_message(name.to_string());
         let mut gist = String::new();
-        let tally = match source::open(path)? {
+        let tally = match source::open(path, map)? {
             Ok(content) => {
                 let mut tell = |event: Event<'_>| match event {
                     Event::Carried { bytes } => bar.inc(bytes),

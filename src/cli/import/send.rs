@@ -106,8 +106,10 @@ impl<'a> Courier<'a> {
                 }
             }
             Content::Members(members) => {
-                for (batch, number) in members.chunks(BATCH_LINES).zip(0..) {
-                    self.carry_batch(Batch::of(batch, number * BATCH_LINES as u64)).await?;
+                for members in members.chunks(BATCH_LINES) {
+                    let mut batch = Batch::default();
+                    members.iter().for_each(|(number, text)| batch.push(*number, text.clone()));
+                    self.carry_batch(batch).await?;
                 }
             }
         }
@@ -211,14 +213,6 @@ struct Batch {
 }
 
 impl Batch {
-    fn of(members: &[Vec<u8>], before: u64) -> Self {
-        let mut batch = Self::default();
-        for (text, number) in members.iter().zip(before + 1..) {
-            batch.push(number, text.clone());
-        }
-        batch
-    }
-
     fn push(&mut self, number: u64, text: Vec<u8>) {
         self.bytes += text.len() as u64;
         self.lines.push((number, text));

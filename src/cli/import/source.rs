@@ -13,7 +13,10 @@ use serde_json::value::RawValue;
 use crate::cli::Usage;
 use crate::cli::client::JSON;
 use crate::cli::document::readable;
+use crate::cli::faults::in_words;
+use crate::core::fault::Faults;
 use crate::message;
+use crate::wire::record_table::{TableMap, documents};
 use crate::words;
 
 /// Longest line, and largest single document: far above any campaign, far below memory.
@@ -24,8 +27,8 @@ pub enum Content {
     One(Document),
     /// NDJSON: one document a line.
     Lines(Box<dyn BufRead + Send>),
-    /// The members of a JSON array, each on a line of its own.
-    Members(Vec<Vec<u8>>),
+    /// The members of a JSON array by their number, or the documents of a table by the line of their first row.
+    Members(Vec<(u64, Vec<u8>)>),
 }
 
 #[derive(Debug, PartialEq)]
@@ -44,25 +47,25 @@ pub struct Unreadable {
 }
 
 /// Opens a file; `-` is standard input. The outer error is the file system's, the inner one the content's.
-pub fn open(path: &Path) -> anyhow::Result<Result<Content, Unreadable>> {
+pub fn open(path: &Path, map: &TableMap) -> anyhow::Result<Result<Content, Unreadable>> {
     if path == Path::new("-") {
-        return read(BufReader::new(std::io::stdin())).context("standard input");
+        return read(BufReader::new(std::io::stdin()), map).context("standard input");
     }
     let file = std::fs::File::open(path).with_context(|| path.display().to_string())?;
     if file.metadata().is_ok_and(|m| m.is_dir()) {
         let why = format!("{} is a directory; name its files, or watch it with --watch", path.display());
         return Err(Usage(why).into());
     }
-    read_file(file).with_context(|| path.display().to_string())
+    read_file(file, map).with_context(|| path.display().to_string())
 }
 
 /// As [`open`], of a file that is open.
-pub fn read_file(file: std::fs::File) -> anyhow::Result<Result<Content, Unreadable>> {
-    read(BufReader::with_capacity(1 << 20, file))
+pub fn read_file(file: std::fs::File, map: &TableMap) -> anyhow::Result<Result<Content, Unreadable>> {
+    read(BufReader::with_capacity(1 << 20, file), map)
 }
 
 /// Reads the first line; when that alone is a JSON document and more follows, the rest is lines of such.
-fn read(mut reader: impl BufRead + Send + 'static) -> anyhow::Result<Result<Content, Unreadable>> {
+fn read(mut reader: impl BufRead + Send + 'static, map: &TableMap) -> anyhow::Result<Result<Content, Unreadable>> {
     let mut head = Vec::new();
     while head.trim_ascii().is_empty() {
         if read_line(&mut reader, &mut head)? == 0 {
@@ -79,7 +82,7 @@ fn read(mut reader: impl BufRead + Send + 'static) -> anyhow::Result<Result<Cont
         let why = format!("is one document of more than {MAX_DOCUMENT_BYTES} bytes; send one document a line");
         return Ok(Err(unreadable(&why, false)));
     }
-    Ok(classify(head))
+    Ok(classify(head, map))
 }
 
 /// Like `read_until`, but a line without end cannot fill the memory.
@@ -91,12 +94,18 @@ fn more_follows(reader: &mut impl BufRead) -> std::io::Result<bool> {
     Ok(!reader.fill_buf()?.trim_ascii().is_empty())
 }
 
-fn classify(text: Vec<u8>) -> Result<Content, Unreadable> {
+fn classify(text: Vec<u8>, map: &TableMap) -> Result<Content, Unreadable> {
     if starts_with(&text, b'[') {
         return members(&text);
     }
     if !starts_with(&text, b'{') {
         let text = readable(text).map_err(|fault| unreadable(&words::asked().words(&fault), false))?;
+        if let Some(documents) = std::str::from_utf8(&text).ok().and_then(|text| documents(text, map)) {
+            let refused = |faults: Faults| unreadable(&in_words(&faults.0, words::asked()), false);
+            let lines = documents.map_err(refused)?.into_iter();
+            let lines = lines.map(|(line, document)| (line as u64, document.to_string().into_bytes()));
+            return Ok(Content::Members(lines.collect()));
+        }
         if let Some((told, have)) = unfinished(&text) {
             let why = words::asked().words(&message!("dwells_told", told = told, have = have));
             return Err(unreadable(&why, true));
@@ -137,7 +146,7 @@ fn route_of(text: &[u8]) -> Result<&'static str, Unreadable> {
 fn members(text: &[u8]) -> Result<Content, Unreadable> {
     let members: Vec<&RawValue> = serde_json::from_slice(without_mark(text)).map_err(not_json)?;
     let one_line = |raw: &&RawValue| raw.get().replace(['\n', '\r'], " ").into_bytes();
-    Ok(Content::Members(members.iter().map(one_line).collect()))
+    Ok(Content::Members((1..).zip(members.iter().map(one_line)).collect()))
 }
 
 fn not_json(error: serde_json::Error) -> Unreadable {
@@ -161,7 +170,7 @@ mod tests {
     use super::*;
 
     fn content(text: &'static str) -> Result<Content, Unreadable> {
-        read(text.as_bytes()).unwrap()
+        read(text.as_bytes(), &TableMap::default()).unwrap()
     }
 
     fn route(text: &'static str) -> &'static str {
@@ -188,7 +197,7 @@ mod tests {
         assert!(matches!(content("\n{\"gyros\": []}\nnot json\n"), Ok(Content::Lines(_))));
         assert!(matches!(content("{\"gyros\": []}\n\n"), Ok(Content::One(_))));
         let Ok(Content::Members(members)) = content("[{\"a\":\n1},\n{\"b\":2}]") else { panic!("an array") };
-        assert_eq!(members, [b"{\"a\": 1}".to_vec(), b"{\"b\":2}".to_vec()]);
+        assert_eq!(members, [(1, b"{\"a\": 1}".to_vec()), (2, b"{\"b\":2}".to_vec())]);
     }
 
     #[test]

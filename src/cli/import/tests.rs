@@ -13,6 +13,7 @@ use super::source::Content;
 use super::watch::watch;
 use crate::cli::client::Service;
 use crate::system;
+use crate::wire::record_table::TableMap;
 
 /// Answers with the next line of its script, then with its last words for ever; keeps what it was sent.
 #[derive(Clone)]
@@ -118,7 +119,7 @@ async fn watch_until(dir: &Path, service: &Service, done: impl Fn() -> bool) {
         }
     };
     tokio::select! {
-        stopped = watch(dir, Some(Duration::ZERO), service, false) => stopped.unwrap(),
+        stopped = watch(dir, TableMap::default(), Some(Duration::ZERO), service, false) => stopped.unwrap(),
         waited = tokio::time::timeout(Duration::from_secs(10), finished) => waited.expect("it is done within ten seconds"),
     }
 }

@@ -20,6 +20,7 @@ use super::source;
 use crate::cli::client::{Service, Trouble};
 use crate::core::time::UtcMicros;
 use crate::system::Clock;
+use crate::wire::record_table::TableMap;
 use crate::wire::time;
 
 const POLL: Duration = Duration::from_millis(200);
@@ -39,8 +40,14 @@ const UNFINISHED: [&str; 6] = [".tmp", ".part", ".partial", ".crdownload", ".swp
 /// Watches until the process is ended.
 ///
 /// `digest`: each file is an import, whose end the service is told.
-pub async fn watch(dir: &Path, settle: Option<Duration>, service: &Service, digest: bool) -> anyhow::Result<()> {
-    let mut folder = Folder { digest, ..Folder::open(dir, settle)? };
+pub async fn watch(
+    dir: &Path,
+    map: TableMap,
+    settle: Option<Duration>,
+    service: &Service,
+    digest: bool,
+) -> anyhow::Result<()> {
+    let mut folder = Folder { map, digest, ..Folder::open(dir, settle)? };
     say(&format!("watching {} for {}", dir.display(), service.base()));
     loop {
         folder.pass(service).await;
@@ -55,6 +62,7 @@ struct Folder {
     /// For how long a file must not change; by its kind where nothing is said.
     settle: Option<Duration>,
     digest: bool,
+    map: TableMap,
     waiting: HashMap<OsString, Waiting>,
     /// Symbolic links that somebody has heard of.
     links: HashSet<OsString>,
@@ -89,8 +97,16 @@ impl Folder {
         for within in [SENT, REFUSED] {
             dir.within(within).with_context(|| path.join(within).display().to_string())?;
         }
-        let (waiting, links, trouble) = (HashMap::new(), HashSet::new(), Trials::default());
-        Ok(Self { path: path.to_owned(), dir, settle, digest: false, waiting, links, trouble })
+        Ok(Self {
+            path: path.to_owned(),
+            dir,
+            settle,
+            digest: false,
+            map: TableMap::default(),
+            waiting: HashMap::new(),
+            links: HashSet::new(),
+            trouble: Trials::default(),
+        })
     }
 
     /// Looks once, and tries every file whose time has come, in the order of their names.
@@ -151,7 +167,7 @@ impl Folder {
         let path = self.path.join(name);
         // What is no plain file any more is left out from the next look on.
         let Some(file) = self.dir.file(name)? else { return Ok(Fate::Unfinished) };
-        let content = match source::read_file(file)? {
+        let content = match source::read_file(file, &self.map)? {
             Ok(content) => content,
             Err(unreadable) if unreadable.cut_short && self.age(name) < CUT_SHORT_GRACE => return Ok(Fate::Unfinished),
             Err(unreadable) => return Ok(Fate::Refused(vec![Refusal { line: None, why: unreadable.why }])),

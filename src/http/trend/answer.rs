@@ -14,8 +14,8 @@ use crate::http::query;
 pub(super) fn etag(request: &Request, holds: &impl Hash, next: &Option<String>) -> HeaderValue {
     let mut hasher = DefaultHasher::new();
     holds.hash(&mut hasher);
-    let Request { coefficient, method, voided, every, csv, .. } = request;
-    (coefficient, csv, voided, every, next, format!("{method:?}")).hash(&mut hasher);
+    let Request { coefficient, method, voided, every, csv, columns, .. } = request;
+    (coefficient, csv, columns, voided, every, next, format!("{method:?}")).hash(&mut hasher);
     let mut tag = String::new();
     write!(tag, "\"{:016x}\"", hasher.finish()).expect("writing to a string cannot fail");
     HeaderValue::from_str(&tag).expect("hexadecimal digits in quotes are a valid header")

@@ -6,6 +6,8 @@ use utoipa::ToSchema;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::http::events::EventBody;
+use crate::http::query::not_one_of;
+use crate::wire::problem::Problem;
 use crate::wire::time::Stamp;
 
 /// The history of one coefficient, oldest first.
@@ -50,6 +52,53 @@ pub(super) struct Point<'a> {
     /// Of these one that counts again when somebody confirms its time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub set_aside: Option<bool>,
+}
+
+/// A member of a point, as a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum PointColumn {
+    CalibratedAt,
+    Value,
+    Sd,
+    Method,
+    Imu,
+    Slot,
+    Station,
+    Record,
+    State,
+    Status,
+}
+
+impl PointColumn {
+    const ALL: [(Self, &'static str); 10] = [
+        (Self::CalibratedAt, "calibrated_at"),
+        (Self::Value, "value"),
+        (Self::Sd, "sd"),
+        (Self::Method, "method"),
+        (Self::Imu, "imu"),
+        (Self::Slot, "slot"),
+        (Self::Station, "station"),
+        (Self::Record, "record"),
+        (Self::State, "state"),
+        (Self::Status, "status"),
+    ];
+
+    /// Those of a query: names separated by commas, or `all`.
+    pub fn read(asked: &str) -> Result<Vec<Self>, Problem> {
+        if asked == "all" {
+            return Ok(Self::ALL.map(|(column, _)| column).to_vec());
+        }
+        let one = |name: &str| {
+            let known = Self::ALL.iter().find(|(_, known)| *known == name.trim());
+            let unknown = || not_one_of("columns", Self::ALL.map(|(_, name)| name).into_iter().chain(["all"]), name);
+            known.map(|(column, _)| *column).ok_or_else(unknown)
+        };
+        asked.split(',').map(one).collect()
+    }
+
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(column, _)| *column == self).map_or("", |(_, name)| *name)
+    }
 }
 
 fn stamp<S: Serializer>(at: &UtcMicros, serializer: S) -> Result<S::Ok, S::Error> {

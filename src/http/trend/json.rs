@@ -3,11 +3,13 @@
 
 use std::io::Write;
 
-use super::body::{Point, Trend};
+use super::body::{Point, PointColumn, Trend};
 use crate::wire::time::Stamp;
 
 /// A point takes about 220 bytes; growing would copy hundreds of kilobytes again and again.
 const POINT: usize = 256;
+/// And one member of it, in a list of its own, on average.
+const COLUMN: usize = 20;
 
 pub(super) fn written(trend: &Trend<'_>) -> Option<Vec<u8>> {
     let mut text = Vec::with_capacity(POINT * (trend.points.len() + 2));
@@ -16,9 +18,8 @@ pub(super) fn written(trend: &Trend<'_>) -> Option<Vec<u8>> {
 }
 
 fn write(trend: &Trend<'_>, text: &mut Vec<u8>) -> std::io::Result<()> {
-    text.write_all(b"{\"serial\":")?;
-    serde_json::to_writer(&mut *text, trend.serial)?;
-    write!(text, ",\"coefficient\":\"{}\",\"unit\":\"{}\",\"points\":[", trend.coefficient, trend.unit)?;
+    head(trend, text)?;
+    text.write_all(b"\"points\":[")?;
     let (mut imu, mut station) = (Quoted::default(), Quoted::default());
     for (i, point) in trend.points.iter().enumerate() {
         if i > 0 {
@@ -26,7 +27,63 @@ fn write(trend: &Trend<'_>, text: &mut Vec<u8>) -> std::io::Result<()> {
         }
         write_point(point, &mut imu, &mut station, text)?;
     }
-    text.write_all(b"],\"events\":")?;
+    text.push(b']');
+    tail(trend, text)
+}
+
+/// The points as one list per member.
+pub(super) fn columns(trend: &Trend<'_>, of: &[PointColumn]) -> Option<Vec<u8>> {
+    let mut text = Vec::with_capacity(COLUMN * of.len() * (trend.points.len() + 2));
+    write_columns(trend, of, &mut text).ok()?;
+    Some(text)
+}
+
+fn write_columns(trend: &Trend<'_>, of: &[PointColumn], text: &mut Vec<u8>) -> std::io::Result<()> {
+    head(trend, text)?;
+    text.write_all(b"\"columns\":{")?;
+    for (k, column) in of.iter().enumerate() {
+        write!(text, "{}\"{}\":[", if k > 0 { "," } else { "" }, column.name())?;
+        let mut name = Quoted::default();
+        for (i, point) in trend.points.iter().enumerate() {
+            if i > 0 {
+                text.push(b',');
+            }
+            match column {
+                PointColumn::CalibratedAt => {
+                    text.push(b'"');
+                    text.write_all(Stamp::of(point.calibrated_at).as_str().as_bytes())?;
+                    text.push(b'"');
+                }
+                PointColumn::Value => serde_json::to_writer(&mut *text, &point.value)?,
+                PointColumn::Sd => serde_json::to_writer(&mut *text, &point.sd)?,
+                PointColumn::Method => word(Some(point.method), text)?,
+                PointColumn::Imu => match point.imu {
+                    Some(imu) => name.write(imu, text)?,
+                    None => text.write_all(b"null")?,
+                },
+                PointColumn::Slot => word(point.slot, text)?,
+                PointColumn::Station => name.write(point.station, text)?,
+                PointColumn::Record => write!(text, "\"{}\"", point.record)?,
+                PointColumn::State => word(point.state, text)?,
+                PointColumn::Status => word(point.status, text)?,
+            }
+        }
+        text.push(b']');
+    }
+    text.push(b'}');
+    tail(trend, text)
+}
+
+/// What stands before the points.
+fn head(trend: &Trend<'_>, text: &mut Vec<u8>) -> std::io::Result<()> {
+    text.write_all(b"{\"serial\":")?;
+    serde_json::to_writer(&mut *text, trend.serial)?;
+    write!(text, ",\"coefficient\":\"{}\",\"unit\":\"{}\",", trend.coefficient, trend.unit)
+}
+
+/// What stands after them.
+fn tail(trend: &Trend<'_>, text: &mut Vec<u8>) -> std::io::Result<()> {
+    text.write_all(b",\"events\":")?;
     serde_json::to_writer(&mut *text, trend.events)?;
     text.write_all(b",\"next\":")?;
     serde_json::to_writer(&mut *text, &trend.next)?;

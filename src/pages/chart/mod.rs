@@ -357,7 +357,7 @@ impl Chart {
         let mut free = f64::INFINITY;
         let mut lettered = vec![false; track.dots.len()];
         for (k, dot) in track.dots.iter().enumerate().rev() {
-            let width = (0.011 * (dot.letters.chars().count() as f64) + 0.006) * (self.x.1 - self.x.0);
+            let width = (0.02 * (dot.letters.chars().count() as f64) + 0.006) * (self.x.1 - self.x.0);
             if !dot.letters.is_empty() && dot.x + 0.5 * width < free {
                 lettered[k] = true;
                 free = dot.x - 0.5 * width;

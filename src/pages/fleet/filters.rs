@@ -36,6 +36,7 @@ pub(in crate::pages) struct Filters {
     pub station_when: String,
     pub imu: String,
     pub rule: String,
+    pub batch: String,
     pub calibrated_since: String,
     pub changed_since: String,
     /// `load`, `eta`, `age` or `serial`; else the worst status first.
@@ -65,6 +66,7 @@ impl Filters {
             ever,
             imu: self.imu.trim(),
             rule: Rule::from_name(&self.rule),
+            batch: self.batch.trim(),
             calibrated_since: start("calibrated_since", &self.calibrated_since)?,
             changed_since: start("changed_since", &self.changed_since)?,
             statuses: self.statuses(),
@@ -114,6 +116,7 @@ impl Filters {
             ("station_when", &self.station_when),
             ("imu", self.imu.trim()),
             ("rule", &self.rule),
+            ("batch", self.batch.trim()),
             ("calibrated_since", &self.calibrated_since),
             ("changed_since", &self.changed_since),
             ("sort", &self.sort),
@@ -157,7 +160,7 @@ impl Filters {
             ("view", &self.view),
             ("refresh", &self.refresh),
         ];
-        let more = [&self.station, &self.imu, &self.rule, &self.calibrated_since, &self.changed_since];
+        let more = [&self.station, &self.imu, &self.rule, &self.batch, &self.calibrated_since, &self.changed_since];
         let has_more = more.iter().any(|value| !value.is_empty());
         let is_narrowed = has_more || !self.q.is_empty() || self.statuses().is_some();
         html! {
@@ -185,6 +188,7 @@ impl Filters {
                             option value="" { (t.any) }
                             @for rule in Rule::ALL { option value=(rule.name()) selected[rule.name() == self.rule] { (t.rule(rule)) } }
                         } }
+                        label { (t.batch) " " input name="batch" value=(self.batch) size="12"; }
                         label { (t.calibrated_since) " " input type="date" name="calibrated_since" value=(self.calibrated_since); }
                         label { (t.changed_since) " " input type="date" name="changed_since" value=(self.changed_since); }
                     }

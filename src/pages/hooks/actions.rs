@@ -10,9 +10,10 @@ use serde_json::{Map, Value, json};
 
 use super::known;
 use crate::core::delivery::DeliveryState;
-use crate::core::fault::Faults;
+use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::core::judge::Severity;
+use crate::core::message::text;
 use crate::message;
 use crate::pages::Pages;
 use crate::pages::form::{Deed, Word, answered, see_other};
@@ -37,11 +38,15 @@ pub(crate) struct NewHook {
     rules: String,
     gyros: String,
     min_severity: String,
+    /// `true` where a record's alerts go in one message.
+    batch: String,
+    /// `member = value, ...` that a successful answer must hold.
+    expect: String,
 }
 
 impl NewHook {
     /// As the API takes it: what is empty is left out.
-    fn document(&self) -> Value {
+    fn document(&self) -> Result<Value, Faults> {
         let list = |text: &str| -> Vec<String> {
             text.split([',', '，']).map(str::trim).filter(|part| !part.is_empty()).map(str::to_owned).collect()
         };
@@ -55,12 +60,33 @@ impl NewHook {
         let least = Some(self.min_severity.as_str()).filter(|least| !least.is_empty());
         let filter = json!({"rules": list(&self.rules), "gyros": list(&self.gyros), "min_severity": least});
         hook.insert("filter".into(), filter);
-        Value::Object(hook)
+        hook.insert("batch".into(), (self.batch == "true").into());
+        let expected = self.expected()?;
+        if !expected.is_empty() {
+            hook.insert("expect".into(), json!({ "json": expected }));
+        }
+        Ok(Value::Object(hook))
+    }
+
+    /// `member = value, ...`; a value is JSON (`0`, `true`), or else text.
+    fn expected(&self) -> Result<Map<String, Value>, Faults> {
+        let pairs = self.expect.split([',', '，']).map(str::trim).filter(|pair| !pair.is_empty());
+        pairs
+            .map(|pair| {
+                let (member, value) = pair.split_once('=').ok_or_else(|| Fault {
+                    pointer: "/expect".into(),
+                    message: message!("expected_pair", given = text(pair)),
+                })?;
+                let value = value.trim();
+                let value = serde_json::from_str(value).unwrap_or_else(|_| value.into());
+                Ok((member.trim().to_owned(), value))
+            })
+            .collect()
     }
 }
 
 pub(crate) async fn ask_add(viewer: Viewer) -> Response {
-    let new = NewHook::default();
+    let new = NewHook { batch: "true".into(), ..NewHook::default() };
     viewer.show(Ok(with_form(&viewer, &new, |deed| deed.page(&viewer, &new.word, &Faults::default()))))
 }
 
@@ -71,7 +97,7 @@ pub(crate) async fn add(Held(pages): Held<Pages>, viewer: Viewer, Form(new): For
 async fn added(pages: &Pages, viewer: &Viewer, new: &NewHook) -> Result<Response, Problem> {
     let mut faults = Faults::default();
     new.word.check_meant(viewer, &mut faults);
-    let read = pages.pipeline.hooks.read(new.document().to_string().as_bytes());
+    let read = new.document().and_then(|hook| pages.pipeline.hooks.read(hook.to_string().as_bytes()));
     let read = read.map_err(|wrong| faults.absorb("", wrong)).ok().filter(|_| faults.is_empty());
     let Some(hook) = read else {
         return Ok(with_form(viewer, new, |deed| deed.again(viewer, &new.word, &faults)));
@@ -112,6 +138,10 @@ fn with_form<T>(viewer: &Viewer, new: &NewHook, show: impl FnOnce(&Deed<'_>) -> 
             option value="" { (t.any) }
             @for one in Severity::ALL { option value=(one.name()) selected[one.name() == new.min_severity] { (t.severity(one)) } }
         } }
+        label.sure {
+            input type="checkbox" name="batch" value="true" checked[new.batch == "true"]; span { (t.hook_batch) }
+        }
+        label { (t.hook_expect) input name="expect" value=(new.expect) placeholder="errcode = 0" translate="no"; }
     };
     show(&Deed {
         section: Section::Hooks,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::reader::Reader;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
-use crate::core::campaign::Campaign;
+use crate::core::campaign::{Campaign, Temperatures};
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
@@ -111,6 +111,10 @@ impl Reader {
             }
             Outcome::Bench(_) => Vec::new(),
         };
+        let of_dwells = || {
+            let filled = Temperatures::of(campaign).filled?;
+            Some(filled.iter().sum::<f64>() / filled.len() as f64)
+        };
         Calibration {
             kind: Kind::Campaign,
             imu: campaign.imu.clone(),
@@ -118,6 +122,7 @@ impl Reader {
             calibrated_at: campaign.measured_at,
             model,
             gyros,
+            temperature_c: campaign.temperature_c.or_else(of_dwells),
             body,
             body_sha256,
             idempotency_key: None,

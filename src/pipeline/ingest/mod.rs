@@ -36,7 +36,8 @@ pub use reader::Reader;
 pub use refused::Refused;
 pub use same_content::Sent;
 pub use submission::{
-    BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, GyroEvent, Submission,
+    AttributesOrder, BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, GyroEvent,
+    Submission,
 };
 
 /// The way in. Cheap to clone.

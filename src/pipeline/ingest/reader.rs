@@ -61,7 +61,7 @@ impl Reader {
             })
         });
         let gyros = gyros.collect::<Result<_, Faults>>()?;
-        let Record { imu, station, calibrated_at, .. } = record;
+        let Record { imu, station, calibrated_at, temperature_c, .. } = record;
         let (body, body_sha256) = kept(bytes)?;
         Ok(Calibration {
             kind: Kind::Record,
@@ -70,6 +70,7 @@ impl Reader {
             calibrated_at,
             model: None,
             gyros,
+            temperature_c,
             body,
             body_sha256,
             idempotency_key: None,

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::core::bench::BenchResult;
 use crate::core::fault::{Fault, Faults};
+use crate::core::gyro_attributes::GyroAttributesPatch;
 use crate::core::id::Id;
 use crate::core::judge::{Event, FixedLevels, Verdict};
 use crate::core::kind::Kind;
@@ -27,6 +28,8 @@ pub enum Submission {
     Event(GyroEvent),
     Correction(Box<Correction>),
     Confirmation(Confirmation),
+    Doubt(Doubt),
+    Attributes(AttributesOrder),
 }
 
 impl Submission {
@@ -35,7 +38,7 @@ impl Submission {
         match self {
             Self::Calibration(calibration) => Some(calibration),
             Self::Correction(correction) => correction.replacement.as_ref(),
-            Self::Bench(_) | Self::Event(_) | Self::Confirmation(_) => None,
+            Self::Bench(_) | Self::Event(_) | Self::Confirmation(_) | Self::Doubt(_) | Self::Attributes(_) => None,
         }
     }
 
@@ -45,7 +48,7 @@ impl Submission {
             Self::Calibration(calibration) => Some(calibration.station.as_str()),
             Self::Bench(bench) => Some(bench.result.station.as_str()),
             Self::Correction(correction) => correction.replacement.as_ref().map(|new| new.station.as_str()),
-            Self::Event(_) | Self::Confirmation(_) => None,
+            Self::Event(_) | Self::Confirmation(_) | Self::Doubt(_) | Self::Attributes(_) => None,
         }
     }
 
@@ -82,6 +85,23 @@ pub struct Confirmation {
     pub by: Actor,
 }
 
+/// What a station measured is suspect: the stored record is set aside until somebody confirms it.
+#[derive(Debug, Clone)]
+pub struct Doubt {
+    pub id: Id,
+    pub author: String,
+    pub reason: String,
+    pub by: Actor,
+}
+
+/// What a laboratory says of a gyro changes.
+#[derive(Debug, Clone)]
+pub struct AttributesOrder {
+    pub serial: Name,
+    pub patch: GyroAttributesPatch,
+    pub by: Actor,
+}
+
 /// What is corrected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Corrected {
@@ -111,6 +131,8 @@ pub struct Calibration {
     /// The adopted model that it was fitted with, if it was one.
     pub model: Option<Id>,
     pub gyros: Vec<CalibratedGyro>,
+    /// As the record states it; of a campaign, the mean of what its dwells state and can be relied on, deg C.
+    pub temperature_c: Option<f64>,
     pub body: Arc<str>,
     pub body_sha256: [u8; 32],
     pub idempotency_key: Option<String>,

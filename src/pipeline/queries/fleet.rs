@@ -82,6 +82,8 @@ pub struct FleetFilter<'a> {
     pub calibrated_since: Option<UtcMicros>,
     /// Something began to be worse no earlier than this.
     pub changed_since: Option<UtcMicros>,
+    /// Batch of production; empty where all are wanted.
+    pub batch: &'a str,
     /// Any of these; none where all are wanted. Who wants `overdue` wants those as well whose status is worse.
     pub statuses: Option<&'a [Status]>,
     /// None: the worst status first.
@@ -226,6 +228,7 @@ impl Fleet {
             rule: filter.rule,
             calibrated_since: filter.calibrated_since,
             changed_since: filter.changed_since,
+            batch: Some(filter.batch.to_owned()).filter(|batch| !batch.is_empty()),
         })
     }
 
@@ -381,14 +384,16 @@ impl Fleet {
         let heads = store::head::of_gyros(&self.store, &gyros).await?;
         let outlooks = heads.into_iter().map(|row| (row.gyro, row.outlook)).collect();
         let stored = StoredFacts::of(&self.store, &newest, outlooks).await?;
+        let mut attributes = store::gyro_attribute::of(&self.store, &gyros).await?;
         let (tables, now) = (self.store.names().read(), self.clock.now());
-        let standing = |(number, newest): (u32, Option<Figures>)| {
+        let mut standing = |(number, newest): (u32, Option<Figures>)| {
             let serial = tables.gyros.name(number)?.clone();
             let imu = newest.and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
             let limits = self.config.judging.limits(imu, &serial);
-            Some(stored.facts(number, serial, newest).standing(&limits, now))
+            let attributes = attributes.remove(&number).unwrap_or_default();
+            Some(Standing { attributes, ..stored.facts(number, serial, newest).standing(&limits, now) })
         };
-        Ok(newest.into_iter().filter_map(standing).collect())
+        Ok(newest.into_iter().filter_map(&mut standing).collect())
     }
 
     /// How one gyro stands, and the verdicts on its newest record in words; none where there is no such gyro.

@@ -18,8 +18,10 @@ mod verify;
 
 use std::sync::Arc;
 
+use super::error::StorageError;
 use super::ingest::Reader;
 use crate::config::Config;
+use crate::store;
 use crate::store::Store;
 use crate::system::Clock;
 
@@ -55,6 +57,15 @@ impl Queries {
         let records = Records { store: store.clone(), config: config.clone(), reader };
         let fleet = Fleet { store: store.clone(), config, clock, records: records.clone() };
         Self { store, records, fleet, histories }
+    }
+
+    /// Whether a station of that name has measured anything.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn is_station(&self, name: &str) -> Result<bool, StorageError> {
+        store::names::look_up(&self.store, [Vec::new(), vec![name], Vec::new()]).await?;
+        Ok(self.names().station_number(name).is_some())
     }
 
     /// The names of what is stored. Not to be held for long: new names wait for it.

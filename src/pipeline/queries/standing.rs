@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::config::Judging;
 use crate::core::figures::Figures;
+use crate::core::gyro_attributes::GyroAttributes;
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Event, LimitKind, Limits, Outlook, Rule, Severity, State, Status, overdue};
 use crate::core::time::UtcMicros;
@@ -43,6 +44,7 @@ pub struct Standing {
     pub since: Option<UtcMicros>,
     /// How it lies to its budget and where it goes, by its row of the table `head`.
     pub outlook: Outlook,
+    pub attributes: GyroAttributes,
 }
 
 /// A rule that says that a gyro is beyond a limit.
@@ -170,6 +172,7 @@ impl Facts<'_> {
             newest,
             since: self.alerted.since(),
             outlook: self.outlook,
+            attributes: GyroAttributes::default(),
         }
     }
 

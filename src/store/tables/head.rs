@@ -235,9 +235,11 @@ pub struct Narrowed {
     /// Calibrated, or new or worse, no earlier than this.
     pub calibrated_since: Option<UtcMicros>,
     pub changed_since: Option<UtcMicros>,
+    /// Of production, as the laboratory says.
+    pub batch: Option<String>,
 }
 
-/// Binds what a list is narrowed down to: seven parameters.
+/// Binds what a list is narrowed down to: eight parameters.
 macro_rules! bound {
     ($query:expr, $narrowed:expr) => {
         $query
@@ -248,6 +250,7 @@ macro_rules! bound {
             .bind($narrowed.rule.map(Rule::name))
             .bind($narrowed.calibrated_since.map(|at| at.0))
             .bind($narrowed.changed_since.map(|at| at.0))
+            .bind($narrowed.batch.as_deref())
     };
 }
 
@@ -346,6 +349,7 @@ impl Words {
                 "coalesce(calibrated_at, 9223372036854775807) BETWEEN $ AND 9223372036854775806".to_owned(),
             ),
             (narrowed.changed_since.is_some(), "changed_at >= $".to_owned()),
+            (narrowed.batch.is_some(), "gyro IN (SELECT gyro FROM gyro_attribute WHERE batch = $)".to_owned()),
         ];
         let condition = |(place, (is_asked, words)): (usize, &(bool, String))| match is_asked {
             true => words.replace('$', &format!("${}", first + place)),
@@ -379,7 +383,7 @@ pub async fn of_ranks(
     let overdue = if is_overdue { "overdue_at < $3" } else { "(overdue_at IS NULL OR overdue_at >= $3)" };
     let sql = sqlx::AssertSqlSafe(format!(
         "SELECT gyro FROM head WHERE {ranks} AND {overdue} AND {conditions}
-         ORDER BY load DESC, serial LIMIT $11 OFFSET $12"
+         ORDER BY load DESC, serial LIMIT $12 OFFSET $13"
     ));
     let rows: Vec<(Whole<u32>,)> = on!(store.readers, db =>
         bound!(sqlx::query_as(sql).bind(lowest).bind(highest).bind(now.0), narrowed)
@@ -455,7 +459,7 @@ pub async fn in_order(
         FleetOrder::Serial => "serial",
     };
     let sql = sqlx::AssertSqlSafe(format!(
-        "SELECT gyro FROM head WHERE {ranks} AND {conditions} ORDER BY {by} LIMIT $9 OFFSET $10"
+        "SELECT gyro FROM head WHERE {ranks} AND {conditions} ORDER BY {by} LIMIT $10 OFFSET $11"
     ));
     let rows: Vec<(Whole<u32>,)> = on!(store.readers, db => bound!(sqlx::query_as(sql).bind(now.0), narrowed)
         .bind(i64::try_from(limit).unwrap_or(i64::MAX))
@@ -583,7 +587,7 @@ pub async fn imus(
     let ranks = among_ranks(of_ranks);
     let sql = sqlx::AssertSqlSafe(format!(
         "SELECT imu FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}
-         GROUP BY imu ORDER BY max(rank) DESC, max(extreme) DESC, imu LIMIT $9 OFFSET $10"
+         GROUP BY imu ORDER BY max(rank) DESC, max(extreme) DESC, imu LIMIT $10 OFFSET $11"
     ));
     let counted = sqlx::AssertSqlSafe(format!(
         "SELECT count(DISTINCT imu) FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}"

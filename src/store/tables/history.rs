@@ -169,23 +169,25 @@ pub async fn count(store: &Store, gyro: u32) -> Result<usize, StoreError> {
     Ok(oldest(store, gyro, Span::EVER, usize::MAX).await?.len())
 }
 
-/// The temperature of each of a gyro's records that states one; of a campaign that does not, the mean of its dwells.
+/// The temperature of each of a gyro's records that has one; of what an earlier version stored, as its body says it.
 pub async fn temperatures(store: &Store, gyro: u32) -> Result<Vec<(Id, f64)>, StoreError> {
     let rows = oldest(store, gyro, Span::EVER, usize::MAX).await?;
     let records: Vec<i64> = rows.iter().map(|row| row.record.0).collect();
     let sql = store.readers.words(Sql {
-        sqlite: "SELECT record.id, CAST(coalesce(json_extract(body, '$.temperature_c'),
-                        (SELECT avg(value->>'temperature_c') FROM json_each(body, '$.dwells'))) AS REAL)
-                 FROM json_each($1) AS j JOIN record ON record.id = j.value WHERE json_valid(body)",
+        sqlite: "SELECT record.id, coalesce(temperature_c, CAST(coalesce(json_extract(body, '$.temperature_c'),
+                        (SELECT avg(value->>'temperature_c') FROM json_each(body, '$.dwells'))) AS REAL))
+                 FROM json_each($1) AS j JOIN record ON record.id = j.value
+                 WHERE temperature_c IS NOT NULL OR json_valid(body)",
         // What begins with a brace was read as JSON before it was stored; other campaigns came as CSV.
-        postgres: "SELECT sent.id, coalesce(CAST(sent.body->>'temperature_c' AS DOUBLE PRECISION),
+        postgres: "SELECT sent.id, coalesce(sent.temperature_c, CAST(sent.body->>'temperature_c' AS DOUBLE PRECISION),
                        (SELECT avg(CAST(dwell.value->>'temperature_c' AS DOUBLE PRECISION))
                         FROM jsonb_array_elements(CASE WHEN jsonb_typeof(sent.body->'dwells') = 'array'
                                                   THEN sent.body->'dwells' ELSE '[]' END) AS dwell(value)))
-                   FROM (SELECT record.id, CAST(record.body AS JSONB) AS body
+                   FROM (SELECT record.id, record.temperature_c,
+                                CASE WHEN record.temperature_c IS NULL AND ltrim(record.body, E' \\t\\r\\n') LIKE '{%'
+                                     THEN CAST(record.body AS JSONB) END AS body
                          FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value)
-                         JOIN record ON record.id = CAST(j.value AS BIGINT)
-                         WHERE ltrim(record.body, E' \\t\\r\\n') LIKE '{%') AS sent",
+                         JOIN record ON record.id = CAST(j.value AS BIGINT)) AS sent",
     });
     let records = serde_json::Value::from(records).to_string();
     let rows: Vec<(i64, Option<f64>)> =

@@ -10,6 +10,7 @@ pub mod diagnosis;
 pub mod diagnosis_digest;
 pub mod diagnosis_job;
 pub mod event;
+pub mod gyro_attribute;
 pub mod head;
 pub mod histories;
 pub mod history;

@@ -42,6 +42,8 @@ pub struct RecordRow {
     pub notes: Option<Arc<str>>,
     /// The line of the audit trail that says who sent it; none of what an earlier version stored.
     pub sent_by: Option<Id>,
+    /// At which it was calibrated, deg C; none where nothing states it, and of what an earlier version stored.
+    pub temperature_c: Option<f64>,
 }
 
 /// Which record it is, without what it says.
@@ -101,12 +103,15 @@ pub(crate) fn insert(records: &[RecordRow], batch: &mut Batch) {
             .written(|out| record.verdicts.pack(record.id, out))
             .integer(if record.voided { record.id.0 } else { 0 })
             .optional(record.notes.as_deref())
-            .optional_integer(record.sent_by.map(|line| line.0));
+            .optional_integer(record.sent_by.map(|line| line.0))
+            .real(record.temperature_c);
     }
     batch.add(
         insert!(
-            "record (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, voided, notes, sent_by)",
-            [int 0, int 1, int 2, int 3, int 4, int 5, words 6 7, blob 8 9, blob 10 11, int 12, words 13 14, int 15]
+            "record (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, voided, notes,
+                     sent_by, temperature_c)",
+            [int 0, int 1, int 2, int 3, int 4, int 5, words 6 7, blob 8 9, blob 10 11, int 12, words 13 14, int 15,
+             real 16]
         ),
         rows,
     );
@@ -137,7 +142,21 @@ pub(crate) fn update_verdicts(sheets: &[(Id, RejudgedSheet)], batch: &mut Batch)
     );
 }
 
-type Row = (i64, i64, Whole<u32>, Whole<u32>, i64, i64, String, Vec<u8>, Vec<u8>, bool, Option<String>, Option<i64>);
+type Row = (
+    i64,
+    i64,
+    Whole<u32>,
+    Whole<u32>,
+    i64,
+    i64,
+    String,
+    Vec<u8>,
+    Vec<u8>,
+    bool,
+    Option<String>,
+    Option<i64>,
+    Option<f64>,
+);
 
 fn row(row: Row) -> Result<RecordRow, StoreError> {
     let (
@@ -153,6 +172,7 @@ fn row(row: Row) -> Result<RecordRow, StoreError> {
         voided,
         notes,
         by,
+        temperature_c,
     ) = row;
     let id = Id(id);
     let damaged = |what: &str| StoreError::Damaged(format!("record {id}: {what}"));
@@ -169,12 +189,13 @@ fn row(row: Row) -> Result<RecordRow, StoreError> {
         voided,
         notes: notes.map(Into::into),
         sent_by: by.map(Id),
+        temperature_c,
     })
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<RecordRow>, StoreError> {
     let sql = "SELECT id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts,
-                      voided <> 0, notes, sent_by
+                      voided <> 0, notes, sent_by, temperature_c
                FROM record WHERE id = $1";
     let found: Option<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
     let found = found.map(row).transpose()?;

@@ -14,7 +14,15 @@ pub struct SetAside {
     /// Rows of new records, which never come into the history.
     pub history: Vec<HistoryRow>,
     /// Stored records, which are withdrawn with the same transaction.
-    pub stored: Vec<Id>,
+    pub stored: Vec<StoredAside>,
+}
+
+/// A stored record that is set aside, by whom and why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredAside {
+    pub record: Id,
+    pub author: String,
+    pub reason: String,
 }
 
 /// Somebody has confirmed the time of a record that was set aside.
@@ -32,6 +40,13 @@ pub(crate) fn insert(set_aside: &SetAside, batch: &mut Batch) {
         insert!("voided_history (gyro, calibrated_at, record, figures)", [int 0, int 1, int 2, blob 3 4]),
         history::rows(set_aside.history.iter()),
     );
+    // It may have been confirmed before.
+    if !set_aside.stored.is_empty() {
+        batch.add(
+            among!("DELETE FROM confirmation WHERE record"),
+            Rows::of(set_aside.stored.iter().map(|stored| stored.record.0)),
+        );
+    }
 }
 
 /// `rows` are those of the confirmed records, which count from now on.

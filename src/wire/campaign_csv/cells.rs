@@ -5,6 +5,7 @@ use crate::core::message::{Message, Parameter, list, sent};
 use crate::message;
 use crate::wire::campaign::DwellBody;
 use crate::wire::numbers::Numbers;
+use crate::wire::table::{at_cell, delimiter_of, number, rest_from, unknown};
 
 /// Fields of a dwell, the suffixes of their columns, and whether every table has them.
 pub(super) const FIELDS: &[(&str, &[&str], bool)] = &[
@@ -70,18 +71,6 @@ pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option
     Some((columns, rows))
 }
 
-/// The bytes from a line on; lines end in LF or CRLF.
-fn rest_from(text: &str, line: usize) -> &[u8] {
-    let start = text.split_inclusive('\n').take(line).map(str::len).sum::<usize>();
-    &text.as_bytes()[start..]
-}
-
-fn delimiter_of(header: &str) -> u8 {
-    let count = |d: &u8| header.bytes().filter(|b| b == d).count();
-    // The last of equals wins: a header without any is taken for comma-separated.
-    [b'\t', b';', b','].into_iter().max_by_key(count).unwrap_or(b',')
-}
-
 impl Columns {
     fn read(header: &csv::StringRecord, line: usize, faults: &mut Faults) -> Self {
         let names: Vec<String> = header.iter().map(str::to_owned).collect();
@@ -90,7 +79,7 @@ impl Columns {
             let at = |fault: Message| message!("at_column", line = line, column = index + 1, fault = fault);
             match field_and_part(name) {
                 None if name.is_empty() => {}
-                None => faults.push("/dwells", at(unknown(name))),
+                None => faults.push("/dwells", at(unknown(name, known_columns()))),
                 Some((field, part)) if places[field][part].is_some() => {
                     faults.push(
                         format!("/dwells/0/{}", FIELDS[field].0),
@@ -274,46 +263,6 @@ fn field_and_part(column: &str) -> Option<(usize, usize)> {
     })
 }
 
-/// A fault in the cell of a line and column.
-pub(super) fn at_cell((line, column): (usize, usize), name: &str, fault: Message) -> Message {
-    message!("at_cell", line = line, column = column, name = name.to_owned(), fault = fault)
-}
-
-/// An unknown column, with the known one that it most resembles where one is near.
-fn unknown(name: &str) -> Message {
-    let known = FIELDS.iter().flat_map(|(field, parts, _)| parts.iter().map(move |part| format!("{field}{part}")));
-    let nearest = known.map(|k| (edits(&name.to_lowercase(), &k), k)).min();
-    match nearest {
-        Some((distance, known)) if distance <= 1 + known.len() / 3 => {
-            message!("unknown_column_like", name = sent(name), known = sent(&known))
-        }
-        _ => message!("unknown_column", name = sent(name)),
-    }
-}
-
-/// Levenshtein distance: insertions, deletions and replacements that turn one word into the other.
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().take(80).collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().take(80).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
-}
-
-/// A number with a decimal point.
-pub(super) fn number(text: &str) -> Result<f64, Message> {
-    let parsed = text.parse::<f64>().ok();
-    match parsed {
-        Some(value) if value.is_finite() => Ok(value),
-        Some(_) => Err(message!("not_finite", value = sent(text))),
-        None if text.replacen(',', ".", 1).parse::<f64>().is_ok() => Err(message!("decimal_comma", value = sent(text))),
-        None => Err(message!("not_a_number", value = sent(text))),
-    }
+fn known_columns() -> impl Iterator<Item = String> {
+    FIELDS.iter().flat_map(|(field, parts, _)| parts.iter().map(move |part| format!("{field}{part}")))
 }

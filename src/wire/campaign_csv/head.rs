@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::core::fault::Faults;
 use crate::core::message::{Message, list, sent};
 use crate::message;
+use crate::wire::table::{comment, number};
 
 /// What stands above the table.
 pub(super) struct Head {
@@ -106,16 +107,6 @@ impl Head {
     }
 }
 
-/// The text of a `#` line, also where a spreadsheet has put it in quotes or padded it with delimiters.
-fn comment(line: &str) -> Option<String> {
-    let line = line.trim_end_matches([',', ';', '\t', ' ', '\r']);
-    if let Some(comment) = line.strip_prefix('#') {
-        return Some(comment.to_owned());
-    }
-    let quoted = line.strip_prefix("\"#")?.strip_suffix('"')?;
-    Some(quoted.replace("\"\"", "\""))
-}
-
 /// Pointer and kind of a key. `site.latitude_deg`, `site_latitude_deg` and `latitude_deg` are the same; a gyro's
 /// keys end in `_1 _2 _3`, or stand as `gyros.0.serial`.
 fn meaning(key: &str) -> Option<(String, Kind)> {
@@ -138,11 +129,11 @@ fn read_value(text: &str, kind: Kind) -> Result<Value, Message> {
     }
     match kind {
         Kind::Text => Ok(Value::from(text)),
-        Kind::Number => super::cells::number(text).map(Value::from),
+        Kind::Number => number(text).map(Value::from),
         Kind::Numbers => text
             .split([' ', ';', '\t', ','])
             .filter(|part| !part.is_empty())
-            .map(|part| super::cells::number(part).map(Value::from))
+            .map(|part| number(part).map(Value::from))
             .collect(),
         Kind::Names => {
             Ok(text.split([',', ' ', ';']).map(str::trim).filter(|name| !name.is_empty()).map(Value::from).collect())

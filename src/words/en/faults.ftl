@@ -103,6 +103,7 @@ only_environmental = belongs to environmental_test, not to { $event }
 which_test = must name the test, such as vibration or thermal cycling
 test_end = must be the end of the test
 end_before_begin = is before the beginning of the test
+to_before_from = is before `from`
 silence_matches_nothing = must name at least one of serial, imu, station, rule: all alerts at once cannot be silenced
 unknown_rule = there is no rule "{ $rule }"
 not_in_future = must be in the future
@@ -111,6 +112,7 @@ until_before_since = must not be before `since`
 ## Hooks
 
 expected_members = must have 1 to { $most } members, for example {"{"}"errcode": 0{"}"}
+expected_pair = a member and its value, for example `errcode = 0`; given was `{ $given }`
 too_many_entries = must have at most { $most } entries, has { $have }
 unknown_severity = must be `warning` or `critical`
 secret_is_drawn = generates a secret, so `secret` must be left out
@@ -168,6 +170,11 @@ columns_and_gyros = { $columns } columns of { $field }, but { $gyros } gyros in 
 cells_under_columns = { $cells } cells under { $columns } columns
 cells_decimal_comma = { $cells } cells under { $columns } columns; is { $number } a number with a decimal comma? Write decimals with a point
 empty_cell = empty
+map_names = the map names an { $fault }
+map_column_missing = the map takes { $name } from a column "{ $column }", which the table does not have
+table_without_rows = the table has a header and no rows
+time_not_in_format = "{ $value }" is not a time in the format { $format }
+differs_from_line = differs from line { $first }, which is of the same record
 unknown_key = unknown key "{ $key }"; the keys are { $known }
 key_twice = { $key } is given twice
 

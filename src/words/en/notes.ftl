@@ -33,6 +33,7 @@ time_near_epoch = the time is near { $epoch }, where clocks that were never set 
 time_far_from_others = the time is decades from the other records of its gyros (nearest: { $nearest }): set aside until the time is confirmed
 others_set_aside = earlier records are decades before this one and were set aside until their times are confirmed: { $records }
 record_of_day = { $record } ({ $day })
+suspect = what { $station } measured at that time is suspect ({ $author }: { $reason }): set aside until somebody confirms it
 ahead_of_now = the time is { $hours } hours ahead of the service's clock: is the station's clock right?
 new_serial = { $serial } is new in { $slot }, which had { $had } before
 new_serial_like = { $serial } is new in { $slot }, which had { $had } before; the nearest known serial is { $nearest }

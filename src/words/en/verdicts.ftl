@@ -76,7 +76,7 @@ no_standard_deviation = No standard deviation is known: compared as it stands.
 # Of a stored verdict.
 decided_before = As it was decided when the record was judged; the limits or the history have changed since.
 does_not_count = It does not count any more: the record was voided or revised.
-does_not_count_yet = It does not count: the record is set aside until its time is confirmed.
+does_not_count_yet = It does not count: the record is set aside until somebody confirms it.
 
 # The rules.
 rule_step = step

@@ -103,6 +103,7 @@ only_environmental = 只用于environmental_test，不用于{ $event }
 which_test = 应说明是哪种试验，如振动或温度循环
 test_end = 应给出试验结束时间
 end_before_begin = 早于试验开始时间
+to_before_from = 早于from
 silence_matches_nothing = 至少应给出serial、imu、station、rule之一：不能一次静默全部告警
 unknown_rule = 没有规则“{ $rule }”
 not_in_future = 应为将来的时间
@@ -111,6 +112,7 @@ until_before_since = 不应早于起始时间
 ## Hooks
 
 expected_members = 应有1至{ $most }个成员，如{"{"}"errcode": 0{"}"}
+expected_pair = 应为“成员 = 值”，如errcode = 0；所给为{ $given }
 too_many_entries = 最多{ $most }项，实有{ $have }项
 unknown_severity = 应为warning或critical
 secret_is_drawn = 由服务生成密钥，不能再给出secret
@@ -168,6 +170,11 @@ columns_and_gyros = { $field }有{ $columns }列，而表头列出{ $gyros }个�
 cells_under_columns = { $columns }列下有{ $cells }个单元格
 cells_decimal_comma = { $columns }列下有{ $cells }个单元格；{ $number }是否用逗号作小数点？小数点请用“.”
 empty_cell = 为空
+map_names = 映射文件所指有误：{ $fault }
+map_column_missing = 映射文件取{ $name }自列“{ $column }”，而表中无此列
+table_without_rows = 表只有表头，没有数据行
+time_not_in_format = “{ $value }”不符合时间格式{ $format }
+differs_from_line = 与同一记录的第{ $first }行不一致
 unknown_key = 未知的键“{ $key }”；可用的键为{ $known }
 key_twice = { $key }重复给出
 

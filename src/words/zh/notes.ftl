@@ -29,6 +29,7 @@ time_near_epoch = 时间接近{ $epoch }，即未校时时钟的起点：暂不�
 time_far_from_others = 时间与其陀螺的其他记录相差数十年（最近的记录为{ $nearest }）：暂不计入，待确认时间
 others_set_aside = 更早的记录比本记录早数十年，已暂不计入，待确认其时间：{ $records }
 record_of_day = { $record }（{ $day }）
+suspect = { $station }在该时段的测量存疑（{ $author }：{ $reason }）：暂不计入，待人工确认
 ahead_of_now = 时间比服务时钟超前{ $hours }小时：测试站时钟是否正确？
 new_serial = { $serial }首次出现于{ $slot }，该位置此前为{ $had }
 new_serial_like = { $serial }首次出现于{ $slot }，该位置此前为{ $had }；最接近的已知编号为{ $nearest }

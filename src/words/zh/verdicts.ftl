@@ -70,7 +70,7 @@ no_standard_deviation = 标准差未知，按数值直接比较。
 
 decided_before = 按当时判定；此后限值或履历已变化。
 does_not_count = 不再计入：该记录已作废或修订。
-does_not_count_yet = 暂不计入：待确认其时间。
+does_not_count_yet = 暂不计入：待人工确认。
 
 rule_step = 相邻变化
 rule_range = 极差

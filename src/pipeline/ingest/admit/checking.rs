@@ -15,7 +15,7 @@ use crate::core::own_history::{Looked, Shown, against_histories};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::store;
-use crate::store::{NamesOf, StoreError};
+use crate::store::{NamesOf, StoreError, StoredAside};
 use crate::wire::history_note;
 
 /// A clock may be ahead of the service's by so much without a word, days.
@@ -44,6 +44,10 @@ struct Known<'a> {
     around: Around,
     budget: f64,
 }
+
+/// Who sets earlier records aside, and why, where nobody has said so.
+const SERVICE: &str = "gyrowatch";
+const EARLIER_IN_DOUBT: &str = "the time of earlier records is in doubt: they are set aside";
 
 impl Known<'_> {
     fn shown(&self) -> Shown {
@@ -330,7 +334,8 @@ impl Admission<'_> {
             return Ok(false);
         }
         self.withdraw(&record, group).await?;
-        group.changes.set_aside.stored.push(id);
+        let (author, reason) = (SERVICE.to_owned(), EARLIER_IN_DOUBT.to_owned());
+        group.changes.set_aside.stored.push(StoredAside { record: id, author, reason });
         group.changes.rejudged.notes.push((id, history_note::with(record.notes.as_deref(), note)));
         Ok(true)
     }

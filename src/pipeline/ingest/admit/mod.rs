@@ -12,19 +12,24 @@ mod sending;
 
 use std::sync::Arc;
 
+use serde_json::json;
+
 use crate::core::figures::Figures;
 use crate::core::figures::PublishedFigures;
 use crate::core::figures::States;
+use crate::core::gyro_attributes::GyroAttributes;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::name::look_keys;
 use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
-use crate::pipeline::ingest::submission::{Calibration, GyroEvent, Submission};
+use crate::pipeline::ingest::submission::{AttributesOrder, Calibration, GyroEvent, Submission};
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{EventRow, HistoryRow, NamesOf, NewName, RecordRow, StoreError, StoredVerdict, VerdictSheet};
+use crate::store::{
+    EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, StoreError, StoredVerdict, VerdictSheet,
+};
 use crate::wire::{history_note, time};
 pub(crate) use ahead::Ahead;
 use checking::Checked;
@@ -42,6 +47,8 @@ impl Admission<'_> {
             Submission::Event(event) => self.event(event, group).await,
             Submission::Correction(correction) => self.correction(correction, group).await,
             Submission::Confirmation(confirmation) => self.confirmation(confirmation, group).await,
+            Submission::Doubt(doubt) => self.suspicion(doubt, group).await,
+            Submission::Attributes(order) => self.attributes(order, group).await,
         }
     }
 
@@ -113,6 +120,7 @@ impl Admission<'_> {
             voided: set_aside,
             notes: history_note::kept(&notes).map(Into::into),
             sent_by,
+            temperature_c: sent.temperature_c,
         });
         Ok((id, notes.into()))
     }
@@ -132,7 +140,7 @@ impl Admission<'_> {
             return Ok(Accepted::There { id: event.id, same_bytes });
         }
         let id = self.ids.next(self.now);
-        let audited = serde_json::json!({
+        let audited = json!({
             "id": id.to_string(), "event": sent.event.name(), "at": time::format(sent.at), "reason": sent.reason,
             "author": sent.author,
         });
@@ -151,6 +159,26 @@ impl Admission<'_> {
             received_at: self.now,
         });
         Ok(Accepted::stored(id))
+    }
+
+    async fn attributes(&mut self, sent: &AttributesOrder, group: &mut Group) -> Result<Accepted, Refused> {
+        let unknown = || Refused::UnknownGyro { serial: sent.serial.to_string() };
+        let gyro = self.number(NamesOf::Gyros, sent.serial.as_str(), group).ok_or_else(unknown)?;
+        let before = match group.changes.attributes.iter().rfind(|row| row.gyro == gyro) {
+            Some(row) => row.attributes.clone(),
+            None => store::gyro_attribute::of(self.store, &[gyro]).await?.remove(&gyro).unwrap_or_default(),
+        };
+        let attributes = before.patched(&sent.patch);
+        let line = self.ids.next(self.now);
+        if attributes == before {
+            return Ok(Accepted::There { id: line, same_bytes: true });
+        }
+        let audited = |of: &GyroAttributes| json!({ "batch": of.batch, "type": of.r#type, "unit": of.unit });
+        let (was, is) = (audited(&before), audited(&attributes));
+        let what = ("set attributes", format!("gyros/{}", sent.serial));
+        group.changes.access.audit.push(sent.by.line(line, self.now, what, Some(&was), Some(&is)));
+        group.changes.attributes.push(GyroAttributeRow { gyro, attributes });
+        Ok(Accepted::stored(line))
     }
 
     async fn by_key(&self, key: Option<&str>, hash: &[u8; 32], group: &Group) -> Result<Option<Accepted>, Refused> {

@@ -23,8 +23,10 @@ impl Judge {
             let rows = rows.map(|row| row.figures.record);
             if let Some(said) = said_of(rows.clone(), changes) {
                 judged.undone.insert(gyro, undone(Some(fires), said));
-            } else if rows.into_iter().any(|record| changes.set_aside.stored.contains(&record)) {
-                let (author, reason) = (SERVICE.to_owned(), SET_ASIDE.to_owned());
+            } else if let Some(aside) =
+                rows.into_iter().find_map(|record| changes.set_aside.stored.iter().find(|aside| aside.record == record))
+            {
+                let (author, reason) = (aside.author.clone(), aside.reason.clone());
                 judged.undone.insert(gyro, Undone { fires: Some(fires), author, reason });
             }
         }
@@ -71,10 +73,6 @@ impl Judge {
         Ok(firing.map(|(key, _)| key).collect())
     }
 }
-
-/// Who says so, and why, where nobody did: a record's time is in doubt beside a new one's.
-const SERVICE: &str = "gyrowatch";
-const SET_ASIDE: &str = "the time of earlier records is in doubt: they are set aside";
 
 fn said_of(mut items: impl Iterator<Item = Id>, changes: &Changes) -> Option<&CorrectionRow> {
     items.find_map(|item| changes.corrections.iter().find(|row| row.item == item))

@@ -149,6 +149,8 @@ fn count<'a>(items: impl Iterator<Item = Item<'a>>, replies: &[Reply]) {
             Submission::Event(_) => "event",
             Submission::Correction(_) => "correction",
             Submission::Confirmation(_) => "confirmation",
+            Submission::Doubt(_) => "doubt",
+            Submission::Attributes(_) => "attributes",
         };
         let outcome = match reply {
             Ok(Accepted::Stored { .. }) => "stored",

@@ -142,6 +142,10 @@ impl Task {
                         }
                     }
                 }
+                Submission::Attributes(sent) => {
+                    cells.insert(store::names::cell_of_gyro(&self.store, sent.serial.as_str()));
+                }
+                Submission::Doubt(sent) => self.cells_of_record(sent.id, &mut cells).await?,
                 Submission::Confirmation(sent) => self.cells_of_record(sent.id, &mut cells).await?,
             }
         }
@@ -227,7 +231,11 @@ fn names_of<'a>(items: &[Item<'a>]) -> [Vec<&'a str>; 3] {
                 gyros.push(sent.serial.as_str());
                 None
             }
-            Submission::Confirmation(_) => None,
+            Submission::Attributes(sent) => {
+                gyros.push(sent.serial.as_str());
+                None
+            }
+            Submission::Confirmation(_) | Submission::Doubt(_) => None,
         };
         if let Some(sent) = calibration {
             imus.push(sent.imu.as_str());

@@ -1,0 +1,116 @@
+//! `/gyros/{serial}/attributes`: batch, type and unit of a gyro, shown and edited.
+
+use axum::Form;
+use axum::extract::{Path, State as Held};
+use axum::response::Response;
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::Pages;
+use super::form::{Deed, Word, answered, see_other};
+use super::layout::{Section, encoded};
+use super::viewer::Viewer;
+use crate::core::access::Role;
+use crate::core::fault::Faults;
+use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
+use crate::core::record::Name;
+use crate::pages::gyro;
+use crate::pipeline::{Actor, AttributesOrder, Submission};
+use crate::wire::problem::Problem;
+use crate::wire::text;
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Attributes {
+    #[serde(flatten)]
+    word: Word,
+    batch: String,
+    r#type: String,
+    unit: String,
+}
+
+/// What is said of a gyro, with a link to change it.
+pub(super) fn line(viewer: &Viewer, serial: &str, attributes: &GyroAttributes) -> Markup {
+    let t = viewer.text();
+    let said = [(t.batch, &attributes.batch), (t.gyro_type, &attributes.r#type), (t.gyro_unit, &attributes.unit)];
+    let said: Vec<(&str, &String)> = said.into_iter().filter_map(|(of, word)| Some((of, word.as_ref()?))).collect();
+    let may = viewer.may(Role::Engineer);
+    html! {
+        @if may || !said.is_empty() {
+            p.note {
+                @for (k, (of, word)) in said.iter().enumerate() {
+                    @if k > 0 { " · " } (of) " " span translate="no" { (word) }
+                }
+                @if let Some(batch) = &attributes.batch {
+                    " (" a href={ "/fleet?batch=" (encoded(batch)) } { (t.gyros) } ")"
+                }
+                @if may {
+                    @if !said.is_empty() { " · " }
+                    a href={ "/gyros/" (encoded(serial)) "/attributes" } { (t.edit_attributes) }
+                }
+            }
+        }
+    }
+}
+
+pub(super) async fn ask(Held(pages): Held<Pages>, viewer: Viewer, Path(serial): Path<String>) -> Response {
+    viewer.show(asked(&pages, &viewer, &serial).await)
+}
+
+async fn asked(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<super::layout::Page, Problem> {
+    let number = gyro::known(pages, serial)?;
+    let found = pages.pipeline.queries.fleet.standing_in_words(number).await?;
+    let (standing, _) = found.ok_or_else(|| Problem::unknown_gyro(serial))?;
+    let GyroAttributes { batch, r#type, unit } = standing.attributes;
+    let [batch, r#type, unit] = [batch, r#type, unit].map(Option::unwrap_or_default);
+    let said = Attributes { word: Word::default(), batch, r#type, unit };
+    Ok(with_form(viewer, serial, &said, |deed| deed.page(viewer, &said.word, &Faults::default())))
+}
+
+pub(super) async fn act(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Path(serial): Path<String>,
+    Form(said): Form<Attributes>,
+) -> Response {
+    answered(&viewer, done(&pages, &viewer, &serial, &said).await)
+}
+
+async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Attributes) -> Result<Response, Problem> {
+    gyro::known(pages, serial)?;
+    let name = Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))?;
+    let mut faults = Faults::default();
+    said.word.check_meant(viewer, &mut faults);
+    let mut word = |pointer: &str, word: &str| match word.trim() {
+        "" => Some(None),
+        word => Some(text::matched(pointer, word, &mut faults)),
+    };
+    let [batch, r#type, unit] = [("batch", &said.batch), ("type", &said.r#type), ("unit", &said.unit)]
+        .map(|(pointer, said)| word(pointer, said));
+    if !faults.is_empty() {
+        return Ok(with_form(viewer, serial, said, |deed| deed.again(viewer, &said.word, &faults)));
+    }
+    let patch = GyroAttributesPatch { batch, r#type, unit };
+    let order = AttributesOrder { serial: name, patch, by: Actor::by_caller() };
+    pages.pipeline.ingest.submit(Submission::Attributes(order)).await?;
+    Ok(see_other(&format!("/gyros/{}", encoded(serial))))
+}
+
+fn with_form<T>(viewer: &Viewer, serial: &str, said: &Attributes, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+    let t = viewer.text();
+    let home = format!("/gyros/{}", encoded(serial));
+    show(&Deed {
+        section: Section::Fleet,
+        title: t.edit_attributes,
+        what: html! { p.lead translate="no" { (serial) } p { (t.edit_attributes_what) } },
+        fields: html! {
+            label { (t.batch) input name="batch" value=(said.batch) maxlength="64"; }
+            label { (t.gyro_type) input name="type" value=(said.r#type) maxlength="64"; }
+            label { (t.gyro_unit) input name="unit" value=(said.unit) maxlength="64"; }
+        },
+        action: &format!("{home}/attributes"),
+        button: t.edit_attributes,
+        back: &home,
+        reasoned: false,
+    })
+}

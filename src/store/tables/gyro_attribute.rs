@@ -1,0 +1,49 @@
+//! What a laboratory says of its gyros.
+
+use std::collections::HashMap;
+
+use crate::core::gyro_attributes::GyroAttributes;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{LISTED, Whole, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::open::Store;
+
+/// A gyro, and what is said of it from now on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GyroAttributeRow {
+    pub gyro: u32,
+    pub attributes: GyroAttributes,
+}
+
+/// The last row of a gyro holds.
+pub(crate) fn upsert(changed: &[GyroAttributeRow], batch: &mut Batch) {
+    let last: HashMap<u32, &GyroAttributes> = changed.iter().map(|row| (row.gyro, &row.attributes)).collect();
+    let mut rows = Rows::default();
+    for (gyro, GyroAttributes { batch, r#type, unit }) in last {
+        let mut row = rows.row();
+        row.integer(i64::from(gyro));
+        for word in [batch, r#type, unit] {
+            row.optional_text(word.as_deref());
+        }
+    }
+    batch.add(
+        insert!(
+            "gyro_attribute (gyro, batch, type, unit)",
+            [int 0, text 1, text 2, text 3],
+            "ON CONFLICT (gyro) DO UPDATE SET batch = excluded.batch, type = excluded.type, unit = excluded.unit"
+        ),
+        rows,
+    );
+}
+
+/// Of these gyros, those of which something is said.
+pub async fn of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, GyroAttributes>, StoreError> {
+    type Said = (Whole<u32>, Option<String>, Option<String>, Option<String>);
+    let those = store.readers.words(LISTED);
+    let sql =
+        sqlx::AssertSqlSafe(format!("SELECT gyro, batch, type, unit FROM gyro_attribute WHERE gyro IN ({those})"));
+    let gyros = serde_json::json!(gyros).to_string();
+    let rows: Vec<Said> = on!(store.readers, db => sqlx::query_as(sql).bind(gyros).fetch_all(db).await?);
+    let row = |(Whole(gyro), batch, r#type, unit)| (gyro, GyroAttributes { batch, r#type, unit });
+    Ok(rows.into_iter().map(row).collect())
+}

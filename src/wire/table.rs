@@ -1,0 +1,69 @@
+//! What tables have in common: their delimiter, the comments above them, cells, and names of columns.
+
+use crate::core::message::{Message, sent};
+use crate::message;
+
+/// The bytes from a line on; lines end in LF or CRLF.
+pub(super) fn rest_from(text: &str, line: usize) -> &[u8] {
+    let start = text.split_inclusive('\n').take(line).map(str::len).sum::<usize>();
+    &text.as_bytes()[start..]
+}
+
+pub(super) fn delimiter_of(header: &str) -> u8 {
+    let count = |d: &u8| header.bytes().filter(|b| b == d).count();
+    // The last of equals wins: a header without any is taken for comma-separated.
+    [b'\t', b';', b','].into_iter().max_by_key(count).unwrap_or(b',')
+}
+
+/// A fault in the cell of a line and column.
+pub(super) fn at_cell((line, column): (usize, usize), name: &str, fault: Message) -> Message {
+    message!("at_cell", line = line, column = column, name = name.to_owned(), fault = fault)
+}
+
+/// An unknown column, with the known one that it most resembles where one is near.
+pub(super) fn unknown(name: &str, known: impl Iterator<Item = String>) -> Message {
+    let nearest = known.map(|k| (edits(&name.to_lowercase(), &k), k)).min();
+    match nearest {
+        Some((distance, known)) if distance <= 1 + known.len() / 3 => {
+            message!("unknown_column_like", name = sent(name), known = sent(&known))
+        }
+        _ => message!("unknown_column", name = sent(name)),
+    }
+}
+
+/// Levenshtein distance: insertions, deletions and replacements that turn one word into the other.
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().take(80).collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().take(80).enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+/// A number with a decimal point.
+pub(super) fn number(text: &str) -> Result<f64, Message> {
+    let parsed = text.parse::<f64>().ok();
+    match parsed {
+        Some(value) if value.is_finite() => Ok(value),
+        Some(_) => Err(message!("not_finite", value = sent(text))),
+        None if text.replacen(',', ".", 1).parse::<f64>().is_ok() => Err(message!("decimal_comma", value = sent(text))),
+        None => Err(message!("not_a_number", value = sent(text))),
+    }
+}
+
+/// The text of a `#` line, also where a spreadsheet has put it in quotes or padded it with delimiters.
+pub(super) fn comment(line: &str) -> Option<String> {
+    let line = line.trim_end_matches([',', ';', '\t', ' ', '\r']);
+    if let Some(comment) = line.strip_prefix('#') {
+        return Some(comment.to_owned());
+    }
+    let quoted = line.strip_prefix("\"#")?.strip_suffix('"')?;
+    Some(quoted.replace("\"\"", "\""))
+}

@@ -300,10 +300,11 @@ fn kind_table(rows: &[KindRow]) -> String {
         "explained as whole",
         "gap, no name",
         "noise said",
+        "described",
         "median, ms",
         "no answer",
     ];
-    let mut table = table(head, 1..10);
+    let mut table = table(head, 1..11);
     for row in rows {
         let hits = |tally: &Tally| tally.hits.to_string();
         table.add_row([
@@ -315,6 +316,7 @@ fn kind_table(rows: &[KindRow]) -> String {
             hits(&row.explained_as_whole),
             hits(&row.gap_without_a_name),
             hits(&row.noise_said),
+            hits(&row.described),
             format!("{:.1}", row.milliseconds),
             row.errors.to_string(),
         ]);

@@ -85,7 +85,14 @@ pub enum Variable("variable_") {
     RateAxis = "rate_axis",
     RateHistory = "rate_history",
     OrientationBefore = "previous_orientation",
+    OrientationAge = "orientation_age",
     Phase = "phase",
+    TimeAndForce = "time_and_force",
+    TimeAndRate = "time_and_rate",
+    TemperatureAndForce = "temperature_and_force",
+    TemperatureAndRate = "temperature_and_rate",
+    TemperatureAndTime = "temperature_and_time",
+    SingleDwells = "single_dwells",
 }
 }
 

@@ -243,6 +243,9 @@ pub struct Entry {
     pub shapes: Of<dyn Fn(&Setting) -> Vec<(Shape, f64)> + Sync>,
     /// Regressors of gyro `j`, deg/h per unit coefficient, one vector over the dwells each.
     pub columns: Of<dyn Fn(&Setting, usize, Shape) -> Vec<Vec<f64>> + Sync>,
+    /// What coefficients of this size in gyro `j` add beyond their regressors, deg/h: rotations are linear while they are
+    /// small, and a scale factor's change is that of drift, too. Nothing where the effect is linear.
+    pub beyond: Option<fn(&Setting, usize, Shape, &[f64]) -> Vec<f64>>,
 }
 
 impl Debug for Entry {
@@ -384,6 +387,7 @@ pub(super) const PLAIN: Entry = Entry {
     missing: &|_| None,
     shapes: &|_| vec![(Shape::Linear, 1.0)],
     columns: &|_, _, _| Vec::new(),
+    beyond: None,
 };
 
 /// What competing hypotheses have in common.

@@ -16,6 +16,7 @@ pub const SCALE_ASYMMETRY: Entry = Entry {
     plausible: 0.05,
     confused_with: &[Effect::ScaleQuadratic, Effect::Anisoinertia],
     columns: &|s, j, _| vec![input_rate(s, j, f64::abs)],
+    beyond: Some(|s, j, _, size| s.column(|k| size[0] * s.rate[k].dot(&s.gyros[j].input).signum() * s.drift(j, k))),
     ..PLAIN
 };
 
@@ -88,6 +89,7 @@ pub const G_RATE_COUPLING: Entry = Entry {
         let input = &s.gyros[j].input;
         vec![s.column(|k| s.force[k].dot(input) * s.rate[k].dot(input))]
     },
+    beyond: Some(|s, j, _, size| s.column(|k| size[0] * s.force[k].dot(&s.gyros[j].input) * s.drift(j, k))),
     ..PLAIN
 };
 

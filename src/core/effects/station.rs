@@ -5,7 +5,7 @@
 //! it turns about its own tilted vertical: horizontal parts of Earth rate and gravity average away, and of `d x w`
 //! only the vertical part stays. Where the *IMU on the table* is tilted, the table's rate itself is seen turned by `d`.
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 
 use super::entry::{Effect, Entry, PLAIN, Parameter, Scope, Shape, Typical, no_attitude};
 use super::setting::Setting;
@@ -30,6 +30,9 @@ pub const LEVELLING: Entry = Entry {
         let with_rate = shape == Shape::Tilt { with_rate: true };
         vec![tilted(s, j, Vector3::x(), with_rate), tilted(s, j, Vector3::y(), with_rate)]
     },
+    beyond: Some(|s, j, shape, d| {
+        tilted_beyond(s, j, Vector3::new(d[0], d[1], 0.0), shape == Shape::Tilt { with_rate: true })
+    }),
     parameter: Parameter::Tilt,
     ..PLAIN
 };
@@ -47,6 +50,7 @@ pub const AZIMUTH: Entry = Entry {
     names: &|_| vec!["up"],
     missing: &no_attitude,
     columns: &|s, j, _| vec![tilted(s, j, Vector3::z(), false)],
+    beyond: Some(|s, j, _, d| tilted_beyond(s, j, Vector3::z() * d[0], false)),
     ..PLAIN
 };
 
@@ -89,6 +93,7 @@ pub const RELEVELLING: Entry = Entry {
         let columns = [Vector3::x(), Vector3::y()].map(|axis| tilted(s, j, axis, false));
         columns.into_iter().map(|column| afterwards(s, column, shape)).collect()
     },
+    beyond: Some(|s, j, shape, d| afterwards(s, tilted_beyond(s, j, Vector3::new(d[0], d[1], 0.0), false), shape)),
     parameter: Parameter::Instant,
     one_occasion: true,
     ..PLAIN
@@ -121,6 +126,11 @@ pub const RESEATING: Entry = Entry {
         let columns = [Vector3::x(), Vector3::y(), Vector3::z()].map(about);
         columns.into_iter().map(|column| afterwards(s, column, shape)).collect()
     },
+    beyond: Some(|s, j, shape, d| {
+        let d = Vector3::new(d[0], d[1], d[2]);
+        let of_rate = |k: usize| s.gyros[j].input.dot(&beyond(d, s.rate[k]));
+        afterwards(s, s.column(|k| of_rate(k) + of_force(s, j, k, d.cross(&s.force[k]), beyond(d, s.force[k]))), shape)
+    }),
     parameter: Parameter::Seating,
     one_occasion: true,
     ..PLAIN
@@ -191,4 +201,44 @@ fn tilted(s: &Setting, j: usize, axis: Vector3<f64>, with_rate: bool) -> Vec<f64
         Phase::Rate if with_rate => gyro.input.dot(&(c[k] * axis.cross(&(c[k].transpose() * s.rate[k])))),
         Phase::Rate => gyro.input.dot(&(c[k] * Vector3::new(0.0, 0.0, earth.z))),
     })
+}
+
+/// As [`tilted`], for a rotation `d` that is not small: what it adds beyond its first order.
+fn tilted_beyond(s: &Setting, j: usize, d: Vector3<f64>, with_rate: bool) -> Vec<f64> {
+    let Some(c) = &s.nav_to_body else { return vec![0.0; s.dwells()] };
+    let (input, f, w) = (s.gyros[j].input, Vector3::new(0.0, 0.0, s.gravity), s.earth_nav);
+    let up = |v: Vector3<f64>| Vector3::new(0.0, 0.0, v.z);
+    s.column(|k| match s.phase[k] {
+        Phase::Static => input.dot(&(c[k] * beyond(d, w))) + of_force(s, j, k, c[k] * d.cross(&f), c[k] * beyond(d, f)),
+        Phase::Rate if with_rate => input.dot(&(c[k] * beyond(d, c[k].transpose() * s.rate[k]))),
+        Phase::Rate => {
+            input.dot(&(c[k] * up(beyond(d, w)))) + of_force(s, j, k, Vector3::zeros(), c[k] * up(beyond(d, f)))
+        }
+    })
+}
+
+/// What specific force that is `first` off, to first order, and `beyond` more makes beside `G.first`.
+fn of_force(s: &Setting, j: usize, k: usize, first: Vector3<f64>, beyond: Vector3<f64>) -> f64 {
+    let (gyro, a) = (&s.gyros[j], s.force[k]);
+    let turned = a + first + beyond;
+    gyro.g.dot(&beyond) + gyro.p.dot(&(turned.component_mul(&turned) - a.component_mul(&a)))
+}
+
+/// exp(d x) v - v - d x v.
+fn beyond(d: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
+    Rotation3::new(d) * v - v - d.cross(&v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn a_quarter_turn_is_more_than_its_first_order() {
+        // About the vertical it takes east to north; to first order it adds pi/2 of north and keeps east.
+        let more = beyond(Vector3::z() * FRAC_PI_2, Vector3::x());
+        assert!((more - Vector3::new(-1.0, 1.0 - FRAC_PI_2, 0.0)).norm() < 1e-12, "{more}");
+        assert!(beyond(Vector3::z() * 1e-4, Vector3::x()).norm() < 1e-8);
+    }
 }

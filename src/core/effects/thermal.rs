@@ -63,6 +63,7 @@ pub const TEMPERATURE_SCALE: Entry = Entry {
     confused_with: &[Effect::TemperatureG, Effect::ScaleCubic],
     missing: &no_temperature,
     columns: &|s, j, _| vec![temperature_times(s, |k| s.rate[k].dot(&s.gyros[j].input))],
+    beyond: Some(|s, j, _, size| temperature_times(s, |k| size[0] * s.drift(j, k))),
     of_temperature: true,
     ..PLAIN
 };

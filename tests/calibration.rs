@@ -97,7 +97,7 @@ fn a_campaign_is_fitted_as_scipy_fits_it() {
             let (found, found_sd) = figure(gyro, drift, name);
             assert!((found - value).abs() < 1e-3 * sd, "{name}: {found} is not {value}");
             // Other kinds of noise weigh next to nothing here.
-            assert!((found_sd / scale / sd - 1.0).abs() < 0.03, "{name}: sd {} is not {sd}", found_sd / scale);
+            assert!((found_sd / scale / sd - 1.0).abs() < 0.06, "{name}: sd {} is not {sd}", found_sd / scale);
         }
     }
 }

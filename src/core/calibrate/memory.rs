@@ -33,7 +33,7 @@ pub const OF_WALK: f64 = 3.0;
 pub const TIMES: [f64; 4] = [1.5, 5.0, 16.0, 50.0];
 
 /// Prior probability that there is no memory; the pairs of kernel and power share the rest.
-const WITHOUT: f64 = 0.98;
+pub const WITHOUT_MEMORY: f64 = 0.995;
 
 /// ln of a weight below which a kind of noise is left out.
 const NOTHING: f64 = -9.0;
@@ -250,7 +250,7 @@ pub(super) fn weigh(course: &Course, gyros: &[Fitted], plain: &mut [Option<DMatr
     let is_open = |law: &Law| stated || !matches!(law, Law::Duration(_));
     let laws: Vec<Law> = Law::all(course).into_iter().filter(is_open).collect();
     let of_laws = ((1.0 - AS_STATED) / laws.len() as f64).ln();
-    let of_pairs = ((1.0 - WITHOUT) / (Memory::ALL.len() * POWERS.len()) as f64).ln();
+    let of_pairs = ((1.0 - WITHOUT_MEMORY) / (Memory::ALL.len() * POWERS.len()) as f64).ln();
     let pairs = Memory::ALL.into_iter().flat_map(|memory| POWERS.map(|power| (memory, power * memory.size())));
     let kinds = laws.into_iter().map(|law| (Kind::Law(law), of_laws));
     let kinds = kinds.chain(pairs.map(|(memory, power)| (Kind::Memory(memory, power), of_pairs)));
@@ -264,7 +264,7 @@ pub(super) fn weigh(course: &Course, gyros: &[Fitted], plain: &mut [Option<DMatr
             gyros[j].restricted(whitened, stated)
         }
     };
-    let as_stated = (AS_STATED - (1.0 - WITHOUT)).ln();
+    let as_stated = (AS_STATED - (1.0 - WITHOUT_MEMORY)).ln();
     let mut all = LogSum::of(&[as_stated]);
     let mut likely: Vec<(Kind, f64, Vec<f64>)> = Vec::new();
     for (kind, prior) in kinds {

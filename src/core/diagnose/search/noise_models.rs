@@ -16,16 +16,13 @@ use super::projections::{State, each_by_itself};
 use super::shared_noise::Shared;
 use super::temperature_odds::odds_of_temperature;
 use crate::core::calibrate::law::{AS_STATED, Course, Law, median};
-use crate::core::calibrate::memory::{Memory, POWERS};
+use crate::core::calibrate::memory::{Memory, POWERS, WITHOUT_MEMORY};
 use crate::core::calibrate::noise_found::{MemoryFound, NoiseFound};
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::{Effect, Setting, Shape};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::log_sum::LogSum;
-
-/// Prior probability that the noise has no memory.
-const WITHOUT_MEMORY: f64 = 0.995;
 
 /// Prior probability that gyros share their noise.
 const BETWEEN_GYROS: f64 = 0.1;

@@ -26,9 +26,10 @@ fn only(case: Case) -> Draw {
 }
 
 fn silent() -> Answer {
-    let (effects, not_identifiable, impact, impact_within_noise) = (vec![], vec![], vec![], vec![]);
+    let (effects, description) = (vec![], vec![]);
+    let (not_identifiable, impact, impact_within_noise) = (vec![], vec![], vec![]);
     let (verdict, closure, noise) = ("no_gap".into(), None, None);
-    Answer { verdict, effects, closure, noise, not_identifiable, impact, impact_within_noise }
+    Answer { verdict, effects, closure, noise, description, not_identifiable, impact, impact_within_noise }
 }
 
 fn named(effect: &str, gyros: Vec<String>) -> Named {

@@ -4,7 +4,8 @@
 use gyrowatch::blindcheck::answer::Answer;
 use gyrowatch::blindcheck::kind::{Kind, KindRow, row};
 use gyrowatch::core::augmented::Options;
-use gyrowatch::core::diagnose::diagnose;
+use gyrowatch::core::diagnose::{Variable, diagnose};
+use gyrowatch::simulate::outside::{FAMILIES, depends_on};
 use gyrowatch::wire;
 
 const COUNT: usize = 14;
@@ -58,4 +59,31 @@ fn an_imu_that_was_reseated_is_named_so_and_a_field_is_still_found() {
 fn what_acts_for_a_part_of_the_time_is_not_explained_as_a_whole() {
     let row = of("third");
     assert!(row.explained_as_whole.hits <= 1 && row.confident_wrong.hits <= 1, "{row:?}");
+}
+
+#[test]
+fn one_cause_gets_one_name_however_strong_it_is_and_whenever_it_sets_in() {
+    // A seat turned by 1.5 degrees left a field beside it, and one that turned between two instants of the grid a
+    // dwell set aside.
+    for (kind, number) in [("strong", 4), ("reseated_midway", 31)] {
+        let simulated = Kind::from_name(kind).unwrap().campaign(4001, number);
+        let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
+        let named: Vec<&str> = answer.effects.iter().map(|named| named.effect.as_str()).collect();
+        assert_eq!((named, answer.verdict.as_str()), (vec!["reseating"], "explained"), "{kind}");
+    }
+}
+
+#[test]
+fn what_is_outside_the_catalogue_is_described_by_what_it_depends_on() {
+    let row = of("outside");
+    assert!(row.described.hits >= COUNT - 3, "{row:?}");
+    let row = of("clean");
+    assert!(row.described.hits == 0, "{row:?}");
+}
+
+#[test]
+fn what_an_outside_cause_depends_on_is_something_that_a_description_can_say() {
+    for name in FAMILIES.iter().flat_map(|family| depends_on(family)) {
+        assert!(Variable::from_name(name).is_some(), "{name}");
+    }
 }

@@ -147,7 +147,7 @@ async fn a_table_is_stored_as_its_documents_would_be_and_refused_by_line() {
         record_rows(|at, row| if at.starts_with("2017") { row.replace(",T-3,", ",T-2,") } else { row.to_owned() }),
     )
     .unwrap();
-    let url = format!("{}", server.url(""));
+    let url = server.url("");
     let sent = tokio::task::spawn_blocking(move || {
         gyrowatch().args(["import", "--url", &url, &table.display().to_string()]).output()
     })

@@ -14,6 +14,9 @@ pub struct Answer {
     /// What the noise is beyond white and independent, where the answer says it.
     #[serde(default)]
     pub noise: Option<serde_json::Value>,
+    /// What is left goes with, the strongest first.
+    #[serde(default)]
+    pub description: Vec<Described>,
     #[serde(default)]
     pub not_identifiable: Vec<Unseen>,
     /// Coefficients that are reported as moved.
@@ -42,6 +45,11 @@ pub struct Named {
 pub struct HeldOut {
     pub closure: Option<f64>,
     pub interval: Option<[f64; 2]>,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Described {
+    pub by: String,
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -191,7 +191,7 @@ fn visible_enough(simulated: &Simulated) -> bool {
 
 /// Whether no single effect of the catalogue can mimic the cause in this campaign: scale factor times time *is*
 /// scale factor times temperature where temperature is a ramp, and nobody can tell.
-fn is_outside(simulated: &Simulated) -> bool {
+pub(super) fn is_outside(simulated: &Simulated) -> bool {
     let structure = Structure::of(simulated);
     let slots: Vec<String> = simulated.world.slots().map(|slot| slot.name().to_owned()).collect();
     let mimics = |id: &str| structure.left_with(id, &slots).is_some_and(|left| left < LEAST_OUTSIDE);

@@ -10,11 +10,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::answer::Answer;
-use super::draw::{effect_in_some_gyros, one_of, seen_by, style};
+use super::draw::{effect_in_some_gyros, is_outside, one_of, seen_by, style};
 use super::run::{Diagnoser, timed};
 use super::tally::Tally;
 use crate::simulate::cause::{FIELD, IN_TIME, POWER_UP, SEAT, THROUGHOUT, TILT, TILT_FROM_A_DWELL};
-use crate::simulate::outside::FAMILIES;
+use crate::simulate::outside::{FAMILIES, depends_on};
 use crate::simulate::programme::Order;
 use crate::simulate::scenario::{EffectChoice, Scenario, StandardErrors};
 use crate::simulate::{Simulated, simulate};
@@ -145,6 +145,7 @@ impl Kind {
             scenario.imu = format!("IMU-{number:05}");
             if (self.put)(&mut scenario, &mut rng).is_some()
                 && let Ok(simulated) = simulate(&scenario)
+                && (self.hidden != Outside || is_outside(&simulated))
             {
                 return simulated;
             }
@@ -176,6 +177,10 @@ impl Kind {
             found: !hidden.is_empty() && hidden.iter().all(|id| answer.effects.iter().any(|n| means(n, id))),
             whole: answer.effects.iter().any(whole),
             said: answer.noise.is_some(),
+            described: match &truth.truth.family {
+                Some(family) => answer.description.iter().any(|d| depends_on(family).contains(&d.by.as_str())),
+                None => !answer.description.is_empty(),
+            },
             ..KindScore::of(truth.truth.seen, milliseconds)
         }
     }
@@ -197,6 +202,8 @@ pub struct KindScore {
     pub whole: bool,
     /// Something was said of the noise.
     pub said: bool,
+    /// What an outside cause depends on was among the description; of any other, something was described.
+    pub described: bool,
     pub milliseconds: f64,
     pub error: Option<String>,
 }
@@ -217,6 +224,7 @@ pub struct KindRow {
     pub explained_as_whole: Tally,
     pub gap_without_a_name: Tally,
     pub noise_said: Tally,
+    pub described: Tally,
     pub milliseconds: f64,
     pub errors: usize,
     pub scores: Vec<KindScore>,
@@ -243,6 +251,7 @@ pub fn row(kind: &Kind, seed: u64, count: usize, diagnose: &Diagnoser<'_>) -> Ki
         explained_as_whole: tally(|s| s.whole && s.explained),
         gap_without_a_name: tally(|s| s.gap && s.named.is_empty()),
         noise_said: tally(|s| s.said),
+        described: tally(|s| s.described),
         milliseconds: times.get(times.len() / 2).copied().unwrap_or(0.0),
         errors: scores.iter().filter(|s| s.error.is_some()).count(),
         scores,

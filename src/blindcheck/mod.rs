@@ -7,11 +7,12 @@
 //!
 //! [`draw`] which campaigns, [`answer`] what is read of a diagnosis, [`reach`] what the truth says could be told
 //! apart, [`score`] one campaign, [`tally`] proportions, [`report`] the table; [`kind`] what stations do
-//! beyond white, independent noise.
+//! beyond white, independent noise; [`hypothesis`] what somebody's own would take to be found.
 
 pub mod answer;
 pub mod draw;
 pub mod history;
+pub mod hypothesis;
 pub mod kind;
 pub mod reach;
 pub mod report;

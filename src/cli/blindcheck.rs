@@ -9,17 +9,22 @@ use clap::Args;
 use comfy_table::Table;
 
 use super::document::{Format, print, print_json, table, write, write_all};
+use super::hypothesis;
 use super::tallies::{figures, percent, progress};
+use crate::blindcheck;
 use crate::blindcheck::answer::Answer;
 use crate::blindcheck::draw::{Case, Draw};
+use crate::blindcheck::hypothesis::{FOUND, HypothesisReport};
 use crate::blindcheck::kind::{KINDS, Kind, KindRow, row};
 use crate::blindcheck::report::{Goal, Report};
 use crate::blindcheck::run::{Foreign, drawn, file_name, foreign, key, key_text};
 use crate::blindcheck::score::Score;
 use crate::blindcheck::seal;
 use crate::blindcheck::tally::Tally;
-use crate::core::augmented::Options;
+use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::diagnose::diagnose;
+use crate::core::effects::Effect;
+use crate::simulate::Scenario;
 use crate::simulate::cause::{CATALOGUE, listed};
 use crate::simulate::truth::Key;
 use crate::wire;
@@ -34,9 +39,10 @@ use crate::wire;
 pub struct Blindcheck {
     #[command(subcommand)]
     of: Option<Of>,
-    /// Number of campaigns to draw.
-    #[arg(long, default_value_t = 1000, value_parser = count, conflicts_with = "campaigns")]
-    count: usize,
+    /// Number of campaigns to draw; of --kind and --hypothesis, for each line of the table [default: 1000, with
+    /// --hypothesis 100].
+    #[arg(long, value_parser = count, conflicts_with = "campaigns")]
+    count: Option<usize>,
     /// Other seeds draw other campaigns.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -47,9 +53,16 @@ pub struct Blindcheck {
     /// Only what stations do beyond white, independent noise: kinds by name, or "all" of them, `count` campaigns each.
     #[arg(long, value_delimiter = ',', value_parser = kinds, conflicts_with_all = ["campaigns", "case", "keep"])]
     kind: Vec<&'static str>,
-    /// Detectability d of the case "one".
-    #[arg(long, value_delimiter = ',', default_values_t = [8.0, 12.0, 20.0, 30.0], value_parser = positive, conflicts_with = "campaigns")]
+    /// Detectability d of the case "one" [default: 8,12,20,30], or of a hypothesis [default: 3,4,5,6,8,12].
+    #[arg(long, value_delimiter = ',', value_parser = positive, conflicts_with = "campaigns")]
     detectability: Vec<f64>,
+    /// A hypothesis of one's own, in TOML: hidden in some campaigns of one design and asked for in all. Says what size
+    /// this design would find, and how often it is named where it is not.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["campaigns", "case", "effect", "kind", "keep", "strict"])]
+    hypothesis: Option<PathBuf>,
+    /// The design for the hypothesis, a scenario in TOML (`simulate --print-scenario`); else the preset 24-position.
+    #[arg(long, value_name = "FILE", requires = "hypothesis")]
+    scenario: Option<PathBuf>,
     /// Folder to write the drawn campaigns and their key.json into.
     #[arg(long, value_name = "DIR", conflicts_with = "campaigns")]
     keep: Option<PathBuf>,
@@ -96,6 +109,9 @@ fn kinds(name: &str) -> Result<&'static str, String> {
     found.ok_or_else(|| format!("kinds are {ALL}, {}", known()))
 }
 
+/// Campaigns that are drawn where no number is given.
+const COUNT: usize = 1000;
+
 /// Every kind.
 const ALL: &str = "all";
 
@@ -116,6 +132,9 @@ impl Blindcheck {
         if !self.kind.is_empty() {
             return self.kinds();
         }
+        if let Some(path) = &self.hypothesis {
+            return self.hypothesis(path);
+        }
         let begun = Instant::now();
         let (seal, scores) = match (&self.campaigns, &self.key) {
             (Some(folder), Some(key)) => self.foreign(folder, key)?,
@@ -135,28 +154,55 @@ impl Blindcheck {
     fn kinds(&self) -> anyhow::Result<()> {
         let wanted = |kind: &&Kind| self.kind.iter().any(|name| *name == ALL || *name == kind.name);
         let rows: Vec<KindRow> =
-            KINDS.iter().filter(wanted).map(|kind| row(kind, self.seed, self.count, &diagnosed)).collect();
+            KINDS.iter().filter(wanted).map(|kind| row(kind, self.seed, self.count.unwrap_or(COUNT), &plain)).collect();
         match self.format {
             Format::Json => print_json(&rows),
             Format::Table => print(&kind_table(&rows)),
         }
     }
 
+    fn hypothesis(&self, path: &Path) -> anyhow::Result<()> {
+        let own = hypothesis::files(&[path.to_owned()], &AugmentedModel::default())?;
+        let scenario = match &self.scenario {
+            Some(path) => {
+                let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+                toml::from_str(&text).with_context(|| path.display().to_string())?
+            }
+            None => Scenario::default(),
+        };
+        let [effect] = own.as_slice() else { bail!("{}: holds no hypothesis", path.display()) };
+        let sizes =
+            if self.detectability.is_empty() { &[3.0, 4.0, 5.0, 6.0, 8.0, 12.0] } else { &self.detectability[..] };
+        let count = self.count.unwrap_or(100);
+        let bar = progress(count * (1 + sizes.len()), "campaigns");
+        let asked = |text: &str| diagnosed(text, &own);
+        let design = (&scenario, self.seed, count);
+        let report = blindcheck::hypothesis::hypothesis(*effect, design, sizes, &asked, &|| bar.inc(1));
+        bar.finish_and_clear();
+        let report = report.with_context(|| path.display().to_string())?;
+        match self.format {
+            Format::Json => print_json(&report),
+            Format::Table => print(&hypothesis_tables(&report)),
+        }
+    }
+
     fn drawn(&self) -> anyhow::Result<(String, Vec<Score>)> {
+        let count = self.count.unwrap_or(COUNT);
+        let of_one = if self.detectability.is_empty() { &[8.0, 12.0, 20.0, 30.0] } else { &self.detectability[..] };
         let draw = Draw {
             seed: self.seed,
             cases: self.case.clone(),
             effects: self.effect.clone(),
-            detectability: self.detectability.clone(),
+            detectability: of_one.to_vec(),
         };
-        let key = key_text(&key(&draw, self.count));
+        let key = key_text(&key(&draw, count));
         let seal = seal(&key);
-        eprintln!("key of {} campaigns sealed: SHA-256 {seal}", self.count);
+        eprintln!("key of {count} campaigns sealed: SHA-256 {seal}");
         if let Some(folder) = &self.keep {
-            keep_campaigns(&draw, self.count, folder)?;
+            keep_campaigns(&draw, count, folder)?;
         }
-        let bar = progress(self.count, "campaigns");
-        let scores = drawn(&draw, self.count, &diagnosed, &|| bar.inc(1));
+        let bar = progress(count, "campaigns");
+        let scores = drawn(&draw, count, &plain, &|| bar.inc(1));
         bar.finish_and_clear();
         if let Some(folder) = &self.keep {
             let path = folder.join("key.json");
@@ -178,16 +224,21 @@ impl Blindcheck {
             campaigns.push(Foreign { name, text, key });
         }
         let bar = progress(campaigns.len(), "campaigns");
-        let scores = foreign(&campaigns, &diagnosed, &|| bar.inc(1))?;
+        let scores = foreign(&campaigns, &plain, &|| bar.inc(1))?;
         bar.finish_and_clear();
         Ok((seal, scores))
     }
 }
 
-/// The diagnosis as a user gets it: from the file's text to the answer's JSON.
-fn diagnosed(text: &str) -> Result<Answer, String> {
+fn plain(text: &str) -> Result<Answer, String> {
+    diagnosed(text, &[])
+}
+
+/// The diagnosis as a user gets it, with hypotheses asked: from the file's text to the answer's JSON.
+fn diagnosed(text: &str, hypotheses: &[Effect]) -> Result<Answer, String> {
     let campaign = wire::campaign::parse_json(text.as_bytes()).map_err(|faults| faults.to_string())?;
-    let diagnosis = diagnose(&campaign, &Options::default()).map_err(|refusal| refusal.to_string())?;
+    let options = Options { hypotheses: hypotheses.to_vec(), ..Options::default() };
+    let diagnosis = diagnose(&campaign, &options).map_err(|refusal| refusal.to_string())?;
     let json = serde_json::to_value(wire::diagnosis::DiagnosisBody::from(&diagnosis)).map_err(|e| e.to_string())?;
     serde_json::from_value(json).map_err(|e| e.to_string())
 }
@@ -249,10 +300,11 @@ fn kind_table(rows: &[KindRow]) -> String {
         "explained as whole",
         "gap, no name",
         "noise said",
+        "described",
         "median, ms",
         "no answer",
     ];
-    let mut table = table(head, 1..10);
+    let mut table = table(head, 1..11);
     for row in rows {
         let hits = |tally: &Tally| tally.hits.to_string();
         table.add_row([
@@ -264,11 +316,57 @@ fn kind_table(rows: &[KindRow]) -> String {
             hits(&row.explained_as_whole),
             hits(&row.gap_without_a_name),
             hits(&row.noise_said),
+            hits(&row.described),
             format!("{:.1}", row.milliseconds),
             row.errors.to_string(),
         ]);
     }
     table.to_string()
+}
+
+fn hypothesis_tables(report: &HypothesisReport) -> String {
+    let mut table = table(
+        [
+            "d",
+            "largest coefficient (median)",
+            "campaigns",
+            "named",
+            "95 % interval",
+            "only in a class",
+            "something else",
+        ],
+        0..7,
+    );
+    for row in &report.hidden {
+        let [hits, trials, rate, interval] = figures(&row.named);
+        table.add_row([
+            row.detectability.to_string(),
+            format!("{:.3e} {}", row.size, report.unit),
+            trials,
+            format!("{hits}, {rate}"),
+            interval,
+            row.in_class.hits.to_string(),
+            row.something_else.hits.to_string(),
+        ]);
+    }
+    let found = match report.found_from {
+        Some(size) => format!("found in {} from {size:.1e} {} on", percent(FOUND), report.unit),
+        None => format!("no size of these was found in {}: ask for larger d", percent(FOUND)),
+    };
+    let mut parts = vec![format!("{} in campaigns of this design: {found}", report.hypothesis), table.to_string()];
+    let mut class: Vec<&str> = report.hidden.iter().flat_map(|row| &row.class).map(String::as_str).collect();
+    let mut seen = std::collections::BTreeSet::new();
+    class.retain(|id| seen.insert(*id));
+    if !class.is_empty() {
+        parts.push(format!("hard to tell from it here: {}", class.join(", ")));
+    }
+    let [hits, trials, rate, interval] = figures(&report.clean);
+    let anything = report.clean_anything.hits;
+    parts.push(format!(
+        "where it is not: named in {hits} of {trials} ({rate}, 95 % interval {interval}); anything named in {anything}"
+    ));
+    parts.extend(report.errors.iter().map(|error| format!("no answer: {error}")));
+    parts.join("\n\n")
 }
 
 fn by_group(title: &str, groups: &BTreeMap<String, Tally>) -> Table {

@@ -6,8 +6,8 @@ use anyhow::{Context, bail};
 
 use super::document::{self, Format, table};
 use super::predict::against_model;
-use super::{diagnose_all, diagnose_gyro, diagnose_record, model};
-use crate::core::augmented::AugmentedModel;
+use super::{diagnose_all, diagnose_gyro, diagnose_record, hypothesis, model};
+use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, may_be_split, split};
 use crate::core::imu_model::changed_since;
@@ -33,6 +33,11 @@ pub struct Diagnose {
     /// [default: the campaign's own terms, or all]
     #[arg(long, value_name = "TERMS|FILE", value_parser = model::choice)]
     model: Option<model::Choice>,
+
+    /// A hypothesis of one's own, in TOML: an equation for the drift, which then competes with the catalogue. Several
+    /// compete together (docs/how-to/own-hypothesis.md)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["all", "gyro"])]
+    hypothesis: Vec<PathBuf>,
 
     /// Write the model in use with what is named added to it: a model file for --model
     #[arg(long, value_name = "FILE")]
@@ -79,9 +84,11 @@ impl Diagnose {
         let file = || document::name(path);
         let bytes = document::read(path)?;
         if is_record(&bytes) {
-            if self.model.is_some() || self.adopt.is_some() || self.report.is_some() || self.reference.is_some() {
+            let of_dwells = [&self.adopt, &self.report, &self.reference].into_iter().any(Option::is_some);
+            if of_dwells || self.model.is_some() || !self.hypothesis.is_empty() {
                 bail!(
-                    "{}: a record has no dwells; --model, --adopt, --report and --reference go with a campaign",
+                    "{}: a record has no dwells; --model, --hypothesis, --adopt, --report and --reference go with a \
+                     campaign",
                     file()
                 );
             }
@@ -93,7 +100,9 @@ impl Diagnose {
             model::may_be_replaced(path)?;
         }
         let in_use = model::chosen(self.model.as_ref())?;
-        let options = in_use.options(&campaign);
+        let hypotheses = hypothesis::files(&self.hypothesis, &in_use)?;
+        hypothesis::defined_in(&hypotheses, &campaign).with_context(file)?;
+        let options = Options { hypotheses, ..in_use.options(&campaign) };
         let diagnosed = diagnose(&campaign, &options).with_context(file)?;
         let mut diagnosis = DiagnosisBody::from(&diagnosed);
         diagnosis.effects_against_model = changed_since(&in_use, &campaign).map(|changed| ChangedBody::of(&changed));

@@ -29,6 +29,7 @@ mod faults;
 mod fleet_noise;
 mod gap;
 mod healthcheck;
+mod hypothesis;
 mod import;
 mod model;
 mod model_fit;

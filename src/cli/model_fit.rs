@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 
 use super::document::{self, Format, table};
-use super::model;
+use super::{hypothesis, model};
 use crate::core::augmented::{Adopted, AugmentedModel};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::Verdict;
@@ -45,6 +45,10 @@ struct Fit {
     /// with commas between them, in all gyros
     #[arg(long, value_name = "auto|none|IDS", default_value = "auto")]
     effects: String,
+
+    /// A hypothesis of one's own, in TOML: its id may then stand among --effects
+    #[arg(long, value_name = "FILE")]
+    hypothesis: Vec<PathBuf>,
 
     /// Terms of bias, g_linear, g_squared, scale, with commas between them [default: the newest campaign's own, or all]
     #[arg(long, value_name = "TERMS", value_parser = terms)]
@@ -130,13 +134,18 @@ impl Fit {
     }
 
     fn chosen(&self, campaigns: &[&Campaign]) -> anyhow::Result<Chosen> {
+        if !self.hypothesis.is_empty() && matches!(self.effects.as_str(), "auto" | "none") {
+            bail!("--hypothesis: name its id in --effects; `diagnose --hypothesis` says whether the campaign shows it");
+        }
         let none = |model| Chosen { model, occasions: vec![Vec::new(); campaigns.len()], verdicts: Vec::new() };
         match self.effects.as_str() {
             "auto" => Ok(named(campaigns, self.terms)?),
             "none" => Ok(none(AugmentedModel { terms: self.terms, ..AugmentedModel::default() })),
             ids => {
-                let effects = ids.split(',').map(|id| lasting(id.trim())).collect::<anyhow::Result<Vec<_>>>()?;
+                let own = hypothesis::files(&self.hypothesis, &AugmentedModel::default())?;
+                let effects = ids.split(',').map(|id| lasting(id.trim(), &own)).collect::<anyhow::Result<Vec<_>>>()?;
                 let newest = campaigns[campaigns.len() - 1];
+                hypothesis::defined_in(&own, newest)?;
                 Ok(none(asked_for(&effects, newest, self.terms)?))
             }
         }
@@ -144,8 +153,9 @@ impl Fit {
 }
 
 /// An effect that may act in campaigns to come.
-fn lasting(id: &str) -> anyhow::Result<Effect> {
-    let Some(effect) = Effect::from_id(id) else {
+fn lasting(id: &str, own: &[Effect]) -> anyhow::Result<Effect> {
+    let own = own.iter().find(|own| own.id() == id).copied();
+    let Some(effect) = Effect::from_id(id).or(own) else {
         bail!("--effects: {id:?} is none of {}", crate::core::effects::known());
     };
     let entry = effect.entry();

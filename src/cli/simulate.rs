@@ -6,16 +6,19 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 
-use super::{Usage, document, experiment, model};
+use super::{Usage, document, experiment, hypothesis, model};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
+use crate::core::effects::Effect;
+use crate::core::mounting::Slot;
 use crate::simulate::augment::augment;
 use crate::simulate::cause::known;
 use crate::simulate::experiment::{Test, tests};
+use crate::simulate::of_hypothesis::{Amount, hide};
 use crate::simulate::of_model::drawn_from;
 use crate::simulate::presets::{PRESETS, preset};
 use crate::simulate::truth::Key;
-use crate::simulate::{Scenario, Simulated, simulate};
+use crate::simulate::{Scenario, Simulated, Stream, random, simulate};
 use crate::wire;
 
 /// The one preset that is several campaigns.
@@ -41,6 +44,19 @@ pub struct Simulate {
     /// coefficients of an IMU, put in its effects only, as large as it says.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
+    /// Put in a hypothesis of one's own, in TOML (docs/how-to/own-hypothesis.md), by --size or --detectability; its
+    /// parameter is drawn from its range by the seed.
+    #[arg(long, value_name = "FILE", requires = "amount")]
+    hypothesis: Option<PathBuf>,
+    /// Every coefficient of the hypothesis, in its unit.
+    #[arg(long, value_name = "NUMBER", group = "amount", requires = "hypothesis", allow_negative_numbers = true)]
+    size: Option<f64>,
+    /// As visible as this over all gyros: d of the diagnosis. Signs and proportions are drawn.
+    #[arg(long, value_name = "D", group = "amount", requires = "hypothesis", value_parser = positive)]
+    detectability: Option<f64>,
+    /// Gyros that have the hypothesis; all where left out.
+    #[arg(long, value_name = "SLOT", value_delimiter = ',', requires = "hypothesis", value_parser = slot)]
+    gyros: Vec<Slot>,
     /// Overrides the scenario's seed.
     #[arg(long)]
     seed: Option<u64>,
@@ -127,18 +143,24 @@ impl Simulate {
             return Ok(std::io::stdout().lock().write_all(text.as_bytes())?);
         }
         match (&self.dir, self.count) {
-            (Some(dir), count) => many(&scenario, &self.effects()?, count.unwrap_or(1), dir, self.format),
+            (Some(dir), count) => many(&scenario, &self.put_in()?, count.unwrap_or(1), dir, self.format),
             (None, Some(_)) => Err(Usage("--count wants a --dir to write into".to_owned()).into()),
             (None, None) => self.one(&scenario),
         }
     }
 
-    fn effects(&self) -> anyhow::Result<AugmentedModel> {
-        self.model.as_deref().map_or_else(|| Ok(AugmentedModel::default()), model::file)
+    fn put_in(&self) -> anyhow::Result<PutIn> {
+        let model = self.model.as_deref().map_or_else(|| Ok(AugmentedModel::default()), model::file)?;
+        let files: Vec<PathBuf> = self.hypothesis.iter().cloned().collect();
+        let effect = hypothesis::files(&files, &model)?.first().copied();
+        let amount = self.size.map(Amount::Size).or(self.detectability.map(Amount::Detectability));
+        let hypothesis = effect.zip(amount).map(|(effect, amount)| (effect, amount, self.gyros.clone()));
+        Ok(PutIn { model, hypothesis })
     }
 
     fn paper_experiment(&self) -> anyhow::Result<()> {
-        if self.out.is_some() || self.truth.is_some() || self.model.is_some() || self.print_scenario {
+        let one_campaign = [&self.out, &self.truth, &self.model, &self.hypothesis].into_iter().any(Option::is_some);
+        if one_campaign || self.print_scenario {
             let why =
                 format!("{PAPER_EXPERIMENT} is seven campaigns: it takes --seed, --count, and --dir or --csv only");
             return Err(Usage(why).into());
@@ -152,7 +174,7 @@ impl Simulate {
                     let file = move |test: &Test| format!("{seed:04}-{}.{}", test.name(), form.ending());
                     tests(seed).into_iter().map(move |test| (file(&test), test.scenario))
                 });
-                write_all(made, &AugmentedModel::default(), dir, form)
+                write_all(made, &PutIn::default(), dir, form)
             }
             None => experiment::print(seed, self.count.unwrap_or(200), self.csv),
         }
@@ -171,7 +193,7 @@ impl Simulate {
     }
 
     fn one(&self, scenario: &Scenario) -> anyhow::Result<()> {
-        let simulated = made(scenario, &self.effects()?)?;
+        let simulated = made(scenario, &self.put_in()?)?;
         let text = self.format.text(&simulated.campaign);
         match &self.out {
             Some(path) => write(path, &text)?,
@@ -184,12 +206,33 @@ impl Simulate {
     }
 }
 
-fn made(scenario: &Scenario, model: &AugmentedModel) -> anyhow::Result<Simulated> {
+/// What is put into the outputs beside the scenario's causes.
+#[derive(Default)]
+struct PutIn {
+    model: AugmentedModel,
+    hypothesis: Option<(Effect, Amount, Vec<Slot>)>,
+}
+
+fn made(scenario: &Scenario, put_in: &PutIn) -> anyhow::Result<Simulated> {
     let refused = |faults| anyhow::anyhow!("scenario: {faults}");
-    let (scenario, model) = drawn_from(scenario, model).map_err(refused)?;
+    let (scenario, model) = drawn_from(scenario, &put_in.model).map_err(refused)?;
     let mut simulated = simulate(&scenario).map_err(refused)?;
     augment(&mut simulated, &model).context("--model")?;
+    if let Some((effect, amount, slots)) = &put_in.hypothesis {
+        hypothesis::defined_in(&[*effect], &simulated.campaign)?;
+        let mut rng = random(scenario.seed, Stream::Hypothesis);
+        hide(&mut simulated, *effect, *amount, slots, &mut rng).context("--hypothesis")?;
+    }
     Ok(simulated)
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "must be a positive number".to_owned())
+}
+
+fn slot(name: &str) -> Result<Slot, String> {
+    Slot::from_name(name).ok_or_else(|| format!("slots are {}", Slot::ALL.map(Slot::name).join(", ")))
 }
 
 fn list(mut out: impl Write) -> anyhow::Result<()> {
@@ -200,7 +243,7 @@ fn list(mut out: impl Write) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn many(scenario: &Scenario, model: &AugmentedModel, count: u64, dir: &Path, form: Written) -> anyhow::Result<()> {
+fn many(scenario: &Scenario, put_in: &PutIn, count: u64, dir: &Path, form: Written) -> anyhow::Result<()> {
     if scenario.seed.checked_add(count).is_none() {
         bail!("seeds end at {}", u64::MAX);
     }
@@ -208,19 +251,19 @@ fn many(scenario: &Scenario, model: &AugmentedModel, count: u64, dir: &Path, for
         let scenario = Scenario { seed: scenario.seed + k, ..scenario.clone() };
         (format!("campaign-{k:05}.{}", form.ending()), scenario)
     };
-    write_all((0..count).map(named), model, dir, form)
+    write_all((0..count).map(named), put_in, dir, form)
 }
 
 /// The campaigns, and their truth in key.json beside them.
 fn write_all(
     scenarios: impl Iterator<Item = (String, Scenario)>,
-    model: &AugmentedModel,
+    put_in: &PutIn,
     dir: &Path,
     form: Written,
 ) -> anyhow::Result<()> {
     let mut key = Key::new();
     let campaigns = scenarios.map(|(name, scenario)| {
-        let simulated = made(&scenario, model)?;
+        let simulated = made(&scenario, put_in)?;
         key.insert(name.clone(), simulated.truth);
         Ok((name, form.text(&simulated.campaign) + "\n"))
     });

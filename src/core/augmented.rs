@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 pub use super::adopted::Adopted;
 use super::campaign::Campaign;
-use super::effects::Estimate;
+use super::effects::{Effect, Estimate};
 use super::imu_model::Identified;
 use super::model::{Term, Terms};
 use super::record::Name;
@@ -23,6 +23,8 @@ pub struct Options {
     pub adopted: Vec<Adopted>,
     /// Temperature at which the coefficients are stated, deg C; the campaign's mean where none is given.
     pub reference_c: Option<f64>,
+    /// Hypotheses of one's own, which compete with the catalogue.
+    pub hypotheses: Vec<Effect>,
 }
 
 /// An effect in the model, as large as the campaign in which it was found says.
@@ -79,6 +81,7 @@ impl AugmentedModel {
         let adopted = self.effects.iter().map(|known| &known.adopted);
         let adopted = adopted.filter(|a| a.effect.term().is_none() && (here || !a.effect.entry().one_occasion));
         let reference_c = self.identified.as_ref().and_then(|identified| identified.reference_c);
-        Options { terms: Some(Terms::of(&terms)), adopted: adopted.cloned().collect(), reference_c }
+        let (terms, adopted) = (Some(Terms::of(&terms)), adopted.cloned().collect());
+        Options { terms, adopted, reference_c, hypotheses: Vec::new() }
     }
 }

@@ -34,7 +34,7 @@ sources! {
     "introduction"
     "tutorials/first-alert" "tutorials/own-csv" "tutorials/adopt-predict-compare"
     "how-to/install" "how-to/nginx" "how-to/postgresql" "how-to/monitoring" "how-to/hooks" "how-to/backup"
-    "how-to/new-station" "how-to/repaired-gyro" "how-to/extend"
+    "how-to/new-station" "how-to/repaired-gyro" "how-to/own-hypothesis" "how-to/extend"
     "commands" "api" "formats" "configuration" "judging" "alerts" "findings" "pages" "operations" "routes"
     "integrations" "stations" "model"
     "method" "limits" "fit" "diagnosis" "histories" "simulation" "architecture" "decisions" "performance" "reliability"

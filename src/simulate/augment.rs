@@ -22,6 +22,10 @@ pub enum NotPossible {
     Missing { effect: &'static str, missing: Lack },
     #[error("{effect} has no estimate of {coefficient} for {slot}")]
     NoEstimate { effect: &'static str, coefficient: &'static str, slot: &'static str },
+    #[error("this design cannot see {effect}: the model takes all of it up, or the campaign has no noise")]
+    Unseen { effect: &'static str },
+    #[error("the campaign has none of these gyros")]
+    NoGyro,
 }
 
 /// Adds every effect of `model` to the outputs, and its name to the truth.
@@ -53,6 +57,21 @@ pub fn augment(simulated: &mut Simulated, model: &AugmentedModel) -> Result<(), 
     }
     simulated.reveal_detectability(&responses);
     Ok(())
+}
+
+/// d of an effect over all gyros; none where the design does not see it, or without noise.
+///
+/// # Errors
+/// As [`augment`].
+pub fn detectability(simulated: &Simulated, known: &KnownEffect) -> Result<Option<f64>, NotPossible> {
+    let (setting, _) = axes::setting(&simulated.campaign)?;
+    let response = Response::of(known, &setting)?;
+    let Some(sights) = simulated.sights() else { return Ok(None) };
+    let each = |of: fn(&Sight, &[f64]) -> f64| {
+        norm(&sights.iter().zip(&response.pulses).map(|(sight, pulses)| of(sight, pulses)).collect::<Vec<_>>())
+    };
+    let (seen, power) = (each(Sight::detectability), each(Sight::power));
+    Ok(is_visible(seen, power).then_some(seen))
 }
 
 /// What one effect adds.

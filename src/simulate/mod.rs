@@ -11,7 +11,8 @@
 //! positions and rates in time; [`station`] what the IMU feels in each dwell ([`felt`]: at one moment); [`gyro`] how
 //! it answers; [`cause`] and [`outside`] what may go wrong, [`inject`] how much of it; [`world`] puts them together;
 //! [`noise`] and [`environment`] chance; [`detectability`] how visible a cause is; [`truth`] what is written apart
-//! from the campaign. [`of_model`] and [`augment`] take gyros and effects from a model file instead.
+//! from the campaign. [`of_model`] and [`augment`] take gyros and effects from a model file
+//! instead, [`of_hypothesis`] an effect from what somebody wrote.
 
 pub mod augment;
 pub mod cause;
@@ -23,6 +24,7 @@ pub mod felt;
 pub mod gyro;
 pub mod inject;
 pub mod noise;
+pub mod of_hypothesis;
 pub mod of_model;
 pub mod outside;
 pub mod presets;
@@ -52,6 +54,7 @@ pub(crate) enum Stream {
     Experiment = 7,
     SharedNoise = 8,
     Model = 9,
+    Hypothesis = 10,
 }
 
 /// The generator of one stream of a seed; ChaCha8, so that the same seed gives the same campaign everywhere.

@@ -68,6 +68,25 @@ pub const FAMILIES: [&str; 16] = [
     "several_steps",
 ];
 
+/// What a cause of a family depends on, by the names of a description: any of them is right.
+pub fn depends_on(family: &str) -> &'static [&'static str] {
+    match family {
+        "orientation" => &["up_direction", "heading"],
+        "several_outliers" => &["single_dwells"],
+        "noise_burst" => &["single_dwells", "time"],
+        "temperature_squared" => &["temperature"],
+        "temperature_rate" => &["temperature_and_rate"],
+        "temperature_time" => &["temperature_and_time", "temperature", "time"],
+        "face_age" => &["orientation_age"],
+        // The scale of all that the gyro senses: drift that follows force is in it.
+        "rate_time" | "scale_step" => &["time_and_rate", "time_and_force"],
+        "g_time" => &["time_and_force"],
+        "rate_memory" => &["rate_history"],
+        "spin_rate_root" => &["rate_level", "rate_axis"],
+        _ => &["time"],
+    }
+}
+
 impl Outside {
     /// A member of a family; none where the name is unknown. `mid_h` holds the mid-times of the dwells.
     pub fn draw(family: &str, mid_h: &[f64], rng: &mut ChaCha8Rng) -> Option<Self> {

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::forecast::ChangedBody;
+use super::hypothesis::HypothesisBody;
 use super::located::WhereBody;
 use super::message::MessageBody;
 use super::note;
@@ -57,6 +58,9 @@ pub struct DiagnosisBody {
     /// Effects of the model in use as this campaign shows them, where the model holds the coefficients of the IMU.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub effects_against_model: Option<ChangedBody>,
+    /// Hypotheses of one's own that competed with the catalogue.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub hypotheses: Vec<HypothesisBody>,
 }
 
 impl DiagnosisBody {
@@ -68,7 +72,9 @@ impl DiagnosisBody {
         }
         for one in &mut self.not_identifiable {
             one.reason = one.finding.say(language);
-            one.needs = Effect::from_id(&one.effect).map_or_else(String::new, |effect| language.words(&effect.needs()));
+            let own = self.hypotheses.iter().any(|own| own.id == one.effect).then(|| message!("needed_for_ones_own"));
+            let needs = Effect::from_id(&one.effect).map(Effect::needs).or(own);
+            one.needs = needs.map_or_else(String::new, |needs| language.words(&needs));
         }
         self.notes = self.note_codes.iter_mut().map(|note| note.say(language)).collect();
         if let Some(reference) = &mut self.reference {
@@ -141,7 +147,9 @@ pub struct GyroFloorBody {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DescribedBody {
     /// `time`, `temperature`, `rate_of_temperature`, `up_direction`, `heading`, `rate_level`, `rate_axis`,
-    /// `rate_history`, `previous_orientation` or `phase`.
+    /// `rate_history`, `previous_orientation`, `orientation_age` or `phase`; of two together `time_and_force`,
+    /// `time_and_rate`, `temperature_and_force`, `temperature_and_rate` or `temperature_and_time`; `single_dwells`
+    /// where it lies in a few.
     pub by: String,
     /// ln of the odds against noise.
     pub evidence: f64,
@@ -398,6 +406,9 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             note_codes: notes.map(|note| MessageBody::of(&note, asked())).collect(),
             reference: None,
             effects_against_model: None,
+            hypotheses: (d.hypotheses.iter().filter_map(|own| own.hypothesis()))
+                .map(|own| HypothesisBody::of(&own.written))
+                .collect(),
         };
         unsaid.said_in(asked())
     }

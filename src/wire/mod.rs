@@ -24,6 +24,7 @@ pub mod geometry;
 pub mod history;
 pub mod history_note;
 pub mod hook;
+pub mod hypothesis;
 pub mod json;
 pub mod located;
 pub mod message;

@@ -11,6 +11,7 @@ use utoipa::ToSchema;
 pub use identified::IdentifiedBody;
 
 use super::campaign::terms_from_names;
+use super::hypothesis::HypothesisBody;
 use super::numbers::in_range;
 use super::{json, text, time};
 use crate::core::augmented::Adopted;
@@ -78,6 +79,9 @@ pub struct KnownEffectBody {
     pub shape: ShapeBody,
     /// As the campaign of the provenance shows them. Each later campaign fits its own.
     pub estimates: Vec<KnownEstimateBody>,
+    /// What it is, where it is a hypothesis of one's own: `effect` is then its id.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hypothesis: Option<HypothesisBody>,
 }
 
 /// One coefficient.
@@ -123,6 +127,9 @@ pub struct ShapeBody {
     /// `input_spin`, where `temperature_g` acts along I and S alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<String>,
+    /// Value of the parameter of a hypothesis of one's own, in the unit of its range.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -209,7 +216,12 @@ impl KnownEffectBody {
     fn to_core(&self, i: usize, faults: &mut Faults) -> Option<KnownEffect> {
         let place = format!("/effects/{i}");
         let before = faults.0.len();
-        let Some(effect) = Effect::from_id(&self.effect) else {
+        let own = self.hypothesis.as_ref().map(HypothesisBody::to_core).transpose();
+        let own = own.unwrap_or_else(|part| {
+            faults.absorb(&format!("{place}/hypothesis"), part);
+            None
+        });
+        let Some(effect) = Effect::from_id(&self.effect).or(own.filter(|own| own.id() == self.effect)) else {
             let message = message!("unknown_effect", effect = sent(&self.effect), effects = effects::known());
             faults.push(format!("{place}/effect"), message);
             return None;
@@ -307,6 +319,7 @@ impl ShapeBody {
             self.product.and_then(|i| PRODUCTS.get(i)).map(|only| Shape::Only(only)),
             self.with_rate.map(|with_rate| Shape::Tilt { with_rate }),
             self.axes.as_deref().filter(|axes| *axes == "input_spin").map(|_| Shape::InputSpin),
+            self.value.map(Shape::Own),
         ];
         let unknown = self.product.is_some_and(|i| i >= PRODUCTS.len())
             || self.axes.as_deref().is_some_and(|a| a != "input_spin");
@@ -318,7 +331,7 @@ impl ShapeBody {
         }
         let sound = match shape {
             Shape::Tau(x) | Shape::Period(x) => x > 0.0 && x.is_finite(),
-            Shape::Instant(x) | Shape::Azimuth(x) | Shape::Clocking(x) => x.is_finite(),
+            Shape::Instant(x) | Shape::Azimuth(x) | Shape::Clocking(x) | Shape::Own(x) => x.is_finite(),
             _ => true,
         };
         if !sound {
@@ -338,6 +351,7 @@ impl ShapeBody {
             Shape::Clocking(angle) => Self { clocking_rad: Some(angle), ..linear },
             Shape::Only(only) => Self { product: only.first().copied(), ..linear },
             Shape::Tilt { with_rate } => Self { with_rate: Some(with_rate), ..linear },
+            Shape::Own(value) => Self { value: Some(value), ..linear },
             Shape::InputSpin => Self { axes: Some("input_spin".to_owned()), ..linear },
             // Windows and parts belong to competitors, which are never adopted.
             Shape::Linear | Shape::Window(..) | Shape::Part { .. } | Shape::Restart(_) => linear,
@@ -357,6 +371,7 @@ fn wanted(effect: Effect) -> Filling {
         Parameter::Product => absent_or("{\"product\": 0|1|2}"),
         Parameter::Tilt => "{\"with_rate\": true|false}".into(),
         Parameter::Seating => absent_or("{\"instant_s\": seconds}"),
+        Parameter::Own => "{\"value\": number}".into(),
         Parameter::Axes => absent_or("{\"axes\": \"input_spin\"}"),
         Parameter::None => message!("absent").into(),
     }
@@ -388,6 +403,7 @@ impl From<&KnownEffect> for KnownEffectBody {
             effect: effect.id().to_owned(),
             gyros: slots.iter().map(|slot| slot.name().to_owned()).collect(),
             shape: ShapeBody::of(*shape),
+            hypothesis: effect.hypothesis().map(|own| HypothesisBody::of(&own.written)),
             estimates: estimates
                 .map(|e| KnownEstimateBody {
                     slot: e.slot.map_or("all", Slot::name).to_owned(),

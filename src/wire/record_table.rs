@@ -233,16 +233,13 @@ impl<'a> Table<'a> {
         let at = |fault: Message, column: usize| message!("at_column", line = line, column = column + 1, fault = fault);
         let mut places = HashMap::new();
         for (column, (name, theirs)) in names.into_iter().zip(header).enumerate() {
-            match name.filter(|name| !name.is_empty()) {
-                Some(name) if known.contains(&name) => {
-                    if places.insert(name, column).is_some() {
-                        faults.push("", at(message!("second_column", name = sent(theirs)), column));
-                    }
-                }
-                Some(name) if !map.leaves_aside() => {
+            let Some(name) = name.filter(|name| !name.is_empty()) else { continue };
+            if !known.contains(&name) {
+                if !map.leaves_aside() {
                     faults.push("", at(unknown(&name, known.iter().cloned()), column));
                 }
-                _ => {}
+            } else if places.insert(name, column).is_some() {
+                faults.push("", at(message!("second_column", name = sent(theirs)), column));
             }
         }
         let told = map.columns.keys().chain(map.values.keys()).chain(map.factors.keys());
@@ -256,8 +253,8 @@ impl<'a> Table<'a> {
         let mut values: BTreeMap<String, String> =
             map.values.iter().map(|(name, value)| (name.clone(), plain(value))).collect();
         for (number, line) in text.lines().take(first).enumerate() {
-            let Some((key, value)) = comment(line)
-                .and_then(|c| Some(c.split_once(':').map(|(k, v)| (k.trim().to_owned(), v.trim().to_owned()))?))
+            let Some((key, value)) =
+                comment(line).and_then(|c| c.split_once(':').map(|(k, v)| (k.trim().to_owned(), v.trim().to_owned())))
             else {
                 continue;
             };

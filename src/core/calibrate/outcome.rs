@@ -15,7 +15,7 @@ use crate::core::separate::Separation;
 pub enum Outcome {
     /// Separations in the order of the gyros, each or the reason why there is none.
     Imu {
-        calibration: Calibration,
+        calibration: Box<Calibration>,
         separations: Vec<Result<Separation, NotSeparated>>,
         /// Where those are stated at the temperature of the IMU's model: the same at the campaign's own.
         as_measured: Option<AsMeasured>,
@@ -61,7 +61,7 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
             faults.push(format!("/gyros/{i}"), why.message());
         }
     }
-    faults.or(Outcome::Imu { calibration, separations, as_measured })
+    faults.or(Outcome::Imu { calibration: Box::new(calibration), separations, as_measured })
 }
 
 /// None where no effect of temperature moves anything.

@@ -42,6 +42,8 @@ pub struct Diagnosis {
     /// What the campaign was compared with: terms of model (6), and effects that the model holds already.
     pub terms: Terms,
     pub adopted: Vec<Adopted>,
+    /// Hypotheses of one's own that competed with the catalogue.
+    pub hypotheses: Vec<Effect>,
     pub verdict: Verdict,
     pub noise_floor: NoiseFloor,
     /// What model (6), or the terms and effects in use, leaves above the floor.
@@ -83,7 +85,14 @@ pub enum Variable("variable_") {
     RateAxis = "rate_axis",
     RateHistory = "rate_history",
     OrientationBefore = "previous_orientation",
+    OrientationAge = "orientation_age",
     Phase = "phase",
+    TimeAndForce = "time_and_force",
+    TimeAndRate = "time_and_rate",
+    TemperatureAndForce = "temperature_and_force",
+    TemperatureAndRate = "temperature_and_rate",
+    TemperatureAndTime = "temperature_and_time",
+    SingleDwells = "single_dwells",
 }
 }
 

@@ -40,7 +40,7 @@ use crate::message;
 
 /// Raised by whoever changes what a diagnosis finds: one that was kept is then made again. A new entry of the
 /// catalogue raises it by itself: there were 48 when it was 8.
-pub const METHOD: u32 = 9 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
+pub const METHOD: u32 = 10 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one
 /// before returned. Where the first look names something or sees a gap, the search and what follows are done once more
@@ -79,9 +79,24 @@ fn residuals(campaign: &Campaign, options: &Options) -> Result<Frame, Refusal> {
     Frame::of(campaign, options)
 }
 
-/// Stage 2: every hypothesis is scored, and those are chosen that noise alone does not explain.
+/// Searches about a strong effect: what it is may look otherwise once what hangs on it is right.
+const ROUNDS_ABOUT_STRONG: usize = 2;
+
+/// Stage 2: every hypothesis is scored, and those are chosen that noise alone does not explain. Where one is strong,
+/// the search is done again about its fit.
 fn searched(residuals: Frame) -> Result<Settled, Refusal> {
-    Settled::of(residuals)
+    let mut settled = Settled::of(residuals.clone())?;
+    let mut about = Vec::new();
+    for _ in 0..ROUNDS_ABOUT_STRONG {
+        match settled.about_strong(&residuals)? {
+            Some((strong, frame)) if strong != about => {
+                settled = Settled::of(frame)?;
+                about = strong;
+            }
+            _ => break,
+        }
+    }
+    Ok(settled)
 }
 
 /// What the search chose and what of it gets a name, fitted together with the model in use.
@@ -165,8 +180,13 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     let mimics = identifiability::mimics(frame, bank, &parts);
     let noise = settled.noise_found.report(frame, &settled.laws);
     let remains = matches!(verdict, Verdict::PartlyExplained | Verdict::Unexplained);
-    let described = settled.description.iter().filter(|_| remains);
-    let description: Vec<Described> = described.map(|&(by, evidence)| Described { by, evidence }).collect();
+    // Beside the names; where they leave nothing and are in doubt themselves, without them.
+    let is_named = |effect, shape| named.iter().any(|n| n.part.effect == effect && n.part.shape == shape);
+    let mut described = if remains { settled.described(is_named) } else { Vec::new() };
+    if remains && described.is_empty() && !named.is_empty() {
+        described = settled.described(|_, _| false);
+    }
+    let description: Vec<Described> = described.into_iter().map(|(by, evidence)| Described { by, evidence }).collect();
     let described = description.first().map(|first| match description.get(1) {
         Some(second) => message!("described_by_two", first = first.by.word(), second = second.by.word()),
         None => message!("described_by", variable = first.by.word()),
@@ -176,6 +196,7 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     Diagnosis {
         terms: frame.terms,
         adopted: frame.adopted.clone(),
+        hypotheses: frame.hypotheses.clone(),
         verdict,
         noise_floor,
         gap,

@@ -13,11 +13,11 @@ pub const CROSS_COMPLIANCE: Entry = Entry {
     typical: Typical { low: 1e-3, high: 0.1, source: "D_IS, D_IO, D_OS of eq. (5); IEEE 517 compliance terms" },
     plausible: 1e3,
     confused_with: &[Effect::CubicG],
-    names: |shape| picked(shape).map(|i| PRODUCTS[i]).collect(),
-    shapes: |_| {
+    names: &|shape| picked(shape).map(|i| PRODUCTS[i]).collect(),
+    shapes: &|_| {
         vec![(Shape::Linear, 2.0), (Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 1.0)]
     },
-    columns: |s, j, shape| {
+    columns: &|s, j, shape| {
         let gyro = &s.gyros[j];
         let pairs = [(&gyro.input, &gyro.spin), (&gyro.input, &gyro.output), (&gyro.output, &gyro.spin)];
         picked(shape).map(|i| s.column(|k| s.force[k].dot(pairs[i].0) * s.force[k].dot(pairs[i].1))).collect()
@@ -35,7 +35,7 @@ pub const CUBIC_G: Entry = Entry {
     typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, higher-order acceleration terms" },
     plausible: 1e3,
     confused_with: &[Effect::CrossCompliance],
-    columns: |s, j, _| vec![s.column(|k| s.force[k].dot(&s.gyros[j].input).powi(3))],
+    columns: &|s, j, _| vec![s.column(|k| s.force[k].dot(&s.gyros[j].input).powi(3))],
     ..PLAIN
 };
 
@@ -48,8 +48,8 @@ pub const OUTPUT_AXIS_G: Entry = Entry {
     typical: Typical { low: 1e-3, high: 0.3, source: "closure of Tables 3-4: 0.02 to 0.23 deg/(h g0)" },
     plausible: 5e3,
     confused_with: &[Effect::MountClocking],
-    names: |_| vec!["D_O"],
-    columns: |s, j, _| vec![s.column(|k| s.force[k].dot(&s.gyros[j].output))],
+    names: &|_| vec!["D_O"],
+    columns: &|s, j, _| vec![s.column(|k| s.force[k].dot(&s.gyros[j].output))],
     closure_only: true,
     ..PLAIN
 };
@@ -67,8 +67,8 @@ pub const MOUNT_CLOCKING: Entry = Entry {
     },
     plausible: 5e3,
     confused_with: &[Effect::OutputAxisG],
-    names: |_| vec!["D_O"],
-    columns: |s, j, _| vec![s.column(|k| s.force[k].dot(&s.gyros[j].output))],
+    names: &|_| vec!["D_O"],
+    columns: &|s, j, _| vec![s.column(|k| s.force[k].dot(&s.gyros[j].output))],
     closure_only: true,
     ..PLAIN
 };

@@ -1,11 +1,40 @@
 //! What the catalogue knows of one effect.
 
+use std::fmt::{self, Debug, Formatter};
+use std::sync::OnceLock;
+
+use super::own_hypothesis::OwnHypothesis;
 use super::refusal::Lack;
 use super::setting::Setting;
 
-/// Name of an effect; [`Effect::id`] is the contract.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Effect {
+/// Effects of the program's own by name, numbered in their order, and one beside them for those of a user.
+macro_rules! effects {
+    ($($name:ident),* $(,)?) => {
+        /// Name of an effect; [`Effect::id`] is the contract.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Effect {
+            $($name,)*
+            /// A hypothesis of one's own.
+            Own(Own),
+        }
+
+        enum Place {
+            $($name,)*
+        }
+
+        impl Effect {
+            /// Its place among the entries of the program, or the hypothesis of one's own that it is.
+            pub(super) const fn place(self) -> Result<usize, Own> {
+                match self {
+                    $(Self::$name => Ok(Place::$name as usize),)*
+                    Self::Own(own) => Err(own),
+                }
+            }
+        }
+    };
+}
+
+effects! {
     GLinear,
     GSquared,
     Scale,
@@ -89,6 +118,8 @@ pub enum Shape {
     Restart(f64),
     /// Components along the gyro's input and spin axes instead of body axes.
     InputSpin,
+    /// Value of the parameter of a hypothesis of one's own, in the unit of its range.
+    Own(f64),
 }
 
 /// Whether each gyro has coefficients of its own or all share one set.
@@ -130,6 +161,8 @@ pub enum Parameter {
     Axes,
     /// From an instant on, or while the table turns.
     Seating,
+    /// Of a hypothesis of one's own.
+    Own,
 }
 
 impl Parameter {
@@ -147,6 +180,7 @@ impl Parameter {
             Self::Product => matches!(shape, Shape::Linear | Shape::Only(_)),
             Self::Axes => matches!(shape, Shape::Linear | Shape::InputSpin),
             Self::Seating => matches!(shape, Shape::Linear | Shape::Instant(_)),
+            Self::Own => matches!(shape, Shape::Own(_)),
         }
     }
 }
@@ -160,8 +194,11 @@ pub enum Prior {
     Smooth,
 }
 
+/// What an entry computes: a function, or a closure over what somebody wrote.
+type Of<F> = &'static F;
+
 /// All that the program knows of one effect: nothing outside the catalogue lists effects.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Entry {
     pub effect: Effect,
     pub id: &'static str,
@@ -199,13 +236,22 @@ pub struct Entry {
     /// Lies inside G: residuals of dwells never show it, the closure of G does.
     pub closure_only: bool,
     /// Of the coefficients.
-    pub names: fn(Shape) -> Vec<&'static str>,
+    pub names: Of<dyn Fn(Shape) -> Vec<&'static str> + Sync>,
     /// Why this campaign cannot hold the effect's regressors at all, if it cannot.
-    pub missing: fn(&Setting) -> Option<Lack>,
+    pub missing: Of<dyn Fn(&Setting) -> Option<Lack> + Sync>,
     /// Values of the non-linear parameter to try, with prior weights (not normalised). Never empty.
-    pub shapes: fn(&Setting) -> Vec<(Shape, f64)>,
+    pub shapes: Of<dyn Fn(&Setting) -> Vec<(Shape, f64)> + Sync>,
     /// Regressors of gyro `j`, deg/h per unit coefficient, one vector over the dwells each.
-    pub columns: fn(&Setting, usize, Shape) -> Vec<Vec<f64>>,
+    pub columns: Of<dyn Fn(&Setting, usize, Shape) -> Vec<Vec<f64>> + Sync>,
+    /// What coefficients of this size in gyro `j` add beyond their regressors, deg/h: rotations are linear while they are
+    /// small, and a scale factor's change is that of drift, too. Nothing where the effect is linear.
+    pub beyond: Option<fn(&Setting, usize, Shape, &[f64]) -> Vec<f64>>,
+}
+
+impl Debug for Entry {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id)
+    }
 }
 
 impl Entry {
@@ -216,6 +262,101 @@ impl Entry {
     /// Whether it sets one dwell aside.
     pub fn is_one_dwell(&self) -> bool {
         self.parameter == Parameter::Dwell
+    }
+}
+
+/// A hypothesis of one's own as an effect. Two are the same where they are one and the same in memory:
+/// [`super::own`] keeps one of each.
+#[derive(Clone, Copy)]
+pub struct Own(&'static Kept);
+
+struct Kept {
+    hypothesis: OwnHypothesis,
+    entry: OnceLock<Entry>,
+}
+
+impl Own {
+    /// Kept for as long as the program runs.
+    pub(super) fn keeping(hypothesis: OwnHypothesis) -> Self {
+        Self(Box::leak(Box::new(Kept { hypothesis, entry: OnceLock::new() })))
+    }
+
+    pub fn hypothesis(self) -> &'static OwnHypothesis {
+        &self.0.hypothesis
+    }
+
+    pub fn entry(self) -> &'static Entry {
+        self.0.entry.get_or_init(|| self.made())
+    }
+
+    fn made(self) -> Entry {
+        let own = self.hypothesis();
+        let written = &own.written;
+        let names: Vec<&'static str> = own.coefficients().collect();
+        Entry {
+            effect: Effect::Own(self),
+            id: &written.id,
+            cause: &written.cause,
+            equation: &written.equation,
+            unit: &written.unit,
+            typical: Typical { low: written.typical[0], high: written.typical[1], source: "who wrote the hypothesis" },
+            plausible: written.plausible,
+            scope: if written.common { Scope::Common } else { Scope::Gyro },
+            parameter: if written.range.is_some() { Parameter::Own } else { Parameter::None },
+            course_in_time: own.is_course_in_time(),
+            follows_time: own.follows_time(),
+            of_temperature: own.is_of_temperature(),
+            names: Box::leak(Box::new(move |_| names.clone())),
+            missing: Box::leak(Box::new(move |s: &Setting| lacking(own, s))),
+            shapes: Box::leak(Box::new(move |_: &Setting| match own.grid() {
+                grid if grid.is_empty() => vec![(Shape::Linear, 1.0)],
+                grid => grid.into_iter().map(|value| (Shape::Own(value), 1.0)).collect(),
+            })),
+            columns: Box::leak(Box::new(move |s: &Setting, j: usize, shape: Shape| match shape {
+                Shape::Own(value) => own.columns(s, j, Some(value)),
+                _ => own.columns(s, j, None),
+            })),
+            ..PLAIN
+        }
+    }
+}
+
+fn lacking(own: &OwnHypothesis, setting: &Setting) -> Option<Lack> {
+    let temperature = if own.is_of_temperature() { no_temperature(setting) } else { None };
+    let attitude = if own.needs_attitude() { no_attitude(setting) } else { None };
+    temperature.or(attitude).or_else(|| own.not_finite(setting).map(|dwell| Lack::NotFinite { dwell }))
+}
+
+impl PartialEq for Own {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.0, other.0)
+    }
+}
+
+impl Eq for Own {}
+
+impl PartialOrd for Own {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Own {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let place = |own: &Self| std::ptr::from_ref(own.0);
+        self.0.hypothesis.written.id.cmp(&other.0.hypothesis.written.id).then_with(|| place(self).cmp(&place(other)))
+    }
+}
+
+impl std::hash::Hash for Own {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        self.0.hypothesis.written.id.hash(state);
+    }
+}
+
+impl Debug for Own {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0.hypothesis.written.id)
     }
 }
 
@@ -242,10 +383,11 @@ pub(super) const PLAIN: Entry = Entry {
     only_closer: false,
     standing: 1,
     closure_only: false,
-    names: |_| vec!["k"],
-    missing: |_| None,
-    shapes: |_| vec![(Shape::Linear, 1.0)],
-    columns: |_, _, _| Vec::new(),
+    names: &|_| vec!["k"],
+    missing: &|_| None,
+    shapes: &|_| vec![(Shape::Linear, 1.0)],
+    columns: &|_, _, _| Vec::new(),
+    beyond: None,
 };
 
 /// What competing hypotheses have in common.

@@ -17,6 +17,6 @@ pub const HYSTERESIS: Entry = Entry {
     },
     plausible: 1e3,
     confused_with: &[Effect::OutlierDwell],
-    columns: |s, j, _| vec![s.column(|k| if k == 0 { 0.0 } else { s.force[k - 1].dot(&s.gyros[j].output) })],
+    columns: &|s, j, _| vec![s.column(|k| if k == 0 { 0.0 } else { s.force[k - 1].dot(&s.gyros[j].output) })],
     ..PLAIN
 };

@@ -13,10 +13,14 @@
 mod acceleration;
 pub mod axes;
 mod competitors;
+mod dimension;
 mod entry;
+mod equation;
 mod estimate;
 mod memory;
 mod model_terms;
+mod own;
+mod own_hypothesis;
 mod rate;
 mod refusal;
 mod setting;
@@ -24,13 +28,16 @@ mod station;
 mod thermal;
 mod time;
 
-pub use entry::{Coefficient, Effect, Entry, Parameter, Prior, Scope, Shape, Typical};
+pub use entry::{Coefficient, Effect, Entry, Own, Parameter, Prior, Scope, Shape, Typical};
 pub use estimate::Estimate;
+pub use own::own;
+pub use own_hypothesis::{OwnHypothesis, Range, Written};
 pub use refusal::{Lack, Refusal};
 pub use setting::{GyroAxes, Setting};
 
 use super::message::Message;
 use super::model::Term;
+use crate::message;
 
 /// Families by the order of [`Effect`]: those of the contract, then competing hypotheses.
 const CONTRACT: [&[&Entry]; 7] = [
@@ -75,8 +82,16 @@ const fn joined<const N: usize>(families: &[&[&'static Entry]]) -> [&'static Ent
 
 impl Effect {
     pub fn entry(self) -> &'static Entry {
-        let place = self as usize;
-        if place < CATALOGUE.len() { CATALOGUE[place] } else { COMPETITORS[place - CATALOGUE.len()] }
+        match self.place() {
+            Ok(place) if place < CATALOGUE.len() => CATALOGUE[place],
+            Ok(place) => COMPETITORS[place - CATALOGUE.len()],
+            Err(own) => own.entry(),
+        }
+    }
+
+    /// What somebody wrote, where it is a hypothesis of one's own.
+    pub fn hypothesis(self) -> Option<&'static OwnHypothesis> {
+        self.place().err().map(Own::hypothesis)
     }
 
     pub fn id(self) -> &'static str {
@@ -85,11 +100,17 @@ impl Effect {
 
     /// What people read.
     pub fn word(self) -> Message {
+        if let Some(own) = self.hypothesis() {
+            return message!("effect_of_ones_own", words = own.written.words.clone());
+        }
         Message { code: format!("effect_{}", self.id()).into(), parameters: Vec::new() }
     }
 
     /// What a campaign must hold for the effect to show; said of those that may be named.
     pub fn needs(self) -> Message {
+        if self.hypothesis().is_some() {
+            return message!("needed_for_ones_own");
+        }
         Message { code: format!("needed_for_{}", self.id()).into(), parameters: Vec::new() }
     }
 
@@ -126,7 +147,7 @@ mod tests {
     #[test]
     fn an_effect_finds_its_own_entry_and_its_own_id() {
         for (i, entry) in CATALOGUE.iter().enumerate() {
-            assert_eq!(entry.effect as usize, i, "{}", entry.id);
+            assert_eq!(entry.effect.place(), Ok(i), "{}", entry.id);
             assert_eq!(Effect::from_id(entry.id), Some(entry.effect));
             assert!(!entry.cause.is_empty() && !entry.equation.is_empty());
             assert!(!entry.typical.source.is_empty() && entry.typical.low <= entry.typical.high);
@@ -139,7 +160,7 @@ mod tests {
     fn every_competing_hypothesis_says_what_it_is_and_what_it_passes_for() {
         let mut ids: Vec<&str> = COMPETITORS.iter().map(|competitor| competitor.id).collect();
         for (i, competitor) in COMPETITORS.iter().enumerate() {
-            assert_eq!(competitor.effect as usize, CATALOGUE.len() + i, "{}", competitor.id);
+            assert_eq!(competitor.effect.place(), Ok(CATALOGUE.len() + i), "{}", competitor.id);
             assert_eq!(competitor.effect.entry().id, competitor.id);
             let words = [competitor.cause, competitor.equation, competitor.unit];
             assert!(words.iter().all(|text| !text.is_empty()) && !competitor.typical.source.is_empty());

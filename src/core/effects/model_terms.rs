@@ -15,8 +15,8 @@ pub const G_LINEAR: Entry = Entry {
     typical: Typical { low: 0.1, high: 10.0, source: "Tables 4 and 5 of the paper" },
     plausible: 5e3,
     confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::GSquared],
-    names: |_| vec!["G_x", "G_y", "G_z"],
-    columns: |s, _, _| (0..3).map(|i| s.column(|k| s.force[k][i])).collect(),
+    names: &|_| vec!["G_x", "G_y", "G_z"],
+    columns: &|s, _, _| (0..3).map(|i| s.column(|k| s.force[k][i])).collect(),
     ..PLAIN
 };
 
@@ -29,8 +29,8 @@ pub const G_SQUARED: Entry = Entry {
     typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517: g-squared sensitivities of floated gyros" },
     plausible: 1e3,
     confused_with: &[Effect::GLinear, Effect::CubicG],
-    names: |_| vec!["P_x", "P_y", "P_z"],
-    columns: |s, _, _| (0..3).map(|i| s.column(|k| s.force[k][i].powi(2))).collect(),
+    names: &|_| vec!["P_x", "P_y", "P_z"],
+    columns: &|s, _, _| (0..3).map(|i| s.column(|k| s.force[k][i].powi(2))).collect(),
     ..PLAIN
 };
 
@@ -43,9 +43,9 @@ pub const SCALE: Entry = Entry {
     typical: Typical { low: 1e-4, high: 1.0, source: "Table 3 of the paper" },
     plausible: 10.0,
     confused_with: &[Effect::Magnetic, Effect::TemperatureScale],
-    names: |_| vec!["E_x", "E_y", "E_z"],
-    missing: no_rates,
-    columns: |s, _, _| (0..3).map(|i| s.column(|k| s.rate[k][i])).collect(),
+    names: &|_| vec!["E_x", "E_y", "E_z"],
+    missing: &no_rates,
+    columns: &|s, _, _| (0..3).map(|i| s.column(|k| s.rate[k][i])).collect(),
     ..PLAIN
 };
 

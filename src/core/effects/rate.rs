@@ -15,7 +15,8 @@ pub const SCALE_ASYMMETRY: Entry = Entry {
     typical: Typical { low: 1e-6, high: 1e-4, source: "IEEE 517, scale-factor asymmetry" },
     plausible: 0.05,
     confused_with: &[Effect::ScaleQuadratic, Effect::Anisoinertia],
-    columns: |s, j, _| vec![input_rate(s, j, f64::abs)],
+    columns: &|s, j, _| vec![input_rate(s, j, f64::abs)],
+    beyond: Some(|s, j, _, size| s.column(|k| size[0] * s.rate[k].dot(&s.gyros[j].input).signum() * s.drift(j, k))),
     ..PLAIN
 };
 
@@ -32,7 +33,7 @@ pub const SCALE_QUADRATIC: Entry = Entry {
     },
     plausible: 1e-5,
     confused_with: &[Effect::ScaleAsymmetry, Effect::Anisoinertia],
-    columns: |s, j, _| vec![input_rate(s, j, |w| w * w)],
+    columns: &|s, j, _| vec![input_rate(s, j, |w| w * w)],
     ..PLAIN
 };
 
@@ -49,7 +50,7 @@ pub const SCALE_CUBIC: Entry = Entry {
     },
     plausible: 1e-9,
     confused_with: &[Effect::TemperatureScale],
-    columns: |s, j, _| vec![input_rate(s, j, |w| w.powi(3))],
+    columns: &|s, j, _| vec![input_rate(s, j, |w| w.powi(3))],
     ..PLAIN
 };
 
@@ -64,8 +65,8 @@ pub const ANISOINERTIA: Entry = Entry {
     typical: Typical { low: 1e-10, high: 1e-7, source: "IEEE 517, anisoinertia of floated gyros" },
     plausible: 1e-5,
     confused_with: &[Effect::ScaleQuadratic, Effect::ScaleAsymmetry],
-    shapes: |_| CLOCKINGS.iter().map(|&(phi, weight)| (Shape::Clocking(phi), weight)).collect(),
-    columns: |s, j, shape| {
+    shapes: &|_| CLOCKINGS.iter().map(|&(phi, weight)| (Shape::Clocking(phi), weight)).collect(),
+    columns: &|s, j, shape| {
         let Shape::Clocking(phi) = shape else { return Vec::new() };
         let gyro = &s.gyros[j];
         let spin = gyro.spin * phi.cos() + gyro.output * phi.sin();
@@ -84,10 +85,11 @@ pub const G_RATE_COUPLING: Entry = Entry {
     typical: Typical { low: 1e-6, high: 1e-4, source: "IEEE 517, acceleration sensitivity of scale factor" },
     plausible: 0.05,
     confused_with: &[Effect::ScaleAsymmetry],
-    columns: |s, j, _| {
+    columns: &|s, j, _| {
         let input = &s.gyros[j].input;
         vec![s.column(|k| s.force[k].dot(input) * s.rate[k].dot(input))]
     },
+    beyond: Some(|s, j, _, size| s.column(|k| size[0] * s.force[k].dot(&s.gyros[j].input) * s.drift(j, k))),
     ..PLAIN
 };
 

@@ -42,6 +42,8 @@ pub enum Lack {
     Attitude,
     #[error("every commanded rate is zero")]
     Rate,
+    #[error("the equation has no finite value in dwell {dwell}")]
+    NotFinite { dwell: usize },
 }
 
 impl Lack {
@@ -51,6 +53,7 @@ impl Lack {
             Self::TemperatureChange => message!("temperature_is_constant"),
             Self::Attitude => message!("dwells_without_attitude"),
             Self::Rate => message!("every_rate_is_zero"),
+            Self::NotFinite { dwell } => message!("equation_not_finite", dwell = dwell),
         }
     }
 }

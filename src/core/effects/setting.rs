@@ -18,6 +18,9 @@ pub struct GyroAxes {
     pub output: Vector3<f64>,
     /// G/|E|, deg/(h g0), body axes.
     pub g: Vector3<f64>,
+    /// P/|E|, deg/(h g0^2), likewise, and the bias, deg/h; only effects that are not small ask for them.
+    pub p: Vector3<f64>,
+    pub bias: f64,
 }
 
 impl GyroAxes {
@@ -27,7 +30,14 @@ impl GyroAxes {
         let (i0, s0) = (nominal.row(0).transpose(), nominal.row(1).transpose());
         let turn = Rotation3::rotation_between(&i0, &e).unwrap_or_else(Rotation3::identity);
         let (input, spin) = (turn * i0, turn * s0);
-        Self { slot, scale, input, spin, output: input.cross(&spin), g: g / scale }
+        Self { slot, scale, input, spin, output: input.cross(&spin), g: g / scale, p: Vector3::zeros(), bias: 0.0 }
+    }
+
+    /// The same gyro with another E, G, P and bias, in units of the scale that it has, and its triad carried along.
+    pub fn turned(&self, e: Vector3<f64>, [g, p]: [Vector3<f64>; 2], bias: f64) -> Self {
+        let input = e.normalize();
+        let spin = (self.spin - input * input.dot(&self.spin)).normalize();
+        Self { input, spin, output: input.cross(&spin), g: g / e.norm(), p: p / e.norm(), bias, ..self.clone() }
     }
 }
 
@@ -95,6 +105,13 @@ impl Setting {
     /// One number a dwell.
     pub fn column(&self, value: impl Fn(usize) -> f64) -> Vec<f64> {
         (0..self.dwells()).map(value).collect()
+    }
+
+    /// Drift of gyro `j` in dwell `k` that model (6) knows of, deg/h: a scale factor that changes is that of all the gyro
+    /// senses.
+    pub(super) fn drift(&self, j: usize, k: usize) -> f64 {
+        let (gyro, a) = (&self.gyros[j], self.force[k]);
+        gyro.bias + gyro.g.dot(&a) + gyro.p.dot(&a.component_mul(&a))
     }
 
     /// From the first dwell's middle to the last's, s.

@@ -5,7 +5,7 @@
 //! it turns about its own tilted vertical: horizontal parts of Earth rate and gravity average away, and of `d x w`
 //! only the vertical part stays. Where the *IMU on the table* is tilted, the table's rate itself is seen turned by `d`.
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 
 use super::entry::{Effect, Entry, PLAIN, Parameter, Scope, Shape, Typical, no_attitude};
 use super::setting::Setting;
@@ -23,13 +23,16 @@ pub const LEVELLING: Entry = Entry {
     plausible: 0.2,
     confused_with: &[Effect::Azimuth, Effect::Magnetic],
     scope: Scope::Common,
-    names: |_| vec!["east", "north"],
-    missing: no_attitude,
-    shapes: |_| vec![(Shape::Tilt { with_rate: false }, 1.0), (Shape::Tilt { with_rate: true }, 1.0)],
-    columns: |s, j, shape| {
+    names: &|_| vec!["east", "north"],
+    missing: &no_attitude,
+    shapes: &|_| vec![(Shape::Tilt { with_rate: false }, 1.0), (Shape::Tilt { with_rate: true }, 1.0)],
+    columns: &|s, j, shape| {
         let with_rate = shape == Shape::Tilt { with_rate: true };
         vec![tilted(s, j, Vector3::x(), with_rate), tilted(s, j, Vector3::y(), with_rate)]
     },
+    beyond: Some(|s, j, shape, d| {
+        tilted_beyond(s, j, Vector3::new(d[0], d[1], 0.0), shape == Shape::Tilt { with_rate: true })
+    }),
     parameter: Parameter::Tilt,
     ..PLAIN
 };
@@ -44,9 +47,10 @@ pub const AZIMUTH: Entry = Entry {
     plausible: 0.5,
     confused_with: &[Effect::Levelling, Effect::Magnetic],
     scope: Scope::Common,
-    names: |_| vec!["up"],
-    missing: no_attitude,
-    columns: |s, j, _| vec![tilted(s, j, Vector3::z(), false)],
+    names: &|_| vec!["up"],
+    missing: &no_attitude,
+    columns: &|s, j, _| vec![tilted(s, j, Vector3::z(), false)],
+    beyond: Some(|s, j, _, d| tilted_beyond(s, j, Vector3::z() * d[0], false)),
     ..PLAIN
 };
 
@@ -59,10 +63,10 @@ pub const MAGNETIC: Entry = Entry {
     typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, magnetic sensitivity, per 0.5 gauss" },
     plausible: 1e3,
     confused_with: &[Effect::Azimuth, Effect::Levelling, Effect::Scale],
-    names: |_| vec!["k_x", "k_y", "k_z"],
-    missing: no_attitude,
-    shapes: field_directions,
-    columns: |s, _, shape| {
+    names: &|_| vec!["k_x", "k_y", "k_z"],
+    missing: &no_attitude,
+    shapes: &field_directions,
+    columns: &|s, _, shape| {
         let Shape::Azimuth(angle) = shape else { return Vec::new() };
         let field = Vector3::new(angle.sin(), angle.cos(), 0.0);
         let body = in_body(s, field);
@@ -82,13 +86,14 @@ pub const RELEVELLING: Entry = Entry {
     plausible: 0.2,
     confused_with: &[Effect::Levelling, Effect::Magnetic, Effect::Reseating],
     scope: Scope::Common,
-    names: |_| vec!["east", "north"],
-    missing: no_attitude,
-    shapes: |s| instants(s).map(|instant| (Shape::Instant(instant), 1.0)).collect(),
-    columns: |s, j, shape| {
+    names: &|_| vec!["east", "north"],
+    missing: &no_attitude,
+    shapes: &|s| instants(s).map(|instant| (Shape::Instant(instant), 1.0)).collect(),
+    columns: &|s, j, shape| {
         let columns = [Vector3::x(), Vector3::y()].map(|axis| tilted(s, j, axis, false));
         columns.into_iter().map(|column| afterwards(s, column, shape)).collect()
     },
+    beyond: Some(|s, j, shape, d| afterwards(s, tilted_beyond(s, j, Vector3::new(d[0], d[1], 0.0), false), shape)),
     parameter: Parameter::Instant,
     one_occasion: true,
     ..PLAIN
@@ -107,13 +112,13 @@ pub const RESEATING: Entry = Entry {
     confused_with: &[Effect::Magnetic, Effect::Azimuth, Effect::Levelling],
     never_told_from: &[Effect::Magnetic],
     scope: Scope::Common,
-    names: |_| vec!["d_x", "d_y", "d_z"],
-    shapes: |s| {
+    names: &|_| vec!["d_x", "d_y", "d_z"],
+    shapes: &|s| {
         let between_phases = s.phase.contains(&Phase::Rate) && s.phase.contains(&Phase::Static);
         let while_turning = between_phases.then_some((Shape::Linear, 4.0));
         while_turning.into_iter().chain(instants(s).map(|instant| (Shape::Instant(instant), 1.0))).collect()
     },
-    columns: |s, j, shape| {
+    columns: &|s, j, shape| {
         let gyro = &s.gyros[j];
         let about = |axis: Vector3<f64>| {
             s.column(|k| gyro.g.dot(&axis.cross(&s.force[k])) + gyro.input.dot(&axis.cross(&s.rate[k])))
@@ -121,6 +126,11 @@ pub const RESEATING: Entry = Entry {
         let columns = [Vector3::x(), Vector3::y(), Vector3::z()].map(about);
         columns.into_iter().map(|column| afterwards(s, column, shape)).collect()
     },
+    beyond: Some(|s, j, shape, d| {
+        let d = Vector3::new(d[0], d[1], d[2]);
+        let of_rate = |k: usize| s.gyros[j].input.dot(&beyond(d, s.rate[k]));
+        afterwards(s, s.column(|k| of_rate(k) + of_force(s, j, k, d.cross(&s.force[k]), beyond(d, s.force[k]))), shape)
+    }),
     parameter: Parameter::Seating,
     one_occasion: true,
     ..PLAIN
@@ -191,4 +201,44 @@ fn tilted(s: &Setting, j: usize, axis: Vector3<f64>, with_rate: bool) -> Vec<f64
         Phase::Rate if with_rate => gyro.input.dot(&(c[k] * axis.cross(&(c[k].transpose() * s.rate[k])))),
         Phase::Rate => gyro.input.dot(&(c[k] * Vector3::new(0.0, 0.0, earth.z))),
     })
+}
+
+/// As [`tilted`], for a rotation `d` that is not small: what it adds beyond its first order.
+fn tilted_beyond(s: &Setting, j: usize, d: Vector3<f64>, with_rate: bool) -> Vec<f64> {
+    let Some(c) = &s.nav_to_body else { return vec![0.0; s.dwells()] };
+    let (input, f, w) = (s.gyros[j].input, Vector3::new(0.0, 0.0, s.gravity), s.earth_nav);
+    let up = |v: Vector3<f64>| Vector3::new(0.0, 0.0, v.z);
+    s.column(|k| match s.phase[k] {
+        Phase::Static => input.dot(&(c[k] * beyond(d, w))) + of_force(s, j, k, c[k] * d.cross(&f), c[k] * beyond(d, f)),
+        Phase::Rate if with_rate => input.dot(&(c[k] * beyond(d, c[k].transpose() * s.rate[k]))),
+        Phase::Rate => {
+            input.dot(&(c[k] * up(beyond(d, w)))) + of_force(s, j, k, Vector3::zeros(), c[k] * up(beyond(d, f)))
+        }
+    })
+}
+
+/// What specific force that is `first` off, to first order, and `beyond` more makes beside `G.first`.
+fn of_force(s: &Setting, j: usize, k: usize, first: Vector3<f64>, beyond: Vector3<f64>) -> f64 {
+    let (gyro, a) = (&s.gyros[j], s.force[k]);
+    let turned = a + first + beyond;
+    gyro.g.dot(&beyond) + gyro.p.dot(&(turned.component_mul(&turned) - a.component_mul(&a)))
+}
+
+/// exp(d x) v - v - d x v.
+fn beyond(d: Vector3<f64>, v: Vector3<f64>) -> Vector3<f64> {
+    Rotation3::new(d) * v - v - d.cross(&v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn a_quarter_turn_is_more_than_its_first_order() {
+        // About the vertical it takes east to north; to first order it adds pi/2 of north and keeps east.
+        let more = beyond(Vector3::z() * FRAC_PI_2, Vector3::x());
+        assert!((more - Vector3::new(-1.0, 1.0 - FRAC_PI_2, 0.0)).norm() < 1e-12, "{more}");
+        assert!(beyond(Vector3::z() * 1e-4, Vector3::x()).norm() < 1e-8);
+    }
 }

@@ -14,8 +14,8 @@ pub const TEMPERATURE_BIAS: Entry = Entry {
     typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, temperature sensitivity of bias of floated gyros" },
     plausible: 200.0,
     confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::Periodic],
-    missing: no_temperature,
-    columns: |s, _, _| vec![temperature_times(s, |_| 1.0)],
+    missing: &no_temperature,
+    columns: &|s, _, _| vec![temperature_times(s, |_| 1.0)],
     of_temperature: true,
     follows_time: true,
     ..PLAIN
@@ -30,10 +30,10 @@ pub const TEMPERATURE_G: Entry = Entry {
     typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, temperature sensitivity of mass unbalance" },
     plausible: 50.0,
     confused_with: &[Effect::TemperatureBias, Effect::TemperatureScale],
-    names: |shape| if shape == Shape::InputSpin { vec!["k_I", "k_S"] } else { vec!["k_x", "k_y", "k_z"] },
-    missing: no_temperature,
-    shapes: |_| vec![(Shape::InputSpin, 1.0), (Shape::Linear, 1.0)],
-    columns: |s, j, shape| match shape {
+    names: &|shape| if shape == Shape::InputSpin { vec!["k_I", "k_S"] } else { vec!["k_x", "k_y", "k_z"] },
+    missing: &no_temperature,
+    shapes: &|_| vec![(Shape::InputSpin, 1.0), (Shape::Linear, 1.0)],
+    columns: &|s, j, shape| match shape {
         Shape::InputSpin => {
             let gyro = &s.gyros[j];
             vec![
@@ -61,8 +61,9 @@ pub const TEMPERATURE_SCALE: Entry = Entry {
     },
     plausible: 0.02,
     confused_with: &[Effect::TemperatureG, Effect::ScaleCubic],
-    missing: no_temperature,
-    columns: |s, j, _| vec![temperature_times(s, |k| s.rate[k].dot(&s.gyros[j].input))],
+    missing: &no_temperature,
+    columns: &|s, j, _| vec![temperature_times(s, |k| s.rate[k].dot(&s.gyros[j].input))],
+    beyond: Some(|s, j, _, size| temperature_times(s, |k| size[0] * s.drift(j, k))),
     of_temperature: true,
     ..PLAIN
 };

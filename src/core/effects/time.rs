@@ -16,8 +16,8 @@ pub const WARMUP: Entry = Entry {
     typical: Typical { low: 0.01, high: 1.0, source: "IEEE 517, warm-up of floated gyros; tau of minutes to hours" },
     plausible: 1e4,
     confused_with: &[Effect::TimeRamp, Effect::TemperatureBias, Effect::OutlierDwell],
-    shapes: time_constants,
-    columns: |s, _, shape| {
+    shapes: &time_constants,
+    columns: &|s, _, shape| {
         let Shape::Tau(tau) = shape else { return Vec::new() };
         vec![s.column(|k| (-s.elapsed(k) / tau).exp())]
     },
@@ -40,7 +40,7 @@ pub const TIME_RAMP: Entry = Entry {
     },
     plausible: 1e4,
     confused_with: &[Effect::Warmup, Effect::TemperatureBias, Effect::Periodic, Effect::GLinear],
-    columns: |s, _, _| vec![s.column(|k| s.elapsed(k) / 3600.0)],
+    columns: &|s, _, _| vec![s.column(|k| s.elapsed(k) / 3600.0)],
     course_in_time: true,
     follows_time: true,
     ..PLAIN
@@ -55,8 +55,8 @@ pub const BIAS_STEP: Entry = Entry {
     typical: Typical { low: 1e-3, high: 1.0, source: "turn-on to turn-on bias of floated gyros" },
     plausible: 1e4,
     confused_with: &[Effect::TimeRamp, Effect::OutlierDwell, Effect::Periodic],
-    shapes: instants,
-    columns: |s, _, shape| {
+    shapes: &instants,
+    columns: &|s, _, shape| {
         let Shape::Instant(instant) = shape else { return Vec::new() };
         vec![s.column(|k| if s.time[k] > instant { 1.0 } else { 0.0 })]
     },
@@ -76,8 +76,8 @@ pub const OUTLIER_DWELL: Entry = Entry {
     typical: Typical { low: 0.01, high: 100.0, source: "station logs: any size" },
     plausible: f64::INFINITY,
     confused_with: &[Effect::BiasStep, Effect::Warmup],
-    shapes: |s| (0..s.dwells()).map(|k| (Shape::Dwell(k), 1.0)).collect(),
-    columns: |s, _, shape| {
+    shapes: &|s| (0..s.dwells()).map(|k| (Shape::Dwell(k), 1.0)).collect(),
+    columns: &|s, _, shape| {
         let Shape::Dwell(dwell) = shape else { return Vec::new() };
         vec![s.column(|k| if k == dwell { 1.0 } else { 0.0 })]
     },
@@ -95,9 +95,9 @@ pub const PERIODIC: Entry = Entry {
     typical: Typical { low: 1e-3, high: 0.1, source: "thermostat cycles of minutes to hours" },
     plausible: 1e4,
     confused_with: &[Effect::TemperatureBias, Effect::TimeRamp, Effect::BiasStep],
-    names: |_| vec!["k_sin", "k_cos"],
-    shapes: periods,
-    columns: |s, _, shape| {
+    names: &|_| vec!["k_sin", "k_cos"],
+    shapes: &periods,
+    columns: &|s, _, shape| {
         let Shape::Period(period) = shape else { return Vec::new() };
         let phase = |k: usize| FULL_TURN * s.elapsed(k) / period;
         vec![s.column(|k| phase(k).sin()), s.column(|k| phase(k).cos())]

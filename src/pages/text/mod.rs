@@ -110,7 +110,7 @@ impl Text {
 
     /// A short name of an effect.
     pub fn effect(&self, effect: Effect) -> &'static str {
-        self.word(&effect.word())
+        effect.hypothesis().map_or_else(|| self.word(&effect.word()), |own| &own.written.words)
     }
 
     /// What shows that more remains, by its name on the wire: of a test, or of a competing hypothesis.

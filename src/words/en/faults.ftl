@@ -295,3 +295,35 @@ effect_not_seen = this design cannot see { $effect }: give it a size instead
 needs_directions = dwells with other directions of the specific force are needed
 needs_rates = dwells with other rates are needed
 needs_directions_and_rates = dwells with other directions of the specific force and other rates are needed
+
+## A hypothesis of one's own
+
+equation_too_long = has { $have } characters; an equation may have { $most }: part it into several hypotheses
+equation_too_deep = at character { $place } brackets, functions, signs and powers lie more than { $most } deep: multiply out what is inside
+equation_unexpected = at character { $place } stands "{ $found }" where { $wanted } is expected
+equation_ends = ends where { $wanted } is expected
+equation_value = a number, a name or an opening bracket
+equation_operator = +, -, *, / or ^ (a product is written with *)
+equation_closing = a closing bracket
+equation_number = at character { $place } stands "{ $found }", which is no finite number
+equation_function = at character { $place } stands "{ $name }", which is no function; there are { $known }
+equation_name = at character { $place } stands "{ $name }", which is no quantity of a dwell; there are { $known }, coefficients that begin with k, and one parameter with a [range]
+equation_coefficients = has { $have } coefficients; 1 to { $most } are possible: names that begin with k, as in k * T * w_I
+equation_without_parameter = does not hold "{ $name }", for which a range is given: use it, or leave the range out
+equation_units_differ = at character { $place } something in { $left } meets something in { $right }: only what has one unit can be added
+equation_pure_number = at character { $place } something in { $unit } stands where a pure number must: divide it by something of that unit, as in exp(-t/tau)
+equation_over_zero = at character { $place } something is divided by zero
+equation_not_linear = at character { $place } a coefficient is more than a factor: put what is not linear into a parameter with a [range]
+equation_free_term = at character { $place } a term has no coefficient: multiply it by one, or leave it out
+equation_no_drift = comes to { $unit }, and drift is in deg/h: the coefficients would have to be in { $needed }
+equation_not_finite = the equation has no finite value in dwell { $dwell }
+unknown_unit = "{ $value }" is no unit; units are made of { $known }, as in deg/(h g0 K)
+range_empty = runs from { $from } to { $to }: both must be finite, the second greater
+range_name = "{ $name }" is a quantity of a dwell, a coefficient or no name: give the parameter another name
+hypothesis_sizes = plausible and typical must be positive and finite, typical from small to large and below plausible
+hypothesis_id = "{ $value }" must be small letters, digits and underscores, a letter first, at most { $most }
+hypothesis_id_taken = "{ $value }" is an effect of the catalogue or competes with it already: choose another id
+hypothesis_words = must be a text in one line of at most { $most } characters
+hypothesis_one_range = has { $have } parameters; one is possible: give the others numbers, or write a hypothesis for each
+hypothesis_too_long = the file may have { $most } bytes
+too_many_hypotheses = { $most } different hypotheses were asked since the program began: start it anew

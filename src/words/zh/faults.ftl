@@ -295,3 +295,35 @@ effect_not_seen = 此试验设计看不到{ $effect }：请给出大小
 needs_directions = 需要其他比力方向的测点
 needs_rates = 需要其他角速度的测点
 needs_directions_and_rates = 需要其他比力方向与其他角速度的测点
+
+## 自拟假设
+
+equation_too_long = 有 { $have } 个字符；方程最多 { $most } 个：请拆成几个假设
+equation_too_deep = 第 { $place } 个字符处，括号、函数、符号和幂的嵌套超过 { $most } 层：请把里面的乘开
+equation_unexpected = 第 { $place } 个字符是“{ $found }”，此处应为{ $wanted }
+equation_ends = 方程结束处应为{ $wanted }
+equation_value = 数、名称或左括号
+equation_operator = +、-、*、/ 或 ^（乘积须写 *）
+equation_closing = 右括号
+equation_number = 第 { $place } 个字符处的“{ $found }”不是有限的数
+equation_function = 第 { $place } 个字符处的“{ $name }”不是函数；可用 { $known }
+equation_name = 第 { $place } 个字符处的“{ $name }”不是驻留段的量；可用 { $known }、以 k 开头的系数，以及一个带 [range] 的参数
+equation_coefficients = 有 { $have } 个系数；可有 1 至 { $most } 个：以 k 开头的名称，如 k * T * w_I
+equation_without_parameter = 不含“{ $name }”，却给了它的范围：请使用它，或去掉范围
+equation_units_differ = 第 { $place } 个字符处，单位 { $left } 与 { $right } 相加减：单位相同才能相加
+equation_pure_number = 第 { $place } 个字符处应为纯数，却有单位 { $unit }：请除以同单位的量，如 exp(-t/tau)
+equation_over_zero = 第 { $place } 个字符处除以零
+equation_not_linear = 第 { $place } 个字符处系数不只是因子：请把非线性的部分写成带 [range] 的参数
+equation_free_term = 第 { $place } 个字符处有一项没有系数：请乘以一个系数，或去掉该项
+equation_no_drift = 结果的单位是 { $unit }，而漂移的单位是 deg/h：系数的单位须为 { $needed }
+equation_not_finite = 方程在驻留段 { $dwell } 没有有限的值
+unknown_unit = “{ $value }”不是单位；单位由 { $known } 组成，如 deg/(h g0 K)
+range_empty = 从 { $from } 到 { $to }：两端须为有限的数，且后者较大
+range_name = “{ $name }”是驻留段的量、系数或不是名称：请给参数另取名称
+hypothesis_sizes = plausible 与 typical 须为正的有限数，typical 由小到大且不超过 plausible
+hypothesis_id = “{ $value }”须由小写字母、数字和下划线组成，以字母开头，最多 { $most } 个
+hypothesis_id_taken = “{ $value }”已是目录中的效应或其竞争者：请另取标识
+hypothesis_words = 须为一行文字，最多 { $most } 个字符
+hypothesis_one_range = 有 { $have } 个参数，只能有一个：请给其余的参数赋值，或分别写成假设
+hypothesis_too_long = 文件最多 { $most } 字节
+too_many_hypotheses = 程序启动以来已询问 { $most } 个不同的假设：请重新启动

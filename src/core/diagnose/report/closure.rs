@@ -219,7 +219,8 @@ fn estimates(frame: &Frame, parts: &[Part], p: usize, fit: &Fit) -> Vec<Estimate
             unit: f.coefficient.unit,
         })
         .collect();
-    let shape = |name, value, sd, unit| Some(Estimate { slot: None, name, value, sd, unit });
+    let shape =
+        |name: &'static str, value, sd, unit: &'static str| Some(Estimate { slot: None, name, value, sd, unit });
     let known_to = |grid: f64| shape_sd(frame, parts, p, &fit.variances, grid);
     list.extend(match parts[p].shape {
         Shape::Tau(tau) => shape("tau", tau, known_to(0.25 * tau), "s"),
@@ -229,6 +230,10 @@ fn estimates(frame: &Frame, parts: &[Part], p: usize, fit: &Fit) -> Vec<Estimate
         Shape::Azimuth(angle) => {
             shape("field_azimuth", angle.to_degrees(), known_to(5.0_f64.to_radians()).to_degrees(), "deg")
         }
+        Shape::Own(value) => parts[p].effect.hypothesis().and_then(|own| {
+            let range = own.written.range.as_ref()?;
+            shape(&range.name, value, known_to(0.1 * (range.to - range.from)), &range.unit)
+        }),
         _ => None,
     });
     list

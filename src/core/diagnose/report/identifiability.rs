@@ -4,7 +4,7 @@ use crate::core::diagnose::diagnosis::NotIdentifiable;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::Bank;
-use crate::core::effects::{CATALOGUE, Effect, Entry, Shape};
+use crate::core::effects::{Effect, Entry, Shape};
 use crate::core::message::{Message, figure};
 use crate::core::model::Term;
 use crate::core::numerics::basis::{Basis, dot};
@@ -21,7 +21,7 @@ pub(crate) const JUST_MISSED: f64 = 4.5;
 
 /// Entries that the campaign lacks a column for, that the model in use absorbs, or that hide in D_I and D_S.
 pub(crate) fn not_identifiable(frame: &Frame, bank: &Bank, mimics: &[Mimic]) -> Vec<NotIdentifiable> {
-    let unseen = CATALOGUE.iter().filter(|entry| !held(frame, entry)).filter_map(|entry| judged(frame, bank, entry));
+    let unseen = frame.nameable().filter(|entry| !held(frame, entry)).filter_map(|entry| judged(frame, bank, entry));
     let mut list: Vec<NotIdentifiable> = unseen.collect();
     let further: Vec<&Mimic> = mimics.iter().filter(|m| list.iter().all(|n| n.effect != m.effect)).collect();
     list.extend(further.into_iter().map(Mimic::told));
@@ -47,13 +47,13 @@ pub(crate) fn mimics(frame: &Frame, bank: &Bank, parts: &[Part]) -> Vec<Mimic> {
     if !frame.terms.contains(Term::GLinear) && !parts.iter().any(|part| part.effect.term() == Some(Term::GLinear)) {
         return Vec::new();
     }
-    let open = |entry: &&&Entry| {
+    let open = |entry: &&Entry| {
         !held(frame, entry) && !entry.closure_only && !named(entry.effect) && (entry.missing)(&frame.setting).is_none()
     };
     // What is seen beside the bias and the model is not shared with g_linear.
-    let doubtful = |entry: &&&Entry| visible(bank, entry.effect) < 1.0 - SHARED;
+    let doubtful = |entry: &&Entry| visible(bank, entry.effect) < 1.0 - SHARED;
     let spans: Vec<Spans> = (0..frame.gyros.len()).map(|j| Spans::of(frame, j)).collect();
-    CATALOGUE.iter().filter(open).filter(doubtful).filter_map(|entry| Mimic::of(frame, &spans, entry)).collect()
+    frame.nameable().filter(open).filter(doubtful).filter_map(|entry| Mimic::of(frame, &spans, entry)).collect()
 }
 
 /// What regressors of one gyro are held against.

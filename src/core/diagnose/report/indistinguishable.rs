@@ -9,6 +9,9 @@ use crate::core::effects::Effect;
 /// Entries whose evidence comes within this of the adopted one (a Bayes factor of 20) belong to its class.
 const EVIDENCE_MARGIN: f64 = 3.0;
 
+/// And share of the evidence: what a strong effect's regressors miss is some hundredths of it.
+const MARGIN_SHARE: f64 = 0.03;
+
 /// So do entries that fit as well to within this gain in log-likelihood per coefficient spent.
 const FIT_MARGIN: f64 = 2.0;
 
@@ -38,12 +41,13 @@ pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
         })
         .collect();
     let Some(&(_, evidence, fit)) = judged.iter().find(|(effect, ..)| *effect == own) else { return vec![own] };
+    let margin = EVIDENCE_MARGIN.max(MARGIN_SHARE * evidence);
     let mut class = vec![own];
     class.extend(
         judged
             .iter()
             .filter(|(effect, ..)| *effect != own && !search.is_ruled_out(&others, *effect))
-            .filter(|(_, e, f)| *e > evidence - EVIDENCE_MARGIN || *f > fit - FIT_MARGIN)
+            .filter(|(_, e, f)| *e > evidence - margin || *f > fit - FIT_MARGIN)
             .map(|(effect, ..)| *effect),
     );
     let always =

@@ -12,6 +12,10 @@ use crate::core::mounting::Slot;
 /// ln of evidence by which two named courses in time must beat a single wandering one to stand without a doubt.
 const LEAD_OVER_WANDERING: f64 = 10.0;
 
+/// The same for one course, which lies in all gyros of an IMU or in some of them: noise that wanders is in all.
+const LEAD_OF_ALL: f64 = 5.0;
+const LEAD_OF_SOME: f64 = 2.0;
+
 /// A gap that needs more names than this has been approximated, not explained.
 const MOST_NAMED: usize = 3;
 
@@ -42,13 +46,15 @@ pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>
     let mut named: Vec<Named> = Vec::new();
     let mut crowded = Vec::new();
     let outliers = found.iter().filter(|c| c.kind.entry().is_one_dwell()).count();
+    // Beside structure of another kind, a dwell apart is a part of that.
+    let alone = outliers == 1 && !found.iter().any(Choice::is_competitor);
     for (i, choice) in found.iter().enumerate() {
         let effect = choice.kind;
         if !effect.is_nameable() {
             continue;
         }
         let members = indistinguishable::members(search, found, i);
-        if effect.entry().is_one_dwell() && outliers > 1 {
+        if effect.entry().is_one_dwell() && !alone {
             crowded.push(Sign {
                 kind: "several_bad_dwells",
                 slots: slots(search.frame, &members),
@@ -59,6 +65,8 @@ pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>
         let shape = search.bank.hypotheses[choice.hypothesis].shape;
         let again = |n: &Named| n.part.effect == effect && (n.part.shape != shape || shared(&n.part.members, &members));
         if named.iter().any(again) {
+            // Two steps, or two periods: the cause is neither.
+            named.retain(|n| !(again(n) && effect.entry().course_in_time));
             crowded.push(Sign {
                 kind: "one_shape_is_not_enough",
                 slots: slots(search.frame, &members),
@@ -84,11 +92,20 @@ pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>
     (named, crowded)
 }
 
-/// Two courses in time in one gyro that a single wandering one would replace without much loss: each may be there, or
-/// neither.
+/// A course in time that one which wanders would replace without much loss, and two such in one gyro: each may be
+/// there, or neither.
 fn wandering(search: &Search, found: &[Choice]) -> Vec<Sign> {
     let course = |choice: &Choice| choice.kind.entry().course_in_time;
     let mut signs = Vec::new();
+    let slow = |c: &Choice| c.kind.is_nameable() && (course(c) || c.kind.entry().follows_time);
+    for (i, choice) in found.iter().enumerate().filter(|(_, choice)| slow(choice)) {
+        let all = choice.members.iter().all(|member| *member);
+        let lead = if all { LEAD_OF_ALL } else { LEAD_OF_SOME };
+        if search.lead_of_one(found, i) < lead {
+            let p_value = search.p_value(choice.evidence);
+            signs.push(Sign { kind: "wandering_in_time", slots: slots(search.frame, &choice.members), p_value });
+        }
+    }
     for (i, first) in found.iter().enumerate().filter(|(_, choice)| course(choice)) {
         for (j, second) in found.iter().enumerate().skip(i + 1).filter(|(_, choice)| course(choice)) {
             let both: Vec<bool> = first.members.iter().zip(&second.members).map(|(a, b)| *a && *b).collect();

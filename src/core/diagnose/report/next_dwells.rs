@@ -9,7 +9,7 @@ use crate::core::diagnose::report::identifiability::{JUST_MISSED, Mimic, visible
 use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::Bank;
-use crate::core::effects::{CATALOGUE, Effect, Scope, Setting, Shape};
+use crate::core::effects::{Effect, Scope, Setting, Shape};
 use crate::core::model::Term;
 
 /// Dwells that are proposed at most.
@@ -210,7 +210,7 @@ fn likeliest(frame: &Frame, effect: Effect) -> Shape {
 fn hidden(frame: &Frame, setting: &Setting, bank: &Bank) -> Vec<Question> {
     let held = |id: &str| frame.terms.iter().any(|term| term.name() == id);
     let mut questions = Vec::new();
-    for entry in CATALOGUE.iter().filter(|entry| entry.scope == Scope::Gyro && !entry.closure_only && !held(entry.id)) {
+    for entry in frame.nameable().filter(|entry| entry.scope == Scope::Gyro && !entry.closure_only && !held(entry.id)) {
         if (entry.missing)(&frame.setting).is_some() || visible(bank, entry.effect) > 0.01 {
             continue;
         }

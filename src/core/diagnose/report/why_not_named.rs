@@ -31,7 +31,7 @@ impl WhyNot<'_> {
         if self.search.is_ruled_out(&[], effect) {
             return message!("beyond_plausible_size");
         }
-        if alone <= self.search.needed(0) {
+        if alone <= self.search.needed(&[]) {
             return message!("not_significant", p = digits(self.search.p_value(alone)), level = text(FALSE_ALARM));
         }
         let found = &self.settled.found;
@@ -48,7 +48,7 @@ impl WhyNot<'_> {
             };
         };
         let first = first.kind;
-        if self.search.evidence(found, effect) > self.search.needed(found.len()) {
+        if self.search.evidence(found, effect) > self.search.needed(found) {
             return match found.len() >= MOST {
                 true => message!("too_many_causes", count = MOST),
                 false => message!("not_in_joint_fit_beside", effect = first.word()),
@@ -93,7 +93,7 @@ pub(crate) fn candidates(settled: &Settled, search: &Search, named: &[Named], va
             closure: held_out.map(|h| h.closure),
             interval: held_out.map(|h| h.interval),
             p_value_adjusted: search.p_value(earned),
-            within_noise: earned <= search.needed(0) && !search.is_ruled_out(&[], score.kind),
+            within_noise: earned <= search.needed(&[]) && !search.is_ruled_out(&[], score.kind),
             gyros: slots(frame, &choice.members),
             why_not: why_not.of(effect, earned, visible),
         })

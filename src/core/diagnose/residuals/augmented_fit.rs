@@ -1,11 +1,12 @@
 //! The final fit of what was adopted: coefficients with their uncertainty, residuals, and the noise left.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::core::augmented::Adopted;
 use crate::core::diagnose::residuals::pooled_noise::Scatter;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::effects::{Coefficient, Effect, Refusal, Scope, Shape};
+use crate::core::effects::{Coefficient, Effect, GyroAxes, Refusal, Scope, Shape};
+use crate::core::model::Term;
 use crate::core::numerics::basis::{axpy, dot};
 
 /// An effect with its shape and its gyros fixed.
@@ -190,7 +191,57 @@ fn solve(frame: &Frame, design: &DMatrix<f64>, variances: &[f64]) -> (DVector<f6
     (solution, covariance)
 }
 
+/// Fits of a strong effect and of what hangs on it, one after the other, until neither moves the other.
+const ROUNDS: usize = 4;
+
 impl Frame {
+    /// The same about the fit of `parts`: the gyros' axes, G and P as they are with the parts in the model, and the
+    /// outputs less what effects of that size add beyond their regressors. The axes of the plain fit are off by what
+    /// a strong effect moves them. Of first order alone where not `all_orders`.
+    pub(crate) fn about(&self, parts: &[Part], all_orders: bool) -> Result<Self, Refusal> {
+        let mut frame = self.clone();
+        for _ in 0..ROUNDS {
+            let fit = fit(&frame, parts);
+            let gyros = (0..self.gyros.len()).map(|j| frame.axes_beside(j, &fit.drift[j]));
+            frame.setting.gyros = gyros.collect();
+            for (j, output) in frame.outputs.iter_mut().enumerate() {
+                output.clone_from(&self.outputs[j]);
+                for (p, part) in parts.iter().enumerate().filter(|(_, part)| all_orders && part.members[j]) {
+                    let Some(beyond) = part.effect.entry().beyond else { continue };
+                    let own = fit.fitted.iter().filter(|f| f.part == p && f.gyro.is_none_or(|gyro| gyro == j));
+                    let own: Vec<f64> = own.map(|f| f.value).collect();
+                    axpy(-1.0, &beyond(&frame.setting, j, part.shape, &own), output);
+                }
+            }
+            frame = frame.whitened()?;
+        }
+        Ok(frame)
+    }
+
+    /// Axes and G of gyro `j` where `drift` is what effects add: those of the model's own columns, where it has them.
+    fn axes_beside(&self, j: usize, drift: &[f64]) -> GyroAxes {
+        let (gyro, axes) = (&self.gyros[j], &self.setting.gyros[j]);
+        let mut output = self.outputs[j].clone();
+        axpy(-1.0, drift, &mut output);
+        let terms = if self.scale_fitted[j] { self.terms } else { self.terms.without(Term::Scale) };
+        let columns: Vec<Vec<f64>> = self.designs[j].iter().map(|column| gyro.whiten(column.clone())).collect();
+        let lengths: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt().max(f64::MIN_POSITIVE)).collect();
+        let design = DMatrix::from_fn(self.dwells(), columns.len(), |k, c| columns[c][k] / lengths[c]);
+        let Ok(solution) = design.svd(true, true).solve(&DVector::from_vec(gyro.whiten(output)), 1e-7) else {
+            return axes.clone();
+        };
+        let vector = |term: Term| {
+            let before: usize = terms.iter().take_while(|t| *t != term).map(Term::columns).sum();
+            let value = |i: usize| solution[before + i] / lengths[before + i];
+            terms.contains(term).then(|| Vector3::new(value(0), value(1), value(2)))
+        };
+        axes.turned(
+            vector(Term::Scale).unwrap_or(axes.input),
+            [vector(Term::GLinear).unwrap_or(axes.g), vector(Term::GSquared).unwrap_or(axes.p)],
+            if terms.contains(Term::Bias) { solution[0] / lengths[0] } else { 0.0 },
+        )
+    }
+
     /// The same less effects whose coefficients all gyros share: as columns of each gyro they would be fitted once a
     /// gyro.
     pub(super) fn without(mut self, shared: &[&Adopted]) -> Result<Self, Refusal> {

@@ -5,8 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::noise::{self, Noise};
 use crate::core::augmented::{Adopted, Options};
 use crate::core::campaign::{Campaign, CampaignGyro, TestKind, temperature_outliers};
-use crate::core::effects::Refusal;
-use crate::core::effects::{Scope, Setting, axes};
+use crate::core::effects::{CATALOGUE, Effect, Entry, Refusal, Scope, Setting, axes};
 use crate::core::message::Message;
 use crate::core::model::{Term, Terms};
 use crate::core::note::Note;
@@ -33,6 +32,8 @@ pub(crate) struct Frame {
     pub terms: Terms,
     /// Effects in the model in use.
     pub adopted: Vec<Adopted>,
+    /// Hypotheses of one's own that compete with the catalogue.
+    pub hypotheses: Vec<Effect>,
     pub gyros: Vec<GyroFrame>,
     pub noise: Noise,
     /// Output of each gyro, deg/h, less what the model in use says of all gyros together; and the raw columns of the
@@ -79,8 +80,19 @@ impl Frame {
         let common = |adopted: &&Adopted| adopted.effect.entry().scope == Scope::Common;
         let (shared, own): (Vec<&Adopted>, Vec<&Adopted>) = options.adopted.iter().partition(common);
         let designs = designs(&own.into_iter().cloned().collect::<Vec<_>>());
-        let (gyros, adopted) = (Vec::new(), options.adopted.clone());
-        let frame = Self { setting, terms, adopted, gyros, noise, outputs, designs, scale_fitted, notes, of_campaign };
+        let frame = Self {
+            setting,
+            terms,
+            adopted: options.adopted.clone(),
+            hypotheses: options.hypotheses.clone(),
+            gyros: Vec::new(),
+            noise,
+            outputs,
+            designs,
+            scale_fitted,
+            notes,
+            of_campaign,
+        };
         let frame = frame.whitened()?;
         if shared.is_empty() { Ok(frame) } else { frame.without(&shared) }
     }
@@ -128,6 +140,11 @@ impl Frame {
 
     pub fn dwells(&self) -> usize {
         self.setting.dwells()
+    }
+
+    /// All that may be named: hypotheses of one's own, and the catalogue.
+    pub fn nameable(&self) -> impl Iterator<Item = &'static Entry> {
+        self.hypotheses.iter().map(|own| own.entry()).chain(CATALOGUE)
     }
 }
 

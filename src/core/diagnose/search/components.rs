@@ -11,7 +11,7 @@
 //! and gyros add up as ln((1 + B)/2). A name that one of them leads clearly has the wrong form; what no name explains is
 //! described by them (variance components, Searle, Casella and McCulloch 1992).
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, Rotation3, Vector3};
 
 use super::projections::State;
 use crate::core::campaign::Phase;
@@ -37,6 +37,17 @@ pub(crate) struct Component {
     pub competes: bool,
     factor: DMatrix<f64>,
 }
+
+/// Width of a course in time that another variable takes, over the span.
+const SLOW: f64 = 0.35;
+
+/// Angle within which directions and attitudes are alike, rad.
+const ALIKE: f64 = 0.5;
+
+/// Of single dwells: their share, how much larger their variance is, and the others' over that of all.
+const SHARES: [f64; 3] = [0.02, 0.06, 0.2];
+const SPREADS: [f64; 3] = [9.0, 90.0, 900.0];
+const SCALES: [f64; 6] = [0.02, 0.05, 0.1, 0.25, 0.5, 1.0];
 
 /// Dwells' directions are the same within this angle, and rates within this share, rad.
 const SAME: f64 = 1e-3;
@@ -102,13 +113,68 @@ pub(crate) fn components(s: &Setting) -> Vec<Component> {
                 .collect();
             add(Variable::RateHistory, &|a, b| before[a] * before[b]);
         }
+        add(Variable::RateHistory, &|a, b| {
+            both(a > 0 && b > 0) * s.rate[a.max(1) - 1].dot(&s.rate[b.max(1) - 1]) / top.powi(2)
+        });
         let phase = |k: usize| both(turns(k)) - 0.5;
         add(Variable::Phase, &|a, b| phase(a) * phase(b));
     }
     add(Variable::OrientationBefore, &|a, b| {
         both(a > 0 && b > 0 && s.force[a.max(1) - 1].angle(&s.force[b.max(1) - 1]) < SAME)
     });
+    let mut held_since = s.time[0];
+    let age: Vec<f64> = (0..n)
+        .map(|k| {
+            if k > 0 && !same_face(k, k - 1) {
+                held_since = s.time[k];
+            }
+            (s.time[k] - held_since) / span
+        })
+        .collect();
+    add(Variable::OrientationAge, &|a, b| age[a] * age[b]);
+    add(Variable::UpDirection, &|a, b| gaussian(s.force[a].angle(&s.force[b]) / ALIKE));
+    if let Some(c) = &s.nav_to_body {
+        let apart = |a: usize, b: usize| Rotation3::from_matrix_unchecked(c[a] * c[b].transpose()).angle();
+        add(Variable::Heading, &|a, b| both(!turns(a) && !turns(b)) * gaussian(apart(a, b) / ALIKE));
+    }
+    // Two variables together: no name falls by them, for some are entries themselves.
+    let force = |a: usize, b: usize| s.force[a].dot(&s.force[b]);
+    let rate = |a: usize, b: usize| s.rate[a].dot(&s.rate[b]) / top.powi(2);
+    let middle = |k: usize| s.elapsed(k) / span - 0.5;
+    let slow = |a: usize, b: usize| gaussian((s.time[a] - s.time[b]) / (SLOW * span));
+    component(Variable::TimeAndForce, false, &|a, b| middle(a) * middle(b) * force(a, b));
+    component(Variable::TimeAndForce, false, &|a, b| slow(a, b) * force(a, b));
+    component(Variable::TimeAndRate, false, &|a, b| middle(a) * middle(b) * rate(a, b));
+    component(Variable::TimeAndRate, false, &|a, b| slow(a, b) * rate(a, b));
+    if let Some(t) = &s.temperature {
+        component(Variable::TemperatureAndForce, false, &|a, b| t[a] * t[b] * force(a, b));
+        component(Variable::TemperatureAndRate, false, &|a, b| t[a] * t[b] * rate(a, b));
+        component(Variable::TemperatureAndTime, false, &|a, b| t[a] * t[b] * middle(a) * middle(b));
+        component(Variable::Temperature, false, &|a, b| (t[a] * t[b]).powi(2));
+    }
     found
+}
+
+/// ln of the odds of a few dwells with a larger spread than the rest against one spread for all: a share e of dwells
+/// with 1 + p times the variance, the mean over e, p and the scale, gyros added up as components are.
+pub(crate) fn of_single_dwells(state: &State) -> f64 {
+    let of_gyro = |residual: &Vec<f64>| {
+        let n = residual.len() as f64;
+        let variance = residual.iter().map(|r| r * r).sum::<f64>() / n;
+        let mut sum = LogSum::default();
+        for scale in SCALES.map(|share| share * variance) {
+            for share in SHARES {
+                for times in SPREADS {
+                    let of = |r: f64, v: f64| (-0.5 * r * r / v).exp() / v.sqrt();
+                    let mixed = |r: &f64| ((1.0 - share) * of(*r, scale) + share * of(*r, scale * (1.0 + times))).ln();
+                    sum.add(residual.iter().map(mixed).sum::<f64>());
+                }
+            }
+        }
+        sum.log_mean(SCALES.len() * SHARES.len() * SPREADS.len()) + 0.5 * n * (variance.ln() + 1.0)
+    };
+    let each = state.iter().filter(|gyro| gyro.residual.iter().any(|r| *r != 0.0));
+    each.map(|gyro| LogSum::of(&[0.0, of_gyro(&gyro.residual)]).log() - std::f64::consts::LN_2).sum()
 }
 
 impl Component {
@@ -197,7 +263,11 @@ fn slope(time: &[f64], values: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use statrs::distribution::{ContinuousCDF, Normal};
+
     use super::*;
+    use crate::core::diagnose::search::projections::GyroState;
+    use crate::core::numerics::basis::Basis;
 
     #[test]
     fn a_kernel_is_its_factor_times_itself() {
@@ -220,5 +290,21 @@ mod tests {
         };
         let expected = (POWERS.map(of).iter().sum::<f64>() / POWERS.len() as f64).ln();
         assert!((log_bayes(&[column], &y, 4.0, true) - expected).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_few_dwells_apart_are_said_to_be_few() {
+        let gyro = |residual: Vec<f64>| {
+            let rss = residual.iter().map(|r| r * r).sum();
+            vec![GyroState { extra: Basis::default(), nu: residual.len() as f64, rss, residual }]
+        };
+        // Normal scores: (k + 1/2)/60 of a normal distribution, and the same with three dwells off.
+        let normal = Normal::standard();
+        let mut scores: Vec<f64> = (0..60).map(|k| normal.inverse_cdf((f64::from(k) + 0.5) / 60.0)).collect();
+        assert!(of_single_dwells(&gyro(scores.clone())) < 1.0);
+        for k in [7, 30, 41] {
+            scores[k] = 9.0;
+        }
+        assert!(of_single_dwells(&gyro(scores)) > 10.0);
     }
 }

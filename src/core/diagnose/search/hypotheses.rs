@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVectorView, Matrix3};
 
 use crate::core::augmented::Adopted;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::effects::{CATALOGUE, COMPETITORS, Effect, Entry, Prior, Scope, Shape};
+use crate::core::effects::{COMPETITORS, Effect, Entry, Prior, Scope, Shape};
 use crate::core::numerics::basis::{Basis, dot, scale};
 
 /// Share of an effect's whitened power below which the design does not show it (amplitude below one in a thousand).
@@ -76,6 +76,7 @@ pub(crate) struct Bank {
 }
 
 /// Raw columns of one hypothesis, before projection.
+#[derive(Clone)]
 struct Raw {
     kind: Effect,
     shape: Shape,
@@ -99,12 +100,19 @@ impl Bank {
 
     fn against(frame: &Frame, more: &[(Effect, Shape)], asked: &dyn Fn(&Entry) -> bool) -> Self {
         let mut raws: Vec<Raw> = Vec::new();
-        for entry in CATALOGUE.iter().filter(|entry| could_be_a_cause(frame, entry)) {
+        for entry in frame.nameable().filter(|entry| could_be_a_cause(frame, entry)) {
             push_shapes(&mut raws, frame, entry, more);
         }
         let contract = raws.len();
         for entry in COMPETITORS.into_iter().filter(|entry| asked(entry)) {
             push_shapes(&mut raws, frame, entry, more);
+        }
+        if !frame.hypotheses.is_empty() {
+            let (named, competing) = raws.split_at(contract);
+            let kept: Vec<Raw> =
+                competing.iter().filter(|raw| !named.iter().any(|own| is_what_is(own, raw))).cloned().collect();
+            raws.truncate(contract);
+            raws.extend(kept);
         }
         Self::projected(frame, raws, contract)
     }
@@ -167,6 +175,21 @@ fn push_shapes(raws: &mut Vec<Raw>, frame: &Frame, entry: &Entry, more: &[(Effec
             columns: (0..frame.gyros.len()).map(|j| (entry.columns)(&frame.setting, j, shape)).collect(),
         });
     }
+}
+
+/// Whether a competitor is, in every gyro, a hypothesis of one's own: who asks for it by name is not told that it is
+/// something without a name.
+fn is_what_is(own: &Raw, competitor: &Raw) -> bool {
+    let same = |(own, competitor): (&Vec<Vec<f64>>, &Vec<Vec<f64>>)| {
+        let span = Basis::of(own.iter().cloned());
+        own.len() == competitor.len()
+            && competitor.iter().all(|column| {
+                let mut left = column.clone();
+                span.project_out(&mut left);
+                dot(&left, &left) <= 1e-12 * dot(column, column)
+            })
+    };
+    own.kind.hypothesis().is_some() && own.columns.iter().zip(&competitor.columns).all(same)
 }
 
 /// One gyro's matrix: everything whitened, the model's basis projected out twice, flat blocks made orthonormal.
@@ -317,4 +340,66 @@ fn kinds_of(hypotheses: &[Hypothesis]) -> Vec<(Effect, Range<usize>)> {
         }
     }
     kinds
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::augmented::Options;
+    use crate::core::diagnose::search::bayes_factor::scores;
+    use crate::core::diagnose::search::projections::state;
+    use crate::core::effects::{OwnHypothesis, Written, own};
+
+    fn own_of(id: &str, equation: &str, unit: &str) -> Effect {
+        let written = Written {
+            id: id.into(),
+            words: id.into(),
+            cause: id.into(),
+            equation: equation.into(),
+            unit: unit.into(),
+            plausible: 100.0,
+            typical: [1e-3, 1e-2],
+            common: false,
+            range: None,
+        };
+        own(OwnHypothesis::of(written).unwrap()).unwrap()
+    }
+
+    fn frame(hypotheses: Vec<Effect>) -> Frame {
+        let campaign = std::fs::read("tests/data/practice/campaign-02.json").unwrap();
+        let campaign = crate::wire::campaign::parse_json(&campaign).unwrap();
+        Frame::of(&campaign, &Options { hypotheses, ..Options::default() }).unwrap()
+    }
+
+    #[test]
+    fn a_hypothesis_that_is_an_entry_has_its_evidence() {
+        let twins = [
+            ("temperature_bias", own_of("own_bias", "k * T", "deg/h/K")),
+            ("temperature_scale", own_of("own_scale", "k * T * w_I", "1/K")),
+            ("time_ramp", own_of("own_ramp", "k * t", "deg/h/h")),
+            ("hysteresis", own_of("own_set", "k * a_O_before", "deg/(h g0)")),
+        ];
+        let frame = frame(twins.iter().map(|(_, own)| *own).collect());
+        let bank = Bank::of(&frame, &[]);
+        let state = state(&frame, vec![Basis::default(); frame.gyros.len()]);
+        let scores = scores(&bank, &state);
+        let evidence = |id: &str| scores.iter().find(|score| score.kind.id() == id).unwrap().log_evidence;
+        for (id, own) in twins {
+            let (theirs, mine) = (evidence(id), evidence(own.id()));
+            assert!((theirs - mine).abs() < 1e-6 * theirs.abs().max(1.0), "{id}: {theirs} {mine}");
+        }
+        assert!(evidence("temperature_bias") > 20.0);
+    }
+
+    #[test]
+    fn a_competitor_that_somebody_asks_for_by_name_competes_no_more() {
+        let kinds = |hypotheses: Vec<Effect>| {
+            let frame = frame(hypotheses);
+            Bank::of(&frame, &[]).hypotheses.iter().map(|h| (h.kind.id(), h.shape)).collect::<Vec<_>>()
+        };
+        let slope = |kinds: &[(&str, Shape)]| kinds.iter().filter(|(id, _)| *id == "temperature_rate").count();
+        let (plain, asked) = (kinds(Vec::new()), kinds(vec![own_of("own_slope", "k * dT/dt", "deg/K")]));
+        assert_eq!((slope(&plain), slope(&asked)), (2, 1));
+        assert_eq!(asked.len(), plain.len(), "one more, one less");
+    }
 }

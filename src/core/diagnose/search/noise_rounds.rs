@@ -7,17 +7,19 @@
 use crate::core::calibrate::growth::Law;
 use crate::core::calibrate::law;
 use crate::core::diagnose::diagnosis::Variable;
+use crate::core::diagnose::residuals::augmented_fit::{self, Part};
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::choice::{Choice, designs};
-use crate::core::diagnose::search::components::{Component, components};
+use crate::core::diagnose::search::components::{Component, components, of_single_dwells};
 use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::noise_models::{Found, NoiseModels, likelier_law};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::each_by_itself;
-use crate::core::diagnose::search::refined_shape::sharpened;
+use crate::core::diagnose::search::refined_shape::{STRONG, sharpened};
 use crate::core::diagnose::search::stepwise::{Known, Search, Threshold, without};
-use crate::core::effects::{Effect, Refusal, Shape};
+use crate::core::effects::{Effect, Entry, Refusal, Shape};
+use crate::core::numerics::basis::dot;
 use crate::core::numerics::log_sum::LogSum;
 
 /// Probability with which noise alone may get anything named.
@@ -47,8 +49,6 @@ pub(crate) struct Settled {
     pub noise_found: Found,
     /// How it goes beside what is stated.
     pub laws: Vec<law::Law>,
-    /// What the residuals go with beside what was found, and the evidence of it, the strongest first.
-    pub description: Vec<(Variable, f64)>,
 }
 
 impl Settled {
@@ -87,7 +87,6 @@ impl Settled {
                 noise,
                 noise_found: Found::default(),
                 laws: Vec::new(),
-                description: Vec::new(),
             };
             match next.filter(|_| round < ROUNDS) {
                 Some(growth) => frame = settled.frame.with_growth(growth)?,
@@ -100,6 +99,30 @@ impl Settled {
             }
         }
         unreachable!("the last round returns")
+    }
+
+    /// `plain`, the campaign as it is, about the strong effects: those among what was found, or one that is
+    /// not linear in their place, where that leaves less (Schwarz's criterion). With its axes off, a rotation may pass
+    /// for a field.
+    pub fn about_strong(&self, plain: &Frame) -> Result<Option<(Vec<Part>, Frame)>, Refusal> {
+        let search = self.search();
+        let named = self.found.iter().filter(|choice| !choice.is_competitor());
+        let strong: Vec<Part> = named.filter(|c| c.evidence > STRONG).filter_map(|c| search.part(c)).collect();
+        let alone = search.scores(&[]);
+        let curved = alone.iter().filter(|s| s.log_evidence > STRONG && s.kind.entry().beyond.is_some());
+        let curved = curved.filter_map(|score| Some(vec![search.part(&search.choice(score))?]));
+        let mut best: Option<(f64, Vec<Part>, Frame)> = None;
+        let tried = curved.chain([strong]).filter(|parts| !parts.is_empty());
+        for (parts, all_orders) in tried.flat_map(|parts| [(parts.clone(), true), (parts, false)]) {
+            let frame = plain.about(&parts, all_orders)?;
+            let fit = augmented_fit::fit(&frame, &parts);
+            let n = frame.dwells() as f64;
+            let left = fit.residuals.iter().map(|r| n * dot(r, r).ln()).sum::<f64>() + fit.fitted.len() as f64 * n.ln();
+            if best.as_ref().is_none_or(|(least, ..)| left < *least) {
+                best = Some((left, parts, frame));
+            }
+        }
+        Ok(best.map(|(_, parts, frame)| (parts, frame)))
     }
 
     pub fn search(&self) -> Search<'_> {
@@ -130,7 +153,6 @@ impl Settled {
             more: plain.more.clone(),
             noise_found: Found::default(),
             laws,
-            description: Vec::new(),
         };
         if !plain.found.is_empty() {
             let search = closer.search();
@@ -141,17 +163,22 @@ impl Settled {
             closer.found = found;
         }
         closer.noise_found = closer.noise_beside(&closer.found);
+        let slow = |entry: &Entry| entry.follows_time || entry.of_temperature;
         while closer.noise_found.memory.is_some()
-            && let Some(weakest) = closer.weakest_under_memory(&closer.found)
+            && let Some(weakest) = closer.weakest(&closer.found, UNDER_MEMORY, slow)
         {
             closer.found.remove(weakest);
             closer.noise_found = closer.noise_beside(&closer.found);
+        }
+        while !closer.laws.is_empty()
+            && let Some(weakest) = closer.weakest(&closer.found, UNDER_LAW, |_| true)
+        {
+            closer.found.remove(weakest);
         }
         let components = components(&closer.frame.setting);
         while let Some(of_another_form) = closer.of_another_form(&components, &closer.found) {
             closer.found.remove(of_another_form);
         }
-        closer.description = closer.described(&components, &closer.found);
         Ok(closer)
     }
 
@@ -173,10 +200,15 @@ const LEAD_SHARE: f64 = 0.03;
 
 /// ln of evidence from which on what is left is described, and by how many variables.
 const LEAST_DESCRIBED: f64 = 2.0;
+/// The same where two variables act together, and of a few dwells alone: there are more of those.
+const LEAST_TOGETHER: f64 = 4.0;
 const MOST_DESCRIBED: usize = 2;
 
 /// ln of evidence that a name in time or temperature needs more where the noise has a memory.
 const UNDER_MEMORY: f64 = 4.0;
+
+/// And that any name needs more where the noise does not go as stated: its law is then known from the same residuals.
+const UNDER_LAW: f64 = 2.0;
 
 impl Settled {
     /// The name that a component leads by most, where one leads clearly: the cause has another form.
@@ -197,33 +229,43 @@ impl Settled {
         leads.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
     }
 
-    /// What the residuals beside `found` go with: each variable by its best component.
-    fn described(&self, components: &[Component], found: &[Choice]) -> Vec<(Variable, f64)> {
-        let nameable: Vec<Choice> = found.iter().filter(|choice| !choice.is_competitor()).cloned().collect();
-        let state = each_by_itself(&self.frame, self.search().extras(&nameable));
+    /// What the residuals go with beside those of the choices that are named, the strongest first: each variable by its
+    /// best component.
+    pub fn described(&self, is_named: impl Fn(Effect, Shape) -> bool) -> Vec<(Variable, f64)> {
+        let found = self.found.iter();
+        let named = found.filter(|c| is_named(c.kind, self.bank.hypotheses[c.hypothesis].shape)).cloned();
+        let state = each_by_itself(&self.frame, self.search().extras(&named.collect::<Vec<_>>()));
         let mut best: Vec<(Variable, f64)> = Vec::new();
-        for component in components {
+        for component in components(&self.frame.setting) {
             let evidence = component.evidence(&self.frame, &state);
             match best.iter_mut().find(|(variable, _)| *variable == component.variable) {
                 Some(held) => held.1 = held.1.max(evidence),
                 None => best.push((component.variable, evidence)),
             }
         }
-        best.retain(|(_, evidence)| *evidence > LEAST_DESCRIBED);
+        best.push((Variable::SingleDwells, of_single_dwells(&state)));
+        let least = |variable: Variable| match variable {
+            Variable::TimeAndForce
+            | Variable::TimeAndRate
+            | Variable::TemperatureAndForce
+            | Variable::TemperatureAndRate
+            | Variable::TemperatureAndTime
+            | Variable::SingleDwells => LEAST_TOGETHER,
+            _ => LEAST_DESCRIBED,
+        };
+        best.retain(|(variable, evidence)| *evidence > least(*variable));
         best.sort_by(|a, b| b.1.total_cmp(&a.1));
         best.truncate(MOST_DESCRIBED);
         best
     }
 
-    /// The least of the names in time or temperature that do not lead noise with a memory clearly.
-    fn weakest_under_memory(&self, found: &[Choice]) -> Option<usize> {
-        let of_time = |i: &usize| {
-            let entry = found[*i].kind.entry();
-            found[*i].kind.is_nameable() && (entry.follows_time || entry.of_temperature)
-        };
+    /// The least of the names asked about that do not pass by `more` evidence than elsewhere, which noise beyond what is
+    /// stated asks for.
+    fn weakest(&self, found: &[Choice], more: f64, asked: impl Fn(&Entry) -> bool) -> Option<usize> {
         let search = self.search();
-        let lead = |i: usize| search.earned_beside_others(found, i) - search.needed(found.len() - 1) - UNDER_MEMORY;
-        let weak = (0..found.len()).filter(of_time).map(|i| (i, lead(i))).filter(|(_, lead)| *lead < 0.0);
+        let lead = |i: usize| search.earned_beside_others(found, i) - search.needed(&without(found, i)) - more;
+        let named = (0..found.len()).filter(|&i| found[i].kind.is_nameable() && asked(found[i].kind.entry()));
+        let weak = named.map(|i| (i, lead(i))).filter(|(_, lead)| *lead < 0.0);
         weak.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
     }
 }
@@ -241,11 +283,11 @@ fn confirmed(search: &Search, law: Law, mut found: Vec<Choice>) -> Vec<Choice> {
         let with_all = excess(&designs(frame, search.bank, &found, None));
         let mut weakest: Option<(usize, f64)> = None;
         for i in 0..found.len() {
-            let without = excess(&designs(frame, search.bank, &found, Some(i)));
-            found[i].evidence = search.earned_beside_others(&found, i) + with_all - without;
+            let without_it = excess(&designs(frame, search.bank, &found, Some(i)));
+            found[i].evidence = search.earned_beside_others(&found, i) + with_all - without_it;
             let named = found[i].kind.is_nameable();
             if named
-                && found[i].evidence < search.needed(found.len() - 1)
+                && found[i].evidence < search.needed(&without(&found, i))
                 && weakest.is_none_or(|(_, e)| found[i].evidence < e)
             {
                 weakest = Some((i, found[i].evidence));

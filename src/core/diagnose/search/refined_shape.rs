@@ -13,7 +13,7 @@ use crate::core::effects::{Effect, Shape};
 use crate::core::numerics::basis::dot;
 
 /// ln of evidence from which on the grid is too coarse.
-const STRONG: f64 = 60.0;
+pub(super) const STRONG: f64 = 60.0;
 
 /// The same for instants, of which the grid holds every tenth dwell or so.
 const STRONG_INSTANT: f64 = 8.0;
@@ -29,32 +29,35 @@ pub(crate) fn sharpened(search: &Search, found: &[Choice]) -> Vec<(Effect, Shape
         shapes.extend(search.part(&search.choice(score)).and_then(|alone| best(search, &[alone], 0)));
     }
     for score in search.scores(&[]).iter().filter(|score| score.log_evidence > STRONG_INSTANT) {
-        shapes.extend(search.part(&search.choice(score)).and_then(|alone| best_instant(search.frame, &alone)));
+        shapes.extend(search.part(&search.choice(score)).and_then(|alone| best_instant(search.frame, &[alone], 0)));
     }
     let named: Vec<&Choice> = found.iter().filter(|choice| !choice.is_competitor()).collect();
     let parts: Vec<Part> = named.iter().filter_map(|choice| search.part(choice)).collect();
+    // A dwell set aside may be what the nearest instant of the grid leaves of a change.
+    let lasting: Vec<Part> = parts.iter().filter(|part| part.dwell().is_none()).cloned().collect();
+    shapes.extend((0..lasting.len()).filter_map(|i| best_instant(search.frame, &lasting, i)));
     for (i, _) in named.iter().enumerate().filter(|(_, choice)| choice.evidence > STRONG) {
         shapes.extend(best(search, &parts, i));
     }
     shapes
 }
 
-/// The instant between any two dwells at which an effect that all gyros share explains most: its grid holds a few.
-fn best_instant(frame: &Frame, alone: &Part) -> Option<(Effect, Shape)> {
-    let Shape::Instant(at) = alone.shape else { return None };
-    if !alone.common() {
+/// The instant between any two dwells at which part `i`, which all gyros share, explains most beside the others: its
+/// grid holds a few.
+fn best_instant(frame: &Frame, parts: &[Part], i: usize) -> Option<(Effect, Shape)> {
+    let Part { effect, shape, .. } = parts[i];
+    if !parts[i].common() || !effect.entry().parameter.takes(Shape::Instant(0.0)) {
         return None;
     }
-    let variances = vec![1.0; frame.gyros.len()];
-    let left = |instant: f64| {
-        let part = Part { shape: Shape::Instant(instant), ..alone.clone() };
-        let fitted = augmented_fit::fit(frame, &[part]).residuals;
-        fitted.iter().zip(&variances).map(|(r, v)| dot(r, r) / v).sum::<f64>()
+    let left = |shape: Shape| {
+        let mut parts = parts.to_vec();
+        parts[i].shape = shape;
+        augmented_fit::fit(frame, &parts).residuals.iter().map(|r| dot(r, r)).sum::<f64>()
     };
-    let between =
-        (2..frame.dwells().saturating_sub(1)).map(|k| 0.5 * (frame.setting.time[k - 1] + frame.setting.time[k]));
-    let best = between.map(|t| (left(t), t)).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 < left(at)).then_some((alone.effect, Shape::Instant(best.1)))
+    let time = &frame.setting.time;
+    let between = (2..frame.dwells().saturating_sub(1)).map(|k| Shape::Instant(0.5 * (time[k - 1] + time[k])));
+    let best = between.map(|shape| (left(shape), shape)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 < left(shape)).then_some((effect, best.1))
 }
 
 /// The best shape of part `i` between its neighbours on the grid, with all parts fitted.
@@ -118,8 +121,12 @@ fn neighbours(search: &Search, effect: Effect, at: f64) -> Option<(f64, f64)> {
             above = above.min(x);
         }
     }
+    let held = effect.hypothesis().is_some();
     match (below.is_finite(), above.is_finite()) {
         (true, true) => Some((below, above)),
+        // The range of a hypothesis of one's own ends where it says.
+        (true, false) if held => Some((below, at)),
+        (false, true) if held => Some((at, above)),
         (true, false) => Some((below, at + (at - below))),
         (false, true) => Some((at - 0.5 * (above - at).min(at.abs()), above)),
         (false, false) => None,
@@ -129,7 +136,7 @@ fn neighbours(search: &Search, effect: Effect, at: f64) -> Option<(f64, f64)> {
 /// The number that a shape hangs on without a step.
 fn value(shape: Shape) -> Option<f64> {
     match shape {
-        Shape::Tau(x) | Shape::Period(x) | Shape::Azimuth(x) => Some(x),
+        Shape::Tau(x) | Shape::Period(x) | Shape::Azimuth(x) | Shape::Own(x) => Some(x),
         _ => None,
     }
 }
@@ -139,6 +146,7 @@ fn with_value(shape: Shape, x: f64) -> Shape {
         Shape::Tau(_) => Shape::Tau(x),
         Shape::Period(_) => Shape::Period(x),
         Shape::Azimuth(_) => Shape::Azimuth(x),
+        Shape::Own(_) => Shape::Own(x),
         other => other,
     }
 }

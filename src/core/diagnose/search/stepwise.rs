@@ -13,7 +13,7 @@ use crate::core::diagnose::search::noise_models::{NoiseModels, Under};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::{Products, State, each_by_itself, state};
 use crate::core::effects::Effect;
-use crate::core::numerics::basis::Basis;
+use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::log_sum::LogSum;
 
 /// More causes than this at once are not named: whatever needs them has not been understood.
@@ -30,6 +30,9 @@ const TIED: f64 = 0.3;
 
 /// ln of evidence by which a competitor must beat a contract entry, or a pair of them, to stand in its place.
 const CONTRACT_FIRST: f64 = 2.5;
+
+/// Share of an effect that its regressors may miss.
+const MISSED: f64 = 0.006;
 
 /// ln of prior odds against each further cause.
 pub(crate) const PER_CAUSE: f64 = 3.0;
@@ -198,7 +201,7 @@ impl Search<'_> {
     fn grown(&self, mut found: Vec<Choice>) -> Vec<Choice> {
         while found.len() < MOST {
             match self.best_given(&found, false) {
-                Some(next) if self.earned(&found, next.kind) > self.needed(found.len()) => {
+                Some(next) if self.earned(&found, next.kind) > self.needed(&found) => {
                     found.push(next);
                     self.polish(&mut found);
                 }
@@ -268,7 +271,7 @@ impl Search<'_> {
             }
             let mut pair = vec![first, second];
             self.polish_contract(&mut pair);
-            let each = (0..2).all(|i| self.earned_beside_others(&pair, i) > self.needed(1));
+            let each = (0..2).all(|i| self.earned_beside_others(&pair, i) > self.needed(&without(&pair, i)));
             let worth = self.worth(&pair);
             if each && worth > to_beat {
                 to_beat = worth;
@@ -288,7 +291,7 @@ impl Search<'_> {
             let mut others = choices.clone();
             let competitor = others.remove(i);
             let Some(best) = self.best_given(&others, true) else { continue };
-            let earned = self.earned(&others, best.kind) > self.needed(others.len());
+            let earned = self.earned(&others, best.kind) > self.needed(&others);
             if earned && best.evidence > competitor.evidence - CONTRACT_FIRST {
                 choices[i] = Choice { rival: Some(competitor.kind), ..best };
             }
@@ -296,9 +299,17 @@ impl Search<'_> {
         choices
     }
 
-    /// What adoption beside so many others asks for.
-    pub fn needed(&self, beside: usize) -> f64 {
-        if beside == 0 { self.threshold.alone } else { self.threshold.beside }
+    /// What adoption beside `others` asks for. Time, temperature and attitude are known to some thousandths: what a
+    /// strong effect leaves of that size is no effect of its own.
+    pub fn needed(&self, others: &[Choice]) -> f64 {
+        if others.is_empty() {
+            return self.threshold.alone;
+        }
+        let power = |r: &[f64]| dot(r, r);
+        let left = each_by_itself(self.frame, self.extras(others));
+        let gyros = self.frame.gyros.iter().zip(&left);
+        let taken: f64 = gyros.map(|(g, left)| (power(&g.residual) - power(&left.residual)) * left.nu / left.rss).sum();
+        self.threshold.beside + 0.5 * MISSED * MISSED * taken
     }
 
     /// Evidence with which `kind` is held against the threshold, given `choices`. Where nothing is named yet, a
@@ -331,6 +342,14 @@ impl Search<'_> {
         evidence_of(&self.scores(&without(choices, i)), choices[i].kind)
     }
 
+    /// By how much (ln) choice `i` explains more than the best wandering course in its place would.
+    pub fn lead_of_one(&self, choices: &[Choice], i: usize) -> f64 {
+        let known = self.scores(&without(choices, i));
+        let wandering = known.iter().filter(|score| score.kind.entry().wanders);
+        let best = wandering.map(|score| score.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+        self.given_others(choices, i) - best
+    }
+
     /// By how much (ln) choices `i` and `j` together explain more than the best single course in time in their place
     /// would: little where two named courses are an approximation to a wandering one.
     pub fn lead_over_wandering(&self, choices: &[Choice], i: usize, j: usize) -> f64 {
@@ -355,7 +374,7 @@ impl Search<'_> {
             else {
                 return choices;
             };
-            if choices[weakest].evidence > self.needed(choices.len() - 1) {
+            if choices[weakest].evidence > self.needed(&without(&choices, weakest)) {
                 return choices;
             }
             choices.remove(weakest);
@@ -374,7 +393,7 @@ impl Search<'_> {
                 (all - self.evidence_together(&fewer), fewer)
             });
             match fewer.min_by(|(a, _), (b, _)| a.total_cmp(b)) {
-                Some((missed, mut fewer)) if missed <= self.needed(fewer.len()) => {
+                Some((missed, mut fewer)) if missed <= self.needed(&fewer) => {
                     self.polish(&mut fewer);
                     choices = self.prune(fewer);
                 }

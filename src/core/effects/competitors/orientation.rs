@@ -17,8 +17,8 @@ pub const ORIENTATION_HARMONICS: Entry = Entry {
     unit: "deg/(h g0^n)",
     typical: Typical { low: 0.0001, high: 0.01, source: "residuals of multi-position tests" },
     confused_with: &[Effect::CrossCompliance, Effect::CubicG],
-    shapes: |_| vec![(Shape::Only(&[3]), 1.0), (Shape::Only(&[3, 4]), 1.0)],
-    columns: |s, _, shape| picked(shape).iter().flat_map(|&degree| monomials(s, degree)).collect(),
+    shapes: &|_| vec![(Shape::Only(&[3]), 1.0), (Shape::Only(&[3, 4]), 1.0)],
+    columns: &|s, _, shape| picked(shape).iter().flat_map(|&degree| monomials(s, degree)).collect(),
     ..COMPETING
 };
 
@@ -30,8 +30,8 @@ pub const FRICTION: Entry = Entry {
     unit: "deg/(h g0)",
     typical: Typical { low: 0.0001, high: 0.01, source: "pivot friction of floats without full flotation" },
     confused_with: &[Effect::Hysteresis, Effect::GSquared],
-    shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[0, 1, 2]), 1.0)],
-    columns: |s, j, shape| {
+    shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[0, 1, 2]), 1.0)],
+    columns: &|s, j, shape| {
         let gyro = &s.gyros[j];
         let axes = [gyro.input, gyro.spin, gyro.output];
         picked(shape).iter().map(|&i| s.column(|k| s.force[k].dot(&axes[i]).abs())).collect()
@@ -47,8 +47,8 @@ pub const HEADING: Entry = Entry {
     unit: "deg/h",
     typical: Typical { low: 0.0001, high: 0.01, source: "repeatability between headings of one face" },
     confused_with: &[Effect::Azimuth, Effect::Magnetic, Effect::Levelling],
-    shapes: |_| vec![(Shape::Only(&[0, 1]), 1.0), (Shape::Only(&[2]), 1.0), (Shape::Only(&[0, 1, 2]), 0.5)],
-    columns: |s, _, shape| picked(shape).iter().flat_map(|&part| heading(s, part)).collect(),
+    shapes: &|_| vec![(Shape::Only(&[0, 1]), 1.0), (Shape::Only(&[2]), 1.0), (Shape::Only(&[0, 1, 2]), 0.5)],
+    columns: &|s, _, shape| picked(shape).iter().flat_map(|&part| heading(s, part)).collect(),
     ..COMPETING
 };
 
@@ -65,7 +65,7 @@ pub const EARTH_RATE: Entry = Entry {
         source: "a latitude wrong by arc minutes to degrees: 15.04 deg/h sin(latitude)",
     },
     confused_with: &[Effect::Magnetic, Effect::Azimuth, Effect::Levelling],
-    columns: |s, j, _| {
+    columns: &|s, j, _| {
         let Some(c) = &s.nav_to_body else { return Vec::new() };
         let along = |k: usize| s.gyros[j].input.dot(&(c[k] * Vector3::y()));
         vec![s.column(|k| if s.phase[k] == Phase::Static { along(k) } else { 0.0 })]
@@ -81,7 +81,7 @@ pub const ORIENTATION_BEFORE: Entry = Entry {
     unit: "deg/(h g0)",
     typical: Typical { low: 0.0001, high: 0.05, source: "settling after a change of position" },
     confused_with: &[Effect::Hysteresis],
-    columns: |s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.force[k - 1][i] })).collect(),
+    columns: &|s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.force[k - 1][i] })).collect(),
     ..COMPETING
 };
 

@@ -16,8 +16,8 @@ pub const RATE_EVEN: Entry = Entry {
     unit: "deg/h per (arcsec/s)^n",
     typical: Typical { low: 1e-12, high: 1e-9, source: "rectification of rebalance loops" },
     confused_with: &[Effect::ScaleAsymmetry, Effect::ScaleQuadratic, Effect::Anisoinertia],
-    shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
-    columns: |s, _, shape| match picked(shape) {
+    shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
+    columns: &|s, _, shape| match picked(shape) {
         [0] => (0..3).map(|i| s.column(|k| s.rate[k][i].powi(2))).collect(),
         [1] => (0..3).map(|i| s.column(|k| s.rate[k][i].abs())).collect(),
         _ => (0..3).map(|i| s.column(|k| f64::from(u8::from(turns_about(s, k, i))))).collect(),
@@ -33,8 +33,8 @@ pub const RATE_ODD: Entry = Entry {
     unit: "deg/h per (arcsec/s)^n",
     typical: Typical { low: 1e-16, high: 1e-9, source: "linearity of torquers, 10 to 100 ppm of full rate" },
     confused_with: &[Effect::ScaleCubic],
-    shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
-    columns: |s, _, shape| match picked(shape) {
+    shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
+    columns: &|s, _, shape| match picked(shape) {
         [0] => (0..3).map(|i| s.column(|k| s.rate[k][i].powi(3))).collect(),
         [1] => (0..3).map(|i| s.column(|k| s.rate[k][i] * s.rate[k][i].abs())).collect(),
         _ => (0..3).map(|i| s.column(|k| if turns_about(s, k, i) { s.rate[k][i].signum() } else { 0.0 })).collect(),
@@ -51,7 +51,7 @@ pub const RATE_CURVE: Entry = Entry {
     typical: Typical { low: 0.001, high: 1.0, source: "linearity of rebalance loops, 1 to 100 ppm of full rate" },
     confused_with: &[Effect::ScaleCubic, Effect::ScaleQuadratic, Effect::ScaleAsymmetry],
     prior: Prior::Smooth,
-    columns: rate_curve,
+    columns: &rate_curve,
     ..COMPETING
 };
 
@@ -63,8 +63,8 @@ pub const RATE_AND_FORCE: Entry = Entry {
     unit: "1/g0",
     typical: Typical { low: 1e-7, high: 0.0001, source: "scale factor against orientation, 0.1 to 100 ppm" },
     confused_with: &[Effect::GRateCoupling, Effect::Anisoinertia],
-    shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
-    columns: |s, j, shape| match picked(shape) {
+    shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
+    columns: &|s, j, shape| match picked(shape) {
         [0] => (0..3).map(|i| s.column(|k| s.force[k][i] * s.rate[k][i])).collect(),
         _ => {
             let gyro = &s.gyros[j];
@@ -85,8 +85,8 @@ pub const STATIC_TO_RATE: Entry = Entry {
     unit: "deg/h, deg/(h g0)",
     typical: Typical { low: 0.0001, high: 0.05, source: "repeatability of remounting" },
     confused_with: &[Effect::BiasStep, Effect::ScaleAsymmetry],
-    shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
-    columns: |s, _, shape| match picked(shape) {
+    shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
+    columns: &|s, _, shape| match picked(shape) {
         [0] => vec![s.column(|k| turning(s, k))],
         _ => (0..3).map(|i| s.column(|k| turning(s, k) * s.force[k][i])).collect(),
     },
@@ -101,8 +101,8 @@ pub const TORQUER_HEATING: Entry = Entry {
     unit: "deg/h per (arcsec/s)^2",
     typical: Typical { low: 1e-12, high: 1e-9, source: "a watt in the torquer warms it by a kelvin" },
     confused_with: &[Effect::ScaleQuadratic, Effect::Warmup],
-    shapes: |s| [0.4, 1.5, 4.0, 12.0].into_iter().map(|x| (Shape::Tau(x * s.interval()), 1.0)).collect(),
-    columns: |s, j, shape| match shape {
+    shapes: &|s| [0.4, 1.5, 4.0, 12.0].into_iter().map(|x| (Shape::Tau(x * s.interval()), 1.0)).collect(),
+    columns: &|s, j, shape| match shape {
         Shape::Tau(tau) => vec![heating(s, j, tau)],
         _ => Vec::new(),
     },
@@ -117,7 +117,7 @@ pub const RATE_BEFORE: Entry = Entry {
     unit: "1",
     typical: Typical { low: 1e-9, high: 1e-6, source: "settling after a change of rate" },
     confused_with: &[Effect::Hysteresis, Effect::ScaleAsymmetry],
-    columns: |s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.rate[k - 1][i] })).collect(),
+    columns: &|s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.rate[k - 1][i] })).collect(),
     ..COMPETING
 };
 

@@ -15,8 +15,8 @@ pub const BENT_TEMPERATURE: Entry = Entry {
     unit: "deg/h/K^n",
     typical: Typical { low: 0.0001, high: 0.05, source: "IEEE 517, temperature sensitivity beyond first degree" },
     confused_with: &[Effect::TemperatureBias, Effect::Warmup, Effect::Periodic],
-    shapes: |_| vec![(Shape::Only(&[2]), 1.0), (Shape::Only(&[1, 2]), 1.0), (Shape::Only(&[1, 2, 3]), 1.0)],
-    columns: |s, _, shape| picked(shape).iter().map(|&degree| temperature_power(s, degree as i32)).collect(),
+    shapes: &|_| vec![(Shape::Only(&[2]), 1.0), (Shape::Only(&[1, 2]), 1.0), (Shape::Only(&[1, 2, 3]), 1.0)],
+    columns: &|s, _, shape| picked(shape).iter().map(|&degree| temperature_power(s, degree as i32)).collect(),
     of_temperature: true,
     ..COMPETING
 };
@@ -29,8 +29,8 @@ pub const TEMPERATURE_RATE: Entry = Entry {
     unit: "deg/h/(K/s)",
     typical: Typical { low: 1.0, high: 1e3, source: "IEEE 517, thermal gradients; 0.001 to 0.1 deg/h at 1 K/h" },
     confused_with: &[Effect::TemperatureBias, Effect::Warmup, Effect::Periodic],
-    shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[0, 1]), 0.5)],
-    columns: |s, _, shape| {
+    shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[0, 1]), 0.5)],
+    columns: &|s, _, shape| {
         let all = [temperature_slope(s), temperature_power(s, 1)];
         picked(shape).iter().map(|&i| all[i].clone()).collect()
     },
@@ -46,8 +46,8 @@ pub const TEMPERATURE_LAG: Entry = Entry {
     unit: "deg/h/K",
     typical: Typical { low: 0.001, high: 0.1, source: "thermal time constants of floated gyros, minutes to an hour" },
     confused_with: &[Effect::TemperatureBias, Effect::Warmup],
-    shapes: |s| [2.0, 4.0, 8.0, 16.0].into_iter().map(|x| (Shape::Tau(x * s.interval()), 1.0)).collect(),
-    columns: |s, _, shape| match shape {
+    shapes: &|s| [2.0, 4.0, 8.0, 16.0].into_iter().map(|x| (Shape::Tau(x * s.interval()), 1.0)).collect(),
+    columns: &|s, _, shape| match shape {
         Shape::Tau(tau) => vec![temperature_lagged(s, tau)],
         _ => Vec::new(),
     },
@@ -63,7 +63,7 @@ pub const TEMPERATURE_AND_TIME: Entry = Entry {
     unit: "deg/h/K per campaign",
     typical: Typical { low: 0.0001, high: 0.05, source: "as temperature_bias, changing within a day" },
     confused_with: &[Effect::TemperatureBias, Effect::TimeRamp],
-    columns: |s, _, _| vec![s.column(|k| mid(s, k) * temperature(s, k))],
+    columns: &|s, _, _| vec![s.column(|k| mid(s, k) * temperature(s, k))],
     of_temperature: true,
     ..COMPETING
 };
@@ -76,7 +76,7 @@ pub const TEMPERATURE_G_SQUARED: Entry = Entry {
     unit: "deg/(h g0^2 K)",
     typical: Typical { low: 0.0001, high: 0.01, source: "IEEE 517, temperature sensitivity of compliance" },
     confused_with: &[Effect::TemperatureBias, Effect::TemperatureG],
-    columns: |s, _, _| (0..3).map(|i| s.column(|k| temperature(s, k) * s.force[k][i].powi(2))).collect(),
+    columns: &|s, _, _| (0..3).map(|i| s.column(|k| temperature(s, k) * s.force[k][i].powi(2))).collect(),
     of_temperature: true,
     ..COMPETING
 };

@@ -26,7 +26,7 @@ pub const CURVE_IN_TIME: Entry = Entry {
     typical: Typical { low: 0.001, high: 0.1, source: "bias stability of floated gyros within a day" },
     confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::BiasStep, Effect::Periodic],
     prior: Prior::Smooth,
-    columns: |s, _, _| waves(s, 9, 2.0),
+    columns: &|s, _, _| waves(s, 9, 2.0),
     wanders: true,
     ..COMPETING
 };
@@ -40,7 +40,7 @@ pub const WANDER_IN_TIME: Entry = Entry {
     typical: Typical { low: 0.0001, high: 0.01, source: "IEEE 517, rate random walk, per square root of an hour" },
     confused_with: &[Effect::TimeRamp, Effect::BiasStep, Effect::Warmup, Effect::Periodic],
     prior: Prior::Smooth,
-    columns: |s, _, _| waves(s, 16, 1.0),
+    columns: &|s, _, _| waves(s, 16, 1.0),
     wanders: true,
     ..COMPETING
 };
@@ -54,7 +54,7 @@ pub const CORRELATED_IN_TIME: Entry = Entry {
     typical: Typical { low: 0.0001, high: 0.01, source: "IEEE 517, bias instability" },
     confused_with: &[Effect::Periodic, Effect::OutlierDwell, Effect::BiasStep],
     prior: Prior::Smooth,
-    columns: |s, _, _| waves(s, 26, 0.35),
+    columns: &|s, _, _| waves(s, 26, 0.35),
     wanders: true,
     ..COMPETING
 };
@@ -67,8 +67,8 @@ pub const BEND_IN_TIME: Entry = Entry {
     unit: "deg/h",
     typical: Typical { low: 0.001, high: 0.1, source: "bias stability of floated gyros within a day" },
     confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::Periodic],
-    shapes: |_| vec![(Shape::Only(&[2]), 1.0), (Shape::Only(&[1, 2]), 1.0), (Shape::Only(&[1, 2, 3]), 1.0)],
-    columns: |s, _, shape| picked(shape).iter().map(|&degree| legendre_in_time(s, degree)).collect(),
+    shapes: &|_| vec![(Shape::Only(&[2]), 1.0), (Shape::Only(&[1, 2]), 1.0), (Shape::Only(&[1, 2, 3]), 1.0)],
+    columns: &|s, _, shape| picked(shape).iter().map(|&degree| legendre_in_time(s, degree)).collect(),
     ..COMPETING
 };
 
@@ -80,8 +80,8 @@ pub const BURST: Entry = Entry {
     unit: "deg/h",
     typical: Typical { low: 0.001, high: 1.0, source: "station logs" },
     confused_with: &[Effect::BiasStep, Effect::OutlierDwell, Effect::Periodic],
-    shapes: windows,
-    columns: |s, _, shape| match shape {
+    shapes: &windows,
+    columns: &|s, _, shape| match shape {
         Shape::Window(from, to) => vec![s.column(|k| f64::from(u8::from((from..to).contains(&k))))],
         _ => Vec::new(),
     },
@@ -96,7 +96,7 @@ pub const DRIFTING_MASS_UNBALANCE: Entry = Entry {
     unit: "deg/(h g0) per campaign",
     typical: Typical { low: 0.001, high: 0.05, source: "day-to-day stability of mass unbalance, 0.01 deg/(h g0)" },
     confused_with: &[Effect::TemperatureG, Effect::GLinear, Effect::Hysteresis],
-    columns: |s, _, _| (0..3).map(|i| s.column(|k| mid(s, k) * s.force[k][i])).collect(),
+    columns: &|s, _, _| (0..3).map(|i| s.column(|k| mid(s, k) * s.force[k][i])).collect(),
     ..COMPETING
 };
 
@@ -108,7 +108,7 @@ pub const DRIFTING_SCALE: Entry = Entry {
     unit: "1 per campaign",
     typical: Typical { low: 1e-6, high: 0.0001, source: "stability of torquer scale factors, 1 to 100 ppm" },
     confused_with: &[Effect::TemperatureScale, Effect::ScaleQuadratic],
-    columns: |s, j, _| vec![s.column(|k| mid(s, k) * s.rate[k].dot(&s.gyros[j].input))],
+    columns: &|s, j, _| vec![s.column(|k| mid(s, k) * s.rate[k].dot(&s.gyros[j].input))],
     ..COMPETING
 };
 
@@ -136,8 +136,8 @@ pub const PART_TIME: Entry = Entry {
     unit: "that effect's",
     typical: Typical { low: 1e-9, high: 1.0, source: "station logs: supplies, heaters and loops switched midway" },
     confused_with: &[Effect::TemperatureBias, Effect::TimeRamp, Effect::BiasStep, Effect::Warmup],
-    shapes: parts,
-    columns: |s, j, shape| match shape {
+    shapes: &parts,
+    columns: &|s, j, shape| match shape {
         Shape::Part { of, from, to } => {
             let mut columns = (of.entry().columns)(s, j, whole(s, of));
             for column in &mut columns {

@@ -1,0 +1,39 @@
+//! `--hypothesis`: files with hypotheses of one's own.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, bail};
+
+use super::document;
+use crate::core::augmented::AugmentedModel;
+use crate::core::campaign::Campaign;
+use crate::core::effects::{Effect, Lack, axes};
+use crate::wire::hypothesis::{parse_toml, with_one_id_each};
+
+/// The hypotheses in the files; beside what a model holds already, each has an id of its own or is the very same.
+pub fn files(paths: &[PathBuf], in_use: &AugmentedModel) -> anyhow::Result<Vec<Effect>> {
+    let read = |path: &PathBuf| parse_toml(&document::read(path)?).with_context(|| document::name(path));
+    let effects = paths.iter().map(read).collect::<anyhow::Result<Vec<Effect>>>()?;
+    with_one_id_each(&effects).context("--hypothesis")?;
+    let held = in_use.effects.iter().map(|known| known.adopted.effect);
+    if let Some(other) = held.into_iter().find(|held| effects.iter().any(|e| e.id() == held.id() && e != held)) {
+        bail!("--hypothesis: the model in use holds another {}; give one of them another id", other.id());
+    }
+    Ok(effects)
+}
+
+/// Refuses a campaign in which an equation has no finite value: who asks for it is to know that it was not tried.
+pub fn defined_in(effects: &[Effect], campaign: &Campaign) -> anyhow::Result<()> {
+    let Ok((setting, _)) = axes::setting(campaign) else { return Ok(()) };
+    for effect in effects {
+        if let Some(lack @ Lack::NotFinite { dwell }) = (effect.entry().missing)(&setting) {
+            bail!(
+                "--hypothesis: {}: {lack} (/dwells/{dwell}): {} divides by zero there, or takes a root or logarithm of \
+                 what has none; write it so that every dwell has a value",
+                effect.id(),
+                effect.entry().equation
+            );
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,157 @@
+//! A hypothesis of one's own from the command line: asked for, adopted, simulated, checked blind, refused.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("gyrowatch-own-{name}-{}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn file(&self, name: &str, text: &str) -> String {
+        let path = self.0.join(name);
+        fs::write(&path, text).unwrap();
+        path.display().to_string()
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).display().to_string()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_gyrowatch")).args(arguments).current_dir(root()).output().unwrap()
+}
+
+fn done(arguments: &[&str]) -> Vec<u8> {
+    let output = run(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    output.stdout
+}
+
+fn json(arguments: &[&str]) -> Value {
+    serde_json::from_slice(&done(&[arguments, &["--format", "json"]].concat())).unwrap()
+}
+
+fn refused(arguments: &[&str]) -> String {
+    let output = run(arguments);
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+    assert!(output.stdout.is_empty());
+    String::from_utf8(output.stderr).unwrap()
+}
+
+const CREEP: &str = "docs/examples/creep.toml";
+
+fn hypothesis(id: &str, equation: &str, unit: &str) -> String {
+    format!("id = \"{id}\"\nwords = \"mine\"\nequation = \"{equation}\"\nunit = \"{unit}\"\nplausible = 50.0\n")
+}
+
+#[test]
+fn what_the_catalogue_lacks_is_named_adopted_and_then_no_gap() {
+    let folder = Folder::new("named");
+    let (campaign, model) = (folder.path("creep.json"), folder.path("model.json"));
+    done(&["simulate", "--hypothesis", CREEP, "--detectability", "15", "--seed", "4", "--out", &campaign]);
+    let without = json(&["diagnose", &campaign]);
+    assert_ne!(without["verdict"], "no_gap");
+    assert!(without.get("hypotheses").is_none());
+    let with = json(&["diagnose", &campaign, "--hypothesis", CREEP, "--adopt", &model]);
+    assert_eq!(with["verdict"], "explained", "{with}");
+    assert_eq!(with["effects"][0]["effect"], "unbalance_creep");
+    assert_eq!(with["effects"].as_array().unwrap().len(), 1);
+    assert_eq!(with["hypotheses"][0]["equation"], "k * exp(-t/tau) * a_S");
+    let tau = with["effects"][0]["estimates"].as_array().unwrap().iter().find(|e| e["name"] == "tau").unwrap();
+    assert!((0.2..=4.0).contains(&tau["value"].as_f64().unwrap()) && tau["unit"] == "h");
+    let held = json(&["diagnose", &campaign, "--model", &model]);
+    assert_eq!(held["verdict"], "no_gap");
+    // Another IMU that has it, made from the model file alone.
+    let other = folder.path("other.json");
+    done(&["simulate", "--model", &model, "--seed", "9", "--out", &other]);
+    let again = json(&["diagnose", &other, "--hypothesis", CREEP]);
+    assert_eq!(again["effects"][0]["effect"], "unbalance_creep");
+    let imu = folder.path("imu.json");
+    done(&["model", "fit", &campaign, "--hypothesis", CREEP, "--effects", "unbalance_creep", "-o", &imu]);
+    let forecast = json(&["predict", &imu, &campaign]);
+    assert_eq!(forecast["model"]["effects"][0], "unbalance_creep");
+}
+
+#[test]
+fn one_that_says_what_an_entry_says_shares_its_class() {
+    let folder = Folder::new("twin");
+    let twin = folder.file("twin.toml", &hypothesis("own_bias", "k * T", "deg/h/K"));
+    let campaign = "tests/data/practice/campaign-02.json";
+    let answer = json(&["diagnose", campaign, "--hypothesis", &twin]);
+    let effect = &answer["effects"][0];
+    let mut class: Vec<&str> = effect["class"].as_array().unwrap().iter().map(|id| id.as_str().unwrap()).collect();
+    class.sort_unstable();
+    assert_eq!((class, answer["verdict"].as_str()), (vec!["own_bias", "temperature_bias"], Some("explained")));
+}
+
+#[test]
+fn the_blind_check_says_what_size_a_design_would_find() {
+    let folder = Folder::new("blind");
+    let slope = folder.file("slope.toml", &hypothesis("own_slope", "k * a_S * t", "deg/(h^2 g0)"));
+    let report =
+        json(&["blindcheck", "--hypothesis", &slope, "--count", "6", "--detectability", "2,25", "--seed", "3"]);
+    assert_eq!(report["hypothesis"], "own_slope");
+    let rows = report["hidden"].as_array().unwrap();
+    assert_eq!(rows[1]["named"]["hits"], 6, "{report}");
+    assert!(rows[0]["named"]["hits"].as_u64().unwrap() <= 2, "{report}");
+    let (small, large) = (rows[0]["size"].as_f64().unwrap(), rows[1]["size"].as_f64().unwrap());
+    assert!(small > 0.0 && large > 5.0 * small);
+    assert_eq!(report["found_from"].as_f64(), Some(large));
+    assert_eq!(report["clean"]["trials"], 6);
+    assert!(report["errors"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_with_its_place_and_the_way_out() {
+    let folder = Folder::new("refused");
+    let campaign = "tests/data/practice/campaign-02.json";
+    let endless = vec!["k * T"; 1_000_000].join(" + ");
+    let deep = format!("k * {}T{}", "(".repeat(500), ")".repeat(500));
+    for (equation, unit, said) in [
+        ("k * Q * T", "deg/h/K", "at character 5 stands \"Q\""),
+        ("k * T / 0", "deg/h/K", "at character 7 something is divided by zero"),
+        ("k * T * w_I", "deg/h/K", "the coefficients would have to be in 1/K"),
+        ("k + T", "deg/h", "something in deg/h meets something in K"),
+        ("k * T", "volts", "\"volts\" is no unit"),
+        (endless.as_str(), "deg/h/K", "bytes"),
+        (&endless[..8000], "deg/h/K", "an equation may have 1000"),
+        (deep.as_str(), "deg/h/K", "more than 32 deep"),
+        ("k * __import__(1)", "deg/h", "stands \"_\""),
+    ] {
+        let file = folder.file("wrong.toml", &hypothesis("wrong", equation, unit));
+        let error = refused(&["diagnose", campaign, "--hypothesis", &file]);
+        assert!(
+            error.contains(said) && error.contains("wrong.toml"),
+            "{}: {error}",
+            &equation[..20.min(equation.len())]
+        );
+    }
+    // Twelve dwells stand with S horizontal: nothing can be divided by its specific force there.
+    let file = folder.file("pole.toml", &hypothesis("pole", "k / (w_I - w_I)", "deg^2/h^2"));
+    let error = refused(&["diagnose", campaign, "--hypothesis", &file]);
+    assert!(error.contains("no finite value in dwell 0") && error.contains("divides by zero"), "{error}");
+    let twice = folder.file("twice.toml", &hypothesis("one", "k * T", "deg/h/K"));
+    let error = refused(&["diagnose", campaign, "--hypothesis", &twice, "--hypothesis", &twice]);
+    assert!(error.contains("one"), "{error}");
+    let error = refused(&["diagnose", "tests/data/paper.json", "--hypothesis", CREEP]);
+    assert!(error.contains("a record has no dwells"), "{error}");
+}

@@ -72,6 +72,12 @@ pub fn figure(value: f64, decimals: usize) -> Parameter {
     Parameter::Text(format!("{value:.decimals$}").into())
 }
 
+/// A figure with so many significant digits, as far as they are decimals.
+pub fn significant(value: f64, digits: i32) -> Parameter {
+    let first = value.abs().max(1e-9).log10().floor() as i32;
+    figure(value, (digits - 1 - first).max(0) as usize)
+}
+
 /// A figure with so many decimals and its sign.
 pub fn signed(value: f64, decimals: usize) -> Parameter {
     Parameter::Text(format!("{value:+.decimals$}").into())

@@ -1,6 +1,6 @@
 //! What is found of the noise beyond white, independent and as stated, by a fit or a diagnosis.
 
-use crate::core::message::{Message, figure, signed};
+use crate::core::message::{Message, figure, signed, significant};
 use crate::core::mounting::Slot;
 use crate::message;
 
@@ -48,7 +48,7 @@ impl NoiseFound {
         notes.extend(self.memory.as_ref().map(|memory| {
             let size = memory.deg_per_h.iter().map(|(_, size)| *size).fold(0.0, f64::max);
             let probability = figure(memory.probability.min(0.999), 3);
-            message!("noise_memory", probability = probability, size = crate::core::record::short(size))
+            message!("noise_memory", probability = probability, size = significant(size, 2))
         }));
         notes.extend(self.laws.iter().map(|law| match *law {
             LawFound::Duration { power } => message!("noise_of_duration", power = figure(power, 2)),
@@ -56,5 +56,21 @@ impl NoiseFound {
             LawFound::Time { times } => message!("noise_of_time", times = figure(times, 1)),
         }));
         notes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::words::Language;
+
+    #[test]
+    fn the_size_of_a_wander_is_said_in_two_digits() {
+        for (size, said) in [(0.046_744_88, "0.047 deg/h"), (123.4, "123 deg/h"), (4.56e-6, "0.0000046 deg/h")] {
+            let memory = MemoryFound { kind: "flicker", deg_per_h: vec![(Slot::G1, size)], probability: 0.99 };
+            let found = NoiseFound { memory: Some(memory), ..NoiseFound::default() };
+            let words = Language::English.words(&found.notes()[0]);
+            assert!(words.contains(&format!("about {said}")), "{words}");
+        }
     }
 }

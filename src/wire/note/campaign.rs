@@ -4,9 +4,8 @@ use serde_json::{Map, Value, json};
 
 use crate::core::bench::Alias;
 use crate::core::campaign::{CampaignNote, Column, LeftOut};
-use crate::core::message::{Message, Parameter, figure, list, signed, text};
+use crate::core::message::{Message, Parameter, figure, list, signed, significant, text};
 use crate::core::mounting::Slot;
-use crate::core::record::short;
 use crate::message;
 use crate::wire::campaign::commanded;
 
@@ -44,7 +43,7 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             message!("residuals_shared", correlation = signed(*correlation, 2))
         }
         CampaignNote::NoiseRemembers { probability, deg_per_h } => {
-            message!("residuals_remember", probability = figure(probability.min(0.999), 3), size = short(*deg_per_h))
+            message!("residuals_remember", probability = figure(probability.min(0.999), 3), size = significant(*deg_per_h, 2))
         }
         CampaignNote::ErrorsOverstated { gyros } => {
             let one = |(slot, times): &(Slot, f64)| match *times < 1e3 {

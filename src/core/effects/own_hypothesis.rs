@@ -426,7 +426,7 @@ mod tests {
     #[test]
     fn what_makes_no_sense_is_said_with_its_place_and_the_way_out() {
         for (equation, unit, expected) in [
-            ("k * T * w_I", "deg/h/K", "equation_no_drift (unit: deg^2/(h^2 K) K, needed: 1/K)"),
+            ("k * T * w_I", "deg/h/K", "equation_no_drift (unit: deg^2/h^2, needed: 1/K)"),
             ("k * (T + t)", "1", "equation_units_differ (place: 8, left: K, right: h)"),
             ("k * exp(T)", "deg/h", "equation_pure_number (place: 5, unit: K)"),
             ("k / 0", "deg/h", "equation_over_zero (place: 3)"),
@@ -441,9 +441,8 @@ mod tests {
             ("k * a_I^t", "deg/h", "equation_pure_number (place: 8, unit: h)"),
         ] {
             let refused = refused(written(equation, unit));
-            let start = expected.replace(" K, needed", ", needed");
             assert_eq!(refused.len(), 1, "{refused:?}");
-            assert!(refused[0].1.starts_with(&start), "{equation}: {refused:?}");
+            assert!(refused[0].1.starts_with(expected), "{equation}: {refused:?}");
         }
         let range = |name: &str, from, to| Some(Range { name: name.into(), from, to, unit: "h".into() });
         for (range, pointer, expected) in [

@@ -43,7 +43,11 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             message!("residuals_shared", correlation = signed(*correlation, 2))
         }
         CampaignNote::NoiseRemembers { probability, deg_per_h } => {
-            message!("residuals_remember", probability = figure(probability.min(0.999), 3), size = significant(*deg_per_h, 2))
+            message!(
+                "residuals_remember",
+                probability = figure(probability.min(0.999), 3),
+                size = significant(*deg_per_h, 2)
+            )
         }
         CampaignNote::ErrorsOverstated { gyros } => {
             let one = |(slot, times): &(Slot, f64)| match *times < 1e3 {

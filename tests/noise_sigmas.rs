@@ -1,8 +1,10 @@
 //! Standard deviations of E, G, D_I, D_S under noise that is not white and alike: rms(error/sd) over many campaigns of
 //! a generator of its own, which shares nothing with the fit but the mounting.
 
+use gyrowatch::core::augmented::Options;
 use gyrowatch::core::calibrate::calibrate;
 use gyrowatch::core::campaign::{Campaign, CampaignGyro, Dwell, Phase, TestKind};
+use gyrowatch::core::diagnose::diagnose;
 use gyrowatch::core::model::Terms;
 use gyrowatch::core::mounting::{Geometry, Slot};
 use gyrowatch::core::record::{Name, Plausibility};
@@ -289,4 +291,20 @@ fn what_the_noise_is_is_said_and_nothing_of_noise_that_is_white() {
     }
     println!("memory {memory}, shared {shared}, law {laws} of 100; of white noise {false_alarms}");
     assert!(memory >= 98 && shared >= 98 && laws >= 95 && false_alarms <= 2);
+}
+
+#[test]
+fn a_diagnosis_says_that_residuals_of_gyros_go_together_whether_it_names_anything_or_not() {
+    let (mut said, mut false_alarms) = (0, 0);
+    for seed in 31_000..31_040 {
+        let largest = |kind| {
+            let diagnosis = diagnose(&draw(kind, true, seed).0, &Options::default()).expect("three gyros");
+            let sizes = diagnosis.noise.between_gyros.iter().map(|(.., correlation)| correlation.abs());
+            sizes.fold(0.0, f64::max)
+        };
+        said += usize::from((0.6..0.97).contains(&largest(Kind::Correlated(0.8))));
+        false_alarms += usize::from(largest(Kind::White) > 0.0);
+    }
+    println!("said {said} of 40, of white noise {false_alarms}");
+    assert!(said >= 38 && false_alarms <= 1);
 }

@@ -32,9 +32,10 @@ use crate::core::diagnose::search::odds;
 use crate::core::diagnose::search::stepwise::Search;
 
 use super::augmented::Options;
-use super::campaign::Campaign;
+use super::campaign::{Campaign, CampaignNote};
 use super::effects::{CATALOGUE, COMPETITORS, Effect, Refusal, Shape};
 use super::message::{Message, figure};
+use super::mounting::Slot;
 use super::note::Note;
 use crate::message;
 
@@ -178,7 +179,14 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     let (frame, bank) = (&settled.frame, &settled.bank);
     let classes: Vec<Vec<Effect>> = named.iter().map(Named::anywhere).collect();
     let mimics = identifiability::mimics(frame, bank, &parts);
-    let noise = settled.noise_found.report(frame, &settled.laws);
+    let mut noise = settled.noise_found.report(frame, &settled.laws);
+    let said = noise.notes();
+    // Where nothing would be named the search does not ask whether gyros share noise; the fit always does.
+    let left = &calibrated.augmented().noise_found.between_gyros;
+    let shared = if noise.between_gyros.is_empty() && noise.memory.is_none() { largest(left) } else { None };
+    if shared.is_some() {
+        noise.between_gyros.clone_from(left);
+    }
     let remains = matches!(verdict, Verdict::PartlyExplained | Verdict::Unexplained);
     // Beside the names; where they leave nothing and are in doubt themselves, without them.
     let is_named = |effect, shape| named.iter().any(|n| n.part.effect == effect && n.part.shape == shape);
@@ -209,10 +217,10 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
         impact: impact::impact(&calibrated, &campaign.geometry),
         next_dwells: next_dwells::next_dwells(frame, bank, &parts, &fit, &classes, &mimics),
         residuals: where_in_campaign::residuals(frame, &fit.residuals, &variances),
-        of_campaign: frame.of_campaign.iter().cloned().chain(overstated).collect(),
+        of_campaign: frame.of_campaign.iter().cloned().chain(overstated).chain(shared).collect(),
         notes: (frame.notes.iter().cloned())
             .chain(stated_errors::too_small(&calibrated))
-            .chain(noise.notes())
+            .chain(said)
             .chain(parts_of_time)
             .chain(described)
             .collect(),
@@ -233,4 +241,11 @@ fn parts_of_time(settled: &Settled, effects: &[NamedEffect]) -> Vec<Message> {
         _ => None,
     });
     named.chain(suspects).collect()
+}
+
+/// That residuals of gyros go together, by the largest of their correlations.
+fn largest(correlations: &[(Slot, Slot, f64)]) -> Option<Note> {
+    let sizes = correlations.iter().map(|(.., correlation)| *correlation);
+    let correlation = sizes.max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+    Some(Note::Campaign(CampaignNote::NoiseShared { correlation }))
 }

@@ -104,10 +104,7 @@ fn what_lies_outside_its_requirement_is_said_without_a_history() {
     );
     let table = printed(&["separate", path]);
     assert!(table.contains(&format!("G1 LFG-0101: {reason}")), "{table}");
-    assert!(
-        table.contains("E and G against what is required of them") && table.contains("unconfirmed"),
-        "{table}"
-    );
+    assert!(table.contains("E and G against what is required of them") && table.contains("unconfirmed"), "{table}");
 }
 
 #[test]

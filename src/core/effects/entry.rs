@@ -266,7 +266,7 @@ impl Entry {
 }
 
 /// A hypothesis of one's own as an effect. Two are the same where they are one and the same in memory:
-/// [`super::own`] keeps one of each.
+/// [`super::own()`] keeps one of each.
 #[derive(Clone, Copy)]
 pub struct Own(&'static Kept);
 

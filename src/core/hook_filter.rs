@@ -2,9 +2,6 @@
 
 use super::judge::{Rule, Severity};
 
-/// Most entries of one list of a filter.
-pub const MAX_FILTER_ENTRIES: usize = 200;
-
 /// Which alerts a hook is told of. The default lets everything pass.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Filter {

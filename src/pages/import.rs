@@ -35,7 +35,7 @@ use crate::pipeline::{
 use crate::wire::campaign::Form;
 use crate::wire::json::from_line;
 use crate::wire::note::NoteBody;
-use crate::wire::record_table::{TableMap, documents};
+use crate::wire::record_table::{TableMap, documents, is_table};
 use located::Place;
 
 /// Documents of one form that are shown; all are read and all are stored. So many of the sound ones are held against
@@ -81,8 +81,7 @@ struct Source {
 
 /// Where the faults are of the first that have some.
 fn places(text: &str, read: &[(usize, Result<ReadDocument, Faults>)]) -> Vec<Place> {
-    let is_table = documents(text, &TableMap::default()).is_some();
-    let pieces = if is_table {
+    let pieces = if is_table(text, &TableMap::default()) {
         // Its faults name lines of the whole.
         vec![Piece { line: 1, text, form: Form::Csv }; read.len()]
     } else {

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::alert::AlertBody;
@@ -70,13 +70,9 @@ pub struct HookPatchBody {
     pub enabled: Option<bool>,
     pub batch: Option<bool>,
     /// `null`: the status alone decides again.
-    #[serde(deserialize_with = "present_rule")]
+    #[serde(deserialize_with = "present")]
     #[schema(value_type = Option<ExpectBody>)]
     pub expect: Option<Option<ExpectBody>>,
-}
-
-fn present_rule<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<ExpectBody>>, D::Error> {
-    Option::deserialize(deserializer).map(Some)
 }
 
 /// What an answer is to say. A 2xx that does not say it is a failed attempt: chat robots answer 200 with an error.

@@ -17,7 +17,7 @@ use jiff::fmt::strtime::BrokenDownTime;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use super::table::{at_cell, comment, delimiter_of, number, rest_from, unknown};
+use super::table::{at_cell, comment, number, reader, unknown};
 use crate::core::fault::Faults;
 use crate::core::message::{Message, list, sent};
 use crate::message;
@@ -154,28 +154,19 @@ impl Field {
 /// Every fault of the table's form, with line and column. What a document may hold is checked where it is read.
 pub fn documents(text: &str, map: &TableMap) -> Option<Result<Vec<(usize, Value)>, Faults>> {
     let text = text.trim_start_matches('\u{feff}');
-    let first = text.lines().position(|line| !line.trim().is_empty() && comment(line).is_none())?;
-    let delimiter = delimiter_of(text.lines().nth(first)?);
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .delimiter(delimiter)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(rest_from(text, first));
+    let (first, kind) = found(text, map)?;
+    let mut reader = reader(text, first);
     let mut rows = reader.records();
     let header = rows.next()?.ok()?;
-    let names: Vec<Option<String>> = header.iter().map(|name| map.ours(name)).collect();
-    let kind = Kind::of(&names).or_else(|| map.kind())?;
     let mut faults = Faults::default();
-    let table = Table::new(kind, &header, names, map, (text, first), &mut faults);
+    let table = Table::new(kind, &header, map, (text, first), &mut faults);
     let mut documents = Documents::default();
     for row in rows.filter(|_| faults.is_empty()).collect::<Vec<_>>() {
         match row {
             Ok(row) if row.iter().all(str::is_empty) => {}
             Ok(row) => {
                 let line = first + row.position().map_or(0, |p| p.line() as usize);
-                documents.add(&table, &Row { line, cells: &row, table: &table }, &mut faults);
+                documents.add(&Row { line, cells: &row, table: &table }, &mut faults);
             }
             Err(error) => faults.push("", message!("table_unreadable", why = format_args!("{error}"))),
         }
@@ -184,6 +175,19 @@ pub fn documents(text: &str, map: &TableMap) -> Option<Result<Vec<(usize, Value)
         faults.push("", message!("table_without_rows"));
     }
     Some(faults.or(documents.0))
+}
+
+/// Whether a text is such a table, sound or not.
+pub fn is_table(text: &str, map: &TableMap) -> bool {
+    found(text.trim_start_matches('\u{feff}'), map).is_some()
+}
+
+/// The line of the header, counted from 0, and what the rows below it are.
+fn found(text: &str, map: &TableMap) -> Option<(usize, Kind)> {
+    let first = text.lines().position(|line| !line.trim().is_empty() && comment(line).is_none())?;
+    let header = reader(text, first).records().next()?.ok()?;
+    let names: Vec<Option<String>> = header.iter().map(|name| map.ours(name)).collect();
+    Some((first, Kind::of(&names).or_else(|| map.kind())?))
 }
 
 impl TableMap {
@@ -223,7 +227,6 @@ impl<'a> Table<'a> {
     fn new(
         kind: Kind,
         header: &'a csv::StringRecord,
-        names: Vec<Option<String>>,
         map: &'a TableMap,
         (text, first): (&str, usize),
         faults: &mut Faults,
@@ -232,8 +235,8 @@ impl<'a> Table<'a> {
         let known: Vec<String> = kind.columns().collect();
         let at = |fault: Message, column: usize| message!("at_column", line = line, column = column + 1, fault = fault);
         let mut places = HashMap::new();
-        for (column, (name, theirs)) in names.into_iter().zip(header).enumerate() {
-            let Some(name) = name.filter(|name| !name.is_empty()) else { continue };
+        for (column, theirs) in header.iter().enumerate() {
+            let Some(name) = map.ours(theirs).filter(|name| !name.is_empty()) else { continue };
             if !known.contains(&name) {
                 if !map.leaves_aside() {
                     faults.push("", at(unknown(&name, known.iter().cloned()), column));
@@ -365,7 +368,8 @@ impl TimeForm {
 struct Documents(Vec<(usize, Value)>);
 
 impl Documents {
-    fn add(&mut self, table: &Table<'_>, row: &Row<'_>, faults: &mut Faults) {
+    fn add(&mut self, row: &Row<'_>, faults: &mut Faults) {
+        let table = row.table;
         if row.cells.iter().skip(table.header.len()).any(|cell| !cell.is_empty()) {
             let columns = table.header.len();
             let fault = message!("cells_under_columns", cells = row.cells.len(), columns = columns);

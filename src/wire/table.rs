@@ -4,12 +4,23 @@ use crate::core::message::{Message, sent};
 use crate::message;
 
 /// The bytes from a line on; lines end in LF or CRLF.
-pub(super) fn rest_from(text: &str, line: usize) -> &[u8] {
+fn rest_from(text: &str, line: usize) -> &[u8] {
     let start = text.split_inclusive('\n').take(line).map(str::len).sum::<usize>();
     &text.as_bytes()[start..]
 }
 
-pub(super) fn delimiter_of(header: &str) -> u8 {
+/// Reads the table whose header is a line of the text, counted from 0.
+pub(super) fn reader(text: &str, header: usize) -> csv::Reader<&[u8]> {
+    csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(delimiter_of(text.lines().nth(header).unwrap_or_default()))
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(rest_from(text, header))
+}
+
+fn delimiter_of(header: &str) -> u8 {
     let count = |d: &u8| header.bytes().filter(|b| b == d).count();
     // The last of equals wins: a header without any is taken for comma-separated.
     [b'\t', b';', b','].into_iter().max_by_key(count).unwrap_or(b',')

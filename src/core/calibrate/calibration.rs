@@ -120,12 +120,10 @@ impl Calibration {
         notes.extend((!self.has_sem).then_some(CampaignNote::NoStandardErrors));
         notes.extend((self.growth > 0.1).then(|| CampaignNote::NoiseGrows { times: (1.0 + self.growth).sqrt() }));
         let found = &self.noise_found;
-        let correlations = found.between_gyros.iter().map(|(.., r)| *r);
-        let largest = correlations.max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        notes.extend(largest.map(|correlation| CampaignNote::NoiseShared { correlation }));
+        notes.extend(found.largest_correlation().map(|correlation| CampaignNote::NoiseShared { correlation }));
         notes.extend(found.memory.as_ref().map(|memory| CampaignNote::NoiseRemembers {
             probability: memory.probability,
-            deg_per_h: memory.deg_per_h.iter().map(|(_, size)| *size).fold(0.0, f64::max),
+            deg_per_h: memory.largest(),
         }));
         notes.extend(self.repeats.is_empty().then_some(CampaignNote::NoRepeats));
         let gyros = self.overstated();

@@ -155,9 +155,7 @@ struct Clock {
 impl Clock {
     fn of(times: &[f64]) -> Self {
         let steps: Vec<f64> = (0..times.len()).map(|k| if k > 0 { times[k] - times[k - 1] } else { 0.0 }).collect();
-        let mut sorted: Vec<f64> = steps.iter().skip(1).copied().collect();
-        sorted.sort_by(f64::total_cmp);
-        let spacing = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
+        let spacing = if steps.len() > 1 { median(&steps[1..]).max(f64::MIN_POSITIVE) } else { 1.0 };
         let since = times.iter().map(|t| t - times[0]).sum::<f64>() / times.len() as f64;
         Self { steps, spacing, mean: since.max(f64::MIN_POSITIVE) }
     }

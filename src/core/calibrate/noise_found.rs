@@ -35,20 +35,31 @@ pub enum LawFound {
     Time { times: f64 },
 }
 
+impl MemoryFound {
+    /// Standard deviation in the gyro that wanders most, deg/h.
+    pub fn largest(&self) -> f64 {
+        self.deg_per_h.iter().map(|(_, size)| *size).fold(0.0, f64::max)
+    }
+}
+
 impl NoiseFound {
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
+    /// The correlation of the two gyros that share most noise; none where none is said.
+    pub fn largest_correlation(&self) -> Option<f64> {
+        let correlations = self.between_gyros.iter().map(|(.., correlation)| *correlation);
+        correlations.max_by(|a, b| a.abs().total_cmp(&b.abs()))
+    }
+
     /// In words.
     pub(crate) fn notes(&self) -> Vec<Message> {
         let mut notes = Vec::new();
-        let largest = self.between_gyros.iter().map(|(.., r)| *r).max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        notes.extend(largest.map(|r| message!("noise_shared", correlation = signed(r, 2))));
+        notes.extend(self.largest_correlation().map(|r| message!("noise_shared", correlation = signed(r, 2))));
         notes.extend(self.memory.as_ref().map(|memory| {
-            let size = memory.deg_per_h.iter().map(|(_, size)| *size).fold(0.0, f64::max);
             let probability = figure(memory.probability.min(0.999), 3);
-            message!("noise_memory", probability = probability, size = significant(size, 2))
+            message!("noise_memory", probability = probability, size = significant(memory.largest(), 2))
         }));
         notes.extend(self.laws.iter().map(|law| match *law {
             LawFound::Duration { power } => message!("noise_of_duration", power = figure(power, 2)),

@@ -35,7 +35,6 @@ use super::augmented::Options;
 use super::campaign::{Campaign, CampaignNote};
 use super::effects::{CATALOGUE, COMPETITORS, Effect, Refusal, Shape};
 use super::message::{Message, figure};
-use super::mounting::Slot;
 use super::note::Note;
 use crate::message;
 
@@ -182,11 +181,13 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     let mut noise = settled.noise_found.report(frame, &settled.laws);
     let said = noise.notes();
     // Where nothing would be named the search does not ask whether gyros share noise; the fit always does.
-    let left = &calibrated.augmented().noise_found.between_gyros;
-    let shared = if noise.between_gyros.is_empty() && noise.memory.is_none() { largest(left) } else { None };
+    let of_fit = &calibrated.augmented().noise_found;
+    let is_silent = noise.between_gyros.is_empty() && noise.memory.is_none();
+    let shared = of_fit.largest_correlation().filter(|_| is_silent);
     if shared.is_some() {
-        noise.between_gyros.clone_from(left);
+        noise.between_gyros.clone_from(&of_fit.between_gyros);
     }
+    let shared = shared.map(|correlation| Note::Campaign(CampaignNote::NoiseShared { correlation }));
     let remains = matches!(verdict, Verdict::PartlyExplained | Verdict::Unexplained);
     // Beside the names; where they leave nothing and are in doubt themselves, without them.
     let is_named = |effect, shape| named.iter().any(|n| n.part.effect == effect && n.part.shape == shape);
@@ -241,11 +242,4 @@ fn parts_of_time(settled: &Settled, effects: &[NamedEffect]) -> Vec<Message> {
         _ => None,
     });
     named.chain(suspects).collect()
-}
-
-/// That residuals of gyros go together, by the largest of their correlations.
-fn largest(correlations: &[(Slot, Slot, f64)]) -> Option<Note> {
-    let sizes = correlations.iter().map(|(.., correlation)| *correlation);
-    let correlation = sizes.max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
-    Some(Note::Campaign(CampaignNote::NoiseShared { correlation }))
 }

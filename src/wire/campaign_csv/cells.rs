@@ -5,7 +5,7 @@ use crate::core::message::{Message, Parameter, list, sent};
 use crate::message;
 use crate::wire::campaign::DwellBody;
 use crate::wire::numbers::Numbers;
-use crate::wire::table::{at_cell, delimiter_of, number, rest_from, unknown};
+use crate::wire::table::{at_cell, number, reader, unknown};
 
 /// Fields of a dwell, the suffixes of their columns, and whether every table has them.
 pub(super) const FIELDS: &[(&str, &[&str], bool)] = &[
@@ -38,18 +38,11 @@ pub(super) struct Row {
 
 /// Reads header and rows from `first_line` (counted from 0) on; none without a usable header.
 pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option<(Columns, Vec<Row>)> {
-    let Some(header) = text.lines().nth(first_line) else {
+    if text.lines().nth(first_line).is_none() {
         faults.push("/dwells", message!("no_table"));
         return None;
-    };
-    let delimiter = delimiter_of(header);
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .delimiter(delimiter)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(rest_from(text, first_line));
+    }
+    let mut reader = reader(text, first_line);
     let mut records = reader.records();
     let header = records.next()?.ok()?;
     let columns = Columns::read(&header, first_line + 1, faults);

@@ -3,7 +3,7 @@
 
 use gyrowatch::core::augmented::Options;
 use gyrowatch::core::calibrate::outcome::evaluate;
-use gyrowatch::core::calibrate::{Calibration, GyroCalibration, calibrate};
+use gyrowatch::core::calibrate::{Calibration, GyroCalibration, calibrate, calibrate_in_white_noise};
 use gyrowatch::core::campaign::Campaign;
 use gyrowatch::core::diagnose::diagnose;
 use gyrowatch::core::model::{Term, Terms};
@@ -86,7 +86,7 @@ const SCIPY: [(f64, [(&str, f64, f64); 13]); 3] = [
 #[test]
 fn a_campaign_is_fitted_as_scipy_fits_it() {
     let campaign = read("practice/campaign-00.json");
-    let calibration = calibrate(&campaign, Terms::MODEL_6);
+    let calibration = calibrate_in_white_noise(&campaign, Terms::MODEL_6);
     let drifts = separations(&campaign, &calibration);
     for ((gyro, drift), (chi2, reference)) in calibration.gyros.iter().zip(&drifts).zip(&SCIPY) {
         assert_eq!((gyro.rank, gyro.dof, gyro.parameters.len()), (9, 69, 10));
@@ -96,8 +96,7 @@ fn a_campaign_is_fitted_as_scipy_fits_it() {
         for (name, value, sd) in reference {
             let (found, found_sd) = figure(gyro, drift, name);
             assert!((found - value).abs() < 1e-3 * sd, "{name}: {found} is not {value}");
-            // Other kinds of noise weigh next to nothing here.
-            assert!((found_sd / scale / sd - 1.0).abs() < 0.06, "{name}: sd {} is not {sd}", found_sd / scale);
+            assert!((found_sd / scale / sd - 1.0).abs() < 1e-5, "{name}: sd {} is not {sd}", found_sd / scale);
         }
     }
 }

@@ -26,6 +26,8 @@ pub use calibration::{
     Calibration, EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource, weights_sd,
 };
 
+use nalgebra::DMatrix;
+
 use super::augmented::Adopted;
 use super::campaign::{Campaign, CampaignNote, Dwell, LeftOut, Phase};
 use super::effects::Effect;
@@ -59,6 +61,13 @@ pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
     calibrate_augmented(campaign, terms, &[])
 }
 
+/// As [`calibrate`], with the noise as standard errors, repeats and residuals give it: white, independent, and without
+/// the laws and memories that [`memory`] weighs. Where something may be wrong with the commanded vectors, what they
+/// leave must not pass for noise that wanders.
+pub fn calibrate_in_white_noise(campaign: &Campaign, terms: Terms) -> Calibration {
+    calibrate_in(Kinds::White, campaign, terms, &[], None)
+}
+
 /// As [`calibrate`], with the effects of an augmented model fitted beside the terms: each gyro for itself, and those
 /// of the station once for all gyros together.
 ///
@@ -70,6 +79,23 @@ pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted
 /// As [`calibrate_augmented`], with effects of temperature counted from `reference_c` (deg C; the campaign's mean where
 /// there is none): D0, G and E are then those at that temperature.
 pub fn calibrate_referred(
+    campaign: &Campaign,
+    terms: Terms,
+    adopted: &[Adopted],
+    reference_c: Option<f64>,
+) -> Calibration {
+    calibrate_in(Kinds::All, campaign, terms, adopted, reference_c)
+}
+
+/// Which kinds of noise are weighed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kinds {
+    White,
+    All,
+}
+
+fn calibrate_in(
+    kinds: Kinds,
     campaign: &Campaign,
     terms: Terms,
     adopted: &[Adopted],
@@ -98,11 +124,7 @@ pub fn calibrate_referred(
     let noises: Vec<Noise> = noise::noise(&evidence, has_sem).into_iter().enumerate().map(scatter).collect();
     let mut coordinates: Vec<_> =
         fits.iter().zip(&noises).map(|(fit, noise)| fit.coordinates(noise, &shared)).collect();
-    let fitted: Vec<Fitted> = fits.iter().map(|fit| fit.fitted(&shared)).collect();
-    let times: Vec<f64> = dwells.iter().map(Dwell::mid_s).collect();
-    let (durations, rates): (Vec<f64>, Vec<_>) = dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).unzip();
-    let course = Course { times: &times, durations: &durations, rates: &rates };
-    let found = memory::weigh(&course, &fitted, &mut coordinates, has_sem);
+    let found = (kinds == Kinds::All).then(|| weigh(dwells, has_sem, &fits, &mut coordinates, &shared));
     let gyros: Vec<GyroCalibration> = fits
         .into_iter()
         .zip(noises)
@@ -110,8 +132,23 @@ pub fn calibrate_referred(
         .zip(&campaign.gyros)
         .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, &shared))
         .collect();
-    let noise_found = noise_report::report(&found, &gyros);
+    let noise_found = found.map(|found| noise_report::report(&found, &gyros)).unwrap_or_default();
     Calibration { terms, has_sem, repeats, growth, gyros, notes, noise_found }
+}
+
+/// Averages the covariance of each gyro's coordinates over the kinds of noise.
+fn weigh(
+    dwells: &[Dwell],
+    has_sem: bool,
+    fits: &[GyroFit],
+    coordinates: &mut [Option<DMatrix<f64>>],
+    shared: &SharedFactors,
+) -> memory::Found {
+    let fitted: Vec<Fitted> = fits.iter().map(|fit| fit.fitted(shared)).collect();
+    let times: Vec<f64> = dwells.iter().map(Dwell::mid_s).collect();
+    let (durations, rates): (Vec<f64>, Vec<_>) = dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).unzip();
+    let course = Course { times: &times, durations: &durations, rates: &rates };
+    memory::weigh(&course, &fitted, coordinates, has_sem)
 }
 
 /// Fits what all gyros share and takes it out of each gyro's fit; answers what these dwells cannot tell.

@@ -3,7 +3,7 @@
 use super::*;
 use crate::core::calibrate::noise::Source;
 use crate::core::calibrate::shared_coefficients::Shared;
-use crate::core::calibrate::{calibrate, fit_common, noise, unequal_variances};
+use crate::core::calibrate::{calibrate, calibrate_in_white_noise, fit_common, noise};
 use crate::core::campaign::repeats;
 use crate::core::campaign::{CampaignNote, LeftOut, Phase, TestKind};
 use crate::core::effects::Coefficient;
@@ -274,21 +274,11 @@ fn turned(fastest: f64, held: Option<[f64; 3]>) -> (Campaign, Vec<f64>) {
     (campaign, felt)
 }
 
-/// The one gyro with its noise as the growth has it and no other kind, and that growth.
-fn without_other_kinds(campaign: &Campaign, terms: Terms) -> (GyroCalibration, f64) {
-    let (groups, mut factors) = (repeats::repeats(&campaign.dwells), SharedFactors::default());
-    let mut fits = vec![fit_gyro(campaign, 0, terms, vec![], &groups, &mut factors)];
-    let growth = unequal_variances(campaign, &groups, &mut fits);
-    let fit = fits.remove(0);
-    let noise = noise::noise(&[fit.evidence], false)[0];
-    let coordinates = fit.coordinates(&noise, &factors);
-    (fit.finish(&campaign.gyros[0], noise, coordinates, &factors), growth)
-}
-
 #[test]
 fn noise_that_grows_with_the_rate_is_in_the_covariance_and_in_every_sigma() {
     let (campaign, felt) = turned(400.0, Some([2.0, 0.0, 0.0]));
-    let (found, rho) = without_other_kinds(&campaign, Terms::of(&[Term::Bias, Term::GLinear, Term::Scale]));
+    let calibration = calibrate_in_white_noise(&campaign, Terms::of(&[Term::Bias, Term::GLinear, Term::Scale]));
+    let (found, rho) = (&calibration.gyros[0], calibration.growth);
     assert!((3.0..300.0).contains(&rho), "{rho}");
     // E is held and the force is one, so D0 + G_z is a mean: its variance is that of the mean of unequal ones.
     let n = felt.len() as f64;

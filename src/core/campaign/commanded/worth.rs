@@ -1,10 +1,9 @@
 //! Whether D_I and D_S can still be relied on.
 
 use super::{Cause, EARTH, median};
-use crate::core::calibrate::{Calibration, calibrate};
+use crate::core::calibrate::{Calibration, calibrate_in_white_noise};
 use crate::core::campaign::Campaign;
 use crate::core::record::Plausibility;
-use crate::core::separate::Separation;
 
 /// What D_I and D_S may be moved by, deg/(h g0): a tenth of the error budget.
 const MAY_MOVE: f64 = 1e-3;
@@ -30,7 +29,7 @@ pub(super) struct Tried {
 
 impl Tried {
     pub fn of(campaign: &Campaign) -> Self {
-        let calibration = calibrate(campaign, campaign.terms());
+        let calibration = calibrate_in_white_noise(campaign, campaign.terms());
         let plausible = calibration.gyros.iter().all(|gyro| {
             let limits = Plausibility::ever();
             gyro.scale_factor().is_none()
@@ -137,18 +136,15 @@ impl<'a> Worth<'a> {
         self.drift().iter().any(|(drift, sd)| share * drift.abs() > MAY_MOVE.max(*sd))
     }
 
-    /// D_I and D_S of each gyro with their standard deviations: no more than the noise of a dwell, for what is wrong
-    /// with the commanded vectors passes for noise that wanders.
+    /// D_I and D_S of each gyro with their standard deviations.
     fn drift(&self) -> Vec<(f64, f64)> {
         let campaign = self.campaign;
-        let calibration = calibrate(campaign, campaign.terms());
+        let calibration = calibrate_in_white_noise(campaign, campaign.terms());
         let separations = calibration.separate(&campaign.geometry, &Plausibility::ever());
-        let pairs = |(j, separation): (usize, &Separation)| {
-            let own = noise(campaign, &calibration, j).map_or(f64::INFINITY, |(own, _)| own);
-            let (rigid, sd) = (&separation.rigid, separation.rigid.sd()?.map(|sd| sd.min(own)));
+        let pairs = |rigid: &crate::core::separate::Rigid| {
+            let sd = rigid.sd()?;
             Some([(rigid.d_i, sd[0]), (rigid.d_s, sd[1])])
         };
-        let separated = separations.iter().enumerate().filter_map(|(j, one)| Some((j, one.as_ref().ok()?)));
-        separated.filter_map(pairs).flatten().collect()
+        separations.iter().flatten().filter_map(|s| pairs(&s.rigid)).flatten().collect()
     }
 }

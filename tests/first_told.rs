@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
+use gyrowatch::core::time::UtcMicros;
 use lab::{Lab, day, record};
 use receiver::Receiver;
 use serde_json::{Value, json};
@@ -179,4 +180,85 @@ async fn what_a_silence_has_held_back_is_told_at_its_end_to_hooks_that_came_duri
     lab.post(&format!("/v1/silences/{silence}/end"), &json!({"by": "Li", "reason": "over"})).await.ok();
     assert_eq!(told(&lab, &second, &late).await[1..], [all_of("A", "alert.fired")]);
     assert_eq!(told(&lab, &first, &early).await.len(), 2, "it knows already");
+}
+
+/// A target that takes nothing while the flag is up.
+async fn refusing(status: StatusCode) -> (Receiver, Arc<AtomicBool>) {
+    let refuses = Arc::new(AtomicBool::new(true));
+    let up = refuses.clone();
+    let target = Receiver::answering(move |_, _| match up.load(Ordering::SeqCst) {
+        true => status.into_response(),
+        false => ().into_response(),
+    })
+    .await;
+    (target, refuses)
+}
+
+/// The clock of the service stands still by itself.
+async fn a_second_passes(lab: &Lab) {
+    lab.clock.set(UtcMicros(lab.clock.now().0 + 1_000_000));
+    tokio::time::sleep(Duration::from_millis(10)).await;
+}
+
+/// Waits, as time passes, until nothing is open for the hook; says how many messages it has given up.
+async fn settles(lab: &Lab, hook: &str) -> i64 {
+    let patience = Instant::now() + Duration::from_secs(60);
+    loop {
+        let queue = lab.get(&format!("/v1/hooks/{hook}")).await.ok()["queue"].clone();
+        if queue["open"] == 0 {
+            return queue["dead"].as_i64().unwrap();
+        }
+        assert!(Instant::now() < patience, "{queue}");
+        a_second_passes(lab).await;
+    }
+}
+
+#[tokio::test]
+async fn a_target_that_was_down_too_long_is_told_what_still_fires_once_it_takes_messages_again() {
+    for batch in [true, false] {
+        let mut lab = Lab::with(|config| config.hooks.retry_waits_s = vec![0.05]).await;
+        let (target, refuses) = refusing(StatusCode::INTERNAL_SERVER_ERROR).await;
+        let id = hook(&lab, &target, json!({ "batch": batch })).await;
+        steps(&lab, "A").await;
+        steps(&lab, "B").await;
+        let of_two = if batch { 2 } else { 6 };
+        assert_eq!(settles(&lab, &id).await, of_two);
+        // Whatever the service knew of the target's health is forgotten.
+        lab.restart().await;
+        refuses.store(false, Ordering::SeqCst);
+        let before = target.told().len();
+        recovers(&lab, "B").await;
+        assert!(told(&lab, &id, &target).await[before..].is_empty(), "it never heard that B fires");
+        steps(&lab, "C").await;
+        let mut heard = told(&lab, &id, &target).await[before..].concat();
+        heard.sort();
+        assert_eq!(heard, [all_of("A", "alert.fired"), all_of("C", "alert.fired")].concat(), "batch: {batch}");
+        let before = target.told().len();
+        recovers(&lab, "A").await;
+        let ends = told(&lab, &id, &target).await[before..].concat();
+        let of_step = ends.iter().filter(|one| *one == "A step alert.resolved").count();
+        assert_eq!((of_step, ends.iter().all(|one| one.ends_with("resolved"))), (1, true), "{ends:?}");
+    }
+}
+
+#[tokio::test]
+async fn what_waited_behind_a_message_that_was_given_up_begins_and_never_ends_what_was_not_heard() {
+    let lab = Lab::with(|config| config.hooks.retry_waits_s = vec![1.0]).await;
+    let (target, refuses) = refusing(StatusCode::UNPROCESSABLE_ENTITY).await;
+    let id = hook(&lab, &target, json!({ "batch": false, "filter": { "rules": ["step", "baseline"] } })).await;
+    steps(&lab, "A").await;
+    steps(&lab, "B").await;
+    // While the target refuses that they fire, A is confirmed and B is over: both wait behind.
+    posts(&lab, "A", 160, 1.05).await;
+    recovers(&lab, "B").await;
+    while lab.get(&format!("/v1/hooks/{id}")).await.ok()["queue"]["dead"] == 0 {
+        a_second_passes(&lab).await;
+    }
+    refuses.store(false, Ordering::SeqCst);
+    let refused = target.told().len();
+    settles(&lab, &id).await;
+    let heard = told(&lab, &id, &target).await[refused..].concat();
+    assert!(heard.iter().any(|one| one.starts_with("A baseline alert.fired")), "{heard:?}");
+    let begun = |end: &String| heard.contains(&end.replace("resolved", "fired"));
+    assert!(heard.iter().filter(|one| one.ends_with("resolved")).all(begun), "{heard:?}");
 }

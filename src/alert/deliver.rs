@@ -74,6 +74,8 @@ pub enum Outcome {
     },
     /// 410: the target wants to hear no more.
     Gone,
+    /// There is nothing to say: all that it tells is the end of what the target was never told.
+    Needless,
 }
 
 /// The client that all attempts share.

@@ -1,6 +1,6 @@
 //! What changes hooks and their queues, carried out by the one writer.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use serde::Serialize;
 
@@ -95,8 +95,17 @@ pub struct Attempted {
     pub gone: Option<String>,
     /// The target is back: what waits is due now.
     pub hasten: bool,
+    /// The target takes messages: it is told anew what fires and it never took.
+    pub tell_anew: bool,
     /// It was written down already, but whether that came about is not known.
     pub perhaps_written: bool,
+}
+
+impl Attempted {
+    /// More than the delivery itself: whether the hook is told anything, and what.
+    pub fn changes_the_hook(&self) -> bool {
+        self.gone.is_some() || self.tell_anew
+    }
 }
 
 /// The writer at work on orders.
@@ -209,7 +218,7 @@ impl HookHandler<'_> {
         outbox: &mut OutboxChanges,
     ) -> Result<(), StoreError> {
         let mut context = OutboxContext { now: self.now, ids: self.writer.ids(), outbox };
-        introduce(&Subscription::of(row)?, heard, &self.alerts, &mut context);
+        introduce(&Subscription::of(row)?, heard, self.alerts.iter(), &mut context);
         Ok(())
     }
 
@@ -223,6 +232,19 @@ impl HookHandler<'_> {
         // Of what fires it is told again, whatever it has heard.
         let heard = taken.into_iter().filter(ended).map(|id| (id, Severity::Warning)).collect();
         self.introduce(row, &heard, outbox)
+    }
+
+    /// Of what fires and was never taken the hook is told again, where nothing that waits does so.
+    async fn tell_anew(&mut self, hook: Id, outbox: &mut OutboxChanges) -> Result<(), StoreError> {
+        let Some(row) = store::hook::get(self.store, hook).await?.filter(|row| row.enabled) else { return Ok(()) };
+        let waiting = store::hook::waiting_alerts(self.store, hook).await?;
+        let queued = outbox.queued.iter().filter(|new| new.hook == hook).flat_map(|new| &new.parts);
+        let queued: HashSet<Id> = queued.map(|part| part.alert).chain(waiting).collect();
+        let never_taken = store::hook::never_taken(self.store, hook).await?;
+        let told = self.alerts.iter().filter(|one| never_taken.contains(&one.id) && !queued.contains(&one.id));
+        let mut context = OutboxContext { now: self.now, ids: self.writer.ids(), outbox };
+        introduce(&Subscription::of(&row)?, &HashMap::new(), told, &mut context);
+        Ok(())
     }
 
     async fn change(&mut self, id: Id, patch: &HookPatch, changes: &mut Changes) -> Result<Id, HookError> {
@@ -308,6 +330,9 @@ impl HookHandler<'_> {
         changes.outbox.attempts.push((attempt, attempted.progress));
         if attempted.hasten {
             changes.outbox.hastened.push((attempted.hook, self.now));
+        }
+        if attempted.tell_anew {
+            self.tell_anew(attempted.hook, &mut changes.outbox).await?;
         }
         let Some(url) = &attempted.gone else { return Ok(()) };
         // Who has changed the address meanwhile has heard already.

@@ -194,10 +194,10 @@ fn severity_of(hook: Id, name: &str) -> Result<Severity, StoreError> {
 
 /// Tells a hook that begins to listen, or to more than before, how things stand: what fires and it has not heard, and
 /// the end of what it has heard fire. `heard`: what it has heard.
-pub(crate) fn introduce(
+pub(crate) fn introduce<'a>(
     subscription: &Subscription,
     heard: &HashMap<Id, Severity>,
-    alerts: &[Standing],
+    alerts: impl Iterator<Item = &'a Standing>,
     context: &mut OutboxContext<'_>,
 ) {
     let mut told = Vec::new();

@@ -1,5 +1,7 @@
 //! Hooks: whom to tell.
 
+use std::collections::HashSet;
+
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
@@ -182,6 +184,28 @@ pub async fn heard_by(store: &Store, hook: Id) -> Result<Vec<(Id, String)>, Stor
     let sql = "SELECT alert, severity FROM hook_heard WHERE hook = $1";
     let rows: Vec<(i64, String)> = on!(store.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_all(db).await?);
     Ok(rows.into_iter().map(|(alert, severity)| (Id(alert), severity)).collect())
+}
+
+/// The alerts of which a hook was to be told that they fire and has taken nothing: that message is a dead letter.
+pub async fn never_taken(store: &Store, hook: Id) -> Result<HashSet<Id>, StoreError> {
+    let sql = "SELECT coalesce(d.alert, p.alert)
+               FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step LEFT JOIN delivery_part AS p ON p.delivery = d.id
+               WHERE d.hook = $1 AND d.state = 'dead' AND coalesce(d.alert, p.alert) IS NOT NULL
+                   AND coalesce(p.action, d.action, s.action) = 'fire'";
+    let dead: Vec<i64> = on!(store.readers, db => sqlx::query_scalar(sql).bind(hook.0).fetch_all(db).await?);
+    if dead.is_empty() {
+        return Ok(HashSet::new());
+    }
+    let taken: HashSet<Id> = delivered_firing(store, hook).await?.into_iter().collect();
+    Ok(dead.into_iter().map(Id).filter(|alert| !taken.contains(alert)).collect())
+}
+
+/// The alerts that an open delivery of a hook tells of.
+pub async fn waiting_alerts(store: &Store, hook: Id) -> Result<HashSet<Id>, StoreError> {
+    let sql = "SELECT coalesce(d.alert, p.alert) FROM delivery AS d LEFT JOIN delivery_part AS p ON p.delivery = d.id
+               WHERE d.hook = $1 AND d.state IN ('behind', 'waiting') AND coalesce(d.alert, p.alert) IS NOT NULL";
+    let alerts: Vec<i64> = on!(store.readers, db => sqlx::query_scalar(sql).bind(hook.0).fetch_all(db).await?);
+    Ok(alerts.into_iter().map(Id).collect())
 }
 
 /// The alerts of which the last message that a hook took was not that they are resolved.

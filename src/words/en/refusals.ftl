@@ -213,6 +213,7 @@ connection_refused = Connection refused (os error { $number })
 connection_reset = Connection reset by peer (os error { $number })
 no_route_to_host = No route to host (os error { $number })
 stored_message_unreadable = the stored message cannot be read: { $why }
+end_of_what_was_never_told = it tells the end of what the target was never told: not sent
 header_control_character = a header would contain a control character
 
 ## Diagnoses and events

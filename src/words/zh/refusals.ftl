@@ -213,6 +213,7 @@ connection_refused = 连接被拒绝（系统错误{ $number }）
 connection_reset = 连接被对方中断（系统错误{ $number }）
 no_route_to_host = 没有到该主机的路由（系统错误{ $number }）
 stored_message_unreadable = 存储的消息无法读取：{ $why }
+end_of_what_was_never_told = 目标从未收到该告警，因此不发送其结束消息
 header_control_character = 请求头含有控制字符
 
 ## Diagnoses and events

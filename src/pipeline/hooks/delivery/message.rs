@@ -1,5 +1,6 @@
 //! From a row of the outbox to a request, and from how it went to what is written down.
 
+use std::collections::HashSet;
 use std::time::Duration;
 
 use super::context::DeliveryContext;
@@ -10,6 +11,7 @@ use crate::alert::sign::{self, Secret};
 use crate::alert::{Change, Event, HookKind, Message};
 use crate::core::alert_decision::Action;
 use crate::core::delivery::DeliveryState;
+use crate::core::id::Id;
 use crate::core::message::text;
 use crate::core::time::UtcMicros;
 use crate::message;
@@ -50,21 +52,20 @@ impl Addressee {
 }
 
 impl DeliveryContext {
-    /// Makes one attempt at a delivery.
-    pub async fn attempt(&self, to: &Addressee, due: &DueDelivery) -> Attempt {
+    /// Makes one attempt at a delivery. `never_taken`: alerts whose beginning the target never took.
+    pub async fn attempt(&self, to: &Addressee, due: &DueDelivery, never_taken: &HashSet<Id>) -> Attempt {
         let now = self.hooks.clock.now();
-        match message(due) {
-            Ok(message) => {
+        let unsent = |outcome, detail| Attempt { outcome, status: None, detail, answer: None, took: Duration::ZERO };
+        match message(due, never_taken) {
+            Ok(Some(message)) => {
                 let payload = payload::render(to.kind, &message, &self.context(&to.row.name, now));
                 self.send(to, &message.id, payload, now).await
             }
-            Err(why) => Attempt {
-                outcome: Outcome::Failed { retry_after: None },
-                status: None,
-                detail: Some(message!("stored_message_unreadable", why = text(why))),
-                answer: None,
-                took: Duration::ZERO,
-            },
+            Ok(None) => unsent(Outcome::Needless, Some(message!("end_of_what_was_never_told"))),
+            Err(why) => {
+                let detail = message!("stored_message_unreadable", why = text(why));
+                unsent(Outcome::Failed { retry_after: None }, Some(detail))
+            }
         }
     }
 
@@ -90,25 +91,36 @@ impl DeliveryContext {
     }
 }
 
-fn message(due: &DueDelivery) -> Result<Message, String> {
+/// What a delivery tells, as the target has to hear it: what it never took begins, and does not end. None where
+/// nothing is left.
+fn message(due: &DueDelivery, never_taken: &HashSet<Id>) -> Result<Option<Message>, String> {
     let id = webhook_id(due.id, due.subject);
     let at = due.at.unwrap_or(due.queued_at);
     if due.subject == Subject::Test {
-        return Ok(Message { id, at, event: Event::Test });
+        return Ok(Some(Message { id, at, event: Event::Test }));
+    }
+    if due.content.is_empty() {
+        return Err("there is nothing that it tells of".to_owned());
     }
     let changes = due.content.iter().map(|(action, body)| {
         let action = Action::from_name(action).ok_or_else(|| format!("unknown action {action:?}"))?;
-        Ok(Change { action, alert: serde_json::from_str(body).map_err(|error| error.to_string())? })
+        let alert: AlertBody = serde_json::from_str(body).map_err(|error| error.to_string())?;
+        let is_news = alert.id.parse().is_ok_and(|id| never_taken.contains(&id));
+        Ok(match action {
+            Action::Resolve if is_news => None,
+            _ if is_news => Some(Change { action: Action::Fire, alert }),
+            _ => Some(Change { action, alert }),
+        })
     });
-    let changes = changes.collect::<Result<Vec<_>, String>>()?;
+    let changes: Vec<Change> = changes.filter_map(Result::transpose).collect::<Result<_, String>>()?;
     if changes.is_empty() {
-        return Err("there is nothing that it tells of".to_owned());
+        return Ok(None);
     }
     let event = match &due.digest {
         Some(counts) => Event::Digest(serde_json::from_str(counts).map_err(|error| error.to_string())?, changes),
         None => Event::Alerts(changes),
     };
-    Ok(Message { id, at, event })
+    Ok(Some(Message { id, at, event }))
 }
 
 /// What is written down of an attempt that was made at `at`.
@@ -118,11 +130,11 @@ pub(super) fn report(
     attempt: &Attempt,
     at: UtcMicros,
     ladder: &Ladder,
-    hasten: bool,
 ) -> Attempted {
     let progress = match attempt.outcome {
         Outcome::Delivered => Progress::Done(DeliveryState::Delivered),
         Outcome::Gone => Progress::Done(DeliveryState::Dead),
+        Outcome::Needless => Progress::Done(DeliveryState::Dropped),
         Outcome::Failed { retry_after } => {
             let first = due.first_attempt_at.unwrap_or(at);
             let tried_for = Duration::from_micros(u64::try_from(at.0 - first.0).unwrap_or_default());
@@ -142,7 +154,8 @@ pub(super) fn report(
         took_us: i64::try_from(attempt.took.as_micros()).unwrap_or(i64::MAX),
         progress,
         gone: (attempt.outcome == Outcome::Gone).then(|| to.row.url.clone()),
-        hasten,
+        hasten: false,
+        tell_anew: false,
         perhaps_written: false,
     }
 }

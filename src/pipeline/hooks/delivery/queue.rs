@@ -61,6 +61,8 @@ pub(super) struct DeliveryQueue {
     /// What was due then has been fetched, but for what it takes to [look again](DeliveryQueue::look_again) for.
     looked_at: UtcMicros,
     resend_at: Instant,
+    /// Alerts whose beginning the target never took: the message is a dead letter.
+    never_taken: Arc<HashSet<Id>>,
 }
 
 impl DeliveryQueue {
@@ -79,6 +81,7 @@ impl DeliveryQueue {
             look_again: true,
             looked_at: UtcMicros(i64::MIN),
             resend_at: Instant::now(),
+            never_taken: Arc::default(),
         }
     }
 
@@ -191,7 +194,9 @@ impl DeliveryQueue {
         let now = self.context.hooks.clock.now();
         let horizon = UtcMicros(now.0.saturating_add(HORIZON.as_micros() as i64));
         let limit = FETCH + self.held.len() as u32;
-        let due = store::outbox::due_of_hook(&self.context.hooks.store, self.hook, now, horizon, limit).await?;
+        let store = &self.context.hooks.store;
+        let due = store::outbox::due_of_hook(store, self.hook, now, horizon, limit).await?;
+        self.never_taken = Arc::new(store::hook::never_taken(store, self.hook).await?);
         self.look_again = due.len() == limit as usize;
         self.looked_at = now;
         self.ready.extend(due.into_iter().filter(|due| !self.held.contains(&due.id)));
@@ -200,9 +205,9 @@ impl DeliveryQueue {
 
     fn attempt(&mut self, to: &Arc<Addressee>, due: DueDelivery) {
         self.held.insert(due.id);
-        let (context, to) = (Arc::clone(&self.context), Arc::clone(to));
+        let (context, to, never_taken) = (Arc::clone(&self.context), Arc::clone(to), Arc::clone(&self.never_taken));
         self.under_way.push(Box::pin(async move {
-            let attempt = context.attempt(&to, &due).await;
+            let attempt = context.attempt(&to, &due, &never_taken).await;
             Event::Attempted(to, Box::new(due), attempt)
         }));
     }
@@ -214,7 +219,10 @@ impl DeliveryQueue {
                 let is_current = self.changed_at == Some(to.row.changed_at);
                 let hasten = is_current && self.health.note(&attempt, self.context.ladder.first_wait(), Instant::now());
                 let at = self.context.hooks.clock.now();
-                let attempted = message::report(&to, &due, &attempt, at, &self.context.ladder, hasten);
+                let attempted = message::report(&to, &due, &attempt, at, &self.context.ladder);
+                // It takes messages, so that it can be told what it was not there for.
+                let tell_anew = attempt.outcome == Outcome::Delivered && !self.never_taken.is_empty();
+                let attempted = Attempted { hasten, tell_anew, ..attempted };
                 count(to.kind, &attempted, &attempt);
                 let context = Arc::clone(&self.context);
                 self.under_way.push(Box::pin(async move {
@@ -290,6 +298,7 @@ fn said(attempt: &Attempt) -> String {
 fn count(kind: HookKind, attempted: &Attempted, attempt: &Attempt) {
     let outcome = match (attempted.progress, attempt.outcome) {
         (_, Outcome::Gone) => "gone",
+        (_, Outcome::Needless) => "needless",
         (Progress::Done(DeliveryState::Dead), _) => "dead",
         (Progress::Done(_), _) => "delivered",
         (Progress::RetryAt(_), _) => "failed",

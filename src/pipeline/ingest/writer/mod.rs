@@ -203,16 +203,17 @@ impl Task {
 
     /// What people order has one transaction each, what delivery queues have found out shares one.
     async fn carry_out(&mut self, orders: Orders, findings: Findings) {
-        let is_gone = |found: &Found| matches!(found, Found::Attempted(attempted) if attempted.gone.is_some());
-        let any_gone = findings.iter().any(|(found, _)| is_gone(found));
-        let changed = !orders.is_empty() || any_gone;
+        let changes_the_hook =
+            |found: &Found| matches!(found, Found::Attempted(attempted) if attempted.changes_the_hook());
+        let any_changes = findings.iter().any(|(found, _)| changes_the_hook(found));
+        let changed = !orders.is_empty() || any_changes;
         for (order, by, reply) in orders {
             let done = in_turn!(self, Cells::all(), self.order_hook(&order, &by));
             let _gone = reply.send(done);
         }
         if !findings.is_empty() {
             let found: Vec<&Found> = findings.iter().map(|(found, _)| found).collect();
-            let cells = if any_gone { Ok(Cells::all()) } else { self.cells_of_findings(&found).await };
+            let cells = if any_changes { Ok(Cells::all()) } else { self.cells_of_findings(&found).await };
             let written = match cells {
                 Ok(cells) => in_turn!(self, cells, self.write_down(&found)),
                 Err(error) => Err(error.into()),
@@ -241,7 +242,9 @@ impl Task {
     async fn write_down(&mut self, found: &[&Found]) -> Result<(), WriteError> {
         let now = self.clock.now();
         let old_secret_until = self.config.hooks.old_secret_until(now);
-        let (store, writer, alerts, heard) = (&self.store, &mut self.writer, Vec::new(), HashMap::new());
+        let tells_anew = |found: &&Found| matches!(found, Found::Attempted(attempted) if attempted.tell_anew);
+        let alerts = if found.iter().any(tells_anew) { self.standings(now).await? } else { Vec::new() };
+        let (store, writer, heard) = (&self.store, &mut self.writer, HashMap::new());
         let mut handler = HookHandler { store, writer, now, old_secret_until, alerts, heard };
         handler.write_down(found.iter().copied()).await
     }

@@ -189,3 +189,44 @@ fn standard_errors_that_are_far_too_large_are_told() {
         assert!(matches!(&notes[..], [note] if note.contains("G1 ") && note.contains("G3 ")), "{notes:?}");
     }
 }
+
+#[test]
+fn chi_square_of_a_campaign_is_that_of_its_gyros_over_all_that_is_left_over() {
+    let mut campaign = read("practice/campaign-00.json");
+    let stated = calibrate_in_white_noise(&campaign, Terms::MODEL_6).reduced_chi2().expect("dwells are left over");
+    let of_scipy: f64 = SCIPY.iter().map(|(chi2, _)| chi2).sum();
+    assert!((stated / (of_scipy / (3.0 * 69.0)) - 1.0).abs() < 1e-7, "{stated}");
+    // Without standard errors repeats give the noise, and the residuals are about as large.
+    campaign.dwells.iter_mut().for_each(|dwell| dwell.output_sem_pulse_s = None);
+    let found = calibrate_in_white_noise(&campaign, Terms::MODEL_6).reduced_chi2().expect("dwells are repeated");
+    assert!((0.5..2.0).contains(&found), "{found}");
+}
+
+#[test]
+fn how_far_a_bias_wanders_is_said_in_deg_per_h_whatever_a_pulse_is_worth() {
+    const STEP: f64 = 2.0;
+    let campaign = read("practice/campaign-00.json");
+    // deg/h is arcsec/s: the output of a gyro is E pulse/s to the deg/h.
+    let wandering = |pulses: f64| {
+        let (mut campaign, mut walk, mut state) = (campaign.clone(), [0.0; 3], 1_u64);
+        for dwell in &mut campaign.dwells {
+            let errors = dwell.output_sem_pulse_s.as_mut().expect("errors are stated");
+            for ((output, error), walk) in dwell.output_pulse_s.iter_mut().zip(errors).zip(&mut walk) {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                *walk += if state >> 63 == 0 { STEP } else { -STEP } * *error;
+                *output = (*output + *walk) * pulses;
+                *error *= pulses;
+            }
+        }
+        let memory = calibrate(&campaign, Terms::MODEL_6).noise_found.memory.expect("it wanders");
+        memory.deg_per_h.into_iter().map(|(_, deg_per_h)| deg_per_h).collect::<Vec<f64>>()
+    };
+    let (as_it_is, sevenfold) = (wandering(1.0), wandering(7.0));
+    let usual = campaign.errors_of(0).expect("errors are stated")[0];
+    // At mid-campaign a walk has gone the root of half its steps.
+    let expected = STEP * usual * (campaign.dwells.len() as f64 / 2.0).sqrt();
+    for (one, seven) in as_it_is.iter().zip(&sevenfold) {
+        assert!((seven / one - 1.0).abs() < 1e-3, "{one} and {seven}");
+        assert!((0.4..2.5).contains(&(one / expected)), "{one} is not about {expected}");
+    }
+}

@@ -1088,8 +1088,8 @@ async fn a_gyro_is_headed_by_how_much_of_its_budget_it_takes_since_when_and_what
     for there in ["+500 %", "badge confirmed", "2026-02-01 08:00 UTC", "(4 records)", "+0.050000", "0 %"] {
         assert!(loads.contains(there), "{there} is not in {loads}");
     }
-    assert!(place(&jumping, "class=\"loads\"") < place(&jumping, "Take it out, or accept the new level"));
-    assert!(place(&jumping, "Take it out, or accept the new level") < place(&jumping, "<figure class=\"chart\""));
+    assert!(place(&jumping, "class=\"loads\"") < place(&jumping, "Take it out."));
+    assert!(place(&jumping, "Take it out.") < place(&jumping, "<figure class=\"chart\""));
     assert!(place(&jumping, "<figure class=\"chart\"") < place(&jumping, "<table class=\"judged cards\""));
     let steady = page(&server, "/gyros/STEADY", &[("accept-language", "zh")]).await;
     assert!(steady.contains("放行") && steady.contains("占允许范围"), "{steady}");

@@ -98,6 +98,7 @@ pub fn event_name(action: Option<Action>) -> &'static str {
     match action {
         Some(Action::Fire) => "alert.fired",
         Some(Action::Escalate) => "alert.escalated",
+        Some(Action::Lower) => "alert.lowered",
         Some(Action::Repeat | Action::Silent) => "alert.repeated",
         Some(Action::Resolve) => "alert.resolved",
         None => "hook.test",

@@ -73,14 +73,19 @@ async fn over(stop: watch::Receiver<bool>, grace: Duration) {
     tokio::time::sleep(grace).await;
 }
 
-async fn serve(config: Config, ready: impl FnOnce(SocketAddr), stop: impl Future<Output = ()>) -> anyhow::Result<()> {
+async fn serve(mut config: Config, ready: impl FnOnce(SocketAddr), stop: impl Future<Output = ()>) -> anyhow::Result<()> {
     telemetry::start().context("cannot count metrics")?;
-    let config = Arc::new(config);
     config.server.check_exposure()?;
     let tls = config.server.tls_files().map(|(certificate, key)| Tls::start(certificate, key)).transpose()?;
     let listener = TcpListener::bind(config.server.listen)
         .await
         .with_context(|| format!("cannot listen on {} (server.listen)", config.server.listen))?;
+    let address = listener.local_addr().context("cannot tell the address listened on")?;
+    let url = format!("{}://{address}", if tls.is_some() { "https" } else { "http" });
+    if config.hooks.external_url().is_none() && !address.ip().is_unspecified() {
+        config.hooks.external_url.clone_from(&url);
+    }
+    let config = Arc::new(config);
     let database = || format!("cannot use the database {} (database.url)", config.database.options().shown());
     let (store, mut writer) = store::open(&config.database.options()).await.with_context(database)?;
     let store = store.with(config.secrets.clone());
@@ -90,7 +95,7 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr), stop: impl Future
     }
     let (pipeline, writing) =
         Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await.with_context(database)?;
-    let served = serve_with(pipeline, config, listener, tls, stop, ready).await;
+    let served = serve_with(pipeline, config, (listener, address, &url), tls, stop, ready).await;
     // The router and the worker are gone, and with them the last sender: the writer finishes what is queued and
     // closes the database.
     writing.await.context("the writer failed")?;
@@ -102,12 +107,11 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr), stop: impl Future
 async fn serve_with(
     pipeline: Pipeline,
     config: Arc<Config>,
-    listener: TcpListener,
+    (listener, address, url): (TcpListener, SocketAddr, &str),
     tls: Option<Tls>,
     stop: impl Future<Output = ()>,
     ready: impl FnOnce(SocketAddr),
 ) -> anyhow::Result<()> {
-    let address = listener.local_addr().context("cannot tell the address listened on")?;
     anyhow::ensure!(
         address.ip().is_loopback() || pipeline.access.guard().asks_for_tokens(),
         "cannot listen on {address} (server.listen): there is no token yet, and without one everybody could do everything; \
@@ -120,8 +124,7 @@ async fn serve_with(
     let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
     let router = http::router(app, pages::routes().with_state(pages));
     tracing::info!(%address, database = %config.database.options().shown(), "listening");
-    let scheme = if tls.is_some() { "https" } else { "http" };
-    println!("gyrowatch listens on {scheme}://{address}");
+    println!("gyrowatch listens on {url}");
     notify::tell(notify::READY);
     ready(address);
     http::server::serve(listener, tls, router, &config.server, stop).await;

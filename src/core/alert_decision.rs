@@ -157,6 +157,8 @@ pub enum Action {
     Fire,
     /// It fires still, and a second campaign has confirmed it.
     Escalate,
+    /// It fires still, but what had confirmed it counts no more.
+    Lower,
     /// It fires still.
     Repeat,
     /// It fires no more.
@@ -166,7 +168,8 @@ pub enum Action {
 }
 
 impl Action {
-    pub const ALL: [Action; 5] = [Action::Fire, Action::Escalate, Action::Repeat, Action::Resolve, Action::Silent];
+    pub const ALL: [Action; 6] =
+        [Action::Fire, Action::Escalate, Action::Lower, Action::Repeat, Action::Resolve, Action::Silent];
 
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|action| action.name() == name)
@@ -176,6 +179,7 @@ impl Action {
         match self {
             Action::Fire => "fire",
             Action::Escalate => "escalate",
+            Action::Lower => "lower",
             Action::Repeat => "repeat",
             Action::Resolve => "resolve",
             Action::Silent => "silent",
@@ -255,6 +259,7 @@ pub fn for_hook(alert: &Alert, heard: Option<Severity>, action: Action, now: Utc
         (Status::Resolved, None) => None,
         (Status::Firing, None) => alert.hushed.is_none().then_some(Action::Fire),
         (Status::Firing, Some(heard)) if alert.severity > heard && alert.hushed.is_none() => Some(Action::Escalate),
+        (Status::Firing, Some(heard)) if alert.severity < heard => Some(Action::Lower),
         (Status::Firing, Some(_)) => (action == Action::Repeat).then_some(Action::Repeat),
     }
 }
@@ -292,6 +297,11 @@ pub fn reset(alert: &Alert, now: UtcMicros) -> Decision {
         Status::Firing => announce(end(*alert, now), now),
         Status::Resolved => Decision { alert: Some(*alert), action: Action::Silent },
     }
+}
+
+/// What confirmed the alert counts no more: what is left bears out this severity alone.
+pub fn lower(alert: &Alert, severity: Severity, now: UtcMicros) -> Decision {
+    announce(Alert { severity: alert.severity.min(severity), ..*alert }, now)
 }
 
 /// Somebody knows: no more repeats. Escalation and resolution are still told.
@@ -357,7 +367,7 @@ fn go_on(alert: &Alert, verdict: &Verdict, record_at: UtcMicros, now: UtcMicros,
     }
 }
 
-/// The severity of an episode never falls. A rise ends the acknowledgement, which was of something lesser.
+/// The severity of an episode never falls but by [`lower`]. A rise ends the acknowledgement, which was of something lesser.
 fn escalate(alert: Alert, severity: Option<Severity>) -> Alert {
     match severity {
         Some(severity) if severity > alert.severity => Alert { severity, acknowledged: false, ..alert },
@@ -380,6 +390,7 @@ fn announce(alert: Alert, now: UtcMicros) -> Decision {
         (Status::Firing, _) if alert.hushed.is_some() => Action::Silent,
         (Status::Firing, None) => Action::Fire,
         (Status::Firing, Some(told)) if alert.severity > told.severity => Action::Escalate,
+        (Status::Firing, Some(told)) if alert.severity < told.severity => Action::Lower,
         (Status::Resolved, Some(_)) => Action::Resolve,
         _ => Action::Silent,
     };

@@ -46,19 +46,22 @@ const FACTORS: [f64; 5] = [60.0, 3600.0, 206_264.806, 57.295_779_5, 9.806_65];
 /// What is to be noted. `OtherUnit` is for the caller to drop where something was done to one of the gyros.
 pub fn against_histories(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
     let mut notes = Vec::new();
-    let units: Vec<Option<Vec<(Quantity, f64)>>> = gyros.iter().map(wrong_units).collect();
+    let known = gyros.iter().filter(|gyro| !gyro.before.is_empty()).count();
+    let found: Vec<(&str, Quantity, f64)> = gyros
+        .iter()
+        .flat_map(|gyro| {
+            wrong_units(gyro).into_iter().flatten().map(|(quantity, factor)| (gyro.serial, quantity, factor))
+        })
+        .collect();
     for quantity in [Quantity::E, Quantity::G] {
-        for factor in all_factors() {
-            let is_it = |found: &Option<Vec<(Quantity, f64)>>| {
-                found.iter().flatten().any(|(q, f)| *q == quantity && (f / factor - 1.0).abs() < 1e-9)
-            };
-            let serials: Vec<String> = gyros
-                .iter()
-                .zip(&units)
-                .filter(|(_, found)| is_it(found))
-                .map(|(gyro, _)| gyro.serial.to_owned())
-                .collect();
-            if !serials.is_empty() {
+        let mut left: Vec<(&str, f64)> =
+            found.iter().filter(|one| one.1 == quantity).map(|one| (one.0, one.2)).collect();
+        while let Some(&(_, factor)) = left.first() {
+            let (same, others): (Vec<_>, Vec<_>) = left.into_iter().partition(|one| is_about(one.1, factor));
+            left = others;
+            // A factor that is no unit's is one of the outputs only where all gyros have it.
+            if unit_of(factor).is_some() || same.len() >= 2 && same.len() == known {
+                let serials = same.into_iter().map(|(serial, _)| serial.to_owned()).collect();
                 notes.push(HistoryNote::UnitFactor { serials, quantity, factor });
             }
         }
@@ -163,11 +166,7 @@ fn wrong_units(gyro: &Looked<'_>) -> Option<Vec<(Quantity, f64)>> {
     let e = match gyro.now.scale {
         Some(scale) if !scales.is_empty() => {
             let ratio = scale / median(scales);
-            match unit_of(ratio) {
-                Some(factor) => factor,
-                None if (ratio - 1.0).abs() < SAME_SCALE => 1.0,
-                None => return None,
-            }
+            if (ratio - 1.0).abs() < SAME_SCALE { 1.0 } else { unit_of(ratio).unwrap_or(ratio) }
         }
         _ => 1.0,
     };
@@ -175,30 +174,41 @@ fn wrong_units(gyro: &Looked<'_>) -> Option<Vec<(Quantity, f64)>> {
     let size = norm(level);
     // Too small a drift is no measure of a factor.
     let d = if size < 2.0 * OFF_BUDGETS * tolerance { None } else { drift_factor(gyro.now.d, level, tolerance) };
-    let is = |a: f64, b: f64| (a / b - 1.0).abs() < 2.0 * UNIT_TOLERANCE;
     let mut found = Vec::new();
     if e != 1.0 {
         found.push((Quantity::E, e));
     }
     // D = G / |E|: with E alone in another unit it is smaller by as much, and with both it stays.
     match d {
-        Some(d) if !is(d * e, 1.0) => found.push((Quantity::G, unit_of(d * e)?)),
+        Some(d) if !is_about(d * e, 1.0) => {
+            let of_outputs = Some(e).filter(|e| is_about(d * e, *e));
+            found.push((Quantity::G, unit_of(d * e).or(of_outputs)?));
+        }
+        Some(_) if unit_of(e).is_none() => return None,
         None if e == 1.0 => return None,
         _ => {}
     }
     Some(found).filter(|found| !found.is_empty())
 }
 
-/// By which factor, that of a unit or 1, all of the drift has grown.
+/// By which factor, that of a unit or 1, all of the drift has grown; below 0 where it has changed its sign.
 fn drift_factor(now: [f64; 3], level: [f64; 3], tolerance: f64) -> Option<f64> {
-    let ratio = norm(now) / norm(level);
-    let factor = if (ratio - 1.0).abs() < SAME_SCALE { 1.0 } else { unit_of(ratio).unwrap_or(ratio) };
+    let along: f64 = now.iter().zip(level).map(|(now, level)| now * level).sum();
+    let ratio = (norm(now) / norm(level)).copysign(along);
+    let is_same_size = (ratio.abs() - 1.0).abs() < SAME_SCALE;
+    let factor = if is_same_size { ratio.signum() } else { unit_of(ratio).unwrap_or(ratio) };
     let off = norm([0, 1, 2].map(|i| now[i] / factor - level[i]));
     (off <= 2.0 * UNIT_TOLERANCE * norm(level) + tolerance).then_some(factor)
 }
 
+/// The factor between units that this is: 1 is none, -1 is that of a sense taken the other way round.
 fn unit_of(ratio: f64) -> Option<f64> {
-    all_factors().find(|factor| (ratio / factor - 1.0).abs() < UNIT_TOLERANCE)
+    let signed = all_factors().flat_map(|factor| [factor, -factor]).chain([-1.0]);
+    signed.into_iter().find(|factor| (ratio / factor - 1.0).abs() < UNIT_TOLERANCE)
+}
+
+fn is_about(a: f64, b: f64) -> bool {
+    (a / b - 1.0).abs() < 2.0 * UNIT_TOLERANCE
 }
 
 fn norm(v: [f64; 3]) -> f64 {

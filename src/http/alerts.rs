@@ -159,7 +159,7 @@ pub struct AlertDetail {
 struct StepBody {
     id: String,
     at: String,
-    /// `fire`, `escalate`, `repeat`, `resolve`, `digest` (told at the end of an import); or what somebody did:
+    /// `fire`, `escalate`, `lower`, `repeat`, `resolve`, `digest` (told at the end of an import); or what somebody did:
     /// `acknowledge`, `unacknowledge`, `silence`.
     action: String,
     /// Whether hooks were told.

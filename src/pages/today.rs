@@ -1,4 +1,4 @@
-//! `/`: what there is to be done. Four blocks, each with its first few lines and the way to all of them.
+//! `/`: what there is to be done. Five blocks, each with its first few lines and the way to all of them.
 
 use axum::extract::{Query, State as Held};
 use axum::http::Uri;
@@ -15,7 +15,7 @@ use crate::core::access::Role;
 use crate::core::judge::{Coefficient, Measured, Status};
 use crate::core::time::UtcMicros;
 use crate::pages::status as badges;
-use crate::pipeline::{DueImu, FirstOf, FleetFilter, Names, Standing, Today, today};
+use crate::pipeline::{DueImu, FirstOf, FleetFilter, FleetPage, Names, Standing, Today, today};
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
@@ -50,13 +50,14 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
     };
     let queries = &pages.pipeline.queries;
     let today = today(&queries.fleet, since, LINES).await?;
-    let counted = queries.fleet.page(&FleetFilter::default(), 0, 1).await?;
+    let fleet = queries.fleet.page(&FleetFilter::default(), 0, LINES).await?;
     let names = queries.names();
     let body = html! {
         h1 { (t.today_title) }
-        (tiles(viewer, &counted, &Filters::default()))
+        (tiles(viewer, &fleet, &Filters::default()))
         div.blocks {
             (worse(viewer, &today.worse, since, &names))
+            (still_out(viewer, &fleet, &today.worse, &names))
             (approaching(t, &today.approaching, &names))
             (due(t, &today, now))
             (several(t, &today))
@@ -111,19 +112,7 @@ fn worse(viewer: &Viewer, list: &FirstOf<Standing>, since: UtcMicros, names: &Na
     let t = viewer.text();
     let from = as_day(since);
     let title = html! { (t.worse_since) " " (day(since)) };
-    let ack = |serial: &str| format!("/alerts/bulk?gyro={}&back=%2F", encoded(serial));
-    let rows = html! {
-        div.scroll tabindex="0" { table.lines { tbody { @for standing in &list.first {
-            tr {
-                td { (badges::badge(t, standing.status)) }
-                (gyro(standing, names))
-                td.nowrap { @if let Some((column, largest)) = largest(standing) { (load(t, column, largest)) } }
-                td { (violated(t, &standing.violations)) }
-                td.nowrap { @if let Some(at) = standing.since { span.quiet { (t.since) " " } (day(at)) } }
-                @if viewer.may(Role::Engineer) { td.no-print { a href=(ack(&standing.serial)) { (t.acknowledge) } } }
-            }
-        } } } }
-    };
+    let rows = violating(viewer, list.first.iter(), names);
     let form = html! {
         form.search.no-print action="/" method="get" {
             label { (t.since_day) " " input type="date" name="since" value=(from); }
@@ -133,6 +122,40 @@ fn worse(viewer: &Viewer, list: &FirstOf<Standing>, since: UtcMicros, names: &Na
     let address = || Filters { changed_since: from.clone(), ..Filters::default() }.at_page(0);
     let shown = block(&title, list.of, t.nothing_worse, &rows, all_of(t, list, address));
     html! { div { (shown) (form) } }
+}
+
+/// What is out of tolerance and has not changed since: the worst of the fleet, without those that are in `worse`.
+fn still_out(viewer: &Viewer, fleet: &FleetPage, worse: &FirstOf<Standing>, names: &Names<'_>) -> Markup {
+    const OUT: [Status; 3] = [Status::Unconfirmed, Status::OutOfTolerance, Status::Confirmed];
+    let t = viewer.text();
+    let is_out = |standing: &&Standing| {
+        let is_above = worse.first.iter().any(|above| above.serial == standing.serial);
+        standing.status.is_some_and(|status| OUT.contains(&status)) && !is_above
+    };
+    let out: Vec<&Standing> = fleet.gyros.iter().filter(is_out).collect();
+    let count: usize = OUT.map(|status| fleet.of_status[status as usize]).iter().sum();
+    let above = worse.first.iter().filter(|one| one.status.is_some_and(|status| OUT.contains(&status))).count();
+    let rows = violating(viewer, out.iter().copied(), names);
+    let all = (count > out.len() + above).then(|| (t.all_of_them, "/fleet".to_owned()));
+    block(&html! { (t.still_out) }, count.saturating_sub(above), t.nothing_else_out, &rows, all)
+}
+
+/// Gyros with what they violate, one a line.
+fn violating<'a>(viewer: &Viewer, gyros: impl Iterator<Item = &'a Standing>, names: &Names<'_>) -> Markup {
+    let t = viewer.text();
+    let ack = |serial: &str| format!("/alerts/bulk?gyro={}&back=%2F", encoded(serial));
+    html! {
+        div.scroll tabindex="0" { table.lines { tbody { @for standing in gyros {
+            tr {
+                td { (badges::badge(t, standing.status)) }
+                (gyro(standing, names))
+                td.nowrap { @if let Some((column, largest)) = largest(standing) { (load(t, column, largest)) } }
+                td { (violated(t, &standing.violations)) }
+                td.nowrap { @if let Some(at) = standing.since { span.quiet { (t.since) " " } (day(at)) } }
+                @if viewer.may(Role::Engineer) { td.no-print { a href=(ack(&standing.serial)) { (t.acknowledge) } } }
+            }
+        } } } }
+    }
 }
 
 fn approaching(t: &Text, list: &FirstOf<Standing>, names: &Names<'_>) -> Markup {

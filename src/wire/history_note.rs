@@ -256,7 +256,11 @@ impl Coded {
                     QuantityBody::E => "E",
                     QuantityBody::G => "G",
                 };
-                let times = if *factor > 1.0 { format!("{factor:.6}") } else { format!("1/{:.6}", factor.recip()) };
+                if *factor == -1.0 {
+                    return message!("sign_reversed", quantity = quantity, serials = serials(of));
+                }
+                let times =
+                    if factor.abs() > 1.0 { format!("{factor:.6}") } else { format!("1/{:.6}", factor.recip()) };
                 let times = text(times.trim_end_matches('0').trim_end_matches('.'));
                 match unit.clone() {
                     None => message!("unit_factor", quantity = quantity, serials = serials(of), times = times),
@@ -315,6 +319,7 @@ mod tests {
             unit(Quantity::E, 3600.0),
             unit(Quantity::G, 1.0 / 9.806_65),
             unit(Quantity::G, 9.806_65),
+            unit(Quantity::G, -1.0),
             HistoryNote::Moved { serial: "A".into(), from: seat("I-1", Slot::G1), to: seat("I-2", Slot::G3) },
         ];
         kinds.into_iter().map(Note::History).collect()

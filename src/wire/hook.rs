@@ -236,7 +236,7 @@ pub struct DeliveryBody {
     pub hook: String,
     /// The message's `webhook-id`, the same at every attempt.
     pub webhook_id: String,
-    /// `alert.fired`, `alert.escalated`, `alert.repeated`, `alert.resolved`, `alerts.digest` or `hook.test`.
+    /// `alert.fired`, `alert.escalated`, `alert.lowered`, `alert.repeated`, `alert.resolved`, `alerts.digest` or `hook.test`.
     pub event: &'static str,
     /// The gravest, where it tells of many.
     pub alert: Option<String>,

@@ -114,7 +114,8 @@ fn expiry(context: &Context<'_>) -> UtcMicros {
     UtcMicros(context.now.0.saturating_add(after))
 }
 
-/// The alerts of the message, each that has escalated followed by the lower severity's, resolved.
+/// The alerts of the message, each that has changed its severity followed by that of the other severity, resolved: the
+/// severity is a label, and with other labels it is another alert.
 fn alerts_of(message: &Message, context: &Context<'_>, open_end: &str) -> Vec<ReceivedAlert> {
     if message.event == Event::Test {
         return vec![received("firing", test_alert(message, context, open_end))];
@@ -133,10 +134,9 @@ fn alerts_of_change(
         return vec![received("resolved", of_alert(alert, &alert.severity, at, context))];
     }
     let mut alerts = vec![received("firing", of_alert(alert, &alert.severity, open_end, context))];
-    if *action == Action::Escalate {
-        let risen_to = Severity::from_name(&alert.severity);
-        let lower = Severity::ALL.into_iter().filter(|severity| Some(*severity) < risen_to);
-        alerts.extend(lower.map(|severity| received("resolved", of_alert(alert, severity.name(), at, context))));
+    if matches!(action, Action::Escalate | Action::Lower) {
+        let others = Severity::ALL.into_iter().filter(|severity| severity.name() != alert.severity);
+        alerts.extend(others.map(|severity| received("resolved", of_alert(alert, severity.name(), at, context))));
     }
     alerts
 }

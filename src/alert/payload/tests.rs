@@ -144,6 +144,23 @@ fn an_alertmanager_is_told_that_the_warning_ended_when_the_alert_became_critical
 }
 
 #[test]
+fn an_alertmanager_is_told_that_the_critical_alert_ended_when_it_is_confirmed_no_more() {
+    let body = rendered(
+        HookKind::Alertmanager,
+        &Message {
+            event: Event::Alerts(vec![Change {
+                action: Action::Lower,
+                alert: AlertBody { severity: "warning".into(), ..alert() },
+            }]),
+            ..message(Action::Lower)
+        },
+    );
+    let ends: Vec<_> = body.as_array().unwrap().iter().map(|a| (&a["labels"]["severity"], &a["endsAt"])).collect();
+    assert_eq!(ends[0], (&Value::from("warning"), &Value::from("2026-03-02T09:00:10Z")));
+    assert_eq!(ends[1..], [(&Value::from("critical"), &Value::from("2026-03-01T09:00:00Z"))]);
+}
+
+#[test]
 fn labels_are_the_same_when_it_fires_and_when_it_resolves() {
     let labels = |action| rendered(HookKind::Alertmanager, &message(action))[0]["labels"].clone();
     assert_eq!(labels(Action::Fire), labels(Action::Resolve));

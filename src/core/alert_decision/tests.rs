@@ -303,6 +303,21 @@ fn what_was_told_already_is_not_kept_back_when_it_is_found_once_more() {
 }
 
 #[test]
+fn without_what_confirmed_it_an_alert_is_lowered_and_whoever_was_told_more_hears_so() {
+    let mut story = Story::default();
+    assert_eq!([story.record(0.0, &exceeded()), story.record(1.0, &confirmed())], [Action::Fire, Action::Escalate]);
+    let critical = story.alert.unwrap();
+    let lowered = lower(&critical, Severity::Warning, day(2.0));
+    let alert = lowered.alert.unwrap();
+    assert_eq!((lowered.action, alert.severity, alert.since), (Action::Lower, Severity::Warning, critical.since));
+    story.alert = lowered.alert;
+    assert_eq!(story.record(3.0, &confirmed()), Action::Escalate, "another record confirms it anew");
+    let silenced = lower(&silence(&critical, Some(day(9.0))), Severity::Warning, day(2.0));
+    assert_eq!(silenced.action, Action::Silent);
+    assert_eq!(tick(&silenced.alert.unwrap(), day(9.0), &POLICY).action, Action::Lower, "told when the silence ends");
+}
+
+#[test]
 fn a_hook_hears_the_end_of_what_it_heard_fire_and_nothing_of_what_it_did_not() {
     let fires = heard(None, &exceeded(), 0.0, 0.0, Late::Told).alert.unwrap();
     let critical = Alert { severity: Severity::Critical, ..fires };
@@ -317,6 +332,7 @@ fn a_hook_hears_the_end_of_what_it_heard_fire_and_nothing_of_what_it_did_not() {
     assert_eq!(told(&fires, none, Action::Repeat), Some(Action::Fire));
     assert_eq!(told(&fires, warning, Action::Repeat), Some(Action::Repeat));
     assert_eq!(told(&fires, warning, Action::Silent), None);
+    assert_eq!(told(&fires, Some(Severity::Critical), Action::Silent), Some(Action::Lower));
     let hushed = Alert { hushed: Some(Hushed { at: day(1.0), digest: false }), ..critical };
     assert_eq!((told(&hushed, none, Action::Fire), told(&hushed, warning, Action::Escalate)), (None, None));
     for silenced in [silence(&ended, Some(day(9.0))), Alert { muted_until: Some(day(9.0)), ..ended }] {
@@ -362,6 +378,7 @@ mod properties {
         Acknowledge,
         Silence(f64),
         Reset,
+        Lower,
     }
 
     fn happening() -> impl Strategy<Value = Happening> {
@@ -375,6 +392,7 @@ mod properties {
             1 => Just(Happening::Acknowledge),
             1 => (0.0..40.0).prop_map(Happening::Silence),
             1 => Just(Happening::Reset),
+            1 => Just(Happening::Lower),
         ]
     }
 
@@ -385,7 +403,7 @@ mod properties {
             happenings in prop::collection::vec((happening(), 0.1..10.0), 1..80)
         ) {
             let (mut alert, mut now): (Option<Alert>, f64) = (None, 0.0);
-            let mut believes_firing = false;
+            let (mut believes_firing, mut believes_critical) = (false, false);
             for (happening, days) in happenings {
                 now += days;
                 let decision = match (&happening, alert) {
@@ -399,18 +417,24 @@ mod properties {
                         Decision { alert: Some(silence(&alert, Some(day(now + d)))), action: Action::Silent }
                     }
                     (Happening::Reset, Some(alert)) => reset(&alert, day(now)),
+                    (Happening::Lower, Some(alert)) => lower(&alert, Severity::Warning, day(now)),
                 };
+                let is_critical = decision.alert.is_some_and(|alert| alert.severity == Severity::Critical);
+                if decision.action != Action::Silent {
+                    believes_critical = is_critical;
+                }
                 alert = decision.alert;
                 match decision.action {
                     Action::Fire => { prop_assert!(!believes_firing, "fired twice"); believes_firing = true; }
                     Action::Resolve => { prop_assert!(believes_firing, "resolved what was never told"); believes_firing = false; }
-                    Action::Escalate | Action::Repeat => prop_assert!(believes_firing),
+                    Action::Escalate | Action::Lower | Action::Repeat => prop_assert!(believes_firing),
                     Action::Silent => {}
                 }
                 let Some(alert) = alert else { continue };
                 let heard = tick(&alert, day(now), &POLICY).action;
                 if alert.silenced_until.is_none_or(|until| until <= day(now)) && matches!(heard, Action::Silent) {
                     prop_assert_eq!(believes_firing, alert.status == Status::Firing);
+                    prop_assert!(!believes_firing || believes_critical == (alert.severity == Severity::Critical));
                 }
             }
         }

@@ -87,3 +87,43 @@ pub fn median(values: &[f64]) -> f64 {
     sorted.sort_by(f64::total_cmp);
     sorted[sorted.len() / 2]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TIMES: [f64; 5] = [100.0, 200.0, 300.0, 400.0, 500.0];
+
+    fn turning(arcsec_s: [f64; 5]) -> [Vector3<f64>; 5] {
+        arcsec_s.map(|rate| Vector3::new(0.0, -rate, 0.0))
+    }
+
+    #[test]
+    fn laws_go_with_duration_rate_and_time_as_defined() {
+        let (durations, rates) = ([50.0, 100.0, 200.0, 400.0, 100.0], turning([0.0, 40.0, 80.0, 20.0, 10.0]));
+        let course = Course { times: &TIMES, durations: &durations, rates: &rates };
+        let close = |found: Vec<f64>, expected: [f64; 5]| {
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} is not {expected:?}");
+        };
+        close(Law::Duration(0.5).factors(&course), [2.0, 1.0, 0.5, 0.25, 1.0].map(f64::sqrt));
+        close(Law::Rate(2.0).factors(&course), [1.0, 2.0, 5.0, 1.25, 1.0625].map(f64::sqrt));
+        close(Law::Time(1.1).factors(&course), [-0.55, -0.275, 0.0, 0.275, 0.55].map(f64::exp));
+        assert_eq!(Law::Duration(0.25).found(), LawFound::Duration { power: 0.25 });
+        assert_eq!(Law::Rate(2.0).found(), LawFound::Rate { times: 5.0_f64.sqrt() });
+        assert_eq!(Law::Time(-1.1).found(), LawFound::Time { times: (-1.1_f64).exp() });
+        assert_eq!(median(&[3.0, 1.0, 2.0, 4.0]), 3.0);
+    }
+
+    #[test]
+    fn only_laws_that_the_dwells_can_show_are_tried() {
+        let of = |durations: [f64; 5], rates: [f64; 5]| {
+            Law::all(&Course { times: &TIMES, durations: &durations, rates: &turning(rates) })
+        };
+        let (even, still) = ([100.0, 100.0, 110.0, 90.0, 100.0], [0.0, 15.0, 15.0, 0.0, 15.0]);
+        assert_eq!(of(even, still), [-1.1, -0.55, 0.55, 1.1].map(Law::Time), "noise may grow as well as fall");
+        let laws = of([100.0, 100.0, 100.0, 100.0, 200.0], still);
+        assert_eq!(laws[..2], [Law::Duration(0.25), Law::Duration(0.5)]);
+        assert_eq!(of([100.0, 100.0, 100.0, 100.0, 60.0], still), laws, "shorter or longer");
+        assert_eq!(of(even, [0.0, 0.0, 25.0, 0.0, 0.0])[..4], [0.5, 1.0, 2.0, 4.0].map(Law::Rate));
+    }
+}

@@ -365,4 +365,115 @@ mod tests {
             assert_eq!(covariance, [Some(DMatrix::identity(3, 3))]);
         }
     }
+
+    /// What [`weigh`] is defined to give, by matrices: kinds with their weights, and the covariance of each gyro.
+    fn by_matrices(
+        course: &Course,
+        gyros: &[Fitted],
+        plain: &[DMatrix<f64>],
+        stated: bool,
+    ) -> (Vec<(Kind, f64)>, Vec<DMatrix<f64>>) {
+        let k = if stated { 4.0 } else { 0.0 };
+        let over = |v: &DVector<f64>, w: &DVector<f64>| DMatrix::from_diagonal(&v.zip_map(w, |v, w| v / (w * w)));
+        let covariance = |kind: Option<Kind>, gyro: &Fitted| match kind {
+            None => over(gyro.variances, gyro.weights),
+            Some(Kind::Law(law)) => {
+                let factors = DVector::from_vec(law.factors(course)).map(|f| f * f);
+                over(&gyro.even.component_mul(&factors), gyro.weights)
+            }
+            Some(Kind::Memory(memory, power)) => {
+                let white = over(gyro.variances, gyro.weights);
+                let usual = median(white.diagonal().map(f64::sqrt).as_slice());
+                white + power * usual * usual * memory.kernel(course.times)
+            }
+        };
+        let restricted = |v: &DMatrix<f64>, gyro: &Fitted| {
+            let design = DMatrix::from_fn(20, 3, |n, c| gyro.basis[(n, c)] / gyro.weights[n]);
+            let inverse = v.clone().try_inverse().expect("it is regular");
+            let normal = design.transpose() * &inverse * &design;
+            let side = design.transpose() * &inverse * gyro.residuals;
+            let solved = normal.clone().try_inverse().expect("it is regular") * &side;
+            let rss = (gyro.residuals.transpose() * &inverse * gyro.residuals)[(0, 0)] - side.dot(&solved);
+            let log = -0.5 * v.determinant().ln() - 0.5 * normal.determinant().ln();
+            (log - 0.5 * (gyro.dof as f64 + k) * (k + rss).ln(), rss)
+        };
+        let laws: Vec<Kind> = Law::all(course).into_iter().map(Kind::Law).collect();
+        let laws = laws.into_iter().filter(|kind| stated || !matches!(kind, Kind::Law(Law::Duration(_))));
+        let laws: Vec<(Kind, f64)> = laws.map(|kind| (kind, 0.2)).collect();
+        let of_law = 0.2 / laws.len() as f64;
+        let flicker = [0.15, 0.5, 1.5, 5.0, 20.0].map(|power| (Kind::Memory(Memory::Flicker, power), 0.0005));
+        let walks = [0.45, 1.5, 4.5, 15.0, 60.0].map(|power| (Kind::Memory(Memory::Walk, power), 0.0005));
+        let kinds = laws.into_iter().map(|(kind, _)| (kind, of_law)).chain(flicker).chain(walks);
+        let white: f64 = gyros.iter().map(|gyro| restricted(&covariance(None, gyro), gyro).0).sum();
+        let weight = |kind: Kind, prior: f64| {
+            let log: f64 = gyros.iter().map(|gyro| restricted(&covariance(Some(kind), gyro), gyro).0).sum();
+            prior * (log - white).exp()
+        };
+        let likely =
+            kinds.map(|(kind, prior)| (kind, weight(kind, prior))).filter(|(_, weight)| *weight > NOTHING.exp());
+        let likely: Vec<(Kind, f64)> = likely.collect();
+        let all = 0.795 + likely.iter().map(|(_, weight)| weight).sum::<f64>();
+        let likely: Vec<(Kind, f64)> = likely.into_iter().map(|(kind, weight)| (kind, weight / all)).collect();
+        let mixed = gyros.iter().zip(plain).map(|(gyro, plain)| {
+            let mut mixed = plain * (0.795 / all);
+            for (kind, weight) in &likely {
+                let v = covariance(Some(*kind), gyro);
+                let scale = (k + restricted(&v, gyro).1) / (gyro.dof as f64 + k - 2.0);
+                let w = DMatrix::from_diagonal(gyro.weights);
+                mixed += gyro.basis.transpose() * &w * v * &w * gyro.basis * (weight * scale);
+            }
+            mixed
+        });
+        (likely.clone(), mixed.collect())
+    }
+
+    #[test]
+    fn kinds_of_noise_have_the_weights_and_covariances_of_their_matrices() {
+        let (times, d, x) = dwells();
+        let durations: Vec<f64> = (0..20).map(|k| if k % 3 == 0 { 60.0 } else { 240.0 }).collect();
+        let rates: Vec<_> = (0..20).map(|k| nalgebra::Vector3::new(0.0, 30.0 * f64::from(k % 5), 10.0)).collect();
+        let course = Course { times: &times, durations: &durations, rates: &rates };
+        let variances = DVector::from_fn(20, |k, _| 1.0 + 0.2 * (3.1 * k as f64).cos());
+        let even = DVector::from_fn(20, |k, _| 1.0 + 0.1 * (2.3 * k as f64).sin());
+        for (stated, walk) in [(true, 0.0), (true, 0.6), (false, 0.3), (false, 0.0)] {
+            let fits: Vec<_> = [1.0, 7.0]
+                .map(|size: f64| {
+                    let weights = d.map(|d| 1.0 / (d * size));
+                    let over = DMatrix::from_fn(20, 3, |n, c| x[(n, c)] * weights[n]);
+                    let basis = over.qr().q();
+                    let mut wander = 0.0;
+                    let noise = DVector::from_fn(20, |n, _| {
+                        wander += walk * (5.9 * n as f64 + size).sin();
+                        size * (d[n] * 1.4 * (11.7 * n as f64 * size).sin() + wander)
+                    });
+                    let whitened = noise.component_mul(&weights);
+                    let left = &whitened - &basis * (basis.transpose() * &whitened);
+                    (basis, weights.clone(), left.component_div(&weights))
+                })
+                .into();
+            let gyros: Vec<Fitted> = fits
+                .iter()
+                .map(|(basis, weights, residuals)| Fitted {
+                    basis,
+                    weights,
+                    variances: &variances,
+                    even: &even,
+                    residuals,
+                    dof: 17,
+                })
+                .collect();
+            let plain = vec![DMatrix::from_diagonal_element(3, 3, 0.7), DMatrix::from_diagonal_element(3, 3, 1.3)];
+            let mut mixed: Vec<_> = plain.iter().cloned().map(Some).collect();
+            let found = weigh(&course, &gyros, &mut mixed, stated);
+            let (kinds, covariances) = by_matrices(&course, &gyros, &plain, stated);
+            assert_eq!(found.kinds.len(), kinds.len());
+            for ((kind, weight), (expected, of_matrices)) in found.kinds.iter().zip(&kinds) {
+                assert_eq!(kind, expected);
+                assert!((weight / of_matrices - 1.0).abs() < 1e-7, "{kind:?}: {weight} is not {of_matrices}");
+            }
+            for (mixed, expected) in mixed.iter().flatten().zip(&covariances) {
+                assert!((mixed - expected).amax() < 1e-7 * expected.amax(), "{mixed} is not {expected}");
+            }
+        }
+    }
 }

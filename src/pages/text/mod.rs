@@ -68,6 +68,7 @@ impl Text {
         match name {
             "fire" => self.step_fires,
             "escalate" => self.step_escalates,
+            "lower" => self.step_lowered,
             "repeat" => self.step_repeats,
             "resolve" => self.alert_resolved,
             "silent" => self.step_silent,

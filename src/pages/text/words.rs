@@ -523,6 +523,8 @@ catalogue! {
     today_title: "Today", "今日";
     worse_since: "New or worse since", "新出现或加重，自";
     since_day: "Since", "起始日期";
+    still_out: "Still out of tolerance", "仍超差";
+    nothing_else_out: "No other gyro is out of tolerance.", "没有其他陀螺超差。";
     nothing_worse: "Nothing has become worse.", "没有新出现或加重的情况。";
     will_cross: "Will reach the budget", "将达到允许范围";
     nothing_crosses: "No established trend leads to the budget.", "没有已确立的趋势会达到允许范围。";
@@ -583,6 +585,7 @@ catalogue! {
     told_yes: "yes", "是";
     step_fires: "fires", "触发";
     step_escalates: "confirmed by a second campaign", "经第二次标定证实";
+    step_lowered: "no longer confirmed", "不再被证实";
     step_repeats: "still fires", "仍在触发";
     step_silent: "judged again", "重新判定";
 

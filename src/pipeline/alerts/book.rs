@@ -7,7 +7,7 @@ use super::silences::Silences;
 use crate::core::alert_decision;
 use crate::core::alert_decision::{Action, Arrival, Decision, Late, Policy, Status};
 use crate::core::id::Id;
-use crate::core::judge::{Rule, Verdict};
+use crate::core::judge::{Rule, Severity, Verdict};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::Undone;
 use crate::store;
@@ -194,15 +194,25 @@ impl AlertCache {
         }
     }
 
-    /// Ends what fires where `ends` says so, because of what somebody has said of a record or bench result.
-    pub fn undo(&mut self, gyro: u32, ends: impl Fn(&AlertRow) -> bool, undone: &Undone, pen: &mut Pen<'_>) {
+    /// Ends or lowers what fires, because of what somebody has said of a record or bench result. `still`: how grave an
+    /// alert is by what is left; none where nothing bears it out.
+    pub fn undo(
+        &mut self,
+        gyro: u32,
+        still: impl Fn(&AlertRow) -> Option<Severity>,
+        undone: &Undone,
+        pen: &mut Pen<'_>,
+    ) {
         for place in 0..self.alerts.get(&gyro).map_or(0, Vec::len) {
             let row = &self.alerts[&gyro][place];
-            if row.alert.status == Status::Firing && ends(row) {
-                let decision = alert_decision::reset(&row.alert, pen.now);
-                let said = (Some(undone.author.clone()), Some(undone.reason.clone()));
-                self.enter((gyro, place), decision, false, said, pen);
-            }
+            let decision = match still(row) {
+                _ if row.alert.status == Status::Resolved => continue,
+                Some(severity) if severity >= row.alert.severity => continue,
+                Some(severity) => alert_decision::lower(&row.alert, severity, pen.now),
+                None => alert_decision::reset(&row.alert, pen.now),
+            };
+            let said = (Some(undone.author.clone()), Some(undone.reason.clone()));
+            self.enter((gyro, place), decision, false, said, pen);
         }
     }
 
@@ -334,12 +344,12 @@ impl AlertCache {
 /// What has become of an alert of which nobody is told.
 fn untold(earlier: Option<alert_decision::Alert>, alert: alert_decision::Alert) -> Option<Action> {
     let was_firing = earlier.is_some_and(|earlier| earlier.status == Status::Firing);
+    let severity = earlier.map_or(alert.severity, |earlier| earlier.severity);
     match (was_firing, alert.status) {
         (false, Status::Firing) => Some(Action::Fire),
         (true, Status::Resolved) => Some(Action::Resolve),
-        (true, Status::Firing) if earlier.is_some_and(|earlier| alert.severity > earlier.severity) => {
-            Some(Action::Escalate)
-        }
+        (true, Status::Firing) if alert.severity > severity => Some(Action::Escalate),
+        (true, Status::Firing) if alert.severity < severity => Some(Action::Lower),
         _ => None,
     }
 }

@@ -6,7 +6,7 @@ use super::body::Origin;
 use super::book::{AlertCache, Pen};
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
-use crate::core::judge::{Rule, State, Verdict, overdue};
+use crate::core::judge::{Rule, Verdict, overdue};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::{Judge, Judged, Newest};
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
@@ -53,17 +53,18 @@ pub(crate) fn follow_group(
     for (gyro, undone) in &judged.undone {
         causes.sign(*gyro, None, pen);
         let fires = undone.fires.as_ref();
-        let is_undone = |row: &AlertRow| match row.rule {
+        let still = |row: &AlertRow| match row.rule {
             Rule::Agreement => {
                 let compared = agreements.iter().filter(|agreement| agreement.gyro == *gyro);
-                let mut verdicts = compared.flat_map(|agreement| &agreement.verdicts);
-                !verdicts.any(|verdict| verdict.coefficient == row.coefficient && verdict.state == State::Exceeded)
+                let verdicts = compared.flat_map(|agreement| &agreement.verdicts);
+                verdicts.filter(|verdict| verdict.coefficient == row.coefficient).filter_map(Verdict::severity).max()
             }
             // Where nothing is left, nothing can be overdue; else the clock says what is.
-            Rule::Overdue => fires.is_some() && judged.newest.iter().all(|newest| newest.gyro != *gyro),
-            rule => fires.is_some_and(|fires| !fires.contains(&(row.coefficient, rule))),
+            Rule::Overdue if fires.is_some() && judged.newest.iter().all(|newest| newest.gyro != *gyro) => None,
+            Rule::Overdue => Some(row.alert.severity),
+            rule => fires.map_or(Some(row.alert.severity), |fires| fires.get(&(row.coefficient, rule)).copied()),
         };
-        alerts.undo(*gyro, is_undone, undone, pen);
+        alerts.undo(*gyro, still, undone, pen);
         // The newest that counts may be older than before.
         if let Some(Newest { figures, .. }) = judged.newest.iter().rfind(|newest| newest.gyro == *gyro) {
             follow_clock(alerts, judge, *gyro, figures.at, figures.imu, pen);

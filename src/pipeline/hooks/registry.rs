@@ -235,7 +235,7 @@ impl Notification {
         let urgency = match self.action {
             Action::Escalate => 0,
             Action::Fire => 1,
-            Action::Repeat => 2,
+            Action::Lower | Action::Repeat => 2,
             Action::Resolve | Action::Silent => 3,
         };
         (self.action == Action::Resolve, Reverse(self.severity), urgency)

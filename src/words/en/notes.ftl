@@ -54,4 +54,5 @@ other_unit = all gyros ({ $serials }) are off their last levels by more than { $
 identical_figures = { $serials }: identical to record { $record } of { $at }; is it the same measurement with another time?
 unit_factor = { $quantity } of { $serials } is { $times } times what it was before: is it in another unit?
 unit_factor_of = { $quantity } of { $serials } is { $times } times what it was before: is it in { $unit }?
+sign_reversed = { $quantity } of { $serials } is that of before with the opposite sign: is the output or the specific force reversed?
 moved = { $serial } was in { $from_imu } { $from_slot } in its last record and is in { $to_imu } { $to_slot } now

@@ -46,4 +46,5 @@ other_unit = 全部陀螺（{ $serials }）同时偏离各自上次水平{ $budg
 identical_figures = { $serials }：与{ $at }的记录{ $record }逐位相同；是否为同一次测量改了时间？
 unit_factor = { $serials }的{ $quantity }为此前的{ $times }倍：单位是否有误？
 unit_factor_of = { $serials }的{ $quantity }为此前的{ $times }倍：单位是否为{ $unit }？
+sign_reversed = { $serials }的{ $quantity }与此前符号相反：输出或比力是否取反？
 moved = { $serial }上次记录时在{ $from_imu } { $from_slot }，现在{ $to_imu } { $to_slot }

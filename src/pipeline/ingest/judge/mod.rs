@@ -5,7 +5,7 @@ pub(crate) mod older_summary;
 pub(crate) mod out_of_order;
 pub(crate) mod withdrawal;
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 
 use crate::config::Judging;
 use crate::core::alert_decision::Policy;
@@ -13,7 +13,7 @@ use crate::core::figures::Figures;
 use crate::core::figures::States;
 use crate::core::id::Id;
 use crate::core::judge::history::Need;
-use crate::core::judge::{Coefficient, Limit, Limits, Mark, Older, Outlook, Rule, Verdict};
+use crate::core::judge::{Coefficient, Limit, Limits, Mark, Older, Outlook, Rule, Severity, Verdict};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::Naming;
@@ -47,11 +47,14 @@ pub(crate) struct Judged {
     pub undone: BTreeMap<u32, Undone>,
 }
 
+/// What fires, and how grave it is.
+pub(crate) type Firing = HashMap<(Coefficient, Rule), Severity>;
+
 /// What has become of a gyro's alerts now that something counts no more, and who said so, and why.
 #[derive(Debug)]
 pub(crate) struct Undone {
     /// What would fire if nothing but what counts now had ever come; none where only a bench result was voided.
-    pub fires: Option<HashSet<(Coefficient, Rule)>>,
+    pub fires: Option<Firing>,
     pub author: String,
     pub reason: String,
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Judge, Judged, Undone};
+use super::{Firing, Judge, Judged, Undone};
 use crate::core::alert_decision;
 use crate::core::alert_decision::{Alert, Status};
 use crate::core::figures::Figures;
@@ -49,7 +49,7 @@ impl Judge {
         }
     }
 
-    async fn replay(&self, gyro: u32, changes: &Changes) -> Result<HashSet<(Coefficient, Rule)>, StoreError> {
+    async fn replay(&self, gyro: u32, changes: &Changes) -> Result<Firing, StoreError> {
         let gone: HashSet<Id> = changes.withdrawn.records.iter().copied().collect();
         let stored = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
         let new = changes.history.iter().filter(|row| row.gyro == gyro).map(|row| row.figures);
@@ -70,7 +70,7 @@ impl Judge {
             }
         }
         let firing = alerts.into_iter().filter(|(_, alert)| alert.status == Status::Firing);
-        Ok(firing.map(|(key, _)| key).collect())
+        Ok(firing.map(|(key, alert)| (key, alert.severity)).collect())
     }
 }
 
@@ -78,6 +78,6 @@ fn said_of(mut items: impl Iterator<Item = Id>, changes: &Changes) -> Option<&Co
     items.find_map(|item| changes.corrections.iter().find(|row| row.item == item))
 }
 
-fn undone(fires: Option<HashSet<(Coefficient, Rule)>>, said: &CorrectionRow) -> Undone {
+fn undone(fires: Option<Firing>, said: &CorrectionRow) -> Undone {
     Undone { fires, author: said.author.clone(), reason: said.reason.clone() }
 }

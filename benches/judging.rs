@@ -14,7 +14,7 @@ fn one_gyro(c: &mut Criterion) {
         let figure = |value| Measured { value, sd: Some(5e-4) };
         let d = |i| [3.0 + wobble(i, 0.618) + per_record * i as f64, 5.0 + wobble(i, 0.414), wobble(i, 0.732)];
         let at = |i: usize| UtcMicros(0).plus_days(14.0 * i as f64);
-        let sample = |i| Sample { at: at(i), seat: Seat::default(), d: d(i).map(figure) };
+        let sample = |i| Sample { at: at(i), seat: Seat::default(), station: 0, d: d(i).map(figure) };
         (0..52).map(sample).collect::<Vec<_>>().into()
     };
     let limits = Limits::default();

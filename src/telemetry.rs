@@ -34,6 +34,7 @@ pub const DIAGNOSES_WAITING: &str = "gyrowatch_diagnoses_waiting";
 pub const GYROS: &str = "gyrowatch_gyros";
 pub const ALERTS: &str = "gyrowatch_alerts_firing";
 pub const NEWEST_CALIBRATION: &str = "gyrowatch_station_newest_calibration_timestamp_seconds";
+pub const STATION_OVERDUE: &str = "gyrowatch_station_overdue_gyros";
 const BUILD: &str = "gyrowatch_build_info";
 
 /// What items are, and what becomes of them.
@@ -144,6 +145,7 @@ fn describe() {
         Unit::Seconds,
         "When the newest calibration of a station was made, Unix time, by station."
     );
+    describe_gauge!(STATION_OVERDUE, "Gyros that are overdue, by the station that calibrated them last.");
     describe_gauge!(BUILD, "1, labelled with the version.");
     gauge!(BUILD, "version" => env!("CARGO_PKG_VERSION")).set(1.0);
 }

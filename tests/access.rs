@@ -18,7 +18,8 @@ const OPEN: [&str; 7] = [
     "GET /preference",
     "GET /assets/{name}",
 ];
-const ENGINEERS: [&str; 56] = [
+const ENGINEERS: [&str; 57] = [
+    "PATCH /v1/gyros",
     "PATCH /v1/gyros/{serial}",
     "GET /gyros/{serial}/attributes",
     "POST /gyros/{serial}/attributes",

@@ -153,3 +153,27 @@ async fn gyros_are_found_by_their_batch_and_what_is_said_of_them_is_audited() {
     }
     assert_eq!(patch("NOBODY", json!({"batch": "x"})).await.status, 404);
 }
+
+#[tokio::test]
+async fn a_table_says_the_batches_of_many_gyros_all_of_it_or_nothing() {
+    let server = Server::start().await;
+    assert_eq!(server.post("/v1/records", "application/json", support::data("paper.json")).await.status, 201);
+    let send = |text: &str| {
+        let (server, text) = (&server, text.to_owned());
+        async move { server.call("PATCH", "/v1/gyros", &[("content-type", "text/csv")], text).await }
+    };
+    let changed = send("serial;batch;unit\nLFG-0101;2024-B;\nLFG-0102;2024-B;Kestrel\n").await;
+    assert_eq!(changed.status, 200, "{}", changed.text());
+    assert_eq!(changed.json(), json!({"changed": ["LFG-0101", "LFG-0102"], "unchanged": 0}));
+    let again = send("serial,batch\nLFG-0101,2024-B\nLFG-0103,2025-A\n").await.json();
+    assert_eq!(again, json!({"changed": ["LFG-0103"], "unchanged": 1}));
+    let kept = server.get("/v1/gyros/LFG-0102").await.json();
+    assert_eq!(kept["attributes"], json!({"batch": "2024-B", "type": null, "unit": "Kestrel"}));
+    let refused = send("serial,batch\nLFG-0101,2030-Z\nNOBODY,2030-Z\n").await;
+    assert_eq!(refused.status, 422);
+    assert!(refused.text().contains("line 3") && refused.text().contains("NOBODY"), "{}", refused.text());
+    assert_eq!(server.get("/v1/gyros/LFG-0101").await.json()["attributes"]["batch"], "2024-B");
+    let audit = server.get("/v1/audit").await.json();
+    let lines = audit["lines"].as_array().unwrap().iter().filter(|line| line["action"] == "set attributes");
+    assert_eq!(lines.count(), 3, "{audit}");
+}

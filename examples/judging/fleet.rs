@@ -106,7 +106,7 @@ impl Fleet {
             };
             let d = [figure(0, 3.0 + self.course.value(day)), figure(1, 5.0), figure(2, 0.0)];
             let delay = if rng.random_bool(self.late) { self.interval_days * rng.random_range(1.0..4.0) } else { 0.0 };
-            let sample = Sample { at: BEGIN.plus_days(day), seat: Seat::default(), d };
+            let sample = Sample { at: BEGIN.plus_days(day), seat: Seat::default(), station: 0, d };
             arrivals.push(Arrival { day: day + delay, sample, level: 3.0 + self.course.value(day) + walks[0] });
             before = day;
             day += self.interval_days * rng.random_range(2.0 / 3.0..4.0 / 3.0);

@@ -10,6 +10,7 @@ use super::tallies::{figures, percent, progress};
 use crate::blindcheck::history::draw::Kind;
 use crate::blindcheck::history::report::{Report, Row};
 use crate::blindcheck::history::run;
+use crate::blindcheck::history::speed::{Speed, measure};
 use crate::core::changes::diagnose_history;
 
 /// Draw fleets with a hidden cause, diagnose every gyro as the service does, score the answers
@@ -26,6 +27,9 @@ pub struct History {
     seed: u64,
     #[arg(long, value_delimiter = ',', value_parser = kind, help = kinds_help())]
     kind: Vec<Kind>,
+    /// Instead: how long the diagnosis of so many gyros takes on all threads, and that of one with 1,000 records.
+    #[arg(long, value_name = "GYROS", conflicts_with_all = ["count", "kind", "strict"])]
+    speed: Option<usize>,
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
     /// End with exit status 1 where a figure to be reached is not.
@@ -43,6 +47,13 @@ fn kinds_help() -> String {
 
 impl History {
     pub fn run(self) -> anyhow::Result<()> {
+        if let Some(gyros) = self.speed {
+            let speed = measure(self.seed, gyros, &diagnose_history);
+            return match self.format {
+                Format::Json => print_json(&speed),
+                Format::Table => print(&shown(&speed)),
+            };
+        }
         let kinds = if self.kind.is_empty() { Kind::ALL.to_vec() } else { self.kind.clone() };
         let bar = progress(kinds.len() * self.count as usize, "fleets");
         let begun = Instant::now();
@@ -58,6 +69,14 @@ impl History {
         }
         Ok(())
     }
+}
+
+fn shown(speed: &Speed) -> String {
+    let Speed { gyros, records, threads, fleet_s, of_one, one_ms, slowest_ms } = speed;
+    format!(
+        "{gyros} gyros with {records} records in {fleet_s:.1} s on {threads} threads\n\
+         one gyro with {of_one} records and 40 peers: {one_ms:.1} ms (median), {slowest_ms:.1} ms (slowest)"
+    )
 }
 
 fn tables(report: &Report, seconds: f64) -> String {

@@ -14,8 +14,8 @@ use crate::store;
 use crate::system::Clock;
 use crate::wire::time;
 
-/// Fit the fleet's noise constants (correlation, random walk) to the stored history, and print the line for the
-/// configuration
+/// Fit the fleet's noise constants (correlation, random walk, what stations differ by) to the stored history, and print
+/// the lines for the configuration
 #[derive(Debug, Args)]
 pub struct FleetNoise {
     /// Configuration file that names the database; repeat for several, later ones win [default: config/*.toml]
@@ -30,14 +30,15 @@ impl FleetNoise {
         let work = async {
             let store = store::open_to_read(&config.database.options()).await?;
             let reading = Pipeline::to_read(store, Arc::new(config), Clock::System).await?;
-            Ok(reading.queries.fleet.noise().await?)
+            let fleet = &reading.queries.fleet;
+            Ok((fleet.noise().await?, fleet.station_figures().await?.map_or([0.0; 2], |found| found.between())))
         };
-        let found = block_on(work).with_context(|| format!("the database {url}"))?;
-        document::print(&report(&found, &time::format(Clock::System.now())[..10]))
+        let (found, between) = block_on(work).with_context(|| format!("the database {url}"))?;
+        document::print(&report(&found, between, &time::format(Clock::System.now())[..10]))
     }
 }
 
-fn report(found: &Found, today: &str) -> String {
+fn report(found: &Found, between: [f64; 2], today: &str) -> String {
     let Found { noise, fitted, scatter, cells, coefficients, moving, spacings } = found;
     let mut text = format!(
         "{cells} weekly means of {coefficients} coefficients between two events; {moving} left out because they move\n"
@@ -60,5 +61,11 @@ fn report(found: &Found, today: &str) -> String {
         }
         _ => text += "The history is too short for a fit: the defaults stay in force.",
     }
+    let [d_i, d_s] = between;
+    text += &if between == [0.0; 2] {
+        "\nThe fleet does not tell how stations differ: between_stations stays 0.".to_owned()
+    } else {
+        format!("\nbetween_stations = {{ d_i = {d_i:.3e}, d_s = {d_s:.3e} }}")
+    };
     text
 }

@@ -33,6 +33,7 @@ pub struct Judging {
     pub remembered_records: usize,
     pub interval_days: f64,
     pub noise: NoiseKeys,
+    pub between_stations: BetweenStations,
     pub requirements: bool,
     pub requirement: SlotRequirements,
     pub rules: RuleKeys,
@@ -54,6 +55,15 @@ impl NoiseKeys {
     fn noise(&self) -> Noise {
         Noise { phi: self.phi, walk: self.walk, of_fleet: self.fitted.is_some() }
     }
+}
+
+/// How D_I and D_S differ from station to station: standard deviations, deg/(h g0), as `gyrowatch fleet-noise` finds
+/// them.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BetweenStations {
+    pub d_i: f64,
+    pub d_s: f64,
 }
 
 /// Limits for what matches; a filter that is left out matches everything.
@@ -81,6 +91,7 @@ impl Judging {
             range_min_records: self.range_min_records,
             interval_days: self.fleet_interval_days(),
             noise: self.noise.noise(),
+            between_stations: [self.between_stations.d_i, self.between_stations.d_s],
             ..Limits::from_budget(self.budget)
         };
         self.rules.apply(None, None, &mut limits);
@@ -170,6 +181,11 @@ impl Judging {
         }
         if !(self.noise.walk.is_finite() && self.noise.walk >= 0.0) {
             return wrong("judging.noise.walk".into(), format!("must not be negative, is {}", self.noise.walk));
+        }
+        for (key, sd) in [("d_i", self.between_stations.d_i), ("d_s", self.between_stations.d_s)] {
+            if !(sd.is_finite() && sd >= 0.0) {
+                return wrong(format!("judging.between_stations.{key}"), format!("must not be negative, is {sd}"));
+            }
         }
         if self.range_min_records < 2 {
             return wrong("judging.range_min_records".into(), "must be at least 2".into());

@@ -4,7 +4,7 @@
 //! record that leaves the newest verdict as it was is history, not news). The caller keeps the state and does the
 //! telling; nothing here knows a clock, a person or a hook.
 
-use super::judge::{Rule, Severity, State, Verdict};
+use super::judge::{Finding, Rule, Severity, State, Verdict};
 use super::time::UtcMicros;
 
 /// How an alert behaves between verdicts.
@@ -69,17 +69,21 @@ pub enum Standing {
     Acknowledged,
     /// Firing, and nobody is told before a time.
     Silenced,
+    /// Firing, and a station's alert explains it: nobody is told while that fires.
+    Inhibited,
     Resolved,
 }
 
 impl Standing {
-    pub const ALL: [Standing; 4] = [Standing::Firing, Standing::Acknowledged, Standing::Silenced, Standing::Resolved];
+    pub const ALL: [Standing; 5] =
+        [Standing::Firing, Standing::Acknowledged, Standing::Silenced, Standing::Inhibited, Standing::Resolved];
 
     pub fn name(self) -> &'static str {
         match self {
             Standing::Firing => "firing",
             Standing::Acknowledged => "acknowledged",
             Standing::Silenced => "silenced",
+            Standing::Inhibited => "inhibited",
             Standing::Resolved => "resolved",
         }
     }
@@ -107,6 +111,8 @@ pub struct Alert {
     pub silenced_until: Option<UtcMicros>,
     /// Until when a silence of many alerts holds for this one.
     pub muted_until: Option<UtcMicros>,
+    /// The alert of a station explains it.
+    pub inhibited: bool,
     /// Nobody is told that it fires, or that it has become worse: it was found late.
     pub hushed: Option<Hushed>,
     /// What the world believes: that it fires, as it was last told; none where it believes that all is well.
@@ -118,6 +124,7 @@ impl Alert {
         match self.status {
             Status::Resolved => Standing::Resolved,
             Status::Firing if is_silenced(self, now) => Standing::Silenced,
+            Status::Firing if self.inhibited => Standing::Inhibited,
             Status::Firing if self.acknowledged => Standing::Acknowledged,
             Status::Firing => Standing::Firing,
         }
@@ -141,6 +148,8 @@ pub struct Arrival {
     pub late: Late,
     /// Until when a silence of many alerts holds for this one.
     pub muted_until: Option<UtcMicros>,
+    /// Whether the alert of a station explains what is beyond a limit.
+    pub inhibited: bool,
 }
 
 /// The last that was told of a firing alert.
@@ -208,12 +217,12 @@ pub fn follow(
     policy: &Policy,
 ) -> Decision {
     let muted_until = earlier.and_then(|alert| alert.muted_until);
-    hear(earlier, verdict, &Arrival { record_at, now, late: Late::Told, muted_until }, policy)
+    hear(earlier, verdict, &Arrival { record_at, now, late: Late::Told, muted_until, inhibited: false }, policy)
 }
 
 /// As [`follow`], where what is found late is not told like the rest.
 pub fn hear(earlier: Option<&Alert>, verdict: &Verdict, arrival: &Arrival, policy: &Policy) -> Decision {
-    let Arrival { record_at, now, muted_until, .. } = *arrival;
+    let Arrival { record_at, now, muted_until, inhibited, .. } = *arrival;
     let firing = earlier.filter(|alert| alert.status == Status::Firing);
     let alert = match (firing, verdict.severity()) {
         (Some(alert), _) => go_on(alert, verdict, record_at, now, policy),
@@ -221,7 +230,9 @@ pub fn hear(earlier: Option<&Alert>, verdict: &Verdict, arrival: &Arrival, polic
         (None, None) => return Decision { alert: earlier.copied(), action: Action::Silent },
     };
     let hushed = hush(&alert, verdict, arrival, policy);
-    announce(Alert { muted_until, hushed, ..alert }, now)
+    // What does not exceed is explained by nothing: it stays as it was.
+    let inhibited = if verdict.state == State::Exceeded { inhibited } else { alert.inhibited };
+    announce(Alert { muted_until, inhibited: inhibited && alert.status == Status::Firing, hushed, ..alert }, now)
 }
 
 /// Whether nobody is told what a verdict has made of an alert.
@@ -251,7 +262,7 @@ fn hush(alert: &Alert, verdict: &Verdict, arrival: &Arrival, policy: &Policy) ->
 ///
 /// It never hears more of what it did not hear fire, and always hears the end of what it did.
 pub fn for_hook(alert: &Alert, heard: Option<Severity>, action: Action, now: UtcMicros) -> Option<Action> {
-    if is_silenced(alert, now) {
+    if is_held_back(alert, now) {
         return None;
     }
     match (alert.status, heard) {
@@ -271,6 +282,11 @@ pub fn digest(alert: &Alert, now: UtcMicros) -> Option<Decision> {
     Some(announce(Alert { hushed: None, ..*alert }, now))
 }
 
+/// Nobody is told while the alert of a station explains this one; what is then still untold is told at its end.
+pub fn inhibit(alert: &Alert, inhibited: bool, now: UtcMicros) -> Decision {
+    announce(Alert { inhibited: inhibited && alert.status == Status::Firing, ..*alert }, now)
+}
+
 /// Follows the clock: repeats what fires, and tells at the end of a silence what it held back.
 pub fn tick(alert: &Alert, now: UtcMicros, policy: &Policy) -> Decision {
     let going_on = |until: &UtcMicros| now < *until;
@@ -278,7 +294,7 @@ pub fn tick(alert: &Alert, now: UtcMicros, policy: &Policy) -> Decision {
     let alert = &Alert { silenced_until, muted_until, ..*alert };
     let decision = announce(*alert, now);
     let (Action::Silent, Some(told)) = (decision.action, alert.told) else { return decision };
-    if alert.status == Status::Resolved || alert.acknowledged || is_silenced(alert, now) {
+    if alert.status == Status::Resolved || alert.acknowledged || is_held_back(alert, now) {
         return decision;
     }
     let told_now = Some(Told { at: now, ..told });
@@ -327,8 +343,12 @@ fn begin(
     record_at: UtcMicros,
     now: UtcMicros,
 ) -> Alert {
-    // Overdue is whoever was calibrated longer ago than the interval, which is the limit.
-    let since = if verdict.rule == Rule::Overdue { record_at.plus_days(verdict.limit) } else { record_at };
+    let since = match (verdict.rule, verdict.finding) {
+        // Overdue is whoever was calibrated longer ago than the interval, which is the limit.
+        (Rule::Overdue, _) => record_at.plus_days(verdict.limit),
+        (_, Finding::StationShift { since, .. }) => since,
+        _ => record_at,
+    };
     Alert {
         status: Status::Firing,
         severity,
@@ -340,6 +360,7 @@ fn begin(
         acknowledged: false,
         silenced_until: earlier.and_then(|alert| alert.silenced_until),
         muted_until: earlier.and_then(|alert| alert.muted_until),
+        inhibited: false,
         hushed: None,
         told: earlier.and_then(|alert| alert.told),
     }
@@ -376,17 +397,21 @@ fn escalate(alert: Alert, severity: Option<Severity>) -> Alert {
 }
 
 fn end(alert: Alert, now: UtcMicros) -> Alert {
-    Alert { status: Status::Resolved, resolved_at: Some(now), hushed: None, ..alert }
+    Alert { status: Status::Resolved, resolved_at: Some(now), inhibited: false, hushed: None, ..alert }
 }
 
 fn is_silenced(alert: &Alert, now: UtcMicros) -> bool {
     alert.silenced_until.max(alert.muted_until).is_some_and(|until| now < until)
 }
 
-/// Tells the difference between what is and what the world believes, unless silenced.
+fn is_held_back(alert: &Alert, now: UtcMicros) -> bool {
+    alert.inhibited || is_silenced(alert, now)
+}
+
+/// Tells the difference between what is and what the world believes, unless silenced or inhibited.
 fn announce(alert: Alert, now: UtcMicros) -> Decision {
     let action = match (alert.status, alert.told) {
-        _ if is_silenced(&alert, now) => Action::Silent,
+        _ if is_held_back(&alert, now) => Action::Silent,
         (Status::Firing, _) if alert.hushed.is_some() => Action::Silent,
         (Status::Firing, None) => Action::Fire,
         (Status::Firing, Some(told)) if alert.severity > told.severity => Action::Escalate,

@@ -31,7 +31,7 @@ const MOST_ALERTS: usize = 10_000;
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct AlertsQuery {
-    /// `firing`, `acknowledged`, `silenced` or `resolved`.
+    /// `firing`, `acknowledged`, `silenced`, `inhibited` or `resolved`.
     state: Option<String>,
     /// Of one gyro.
     serial: Option<String>,
@@ -152,6 +152,8 @@ pub struct AlertDetail {
     alert: AlertBody,
     /// Its newest thousand steps, oldest first.
     history: Vec<StepBody>,
+    /// Of a station: identifiers of the alerts of gyros that it explains, of which nobody is told meanwhile.
+    inhibits: Vec<String>,
 }
 
 /// One step of an alert.
@@ -181,8 +183,14 @@ impl From<AlertStep> for StepBody {
 #[utoipa::path(get, path = "/v1/alerts/{id}", tag = "alerts",
     responses((status = 200, description = "the alert", body = AlertDetail)))]
 pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result<Json<AlertDetail>, Problem> {
-    let found = app.pipeline.alerts.get(read_id(&id)?).await?.ok_or_else(|| unknown(&id))?;
-    Ok(Json(AlertDetail { alert: found.alert, history: found.steps.into_iter().map(StepBody::from).collect() }))
+    let number = read_id(&id)?;
+    let found = app.pipeline.alerts.get(number).await?.ok_or_else(|| unknown(&id))?;
+    let inhibited = app.pipeline.alerts.inhibited_by(number).await?;
+    Ok(Json(AlertDetail {
+        alert: found.alert,
+        history: found.steps.into_iter().map(StepBody::from).collect(),
+        inhibits: inhibited.into_iter().map(|alert| alert.id).collect(),
+    }))
 }
 
 fn read_id(id: &str) -> Result<Id, Problem> {

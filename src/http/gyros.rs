@@ -2,17 +2,19 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::Uri;
 use axum::http::header::LINK;
+use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::app::App;
-use super::document::Document;
+use super::document::{Document, check_media_type};
 use super::events::EventBody;
 use super::query::{self, Parameters};
 use crate::config::JudgedMethod;
+use crate::core::alert_decision::Late;
 use crate::core::fault::Faults;
 use crate::core::figures::Figures;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
@@ -22,9 +24,11 @@ use crate::core::record::Name;
 use crate::core::time::Span;
 use crate::message;
 use crate::pipeline::{
-    Actor, AttributesOrder, FleetFilter, Names, Queries, Standing, StandingFilter, Submission, sample_of,
+    Accepted, Actor, AttributesOrder, FleetFilter, Names, Queries, Standing, StandingFilter, Submission, sample_of,
 };
 use crate::wire::answer::{FigureBody, VerdictBody};
+use crate::wire::gyro_table;
+use crate::wire::gyro_table::GyroRow;
 use crate::wire::json::present;
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, json, text, time};
@@ -325,6 +329,54 @@ pub async fn patch_gyro(
     let order = AttributesOrder { serial: name, patch, by: Actor::by_caller() };
     app.pipeline.ingest.submit(Submission::Attributes(order)).await?;
     get_gyro(State(app), Path(serial)).await
+}
+
+/// What has come of a table of attributes.
+#[derive(Serialize, ToSchema)]
+pub struct AttributesChanged {
+    /// Serials of the gyros of which something is different now.
+    changed: Vec<String>,
+    /// Rows that say what was known.
+    unchanged: usize,
+}
+
+/// Batch, type and unit of many gyros: a table with the columns `serial` and any of `batch`, `type`, `unit`. An empty
+/// cell leaves what is known. All of it, or nothing.
+#[utoipa::path(patch, path = "/v1/gyros", tag = "gyros",
+    request_body(content = String, content_type = "text/csv"),
+    responses((status = 200, description = "what has changed", body = AttributesChanged)))]
+pub async fn patch_gyros(
+    State(app): State<App>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Json<AttributesChanged>, Problem> {
+    check_media_type(&headers, &["text/csv"])?;
+    let of_faults = |faults| Problem::of_faults(422, "title_cannot_be_stored", faults);
+    let text = String::from_utf8_lossy(&body);
+    let rows = gyro_table::parse(&text).map_err(of_faults)?;
+    let mut faults = Faults::default();
+    for GyroRow { line, serial, .. } in &rows {
+        if app.pipeline.queries.names().gyro_number(serial.as_str()).is_none() {
+            let unknown = message!("unknown_gyro", serial = serial.to_string());
+            faults.push("", message!("at_line", line = *line, fault = unknown));
+        }
+    }
+    faults.or(()).map_err(of_faults)?;
+    let by = Actor::by_caller();
+    let order = |row: &GyroRow| {
+        let (serial, patch) = (row.serial.clone(), row.patch.clone());
+        Submission::Attributes(AttributesOrder { serial, patch, by: by.clone() })
+    };
+    let replies = app.pipeline.ingest.enqueue(rows.iter().map(order).collect(), Late::Quiet).await.await;
+    let mut changed = Vec::new();
+    for (row, reply) in rows.iter().zip(replies) {
+        if let Accepted::Stored { .. } = reply? {
+            changed.push(row.serial.to_string());
+        }
+    }
+    changed.dedup();
+    let unchanged = rows.len() - changed.len();
+    Ok(Json(AttributesChanged { changed, unchanged }))
 }
 
 impl Gyro {

@@ -35,7 +35,8 @@ pub async fn get_metrics(State(app): State<App>) -> Result<Response, Problem> {
     }
     for (station, calibrated) in totals.of_station {
         let newest = calibrated.last_calibrated.0 as f64 / 1e6;
-        gauge!(telemetry::NEWEST_CALIBRATION, "station" => station).set(newest);
+        gauge!(telemetry::NEWEST_CALIBRATION, "station" => station.clone()).set(newest);
+        gauge!(telemetry::STATION_OVERDUE, "station" => station).set(calibrated.overdue as f64);
     }
     for (severity, firing) in Severity::ALL.into_iter().zip(app.pipeline.alerts.firing().await?) {
         gauge!(telemetry::ALERTS, "severity" => severity.name()).set(firing as f64);

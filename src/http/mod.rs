@@ -117,6 +117,7 @@ pub fn routes(server: &Server) -> Routes<App> {
         .api(VIEWER, routes!(agreement::get_agreement))
         .api(VIEWER, routes!(gyro_diagnosis::get_gyro_diagnosis))
         .api(ENGINEER, routes!(gyros::patch_gyro))
+        .api(ENGINEER, routes!(gyros::patch_gyros))
         .api(VIEWER, routes!(stations::get_stations))
         .api(VIEWER, routes!(stations::get_station))
         .api(ENGINEER, routes!(stations::suspect_window))

@@ -18,8 +18,9 @@ use crate::wire::{json, text};
 #[utoipa::path(get, path = "/v1/stations", tag = "stations",
     responses((status = 200, description = "the stations, by name", body = StationsBody)))]
 pub async fn get_stations(State(app): State<App>) -> Result<Json<StationsBody>, Problem> {
-    let found = app.pipeline.queries.fleet.station_figures().await?;
-    Ok(Json(StationsBody::from(found.as_ref())))
+    let fleet = &app.pipeline.queries.fleet;
+    let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
+    Ok(Json(StationsBody::of(found.as_ref(), &overdue)))
 }
 
 /// One station.
@@ -27,10 +28,11 @@ pub async fn get_stations(State(app): State<App>) -> Result<Json<StationsBody>, 
     params(("name" = String, Path, description = "name of the station")),
     responses((status = 200, description = "the station", body = StationBody)))]
 pub async fn get_station(State(app): State<App>, Path(name): Path<String>) -> Result<Json<StationBody>, Problem> {
-    let found = app.pipeline.queries.fleet.station_figures().await?;
+    let fleet = &app.pipeline.queries.fleet;
+    let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
     let stations = found.map(|found| found.stations).unwrap_or_default();
     let station = stations.iter().find(|station| *station.name == *name);
-    Ok(Json(StationBody::from(station.ok_or_else(|| Problem::no_such_station(&name))?)))
+    Ok(Json(StationBody::of(station.ok_or_else(|| Problem::no_such_station(&name))?, &overdue)))
 }
 
 /// A window of time at a station, and who says what of it.

@@ -94,6 +94,8 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     } else {
         pages.pipeline.alerts.by_gyro(&filter, filters.page.saturating_mul(ROWS), ROWS + 1).await?
     };
+    let stations =
+        if filters.page > 0 || nobody { Vec::new() } else { pages.pipeline.alerts.of_stations(&filter).await? };
     let more = found.len() > ROWS;
     let groups = together(found.into_iter().take(ROWS).collect());
     let silences = silences::list(pages, viewer).await?;
@@ -114,7 +116,13 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         }
         (search(viewer, filters))
         p.note { (t.alerts_note) }
-        @if groups.is_empty() { p.lead { (t.no_alerts) } }
+        @if !stations.is_empty() {
+            section.together {
+                h2 { (t.stations_alerts) }
+                (table(viewer, stations.iter(), true, may.then_some(here.as_str())))
+            }
+        }
+        @if groups.is_empty() { @if stations.is_empty() { p.lead { (t.no_alerts) } } }
         @else {
             @for group in &groups { (group.shown(viewer, may, &here)) }
             @if may { (bulk::bar(viewer, &here)) }
@@ -287,7 +295,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
     html! {
         tr {
             td { (status::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
-            @if gyros { th scope="row" { a.id href={ "/gyros/" (encoded(&alert.serial)) } { (alert.serial) } } }
+            @if gyros { th scope="row" { a.id href={ "/" (alert.subject) "s/" (encoded(alert.name())) } { (alert.name()) } } }
             td.nowrap { (violated(t, alert)) }
             td.words {
                 (alert.finding.reason.words(viewer.language))
@@ -299,6 +307,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
             td data-label=(t.fired) { a href={ "/alerts/" (alert.id) } { (written(&alert.fired_at)) } }
             td.words {
                 (t.standing(&alert.state))
+                @if let Some(station) = &alert.inhibited_by { " " a href={ "/alerts/" (station) } { (t.explained_by_station) } }
                 @if let Some(said) = &alert.acknowledged { (remark(t.said_by, &said.by, &said.reason)) }
                 @if let Some(said) = &alert.silenced { " " (t.until) " " (written(&said.until)) (remark(t.said_by, &said.by, &said.reason)) }
                 @if let Some(at) = &alert.resolved_at { " " (written(at)) }

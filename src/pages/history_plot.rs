@@ -169,6 +169,7 @@ fn letter(rule: Rule) -> char {
         Rule::Overdue => 'D',
         Rule::Shift => 'L',
         Rule::BeforeAfter => 'E',
+        Rule::StationShift => 'G',
     }
 }
 

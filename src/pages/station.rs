@@ -5,12 +5,16 @@ use axum::response::Response;
 use maud::{Markup, html};
 
 use super::Pages;
+use super::alerts;
 use super::course::Course;
 use super::figure;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::viewer::Viewer;
 use crate::core::access::Role;
+use crate::core::alert_decision::Standing;
+use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{Shared, Spread, StationColumn};
+use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 
 pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(name): Path<String>) -> Response {
@@ -19,7 +23,12 @@ pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(name): P
 
 async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Problem> {
     let t = viewer.text();
-    let found = pages.pipeline.queries.fleet.station_figures().await?;
+    let fleet = &pages.pipeline.queries.fleet;
+    let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
+    let overdue = overdue.get(name).copied().unwrap_or_default();
+    let told = pages.pipeline.alerts.of_stations(&AlertFilter::default()).await?;
+    let is_open = |alert: &&AlertBody| alert.name() == name && alert.state != Standing::Resolved.name();
+    let open: Vec<&AlertBody> = told.iter().filter(is_open).collect();
     let figures = found.as_ref().and_then(|found| found.stations.iter().find(|station| *station.name == *name));
     let (found, figures) = found.as_ref().zip(figures).ok_or_else(|| Problem::no_such_station(name))?;
     let body = html! {
@@ -27,9 +36,11 @@ async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Probl
         p.lead {
             (t.last_seen) " " (instant(figures.last)) " · " (figures.records) " " (t.calibrations_seen)
             " · " (figures.gyros) " " (t.gyros) " · " (figures.imus) " " (t.imu)
+            " · " (overdue) " " (t.overdue_gyros)
             " · " a href={ "/fleet?station=" (encoded(name)) } { (t.gyros) }
             " · " a href={ "/v1/stations/" (encoded(name)) } { "JSON" }
         }
+        @if !open.is_empty() { (alerts::table(viewer, open.into_iter(), false, None)) }
         @if viewer.may(Role::Engineer) {
             p {
                 a.action href={ "/stations/" (encoded(name)) "/suspect" } { (t.suspect_window) } " "

@@ -15,7 +15,7 @@ use crate::core::access::Role;
 use crate::core::judge::{Coefficient, Measured, Status};
 use crate::core::time::UtcMicros;
 use crate::pages::status as badges;
-use crate::pipeline::{DueImu, FirstOf, FleetFilter, FleetPage, Names, Standing, Today, today};
+use crate::pipeline::{DueImu, FirstOf, FleetFilter, FleetPage, Names, Standing, Today, Together, today};
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
@@ -228,7 +228,11 @@ fn several(t: &Text, today: &Today) -> Markup {
             }
             @for found in &today.shifts {
                 li {
-                    a.id href={ "/stations/" (encoded(&found.station)) } { (found.station) } ", "
+                    @match &found.of {
+                        Together::Station(name) => a.id href={ "/stations/" (encoded(name)) } { (name) },
+                        Together::Batch(name) => a.id href={ "/fleet?batch=" (encoded(name)) } { (t.batch) " " (name) },
+                    }
+                    ", "
                     (day(found.between[0])) " … " (day(found.between[1])) ": "
                     (symbol(DRIFTS[found.column])) ", " (found.shift.gyros) " " (t.gyros) ", " (t.median_word) " "
                     (bullet::percent(Measured { value: found.shift.median, sd: Some(found.shift.error) })) (t.share_of_budget_unit)

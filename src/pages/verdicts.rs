@@ -277,6 +277,7 @@ mod tests {
             limit_from: LimitKey::BUDGET,
             sd: Some(0.0003),
             probability: Some(0.0),
+            between: None,
             confirmed: false,
             finding,
         };

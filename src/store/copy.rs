@@ -62,7 +62,8 @@ const TABLES: &[Table] = tables! {
     "confirmation" by "record": Whole record at, Text author reason;
     "alert" by "id": Whole id gyro, Text coefficient rule status severity, Whole fired_at resolved_at record_at within told_at,
         Text told_severity acknowledged_by acknowledged_reason, Whole acknowledged_at, Text silenced_by silenced_reason,
-        Whole silenced_at silenced_until, Text finding, Whole since hushed_at digest muted_by muted_until;
+        Whole silenced_at silenced_until, Text finding, Whole since hushed_at digest muted_by muted_until
+        station inhibited_by;
     "silence" by "id": Whole id, Text serial imu station rule, Whole until, Text author reason, Whole at ended_at,
         Text ended_by ended_reason;
     "alert_step" by "id": Whole id alert at, Text action, Whole told, Text author reason body;

@@ -22,7 +22,7 @@ pub use crate::store::sqlite::backup::{
     Holdings, backup, check, check_all_but_records, check_checksums, open_to_read, restore,
 };
 pub use crate::store::tables::access::{AccessChanges, AuditRow, Beside, SessionRow, TokenRow};
-pub use crate::store::tables::alerts::{AlertRow, Remark, StepRow};
+pub use crate::store::tables::alerts::{AlertOf, AlertRow, Remark, StepRow};
 pub use crate::store::tables::bench::BenchRow;
 pub use crate::store::tables::correction::{CorrectionRow, GyroCorrection, Withdrawn};
 pub use crate::store::tables::delivery::{

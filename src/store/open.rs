@@ -60,7 +60,7 @@ pub(crate) enum Place {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 20] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 21] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -81,6 +81,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 20] = [
     (18, "outlook", include_str!("../../migrations/sqlite/0018_outlook.sql")),
     (19, "gyro_attributes", include_str!("../../migrations/sqlite/0019_gyro_attributes.sql")),
     (20, "record_temperature", include_str!("../../migrations/sqlite/0020_record_temperature.sql")),
+    (21, "station_alerts", include_str!("../../migrations/sqlite/0021_station_alerts.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.

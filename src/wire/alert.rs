@@ -8,15 +8,20 @@ use utoipa::ToSchema;
 
 use super::reason::Reason;
 
-/// The alert of one gyro, coefficient and rule. Its identity lasts: when it fires again it is the same alert.
+/// The alert of one gyro or station, coefficient and rule. Its identity lasts: when it fires again it is the same alert.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct AlertBody {
     pub id: String,
+    /// `station`, where it is about the station that is named as such; left out where it is about a gyro.
+    #[serde(default = "of_gyro", skip_serializing_if = "is_of_gyro")]
+    pub subject: Cow<'static, str>,
+    /// Of the gyro; left out where it is about a station.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub serial: String,
     pub coefficient: Cow<'static, str>,
     pub rule: Cow<'static, str>,
-    /// `firing`, `acknowledged` (firing, and somebody knows), `silenced` (firing, and told to nobody until a time) or
-    /// `resolved`.
+    /// `firing`, `acknowledged` (firing, and somebody knows), `silenced` (firing, and told to nobody until a time),
+    /// `inhibited` (firing, and explained by the alert of a station) or `resolved`.
     pub state: Cow<'static, str>,
     /// What the gyro is by it: `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting` or `overdue`;
     /// `in_tolerance` once it is resolved. None where an earlier version wrote this.
@@ -35,9 +40,32 @@ pub struct AlertBody {
     pub finding: FindingBody,
     pub acknowledged: Option<AcknowledgementBody>,
     pub silenced: Option<SilenceBody>,
+    /// The alert of the station that explains it; left out where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inhibited_by: Option<String>,
+}
+
+fn of_gyro() -> Cow<'static, str> {
+    AlertBody::OF_GYRO.into()
+}
+
+fn is_of_gyro(subject: &Cow<'static, str>) -> bool {
+    *subject == AlertBody::OF_GYRO
 }
 
 impl AlertBody {
+    pub const OF_GYRO: &'static str = "gyro";
+    pub const OF_STATION: &'static str = "station";
+
+    pub fn is_of_station(&self) -> bool {
+        self.subject == Self::OF_STATION
+    }
+
+    /// Serial of the gyro, or name of the station.
+    pub fn name(&self) -> &str {
+        if self.is_of_station() { self.finding.station.as_deref().unwrap_or_default() } else { &self.serial }
+    }
+
     /// As the database keeps it.
     pub fn kept(&self) -> String {
         kept(self, &self.finding.reason)
@@ -47,7 +75,7 @@ impl AlertBody {
     pub fn group(&self) -> String {
         match &self.finding.record {
             Some(record) => format!("{}/{record}", self.serial),
-            None => self.serial.clone(),
+            None => self.name().to_owned(),
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::words::asked;
 /// The names of the columns.
 pub const HEADER: &str = "id,serial,coefficient,rule,state,severity,fired_at,resolved_at,value,limit,unit,sd,probability,\
                           record,calibrated_at,imu,slot,station,acknowledged_by,acknowledged_at,silenced_by,\
-                          silenced_until,reason,since,status\n";
+                          silenced_until,reason,since,status,subject,inhibited_by\n";
 
 /// Alerts with the header line.
 pub fn to_csv<'a>(alerts: impl IntoIterator<Item = &'a AlertBody>) -> String {
@@ -27,7 +27,7 @@ fn line(alert: &AlertBody, text: &mut String) {
     let reason = finding.reason.words(asked());
     let acknowledged = alert.acknowledged.as_ref();
     let silenced = alert.silenced.as_ref();
-    let cells: [Option<&str>; 25] = [
+    let cells: [Option<&str>; 27] = [
         Some(&alert.id),
         Some(&alert.serial),
         Some(&alert.coefficient),
@@ -53,6 +53,8 @@ fn line(alert: &AlertBody, text: &mut String) {
         Some(&reason),
         alert.since.as_deref(),
         alert.status.as_deref(),
+        Some(&alert.subject),
+        alert.inhibited_by.as_deref(),
     ];
     for (i, cell) in cells.into_iter().enumerate() {
         if i > 0 {
@@ -81,6 +83,7 @@ mod tests {
     fn a_line_has_a_cell_for_every_column_and_quotes_what_needs_it() {
         let alert = AlertBody {
             id: "1".into(),
+            subject: AlertBody::OF_GYRO.into(),
             serial: "A,\"7\"".into(),
             coefficient: "D_I".into(),
             rule: "step".into(),
@@ -111,13 +114,14 @@ mod tests {
                 at: "2026-01-02T00:00:00Z".into(),
             }),
             silenced: None,
+            inhibited_by: None,
         };
         let text = to_csv([&alert]);
         let (header, line) = text.split_once('\n').unwrap();
         assert_eq!(
             line,
             "1,\"A,\"\"7\"\"\",D_I,step,acknowledged,critical,2026-01-01T00:00:00Z,,0.0125,0.01,deg/(h g0),,,9,,IMU-1,G1,,\
-             Li,2026-01-02T00:00:00Z,,,\"D_I changed, and how\",2025-12-31T00:00:00Z,confirmed\n"
+             Li,2026-01-02T00:00:00Z,,,\"D_I changed, and how\",2025-12-31T00:00:00Z,confirmed,gyro,\n"
         );
         // Two commas stand within quotes.
         assert_eq!(header.matches(',').count() + 2, line.matches(',').count());

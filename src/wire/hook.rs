@@ -158,8 +158,14 @@ impl FilterBody {
 
     pub fn wants(&self, alert: &AlertBody) -> bool {
         let severity = |name: &str| Severity::from_name(name);
-        (self.rules.is_empty() || self.rules.iter().any(|rule| *rule == alert.rule))
-            && (self.gyros.is_empty() || self.gyros.iter().any(|gyro| normal_form(gyro) == normal_form(&alert.serial)))
+        // The alert of a station stands for those of gyros that it explains.
+        let of_rule = |rule: &String| {
+            *rule == alert.rule
+                || alert.is_of_station() && Rule::from_name(rule).is_some_and(Rule::is_explained_by_station)
+        };
+        let of_gyro = |gyro: &String| alert.is_of_station() || normal_form(gyro) == normal_form(&alert.serial);
+        (self.rules.is_empty() || self.rules.iter().any(of_rule))
+            && (self.gyros.is_empty() || self.gyros.iter().any(of_gyro))
             && self.min_severity.as_deref().is_none_or(|least| severity(&alert.severity) >= severity(least))
     }
 }
@@ -179,7 +185,8 @@ pub struct DigestBody {
 
 impl DigestBody {
     pub fn of(alerts: &[&AlertBody]) -> Self {
-        let gyros: BTreeSet<&str> = alerts.iter().map(|alert| alert.serial.as_str()).collect();
+        let of_gyros = alerts.iter().filter(|alert| !alert.is_of_station());
+        let gyros: BTreeSet<&str> = of_gyros.map(|alert| alert.serial.as_str()).collect();
         let mut rules = BTreeMap::new();
         for alert in alerts {
             *rules.entry(alert.rule.to_string()).or_default() += 1;

@@ -21,6 +21,7 @@ pub mod document;
 pub mod event;
 pub mod forecast;
 pub mod geometry;
+pub mod gyro_table;
 pub mod history;
 pub mod history_note;
 pub mod hook;

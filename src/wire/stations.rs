@@ -1,5 +1,7 @@
 //! The answers to `GET /v1/stations` and `/v1/stations/{name}`: what each station does to every gyro that it measures.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -25,6 +27,8 @@ pub struct StationBody {
     pub imus: usize,
     pub first: String,
     pub last: String,
+    /// Gyros that it calibrated last and that were not calibrated in their interval.
+    pub overdue: usize,
     #[serde(flatten)]
     pub coefficients: BothBody<StationColumnBody>,
 }
@@ -90,21 +94,23 @@ pub struct CoursePointBody {
     pub records: usize,
 }
 
-impl From<Option<&FleetStations>> for StationsBody {
-    fn from(found: Option<&FleetStations>) -> Self {
+impl StationsBody {
+    /// `overdue`: of each station, gyros that are.
+    pub fn of(found: Option<&FleetStations>, overdue: &BTreeMap<String, usize>) -> Self {
+        let of_station = |figures: &StationFigures| StationBody::of(figures, overdue);
         let spread =
             |column: usize| found.and_then(|found| found.reproducibility[column]).as_ref().map(SpreadBody::from);
         Self {
             unit: "deg/(h*g0)".to_owned(),
             against: found.map(|found| found.against.to_string()),
-            stations: found.map_or_else(Vec::new, |found| found.stations.iter().map(StationBody::from).collect()),
+            stations: found.map_or_else(Vec::new, |found| found.stations.iter().map(of_station).collect()),
             reproducibility: BothBody { d_i: spread(0), d_s: spread(1) },
         }
     }
 }
 
-impl From<&StationFigures> for StationBody {
-    fn from(figures: &StationFigures) -> Self {
+impl StationBody {
+    pub fn of(figures: &StationFigures, overdue: &BTreeMap<String, usize>) -> Self {
         let [d_i, d_s] = [0, 1].map(|column| StationColumnBody::from(&figures.columns[column]));
         Self {
             name: figures.name.to_string(),
@@ -113,6 +119,7 @@ impl From<&StationFigures> for StationBody {
             imus: figures.imus,
             first: time::format(figures.first),
             last: time::format(figures.last),
+            overdue: overdue.get(&*figures.name).copied().unwrap_or_default(),
             coefficients: BothBody { d_i, d_s },
         }
     }

@@ -23,6 +23,7 @@ fn verdict(rule: Rule, finding: Finding) -> Verdict {
         limit_from: LimitKey::BUDGET,
         sd: Some(0.0007),
         probability: Some(0.9999),
+        between: None,
         confirmed: true,
         finding,
     }
@@ -93,6 +94,10 @@ fn samples() -> Vec<Verdict> {
         verdict(
             Rule::BeforeAfter,
             Finding::BeforeAfter { before: (day(0.0), 3.0), from: day(1.0), until: day(2.0), now: 3.0251 },
+        ),
+        verdict(
+            Rule::StationShift,
+            Finding::StationShift { gyros: 16, imus: 6, since: day(0.0), until: day(9.0), shift: -0.0251 },
         ),
         verdict(
             Rule::Agreement,
@@ -186,6 +191,10 @@ fn each_finding_is_said_in_both_languages() {
             "D_I比环境试验前最后一个记录（3.0000，2026-01-01）高0.0251 ± 0.0007 (°)/(h·g0)。试验自2026-01-02至2026-01-03。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。第二次标定已证实。超差概率> 99.9 %。",
         ],
         [
+            "The median D_I of 16 gyros of 6 IMUs is 0.0251 +- 0.0007 deg/(h g0) below their baselines (2026-01-01 to 2026-01-10). It is the station, or what these gyros share. Limit 0.0100 deg/(h g0) (judging.budget): 251 %. The shift is beyond the whole budget. P(out of tolerance) > 99.9 %.",
+            "6个惯组16个陀螺的D_I中位数比各自基线低0.0251 ± 0.0007 (°)/(h·g0)（2026-01-01至2026-01-10）。原因在测试站，或在这些陀螺的共同之处。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。偏移超出整个允许范围。超差概率> 99.9 %。",
+        ],
+        [
             "D_I spans 0.0251 +- 0.0007 deg/(h g0) over 3 results: 4.1926 (torque feedback on 2026-01-02) and 4.2177 (separation on 2026-01-03). Limit 0.0100 deg/(h g0) (judging.budget): 251 %. Not due to a single result. P(out of tolerance) > 99.9 %.",
             "D_I的3个结果极差为0.0251 ± 0.0007 (°)/(h·g0)：4.1926（力矩反馈，2026-01-02）与4.2177（分离，2026-01-03）。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。并非由单个结果造成。超差概率> 99.9 %。",
         ],
@@ -215,6 +224,7 @@ fn both_languages_say_the_same_figures() {
         let sample = |k: usize| Sample {
             at: UtcMicros(k as i64 * 9 * UtcMicros::DAY),
             seat: Seat { imu: u32::from(k > 18), ..Seat::default() },
+            station: 0,
             d: [measured(d(k)), measured(-d(k)), measured(0.01 * d(k))],
         };
         let samples = Series::from((0..24).map(sample).collect::<Vec<_>>());

@@ -183,9 +183,10 @@ fn test_alert(message: &Message, context: &Context<'_>, ends_at: &str) -> Alert 
 
 /// What makes the alert this alert, whatever its severity.
 fn identity(alert: &AlertBody) -> Labels {
+    let subject = if alert.is_of_station() { "station" } else { "serial" };
     Labels::from([
         ("alertname", alert_name(&alert.rule)),
-        ("serial", alert.serial.clone()),
+        (subject, alert.name().to_owned()),
         ("coefficient", alert.coefficient.to_string()),
         ("rule", alert.rule.to_string()),
     ])

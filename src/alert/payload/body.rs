@@ -31,10 +31,11 @@ pub struct Context<'a> {
 /// Alerts that a digest lists; the rest are counted.
 pub(super) const MOST_LISTED: usize = 100;
 
-/// The page of a gyro: its path alone where nobody has said where the service is reached.
-pub(super) fn page(context: &Context<'_>, serial: &str) -> String {
-    let mut url = format!("{}/gyros/", context.external_url.unwrap_or_default());
-    for byte in serial.bytes() {
+/// The page of what an alert is about, a gyro or a station: its path alone where nobody has said where the service is
+/// reached.
+pub(super) fn page(context: &Context<'_>, alert: &AlertBody) -> String {
+    let mut url = format!("{}/{}s/", context.external_url.unwrap_or_default(), alert.subject);
+    for byte in alert.name().bytes() {
         match byte {
             b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => url.push(char::from(byte)),
             _ => url.push_str(&format!("%{byte:02X}")),
@@ -50,8 +51,8 @@ pub(super) fn alert_page(context: &Context<'_>, alert: &AlertBody) -> String {
 
 /// One line for people: `LFG-0101: D_I step fires (warning)`.
 pub(super) fn summary(alert: &AlertBody, resolved: bool) -> String {
-    let AlertBody { serial, coefficient, rule, severity, .. } = alert;
-    let [serial, coefficient, rule] = [&**serial, coefficient, rule].map(text);
+    let AlertBody { coefficient, rule, severity, .. } = alert;
+    let [serial, coefficient, rule] = [alert.name(), coefficient, rule].map(text);
     asked().words(&match Severity::from_name(severity) {
         Some(severity) if !resolved => {
             message!("alert_fires", serial = serial, coefficient = coefficient, rule = rule, severity = severity.word())

@@ -23,7 +23,7 @@ struct Body<'a> {
 
 pub fn render(message: &Message, context: &Context<'_>) -> Payload {
     let subject = match &message.event {
-        Event::Alerts(changes) => changes.first().map(|change| change.alert.serial.as_str()),
+        Event::Alerts(changes) => changes.first().map(|change| change.alert.name()),
         Event::Digest(..) | Event::Test => None,
     };
     // An attribute beside `data` may hold no list.

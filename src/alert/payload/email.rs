@@ -24,7 +24,7 @@ pub fn render(message: &Message, context: &Context<'_>) -> Payload {
         if let (Some(imu), Some(at)) = (&finding.imu, &finding.calibrated_at) {
             text.push_str(&format!("  {imu}, {at}\n"));
         }
-        text.push_str(&format!("  {}\n\n", page(context, &change.alert.serial)));
+        text.push_str(&format!("  {}\n\n", page(context, &change.alert)));
     }
     if changes.len() > MOST_LISTED {
         text.push_str(&format!("+{}\n\n", changes.len() - MOST_LISTED));

@@ -55,7 +55,8 @@ pub fn alerts(event: &Event, context: &Context<'_>) -> Option<Vec<Value>> {
 fn alert(change: &Change, context: &Context<'_>) -> Value {
     let mut alert =
         serde_json::to_value(&change.alert).expect("an alert has string keys, and every figure is finite or null");
-    alert["links"] =
-        json!({ "alert": alert_page(context, &change.alert), "gyro": page(context, &change.alert.serial) });
+    let mut links = json!({ "alert": alert_page(context, &change.alert) });
+    links[&*change.alert.subject] = page(context, &change.alert).into();
+    alert["links"] = links;
     alert
 }

@@ -13,6 +13,7 @@ use crate::wire::reason::Reason;
 fn alert() -> AlertBody {
     AlertBody {
         id: "a1".into(),
+        subject: AlertBody::OF_GYRO.into(),
         serial: "LFG 01/01".into(),
         coefficient: "D_I".into(),
         rule: "rms_successive".into(),
@@ -37,6 +38,7 @@ fn alert() -> AlertBody {
         },
         acknowledged: None,
         silenced: None,
+        inhibited_by: None,
     }
 }
 

@@ -235,6 +235,22 @@ impl Draw {
         Fleet { kind, gyros, asked, column, truth, class, signal, ageing, shared }
     }
 
+    /// Gyros of IMUs of their own, calibrated weekly by one of two stations; nothing is hidden.
+    pub fn weekly(mut self, gyros: usize, records: usize) -> Vec<GyroHistory> {
+        let of_gyro = |gyro: usize| {
+            let entry = |k: usize| Entry {
+                at: at(k as f64 / 52.0),
+                station: Arc::from(["ST-A", "ST-B"][self.rng.random_range(0..2)]),
+                imu: Arc::from(format!("IMU-{gyro}")),
+                slot: Slot::ALL[0],
+                temperature_c: Some(45.0 + self.normal()),
+                d: [3.0, 4.0, 0.02].map(|level| Measured { value: level + 5e-4 * self.normal(), sd: Some(5e-4) }),
+            };
+            GyroHistory { entries: (0..records).map(entry).collect(), marks: Vec::new() }
+        };
+        (0..gyros).map(of_gyro).collect()
+    }
+
     /// What only some kinds have: an event, a temperature that nobody wrote down, ordinary events elsewhere.
     fn finish(&mut self, kind: Kind, gyros: &mut [GyroHistory], asked: usize, instant: f64) {
         if kind == Kind::StepAtEvent {

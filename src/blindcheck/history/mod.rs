@@ -1,10 +1,11 @@
 //! Fleets whose hidden cause is known, asked for through the very function that the service answers with.
 //!
-//! In reading order: [`draw`] a fleet, [`score`] its answers, [`report`] the table.
+//! In reading order: [`draw`] a fleet, [`score`] its answers, [`report`] the table. [`speed`] is asked apart.
 
 pub mod draw;
 pub mod report;
 pub mod score;
+pub mod speed;
 
 use rayon::prelude::*;
 

@@ -397,6 +397,7 @@ mod tests {
             let sample = |[day, d_i, d_s, d_o]: [f64; 4]| Sample {
                 at: TODAY.plus_days(day - DAYS),
                 seat: Seat::default(),
+                station: 0,
                 d: [measured(d_i), measured(d_s), measured(d_o)],
             };
             let samples: Vec<Sample> = history.into_iter().map(sample).collect();

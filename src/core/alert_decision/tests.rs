@@ -17,6 +17,7 @@ fn verdict(rule: Rule, state: State, value: f64, confirmed: bool) -> Verdict {
         limit_from: LimitKey::BUDGET,
         sd: None,
         probability: None,
+        between: None,
         confirmed,
         finding: Finding::Baseline { level: 3.0, since: None, now: 3.0 + value },
     }
@@ -222,7 +223,7 @@ fn an_event_that_resets_the_rule_resolves_the_alert() {
 
 /// A record of one day comes in on another.
 fn heard(alert: Option<&Alert>, verdict: &Verdict, record_at: f64, now: f64, late: Late) -> Decision {
-    let arrival = Arrival { record_at: day(record_at), now: day(now), late, muted_until: None };
+    let arrival = Arrival { record_at: day(record_at), now: day(now), late, muted_until: None, inhibited: false };
     hear(alert, verdict, &arrival, &POLICY)
 }
 
@@ -348,6 +349,7 @@ fn a_silence_of_many_holds_back_as_that_of_one_does_and_is_gone_at_its_end() {
         now: day(now),
         late: Late::Quiet,
         muted_until: Some(day(until)),
+        inhibited: false,
     };
     let muted = hear(None, &exceeded(), &arrival(0.0, 20.0), &POLICY);
     let alert = muted.alert.unwrap();
@@ -439,4 +441,30 @@ mod properties {
             }
         }
     }
+}
+
+#[test]
+fn what_a_station_explains_is_told_when_it_does_not_any_more_and_ends_as_ever() {
+    let arrival = |at: f64, inhibited: bool| Arrival {
+        record_at: day(at),
+        now: day(at),
+        late: Late::Told,
+        muted_until: None,
+        inhibited,
+    };
+    let fired = hear(None, &exceeded(), &arrival(0.0, true), &POLICY);
+    let alert = fired.alert.unwrap();
+    assert_eq!((fired.action, alert.standing(day(0.0)), alert.told), (Action::Silent, Standing::Inhibited, None));
+    assert_eq!(tick(&alert, day(30.0), &POLICY).action, Action::Silent, "no repeats");
+    assert_eq!(for_hook(&alert, None, Action::Fire, day(1.0)), None);
+    // The station's alert is over, and the gyro's is not.
+    let told = inhibit(&alert, false, day(5.0));
+    assert_eq!((told.action, told.alert.unwrap().standing(day(5.0))), (Action::Fire, Standing::Firing));
+    // A record that the station does not explain.
+    assert_eq!(hear(Some(&alert), &confirmed(), &arrival(7.0, false), &POLICY).action, Action::Fire);
+    // Told before the station was found: no word meanwhile, and its end is told at once.
+    let known = inhibit(&told.alert.unwrap(), true, day(6.0));
+    assert_eq!((known.action, known.alert.unwrap().standing(day(6.0))), (Action::Silent, Standing::Inhibited));
+    let over = hear(known.alert.as_ref(), &within(0.001), &arrival(8.0, false), &POLICY);
+    assert_eq!((over.action, over.alert.unwrap().inhibited), (Action::Resolve, false));
 }

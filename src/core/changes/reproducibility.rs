@@ -11,7 +11,7 @@ use std::sync::Arc;
 use crate::core::time::UtcMicros;
 
 use super::answer::{GyroHistory, StationForm};
-use super::series::robust;
+use super::series::{median, robust};
 use super::station::{Course, CoursePoint, Part};
 
 /// Points of a station's course, at most.
@@ -75,6 +75,22 @@ pub struct FleetStations {
     pub against: Arc<str>,
     /// Spread of the stations' offsets, D_I and D_S.
     pub reproducibility: [Option<Spread>; 2],
+}
+
+impl FleetStations {
+    /// How D_I and D_S differ from station to station: the spread of the stations' offsets, and beside it what single
+    /// gyros show beyond those (the median over the stations that tell it). 0 where the fleet does not tell it: where
+    /// the 95 % interval of the spread begins at 0.
+    pub fn between(&self) -> [f64; 2] {
+        let known = |spread: Option<Spread>| spread.filter(|spread| spread.interval[0] > 0.0).map(|spread| spread.sd);
+        [0, 1].map(|column| {
+            let mut by_gyro: Vec<f64> =
+                self.stations.iter().filter_map(|station| known(station.columns[column].by_gyro)).collect();
+            by_gyro.sort_by(f64::total_cmp);
+            let by_gyro = median(&by_gyro).unwrap_or(0.0);
+            known(self.reproducibility[column]).map_or(0.0, |sd| sd.hypot(by_gyro))
+        })
+    }
 }
 
 /// What every station of `fleet` does; none without records.

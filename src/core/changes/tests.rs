@@ -349,3 +349,24 @@ fn a_fleet_of_stations_has_repeatability_offset_and_gyro_by_station() {
     assert!(low == 0.0 && high < SCATTER, "D_S has none: {low} to {high}");
     assert!(!column.drifts && column.steps.is_empty(), "{column:?}");
 }
+
+#[test]
+fn a_station_with_one_gyro_and_records_without_temperature_get_what_can_be_told() {
+    let mut fleet = Fleet::seeded(40);
+    let mut lone = fleet.gyro(24);
+    lone.entries.iter_mut().for_each(|entry| entry.temperature_c = None);
+    change(&mut lone, 0, |_, e| if &*e.station == "ST-2" { 0.006 } else { 0.0 });
+    let answer = of(&lone, &[], Coefficient::DI);
+    assert_eq!(answer.causes[0].cause, "station", "{answer:?}");
+    assert!(!answer.causes.iter().any(|cause| cause.class.contains(&"temperature")), "{answer:?}");
+    let found = stations(std::slice::from_ref(&lone)).expect("there are records");
+    assert_eq!((found.stations.len(), found.stations[1].imus), (2, 1));
+    let column = &found.stations[1].columns[0];
+    assert!(column.by_gyro.is_none() && column.offset.is_some_and(|of| of.gyros == 1), "{column:?}");
+    for records in 0..3 {
+        let few = fleet.gyro(records);
+        let found = stations(std::slice::from_ref(&few));
+        assert_eq!(found.is_none(), records == 0);
+        assert!(found.into_iter().flat_map(|found| found.stations).all(|one| one.columns[0].offset.is_none()));
+    }
+}

@@ -124,7 +124,7 @@ mod tests {
     fn samples(points: &[(i64, f64)]) -> Vec<Sample> {
         let sample = |&(at, value): &(i64, f64)| {
             let d = [Measured { value, sd: Some(0.1) }, Measured::exact(2.0), Measured::exact(0.0)];
-            Sample { at: UtcMicros(at), seat: Seat::default(), d }
+            Sample { at: UtcMicros(at), seat: Seat::default(), station: 0, d }
         };
         points.iter().map(sample).collect()
     }

@@ -108,7 +108,8 @@ mod tests {
     }
 
     fn samples(days: std::ops::Range<i64>) -> Vec<Sample> {
-        days.map(|n| Sample { at: day(n), seat: Seat::default(), d: [Measured::exact(n as f64); 3] }).collect()
+        days.map(|n| Sample { at: day(n), seat: Seat::default(), station: 0, d: [Measured::exact(n as f64); 3] })
+            .collect()
     }
 
     #[test]

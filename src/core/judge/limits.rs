@@ -60,6 +60,8 @@ pub struct Limits {
     pub interval_days: Option<Limit>,
     /// How the figures of unmoved gyros scatter.
     pub noise: Noise,
+    /// Standard deviation of D_I and D_S from station to station, deg/(h g0); 0 where the fleet does not tell it.
+    pub between_stations: [f64; 2],
 }
 
 /// Limits of one of D_I and D_S, deg/(h g0).
@@ -133,6 +135,7 @@ impl Limits {
             range_min_records: 3,
             interval_days: None,
             noise: Noise::default(),
+            between_stations: [0.0; 2],
         }
     }
 

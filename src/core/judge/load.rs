@@ -53,6 +53,7 @@ mod tests {
             limit_from: LimitKey::BUDGET,
             sd: Some(0.0007),
             probability: Some(1.0),
+            between: None,
             confirmed: true,
             finding,
         };

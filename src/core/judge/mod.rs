@@ -34,7 +34,9 @@ pub use outlook::{Outlook, Reach};
 pub use range_summary::Older;
 pub use reason::{digits, sd_digits, turn_arcmin};
 pub use rule::{Finding, LimitKind, Rule, Source, Unit};
-pub use rules::{SourcedResult, agreement, overdue, requirement};
+pub use rules::{
+    Calibrated, ShiftQuestion, SourcedResult, Suspected, agreement, is_explained, overdue, requirement, station_shift,
+};
 pub use sample::{BASELINE_RECORDS, Measured, Sample, Seat};
 pub use series::Series;
 pub use suggestion::{Standpoint, Suggestion, suggest};
@@ -55,7 +57,7 @@ use rules::Case;
 /// // Four calibrations of one gyro, 30 days apart; at the last one D_I is 0.02 deg/(h g0) higher.
 /// let sample = |day: f64, d_i: f64| {
 ///     let d = [d_i, 4.618, 0.004].map(|value| Measured { value, sd: Some(3e-4) });
-///     Sample { at: UtcMicros(0).plus_days(20_000.0 + day), seat: Seat::default(), d }
+///     Sample { at: UtcMicros(0).plus_days(20_000.0 + day), seat: Seat::default(), station: 0, d }
 /// };
 /// let samples = vec![sample(0.0, 2.957), sample(30.0, 2.957), sample(60.0, 2.958), sample(90.0, 2.977)];
 /// let (series, mut verdicts) = (Series::new(samples, vec![]), vec![]);

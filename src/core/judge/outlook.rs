@@ -82,6 +82,7 @@ mod tests {
             limit_from: LimitKey::BUDGET,
             sd: Some(0.0007),
             probability: None,
+            between: None,
             confirmed: false,
             finding,
         }

@@ -35,9 +35,11 @@ impl Verdict {
             return said;
         }
         said.push(self.limit_message());
+        said.extend(self.between.map(|sd| message!("between_stations", sd = figure(sd, sd_digits(sd, self.limit)))));
         if self.confirmed {
             said.push(match self.rule {
                 Rule::Range | Rule::Agreement => message!("not_a_single_result"),
+                Rule::StationShift => message!("whole_budget"),
                 _ => message!("second_campaign"),
             });
         }
@@ -231,6 +233,16 @@ impl Verdict {
                 from = day(from),
                 until = day(until),
             )],
+            Finding::StationShift { gyros, imus, since, until, shift } => vec![message!(
+                "station_shift",
+                name = name,
+                value = value(),
+                side = side(shift),
+                gyros = gyros,
+                imus = imus,
+                since = day(since),
+                until = day(until),
+            )],
             Finding::Agreement { results, lowest, highest } => {
                 let of = |(source, at, result): (Source, UtcMicros, f64)| {
                     message!("result_of_method", value = shown(result), method = source.word(), at = day(at))
@@ -316,6 +328,7 @@ mod tests {
             limit_from: LimitKey::BUDGET,
             sd: None,
             probability: None,
+            between: None,
             confirmed: false,
             finding,
         }

@@ -36,6 +36,8 @@ pub enum Rule("rule_") {
     Shift = "shift",
     /// The first records after an environmental test against the last one before.
     BeforeAfter = "before_after",
+    /// What the gyros of a station have moved by together, judged by the clock and not by a record.
+    StationShift = "station_shift",
 }
 }
 
@@ -96,6 +98,7 @@ impl Rule {
         match self {
             Rule::Step | Rule::Range | Rule::Baseline | Rule::Agreement | Rule::BeforeAfter => Some(1.0),
             Rule::RmsSuccessive => Some(0.5),
+            Rule::StationShift => Some(0.25),
             _ => None,
         }
     }
@@ -111,9 +114,26 @@ impl Rule {
         }
     }
 
+    /// Whether what a station does to all its gyros can make a gyro exceed it.
+    pub fn is_explained_by_station(self) -> bool {
+        matches!(
+            self,
+            Rule::Step
+                | Rule::Range
+                | Rule::Baseline
+                | Rule::Trend
+                | Rule::Shift
+                | Rule::RmsSuccessive
+                | Rule::BeforeAfter
+        )
+    }
+
     /// Whether a second campaign can confirm what the rule says.
     pub fn can_be_confirmed(self) -> bool {
-        !matches!(self, Rule::Trend | Rule::Cusum | Rule::Shift | Rule::RmsSuccessive | Rule::Overdue)
+        !matches!(
+            self,
+            Rule::Trend | Rule::Cusum | Rule::Shift | Rule::RmsSuccessive | Rule::Overdue | Rule::StationShift
+        )
     }
 }
 
@@ -211,6 +231,16 @@ pub enum Finding {
         from: UtcMicros,
         until: UtcMicros,
         now: f64,
+    },
+    /// Newest calibrations by one station, from their baselines.
+    StationShift {
+        gyros: usize,
+        imus: usize,
+        /// First and last of them.
+        since: UtcMicros,
+        until: UtcMicros,
+        /// The median.
+        shift: f64,
     },
     Agreement {
         results: usize,

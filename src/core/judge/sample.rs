@@ -70,6 +70,8 @@ pub struct Seat {
 pub struct Sample {
     pub at: UtcMicros,
     pub seat: Seat,
+    /// Number of the station that measured it.
+    pub station: u32,
     /// D_I, D_S, and the closure (D_O, or the published closure where that method is judged), deg/(h g0).
     pub d: [Measured; COLUMNS],
 }
@@ -137,7 +139,7 @@ mod tests {
     fn the_same_figures_within_a_day_are_a_repeat_and_a_month_later_are_not() {
         let at = |day: f64, d_i: f64| {
             let d = [d_i, 5.0, 0.0].map(|value| Measured { value, sd: Some(1e-4) });
-            Sample { at: UtcMicros(0).plus_days(day), seat: Seat::default(), d }
+            Sample { at: UtcMicros(0).plus_days(day), seat: Seat::default(), station: 0, d }
         };
         assert!(at(0.9, 3.0).repeats(&at(0.0, 3.0)) && at(0.0, 3.0).repeats(&at(0.9, 3.0)));
         assert!(!at(1.0, 3.0).repeats(&at(0.0, 3.0)), "daily records of a gyro that shows the same figures");

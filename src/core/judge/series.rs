@@ -188,7 +188,7 @@ mod tests {
 
     fn sample(at: i64, value: i32) -> Sample {
         let d = [value, -value, value % 3].map(|value| Measured::exact(f64::from(value)));
-        Sample { at: UtcMicros(at), seat: Seat::default(), d }
+        Sample { at: UtcMicros(at), seat: Seat::default(), station: 0, d }
     }
 
     /// By sorting: what is left without the lowest, and without the highest.

@@ -14,7 +14,7 @@ fn day(n: f64) -> UtcMicros {
 fn samples(sd: Option<f64>, points: &[(f64, f64)]) -> Vec<Sample> {
     let fixed = |value| Measured { value, sd };
     let d = |d_i| [fixed(d_i), fixed(5.0), fixed(0.0)];
-    points.iter().map(|&(at, d_i)| Sample { at: day(at), seat: Seat::default(), d: d(d_i) }).collect()
+    points.iter().map(|&(at, d_i)| Sample { at: day(at), seat: Seat::default(), station: 0, d: d(d_i) }).collect()
 }
 
 fn all_verdicts(samples: &[Sample], marks: &[Mark], k: usize, limits: &Limits) -> Vec<Verdict> {
@@ -45,6 +45,37 @@ fn a_step_beyond_the_budget_is_exceeded_and_names_the_limit_and_its_key() {
     );
     assert_eq!(latest(&[(0.0, 3.0), (14.0, 2.9901)], Rule::Step).state, State::Within);
     assert_eq!(latest(&[(0.0, 3.0), (14.0, 2.9877)], Rule::Step).state, State::Exceeded);
+}
+
+#[test]
+fn what_stations_differ_by_counts_where_records_of_different_stations_are_compared() {
+    const BETWEEN: f64 = 1.5e-3;
+    let limits = Limits { between_stations: [BETWEEN, 0.0], ..Limits::default() };
+    let points = [(0.0, 3.0), (30.0, 3.0), (60.0, 3.0), (90.0, 3.0115)];
+    let at_stations = |stations: [u32; 4]| {
+        let mut samples = samples(Some(2e-4), &points);
+        samples.iter_mut().zip(stations).for_each(|(sample, station)| sample.station = station);
+        samples
+    };
+    for rule in [Rule::Step, Rule::Baseline] {
+        let of = |stations, limits: &Limits| verdict(&at_stations(stations), &[], 3, rule, limits);
+        let alone = of([1; 4], &Limits::default());
+        assert_eq!((alone.state, alone.between), (State::Exceeded, None));
+        assert_eq!(of([1; 4], &limits), alone, "one station");
+        assert_eq!(of([1, 1, 1, 2], &Limits::default()), alone, "nothing is known of stations");
+        // Weights of the stations: 1 and -1; 2/3, -1/3, -1/3.
+        for (stations, squares) in [([1, 1, 1, 2], 2.0), ([1, 2, 3, 1], 6.0 / 9.0)] {
+            let v = of(stations, &limits);
+            let between = BETWEEN * f64::sqrt(squares);
+            assert!((v.between.unwrap() / between - 1.0).abs() < 1e-12, "{v:?}");
+            assert!((v.sd.unwrap() / alone.sd.unwrap().hypot(between) - 1.0).abs() < 1e-12, "{v:?}");
+            assert_eq!(v.state, State::Indeterminate, "{v:?}");
+            assert!(v.messages().iter().any(|said| said.code == "between_stations"), "{v}");
+        }
+    }
+    let other = at_stations([1, 1, 1, 2]);
+    let d_s = all_verdicts(&other, &[], 3, &limits);
+    assert!(d_s.iter().all(|v| v.between.is_none() || v.coefficient == Coefficient::DI));
 }
 
 #[test]
@@ -846,7 +877,7 @@ mod properties {
         let row = |&(days, values, sd): &(f64, [f64; 3], Option<f64>)| {
             at += days;
             let seat = Seat { imu: (at / 150.0) as u32, ..Seat::default() };
-            Sample { at: day(at), seat, d: values.map(|value| Measured { value, sd }) }
+            Sample { at: day(at), seat, station: 0, d: values.map(|value| Measured { value, sd }) }
         };
         steps.iter().map(row).collect()
     }

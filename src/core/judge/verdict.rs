@@ -110,6 +110,8 @@ pub struct Verdict {
     pub sd: Option<f64>,
     /// Probability that the true value exceeds the limit, where the standard deviation is known.
     pub probability: Option<f64>,
+    /// The part of the standard deviation that different stations bring in, where they do.
+    pub between: Option<f64>,
     /// A second campaign says the same: see each rule for what that takes.
     pub confirmed: bool,
     /// What the rule saw, for the reason in words.
@@ -146,9 +148,15 @@ impl Verdict {
             limit_from: limit.from,
             sd: None,
             probability: None,
+            between: None,
             confirmed: false,
             finding,
         }
+    }
+
+    /// What of the standard deviation comes from different stations.
+    pub(super) fn between_stations(self, between: Option<f64>) -> Self {
+        Self { between, ..self }
     }
 
     /// What does not exceed has nothing to be confirmed.

@@ -26,9 +26,14 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem
     let alert = &record.alert;
     let here = format!("/alerts/{}", alert.id);
     let of_gyro = format!("/alerts?state=all&serial={}", encoded(&alert.serial));
+    let inhibited = pages.pipeline.alerts.inhibited_by(number).await?;
     let body = html! {
-        h1 { (t.alert) " · " span.id { (alert.serial) } " " (symbol(&alert.coefficient)) }
+        h1 { (t.alert) " · " span.id { (alert.name()) } " " (symbol(&alert.coefficient)) }
         (table(viewer, std::iter::once(alert), true, Some(&here)))
+        @if !inhibited.is_empty() {
+            h2 { (t.inhibited_by_it) }
+            (table(viewer, inhibited.iter(), true, None))
+        }
         h2 { (t.what_became) }
         div.scroll tabindex="0" { table {
             thead { tr { th { (t.date) } th { (t.what_word) } th { (t.who) } th { (t.reason_word) } th { (t.told_word) } } }
@@ -53,7 +58,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem
                 p { button.primary { (t.comment) } }
             }
         }
-        p { a href=(of_gyro) { (t.alerts_of_gyro) } }
+        @if !alert.is_of_station() { p { a href=(of_gyro) { (t.alerts_of_gyro) } } }
     };
-    Ok(Page { title: format!("{} {}", t.alert, alert.serial), section: Section::Alerts, body })
+    Ok(Page { title: format!("{} {}", t.alert, alert.name()), section: Section::Alerts, body })
 }

@@ -58,6 +58,7 @@ impl Text {
         match name {
             "acknowledged" => self.alert_acknowledged,
             "silenced" => self.alert_silenced,
+            "inhibited" => self.alert_inhibited,
             "resolved" => self.alert_resolved,
             _ => self.alert_firing,
         }
@@ -76,6 +77,7 @@ impl Text {
             "unacknowledge" => self.unacknowledge,
             "silence" => self.alert_silenced,
             "comment" => self.comment,
+            "inhibit" => self.alert_inhibited,
             other => other,
         }
     }

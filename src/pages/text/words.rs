@@ -371,6 +371,11 @@ catalogue! {
     alert_acknowledged: "acknowledged", "已确认";
     alert_silenced: "silenced", "已静默";
     alert_resolved: "resolved", "已恢复";
+    overdue_gyros: "overdue", "超期";
+    alert_inhibited: "inhibited", "已抑制";
+    explained_by_station: "explained by a station's alert", "由测试站告警解释";
+    stations_alerts: "Stations", "测试站";
+    inhibited_by_it: "Alerts of gyros that it explains", "由其解释的陀螺告警";
     severity: "Severity", "级别";
     rule_word: "Rule", "规则";
     any: "any", "不限";

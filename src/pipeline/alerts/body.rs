@@ -5,7 +5,7 @@ use crate::core::id::Id;
 use crate::core::judge::{Severity, State, Status, Verdict};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
-use crate::store::{AlertRow, Changes, NewName, StoreError, Tables};
+use crate::store::{AlertOf, AlertRow, Changes, NewName, StoreError, Tables};
 use crate::wire::alert::{AcknowledgementBody, AlertBody, FindingBody, SilenceBody};
 use crate::wire::reason::Reason;
 use crate::wire::time;
@@ -46,6 +46,11 @@ impl Naming<'_> {
         stored.or_else(|| added(&self.new?.gyros, number)).unwrap_or_default().to_owned()
     }
 
+    /// Empty for a station.
+    pub fn serial(&self, of: AlertOf) -> String {
+        of.gyro().map(|gyro| self.gyro(gyro)).unwrap_or_default()
+    }
+
     pub fn imu(&self, number: u32) -> String {
         let stored = self.tables.imus.name(number).map(|name| &**name);
         stored.or_else(|| added(&self.new?.imus, number)).unwrap_or_default().to_owned()
@@ -80,7 +85,8 @@ impl Naming<'_> {
         let finding = finding_of(row)?;
         Ok(AlertBody {
             id: row.id.to_string(),
-            serial: self.gyro(row.gyro),
+            subject: if row.of.gyro().is_some() { AlertBody::OF_GYRO } else { AlertBody::OF_STATION }.into(),
+            serial: self.serial(row.of),
             coefficient: row.coefficient.name().into(),
             rule: row.rule.name().into(),
             state: row.alert.standing(now).name().into(),
@@ -96,6 +102,7 @@ impl Naming<'_> {
                 at: time::format(remark.at),
             }),
             silenced: silence_of(row, now),
+            inhibited_by: row.inhibited_by.map(|id| id.to_string()),
         })
     }
 }

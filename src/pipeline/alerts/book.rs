@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::body::{Naming, Origin};
 use super::silences::Silences;
+use super::stations::StationAlerts;
 use crate::core::alert_decision;
 use crate::core::alert_decision::{Action, Arrival, Decision, Late, Policy, Status};
 use crate::core::id::Id;
@@ -11,7 +12,7 @@ use crate::core::judge::{Rule, Severity, Verdict};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::Undone;
 use crate::store;
-use crate::store::{AlertRow, Changes, Remark, StepRow, Store, StoreError, Writer};
+use crate::store::{AlertOf, AlertRow, Changes, Remark, StepRow, Store, StoreError, Writer};
 
 /// Gyros from which on everything is forgotten.
 const MOST_GYROS: usize = 20_000;
@@ -20,17 +21,19 @@ const MOST_GYROS: usize = 20_000;
 #[derive(Debug)]
 pub(crate) struct AlertCache {
     policy: Policy,
+    /// With which something exceeds its limit.
+    confidence: f64,
     /// A gyro that has none is known to have none.
-    pub(super) alerts: BTreeMap<u32, Vec<AlertRow>>,
+    pub(super) alerts: BTreeMap<AlertOf, Vec<AlertRow>>,
     /// Gyro and place of what has changed since the last [`AlertCache::write`].
-    pub(super) changed: BTreeSet<(u32, usize)>,
+    pub(super) changed: BTreeSet<(AlertOf, usize)>,
     steps: Vec<StepRow>,
     /// What hooks may have to be told, since the last [`AlertCache::news`].
     pub(super) news: Vec<News>,
     /// Those of many alerts that are in force.
     pub(super) silences: Silences,
-    /// They are to be read again before they are used.
-    silences_moved: bool,
+    /// They, and the alerts of stations, are to be read again before they are used.
+    settings_moved: bool,
 }
 
 /// Who said something that became a step, and why.
@@ -61,38 +64,39 @@ pub(crate) struct News {
 }
 
 impl AlertCache {
-    pub fn new(policy: Policy) -> Self {
+    pub fn new(policy: Policy, confidence: f64) -> Self {
         Self {
             policy,
+            confidence,
             alerts: BTreeMap::new(),
             changed: BTreeSet::new(),
             steps: Vec::new(),
             news: Vec::new(),
             silences: Silences::default(),
-            silences_moved: true,
+            settings_moved: true,
         }
     }
 
     /// What was noted is not what was committed: all of it is read again before it is used.
     pub fn forget(&mut self) {
         (self.alerts, self.changed, self.steps, self.news) = Default::default();
-        self.silences_moved = true;
+        self.settings_moved = true;
     }
 
     /// Others have written about the gyros that `lost` names.
     pub fn forget_where(&mut self, lost: impl Fn(u32) -> bool) {
-        self.alerts.retain(|gyro, _| !lost(*gyro));
+        self.alerts.retain(|of, _| of.gyro().is_none_or(|gyro| !lost(gyro)));
     }
 
-    /// Others have begun or ended silences.
-    pub fn forget_silences(&mut self) {
-        self.silences_moved = true;
+    /// Others have begun or ended silences, or alerts of stations have changed.
+    pub fn forget_settings(&mut self) {
+        self.settings_moved = true;
     }
 
     /// Keeps the memory within its bounds, when all that was noted is stored.
     pub fn tidy(&mut self) {
         if self.alerts.len() > MOST_GYROS {
-            self.alerts.clear();
+            self.alerts.retain(|of, _| of.station().is_some());
         }
     }
 
@@ -103,17 +107,21 @@ impl AlertCache {
         gyros: impl IntoIterator<Item = u32>,
         now: UtcMicros,
     ) -> Result<(), StoreError> {
-        if self.silences_moved {
+        let mut rows = Vec::new();
+        if self.settings_moved {
             self.silences = Silences::load(store, now).await?;
-            self.silences_moved = false;
+            self.alerts.retain(|of, _| of.gyro().is_some());
+            rows = store::alerts::of_stations(store).await?;
+            self.settings_moved = false;
         }
-        let unknown: BTreeSet<u32> = gyros.into_iter().filter(|gyro| !self.alerts.contains_key(gyro)).collect();
+        let is_unknown = |gyro: &u32| !self.alerts.contains_key(&AlertOf::Gyro(*gyro));
+        let unknown: BTreeSet<u32> = gyros.into_iter().filter(is_unknown).collect();
         if !unknown.is_empty() {
             let unknown: Vec<u32> = unknown.into_iter().collect();
-            let rows = store::alerts::of_gyros(store, &unknown).await?;
-            self.alerts.extend(unknown.into_iter().map(|gyro| (gyro, Vec::new())));
-            rows.into_iter().for_each(|row| self.alerts.entry(row.gyro).or_default().push(row));
+            rows.extend(store::alerts::of_gyros(store, &unknown).await?);
+            self.alerts.extend(unknown.into_iter().map(|gyro| (gyro.into(), Vec::new())));
         }
+        rows.into_iter().for_each(|row| self.alerts.entry(row.of).or_default().push(row));
         Ok(())
     }
 
@@ -125,28 +133,31 @@ impl AlertCache {
     /// Puts what has changed into a transaction; returns what hooks may have to be told.
     pub fn write(&mut self, changes: &mut Changes) -> Vec<News> {
         let changed = std::mem::take(&mut self.changed);
-        changes.alerts.extend(changed.into_iter().map(|(gyro, place)| self.alerts[&gyro][place].clone()));
+        changes.alerts.extend(changed.into_iter().map(|(of, place)| self.alerts[&of][place].clone()));
         changes.alert_steps.append(&mut self.steps);
         std::mem::take(&mut self.news)
     }
 
     /// Whether a gyro has ever had an alert.
     pub fn knows(&self, gyro: u32) -> bool {
-        self.alerts.get(&gyro).is_some_and(|rows| !rows.is_empty())
+        self.alerts.get(&gyro.into()).is_some_and(|rows| !rows.is_empty())
     }
 
     pub fn firing(&self, gyro: u32) -> impl Iterator<Item = &AlertRow> {
-        self.alerts.get(&gyro).into_iter().flatten().filter(|row| row.alert.status == Status::Firing)
+        self.alerts.get(&gyro.into()).into_iter().flatten().filter(|row| row.alert.status == Status::Firing)
     }
 
-    /// Follows a verdict on the newest figures of a gyro.
-    pub fn follow(&mut self, gyro: u32, verdict: &Verdict, origin: &Origin, pen: &mut Pen<'_>) {
-        let place = self.place(gyro, |row| row.coefficient == verdict.coefficient && row.rule == verdict.rule);
-        let earlier = place.map(|place| &self.alerts[&gyro][place]);
+    /// Follows a verdict on the newest figures of a gyro, or on what a station does.
+    pub fn follow(&mut self, of: impl Into<AlertOf>, verdict: &Verdict, origin: &Origin, pen: &mut Pen<'_>) {
+        let of = of.into();
+        let place = self.place(of, |row| row.coefficient == verdict.coefficient && row.rule == verdict.rule);
+        let earlier = place.map(|place| &self.alerts[&of][place]);
         let naming = pen.naming;
-        let muting = self.silences.of(gyro, verdict, origin, &naming, pen.now);
+        let muting = self.silences.of(of, verdict, origin, &naming, pen.now);
         let (muted, muted_until) = muting.map(|(muted, until)| (Some(muted), Some(until))).unwrap_or_default();
-        let arrival = Arrival { record_at: origin.at, now: pen.now, late: pen.late, muted_until };
+        let inhibited_by = self.stations().explaining(of, verdict, origin);
+        let inhibited = inhibited_by.is_some();
+        let arrival = Arrival { record_at: origin.at, now: pen.now, late: pen.late, muted_until, inhibited };
         let decision = alert_decision::hear(earlier.map(|row| &row.alert), verdict, &arrival, &self.policy);
         let Some(alert) = decision.alert else { return };
         let finding = || naming.finding(verdict, origin).kept();
@@ -155,7 +166,8 @@ impl AlertCache {
                 // How long a calibration is overdue changes by itself: that is no news.
                 let same_finding =
                     || alert.status == Status::Resolved || verdict.rule == Rule::Overdue || row.finding == finding();
-                if row.alert == alert && decision.action == Action::Silent && same_finding() {
+                let same_station = !alert.inhibited || inhibited_by.is_none() || row.inhibited_by == inhibited_by;
+                if row.alert == alert && decision.action == Action::Silent && same_station && same_finding() {
                     return;
                 }
                 (place, false)
@@ -163,33 +175,39 @@ impl AlertCache {
             _ => {
                 let row = AlertRow {
                     id: pen.writer.next_id(pen.now),
-                    gyro,
+                    of,
                     coefficient: verdict.coefficient,
                     rule: verdict.rule,
                     alert,
                     acknowledged: None,
                     silenced: None,
                     muted: None,
+                    inhibited_by: None,
                     finding: String::new(),
                 };
-                let rows = self.alerts.entry(gyro).or_default();
+                let rows = self.alerts.entry(of).or_default();
                 rows.push(row);
                 (rows.len() - 1, true)
             }
         };
-        let row = &mut self.alerts.entry(gyro).or_default()[place];
+        let row = &mut self.alerts.entry(of).or_default()[place];
         (row.finding, row.muted) = (finding(), muted);
-        self.enter((gyro, place), decision, began, (None, None), pen);
+        row.inhibited_by = inhibited_by.or(row.inhibited_by).filter(|_| alert.inhibited);
+        self.enter((of, place), decision, began, (None, None), pen);
     }
 
     /// Ends what fires where `ends` says so: a rule that does not judge any more, or whose history an event has cut
     /// off.
-    pub fn reset(&mut self, gyro: u32, ends: impl Fn(&AlertRow) -> bool, pen: &mut Pen<'_>) {
-        for place in 0..self.alerts.get(&gyro).map_or(0, Vec::len) {
-            let row = &self.alerts[&gyro][place];
+    pub fn reset(&mut self, of: impl Into<AlertOf>, ends: impl Fn(&AlertRow) -> bool, pen: &mut Pen<'_>) {
+        self.end(of.into(), ends, &(None, None), pen);
+    }
+
+    fn end(&mut self, of: AlertOf, ends: impl Fn(&AlertRow) -> bool, said: &Said, pen: &mut Pen<'_>) {
+        for place in 0..self.alerts.get(&of).map_or(0, Vec::len) {
+            let row = &self.alerts[&of][place];
             if row.alert.status == Status::Firing && ends(row) {
                 let decision = alert_decision::reset(&row.alert, pen.now);
-                self.enter((gyro, place), decision, false, (None, None), pen);
+                self.enter((of, place), decision, false, said.clone(), pen);
             }
         }
     }
@@ -203,8 +221,9 @@ impl AlertCache {
         undone: &Undone,
         pen: &mut Pen<'_>,
     ) {
-        for place in 0..self.alerts.get(&gyro).map_or(0, Vec::len) {
-            let row = &self.alerts[&gyro][place];
+        let of = AlertOf::Gyro(gyro);
+        for place in 0..self.alerts.get(&of).map_or(0, Vec::len) {
+            let row = &self.alerts[&of][place];
             let decision = match still(row) {
                 _ if row.alert.status == Status::Resolved => continue,
                 Some(severity) if severity >= row.alert.severity => continue,
@@ -212,14 +231,40 @@ impl AlertCache {
                 None => alert_decision::reset(&row.alert, pen.now),
             };
             let said = (Some(undone.author.clone()), Some(undone.reason.clone()));
-            self.enter((gyro, place), decision, false, said, pen);
+            self.enter((of, place), decision, false, said, pen);
         }
     }
 
-    /// Lets the alerts of these gyros follow the clock: repeats, and tells what a silence has held back.
-    pub fn tick(&mut self, gyros: &BTreeSet<u32>, pen: &mut Pen<'_>) {
+    /// Those of stations among them.
+    pub fn stations(&self) -> StationAlerts<'_> {
+        StationAlerts { alerts: &self.alerts, confidence: self.confidence }
+    }
+
+    /// Lets the alerts of these gyros follow those of their stations: of what is explained nobody is told; of what is
+    /// not any more everybody is told what was held back.
+    pub fn explain(&mut self, gyros: &BTreeSet<u32>, pen: &mut Pen<'_>) {
+        for at in self.places(&gyros.iter().map(|gyro| AlertOf::Gyro(*gyro)).collect()) {
+            let row = &self.alerts[&at.0][at.1];
+            let by = self.stations().explaining_row(row, &pen.naming);
+            if by == row.inhibited_by {
+                continue;
+            }
+            let decision = alert_decision::inhibit(&row.alert, by.is_some(), pen.now);
+            if let Some(row) = self.alerts.get_mut(&at.0).and_then(|rows| rows.get_mut(at.1)) {
+                row.inhibited_by = by;
+            }
+            self.enter(at, decision, false, (None, None), pen);
+            // A hook that came meanwhile has not heard of it.
+            if by.is_none() && decision.action == Action::Silent {
+                self.tell_as_it_stands(at, pen);
+            }
+        }
+    }
+
+    /// Lets these alerts follow the clock: repeats, and tells what a silence has held back.
+    pub fn tick(&mut self, all: &BTreeSet<AlertOf>, pen: &mut Pen<'_>) {
         self.silences.pass(pen.now);
-        for at in self.places(gyros) {
+        for at in self.places(all) {
             let before = self.alerts[&at.0][at.1].alert;
             let decision = alert_decision::tick(&before, pen.now, &self.policy);
             let Some(after) = decision.alert.filter(|after| *after != before) else { continue };
@@ -228,17 +273,22 @@ impl AlertCache {
                 (before.silenced_until, before.muted_until) != (after.silenced_until, after.muted_until);
             // The world was told before the silence; a hook that came during it was not.
             if silence_ended && decision.action == Action::Silent {
-                let row = self.alerts[&at.0][at.1].clone();
-                let body = pen.naming.alert(&row, pen.now).map(|body| body.kept()).unwrap_or_default();
-                self.tell(&row, Action::Silent, None, body, pen);
+                self.tell_as_it_stands(at, pen);
             }
         }
     }
 
+    /// Tells those who have not heard how an alert stands.
+    fn tell_as_it_stands(&mut self, at: (AlertOf, usize), pen: &Pen<'_>) {
+        let row = self.alerts[&at.0][at.1].clone();
+        let body = pen.naming.alert(&row, pen.now).map(|body| body.kept()).unwrap_or_default();
+        self.tell(&row, Action::Silent, None, body, pen);
+    }
+
     /// What waits of these gyros for the digest of an import is told; true where something did.
-    pub fn tell_digest(&mut self, gyros: &BTreeSet<u32>, pen: &mut Pen<'_>) -> bool {
+    pub fn tell_digest(&mut self, all: &BTreeSet<AlertOf>, pen: &mut Pen<'_>) -> bool {
         let mut any = false;
-        for at in self.places(gyros) {
+        for at in self.places(all) {
             let Some(decision) = alert_decision::digest(&self.alerts[&at.0][at.1].alert, pen.now) else { continue };
             any = true;
             self.enter(at, decision, false, (None, None), pen);
@@ -251,10 +301,10 @@ impl AlertCache {
         any
     }
 
-    pub(super) fn places(&self, gyros: &BTreeSet<u32>) -> Vec<(u32, usize)> {
+    pub(super) fn places(&self, all: &BTreeSet<AlertOf>) -> Vec<(AlertOf, usize)> {
         let of =
-            |gyro: &u32| (0..self.alerts.get(gyro).map_or(0, Vec::len)).map(|place| (*gyro, place)).collect::<Vec<_>>();
-        gyros.iter().flat_map(of).collect()
+            |of: &AlertOf| (0..self.alerts.get(of).map_or(0, Vec::len)).map(|place| (*of, place)).collect::<Vec<_>>();
+        all.iter().flat_map(of).collect()
     }
 
     /// What a person said of an alert: applies `change`, and notes it as a step. None where there is no such alert.
@@ -266,34 +316,34 @@ impl AlertCache {
         change: impl FnOnce(&mut AlertRow),
         pen: &mut Pen<'_>,
     ) -> Option<AlertRow> {
-        let (gyro, place) = self.find(id)?;
-        let row = &mut self.alerts.get_mut(&gyro)?[place];
+        let at = self.find(id)?;
+        let row = &mut self.alerts.get_mut(&at.0)?[at.1];
         change(row);
         let row = row.clone();
-        self.changed.insert((gyro, place));
+        self.changed.insert(at);
         let said = (Some(remark.by.clone()), Some(remark.reason.clone()));
         self.step(&row, action, false, said, pen);
         Some(row)
     }
 
     pub fn alert(&self, id: Id) -> Option<&AlertRow> {
-        self.find(id).map(|(gyro, place)| &self.alerts[&gyro][place])
+        self.find(id).map(|(of, place)| &self.alerts[&of][place])
     }
 
-    fn find(&self, id: Id) -> Option<(u32, usize)> {
-        let in_gyro =
-            |(gyro, rows): (&u32, &Vec<AlertRow>)| rows.iter().position(|row| row.id == id).map(|place| (*gyro, place));
-        self.alerts.iter().find_map(in_gyro)
+    fn find(&self, id: Id) -> Option<(AlertOf, usize)> {
+        let within =
+            |(of, rows): (&AlertOf, &Vec<AlertRow>)| rows.iter().position(|row| row.id == id).map(|place| (*of, place));
+        self.alerts.iter().find_map(within)
     }
 
-    fn place(&self, gyro: u32, is_it: impl FnMut(&AlertRow) -> bool) -> Option<usize> {
-        self.alerts.get(&gyro)?.iter().position(is_it)
+    fn place(&self, of: AlertOf, is_it: impl FnMut(&AlertRow) -> bool) -> Option<usize> {
+        self.alerts.get(&of)?.iter().position(is_it)
     }
 
     /// Makes a decision the alert's state, and a step of it, where it changes how the alert stands or tells somebody.
-    fn enter(&mut self, (gyro, place): (u32, usize), decision: Decision, began: bool, said: Said, pen: &mut Pen<'_>) {
+    fn enter(&mut self, at: (AlertOf, usize), decision: Decision, began: bool, said: Said, pen: &mut Pen<'_>) {
         let Some(alert) = decision.alert else { return };
-        let row = &mut self.alerts.entry(gyro).or_default()[place];
+        let row = &mut self.alerts.entry(at.0).or_default()[at.1];
         let earlier = (!began).then_some(row.alert);
         row.alert = alert;
         if !alert.acknowledged {
@@ -302,8 +352,9 @@ impl AlertCache {
         if alert.muted_until.is_none() {
             row.muted = None;
         }
+        row.inhibited_by = row.inhibited_by.filter(|_| alert.inhibited);
         let row = row.clone();
-        self.changed.insert((gyro, place));
+        self.changed.insert(at);
         let action = if decision.action == Action::Silent { untold(earlier, alert) } else { Some(decision.action) };
         if let Some(action) = action {
             let (step, body) = self.step(&row, action.name(), decision.action != Action::Silent, said, pen);

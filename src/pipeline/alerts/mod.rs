@@ -11,6 +11,7 @@ mod error;
 mod orders;
 mod silences;
 mod sources;
+mod stations;
 
 use super::access::Actor;
 use super::error::StorageError;
@@ -33,6 +34,7 @@ pub use orders::{AlertChange, AlertOrder, SilenceOrder};
 pub(super) use body::{Naming, Origin, finding_of, status_of};
 pub(super) use book::{AlertCache, News, Pen};
 pub(super) use sources::{Causes, follow_clock, follow_group};
+pub(super) use stations::StationVerdict;
 
 /// An alert with what became of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -101,10 +103,38 @@ impl Alerts {
         let tables = self.store.names().read();
         let naming = Naming { tables: &tables, new: None };
         let of_gyro = |gyro: &u32| {
-            let of_it = rows.iter().filter(|row| row.gyro == *gyro);
+            let of_it = rows.iter().filter(|row| row.of.gyro() == Some(*gyro));
             of_it.map(|row| naming.alert(row, now)).collect::<Result<Vec<AlertBody>, StoreError>>()
         };
         Ok(gyros.iter().map(of_gyro).collect::<Result<_, StoreError>>()?)
+    }
+
+    /// Alerts of stations that a filter lets through, the newest first.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn of_stations(&self, filter: &AlertFilter) -> Result<Vec<AlertBody>, StorageError> {
+        let (now, mut rows) = (self.clock.now(), store::alerts::of_stations(&self.store).await?);
+        rows.retain(|row| {
+            filter.gyro.is_none()
+                && filter.standing.is_none_or(|standing| row.alert.standing(now) == standing)
+                && filter.rule.is_none_or(|rule| row.rule == rule)
+                && filter.severity.is_none_or(|severity| row.alert.severity == severity)
+        });
+        let tables = self.store.names().read();
+        let naming = Naming { tables: &tables, new: None };
+        Ok(rows.iter().rev().map(|row| naming.alert(row, now)).collect::<Result<_, StoreError>>()?)
+    }
+
+    /// Alerts of gyros that the alert of a station explains.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn inhibited_by(&self, station: Id) -> Result<Vec<AlertBody>, StorageError> {
+        let (now, rows) = (self.clock.now(), store::alerts::inhibited_by(&self.store, station).await?);
+        let tables = self.store.names().read();
+        let naming = Naming { tables: &tables, new: None };
+        Ok(rows.iter().map(|row| naming.alert(row, now)).collect::<Result<_, StoreError>>()?)
     }
 
     /// Those of these alerts that there are.

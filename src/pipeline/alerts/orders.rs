@@ -10,7 +10,7 @@ use crate::core::alert_filter::Matchers;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
-use crate::store::{AlertRow, AuditRow, Changes, Remark, SilenceRow};
+use crate::store::{AlertOf, AlertRow, AuditRow, Changes, Remark, SilenceRow};
 
 /// Somebody says something of an alert.
 #[derive(Debug, Clone, PartialEq)]
@@ -124,8 +124,8 @@ impl AlertCache {
                 (Some(row.clone()), SilenceRow { ended, ..row }, "end silence")
             }
         };
-        let gyros: BTreeSet<u32> = self.alerts.keys().copied().collect();
-        for at in self.places(&gyros) {
+        let all: BTreeSet<AlertOf> = self.alerts.keys().copied().collect();
+        for at in self.places(&all) {
             let row = &self.alerts[&at.0][at.1];
             let was_muted = row.alert.muted_until.is_some();
             let muting = self.silences.of_row(row, &pen.naming, pen.now);
@@ -138,7 +138,7 @@ impl AlertCache {
                 self.changed.insert(at);
             }
         }
-        self.tick(&gyros, pen);
+        self.tick(&all, pen);
         changes.access.audit.push(audited(pen, by, action, before.as_ref(), &after));
         let id = after.id;
         changes.silences.push(after);

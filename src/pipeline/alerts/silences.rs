@@ -6,7 +6,7 @@ use crate::core::id::Id;
 use crate::core::judge::{Rule, Verdict};
 use crate::core::time::UtcMicros;
 use crate::store;
-use crate::store::{AlertRow, Remark, SilenceRow, Store, StoreError};
+use crate::store::{AlertOf, AlertRow, Remark, SilenceRow, Store, StoreError};
 use crate::wire::silence::{EndedBody, MatchersBody, MatchingSilenceBody};
 use crate::wire::time;
 
@@ -30,7 +30,7 @@ impl Silences {
     /// What silences the alert of a verdict the longest: the silence, and until when.
     pub fn of(
         &self,
-        gyro: u32,
+        of: AlertOf,
         verdict: &Verdict,
         origin: &Origin,
         naming: &Naming<'_>,
@@ -40,7 +40,7 @@ impl Silences {
             return None;
         }
         let finding = naming.finding(verdict, origin);
-        self.longest((&naming.gyro(gyro), finding.imu.as_deref(), finding.station.as_deref(), verdict.rule), now)
+        self.longest((&naming.serial(of), finding.imu.as_deref(), finding.station.as_deref(), verdict.rule), now)
     }
 
     pub fn of_row(&self, row: &AlertRow, naming: &Naming<'_>, now: UtcMicros) -> Option<((Id, Remark), UtcMicros)> {
@@ -48,7 +48,7 @@ impl Silences {
         let finding = finding_of(row).ok();
         let place = finding.as_ref().map(|finding| (finding.imu.as_deref(), finding.station.as_deref()));
         let (imu, station) = place.unwrap_or_default();
-        self.longest((&naming.gyro(row.gyro), imu, station, row.rule), now)
+        self.longest((&naming.serial(row.of), imu, station, row.rule), now)
     }
 
     fn longest(

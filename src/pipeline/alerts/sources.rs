@@ -30,6 +30,12 @@ impl Causes {
         Self { items, gyros }
     }
 
+    /// How the group is told if it comes late: as an import where one is in it.
+    pub fn late(&self) -> Late {
+        let all = || self.items.values().copied();
+        all().find(|late| *late == Late::Digest).or_else(|| all().next()).unwrap_or_default()
+    }
+
     /// The cause is the item that was judged itself, where it is of the group, else the last that is of the gyro.
     fn sign(&self, gyro: u32, item: Option<Id>, pen: &mut Pen<'_>) {
         let item = item.filter(|item| self.items.contains_key(item)).or_else(|| self.gyros.get(&gyro).copied());

@@ -127,6 +127,8 @@ pub struct StationGyros {
     pub gyros: usize,
     /// Of those, what is [`BEYOND`].
     pub beyond: usize,
+    /// Of those, what was not calibrated in its interval.
+    pub overdue: usize,
     pub last_calibrated: UtcMicros,
 }
 
@@ -255,9 +257,10 @@ impl Fleet {
         for tally in of_stations {
             let station = tally.station.and_then(|station| tables.stations.name(station));
             let Some((station, last_calibrated)) = station.zip(tally.last_calibrated) else { continue };
-            let none = StationGyros { gyros: 0, beyond: 0, last_calibrated };
+            let none = StationGyros { gyros: 0, beyond: 0, overdue: 0, last_calibrated };
             let of_station = page.of_station.entry(station.to_string()).or_insert(none);
             of_station.gyros += tally.gyros;
+            of_station.overdue += tally.overdue;
             // Worse than overdue: time adds nothing to it.
             let is_beyond = of_rank(tally.rank).1.is_some_and(|status| BEYOND.contains(&status));
             of_station.beyond += if is_beyond { tally.gyros } else { 0 };
@@ -302,6 +305,15 @@ impl Fleet {
     /// Every station that calibrated a gyro lately, by name.
     pub async fn stations(&self) -> Result<Vec<StationEffect>, StorageError> {
         Ok(station_effects(&self.store, self.config.judging.method).await?)
+    }
+
+    /// Gyros that each station calibrated last and that are overdue.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn overdue_of_stations(&self) -> Result<BTreeMap<String, usize>, StorageError> {
+        let of_station = self.totals().await?.of_station.into_iter();
+        Ok(of_station.map(|(station, gyros)| (station, gyros.overdue)).collect())
     }
 
     /// What every station does to the gyros that it measured lately; none without records. Computes for a second of

@@ -270,7 +270,7 @@ mod tests {
     fn samples(values: &[(i64, f64)]) -> Vec<Sample> {
         let sample = |&(d, value): &(i64, f64)| {
             let seat = Seat { imu: u32::from(d >= 500), ..Seat::default() };
-            Sample { at: day(d), seat, d: [Measured::exact(value); 3] }
+            Sample { at: day(d), seat, station: 0, d: [Measured::exact(value); 3] }
         };
         values.iter().map(sample).collect()
     }

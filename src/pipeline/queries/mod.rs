@@ -38,7 +38,7 @@ pub use record::{ListFilter, Records, StoredCampaign, StoredRecord};
 pub use standing::{Standing, Violation};
 pub use stations::StationEffect;
 pub use status::Statuses;
-pub use today::{DUE_DAYS, DueImu, FirstOf, StationShift, Today, today};
+pub use today::{DUE_DAYS, DueImu, FirstOf, Today, Together, today};
 pub use verify::Verified;
 
 /// What is stored, as it is asked for. Cheap to clone.

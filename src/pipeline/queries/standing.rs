@@ -285,7 +285,7 @@ impl StoredFacts {
         let sheets = store::record::verdict_sheets(store, records.into_iter()).await?.into_iter().collect();
         let mut rows: HashMap<u32, Vec<AlertRow>> = HashMap::new();
         for row in store::alerts::firing(store, &gyros).await? {
-            rows.entry(row.gyro).or_default().push(row);
+            rows.entry(row.of.gyro().unwrap_or_default()).or_default().push(row);
         }
         let alerted = rows.iter().map(|(gyro, rows)| Ok((*gyro, Alerted::of(rows.iter())?)));
         let alerted = alerted.collect::<Result<_, StoreError>>()?;

@@ -9,6 +9,7 @@ use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::error::StorageError;
 use crate::store;
+use crate::store::head::CalibratedRow;
 
 /// Days ahead for which calibrations are due.
 pub const DUE_DAYS: f64 = 14.0;
@@ -41,7 +42,7 @@ pub struct Today {
     pub overdue: FirstOf<DueImu>,
     /// Within [`DUE_DAYS`].
     pub due: FirstOf<DueImu>,
-    pub shifts: Vec<StationShift>,
+    pub shifts: Vec<CommonShift>,
     pub moved: Vec<MovedImu>,
 }
 
@@ -54,10 +55,17 @@ pub struct DueImu {
     pub gyros: usize,
 }
 
-/// The newest calibrations of a station's gyros lie to one side of their baselines.
+/// What gyros have in common that moved together.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Together {
+    Station(Arc<str>),
+    Batch(Arc<str>),
+}
+
+/// The newest calibrations of a station's gyros, or of a batch, lie to one side of their baselines.
 #[derive(Debug, Clone, PartialEq)]
-pub struct StationShift {
-    pub station: Arc<str>,
+pub struct CommonShift {
+    pub of: Together,
     /// 0: D_I, 1: D_S.
     pub column: usize,
     pub shift: Shift,
@@ -97,7 +105,7 @@ pub async fn today(fleet: &Fleet, since: UtcMicros, most: usize) -> Result<Today
     let due_by = now.plus_days(DUE_DAYS);
     let overdue = store::head::due(store, [UtcMicros(i64::MIN), now], most).await?;
     let due = store::head::due(store, [now, due_by], most).await?;
-    let newest = store::head::calibrated_between(store, [since, now]).await?;
+    let newest = store::head::calibrated_since(store, since).await?;
     let moved = store::head::moved(store, since, MOVED, most).await?;
     let (worse, approaching) = (first_of(fleet, worse).await?, first_of(fleet, approaching).await?);
     let tables = store.names().read();
@@ -125,22 +133,22 @@ async fn first_of(fleet: &Fleet, (gyros, of): (Vec<u32>, usize)) -> Result<First
     Ok(FirstOf { first: fleet.standings_of(&gyros).await?, of })
 }
 
-/// Station, time, and the loads of D_I and D_S of gyros' newest calibrations.
-type Calibrated = (u32, UtcMicros, [Option<f64>; 2]);
-
-fn shifts_of(newest: &[Calibrated], name: impl Fn(u32) -> Arc<str>) -> Vec<StationShift> {
-    let mut of_station: BTreeMap<u32, Vec<&Calibrated>> = BTreeMap::new();
+fn shifts_of(newest: &[CalibratedRow], name: impl Fn(u32) -> Arc<str>) -> Vec<CommonShift> {
+    let mut together: BTreeMap<Together, Vec<&CalibratedRow>> = BTreeMap::new();
     for row in newest {
-        of_station.entry(row.0).or_default().push(row);
+        together.entry(Together::Station(name(row.station))).or_default().push(row);
+        if let Some(batch) = &row.batch {
+            together.entry(Together::Batch(batch.clone())).or_default().push(row);
+        }
     }
     let mut shifts = Vec::new();
-    for (station, rows) in of_station {
+    for (of, rows) in together {
         for column in 0..2 {
-            let loads: Vec<f64> = rows.iter().filter_map(|(_, _, loads)| loads[column]).collect();
+            let loads: Vec<f64> = rows.iter().filter_map(|row| row.load[column]).map(|load| load.value).collect();
             let Some(shift) = common(&loads) else { continue };
-            let times = || rows.iter().map(|(_, at, _)| *at);
+            let times = || rows.iter().map(|row| row.at);
             let between = [times().min().unwrap_or(UtcMicros(0)), times().max().unwrap_or(UtcMicros(0))];
-            shifts.push(StationShift { station: name(station), column, shift, between });
+            shifts.push(CommonShift { of: of.clone(), column, shift, between });
         }
     }
     shifts.sort_by(|a, b| b.shift.median.abs().total_cmp(&a.shift.median.abs()));
@@ -173,6 +181,7 @@ mod tests {
     use rand_distr::{Distribution, Normal};
 
     use super::*;
+    use crate::core::judge::Measured;
 
     fn drawn(rng: &mut ChaCha8Rng, gyros: usize, shift: f64) -> Vec<f64> {
         let noise = Normal::new(shift, 0.1).unwrap();
@@ -199,11 +208,25 @@ mod tests {
         loads[..6].iter_mut().for_each(|load| *load += 3.0);
         assert_eq!(common(&loads), None);
         assert_eq!(common(&[0.5; 7]), None);
-        let rows: Vec<Calibrated> = (0..8).map(|k| (k % 2, UtcMicros(i64::from(k)), [Some(0.35), Some(0.0)])).collect();
-        assert!(shifts_of(&rows, |_| "ST".into()).is_empty(), "four gyros a station");
-        let rows: Vec<Calibrated> = rows.iter().map(|(_, at, loads)| (1, *at, *loads)).collect();
-        let shifts = shifts_of(&rows, |_| "ST".into());
-        assert_eq!((shifts.len(), shifts[0].column), (1, 0));
+        let row = |k: u32| CalibratedRow {
+            gyro: k,
+            serial: String::new(),
+            imu: k,
+            imu_name: String::new(),
+            station: k % 2,
+            at: UtcMicros(i64::from(k)),
+            load: [Measured::exact(0.35), Measured::exact(0.0)].map(Some),
+            batch: None,
+        };
+        let mut rows: Vec<CalibratedRow> = (0..8).map(row).collect();
+        let name = |station: u32| Arc::from(format!("ST-{station}"));
+        assert!(shifts_of(&rows, name).is_empty(), "four gyros a station");
+        rows.iter_mut().for_each(|row| row.batch = Some("B-7".into()));
+        let of_batch = shifts_of(&rows, name);
+        assert_eq!(of_batch.iter().map(|one| &one.of).collect::<Vec<_>>(), [&Together::Batch("B-7".into())]);
+        rows.iter_mut().for_each(|row| row.station = 1);
+        let shifts = shifts_of(&rows, name);
+        assert_eq!((shifts.len(), shifts[0].column), (2, 0));
         assert_eq!(shifts[0].between, [UtcMicros(0), UtcMicros(7)]);
     }
 }

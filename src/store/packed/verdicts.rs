@@ -31,8 +31,19 @@ pub struct StoredVerdict {
 
 impl From<&Verdict> for StoredVerdict {
     fn from(verdict: &Verdict) -> Self {
-        let Verdict { coefficient, rule, state, value, limit, sd, probability, confirmed, limit_from: _, finding: _ } =
-            *verdict;
+        let Verdict {
+            coefficient,
+            rule,
+            state,
+            value,
+            limit,
+            sd,
+            probability,
+            confirmed,
+            limit_from: _,
+            between: _,
+            finding: _,
+        } = *verdict;
         Self { coefficient, rule, state, value, limit, sd, probability, confirmed }
     }
 }
@@ -48,7 +59,19 @@ impl StoredVerdict {
         let Self { coefficient, rule, state, value, limit, sd, probability, confirmed } = *self;
         let finding = Finding::TooFew { have: 0, need: 0 };
         let limit_from = LimitKey::BUDGET;
-        Verdict { coefficient, rule, state, value, limit, limit_from, sd, probability, confirmed, finding }
+        Verdict {
+            coefficient,
+            rule,
+            state,
+            value,
+            limit,
+            limit_from,
+            sd,
+            probability,
+            between: None,
+            confirmed,
+            finding,
+        }
     }
 }
 
@@ -304,6 +327,7 @@ mod tests {
             "overdue",
             "shift",
             "before_after",
+            "station_shift",
         ];
         assert_eq!(names[..known.len()], known);
         assert_eq!(Coefficient::ALL.map(Coefficient::name)[..6], ["D_I", "D_S", "D_O", "E", "G", "all"]);

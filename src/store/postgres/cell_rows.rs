@@ -13,7 +13,7 @@ use crate::store::error::StoreError;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum News {
     Names,
-    /// Hooks and silences.
+    /// Hooks, silences and alerts of stations.
     Settings,
     Outbox,
     Models,
@@ -40,7 +40,10 @@ impl News {
         let (outbox, access) = (&changes.outbox, &changes.access);
         match self {
             Self::Names => [changes.imus.len(), changes.stations.len(), changes.gyros.len()] != [0; 3],
-            Self::Settings => !changes.hooks.is_empty() || !changes.silences.is_empty(),
+            Self::Settings => {
+                let of_station = changes.alerts.iter().any(|alert| alert.of.station().is_some());
+                of_station || !changes.hooks.is_empty() || !changes.silences.is_empty()
+            }
             Self::Outbox => {
                 let moved = [outbox.queued.len(), outbox.replayed.len(), outbox.dropped.len(), outbox.hastened.len()];
                 moved != [0; 4] || !changes.hooks.is_empty()

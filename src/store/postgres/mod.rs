@@ -37,7 +37,7 @@ use crate::store::sqlite::write_behind::Unplaced;
 use crate::store::tables::names::{Names, Tables};
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-const MIGRATIONS: [(i64, &str, &str); 13] = [
+const MIGRATIONS: [(i64, &str, &str); 14] = [
     (1, "schema", include_str!("../../../migrations/postgres/0001_schema.sql")),
     (2, "claims", include_str!("../../../migrations/postgres/0002_claims.sql")),
     (3, "shared_limits", include_str!("../../../migrations/postgres/0003_shared_limits.sql")),
@@ -51,6 +51,7 @@ const MIGRATIONS: [(i64, &str, &str); 13] = [
     (11, "outlook", include_str!("../../../migrations/postgres/0011_outlook.sql")),
     (12, "gyro_attributes", include_str!("../../../migrations/postgres/0012_gyro_attributes.sql")),
     (13, "record_temperature", include_str!("../../../migrations/postgres/0013_record_temperature.sql")),
+    (14, "station_alerts", include_str!("../../../migrations/postgres/0014_station_alerts.sql")),
 ];
 
 /// How long a database that does not answer yet is waited for at the start.

@@ -18,11 +18,40 @@ pub struct Remark {
     pub at: UtcMicros,
 }
 
-/// The alert of one gyro, coefficient and rule.
+/// What an alert is about, by its number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum AlertOf {
+    Gyro(u32),
+    Station(u32),
+}
+
+impl AlertOf {
+    pub fn gyro(self) -> Option<u32> {
+        match self {
+            Self::Gyro(gyro) => Some(gyro),
+            Self::Station(_) => None,
+        }
+    }
+
+    pub fn station(self) -> Option<u32> {
+        match self {
+            Self::Gyro(_) => None,
+            Self::Station(station) => Some(station),
+        }
+    }
+}
+
+impl From<u32> for AlertOf {
+    fn from(gyro: u32) -> Self {
+        Self::Gyro(gyro)
+    }
+}
+
+/// The alert of one gyro or station, coefficient and rule.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AlertRow {
     pub id: Id,
-    pub gyro: u32,
+    pub of: AlertOf,
     pub coefficient: Coefficient,
     pub rule: Rule,
     pub alert: Alert,
@@ -32,6 +61,8 @@ pub struct AlertRow {
     pub silenced: Option<Remark>,
     /// Of [`Alert::muted_until`]: the silence, and what was said of it.
     pub muted: Option<(Id, Remark)>,
+    /// Of [`Alert::inhibited`]: the alert of the station that explains it.
+    pub inhibited_by: Option<Id>,
     /// The last verdict as clients read it, JSON.
     pub finding: String,
 }
@@ -53,10 +84,10 @@ pub struct StepRow {
 
 pub(crate) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
     let mut rows = Rows::default();
-    for AlertRow { id, gyro, coefficient, rule, alert, acknowledged, silenced, muted, finding } in alerts {
+    for AlertRow { id, of, coefficient, rule, alert, acknowledged, silenced, muted, inhibited_by, finding } in alerts {
         let mut row = rows.row();
         row.integer(id.0)
-            .integer(i64::from(*gyro))
+            .optional_integer(of.gyro().map(i64::from))
             .text(coefficient.name())
             .text(rule.name())
             .text(alert.status.name())
@@ -78,23 +109,27 @@ pub(crate) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
             .optional_integer(alert.hushed.map(|hushed| hushed.at.0))
             .integer(i64::from(alert.hushed.is_some_and(|hushed| hushed.digest)))
             .optional_integer(muted.as_ref().map(|(silence, _)| silence.0))
-            .optional_integer(alert.muted_until.map(|until| until.0));
+            .optional_integer(alert.muted_until.map(|until| until.0))
+            .optional_integer(of.station().map(i64::from))
+            .optional_integer(inhibited_by.map(|id| id.0));
     }
     batch.add(
         insert!(
             "alert (id, gyro, coefficient, rule, status, severity, fired_at, resolved_at, record_at, within,
              told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at,
-             silenced_by, silenced_reason, silenced_at, silenced_until, finding, since, hushed_at, digest, muted_by, muted_until)",
+             silenced_by, silenced_reason, silenced_at, silenced_until, finding, since, hushed_at, digest, muted_by, muted_until,
+             station, inhibited_by)",
             [int 0, int 1, text 2, text 3, text 4, text 5, int 6, int 7, int 8, int 9, int 10, text 11, text 12, text 13,
-             int 14, text 15, text 16, int 17, int 18, words 19 20, int 21, int 22, int 23, int 24, int 25],
+             int 14, text 15, text 16, int 17, int 18, words 19 20, int 21, int 22, int 23, int 24, int 25,
+             int 26, int 27],
             "ON CONFLICT (id) DO UPDATE SET (status, severity, fired_at, resolved_at, record_at, within, told_at,
              told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, silenced_by, silenced_reason,
-             silenced_at, silenced_until, finding, since, hushed_at, digest, muted_by, muted_until) =
+             silenced_at, silenced_until, finding, since, hushed_at, digest, muted_by, muted_until, inhibited_by) =
             (excluded.status, excluded.severity, excluded.fired_at, excluded.resolved_at, excluded.record_at,
              excluded.within, excluded.told_at, excluded.told_severity, excluded.acknowledged_by,
              excluded.acknowledged_reason, excluded.acknowledged_at, excluded.silenced_by, excluded.silenced_reason,
              excluded.silenced_at, excluded.silenced_until, excluded.finding, excluded.since,
-             excluded.hushed_at, excluded.digest, excluded.muted_by, excluded.muted_until)"
+             excluded.hushed_at, excluded.digest, excluded.muted_by, excluded.muted_until, excluded.inhibited_by)"
         ),
         rows,
     );
@@ -122,7 +157,7 @@ pub(crate) fn insert_steps(steps: &[StepRow], batch: &mut Batch) {
     );
 }
 
-const COLUMNS: &str = "SELECT alert.id, gyro, coefficient, alert.rule, status, severity, fired_at, resolved_at, record_at, within, \
+const COLUMNS: &str = "SELECT alert.id, gyro, alert.station, inhibited_by, coefficient, alert.rule, status, severity, fired_at, resolved_at, record_at, within, \
      told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, \
      silenced_by, silenced_reason, silenced_at, silenced_until, finding, coalesce(since, fired_at) AS since, hushed_at, digest, \
      muted_by, muted_until, silence.author AS muted_author, silence.reason AS muted_reason, silence.at AS muted_at \
@@ -145,10 +180,14 @@ fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
     let told_at = instant("told_at")?;
     let digest = row.cell::<i64>("digest")? != 0;
     let muted_by: Option<i64> = row.cell("muted_by")?;
+    let inhibited_by = row.cell::<Option<i64>>("inhibited_by")?.map(Id);
+    let gyro: Option<Whole<u32>> = row.cell("gyro")?;
+    let station: Option<Whole<u32>> = row.cell("station")?;
+    let of = gyro.map(|gyro| AlertOf::Gyro(gyro.0)).or(station.map(|station| AlertOf::Station(station.0)));
     let acknowledged = remark("acknowledged_by", "acknowledged_reason", "acknowledged_at")?;
     Ok(AlertRow {
         id,
-        gyro: row.cell::<Whole<u32>>("gyro")?.0,
+        of: of.ok_or_else(|| damaged("subject"))?,
         coefficient: Coefficient::from_name(&text("coefficient")?).ok_or_else(|| damaged("coefficient"))?,
         rule: Rule::from_name(&text("rule")?).ok_or_else(|| damaged("rule"))?,
         alert: Alert {
@@ -162,12 +201,14 @@ fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
             acknowledged: acknowledged.is_some(),
             silenced_until: instant("silenced_until")?,
             muted_until: instant("muted_until")?,
+            inhibited: inhibited_by.is_some(),
             hushed: instant("hushed_at")?.map(|at| Hushed { at, digest }),
             told: told_at.zip(severity("told_severity")?).map(|(at, severity)| Told { at, severity }),
         },
         acknowledged,
         silenced: remark("silenced_by", "silenced_reason", "silenced_at")?,
         muted: muted_by.map(Id).zip(remark("muted_author", "muted_reason", "muted_at")?),
+        inhibited_by,
         finding: text("finding")?,
     })
 }
@@ -175,6 +216,7 @@ fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
 /// How an alert stands for whoever looks at it.
 const STANDING: &str = "CASE WHEN alert.status = 'resolved' THEN 'resolved'
                              WHEN alert.silenced_until > $7 OR alert.muted_until > $7 THEN 'silenced'
+                             WHEN alert.inhibited_by IS NOT NULL THEN 'inhibited'
                              WHEN alert.acknowledged_at IS NOT NULL THEN 'acknowledged'
                              ELSE 'firing' END";
 
@@ -295,6 +337,18 @@ pub async fn of_clock(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
 pub async fn all(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
     let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY alert.id"));
     on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
+}
+
+/// Every alert of a station that there has been: few.
+pub async fn of_stations(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.station IS NOT NULL ORDER BY alert.id"));
+    on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
+}
+
+/// Alerts of gyros that the alert of a station explains.
+pub async fn inhibited_by(store: &Store, station: Id) -> Result<Vec<AlertRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.inhibited_by = $1 ORDER BY alert.id"));
+    on!(store.readers, db => sqlx::query(sql).bind(station.0).fetch_all(db).await?.iter().map(alert).collect())
 }
 
 /// Every alert of several gyros, in the order in which they first fired.

@@ -262,13 +262,14 @@ pub struct Tally {
     pub gyros: usize,
 }
 
-/// How many gyros of a rank a station calibrated last.
+/// How many gyros of a rank a station calibrated last, and how many of those are overdue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StationTally {
     /// None for gyros that only a bench has seen.
     pub station: Option<u32>,
     pub rank: i64,
     pub gyros: usize,
+    pub overdue: usize,
     pub last_calibrated: Option<UtcMicros>,
 }
 
@@ -276,8 +277,8 @@ pub struct StationTally {
 pub async fn counts(store: &Store, now: UtcMicros) -> Result<(Vec<Tally>, Vec<StationTally>), StoreError> {
     let sql = "SELECT station, rank, CAST(0 AS BIGINT), count(*), max(calibrated_at) FROM head GROUP BY station, rank
                UNION ALL
-               SELECT CAST(NULL AS BIGINT), rank, CAST(1 AS BIGINT), count(*), CAST(NULL AS BIGINT) FROM head
-               WHERE overdue_at < $1 GROUP BY rank";
+               SELECT station, rank, CAST(1 AS BIGINT), count(*), max(calibrated_at) FROM head
+               WHERE overdue_at < $1 GROUP BY station, rank";
     type Row = (Option<Whole<u32>>, i64, i64, i64, Option<i64>);
     let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(now.0).fetch_all(db).await?);
     let (mut of_ranks, mut of_stations) = (BTreeMap::<i64, [usize; 2]>::new(), Vec::new());
@@ -285,12 +286,13 @@ pub async fn counts(store: &Store, now: UtcMicros) -> Result<(Vec<Tally>, Vec<St
     for (station, rank, is_overdue, gyros, last) in rows {
         let gyros = gyros.unsigned_abs() as usize;
         let [all, overdue] = of_ranks.entry(rank).or_default();
+        let (station, last_calibrated) = (station.map(|Whole(station)| station), last.map(UtcMicros));
         if is_overdue == 1 {
             *overdue += gyros;
+            of_stations.push(StationTally { station, rank, gyros: 0, overdue: gyros, last_calibrated });
         } else {
             *all += gyros;
-            let station = station.map(|Whole(station)| station);
-            of_stations.push(StationTally { station, rank, gyros, last_calibrated: last.map(UtcMicros) });
+            of_stations.push(StationTally { station, rank, gyros, overdue: 0, last_calibrated });
         }
     }
     let both = |(rank, [all, overdue]): (i64, [usize; 2])| {
@@ -528,18 +530,43 @@ pub async fn due(
     Ok((rows.into_iter().map(row).collect(), count.unsigned_abs() as usize))
 }
 
-/// Station, time, and loads of D_I and D_S of the gyros whose newest calibration was made between two instants; of very
-/// many, the newest.
-pub async fn calibrated_between(
-    store: &Store,
-    [from, to]: [UtcMicros; 2],
-) -> Result<Vec<(u32, UtcMicros, [Option<f64>; 2])>, StoreError> {
-    let sql = "SELECT station, calibrated_at, d_i_load, d_s_load FROM head
-               WHERE coalesce(calibrated_at, 9223372036854775807) BETWEEN $1 AND $2 AND station IS NOT NULL
+/// A gyro's newest calibration, for what its station has done to others too.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CalibratedRow {
+    pub gyro: u32,
+    pub serial: String,
+    pub imu: u32,
+    pub imu_name: String,
+    pub station: u32,
+    pub at: UtcMicros,
+    /// Of D_I and D_S.
+    pub load: [Option<Measured>; 2],
+    pub batch: Option<Arc<str>>,
+}
+
+/// Newest calibrations that were made no earlier than `from`, of as many gyros as a fleet may have calibrated since.
+pub async fn calibrated_since(store: &Store, from: UtcMicros) -> Result<Vec<CalibratedRow>, StoreError> {
+    let sql = "SELECT head.gyro, serial, imu, imu.name, station, calibrated_at, d_i_load, d_i_load_sd, d_s_load,
+                      d_s_load_sd, batch
+               FROM head JOIN imu ON imu.id = head.imu LEFT JOIN gyro_attribute ON gyro_attribute.gyro = head.gyro
+               WHERE coalesce(calibrated_at, 9223372036854775807) BETWEEN $1 AND 9223372036854775806
+                     AND station IS NOT NULL
                ORDER BY coalesce(calibrated_at, 9223372036854775807) DESC LIMIT 20000";
-    type Row = (Whole<u32>, i64, Option<f64>, Option<f64>);
-    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(from.0).bind(to.0).fetch_all(db).await?);
-    Ok(rows.into_iter().map(|(Whole(station), at, d_i, d_s)| (station, UtcMicros(at), [d_i, d_s])).collect())
+    type Real = Option<f64>;
+    type Row = (Whole<u32>, String, Whole<u32>, String, Whole<u32>, i64, Real, Real, Real, Real, Option<String>);
+    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(from.0).fetch_all(db).await?);
+    let measured = |value: Real, sd: Real| value.map(|value| Measured { value, sd });
+    let row = |(gyro, serial, imu, imu_name, station, at, d_i, d_i_sd, d_s, d_s_sd, batch): Row| CalibratedRow {
+        gyro: gyro.0,
+        serial,
+        imu: imu.0,
+        imu_name,
+        station: station.0,
+        at: UtcMicros(at),
+        load: [measured(d_i, d_i_sd), measured(d_s, d_s_sd)],
+        batch: batch.map(Arc::from),
+    };
+    Ok(rows.into_iter().map(row).collect())
 }
 
 /// A record of which every gyro lies far from its baseline.

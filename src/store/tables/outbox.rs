@@ -183,8 +183,9 @@ fn delivery(row: &impl AnyRow) -> Result<DeliveryRow, StoreError> {
 pub async fn gyros_of(store: &Store, deliveries: &[Id]) -> Result<Vec<u32>, StoreError> {
     let sql = store.readers.words(Sql {
         sqlite: "SELECT DISTINCT alert.gyro FROM json_each($1) AS j JOIN alert ON alert.id IN
-                     (SELECT alert FROM delivery WHERE id = j.value UNION ALL SELECT alert FROM delivery_part WHERE delivery = j.value)",
-        postgres: "SELECT DISTINCT alert.gyro FROM alert WHERE alert.id IN
+                     (SELECT alert FROM delivery WHERE id = j.value UNION ALL SELECT alert FROM delivery_part WHERE delivery = j.value)
+                 WHERE alert.gyro IS NOT NULL",
+        postgres: "SELECT DISTINCT alert.gyro FROM alert WHERE alert.gyro IS NOT NULL AND alert.id IN
                        (SELECT delivery.alert FROM delivery WHERE delivery.id = ANY(CAST($1 AS BIGINT[])) UNION ALL
                         SELECT delivery_part.alert FROM delivery_part WHERE delivery_part.delivery = ANY(CAST($1 AS BIGINT[])))",
     });

@@ -15,7 +15,7 @@ const HORIZON: UtcMicros = UtcMicros(1_000_000);
 fn alert(id: Id, gyro: u32) -> AlertRow {
     AlertRow {
         id,
-        gyro,
+        of: gyro.into(),
         coefficient: Coefficient::DI,
         rule: Rule::Step,
         alert: Alert {
@@ -29,12 +29,14 @@ fn alert(id: Id, gyro: u32) -> AlertRow {
             acknowledged: false,
             silenced_until: None,
             muted_until: None,
+            inhibited: true,
             hushed: Some(Hushed { at: UtcMicros(11), digest: true }),
             told: Some(Told { at: UtcMicros(10), severity: Severity::Warning }),
         },
         acknowledged: None,
         silenced: None,
         muted: None,
+        inhibited_by: Some(Id(1)),
         finding: r#"{"reason": "D_I \"jumped\"\n by 0.02 度"}"#.into(),
     }
 }
@@ -162,11 +164,13 @@ async fn alerts_steps_and_hooks_are_read_back_as_they_were_written() {
         acknowledged: true,
         silenced_until: Some(UtcMicros(90)),
         muted_until: Some(UtcMicros(91)),
+        inhibited: false,
         hushed: None,
         told: None,
     };
     let matchers = Matchers { serial: Some("LFG-0101".into()), rule: Some(Rule::Step), ..Matchers::default() };
     let silence = SilenceRow { id: Id(80), matchers, until: UtcMicros(91), said: remark("eve").unwrap(), ended: None };
+    changed.inhibited_by = None;
     changed.muted = Some((Id(80), remark("eve").unwrap()));
     (changed.acknowledged, changed.silenced, changed.finding) = (remark("ann"), remark("bob"), "{}".into());
     let gone = HookRow { deleted_at: Some(UtcMicros(70)), old_secret: None, enabled: false, ..hook(HOOK) };

@@ -116,6 +116,7 @@ mod tests {
                     Sample {
                         at,
                         seat: Seat::default(),
+                        station: 0,
                         d: [3.0, -5.0, 0.0].map(|level| Measured { value: level + value, sd }),
                     }
                 })
@@ -137,6 +138,7 @@ mod tests {
             limit_from: LimitKey { place: Some(12), key: "rules.step" },
             sd: Some(f64::NAN),
             probability: Some(1.0),
+            between: None,
             confirmed: true,
             finding,
         }));

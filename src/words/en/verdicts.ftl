@@ -50,6 +50,12 @@ before_after = { $name } is { $value } { $side ->
     [below] below
    *[above] above
 } its last record before the environmental test ({ $level } on { $at }). The test took from { $from } to { $until }.
+station_shift = The median { $name } of { $gyros } gyros of { $imus } IMUs is { $value } { $side ->
+    [below] below
+   *[above] above
+} their baselines ({ $since } to { $until }). It is the station, or what these gyros share.
+between_stations = { $sd } of its standard deviation is the reproducibility of stations.
+whole_budget = The shift is beyond the whole budget.
 agreement = { $name } spans { $value } over { $results } results: { $lowest } and { $highest }.
 result_of_method = { $value } ({ $method } on { $at })
 requirement = { $figure } = { $value } is { $place ->
@@ -91,6 +97,7 @@ rule_requirement = requirement
 rule_overdue = overdue
 rule_shift = shift of level
 rule_before_after = before and after a test
+rule_station_shift = shift of a station
 
 # A line of a hook.
 alert_fires = { $serial }: { $coefficient } { $rule } fires ({ $severity })

@@ -47,6 +47,12 @@ before_after = { $name }比环境试验前最后一个记录（{ $level }，{ $a
     [below] 低
    *[above] 高
 }{ $value }。试验自{ $from }至{ $until }。
+station_shift = { $imus }个惯组{ $gyros }个陀螺的{ $name }中位数比各自基线{ $side ->
+    [below] 低
+   *[above] 高
+}{ $value }（{ $since }至{ $until }）。原因在测试站，或在这些陀螺的共同之处。
+between_stations = 其标准差中{ $sd }为测试站之间的复现性。
+whole_budget = 偏移超出整个允许范围。
 agreement = { $name }的{ $results }个结果极差为{ $value }：{ $lowest }与{ $highest }。
 result_of_method = { $value }（{ $method }，{ $at }）
 requirement = { $figure } = { $value }，{ $place ->
@@ -84,6 +90,7 @@ rule_requirement = 指标要求
 rule_overdue = 超期
 rule_shift = 持续偏移
 rule_before_after = 试验前后
+rule_station_shift = 测试站偏移
 
 # 推送的一行。
 alert_fires = { $serial }：{ $coefficient } { $rule } 告警（{ $severity }）

@@ -15,8 +15,8 @@ pub(super) struct Level {
     pub level: Measured,
     /// First of the records that make it; none where it is fixed.
     pub since: Option<UtcMicros>,
-    /// The records that make it.
-    pub records: [UtcMicros; BASELINE_RECORDS],
+    /// The records that make it; none where it is fixed.
+    pub records: Option<[Sample; BASELINE_RECORDS]>,
 }
 
 impl Level {
@@ -27,28 +27,27 @@ impl Level {
         let now = case.now().at;
         let stated = stated_level(case.history.marks(), now, case.column);
         if let Some(level) = stated.or(fixed) {
-            return Ok(Self { level, since: None, records: [now; BASELINE_RECORDS] });
+            return Ok(Self { level, since: None, records: None });
         }
         let before = &first[..first.partition_point(|sample| sample.at < now)];
         let values: Vec<Measured> = before.iter().map(|sample| case.value(sample)).collect();
         match (<[Sample; BASELINE_RECORDS]>::try_from(before), Measured::median(&values)) {
-            (Ok(records), Some(level)) => {
-                Ok(Self { level, since: Some(records[0].at), records: records.map(|sample| sample.at) })
-            }
+            (Ok(records), Some(level)) => Ok(Self { level, since: Some(records[0].at), records: Some(records) }),
             _ => Err(before.len() + 1),
         }
     }
 
-    pub fn deviation(&self, case: &Case<'_>, sample: &Sample) -> Measured {
-        case.value(sample).minus(self.level)
+    /// And what stations bring into its standard deviation.
+    pub fn deviation(&self, case: &Case<'_>, sample: &Sample) -> (Measured, Option<f64>) {
+        case.apart(case.value(sample).minus(self.level), sample, self.records.as_ref().map_or(&[][..], |all| all))
     }
 
     /// Whether the record before the judged one lay beyond the limit on the same side too, and is none of the
     /// baseline's own.
     pub fn confirmed(&self, case: &Case<'_>, rule: Rule, limit: f64) -> bool {
         let [.., previous, _] = case.since_reset(rule) else { return false };
-        let is_own = self.since.is_some() && self.records.contains(&previous.at);
-        !is_own && case.both_exceed(self.deviation(case, previous), self.deviation(case, case.now()), limit)
+        let is_own = self.records.is_some_and(|records| records.iter().any(|own| own.at == previous.at));
+        !is_own && case.both_exceed(self.deviation(case, previous).0, self.deviation(case, case.now()).0, limit)
     }
 }
 
@@ -61,8 +60,9 @@ pub(crate) fn baseline(case: &Case<'_>, limit: Limit, fixed: Option<Measured>) -
         Ok(level) => level,
         Err(have) => return case.too_few(Rule::Baseline, limit, have, LEVEL_RECORDS),
     };
-    let deviation = level.deviation(case, case.now());
+    let (deviation, between) = level.deviation(case, case.now());
     let finding = Finding::Baseline { level: level.level.value, since: level.since, now: case.value(case.now()).value };
     case.verdict(Rule::Baseline, limit, deviation, case.beyond(deviation, limit.value), finding)
+        .between_stations(between)
         .confirmed_if(level.confirmed(case, Rule::Baseline, limit.value))
 }

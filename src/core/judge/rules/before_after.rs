@@ -22,12 +22,14 @@ pub(crate) fn before_after(case: &Case<'_>, limit: Limit) -> Option<Verdict> {
     let before = samples[..samples.partition_point(|sample| sample.at < test.at)].last()?;
     let after = &samples[samples.partition_point(|sample| sample.at < end(test))..];
     let (_, earlier) = after.split_last()?;
-    let difference = |sample: &Sample| case.value(sample).minus(case.value(before));
-    if after.len() > AFTER || !earlier.iter().all(|sample| case.exceeds(difference(sample), limit.value)) {
+    let difference = |sample: &Sample| {
+        case.apart(case.value(sample).minus(case.value(before)), sample, std::slice::from_ref(before))
+    };
+    if after.len() > AFTER || !earlier.iter().all(|sample| case.exceeds(difference(sample).0, limit.value)) {
         return None;
     }
-    let own = difference(case.now());
-    let confirmed = earlier.last().is_some_and(|last| case.both_exceed(difference(last), own, limit.value));
+    let (own, between) = difference(case.now());
+    let confirmed = earlier.last().is_some_and(|last| case.both_exceed(difference(last).0, own, limit.value));
     let finding = Finding::BeforeAfter {
         before: (before.at, case.value(before).value),
         from: test.at,
@@ -35,5 +37,6 @@ pub(crate) fn before_after(case: &Case<'_>, limit: Limit) -> Option<Verdict> {
         now: case.value(case.now()).value,
     };
     let outcome = case.beyond(own, limit.value);
-    Some(case.verdict(Rule::BeforeAfter, limit, own, outcome, finding).confirmed_if(confirmed))
+    let verdict = case.verdict(Rule::BeforeAfter, limit, own, outcome, finding);
+    Some(verdict.between_stations(between).confirmed_if(confirmed))
 }

@@ -42,6 +42,24 @@ impl<'a> Case<'a> {
         self.window.column(self.column)
     }
 
+    /// A difference of `sample` from a level of some records. Where these are of other stations, what stations differ
+    /// by counts beside their own standard deviations, and is answered: a station s has the weight w_s = [s is the
+    /// sample's] - its share of the records, and their offsets bring in sigma_b sqrt(sum w_s^2).
+    pub fn apart(&self, difference: Measured, sample: &Sample, level: &[Sample]) -> (Measured, Option<f64>) {
+        let sigma = self.limits.between_stations.get(self.column).copied().unwrap_or(0.0);
+        let share =
+            |station: u32| level.iter().filter(|one| one.station == station).count() as f64 / level.len().max(1) as f64;
+        let is_first = |k: usize| level[..k].iter().all(|earlier| earlier.station != level[k].station);
+        let others = (0..level.len()).filter(|k| level[*k].station != sample.station && is_first(*k));
+        let squares = others.map(|k| share(level[k].station).powi(2)).sum::<f64>();
+        let between = sigma * ((1.0 - share(sample.station)).powi(2) + squares).sqrt();
+        if level.is_empty() || between == 0.0 {
+            return (difference, None);
+        }
+        let sd = difference.sd.unwrap_or(0.0).hypot(between);
+        (Measured { sd: Some(sd), ..difference }, Some(between))
+    }
+
     pub fn beyond(&self, difference: Measured, limit: f64) -> Outcome {
         beyond(difference, limit, self.limits.confidence)
     }

@@ -21,7 +21,7 @@ pub(crate) fn closure(case: &Case<'_>, limit: Limit) -> Verdict {
         }
         Err(have) => return case.too_few(Rule::Closure, limit, have, LEVEL_RECORDS),
     };
-    let deviation = level.deviation(case, case.now());
+    let (deviation, _) = level.deviation(case, case.now());
     let d_s = case.now().get(Coefficient::DS).map_or(0.0, |d_s| d_s.value);
     let finding = Finding::Closure {
         level: level.level.value,

@@ -10,12 +10,14 @@ mod range;
 mod requirement;
 mod rms_successive;
 mod shift;
+mod station_shift;
 mod step;
 mod trend;
 
 pub use agreement::{SourcedResult, agreement};
 pub use overdue::overdue;
 pub use requirement::requirement;
+pub use station_shift::{Calibrated, ShiftQuestion, Suspected, is_explained, station_shift};
 
 pub(super) use case::Case;
 pub(super) use closure::closure;

@@ -15,23 +15,28 @@ const BEFORE: usize = 3;
 /// level before both. A single outlier moves no median, so the return from it exceeds nothing.
 pub(crate) fn step(case: &Case<'_>, limit: Limit) -> Verdict {
     let samples = case.since_reset(Rule::Step);
-    let Some((level, difference)) = from_level(case, samples) else {
+    let Some((level, difference, between)) = from_level(case, samples) else {
         return case.too_few(Rule::Step, limit, samples.len(), 2);
     };
     let before = from_level(case, &samples[..samples.len() - 1]);
-    let confirmed = before.is_some_and(|(_, before)| case.both_exceed(before, difference, limit.value));
+    let confirmed = before.is_some_and(|(_, before, _)| case.both_exceed(before, difference, limit.value));
     let finding = Finding::Step { level, now: case.value(case.now()).value };
-    case.verdict(Rule::Step, limit, difference, case.beyond(difference, limit.value), finding).confirmed_if(confirmed)
+    case.verdict(Rule::Step, limit, difference, case.beyond(difference, limit.value), finding)
+        .between_stations(between)
+        .confirmed_if(confirmed)
 }
 
-/// The level before the last of some records, and how far that one is from it.
-fn from_level(case: &Case<'_>, samples: &[Sample]) -> Option<(f64, Measured)> {
+/// The level before the last of some records, how far that one is from it, and what stations bring into that.
+fn from_level(case: &Case<'_>, samples: &[Sample]) -> Option<(f64, Measured, Option<f64>)> {
     let (now, before) = samples.split_last()?;
     let mut newest = [Measured::exact(0.0); BEFORE];
     let count = before.len().min(BEFORE);
-    for (to, from) in newest.iter_mut().zip(&before[before.len() - count..]) {
+    let before = &before[before.len() - count..];
+    for (to, from) in newest.iter_mut().zip(before) {
         *to = case.value(from);
     }
     let level = Measured::median(&newest[..count])?;
-    Some((level.value, case.value(now).minus(level)))
+    let of_level = if count == BEFORE { before } else { &before[..1] };
+    let (difference, between) = case.apart(case.value(now).minus(level), now, of_level);
+    Some((level.value, difference, between))
 }

@@ -399,7 +399,7 @@ pub fn sample_of(figures: &Figures, method: JudgedMethod) -> Sample {
             [0, 1, 2].map(|i| measured(figures.rigid[i], sd[i]))
         }
     };
-    Sample { at: figures.at, seat: Seat { imu: figures.imu, slot: figures.slot }, d }
+    Sample { at: figures.at, seat: Seat { imu: figures.imu, slot: figures.slot }, station: figures.station, d }
 }
 
 #[cfg(test)]

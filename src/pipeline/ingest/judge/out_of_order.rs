@@ -271,7 +271,8 @@ mod tests {
     }
 
     fn samples(days: &[i64]) -> Vec<Sample> {
-        let sample = |&d: &i64| Sample { at: day(d), seat: Seat::default(), d: [Measured::exact(d as f64); 3] };
+        let sample =
+            |&d: &i64| Sample { at: day(d), seat: Seat::default(), station: 0, d: [Measured::exact(d as f64); 3] };
         days.iter().map(sample).collect()
     }
 

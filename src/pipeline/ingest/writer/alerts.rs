@@ -12,21 +12,23 @@ use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::access::Actor;
-use crate::pipeline::alerts::{AlertError, AlertOrder, Causes, Naming, Pen, SilenceOrder, follow_clock, follow_group};
+use crate::pipeline::alerts::{
+    AlertError, AlertOrder, Causes, Naming, Pen, SilenceOrder, StationVerdict, follow_clock, follow_group,
+};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::hooks::{OutboxContext, Standing};
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
 use crate::store;
-use crate::store::{AlertRow, Cells, Changes, Duty, StoreError};
+use crate::store::{AlertOf, AlertRow, Cells, Changes, Duty, StoreError};
 use crate::wire::alert::AlertBody;
 
 /// Gyros that the clock may have something to do with, in one place.
 #[derive(Debug, Default)]
 struct OfClock {
     /// With alerts of which it changes something.
-    alerted: BTreeSet<u32>,
+    alerted: BTreeSet<AlertOf>,
     /// Those that may begin or end to be overdue.
     overdue: BTreeSet<u32>,
 }
@@ -60,16 +62,20 @@ impl Task {
         causes: &Causes,
         now: UtcMicros,
     ) -> Result<(), StoreError> {
+        let shifts = self.shifts_of_group(found, changes, now).await?;
         {
             let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
-            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Quiet };
+            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: causes.late() };
+            for StationVerdict { station, verdict, origin } in &shifts {
+                self.alerts.follow(AlertOf::Station(*station), verdict, origin, &mut pen);
+            }
             follow_group(&mut self.alerts, &self.judge, found, sent, agreements, causes, &mut pen);
         }
         self.note(changes, now).await
     }
 
     /// Enters what has become of alerts into a transaction, with a delivery for each hook that is to be told.
-    async fn note(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
+    pub(super) async fn note(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
         let news = self.alerts.write(changes);
         if news.is_empty() {
             return Ok(());
@@ -123,17 +129,20 @@ impl Task {
 
     /// A transaction for each cell in which the clock changes something; in a file, one.
     async fn try_tick(&mut self) -> Result<(), StoreError> {
-        let (now, rows) = (self.clock.now(), store::alerts::of_clock(&self.store).await?);
+        let now = self.clock.now();
+        self.follow_stations(&store::alerts::of_clock(&self.store).await?, now).await?;
+        let rows = store::alerts::of_clock(&self.store).await?;
         let mut by_cell: BTreeMap<u8, OfClock> = BTreeMap::new();
         let overdue = self.may_be_overdue(&rows, now).await?;
-        let alerted: BTreeSet<u32> =
-            rows.iter().filter(|row| self.alerts.is_moved_by_clock(row, now)).map(|row| row.gyro).collect();
-        store::names::look_up_gyros(&self.store, overdue.iter().chain(&alerted).copied().collect()).await?;
+        let alerted: BTreeSet<AlertOf> =
+            rows.iter().filter(|row| self.alerts.is_moved_by_clock(row, now)).map(|row| row.of).collect();
+        store::names::look_up_gyros(&self.store, overdue.iter().copied().chain(gyros_of(&alerted)).collect()).await?;
         {
             let tables = self.store.names().read();
             let home = |gyro: &u32| tables.gyros.cell(*gyro).unwrap_or_default();
             overdue.iter().for_each(|gyro| _ = by_cell.entry(home(gyro)).or_default().overdue.insert(*gyro));
-            alerted.iter().for_each(|gyro| _ = by_cell.entry(home(gyro)).or_default().alerted.insert(*gyro));
+            let home_of = |of: &AlertOf| of.gyro().map_or(0, |gyro| home(&gyro));
+            alerted.iter().for_each(|of| _ = by_cell.entry(home_of(of)).or_default().alerted.insert(*of));
         }
         for (cell, found) in by_cell {
             self.begin(&Cells::one(cell)).await?;
@@ -160,14 +169,14 @@ impl Task {
             return Ok(BTreeSet::new());
         }
         let is_firing = |row: &&AlertRow| row.rule == Rule::Overdue && row.alert.status == Status::Firing;
-        let firing: BTreeSet<u32> = rows.iter().filter(is_firing).map(|row| row.gyro).collect();
+        let firing: BTreeSet<u32> = rows.iter().filter(is_firing).filter_map(|row| row.of.gyro()).collect();
         let overdue: BTreeSet<u32> = store::head::overdue(&self.store, now).await?.into_iter().collect();
         Ok(&firing ^ &overdue)
     }
 
     async fn tick_in_turn(&mut self, found: &OfClock, now: UtcMicros) -> Result<(), StoreError> {
         let mut changes = Changes::default();
-        self.alerts.recall(&self.store, found.alerted.iter().chain(&found.overdue).copied(), now).await?;
+        self.alerts.recall(&self.store, gyros_of(&found.alerted).chain(found.overdue.iter().copied()), now).await?;
         let gyros: Vec<u32> = found.overdue.iter().copied().collect();
         let out_of_use = self.out_of_use(&gyros).await?;
         let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
@@ -201,8 +210,8 @@ impl Task {
     async fn digest(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
         let waiting = store::alerts::of_clock(&self.store).await?;
         let waiting = waiting.iter().filter(|row| row.alert.hushed.is_some_and(|hushed| hushed.digest));
-        let waiting: BTreeSet<u32> = waiting.map(|row| row.gyro).collect();
-        self.alerts.recall(&self.store, waiting.iter().copied(), now).await?;
+        let waiting: BTreeSet<AlertOf> = waiting.map(|row| row.of).collect();
+        self.alerts.recall(&self.store, gyros_of(&waiting), now).await?;
         let any = {
             let naming = Naming { tables: &self.store.names().read(), new: None };
             let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
@@ -240,7 +249,7 @@ impl Task {
     /// Begins or ends a silence of many alerts.
     pub(super) async fn order_silence(&mut self, order: &SilenceOrder, by: &Actor) -> Result<Id, AlertError> {
         let now = self.clock.now();
-        let all = store::alerts::all(&self.store).await?.into_iter().map(|row| row.gyro);
+        let all = store::alerts::all(&self.store).await?.into_iter().filter_map(|row| row.of.gyro());
         self.alerts.recall(&self.store, all, now).await?;
         let known = match order {
             SilenceOrder::Begin { .. } => None,
@@ -259,13 +268,13 @@ impl Task {
     /// The cells of an alert, which may not exist.
     pub(super) async fn cells_of_alert(&self, alert: Id) -> Cells {
         let row = store::alerts::get(&self.store, alert).await.ok().flatten();
-        self.cells_of_alerts(row.map(|row| row.gyro).into_iter().collect()).await.unwrap_or(Cells::one(0))
+        self.cells_of_alerts(row.and_then(|row| row.of.gyro()).into_iter().collect()).await.unwrap_or(Cells::one(0))
     }
 
     /// Does what somebody has said of an alert.
     pub(super) async fn obey(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, AlertError> {
         let now = self.clock.now();
-        let gyro = store::alerts::get(&self.store, order.alert).await?.map(|row| row.gyro);
+        let gyro = store::alerts::get(&self.store, order.alert).await?.and_then(|row| row.of.gyro());
         self.alerts.recall(&self.store, gyro, now).await?;
         let (before, body) = {
             let naming = Naming { tables: &self.store.names().read(), new: None };
@@ -282,6 +291,10 @@ impl Task {
         self.commit_or_forget(noted, &mut changes).await?;
         Ok(body)
     }
+}
+
+fn gyros_of(alerts: &BTreeSet<AlertOf>) -> impl Iterator<Item = u32> {
+    alerts.iter().filter_map(|of| of.gyro())
 }
 
 /// An import of which nothing has come for so long was broken off: what it has found is told.

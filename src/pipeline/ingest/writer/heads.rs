@@ -167,7 +167,7 @@ fn touched(changes: &Changes) -> BTreeSet<u32> {
         .chain(changes.gyros.iter().map(|new| new.number))
         .chain(changes.benches.iter().map(|bench| bench.gyro))
         .chain(changes.events.iter().map(|event| event.gyro))
-        .chain(changes.alerts.iter().map(|alert| alert.gyro))
+        .chain(changes.alerts.iter().filter_map(|alert| alert.of.gyro()))
         .collect()
 }
 

@@ -6,6 +6,7 @@ mod group;
 mod heads;
 pub(crate) mod overlapped;
 mod state;
+mod stations;
 pub(crate) mod turn;
 
 use std::collections::{HashMap, HashSet};
@@ -56,7 +57,7 @@ impl Task {
             judging.remembered_records /= config.database.writers;
         }
         let judge = Judge::new(store.clone(), judging, config.alerts.policy());
-        let alerts = AlertCache::new(config.alerts.policy());
+        let alerts = AlertCache::new(config.alerts.policy(), config.judging.confidence);
         Self {
             store,
             writer,

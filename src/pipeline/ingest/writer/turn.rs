@@ -79,7 +79,7 @@ impl Task {
             self.forget_cells(&missed.cells.iter().copied().collect());
         }
         if missed.settings {
-            self.alerts.forget_silences();
+            self.alerts.forget_settings();
             self.hooks.forget();
         }
         if missed.models {

@@ -301,14 +301,12 @@ impl Forecast {
 /// before it.
 fn baseline_weights(line: &Line<'_>, level: &Level, now: UtcMicros) -> (Weights, [f64; BASELINE_RECORDS]) {
     let (mut inside, mut apart) = ([0.0; CELLS], [0.0; BASELINE_RECORDS]);
-    if level.since.is_none() {
-        return (inside, apart);
-    }
+    let Some(records) = level.records else { return (inside, apart) };
     let share = 1.0 / BASELINE_RECORDS as f64;
-    for (place, at) in level.records.iter().enumerate() {
-        let cell = line.times[..line.n].partition_point(|first| first <= at);
+    for (place, at) in records.iter().map(|record| record.at).enumerate() {
+        let cell = line.times[..line.n].partition_point(|first| *first <= at);
         match cell.checked_sub(1) {
-            Some(cell) if *at <= now => inside[cell] += share,
+            Some(cell) if at <= now => inside[cell] += share,
             _ => apart[place] = share,
         }
     }

@@ -1,0 +1,305 @@
+//! `station_shift`: what the gyros that a station calibrated last have moved by together. Judged by the clock, over the
+//! fleet, and not by one record.
+//!
+//! The newest calibrations of [`IMUS`] IMUs tell what the station does now; what it did before says nothing of that.
+//! d_g = x_g - b_g is the deviation of gyro g from its own baseline in its newest calibration. What n gyros of m IMUs
+//! share is the median M of d_g. Its standard error is sqrt(pi/2) s / sqrt(m): gyros of an IMU are calibrated together
+//! and move together, so that m and not n counts. s is the scatter about M, 1.4826 median |d_g - M|, and no smaller
+//! than what is stated of the d_g. A few gyros that moved by themselves do not move M.
+//!
+//! It is the station's only where others do not share it: neither what other stations calibrated last, nor is it that
+//! of one batch of gyros alone.
+
+use std::sync::Arc;
+
+use crate::core::judge::decide::beyond;
+use crate::core::judge::limits::Limit;
+use crate::core::judge::{Coefficient, Finding, Measured, Rule, State, Verdict};
+use crate::core::time::UtcMicros;
+
+/// How long before the newest calibration of a station another may lie to count with it, days.
+pub const TOGETHER_DAYS: f64 = 14.0;
+/// Gyros and IMUs that are looked at, the newest; fewer tell no shift, and no fewer than `GYROS_TO_STAY` keep one that
+/// was told.
+const GYROS: usize = 6;
+const IMUS: usize = 3;
+const GYROS_TO_STAY: usize = 3;
+/// Of normal figures: standard deviation over the median of absolute ones, and standard error of the median over that
+/// of the mean.
+const OF_MEDIAN: f64 = 1.482_602_218_505_602;
+const MEDIAN_ERROR: f64 = 1.253_314_137_315_500_3;
+
+/// A gyro's newest calibration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibrated {
+    pub gyro: u32,
+    pub imu: u32,
+    pub station: u32,
+    pub at: UtcMicros,
+    /// D_I and D_S from their baselines, deg/(h g0); none before these are complete.
+    pub deviation: [Option<Measured>; 2],
+    /// Of production, where that was said.
+    pub batch: Option<Arc<str>>,
+}
+
+/// What is asked of a station: a limit of the shift, and the whole budget, beyond which it is critical, deg/(h g0).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShiftQuestion {
+    pub limit: Limit,
+    pub budget: f64,
+    pub confidence: f64,
+    /// Whether it has been told already.
+    pub fires: bool,
+}
+
+/// Judges what `station` has done to `newest` (column 0: D_I, 1: D_S), the newest calibrations of a fleet. With too
+/// few gyros there is nothing to compare.
+pub fn station_shift(newest: &[Calibrated], station: u32, column: usize, asked: &ShiftQuestion) -> Verdict {
+    let coefficient = [Coefficient::DI, Coefficient::DS][column];
+    let few = |have: usize, need: usize| {
+        Verdict::undecided(coefficient, Rule::StationShift, asked.limit, Finding::TooFew { have, need })
+    };
+    let here: Vec<&Calibrated> = newest.iter().filter(|one| one.station == station).collect();
+    let Some(last) = here.iter().map(|one| one.at).max() else { return few(0, GYROS) };
+    let together = |one: &&Calibrated| one.deviation[column].is_some() && last.days_since(one.at) <= TOGETHER_DAYS;
+    let here = newest_of(here.into_iter().filter(together).collect());
+    let (gyros, imus) = (here.len(), imus_of(&here));
+    let enough = if asked.fires { gyros >= GYROS_TO_STAY } else { gyros >= GYROS && imus >= IMUS };
+    let Some(shift) = shared(&here, column).filter(|_| enough) else { return few(gyros, GYROS) };
+    let outcome = beyond(shift, asked.limit.value, asked.confidence);
+    let is_stations = outcome.state != State::Exceeded || is_of_station(newest, &here, station, column, shift);
+    let times = || here.iter().map(|one| one.at);
+    Verdict {
+        state: if is_stations { outcome.state } else { State::Indeterminate },
+        value: Some(shift.value.abs()),
+        sd: shift.sd,
+        probability: outcome.probability,
+        finding: Finding::StationShift {
+            gyros,
+            imus,
+            since: times().min().unwrap_or(last),
+            until: last,
+            shift: shift.value,
+        },
+        ..few(gyros, GYROS)
+    }
+    .confirmed_if(beyond(shift, asked.budget, asked.confidence).state == State::Exceeded)
+}
+
+/// The newest of them, IMU by IMU, as many as are looked at.
+fn newest_of(mut here: Vec<&Calibrated>) -> Vec<&Calibrated> {
+    here.sort_by_key(|one| (std::cmp::Reverse(one.at), one.imu));
+    let mut counted: Vec<&Calibrated> = Vec::new();
+    for one in here {
+        let is_known = counted.iter().any(|known| known.imu == one.imu);
+        if !is_known && counted.len() >= GYROS && imus_of(&counted) >= IMUS {
+            break;
+        }
+        counted.push(one);
+    }
+    counted
+}
+
+fn imus_of(gyros: &[&Calibrated]) -> usize {
+    let mut imus: Vec<u32> = gyros.iter().map(|one| one.imu).collect();
+    imus.sort_unstable();
+    imus.dedup();
+    imus.len()
+}
+
+/// The median deviation, and its standard error.
+fn shared(gyros: &[&Calibrated], column: usize) -> Option<Measured> {
+    let deviations: Vec<Measured> = gyros.iter().filter_map(|one| one.deviation[column]).collect();
+    let centre = median(deviations.iter().map(|one| one.value).collect())?;
+    let off = median(deviations.iter().map(|one| (one.value - centre).abs()).collect())?;
+    let stated = median(deviations.iter().filter_map(|one| one.sd).collect()).unwrap_or(0.0);
+    let scatter = (OF_MEDIAN * off).max(stated);
+    Some(Measured { value: centre, sd: Some(MEDIAN_ERROR * scatter / (imus_of(gyros) as f64).sqrt()) })
+}
+
+/// Whether neither the gyros of other stations nor one batch alone have moved alike.
+fn is_of_station(newest: &[Calibrated], here: &[&Calibrated], station: u32, column: usize, shift: Measured) -> bool {
+    let half = |of: &Measured| of.value * shift.value.signum() >= 0.5 * shift.value.abs();
+    let elsewhere: Vec<&Calibrated> =
+        newest.iter().filter(|one| one.station != station && one.deviation[column].is_some()).collect();
+    let moved_everywhere = elsewhere.len() >= GYROS && shared(&elsewhere, column).is_some_and(|of| half(&of));
+    let largest = here
+        .iter()
+        .filter_map(|one| one.batch.as_ref())
+        .max_by_key(|batch| here.iter().filter(|one| one.batch.as_ref() == Some(batch)).count());
+    let others: Vec<&Calibrated> = here.iter().filter(|one| one.batch.as_ref() != largest).copied().collect();
+    let only_a_batch = others.len() >= GYROS_TO_STAY && shared(&others, column).is_some_and(|of| !half(&of));
+    !moved_everywhere && !only_a_batch
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    crate::core::judge::noise::median(&mut values)
+}
+
+/// What a rule says of one gyro that the station's shift may explain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Suspected {
+    pub rule: Rule,
+    /// The magnitude that exceeds the limit, deg/(h g0).
+    pub value: f64,
+    pub limit: f64,
+    pub sd: Option<f64>,
+    /// Whether the gyro lies above its level; none where that is not known.
+    pub above: Option<bool>,
+}
+
+impl Suspected {
+    /// Of a verdict.
+    pub fn of(verdict: &Verdict) -> Option<Self> {
+        let above = match verdict.finding {
+            Finding::Step { level, now } | Finding::Baseline { level, now, .. } | Finding::Shift { level, now, .. } => {
+                Some(now > level)
+            }
+            Finding::BeforeAfter { before, now, .. } => Some(now > before.1),
+            Finding::Trend { deviation, .. } => Some(deviation > 0.0),
+            _ => None,
+        };
+        let Verdict { rule, limit, sd, .. } = *verdict;
+        Some(Self { rule, value: verdict.value?, limit, sd, above })
+    }
+}
+
+/// Whether a gyro may lie within its limit by itself, beside what its station has done to all: the `shift` with its
+/// standard error. What moves the gyro beyond the limit all the same is its own doing.
+pub fn is_explained(suspected: &Suspected, shift: Measured, confidence: f64) -> bool {
+    let Suspected { rule, value, limit, sd, above } = *suspected;
+    let towards = above.map(|above| if above { shift.value } else { -shift.value });
+    let own = match (rule, towards) {
+        // There and back is the station's doing alike.
+        (Rule::Step | Rule::BeforeAfter, Some(_)) => value - shift.value.abs(),
+        (Rule::Baseline | Rule::Shift | Rule::Trend, Some(towards)) => (value - towards).abs(),
+        (Rule::Range, _) => value - shift.value.abs(),
+        // 1.2 times the rms of ten differences, two of which it makes.
+        (Rule::RmsSuccessive, _) => value - 1.2 * 0.2_f64.sqrt() * shift.value.abs(),
+        _ => return false,
+    };
+    let sd = shift.sd.unwrap_or(0.0).hypot(sd.unwrap_or(0.0));
+    beyond(Measured { value: own.max(0.0), sd: Some(sd) }, limit, confidence).state != State::Exceeded
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::judge::LimitKey;
+
+    const SD: f64 = 5e-4;
+
+    fn asked(fires: bool) -> ShiftQuestion {
+        let limit = Limit { value: 2.5e-3, from: LimitKey::BUDGET };
+        ShiftQuestion { limit, budget: 0.01, confidence: 0.95, fires }
+    }
+
+    /// Fixed figures about zero, with scatter of about 1.
+    fn scatter(k: u32) -> f64 {
+        [0.3, -1.1, 0.8, 0.1, -0.6, 1.2, -0.2, -0.9, 0.5, 0.7, -1.0, 0.4, -0.3, 1.0, -0.8, 0.2, 0.6][k as usize % 17]
+    }
+
+    /// IMUs of three gyros, a day apart, `d_i` from their baselines beside the scatter.
+    fn imus(station: u32, first: u32, count: u32, d_i: f64) -> Vec<Calibrated> {
+        let gyro = |k: u32| Calibrated {
+            gyro: k,
+            imu: k / 3,
+            station,
+            at: UtcMicros(0).plus_days(f64::from(k / 3)),
+            deviation: [Some(Measured { value: d_i + SD * scatter(k), sd: Some(SD) }), None],
+            batch: None,
+        };
+        (3 * first..3 * (first + count)).map(gyro).collect()
+    }
+
+    fn state(newest: &[Calibrated]) -> State {
+        station_shift(newest, 1, 0, &asked(false)).state
+    }
+
+    #[test]
+    fn gyros_of_three_imus_that_moved_together_are_the_stations() {
+        let fleet = imus(1, 0, 5, 0.015);
+        let told = station_shift(&fleet, 1, 0, &asked(false));
+        assert_eq!((told.state, told.confirmed, told.coefficient), (State::Exceeded, true, Coefficient::DI));
+        let Finding::StationShift { gyros, imus, since, until, shift } = told.finding else { panic!("{told:?}") };
+        assert_eq!((gyros, imus), (9, 3), "the newest");
+        assert_eq!((since, until), (UtcMicros(0).plus_days(2.0), UtcMicros(0).plus_days(4.0)));
+        assert!((shift - 0.015).abs() < 3e-4 && told.sd.unwrap() < 1e-3, "{told:?}");
+        let smaller = station_shift(&imus_shifted(-0.006), 1, 0, &asked(false));
+        assert_eq!((smaller.state, smaller.confirmed), (State::Exceeded, false));
+        assert_eq!(state(&imus_shifted(0.0)), State::Within);
+        assert_eq!(station_shift(&fleet, 1, 1, &asked(false)).value, None, "nothing is known of D_S");
+    }
+
+    fn imus_shifted(by: f64) -> Vec<Calibrated> {
+        imus(1, 0, 5, by)
+    }
+
+    #[test]
+    fn what_a_station_does_now_is_told_whatever_it_did_before() {
+        let mut fleet = imus(1, 0, 3, 0.0);
+        fleet.extend(imus(1, 3, 3, 0.015));
+        assert_eq!(state(&fleet), State::Exceeded, "it has begun");
+        fleet.extend(imus(1, 6, 3, 0.0));
+        assert_eq!(station_shift(&fleet, 1, 0, &asked(true)).state, State::Within, "it is over");
+    }
+
+    #[test]
+    fn a_few_gyros_tell_nothing_and_do_not_end_what_was_told() {
+        let few = imus(1, 0, 2, 0.015);
+        assert_eq!(station_shift(&few, 1, 0, &asked(false)).value, None);
+        assert_eq!(station_shift(&few, 1, 0, &asked(true)).state, State::Exceeded);
+        assert_eq!(station_shift(&few[..2], 1, 0, &asked(true)).value, None);
+        // What is older than a fortnight does not count with what is new.
+        let mut old = imus(1, 0, 5, 0.015);
+        old.iter_mut().filter(|one| one.imu > 1).for_each(|one| one.at = one.at.plus_days(30.0));
+        assert_eq!(station_shift(&old, 1, 0, &asked(false)).value.map(|_| ()), Some(()));
+        old.iter_mut().filter(|one| one.imu > 2).for_each(|one| one.at = one.at.plus_days(30.0));
+        assert_eq!(station_shift(&old, 1, 0, &asked(false)).value, None);
+    }
+
+    #[test]
+    fn gyros_that_move_by_themselves_or_everywhere_or_as_one_batch_are_not_the_stations() {
+        let mut some = imus(1, 0, 5, 0.0);
+        some.iter_mut().take(5).for_each(|one| one.deviation[0].as_mut().unwrap().value += 0.03);
+        assert_eq!(state(&some), State::Within, "by themselves, and before");
+        for one in some.iter_mut().filter(|one| one.imu > 1 && one.gyro % 3 == 0) {
+            one.deviation[0].as_mut().unwrap().value += 0.03;
+        }
+        assert_eq!(state(&some), State::Within, "a third of them by themselves");
+        let mut everywhere = imus(1, 0, 5, 0.015);
+        everywhere.extend(imus(2, 5, 5, 0.015));
+        assert_eq!(state(&everywhere), State::Indeterminate);
+        let mut elsewhere_still = imus(1, 0, 5, 0.015);
+        elsewhere_still.extend(imus(2, 5, 5, 0.0));
+        assert_eq!(state(&elsewhere_still), State::Exceeded);
+        let mut batch = imus(1, 0, 5, 0.015);
+        for one in &mut batch {
+            one.batch = Some(if one.imu < 4 { "B-7" } else { "B-8" }.into());
+        }
+        assert_eq!(state(&batch), State::Exceeded, "both batches moved");
+        batch.iter_mut().filter(|one| one.imu == 4).for_each(|one| {
+            one.deviation[0].as_mut().unwrap().value -= 0.015;
+        });
+        assert_eq!(state(&batch), State::Indeterminate, "only one batch did");
+    }
+
+    #[test]
+    fn a_gyro_is_explained_where_it_may_lie_within_its_limit_beside_the_shift() {
+        let shift = Measured { value: 0.015, sd: Some(3e-4) };
+        let says = |rule, value, above| {
+            is_explained(&Suspected { rule, value, limit: 0.01, sd: Some(5e-4), above }, shift, 0.95)
+        };
+        for rule in [Rule::Baseline, Rule::Step, Rule::Shift, Rule::Trend, Rule::BeforeAfter] {
+            assert!(says(rule, 0.0155, Some(true)), "{rule:?}");
+            assert!(!says(rule, 0.0285, Some(true)), "{rule:?}: 0.0135 of its own");
+        }
+        assert!(!says(Rule::Baseline, 0.0155, Some(false)), "it moved by twice as much against the station");
+        assert!(says(Rule::Step, 0.0155, Some(false)), "back");
+        assert!(says(Rule::Range, 0.02, None) && !says(Rule::Range, 0.028, None));
+        assert!(says(Rule::RmsSuccessive, 0.0105, None) && !says(Rule::RmsSuccessive, 0.0195, None));
+        for rule in [Rule::Closure, Rule::Overdue, Rule::Requirement, Rule::Agreement] {
+            assert!(!says(rule, 0.0155, Some(true)), "{rule:?}");
+        }
+    }
+}

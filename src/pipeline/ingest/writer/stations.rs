@@ -1,0 +1,165 @@
+//! The writer's part in alerts of stations: what the newest calibrations of the fleet say that a station does.
+//!
+//! A file's writer asks with every group in which a gyro begins to exceed a limit, so that the group's other gyros are
+//! told of as one; the clock asks at every tick. Among several servers only the clock does, which holds every cell.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use super::state::Task;
+use crate::core::alert_decision::Late;
+use crate::core::judge::{Calibrated, Measured, Rule, ShiftQuestion, Verdict, station_shift};
+use crate::core::time::UtcMicros;
+use crate::pipeline::alerts::{Naming, Origin, Pen, StationVerdict};
+use crate::pipeline::ingest::judge::{Judged, Newest};
+use crate::store;
+use crate::store::{AlertOf, AlertRow, Cells, Changes, StoreError};
+
+/// Calibrations that count for the comparison of stations, days.
+const LATELY: f64 = 60.0;
+
+impl Task {
+    /// What stations have done to a group, where one of its gyros begins to exceed a limit.
+    pub(super) async fn shifts_of_group(
+        &self,
+        found: &Judged,
+        changes: &Changes,
+        now: UtcMicros,
+    ) -> Result<Vec<StationVerdict>, StoreError> {
+        if self.writer.is_one_of_many() {
+            return Ok(Vec::new());
+        }
+        let begins = |newest: &Newest, verdict: &Verdict| {
+            let fires = |row: &AlertRow| (row.coefficient, row.rule) == (verdict.coefficient, verdict.rule);
+            verdict.severity().is_some()
+                && verdict.rule.is_explained_by_station()
+                && !self.alerts.firing(newest.gyro).any(fires)
+        };
+        let verdicts = |newest: &Newest| found.verdicts.get(&(newest.figures.record, newest.gyro));
+        let begin = |newest: &&Newest| verdicts(newest).into_iter().flatten().any(|verdict| begins(newest, verdict));
+        let stations: BTreeSet<u32> = found.newest.iter().filter(begin).map(|newest| newest.figures.station).collect();
+        if stations.is_empty() {
+            return Ok(Vec::new());
+        }
+        let stored = self.calibrated(now).await?;
+        let mut newest: HashMap<u32, Calibrated> = stored.into_iter().map(|row| (row.gyro, row)).collect();
+        let tables = self.store.names().read();
+        let naming = Naming { tables: &tables, new: Some(changes) };
+        for Newest { gyro, figures } in &found.newest {
+            let loads = changes.heads.outlooks.get(&(figures.record, *gyro)).map_or([None; 3], |outlook| outlook.load);
+            let budgets = self.budgets(&naming.imu(figures.imu), &naming.gyro(*gyro));
+            let deviation = [0, 1].map(|column| times(loads[column], budgets[column]));
+            let batch = newest.remove(gyro).and_then(|known| known.batch);
+            let (imu, station, at) = (figures.imu, figures.station, figures.at);
+            newest.insert(*gyro, Calibrated { gyro: *gyro, imu, station, at, deviation, batch });
+        }
+        let newest: Vec<Calibrated> = newest.into_values().collect();
+        Ok(self.judged(&newest, &stations, now))
+    }
+
+    /// Lets the alerts of stations follow the clock, and those of gyros that they explain. `rows`: every alert that the
+    /// clock may change.
+    pub(super) async fn follow_stations(&mut self, rows: &[AlertRow], now: UtcMicros) -> Result<(), StoreError> {
+        self.alerts.recall(&self.store, [], now).await?;
+        let found = self.shifts(now).await?;
+        let is_anything = {
+            let tables = self.store.names().read();
+            let naming = Naming { tables: &tables, new: None };
+            let is_off = self.is_switched_off() && self.alerts.stations().firing().next().is_some();
+            is_off
+                || found.iter().any(|one| self.alerts.stations().is_moved_by(one, &naming))
+                || !self.alerts.stations().explained_anew(rows, &naming).is_empty()
+        };
+        if !is_anything {
+            return Ok(());
+        }
+        self.begin(&Cells::all()).await?;
+        let done = self.follow_stations_in_turn(now).await;
+        self.writer.give_back().await;
+        done
+    }
+
+    async fn follow_stations_in_turn(&mut self, now: UtcMicros) -> Result<(), StoreError> {
+        let rows = store::alerts::of_clock(&self.store).await?;
+        let gyros: BTreeSet<u32> = rows.iter().filter_map(|row| row.of.gyro()).collect();
+        self.alerts.recall(&self.store, gyros, now).await?;
+        let (found, mut changes) = (self.shifts(now).await?, Changes::default());
+        let off = self.is_switched_off();
+        {
+            let naming = Naming { tables: &self.store.names().read(), new: None };
+            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
+            if off {
+                let firing: Vec<u32> = self.alerts.stations().firing().map(|(station, _)| station).collect();
+                let ends = |row: &AlertRow| row.rule == Rule::StationShift;
+                firing.into_iter().for_each(|one| self.alerts.reset(AlertOf::Station(one), ends, &mut pen));
+            }
+            for StationVerdict { station, verdict, origin } in &found {
+                self.alerts.follow(AlertOf::Station(*station), verdict, origin, &mut pen);
+            }
+            let anew = self.alerts.stations().explained_anew(&rows, &naming);
+            self.alerts.explain(&anew, &mut pen);
+        }
+        self.note(&mut changes, now).await?;
+        self.enter_heads(&mut changes).await?;
+        if changes.is_empty() { Ok(()) } else { self.commit(&changes).await }
+    }
+
+    /// What every station has done lately, and those that have an alert.
+    async fn shifts(&self, now: UtcMicros) -> Result<Vec<StationVerdict>, StoreError> {
+        let newest = self.calibrated(now).await?;
+        let recent = now.plus_days(-self.config.alerts.backfill_days);
+        let stations = newest.iter().filter(|one| one.at >= recent).map(|one| one.station);
+        let stations: BTreeSet<u32> = stations.chain(self.alerts.stations().firing().map(|(one, _)| one)).collect();
+        Ok(self.judged(&newest, &stations, now))
+    }
+
+    fn judged(&self, newest: &[Calibrated], stations: &BTreeSet<u32>, now: UtcMicros) -> Vec<StationVerdict> {
+        let limits = self.config.judging.limits("", "");
+        let budgets = self.budgets("", "");
+        let mut found = Vec::new();
+        for (station, column) in stations.iter().flat_map(|station| [(*station, 0), (*station, 1)]) {
+            let limit = [&limits.d_i, &limits.d_s][column].of(Rule::StationShift);
+            let Some((limit, budget)) = limit.zip(budgets[column]) else { continue };
+            let column_of = |row: &AlertRow| row.coefficient.column() == Some(column);
+            let fires = self.alerts.stations().firing().any(|(one, row)| one == station && column_of(row));
+            let asked = ShiftQuestion { limit, budget, confidence: limits.confidence, fires };
+            let verdict = station_shift(newest, station, column, &asked);
+            let last = newest.iter().filter(|one| one.station == station).map(|one| one.at).max();
+            let origin = Origin { at: last.unwrap_or(now), item: None, imu: None, slot: None, station: Some(station) };
+            found.push(StationVerdict { station, verdict, origin });
+        }
+        found
+    }
+
+    fn is_switched_off(&self) -> bool {
+        let limits = self.config.judging.limits("", "");
+        [limits.d_i, limits.d_s].iter().all(|drift| drift.of(Rule::StationShift).is_none())
+    }
+
+    /// The newest calibrations of the fleet; of a station whose alert fires, those since it does.
+    async fn calibrated(&self, now: UtcMicros) -> Result<Vec<Calibrated>, StoreError> {
+        let began = self.alerts.stations().firing().map(|(_, row)| row.alert.since).min().unwrap_or(now);
+        let rows = store::head::calibrated_since(&self.store, now.plus_days(-LATELY).min(began)).await?;
+        let mut budgets: BTreeMap<(String, String), [Option<f64>; 2]> = BTreeMap::new();
+        let calibrated = rows.into_iter().map(|row| {
+            let of = (row.imu_name, row.serial);
+            // Without overrides all have the same.
+            let of = if self.config.judging.overrides.is_empty() { Default::default() } else { of };
+            let budgets = *budgets.entry(of).or_insert_with_key(|(imu, serial)| self.budgets(imu, serial));
+            let deviation = [0, 1].map(|column| times(row.load[column], budgets[column]));
+            let store::head::CalibratedRow { gyro, imu, station, at, batch, .. } = row;
+            Calibrated { gyro, imu, station, at, deviation, batch }
+        });
+        Ok(calibrated.collect())
+    }
+
+    /// What loads are shares of, deg/(h g0).
+    fn budgets(&self, imu: &str, serial: &str) -> [Option<f64>; 2] {
+        let limits = self.config.judging.limits(imu, serial);
+        [limits.d_i, limits.d_s].map(|drift| drift.of(Rule::Baseline).map(|limit| limit.value))
+    }
+}
+
+fn times(load: Option<Measured>, budget: Option<f64>) -> Option<Measured> {
+    let (load, budget) = load.zip(budget)?;
+    Some(Measured { value: load.value * budget, sd: load.sd.map(|sd| sd * budget) })
+}

@@ -1,0 +1,265 @@
+//! Gyros that moved together because their station did: one alert of the station, and none of what it explains.
+
+mod lab;
+mod receiver;
+mod support;
+
+use std::time::{Duration, Instant};
+
+use gyrowatch::system::Clock;
+use gyrowatch::wire::time;
+use lab::{Lab, day, record};
+use receiver::{Receiver, Told};
+use reqwest::Method;
+use serde_json::{Value, json};
+use support::Server;
+
+const SLOTS: [&str; 3] = ["G1", "G2", "G3"];
+/// Of the station, and of one gyro by itself, deg/(h g0); the budget is 0.01.
+const SHIFT: f64 = 0.015;
+const OWN: f64 = 0.03;
+
+/// Scatter of calibration: a fixed sequence.
+fn scatter(k: i64) -> f64 {
+    let noise = [0.3, -1.1, 0.8, 0.1, -0.6, 1.2, -0.2, -0.9, 0.5, 0.7, -1.0, 0.4, -0.3, 1.0, -0.8, 0.2, 0.6];
+    noise[(k * 5 % 17) as usize] * 3e-4
+}
+
+/// IMU `imu` on a day of 2025 at a station: its three gyros with D_I higher by `d_i` of each.
+fn calibrated(imu: i64, at: i64, station: &str, d_i: impl Fn(i64) -> f64) -> Value {
+    let serials: Vec<String> = (0..3).map(|slot| serial(3 * imu + slot)).collect();
+    let value = |slot: usize| 3.0 + scatter(7 * imu + at + slot as i64) + d_i(slot as i64);
+    let gyros: Vec<lab::Made<'_>> = (0..3)
+        .map(|slot| (SLOTS[slot], &*serials[slot], value(slot), 4.0 + scatter(imu + 3 * at + slot as i64)))
+        .collect();
+    let mut sent = record(&format!("IMU-{imu}"), &day(at), &gyros);
+    sent["station"] = station.into();
+    sent
+}
+
+fn serial(gyro: i64) -> String {
+    format!("GYRO-{gyro:02}")
+}
+
+/// Six IMUs at ST-2 and three at ST-1, weekly, with nothing to see; up to day 27.
+fn quiet() -> Vec<Value> {
+    let imus =
+        |at: i64| (0..9).map(move |imu| calibrated(imu, at + imu % 6, if imu < 6 { "ST-2" } else { "ST-1" }, |_| 0.0));
+    [0, 7, 14, 21].into_iter().flat_map(imus).collect()
+}
+
+/// ST-2 reads high by [`SHIFT`]; the first gyro of the last IMU has moved by [`OWN`] besides.
+fn shifted(imus: std::ops::Range<i64>) -> Vec<Value> {
+    let of =
+        |imu: i64| calibrated(imu, 28 + imu, "ST-2", move |slot| SHIFT + if (imu, slot) == (5, 0) { OWN } else { 0.0 });
+    imus.map(of).collect()
+}
+
+async fn lab() -> Lab {
+    let lab = Lab::with(|config| {
+        config.alerts.tick_s = 0.05;
+        config.alerts.backfill_days = 30.0;
+    })
+    .await;
+    lab.clock_shows(&day(28));
+    for answer in lab.imports(&quiet()).await {
+        assert_eq!(answer["status"], 201, "{answer}");
+    }
+    lab
+}
+
+async fn sent(lab: &Lab, records: &[Value]) {
+    for answer in lab.imports(records).await {
+        assert_eq!(answer["status"], 201, "{answer}");
+    }
+}
+
+async fn alerts(lab: &Lab) -> Vec<Value> {
+    lab.get("/v1/alerts?limit=1000").await.ok()["alerts"].as_array().unwrap().clone()
+}
+
+/// Waits until the alerts are as wanted.
+async fn become_so(lab: &Lab, wanted: impl Fn(&[Value]) -> bool) -> Vec<Value> {
+    let patience = Instant::now() + Duration::from_secs(60);
+    loop {
+        let alerts = alerts(lab).await;
+        if wanted(&alerts) {
+            return alerts;
+        }
+        assert!(Instant::now() < patience, "{alerts:#?}");
+        tokio::time::sleep(Duration::from_millis(30)).await;
+    }
+}
+
+fn of_station(alerts: &[Value]) -> Option<&Value> {
+    alerts.iter().find(|alert| alert["subject"] == "station")
+}
+
+fn station_is(alerts: &[Value], state: &str) -> bool {
+    of_station(alerts).is_some_and(|alert| alert["state"] == state)
+}
+
+/// Alerts of gyros on D_I in a state.
+fn of_gyros<'a>(alerts: &'a [Value], state: &'a str) -> impl Iterator<Item = &'a Value> {
+    alerts.iter().filter(move |alert| alert["serial"].is_string() && alert["state"] == state)
+}
+
+async fn hook(lab: &Lab, target: &Receiver, filter: Value) {
+    let hook = json!({"kind": "standard-webhooks", "url": target.url(), "batch": false, "filter": filter});
+    lab.post("/v1/hooks", &hook).await.created();
+}
+
+/// What has been told of: serials and stations.
+fn heard(told: &[Told]) -> Vec<(String, String)> {
+    let name = |data: &Value| data["serial"].as_str().or(data["station"].as_str()).unwrap().to_owned();
+    told.iter().map(Told::json).map(|body| (body["type"].as_str().unwrap().to_owned(), name(&body["data"]))).collect()
+}
+
+#[tokio::test]
+async fn a_station_that_shifts_is_one_alert_and_a_gyro_that_moves_by_itself_another() {
+    let (lab, target) = (lab().await, Receiver::start().await);
+    hook(&lab, &target, json!({})).await;
+    lab.clock_shows(&day(34));
+    sent(&lab, &shifted(0..6)).await;
+    let found =
+        become_so(&lab, |alerts| station_is(alerts, "firing") && of_gyros(alerts, "inhibited").count() >= 17).await;
+    let station = of_station(&found).unwrap();
+    assert_eq!(
+        [&station["station"], &station["rule"], &station["coefficient"], &station["severity"]],
+        ["ST-2", "station_shift", "D_I", "critical"]
+    );
+    lab::assert_close(&station["value"], SHIFT, 5e-4);
+    assert!(station["serial"].is_null() && station["reason"].as_str().unwrap().contains("3 IMUs"), "{station}");
+    assert!(of_gyros(&found, "inhibited").all(|alert| alert["inhibited_by"] == station["id"]), "{found:#?}");
+    let own: Vec<&Value> = of_gyros(&found, "firing").collect();
+    assert!(!own.is_empty() && own.iter().all(|alert| alert["serial"] == serial(15)), "{own:#?}");
+    let detail = lab.get(&format!("/v1/alerts/{}", station["id"].as_str().unwrap())).await.ok();
+    assert_eq!(detail["inhibits"].as_array().unwrap().len(), of_gyros(&found, "inhibited").count());
+    let inhibited = lab.get("/v1/alerts?state=inhibited").await.ok();
+    assert_eq!(inhibited["alerts"].as_array().unwrap().len(), of_gyros(&found, "inhibited").count());
+
+    // The station, and the gyro that moved by itself: nobody hears of the sixteen others. Among servers the clock
+    // alone looks at stations: by then they have been told.
+    let told = target.has_been_told(1 + own.len()).await;
+    tokio::time::sleep(Duration::from_millis(300)).await;
+    if !lab::cluster::is_wanted() {
+        assert_eq!(target.told().len(), told.len());
+        let told = heard(&told);
+        assert!(told.iter().all(|(_, name)| name == "ST-2" || *name == serial(15)), "{told:?}");
+    }
+    let fired = ("alert.fired".to_owned(), "ST-2".to_owned());
+    assert!(heard(&target.told()).contains(&fired), "{:?}", heard(&target.told()));
+
+    // Levelled again: both ends are told, and those of the gyros to nobody.
+    lab.clock_shows(&day(41));
+    let back: Vec<Value> = (0..6).map(|imu| calibrated(imu, 35 + imu, "ST-2", |_| 0.0)).collect();
+    sent(&lab, &back).await;
+    become_so(&lab, |alerts| station_is(alerts, "resolved")).await;
+    tokio::time::sleep(Duration::from_millis(300)).await;
+    let told = heard(&target.told());
+    assert!(told.contains(&("alert.resolved".to_owned(), "ST-2".to_owned())), "{told:?}");
+    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+}
+
+/// As a person sees it, on the clock of this machine.
+#[tokio::test]
+async fn pages_show_the_station_and_what_its_alert_explains() {
+    let server = Server::start_with(&[("GYROWATCH_ALERTS__TICK_S", "0.05")]).await;
+    let now = Clock::System.now();
+    let mut lines = String::new();
+    for mut record in quiet().into_iter().chain(shifted(0..6)) {
+        let at = time::parse(record["calibrated_at"].as_str().unwrap()).unwrap();
+        let ago = time::parse(&day(34)).unwrap().days_since(at);
+        record["calibrated_at"] = time::format(now.plus_days(-ago)).into();
+        lines += &format!("{record}\n");
+    }
+    assert_eq!(server.post("/v1/import", lab::NDJSON, lines).await.status, 200);
+    let patience = Instant::now() + Duration::from_secs(60);
+    let station = loop {
+        let found = server.get("/v1/alerts?rule=station_shift").await.json()["alerts"].clone();
+        if let Some(station) = found.get(0) {
+            break station.clone();
+        }
+        assert!(Instant::now() < patience, "{}", server.log());
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    };
+    let id = station["id"].as_str().unwrap();
+    for (page, shows) in [
+        ("/alerts".to_owned(), ["href=\"/stations/ST-2\"", "shift of a station"]),
+        ("/alerts?state=inhibited".to_owned(), ["GYRO-04", "explained by a station"]),
+        (format!("/alerts/{id}"), ["GYRO-04", "inhibited"]),
+        ("/stations/ST-2".to_owned(), ["The median D_I of", "overdue"]),
+        ("/stations".to_owned(), ["overdue", "ST-2"]),
+    ] {
+        let text = server.get(&page).await.text();
+        assert!(shows.iter().all(|shown| text.contains(shown)), "{page}: {text}");
+    }
+}
+
+#[tokio::test]
+async fn what_was_held_back_is_told_when_it_is_not_the_stations_after_all() {
+    let (lab, target) = (lab().await, Receiver::start().await);
+    hook(&lab, &target, json!({ "gyros": [serial(0)] })).await;
+    lab.clock_shows(&day(34));
+    sent(&lab, &shifted(0..6)).await;
+    become_so(&lab, |alerts| station_is(alerts, "firing") && of_gyros(alerts, "inhibited").count() >= 17).await;
+    // The hook asked for one gyro, and hears of the station in its place.
+    if !lab::cluster::is_wanted() {
+        assert_eq!(heard(&target.has_been_told(1).await), [("alert.fired".to_owned(), "ST-2".to_owned())]);
+    }
+    // All but that gyro's IMU are found to be in order.
+    lab.clock_shows(&day(41));
+    let back: Vec<Value> = (1..6).map(|imu| calibrated(imu, 35 + imu, "ST-2", |_| 0.0)).collect();
+    sent(&lab, &back).await;
+    let found =
+        become_so(&lab, |alerts| station_is(alerts, "resolved") && of_gyros(alerts, "inhibited").count() == 0).await;
+    let held: Vec<&Value> = of_gyros(&found, "firing").filter(|alert| alert["serial"] == serial(0)).collect();
+    assert!(!held.is_empty(), "{found:#?}");
+    let told = heard(&target.has_been_told(2 + held.len()).await);
+    assert!(told.contains(&("alert.fired".to_owned(), serial(0))), "{told:?}");
+}
+
+#[tokio::test]
+async fn records_that_are_suspect_end_the_alert_of_their_station() {
+    let lab = lab().await;
+    lab.clock_shows(&day(34));
+    sent(&lab, &shifted(0..6)).await;
+    become_so(&lab, |alerts| station_is(alerts, "firing")).await;
+    let window = json!({"from": day(27), "to": day(34), "by": "Li Wei", "reason": "fixture was loose"});
+    let marked = lab.post("/v1/stations/ST-2/suspect", &window).await.ok();
+    assert_eq!(marked["records"].as_array().unwrap().len(), 6, "{marked}");
+    let found = become_so(&lab, |alerts| station_is(alerts, "resolved")).await;
+    assert_eq!(of_gyros(&found, "inhibited").count() + of_gyros(&found, "firing").count(), 0, "{found:#?}");
+    // And back.
+    lab.post("/v1/stations/ST-2/trust", &window).await.ok();
+    become_so(&lab, |alerts| station_is(alerts, "firing") && of_gyros(alerts, "inhibited").count() >= 17).await;
+}
+
+#[tokio::test]
+async fn imus_that_come_one_by_one_are_told_until_there_are_enough_and_the_alert_outlives_a_restart() {
+    let (mut lab, target) = (lab().await, Receiver::start().await);
+    hook(&lab, &target, json!({})).await;
+    for imu in 0..6 {
+        lab.clock_shows(&day(28 + imu));
+        sent(&lab, &shifted(imu..imu + 1)).await;
+        if imu == 2 {
+            become_so(&lab, |alerts| station_is(alerts, "firing") && of_gyros(alerts, "firing").count() == 0).await;
+            lab.restart().await;
+        }
+    }
+    let found =
+        become_so(&lab, |alerts| of_gyros(alerts, "inhibited").any(|alert| alert["serial"] == serial(14))).await;
+    assert!(of_gyros(&found, "firing").all(|alert| alert["serial"] == serial(15)), "{found:#?}");
+    tokio::time::sleep(Duration::from_millis(300)).await;
+    let told = heard(&target.told());
+    let names: Vec<&str> = told.iter().map(|(_, name)| name.as_str()).collect();
+    assert!(names.contains(&"GYRO-00") && !names.contains(&"GYRO-09") && !names.contains(&"GYRO-14"), "{told:?}");
+    // Somebody knows: an alert of a station is an alert.
+    let id = of_station(&found).unwrap()["id"].as_str().unwrap().to_owned();
+    let said = json!({"by": "Li Wei", "reason": "the mason comes on Monday"});
+    let known = lab.post(&format!("/v1/alerts/{id}/acknowledge"), &said).await.ok();
+    assert_eq!((&known["state"], &known["subject"]), (&json!("acknowledged"), &json!("station")));
+    let csv = lab.request(Method::GET, "/v1/alerts?format=csv&state=acknowledged").send().await.unwrap();
+    let csv = csv.text().await.unwrap();
+    assert!(csv.lines().nth(1).unwrap().ends_with(",station,"), "{csv}");
+}

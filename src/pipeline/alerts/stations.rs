@@ -62,8 +62,8 @@ impl<'a> StationAlerts<'a> {
     pub fn is_moved_by(&self, found: &StationVerdict, naming: &Naming<'_>) -> bool {
         let StationVerdict { station, verdict, origin } = found;
         let rows = self.alerts.get(&AlertOf::Station(*station)).into_iter().flatten();
-        let firing = rows.filter(|row| row.alert.status == Status::Firing);
-        match firing.into_iter().find(|row| row.coefficient == verdict.coefficient) {
+        let mut firing = rows.filter(|row| row.alert.status == Status::Firing);
+        match firing.find(|row| row.coefficient == verdict.coefficient) {
             None => verdict.severity().is_some(),
             Some(_) if verdict.value.is_none() || verdict.state == State::Within => true,
             Some(row) => verdict.state == State::Exceeded && row.finding != naming.finding(verdict, origin).kept(),

@@ -73,7 +73,11 @@ async fn over(stop: watch::Receiver<bool>, grace: Duration) {
     tokio::time::sleep(grace).await;
 }
 
-async fn serve(mut config: Config, ready: impl FnOnce(SocketAddr), stop: impl Future<Output = ()>) -> anyhow::Result<()> {
+async fn serve(
+    mut config: Config,
+    ready: impl FnOnce(SocketAddr),
+    stop: impl Future<Output = ()>,
+) -> anyhow::Result<()> {
     telemetry::start().context("cannot count metrics")?;
     config.server.check_exposure()?;
     let tls = config.server.tls_files().map(|(certificate, key)| Tls::start(certificate, key)).transpose()?;

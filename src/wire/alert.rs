@@ -49,8 +49,8 @@ fn of_gyro() -> Cow<'static, str> {
     AlertBody::OF_GYRO.into()
 }
 
-fn is_of_gyro(subject: &Cow<'static, str>) -> bool {
-    *subject == AlertBody::OF_GYRO
+fn is_of_gyro(subject: &str) -> bool {
+    subject == AlertBody::OF_GYRO
 }
 
 impl AlertBody {

@@ -375,7 +375,7 @@ mod properties {
 
     #[derive(Debug, Clone)]
     enum Happening {
-        Verdict(Verdict),
+        Verdict(Box<Verdict>),
         Tick,
         Acknowledge,
         Silence(f64),
@@ -389,7 +389,7 @@ mod properties {
                 exceeded(), confirmed(), within(0.001), within(0.0095), straddling(), too_few(),
                 verdict(Rule::Step, State::Within, 0.001, true),
             ])
-            .prop_map(Happening::Verdict),
+            .prop_map(|verdict| Happening::Verdict(Box::new(verdict))),
             3 => Just(Happening::Tick),
             1 => Just(Happening::Acknowledge),
             1 => (0.0..40.0).prop_map(Happening::Silence),

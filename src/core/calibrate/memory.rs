@@ -389,10 +389,10 @@ mod tests {
         };
         let restricted = |v: &DMatrix<f64>, gyro: &Fitted| {
             let design = DMatrix::from_fn(20, 3, |n, c| gyro.basis[(n, c)] / gyro.weights[n]);
-            let inverse = v.clone().try_inverse().expect("it is regular");
+            let inverse = v.clone().cholesky().expect("it is positive").inverse();
             let normal = design.transpose() * &inverse * &design;
             let side = design.transpose() * &inverse * gyro.residuals;
-            let solved = normal.clone().try_inverse().expect("it is regular") * &side;
+            let solved = normal.clone().cholesky().expect("it is positive").inverse() * &side;
             let rss = (gyro.residuals.transpose() * &inverse * gyro.residuals)[(0, 0)] - side.dot(&solved);
             let log = -0.5 * v.determinant().ln() - 0.5 * normal.determinant().ln();
             (log - 0.5 * (gyro.dof as f64 + k) * (k + rss).ln(), rss)

@@ -133,4 +133,16 @@ mod tests {
         assert_eq!(range_beyond(Measured { value: 0.0164, sd }, 30, 0.01, 0.95).state, State::Indeterminate);
         assert_eq!(beyond(Measured { value: 0.0164, sd: Some(0.003) }, 0.01, 0.95).state, State::Exceeded);
     }
+
+    #[test]
+    fn pairs_rank_by_their_excess_in_standard_deviations() {
+        let pair = |value: f64, sd: Option<f64>| Pair {
+            low: ((), Measured { value: 0.0, sd: None }),
+            high: ((), Measured { value, sd }),
+        };
+        let rank = |value, sd| pair(value, sd).rank(0.01).0;
+        assert!((rank(0.02, Some(0.002)) - 25.0).abs() < 1e-9);
+        assert!((rank(0.004, Some(0.002)) + 9.0).abs() < 1e-9);
+        assert_eq!((rank(0.02, None), rank(0.004, None)), (f64::INFINITY, f64::NEG_INFINITY));
+    }
 }

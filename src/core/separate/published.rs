@@ -221,3 +221,20 @@ impl Rows {
         (c + c.transpose()) * 0.5
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beta_as_printed_follows_the_measured_angles() {
+        let close = |found: Option<[f64; 3]>, expected: [f64; 3]| {
+            let found = found.expect("it is misprinted");
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} is not {expected:?}");
+        };
+        let printed = |branch, d| misprinted_beta(branch, [36.2644, 35.0, 54.0], d);
+        close(printed(Branch::Eq10, [2.0, 3.0, 10.0]), [52.5416, 32.6583, 131.103]);
+        close(printed(Branch::Eq12, [2.0, 0.0, 0.0]), [52.5416, 76.7161, 178.0]);
+        assert_eq!(printed(Branch::Eq8, [2.0, 3.0, 10.0]), None);
+    }
+}

@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn pairs_rank_by_their_excess_in_standard_deviations() {
         let pair = |value: f64, sd: Option<f64>| Pair {
-            low: ((), Measured { value: 0.0, sd: None }),
+            low: ((), Measured { value: 0.0, sd: sd.map(|_| 0.0) }),
             high: ((), Measured { value, sd }),
         };
         let rank = |value, sd| pair(value, sd).rank(0.01).0;

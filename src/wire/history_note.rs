@@ -359,7 +359,8 @@ mod tests {
             (13, "E of A is 3600 times what it was before: is it in pulse/deg?"),
             (14, "G of A is 1/9.80665 times what it was before: is it in pulse/(s m/s^2)?"),
             (15, "G of A is 9.80665 times what it was before: is it in another unit?"),
-            (16, "A was in I-1 G1 in its last record and is in I-2 G3 now"),
+            (16, "G of A is that of before with the opposite sign"),
+            (17, "A was in I-1 G1 in its last record and is in I-2 G3 now"),
         ] {
             assert!(said[place].contains(words), "{}", said[place]);
         }

@@ -402,7 +402,7 @@ mod tests {
         let laws: Vec<(Kind, f64)> = laws.map(|kind| (kind, 0.2)).collect();
         let of_law = 0.2 / laws.len() as f64;
         let flicker = [0.15, 0.5, 1.5, 5.0, 20.0].map(|power| (Kind::Memory(Memory::Flicker, power), 0.0005));
-        let walks = [0.45, 1.5, 4.5, 15.0, 60.0].map(|power| (Kind::Memory(Memory::Walk, power), 0.0005));
+        let walks = [0.15, 0.5, 1.5, 5.0, 20.0].map(|power| (Kind::Memory(Memory::Walk, power * 3.0), 0.0005));
         let kinds = laws.into_iter().map(|(kind, _)| (kind, of_law)).chain(flicker).chain(walks);
         let white: f64 = gyros.iter().map(|gyro| restricted(&covariance(None, gyro), gyro).0).sum();
         let weight = |kind: Kind, prior: f64| {

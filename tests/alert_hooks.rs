@@ -192,10 +192,8 @@ async fn all_that_a_record_changes_of_all_its_gyros_is_one_message() {
     assert!(told_of(whole).contains(&"A D_I step alert.fired".to_owned()), "{:?}", told_of(whole));
     assert!(told_of(whole).iter().any(|told| told.starts_with("B ")), "{:?}", told_of(whole));
     assert_eq!(whole["data"]["id"], whole["alerts"][0]["id"]);
-    assert_eq!(
-        whole["alerts"][0]["links"]["gyro"],
-        format!("/gyros/{}", whole["alerts"][0]["serial"].as_str().unwrap())
-    );
+    let page = format!("{}/gyros/{}", server.url(""), whole["alerts"][0]["serial"].as_str().unwrap());
+    assert_eq!(whole["alerts"][0]["links"]["gyro"], page, "without hooks.external_url: the address listened on");
     let [event] = &heard("/cloudevents")[..] else { panic!() };
     assert_eq!(told_of(&event["data"]), told_of(whole));
     let [webhook] = &heard("/alertmanager-webhook")[..] else { panic!() };

@@ -59,8 +59,9 @@ pub fn against_histories(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
         while let Some(&(_, factor)) = left.first() {
             let (same, others): (Vec<_>, Vec<_>) = left.into_iter().partition(|one| is_about(one.1, factor));
             left = others;
-            // A factor that is no unit's is one of the outputs only where all gyros have it.
-            if unit_of(factor).is_some() || same.len() >= 2 && same.len() == known {
+            // A factor that is no unit's, or a sense the other way round, is believed only where all gyros have it.
+            let is_units = factor > 0.0 && unit_of(factor).is_some();
+            if is_units || same.len() >= 2 && same.len() == known {
                 let serials = same.into_iter().map(|(serial, _)| serial.to_owned()).collect();
                 notes.push(HistoryNote::UnitFactor { serials, quantity, factor });
             }

@@ -203,7 +203,7 @@ async fn a_damaged_file_never_gives_wrong_figures() {
         };
         for ((path, (status, figures)), (_, expected)) in paths.iter().zip(&found).zip(&right) {
             match status {
-                200 => assert!(figures == expected, "damage {time}: {path} has other figures and does not say so"),
+                200 => assert_eq!(figures, expected, "damage {time}: {path} has other figures and does not say so"),
                 404 => missing += 1,
                 status => assert!(*status >= 500, "damage {time}: {path} is answered {status}"),
             }

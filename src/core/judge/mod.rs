@@ -35,7 +35,8 @@ pub use range_summary::Older;
 pub use reason::{digits, sd_digits, turn_arcmin};
 pub use rule::{Finding, LimitKind, Rule, Source, Unit};
 pub use rules::{
-    Calibrated, ShiftQuestion, SourcedResult, Suspected, agreement, is_explained, overdue, requirement, station_shift,
+    Calibrated, ShiftQuestion, SourcedResult, Suspected, agreement, in_common, is_explained, overdue, requirement,
+    station_shift,
 };
 pub use sample::{BASELINE_RECORDS, Measured, Sample, Seat};
 pub use series::Series;

@@ -4,6 +4,11 @@ use std::f64::consts::SQRT_2;
 
 use statrs::function::erf::{erfc, erfc_inv};
 
+/// Standard deviation over the median of absolute departures of normal figures.
+pub(crate) const SD_OF_MEDIAN: f64 = 1.482_602_218_505_602;
+/// Standard error of the median of normal figures over that of their mean, sqrt(pi/2).
+pub(crate) const MEDIAN_ERROR: f64 = 1.253_314_137_315_500_3;
+
 /// The standard normal distribution function.
 pub(crate) fn normal_cdf(z: f64) -> f64 {
     0.5 * erfc(-z / SQRT_2)

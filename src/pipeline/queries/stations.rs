@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
+use crate::core::numerics::normal::SD_OF_MEDIAN;
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::gyro_window::{marks_of, sample_of};
@@ -16,8 +17,6 @@ use crate::store::{Store, StoreError, Stretch};
 const RECORDS: usize = 60;
 /// Gyros that are looked through together.
 const AT_ONCE: usize = 128;
-/// Standard deviations over the median of absolute values, where the values are normal about zero.
-const OF_MEDIAN: f64 = 1.482_602_218_505_602;
 
 /// One station over the fleet, deg/(h g0).
 #[derive(Debug, Clone, PartialEq)]
@@ -115,7 +114,7 @@ fn scatter(differences: &[[f64; 2]], column: usize) -> Option<f64> {
     sizes.sort_by(f64::total_cmp);
     let upper = *sizes.get(sizes.len() / 2)?;
     let median = if sizes.len() % 2 == 1 { upper } else { (sizes[sizes.len() / 2 - 1] + upper) / 2.0 };
-    Some(OF_MEDIAN * median / SQRT_2)
+    Some(SD_OF_MEDIAN * median / SQRT_2)
 }
 
 /// The mean, and its standard error.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::fleet::Fleet;
 use super::standing::Standing;
 use crate::core::id::Id;
+use crate::core::judge::{Measured, in_common};
 use crate::core::time::UtcMicros;
 use crate::pipeline::error::StorageError;
 use crate::store;
@@ -18,10 +19,6 @@ const LEAST_GYROS: usize = 8;
 /// A shift is told where its median is so many standard errors of it from zero, and more than so much of the budget.
 const ERRORS: f64 = 4.0;
 const LEAST_SHIFT: f64 = 0.1;
-/// Standard deviation over the median of absolute departures, and the median's standard error over the mean's, both of
-/// normal values.
-const OF_MEDIAN: f64 = 1.482_602_218_505_602;
-const MEDIAN_ERROR: f64 = 1.253_314_137_315_500_3;
 /// All gyros of an IMU so many budgets from their baselines: hardly all of them at once.
 const MOVED: f64 = 5.0;
 
@@ -162,16 +159,9 @@ fn common(values: &[f64]) -> Option<Shift> {
     if gyros < LEAST_GYROS {
         return None;
     }
-    let centre = median(values.to_vec());
-    let spread = OF_MEDIAN * median(values.iter().map(|value| (value - centre).abs()).collect());
-    let error = MEDIAN_ERROR * spread / (gyros as f64).sqrt();
-    (centre.abs() > LEAST_SHIFT && centre.abs() > ERRORS * error).then_some(Shift { median: centre, error, gyros })
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let upper = values[values.len() / 2];
-    if values.len() % 2 == 1 { upper } else { (values[values.len() / 2 - 1] + upper) / 2.0 }
+    let Measured { value: median, sd } = in_common(values, gyros, 0.0)?;
+    let error = sd?;
+    (median.abs() > LEAST_SHIFT && median.abs() > ERRORS * error).then_some(Shift { median, error, gyros })
 }
 
 #[cfg(test)]
@@ -181,7 +171,6 @@ mod tests {
     use rand_distr::{Distribution, Normal};
 
     use super::*;
-    use crate::core::judge::Measured;
 
     fn drawn(rng: &mut ChaCha8Rng, gyros: usize, shift: f64) -> Vec<f64> {
         let noise = Normal::new(shift, 0.1).unwrap();

@@ -17,7 +17,7 @@ mod trend;
 pub use agreement::{SourcedResult, agreement};
 pub use overdue::overdue;
 pub use requirement::requirement;
-pub use station_shift::{Calibrated, ShiftQuestion, Suspected, is_explained, station_shift};
+pub use station_shift::{Calibrated, ShiftQuestion, Suspected, in_common, is_explained, station_shift};
 
 pub(super) use case::Case;
 pub(super) use closure::closure;

@@ -15,6 +15,7 @@ use std::sync::Arc;
 use crate::core::judge::decide::beyond;
 use crate::core::judge::limits::Limit;
 use crate::core::judge::{Coefficient, Finding, Measured, Rule, State, Verdict};
+use crate::core::numerics::normal::{MEDIAN_ERROR, SD_OF_MEDIAN};
 use crate::core::time::UtcMicros;
 
 /// How long before the newest calibration of a station another may lie to count with it, days.
@@ -24,10 +25,6 @@ pub const TOGETHER_DAYS: f64 = 14.0;
 const GYROS: usize = 6;
 const IMUS: usize = 3;
 const GYROS_TO_STAY: usize = 3;
-/// Of normal figures: standard deviation over the median of absolute ones, and standard error of the median over that
-/// of the mean.
-const OF_MEDIAN: f64 = 1.482_602_218_505_602;
-const MEDIAN_ERROR: f64 = 1.253_314_137_315_500_3;
 
 /// A gyro's newest calibration.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,11 +107,18 @@ fn imus_of(gyros: &[&Calibrated]) -> usize {
 /// The median deviation, and its standard error.
 fn shared(gyros: &[&Calibrated], column: usize) -> Option<Measured> {
     let deviations: Vec<Measured> = gyros.iter().filter_map(|one| one.deviation[column]).collect();
-    let centre = median(deviations.iter().map(|one| one.value).collect())?;
-    let off = median(deviations.iter().map(|one| (one.value - centre).abs()).collect())?;
     let stated = median(deviations.iter().filter_map(|one| one.sd).collect()).unwrap_or(0.0);
-    let scatter = (OF_MEDIAN * off).max(stated);
-    Some(Measured { value: centre, sd: Some(MEDIAN_ERROR * scatter / (imus_of(gyros) as f64).sqrt()) })
+    let values: Vec<f64> = deviations.iter().map(|one| one.value).collect();
+    in_common(&values, imus_of(gyros), stated)
+}
+
+/// Median of values that scatter about it, and its standard error sqrt(pi/2) s/sqrt(independent) with
+/// s = max(1.4826 median |x - M|, least), as of normal values; none of nothing.
+pub fn in_common(values: &[f64], independent: usize, least: f64) -> Option<Measured> {
+    let centre = median(values.to_vec())?;
+    let off = median(values.iter().map(|value| (value - centre).abs()).collect())?;
+    let scatter = (SD_OF_MEDIAN * off).max(least);
+    Some(Measured { value: centre, sd: Some(MEDIAN_ERROR * scatter / (independent as f64).sqrt()) })
 }
 
 /// Whether neither the gyros of other stations nor one batch alone have moved alike.

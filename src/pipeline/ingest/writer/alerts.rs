@@ -130,8 +130,10 @@ impl Task {
     /// A transaction for each cell in which the clock changes something; in a file, one.
     async fn try_tick(&mut self) -> Result<(), StoreError> {
         let now = self.clock.now();
-        self.follow_stations(&store::alerts::of_clock(&self.store).await?, now).await?;
-        let rows = store::alerts::of_clock(&self.store).await?;
+        let mut rows = store::alerts::of_clock(&self.store).await?;
+        if self.follow_stations(&rows, now).await? {
+            rows = store::alerts::of_clock(&self.store).await?;
+        }
         let mut by_cell: BTreeMap<u8, OfClock> = BTreeMap::new();
         let overdue = self.may_be_overdue(&rows, now).await?;
         let alerted: BTreeSet<AlertOf> =

@@ -57,8 +57,8 @@ impl Task {
     }
 
     /// Lets the alerts of stations follow the clock, and those of gyros that they explain. `rows`: every alert that the
-    /// clock may change.
-    pub(super) async fn follow_stations(&mut self, rows: &[AlertRow], now: UtcMicros) -> Result<(), StoreError> {
+    /// clock may change. False where nothing was to be changed.
+    pub(super) async fn follow_stations(&mut self, rows: &[AlertRow], now: UtcMicros) -> Result<bool, StoreError> {
         self.alerts.recall(&self.store, [], now).await?;
         let found = self.shifts(now).await?;
         let is_anything = {
@@ -70,12 +70,12 @@ impl Task {
                 || !self.alerts.stations().explained_anew(rows, &naming).is_empty()
         };
         if !is_anything {
-            return Ok(());
+            return Ok(false);
         }
         self.begin(&Cells::all()).await?;
         let done = self.follow_stations_in_turn(now).await;
         self.writer.give_back().await;
-        done
+        done.map(|()| true)
     }
 
     async fn follow_stations_in_turn(&mut self, now: UtcMicros) -> Result<(), StoreError> {

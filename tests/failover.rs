@@ -200,7 +200,7 @@ async fn a_host_that_falls_silent_holds_nobody_up_for_longer_than_three_leases()
     let silent = Instant::now();
     stored(&server, &record("after", 0.0, 1)).await;
     let took = silent.elapsed();
-    // A lease for each of the two connections that one turn uses.
+    // Two attempts have been seen to fail, a lease each.
     assert!(took < 3 * LEASE, "writing again after {took:?}");
     let answer = server.get("/v1/gyros/after-0/trend").await;
     assert_eq!(answer.status, 200, "{}", answer.text());

@@ -2,7 +2,8 @@
 //! it, and TCP by itself waits for a quarter of an hour.
 
 use std::io::{Error as IoError, ErrorKind};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use futures::future::BoxFuture;
 use futures::stream::{BoxStream, StreamExt, unfold};
@@ -25,25 +26,49 @@ fn silent(limit: Duration) -> Error {
     Error::Io(IoError::new(ErrorKind::TimedOut, format!("no answer within {} s", limit.as_secs_f64())))
 }
 
+/// When the database last left a question unanswered. Every connection from before may lead to a host that is gone:
+/// whoever would find that out on each of them in turn waits for the limit of a question each time.
+#[derive(Debug, Clone, Default)]
+pub(super) struct LastSilence(Arc<Mutex<Option<Instant>>>);
+
+impl LastSilence {
+    pub fn is_now(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+    }
+
+    /// Whether a connection of this age was opened after it.
+    pub fn is_before(&self, age: Duration) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).is_none_or(|silence| age < silence.elapsed())
+    }
+}
+
 /// Connections that read. None of them waits longer than `limit` for the next row.
 #[derive(Debug, Clone)]
 pub(crate) struct PgReaders {
     pool: PgPool,
     limit: Duration,
+    silence: LastSilence,
 }
 
 impl PgReaders {
-    pub async fn connect(
+    pub(super) async fn connect(
         options: PgPoolOptions,
         connect: PgConnectOptions,
         limit: Duration,
+        silence: LastSilence,
     ) -> Result<Self, sqlx::Error> {
+        let (lent, released) = (silence.clone(), silence.clone());
+        let options = options.before_acquire(move |_, its| {
+            let answers = lent.is_before(its.age);
+            Box::pin(async move { Ok(answers) })
+        });
         // A connection on which a question was given up is closed, not handed to the next.
-        let options = options.after_release(move |connection, _| {
-            Box::pin(async move { within(limit, connection.ping()).await.map(|()| true) })
+        let options = options.after_release(move |connection, its| {
+            let answers = released.is_before(its.age);
+            Box::pin(async move { Ok(answers && within(limit, connection.ping()).await.is_ok()) })
         });
         let pool = options.connect_with(connect).await?;
-        Ok(Self { pool, limit })
+        Ok(Self { pool, limit, silence })
     }
 
     /// Of whom further connections are asked.
@@ -62,7 +87,12 @@ impl PgReaders {
 
     /// What comes of `work`, unless nothing has within the limit of one question.
     pub async fn within_limit<T, E: From<Error>>(&self, work: impl Future<Output = Result<T, E>>) -> Result<T, E> {
-        within(self.limit, work).await
+        timeout(self.limit, work).await.unwrap_or_else(|_| Err(self.gave_up().into()))
+    }
+
+    fn gave_up(&self) -> Error {
+        self.silence.is_now();
+        silent(self.limit)
     }
 
     pub fn is_closed(&self) -> bool {
@@ -77,7 +107,7 @@ impl PgReaders {
 
 type Step = Result<Either<PgQueryResult, PgRow>, Error>;
 
-impl<'c> Executor<'c> for &PgReaders {
+impl<'c> Executor<'c> for &'c PgReaders {
     type Database = Postgres;
 
     fn fetch_many<'e, 'q: 'e, E>(self, query: E) -> BoxStream<'e, Step>
@@ -85,12 +115,12 @@ impl<'c> Executor<'c> for &PgReaders {
         'c: 'e,
         E: 'q + Execute<'q, Postgres>,
     {
-        let (limit, steps) = (self.limit, self.pool.fetch_many(query));
+        let steps = self.pool.fetch_many(query);
         let next = move |steps: Option<BoxStream<'e, Step>>| async move {
             let mut steps = steps?;
-            match timeout(limit, steps.next()).await {
+            match timeout(self.limit, steps.next()).await {
                 Ok(step) => Some((step?, Some(steps))),
-                Err(_) => Some((Err(silent(limit)), None)),
+                Err(_) => Some((Err(self.gave_up()), None)),
             }
         };
         unfold(Some(steps), next).boxed()
@@ -101,13 +131,13 @@ impl<'c> Executor<'c> for &PgReaders {
         'c: 'e,
         E: 'q + Execute<'q, Postgres>,
     {
-        Box::pin(within(self.limit, self.pool.fetch_optional(query)))
+        Box::pin(self.within_limit(self.pool.fetch_optional(query)))
     }
 
     fn prepare_with<'e>(self, sql: SqlStr, parameters: &'e [PgTypeInfo]) -> BoxFuture<'e, Result<PgStatement, Error>>
     where
         'c: 'e,
     {
-        Box::pin(within(self.limit, self.pool.prepare_with(sql, parameters)))
+        Box::pin(self.within_limit(self.pool.prepare_with(sql, parameters)))
     }
 }

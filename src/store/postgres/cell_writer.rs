@@ -34,6 +34,7 @@ pub(crate) struct CellWriter {
     readers: PgReaders,
     names: Names,
     connection: Option<PgConnection>,
+    opened: Instant,
     /// As this writer left them, or found them, last.
     seen: AllCells,
     /// What it holds.
@@ -44,7 +45,8 @@ impl CellWriter {
     pub async fn new(hosts: Hosts, options: &Options, readers: PgReaders, names: Names) -> Result<Self, StoreError> {
         let (patience, lease) = (options.busy_timeout, options.lease);
         let seen = AllCells::look(&readers).await?;
-        Ok(Self { hosts, patience, lease, readers, names, connection: None, seen, held: Vec::new() })
+        let opened = Instant::now();
+        Ok(Self { hosts, patience, lease, readers, names, connection: None, opened, seen, held: Vec::new() })
     }
 
     /// Another writer on the same database.
@@ -56,6 +58,7 @@ impl CellWriter {
             readers: self.readers.clone(),
             names: self.names.clone(),
             connection: None,
+            opened: self.opened,
             seen: self.seen,
             held: Vec::new(),
         }
@@ -77,16 +80,18 @@ impl CellWriter {
 
     /// A connection that has lain idle may have broken unnoticed: then a fresh one is tried.
     async fn begin(&mut self, cells: &Cells) -> Result<Vec<CellRow>, StoreError> {
-        if let Some(mut connection) = self.connection.take() {
+        let idle = self.connection.take().filter(|_| self.hosts.silence.is_before(self.opened.elapsed()));
+        if let Some(mut connection) = idle {
             match lock(&mut connection, cells, self.lease).await {
                 Ok(found) => {
                     self.connection = Some(connection);
                     return Ok(found);
                 }
                 Err(error) if !matches!(error, StoreError::Unreachable(_)) => return Err(error),
-                Err(_) => {}
+                Err(_) => self.hosts.silence.is_now(),
             }
         }
+        self.opened = Instant::now();
         let mut connection = self.hosts.reach(self.patience).await?;
         let found = lock(&mut connection, cells, self.lease).await?;
         self.connection = Some(connection);
@@ -116,8 +121,9 @@ impl CellWriter {
         };
         let next = self.after(changes, last_id);
         if let Err(error) = write(&mut connection, changes, &next, self.lease).await {
-            if !matches!(error, StoreError::Unreachable(_)) {
-                self.connection = Some(connection);
+            match error {
+                StoreError::Unreachable(_) => self.hosts.silence.is_now(),
+                _ => self.connection = Some(connection),
             }
             self.give_back().await;
             if matches!(error, StoreError::Overtaken(_)) {

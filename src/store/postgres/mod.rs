@@ -208,7 +208,7 @@ async fn pool(hosts: &Hosts, options: &Options, connections: u32, limit: Duratio
         .max_lifetime(None);
     // Which of them answers is known since the schema was looked at.
     hosts.reach(options.busy_timeout).await?;
-    Ok(PgReaders::connect(pool, hosts.last().clone(), limit).await?)
+    Ok(PgReaders::connect(pool, hosts.last().clone(), limit, hosts.silence.clone()).await?)
 }
 
 /// Tries again while the database is coming up, or another server is at the same.

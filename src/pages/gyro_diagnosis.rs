@@ -9,9 +9,10 @@ use super::Pages;
 use super::course::Course;
 use super::figure;
 use super::gyro::known;
+use super::gyro_head::{drift_unit, own_first};
 use super::layout::{Page, Section, encoded, symbol};
 use super::viewer::Viewer;
-use crate::core::changes::{HistoryDiagnosis, cause_word};
+use crate::core::changes::{HeldOut, HistoryDiagnosis, cause_word};
 use crate::core::time::UtcMicros;
 use crate::wire::problem::Problem;
 
@@ -41,19 +42,25 @@ fn section(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, newest: Opt
     html! {
         section id=(name) {
             h2 { (symbol(name)) }
-            @for said in answer.sentences(newest) { p { (t.words(&said)) } }
+            p { (t.words(&answer.opening())) }
+            @for said in answer.besides(newest) { p { (t.words(&said)) } }
             (drawn(viewer, serial, answer))
             @if !answer.causes.is_empty() {
                 div.scroll tabindex="0" { table.cards {
                     thead { tr {
-                        th { (t.cause) } th { (t.tied_to) } th.n { (t.estimate) } th { (t.unit_word) } th.n { "p" }
+                        th { (t.cause) } th { (t.tied_to) } th.n { (t.estimate) } th { (t.unit_word) }
+                        th.n { (t.change_closed) } th.n { "p" }
                     } }
-                    tbody { @for cause in &answer.causes {
+                    tbody { @for cause in own_first(answer) {
                         tr {
                             th scope="row" { (t.words(&cause_word(cause.cause))) }
-                            td { (t.words(&cause.tie.message())) }
-                            td.n { (figure::with_sd(cause.estimate.value, Some(cause.estimate.sd), 6)) }
-                            td { (cause.estimate.unit) }
+                            td {
+                                (t.words(&cause.tie.message()))
+                                @if let Some(others) = cause.others() { ". " (t.words(&others)) }
+                            }
+                            td.n { (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) }
+                            td { (drift_unit(t, cause.estimate.unit)) }
+                            td.n { @if let Some(held_out) = cause.held_out { (closure(held_out)) } }
                             td.n { (format!("{:.1e}", cause.p_value_adjusted)) }
                         }
                     } }
@@ -76,6 +83,13 @@ fn section(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, newest: Opt
             }
         }
     }
+}
+
+/// How much of the change it closes on records left out, with its interval.
+fn closure(held_out: HeldOut) -> String {
+    let [low, high] = held_out.interval;
+    let [closure, low, high] = [held_out.closure, low, high].map(|share| format!("{:.0}", 100.0 * share));
+    if low == high { format!("{closure} %") } else { format!("{closure} % ({low} – {high} %)") }
 }
 
 /// The records, what explains them, and what the stations did under it.

@@ -14,7 +14,7 @@ use crate::config::JudgedMethod;
 use crate::core::access::Role;
 use crate::core::changes::{HistoryDiagnosis, NamedCause, cause_word};
 use crate::core::judge::{
-    Coefficient, Event, Finding, Load, Measured, Standpoint, Status, Suggestion, Verdict, suggest,
+    Coefficient, Event, Finding, Load, Measured, Rule, Standpoint, Status, Suggestion, Verdict, suggest,
 };
 use crate::core::time::UtcMicros;
 use crate::pages::status;
@@ -96,6 +96,7 @@ impl Facts {
         suggest(&Standpoint {
             status: standing.status,
             verdicts: judged.chain(told).collect(),
+            unsteady: standing.violations.iter().any(|one| matches!(one.rule, Rule::Trend | Rule::RmsSuccessive)),
             overdue: standing.overdue_days.is_some(),
             reaches_in_days: seen.filter_map(early).min_by(f64::total_cmp),
             interval_days: self.course.limits.interval_days.map(|limit| limit.value),
@@ -210,8 +211,7 @@ fn causes(t: &Text, serial: &str, facts: &Facts, explained: Option<&ExplainedHis
             @for (_, answer) in answers.filter(|(column, _)| speaks(*column)) {
                 p {
                     strong { (t.cause) " " (symbol(answer.coefficient.name())) (t.colon) } " "
-                    @let (own, of_station) = (causes_of(answer, false), causes_of(answer, true));
-                    @for cause in own.chain(of_station).take(MOST_CAUSES) {
+                    @for cause in own_first(answer).take(MOST_CAUSES) {
                         (t.words(&cause_word(cause.cause))) " ("
                         (t.words(&cause.tie.message())) ") "
                         span.nowrap {
@@ -220,7 +220,7 @@ fn causes(t: &Text, serial: &str, facts: &Facts, explained: Option<&ExplainedHis
                         }
                         "; "
                     }
-                    @for said in answer.sentences(None).iter().take(1) { (t.words(said)) }
+                    (t.words(&answer.opening()))
                 }
             }
             @if !facts.course.figures.is_empty() {
@@ -233,13 +233,15 @@ fn causes(t: &Text, serial: &str, facts: &Facts, explained: Option<&ExplainedHis
     }
 }
 
-/// The causes that the station is, or the gyro's own.
-fn causes_of(answer: &HistoryDiagnosis, station: bool) -> impl Iterator<Item = &NamedCause> {
-    answer.causes.iter().filter(move |cause| (cause.cause == "station") == station)
+/// The gyro's own causes, then what its stations did.
+pub(super) fn own_first(answer: &HistoryDiagnosis) -> impl Iterator<Item = &NamedCause> {
+    let of_station = |cause: &&NamedCause| cause.cause == "station";
+    let own = answer.causes.iter().filter(move |cause| !of_station(cause));
+    own.chain(answer.causes.iter().filter(of_station))
 }
 
 /// A unit of the diagnosis of histories as people read it.
-fn drift_unit(t: &Text, unit: &str) -> String {
+pub(super) fn drift_unit(t: &Text, unit: &str) -> String {
     unit.replace("deg/(h*g0)", t.unit).replace("/year", t.a_year)
 }
 
@@ -249,7 +251,7 @@ fn decided(viewer: &Viewer, serial: &str, facts: &Facts) -> Markup {
     let suggestion = facts.suggestion();
     let path = format!("/gyros/{}", encoded(serial));
     let first = match suggestion {
-        Some(Suggestion::Remove) => Event::DecisionRemove,
+        Some(Suggestion::Remove | Suggestion::RemoveOrAccept) => Event::DecisionRemove,
         Some(Suggestion::Release) => Event::DecisionRelease,
         _ => Event::DecisionRetest,
     };

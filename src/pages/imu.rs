@@ -1,5 +1,7 @@
 //! `/imus/{imu}`: the gyros in it, its newest parameters against what is required, its calibrations.
 
+use std::collections::HashMap;
+
 use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
@@ -10,12 +12,13 @@ use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::parameters::{self, Parameters};
 use super::text::Text;
 use super::viewer::Viewer;
+use crate::core::effects::Effect;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::message;
 use crate::pages::status;
-use crate::pipeline::{RecordSummary, Seats, Standing, sample_of};
+use crate::pipeline::{Conclusion, RecordSummary, Seats, Standing, sample_of};
 use crate::wire::campaign::CampaignBody;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
@@ -54,6 +57,11 @@ impl Facts {
 async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Problem> {
     let t = viewer.text();
     let Facts { seats, records, parameters } = Facts::of(pages, viewer, imu).await?;
+    let number = pages.pipeline.queries.names().imu_number(imu);
+    let concluded = match number {
+        Some(number) => pages.pipeline.diagnoses.conclusions(number).await?,
+        None => HashMap::new(),
+    };
     let body = html! {
         h1 { (imu) }
         p.actions {
@@ -65,7 +73,7 @@ async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Proble
         }
         (seated(pages, t, &seats))
         @if let Some(newest) = parameters { section { h2 { (t.newest_parameters) } (newest) } }
-        section { h2 { (t.records) } (list(t, &records)) }
+        section { h2 { (t.records) } (list(t, &records, &concluded)) }
     };
     Ok(Page { title: imu.to_owned(), section: Section::Fleet, body })
 }
@@ -138,14 +146,14 @@ fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup 
 }
 
 /// Where there are two campaigns, two of them can be chosen to be compared.
-fn list(t: &Text, records: &[RecordSummary]) -> Markup {
+fn list(t: &Text, records: &[RecordSummary], concluded: &HashMap<Id, Conclusion>) -> Markup {
     let campaigns = records.iter().filter(|head| head.kind == Kind::Campaign);
     let newest: Vec<Id> = campaigns.take(2).map(|head| head.id).collect();
     let choice = newest.len() == 2;
     html! {
         form action="/compare" method="get" {
             div.scroll.tall tabindex="0" { table {
-                thead { tr { @if choice { th { (t.compare) } } th { (t.calibrated) } th { (t.station) } th { (t.kind) } } }
+                thead { tr { @if choice { th { (t.compare) } } th { (t.calibrated) } th { (t.station) } th { (t.kind) } th { (t.diagnosis) } } }
                 tbody { @for head in records {
                     @let campaign = head.kind == Kind::Campaign;
                     tr {
@@ -155,14 +163,30 @@ fn list(t: &Text, records: &[RecordSummary]) -> Markup {
                         } } }
                         td { a href={ (if campaign { "/campaigns/" } else { "/records/" }) (head.id) } { (instant(head.calibrated_at)) } }
                         td { (head.station) }
-                        td {
-                            @if campaign { (t.kind_campaign) " · " a href={ "/campaigns/" (head.id) "/diagnosis" } { (t.diagnosis) } }
-                            @else { (t.kind_record) }
-                        }
+                        td { @if campaign { (t.kind_campaign) } @else { (t.kind_record) } }
+                        td.words { @if campaign { (conclusion(t, head.id, concluded.get(&head.id))) } }
                     }
                 } }
             } }
             @if choice { p { button { (t.compare_chosen) } } }
         }
+    }
+}
+
+/// What the diagnosis of a campaign came to, and what it named.
+fn conclusion(t: &Text, campaign: Id, concluded: Option<&Conclusion>) -> Markup {
+    let verdict = match concluded.map(|one| one.verdict.as_str()) {
+        Some("no_gap") => t.coverage_no_gap,
+        Some("explained") => t.coverage_explained,
+        Some("partly_explained") => t.coverage_partly_explained,
+        Some("unexplained") => t.coverage_unexplained,
+        Some(_) => t.coverage_refused,
+        None => t.coverage_waiting,
+    };
+    let effects = concluded.into_iter().flat_map(|one| one.effects.iter().filter_map(|id| Effect::from_id(id)));
+    let effects: Vec<&str> = effects.map(|effect| t.effect(effect)).collect();
+    html! {
+        a href={ "/campaigns/" (campaign) "/diagnosis" } { (verdict) }
+        @if !effects.is_empty() { (t.colon) " " (effects.join("; ")) }
     }
 }

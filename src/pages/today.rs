@@ -93,10 +93,11 @@ fn gyro(standing: &Standing, names: &Names<'_>) -> Markup {
     }
 }
 
-/// The larger load of D_I and D_S.
+/// The largest load of what is violated; of D_I and D_S where that has none.
 fn largest(standing: &Standing) -> Option<(usize, Measured)> {
-    let loads = standing.outlook.load[..2].iter().enumerate();
-    let known = loads.filter_map(|(column, load)| Some((column, (*load)?)));
+    let out: Vec<usize> = standing.violations.iter().filter_map(|one| one.coefficient.column()).collect();
+    let columns = if out.is_empty() { vec![0, 1] } else { out };
+    let known = columns.into_iter().filter_map(|column| Some((column, standing.outlook.load[column]?)));
     known.max_by(|(_, a), (_, b)| a.value.abs().total_cmp(&b.value.abs()))
 }
 

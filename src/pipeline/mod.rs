@@ -49,8 +49,8 @@ pub use access::{
 };
 pub use alerts::{AlertChange, AlertError, AlertOrder, AlertRecord, AlertStep, Alerts, SilenceOrder};
 pub use diagnoses::{
-    AdoptedModel, Adoption, Diagnosed, Diagnoses, DiagnosisAnswer, DiagnosisError, DiagnosisOrder, InForce, NotSplit,
-    SummaryFilter, WantedDiagnoses,
+    AdoptedModel, Adoption, Conclusion, Diagnosed, Diagnoses, DiagnosisAnswer, DiagnosisError, DiagnosisOrder, InForce,
+    NotSplit, SummaryFilter, WantedDiagnoses,
 };
 pub use error::{StorageError, StorageFault, WriteError};
 pub use hooks::{DeliveryPage, HookError, HookPatch, Hooks, NewHook, Order, Outbox, OutboxError};

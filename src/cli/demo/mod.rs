@@ -66,7 +66,7 @@ async fn furnish(address: SocketAddr) -> anyhow::Result<()> {
     println!(
         "\nThe fleet                        {base}/\n\
          A gyro whose D_I rises           {base}/gyros/LFG-0004\n\
-         Why it does                      {base}/v1/gyros/LFG-0004/diagnosis\n\
+         Why it does                      {base}/gyros/LFG-0004/diagnosis\n\
          One that ages within its budget  {base}/gyros/LFG-0014\n\
          One whose D_S jumped             {base}/gyros/LFG-0008\n\
          One that was repaired and moved  {base}/gyros/LFG-0011\n\

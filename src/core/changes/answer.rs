@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use crate::core::judge::{Coefficient, Event, Mark, Measured};
-use crate::core::message::Message;
+use crate::core::message::{Message, figure, list, signed, text};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
+use crate::message;
 
 /// Days of a Julian year; ageing is stated per year.
 pub(super) const YEAR_DAYS: f64 = 365.25;
@@ -284,35 +285,24 @@ pub const FEWEST_RECORDS: usize = 6;
 impl HistoryDiagnosis {
     /// What is said of the coefficient, sentence by sentence; `newest` is its newest record, from which dates count.
     pub fn sentences(&self, newest: Option<UtcMicros>) -> Vec<Message> {
-        use crate::core::message::{figure, list, signed, text};
-        use crate::message;
-        let mut all = vec![match self.verdict {
+        let of_causes = self.causes.iter().flat_map(NamedCause::sentences);
+        std::iter::once(self.opening()).chain(of_causes).chain(self.besides(newest)).collect()
+    }
+
+    /// How much of the change is explained.
+    pub fn opening(&self) -> Message {
+        match self.verdict {
             HistoryVerdict::TooFew => message!("history_too_few", records = self.records),
             HistoryVerdict::NoChange => message!("history_no_change"),
             HistoryVerdict::Explained => message!("history_explained"),
             HistoryVerdict::PartlyExplained => message!("history_partly_explained"),
             HistoryVerdict::Unexplained => message!("history_unexplained"),
-        }];
-        for cause in &self.causes {
-            all.push(message!(
-                "history_cause",
-                cause = cause_word(cause.cause),
-                detail = cause.tie.message(),
-                value = signed(cause.estimate.value, 4),
-                sd = figure(cause.estimate.sd, 4),
-                unit = cause.estimate.unit
-            ));
-            let others = cause.class.iter().filter(|id| **id != cause.cause).map(|id| cause_word(id));
-            let others: Vec<Message> = others.collect();
-            if !others.is_empty() {
-                all.push(message!("history_class", others = list(others)));
-            }
-            if let Some(held_out) = cause.held_out {
-                let [closure, low, high] = [held_out.closure, held_out.interval[0], held_out.interval[1]]
-                    .map(|share| text(format_args!("{:.0} %", 100.0 * share)));
-                all.push(message!("history_closure", closure = closure, low = low, high = high));
-            }
         }
+    }
+
+    /// What is said besides the causes: how it wanders, what lies off, when it reaches its budget.
+    pub fn besides(&self, newest: Option<UtcMicros>) -> Vec<Message> {
+        let mut all = Vec::new();
         let size = |wander: &Wander| figure(wander.size, 5);
         all.extend(self.wander.iter().map(|wander| match wander.process {
             "random_walk" => message!("history_wander_random_walk", size = size(wander)),
@@ -336,5 +326,33 @@ impl HistoryDiagnosis {
             });
         }
         all
+    }
+}
+
+impl NamedCause {
+    /// What it is and what it explains, sentence by sentence.
+    fn sentences(&self) -> Vec<Message> {
+        let mut all = vec![message!(
+            "history_cause",
+            cause = cause_word(self.cause),
+            detail = self.tie.message(),
+            value = signed(self.estimate.value, 4),
+            sd = figure(self.estimate.sd, 4),
+            unit = self.estimate.unit
+        )];
+        all.extend(self.others());
+        if let Some(held_out) = self.held_out {
+            let [closure, low, high] = [held_out.closure, held_out.interval[0], held_out.interval[1]]
+                .map(|share| text(format_args!("{:.0} %", 100.0 * share)));
+            all.push(message!("history_closure", closure = closure, low = low, high = high));
+        }
+        all
+    }
+
+    /// What explains the change equally well.
+    pub fn others(&self) -> Option<Message> {
+        let others = self.class.iter().filter(|id| **id != self.cause).map(|id| cause_word(id));
+        let others: Vec<Message> = others.collect();
+        (!others.is_empty()).then(|| message!("history_class", others = list(others)))
     }
 }

@@ -24,8 +24,10 @@ pub enum Suggestion("suggestion_") {
     Watch = "watch",
     /// Nothing but D_O is out of tolerance: the mounting has moved, or something drifts along the output axis.
     CheckMounting = "check_mounting",
-    /// Out of tolerance for certain: it goes, or somebody accepts its new level with a reason.
+    /// Out of tolerance for certain, and at no level that could be accepted.
     Remove = "remove",
+    /// Out of tolerance for certain: it goes, or somebody accepts its new level with a reason.
+    RemoveOrAccept = "remove_or_accept",
 }
 }
 
@@ -36,6 +38,8 @@ pub struct Standpoint {
     pub status: Option<Status>,
     /// What each rule that could judge says of which coefficient.
     pub verdicts: Vec<(Coefficient, Status)>,
+    /// Whether it moves on or scatters: it has no level that could be accepted.
+    pub unsteady: bool,
     /// Whether its interval is over.
     pub overdue: bool,
     /// Days until a trend may have reached the budget: the early edge of its band.
@@ -56,7 +60,11 @@ pub fn suggest(of: &Standpoint) -> Option<Suggestion> {
         status if certain(status) => {
             let any = out.clone().next().is_some();
             let closure_alone = any && out.all(|coefficient| coefficient == Coefficient::DO);
-            if closure_alone { Suggestion::CheckMounting } else { Suggestion::Remove }
+            match closure_alone {
+                true => Suggestion::CheckMounting,
+                false if of.unsteady => Suggestion::Remove,
+                false => Suggestion::RemoveOrAccept,
+            }
         }
         Status::Unconfirmed => Suggestion::Retest,
         _ if of.overdue => Suggestion::Calibrate,
@@ -82,13 +90,17 @@ mod tests {
     fn what_is_certain_goes_and_what_is_not_is_measured_again() {
         use Coefficient::{DI, DO, DS, E};
         for (status, verdicts, expected) in [
-            (Status::Confirmed, vec![(DI, Status::Confirmed), (DS, Status::InTolerance)], Suggestion::Remove),
+            (Status::Confirmed, vec![(DI, Status::Confirmed), (DS, Status::InTolerance)], Suggestion::RemoveOrAccept),
             (Status::Confirmed, vec![(DO, Status::Confirmed), (DI, Status::InTolerance)], Suggestion::CheckMounting),
-            (Status::Confirmed, vec![(DO, Status::Confirmed), (DI, Status::OutOfTolerance)], Suggestion::Remove),
+            (
+                Status::Confirmed,
+                vec![(DO, Status::Confirmed), (DI, Status::OutOfTolerance)],
+                Suggestion::RemoveOrAccept,
+            ),
             // An alert knows what no verdict on the newest record says.
-            (Status::Confirmed, vec![], Suggestion::Remove),
-            (Status::Confirmed, vec![(E, Status::Confirmed)], Suggestion::Remove),
-            (Status::OutOfTolerance, vec![(DS, Status::OutOfTolerance)], Suggestion::Remove),
+            (Status::Confirmed, vec![], Suggestion::RemoveOrAccept),
+            (Status::Confirmed, vec![(E, Status::Confirmed)], Suggestion::RemoveOrAccept),
+            (Status::OutOfTolerance, vec![(DS, Status::OutOfTolerance)], Suggestion::RemoveOrAccept),
             (Status::Unconfirmed, vec![(DO, Status::Unconfirmed)], Suggestion::Retest),
             (Status::Borderline, vec![(DI, Status::Borderline)], Suggestion::Retest),
             (Status::TooUncertain, vec![(DI, Status::TooUncertain)], Suggestion::LowerUncertainty),
@@ -98,6 +110,8 @@ mod tests {
             assert_eq!(suggest(&of(status, &verdicts)), Some(expected), "{status:?} {verdicts:?}");
         }
         assert_eq!(suggest(&Standpoint::default()), None, "never calibrated");
+        let moves_on = Standpoint { unsteady: true, ..of(Status::Confirmed, &[(DI, Status::Confirmed)]) };
+        assert_eq!(suggest(&moves_on), Some(Suggestion::Remove), "no level to accept");
     }
 
     #[test]

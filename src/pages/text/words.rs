@@ -101,6 +101,7 @@ catalogue! {
     cause: "Cause", "原因";
     tied_to: "Tied to", "依据";
     estimate: "Estimate", "估计值";
+    change_closed: "Closed on records left out", "在留出的记录上的解释比例";
     ruled_out: "Not named", "未采用";
     outlier: "outlier, left out", "离群记录，未采用";
     about_mean: "Points: records about their mean.", "点：各次记录与均值之差。";

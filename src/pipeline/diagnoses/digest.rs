@@ -4,10 +4,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::core::campaign::Campaign;
 use crate::core::message::Message;
+use crate::store::{GistRow, StoreError};
 use crate::wire::diagnosis::DiagnosisBody;
 
 /// The verdict of a campaign that leaves nothing to diagnose.
 pub(super) const REFUSED: &str = "refused";
+
+/// What was concluded of a campaign.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Conclusion {
+    /// As the diagnosis names it, or `refused`.
+    pub verdict: String,
+    pub effects: Vec<String>,
+}
 
 /// Verdict, gyros and effects of one diagnosis, as they are kept beside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -88,6 +97,15 @@ impl Digest {
             signs: signs.collect(),
             ..nothing
         }
+    }
+
+    /// As it is kept.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn of_row(row: &GistRow) -> Result<Self, StoreError> {
+        serde_json::from_str(&row.gist)
+            .map_err(|error| StoreError::Damaged(format!("the gist of diagnosis {}: {error}", row.record)))
     }
 
     /// The serial of the gyro in a slot.

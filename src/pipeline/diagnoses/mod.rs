@@ -19,6 +19,7 @@ pub(super) mod models;
 mod queue;
 mod summary;
 
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -37,6 +38,7 @@ use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::diagnoses::background::Awaited;
+use crate::pipeline::diagnoses::digest::Digest;
 use crate::pipeline::diagnoses::models::read;
 use crate::pipeline::ingest::fitted::damaged;
 use crate::pipeline::ingest::submission::anything;
@@ -53,6 +55,7 @@ use crate::words;
 
 pub(super) use diagnoser::Diagnoser;
 pub use diagnoser::DiagnosisAnswer;
+pub use digest::Conclusion;
 pub use error::{DiagnosisError, NotSplit};
 pub(super) use jobs::DiagnosisHandler;
 pub use jobs::{DiagnosisOrder, WantedDiagnoses};
@@ -267,6 +270,23 @@ impl Diagnoses {
     /// [`StorageError`].
     pub async fn summary(&self, filter: &SummaryFilter) -> Result<SummaryBody, StorageError> {
         Ok(filter.summary(&self.store).await?)
+    }
+
+    /// What was concluded of each campaign of an IMU that is diagnosed and counts.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn conclusions(&self, imu: u32) -> Result<HashMap<Id, Conclusion>, StorageError> {
+        let of_imu = CampaignFilter { imu: Some(imu), station: None, measured: Span::EVER };
+        let mut all = HashMap::new();
+        store::diagnosis_digest::each(&self.store, &of_imu, |row| {
+            let Digest { verdict, effects, .. } = Digest::of_row(&row)?;
+            let effects = effects.into_iter().map(|named| named.effect).collect();
+            all.insert(row.record, Conclusion { verdict, effects });
+            Ok(())
+        })
+        .await?;
+        Ok(all)
     }
 }
 

@@ -294,8 +294,7 @@ impl SummaryFilter {
     pub(super) async fn summary(&self, store: &Store) -> Result<SummaryBody, StoreError> {
         let (mut tally, program) = (Tally { effect: self.effect.map(Effect::id), ..Tally::default() }, program());
         let add = |row: GistRow| {
-            let damaged = |error| StoreError::Damaged(format!("the gist of diagnosis {}: {error}", row.record));
-            tally.add(&row, &serde_json::from_str(&row.gist).map_err(damaged)?, &program);
+            tally.add(&row, &Digest::of_row(&row)?, &program);
             Ok(())
         };
         // First: what is diagnosed in between then counts twice, and never not at all.

@@ -219,7 +219,7 @@ async fn a_change_of_any_table_is_named_and_the_service_keeps_its_own() {
         ("audit", "DROP TRIGGER audit_is_not_deleted; DELETE FROM audit"),
         ("correction", "UPDATE correction SET author = 'Li Wai'"),
         ("delivery_attempt", "DELETE FROM delivery_attempt"),
-        ("diagnosis", "UPDATE diagnosis SET body = replace(body, '1', '2')"),
+        ("diagnosis", "UPDATE diagnosis SET packed = zeroblob(9)"),
         ("diagnosis_gist", "UPDATE diagnosis_gist SET program = program || 'x'"),
         ("event", "UPDATE event SET reason = 'old motor'"),
         ("head", "UPDATE head SET d_i = d_i + 1"),

@@ -95,7 +95,7 @@ async fn an_engineer_finds_a_gyro_zooms_switches_the_method_and_exports() {
     browser.type_into("#find", "lfg-0004\n").await;
     browser.wait("location.pathname == '/gyros/LFG-0004'").await;
     browser.wait("document.querySelector('#history')").await;
-    browser.sees("Take it out.").await;
+    browser.sees("Take it out:").await;
     browser.click("#verdicts summary").await;
     browser.sees("deg/(h g0) above its baseline").await;
     browser.sees("Confirmed by a second campaign.").await;

@@ -241,9 +241,9 @@ impl Row<'_> {
     }
 
     /// As [`Row::bytes`]; nothing at all is null.
-    pub fn optional(&mut self, value: Option<&str>) -> &mut Self {
+    pub fn optional(&mut self, value: Option<impl AsRef<[u8]>>) -> &mut Self {
         match value {
-            Some(value) => self.bytes(value.as_bytes()),
+            Some(value) => self.bytes(value.as_ref()),
             None => self.cell(Cell::Bytes(None)),
         }
     }

@@ -51,7 +51,7 @@ const TABLES: &[Table] = tables! {
     "gyro" by "id": Whole id, Text serial;
     "gyro_attribute" by "gyro": Whole gyro, Text batch type unit;
     "record" by "id": Whole id kind imu station calibrated_at received_at, Text body, Bytes body_sha256 verdicts, Whole voided, Text notes,
-        Whole sent_by, Real temperature_c;
+        Whole sent_by, Real temperature_c, Bytes packed;
     "history" by "gyro, calibrated_at": Whole gyro calibrated_at record, Bytes figures;
     "voided_history" by "gyro, calibrated_at, record": Whole gyro calibrated_at record, Bytes figures;
     "bench_result" by "id": Whole id gyro station measured_at, Text method, Real d_i d_s d_i_sd d_s_sd, Whole received_at,
@@ -76,7 +76,7 @@ const TABLES: &[Table] = tables! {
     "delivery_attempt" by "delivery, id": Whole delivery id at status, Text detail, Whole took_us, Text answer;
     "imu_model" by "id": Whole id imu adopted_at, Text author reason body;
     "campaign_model" by "record": Whole record model;
-    "diagnosis" by "record": Whole record model, Text program, Whole refused, Text body;
+    "diagnosis" by "record": Whole record model, Text program, Whole refused, Text body, Bytes packed;
     "diagnosis_job" by "id": Whole id asked_at, Text asked_by asked, Whole canceled begun_at ended_at;
     "diagnosis_task" by "job, record": Whole job record, Text state reason;
     "diagnosis_gist" by "record": Whole record imu station measured_at, Text program gist;

@@ -137,7 +137,7 @@ mod tests {
             (Status::Drifting, Suggestion::Calibrate),
             (Status::Borderline, Suggestion::Calibrate),
             (Status::Unconfirmed, Suggestion::Retest),
-            (Status::Confirmed, Suggestion::Remove),
+            (Status::Confirmed, Suggestion::RemoveOrAccept),
         ] {
             let seen = Standpoint { overdue: true, ..of(status, &[(Coefficient::DI, status)]) };
             assert_eq!(suggest(&seen), Some(expected), "{status:?}");

@@ -1,4 +1,5 @@
-//! Rows of many figures packed into one column.
+//! Rows of many figures packed into one column; long texts.
 
 pub(super) mod history_row;
+pub(super) mod text;
 pub(super) mod verdicts;

@@ -8,6 +8,7 @@ use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
+use crate::store::packed::text;
 
 /// A diagnosis that was made.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,9 +44,9 @@ pub(crate) fn make_due(models: &[ModelRow], batch: &mut Batch) {
     batch.add(among!("DELETE FROM diagnosis_gist WHERE imu"), imus());
     batch.add(
         Sql {
-            sqlite: "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL WHERE record IN
+            sqlite: "UPDATE diagnosis SET body = NULL, packed = NULL, model = NULL, program = NULL, refused = NULL WHERE record IN
                          (SELECT record FROM calendar WHERE imu = $C0)",
-            postgres: "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL
+            postgres: "UPDATE diagnosis SET body = NULL, packed = NULL, model = NULL, program = NULL, refused = NULL
                        WHERE record IN (SELECT id FROM record WHERE imu IN
                            (SELECT CAST(j.value->>0 AS BIGINT) FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)))",
         },
@@ -56,19 +57,23 @@ pub(crate) fn make_due(models: &[ModelRow], batch: &mut Batch) {
 pub(crate) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
     let mut rows = Rows::default();
     for NewDiagnosis { row, .. } in diagnoses {
+        let (body, packed) = text::pack(&row.body);
         rows.row()
             .integer(row.record.0)
             .optional_integer(row.model.map(|id| id.0))
             .text(&row.program)
             .integer(i64::from(row.refused))
-            .bytes(row.body.as_bytes());
+            .bytes(body.as_bytes())
+            .optional(packed);
     }
     batch.add(
         Sql {
-            sqlite: "UPDATE diagnosis SET model = $C1, program = $C2, refused = $C3, body = CAST($C4 AS TEXT) WHERE record = $C0",
+            sqlite: "UPDATE diagnosis SET model = $C1, program = $C2, refused = $C3, body = CAST($C4 AS TEXT), packed = $C6
+                     WHERE record = $C0",
             postgres: "UPDATE diagnosis SET model = CAST(made.value->>1 AS BIGINT), program = made.value->>2,
                            refused = CAST(made.value->>3 AS BIGINT),
-                           body = convert_from(substr($2, CAST(made.value->>4 AS INT), CAST(made.value->>5 AS INT)), 'UTF8')
+                           body = convert_from(substr($2, CAST(made.value->>4 AS INT), CAST(made.value->>5 AS INT)), 'UTF8'),
+                           packed = substr($2, CAST(made.value->>6 AS INT), CAST(made.value->>7 AS INT))
                        FROM jsonb_array_elements(CAST($1 AS JSONB)) AS made(value)
                        WHERE record = CAST(made.value->>0 AS BIGINT)",
         },
@@ -78,16 +83,14 @@ pub(crate) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
 
 /// The diagnosis of a campaign as it was made last; none where it is due.
 pub async fn get(store: &Store, record: Id) -> Result<Option<DiagnosisRow>, StoreError> {
-    let sql = "SELECT model, program, refused <> 0, body FROM diagnosis WHERE record = $1 AND body IS NOT NULL";
-    let found: Option<(Option<i64>, String, bool, String)> =
+    let sql = "SELECT model, program, refused <> 0, body, packed FROM diagnosis WHERE record = $1 AND body IS NOT NULL";
+    let found: Option<(Option<i64>, String, bool, String, Option<Vec<u8>>)> =
         on!(store.readers, db => sqlx::query_as(sql).bind(record.0).fetch_optional(db).await?);
-    Ok(found.map(|(model, program, refused, body)| DiagnosisRow {
-        record,
-        model: model.map(Id),
-        program,
-        refused,
-        body,
-    }))
+    let row = |(model, program, refused, body, packed): (Option<i64>, _, _, _, _)| {
+        let body = text::unpack(body, packed, || format!("the diagnosis of campaign {record}"))?;
+        Ok(DiagnosisRow { record, model: model.map(Id), program, refused, body })
+    };
+    found.map(row).transpose()
 }
 
 /// Campaigns whose diagnosis is due, newest first, from before `before` on.

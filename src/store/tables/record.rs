@@ -9,6 +9,7 @@ use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Readers, Sql, Whole, cell, insert, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
+use crate::store::packed::text;
 use crate::store::packed::verdicts::VerdictSheet;
 use crate::store::postgres;
 
@@ -91,6 +92,7 @@ pub struct RecordAt {
 pub(crate) fn insert(records: &[RecordRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for record in records {
+        let (body, packed) = text::pack(&record.body);
         rows.row()
             .integer(record.id.0)
             .integer(kind_code(record.kind))
@@ -98,20 +100,21 @@ pub(crate) fn insert(records: &[RecordRow], batch: &mut Batch) {
             .integer(i64::from(record.station))
             .integer(record.calibrated_at.0)
             .integer(record.received_at.0)
-            .bytes(record.body.as_bytes())
+            .bytes(body.as_bytes())
             .bytes(&record.body_sha256)
             .written(|out| record.verdicts.pack(record.id, out))
             .integer(if record.voided { record.id.0 } else { 0 })
             .optional(record.notes.as_deref())
             .optional_integer(record.sent_by.map(|line| line.0))
-            .real(record.temperature_c);
+            .real(record.temperature_c)
+            .optional(packed);
     }
     batch.add(
         insert!(
             "record (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, voided, notes,
-                     sent_by, temperature_c)",
+                     sent_by, temperature_c, packed)",
             [int 0, int 1, int 2, int 3, int 4, int 5, words 6 7, blob 8 9, blob 10 11, int 12, words 13 14, int 15,
-             real 16]
+             real 16, blob 17 18]
         ),
         rows,
     );
@@ -156,6 +159,7 @@ type Row = (
     Option<String>,
     Option<i64>,
     Option<f64>,
+    Option<Vec<u8>>,
 );
 
 fn row(row: Row) -> Result<RecordRow, StoreError> {
@@ -173,6 +177,7 @@ fn row(row: Row) -> Result<RecordRow, StoreError> {
         notes,
         by,
         temperature_c,
+        packed,
     ) = row;
     let id = Id(id);
     let damaged = |what: &str| StoreError::Damaged(format!("record {id}: {what}"));
@@ -183,7 +188,7 @@ fn row(row: Row) -> Result<RecordRow, StoreError> {
         station,
         calibrated_at: UtcMicros(calibrated_at),
         received_at: UtcMicros(received_at),
-        body: body.into(),
+        body: text::unpack(body, packed, || format!("record {id}"))?.into(),
         body_sha256: body_sha256.try_into().map_err(|_| damaged("its hash has not 32 bytes"))?,
         verdicts: VerdictSheet::unpack(id, &verdicts)?,
         voided,
@@ -195,7 +200,7 @@ fn row(row: Row) -> Result<RecordRow, StoreError> {
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<RecordRow>, StoreError> {
     let sql = "SELECT id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts,
-                      voided <> 0, notes, sent_by, temperature_c
+                      voided <> 0, notes, sent_by, temperature_c, packed
                FROM record WHERE id = $1";
     let found: Option<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
     let found = found.map(row).transpose()?;

@@ -195,7 +195,7 @@ async fn an_entry_that_is_not_the_records_own_is_found_out() {
         "UPDATE calendar SET calibrated_at = 11 WHERE calibrated_at = 10",
         "INSERT INTO calendar VALUES (1, 17, 0, 5)",
         "INSERT INTO record SELECT id + 1000, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, voided, notes, sent_by,
-                 temperature_c FROM record WHERE calibrated_at = 10",
+                 temperature_c, packed FROM record WHERE calibrated_at = 10",
     ] {
         let copy = TempDir::new().unwrap();
         let into = copy.path().join("test.db");

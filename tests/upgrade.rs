@@ -84,6 +84,13 @@ async fn names(connection: &mut SqliteConnection, sql: String) -> Vec<String> {
     sqlx::query_scalar(AssertSqlSafe(sql)).fetch_all(connection).await.unwrap()
 }
 
+/// Tables whose long texts are packed since version 23, on a server 16.
+const PACKED: [(&str, &str); 2] = [("record", "id"), ("diagnosis", "record")];
+
+fn inflated(packed: &[u8]) -> String {
+    std::io::read_to_string(flate2::read::ZlibDecoder::new(packed)).unwrap()
+}
+
 /// Makes `file` a database as `version` left it, with what that version could hold of the database `from`.
 async fn write_as_of(version: i64, file: &Path, from: &Path) {
     let migrations = Path::new(env!("CARGO_MANIFEST_DIR")).join("migrations/sqlite");
@@ -102,6 +109,18 @@ async fn write_as_of(version: i64, file: &Path, from: &Path) {
             names(&mut connection, format!("SELECT name FROM pragma_table_info('{table}', 'main')")).await.join(", ");
         let copy = format!("INSERT OR REPLACE INTO main.{table} ({own}) SELECT {own} FROM newer.{table}");
         sqlx::query(AssertSqlSafe(copy)).execute(&mut connection).await.unwrap();
+    }
+    if version < 23 {
+        for (table, key) in PACKED.into_iter().take(if version < 7 { 1 } else { 2 }) {
+            let sql = format!("SELECT {key}, packed FROM newer.{table} WHERE packed IS NOT NULL");
+            let packed: Vec<(i64, Vec<u8>)> =
+                sqlx::query_as(AssertSqlSafe(sql)).fetch_all(&mut connection).await.unwrap();
+            for (of, packed) in packed {
+                let sql = format!("UPDATE main.{table} SET body = $1 WHERE {key} = $2");
+                let put = sqlx::query(AssertSqlSafe(sql)).bind(inflated(&packed)).bind(of);
+                put.execute(&mut connection).await.unwrap();
+            }
+        }
     }
     // Before there was a log, every row was in its place.
     if version < 6 {
@@ -211,6 +230,15 @@ async fn write_server_as_of(version: i64, all: &Migrator, url: &str, from: &mut 
             "INSERT INTO public.{table} SELECT * FROM jsonb_populate_recordset(NULL::public.{table}, CAST($1 AS JSONB))"
         );
         sqlx::query(AssertSqlSafe(put)).bind(rows).execute(&mut connection).await.unwrap();
+    }
+    for (table, key) in PACKED.into_iter().filter(|_| version < 16) {
+        let sql = format!("SELECT {key}, packed FROM {table} WHERE packed IS NOT NULL");
+        let packed: Vec<(i64, Vec<u8>)> = sqlx::query_as(AssertSqlSafe(sql)).fetch_all(&mut *from).await.unwrap();
+        for (of, packed) in packed {
+            let sql = format!("UPDATE {table} SET body = $1 WHERE {key} = $2");
+            let put = sqlx::query(AssertSqlSafe(sql)).bind(inflated(&packed)).bind(of);
+            put.execute(&mut connection).await.unwrap();
+        }
     }
 }
 

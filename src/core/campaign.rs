@@ -1,5 +1,6 @@
 //! A validated campaign: raw dwells of an IMU on a two-axis table, or of one gyro on a test fixture.
 
+use crate::core::numerics::median::median_of;
 use nalgebra::Vector3;
 
 use super::frames::{Body, Nav, Rotation, Vector};
@@ -23,8 +24,6 @@ pub(crate) use columns::temperature_outliers;
 pub use earth_rate::{NoEarthRate, with_earth_rate};
 pub use note::{CampaignNote, Column, LeftOut};
 pub use temperatures::Temperatures;
-
-use commanded::median;
 
 /// Whether the IMU stood still on the Earth or the table turned during a dwell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -168,7 +167,7 @@ impl Campaign {
         }
         let per_root_s = |phase: Option<Phase>| {
             let of_phase = self.dwells.iter().filter(|d| phase.is_none_or(|phase| d.phase == phase));
-            median(of_phase.filter_map(|d| Some(own(d)? * d.duration_s.sqrt())))
+            median_of(of_phase.filter_map(|d| Some(own(d)? * d.duration_s.sqrt())))
         };
         let usual =
             |d: &Dwell| per_root_s(Some(d.phase)).or_else(|| per_root_s(None)).unwrap_or(1.0) / d.duration_s.sqrt();

@@ -3,6 +3,7 @@
 //! D_I and D_S belong to the gyro wherever it is mounted, and so does |E|; the direction of E belongs to its seat.
 
 use super::history_note::{HistoryNote, Quantity};
+use crate::core::numerics::median::median_of;
 
 /// A gyro's figures in one record.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,7 +114,7 @@ impl Looked<'_> {
 /// The median record of the last few, figure by figure.
 fn level(history: &[Shown]) -> [f64; 3] {
     let last = &history[history.len().saturating_sub(LEVEL_RECORDS)..];
-    [0, 1, 2].map(|i| median(last.iter().map(|shown| shown.d[i]).collect()))
+    [0, 1, 2].map(|i| median_of(last.iter().map(|shown| shown.d[i])).unwrap_or(0.0))
 }
 
 /// The standard deviation of one record, from the median of the differences between neighbours; nothing of fewer than
@@ -123,17 +124,8 @@ fn scatter(history: &[Shown], column: usize) -> f64 {
         return 0.0;
     }
     // The median of |N(0, 2 s2)| is 0.954 s.
-    median(history.windows(2).map(|pair| (pair[1].d[column] - pair[0].d[column]).abs()).collect()) / 0.954
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    match n {
-        0 => 0.0,
-        _ if n % 2 == 1 => values[n / 2],
-        _ => f64::midpoint(values[n / 2 - 1], values[n / 2]),
-    }
+    let differences = history.windows(2).map(|pair| (pair[1].d[column] - pair[0].d[column]).abs());
+    median_of(differences).map_or(0.0, |median| median / 0.954)
 }
 
 /// Gyros off their own level of which each fits the history of another of them far better: each with whose it fits.
@@ -166,7 +158,7 @@ fn wrong_units(gyro: &Looked<'_>) -> Option<Vec<(Quantity, f64)>> {
     let scales: Vec<f64> = gyro.before.iter().filter_map(|shown| shown.scale).collect();
     let e = match gyro.now.scale {
         Some(scale) if !scales.is_empty() => {
-            let ratio = scale / median(scales);
+            let ratio = scale / median_of(scales)?;
             if (ratio - 1.0).abs() < SAME_SCALE { 1.0 } else { unit_of(ratio).unwrap_or(ratio) }
         }
         _ => 1.0,

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::core::judge::Measured;
+use crate::core::judge::{Measured, Status};
 
 /// Loads beyond this stand at the edge, as an arrow.
 const EDGE: f64 = 1.5;
@@ -33,25 +33,25 @@ pub(super) fn rounded(load: Measured) -> String {
     percent(Measured { value: (100.0 * load.value).round() / 100.0, sd: Some(0.01) }).replace(" ± 1", "")
 }
 
-/// The budget as a tint, zero as a line, the load as a dot with one standard deviation to either side. `label` says it
-/// in words.
-pub(super) fn bar(load: Measured, label: &str) -> Markup {
+/// The budget as a tint, zero as a line, the load as a dot with one standard deviation to either side, beside its
+/// [`percent`] in words.
+pub(super) fn bar(load: Measured, status: Status) -> Markup {
     let half = WIDTH / 2.0 - ARROW;
     let x = |value: f64| WIDTH / 2.0 + half * (value / EDGE).clamp(-1.0, 1.0);
     let at = |value: f64| format!("{:.1}", x(value));
     let (middle, value) = (HEIGHT / 2.0, load.value);
-    let class = if value.abs() > 1.0 { "out" } else { "in" };
     let tip = WIDTH / 2.0 + (half + ARROW) * value.signum();
     let foot = WIDTH / 2.0 + half * value.signum();
     html! {
-        svg.load-bar viewBox={ "0 0 " (WIDTH) " " (HEIGHT) } role="img" aria-label=(label) {
+        svg.bullet viewBox={ "0 0 " (WIDTH) " " (HEIGHT) } aria-hidden="true" {
             rect x=(at(-1.0)) y="1" width=(format!("{:.1}", x(1.0) - x(-1.0))) height=(HEIGHT - 2.0) {}
-            path d={ "M" (WIDTH / 2.0) " 0V" (HEIGHT) } {}
+            path.level d={ "M" (WIDTH / 2.0) " 0V" (HEIGHT) } {}
             @if value.abs() > EDGE {
-                polygon points={ (foot) "," (middle - 5.0) " " (tip) "," (middle) " " (foot) "," (middle + 5.0) } {}
+                polygon class=(status.name())
+                    points={ (foot) "," (middle - 5.0) " " (tip) "," (middle) " " (foot) "," (middle + 5.0) } {}
             } @else {
                 @if let Some(sd) = load.sd { path.sd d={ "M" (at(value - sd)) " " (middle) "H" (at(value + sd)) } {} }
-                circle class=(class) cx=(at(value)) cy=(middle) r="3.5" {}
+                circle class=(status.name()) cx=(at(value)) cy=(middle) r="3.5" {}
             }
         }
     }
@@ -82,10 +82,12 @@ mod tests {
 
     #[test]
     fn what_is_beyond_the_scale_is_an_arrow_on_its_side() {
-        let drawn = |value| bar(load(value, Some(0.07)), "a \"b\"").into_string();
-        assert!(drawn(0.5).contains("class=\"in\"") && drawn(-1.2).contains("class=\"out\""));
+        let drawn = |value| bar(load(value, Some(0.07)), Status::Confirmed).into_string();
+        assert!(
+            drawn(0.5).contains("<circle class=\"confirmed\"") && drawn(2.5).contains("<polygon class=\"confirmed\"")
+        );
         assert!(drawn(2.5).contains("83,3 90,8 83,13") && drawn(-519.0).contains("7,3 0,8 7,13"), "{}", drawn(2.5));
-        assert!(!drawn(2.5).contains("circle") && drawn(0.5).contains("&quot;b&quot;"));
+        assert!(!drawn(2.5).contains("circle"));
         // Half the budget is a third of the way from the middle to the edge.
         assert!(drawn(0.5).contains(&format!("cx=\"{:.1}\"", 45.0 + 38.0 / 3.0)));
     }

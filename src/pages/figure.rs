@@ -35,17 +35,6 @@ pub(super) fn signed_drift(value: f64, sd: Option<f64>) -> String {
     if value > 0.0 { format!("+{written}") } else { written }
 }
 
-/// How much of the budget is taken up, in per cent and with its sign: `+251 ± 7 %`.
-pub(super) fn load(share: f64, sd: Option<f64>) -> String {
-    let (percent, sd) = (100.0 * share, sd.map(|sd| 100.0 * sd).filter(|sd| sd.is_finite()));
-    let decimals = usize::from(sd.unwrap_or(percent.abs()) < 0.95 && percent.abs() < 99.5 && percent != 0.0);
-    let value = unsigned_zero(format!("{percent:+.decimals$}"));
-    match sd {
-        Some(sd) => format!("{value} ± {sd:.decimals$} %"),
-        None => format!("{value} %"),
-    }
-}
-
 /// Decimals of a figure that stands beside its standard deviation in a table; `decimals` where none is known.
 pub(super) fn places_beside(sd: Option<f64>, decimals: usize) -> usize {
     sd.filter(|sd| (1e-8..1e7).contains(sd)).map_or(decimals, |sd| places(sd, 2))
@@ -116,22 +105,6 @@ mod tests {
             (4.19e-4, Some(3e-6), "0.0004190 ± 0.0000030"),
         ] {
             assert_eq!(drift(value, sd), text);
-        }
-    }
-
-    #[test]
-    fn a_load_is_signed_per_cent_with_its_uncertainty_at_the_same_place() {
-        for (share, sd, text) in [
-            (2.511, Some(0.069), "+251 ± 7 %"),
-            (-0.05, Some(0.07), "-5 ± 7 %"),
-            (0.0512, Some(0.004), "+5.1 ± 0.4 %"),
-            (519.2, Some(0.004), "+51920 ± 0 %"),
-            (0.3333, None, "+33 %"),
-            (0.0033, None, "+0.3 %"),
-            (0.0, None, "0 %"),
-            (-0.001, Some(0.05), "0 ± 5 %"),
-        ] {
-            assert_eq!(load(share, sd), text);
         }
     }
 

@@ -146,7 +146,7 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, now: UtcMicros) -> Markup
             @for column in 0..2 {
                 td.trend data-label=(DRIFTS[column]) {
                     @if let Some(sample) = &newest {
-                        (load(row.recent, column, standing.outlook.load[column], sample.d[column], now))
+                        (load(row.recent, column, (standing.outlook.load[column], standing.drift[column]), sample.d[column], now))
                     }
                 }
             }
@@ -159,7 +159,13 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, now: UtcMicros) -> Markup
 }
 
 /// The last values, the load on the common scale, and in figures; before the baseline is complete, the value.
-fn load(recent: &RecentValues, column: usize, load: Option<Measured>, newest: Measured, now: UtcMicros) -> Markup {
+fn load(
+    recent: &RecentValues,
+    column: usize,
+    (load, status): (Option<Measured>, Status),
+    newest: Measured,
+    now: UtcMicros,
+) -> Markup {
     let values: Vec<(UtcMicros, f64)> =
         recent.samples.iter().map(|sample| (sample.at, sample.d[column].value)).collect();
     let span = Span { from: now.plus_days(-SPAN_DAYS), to: now };
@@ -168,7 +174,7 @@ fn load(recent: &RecentValues, column: usize, load: Option<Measured>, newest: Me
         @if let Some(load) = load {
             @let percent = bullet::percent(load);
             (spark::line(&values, span, recent.level[column], recent.budget[column]))
-            (bullet::bar(load, &format!("{percent} %")))
+            (bullet::bar(load, status))
             span.n title=(value) { (percent) }
         } @else { span.n.quiet { (value) } }
     }

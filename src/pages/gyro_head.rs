@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::bullet;
 use super::figure;
 use super::gyro::Facts;
 use super::gyro_attributes;
@@ -160,8 +161,8 @@ fn load_row(t: &Text, stand: &Stand) -> Markup {
                 (symbol(name))
             }
             @if let Some(load) = &stand.load {
-                td.n.load { (figure::load(load.share(), load.sd())) }
-                td.bars { (bar(load.share(), load.sd(), stand.status)) }
+                td.n.load { (bullet::percent(load.share())) " %" }
+                td.bars { (bullet::bar(load.share(), stand.status)) }
             } @else { td.n.load { "–" } td.bars {} }
             td.stands {
                 (status::badge(t, Some(stand.status)))
@@ -179,25 +180,6 @@ fn load_row(t: &Text, stand: &Stand) -> Markup {
                     (format!("{:.*}", figure::places_beside(stand.measured.sd, 6), load.level))
                 }
             }
-        }
-    }
-}
-
-/// A load on the axis that all gyros share, from -150 % to +150 %.
-pub(super) fn bar(share: f64, sd: Option<f64>, status: Status) -> Markup {
-    let x = |share: f64| 75.0 + 48.0 * share.clamp(-1.5, 1.5);
-    let one = |share: f64| format!("{:.1}", x(share));
-    let beyond = share.abs() > 1.5;
-    html! {
-        svg.bullet viewBox="0 0 150 16" aria-hidden="true" {
-            rect.band x=(one(-1.0)) y="2" width="96" height="12" {}
-            line.level x1="75" x2="75" y1="0" y2="16" {}
-            @if let Some(sd) = sd.filter(|_| !beyond) {
-                line.bar x1=(one(share - sd)) x2=(one(share + sd)) y1="8" y2="8" {}
-            }
-            @if beyond {
-                path class=(status.name()) d=(if share > 0.0 { "M140 2l8 6l-8 6z" } else { "M10 2l-8 6l8 6z" }) {}
-            } @else { circle class=(status.name()) cx=(one(share)) cy="8" r="4" {} }
         }
     }
 }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use maud::{Markup, html};
 
+use super::bullet;
 use super::chart::{Across, Ahead, Chart, Dot, Flag, Level, Segment, Track, bounds, millis, widened};
 use super::figure;
 use super::history::{event_label, seat};
@@ -363,8 +364,8 @@ impl Drawing<'_> {
             format!("{} {} {}", DRIFTS[column], figure::drift(measured.value, measured.sd), t.unit)
         } else {
             let budget = self.around(column);
-            let load = figure::load(y / budget, measured.sd.map(|sd| sd / budget));
-            format!("{} {} {}, {load}", DRIFTS[column], figure::signed_drift(y, measured.sd), t.unit)
+            let load = bullet::percent(Measured { value: y, sd: measured.sd }.in_units_of(budget));
+            format!("{} {} {}, {load} %", DRIFTS[column], figure::signed_drift(y, measured.sd), t.unit)
         };
         [format!("{} {}", at.date(), clock(&utc)), figure]
             .iter()

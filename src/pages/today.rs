@@ -101,11 +101,9 @@ fn largest(standing: &Standing) -> Option<(usize, Measured)> {
     known.max_by(|(_, a), (_, b)| a.value.abs().total_cmp(&b.value.abs()))
 }
 
-fn load(t: &Text, column: usize, load: Measured) -> Markup {
-    let percent = bullet::percent(load);
+fn load(t: &Text, column: usize, load: Measured, status: Status) -> Markup {
     html! {
-        (symbol(DRIFTS[column])) " " (bullet::bar(load, &format!("{} {percent} %", DRIFTS[column])))
-        " " span.n { (percent) (t.percent_sign) }
+        (symbol(DRIFTS[column])) " " (bullet::bar(load, status)) " " span.n { (bullet::percent(load)) (t.percent_sign) }
     }
 }
 
@@ -150,7 +148,7 @@ fn violating<'a>(viewer: &Viewer, gyros: impl Iterator<Item = &'a Standing>, nam
             tr {
                 td { (badges::badge(t, standing.status)) }
                 (gyro(standing, names))
-                td.nowrap { @if let Some((column, largest)) = largest(standing) { (load(t, column, largest)) } }
+                td.nowrap { @if let Some((column, largest)) = largest(standing) { (load(t, column, largest, standing.drift[column])) } }
                 td { (violated(t, &standing.violations)) }
                 td.nowrap { @if let Some(at) = standing.since { span.quiet { (t.since) " " } (day(at)) } }
                 @if viewer.may(Role::Engineer) { td.no-print { a href=(ack(&standing.serial)) { (t.acknowledge) } } }
@@ -169,7 +167,7 @@ fn approaching(t: &Text, list: &FirstOf<Standing>, names: &Names<'_>) -> Markup 
                     (gyro(standing, names))
                     td.nowrap {
                         @let column = of_reach(reach.coefficient);
-                        @if let Some(now) = standing.outlook.load[column] { (load(t, column, now)) }
+                        @if let Some(now) = standing.outlook.load[column] { (load(t, column, now, standing.drift[column])) }
                     }
                     td.nowrap { (trend(t, &Standing { status: Some(Status::Confirmed), ..standing.clone() })) }
                     td.nowrap.quiet {

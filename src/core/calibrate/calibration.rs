@@ -3,13 +3,13 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::design;
-use super::law::median;
 use super::noise::{self, Noise};
 use super::noise_found::NoiseFound;
 use crate::core::campaign::{Campaign, CampaignNote};
 use crate::core::effects::{Coefficient, Effect};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
+use crate::core::numerics::median::median_of;
 use crate::core::record::Name;
 
 /// Where a gyro's E comes from.
@@ -182,7 +182,7 @@ impl GyroCalibration {
 
     /// Standard deviation of a wander of this power over the square of the median noise of a dwell, deg/h.
     pub(super) fn wander(&self, power: f64) -> Option<f64> {
-        let usual = median(self.sigma.as_ref()?.as_slice());
+        let usual = median_of(self.sigma.as_ref()?.iter().copied())?;
         Some(power.sqrt() * usual / self.scale_factor()?)
     }
 

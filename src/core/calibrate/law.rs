@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::noise_found::LawFound;
+use crate::core::numerics::median::median_of;
 
 /// Prior probability that the noise goes as stated; the laws share the rest.
 pub const AS_STATED: f64 = 0.8;
@@ -34,6 +35,10 @@ pub enum Law {
 }
 
 impl Course<'_> {
+    fn usual_duration(&self) -> f64 {
+        median_of(self.durations.iter().copied()).unwrap_or(1.0)
+    }
+
     fn top(&self) -> f64 {
         self.rates.iter().map(|w| w.norm()).fold(f64::MIN_POSITIVE, f64::max)
     }
@@ -42,7 +47,7 @@ impl Course<'_> {
 impl Law {
     /// Those that these dwells let tell apart.
     pub fn all(course: &Course) -> Vec<Self> {
-        let usual = median(course.durations);
+        let usual = course.usual_duration();
         let unequal = course.durations.iter().any(|d| (d / usual).ln().abs() > OTHER_DURATION);
         let durations = [0.25, 0.5].into_iter().filter(|_| unequal).map(Self::Duration);
         let turns = course.top() > SLOW_ARCSEC_S;
@@ -54,7 +59,7 @@ impl Law {
     pub fn factors(self, course: &Course) -> Vec<f64> {
         match self {
             Self::Duration(power) => {
-                let usual = median(course.durations);
+                let usual = course.usual_duration();
                 course.durations.iter().map(|d| (usual / d).powf(power)).collect()
             }
             Self::Rate(growth) => {
@@ -76,16 +81,6 @@ impl Law {
             Self::Time(growth) => LawFound::Time { times: growth.exp() },
         }
     }
-}
-
-/// The middle one, the upper of two.
-///
-/// # Panics
-/// Of none.
-pub fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
 }
 
 #[cfg(test)]
@@ -111,7 +106,6 @@ mod tests {
         assert_eq!(Law::Duration(0.25).found(), LawFound::Duration { power: 0.25 });
         assert_eq!(Law::Rate(2.0).found(), LawFound::Rate { times: 5.0_f64.sqrt() });
         assert_eq!(Law::Time(-1.1).found(), LawFound::Time { times: (-1.1_f64).exp() });
-        assert_eq!(median(&[3.0, 1.0, 2.0, 4.0]), 3.0);
     }
 
     #[test]

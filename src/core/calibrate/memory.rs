@@ -19,9 +19,10 @@ use std::ops::AddAssign;
 
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
-use super::law::{AS_STATED, Course, Law, median};
+use super::law::{AS_STATED, Course, Law};
 use super::noise::PRIOR_DOF;
 use crate::core::numerics::log_sum::LogSum;
+use crate::core::numerics::median::median_of;
 
 /// Powers of each kernel, over the square of the median standard deviation.
 pub const POWERS: [f64; 5] = [0.15, 0.5, 1.5, 5.0, 20.0];
@@ -155,7 +156,7 @@ struct Clock {
 impl Clock {
     fn of(times: &[f64]) -> Self {
         let steps: Vec<f64> = (0..times.len()).map(|k| if k > 0 { times[k] - times[k - 1] } else { 0.0 }).collect();
-        let spacing = if steps.len() > 1 { median(&steps[1..]).max(f64::MIN_POSITIVE) } else { 1.0 };
+        let spacing = median_of(steps.iter().skip(1).copied()).map_or(1.0, |step| step.max(f64::MIN_POSITIVE));
         let since = times.iter().map(|t| t - times[0]).sum::<f64>() / times.len() as f64;
         Self { steps, spacing, mean: since.max(f64::MIN_POSITIVE) }
     }
@@ -243,7 +244,7 @@ pub(super) fn weigh(course: &Course, gyros: &[Fitted], plain: &mut [Option<DMatr
     else {
         return Found::default();
     };
-    let usual: Vec<f64> = d.iter().map(|d| median(d.as_slice())).collect();
+    let usual: Vec<f64> = d.iter().map(|d| median_of(d.iter().copied()).unwrap_or(1.0)).collect();
     // Without standard errors the duration is in the variances, and the rate along the input axis.
     let is_open = |law: &Law| stated || !matches!(law, Law::Duration(_));
     let laws: Vec<Law> = Law::all(course).into_iter().filter(is_open).collect();
@@ -383,7 +384,7 @@ mod tests {
             }
             Some(Kind::Memory(memory, power)) => {
                 let white = over(gyro.variances, gyro.weights);
-                let usual = median(white.diagonal().map(f64::sqrt).as_slice());
+                let usual = median_of(white.diagonal().iter().map(|v| v.sqrt())).unwrap_or(1.0);
                 white + power * usual * usual * memory.kernel(course.times)
             }
         };

@@ -5,7 +5,7 @@
 //! medians of those before and of those after it is left out; a ramp, a step and a cycle stay within.
 
 use super::Campaign;
-use super::commanded::median;
+use crate::core::numerics::median::median_of;
 
 /// Dwells on either side that a temperature is held against: three faults in a row are seen.
 const BESIDE: usize = 5;
@@ -43,7 +43,7 @@ impl Temperatures {
             known[*k] = None;
         }
         let times: Vec<f64> = campaign.dwells.iter().map(|d| d.mid_s()).collect();
-        let median = median(known.iter().copied().flatten()).unwrap_or(0.0);
+        let median = median_of(known.iter().copied().flatten()).unwrap_or(0.0);
         Self { filled: filled(&times, &known), outliers, median }
     }
 }
@@ -51,10 +51,10 @@ impl Temperatures {
 fn outliers(stated: &[Option<f64>]) -> Vec<(usize, f64)> {
     let known: Vec<(usize, f64)> = stated.iter().enumerate().filter_map(|(k, t)| Some((k, (*t)?))).collect();
     let steps = known.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs());
-    let room = DEPARTURE_K.max(DEPARTURE_STEPS * median(steps).unwrap_or(0.0));
+    let room = DEPARTURE_K.max(DEPARTURE_STEPS * median_of(steps).unwrap_or(0.0));
     let is_fault = |t: f64| FAULT_VALUES.contains(&t);
     let beside = |others: &mut dyn Iterator<Item = &(usize, f64)>| {
-        median(others.map(|(_, t)| *t).filter(|t| !is_fault(*t)).take(BESIDE))
+        median_of(others.map(|(_, t)| *t).filter(|t| !is_fault(*t)).take(BESIDE))
     };
     let departs = |i: usize| {
         let t = known[i].1;

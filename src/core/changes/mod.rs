@@ -30,6 +30,7 @@ mod search;
 mod series;
 mod station;
 
+use crate::core::numerics::median::median_of;
 use std::collections::HashSet;
 
 use super::judge::{BASELINE_RECORDS, Coefficient};
@@ -142,9 +143,7 @@ fn baseline_part(series: &Series, course: &Course, entries: &[Entry], since: Utc
         let years = entry.at.days_since(series.origin) / answer::YEAR_DAYS;
         course.taken.iter().map(|(part, common)| common.value * part.at(station, entry.at, years)).sum()
     };
-    let mut parts: Vec<f64> = first.map(part).collect();
-    parts.sort_by(f64::total_cmp);
-    series::median(&parts).unwrap_or(0.0)
+    median_of(first.map(part)).unwrap_or(0.0)
 }
 
 /// The scale of the noise as the fleet shows it; without a fleet, as it is stated.

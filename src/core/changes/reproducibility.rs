@@ -8,10 +8,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::core::numerics::median::median_of;
 use crate::core::time::UtcMicros;
 
 use super::answer::{GyroHistory, StationForm};
-use super::series::{median, robust};
+use super::series::robust;
 use super::station::{Course, CoursePoint, Part};
 
 /// Points of a station's course, at most.
@@ -84,10 +85,8 @@ impl FleetStations {
     pub fn between(&self) -> [f64; 2] {
         let known = |spread: Option<Spread>| spread.filter(|spread| spread.interval[0] > 0.0).map(|spread| spread.sd);
         [0, 1].map(|column| {
-            let mut by_gyro: Vec<f64> =
-                self.stations.iter().filter_map(|station| known(station.columns[column].by_gyro)).collect();
-            by_gyro.sort_by(f64::total_cmp);
-            let by_gyro = median(&by_gyro).unwrap_or(0.0);
+            let by_gyro = self.stations.iter().filter_map(|station| known(station.columns[column].by_gyro));
+            let by_gyro = median_of(by_gyro).unwrap_or(0.0);
             known(self.reproducibility[column]).map_or(0.0, |sd| sd.hypot(by_gyro))
         })
     }

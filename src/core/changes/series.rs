@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use crate::core::judge::Mark;
 use crate::core::mounting::Slot;
+use crate::core::numerics::median::{median, median_of};
+use crate::core::numerics::normal::SD_OF_MEDIAN;
 use crate::core::time::UtcMicros;
 
 use super::answer::{Entry, Outlier, YEAR_DAYS};
@@ -50,14 +52,7 @@ pub(super) fn scatter_of(entries: &[Entry], column: usize) -> Scatter {
 
 /// Standard deviation of normal figures from the median of their absolute values.
 pub(super) fn robust(absolute: &mut [f64]) -> Option<f64> {
-    absolute.sort_by(f64::total_cmp);
-    Some(median(absolute)? / 0.674_489_75)
-}
-
-pub(super) fn median(sorted: &[f64]) -> Option<f64> {
-    let middle = sorted.len() / 2;
-    let upper = *sorted.get(middle)?;
-    Some(if sorted.len() % 2 == 1 { upper } else { 0.5 * (sorted[middle - 1] + upper) })
+    Some(SD_OF_MEDIAN * median(absolute)?)
 }
 
 #[derive(Debug, Clone)]
@@ -146,11 +141,7 @@ impl Series {
         let sides = |k: usize| -> Vec<f64> {
             let before = &self.rows[k.saturating_sub(3)..k];
             let after = &self.rows[k + 1..(k + 4).min(n)];
-            let middle = |rows: &[Row]| {
-                let mut values: Vec<f64> = rows.iter().map(|row| row.y).collect();
-                values.sort_by(f64::total_cmp);
-                median(&values)
-            };
+            let middle = |rows: &[Row]| median_of(rows.iter().map(|row| row.y));
             let nearest = [before.last(), after.first()].into_iter().flatten().map(|row| row.y);
             [middle(before), middle(after)].into_iter().flatten().chain(nearest).collect()
         };

@@ -8,7 +8,8 @@
 //! estimated again beside one another.
 
 use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
-use super::series::{Scatter, median, scatter_of};
+use super::series::{Scatter, scatter_of};
+use crate::core::numerics::median::median_of;
 use crate::core::time::UtcMicros;
 
 /// |b|/sd from which a part is taken: of an offset or a drift, and of a step, whose instant is searched for.
@@ -122,11 +123,7 @@ impl Course {
                 out.push(Peer { imu, rows: about_their_mean(rows) });
             }
         }
-        let of = |of: fn(&Scatter) -> f64| {
-            let mut values: Vec<f64> = scatters.iter().map(of).collect();
-            values.sort_by(f64::total_cmp);
-            median(&values)
-        };
+        let of = |of: fn(&Scatter) -> f64| median_of(scatters.iter().map(of));
         let scatter = of(|one| one.absolute).zip(of(|one| one.of_stated));
         let scatter = scatter.map(|(absolute, of_stated)| Scatter { absolute, of_stated });
         Self { peers: out, scatter, stations: stations.len(), taken: Vec::new() }

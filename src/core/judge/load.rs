@@ -17,13 +17,9 @@ pub struct Load {
 }
 
 impl Load {
-    pub fn share(&self) -> f64 {
-        self.deviation.value / self.budget
-    }
-
-    /// None where the station's standard deviations are not known.
-    pub fn sd(&self) -> Option<f64> {
-        self.deviation.sd.map(|sd| sd / self.budget)
+    /// deviation / budget; without a standard deviation where the station states none.
+    pub fn share(&self) -> Measured {
+        self.deviation.in_units_of(self.budget)
     }
 
     /// Of the rules that hold a record against its level (`baseline`, `closure`); none while the level is being made.
@@ -58,10 +54,13 @@ mod tests {
             finding,
         };
         let load = Load::of(&verdict).unwrap();
-        assert!((load.share() - 2.51).abs() < 1e-9 && (load.sd().unwrap() - 0.07).abs() < 1e-12, "{load:?}");
+        assert!(
+            (load.share().value - 2.51).abs() < 1e-9 && (load.share().sd.unwrap() - 0.07).abs() < 1e-12,
+            "{load:?}"
+        );
         let below = Finding::Closure { level: 0.5, since: None, moved: false, now: 0.495, d_s: None };
         let load = Load::of(&Verdict { finding: below, sd: None, ..verdict }).unwrap();
-        assert!((load.share() + 0.5).abs() < 1e-9 && load.sd().is_none(), "{load:?}");
+        assert!((load.share().value + 0.5).abs() < 1e-9 && load.share().sd.is_none(), "{load:?}");
         assert_eq!(Load::of(&Verdict { value: None, ..verdict }), None, "the level is being made");
         assert_eq!(Load::of(&Verdict { limit: 0.0, ..verdict }), None, "nothing is a share of no budget");
         let step = Finding::Step { level: 1.0, now: 2.0 };

@@ -9,6 +9,8 @@ mod fleet;
 
 pub use fleet::{FleetNoise, Spacing, fit_fleet};
 
+use crate::core::numerics::median::median;
+
 /// What is known of the noise of a whole fleet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
@@ -102,20 +104,6 @@ impl Prior {
     }
 }
 
-/// The middle one, or the mean of the two in the middle; none of nothing.
-pub(super) fn median(values: &mut [f64]) -> Option<f64> {
-    let n = values.len();
-    if n == 0 {
-        return None;
-    }
-    let (lower, &mut upper, _) = values.select_nth_unstable_by(n / 2, f64::total_cmp);
-    if n % 2 == 1 {
-        return Some(upper);
-    }
-    let lower = lower.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    Some(0.5 * (lower + upper))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,15 +125,6 @@ mod tests {
         assert!((noise.of_walk(&t, &u, &w) - walk).abs() < 1e-15);
         let mean = [1.0 / 7.0; 7];
         assert!((noise.inflation(7) - 7.0 * noise.of_scatter(&mean, &mean)).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_median_is_the_middle_whatever_the_order() {
-        assert_eq!(median(&mut []), None);
-        assert_eq!(median(&mut [3.0]), Some(3.0));
-        assert_eq!(median(&mut [3.0, 1.0]), Some(2.0));
-        assert_eq!(median(&mut [5.0, 1.0, 9.0, 3.0]), Some(4.0));
-        assert_eq!(median(&mut [5.0, 1.0, 9.0]), Some(5.0));
     }
 
     #[test]

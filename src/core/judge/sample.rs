@@ -22,6 +22,11 @@ impl Measured {
         Self { value, sd: None }
     }
 
+    /// In units of `of`, which is more than zero.
+    pub fn in_units_of(self, of: f64) -> Self {
+        Self { value: self.value / of, sd: self.sd.map(|sd| sd / of) }
+    }
+
     /// `self - earlier`, the two taken as independent campaigns.
     pub(crate) fn minus(self, earlier: Self) -> Self {
         let sd = self.sd.zip(earlier.sd).map(|(a, b)| (a * a + b * b).sqrt());

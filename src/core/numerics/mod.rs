@@ -3,5 +3,6 @@
 pub(super) mod basis;
 pub mod least_squares;
 pub(super) mod log_sum;
+pub(crate) mod median;
 pub(crate) mod normal;
 pub mod tails;

@@ -11,7 +11,7 @@ use crate::pages::layout::{DRIFTS, Page, Section, encoded, symbol};
 use crate::pages::text::Text;
 use crate::pages::view::View;
 use crate::pages::viewer::Viewer;
-use crate::pages::{Pages, figure, history, status};
+use crate::pages::{Pages, bullet, figure, history, status};
 use crate::pipeline::{Names, sample_of};
 use crate::wire::problem::Problem;
 
@@ -90,7 +90,7 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
             @for (column, name) in DRIFTS.iter().enumerate() {
                 td.n data-label=(name) {
                     @if let Some(load) = stands.get(column).and_then(|stand| stand.load) {
-                        (figure::load(load.share(), load.sd()))
+                        (bullet::percent(load.share())) " %"
                     } @else {
                         "–"
                     }
@@ -99,7 +99,7 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
             @for name in &DRIFTS[..2] {
                 td.n data-label={ (t.trend_a_year) " " (name) } {
                     @if let Some(slope) = slope(facts, name) {
-                        (figure::load(slope.value, slope.sd))
+                        (bullet::percent(slope)) " %"
                     } @else {
                         "–"
                     }

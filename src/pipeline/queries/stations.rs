@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
+use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::SD_OF_MEDIAN;
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
@@ -110,11 +111,8 @@ impl Seen {
 /// The standard deviation of one of two values with such differences. From their median, because a gyro that stepped
 /// differs once by any amount: that is the gyro's doing and not the station's, and squares would let it decide alone.
 fn scatter(differences: &[[f64; 2]], column: usize) -> Option<f64> {
-    let mut sizes: Vec<f64> = differences.iter().map(|difference| difference[column].abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let upper = *sizes.get(sizes.len() / 2)?;
-    let median = if sizes.len() % 2 == 1 { upper } else { (sizes[sizes.len() / 2 - 1] + upper) / 2.0 };
-    Some(SD_OF_MEDIAN * median / SQRT_2)
+    let sizes = differences.iter().map(|difference| difference[column].abs());
+    Some(SD_OF_MEDIAN * median_of(sizes)? / SQRT_2)
 }
 
 /// The mean, and its standard error.

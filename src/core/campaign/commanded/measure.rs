@@ -1,8 +1,9 @@
 //! What each dwell says of the Earth, and whether it can be.
 
-use super::{EARTH, Symptom, median};
+use super::{EARTH, Symptom};
 use crate::core::campaign::{Campaign, Dwell, Phase};
 use crate::core::frames::Vector;
+use crate::core::numerics::median::median_of;
 use nalgebra::Vector3;
 
 /// By how much |w| and w.f/|f| of a static dwell may be off, arcsec/s: printed digits, and measured specific force some
@@ -101,7 +102,7 @@ impl Measures {
     pub fn of(campaign: &Campaign) -> Self {
         let dwells: Vec<Measure> = campaign.dwells.iter().map(|dwell| Measure::of(campaign, dwell)).collect();
         let of_site = campaign.site.map(|site| site.earth_rate().0.z);
-        let vertical = of_site.or_else(|| median(still(&dwells).map(|m| m.vertical)));
+        let vertical = of_site.or_else(|| median_of(still(&dwells).map(|m| m.vertical)));
         Self { dwells, vertical }
     }
 

@@ -17,6 +17,7 @@ mod worth;
 
 pub use search::findings;
 
+use crate::core::numerics::median::median_of;
 use crate::core::units::EARTH_RATE_DEG_H;
 
 /// What is not as it should be.
@@ -161,19 +162,12 @@ pub struct Finding {
 impl Finding {
     /// Median over the dwells of what they measure.
     pub fn measured(&self) -> f64 {
-        median(self.dwells.iter().map(|(_, value)| *value)).unwrap_or(0.0)
+        median_of(self.dwells.iter().map(|(_, value)| *value)).unwrap_or(0.0)
     }
 }
 
 /// The Earth's rate in arcsec/s.
 const EARTH: f64 = EARTH_RATE_DEG_H;
-
-pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    (n > 0).then(|| 0.5 * (values[(n - 1) / 2] + values[n / 2]))
-}
 
 #[cfg(test)]
 mod tests;

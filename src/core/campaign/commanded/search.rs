@@ -4,8 +4,9 @@ use super::measure::{HEADING_ROOM, Measures, RATE_ROOM};
 use super::senses::senses;
 use super::transform::{Mistake, mistakes, other_headings, single_axes};
 use super::worth::{Tried, Worth};
-use super::{Cause, EARTH, Finding, Part, Symptom, median};
+use super::{Cause, EARTH, Finding, Part, Symptom};
 use crate::core::campaign::{Campaign, Dwell, Phase};
+use crate::core::numerics::median::median_of;
 
 /// A mistake that explains a campaign leaves at most this share of its dwells unexplained.
 const LEFT_OVER: f64 = 0.05;
@@ -139,8 +140,8 @@ fn of_all(measures: &Measures) -> Vec<Cause> {
             measures.still().fold((0, 0), |(c, n), m| (c + usize::from(test(m.rate, m.vertical)), n + 1));
         all > 0 && count as f64 >= (1.0 - LEFT_OVER) * f64::from(all)
     };
-    let Some(rate) = median(measures.still().map(|m| m.rate)) else { return Vec::new() };
-    let vertical = median(measures.still().map(|m| m.vertical)).unwrap_or(0.0);
+    let Some(rate) = median_of(measures.still().map(|m| m.rate)) else { return Vec::new() };
+    let vertical = median_of(measures.still().map(|m| m.vertical)).unwrap_or(0.0);
     if most(&|rate, _| rate < NO_RATE) {
         vec![Cause::EarthRateLeftOut]
     } else if most(&|r, v| (r - EARTH).abs() <= RATE_ROOM && (v - vertical).abs() <= RATE_ROOM) {
@@ -162,8 +163,8 @@ fn still(campaign: &Campaign, measures: &Measures, symptom: Symptom) -> Vec<(usi
 fn common_offset(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     let site = campaign.site?;
     let (sin, expected) = (site.latitude.sin(), measures.vertical?);
-    let rate = median(measures.still().map(|m| m.rate))?;
-    let vertical = median(measures.still().map(|m| m.vertical))?;
+    let rate = median_of(measures.still().map(|m| m.rate))?;
+    let vertical = median_of(measures.still().map(|m| m.vertical))?;
     let rate_is_other = (rate - EARTH).abs() > COMMON_RATE;
     let shift = vertical - expected;
     if !rate_is_other && shift.abs() <= COMMON_RATE {
@@ -244,7 +245,7 @@ fn gravity(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     let gravity = expected.unwrap_or(1.0);
     let dwells = still(campaign, measures, Symptom::Gravity);
     let ratios = || measures.still().map(|m| m.force / gravity);
-    let ratio = median(ratios())?;
+    let ratio = median_of(ratios())?;
     let finding = |cause, matters| {
         let of = dwells.len();
         let (symptom, causes, dwells) = (Symptom::Gravity, Vec::from_iter(cause), dwells.clone());
@@ -255,7 +256,7 @@ fn gravity(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
         let unit = units.into_iter().find(|(_, size)| (ratio / size - 1.0).abs() < FORCE_ROOM);
         return finding(unit.map(|(unit, _)| Cause::ForceUnit { unit }), true);
     }
-    let spread = median(ratios().map(|r| (r - ratio).abs())).unwrap_or(0.0);
+    let spread = median_of(ratios().map(|r| (r - ratio).abs())).unwrap_or(0.0);
     let error = 1.2533 * 1.4826 * spread / (dwells.len() as f64).sqrt();
     let common = (ratio - 1.0).abs() > 3.0 * error;
     let impossible = expected.is_none() && !(GRAVITY_ON_EARTH.0..=GRAVITY_ON_EARTH.1).contains(&ratio);

@@ -1,8 +1,9 @@
 //! Whether D_I and D_S can still be relied on.
 
-use super::{Cause, EARTH, median};
+use super::{Cause, EARTH};
 use crate::core::calibrate::{Calibration, calibrate_in_white_noise};
 use crate::core::campaign::Campaign;
+use crate::core::numerics::median::median_of;
 use crate::core::record::Plausibility;
 
 /// What D_I and D_S may be moved by, deg/(h g0): a tenth of the error budget.
@@ -42,7 +43,7 @@ impl Tried {
     /// Noise of a dwell and what the fit leaves, of the middle gyro.
     fn middle(&self) -> Option<(f64, f64)> {
         let known: Vec<(f64, f64)> = self.gyros.iter().copied().flatten().collect();
-        median(known.iter().map(|n| n.0)).zip(median(known.iter().map(|n| n.1)))
+        median_of(known.iter().map(|n| n.0)).zip(median_of(known.iter().map(|n| n.1)))
     }
 
     fn earth_is_above_noise(&self) -> bool {
@@ -59,7 +60,7 @@ fn noise(campaign: &Campaign, calibration: &Calibration, j: usize) -> Option<(f6
     // What remains if the wrong part of the Earth's rate is a third of the squares of its horizontal part.
     let horizontal = campaign.site.map_or(EARTH, |site| EARTH * site.latitude.cos());
     let beside = (left * left - horizontal * horizontal / 3.0).max(0.0).sqrt();
-    let stated = campaign.errors_of(j).and_then(|sems| median(sems.into_iter()));
+    let stated = campaign.errors_of(j).and_then(|sems| median_of(sems.into_iter()));
     let own = match (stated, scatter) {
         (Some(sem), _) => sem / scale,
         (None, Some(scatter)) => (scatter / scale).min(beside),

@@ -11,6 +11,7 @@ use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::effects::{Effect, Scope, Setting, Shape};
 use crate::core::model::Term;
+use crate::core::numerics::median::median_of;
 
 /// Dwells that are proposed at most.
 const PROPOSED: usize = 4;
@@ -135,11 +136,9 @@ fn extended(s: &Setting, proposals: &[Proposal]) -> Setting {
 
 /// Standard deviation of gyro `j` in every dwell, old and proposed: the proposed ones have the campaign's median.
 fn deviations(frame: &Frame, j: usize, total: usize) -> Vec<f64> {
-    let mut sorted = frame.gyros[j].sd.clone();
-    sorted.sort_by(f64::total_cmp);
-    let median = sorted[sorted.len() / 2];
     let mut sd = frame.gyros[j].sd.clone();
-    sd.resize(total, median);
+    let usual = median_of(sd.iter().copied()).unwrap_or(1.0);
+    sd.resize(total, usual);
     sd
 }
 

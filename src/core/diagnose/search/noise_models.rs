@@ -15,7 +15,7 @@ use super::hypotheses::Bank;
 use super::projections::{State, each_by_itself};
 use super::shared_noise::Shared;
 use super::temperature_odds::odds_of_temperature;
-use crate::core::calibrate::law::{AS_STATED, Course, Law, median};
+use crate::core::calibrate::law::{AS_STATED, Course, Law};
 use crate::core::calibrate::memory::{Memory, POWERS, WITHOUT_MEMORY};
 use crate::core::calibrate::noise_found::{MemoryFound, NoiseFound};
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
@@ -23,6 +23,7 @@ use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::{Effect, Setting, Shape};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::log_sum::LogSum;
+use crate::core::numerics::median::median_of;
 
 /// Prior probability that gyros share their noise.
 const BETWEEN_GYROS: f64 = 0.1;
@@ -84,7 +85,7 @@ impl Found {
             memory: self.memory.map(|(memory, power, without)| MemoryFound {
                 kind: memory.name(),
                 deg_per_h: (frame.gyros.iter().zip(gyros))
-                    .map(|(gyro, axes)| (axes.slot, power.sqrt() * median(&gyro.sd)))
+                    .map(|(gyro, axes)| (axes.slot, power.sqrt() * median_of(gyro.sd.iter().copied()).unwrap_or(1.0)))
                     .collect(),
                 probability: 1.0 - without,
             }),

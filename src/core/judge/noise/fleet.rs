@@ -1,8 +1,9 @@
 //! The fleet's noise constants from its history: correlation and walk from how differences grow with the time between.
 
-use super::{Noise, median};
+use super::Noise;
 use crate::core::judge::Series;
 use crate::core::judge::cells::DAYS_A_YEAR;
+use crate::core::numerics::median::median;
 
 /// Lags, in cells.
 const LAGS: [usize; 9] = [1, 2, 3, 4, 6, 8, 13, 20, 26];

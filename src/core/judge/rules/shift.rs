@@ -4,9 +4,10 @@ use super::Case;
 use crate::core::judge::cells::CELLS;
 use crate::core::judge::decide::{Outcome, plain};
 use crate::core::judge::limits::{Limit, ShiftLimits};
-use crate::core::judge::noise::{Prior, median};
+use crate::core::judge::noise::Prior;
 use crate::core::judge::sample::Measured;
 use crate::core::judge::{Finding, Rule, State, Verdict};
+use crate::core::numerics::median::median;
 
 /// Cells before it says anything.
 pub const SHIFT_MIN_CELLS: usize = 8;

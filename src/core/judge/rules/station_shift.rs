@@ -15,6 +15,7 @@ use std::sync::Arc;
 use crate::core::judge::decide::beyond;
 use crate::core::judge::limits::Limit;
 use crate::core::judge::{Coefficient, Finding, Measured, Rule, State, Verdict};
+use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::{MEDIAN_ERROR, SD_OF_MEDIAN};
 use crate::core::time::UtcMicros;
 
@@ -107,7 +108,7 @@ fn imus_of(gyros: &[&Calibrated]) -> usize {
 /// The median deviation, and its standard error.
 fn shared(gyros: &[&Calibrated], column: usize) -> Option<Measured> {
     let deviations: Vec<Measured> = gyros.iter().filter_map(|one| one.deviation[column]).collect();
-    let stated = median(deviations.iter().filter_map(|one| one.sd).collect()).unwrap_or(0.0);
+    let stated = median_of(deviations.iter().filter_map(|one| one.sd)).unwrap_or(0.0);
     let values: Vec<f64> = deviations.iter().map(|one| one.value).collect();
     in_common(&values, imus_of(gyros), stated)
 }
@@ -115,8 +116,8 @@ fn shared(gyros: &[&Calibrated], column: usize) -> Option<Measured> {
 /// Median of values that scatter about it, and its standard error sqrt(pi/2) s/sqrt(independent) with
 /// s = max(1.4826 median |x - M|, least), as of normal values; none of nothing.
 pub fn in_common(values: &[f64], independent: usize, least: f64) -> Option<Measured> {
-    let centre = median(values.to_vec())?;
-    let off = median(values.iter().map(|value| (value - centre).abs()).collect())?;
+    let centre = median_of(values.iter().copied())?;
+    let off = median_of(values.iter().map(|value| (value - centre).abs()))?;
     let scatter = (SD_OF_MEDIAN * off).max(least);
     Some(Measured { value: centre, sd: Some(MEDIAN_ERROR * scatter / (independent as f64).sqrt()) })
 }
@@ -134,10 +135,6 @@ fn is_of_station(newest: &[Calibrated], here: &[&Calibrated], station: u32, colu
     let others: Vec<&Calibrated> = here.iter().filter(|one| one.batch.as_ref() != largest).copied().collect();
     let only_a_batch = others.len() >= GYROS_TO_STAY && shared(&others, column).is_some_and(|of| !half(&of));
     !moved_everywhere && !only_a_batch
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    crate::core::judge::noise::median(&mut values)
 }
 
 /// What a rule says of one gyro that the station's shift may explain.

@@ -20,6 +20,7 @@ use crate::core::judge::{
 use crate::core::time::UtcMicros;
 use crate::pages::status;
 use crate::pipeline::{EventItem, ExplainedHistory, Names, sample_of};
+use crate::wire::time;
 
 /// Causes of one coefficient's change in the head; all of them are on the page of the diagnosis.
 const MOST_CAUSES: usize = 3;
@@ -71,16 +72,19 @@ impl Facts {
         Some(Load { deviation: Measured { value: measured.value - level, sd: measured.sd }, level, budget })
     }
 
-    /// The newest records that are all out of tolerance, or all drift.
+    /// Since when it is out of tolerance, or drifts: as the alert says that fires, else the newest records that all are.
     fn run(&self, column: usize) -> Option<Run> {
-        let is_out = |row| {
-            let status = self.statuses.get(row, column);
-            (status >= Status::Drifting).then_some(status > Status::Drifting)
-        };
+        let out = |status: Status| (status >= Status::Drifting).then_some(status > Status::Drifting);
+        let is_out = |row| out(self.statuses.get(row, column));
         let rows = &self.course.figures;
-        let out = is_out(rows.last()?)?;
-        let run = rows.iter().rev().take_while(|row| is_out(row) == Some(out)).count();
-        Some(Run { since: rows[rows.len() - run].at, records: run })
+        let now = is_out(rows.last()?)?;
+        let alerts = self.alerts.iter().filter(|alert| alert.coefficient == DRIFTS[column]);
+        let alike =
+            alerts.filter(|alert| alert.status.as_deref().and_then(Status::from_name).and_then(out) == Some(now));
+        let told = alike.filter_map(|alert| time::parse(alert.since.as_deref()?).ok()).min();
+        let run = rows.iter().rev().take_while(|row| is_out(row) == Some(now)).count();
+        let since = told.unwrap_or(rows[rows.len() - run].at);
+        Some(Run { since, records: rows.len() - rows.partition_point(|row| row.at < since) })
     }
 
     /// What the verdicts suggest; nothing for a gyro that is out of use.

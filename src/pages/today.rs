@@ -1,13 +1,17 @@
 //! `/`: what there is to be done. Five blocks, each with its first few lines and the way to all of them.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use axum::extract::{Query, State as Held};
 use axum::http::Uri;
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 use serde::Deserialize;
 
+use super::alerts::open_ones;
 use super::fleet::{Filters, as_day, bad_parameter, tiles, trend, violated};
-use super::layout::{DRIFTS, Page, Section, day, encoded, symbol};
+use super::layout::{DRIFTS, Page, Section, day, encoded, symbol, written_day};
 use super::text::Text;
 use super::viewer::Viewer;
 use super::{Pages, bullet};
@@ -51,15 +55,18 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
     let queries = &pages.pipeline.queries;
     let today = today(&queries.fleet, since, LINES).await?;
     let fleet = queries.fleet.page(&FleetFilter::default(), 0, LINES).await?;
+    let shown = fleet.gyros.iter().chain(&today.worse.first);
+    let dealt = dealt_with(pages, viewer, shown).await?;
+    let gone = no_longer_in_it(pages, &today.overdue.first).await?;
     let names = queries.names();
     let body = html! {
         h1 { (t.today_title) }
         (tiles(viewer, &fleet, &Filters::default()))
         div.blocks {
-            (worse(viewer, &today.worse, since, &names))
-            (still_out(viewer, &fleet, &today.worse, &names))
+            (worse(viewer, &today.worse, since, &dealt, &names))
+            (still_out(viewer, &fleet, &today.worse, &dealt, &names))
             (approaching(t, &today.approaching, &names))
-            (due(t, &today, now))
+            (due(t, &today, &gone, now))
             (several(t, &today))
         }
     };
@@ -74,6 +81,49 @@ fn block(title: &Markup, count: usize, nothing: &str, body: &Markup, all: Option
             @if let Some((words, address)) = all { p { a href=(address) { (words) " →" } } }
         }
     }
+}
+
+/// What was decided of gyros since they are as they are, or who knows of all that fires: of those of which somebody
+/// does.
+async fn dealt_with(
+    pages: &Pages,
+    viewer: &Viewer,
+    gyros: impl Iterator<Item = &Standing>,
+) -> Result<HashMap<u32, Markup>, Problem> {
+    let t = viewer.text();
+    let mut dealt = HashMap::new();
+    for Standing { number, since, .. } in gyros {
+        let events = pages.pipeline.queries.histories.events(*number).await?;
+        let decision =
+            events.iter().rev().find(|one| one.event.is_decision() && since.is_none_or(|since| since <= one.at));
+        let alerts = open_ones(pages, *number).await?;
+        let known: Option<Vec<_>> = alerts.iter().map(|alert| alert.acknowledged.as_ref()).collect();
+        let said = match (decision, known.and_then(|known| known.into_iter().max_by_key(|known| known.at.clone()))) {
+            (Some(decision), _) => Some((t.event(decision.event), decision.author.as_deref(), day(decision.at))),
+            (None, Some(known)) => Some((t.alert_acknowledged, Some(&*known.by), written_day(&known.at))),
+            (None, None) => None,
+        };
+        dealt.extend(said.map(|(what, who, at)| {
+            let who = html! { @if let Some(who) = who { " · " span translate="no" { (who) } } };
+            (*number, html! { span.quiet { (what) (who) " · " (at) } })
+        }));
+    }
+    Ok(dealt)
+}
+
+/// Overdue gyros whose place in the IMU another one has taken.
+async fn no_longer_in_it(pages: &Pages, overdue: &[DueImu]) -> Result<HashMap<Arc<str>, Vec<Arc<str>>>, Problem> {
+    let mut gone = HashMap::new();
+    for DueImu { imu, .. } in overdue {
+        let number = pages.pipeline.queries.names().imu_number(imu);
+        let Some(number) = number else { continue };
+        let before = pages.pipeline.queries.fleet.seated_in(number).await?.before.into_iter();
+        let late: Vec<Arc<str>> = before.filter(|one| one.overdue_days.is_some()).map(|one| one.serial).collect();
+        if !late.is_empty() {
+            gone.insert(imu.clone(), late);
+        }
+    }
+    Ok(gone)
 }
 
 /// The way to all, where there are more than are shown.
@@ -107,11 +157,17 @@ fn load(t: &Text, column: usize, load: Measured, status: Status) -> Markup {
     }
 }
 
-fn worse(viewer: &Viewer, list: &FirstOf<Standing>, since: UtcMicros, names: &Names<'_>) -> Markup {
+fn worse(
+    viewer: &Viewer,
+    list: &FirstOf<Standing>,
+    since: UtcMicros,
+    dealt: &HashMap<u32, Markup>,
+    names: &Names<'_>,
+) -> Markup {
     let t = viewer.text();
     let from = as_day(since);
     let title = html! { (t.worse_since) " " (day(since)) };
-    let rows = violating(viewer, list.first.iter(), names);
+    let rows = violating(viewer, list.first.iter(), dealt, names);
     let form = html! {
         form.search.no-print action="/" method="get" {
             label { (t.since_day) " " input type="date" name="since" value=(from); }
@@ -124,7 +180,13 @@ fn worse(viewer: &Viewer, list: &FirstOf<Standing>, since: UtcMicros, names: &Na
 }
 
 /// What is out of tolerance and has not changed since: the worst of the fleet, without those that are in `worse`.
-fn still_out(viewer: &Viewer, fleet: &FleetPage, worse: &FirstOf<Standing>, names: &Names<'_>) -> Markup {
+fn still_out(
+    viewer: &Viewer,
+    fleet: &FleetPage,
+    worse: &FirstOf<Standing>,
+    dealt: &HashMap<u32, Markup>,
+    names: &Names<'_>,
+) -> Markup {
     const OUT: [Status; 3] = [Status::Unconfirmed, Status::OutOfTolerance, Status::Confirmed];
     let t = viewer.text();
     let is_out = |standing: &&Standing| {
@@ -134,13 +196,18 @@ fn still_out(viewer: &Viewer, fleet: &FleetPage, worse: &FirstOf<Standing>, name
     let out: Vec<&Standing> = fleet.gyros.iter().filter(is_out).collect();
     let count: usize = OUT.map(|status| fleet.of_status[status as usize]).iter().sum();
     let above = worse.first.iter().filter(|one| one.status.is_some_and(|status| OUT.contains(&status))).count();
-    let rows = violating(viewer, out.iter().copied(), names);
+    let rows = violating(viewer, out.iter().copied(), dealt, names);
     let all = (count > out.len() + above).then(|| (t.all_of_them, "/fleet".to_owned()));
     block(&html! { (t.still_out) }, count.saturating_sub(above), t.nothing_else_out, &rows, all)
 }
 
 /// Gyros with what they violate, one a line.
-fn violating<'a>(viewer: &Viewer, gyros: impl Iterator<Item = &'a Standing>, names: &Names<'_>) -> Markup {
+fn violating<'a>(
+    viewer: &Viewer,
+    gyros: impl Iterator<Item = &'a Standing>,
+    dealt: &HashMap<u32, Markup>,
+    names: &Names<'_>,
+) -> Markup {
     let t = viewer.text();
     let ack = |serial: &str| format!("/alerts/bulk?gyro={}&back=%2F", encoded(serial));
     html! {
@@ -151,7 +218,10 @@ fn violating<'a>(viewer: &Viewer, gyros: impl Iterator<Item = &'a Standing>, nam
                 td.nowrap { @if let Some((column, largest)) = largest(standing) { (load(t, column, largest, standing.drift[column])) } }
                 td { (violated(t, &standing.violations)) }
                 td.nowrap { @if let Some(at) = standing.since { span.quiet { (t.since) " " } (day(at)) } }
-                @if viewer.may(Role::Engineer) { td.no-print { a href=(ack(&standing.serial)) { (t.acknowledge) } } }
+                td {
+                    @if let Some(dealt) = dealt.get(&standing.number) { (dealt) }
+                    @else if viewer.may(Role::Engineer) { a.no-print href=(ack(&standing.serial)) { (t.acknowledge) } }
+                }
             }
         } } } }
     }
@@ -183,14 +253,20 @@ fn approaching(t: &Text, list: &FirstOf<Standing>, names: &Names<'_>) -> Markup 
     block(&html! { (t.will_cross) }, list.of, t.nothing_crosses, &rows, all_of(t, list, address))
 }
 
-fn due(t: &Text, today: &Today, now: UtcMicros) -> Markup {
+fn due(t: &Text, today: &Today, gone: &HashMap<Arc<str>, Vec<Arc<str>>>, now: UtcMicros) -> Markup {
     let lines = |list: &FirstOf<DueImu>, is_over: bool| {
         html! {
             @for due in &list.first {
                 tr {
                     td { @if is_over { (badges::badge(t, Some(Status::Overdue))) } @else { span.quiet { (t.due_word) } } }
                     th scope="row" { a.id href={ "/imus/" (encoded(&due.imu)) } { (due.imu) } }
-                    td.nowrap { (due.gyros) " " (t.gyros) }
+                    td {
+                        span.nowrap { (due.gyros) " " (t.gyros) }
+                        @if let Some(gone) = gone.get(&due.imu).filter(|_| is_over) {
+                            " · " (t.gyros_before) (t.colon)
+                            @for serial in gone { " " a.id href={ "/gyros/" (encoded(serial)) } { (serial) } }
+                        }
+                    }
                     td.nowrap { (day(due.at)) " " span.quiet { (days_to(t, due.at, now)) } }
                 }
             }

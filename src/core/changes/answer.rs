@@ -46,12 +46,34 @@ pub enum StationForm {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Tie {
     Slope,
-    Event { event: Event, at: UtcMicros },
-    Moved { from: String, to: String, at: UtcMicros },
-    Temperature { mean_c: f64, missing: usize },
-    Station { name: Arc<str>, against: Arc<str>, form: StationForm },
+    /// A repair makes another gyro of it: a slope of its own before and after.
+    SlopeUntil(UtcMicros),
+    SlopeAfter(UtcMicros),
+    /// It began after this record.
+    SlopeSince(UtcMicros),
+    Event {
+        event: Event,
+        at: UtcMicros,
+    },
+    Moved {
+        from: String,
+        to: String,
+        at: UtcMicros,
+    },
+    Temperature {
+        mean_c: f64,
+        missing: usize,
+    },
+    Station {
+        name: Arc<str>,
+        against: Arc<str>,
+        form: StationForm,
+    },
     Proportion,
-    Instant { after: UtcMicros, before: UtcMicros },
+    Instant {
+        after: UtcMicros,
+        before: UtcMicros,
+    },
 }
 
 impl Tie {
@@ -59,8 +81,11 @@ impl Tie {
     pub fn regressor(&self, entry: &Entry, origin: UtcMicros) -> f64 {
         let years = entry.at.days_since(origin) / YEAR_DAYS;
         let since = |at: UtcMicros| f64::from(u8::from(entry.at >= at));
+        let years_after = |at: UtcMicros| entry.at.days_since(at) / YEAR_DAYS;
         match self {
             Self::Slope => years,
+            Self::SlopeUntil(repair) => years_after(*repair).min(0.0),
+            Self::SlopeAfter(began) | Self::SlopeSince(began) => years_after(*began).max(0.0),
             Self::Event { at, .. } | Self::Moved { at, .. } | Self::Instant { before: at, .. } => since(*at),
             Self::Temperature { mean_c, .. } => entry.temperature_c.map_or(0.0, |t| t - mean_c),
             Self::Station { name, .. } if *name != entry.station => 0.0,
@@ -76,6 +101,9 @@ impl Tie {
         use crate::message;
         match self {
             Self::Slope => message!("change_slope"),
+            Self::SlopeUntil(repair) => message!("change_slope_until", day = text(repair.date())),
+            Self::SlopeAfter(repair) => message!("change_slope_after", day = text(repair.date())),
+            Self::SlopeSince(began) => message!("change_slope_since", day = text(began.date())),
             Self::Event { event, at } => message!("change_event", event = event.word(), day = text(at.date())),
             Self::Moved { from, to, .. } => message!("change_moved", from = text(from), to = text(to)),
             Self::Temperature { mean_c, missing: 0 } => message!("change_temperature", mean = figure(*mean_c, 2)),

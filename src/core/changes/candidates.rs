@@ -4,12 +4,15 @@ use std::sync::Arc;
 
 use crate::core::judge::{Coefficient, Event, Mark};
 
-use super::answer::{StationForm, Tie};
+use super::answer::{StationForm, Tie, YEAR_DAYS};
 use super::series::{Row, Series};
 use super::station::Part;
 
 /// A candidate is only tried where so many records stand on either side of its change.
 const FEWEST_ON_A_SIDE: usize = 2;
+
+/// A slope that begins is only tried where so many records come after its beginning.
+const FEWEST_OF_A_SLOPE: usize = 4;
 
 /// Temperatures that vary less than this (standard deviation, K) explain nothing.
 const LEAST_TEMPERATURE_SD: f64 = 0.05;
@@ -43,7 +46,7 @@ pub(super) fn all(
     reference: usize,
     alone: &[usize],
 ) -> Vec<Candidate> {
-    let mut found = vec![ageing(series)];
+    let mut found = ageing(series, marks);
     found.extend(steps_at_events(series, marks));
     found.extend(re_mountings(series));
     found.extend(temperature(series));
@@ -51,6 +54,7 @@ pub(super) fn all(
     if coefficient == Coefficient::DO {
         found.extend(clocking(series));
     }
+    found.extend(onsets_of_ageing(series));
     found.extend(free_steps(series));
     found.retain(|candidate| {
         let first = candidate.column[0];
@@ -63,8 +67,17 @@ fn candidate(cause: &'static str, tie: Tie, unit: &'static str, column: Vec<f64>
     Candidate { cause, tie, parameter: "k", unit, column, tried: 1, part: None, missing: Vec::new(), spread: 0.0 }
 }
 
-fn ageing(series: &Series) -> Candidate {
-    candidate("ageing", Tie::Slope, "deg/(h*g0)/year", series.column(|row| row.years))
+/// One slope, or one before and one after the last repair.
+fn ageing(series: &Series, marks: &[Mark]) -> Vec<Candidate> {
+    let slope = |tie, column| candidate("ageing", tie, "deg/(h*g0)/year", column);
+    let is_within = |at| series.rows[0].at < at && series.rows.last().is_some_and(|newest| at <= newest.at);
+    let repair = marks.iter().rev().find(|mark| mark.event == Event::Repair && is_within(mark.at));
+    let Some(Mark { at, .. }) = repair else { return vec![slope(Tie::Slope, series.column(|row| row.years))] };
+    let years = |row: &Row| row.at.days_since(*at) / YEAR_DAYS;
+    vec![
+        slope(Tie::SlopeUntil(*at), series.column(|row| years(row).min(0.0))),
+        slope(Tie::SlopeAfter(*at), series.column(|row| years(row).max(0.0))),
+    ]
 }
 
 fn steps_at_events(series: &Series, marks: &[Mark]) -> Vec<Candidate> {
@@ -154,6 +167,19 @@ fn clocking(series: &Series) -> Option<Candidate> {
         parameter: "delta",
         ..candidate("clocking", Tie::Proportion, "rad", series.column(|row| row.d_s - mean))
     })
+}
+
+/// A slope that begins at a record.
+fn onsets_of_ageing(series: &Series) -> Vec<Candidate> {
+    let end = series.len().saturating_sub(FEWEST_OF_A_SLOPE);
+    let cuts = FEWEST_ON_A_SIDE - 1..end;
+    let tried = cuts.len();
+    cuts.map(|cut| {
+        let began = series.rows[cut].years;
+        let column = series.column(|row| (row.years - began).max(0.0));
+        Candidate { tried, ..candidate("ageing", Tie::SlopeSince(series.rows[cut].at), "deg/(h*g0)/year", column) }
+    })
+    .collect()
 }
 
 fn free_steps(series: &Series) -> Vec<Candidate> {

@@ -7,7 +7,7 @@
 //! | id | form | what parts it from the others |
 //! |---|---|---|
 //! | `station` | offset, drift or step of one station | **shared by the gyros of other IMUs that it measured** |
-//! | `ageing` | k t | a slope that goes on across events, stations and temperatures |
+//! | `ageing` | k t, k (t - t0) from an instant t0 on, or a slope of its own after a repair | a slope that goes on across events, stations and temperatures |
 //! | `step_at_event` | k after one recorded event | the instant is known beforehand |
 //! | `re_mounting` | k after the gyro changed IMU or slot | as above; in D_O it is the clocking of S about I |
 //! | `temperature` | k (T - mean T) | follows the recorded temperature |

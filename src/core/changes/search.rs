@@ -354,17 +354,14 @@ impl Question<'_> {
     fn together(&self, fitted: &Fitted, y: &[f64], taken: &[Candidate]) -> (Vec<(f64, f64)>, Level) {
         let (_, m) = fitted.best();
         let model = &fitted.models[m];
-        let newest = self.series.rows.last().map_or(0.0, |row| row.years);
-        let slope = taken.iter().position(|candidate| candidate.cause == "ageing");
-        let columns = |about: f64| -> Vec<Vec<f64>> {
-            std::iter::once(vec![1.0; y.len()])
-                .chain(taken.iter().enumerate().map(|(k, candidate)| {
-                    let lifted = if Some(k) == slope { about } else { 0.0 };
-                    candidate.column.iter().map(|value| value - lifted).collect()
-                }))
-                .collect()
-        };
-        let design: Vec<Vec<f64>> = columns(newest).iter().map(|column| model.whiten(column)).collect();
+        let goes_on =
+            |candidate: &&Candidate| matches!(candidate.tie, Tie::Slope | Tie::SlopeAfter(_) | Tie::SlopeSince(_));
+        let columns = taken.iter().map(|candidate| {
+            let newest = Some(candidate).filter(goes_on).and_then(|one| one.column.last().copied()).unwrap_or(0.0);
+            candidate.column.iter().map(|value| value - newest).collect()
+        });
+        let columns = std::iter::once(vec![1.0; y.len()]).chain(columns);
+        let design: Vec<Vec<f64>> = columns.map(|column| model.whiten(&column)).collect();
         let r = model.whiten(y);
         let variance = fitted.variance(fitted.squares[m]);
         let p = design.len();
@@ -376,22 +373,21 @@ impl Question<'_> {
         let covariance = inverse * variance;
         let estimates = (1..p).map(|k| (estimate[k], covariance[(k, k)].max(0.0).sqrt())).collect();
         // Steps and offsets that stand at the newest row belong to the level there.
-        let mut here = nalgebra::DVector::zeros(p);
+        let (mut here, mut slope) = (nalgebra::DVector::zeros(p), nalgebra::DVector::zeros(p));
         here[0] = 1.0;
         for (k, candidate) in taken.iter().enumerate() {
+            slope[k + 1] = f64::from(u8::from(goes_on(&candidate)));
             if matches!(candidate.cause, "step" | "step_at_event" | "re_mounting") {
                 here[k + 1] = candidate.column.last().copied().unwrap_or(0.0);
             }
         }
         let of_level = &covariance * &here;
-        let (slope_value, slope_variance, cross) =
-            slope.map_or((0.0, 0.0, 0.0), |k| (estimate[k + 1], covariance[(k + 1, k + 1)], of_level[k + 1]));
         let level = Level {
             value: self.series.mean + here.dot(&estimate),
-            slope: slope_value,
-            covariance: [here.dot(&of_level), slope_variance, cross],
+            slope: slope.dot(&estimate),
+            covariance: [here.dot(&of_level), slope.dot(&(&covariance * &slope)), slope.dot(&of_level)],
             freedom: fitted.freedom(),
-            ages: slope.is_some(),
+            ages: taken.iter().any(|candidate| goes_on(&candidate)),
         };
         (estimates, level)
     }
@@ -467,12 +463,12 @@ fn rank(candidate: &Candidate) -> u8 {
 fn rank_of_searched(candidate: &Candidate) -> Option<u8> {
     match candidate.part {
         Some(Part { form: StationForm::Drift | StationForm::Step(_), .. }) => Some(3),
-        _ => (candidate.cause == "step").then_some(2),
+        _ => (candidate.cause == "step" || matches!(candidate.tie, Tie::SlopeSince(_))).then_some(2),
     }
 }
 
 fn kinds(pool: &[Candidate]) -> usize {
-    pool.iter().filter(|candidate| rank_of_searched(candidate).is_none()).count() + 1
+    pool.iter().filter(|candidate| rank_of_searched(candidate).is_none()).count() + 2
 }
 
 /// P(T <= t) of Student's distribution.

@@ -77,6 +77,37 @@ fn ageing_is_named_with_its_slope() {
 }
 
 #[test]
+fn what_aged_before_a_repair_does_not_age_after_it() {
+    let repair = UtcMicros(14 * 30 * UtcMicros::DAY - 5);
+    let (mut before, mut after) = (0, 0);
+    for seed in 0..40 {
+        let mut gyro = Fleet::seeded(500 + seed).gyro(28);
+        change(&mut gyro, 1, |k, _| if k < 14 { -0.02 * k as f64 * 30.0 / 365.25 } else { 0.004 });
+        gyro.marks.push(Mark::of(repair, Event::Repair));
+        let budget = Budget { baseline: gyro.entries[0].d[1].value, limit: 0.01, measured_since: None };
+        let answer = super::diagnose_history(&gyro, &[], [Some(budget); 3]).swap_remove(1);
+        let ages = |tie: &Tie| answer.causes.iter().any(|one| one.cause == "ageing" && one.tie == *tie);
+        before += usize::from(ages(&Tie::SlopeUntil(repair)));
+        after += usize::from(ages(&Tie::SlopeAfter(repair)) || answer.due.is_some());
+    }
+    assert!(before >= 36, "the slope before the repair is named in {before} of 40");
+    assert!(after <= 1, "one after it in {after} of 40");
+}
+
+#[test]
+fn ageing_that_begins_late_is_no_step() {
+    let (mut right, mut wrong) = (0, 0);
+    for seed in 0..40 {
+        let mut gyro = Fleet::seeded(700 + seed).gyro(28);
+        change(&mut gyro, 0, |k, _| 0.02 * (k as f64 - 17.0).max(0.0) * 30.0 / 365.25);
+        let answer = of(&gyro, &[], Coefficient::DI);
+        right += usize::from(answer.causes.iter().any(|one| one.class.contains(&"ageing")));
+        wrong += usize::from(answer.causes.iter().any(|one| one.class == ["step"]));
+    }
+    assert!(right >= 36 && wrong <= 2, "ageing is among what is named in {right} of 40, a step alone in {wrong}");
+}
+
+#[test]
 fn a_jump_at_a_transport_is_tied_to_it_and_one_without_an_event_is_only_a_step() {
     let mut gyro = Fleet::seeded(2).gyro(24);
     change(&mut gyro, 1, |k, _| if k >= 11 { 0.02 } else { 0.0 });

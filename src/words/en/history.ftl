@@ -14,6 +14,9 @@ cause_step = step without a recorded event
 ## What a cause is tied to
 
 change_slope = a steady slope
+change_slope_until = a steady slope until the repair on { $day }
+change_slope_after = a steady slope since the repair on { $day }
+change_slope_since = a steady slope since { $day }
 change_event = { $event } on { $day }
 change_moved = from { $from } to { $to }
 change_temperature = about { $mean } degrees Celsius

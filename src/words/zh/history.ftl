@@ -14,6 +14,9 @@ cause_step = 无事件记录的阶跃
 ## 原因的依据
 
 change_slope = 持续斜率
+change_slope_until = { $day }修理之前的持续斜率
+change_slope_after = { $day }修理之后的持续斜率
+change_slope_since = { $day }起的持续斜率
 change_event = { $day }的{ $event }
 change_moved = 由{ $from }移至{ $to }
 change_temperature = 以{ $mean }摄氏度为中心

@@ -99,13 +99,14 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
     if event.is_none() {
         faults.push("event", message!("event_needed"));
     }
+    let mut of_time = Faults::default();
     let at = match said.at.trim() {
         "" => pages.clock.now(),
-        at => text::instant("at", at, &mut faults),
+        at => text::instant("at", at, &mut of_time),
     };
-    if let Err(impossible) = pages.pipeline.reader.check_time("at", at) {
-        faults.absorb("", impossible);
-    }
+    // What cannot be read is no time that could be impossible.
+    let of_time = of_time.or(()).and_then(|()| pages.pipeline.reader.check_time("at", at));
+    of_time.unwrap_or_else(|of_time| faults.absorb("", of_time));
     let filled = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
     let test = event.map(|event| read_test(event, at, (filled(&said.to), filled(&said.kind)), &mut faults));
     let Some((event, (until, test))) = event.zip(test).filter(|_| faults.is_empty()) else {

@@ -8,7 +8,7 @@ use super::gyro::Facts;
 use super::gyro_attributes;
 use super::history::seat;
 use super::history_plot::{budgets, epoch_of};
-use super::layout::{DRIFTS, encoded, instant, symbol};
+use super::layout::{DRIFTS, day, encoded, instant, symbol};
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::config::JudgedMethod;
@@ -133,6 +133,7 @@ pub(super) fn head(
                 " · " (t.station) " " (names.station(figures.station))
                 " · " (t.calibrated) " " (instant(figures.at))
             }
+            (another_life(t, facts, names))
         } @else {
             p.lead { (t.never_calibrated) }
         }
@@ -153,6 +154,22 @@ pub(super) fn loads(t: &Text, stands: &[Stand]) -> Markup {
                 } }
                 tbody { @for stand in stands { (load_row(t, stand)) } }
             } }
+        }
+    }
+}
+
+/// When it was repaired or moved last: what was before says little of it.
+fn another_life(t: &Text, facts: &Facts, names: &Names<'_>) -> Markup {
+    let repair = facts.course.events.iter().rev().find(|one| one.event == Event::Repair);
+    let pairs = facts.course.figures.windows(2).rev();
+    let moved = pairs.map(|pair| (&pair[0], &pair[1])).find(|(from, to)| (from.imu, from.slot) != (to.imu, to.slot));
+    html! {
+        @if repair.is_some() || moved.is_some() {
+            p.note {
+                @if let Some(repair) = repair { (t.event(Event::Repair)) " " (day(repair.at)) }
+                @if repair.is_some() && moved.is_some() { " · " }
+                @if let Some((from, to)) = moved { (t.moved) " " (day(to.at)) ": " (seat(from, names)) " → " (seat(to, names)) }
+            }
         }
     }
 }

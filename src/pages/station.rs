@@ -35,7 +35,8 @@ async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Probl
         h1 { (t.station) " " (name) }
         p.lead {
             (t.last_seen) " " (instant(figures.last)) " · " (figures.records) " " (t.calibrations_seen)
-            " · " (figures.gyros) " " (t.gyros) " · " (figures.imus) " " (t.imu)
+            " · " (figures.gyros) " " (t.gyros)
+            @if figures.imus > 0 { " · " (figures.imus) " " (t.imu) }
             " · " (overdue) " " (t.overdue_gyros)
             " · " a href={ "/fleet?station=" (encoded(name)) } { (t.gyros) }
             " · " a href={ "/v1/stations/" (encoded(name)) } { "JSON" }

@@ -109,18 +109,20 @@ fn row(viewer: &Viewer, said: &Said, alert: Option<&AlertBody>, here: Option<&st
     let (t, VerdictBody { value, limit, sd, .. }) = (viewer.text(), &said.body);
     let (rule, coefficient) = (Rule::from_name(&said.body.rule), Coefficient::from_name(&said.body.coefficient));
     let (p, unit) = (digits(*limit), rule.zip(coefficient).map(|(rule, coefficient)| rule.unit(coefficient)));
-    let bounded = rule.is_some_and(|rule| rule != Rule::Requirement);
+    // The bounds of a requirement are two; and where no trend is established, no line leads anywhere.
+    let no_trend = rule == Some(Rule::Trend) && said.status() == Status::InTolerance;
+    let bounded = rule.is_some_and(|rule| rule != Rule::Requirement) && !no_trend;
     html! {
         tr {
             td { (status::badge(t, Some(said.status()))) }
             th.words scope="row" {
                 details.why {
                     summary { (symbol(&said.body.coefficient)) " " (rule.map_or("", |rule| t.rule(rule))) }
-                    p { (said.reason(viewer.language)) @if let Some(unit) = unit { (figures(t, said, unit)) } }
+                    p { (said.reason(viewer.language)) @if let Some(unit) = unit.filter(|_| !no_trend) { (figures(t, said, unit)) } }
                 }
             }
             td.n data-label=(t.value) {
-                @if let Some(value) = value {
+                @if let Some(value) = value.filter(|_| !no_trend) {
                     (format!("{value:.p$}"))
                     @if let Some(sd) = sd { " ± " (format!("{:.*}", sd_digits(*sd, *limit), sd)) }
                 }

@@ -31,10 +31,11 @@ pub enum Kind {
     NoisyStation,
     LoneImuMoved,
     Wanders,
+    AgeingLate,
 }
 
 impl Kind {
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Nothing,
         Self::Ageing,
         Self::StepAtEvent,
@@ -52,6 +53,7 @@ impl Kind {
         Self::NoisyStation,
         Self::LoneImuMoved,
         Self::Wanders,
+        Self::AgeingLate,
     ];
 
     pub fn name(self) -> &'static str {
@@ -73,6 +75,7 @@ impl Kind {
             Self::NoisyStation => "noisy_station",
             Self::LoneImuMoved => "lone_imu_moved",
             Self::Wanders => "wanders",
+            Self::AgeingLate => "ageing_late",
         }
     }
 
@@ -193,6 +196,7 @@ impl Draw {
                         Kind::Clocking => own * clocking * spin,
                         Kind::AgeingAndStation => own * slope * occasion.years + offset * there,
                         Kind::Wanders => own * walk[k],
+                        Kind::AgeingLate => own * slope * span / (span - instant) * (occasion.years - instant).max(0.0),
                     };
                     let more = if occasion.station == 1 { noisy } else { 1.0 };
                     let mut d = [0, 1, 2].map(|c| level[c] + sigma * more * self.normal());
@@ -220,7 +224,7 @@ impl Draw {
         self.finish(kind, &mut gyros, asked, instant);
         let truth: Vec<&'static str> = match kind {
             Kind::Nothing | Kind::Wanders => vec![],
-            Kind::Ageing | Kind::NoisyStation => vec!["ageing"],
+            Kind::Ageing | Kind::NoisyStation | Kind::AgeingLate => vec!["ageing"],
             Kind::StepAtEvent => vec!["step_at_event"],
             Kind::Step | Kind::StepAtStationChange => vec!["step"],
             Kind::Temperature | Kind::TemperatureMissing => vec!["temperature"],

@@ -587,7 +587,7 @@ catalogue! {
     confirm_short: "Confirm", "确定";
     what_became: "What became of it", "经过";
     what_word: "What", "事项";
-    told_word: "Hooks told", "已通知";
+    told_word: "For hooks", "供通知";
     told_yes: "yes", "是";
     step_fires: "fires", "触发";
     step_escalates: "confirmed by a second campaign", "经第二次标定证实";

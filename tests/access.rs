@@ -87,7 +87,7 @@ const STATIONS: [&str; 7] = [
     "POST /import/preview",
     "POST /import/store",
 ];
-const MODELLERS: [&str; 1] = ["POST /v1/imus/{imu}/model"];
+const MODELLERS: [&str; 3] = ["POST /v1/imus/{imu}/model", "POST /v1/hypotheses", "DELETE /v1/hypotheses/{id}"];
 const ADMINS: [&str; 12] = [
     "GET /hooks/new",
     "GET /hooks/{id}/delete",

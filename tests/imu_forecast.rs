@@ -11,7 +11,7 @@ use gyrowatch::core::calibrate::outcome::{Outcome, evaluate_with};
 use gyrowatch::core::campaign::Campaign;
 use gyrowatch::core::effects::{Effect, Shape};
 use gyrowatch::core::imu_model::{
-    Identified, NoForecast, NotIdentified, Sample, changed, compare, identify, ladder, named, promised,
+    Identified, NoForecast, NotIdentified, Sample, changed, compare, identify, ladder, most_telling, named, promised,
 };
 use gyrowatch::core::model::Term;
 use gyrowatch::core::mounting::Slot;
@@ -197,11 +197,45 @@ fn campaigns_that_are_not_of_one_imu_make_no_model_and_other_campaigns_have_no_f
     let codes: Vec<&str> = found.forecast.notes.iter().map(|note| note.code.as_ref()).collect();
     assert_eq!(found.gyros.len(), 2);
     assert!(codes.contains(&"gyro_exchanged_since") && codes.contains(&"ageing_unknown"), "{codes:?}");
+    let turned = with(&|c| c.geometry = gyrowatch::core::mounting::Geometry::Orthogonal);
+    assert_eq!(compare(&model, &turned).unwrap_err(), NoForecast::OtherGeometry);
+    assert_eq!(of_both(&turned), NotIdentified::OtherGeometry);
+    let strangers = with(&|c| c.gyros.iter_mut().enumerate().for_each(|(k, g)| g.serial = name(&format!("NEW-{k}"))));
+    assert_eq!(compare(&model, &strangers).unwrap_err(), NoForecast::NoGyro);
+    // In any order campaigns are the same model; one that is older than the model is foretold with a note.
+    let (ab, ba) = ([sample(&first), sample(&next)], [sample(&next), sample(&first)]);
+    let [ab, ba] = [ab, ba].map(|samples| identify(&samples, &temperature_g()).unwrap());
+    assert_eq!((&ab.campaigns, ab.measured_at), (&ba.campaigns, ba.measured_at));
+    assert!((ab.values() - ba.values()).amax() < 1e-9, "the last digits alone");
+    let earlier = with(&|c| c.measured_at = first.measured_at.plus_days(-40.0));
+    let notes = compare(&model, &earlier).unwrap().forecast.notes;
+    assert!(notes.iter().any(|note| note.code == "campaign_before_model"), "{notes:?}");
     let blind = with(&|c| c.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None));
     let notes = compare(&model, &blind).unwrap().forecast.notes;
     assert!(notes.iter().any(|note| note.code == "effect_not_foretold"), "{notes:?}");
     let warm = compare(&model, &campaign(3, 3, 49.0, 1.0)).unwrap().forecast.notes;
     assert!(warm.iter().any(|note| note.code == "temperature_outside_model"), "{warm:?}");
+}
+
+#[test]
+fn the_dwells_to_measure_next_are_those_that_the_model_knows_least_of() {
+    // A model of the static half knows nothing of rates: what it does not know, dwells at rate tell.
+    let whole = campaign(1, 1, NOMINAL_C, 1.0);
+    let is_static = |dwell: &gyrowatch::core::campaign::Dwell| dwell.rate_arcsec_s.norm() < 20.0;
+    let mut half = whole.clone();
+    half.dwells.retain(is_static);
+    let asked = Scenario { seed: 2, gyros: gyros(), ..Scenario::default() };
+    let next = simulate(&asked).unwrap().campaign;
+    let knows_half = identify(&[sample(&half)], &AugmentedModel::default()).unwrap();
+    let knows_all = identify(&[sample(&whole)], &AugmentedModel::default()).unwrap();
+    let told = most_telling(&knows_half, &next, 6).unwrap();
+    let of_all = most_telling(&knows_all, &next, 6).unwrap();
+    assert_eq!(told.len(), 6);
+    assert!(told[..3].iter().all(|one| !is_static(&next.dwells[one.dwell])), "{told:?}");
+    assert!(told[0].information > 3.0 * of_all[0].information, "{told:?} {of_all:?}");
+    assert!(told.windows(2).all(|pair| pair[0].information >= pair[1].information - 1e-9), "each beside those before");
+    let dwells: std::collections::BTreeSet<usize> = told.iter().map(|one| one.dwell).collect();
+    assert_eq!(dwells.len(), 6, "no dwell twice");
 }
 
 fn written(dir: &Path, name: &str, campaign: &Campaign) -> PathBuf {
@@ -255,6 +289,7 @@ fn the_command_line_fits_foretells_climbs_the_ladder_and_simulates_this_imu() {
     let scenario = path("tomorrow.toml");
     std::fs::write(&scenario, "measured_at = \"2026-09-01T08:00:00Z\"\n[temperature]\nmean_c = 47.0\n").unwrap();
     let told: Value = serde_json::from_str(&ran(&["predict", &model, &scenario, "--format", "json"])).unwrap();
+    assert_eq!(told["next_dwells"].as_array().unwrap().len(), 8);
     assert!(told["compared"].is_null() && told["promised"]["closure"].as_f64().unwrap() > 0.8, "{}", told["promised"]);
     let mut z = Vec::new();
     for seed in ["3", "4", "5"] {
@@ -347,4 +382,115 @@ async fn the_service_foretells_each_campaign_by_the_model_in_force_when_it_came_
     lab.get("/v1/imus/IMU-07/forecast?limit=0").await.refused(400);
     let diagnosis = lab.diagnosis(stored["id"].as_str().unwrap()).await.ok();
     assert_eq!(diagnosis["effects_against_model"]["effects"][0]["changed"], false, "{diagnosis}");
+
+    // Made by itself, and kept with the diagnosis: the series answers what was kept.
+    assert_eq!(diagnosis["forecast"], points[2], "{diagnosis}");
+    let kept = lab.get("/v1/imus/IMU-07/forecast").await.ok();
+    assert_eq!((&kept["points"], &kept["latest"]), (&series["points"], &series["latest"]));
+    let summary = lab.get("/v1/diagnoses/summary").await.ok();
+    assert_eq!(summary["outside_forecast"], json!([]), "the one before knew nothing of ageing: no finding");
+
+    // G1 has moved by itself: that is none of the model's.
+    let mut moved = campaign(4, 4, NOMINAL_C + 3.0, 1.0);
+    moved.dwells.iter_mut().for_each(|dwell| dwell.output_pulse_s[1] += 0.02 * dwell.specific_force_g0.x);
+    let last = lab.post("/v1/campaigns", &document(&moved)).await.created();
+    let diagnosis = lab.diagnosis(last["id"].as_str().unwrap()).await.ok();
+    assert_eq!(diagnosis["forecast"]["compared"]["state"], "outside");
+    let codes: Vec<&Value> = diagnosis["note_codes"].as_array().unwrap().iter().map(|note| &note["code"]).collect();
+    assert!(codes.contains(&&json!("campaign_outside_forecast")), "{codes:?}");
+    let summary = lab.get("/v1/diagnoses/summary").await.ok();
+    let outside = summary["outside_forecast"].as_array().unwrap();
+    assert_eq!((outside.len(), &outside[0]["campaign"]["campaign"]), (1, &last["id"]));
+    assert!(outside[0]["rms_over_sd"].as_f64().unwrap() > 1.3, "{outside:?}");
+}
+
+/// The D_I of a gyro as the trend has it, oldest first, with its standard deviation.
+async fn d_i(lab: &Lab, serial: &str) -> Vec<[f64; 2]> {
+    let points = lab.sees_trend(serial, "coefficient=D_I").await;
+    points.iter().map(|point| ["value", "sd"].map(|member| point[member].as_f64().unwrap())).collect()
+}
+
+/// By how many standard deviations two values differ.
+fn step([one, one_sd]: [f64; 2], [other, other_sd]: [f64; 2]) -> f64 {
+    (one - other).abs() / one_sd.hypot(other_sd)
+}
+
+#[tokio::test]
+async fn an_adoption_states_the_stored_campaigns_at_its_temperature_and_its_undoing_as_they_were() {
+    let mut lab = Lab::open().await;
+    let document = |campaign: &Campaign| -> Value { serde_json::from_str(&wire::campaign::to_json(campaign)).unwrap() };
+    let firing = async |lab: &Lab| -> Vec<Value> {
+        let alerts = lab.get("/v1/alerts?state=firing&serial=LFG-0").await.ok();
+        let mut rules: Vec<Value> =
+            alerts["alerts"].as_array().unwrap().iter().map(|alert| alert["rule"].clone()).collect();
+        rules.sort_by_key(ToString::to_string);
+        rules
+    };
+    // Six kelvin warmer D_I of G1 is 0.018 larger: beyond its limit.
+    let campaigns: Vec<Campaign> =
+        (1..=4).map(|k| campaign(u64::from(k), k, NOMINAL_C + if k < 3 { 0.0 } else { 6.0 }, 1.0)).collect();
+    let mut stored = Vec::new();
+    for campaign in &campaigns {
+        stored.push(lab.post("/v1/campaigns", &document(campaign)).await.created());
+    }
+    let before = d_i(&lab, "LFG-0").await;
+    assert!(before[2][0] - before[0][0] > 0.015 && step(before[2], before[0]) > 20.0, "{before:?}");
+    let fired = firing(&lab).await;
+    assert!(!fired.is_empty());
+    let unmoved = d_i(&lab, "LFG-1").await;
+
+    let file = model(&[&campaigns[0]]).into_model(&temperature_g());
+    let mut body: Value = serde_json::from_str(&wire::model::to_json(&file)).unwrap();
+    body["author"] = "M. Adopter".into();
+    body["reason"] = "D_I follows temperature".into();
+    let mut other = body.clone();
+    other["identified"]["imu"] = "IMU-99".into();
+    assert_eq!(lab.post("/v1/imus/IMU-07/model", &other).await.refused(422), ["/identified/imu"]);
+    let adopted = lab.post("/v1/imus/IMU-07/model", &body).await.created();
+    assert_eq!(adopted["campaigns"], 4, "all are stated with it");
+
+    let now = d_i(&lab, "LFG-0").await;
+    assert!(step(now[2], now[0]) < 3.0 && step(now[3], now[1]) < 3.0, "{now:?}");
+    for (now, then) in d_i(&lab, "LFG-1").await.iter().zip(&unmoved) {
+        assert!((now[0] - then[0]).abs() < 1e-3, "no effect of its own: {now:?} {then:?}");
+    }
+    assert_eq!(firing(&lab).await, [] as [Value; 0], "the step was the temperature");
+    // What is said of an alert that ends so is who adopted, and why.
+    let alert = &lab.get("/v1/alerts?state=resolved&serial=LFG-0").await.ok()["alerts"][0];
+    let steps = lab.get(&format!("/v1/alerts/{}", alert["id"].as_str().unwrap())).await.ok()["history"].to_string();
+    assert!(steps.contains("M. Adopter") && steps.contains("D_I follows temperature"), "{steps}");
+
+    // The value as measured stands beside it, and everything that is stored agrees with what is computed anew.
+    let third = lab.get(&format!("/v1/campaigns/{}", stored[2]["id"].as_str().unwrap())).await.ok();
+    assert_eq!(third["imu_model"], adopted["id"]);
+    let own = &third["separations"][0]["as_measured"];
+    assert!((own["d_i"]["value"].as_f64().unwrap() - before[2][0]).abs() < 0.003, "{own}");
+    assert!((own["temperature_c"].as_f64().unwrap() - 51.0).abs() < 1.0, "{own}");
+    let verified = lab.verified().await;
+    assert!(verified.faults.is_empty(), "{:?}", verified.faults);
+    assert_eq!(verified.not_compared, 0);
+
+    lab.restart().await;
+    assert_eq!(d_i(&lab, "LFG-0").await, now);
+    // A late campaign is judged among those that are stated anew.
+    let late = lab.post("/v1/campaigns", &at(document(&campaign(9, 5, NOMINAL_C, 1.0)), "2026-01-15T08:00:00Z")).await;
+    assert_eq!(late.created()["imu_model"], adopted["id"]);
+
+    let plain = json!({"terms": [], "effects": [], "author": "M. Adopter", "reason": "the gyro was exchanged"});
+    let undone = lab.post("/v1/imus/IMU-07/model", &plain).await.created();
+    assert_eq!(undone["campaigns"], 5);
+    let again = d_i(&lab, "LFG-0").await;
+    assert_eq!([again[0], again[2], again[3], again[4]], before[..], "to the last bit");
+    // What the newest calibration violates fires again; the step into it is the past.
+    let lasting = |rules: Vec<Value>| rules.into_iter().filter(|rule| *rule != "step").collect::<Vec<_>>();
+    assert_eq!(lasting(firing(&lab).await), lasting(fired));
+    let verified = lab.verified().await;
+    assert!(verified.faults.is_empty(), "{:?}", verified.faults);
+    let history = lab.get("/v1/imus/IMU-07/model").await.ok()["history"].clone();
+    assert_eq!((&history[0]["campaigns"], &history[1]["campaigns"]), (&json!(5), &json!(0)));
+}
+
+fn at(mut campaign: Value, measured_at: &str) -> Value {
+    campaign["measured_at"] = measured_at.into();
+    campaign
 }

@@ -5,7 +5,8 @@ mod lab;
 
 use serde_json::{Value, json};
 
-use lab::Lab;
+use lab::{Answer, Lab};
+use reqwest::Method;
 
 /// A practice campaign with `temperature_bias` in it.
 fn campaign() -> Value {
@@ -54,9 +55,11 @@ async fn an_adopted_model_is_used_by_the_later_campaigns_and_undone_by_an_empty_
     let adopted = lab.post(&path, &adoption(temperature_bias())).await.created();
     assert_eq!(adopted["author"], "M. Adopter");
     assert_eq!(lab.post(&path, &adoption(temperature_bias())).await.ok()["id"], adopted["id"], "the same again");
-    // What is stored stays as it was fitted; its diagnosis is against the model in force.
+    // What is stored is stated with the model in force; its diagnosis is against it, too.
+    assert_eq!(adopted["campaigns"], 1);
     let again = lab.get(&format!("/v1/campaigns/{}", first["id"].as_str().unwrap())).await.ok();
-    assert_eq!(again["separations"], first["separations"]);
+    assert_eq!(again["imu_model"], adopted["id"]);
+    assert_ne!(again["separations"], first["separations"]);
     let against = diagnosis(&lab, &first).await;
     assert_eq!(against["model"]["effects"][0]["effect"], "temperature_bias");
     assert_eq!(against["verdict"], "no_gap", "{against}");
@@ -64,7 +67,7 @@ async fn an_adopted_model_is_used_by_the_later_campaigns_and_undone_by_an_empty_
     let second = lab.post("/v1/campaigns", &at(sent.clone(), "2026-05-01T08:00:00Z")).await.created();
     assert_eq!(second["imu_model"], adopted["id"]);
     assert_eq!(second["calibration"]["effects"], json!(["temperature_bias"]));
-    assert_ne!(second["separations"], first["separations"]);
+    assert_eq!(second["separations"], again["separations"], "the same dwells, the same model");
 
     lab.restart().await;
     let stored = lab.get(&format!("/v1/campaigns/{}", second["id"].as_str().unwrap())).await.ok();
@@ -81,6 +84,9 @@ async fn an_adopted_model_is_used_by_the_later_campaigns_and_undone_by_an_empty_
     assert_eq!((&shown["model"]["terms"], &shown["model"]["effects"]), (&json!([]), &json!([])));
     assert_eq!(shown["history"].as_array().unwrap().len(), 2);
     assert_eq!(diagnosis(&lab, &first).await, plain);
+    let as_it_was = lab.get(&format!("/v1/campaigns/{}", first["id"].as_str().unwrap())).await.ok();
+    assert_eq!(as_it_was["separations"], first["separations"]);
+    assert!(lab.verified().await.faults.is_empty());
     let third = lab.post("/v1/campaigns", &at(sent, "2026-06-01T08:00:00Z")).await.created();
     assert_eq!(third["separations"], first["separations"]);
     assert_eq!(third["calibration"]["effects"], Value::Null);
@@ -140,4 +146,79 @@ async fn a_stored_campaign_is_diagnosed_without_anybody_asking_and_ingest_does_n
         }
         assert_eq!(named(&answer.ok()), ["temperature_bias"]);
     }
+}
+
+fn hypothesis(id: &str, equation: &str, unit: &str) -> Value {
+    let hypothesis = json!({"id": id, "words": "mine", "equation": equation, "unit": unit, "plausible": 50.0});
+    json!({"hypothesis": hypothesis, "author": "M. Asker", "reason": "seen on the bench"})
+}
+
+#[tokio::test]
+async fn a_stored_hypothesis_competes_in_the_diagnoses_made_from_then_on_until_it_is_taken_out() {
+    let mut lab = Lab::open().await;
+    let first = lab.post("/v1/campaigns", &campaign()).await.created();
+    assert!(diagnosis(&lab, &first).await.get("hypotheses").is_none());
+
+    let twin = hypothesis("own_bias", "k * T", "deg/h/K");
+    let added = lab.post("/v1/hypotheses", &twin).await;
+    assert_eq!(added.header("location"), "/v1/hypotheses/own_bias");
+    assert_eq!(added.created()["hypothesis"]["equation"], "k * T");
+    assert_eq!(lab.post("/v1/hypotheses", &twin).await.ok()["author"], "M. Asker", "the same again");
+    // It says what an entry says: both are one class. What was made without it is made anew.
+    let class = |diagnosis: &Value| diagnosis["effects"][0]["class"].clone();
+    let with = diagnosis(&lab, &first).await;
+    assert!(class(&with).as_array().unwrap().contains(&json!("own_bias")), "{with}");
+    let second = lab.post("/v1/campaigns", &at(campaign(), "2026-05-01T08:00:00Z")).await.created();
+    assert_eq!(diagnosis(&lab, &second).await["hypotheses"][0]["id"], "own_bias");
+
+    lab.restart().await;
+    assert_eq!(lab.get("/v1/hypotheses").await.ok()["hypotheses"][0]["hypothesis"]["id"], "own_bias");
+    let trail = lab.get("/v1/audit").await.ok().to_string();
+    assert!(trail.contains("add hypothesis") && trail.contains("hypotheses/own_bias"), "{trail}");
+
+    let gone = Answer::of(lab.request(Method::DELETE, "/v1/hypotheses/own_bias")).await;
+    assert_eq!(gone.status, 204, "{}", gone.text);
+    assert_eq!(lab.get("/v1/hypotheses").await.ok(), json!({"hypotheses": []}));
+    assert!(diagnosis(&lab, &second).await.get("hypotheses").is_none());
+    let gone = Answer::of(lab.request(Method::DELETE, "/v1/hypotheses/own_bias")).await;
+    assert_eq!(gone.refused(404), [] as [String; 0]);
+}
+
+#[tokio::test]
+async fn a_hypothesis_that_makes_no_sense_is_refused_by_its_place() {
+    let lab = Lab::open().await;
+    let endless = vec!["k * T"; 100_000].join(" + ");
+    let place = "/hypothesis/equation";
+    for (equation, unit, pointer) in [
+        ("k * Q * T", "deg/h/K", place),
+        ("k * T / 0", "deg/h/K", place),
+        ("k * T * w_I", "deg/h/K", place),
+        (endless.as_str(), "deg/h/K", place),
+        ("k * T", "volts", "/hypothesis/unit"),
+    ] {
+        let found = lab.post("/v1/hypotheses", &hypothesis("wrong", equation, unit)).await.refused(422);
+        assert_eq!(found, [pointer], "{}", &equation[..equation.len().min(20)]);
+    }
+    let mut nobody = hypothesis("one", "k * T", "deg/h/K");
+    nobody["author"] = " ".into();
+    assert_eq!(lab.post("/v1/hypotheses", &nobody).await.refused(422), ["/author"]);
+    lab.post("/v1/hypotheses", &hypothesis("one", "k * T", "deg/h/K")).await.created();
+    lab.post("/v1/hypotheses", &hypothesis("one", "k * a_S * T", "deg/(h g0 K)")).await.refused(409);
+    lab.post("/v1/hypotheses", &hypothesis("warmup", "k * T", "deg/h/K")).await.refused(422);
+    for number in 1..16 {
+        let one = hypothesis(&format!("h{number}"), "k * a_S * t", "deg/(h^2 g0)");
+        lab.post("/v1/hypotheses", &one).await.created();
+    }
+    lab.post("/v1/hypotheses", &hypothesis("one_more", "k * T", "deg/h/K")).await.refused(409);
+}
+
+#[tokio::test]
+async fn an_equation_without_a_value_in_a_campaign_is_said_and_the_rest_is_diagnosed() {
+    let lab = Lab::open().await;
+    lab.post("/v1/hypotheses", &hypothesis("pole", "k / (w_I - w_I)", "deg^2/h^2")).await.created();
+    let stored = lab.post("/v1/campaigns", &campaign()).await.created();
+    let found = diagnosis(&lab, &stored).await;
+    assert_eq!(named(&found), ["temperature_bias"]);
+    let said = found["not_identifiable"].as_array().unwrap().iter().find(|one| one["effect"] == "pole");
+    assert!(said.is_some_and(|one| one["reason"].as_str().unwrap().contains("no finite value")), "{said:?}");
 }

@@ -121,6 +121,8 @@ fn the_blind_check_says_what_size_a_design_would_find() {
     let (small, large) = (rows[0]["size"].as_f64().unwrap(), rows[1]["size"].as_f64().unwrap());
     assert!(small > 0.0 && large > 5.0 * small);
     assert_eq!(report["found_from"].as_f64(), Some(large));
+    // 6 of 6 may be 61 % (Wilson): nothing that shows 95 %.
+    assert!(report["surely_from"].is_null(), "{report}");
     assert_eq!(report["clean"]["trials"], 6);
     assert!(report["errors"].as_array().unwrap().is_empty());
 }

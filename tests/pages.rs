@@ -306,6 +306,40 @@ async fn a_campaign_its_imu_and_its_diagnosis_are_shown_from_what_was_sent() {
 }
 
 #[tokio::test]
+async fn an_imu_shows_its_models_and_how_its_campaigns_came_out_as_foretold() {
+    let server = Server::start().await;
+    let mut campaign: Value = serde_json::from_str(&support::data("practice/campaign-02.json")).unwrap();
+    // Two earlier campaigns tell of ageing; in the last one a gyro is another.
+    for (day, added) in [("2026-05-01", 0.0), ("2026-05-08", 0.0), ("2026-05-15", 0.05)] {
+        campaign["measured_at"] = format!("{day}T08:00:00Z").into();
+        for dwell in campaign["dwells"].as_array_mut().unwrap() {
+            let output = dwell["output_pulse_s"][0].as_f64().unwrap();
+            let force = dwell["specific_force_g0"][0].as_f64().unwrap();
+            dwell["output_pulse_s"][0] = (output + added * force).into();
+        }
+        let stored = server.post_json("/v1/campaigns", &campaign).await.json();
+        let diagnosis = format!("/v1/campaigns/{}/diagnosis", stored["id"].as_str().unwrap());
+        while server.get(&diagnosis).await.status == 202 {}
+    }
+    let imu = page(&server, "/imus/IMU-9002", &[]).await;
+    for there in
+        ["id=\"forecasts\"", "as foretold", "<strong>outside its forecast</strong>", "Model (6)", "no earlier campaign"]
+    {
+        assert!(imu.contains(there), "{there} is not in {imu}");
+    }
+    assert_eq!(imu.matches("<figure class=\"chart\"").count(), 1, "the forecast error over time");
+    assert!(!imu.contains("id=\"models\""));
+    let today = page(&server, "/?since=2026-05-10", &[]).await;
+    assert!(place(&today, "Outside their forecast") < place(&today, "/imus/IMU-9002#forecasts"), "{today}");
+    assert!(!page(&server, "/?since=2026-05-16", &[]).await.contains("Outside their forecast"));
+    let adoption = json!({"effects": [{"effect": "temperature_bias", "gyros": ["G1", "G2", "G3"], "estimates": []}],
+        "author": "M. Adopter", "reason": "it closes the gap"});
+    assert_eq!(server.post_json("/v1/imus/IMU-9002/model", &adoption).await.status, 201);
+    let imu = page(&server, "/imus/IMU-9002", &[("accept-language", "zh")]).await;
+    assert!(imu.contains("id=\"models\"") && imu.contains("M. Adopter") && imu.contains("现用"), "{imu}");
+}
+
+#[tokio::test]
 async fn a_record_is_shown_with_what_was_separated_from_it() {
     let server = Server::start_with(&[("GYROWATCH_JUDGING__REQUIREMENTS", "true")]).await;
     let answer = server.post("/v1/records", "application/json", support::data("paper.json")).await.json();

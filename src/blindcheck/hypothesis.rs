@@ -34,6 +34,8 @@ pub struct HypothesisReport {
     pub hidden: Vec<HiddenRow>,
     /// The smallest size at which, and at all larger ones, it was named in 95 %; none where no size reached that.
     pub found_from: Option<f64>,
+    /// The same with the lower end of Wilson's interval: that it is named in 95 % is shown; none where it is not.
+    pub surely_from: Option<f64>,
     /// Campaigns that were not answered, and why.
     pub errors: Vec<String>,
 }
@@ -104,13 +106,17 @@ pub fn hypothesis(
     }
     rows.sort_by(|a, b| a.detectability.total_cmp(&b.detectability));
     let answers = || clean.iter().filter_map(|outcome| outcome.answer.as_ref().ok());
-    let reached = rows.iter().rev().take_while(|row| row.named.rate().is_some_and(|rate| rate >= FOUND));
+    let from = |share: &dyn Fn(&Tally) -> Option<f64>| {
+        let reached = rows.iter().rev().take_while(|row| share(&row.named).is_some_and(|share| share >= FOUND));
+        reached.last().map(|row| row.size)
+    };
     Ok(HypothesisReport {
         hypothesis: effect.id().to_owned(),
         unit: effect.entry().unit.to_owned(),
         clean: Tally::of(answers().map(|answer| names(answer, effect.id()))),
         clean_anything: Tally::of(answers().map(|answer| !answer.effects.is_empty())),
-        found_from: reached.last().map(|row| row.size),
+        found_from: from(&Tally::rate),
+        surely_from: from(&|named| named.interval().map(|[low, _]| low)),
         hidden: rows,
         errors,
     })

@@ -112,6 +112,9 @@ fn kinds(name: &str) -> Result<&'static str, String> {
 /// Campaigns that are drawn where no number is given.
 const COUNT: usize = 1000;
 
+/// Hits without a miss whose interval (Wilson's) reaches 95 %: n/(n + 1.96^2) >= 0.95.
+const SHOWS: usize = 73;
+
 /// Every kind.
 const ALL: &str = "all";
 
@@ -349,9 +352,21 @@ fn hypothesis_tables(report: &HypothesisReport) -> String {
             row.something_else.hits.to_string(),
         ]);
     }
-    let found = match report.found_from {
-        Some(size) => format!("found in {} from {size:.1e} {} on", percent(FOUND), report.unit),
-        None => format!("no size of these was found in {}: ask for larger d", percent(FOUND)),
+    let (share, unit) = (percent(FOUND), &report.unit);
+    let found = match (report.found_from, report.surely_from) {
+        (None, _) => format!("no size of these was named in {share}: ask for larger d"),
+        (Some(size), Some(surely)) if surely <= size => format!("named in {share} from {size:.1e} {unit} on"),
+        (Some(size), Some(surely)) => {
+            format!("named in {share} from {size:.1e} {unit} on, shown from {surely:.1e} on")
+        }
+        (Some(size), None) => {
+            let row = report.hidden.iter().find(|row| row.size >= size);
+            let [hits, trials, _, interval] = row.map(|row| figures(&row.named)).unwrap_or_default();
+            format!(
+                "named in {hits} of {trials} from {size:.1e} {unit} on; that is {interval} (95 % interval) and does not \
+                 show {share}: --count {SHOWS} or more can"
+            )
+        }
     };
     let mut parts = vec![format!("{} in campaigns of this design: {found}", report.hypothesis), table.to_string()];
     let mut class: Vec<&str> = report.hidden.iter().flat_map(|row| &row.class).map(String::as_str).collect();

@@ -230,8 +230,8 @@ fn reference_parts(d: &DiagnosisBody) -> Option<String> {
 const EFFECTS_KEY: &str = "closes: of the reducible gap (what the error on held-out dwells exceeds the noise floor by), with its 95 % \
                            interval; of several\neffects each of what those above it have left: their closures do not compare, their d \
                            do\np: that noise alone shows as much, adjusted for everything that was tried; d: detectability, the root \
-                           of the whitened power that\nthe effect takes from the residuals (8 is named nearly always, 5 in three \
-                           campaigns of four)";
+                           of the whitened power that\nthe effect takes from the residuals (8 is named nearly always, 5 in two \
+                           campaigns of three)";
 
 fn effects(d: &DiagnosisBody) -> Option<String> {
     let mut rows =

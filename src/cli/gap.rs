@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::client::Connection;
 use super::document::{self, Format, table};
-use super::predict::{identified, measured};
+use super::predict::{NOTHING_TO_CLOSE, identified, measured};
 use super::{Usage, block_on};
 use crate::core::imu_model::{compare, ladder};
 use crate::wire::forecast::{ClosingBody, ComparedBody, ForecastBody, ForecastPointBody, ForecastSeriesBody, RungBody};
@@ -107,7 +107,7 @@ fn tables(imu: &str, ladders: &[Ladder]) -> String {
                 Some([low, high]) => {
                     format!("{:.0} % ({:.0} to {:.0})", 100.0 * c.closure, 100.0 * low, 100.0 * high)
                 }
-                None => "nothing to close".to_owned(),
+                None => NOTHING_TO_CLOSE.to_owned(),
             });
             rows.add_row([
                 if k == 0 { one.measured_at.clone() } else { String::new() },

@@ -8,14 +8,17 @@ use clap::Args;
 use super::document::{self, Format, table};
 use super::model;
 use crate::core::campaign::Campaign;
-use crate::core::imu_model::{Identified, changed, compare, forecast, ladder, promised};
+use crate::core::imu_model::{Identified, changed, compare, forecast, ladder, most_telling, promised};
 use crate::simulate::of_model::scenario_of;
 use crate::simulate::{Scenario, simulate};
 use crate::wire::document::parse;
 use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastBody};
+use crate::wire::triple::Triple;
 
 /// Dwells that a table shows.
 const SHOWN: usize = 8;
+/// Where the error without the effects does not exceed the noise.
+pub(super) const NOTHING_TO_CLOSE: &str = "nothing to close";
 
 /// Foretell a campaign from the model of its IMU, and compare it where it is measured
 ///
@@ -38,7 +41,8 @@ impl Predict {
         let file = || document::name(&self.campaign);
         let body = if self.campaign.extension().is_some_and(|e| e == "toml") {
             let campaign = programme(&self.campaign, &model).with_context(file)?;
-            body(&model, &campaign).with_context(file)?
+            let telling = most_telling(&model, &campaign, SHOWN).with_context(file)?;
+            body(&model, &campaign).with_context(file)?.to_measure(&campaign, &telling)
         } else {
             let campaign = measured(&self.campaign)?;
             held_against(&model, &campaign).with_context(file)?
@@ -102,7 +106,10 @@ fn tables(body: &ForecastBody) -> String {
     }
     match &body.compared {
         Some(compared) => out.push_str(&comparison(compared)),
-        None => out.push_str(&foretold(body)),
+        None => {
+            out.push_str(&foretold(body));
+            out.push_str(&to_measure(body));
+        }
     }
     if let Some(changed) = &body.effects_against_model {
         out.push_str(&against_model(changed));
@@ -114,16 +121,14 @@ fn tables(body: &ForecastBody) -> String {
 }
 
 fn closing(c: &ClosingBody) -> String {
-    let interval = match c.interval {
-        Some([low, high]) => format!("95 % {:.1} to {:.1} %", 100.0 * low, 100.0 * high),
-        None => "no interval: the error without them is within the noise".to_owned(),
+    let closes = match c.interval {
+        Some([low, high]) => {
+            let [closure, low, high] = [c.closure, low, high].map(|share| 100.0 * share);
+            format!("the effects close {closure:.1} % of the forecast error (95 % {low:.1} to {high:.1} %)")
+        }
+        None => format!("{NOTHING_TO_CLOSE}, the error without the effects is within the noise"),
     };
-    format!(
-        "the effects close {:.1} % of the forecast error ({interval}); {:.2e} deg/h before, {:.2e} after",
-        100.0 * c.closure,
-        c.before_deg_per_h,
-        c.after_deg_per_h
-    )
+    format!("{closes}; {:.2e} deg/h before, {:.2e} after", c.before_deg_per_h, c.after_deg_per_h)
 }
 
 fn foretold(body: &ForecastBody) -> String {
@@ -142,6 +147,21 @@ fn foretold(body: &ForecastBody) -> String {
         }
     }
     format!("{rows}\n")
+}
+
+fn to_measure(body: &ForecastBody) -> String {
+    let mut rows = table(["dwell", "a, g0", "w, arcsec/s", "tells, nats", "sd/noise"], 3..5);
+    let three = |v: Triple, decimals: usize| v.0.map(|x| format!("{x:+.decimals$}")).join(" ");
+    for one in &body.next_dwells {
+        rows.add_row([
+            one.dwell.to_string(),
+            three(one.specific_force_g0, 3),
+            three(one.rate_arcsec_s, 1),
+            format!("{:.2}", one.information),
+            format!("{:.2}", one.sd_over_noise),
+        ]);
+    }
+    format!("\nDwells that tell most of what the model does not know\n{rows}\n")
 }
 
 fn comparison(c: &ComparedBody) -> String {

@@ -25,6 +25,7 @@ mod gyro_diagnosis;
 mod gyros;
 mod health;
 mod hooks;
+mod hypotheses;
 mod import;
 mod imus;
 mod metrics;
@@ -130,6 +131,9 @@ pub fn routes(server: &Server) -> Routes<App> {
         .api(VIEWER, routes!(models::get_model))
         .api(ENGINEER, routes!(models::post_model))
         .api(VIEWER, routes!(models::get_forecast))
+        .api(VIEWER, routes!(hypotheses::get_hypotheses))
+        .api(ENGINEER, routes!(hypotheses::post_hypothesis))
+        .api(ENGINEER, routes!(hypotheses::delete_hypothesis))
         .api(VIEWER, routes!(diagnoses::get_diagnoses))
         .api(ENGINEER, routes!(diagnoses::post_diagnoses))
         .api(VIEWER, routes!(diagnoses::get_summary))

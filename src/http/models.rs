@@ -1,6 +1,8 @@
 //! `/v1/imus/{imu}/model`, `/forecast`: the error model that the campaigns of an IMU are fitted with and compared with,
 //! and what it foretold of them.
 
+use std::sync::Arc;
+
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
@@ -36,6 +38,8 @@ pub struct AdoptedBody {
     author: String,
     reason: String,
     model: ModelBody,
+    /// Stored campaigns that are fitted and stated with it.
+    campaigns: u64,
 }
 
 /// The error model in force for the IMU, with its history.
@@ -51,29 +55,32 @@ pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Resul
         author: adopted.author,
         reason: adopted.reason,
         model: ModelBody::from(&*adopted.model),
+        campaigns: adopted.campaigns,
     };
     let history: Vec<AdoptedBody> = models.into_iter().map(adopted).collect();
     let model = history.first().map_or_else(ModelBody::plain, |newest| newest.model.clone());
     Ok(Json(ImuModelBody { imu, model, history }))
 }
 
-/// Adopts the content of a model file for the IMU: its later campaigns are fitted with it, its diagnoses reported
-/// against it.
+/// Adopts the content of a model file for the IMU: its stored campaigns are fitted with it anew and judged again, its
+/// later ones are fitted with it, and its diagnoses are reported against it.
 ///
-/// A body without terms and effects undoes what was adopted before. What is stored stays as it was judged.
+/// A body without terms and effects undoes what was adopted before, in the same way. A campaign that the model cannot
+/// be fitted to stays as it is.
 #[utoipa::path(post, path = "/v1/imus/{imu}/model", tag = "imus", request_body = AdoptionBody,
     responses(
         (status = 201, description = "in force from now on", body = AdoptedBody),
         (status = 200, description = "was in force before", body = AdoptedBody),
-        (status = 422, description = "JSON that is no model; the places are named")))]
+        (status = 422, description = "JSON that is no model, or one of another IMU; the places are named")))]
 pub async fn post_model(
     State(app): State<App>,
     Path(imu): Path<String>,
     body: Document,
 ) -> Result<(StatusCode, Json<AdoptedBody>), Problem> {
-    let read = json::parse::<AdoptionBody>(&body.0).and_then(|body| body.to_core());
+    let read = json::parse::<AdoptionBody>(&body.0).and_then(|body| body.to_core_of(&imu));
     let (model, author, reason) = read.map_err(|faults| Document::problem(&body.0, faults))?;
-    let accepted = app.pipeline.diagnoses.adopt(Adoption { imu: imu.clone(), model, author, reason }).await?;
+    let adoption = Adoption { imu: imu.clone(), model: Arc::new(model), author, reason };
+    let accepted = app.pipeline.diagnoses.adopt(adoption).await?;
     let (status, id) = match accepted {
         Accepted::Stored { id, .. } => (StatusCode::CREATED, id),
         Accepted::There { id, .. } => (StatusCode::OK, id),
@@ -101,7 +108,8 @@ pub struct ForecastQuery {
 /// What was foretold of the IMU's campaigns, and how far it came true.
 ///
 /// Each campaign is foretold by the model in force when it came in: by its coefficients where the model file holds
-/// them, else by those of up to five campaigns before it, fitted with the terms and effects in force.
+/// them, else by those of up to five campaigns before it, fitted with the terms and effects in force. Forecasts are
+/// made and kept beside the diagnoses; the newest is answered dwell by dwell.
 #[utoipa::path(get, path = "/v1/imus/{imu}/forecast", tag = "imus", params(ForecastQuery),
     responses((status = 200, description = "the forecasts, oldest first", body = ForecastSeriesBody)))]
 pub async fn get_forecast(

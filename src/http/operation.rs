@@ -28,10 +28,11 @@ const fn thing(at: &'static str, name: &'static str, answer: (&'static str, &'st
     Thing { at, name, by: "identifier", answer }
 }
 
-const THINGS: [Thing; 11] = [
+const THINGS: [Thing; 12] = [
     thing("/v1/records/{id}", "record", ("/v1/records", "201", "/id")),
     thing("/v1/campaigns/{id}", "campaign", ("/v1/campaigns", "201", "/id")),
     thing("/v1/bench-results/{id}", "bench result", ("/v1/bench-results", "201", "/id")),
+    Thing { by: "name", ..thing("/v1/hypotheses/{id}", "hypothesis", ("/v1/hypotheses", "201", "/hypothesis/id")) },
     thing("/v1/diagnoses/{id}", "order", ("/v1/diagnoses", "202", "/id")),
     thing("/v1/alerts/{id}", "alert", ("/v1/alerts", "200", "/alerts/0/id")),
     thing("/v1/silences/{id}", "silence", ("/v1/silences", "201", "/id")),

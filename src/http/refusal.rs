@@ -84,6 +84,9 @@ impl From<DiagnosisError> for Problem {
             DiagnosisError::NoSuchDiagnoses { .. } => Self::new(404, "title_no_such_diagnoses", detail),
             DiagnosisError::DiagnosesEnded { .. } => Self::new(409, "title_diagnoses_ended", detail),
             DiagnosisError::UnknownImu { .. } => Self::new(404, "title_unknown_imu", detail),
+            DiagnosisError::NoSuchHypothesis { .. } => Self::new(404, "title_no_such_hypothesis", detail),
+            DiagnosisError::HypothesisTaken { .. } => Self::new(409, "title_hypothesis_taken", detail),
+            DiagnosisError::TooManyHypotheses { .. } => Self::new(409, "title_too_many_hypotheses", detail),
             DiagnosisError::Write(error) => error.into(),
         }
     }

@@ -8,6 +8,7 @@ use maud::{Markup, html};
 
 use super::Pages;
 use super::figure;
+use super::forecast;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::parameters::{self, Parameters};
 use super::text::Text;
@@ -25,6 +26,8 @@ use crate::wire::record::RecordBody;
 
 /// Calibrations that are listed.
 const RECORDS: u32 = 60;
+/// Campaigns of which it is shown what was foretold.
+const FORECASTS: u32 = 20;
 
 pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(imu): Path<String>) -> Response {
     viewer.show(build(&pages, &viewer, &imu).await)
@@ -58,6 +61,11 @@ async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Proble
     let t = viewer.text();
     let Facts { seats, records, parameters } = Facts::of(pages, viewer, imu).await?;
     let number = pages.pipeline.queries.names().imu_number(imu);
+    let forecasts = match number {
+        Some(number) => pages.pipeline.diagnoses.forecasts_made(number, FORECASTS).await?,
+        None => Vec::new(),
+    };
+    let models = pages.pipeline.diagnoses.models(imu).await?.unwrap_or_default();
     let concluded = match number {
         Some(number) => pages.pipeline.diagnoses.conclusions(number).await?,
         None => HashMap::new(),
@@ -73,6 +81,8 @@ async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Proble
         }
         (seated(pages, t, &seats))
         @if let Some(newest) = parameters { section { h2 { (t.newest_parameters) } (newest) } }
+        (forecast::versions(t, &models))
+        (forecast::series(t, &forecasts))
         section { h2 { (t.records) } (list(t, &records, &concluded)) }
     };
     Ok(Page { title: imu.to_owned(), section: Section::Fleet, body })

@@ -21,6 +21,7 @@ mod events;
 pub(crate) mod figure;
 mod find;
 mod fleet;
+mod forecast;
 mod form;
 mod gyro;
 mod gyro_attributes;

@@ -65,7 +65,7 @@ fn picture(t: &Text, name: &str, unit: &str, tracks: Vec<Track>, band: Option<f6
         height: HEIGHT,
         levels: vec![Level { from: x.0, until: x.1, shade: band, ..Level::default() }],
         tracks,
-        ..Chart::new(format!("{} {name}", t.residuals_by_dwell), caption, Across::Figure(t.dwell), x)
+        ..Chart::new(format!("{} {name}", t.residuals_by_dwell), caption, Across::Figure(t.dwell.to_owned()), x)
     };
     chart.markup()
 }
@@ -84,6 +84,8 @@ pub(super) struct Evidence {
     pub points: Vec<Point>,
     /// Of the fit through zero, deg/h per unit of x.
     pub slope: f64,
+    /// Of x.
+    pub unit: String,
 }
 
 /// Residuals against what an effect follows, with its fit, all gyros on one scale.
@@ -108,7 +110,7 @@ pub(super) fn evidence(t: &Text, all: &[Evidence]) -> Markup {
             ..Chart::new(
                 format!("{}: {}", one.name, t.evidence_note),
                 html! { span { (one.name) ", deg/h" } },
-                Across::Figure(t.regressor),
+                Across::Figure(format!("{}, {}", t.regressor, one.unit)),
                 x,
             )
         }
@@ -187,7 +189,7 @@ mod tests {
     #[test]
     fn the_fit_of_an_effect_goes_through_its_points() {
         let point = |k: i32| Point { dwell: 0, x: f64::from(k), y: 0.002 * f64::from(k), sd: 1e-4 };
-        let one = Evidence { name: "G1".into(), points: (-3..=3).map(point).collect(), slope: 0.002 };
+        let one = Evidence { name: "G1".into(), points: (-3..=3).map(point).collect(), slope: 0.002, unit: "K".into() };
         let drawn = evidence(Language::English.text(), &[one]).into_string();
         let line = drawn.split("<polyline class=\"fit\" points=\"").nth(1).unwrap();
         let ends: Vec<f64> = line
@@ -199,6 +201,7 @@ mod tests {
             .map(|n| n.parse().unwrap())
             .collect();
         assert!(ends[1] > ends[3] && (ends[1] + ends[3] - HEIGHT).abs() < 0.2, "{ends:?}");
+        assert!(drawn.contains("regressor, K<"), "x has its unit: {drawn}");
         assert_eq!(drawn.matches("<circle class=\"plain\"").count(), 7);
     }
 

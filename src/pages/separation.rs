@@ -52,6 +52,15 @@ fn figures(t: &Text, one: &SeparationBody) -> Markup {
             @for (figure, name) in rigid.iter().zip(DRIFTS) { td.n data-label=(name) { (measured(figure)) } }
             td.n {}
         }
+        @if let Some(own) = &one.as_measured {
+            tr.beside {
+                td {}
+                td { (t.as_measured) " (" (format!("{:.1} °C", own.temperature_c)) ")" }
+                td.n data-label="D_I" { (measured(&own.d_i)) }
+                td.n data-label="D_S" { (measured(&own.d_s)) }
+                td.n {} td.n {}
+            }
+        }
         @for (body, name) in [(&one.published, t.published_by), (&one.as_printed, t.as_printed)] {
             @if let Some(body) = body {
                 tr.beside {

@@ -1,4 +1,5 @@
-//! `/`: what there is to be done. Five blocks, each with its first few lines and the way to all of them.
+//! `/`: what there is to be done. Five blocks, and a sixth where a forecast failed, each with its first few lines and the
+//! way to all of them.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -14,7 +15,7 @@ use super::fleet::{Filters, as_day, bad_parameter, tiles, trend, violated};
 use super::layout::{DRIFTS, Page, Section, day, encoded, symbol, written_day};
 use super::text::Text;
 use super::viewer::Viewer;
-use super::{Pages, bullet};
+use super::{Pages, bullet, figure};
 use crate::core::access::Role;
 use crate::core::judge::{Coefficient, Measured, Status};
 use crate::core::time::UtcMicros;
@@ -68,6 +69,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
             (approaching(t, &today.approaching, &names))
             (due(t, &today, &gone, now))
             (several(t, &today))
+            @if today.outside.of > 0 { (outside(t, &today)) }
         }
     };
     Ok(Page { title: t.today_title.into(), section: Section::Today, body })
@@ -318,4 +320,22 @@ fn several(t: &Text, today: &Today) -> Markup {
     };
     let count = today.moved.len() + today.shifts.len();
     block(&html! { (t.several_at_once) }, count, t.nothing_together, &rows, None)
+}
+
+/// Campaigns of which something else was foretold.
+fn outside(t: &Text, today: &Today) -> Markup {
+    let rows = html! {
+        div.scroll tabindex="0" { table.lines { tbody { @for found in &today.outside.first {
+            tr {
+                th scope="row" { a.id href={ "/imus/" (encoded(&found.imu)) "#forecasts" } { (found.imu) } }
+                td.nowrap {
+                    a href={ "/campaigns/" (found.campaign.campaign) "/diagnosis#forecast" } { (found.campaign.measured_at[..10]) }
+                }
+                td { (found.campaign.station) }
+                td.nowrap { (t.error_in_sd) " " (figure::short(found.rms_over_sd)) }
+            }
+        } } } }
+        p.note { (t.outside_note) }
+    };
+    block(&html! { (t.outside_forecast_title) }, today.outside.of, "", &rows, None)
 }

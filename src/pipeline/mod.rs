@@ -49,8 +49,8 @@ pub use access::{
 };
 pub use alerts::{AlertChange, AlertError, AlertOrder, AlertRecord, AlertStep, Alerts, SilenceOrder};
 pub use diagnoses::{
-    AdoptedModel, Adoption, Conclusion, Diagnosed, Diagnoses, DiagnosisAnswer, DiagnosisError, DiagnosisOrder, InForce,
-    NotSplit, SummaryFilter, WantedDiagnoses,
+    AdoptedModel, Adoption, Conclusion, Diagnosed, Diagnoses, DiagnosisAnswer, DiagnosisError, DiagnosisOrder,
+    HypothesisOrder, InForce, NotSplit, StoredHypothesis, SummaryFilter, WantedDiagnoses,
 };
 pub use error::{StorageError, StorageFault, WriteError};
 pub use hooks::{DeliveryPage, HookError, HookPatch, Hooks, NewHook, Order, Outbox, OutboxError};
@@ -149,7 +149,7 @@ impl Pipeline {
         Ok(Self {
             access: Access { store: store.clone(), clock: clock.clone(), guard, queue: queue.clone() },
             alerts: Alerts { store: store.clone(), clock: clock.clone(), queue: queue.clone() },
-            diagnoses: Diagnoses { store: store.clone(), diagnoser, queue: queue.clone() },
+            diagnoses: Diagnoses { store: store.clone(), diagnoser, queue: queue.clone(), reader: reader.clone() },
             hooks: Hooks::new(store.clone(), config.clone(), clock.clone(), queue.clone()),
             ingest: Ingest {
                 store: store.clone(),

@@ -8,10 +8,10 @@ use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::pipeline::access::{AccessError, AccessOrder, Actor, Secret};
 use crate::pipeline::alerts::{AlertError, AlertOrder, SilenceOrder};
-use crate::pipeline::diagnoses::{Adoption, DiagnosisError, DiagnosisOrder, Made};
+use crate::pipeline::diagnoses::{Adoption, DiagnosisError, DiagnosisOrder, HypothesisOrder, Made};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::hooks::{Found, HookError, Order};
-use crate::pipeline::ingest::{Accepted, Reply, Submission};
+use crate::pipeline::ingest::{Accepted, Reply, Restated, Submission};
 use crate::store;
 use crate::store::Store;
 use crate::wire::alert::AlertBody;
@@ -29,8 +29,10 @@ pub(super) enum Job {
     Hook { order: Order, by: Actor, reply: ReplyTo<Id, HookError> },
     /// How an attempt to tell a hook went, or that its target is back, is to be written down.
     Found { found: Found, reply: ReplyTo<(), WriteError> },
-    /// A model is to be in force for an IMU.
-    Model { adoption: Box<Adoption>, by: Actor, reply: ReplyTo<Accepted, DiagnosisError> },
+    /// A model is to be in force for an IMU, whose campaigns have been fitted with it.
+    Model { adoption: Box<(Adoption, Restated)>, by: Actor, reply: ReplyTo<Accepted, DiagnosisError> },
+    /// A hypothesis is to compete in all diagnoses, or no longer.
+    Hypothesis { order: HypothesisOrder, by: Actor, reply: ReplyTo<Accepted, DiagnosisError> },
     /// Many campaigns are to be diagnosed, or no longer.
     Diagnoses { order: DiagnosisOrder, by: Actor, reply: ReplyTo<Accepted, DiagnosisError> },
     /// A diagnosis is to be kept.

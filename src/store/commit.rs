@@ -15,6 +15,7 @@ use super::id::IdSource;
 use super::postgres::{CellWriter, Missed};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
+use crate::store::packed::verdicts::StoredVerdict;
 use crate::store::sqlite::writer::FileWriter;
 use crate::store::tables::access;
 use crate::store::tables::access::AccessChanges;
@@ -40,6 +41,8 @@ use crate::store::tables::head::HeadChanges;
 use crate::store::tables::history::HistoryRow;
 use crate::store::tables::hook;
 use crate::store::tables::hook::HookRow;
+use crate::store::tables::hypothesis;
+use crate::store::tables::hypothesis::HypothesisRow;
 use crate::store::tables::keys;
 use crate::store::tables::keys::KeyRow;
 use crate::store::tables::model;
@@ -78,7 +81,8 @@ pub struct Changes {
     pub silences: Vec<SilenceRow>,
     pub hooks: Vec<HookRow>,
     pub models: Vec<ModelRow>,
-    /// Campaigns of `records` that were fitted with an adopted model, and which.
+    pub hypotheses: Vec<HypothesisRow>,
+    /// Campaigns that were fitted with an adopted model, and which.
     pub models_used: Vec<(Id, Id)>,
     /// Diagnoses that have been made of stored campaigns.
     pub diagnoses: Vec<NewDiagnosis>,
@@ -96,6 +100,23 @@ pub struct Rejudged {
     pub sheets: Vec<(Id, RejudgedSheet)>,
     /// What is noted about them.
     pub notes: Vec<(Id, String)>,
+    /// Rows that another model makes of stored campaigns. Judging enters them into `history`.
+    pub restated: Vec<RestatedRow>,
+}
+
+impl Rejudged {
+    /// The gyros of which something is stated anew, in order.
+    pub fn gyros_restated(&self) -> std::collections::BTreeSet<u32> {
+        self.restated.iter().map(|restated| restated.row.gyro).collect()
+    }
+}
+
+/// A stored campaign's row of one gyro, as another model has it.
+#[derive(Debug, Clone)]
+pub struct RestatedRow {
+    pub row: HistoryRow,
+    /// Verdicts that need no history.
+    pub requirements: Vec<StoredVerdict>,
 }
 
 impl Changes {
@@ -127,6 +148,7 @@ impl Changes {
             && self.silences.is_empty()
             && self.hooks.is_empty()
             && self.models.is_empty()
+            && self.hypotheses.is_empty()
             && self.diagnoses.is_empty()
             && self.diagnosis_jobs.is_empty()
             && self.outbox.is_empty()
@@ -334,6 +356,7 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
     alerts::insert_steps(&changes.alert_steps, &mut batch);
     hook::upsert(&changes.hooks, &mut batch);
     model::insert(&changes.models, &mut batch);
+    hypothesis::upsert(&changes.hypotheses, &mut batch);
     model::insert_uses(&changes.models_used, &mut batch);
     diagnosis::expect(&changes.records, &mut batch);
     diagnosis::update(&changes.diagnoses, &mut batch);

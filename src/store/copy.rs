@@ -76,6 +76,7 @@ const TABLES: &[Table] = tables! {
     "delivery_attempt" by "delivery, id": Whole delivery id at status, Text detail, Whole took_us, Text answer;
     "imu_model" by "id": Whole id imu adopted_at, Text author reason body;
     "campaign_model" by "record": Whole record model;
+    "hypothesis" by "id": Whole id, Text body author reason, Whole added_at ended_at;
     "diagnosis" by "record": Whole record model, Text program, Whole refused, Text body, Bytes packed;
     "diagnosis_job" by "id": Whole id asked_at, Text asked_by asked, Whole canceled begun_at ended_at;
     "diagnosis_task" by "job, record": Whole job record, Text state reason;

@@ -39,6 +39,7 @@ pub use crate::store::tables::head::{HeadChanges, HeadRow, HeadsMade, NewestRow}
 pub use crate::store::tables::histories::Stretch;
 pub use crate::store::tables::history::HistoryRow;
 pub use crate::store::tables::hook::HookRow;
+pub use crate::store::tables::hypothesis::HypothesisRow;
 pub use crate::store::tables::keys::KeyRow;
 pub use crate::store::tables::model::ModelRow;
 pub use crate::store::tables::names::{Names, NamesOf, NewName, Table, Tables};
@@ -46,7 +47,7 @@ pub use crate::store::tables::record::{RecordAt, RecordEntry, RecordFilter, Reco
 pub use crate::store::tables::set_aside::{ConfirmationRow, SetAside, StoredAside};
 pub use crate::store::tables::silence::SilenceRow;
 pub use cells::{Cells, cell_of};
-pub use commit::{Changes, Committer, Rejudged, Writer, Written};
+pub use commit::{Changes, Committer, Rejudged, RestatedRow, Writer, Written};
 pub use copy::{Copied, copy};
 pub use error::StoreError;
 pub use id::IdSource;
@@ -57,7 +58,7 @@ pub use secrets::Secrets;
 pub use postgres::{claim, other_servers};
 pub use tables::{
     access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, gyro_attribute, head,
-    histories, history, hook, keys, model, names, outbox, record, set_aside, silence,
+    histories, history, hook, hypothesis, keys, model, names, outbox, record, set_aside, silence,
 };
 
 #[cfg(test)]

@@ -60,7 +60,7 @@ pub(crate) enum Place {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 22] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 23] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -82,6 +82,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 22] = [
     (19, "gyro_attributes", include_str!("../../migrations/sqlite/0019_gyro_attributes.sql")),
     (20, "record_temperature", include_str!("../../migrations/sqlite/0020_record_temperature.sql")),
     (21, "station_alerts", include_str!("../../migrations/sqlite/0021_station_alerts.sql")),
+    (22, "hypotheses", include_str!("../../migrations/sqlite/0022_hypotheses.sql")),
     (23, "packed_texts", include_str!("../../migrations/sqlite/0023_packed_texts.sql")),
 ];
 

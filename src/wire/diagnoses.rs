@@ -87,6 +87,19 @@ pub struct SummaryBody {
     pub findings: Vec<FindingBody>,
     /// IMUs whose gap the catalogue does not explain, or not wholly.
     pub doubts: Vec<DoubtBody>,
+    /// Campaigns that lie outside what the model in force before them foretold, by IMU, oldest first. Left out where an
+    /// effect is asked for.
+    #[serde(default)]
+    pub outside_forecast: Vec<OutsideForecastBody>,
+}
+
+/// A campaign with errors so large that the forecast has a probability of less than 1 %.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct OutsideForecastBody {
+    pub imu: String,
+    pub campaign: SightingBody,
+    pub rms_over_sd: f64,
+    pub p_value: f64,
 }
 
 /// How many campaigns the summary rests on.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::forecast::ChangedBody;
+use super::forecast::{ChangedBody, ForecastPointBody};
 use super::hypothesis::HypothesisBody;
 use super::located::WhereBody;
 use super::message::MessageBody;
@@ -58,6 +58,9 @@ pub struct DiagnosisBody {
     /// Effects of the model in use as this campaign shows them, where the model holds the coefficients of the IMU.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub effects_against_model: Option<ChangedBody>,
+    /// What was foretold of this campaign by the model in force before it; of stored campaigns.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub forecast: Option<ForecastPointBody>,
     /// Hypotheses of one's own that competed with the catalogue.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub hypotheses: Vec<HypothesisBody>,
@@ -80,6 +83,20 @@ impl DiagnosisBody {
         if let Some(reference) = &mut self.reference {
             reference.say(language);
         }
+        if let Some(forecast) = &mut self.forecast {
+            forecast.say(language);
+        }
+        self
+    }
+
+    /// With what was foretold of the campaign, which is noted where it lies outside.
+    #[must_use]
+    pub fn foretold(mut self, forecast: Option<ForecastPointBody>) -> Self {
+        if let Some(finding) = forecast.as_ref().and_then(ForecastPointBody::finding) {
+            self.notes.push(asked().words(&finding));
+            self.note_codes.push(MessageBody::of(&finding, asked()));
+        }
+        self.forecast = forecast;
         self
     }
 
@@ -406,6 +423,7 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             note_codes: notes.map(|note| MessageBody::of(&note, asked())).collect(),
             reference: None,
             effects_against_model: None,
+            forecast: None,
             hypotheses: (d.hypotheses.iter().filter_map(|own| own.hypothesis()))
                 .map(|own| HypothesisBody::of(&own.written))
                 .collect(),

@@ -5,12 +5,16 @@ use utoipa::ToSchema;
 
 use super::message::MessageBody;
 use super::time;
+use super::triple::Triple;
 use crate::core::campaign::Campaign;
+use crate::core::id::Id;
 use crate::core::imu_model::{
-    Changed, ChangedEffect, Closing, Comparison, DriftShift, Forecast, GyroForecast, Identified, Rung,
+    Changed, ChangedEffect, Closing, Comparison, DriftShift, Forecast, GyroForecast, Identified, Rung, Telling,
 };
+use crate::core::message::{Message, figure, significant, text};
 use crate::core::mounting::Slot;
-use crate::words::asked;
+use crate::message;
+use crate::words::{Language, asked};
 
 /// Forecast of one campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -23,6 +27,10 @@ pub struct ForecastBody {
     /// What the adopted effects should take away of the forecast error; none without effects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub promised: Option<ClosingBody>,
+    /// Where the campaign is still to be measured: the dwells that tell most of what the model does not know, the best
+    /// first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub next_dwells: Vec<TellingBody>,
     /// Where the campaign is measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compared: Option<ComparedBody>,
@@ -65,9 +73,64 @@ pub struct ForecastPointBody {
     /// Adopted effects whose coefficients are others in this campaign.
     pub effects_changed: Vec<String>,
     pub notes: Vec<String>,
+    #[serde(default)]
+    pub note_codes: Vec<MessageBody>,
     /// Why nothing was foretold.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub why_not: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub why_not_code: Option<MessageBody>,
+}
+
+impl ForecastPointBody {
+    /// What was foretold of a campaign, dwells left out, or why nothing was.
+    pub fn of(id: &Id, campaign: &Campaign, imu_model: Option<Id>, told: Result<&ForecastBody, &Message>) -> Self {
+        let forecast = told.ok();
+        let effects = forecast.and_then(|forecast| forecast.effects_against_model.as_ref());
+        let changed = effects.into_iter().flat_map(|body| &body.effects).filter(|effect| effect.changed);
+        let mut effects_changed: Vec<String> = changed.map(|effect| effect.effect.clone()).collect();
+        effects_changed.dedup();
+        Self {
+            campaign: id.to_string(),
+            imu_model: imu_model.map(|id| id.to_string()),
+            measured_at: time::format(campaign.measured_at),
+            station: campaign.station.to_string(),
+            model: forecast.map(|forecast| forecast.model.clone()),
+            promised: forecast.and_then(|forecast| forecast.promised),
+            compared: forecast.and_then(|forecast| forecast.compared.clone()).map(ComparedBody::without_dwells),
+            effects_changed,
+            notes: forecast.map(|forecast| forecast.notes.clone()).unwrap_or_default(),
+            note_codes: forecast.map(|forecast| forecast.note_codes.clone()).unwrap_or_default(),
+            why_not: told.err().map(|why| asked().words(why)),
+            why_not_code: told.err().map(|why| MessageBody::of(why, asked())),
+        }
+    }
+
+    /// Its notes, or why nothing was foretold, in `language`.
+    pub fn say(&mut self, language: Language) {
+        self.notes = self.note_codes.iter_mut().map(|note| note.say(language)).collect();
+        if let Some(why) = &mut self.why_not_code {
+            self.why_not = Some(why.say(language));
+        }
+    }
+
+    /// The comparison where the campaign lies outside its forecast, and that is a finding: of a model that somebody has
+    /// adopted, or of campaigns enough to know what changes from one to the next.
+    pub fn outside(&self) -> Option<&ComparedBody> {
+        let knows_ageing = self.imu_model.is_some() || self.model.as_ref().is_some_and(|model| model.campaigns > 1);
+        self.compared.as_ref().filter(|compared| compared.state == "outside" && knows_ageing)
+    }
+
+    /// [`Self::outside`] as a note.
+    pub fn finding(&self) -> Option<Message> {
+        let compared = self.outside()?;
+        let effects = &self.effects_changed;
+        let (rms, p) = (figure(compared.rms_over_sd, 2), significant(compared.p_value, 1));
+        Some(match effects.as_slice() {
+            [] => message!("campaign_outside_forecast", rms = rms, p = p),
+            _ => message!("campaign_outside_forecast_changed", rms = rms, p = p, effects = text(effects.join(", "))),
+        })
+    }
 }
 
 /// The model that foretold.
@@ -97,13 +160,25 @@ pub struct GyroForecastBody {
     pub not_foretold: Vec<usize>,
 }
 
+/// A dwell that is worth measuring.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TellingBody {
+    pub dwell: usize,
+    pub specific_force_g0: Triple,
+    pub rate_arcsec_s: Triple,
+    /// What it tells of the coefficients beside those before it, nats.
+    pub information: f64,
+    /// Standard deviation of what is foretold of it, in those of its noise.
+    pub sd_over_noise: f64,
+}
+
 /// How much of the forecast error above the noise goes away with the adopted effects.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ClosingBody {
     /// Root mean square of the error without and with them.
     pub before_deg_per_h: f64,
     pub after_deg_per_h: f64,
-    /// 1 - (after^2 - noise^2)/(before^2 - noise^2).
+    /// 1 - (after^2 - noise^2)/(before^2 - noise^2). Without an interval it says nothing.
     pub closure: f64,
     /// 95 %; none where the error without them does not exceed the noise.
     pub interval: Option<[f64; 2]>,
@@ -212,11 +287,28 @@ impl ForecastBody {
             },
             gyros: forecast.gyros.iter().map(GyroForecastBody::of).collect(),
             promised: promised.map(ClosingBody::of),
+            next_dwells: Vec::new(),
             compared: None,
             effects_against_model: None,
             notes: forecast.notes.iter().map(|note| asked().words(note)).collect(),
             note_codes: forecast.notes.iter().map(|note| MessageBody::of(note, asked())).collect(),
         }
+    }
+
+    /// With the dwells that are worth measuring.
+    pub fn to_measure(mut self, campaign: &Campaign, telling: &[Telling]) -> Self {
+        let body = |one: &Telling| {
+            let dwell = campaign.dwells.get(one.dwell)?;
+            Some(TellingBody {
+                dwell: one.dwell,
+                specific_force_g0: Triple(dwell.specific_force_g0.into()),
+                rate_arcsec_s: Triple(dwell.rate_arcsec_s.into()),
+                information: one.information,
+                sd_over_noise: one.sd_over_noise,
+            })
+        };
+        self.next_dwells = telling.iter().filter_map(body).collect();
+        self
     }
 
     /// With what was measured.

@@ -18,9 +18,10 @@ use crate::core::augmented::Adopted;
 use crate::core::augmented::{AugmentedModel, KnownEffect, Provenance};
 use crate::core::effects::Estimate;
 use crate::core::effects::{self, Effect, Parameter, Scope, Shape};
-use crate::core::fault::Faults;
+use crate::core::fault::{Fault, Faults};
 use crate::core::message::{Parameter as Filling, list, sent, text};
 use crate::core::mounting::Slot;
+use crate::core::name::normal_form;
 use crate::message;
 
 /// An augmented error model. Without effects it is model (6), or as much of it as `terms` names.
@@ -187,6 +188,21 @@ impl ModelBody {
 }
 
 impl AdoptionBody {
+    /// As [`Self::to_core`], of the IMU with this name: coefficients of another one are no model of it.
+    ///
+    /// # Errors
+    /// All faults, by JSON pointer.
+    pub fn to_core_of(self, imu: &str) -> Result<(AugmentedModel, String, String), Faults> {
+        let (model, author, reason) = self.to_core()?;
+        match &model.identified {
+            Some(identified) if normal_form(identified.imu.as_str()) != normal_form(imu) => {
+                let message = message!("model_is_of_imu", model = text(&identified.imu), imu = sent(imu));
+                Err(Fault { pointer: "/identified/imu".to_owned(), message }.into())
+            }
+            _ => Ok((model, author, reason)),
+        }
+    }
+
     /// The model, its author and the reason.
     ///
     /// # Errors

@@ -62,6 +62,14 @@ impl Dimension {
     }
 }
 
+/// The unit of what a coefficient is multiplied by to be a drift in deg/h.
+pub fn regressor_unit(coefficient: &str) -> String {
+    match Dimension::read(coefficient) {
+        Ok((dimension, 1.0)) => Dimension::RATE.times(dimension, -1.0).to_string(),
+        _ => format!("deg/h/({coefficient})"),
+    }
+}
+
 impl Display for Dimension {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let names = ["deg", "h", "g0", "K"];
@@ -182,6 +190,19 @@ fn of_two(operator: Operator, a: Quantity, b: Quantity, at: usize) -> Result<Qua
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_regressor_has_the_unit_that_its_coefficient_leaves_of_a_drift() {
+        for (coefficient, unit) in [
+            ("deg/(h g0 K)", "g0 K"),
+            ("deg/h", "1"),
+            ("1/K", "deg K/h"),
+            ("deg/h/K", "K"),
+            ("arcsec/min", "deg/h/(arcsec/min)"),
+        ] {
+            assert_eq!(regressor_unit(coefficient), unit);
+        }
+    }
 
     #[test]
     fn every_unit_of_the_catalogue_is_read_and_said() {

@@ -28,6 +28,7 @@ mod station;
 mod thermal;
 mod time;
 
+pub use dimension::regressor_unit;
 pub use entry::{Coefficient, Effect, Entry, Own, Parameter, Prior, Scope, Shape, Typical};
 pub use estimate::Estimate;
 pub use own::own;

@@ -1,9 +1,9 @@
 //! The model of the very IMU: all its coefficients with their joint covariance, and what it says of campaigns to come.
 //!
 //! Reading order: [`identified`] (what the model is), [`effects`] (which effects it holds), [`fit`] (from campaigns to
-//! it), [`programme`] (what a campaign asks of it), [`mod@forecast`] (what it foretells), [`comparison`] (how far that came
-//! true, and how much of the error the adopted effects take away), [`mod@changed`] (coefficients that are others now),
-//! [`draw`] (one IMU of all that the model allows).
+//! it), [`programme`] (what a campaign asks of it), [`mod@forecast`] (what it foretells), [`comparison`] (how far that
+//! came true, and how much of the error the adopted effects take away), [`mod@changed`] (coefficients that are others
+//! now), [`draw`] (one IMU of all that the model allows), [`telling`] (which dwells to measure next).
 
 mod changed;
 mod columns;
@@ -14,6 +14,7 @@ mod fit;
 mod forecast;
 mod identified;
 mod programme;
+mod telling;
 
 pub use changed::{Changed, ChangedEffect, DriftShift, NotCompared, changed, changed_since};
 pub use comparison::{Closing, Comparison, GyroComparison, Miss, Rung, compare, ladder, promised};
@@ -23,3 +24,4 @@ pub use fit::{NotIdentified, Sample, identify, identify_at};
 pub use forecast::{Forecast, GyroForecast, forecast};
 pub use identified::{FittedCampaign, Identified, ModelCoefficient, ModelGyro, NoiseLaw, Of, Validity};
 pub use programme::NoForecast;
+pub use telling::{Telling, most_telling};

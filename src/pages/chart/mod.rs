@@ -36,12 +36,12 @@ const COLUMNS: f64 = 320.0;
 const MOST_BARS: usize = 400;
 
 /// What stands along the x axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) enum Across {
     /// Milliseconds since 1970.
     Time,
     /// A figure, with its unit or name.
-    Figure(&'static str),
+    Figure(String),
 }
 
 /// One measured point.
@@ -449,17 +449,19 @@ impl Chart {
                     }
                 }
             }
-            @match self.across {
+            @match &self.across {
                 Across::Time => @for (x, label) in dates(self.x) {
                     line.tick x1=(scale.x(x)) x2=(scale.x(x)) y1=(self.height) y2=(self.height + 3.0) {}
                     text.date x=(scale.x(x)) y=(foot) text-anchor="middle" { (label) }
                 },
                 Across::Figure(name) => {
                     @let (figures, decimals) = round_steps(self.x, 6.0);
+                    // What the name leaves of the narrowest picture.
+                    @let free = (0.9 - 0.016 * name.chars().count() as f64).max(0.62);
                     @for x in figures {
                         @let share = (x - self.x.0) / (self.x.1 - self.x.0);
                         line.tick x1=(scale.x(x)) x2=(scale.x(x)) y1=(self.height) y2=(self.height + 3.0) {}
-                        @if share < 0.82 {
+                        @if share < free {
                             text.date x=(scale.x(x)) y=(foot) text-anchor="middle" { (format!("{x:.decimals$}")) }
                         }
                     }

@@ -175,6 +175,11 @@ fn chart(t: &Text, view: &View, all: &[Compared<'_>], column: usize, aligned: bo
         clips: true,
         levels: vec![Level { from: x.0, until: x.1, budget, ..Level::default() }],
         tracks,
-        ..Chart::new(label, caption, if aligned { Across::Figure(t.days_since_baseline) } else { Across::Time }, x)
+        ..Chart::new(
+            label,
+            caption,
+            if aligned { Across::Figure(t.days_since_baseline.to_owned()) } else { Across::Time },
+            x,
+        )
     }
 }

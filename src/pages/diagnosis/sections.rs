@@ -2,10 +2,10 @@
 
 use maud::{Markup, html};
 
-use crate::core::effects::Effect;
+use crate::core::effects::{Effect, regressor_unit};
 use crate::pages::figure::{percent, short};
 use crate::pages::text::Text;
-use crate::pages::{figure, layout, residuals};
+use crate::pages::{figure, forecast, layout, residuals};
 use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, EstimateBody, HeldOutBody, ImpactBody};
 
 /// Slot and serial of each gyro in `gyros`; `against`: the gap against a reference.
@@ -15,6 +15,7 @@ pub(super) fn of(t: &Text, d: &DiagnosisBody, gyros: &[(String, String)], agains
         (impact(t, d))
         (effects(t, d, gyros))
         (against)
+        (forecast::of_campaign(t, d.forecast.as_ref(), d.effects_against_model.as_ref()))
         (located(t, d, gyros))
         (before_and_after(t, d, gyros))
         (next(t, d))
@@ -108,37 +109,15 @@ fn consequence(t: &Text, d: &DiagnosisBody) -> Markup {
 /// all on one scale.
 fn ladder(t: &Text, d: &DiagnosisBody) -> Markup {
     let first = d.effects.first().map_or(d.gap.rms_deg_per_h, |effect| effect.held_out.before_deg_per_h);
-    let steps = d.effects.iter().map(|effect| (effect_word(t, &effect.effect), effect.held_out.after_deg_per_h));
-    let steps: Vec<(&str, f64)> = std::iter::once((t.gap_before, first)).chain(steps).collect();
-    let floor = d.noise_floor.deg_per_h;
-    let most = steps.iter().map(|(_, size)| *size).fold(floor, f64::max).max(f64::MIN_POSITIVE);
-    let width = |size: f64| format!("{:.1}%", 100.0 * size / most);
-    html! {
-        table.ladder {
-            caption { (if d.effects.is_empty() { t.ladder_of_fit } else { t.ladder_note }) }
-            tbody {
-                @for (k, (name, size)) in steps.iter().enumerate() {
-                    tr {
-                        th scope="row" { @if k > 0 { (t.after_effect) " " } (name) }
-                        td { svg.rung width="100%" height="18" aria-hidden="true" {
-                            rect x="0" y="3" height="12" width=(width(*size)) {}
-                            line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
-                        } }
-                        td.n { (short(*size)) " deg/h" }
-                    }
-                }
-                tr {
-                    th scope="row" { (t.noise_floor) }
-                    td {
-                        svg.rung width="100%" height="18" aria-hidden="true" {
-                            line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
-                        }
-                    }
-                    td.n { (short(floor)) " deg/h" }
-                }
-            }
-        }
-    }
+    let after = |effect: &EffectBody| format!("{} {}", t.after_effect, effect_word(t, &effect.effect));
+    let steps = d.effects.iter().map(|effect| (after(effect), effect.held_out.after_deg_per_h));
+    let steps: Vec<(String, f64)> = std::iter::once((t.gap_before.to_owned(), first)).chain(steps).collect();
+    forecast::rungs(
+        t,
+        if d.effects.is_empty() { t.ladder_of_fit } else { t.ladder_note },
+        &steps,
+        d.noise_floor.deg_per_h,
+    )
 }
 
 /// An effect by its name in words, with the identifier that the interface uses.
@@ -166,8 +145,8 @@ fn evidence(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String, 
         let own: Vec<&EstimateBody> =
             effect.estimates.iter().filter(|one| !is_shape(one) && (one.slot == slot || one.slot == "all")).collect();
         match own.as_slice() {
-            [one] if one.value != 0.0 => one.value,
-            _ => 1.0,
+            [one] if one.value != 0.0 => (one.value, regressor_unit(&one.unit)),
+            _ => (1.0, "deg/h".to_owned()),
         }
     };
     let after = |slot: &str, dwell: usize| {
@@ -179,13 +158,14 @@ fn evidence(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String, 
     let pictures: Vec<residuals::Evidence> = (effect.drift.iter())
         .map(|drift| {
             let points = drift.deg_per_h.iter().enumerate();
+            let (slope, unit) = single(&drift.slot);
             let point = |(dwell, added): (usize, &f64)| {
                 let (left, sd) = after(&drift.slot, dwell)?;
-                Some(residuals::Point { dwell, x: added / single(&drift.slot), y: left + added, sd })
+                Some(residuals::Point { dwell, x: added / slope, y: left + added, sd })
             };
             let serial = gyros.iter().find(|(slot, _)| *slot == drift.slot).map_or("", |(_, serial)| serial.as_str());
             let name = format!("{} {serial}", drift.slot).trim_end().to_owned();
-            residuals::Evidence { name, points: points.filter_map(point).collect(), slope: single(&drift.slot) }
+            residuals::Evidence { name, points: points.filter_map(point).collect(), slope, unit }
         })
         .collect();
     html! {

@@ -8,6 +8,7 @@ use tokio::sync::{Semaphore, oneshot, watch};
 
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::diagnose;
+use crate::core::effects::Effect;
 use crate::core::id::Id;
 use crate::core::imu_model::changed_since;
 use crate::core::kind::Kind;
@@ -15,7 +16,9 @@ use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
 use crate::pipeline::diagnoses::digest::seats;
-use crate::pipeline::diagnoses::made::{Diagnosed, Known, Made, Outcome, program};
+use crate::pipeline::diagnoses::foretelling::Foretelling;
+use crate::pipeline::diagnoses::hypotheses::Competing;
+use crate::pipeline::diagnoses::made::{Diagnosed, Known, Made, Outcome};
 use crate::pipeline::diagnoses::models::{InForce, ModelCache};
 use crate::pipeline::ingest::fitted::damaged;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
@@ -42,8 +45,8 @@ pub enum DiagnosisAnswer {
     Answered(Diagnosed),
 }
 
-/// Those who wait for one that is being made learn of its end.
-type UnderWay = HashMap<(Id, Option<Id>), watch::Receiver<Option<Diagnosed>>>;
+/// Those who wait for one that is being made, of a campaign against a model by a program, learn of its end.
+type UnderWay = HashMap<(Id, Option<Id>, String), watch::Receiver<Option<Diagnosed>>>;
 
 /// Who makes diagnoses and has them kept. Cheap to clone.
 #[derive(Debug, Clone)]
@@ -96,7 +99,9 @@ impl Diagnoser {
     /// As it was kept by this program against the model in force.
     async fn kept(&self, row: &RecordRow, in_force: &InForce) -> Result<Option<Diagnosed>, StoreError> {
         let kept = store::diagnosis::get(&self.store, row.id).await?;
-        let Some(kept) = kept.filter(|kept| kept.program == program() && kept.model == in_force.id) else {
+        let Some(kept) =
+            kept.filter(|kept| kept.program == self.models.competing().program && kept.model == in_force.id)
+        else {
             return Ok(None);
         };
         let read = |body: &str| {
@@ -105,7 +110,8 @@ impl Diagnoser {
             })
         };
         let diagnosed = Arc::new(if kept.refused { Err(from_stored(&kept.body)) } else { Ok(read(&kept.body)?) });
-        self.remember(Known { campaign: row.id, imu: row.imu, model: kept.model, diagnosed: Arc::clone(&diagnosed) });
+        let (model, program) = (kept.model, kept.program);
+        self.remember(Known { campaign: row.id, imu: row.imu, model, program, diagnosed: Arc::clone(&diagnosed) });
         Ok(Some(diagnosed))
     }
 
@@ -116,22 +122,28 @@ impl Diagnoser {
         in_force: InForce,
         awaited: Awaited,
     ) -> Result<watch::Receiver<Option<Diagnosed>>, StoreError> {
-        let key = (row.id, in_force.id);
+        let competing = self.models.competing();
+        let key = (row.id, in_force.id, competing.program.clone());
         let mut under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(end) = under_way.get(&key) {
             return Ok(end.clone());
         }
         let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(row.id, &faults))?;
         let (ended, end) = watch::channel(None);
-        under_way.insert(key, end.clone());
+        under_way.insert(key.clone(), end.clone());
         let (diagnoser, imu) = (self.clone(), row.imu);
         tokio::spawn(async move {
             let gyros = seats(&campaign);
-            let (begun_at, made) = diagnoser.compute(campaign, &in_force, awaited).await;
-            let (campaign, model) = key;
+            let foretelling = Foretelling::of(&diagnoser.store, (key.0, imu), &campaign).await;
+            let foretelling = foretelling.inspect_err(|error| {
+                tracing::warn!(%error, campaign = %key.0, "what foretells a campaign cannot be read");
+            });
+            let asked = (campaign, foretelling.ok());
+            let (begun_at, made) = diagnoser.compute(asked, (&in_force, &competing), awaited).await;
+            let (campaign, model, program) = key.clone();
             let outcome = match &made {
                 Some(diagnosed) => {
-                    let known = Known { campaign, imu, model, diagnosed: Arc::clone(diagnosed) };
+                    let known = Known { campaign, imu, model, program, diagnosed: Arc::clone(diagnosed) };
                     diagnoser.remember(known.clone());
                     Outcome::Known { known, gyros }
                 }
@@ -149,19 +161,23 @@ impl Diagnoser {
     /// When it is its turn: since when, and the answer; none where it panicked.
     async fn compute(
         &self,
-        campaign: Campaign,
-        in_force: &InForce,
+        (campaign, foretelling): (Campaign, Option<Foretelling>),
+        (in_force, competing): (&InForce, &Competing),
         awaited: Awaited,
     ) -> (UtcMicros, Option<Diagnosed>) {
         // Nobody closes it: a turn always comes.
         let _turn = self.turns.acquire().await;
         let (begun_at, begun) = (self.clock.now(), Instant::now());
-        let options = in_force.model.options_as_asked(&campaign);
+        let mut options = in_force.model.options_as_asked(&campaign);
+        // One that the model holds is fitted, and has nothing to compete for.
+        let is_held = |own: &Effect| options.adopted.iter().any(|adopted| adopted.effect.id() == own.id());
+        options.hypotheses = competing.effects().filter(|own| !is_held(own)).collect();
         let model = Arc::clone(&in_force.model);
         let work = move || match diagnose(&campaign, &options) {
             Ok(diagnosis) => {
                 let changed = changed_since(&model, &campaign).map(|changed| ChangedBody::of(&changed));
-                Ok(DiagnosisBody { effects_against_model: changed, ..DiagnosisBody::from(&diagnosis) })
+                let body = DiagnosisBody { effects_against_model: changed, ..DiagnosisBody::from(&diagnosis) };
+                Ok(body.foretold(foretelling.map(|foretelling| foretelling.point(&campaign))))
             }
             Err(why) => Err(why.message()),
         };
@@ -193,7 +209,7 @@ impl Diagnoser {
     fn recall(&self, id: Id) -> Option<Diagnosed> {
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let found = known.iter().find(|known| known.campaign == id)?;
-        (self.models.of(Some(found.imu)).id == found.model).then(|| Arc::clone(&found.diagnosed))
+        found.is_of_now(&self.models).then(|| Arc::clone(&found.diagnosed))
     }
 
     fn remember(&self, new: Known) {

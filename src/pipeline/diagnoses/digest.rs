@@ -6,6 +6,7 @@ use crate::core::campaign::Campaign;
 use crate::core::message::Message;
 use crate::store::{GistRow, StoreError};
 use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::forecast::ForecastPointBody;
 
 /// The verdict of a campaign that leaves nothing to diagnose.
 pub(super) const REFUSED: &str = "refused";
@@ -28,6 +29,19 @@ pub(super) struct Digest {
     pub effects: Vec<Named>,
     pub impact: Vec<Shift>,
     pub signs: Vec<Sign>,
+    /// Where the campaign lies outside what was foretold of it; [`OUTSIDE`] finds it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outside_forecast: Option<OutsideForecast>,
+}
+
+/// What only the digest of a campaign outside its forecast holds.
+pub(super) const OUTSIDE: &str = "\"outside_forecast\":{";
+
+/// How far a campaign lies outside what was foretold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct OutsideForecast {
+    pub rms_over_sd: f64,
+    pub p_value: f64,
 }
 
 /// Which gyro was where.
@@ -74,8 +88,14 @@ pub(super) fn seats(campaign: &Campaign) -> Vec<Seat> {
 
 impl Digest {
     pub fn of(gyros: Vec<Seat>, diagnosed: &Result<DiagnosisBody, Message>) -> Self {
-        let nothing =
-            Self { verdict: REFUSED.to_owned(), gyros, effects: Vec::new(), impact: Vec::new(), signs: Vec::new() };
+        let nothing = Self {
+            verdict: REFUSED.to_owned(),
+            gyros,
+            effects: Vec::new(),
+            impact: Vec::new(),
+            signs: Vec::new(),
+            outside_forecast: None,
+        };
         let Ok(d) = diagnosed else { return nothing };
         let effects = d.effects.iter().map(|e| Named {
             effect: e.effect.clone(),
@@ -90,8 +110,10 @@ impl Digest {
             of_budget: i.of_budget,
         });
         let signs = d.remaining.signs.iter().map(|s| Sign { kind: s.kind.clone(), gyros: s.gyros.clone() });
+        let outside = d.forecast.as_ref().and_then(ForecastPointBody::outside);
         Self {
             verdict: d.verdict.clone(),
+            outside_forecast: outside.map(|c| OutsideForecast { rms_over_sd: c.rms_over_sd, p_value: c.p_value }),
             effects: effects.collect(),
             impact: impact.collect(),
             signs: signs.collect(),

@@ -2,7 +2,7 @@
 
 use crate::core::diagnose::NoReference;
 use crate::core::id::Id;
-use crate::core::message::{Message, text};
+use crate::core::message::{Message, sent, text};
 use crate::message;
 use crate::pipeline::error::{StorageError, WriteError, unwritten};
 use crate::store::StoreError;
@@ -19,6 +19,15 @@ pub enum DiagnosisError {
     UnknownImu {
         imu: String,
     },
+    NoSuchHypothesis {
+        name: String,
+    },
+    HypothesisTaken {
+        name: String,
+    },
+    TooManyHypotheses {
+        most: usize,
+    },
     #[error(transparent)]
     Write(#[from] WriteError),
 }
@@ -29,6 +38,9 @@ impl DiagnosisError {
             Self::NoSuchDiagnoses { id } => message!("no_such_diagnoses", id = text(id)),
             Self::DiagnosesEnded { id } => message!("diagnoses_ended", id = text(id)),
             Self::UnknownImu { imu } => message!("unknown_imu", imu = imu.clone()),
+            Self::NoSuchHypothesis { name } => message!("no_such_hypothesis", name = sent(name)),
+            Self::HypothesisTaken { name } => message!("hypothesis_taken", name = sent(name)),
+            Self::TooManyHypotheses { most } => message!("hypotheses_too_many", most = *most),
             Self::Write(error) => error.message(),
         }
     }

@@ -1,7 +1,7 @@
 //! Orders to diagnose many campaigns, taken and canceled by the one writer.
 
 use super::error::DiagnosisError;
-use super::made::{program, text};
+use super::made::text;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
@@ -30,6 +30,8 @@ pub(crate) struct DiagnosisHandler<'a> {
     pub store: &'a Store,
     pub writer: &'a mut Writer,
     pub now: UtcMicros,
+    /// What makes diagnoses now.
+    pub program: String,
 }
 
 impl DiagnosisHandler<'_> {
@@ -55,7 +57,7 @@ impl DiagnosisHandler<'_> {
             asked,
             which: wanted.which,
             again: wanted.asked.again,
-            program: program(),
+            program: self.program.clone(),
         };
         let started = JobChanges { started: vec![job], ..JobChanges::default() };
         self.commit(started, "start diagnoses", id, by, Some(&wanted.asked)).await?;

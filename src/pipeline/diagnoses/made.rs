@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use crate::core::diagnose::METHOD;
 use crate::core::id::Id;
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
@@ -22,6 +21,8 @@ pub(super) struct Known {
     pub(super) campaign: Id,
     pub(super) imu: u32,
     pub(super) model: Option<Id>,
+    /// That made it.
+    pub(super) program: String,
     pub(super) diagnosed: Diagnosed,
 }
 
@@ -44,18 +45,18 @@ pub(super) enum Outcome {
     Failed(String),
 }
 
-/// Which program a kept diagnosis is of.
-pub(super) fn program() -> String {
-    format!("{}, method {METHOD}", env!("CARGO_PKG_VERSION"))
-}
-
 impl Known {
+    /// Whether it was made against the model in force, with the hypotheses that compete.
+    pub(super) fn is_of_now(&self, models: &ModelCache) -> bool {
+        models.of(Some(self.imu)).id == self.model && models.competing().program == self.program
+    }
+
     fn row(&self) -> DiagnosisRow {
         let (refused, body) = match &*self.diagnosed {
             Ok(body) => (false, text(body)),
             Err(why) => (true, to_stored(why)),
         };
-        DiagnosisRow { record: self.campaign, model: self.model, program: program(), refused, body }
+        DiagnosisRow { record: self.campaign, model: self.model, program: self.program.clone(), refused, body }
     }
 }
 
@@ -64,13 +65,13 @@ pub(super) fn text(body: &impl serde::Serialize) -> String {
 }
 
 impl Made {
-    /// What the writer does with it: one transaction, unless another model has come into force meanwhile. Orders that
-    /// wait for the campaign are told in the same.
+    /// What the writer does with it: one transaction, unless another model has come into force or another hypothesis
+    /// competes meanwhile. Orders that wait for the campaign are told in the same.
     pub async fn keep(&self, writer: &mut Writer, models: &ModelCache) -> Result<(), WriteError> {
         let Self { campaign, begun_at, ended_at, outcome } = self;
         let mut changes = Changes::default();
         let failed = match outcome {
-            Outcome::Known { known, .. } if models.of(Some(known.imu)).id != known.model => return Ok(()),
+            Outcome::Known { known, .. } if !known.is_of_now(models) => return Ok(()),
             Outcome::Known { known, gyros } => {
                 let gist = text(&Digest::of(gyros.clone(), &known.diagnosed));
                 changes.diagnoses.push(NewDiagnosis { row: known.row(), gist });

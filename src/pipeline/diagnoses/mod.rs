@@ -13,6 +13,9 @@ mod diagnoser;
 pub(super) mod digest;
 mod error;
 mod forecasts;
+mod foretelling;
+pub(super) mod hypotheses;
+mod hypothesis_orders;
 mod jobs;
 mod made;
 pub(super) mod models;
@@ -25,7 +28,7 @@ use std::time::Duration;
 
 use super::access::Actor;
 use super::error::StorageError;
-use super::ingest::Accepted;
+use super::ingest::{Accepted, Reader};
 use super::write_queue::{Job, WriteQueue};
 use crate::core::augmented::AugmentedModel;
 use crate::core::diagnose::{Reference, split};
@@ -57,12 +60,16 @@ pub(super) use diagnoser::Diagnoser;
 pub use diagnoser::DiagnosisAnswer;
 pub use digest::Conclusion;
 pub use error::{DiagnosisError, NotSplit};
+pub use hypotheses::StoredHypothesis;
+pub(super) use hypothesis_orders::HypothesisHandler;
+pub use hypothesis_orders::HypothesisOrder;
 pub(super) use jobs::DiagnosisHandler;
 pub use jobs::{DiagnosisOrder, WantedDiagnoses};
 pub use made::Diagnosed;
 pub(super) use made::Made;
 pub use models::{Adoption, InForce};
 pub use summary::SummaryFilter;
+pub(super) use summary::outside_forecasts;
 
 /// A model that was adopted for an IMU.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,12 +79,15 @@ pub struct AdoptedModel {
     pub author: String,
     pub reason: String,
     pub model: Arc<AugmentedModel>,
+    /// Stored campaigns that are stated with it.
+    pub campaigns: u64,
 }
 
 impl AdoptedModel {
-    fn of(row: ModelRow, InForce { model, .. }: InForce) -> Self {
+    fn of(row: ModelRow, InForce { model, .. }: InForce, uses: &[(Id, u64)]) -> Self {
         let ModelRow { id, adopted_at, author, reason, .. } = row;
-        Self { id, adopted_at, author, reason, model }
+        let campaigns = uses.iter().find(|(of, _)| *of == id).map_or(0, |(_, campaigns)| *campaigns);
+        Self { id, adopted_at, author, reason, model, campaigns }
     }
 }
 
@@ -87,6 +97,7 @@ pub struct Diagnoses {
     pub(super) store: Store,
     pub(super) diagnoser: Diagnoser,
     pub(super) queue: WriteQueue,
+    pub(super) reader: Reader,
 }
 
 impl Diagnoses {
@@ -120,14 +131,16 @@ impl Diagnoses {
         Ok(SplitBody::from(&split))
     }
 
-    /// Puts a model in force for an IMU; returns once it is on disk. One without terms and effects undoes those
-    /// before it.
+    /// Puts a model in force for an IMU and states its stored campaigns anew; returns once that is on disk. One without
+    /// terms and effects undoes those before it.
     ///
     /// # Errors
     /// [`DiagnosisError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
     /// is not known.
     pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, DiagnosisError> {
-        let (adoption, by) = (Box::new(adoption), Actor::by_caller());
+        // Fitted here, so that nobody waits for it; what comes in between the writer fits itself.
+        let restated = self.reader.restated(&adoption.imu, &adoption.model, HashMap::new()).await?;
+        let (adoption, by) = (Box::new((adoption, restated)), Actor::by_caller());
         self.queue.ask(|reply| Job::Model { adoption, by, reply }).await
     }
 
@@ -138,8 +151,24 @@ impl Diagnoses {
     pub async fn models(&self, imu: &str) -> Result<Option<Vec<AdoptedModel>>, StorageError> {
         let Some(imu) = self.store.names().read().imus.number(imu) else { return Ok(None) };
         let rows = store::model::of_imu(&self.store, imu).await?;
-        let read = rows.into_iter().map(|row| read(&row).map(|in_force| AdoptedModel::of(row, in_force)));
+        let uses = store::model::uses(&self.store, imu).await?;
+        let read = rows.into_iter().map(|row| read(&row).map(|in_force| AdoptedModel::of(row, in_force, &uses)));
         Ok(Some(read.collect::<Result<_, _>>()?))
+    }
+
+    /// Has a hypothesis compete in every diagnosis, or no more; returns once that is on disk.
+    ///
+    /// # Errors
+    /// [`DiagnosisError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
+    /// is not known.
+    pub async fn order_hypothesis(&self, order: HypothesisOrder) -> Result<Accepted, DiagnosisError> {
+        let by = Actor::by_caller();
+        self.queue.ask(|reply| Job::Hypothesis { order, by, reply }).await
+    }
+
+    /// The hypotheses that compete, in the order in which they were added.
+    pub fn hypotheses(&self) -> Vec<StoredHypothesis> {
+        self.diagnoser.models.competing().hypotheses.clone()
     }
 
     /// Reads which campaigns are to be diagnosed.
@@ -254,7 +283,9 @@ impl Diagnoses {
     pub fn summary_filter(&self, asked: &WhichBody, effect: Option<&str>) -> Result<SummaryFilter, Faults> {
         let mut faults = Faults::default();
         let campaigns = self.campaign_filter(asked, &mut faults);
-        let known = effect.and_then(Effect::from_id);
+        let competing = self.diagnoser.models.competing();
+        let own = |id: &str| competing.effects().find(|own| own.id() == id);
+        let known = effect.and_then(|id| Effect::from_id(id).or_else(|| own(id)));
         if let (Some(id), None) = (effect, known) {
             faults.push(
                 "/effect",
@@ -269,7 +300,7 @@ impl Diagnoses {
     /// # Errors
     /// [`StorageError`].
     pub async fn summary(&self, filter: &SummaryFilter) -> Result<SummaryBody, StorageError> {
-        Ok(filter.summary(&self.store).await?)
+        Ok(filter.summary(&self.store, &self.diagnoser.models.competing().program).await?)
     }
 
     /// What was concluded of each campaign of an IMU that is diagnosed and counts.

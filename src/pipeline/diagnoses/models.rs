@@ -8,6 +8,7 @@ use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::pipeline::access::Actor;
 use crate::pipeline::diagnoses::error::DiagnosisError;
+use crate::pipeline::diagnoses::hypotheses::Competing;
 use crate::pipeline::ingest::Accepted;
 use crate::store;
 use crate::store::{AccessChanges, Changes, ModelRow, Store, StoreError, Writer};
@@ -18,7 +19,7 @@ use crate::wire::model;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adoption {
     pub imu: String,
-    pub model: AugmentedModel,
+    pub model: Arc<AugmentedModel>,
     pub author: String,
     pub reason: String,
 }
@@ -30,9 +31,9 @@ pub struct InForce {
     pub model: Arc<AugmentedModel>,
 }
 
-/// The newest model of each IMU, by its number.
+/// The newest model of each IMU, by its number, and the hypotheses that compete in all diagnoses.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct ModelCache(Arc<RwLock<HashMap<u32, InForce>>>);
+pub(crate) struct ModelCache(Arc<RwLock<HashMap<u32, InForce>>>, Arc<RwLock<Arc<Competing>>>);
 
 impl ModelCache {
     pub async fn load(store: &Store) -> Result<Self, StoreError> {
@@ -43,7 +44,14 @@ impl ModelCache {
 
     /// Takes over what others have adopted.
     pub async fn read_again(&self, store: &Store) -> Result<(), StoreError> {
+        let competing = Competing::read(store).await?;
+        *self.1.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(competing);
         store::model::in_force(store).await?.iter().try_for_each(|row| self.note(row))
+    }
+
+    /// Hypotheses of one's own that compete in all diagnoses.
+    pub fn competing(&self) -> Arc<Competing> {
+        Arc::clone(&self.1.read().unwrap_or_else(PoisonError::into_inner))
     }
 
     pub fn of(&self, imu: Option<u32>) -> InForce {
@@ -51,7 +59,7 @@ impl ModelCache {
         imu.and_then(|imu| cache.get(&imu)).cloned().unwrap_or_default()
     }
 
-    fn note(&self, row: &ModelRow) -> Result<(), StoreError> {
+    pub fn note(&self, row: &ModelRow) -> Result<(), StoreError> {
         let in_force = read(row)?;
         self.0.write().unwrap_or_else(PoisonError::into_inner).insert(row.imu, in_force);
         Ok(())
@@ -65,22 +73,22 @@ pub(crate) fn read(row: &ModelRow) -> Result<InForce, StoreError> {
     Ok(InForce { id: Some(row.id), model: Arc::new(model) })
 }
 
-/// What the writer does with an adoption: one transaction; the same again changes nothing.
-pub(crate) async fn adopt(
+/// What an adoption writes; or the one in force, where it is the same.
+pub(crate) async fn adopted(
     store: &Store,
     writer: &mut Writer,
     clock: &Clock,
     cache: &ModelCache,
     adoption: &Adoption,
     by: &Actor,
-) -> Result<Accepted, DiagnosisError> {
+) -> Result<Result<Changes, Accepted>, DiagnosisError> {
     let unknown = || DiagnosisError::UnknownImu { imu: adoption.imu.clone() };
     let imu = store.names().read().imus.number(&adoption.imu).ok_or_else(unknown)?;
     let body = model::to_json(&adoption.model);
     if let Some(newest) = store::model::of_imu(store, imu).await?.first()
         && (&newest.body, &newest.author, &newest.reason) == (&body, &adoption.author, &adoption.reason)
     {
-        return Ok(Accepted::There { id: newest.id, same_bytes: true });
+        return Ok(Err(Accepted::There { id: newest.id, same_bytes: true }));
     }
     let now = clock.now();
     let id = writer.next_id(now);
@@ -91,8 +99,5 @@ pub(crate) async fn adopt(
     let audit = vec![by.line(writer.next_id(now), now, what, before.as_ref(), Some(&audited))];
     let row = ModelRow { id, imu, adopted_at: now, author, reason, body };
     let access = AccessChanges { audit, ..AccessChanges::default() };
-    let changes = Changes { models: vec![row], access, ..Changes::default() };
-    writer.commit(&changes).await?;
-    cache.note(&changes.models[0])?;
-    Ok(Accepted::stored(id))
+    Ok(Ok(Changes { models: vec![row], access, ..Changes::default() }))
 }

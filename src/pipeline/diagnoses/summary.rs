@@ -7,13 +7,12 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use crate::core::effects::Effect;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::diagnoses::digest::{Digest, Named, REFUSED};
-use crate::pipeline::diagnoses::made::program;
+use crate::pipeline::diagnoses::digest::{Digest, Named, OUTSIDE, OutsideForecast, REFUSED};
 use crate::store;
 use crate::store::{CampaignFilter, GistRow, Store, StoreError, Table, Tables};
 use crate::wire::diagnoses::{
-    AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OverviewBody, SightingBody,
-    SummaryBody,
+    AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OutsideForecastBody,
+    OverviewBody, SightingBody, SummaryBody,
 };
 use crate::wire::time;
 
@@ -89,6 +88,8 @@ struct Tally {
     overview: BTreeMap<String, Overview>,
     /// By verdict and IMU.
     doubts: BTreeMap<(String, u32), Doubt>,
+    /// By IMU.
+    outside: BTreeMap<u32, Vec<(Sighting, OutsideForecast)>>,
 }
 
 impl Tally {
@@ -99,6 +100,9 @@ impl Tally {
         }
         let seen = Sighting { record: row.record, at: row.measured_at, station: row.station };
         *self.imus.entry(row.imu).or_default() += 1;
+        if let Some(outside) = digest.outside_forecast.clone().filter(|_| self.effect.is_none()) {
+            self.outside.entry(row.imu).or_default().push((seen, outside));
+        }
         for named in &digest.effects {
             if self.effect.is_none_or(|wanted| wanted == named.effect) {
                 self.note(row.imu, seen, digest, named);
@@ -178,7 +182,9 @@ impl Tally {
         effects.sort_by_key(|one| std::cmp::Reverse((one.imus.len(), one.campaigns)));
         let findings = self.findings.iter().map(|(key, finding)| self.finding_body(key, finding, tables)).collect();
         let doubts = self.doubts.iter().map(|(key, doubt)| self.doubt_body(key, doubt, tables)).collect();
-        SummaryBody { campaigns: self.coverage, effects, findings, doubts }
+        let outside = self.outside.iter().flat_map(|(imu, all)| all.iter().map(|one| outside_body(*imu, one, tables)));
+        let outside_forecast = outside.collect();
+        SummaryBody { campaigns: self.coverage, effects, findings, doubts, outside_forecast }
     }
 
     fn overview_body(&self, effect: &str, overview: &Overview, tables: &Tables) -> OverviewBody {
@@ -276,6 +282,32 @@ impl Sighting {
     }
 }
 
+fn outside_body(imu: u32, (seen, outside): &(Sighting, OutsideForecast), tables: &Tables) -> OutsideForecastBody {
+    OutsideForecastBody {
+        imu: name(&tables.imus, imu),
+        campaign: seen.body(tables),
+        rms_over_sd: outside.rms_over_sd,
+        p_value: outside.p_value,
+    }
+}
+
+/// The newest `limit` campaigns since `since` that lie outside what was foretold of them, the newest first; and how many
+/// there are.
+pub(in crate::pipeline) async fn outside_forecasts(
+    store: &Store,
+    since: UtcMicros,
+    limit: usize,
+) -> Result<(Vec<OutsideForecastBody>, usize), StoreError> {
+    let (rows, of) = store::diagnosis_digest::holding(store, OUTSIDE, since, limit).await?;
+    let tables = store.names().read();
+    let body = |row: &GistRow| {
+        let outside = serde_json::from_str::<Digest>(&row.gist).ok()?.outside_forecast?;
+        let seen = Sighting { record: row.record, at: row.measured_at, station: row.station };
+        Some(outside_body(row.imu, &(seen, outside), &tables))
+    };
+    Ok((rows.iter().filter_map(body).collect(), of))
+}
+
 fn name(table: &Table, number: u32) -> String {
     table.name(number).map_or_else(String::new, |name| name.to_string())
 }
@@ -291,10 +323,10 @@ fn closures(all: &[f64]) -> ClosuresBody {
 
 impl SummaryFilter {
     /// Campaigns that count no more are left out.
-    pub(super) async fn summary(&self, store: &Store) -> Result<SummaryBody, StoreError> {
-        let (mut tally, program) = (Tally { effect: self.effect.map(Effect::id), ..Tally::default() }, program());
+    pub(super) async fn summary(&self, store: &Store, program: &str) -> Result<SummaryBody, StoreError> {
+        let mut tally = Tally { effect: self.effect.map(Effect::id), ..Tally::default() };
         let add = |row: GistRow| {
-            tally.add(&row, &Digest::of_row(&row)?, &program);
+            tally.add(&row, &Digest::of_row(&row)?, program);
             Ok(())
         };
         // First: what is diagnosed in between then counts twice, and never not at all.

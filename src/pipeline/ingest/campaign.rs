@@ -1,8 +1,10 @@
 //! Raw campaigns: fitted and separated where they come in, and again from what is stored.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::reader::Reader;
+use crate::core::augmented::AugmentedModel;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::{Campaign, Temperatures};
 use crate::core::fault::{Fault, Faults};
@@ -129,6 +131,36 @@ impl Reader {
         }
     }
 
+    /// The campaigns of an IMU that count, fitted with a model; those of `known` as they are there.
+    pub(crate) async fn restated(
+        &self,
+        imu: &str,
+        model: &Arc<AugmentedModel>,
+        known: Restated,
+    ) -> Result<Restated, StoreError> {
+        let mut restated = Restated::new();
+        let Some(number) = self.store.names().read().imus.number(imu) else { return Ok(restated) };
+        for head in store::record::of_imu(&self.store, number, u32::MAX).await? {
+            if head.kind != Kind::Campaign {
+                continue;
+            }
+            if let Some(known) = known.get(&head.id) {
+                restated.insert(head.id, known.clone());
+                continue;
+            }
+            let Some(row) = store::record::get(&self.store, head.id).await? else { continue };
+            let model = InForce { id: None, model: Arc::clone(model) };
+            let work = words::spawn_blocking(move || (evaluated(&row.body, &model), row));
+            let (fitted, row) = work
+                .await
+                .map_err(|error| StoreError::Damaged(format!("campaign {} could not be fitted: {error}", head.id)))?;
+            let kept = ("".into(), row.body_sha256);
+            let calibration = |(campaign, outcome)| self.calibration_of(&campaign, &outcome, None, kept);
+            restated.insert(head.id, fitted.ok().map(calibration));
+        }
+        Ok(restated)
+    }
+
     /// The bench result that was fitted to stored dwells.
     ///
     /// # Errors
@@ -149,6 +181,9 @@ impl Reader {
         row.as_ref().map_or_else(|| Ok(InForce::default()), models::read)
     }
 }
+
+/// Stored campaigns fitted with another model than they were; none where one cannot be fitted with it.
+pub(crate) type Restated = HashMap<Id, Option<Calibration>>;
 
 /// Fitted as it was when it came: it was plausible once, whatever today's limits are.
 fn evaluated(body: &str, fitted_with: &InForce) -> Result<(Campaign, Outcome), Faults> {

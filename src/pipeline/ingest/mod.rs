@@ -28,6 +28,7 @@ use crate::core::id::Id;
 use crate::store::Store;
 use crate::system::Clock;
 
+pub(super) use campaign::Restated;
 pub use document::{Origin, ReadDocument};
 pub use fitted::{Fitted, ReadCampaign};
 pub use outcome::{Accepted, Judged, Reply};

@@ -12,7 +12,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{Naming, Origin};
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, mark_of, sample_of};
 use crate::store;
-use crate::store::{BenchRow, Changes, Store, StoreError, Tables};
+use crate::store::{BenchRow, Changes, HistoryRow, Store, StoreError, Tables};
 
 /// Results side by side, oldest first; ranges and verdicts of D_I and D_S.
 #[derive(Debug, Clone, PartialEq)]
@@ -142,6 +142,10 @@ async fn made_to_be_compared(
         Some(at) => nearest(store, gyro, at).await?,
         None => store::history::newest(store, gyro, Span::EVER, 1).await?.pop(),
     };
+    let stored = stored.map(|figures| {
+        let again = |row: &&HistoryRow| row.gyro == gyro && row.figures.record == figures.record;
+        changes.rejudged.history.iter().rfind(again).map_or(figures, |row| row.figures)
+    });
     let new_rows = changes.history.iter().filter(|row| row.gyro == gyro).map(|row| row.figures);
     let separation = new_rows.chain(stored).min_by_key(|figures| nearness(figures, newest_bench));
     let mut marks = load_marks(store, gyro).await?;

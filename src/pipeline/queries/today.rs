@@ -8,9 +8,11 @@ use super::standing::Standing;
 use crate::core::id::Id;
 use crate::core::judge::{Measured, in_common};
 use crate::core::time::UtcMicros;
+use crate::pipeline::diagnoses::outside_forecasts;
 use crate::pipeline::error::StorageError;
 use crate::store;
 use crate::store::head::CalibratedRow;
+use crate::wire::diagnoses::OutsideForecastBody;
 
 /// Days ahead for which calibrations are due.
 pub const DUE_DAYS: f64 = 14.0;
@@ -41,6 +43,8 @@ pub struct Today {
     pub due: FirstOf<DueImu>,
     pub shifts: Vec<CommonShift>,
     pub moved: Vec<MovedImu>,
+    /// Campaigns outside what was foretold of them, the newest first.
+    pub outside: FirstOf<OutsideForecastBody>,
 }
 
 /// An IMU with gyros to be calibrated.
@@ -104,6 +108,8 @@ pub async fn today(fleet: &Fleet, since: UtcMicros, most: usize) -> Result<Today
     let due = store::head::due(store, [now, due_by], most).await?;
     let newest = store::head::calibrated_since(store, since).await?;
     let moved = store::head::moved(store, since, MOVED, most).await?;
+    let (first, of) = outside_forecasts(store, since, most).await?;
+    let outside = FirstOf { first, of };
     let (worse, approaching) = (first_of(fleet, worse).await?, first_of(fleet, approaching).await?);
     let tables = store.names().read();
     let imu = |number: u32| tables.imus.name(number).cloned().unwrap_or_default();
@@ -123,6 +129,7 @@ pub async fn today(fleet: &Fleet, since: UtcMicros, most: usize) -> Result<Today
         due: imus(due),
         shifts: shifts_of(&newest, station),
         moved: moved.collect(),
+        outside,
     })
 }
 

@@ -48,7 +48,7 @@ impl News {
                 let moved = [outbox.queued.len(), outbox.replayed.len(), outbox.dropped.len(), outbox.hastened.len()];
                 moved != [0; 4] || !changes.hooks.is_empty()
             }
-            Self::Models => !changes.models.is_empty(),
+            Self::Models => !changes.models.is_empty() || !changes.hypotheses.is_empty(),
             Self::Diagnoses => {
                 !(changes.models.is_empty() && changes.diagnosis_jobs.started.is_empty())
                     || changes.records.iter().any(|record| record.kind == Kind::Campaign)

@@ -66,6 +66,33 @@ pub async fn each(
     Ok(())
 }
 
+/// The newest `limit` campaigns that count, were measured at or after `since`, and whose gist holds `words`, the newest
+/// first; and how many there are.
+pub async fn holding(
+    store: &Store,
+    words: &str,
+    since: UtcMicros,
+    limit: usize,
+) -> Result<(Vec<GistRow>, usize), StoreError> {
+    let sql = "SELECT record, imu, station, measured_at, program, gist, count(*) OVER () FROM diagnosis_gist
+               WHERE measured_at >= $1 AND gist LIKE $2 AND record NOT IN (SELECT item FROM correction)
+               ORDER BY measured_at DESC, record DESC LIMIT $3";
+    let limit = i64::try_from(limit).unwrap_or(i64::MAX);
+    let rows: Vec<(i64, Whole<u32>, Whole<u32>, i64, String, String, i64)> = on!(store.readers, db => {
+        sqlx::query_as(sql).bind(since.0).bind(format!("%{words}%")).bind(limit).fetch_all(db).await?
+    });
+    let of = rows.first().map_or(0, |row| row.6.unsigned_abs() as usize);
+    let row = |(record, Whole(imu), Whole(station), at, program, gist, _)| GistRow {
+        record: Id(record),
+        imu,
+        station,
+        measured_at: UtcMicros(at),
+        program,
+        gist,
+    };
+    Ok((rows.into_iter().map(row).collect(), of))
+}
+
 /// Campaigns that count and have no diagnosis yet.
 pub async fn not_diagnosed(store: &Store, of: &CampaignFilter) -> Result<u64, StoreError> {
     let sql = "SELECT count(*) FROM diagnosis JOIN record ON record.id = diagnosis.record

@@ -15,6 +15,7 @@ pub mod head;
 pub mod histories;
 pub mod history;
 pub mod hook;
+pub mod hypothesis;
 pub mod keys;
 pub mod model;
 pub mod names;

@@ -35,13 +35,20 @@ pub(crate) fn insert(models: &[ModelRow], batch: &mut Batch) {
     );
 }
 
-/// Which of the group's campaigns were fitted with an adopted model.
+/// Which campaigns were fitted with an adopted model; the last holds.
 pub(crate) fn insert_uses(uses: &[(Id, Id)], batch: &mut Batch) {
     let mut rows = Rows::default();
     for (record, model) in uses {
         rows.row().integer(record.0).integer(model.0);
     }
-    batch.add(insert!("campaign_model (record, model)", [int 0, int 1]), rows);
+    batch.add(
+        insert!(
+            "campaign_model (record, model)",
+            [int 0, int 1],
+            "ON CONFLICT (record) DO UPDATE SET model = excluded.model"
+        ),
+        rows,
+    );
 }
 
 fn row(row: &impl AnyRow) -> Result<ModelRow, StoreError> {
@@ -59,6 +66,14 @@ fn row(row: &impl AnyRow) -> Result<ModelRow, StoreError> {
 pub async fn of_imu(store: &Store, imu: u32) -> Result<Vec<ModelRow>, StoreError> {
     let sql = "SELECT id, imu, adopted_at, author, reason, body FROM imu_model WHERE imu = $1 ORDER BY id DESC";
     on!(store.readers, db => sqlx::query(sql).bind(Whole(imu)).fetch_all(db).await?.iter().map(row).collect())
+}
+
+/// How many campaigns were fitted with each model of an IMU that any was.
+pub async fn uses(store: &Store, imu: u32) -> Result<Vec<(Id, u64)>, StoreError> {
+    let sql = "SELECT model, count(*) FROM campaign_model WHERE model IN (SELECT id FROM imu_model WHERE imu = $1)
+               GROUP BY model";
+    let rows: Vec<(i64, i64)> = on!(store.readers, db => sqlx::query_as(sql).bind(Whole(imu)).fetch_all(db).await?);
+    Ok(rows.into_iter().map(|(model, count)| (Id(model), count.unsigned_abs())).collect())
 }
 
 /// The newest model of each IMU that has one.

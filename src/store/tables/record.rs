@@ -319,18 +319,30 @@ pub async fn verdict_sheets(
 
 /// The newest `limit` records of an IMU that count, newest first, without their bodies.
 pub async fn of_imu(store: &Store, imu: u32, limit: u32) -> Result<Vec<RecordHead>, StoreError> {
-    // What waits counts, and is newer than the rest. On a server nothing does, and $3 says so.
-    let waiting: Vec<Id> = store.unplaced.calendar.read().last_of(imu, limit as usize).collect();
+    of_imu_before(store, imu, Span::EVER.to, limit).await
+}
+
+/// As [`of_imu`], those that were calibrated before `before`.
+pub async fn of_imu_before(
+    store: &Store,
+    imu: u32,
+    before: UtcMicros,
+    limit: u32,
+) -> Result<Vec<RecordHead>, StoreError> {
+    // What waits counts. On a server nothing does, and $3 says so.
+    let waiting: Vec<Id> = store.unplaced.calendar.read().last_of(imu, before, limit as usize).collect();
     let sql = store.readers.words(Sql {
         sqlite: "SELECT id, kind, station, calibrated_at FROM record WHERE voided = 0 AND id IN
                      (SELECT value FROM json_each($3) UNION ALL SELECT record FROM
-                         (SELECT record FROM calendar WHERE imu = $1 AND voided = 0 ORDER BY calibrated_at DESC LIMIT $2))
+                         (SELECT record FROM calendar WHERE imu = $1 AND voided = 0 AND calibrated_at < $4
+                          ORDER BY calibrated_at DESC LIMIT $2))
                  ORDER BY calibrated_at DESC LIMIT $2",
         postgres: "SELECT id, kind, station, calibrated_at FROM record WHERE imu = $1 AND voided = 0
-                   AND $3 IS NOT NULL ORDER BY calibrated_at DESC LIMIT $2",
+                   AND $3 IS NOT NULL AND calibrated_at < $4 ORDER BY calibrated_at DESC LIMIT $2",
     });
+    let (limit, waiting) = (Whole(limit), json_of(waiting));
     let rows: Vec<(i64, i64, Whole<u32>, i64)> = on!(store.readers, db => {
-        sqlx::query_as(sql).bind(Whole(imu)).bind(Whole(limit)).bind(json_of(waiting)).fetch_all(db).await?
+        sqlx::query_as(sql).bind(Whole(imu)).bind(limit).bind(waiting).bind(before.0).fetch_all(db).await?
     });
     let head = |(id, kind, Whole(station), at)| {
         let kind = kind_of(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
@@ -350,7 +362,7 @@ pub async fn listed(
     let (waiting, order, of_imu) = match filter.imu {
         None => (Vec::new(), "id", "$3 IS NULL AND $4 IS NOT NULL"),
         Some(imu) => (
-            store.unplaced.calendar.read().last_of(imu, usize::MAX).collect(),
+            store.unplaced.calendar.read().last_of(imu, Span::EVER.to, usize::MAX).collect(),
             "id + 0",
             store.readers.words(Sql {
                 sqlite: "id IN (SELECT value FROM json_each($4)

@@ -199,6 +199,7 @@ model_of_other_imu = the model is of IMU { $model }, the campaign of { $campaign
 model_of_other_geometry = the model has another geometry than the campaign
 bench_test_has_no_forecast = a bench test of one gyro has no forecast
 model_without_gyros = no gyro of the campaign is in the model
+model_is_of_imu = the coefficients are of IMU { $model }, not of { $imu }; without `identified` its terms and effects can be adopted
 model_fitted_to_campaign = the model was fitted to this campaign: that is no forecast
 effect_not_foretold = { $effect } is left out of the forecast: { $why }
 effect_of_other_station = { $effect } is left out of the forecast: it was found at another station
@@ -235,3 +236,8 @@ diagnosis_explained = Explained by the causes below. The residuals are at the no
 diagnosis_partly_explained = Partly explained by the causes below. Significant residuals remain.
 diagnosis_unexplained = Unexplained: no effect in the catalogue accounts for the gap.
 diagnosis_by_pattern = The residuals are no larger than noise alone would leave. The gap shows in their pattern over the dwells, not in their size.
+
+## A forecast that failed
+
+campaign_outside_forecast = Outside its forecast: rms(error/sd) { $rms }, p { $p }. Something has changed that the model does not hold.
+campaign_outside_forecast_changed = Outside its forecast: rms(error/sd) { $rms }, p { $p }. Adopted coefficients have changed: { $effects }.

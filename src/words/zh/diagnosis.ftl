@@ -199,6 +199,7 @@ model_of_other_imu = 模型属于惯组{ $model }，而本次试验属于{ $camp
 model_of_other_geometry = 模型与本次试验的构型不同
 bench_test_has_no_forecast = 单表试验没有预报
 model_without_gyros = 本次试验的陀螺均不在模型中
+model_is_of_imu = 系数属于惯性组合 { $model }，不属于 { $imu }；去掉 identified 后可采用其各项与效应
 model_fitted_to_campaign = 模型即由本次试验拟合得到，不构成预报
 effect_not_foretold = { $effect }未计入预报：{ $why }
 effect_of_other_station = { $effect }未计入预报：该效应在另一测试站发现
@@ -235,3 +236,8 @@ diagnosis_explained = 差异已由下列原因解释，残差已达噪声底。
 diagnosis_partly_explained = 差异部分由下列原因解释，仍有显著残差。
 diagnosis_unexplained = 差异未得到解释：目录中没有能说明它的效应。
 diagnosis_by_pattern = 残差并不大于噪声所应留下的残差。差异体现在残差随测点的形态上，而不是大小上。
+
+## 未应验的预报
+
+campaign_outside_forecast = 本次试验超出预报：误差与标准差之比的均方根 { $rms }，p { $p }。模型之外的某项已改变。
+campaign_outside_forecast_changed = 本次试验超出预报：误差与标准差之比的均方根 { $rms }，p { $p }。已采用的系数已改变：{ $effects }。

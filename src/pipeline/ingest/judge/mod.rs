@@ -82,8 +82,8 @@ impl Judge {
         for event in &changes.events {
             rows.entry(event.gyro).or_default();
         }
-        let shrunk = changes.withdrawn.gyros();
-        for gyro in &shrunk {
+        let (shrunk, restated) = (changes.withdrawn.gyros(), changes.rejudged.gyros_restated());
+        for gyro in shrunk.iter().chain(&restated) {
             rows.entry(*gyro).or_default();
         }
         for (gyro, mut indices) in rows {
@@ -92,7 +92,7 @@ impl Judge {
             let has_events = changes.events.iter().any(|event| event.gyro == gyro);
             self.load(gyro, changes).await?;
             let newest = self.lines.get(&gyro).and_then(GyroWindow::newest);
-            let records_alone = !has_events && !shrunk.contains(&gyro);
+            let records_alone = !has_events && !shrunk.contains(&gyro) && !restated.contains(&gyro);
             if records_alone && oldest.zip(newest).is_none_or(|(oldest, newest)| oldest > newest) {
                 self.append(gyro, &indices, changes, &mut judged).await?;
             } else {

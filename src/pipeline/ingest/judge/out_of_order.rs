@@ -14,7 +14,7 @@ use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, load_marks, mark_of, sample_of};
 use crate::store;
-use crate::store::{Changes, HistoryRow, RejudgedSheet, StoreError, StoredVerdict};
+use crate::store::{Changes, HistoryRow, RejudgedSheet, RestatedRow, StoreError, StoredVerdict};
 
 /// A gyro's history as it now is, before what has been altered in it is judged again.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ struct Reopened {
     /// Stored rows, oldest first: those at and after the first change at least.
     stored: Vec<Figures>,
     altered: Vec<Altered>,
-    /// Whether something was taken out.
+    /// Whether something was taken out or stated anew.
     shrunk: bool,
 }
 
@@ -36,6 +36,8 @@ enum Altered {
     Removed { at: UtcMicros, baseline: bool },
     /// Something was done to the gyro; a new baseline may begin.
     Marked { at: UtcMicros, baseline: bool },
+    /// Records from here on are stated anew.
+    Restated { at: UtcMicros },
 }
 
 fn inserted(indices: &[usize], changes: &Changes) -> impl Iterator<Item = Altered> {
@@ -66,12 +68,27 @@ fn withdrawn_from(gyro: u32, stored: &mut Vec<Figures>, marks: &[Mark], changes:
     altered
 }
 
+/// Puts what is stated anew in the place of what is stored of a gyro, and tells what that alters.
+fn restated_in(gyro: u32, stored: &mut [Figures], changes: &Changes) -> Option<Altered> {
+    let mut first = None;
+    for RestatedRow { row, .. } in changes.rejudged.restated.iter().filter(|restated| restated.row.gyro == gyro) {
+        if let Some(old) = stored.iter_mut().find(|old| old.record == row.figures.record) {
+            *old = Figures { states: old.states, ..row.figures };
+            first = Some(first.map_or(old.at, |first: UtcMicros| first.min(old.at)));
+        }
+    }
+    first.map(|at| Altered::Restated { at })
+}
+
 /// Indices of the records whose verdicts change by what is `altered`: what came in, those whose rules look back to
 /// it, and, where a baseline's records change, all that are compared with it. `samples` are those that count now.
 fn affected(samples: &[Sample], marks: &[Mark], altered: &[Altered], need: Need) -> Vec<usize> {
     let mut stretches = Vec::new();
     for &change in altered {
-        let (Altered::Inserted { at } | Altered::Removed { at, .. } | Altered::Marked { at, .. }) = change;
+        let (Altered::Inserted { at }
+        | Altered::Removed { at, .. }
+        | Altered::Marked { at, .. }
+        | Altered::Restated { at }) = change;
         let start = samples.partition_point(|sample| sample.at < at);
         let (itself, in_baseline) = match change {
             Altered::Inserted { at } if samples.get(start).is_none_or(|sample| sample.at != at) => {
@@ -81,6 +98,11 @@ fn affected(samples: &[Sample], marks: &[Mark], altered: &[Altered], need: Need)
             }
             Altered::Inserted { at } => (1, is_in_baseline(samples, marks, start, at)),
             Altered::Removed { baseline, .. } | Altered::Marked { baseline, .. } => (0, baseline),
+            Altered::Restated { .. } => {
+                // The first may repeat the one before, and is judged as that is.
+                stretches.push(start.saturating_sub(1)..samples.len());
+                continue;
+            }
         };
         stretches.push(start..start + itself + need.reach(at, &samples[start + itself..]));
         if in_baseline {
@@ -146,9 +168,13 @@ impl Judge {
                 } else if let Ok(i) = stored.binary_search_by_key(&at, |figures| figures.at) {
                     let mut figures = stored[i];
                     judge(&history, k, &self.limits(Some((gyro, figures.imu, changes))), &mut judged);
-                    self.correct_sheet(gyro, figures.record, &judged, sheets).await?;
+                    let of_it = |restated: &&RestatedRow| {
+                        (restated.row.gyro, restated.row.figures.record) == (gyro, figures.record)
+                    };
+                    let restated = changes.rejudged.restated.iter().find(of_it).map(|it| it.requirements.as_slice());
+                    self.correct_sheet((gyro, figures.record), &judged, restated, sheets).await?;
                     figures.states = states(&judged);
-                    if figures.states != stored[i].states {
+                    if figures.states != stored[i].states || restated.is_some() {
                         changes.rejudged.history.push(HistoryRow { gyro, figures });
                     }
                     if k + 1 == count {
@@ -206,6 +232,7 @@ impl Judge {
         marks.extend(&new_marks);
         marks.sort_by_key(|mark| mark.at);
         let mut altered = withdrawn_from(gyro, &mut stored, &marks, changes);
+        altered.extend(restated_in(gyro, &mut stored, changes));
         let shrunk = !altered.is_empty();
         altered.extend(inserted(indices, changes));
         altered.extend(
@@ -230,18 +257,19 @@ impl Judge {
         let is_confirmed = |id: Id| changes.confirmed.iter().any(|confirmed| confirmed.record == id);
         for HistoryRow { gyro, figures } in changes.history.iter().filter(|row| is_confirmed(row.figures.record)) {
             if let Some(judged) = verdicts.get(&(figures.record, *gyro)) {
-                self.correct_sheet(*gyro, figures.record, judged, sheets).await?;
+                self.correct_sheet((*gyro, figures.record), judged, None, sheets).await?;
             }
         }
         Ok(())
     }
 
-    /// Puts the new verdicts of one gyro into a stored record's sheet; those that need no history stay.
+    /// Puts the new verdicts of one gyro into a stored record's sheet; those that need no history stay where there are
+    /// no new ones.
     async fn correct_sheet(
         &self,
-        gyro: u32,
-        record: Id,
+        (gyro, record): (u32, Id),
         judged: &[Verdict],
+        requirements: Option<&[StoredVerdict]>,
         sheets: &mut HashMap<Id, RejudgedSheet>,
     ) -> Result<(), StoreError> {
         let sheet = match sheets.remove(&record) {
@@ -252,7 +280,8 @@ impl Judge {
             return Err(StoreError::Damaged(format!("record {record} of gyro number {gyro} is missing")));
         };
         let old = sheet.sheet.0.iter().find(|(number, _)| *number == gyro).map(|(_, verdicts)| verdicts.as_slice());
-        let stays = old.unwrap_or_default().iter().filter(|verdict| verdict.rule == Rule::Requirement).copied();
+        let without_history = requirements.or(old).unwrap_or_default().iter();
+        let stays = without_history.filter(|verdict| verdict.rule == Rule::Requirement).copied();
         let new = judged.iter().map(StoredVerdict::from).chain(stays).collect();
         sheet.sheet.replace(gyro, new);
         sheets.insert(record, sheet);
@@ -316,6 +345,12 @@ mod tests {
         assert_eq!(gone(500, false), (5..16).collect::<Vec<_>>());
         assert_eq!(gone(9000, false), [] as [usize; 0]);
         assert_eq!(gone(250, true), (3..29).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn what_is_stated_anew_alters_all_from_there_on() {
+        let again = affected(&sparse(9), &[], &[Altered::Restated { at: day(400) }], NEED);
+        assert_eq!(again, (3..9).collect::<Vec<_>>());
     }
 
     #[test]

@@ -14,8 +14,8 @@ use crate::store;
 use crate::store::{Changes, CorrectionRow, HistoryRow, StoreError, VerdictSheet};
 
 impl Judge {
-    /// Notes for each gyro of which something counts no more what would fire without it. To be asked once the new
-    /// verdicts have been entered.
+    /// Notes for each gyro of which something counts no more, or is stated anew, what fires now. To be asked once the
+    /// new verdicts have been entered.
     pub(super) async fn undo(&self, changes: &Changes, judged: &mut Judged) -> Result<(), StoreError> {
         for gyro in changes.withdrawn.gyros() {
             let fires = self.replay(gyro, changes).await?;
@@ -29,6 +29,12 @@ impl Judge {
                 let (author, reason) = (aside.author.clone(), aside.reason.clone());
                 judged.undone.insert(gyro, Undone { fires: Some(fires), author, reason });
             }
+        }
+        for gyro in changes.rejudged.gyros_restated() {
+            let fires = Some(self.replay(gyro, changes).await?);
+            let said = changes.models.last().map(|model| (model.author.clone(), model.reason.clone()));
+            let (author, reason) = said.unwrap_or_default();
+            judged.undone.entry(gyro).or_insert(Undone { fires, author, reason });
         }
         for (bench, gyro) in &changes.withdrawn.benches {
             if let Some(said) = said_of([*bench].into_iter(), changes) {

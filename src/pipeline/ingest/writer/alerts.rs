@@ -39,7 +39,8 @@ impl Task {
         let withdrawn = changes.withdrawn.benches.iter().map(|(_, gyro)| *gyro);
         let measured: BTreeSet<u32> = changes.benches.iter().map(|bench| bench.gyro).chain(withdrawn).collect();
         let touched = changes.history.iter().map(|row| row.gyro).chain(changes.events.iter().map(|event| event.gyro));
-        let touched: BTreeSet<u32> = touched.chain(changes.withdrawn.gyros()).collect();
+        let touched = touched.chain(changes.withdrawn.gyros()).chain(changes.rejudged.gyros_restated());
+        let touched: BTreeSet<u32> = touched.collect();
         let unknown: Vec<u32> = touched.iter().copied().filter(|gyro| !self.benched.contains_key(gyro)).collect();
         if !unknown.is_empty() {
             let on_benches: HashSet<u32> = store::bench::on_benches(&self.store, &unknown).await?.into_iter().collect();

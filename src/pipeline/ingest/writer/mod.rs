@@ -5,6 +5,7 @@ pub(crate) mod alerts;
 mod group;
 mod heads;
 pub(crate) mod overlapped;
+mod restate;
 mod state;
 mod stations;
 pub(crate) mod turn;
@@ -21,8 +22,7 @@ use crate::config::Config;
 use crate::core::id::Id;
 use crate::pipeline::access::{AccessHandler, AccessOrder, Actor, Secret};
 use crate::pipeline::alerts::AlertCache;
-use crate::pipeline::diagnoses::models::adopt;
-use crate::pipeline::diagnoses::{DiagnosisHandler, DiagnosisOrder};
+use crate::pipeline::diagnoses::{DiagnosisHandler, DiagnosisOrder, HypothesisHandler, HypothesisOrder};
 use crate::pipeline::error::StorageError;
 use crate::pipeline::hooks::{Found, HookCache, HookHandler, Order, heard_by};
 use crate::pipeline::ingest::judge::Judge;
@@ -125,14 +125,15 @@ impl Task {
                         continue;
                     }
                     Job::Model { adoption, by, reply } => {
-                        let mut cells = Cells::one(store::names::cell_of_imu(&self.store, &adoption.imu));
-                        cells.insert(0);
-                        let adopted = in_turn!(self, cells, {
-                            let (store, models) = (&self.store, &self.after.models);
-                            adopt(store, &mut self.writer, &self.clock, models, &adoption, &by)
-                        });
+                        // Its gyros may have come from anywhere.
+                        let adopted = in_turn!(self, Cells::all(), self.adopt(&adoption, &by));
                         let _gone = reply.send(adopted);
                         self.after.due.send_modify(|moved| *moved += 1);
+                        continue;
+                    }
+                    Job::Hypothesis { order, by, reply } => {
+                        let done = in_turn!(self, Cells::one(0), self.order_hypothesis(&order, &by));
+                        let _gone = reply.send(done);
                         continue;
                     }
                     Job::Diagnoses { order, by, reply } => {
@@ -252,8 +253,17 @@ impl Task {
 
     /// Begins or cancels an order of diagnoses, and has what is new worked off.
     async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
-        let mut admission = DiagnosisHandler { store: &self.store, writer: &mut self.writer, now: self.clock.now() };
+        let (now, program) = (self.clock.now(), self.after.models.competing().program.clone());
+        let mut admission = DiagnosisHandler { store: &self.store, writer: &mut self.writer, now, program };
         let done = admission.carry_out(order, by).await;
+        self.after.due.send_modify(|moved| *moved += 1);
+        done
+    }
+
+    async fn order_hypothesis(&mut self, order: &HypothesisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
+        let (store, now, cache) = (&self.store, self.clock.now(), &self.after.models);
+        let done = HypothesisHandler { store, writer: &mut self.writer, now, cache }.carry_out(order, by).await;
+        // One that was being made meanwhile is not kept, and is due again.
         self.after.due.send_modify(|moved| *moved += 1);
         done
     }

@@ -78,9 +78,11 @@ impl Calendar {
         self.waiting.enter(entry.record.0, imu, |entries| entries.push(entry));
     }
 
-    /// The newest `limit` records of an IMU that wait, newest first.
-    pub fn last_of(&self, imu: u32, limit: usize) -> impl Iterator<Item = Id> {
-        self.waiting.of(imu).iter().rev().take(limit).map(|entry| entry.record)
+    /// The newest `limit` records of an IMU before `before` that wait, newest first.
+    pub fn last_of(&self, imu: u32, before: UtcMicros, limit: usize) -> impl Iterator<Item = Id> {
+        let entries = self.waiting.of(imu);
+        let until = entries.partition_point(|entry| entry.at < before);
+        entries[..until].iter().rev().take(limit).map(|entry| entry.record)
     }
 
     /// The record of an IMU at an instant, if it waits.

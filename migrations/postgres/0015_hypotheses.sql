@@ -1,0 +1,9 @@
+-- Hypotheses of one's own that compete in every diagnosis, word for word (JSON), as long as none has ended them.
+CREATE TABLE hypothesis (
+    id       BIGINT PRIMARY KEY,
+    body     TEXT NOT NULL,
+    author   TEXT NOT NULL,
+    reason   TEXT NOT NULL,
+    added_at BIGINT NOT NULL,
+    ended_at BIGINT
+);

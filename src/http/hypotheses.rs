@@ -1,0 +1,105 @@
+//! `/v1/hypotheses`: equations of one's own that compete with the catalogue in every diagnosis.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use axum::http::header::LOCATION;
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::app::App;
+use super::document::Document;
+use crate::core::fault::Faults;
+use crate::message;
+use crate::pipeline::{Accepted, HypothesisOrder, StoredHypothesis};
+use crate::wire::hypothesis::HypothesisBody;
+use crate::wire::problem::Problem;
+use crate::wire::{json, text, time};
+
+/// A hypothesis that is to compete, who says so, and why.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewHypothesisBody {
+    hypothesis: HypothesisBody,
+    #[schema(min_length = 1, max_length = 64)]
+    author: String,
+    #[schema(min_length = 1, max_length = 4096)]
+    reason: String,
+}
+
+/// A hypothesis that competes in every diagnosis.
+#[derive(Serialize, ToSchema)]
+pub struct StoredHypothesisBody {
+    hypothesis: HypothesisBody,
+    author: String,
+    reason: String,
+    added_at: String,
+}
+
+/// Those that compete, in the order in which they were added.
+#[derive(Serialize, ToSchema)]
+pub struct HypothesesBody {
+    hypotheses: Vec<StoredHypothesisBody>,
+}
+
+impl StoredHypothesisBody {
+    fn of(stored: StoredHypothesis) -> Option<Self> {
+        let StoredHypothesis { effect, author, reason, added_at, .. } = stored;
+        let hypothesis = HypothesisBody::of(&effect.hypothesis()?.written);
+        Some(Self { hypothesis, author, reason, added_at: time::format(added_at) })
+    }
+}
+
+/// Hypotheses of one's own that compete with the catalogue.
+#[utoipa::path(get, path = "/v1/hypotheses", tag = "diagnoses",
+    responses((status = 200, description = "those that compete", body = HypothesesBody)))]
+pub async fn get_hypotheses(State(app): State<App>) -> Json<HypothesesBody> {
+    let hypotheses = app.pipeline.diagnoses.hypotheses();
+    Json(HypothesesBody { hypotheses: hypotheses.into_iter().filter_map(StoredHypothesisBody::of).collect() })
+}
+
+/// Has a hypothesis compete in every diagnosis from now on. Those made without it are out of date: order them again.
+///
+/// The body holds what `--hypothesis` reads from TOML, as JSON. Sixteen compete at most.
+#[utoipa::path(post, path = "/v1/hypotheses", tag = "diagnoses", request_body = NewHypothesisBody,
+    responses(
+        (status = 201, description = "it competes", body = StoredHypothesisBody,
+            headers(("Location" = String, description = "where it is taken out"))),
+        (status = 200, description = "it did before", body = StoredHypothesisBody),
+        (status = 409, description = "another has its name, or there are too many"),
+        (status = 422, description = "it makes no sense; the places are named")))]
+pub async fn post_hypothesis(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+    let order = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let (status, id) = match app.pipeline.diagnoses.order_hypothesis(order).await? {
+        Accepted::Stored { id, .. } => (StatusCode::CREATED, id),
+        Accepted::There { id, .. } => (StatusCode::OK, id),
+    };
+    let stored = app.pipeline.diagnoses.hypotheses().into_iter().find(|stored| stored.id == id);
+    let body = stored.and_then(StoredHypothesisBody::of);
+    let body = body.ok_or_else(|| Problem::new(500, "title_internal_error", message!("model_lost")))?;
+    let location = format!("/v1/hypotheses/{}", body.hypothesis.id);
+    Ok((status, [(LOCATION, location)], Json(body)).into_response())
+}
+
+fn read(bytes: &[u8]) -> Result<HypothesisOrder, Faults> {
+    let NewHypothesisBody { hypothesis, author, reason } = json::parse(bytes)?;
+    let mut faults = Faults::default();
+    let author = text::required_short("/author", author, &mut faults);
+    let reason = text::required_note("/reason", reason, &mut faults);
+    match hypothesis.to_core() {
+        Ok(effect) => faults.or(HypothesisOrder::Add { effect, author, reason }),
+        Err(part) => {
+            faults.absorb("/hypothesis", part);
+            Err(faults)
+        }
+    }
+}
+
+/// Takes a hypothesis out of the competition. What a model holds of it stays.
+#[utoipa::path(delete, path = "/v1/hypotheses/{id}", tag = "diagnoses",
+    responses((status = 204, description = "it competes no more")))]
+pub async fn delete_hypothesis(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+    app.pipeline.diagnoses.order_hypothesis(HypothesisOrder::End(id)).await?;
+    Ok(StatusCode::NO_CONTENT)
+}

@@ -1,0 +1,264 @@
+//! What was foretold of an IMU's campaigns, and how far it came true: over time, step by step, and which adopted
+//! coefficients are others now.
+
+use maud::{Markup, html};
+
+use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
+use super::figure::{self, percent, short};
+use super::layout::{instant, symbol};
+use super::text::Text;
+use crate::core::augmented::AugmentedModel;
+use crate::core::effects::Effect;
+use crate::core::judge::Status;
+use crate::core::time::UtcMicros;
+use crate::pipeline::AdoptedModel;
+use crate::wire::diagnosis::{InUseBody, InUseEffectBody};
+use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastPointBody, ThenNowBody};
+use crate::wire::model::ModelBody;
+use crate::wire::time;
+
+/// The forecasts of an IMU's campaigns, oldest first; nothing where there are none.
+pub(super) fn series(t: &Text, points: &[ForecastPointBody]) -> Markup {
+    let newest = points.iter().rev().find_map(|point| point.compared.as_ref());
+    html! {
+        @if !points.is_empty() {
+            section #forecasts {
+                h2 { (t.forecasts) }
+                @if let Some(newest) = newest {
+                    p.note { (t.forecasts_note) }
+                    (picture(t, points))
+                    (ladder(t, newest))
+                }
+                div.scroll.tall tabindex="0" { table {
+                    thead { tr {
+                        th { (t.measured) } th { (t.forecast) } th.n { (t.error_in_sd) } th { (t.effects_close) }
+                        th { (t.foretold_by) }
+                    } }
+                    tbody { @for point in points.iter().rev() { (line(t, point)) } }
+                } }
+            }
+        }
+    }
+}
+
+/// The models that were adopted for an IMU, the one in force first; nothing where none was.
+pub(super) fn versions(t: &Text, models: &[AdoptedModel]) -> Markup {
+    let holds = |model: &AugmentedModel| {
+        if model.is_plain() {
+            return t.plain_model.to_owned();
+        }
+        let ModelBody { terms, effects, .. } = ModelBody::from(model);
+        let effects = effects.into_iter().map(|known| InUseEffectBody { effect: known.effect, gyros: known.gyros });
+        InUseBody { terms, effects: effects.collect() }.listed()
+    };
+    html! {
+        @if !models.is_empty() {
+            section #models {
+                h2 { (t.adopted_models) }
+                div.scroll tabindex="0" { table {
+                    thead { tr {
+                        th { (t.adopted_at) } th { (t.model_word) } th { (t.stated_at) } th.n { (t.campaigns_stated) }
+                        th { (t.author) } th { (t.reason_word) }
+                    } }
+                    tbody { @for (k, one) in models.iter().enumerate() {
+                        tr {
+                            td { (instant(one.adopted_at)) @if k == 0 { br; strong { (t.in_force) } } }
+                            td.words { code translate="no" { (holds(&one.model)) } }
+                            td.nowrap {
+                                @match one.model.identified.as_ref().and_then(|own| own.reference_c) {
+                                    Some(celsius) => { (format!("{celsius:.1} °C")) }
+                                    None => { "–" }
+                                }
+                            }
+                            td.n { (one.campaigns) } td { (one.author) } td.words { (one.reason) }
+                        }
+                    } }
+                } }
+                p.note { (t.adopted_models_note) }
+            }
+        }
+    }
+}
+
+fn line(t: &Text, point: &ForecastPointBody) -> Markup {
+    html! {
+        tr {
+            td { a href={ "/campaigns/" (point.campaign) "/diagnosis" } { (at(&point.measured_at)) } }
+            @if let Some(compared) = &point.compared {
+                td { (state(t, compared)) }
+                td.n { (short(compared.rms_over_sd)) }
+                td.nowrap { @if let Some(closing) = compared.closing { (closed(t, closing)) } @else { "–" } }
+            } @else { td.words colspan="3" { (point.why_not.as_deref().unwrap_or(t.not_foretold)) } }
+            td.words {
+                @if let Some(model) = &point.model {
+                    (at(&model.measured_at)) " · " (model.campaigns) " " (t.campaigns_word)
+                    @for effect in &model.effects { " + " (effect_word(t, effect)) }
+                }
+            }
+        }
+    }
+}
+
+fn at(text: &str) -> Markup {
+    time::parse(text).map_or_else(|_| html! { (text) }, instant)
+}
+
+fn effect_word<'a>(t: &'a Text, id: &'a str) -> &'a str {
+    Effect::from_id(id).map_or(id, |effect| t.effect(effect))
+}
+
+fn state(t: &Text, compared: &ComparedBody) -> Markup {
+    html! { @if compared.state == "outside" { strong { (t.outside_forecast) } } @else { (t.as_foretold) } }
+}
+
+fn closed(t: &Text, closing: ClosingBody) -> Markup {
+    html! {
+        @match closing.interval {
+            Some([low, high]) => { (percent(closing.closure)) " (" (percent(low)) " – " (percent(high)) ")" }
+            None => { (t.nothing_to_close) }
+        }
+    }
+}
+
+/// Forecast error of each campaign with the adopted effects and without them, and the noise.
+fn picture(t: &Text, points: &[ForecastPointBody]) -> Markup {
+    let told: Vec<(f64, UtcMicros, &ForecastPointBody, &ComparedBody)> = points
+        .iter()
+        .filter_map(|point| {
+            let at = time::parse(&point.measured_at).ok()?;
+            Some((millis(at), at, point, point.compared.as_ref()?))
+        })
+        .collect();
+    let Some(ends) = bounds(told.iter().map(|(x, ..)| *x)) else { return html! {} };
+    let dot = |x: f64, y: f64, outside: bool, said: String, campaign: &str| Dot {
+        x,
+        y,
+        status: outside.then_some(Status::Drifting),
+        href: Some(format!("/campaigns/{campaign}/diagnosis")),
+        said,
+        ..Dot::default()
+    };
+    let with = told.iter().map(|(x, at, point, c)| {
+        let outside = c.state == "outside";
+        let state = if outside { t.outside_forecast } else { t.as_foretold };
+        let said = format!("{} · {} deg/h, {} sd · {state}", at.date(), short(c.rms_deg_per_h), short(c.rms_over_sd));
+        dot(*x, c.rms_deg_per_h, outside, said, &point.campaign)
+    });
+    let without = told.iter().filter_map(|(x, at, point, c)| {
+        let plain = c.ladder.first().filter(|_| c.ladder.len() > 1)?;
+        let said = format!("{} · {} {} deg/h", at.date(), t.without_effects, short(plain.rms_deg_per_h));
+        Some(dot(*x, plain.rms_deg_per_h, false, said, &point.campaign))
+    });
+    let track = |class: &str, dots: Vec<Dot>| Track { class: class.into(), dots, joined: true, ..Track::default() };
+    let noise = told.iter().map(|(x, .., c)| (*x, c.noise_deg_per_h)).collect();
+    let caption = html! { span { (t.forecast_error) ", deg/h" } };
+    let chart = Chart {
+        tracks: vec![track("k1", without.collect()), track("k0", with.collect())],
+        lines: vec![("station", noise)],
+        ..Chart::new(t.forecast_error.to_owned(), caption, Across::Time, widened(ends, 0.02, 8.64e7))
+    };
+    chart.markup()
+}
+
+/// The newest campaign's forecast error, from model (6) over each effect to the noise.
+fn ladder(t: &Text, compared: &ComparedBody) -> Markup {
+    let name = |effect: &Option<String>| match effect {
+        Some(effect) => format!("+ {}", effect_word(t, effect)),
+        None => t.model_6.to_owned(),
+    };
+    let steps: Vec<(String, f64)> =
+        compared.ladder.iter().map(|rung| (name(&rung.effect), rung.rms_deg_per_h)).collect();
+    rungs(t, t.forecast_ladder, &steps, compared.noise_deg_per_h)
+}
+
+/// Errors as bars on one scale, and the noise floor under them.
+pub(super) fn rungs(t: &Text, caption: &str, steps: &[(String, f64)], floor: f64) -> Markup {
+    let most = steps.iter().map(|(_, size)| *size).fold(floor, f64::max).max(f64::MIN_POSITIVE);
+    let width = |size: f64| format!("{:.1}%", 100.0 * size / most);
+    html! {
+        table.ladder {
+            caption { (caption) }
+            tbody {
+                @for (name, size) in steps {
+                    tr {
+                        th scope="row" { (name) }
+                        td { svg.rung width="100%" height="18" aria-hidden="true" {
+                            rect x="0" y="3" height="12" width=(width(*size)) {}
+                            line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
+                        } }
+                        td.n { (short(*size)) " deg/h" }
+                    }
+                }
+                tr {
+                    th scope="row" { (t.noise_floor) }
+                    td {
+                        svg.rung width="100%" height="18" aria-hidden="true" {
+                            line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
+                        }
+                    }
+                    td.n { (short(floor)) " deg/h" }
+                }
+            }
+        }
+    }
+}
+
+/// What was foretold of one campaign, in a section of its diagnosis.
+pub(super) fn of_campaign(t: &Text, point: Option<&ForecastPointBody>, changed: Option<&ChangedBody>) -> Markup {
+    html! {
+        @if point.is_some() || changed.is_some() {
+            section #forecast {
+                h2 { (t.forecast) }
+                @if let Some(point) = point { (came_true(t, point)) }
+                @if let Some(changed) = changed { (against_model(t, changed)) }
+            }
+        }
+    }
+}
+
+fn came_true(t: &Text, point: &ForecastPointBody) -> Markup {
+    html! {
+        @if let Some(compared) = &point.compared {
+            p {
+                (state(t, compared)) " · " (t.error_in_sd) " " (short(compared.rms_over_sd))
+                " · p " (short(compared.p_value))
+                @if let Some(model) = &point.model {
+                    " · " (t.foretold_by) " " (at(&model.measured_at)) ", " (model.campaigns) " " (t.campaigns_word)
+                }
+            }
+            @if let Some(closing) = compared.closing {
+                p { (t.effects_close) ": " (closed(t, closing))
+                    @if let Some(promised) = point.promised { " · " (t.promised) " " (closed(t, promised)) } }
+            }
+            (ladder(t, compared))
+        } @else { p { (point.why_not.as_deref().unwrap_or(t.not_foretold)) } }
+        @for note in &point.notes { p.note { (note) } }
+    }
+}
+
+/// Adopted coefficients then and now, and what the changed ones do to D_I and D_S.
+fn against_model(t: &Text, changed: &ChangedBody) -> Markup {
+    let with = |c: &ThenNowBody, value: f64, sd: f64| html! { (figure::with_sd(value, Some(sd), 6)) " " (c.unit) };
+    html! {
+        h3 { (t.effects_then_and_now) }
+        div.scroll tabindex="0" { table {
+            thead { tr {
+                th { (t.effect) } th { (t.serial) } th { (t.parameter) } th.n { (t.in_model) } th.n { (t.in_campaign) }
+                th.n { (t.adjusted_p) } th { (t.changed_word) }
+            } }
+            tbody { @for effect in &changed.effects { @for c in &effect.coefficients {
+                tr {
+                    td.words { (effect_word(t, &effect.effect)) }
+                    td { (if effect.slot == "all" { t.all_gyros } else { &effect.slot }) } td { (c.name) }
+                    td.n { (with(c, c.model, c.model_sd)) } td.n { (with(c, c.now, c.now_sd)) }
+                    td.n { (short(effect.p_value)) }
+                    td { @if effect.changed { strong { (t.yes) } } @else { (t.no) } }
+                }
+            } } }
+        } }
+        @for shift in &changed.shifts {
+            p { (shift.slot) " " (symbol(&shift.coefficient)) " " (figure::signed_drift(shift.shift, Some(shift.sd)))
+                " " (t.unit) " " (t.by_the_change) }
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! What foretells a stored campaign: the model in force when it came in, and the campaigns before it.
+
+use std::sync::Arc;
+
+use super::models::{InForce, read};
+use crate::core::campaign::{Campaign, TestKind};
+use crate::core::id::Id;
+use crate::core::imu_model::{Identified, Sample, changed, compare, identify, ladder, promised};
+use crate::core::kind::Kind;
+use crate::core::message::Message;
+use crate::message;
+use crate::pipeline::ingest::fitted::damaged;
+use crate::store;
+use crate::store::{Store, StoreError};
+use crate::wire::campaign;
+use crate::wire::forecast::{ForecastBody, ForecastPointBody};
+
+/// Campaigns before one that its model is fitted to, where none was fitted when it came in.
+const FITTED: usize = 5;
+/// Calibrations that are looked through for them.
+const LOOKED_THROUGH: u32 = 32;
+
+/// What foretells a stored campaign.
+pub(super) struct Foretelling {
+    id: Id,
+    /// Of the same IMU with the same gyros, newest first.
+    before: Vec<(Id, Campaign)>,
+    /// When it came in.
+    in_force: InForce,
+}
+
+impl Foretelling {
+    /// Of the campaign `id` of the IMU with number `imu`.
+    pub async fn of(store: &Store, (id, imu): (Id, u32), campaign: &Campaign) -> Result<Self, StoreError> {
+        // Identifiers are in order of arrival; the models are newest first.
+        let models = store::model::of_imu(store, imu).await?;
+        let in_force = models.iter().find(|model| model.id < id).map(read).transpose()?.unwrap_or_default();
+        let mut before = Vec::new();
+        for head in store::record::of_imu_before(store, imu, campaign.measured_at, LOOKED_THROUGH).await? {
+            if head.kind == Kind::Campaign && before.len() < FITTED {
+                let earlier = stored(store, head.id).await?;
+                before.extend(earlier.filter(|earlier| are_alike(earlier, campaign)).map(|it| (head.id, it)));
+            }
+        }
+        Ok(Self { id, before, in_force })
+    }
+
+    /// The forecast without its dwells, or why there is none. Computing, some milliseconds.
+    pub fn point(&self, campaign: &Campaign) -> ForecastPointBody {
+        self.point_of(campaign, self.foretold(campaign).as_ref())
+    }
+
+    pub fn point_of(&self, campaign: &Campaign, told: Result<&ForecastBody, &Message>) -> ForecastPointBody {
+        ForecastPointBody::of(&self.id, campaign, self.in_force.id, told)
+    }
+
+    /// By the coefficients that were adopted, else by those of the campaigns before, with the terms and effects in
+    /// force.
+    pub fn foretold(&self, campaign: &Campaign) -> Result<ForecastBody, Message> {
+        let usable = |model: &&Arc<Identified>| compare(model, campaign).is_ok();
+        let model = match self.in_force.model.identified.as_ref().filter(usable) {
+            Some(adopted) => Arc::clone(adopted),
+            None => Arc::new(self.of_campaigns()?),
+        };
+        let comparison = compare(&model, campaign).map_err(|why| why.message())?;
+        let steps = ladder(&model, campaign).map_err(|why| why.message())?;
+        let promised = promised(&model, campaign).map_err(|why| why.message())?;
+        let changed = if model.effects.is_empty() { None } else { changed(&model, campaign).ok() };
+        let body = ForecastBody::of(&model, campaign, &comparison.forecast, promised);
+        Ok(body.compared(&comparison, &steps, changed.as_ref()))
+    }
+
+    fn of_campaigns(&self) -> Result<Identified, Message> {
+        let sample = |(id, campaign)| Sample { campaign, source: Some(ToString::to_string(id)), occasions: Vec::new() };
+        let samples: Vec<Sample> = self.before.iter().map(|(id, campaign)| sample((id, campaign))).collect();
+        if samples.is_empty() {
+            return Err(message!("nothing_to_foretell_from"));
+        }
+        identify(&samples, &self.in_force.model).map_err(|why| why.message())
+    }
+}
+
+/// A stored campaign; none where there is no such record.
+pub(super) async fn stored(store: &Store, id: Id) -> Result<Option<Campaign>, StoreError> {
+    let row = store::record::get(store, id).await?;
+    let read = |body: &str| campaign::parse_json(body.as_bytes()).map_err(|faults| damaged(id, &faults));
+    row.map(|row| read(&row.body)).transpose()
+}
+
+/// Whether campaigns can be fitted together.
+fn are_alike(one: &Campaign, other: &Campaign) -> bool {
+    let gyros = |campaign: &Campaign| -> Vec<_> {
+        campaign.gyros.iter().map(|gyro| (gyro.slot, gyro.serial.clone(), gyro.known_e)).collect()
+    };
+    one.test == TestKind::Imu && gyros(one) == gyros(other) && one.geometry.is_same(&other.geometry)
+}

@@ -1,0 +1,76 @@
+//! Hypotheses of one's own, added and taken out by the one writer.
+
+use super::error::DiagnosisError;
+use super::hypotheses::{StoredHypothesis, stored};
+use super::made::text;
+use super::models::ModelCache;
+use crate::core::effects::Effect;
+use crate::core::time::UtcMicros;
+use crate::pipeline::access::Actor;
+use crate::pipeline::ingest::Accepted;
+use crate::store;
+use crate::store::{AccessChanges, Changes, HypothesisRow, Store, StoreError, Writer};
+use crate::wire::hypothesis::HypothesisBody;
+
+/// So many compete at most: each raises what a name takes, and the time of every diagnosis.
+const MOST: usize = 16;
+
+/// What is to become of hypotheses.
+#[derive(Debug)]
+pub enum HypothesisOrder {
+    /// An effect that is one's own, who says so, and why.
+    Add { effect: Effect, author: String, reason: String },
+    /// The one with this name is taken out.
+    End(String),
+}
+
+/// The writer at work on hypotheses.
+pub(crate) struct HypothesisHandler<'a> {
+    pub store: &'a Store,
+    pub writer: &'a mut Writer,
+    pub now: UtcMicros,
+    pub cache: &'a ModelCache,
+}
+
+impl HypothesisHandler<'_> {
+    /// Carries out one order; on disk when this returns. The same again changes nothing.
+    pub async fn carry_out(&mut self, order: &HypothesisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
+        let competing = store::hypothesis::in_force(self.store).await?;
+        let read = |row: HypothesisRow| -> Result<_, StoreError> { Ok((stored(row.clone())?, row)) };
+        let known: Vec<(StoredHypothesis, HypothesisRow)> =
+            competing.into_iter().map(read).collect::<Result<_, _>>()?;
+        let named = |name: &str| known.iter().find(|(stored, _)| stored.effect.id() == name);
+        let (row, action, name) = match order {
+            HypothesisOrder::Add { effect, author, reason } => {
+                let name = effect.id().to_owned();
+                match named(&name) {
+                    Some((same, _)) if same.effect == *effect => {
+                        return Ok(Accepted::There { id: same.id, same_bytes: true });
+                    }
+                    Some(_) => return Err(DiagnosisError::HypothesisTaken { name }),
+                    None if known.len() >= MOST => return Err(DiagnosisError::TooManyHypotheses { most: MOST }),
+                    None => {}
+                }
+                let written = effect.hypothesis().map(|own| HypothesisBody::of(&own.written));
+                let (id, body) = (self.writer.next_id(self.now), text(&written));
+                let (author, reason) = (author.clone(), reason.clone());
+                let row = HypothesisRow { id, body, author, reason, added_at: self.now, ended_at: None };
+                (row, "add hypothesis", name)
+            }
+            HypothesisOrder::End(name) => {
+                let (_, row) = named(name).ok_or_else(|| DiagnosisError::NoSuchHypothesis { name: name.clone() })?;
+                (HypothesisRow { ended_at: Some(self.now), ..row.clone() }, "end hypothesis", name.clone())
+            }
+        };
+        let hypothesis: serde_json::Value = serde_json::from_str(&row.body).unwrap_or_default();
+        let said = serde_json::json!({ "author": row.author, "reason": row.reason, "hypothesis": hypothesis });
+        let (before, after) = if row.ended_at.is_some() { (Some(&said), None) } else { (None, Some(&said)) };
+        let line = self.writer.next_id(self.now);
+        let audit = vec![by.line(line, self.now, (action, format!("hypotheses/{name}")), before, after)];
+        let access = AccessChanges { audit, ..AccessChanges::default() };
+        let id = row.id;
+        self.writer.commit(&Changes { hypotheses: vec![row], access, ..Changes::default() }).await?;
+        self.cache.read_again(self.store).await?;
+        Ok(Accepted::stored(id))
+    }
+}

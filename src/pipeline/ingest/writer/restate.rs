@@ -1,0 +1,93 @@
+//! A model comes into force: the stored campaigns of its IMU are stated by it and judged again in the same transaction,
+//! so that an adoption is no step in D_I and D_S.
+
+use std::collections::HashMap;
+
+use super::state::Task;
+use crate::core::id::Id;
+use crate::pipeline::Accepted;
+use crate::pipeline::access::Actor;
+use crate::pipeline::alerts::Causes;
+use crate::pipeline::diagnoses::models::adopted;
+use crate::pipeline::diagnoses::{Adoption, DiagnosisError};
+use crate::pipeline::ingest::admit::figures_of;
+use crate::pipeline::ingest::campaign::Restated;
+use crate::pipeline::ingest::reader::Reader;
+use crate::pipeline::ingest::submission::Calibration;
+use crate::store;
+use crate::store::{Changes, HistoryRow, RestatedRow, StoreError, StoredVerdict};
+
+impl Task {
+    /// Puts a model in force; `restated`: the campaigns of its IMU as far as they have been fitted with it.
+    pub(super) async fn adopt(
+        &mut self,
+        (adoption, restated): &(Adoption, Restated),
+        by: &Actor,
+    ) -> Result<Accepted, DiagnosisError> {
+        let (store, models) = (&self.store, &self.after.models);
+        let changes = adopted(store, &mut self.writer, &self.clock, models, adoption, by).await?;
+        let mut changes = match changes {
+            Ok(changes) => changes,
+            Err(there) => return Ok(there),
+        };
+        let reader = Reader {
+            store: self.store.clone(),
+            config: self.config.clone(),
+            clock: self.clock.clone(),
+            models: self.after.models.clone(),
+        };
+        let restated = reader.restated(&adoption.imu, &adoption.model, restated.clone()).await?;
+        let done = self.restate(&mut changes, &restated).await;
+        if let Err(error) = done {
+            // What is remembered is ahead of what is stored.
+            self.start_over();
+            return Err(error.into());
+        }
+        let row = &changes.models[0];
+        self.after.models.note(row)?;
+        Ok(Accepted::stored(row.id))
+    }
+
+    async fn restate(&mut self, changes: &mut Changes, restated: &Restated) -> Result<(), StoreError> {
+        let now = self.clock.now();
+        let mut sent: HashMap<Id, &Calibration> = HashMap::new();
+        for (id, calibration) in restated {
+            let rows = match calibration {
+                Some(calibration) => self.rows_of(*id, calibration).await?,
+                None => None,
+            };
+            let (Some(calibration), Some(rows)) = (calibration, rows) else {
+                tracing::warn!(campaign = %id, "cannot be fitted with the model that is adopted, and stays as it is");
+                continue;
+            };
+            sent.insert(*id, calibration);
+            changes.rejudged.restated.extend(rows);
+            changes.models_used.extend(changes.models.last().map(|model| (*id, model.id)));
+        }
+        let found = self.judge.judge(changes).await?;
+        let agreements = self.agreements(changes).await?;
+        let gyros = changes.rejudged.gyros_restated();
+        self.alerts.recall(&self.store, gyros.iter().copied(), now).await?;
+        self.follow(&sent, changes, (&found, &agreements), &Causes::default(), now).await?;
+        self.enter_heads(changes).await?;
+        self.commit(changes).await?;
+        self.memory.forget_of(gyros);
+        Ok(())
+    }
+
+    /// The rows of a campaign as it is fitted now; none where those are of other gyros than the rows that are stored.
+    async fn rows_of(&self, id: Id, calibration: &Calibration) -> Result<Option<Vec<RestatedRow>>, StoreError> {
+        let Some(stored) = store::record::get(&self.store, id).await? else { return Ok(None) };
+        let (imu, station, at) = (stored.imu, stored.station, stored.calibrated_at);
+        let tables = self.store.names().read();
+        let row = |gyro: &crate::pipeline::CalibratedGyro| {
+            let number = tables.gyros.number(gyro.serial.as_str())?;
+            let figures = figures_of(&gyro.separation, id, at, imu, station);
+            let requirements = gyro.requirements.iter().flatten().map(StoredVerdict::from).collect();
+            Some(RestatedRow { row: HistoryRow { gyro: number, figures }, requirements })
+        };
+        let rows = calibration.gyros.iter().map(row).collect::<Option<Vec<_>>>();
+        let there = |row: &RestatedRow| stored.verdicts.0.iter().any(|(gyro, _)| *gyro == row.row.gyro);
+        Ok(rows.filter(|rows| rows.len() == stored.verdicts.0.len() && rows.iter().all(there)))
+    }
+}

@@ -60,7 +60,7 @@ fn noise(campaign: &Campaign, calibration: &Calibration, j: usize) -> Option<(f6
     // What remains if the wrong part of the Earth's rate is a third of the squares of its horizontal part.
     let horizontal = campaign.site.map_or(EARTH, |site| EARTH * site.latitude.cos());
     let beside = (left * left - horizontal * horizontal / 3.0).max(0.0).sqrt();
-    let stated = campaign.errors_of(j).and_then(|sems| median_of(sems.into_iter()));
+    let stated = campaign.errors_of(j).and_then(median_of);
     let own = match (stated, scatter) {
         (Some(sem), _) => sem / scale,
         (None, Some(scatter)) => (scatter / scale).min(beside),

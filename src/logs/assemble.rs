@@ -6,6 +6,7 @@ use super::error::LogError;
 use super::gather::{Gathered, Role};
 use super::map::Map;
 use super::programme::{axis, earth_axis};
+use super::turning::{self, Turned, Turns};
 use super::units::Counts;
 use crate::core::campaign::{Phase, Site};
 use crate::core::dwells::averages::{noise, settled, standard_error, without_edges};
@@ -13,7 +14,7 @@ use crate::core::dwells::blocks::Track;
 use crate::core::dwells::intervals::{Found, Interval, Search, find};
 use crate::core::dwells::noise::Noise;
 use crate::core::dwells::programme::{Position, REST_ARCSEC_S, Seen, Table, align, attitude, clock_offset};
-use crate::core::frames::{Body, Nav, Rotation};
+use crate::core::frames::{Body, Nav, Rotation, Vector};
 use crate::core::message::{Message, figure, list, text};
 use crate::core::units::EARTH_RATE_DEG_H;
 use crate::message;
@@ -49,6 +50,13 @@ const OFF_COMMANDED: f64 = 0.14;
 /// Turning of gyros that measure rates themselves, where nothing else says that the table turns: arcsec/s (1 deg/s).
 const TURNING: f64 = 3600.0;
 const WHOLE_TURN_ARCSEC: f64 = 1_296_000.0;
+/// Part of a usual dwell from which a turn without dwell is said, and part of it that dwells must cover.
+const SHORT_TURN: f64 = 0.3;
+const COVERED: f64 = 0.5;
+/// Angle below which a turn is no whole one, rad: one turn, but for a block at its ends.
+const PART_OF_TURN: f64 = 0.97 * std::f64::consts::TAU;
+/// Part of a turn that may be about what is level.
+const LEVEL_TURN: f64 = 0.05;
 /// Cosine below which two verticals are different orientations (10 deg).
 const SAME_UP: f64 = 0.985;
 
@@ -59,6 +67,10 @@ struct Candidate {
     seen: Seen,
     attitude: Option<Rotation<Nav, Body>>,
     position: Option<Position>,
+    /// When it began, before anything was cut: what its attitude is of.
+    began_s: f64,
+    /// Rate of turn about what is level, arcsec/s.
+    level_turn: f64,
 }
 
 struct Work<'a> {
@@ -66,6 +78,7 @@ struct Work<'a> {
     log: &'a Gathered,
     site: Option<Site>,
     table: Option<Table>,
+    turns: Turns,
     remarks: Vec<Message>,
 }
 
@@ -81,9 +94,11 @@ pub fn assemble(
 ) -> Result<Assembled, LogError> {
     let is_watched = |role: &Role| matches!(role, Role::Output(_) | Role::Force(_) | Role::Rate(_) | Role::Turn(_));
     let watched: Vec<usize> = (0..log.roles.len()).filter(|&k| is_watched(&log.roles[k])).collect();
+    let turns = turning::take_out(log, map.min_s, programme);
     let (breaks, keep_short) = (log.breaks.clone(), programme.is_some());
-    let found = find(&mut log.series, &watched, &Search { min_s: map.min_s, breaks, keep_short });
-    let mut work = Work { map, log, site, table: table(map)?, remarks: log.remarks.clone() };
+    let search = Search { min_s: map.min_s, breaks, keep_short, room: Vec::new() };
+    let found = find(&mut log.series, &watched, &search);
+    let mut work = Work { map, log, site, table: table(map)?, turns, remarks: log.remarks.clone() };
     work.assemble(found, programme).map_err(|fault| LogError::new("log", fault))
 }
 
@@ -121,6 +136,8 @@ impl Work<'_> {
             return Err(message!("no_interval", seconds = seconds, least = least));
         }
         self.note(&found);
+        let span = |i: &Interval| (self.log.series.start_s(i.from), self.log.series.end_s(i.to));
+        let seen: Vec<(f64, f64)> = found.intervals.iter().chain(&found.short).map(span).collect();
         let intervals = self.not_clipped(found.intervals)?;
         let mut candidates: Vec<Candidate> = intervals.into_iter().map(|i| self.candidate(i)).collect();
         self.check_force(&candidates)?;
@@ -129,6 +146,7 @@ impl Work<'_> {
             return Err(self.one_interval(&candidates[0]));
         }
         let mut made = self.dwells(candidates)?;
+        made.remarks.extend(self.without_dwell(&made.dwells, &seen));
         if one_orientation(&made.dwells) {
             made.remarks.push(message!("one_orientation", count = made.dwells.len()));
         }
@@ -146,10 +164,36 @@ impl Work<'_> {
         }
     }
 
+    /// Turns that became no dwell: in which nothing was steady, and which were left out.
+    fn without_dwell(&self, dwells: &[Dwell], seen: &[(f64, f64)]) -> Vec<Message> {
+        let mut lengths: Vec<f64> = dwells.iter().map(|d| d.duration_s).collect();
+        lengths.sort_by(f64::total_cmp);
+        let usual = lengths.get(lengths.len() / 2).copied().unwrap_or(0.0);
+        let made: Vec<(f64, f64)> = dwells.iter().map(|d| (d.start_s, d.start_s + d.duration_s)).collect();
+        let shared = |turn: &Turned, of: &[(f64, f64)]| {
+            let part = |&(from, to): &(f64, f64)| (to.min(turn.to_s) - from.max(turn.from_s)).max(0.0);
+            of.iter().map(part).sum::<f64>() / (turn.to_s - turn.from_s)
+        };
+        let lost = |turn: &&Turned| turn.to_s - turn.from_s >= SHORT_TURN * usual && shared(turn, &made) < COVERED;
+        let lost: Vec<&Turned> = self.turns.stretches.iter().filter(lost).collect();
+        let (left, unsteady): (Vec<&Turned>, Vec<&Turned>) =
+            lost.iter().partition(|turn| shared(turn, seen) >= COVERED);
+        let code = if self.turns.known { "turns_unsteady" } else { "swings_unsteady" };
+        let say = |(code, turns): (&'static str, Vec<&Turned>)| {
+            let spans = turns.iter().map(|turn| text(format_args!("{:.0}–{:.0}", turn.from_s, turn.to_s)));
+            let seconds = turns.iter().map(|turn| turn.to_s - turn.from_s).sum::<f64>();
+            let mut said =
+                message!("turns_left", count = turns.len(), seconds = figure(seconds, 0), spans = list(spans));
+            said.code = code.into();
+            (!turns.is_empty()).then_some(said)
+        };
+        [("turns_left", left), (code, unsteady)].into_iter().filter_map(say).collect()
+    }
+
     fn not_clipped(&mut self, intervals: Vec<Interval>) -> Result<Vec<Interval>, Message> {
         // Counts since the sample before are few and equal by nature.
         let counted = matches!(self.log.counts, Counts::Increment | Counts::Total);
-        let measured = |role: &&Role| matches!(role, Role::Force(_)) || matches!(role, Role::Output(_)) && !counted;
+        let measured = |role: &&Role| matches!(role, Role::Force(_)) || matches!(role, Role::Raw(_)) && !counted;
         let roles: Vec<Role> = self.log.roles.iter().filter(measured).copied().collect();
         let clips =
             |i: &Interval| roles.iter().any(|r| self.track(*r).is_some_and(|t| t.clipped(i.from, i.to) > CLIPPED));
@@ -169,21 +213,44 @@ impl Work<'_> {
     fn candidate(&self, interval: Interval) -> Candidate {
         let force = self.vector(Role::Force, interval);
         let up = force.and_then(|f| f.try_normalize(0.0));
-        let quaternion = [0, 1, 2, 3].map(|k| self.mean(Role::Attitude(k), interval));
-        let mut attitude = match quaternion {
+        let spin = self.vector(Role::Spin, interval);
+        let mut level_turn = spin.map_or(0.0, |spin| spin.xy().norm());
+        let mut turn = match self.vector(Role::Rate, interval) {
+            Some(rate) => Some(self.up(up, interval).map_or(rate.norm(), |up| rate.dot(&up))),
+            None => self.mean(Role::Rate(0), interval).or(spin.map(|spin| spin.z)),
+        };
+        let part = self.first_if_turning(interval, turn);
+        let mut attitude = match [0, 1, 2, 3].map(|k| self.mean(Role::Attitude(k), part)) {
             [Some(w), Some(x), Some(y), Some(z)] => Some(Rotation::from_attitude([w, x, y, z])),
             _ => None,
         };
-        let along = |rate: Vector3<f64>| up.map_or(rate.norm(), |up| rate.dot(&up));
-        let mut turn = match self.vector(Role::Rate, interval) {
-            Some(rate) => Some(along(rate)),
-            None => self.mean(Role::Rate(0), interval),
-        };
         if let (Some(table), Some(angles), Some(rates)) = (self.table, self.angles(interval), self.rates(interval)) {
             attitude = Some(table.attitude(angles.0, angles.1));
-            turn = Some(table.turn(angles, rates));
+            let vertical = table.turn(angles, rates);
+            let both = rates.0 * table.outer.normalize() + rates.1 * table.inner_in_nav(angles);
+            level_turn = both.xy().norm();
+            turn = Some(vertical);
         }
-        Candidate { interval, force, seen: Seen { up, turn_arcsec_s: turn }, attitude, position: None }
+        let began_s = self.log.series.time_s[interval.from];
+        let seen = Seen { up, turn_arcsec_s: turn };
+        Candidate { interval, force, seen, attitude, position: None, began_s, level_turn }
+    }
+
+    /// What points up in the body: by the accelerometers, else by the stated attitude.
+    fn up(&self, force: Option<Vector3<f64>>, interval: Interval) -> Option<Vector3<f64>> {
+        let first = Interval { to: interval.from + 1, ..interval };
+        let stated = || {
+            let [w, x, y, z] = [0, 1, 2, 3].map(|k| self.mean(Role::Attitude(k), first));
+            let attitude: Rotation<Nav, Body> = Rotation::from_attitude([w?, x?, y?, z?]);
+            Some((attitude * Vector::new(Vector3::z())).0)
+        };
+        force.or_else(stated)
+    }
+
+    /// The first block of an interval in which the table turns; all of one in which it stands.
+    fn first_if_turning(&self, interval: Interval, turn: Option<f64>) -> Interval {
+        let turns = turn.is_some_and(|turn| turn.abs() >= REST_ARCSEC_S);
+        Interval { to: if turns { interval.from + 1 } else { interval.to }, ..interval }
     }
 
     /// Angles of the table at the start of an interval, where it turns; over all of it, where it stands.
@@ -234,6 +301,15 @@ impl Work<'_> {
             Some(programme) => self.by_programme(candidates, programme),
             None => {
                 let mut turning = 0;
+                let level = |c: &Candidate| {
+                    let vertical = c.seen.turn_arcsec_s.unwrap_or(0.0);
+                    c.level_turn >= REST_ARCSEC_S.max(LEVEL_TURN * vertical.abs())
+                };
+                let before = candidates.len();
+                candidates.retain(|c| !level(c));
+                if candidates.len() < before {
+                    self.remarks.push(message!("intervals_tumbling", count = before - candidates.len()));
+                }
                 candidates.retain(|c| {
                     let keeps = c.seen.turn_arcsec_s.is_some() || !self.turns_by_itself(c.interval);
                     turning += usize::from(!keeps);
@@ -268,11 +344,9 @@ impl Work<'_> {
             candidates.iter().map(|c| (series.start_s(c.interval.from), series.end_s(c.interval.to))).collect();
         if let Some(offset) = clock_offset(&spans, programme) {
             let found = self.by_the_clock(&spans, candidates, programme, offset);
-            let missing = programme.len() - found.len();
-            *candidates = found;
-            if missing > 0 {
-                self.remarks.push(message!("programme_missing", count = missing, rows = programme.len()));
-            }
+            let taken: Vec<usize> = found.iter().map(|(row, _)| *row).collect();
+            *candidates = found.into_iter().map(|(_, candidate)| candidate).collect();
+            self.remarks.extend(missing(&taken, programme));
             self.remarks.push(message!("programme_clock", seconds = figure(offset, 2)));
         } else {
             let seen: Vec<Seen> = candidates.iter().map(|c| c.seen).collect();
@@ -291,13 +365,11 @@ impl Work<'_> {
                 c.position = places.next().copied().flatten().map(|j| programme[j]);
                 c.position.is_some()
             });
-            let (left, missing) = (seen.len() - taken, programme.len() - taken);
+            let left = seen.len() - taken;
             if left > 0 {
                 self.remarks.push(message!("programme_left", count = left));
             }
-            if missing > 0 {
-                self.remarks.push(message!("programme_missing", count = missing, rows = programme.len()));
-            }
+            self.remarks.extend(missing(&matched.iter().flatten().copied().collect::<Vec<_>>(), programme));
         }
         self.check_commanded(candidates)
     }
@@ -309,11 +381,11 @@ impl Work<'_> {
         candidates: &[Candidate],
         programme: &[Position],
         offset: f64,
-    ) -> Vec<Candidate> {
+    ) -> Vec<(usize, Candidate)> {
         let series = &self.log.series;
         let block = |time: f64| series.number.partition_point(|&n| (n as f64 + 0.5) * series.block_s < time);
         let mut found = Vec::new();
-        for position in programme {
+        for (row, position) in programme.iter().enumerate() {
             let (Some(start), Some(duration)) = (position.start_s, position.duration_s) else { continue };
             let (from, to) = (start + offset, start + offset + duration);
             let shared = spans.iter().enumerate().map(|(k, &(a, b))| (k, a.max(from), b.min(to)));
@@ -323,7 +395,7 @@ impl Work<'_> {
                 continue;
             }
             let interval = Interval { from: interval.from.max(candidates[k].interval.from), ..interval };
-            found.push(Candidate { position: Some(*position), ..self.candidate(interval) });
+            found.push((row, Candidate { position: Some(*position), ..self.candidate(interval) }));
         }
         found
     }
@@ -369,7 +441,8 @@ impl Work<'_> {
             let noise = of(&rough, candidate);
             let channels: Vec<(&Track, Noise)> = outputs.iter().copied().zip(noise).collect();
             candidate.interval = settled(series, &channels, candidate.interval);
-            short_turns += usize::from(!self.whole_turns(candidate));
+            let known = |c: &Candidate| c.position.is_some_and(|p| self.part_of_turn(c, &p).is_some());
+            short_turns += usize::from(!self.whole_turns(candidate) && !known(candidate));
         }
         let fine = [Phase::Static, Phase::Rate].map(|p| of_phase(&candidates, p));
         let dwells = candidates.iter().map(|c| self.dwell(c, &of(&fine, c))).collect::<Result<Vec<_>, _>>()?;
@@ -407,10 +480,13 @@ impl Work<'_> {
         let Commanded { phase, attitude, force_g0, rate_arcsec_s } = self.commanded(candidate)?;
         // Increments are divided by the time that they were counted in, as the clock says it.
         let scale = self.mean(Role::Interval, i).map_or(1.0, |step| self.log.sample_s / step);
+        let is_part = candidate.position.is_some_and(|p| self.turned(candidate, &p).abs() < PART_OF_TURN);
         let (mut output, mut output_sem) = (Vec::new(), Vec::new());
         for (k, noise) in noise.iter().enumerate() {
             let Some(track) = self.track(Role::Output(k)) else { continue };
-            output.push(scale * track.mean_of(i.from, i.to));
+            // Of less than a turn the swing is in the mean.
+            let averaged = self.track(Role::Raw(k)).filter(|_| is_part).unwrap_or(track);
+            output.push(scale * averaged.mean_of(i.from, i.to));
             output_sem.push(standard_error(series, track, noise, i, self.log.sample_s));
         }
         let (start, end) = (series.start_s(i.from), series.end_s(i.to));
@@ -427,10 +503,28 @@ impl Work<'_> {
         })
     }
 
+    /// Angles from and to of a turn that is no whole one, rad after the attitude that the log states.
+    fn part_of_turn(&self, candidate: &Candidate, position: &Position) -> Option<(f64, f64)> {
+        candidate.attitude.filter(|stated| *stated == position.attitude)?;
+        let begun = self.log.series.start_s(candidate.interval.from) - candidate.began_s;
+        let from = (position.turn_arcsec_s * begun / 3600.0).to_radians();
+        let turned = self.turned(candidate, position);
+        (turned.abs() < PART_OF_TURN && turned != 0.0).then_some((from, from + turned))
+    }
+
+    /// Angle of a turn, rad; zero in a position.
+    fn turned(&self, candidate: &Candidate, position: &Position) -> f64 {
+        let (series, i) = (&self.log.series, candidate.interval);
+        (position.turn_arcsec_s * (series.end_s(i.to) - series.start_s(i.from)) / 3600.0).to_radians()
+    }
+
     fn commanded(&self, candidate: &Candidate) -> Result<Commanded, Message> {
         if let Some(position) = &candidate.position {
             let site = self.site.ok_or_else(|| message!("map_site_missing"))?;
-            let (force_g0, rate_arcsec_s) = position.commanded(&site);
+            let (force_g0, rate_arcsec_s) = match self.part_of_turn(candidate, position) {
+                Some(part) => position.commanded_over(&site, part),
+                None => position.commanded(&site),
+            };
             return Ok(Commanded {
                 phase: position.phase(),
                 attitude: Some(position.attitude),
@@ -476,6 +570,18 @@ pub fn by_accelerometers(
         attitude: None,
         force_g0: if direction_only { gravity * up } else { force },
         rate_arcsec_s: (turn.unwrap_or(0.0) + vertical) * up,
+    })
+}
+
+/// Rows of a programme that no interval is of.
+fn missing(taken: &[usize], programme: &[Position]) -> Option<Message> {
+    const SAID: usize = 12;
+    let rows: Vec<usize> = (0..programme.len()).filter(|row| !taken.contains(row)).collect();
+    let turning = rows.iter().filter(|&&row| programme[row].phase() == Phase::Rate).count();
+    let which = rows.iter().take(SAID).map(|row| text(row + 1)).chain((rows.len() > SAID).then(|| text("…")));
+    (!rows.is_empty()).then(|| {
+        let (count, rows, which) = (rows.len(), programme.len(), list(which));
+        message!("programme_missing", count = count, rows = rows, which = which, turning = turning)
     })
 }
 

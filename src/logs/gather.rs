@@ -21,6 +21,10 @@ pub enum Role {
     Sine(usize),
     Attitude(usize),
     Temperature,
+    /// Rate of turn of the stated attitude, East North Up, arcsec/s.
+    Spin(usize),
+    /// An output before the swing of the turns was taken out of it.
+    Raw(usize),
     /// Time since the sample before, s: what increments are divided by.
     Interval,
 }

@@ -19,4 +19,5 @@ pub mod report;
 pub mod sheet;
 mod source;
 mod text;
+mod turning;
 mod units;

@@ -50,12 +50,14 @@ pub fn report(made: &Made, title: &str, language: Language) -> String {
 fn name(role: Role) -> Option<String> {
     let axis = |k: usize| ["x", "y", "z"].get(k).copied().unwrap_or_default();
     Some(match role {
-        Role::Output(k) => format!("output {} (pulse/s)", k + 1),
+        Role::Raw(k) => format!("output {} (pulse/s)", k + 1),
         Role::Force(k) => format!("force {} (g0)", axis(k)),
         Role::Rate(k) => format!("rate {} (arcsec/s)", axis(k)),
         Role::Turn(k) => format!("table axis {} (arcsec/s)", k + 1),
         Role::Temperature => "temperature (deg C)".to_owned(),
-        Role::Cosine(_) | Role::Sine(_) | Role::Attitude(_) | Role::Interval => return None,
+        Role::Output(_) | Role::Cosine(_) | Role::Sine(_) | Role::Attitude(_) | Role::Spin(_) | Role::Interval => {
+            return None;
+        }
     })
 }
 

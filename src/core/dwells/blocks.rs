@@ -13,6 +13,7 @@ pub struct Blocks {
     most: usize,
     number: Vec<i64>,
     count: Vec<u32>,
+    time: Vec<f64>,
     channels: Vec<Sums>,
 }
 
@@ -50,6 +51,8 @@ pub struct Track {
 pub struct Series {
     pub block_s: f64,
     pub number: Vec<i64>,
+    /// Mean time of the samples of each block, s; of the first log where several run beside one another.
+    pub time_s: Vec<f64>,
     pub tracks: Vec<Track>,
 }
 
@@ -72,7 +75,7 @@ impl Blocks {
             changes: 0,
         };
         let level = interval_s.log2().ceil().clamp(-40.0, 40.0) as i32;
-        Self { level, most, number: Vec::new(), count: Vec::new(), channels: vec![sums; channels] }
+        Self { level, most, number: Vec::new(), count: Vec::new(), time: Vec::new(), channels: vec![sums; channels] }
     }
 
     /// One sample of every channel. Times do not decrease.
@@ -85,6 +88,7 @@ impl Blocks {
             }
             self.number.push(number);
             self.count.push(0);
+            self.time.push(0.0);
             for channel in &mut self.channels {
                 channel.sum.push(0.0);
                 channel.square.push(0.0);
@@ -92,6 +96,7 @@ impl Blocks {
         }
         let last = self.number.len() - 1;
         self.count[last] += 1;
+        self.time[last] += time_s;
         for (channel, &value) in self.channels.iter_mut().zip(values) {
             if channel.origin.is_nan() {
                 channel.origin = value;
@@ -123,6 +128,7 @@ impl Blocks {
             let number = self.number[k].div_euclid(2);
             if kept > 0 && self.number[kept - 1] == number {
                 self.count[kept - 1] += self.count[k];
+                self.time[kept - 1] += self.time[k];
                 for channel in &mut self.channels {
                     channel.sum[kept - 1] += channel.sum[k];
                     channel.square[kept - 1] += channel.square[k];
@@ -131,6 +137,7 @@ impl Blocks {
             }
             self.number[kept] = number;
             self.count[kept] = self.count[k];
+            self.time[kept] = self.time[k];
             for channel in &mut self.channels {
                 channel.sum[kept] = channel.sum[k];
                 channel.square[kept] = channel.square[k];
@@ -139,6 +146,7 @@ impl Blocks {
         }
         self.number.truncate(kept);
         self.count.truncate(kept);
+        self.time.truncate(kept);
         for channel in &mut self.channels {
             channel.sum.truncate(kept);
             channel.square.truncate(kept);
@@ -185,7 +193,9 @@ impl Series {
             log.channels.iter().map(|channel| log.track(channel, kept)).collect::<Vec<_>>()
         };
         let tracks = logs.iter().zip(&kept).flat_map(of_log).collect();
-        Self { block_s: 2f64.powi(level), number, tracks }
+        let mean_time = |log: &Blocks| kept[0].iter().map(|&k| log.time[k] / f64::from(log.count[k])).collect();
+        let time_s = logs.first().map(mean_time).unwrap_or_default();
+        Self { block_s: 2f64.powi(level), number, time_s, tracks }
     }
 
     /// Leaves the blocks that are marked.
@@ -195,6 +205,7 @@ impl Series {
             of.retain(|_| *place.next().unwrap_or(&true));
         }
         only(&mut self.number, marked);
+        only(&mut self.time_s, marked);
         for track in &mut self.tracks {
             only(&mut track.mean, marked);
             only(&mut track.spread, marked);

@@ -13,6 +13,8 @@ pub struct Search {
     pub breaks: Vec<f64>,
     /// Short intervals are kept: a programme says what they are.
     pub keep_short: bool,
+    /// By block, a change that is no motion though it is more than noise; empty where there is none.
+    pub room: Vec<f64>,
 }
 
 /// Blocks `from..to` of a series.
@@ -86,7 +88,7 @@ pub fn find(series: &mut Series, watched: &[usize], search: &Search) -> Found {
     let mut moving = vec![false; series.number.len()];
     let mut noise = Vec::new();
     for &c in watched {
-        noise.push(mark(&series.tracks[c], &whole, 0..=top, &mut moving));
+        noise.push(mark(&series.tracks[c], &whole, 0..=top, &search.room, &mut moving));
     }
     let channels: Vec<(&Track, f64)> = watched.iter().map(|&c| &series.tracks[c]).zip(noise.iter().copied()).collect();
     let mut quiet: Vec<Interval> =
@@ -98,16 +100,17 @@ pub fn find(series: &mut Series, watched: &[usize], search: &Search) -> Found {
     // A small step that is made slowly shows over longer times alone.
     let usual = quantile(quiet.iter().map(duration).collect(), 0.5);
     let longest = (usual / LONGEST_WINDOW / series.block_s).log2().floor().max(0.0) as u32;
-    if longest > top && quiet.iter().any(|i| drifts(&channels, i)) {
+    if longest > top && quiet.iter().any(|i| drifts(&channels, &search.room, i)) {
         let mut moving = vec![false; series.number.len()];
         let whole = stretches(series, search, min_s);
         for (track, _) in &channels {
-            mark(track, &whole, top + 1..=longest, &mut moving);
+            mark(track, &whole, top + 1..=longest, &search.room, &mut moving);
         }
-        let again = |i: Interval| if drifts(&channels, &i) { runs(&moving, i.from, i.to) } else { vec![i] };
+        let again =
+            |i: Interval| if drifts(&channels, &search.room, &i) { runs(&moving, i.from, i.to) } else { vec![i] };
         quiet = quiet.into_iter().flat_map(again).collect();
     }
-    quiet.retain(|i| duration(i) >= min_s && !drifts(&channels, i));
+    quiet.retain(|i| duration(i) >= min_s && !drifts(&channels, &search.room, i));
     let keep = search.keep_short || search.min_s.is_some();
     let (intervals, short) = if keep { (quiet, Vec::new()) } else { without_pauses(series, quiet) };
     let (intervals, split) = split_by_the_clock(series, intervals);
@@ -133,7 +136,13 @@ fn stretches(series: &Series, search: &Search, min_s: f64) -> Vec<(usize, usize)
 }
 
 /// Marks the motion in one channel; the noise of differences between means of the longest kind.
-fn mark(track: &Track, stretches: &[(usize, usize)], levels: RangeInclusive<u32>, moving: &mut [bool]) -> f64 {
+fn mark(
+    track: &Track,
+    stretches: &[(usize, usize)],
+    levels: RangeInclusive<u32>,
+    room: &[f64],
+    moving: &mut [bool],
+) -> f64 {
     let mut noise = 0.0;
     let shortest: Vec<(usize, f64)> = stretches.iter().flat_map(|&s| changes(track, s, 1)).collect();
     let around = local(&shortest, track.mean.len());
@@ -152,7 +161,9 @@ fn mark(track: &Track, stretches: &[(usize, usize)], levels: RangeInclusive<u32>
         most = GROWTH * sigma;
         let reach = half.div_ceil(2);
         let beyond = |c: &&(usize, f64)| {
-            c.1.abs() > CHANGE * sigma && c.1.abs() > CHANGE * around[c.0 / LOCAL] / (half as f64).sqrt()
+            c.1.abs() > CHANGE * sigma
+                && c.1.abs() > CHANGE * around[c.0 / LOCAL] / (half as f64).sqrt()
+                && c.1.abs() > room.get(c.0).copied().unwrap_or(0.0)
         };
         for (at, _) in changes.iter().filter(beyond) {
             moving[at.saturating_sub(reach)..(at + reach).min(track.mean.len())].fill(true);
@@ -254,11 +265,12 @@ fn take_out(series: &mut Series, moving: &[bool], intervals: &mut [Interval]) {
 }
 
 /// Whether a channel changes from the first to the last quarter as only motion does.
-fn drifts(channels: &[(&Track, f64)], run: &Interval) -> bool {
+fn drifts(channels: &[(&Track, f64)], room: &[f64], run: &Interval) -> bool {
+    let room = room.get((run.from + run.to) / 2).copied().unwrap_or(0.0);
     let quarter = (run.to - run.from).div_ceil(4);
     channels.iter().any(|(track, noise)| {
         let change = track.mean_of(run.to - quarter, run.to) - track.mean_of(run.from, run.from + quarter);
-        change.abs() > DRIFT * noise && change.abs() > 0.0
+        change.abs() > DRIFT * noise && change.abs() > room
     })
 }
 

@@ -5,6 +5,7 @@
 //! ```
 //!
 //! [`blocks`] gathers samples in memory that does not grow with the log, [`intervals`] finds where nothing changes,
+//! [`turns`] takes out what the Earth's rate does while the table turns,
 //! [`noise`] says from the log's own Allan variance how far a mean is known, and [`programme`] what the table was told.
 
 pub mod averages;
@@ -12,6 +13,7 @@ pub mod blocks;
 pub mod intervals;
 pub mod noise;
 pub mod programme;
+pub mod turns;
 
 #[cfg(test)]
 mod tests;

@@ -63,6 +63,15 @@ impl Position {
         (site.gravity_g0 * up, rate)
     }
 
+    /// The same over the part of a turn from angle `from` to angle `to`, rad from the stated attitude: what is left of
+    /// the Earth's horizontal rate W = Omega cos L is, in East and North, W (cos from - cos to, sin to - sin from)
+    /// / (to - from).
+    pub fn commanded_over(&self, site: &Site, (from, to): (f64, f64)) -> (Vector3<f64>, Vector3<f64>) {
+        let (force, rate) = self.commanded(site);
+        let part = Vector3::new(from.cos() - to.cos(), to.sin() - from.sin(), 0.0) / (to - from);
+        (force, rate + (self.attitude * Vector::new(site.earth_rate().0.y * part)).0)
+    }
+
     pub fn up(&self) -> Vector3<f64> {
         (self.attitude * Vector::new(Vector3::z())).0
     }
@@ -97,6 +106,11 @@ impl Table {
         };
         let matrix = about(self.inner, inner) * self.zero.matrix() * about(self.outer, outer);
         Rotation::stated_as(Rotation3::from_matrix_unchecked(matrix))
+    }
+
+    /// The inner axis in East, North, Up.
+    pub fn inner_in_nav(&self, angles: (f64, f64)) -> Vector3<f64> {
+        (self.attitude(angles.0, angles.1).inverse() * Vector::new(self.inner.normalize())).0
     }
 
     /// Rate about the vertical, counter-clockwise from above, of axes that turn at these rates, at these angles.

@@ -90,7 +90,7 @@ fn log(seed: u64, hz: f64) -> (Series, Vec<[f64; 3]>) {
 }
 
 fn found(series: &mut Series) -> Found {
-    find(series, &[0, 1, 2], &Search { min_s: None, breaks: Vec::new(), keep_short: false })
+    find(series, &[0, 1, 2], &Search { min_s: None, breaks: Vec::new(), keep_short: false, room: Vec::new() })
 }
 
 /// Logs in which dwells are missed or invented, and errors of means in standard errors.
@@ -212,7 +212,8 @@ fn the_last_bit_of_a_converter_is_no_motion() {
         blocks.push(f64::from(k) * 0.01, &[level, 90.0]);
     }
     let mut series = Series::join(vec![blocks]);
-    let found = find(&mut series, &[0, 1], &Search { min_s: None, breaks: Vec::new(), keep_short: false });
+    let found =
+        find(&mut series, &[0, 1], &Search { min_s: None, breaks: Vec::new(), keep_short: false, room: Vec::new() });
     assert_eq!(found.intervals.len(), 1, "{found:?}");
 }
 
@@ -231,7 +232,8 @@ fn one_position_taken_twice_is_cut_by_the_clock_of_the_others() {
         blocks.push(t, &[level + 0.01 * rng.sample::<f64, _>(StandardNormal)]);
     }
     let mut series = Series::join(vec![blocks]);
-    let found = find(&mut series, &[0], &Search { min_s: None, breaks: Vec::new(), keep_short: false });
+    let found =
+        find(&mut series, &[0], &Search { min_s: None, breaks: Vec::new(), keep_short: false, room: Vec::new() });
     assert_eq!((found.intervals.len(), found.split), (12, 1));
     let starts: Vec<f64> = found.intervals.iter().map(|i| (series.start_s(i.from) / 80.0).fract()).collect();
     assert!(starts.iter().all(|s| *s < 0.04 || *s > 0.97), "{starts:?}");

@@ -1,0 +1,259 @@
+//! While the table turns, the horizontal part of the Earth's rate goes round in the body, and so does what is level of
+//! gravity: the outputs swing by more than their noise, and nothing moves. The swing is taken out before steady
+//! intervals are looked for.
+//!
+//! In a turn by the angle theta(t) each output is
+//!
+//! ```text
+//! y = a + b t + c1 cos theta + s1 sin theta + c2 cos 2 theta + s2 sin 2 theta + noise
+//! ```
+//!
+//! first harmonic: E of the Earth's horizontal rate (12 arcsec/s and more, against noise of far less), and D terms of an
+//! axis that is not quite vertical; second: their squares. Only the harmonics are subtracted, so that a mean over whole
+//! turns stays what it was. The fit is by least absolute values, so that starts, stops and knocks do not bend it.
+
+use super::blocks::Series;
+use super::intervals::Interval;
+
+/// Seconds over which the rate of the table is averaged before it is compared with the next.
+const CELL_S: f64 = 1.0;
+/// Relative change of the rate from cell to cell that begins another turn, and its change in standard deviations.
+const OTHER_RATE: f64 = 0.005;
+const CHANGE: f64 = 7.0;
+/// Cells of a turn, and blocks without samples in it, at least and at most.
+const FEWEST: usize = 8;
+const GAP: i64 = 24;
+/// Turns from which the harmonics are parted from the mean; from which the second is fitted.
+const WHOLE: f64 = 1.0;
+const TWO: f64 = 2.0;
+/// Rounds of the fit by least absolute values, and residuals, in their median, that are then left out of it.
+const ROUNDS: usize = 20;
+const OUTLIER: f64 = 9.0;
+/// Power of a harmonic over that of noise from which the angle's own scale is fitted, and how far it may be off.
+const PLAIN: f64 = 100.0;
+const SCALE: f64 = 0.03;
+/// The Earth's rate, arcsec/s: half of what an output can swing by.
+const EARTH_ARCSEC_S: f64 = 15.041_067;
+
+/// Intervals in which the table turns faster than `least` at a rate that does not change: `rates` by block, arcsec/s,
+/// in any three axes.
+pub fn steady_turns(series: &Series, rates: &[[f64; 3]], least: f64) -> Vec<Interval> {
+    let width = (CELL_S / series.block_s).ceil().max(1.0) as usize;
+    let cells: Vec<[f64; 3]> = rates.chunks(width).map(mean).collect();
+    let turning = |c: &[f64; 3]| norm(c) >= least;
+    let both = cells.windows(2).filter(|p| turning(&p[0]) && turning(&p[1]));
+    let noise = quantile(both.map(|p| norm(&difference(&p[1], &p[0]))).collect(), 0.5);
+    let mut found: Vec<(usize, usize)> = Vec::new();
+    for (k, cell) in cells.iter().enumerate().filter(|(_, cell)| turning(cell)) {
+        let room = least.max(OTHER_RATE * norm(cell)).max(CHANGE * noise);
+        let near = |j: usize| {
+            let gap = series.number[k * width] - series.number[j * width];
+            norm(&difference(cell, &cells[j])) <= room && gap <= width as i64 + GAP
+        };
+        match found.last_mut() {
+            Some((_, to)) if *to == k && near(k - 1) => *to = k + 1,
+            _ => found.push((k, k + 1)),
+        }
+    }
+    found.retain(|(from, to)| to - from >= FEWEST);
+    found.iter().map(|&(from, to)| Interval { from: from * width, to: (to * width).min(rates.len()) }).collect()
+}
+
+/// Angle of the table through a turn, rad, from the rates along their mean; zero in the middle.
+pub fn angles(series: &Series, rates: &[[f64; 3]], turn: Interval) -> Vec<f64> {
+    let along = mean(&rates[turn.from..turn.to]);
+    let length = norm(&along).max(f64::MIN_POSITIVE);
+    let rate = |k: usize| (0..3).map(|c| rates[k][c] * along[c]).sum::<f64>() / length;
+    let mut angles = vec![0.0];
+    for k in turn.from + 1..turn.to {
+        let step = 0.5 * (rate(k - 1) + rate(k)) * (series.time_s[k] - series.time_s[k - 1]);
+        angles.push(angles[angles.len() - 1] + (step / 3600.0).to_radians());
+    }
+    let middle = 0.5 * angles[angles.len() - 1];
+    angles.iter_mut().for_each(|angle| *angle -= middle);
+    angles
+}
+
+/// Takes the swing of a turn out of the channels; how many turns it has.
+///
+/// Of less than one turn the harmonics are not parted from the mean, so what is taken out has the mean zero.
+pub fn take_out(series: &mut Series, channels: &[usize], turn: Interval, mut angles: Vec<f64>) -> f64 {
+    let fits = fitted(series, channels, turn, &mut angles);
+    let turns = (angles[angles.len() - 1] - angles[0]).abs() / std::f64::consts::TAU;
+    for (&channel, fit) in channels.iter().zip(&fits) {
+        let swing: Vec<f64> = angles.iter().map(|&angle| fit.swing(angle)).collect();
+        let level = if turns < WHOLE { swing.iter().sum::<f64>() / swing.len() as f64 } else { 0.0 };
+        let own = &mut series.tracks[channel].mean[turn.from..turn.to];
+        own.iter_mut().zip(swing).for_each(|(value, swing)| *value -= swing - level);
+    }
+    turns
+}
+
+/// Of rates that a turn may have, arcsec/s, the one whose swing explains the channels best, and its angles; none where
+/// none explains more than noise would.
+pub fn likeliest(series: &Series, channels: &[usize], turn: Interval, rates: &[f64]) -> Option<Vec<f64>> {
+    let scatter = |fits: &[Fit]| fits.iter().map(|fit| fit.scatter.max(f64::MIN_POSITIVE).ln()).sum::<f64>();
+    let tried = rates.iter().filter_map(|&rate| {
+        let mut own = angles(series, &vec![[rate, 0.0, 0.0]; series.number.len()], turn);
+        let fits = fitted(series, channels, turn, &mut own);
+        // At half the rate the second harmonic would explain the swing as well.
+        fits.iter().any(|fit| fit.power > PLAIN).then(|| (scatter(&fits), own))
+    });
+    tried.min_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
+}
+
+/// By block, what the Earth's rate may change the outputs by while the table turns at `slowest` arcsec/s or faster.
+pub fn room(series: &Series, outputs: &[usize], slowest: f64) -> Vec<f64> {
+    let level = |k: usize| outputs.iter().map(|&c| series.tracks[c].mean[k].powi(2)).sum::<f64>().sqrt();
+    (0..series.number.len()).map(|k| 2.0 * EARTH_ARCSEC_S / slowest * level(k)).collect()
+}
+
+/// A channel's fit: the harmonics, the median of what is left, and the power of the first over that of noise.
+struct Fit {
+    harmonics: Vec<f64>,
+    scatter: f64,
+    power: f64,
+    kept: Vec<bool>,
+    left: Vec<f64>,
+}
+
+impl Fit {
+    fn swing(&self, angle: f64) -> f64 {
+        let part = |(k, of): (usize, &[f64])| {
+            let (sine, cosine) = ((k + 1) as f64 * angle).sin_cos();
+            of[0] * cosine + of[1] * sine
+        };
+        self.harmonics.chunks(2).enumerate().map(part).sum()
+    }
+
+    /// Derivative of the swing by a scale of the angle.
+    fn slope(&self, angle: f64) -> f64 {
+        let (sine, cosine) = angle.sin_cos();
+        angle * (self.harmonics[1] * cosine - self.harmonics[0] * sine)
+    }
+}
+
+/// Fits every channel. The angle's scale is fitted too where the swing is plain: a table told 10 deg/s may turn at 10.01.
+fn fitted(series: &Series, channels: &[usize], turn: Interval, angles: &mut [f64]) -> Vec<Fit> {
+    let fit = |angles: &[f64]| -> Vec<Fit> {
+        channels.iter().map(|&c| harmonics(&series.tracks[c].mean[turn.from..turn.to], angles)).collect()
+    };
+    let mut fits = fit(angles);
+    let mut scaled = 1.0;
+    for _ in 0..3 {
+        let (mut up, mut down) = (0.0, 0.0);
+        for own in fits.iter().filter(|fit| fit.power > PLAIN) {
+            let weight = own.scatter.max(f64::MIN_POSITIVE).powi(-2);
+            for (k, &angle) in angles.iter().enumerate().filter(|(k, _)| own.kept[*k]) {
+                let slope = own.slope(angle);
+                up += weight * slope * own.left[k];
+                down += weight * slope * slope;
+            }
+        }
+        let turns = (angles[angles.len() - 1] - angles[0]).abs() / std::f64::consts::TAU;
+        let off = up / down;
+        if turns < WHOLE || !off.is_finite() || (scaled * (1.0 + off) - 1.0).abs() > SCALE {
+            break;
+        }
+        scaled *= 1.0 + off;
+        angles.iter_mut().for_each(|angle| *angle *= 1.0 + off);
+        fits = fit(angles);
+    }
+    fits
+}
+
+/// The harmonics of one channel.
+fn harmonics(values: &[f64], angles: &[f64]) -> Fit {
+    let count = values.len();
+    let turns = (angles[count - 1] - angles[0]).abs() / std::f64::consts::TAU;
+    let width = if turns >= TWO { 6 } else { 4 };
+    let row = |k: usize| {
+        let (sine, cosine) = angles[k].sin_cos();
+        let time = 2.0 * k as f64 / count as f64 - 1.0;
+        // Of a small part of a turn cos and sin are all but 1 and theta, which are there already.
+        let level = if turns < WHOLE { angles[0].cos() } else { 0.0 };
+        [1.0, time, cosine - level, sine, cosine * cosine - sine * sine, 2.0 * sine * cosine]
+    };
+    let origin = quantile(values.to_vec(), 0.5);
+    let mut weights = vec![1.0; count];
+    let (mut left, mut scatter, mut found) = (Vec::new(), 0.0, vec![0.0; width]);
+    for round in 0..ROUNDS + 2 {
+        let rows = (0..count).filter(|&k| weights[k] > 0.0);
+        let Some(solution) = least_squares(rows.map(|k| (row(k), values[k] - origin, weights[k])), width) else {
+            break;
+        };
+        found = solution;
+        let model = |k: usize| row(k).iter().zip(&found).map(|(r, f)| r * f).sum::<f64>();
+        left = (0..count).map(|k| values[k] - origin - model(k)).collect();
+        scatter = quantile(left.iter().map(|r: &f64| r.abs()).collect(), 0.5);
+        let least = (1e-3 * scatter).max(f64::MIN_POSITIVE);
+        let weight = |r: &f64| match round {
+            ..ROUNDS => r.abs().max(least).recip(),
+            _ => f64::from(u8::from(r.abs() <= OUTLIER * scatter.max(f64::MIN_POSITIVE))),
+        };
+        weights = left.iter().map(weight).collect();
+    }
+    if left.is_empty() {
+        left = vec![0.0; count];
+    }
+    let noise = (scatter / 0.674_489_8).powi(2).max(f64::MIN_POSITIVE);
+    let power = 0.5 * count as f64 * (found[2].powi(2) + found[3].powi(2)) / noise;
+    Fit { harmonics: found[2..].to_vec(), scatter, power, kept: weights.iter().map(|w| *w > 0.0).collect(), left }
+}
+
+/// Weighted least squares of `width` unknowns; none where they are not told apart.
+fn least_squares(rows: impl Iterator<Item = ([f64; 6], f64, f64)>, width: usize) -> Option<Vec<f64>> {
+    let mut normal = [[0.0_f64; 7]; 6];
+    for (row, value, weight) in rows {
+        for k in 0..width {
+            for j in 0..width {
+                normal[k][j] += weight * row[k] * row[j];
+            }
+            normal[k][width] += weight * row[k] * value;
+        }
+    }
+    // A whisper of a ridge: what is not told apart stays small.
+    for (k, row) in normal.iter_mut().enumerate().take(width) {
+        row[k] *= 1.0 + 1e-12;
+    }
+    for k in 0..width {
+        let pivot = (k..width).max_by(|&a, &b| normal[a][k].abs().total_cmp(&normal[b][k].abs()))?;
+        normal.swap(k, pivot);
+        let lead = normal[k];
+        if lead[k] == 0.0 {
+            return None;
+        }
+        for row in normal.iter_mut().skip(k + 1).take(width - k - 1) {
+            let factor = row[k] / lead[k];
+            for j in k..=width {
+                row[j] -= factor * lead[j];
+            }
+        }
+    }
+    let mut found = vec![0.0; width];
+    for k in (0..width).rev() {
+        let known: f64 = (k + 1..width).map(|j| normal[k][j] * found[j]).sum();
+        found[k] = (normal[k][width] - known) / normal[k][k];
+    }
+    found.iter().all(|f| f.is_finite()).then_some(found)
+}
+
+fn mean(of: &[[f64; 3]]) -> [f64; 3] {
+    [0, 1, 2].map(|c| of.iter().map(|r| r[c]).sum::<f64>() / of.len() as f64)
+}
+
+fn difference(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|c| a[c] - b[c])
+}
+
+fn norm(of: &[f64; 3]) -> f64 {
+    of.iter().map(|c| c * c).sum::<f64>().sqrt()
+}
+
+fn quantile(mut of: Vec<f64>, share: f64) -> f64 {
+    if of.is_empty() {
+        return 0.0;
+    }
+    let k = ((of.len() - 1) as f64 * share).round() as usize;
+    *of.select_nth_unstable_by(k, f64::total_cmp).1
+}

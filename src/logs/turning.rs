@@ -1,0 +1,127 @@
+//! Stretches in which the table turned, and what the Earth's rate does in them: known from the log's rate, angles or
+//! attitude, else found in the outputs by the rates of the programme.
+
+use nalgebra::Rotation3;
+
+use super::gather::{Gathered, Role};
+use super::units::Counts;
+use crate::core::dwells::intervals::{Interval, Search, find};
+use crate::core::dwells::programme::{Position, REST_ARCSEC_S};
+use crate::core::dwells::turns;
+use crate::core::frames::{Body, Nav, Rotation};
+
+/// A stretch by the log's clock.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turned {
+    pub from_s: f64,
+    pub to_s: f64,
+}
+
+/// All stretches, and whether the log itself says that they are turns.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Turns {
+    pub stretches: Vec<Turned>,
+    pub known: bool,
+}
+
+/// Slowest turn that is looked for where nothing says how fast the table turns, arcsec/s.
+const SLOWEST: f64 = 360.0;
+
+/// Takes the swing of all turns out of the outputs and the force. What was there is kept as [`Role::Raw`].
+pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Position]>) -> Turns {
+    spin_of_attitude(log);
+    let is_output = |role: &Role| matches!(role, Role::Output(_));
+    let outputs: Vec<usize> = (0..log.roles.len()).filter(|&k| is_output(&log.roles[k])).collect();
+    let channels: Vec<usize> =
+        (0..log.roles.len()).filter(|&k| is_output(&log.roles[k]) || matches!(log.roles[k], Role::Force(_))).collect();
+    let (turns, known): (Vec<(Interval, Vec<f64>)>, bool) = match rates(log) {
+        Some(rates) => {
+            let found = turns::steady_turns(&log.series, &rates, REST_ARCSEC_S);
+            (found.into_iter().map(|turn| (turn, turns::angles(&log.series, &rates, turn))).collect(), true)
+        }
+        None => (by_outputs(log, &outputs, min_s, programme), false),
+    };
+    for &output in &outputs {
+        let Role::Output(k) = log.roles[output] else { continue };
+        log.roles.push(Role::Raw(k));
+        log.series.tracks.push(log.series.tracks[output].clone());
+    }
+    let series = &mut log.series;
+    let mut stretches = Vec::new();
+    for (turn, angles) in turns {
+        stretches.push(Turned { from_s: series.start_s(turn.from), to_s: series.end_s(turn.to) });
+        if !angles.is_empty() {
+            turns::take_out(series, &channels, turn, angles);
+        }
+    }
+    Turns { stretches, known }
+}
+
+/// Rate of turn of a stated attitude, East North Up, arcsec/s, as three tracks more.
+fn spin_of_attitude(log: &mut Gathered) {
+    let place = |k: usize| log.roles.iter().position(|role| *role == Role::Attitude(k));
+    let [Some(w), Some(x), Some(y), Some(z)] = [0, 1, 2, 3].map(place) else { return };
+    let series = &log.series;
+    let attitude =
+        |k: usize| *Rotation::<Nav, Body>::from_attitude([w, x, y, z].map(|c| series.tracks[c].mean[k])).matrix();
+    let mut spin = vec![[0.0; 3]];
+    for k in 1..series.number.len() {
+        let turned = Rotation3::from_matrix_unchecked(attitude(k).transpose() * attitude(k - 1));
+        let rate = turned.scaled_axis() / (series.time_s[k] - series.time_s[k - 1]);
+        spin.push(rate.map(|c| c.to_degrees() * 3600.0).into());
+    }
+    let like = series.tracks[w].clone();
+    for c in 0..3 {
+        log.roles.push(Role::Spin(c));
+        let mut track = like.clone();
+        track.mean = spin.iter().map(|rate| rate[c]).collect();
+        log.series.tracks.push(track);
+    }
+}
+
+/// Rate of turn by block, in any axes.
+fn rates(log: &Gathered) -> Option<Vec<[f64; 3]>> {
+    let kinds: [fn(usize) -> Role; 3] = [Role::Rate, Role::Turn, Role::Spin];
+    let tracks = |kind: &fn(usize) -> Role| -> Vec<usize> {
+        (0..3).filter_map(|k| log.roles.iter().position(|role| *role == kind(k))).collect()
+    };
+    let own = kinds.iter().map(tracks).find(|own| !own.is_empty())?;
+    let rate = |k: usize| [0, 1, 2].map(|c| own.get(c).map_or(0.0, |&place| log.series.tracks[place].mean[k]));
+    Some((0..log.series.number.len()).map(rate).collect())
+}
+
+/// Stretches in which the outputs change by no more than the Earth's rate can change them, with the angles of the rate
+/// that explains how they swing; without angles where they swing by no rate that the table was told.
+fn by_outputs(
+    log: &Gathered,
+    outputs: &[usize],
+    min_s: Option<f64>,
+    programme: Option<&[Position]>,
+) -> Vec<(Interval, Vec<f64>)> {
+    let series = &log.series;
+    let mut told: Vec<f64> = programme.unwrap_or_default().iter().map(|p| p.turn_arcsec_s.abs()).collect();
+    told.retain(|rate| *rate > 0.0);
+    told.sort_by(f64::total_cmp);
+    told.dedup();
+    let slowest = told.first().copied().unwrap_or(SLOWEST).max(SLOWEST);
+    let search = |room: Vec<f64>| Search { min_s, breaks: log.breaks.clone(), keep_short: true, room };
+    let mut own = series.clone();
+    let rough = find(&mut own, outputs, &search(turns::room(series, outputs, slowest)));
+    let block = |time: f64| series.number.partition_point(|&n| (n as f64 + 0.5) * series.block_s < time);
+    let whole = |(from_s, to_s): (f64, f64)| Interval { from: block(from_s), to: block(to_s) };
+    let turn = |turn: Interval| {
+        let measured = || {
+            let level = |&c: &usize| series.tracks[c].mean_of(turn.from, turn.to).powi(2);
+            vec![outputs.iter().map(level).sum::<f64>().sqrt()]
+        };
+        let rates = if told.is_empty() && log.counts == Counts::Angular { measured() } else { told.clone() };
+        (turn, turns::likeliest(series, outputs, turn, &rates).unwrap_or_default())
+    };
+    rough
+        .intervals
+        .iter()
+        .map(|i| whole((own.start_s(i.from), own.end_s(i.to))))
+        .filter(|i| i.to > i.from + 8)
+        .map(turn)
+        .collect()
+}

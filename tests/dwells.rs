@@ -455,3 +455,99 @@ fn a_guessed_map_says_why_and_leaves_open_what_the_log_does_not_say() {
     fs::write(dir.path().join("map.toml"), answered).unwrap();
     check_by_hand(&campaign(&dwells(dir.path(), &["log.csv", "--map", "map.toml"])));
 }
+
+/// The example log: turns at 10 deg/s of quiet gyros, in which the Earth's rate goes round.
+#[test]
+fn the_example_log_becomes_a_campaign_that_has_no_gap() {
+    let logs = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/logs");
+    let output = dwells(&logs, &["table.csv", "--map", "map.toml", "--programme", "programme.csv"]);
+    let made = campaign(&output);
+    let phases = |name: &str| made["dwells"].as_array().unwrap().iter().filter(|d| d["phase"] == name).count();
+    assert_eq!((phases("static"), phases("rate")), (24, 12));
+    assert!(!String::from_utf8_lossy(&output.stderr).contains("no dwell"));
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("c.json"), &output.stdout).unwrap();
+    let mut diagnose = Command::cargo_bin("gyrowatch").unwrap();
+    let said = diagnose.current_dir(dir.path()).args(["diagnose", "c.json"]).output().unwrap();
+    assert!(String::from_utf8_lossy(&said.stdout).contains("no gap"), "{}", String::from_utf8_lossy(&said.stdout));
+    let guessed = dwells(&logs, &["table.csv", "--guess"]);
+    let guessed = String::from_utf8_lossy(&guessed.stdout).into_owned();
+    assert!(
+        guessed.contains("output = { columns = [\"gyro_1\", \"gyro_2\", \"gyro_3\"], unit = \"pulse\" }"),
+        "{guessed}"
+    );
+    assert!(guessed.contains("rate = { columns = [\"table\"], unit = \"deg/s\" }"), "{guessed}");
+    // The program beside it makes the same files.
+    fs::copy(logs.join("make.py"), dir.path().join("make.py")).unwrap();
+    if Command::new("python3").current_dir(dir.path()).arg("make.py").output().is_ok() {
+        for name in ["table.csv", "programme.csv"] {
+            assert!(fs::read(dir.path().join(name)).unwrap() == fs::read(logs.join(name)).unwrap(), "{name}");
+        }
+    }
+}
+
+/// A campaign as a station's table of averages in pulses, with headings of its own.
+fn averages(campaign: &Campaign) -> String {
+    let mut text = String::from("Beginn [s];Dauer [s];q0;q1;q2;q3;wx [arcsec/s];wy [arcsec/s];wz [arcsec/s];");
+    text.push_str("K1 [Imp/s];K2 [Imp/s];K3 [Imp/s];s(K1);s(K2);s(K3)\n");
+    for d in &campaign.dwells {
+        let sem = d.output_sem_pulse_s.as_ref().unwrap();
+        let mut cells = vec![d.start_s, d.duration_s];
+        cells.extend(d.attitude.unwrap().to_attitude());
+        cells.extend(d.rate_arcsec_s.iter());
+        cells.extend(d.output_pulse_s.iter().chain(sem.iter()));
+        let cells: Vec<String> = cells.iter().map(|cell| cell.to_string().replace('.', ",")).collect();
+        writeln!(text, "{}", cells.join(";")).unwrap();
+    }
+    text
+}
+
+const OF_AVERAGES: &str = r#"
+imu = "IMU-1"
+station = "ST-1"
+measured_at = "2026-03-01T08:00:00Z"
+geometry = "skewed"
+gyros = ["G1 A-1", "G2 A-2", "G3 A-3"]
+averaged = true
+time = { column = "Beginn" }
+duration = { column = "Dauer" }
+attitude = { columns = ["q0", "q1", "q2", "q3"] }
+output = { columns = ["K1", "K2", "K3"], unit = "pulse/s" }
+standard_error = { columns = ["s(K1)", "s(K2)", "s(K3)"] }
+"#;
+
+#[test]
+fn averages_in_pulses_with_their_errors_and_rates_are_the_campaign() {
+    let dir = tempfile::tempdir().unwrap();
+    let truth = simulate(&preset("24-position").unwrap()).unwrap().campaign;
+    fs::write(dir.path().join("t.csv"), averages(&truth)).unwrap();
+    let site = truth.site.unwrap();
+    let site =
+        format!("site = {{ latitude_deg = {}, gravity_g0 = {} }}\n", site.latitude.to_degrees(), site.gravity_g0);
+    let map = site + OF_AVERAGES;
+    let rate = "rate = { columns = [\"wx\", \"wy\", \"wz\"] }\n";
+    fs::write(dir.path().join("m.toml"), map.clone() + rate).unwrap();
+    let output = dwells(dir.path(), &["t.csv", "--map", "m.toml"]);
+    let made = campaign(&output);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("inertial space"), "the smallest rate is the Earth's");
+    assert_eq!(made["dwells"].as_array().unwrap().len(), truth.dwells.len());
+    for (made, d) in made["dwells"].as_array().unwrap().iter().zip(&truth.dwells) {
+        assert_eq!((&made["phase"], &made["duration_s"]), (&d.phase.name().into(), &d.duration_s.into()));
+        for c in 0..3 {
+            let near = |name: &str, value: f64| (made[name][c].as_f64().unwrap() - value).abs() < 1e-6;
+            assert!(near("output_pulse_s", d.output_pulse_s[c]) && near("rate_arcsec_s", d.rate_arcsec_s[c]), "{made}");
+            assert!(near("output_sem_pulse_s", d.output_sem_pulse_s.as_ref().unwrap()[c]), "{made}");
+            assert!(near("specific_force_g0", d.specific_force_g0[c]), "{made}");
+        }
+    }
+    // Without the rates, turns would be taken for rest.
+    fs::write(dir.path().join("m.toml"), &map).unwrap();
+    let said = refused(&dwells(dir.path(), &["t.csv", "--map", "m.toml"]));
+    assert!(said.contains("are those of turns, and nothing says how fast"), "{said}");
+    fs::write(dir.path().join("m.toml"), map.clone() + &rate.replace("wy", "wx")).unwrap();
+    let said = refused(&dwells(dir.path(), &["t.csv", "--map", "m.toml"]));
+    assert!(said.contains("\"wx\" is named twice"), "{said}");
+    fs::write(dir.path().join("m.toml"), map.replace("averaged = true\n", "")).unwrap();
+    let said = refused(&dwells(dir.path(), &["t.csv", "--map", "m.toml"]));
+    assert!(said.contains("`averaged = true` is missing"), "{said}");
+}

@@ -143,10 +143,9 @@ impl Service {
 
     /// Asks for a JSON document.
     pub async fn get(&self, route: &str) -> anyhow::Result<Value> {
-        let request = self.request(Method::GET, route);
-        let answer = request.send().await.with_context(|| format!("cannot reach {}", self.base))?;
-        let answer = answer.error_for_status().with_context(|| format!("{route} was refused"))?;
-        answer.json().await.with_context(|| format!("the answer of {route} is not JSON"))
+        let (status, _, body) = self.answer(self.request(Method::GET, route)).await?;
+        anyhow::ensure!(status.is_success(), "{route}: {}", why(status, &body));
+        serde_json::from_slice(&body).with_context(|| format!("the answer of {route} is not JSON"))
     }
 
     /// As [`Service::get`], telling what another try may help from what it does not.
@@ -246,14 +245,18 @@ fn sort(status: StatusCode, after: Option<Duration>, body: &[u8]) -> Result<Sent
             Some(problem) => Ok(Sent::Refused(problem)),
             None => Err(Trouble::Stop(format!("status {status}, but the answer is not one of gyrowatch"))),
         },
-        408 | 425 | 429 | 500.. => {
-            let why = problem().map_or_else(|| status.to_string(), |p| format!("{status}: {}", p.detail));
-            Err(Trouble::Again { why, after })
-        }
-        _ => {
-            let why = problem().map_or_else(|| status.to_string(), |p| format!("{status}: {}", p.detail));
-            Err(Trouble::Stop(why))
-        }
+        408 | 425 | 429 | 500.. => Err(Trouble::Again { why: why(status, body), after }),
+        _ => Err(Trouble::Stop(why(status, body))),
+    }
+}
+
+/// What the service says of a request that it does not take, and where this program is given a token.
+fn why(status: StatusCode, body: &[u8]) -> String {
+    let said = serde_json::from_slice::<ProblemBody>(body).ok();
+    let why = said.map_or_else(|| status.to_string(), |problem| format!("{status}: {}", problem.detail));
+    match status {
+        StatusCode::UNAUTHORIZED => format!("{why} (--token-file FILE, or GYROWATCH_TOKEN)"),
+        _ => why,
     }
 }
 

@@ -65,7 +65,12 @@ impl Void {
             let post = |kind: &str| post(&service, format!("/v1/{kind}/{}/void", self.id), order.clone());
             // A campaign is a record too; a bench result is none.
             let sent = match post("records").await {
-                Err(Trouble::Stop(why)) if why.starts_with("404") => post("bench-results").await?,
+                Err(Trouble::Stop(why)) if why.starts_with("404") => match post("bench-results").await {
+                    Err(Trouble::Stop(why)) if why.starts_with("404") => {
+                        bail!("404: no record, campaign or bench result has the identifier {:?}", self.id)
+                    }
+                    other => other?,
+                },
                 other => other?,
             };
             let standing = accepted(sent)?;

@@ -48,7 +48,7 @@ pub struct AdoptedBody {
 pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuModelBody>, Problem> {
     let models = app.pipeline.diagnoses.models(&imu).await?;
     let models =
-        models.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = imu.clone())))?;
+        models.ok_or_else(|| Problem::new(404, "title_unknown_imu", app.pipeline.queries.names().unknown_imu(&imu)))?;
     let adopted = |adopted: AdoptedModel| AdoptedBody {
         id: adopted.id.to_string(),
         adopted_at: time::format(adopted.adopted_at),
@@ -119,5 +119,6 @@ pub async fn get_forecast(
 ) -> Result<Json<ForecastSeriesBody>, Problem> {
     let limit = query::limit(asked.limit, 20, MOST_FORECASTS)?;
     let series = app.pipeline.diagnoses.forecasts(&imu, limit as u32).await?;
-    series.map(Json).ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = imu.clone())))
+    let unknown = || Problem::new(404, "title_unknown_imu", app.pipeline.queries.names().unknown_imu(&imu));
+    series.map(Json).ok_or_else(unknown)
 }

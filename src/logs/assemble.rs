@@ -46,17 +46,19 @@ const CLIPPED: f64 = 0.02;
 /// Length of the specific force that is gravity in the unit stated.
 const GRAVITY: std::ops::Range<f64> = 0.9..1.1;
 /// Angle between measured and commanded vertical that is another position, radians (8 deg).
-const OFF_COMMANDED: f64 = 0.14;
+pub const OFF_COMMANDED: f64 = 0.14;
 /// Turning of gyros that measure rates themselves, where nothing else says that the table turns: arcsec/s (1 deg/s).
-const TURNING: f64 = 3600.0;
+pub const TURNING: f64 = 3600.0;
 const WHOLE_TURN_ARCSEC: f64 = 1_296_000.0;
 /// Part of a usual dwell from which a turn without dwell is said, and part of it that dwells must cover.
 const SHORT_TURN: f64 = 0.3;
-const COVERED: f64 = 0.5;
+const COVERED: f64 = 0.3;
 /// Angle below which a turn is no whole one, rad: one turn, but for a block at its ends.
 const PART_OF_TURN: f64 = 0.97 * std::f64::consts::TAU;
 /// Part of a turn that may be about what is level.
 const LEVEL_TURN: f64 = 0.05;
+/// Standard error, in counts, below which an output stands still.
+const STILL: f64 = 1e-9;
 /// Cosine below which two verticals are different orientations (10 deg).
 const SAME_UP: f64 = 0.985;
 
@@ -102,7 +104,8 @@ pub fn assemble(
     work.assemble(found, programme).map_err(|fault| LogError::new("log", fault))
 }
 
-fn table(map: &Map) -> Result<Option<Table>, LogError> {
+/// The map's table.
+pub fn table(map: &Map) -> Result<Option<Table>, LogError> {
     let Some(of) = &map.table else { return Ok(None) };
     let fail = |fault: Message| LogError::new("map", message!("at_map_key", key = "table", fault = fault));
     let (up, north) = (axis(&of.zero_up).map_err(fail)?, axis(&of.zero_north).map_err(fail)?);
@@ -441,8 +444,10 @@ impl Work<'_> {
             let noise = of(&rough, candidate);
             let channels: Vec<(&Track, Noise)> = outputs.iter().copied().zip(noise).collect();
             candidate.interval = settled(series, &channels, candidate.interval);
-            let known = |c: &Candidate| c.position.is_some_and(|p| self.part_of_turn(c, &p).is_some());
-            short_turns += usize::from(!self.whole_turns(candidate) && !known(candidate));
+            self.whole_turns(candidate);
+            let is_unknown =
+                |p: Position| self.is_part_of_turn(candidate, &p) && self.part_of_turn(candidate, &p).is_none();
+            short_turns += usize::from(candidate.position.is_some_and(is_unknown));
         }
         let fine = [Phase::Static, Phase::Rate].map(|p| of_phase(&candidates, p));
         let dwells = candidates.iter().map(|c| self.dwell(c, &of(&fine, c))).collect::<Result<Vec<_>, _>>()?;
@@ -457,21 +462,20 @@ impl Work<'_> {
         Ok(Assembled { dwells, remarks: std::mem::take(&mut self.remarks), noise })
     }
 
-    /// Cuts a turning interval to whole turns; whether that can be done.
-    fn whole_turns(&self, candidate: &mut Candidate) -> bool {
+    /// Cuts a turning interval to whole turns, where there is one.
+    fn whole_turns(&self, candidate: &mut Candidate) {
         let turn = candidate.position.map_or(0.0, |p| p.turn_arcsec_s);
         if turn == 0.0 {
-            return true;
+            return;
         }
         let series = &self.log.series;
         let i = candidate.interval;
         let turns = (series.end_s(i.to) - series.start_s(i.from)) * turn.abs() / WHOLE_TURN_ARCSEC;
         if turns < 1.0 {
-            return false;
+            return;
         }
         let end = series.start_s(i.from) + turns.floor() * WHOLE_TURN_ARCSEC / turn.abs();
         candidate.interval.to = series.number.partition_point(|&n| (n as f64 + 0.5) * series.block_s < end).min(i.to);
-        true
     }
 
     fn dwell(&self, candidate: &Candidate, noise: &[Noise]) -> Result<Dwell, Message> {
@@ -480,14 +484,16 @@ impl Work<'_> {
         let Commanded { phase, attitude, force_g0, rate_arcsec_s } = self.commanded(candidate)?;
         // Increments are divided by the time that they were counted in, as the clock says it.
         let scale = self.mean(Role::Interval, i).map_or(1.0, |step| self.log.sample_s / step);
-        let is_part = candidate.position.is_some_and(|p| self.turned(candidate, &p).abs() < PART_OF_TURN);
+        let is_part = candidate.position.is_some_and(|p| self.is_part_of_turn(candidate, &p));
         let (mut output, mut output_sem) = (Vec::new(), Vec::new());
         for (k, noise) in noise.iter().enumerate() {
             let Some(track) = self.track(Role::Output(k)) else { continue };
             // Of less than a turn the swing is in the mean.
             let averaged = self.track(Role::Raw(k)).filter(|_| is_part).unwrap_or(track);
             output.push(scale * averaged.mean_of(i.from, i.to));
-            output_sem.push(standard_error(series, track, noise, i, self.log.sample_s));
+            let sem = standard_error(series, track, noise, i, self.log.sample_s);
+            // Outputs that stand still within one count are known to a count.
+            output_sem.push(if sem > STILL * track.step { sem } else { track.step / 12f64.sqrt() });
         }
         let (start, end) = (series.start_s(i.from), series.end_s(i.to));
         Ok(Dwell {
@@ -509,7 +515,19 @@ impl Work<'_> {
         let begun = self.log.series.start_s(candidate.interval.from) - candidate.began_s;
         let from = (position.turn_arcsec_s * begun / 3600.0).to_radians();
         let turned = self.turned(candidate, position);
-        (turned.abs() < PART_OF_TURN && turned != 0.0).then_some((from, from + turned))
+        self.is_part_of_turn(candidate, position).then_some((from, from + turned))
+    }
+
+    /// Whether what the Earth's horizontal rate does in a dwell is left in its mean: it has less than one turn, and
+    /// nor had the stretch that it is of, from which the swing was taken out.
+    fn is_part_of_turn(&self, candidate: &Candidate, position: &Position) -> bool {
+        let (series, i) = (&self.log.series, candidate.interval);
+        let turned = self.turned(candidate, position).abs();
+        let is_of = |turn: &&Turned| {
+            turn.from_s < series.start_s(i.from) + series.block_s && series.end_s(i.to) - series.block_s < turn.to_s
+        };
+        let is_out = self.turns.stretches.iter().filter(is_of).any(|turn| turn.turns >= 1.0);
+        0.0 < turned && turned < PART_OF_TURN && !is_out
     }
 
     /// Angle of a turn, rad; zero in a position.
@@ -574,7 +592,7 @@ pub fn by_accelerometers(
 }
 
 /// Rows of a programme that no interval is of.
-fn missing(taken: &[usize], programme: &[Position]) -> Option<Message> {
+pub fn missing(taken: &[usize], programme: &[Position]) -> Option<Message> {
     const SAID: usize = 12;
     let rows: Vec<usize> = (0..programme.len()).filter(|row| !taken.contains(row)).collect();
     let turning = rows.iter().filter(|&&row| programme[row].phase() == Phase::Rate).count();

@@ -1,88 +1,387 @@
-//! Logs whose rows are averages already: one row, one dwell.
+//! Tables whose rows are averages already: one row, one dwell.
+
+use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::assemble::{Dwell, by_accelerometers};
+use super::assemble::{Dwell, OFF_COMMANDED, TURNING, by_accelerometers, missing, table};
+use super::column::Sample;
 use super::error::LogError;
-use super::map::{Map, Reading};
+use super::gather::{counted, same_layout};
+use super::map::{Columns, Map, Reading, TableColumns};
 use super::source::Source;
 use super::units::{Counts, Quantity};
-use crate::core::campaign::Site;
-use crate::core::message::{Message, list};
+use crate::core::campaign::{Phase, Site};
+use crate::core::dwells::programme::{Position, REST_ARCSEC_S, Seen, Table, align, clock_offset};
+use crate::core::frames::{Body, Nav, Rotation, Vector};
+use crate::core::message::{Message, figure};
+use crate::core::units::EARTH_RATE_DEG_H;
 use crate::message;
 
 /// More rows than any table has positions: samples that were taken for averages.
 const MOST_ROWS: usize = 20_000;
+/// Room about the Earth's rate of what a table's rates at rest are, relative.
+const EARTHS: f64 = 0.05;
+/// Output, in the smaller ones of a table, that is a turn's: the Earth and gravity make less difference at rest.
+const LARGER: f64 = 30.0;
+/// Room about the length one of an attitude.
+const LENGTH: f64 = 0.01;
 
-/// The dwells of a log of averages.
+/// One row, as it stands.
+struct Row {
+    start_s: Option<f64>,
+    duration_s: Option<f64>,
+    output: Vec<f64>,
+    sem: Vec<f64>,
+    force: Option<Vector3<f64>>,
+    rate: Vec<f64>,
+    attitude: Option<Rotation<Nav, Body>>,
+    temperature_c: Option<f64>,
+}
+
+/// Which readings of a row are what.
+#[derive(Default)]
+struct Places {
+    readings: Vec<Reading>,
+}
+
+impl Places {
+    /// The places of some columns among all; none where the map has no such key.
+    fn add(
+        &mut self,
+        key: &'static str,
+        columns: Option<&Columns>,
+        (of, allowed): (Quantity, &[usize]),
+        sources: &[(String, Source)],
+    ) -> Result<Range<usize>, LogError> {
+        let Some(columns) = columns else { return Ok(self.take(Vec::new())) };
+        let found = columns.find(key, of, sources)?.readings;
+        counted(key, found.len(), allowed)?;
+        Ok(self.take(found))
+    }
+
+    /// The same of numbers that have no unit.
+    fn add_plain(
+        &mut self,
+        key: &'static str,
+        columns: Option<&Columns>,
+        allowed: &[usize],
+        sources: &[(String, Source)],
+    ) -> Result<Range<usize>, LogError> {
+        let Some(columns) = columns else { return Ok(self.take(Vec::new())) };
+        let found = columns.plain(key, sources)?;
+        counted(key, found.len(), allowed)?;
+        Ok(self.take(found))
+    }
+
+    fn take(&mut self, found: Vec<Reading>) -> Range<usize> {
+        let from = self.readings.len();
+        self.readings.extend(found);
+        from..self.readings.len()
+    }
+}
+
+/// The dwells of a table of averages.
 ///
 /// # Errors
-/// Columns that are not there; more rows than any campaign has; what [`by_accelerometers`] cannot know.
+/// Columns that are not there; more rows than any campaign has; what nothing says of the commands.
 pub fn dwells(
     map: &Map,
     sources: &mut [(String, Source)],
     site: Option<Site>,
+    programme: Option<&[Position]>,
 ) -> Result<(Vec<Dwell>, Counts, Vec<Message>), LogError> {
-    let output = map.output.find("output", Quantity::Output, sources)?;
-    let force = map.force.as_ref().map(|c| c.find("force", Quantity::Force, sources)).transpose()?;
-    let temperature =
-        map.temperature.as_ref().map(|c| c.find("temperature", Quantity::Temperature, sources)).transpose()?;
-    let counts = output.unit.counts;
     let of_map = |fault: Message| LogError::new("map", fault);
-    let Some(force) = force else { return Err(of_map(message!("commanded_unknown"))) };
-    if matches!(counts, Counts::Increment | Counts::Total) {
+    let output = map.output.find("output", Quantity::Output, sources)?;
+    let counts = output.unit.counts;
+    let has_duration = map.duration.is_some() || map.samples.is_some() && map.rate_hz.is_some();
+    if counts == Counts::Total || counts == Counts::Increment && !has_duration {
         return Err(of_map(message!("averaged_counts")));
     }
-    if force.readings.len() != 3 {
-        let fault = message!("map_column_count", need = list(["3"]), have = force.readings.len());
-        return Err(of_map(message!("at_map_key", key = "force", fault = fault)));
+    if map.logs() > 1 {
+        return Err(of_map(message!("averaged_beside")));
     }
-    let mut readings: Vec<Reading> = [output.readings.clone(), force.readings].concat();
-    readings.extend(temperature.iter().flat_map(|t| t.readings.first()));
-    let (place, source) = &mut sources[0];
-    let samples = match map.samples.as_ref().and_then(|c| c.columns.first()) {
-        Some(name) => {
-            let fault = |fault| LogError::new(&*place, message!("at_map_key", key = "samples", fault = fault));
-            Some(name.find(source).map_err(fault)?.0)
-        }
-        None => None,
+    let (rows, mut remarks) = rows(map, sources, counts, &output.unit_name)?;
+    let has = |what: fn(&Row) -> bool| rows.first().is_some_and(what);
+    remarks.insert(0, message!("averaged_rows", count = rows.len()));
+    if !has(|row| !row.sem.is_empty()) {
+        remarks.push(message!("averaged_errors"));
+    }
+    if !has(|row| row.duration_s.is_some()) {
+        remarks.push(message!("averaged_durations"));
+    }
+    let spans = spans(&rows);
+    let inertial = inertial(map, &rows, &mut remarks).map_err(of_map)?;
+    let turns: Vec<Option<f64>> = rows.iter().map(|row| turn(row, inertial, site)).collect();
+    let positions = match programme {
+        Some(programme) => positions(&rows, &turns, &spans, programme, &mut remarks).map_err(of_map)?,
+        None => vec![None; rows.len()],
     };
-    let mut wanted: Vec<usize> = readings.iter().map(|r| r.column).collect();
-    wanted.extend(samples);
-    let hz = map.rate_hz.filter(|hz| *hz > 0.0);
+    if programme.is_none() && map.rate.is_none() {
+        at_rest(&rows, counts).map_err(of_map)?;
+    }
+    let counts = if counts == Counts::Increment { Counts::Rate } else { counts };
     let direction_only = map.force.as_ref().is_some_and(|f| f.direction_only);
-    let gyros = output.readings.len();
-    let mut dwells = Vec::new();
-    let mut clock = 0.0;
-    source.rows(place, &wanted, &mut |sample| {
-        if sample.values.iter().any(|v| v.is_nan()) {
+    let mut made = Vec::new();
+    for (k, row) in rows.iter().enumerate() {
+        if programme.is_some() && positions[k].is_none() {
+            continue;
+        }
+        let turning = turns[k].filter(|turn| turn.abs() >= REST_ARCSEC_S);
+        let own = row.attitude.map(|attitude| Position {
+            attitude,
+            turn_arcsec_s: turning.unwrap_or(0.0),
+            start_s: None,
+            duration_s: None,
+        });
+        let (phase, attitude, force_g0, rate_arcsec_s) = match (positions[k].or(own), inertial, &row.rate[..]) {
+            (position, true, &[x, y, z]) if position.is_some() || row.force.is_some() => {
+                let rate = Vector3::new(x, y, z);
+                let of_position = |p: Position| site.map(|site| p.commanded(&site).0);
+                let force = position.and_then(of_position).or(row.force);
+                let force = force.ok_or_else(|| of_map(message!("map_site_missing")))?;
+                let phase = position.map_or(if turning.is_some() { Phase::Rate } else { Phase::Static }, |p| p.phase());
+                (phase, position.map(|p| p.attitude), force, rate)
+            }
+            (Some(position), ..) => {
+                let site = site.ok_or_else(|| of_map(message!("map_site_missing")))?;
+                let (force, rate) = position.commanded(&site);
+                (position.phase(), Some(position.attitude), force, rate)
+            }
+            (None, ..) => {
+                let made = by_accelerometers(row.force, turns[k], site, counts, direction_only).map_err(of_map)?;
+                (made.phase, made.attitude, made.force_g0, made.rate_arcsec_s)
+            }
+        };
+        let start_s = spans[k].0;
+        let (temperature_c, output, output_sem) = (row.temperature_c, row.output.clone(), row.sem.clone());
+        let duration_s = row.duration_s.unwrap_or(1.0);
+        made.push(Dwell {
+            phase,
+            start_s,
+            duration_s,
+            attitude,
+            force_g0,
+            rate_arcsec_s,
+            temperature_c,
+            output,
+            output_sem,
+        });
+    }
+    contradicted(&made, &rows, &positions, programme.is_some()).map_err(of_map)?;
+    Ok((made, counts, remarks))
+}
+
+fn rows(
+    map: &Map,
+    sources: &mut [(String, Source)],
+    counts: Counts,
+    unit: &str,
+) -> Result<(Vec<Row>, Vec<Message>), LogError> {
+    let mut places = Places::default();
+    let sem = map.standard_error.as_ref().map(|columns| columns.or_unit(unit));
+    let gyros = map.output.columns.len();
+    let angles = map.table.as_ref().map(TableColumns::as_columns);
+    let output = places.add("output", Some(&map.output), (Quantity::Output, &[1, 2, 3]), sources)?;
+    let sem = places.add("standard_error", sem.as_ref(), (Quantity::Output, &[gyros]), sources)?;
+    let force = places.add("force", map.force.as_ref(), (Quantity::Force, &[3]), sources)?;
+    let rate = places.add("rate", map.rate.as_ref(), (Quantity::Rate, &[1, 3]), sources)?;
+    let angles = places.add("table", angles.as_ref(), (Quantity::Angle, &[2]), sources)?;
+    let time = places.add("time", map.time.as_ref(), (Quantity::Time, &[1]), sources)?;
+    let duration = places.add("duration", map.duration.as_ref(), (Quantity::Time, &[1]), sources)?;
+    let temperature = places.add("temperature", map.temperature.as_ref(), (Quantity::Temperature, &[1]), sources)?;
+    let attitude = places.add_plain("attitude", map.attitude.as_ref(), &[4], sources)?;
+    let samples = places.add_plain("samples", map.samples.as_ref(), &[1], sources)?;
+    let table = table(map)?;
+    let readings = places.readings;
+    let wanted: Vec<usize> = readings.iter().map(|r| r.column).collect();
+    let hz = map.rate_hz.filter(|hz| *hz > 0.0);
+    let (mut found, mut incomplete, mut bad) = (Vec::new(), 0_usize, 0_usize);
+    let mut each = |sample: Sample<'_>| {
+        // A temperature may be missing in some dwells.
+        let may_be_empty = |k: usize| temperature.contains(&k);
+        if sample.values.iter().enumerate().any(|(k, v)| v.is_nan() && !may_be_empty(k)) {
+            incomplete += 1;
             return Ok(());
         }
-        if dwells.len() == MOST_ROWS {
+        if found.len() == MOST_ROWS {
             return Err(message!("averaged_many", most = MOST_ROWS));
         }
         let value = |k: usize| readings[k].factor * sample.values[k] + readings[k].offset;
-        let count = samples.map_or(1.0, |_| sample.values[readings.len()].max(1.0));
-        let duration_s = count / hz.unwrap_or(1.0);
-        let measured = Vector3::new(value(gyros), value(gyros + 1), value(gyros + 2));
-        let commanded = by_accelerometers(Some(measured), None, site, counts, direction_only)?;
-        dwells.push(Dwell {
-            phase: commanded.phase,
-            start_s: clock,
+        let of = |places: &Range<usize>| -> Vec<f64> { places.clone().map(value).collect() };
+        let one = |places: &Range<usize>| places.clone().next().map(value);
+        let counted = one(&samples).and_then(|samples| Some(samples.max(1.0) / hz?));
+        let duration_s = one(&duration).or(counted);
+        if let Some(duration_s) = duration_s.filter(|d| *d <= 0.0) {
+            return Err(message!("averaged_duration", seconds = figure(duration_s, 3)));
+        }
+        // Pulses of a whole dwell are a rate by its length.
+        let per = if counts == Counts::Increment { duration_s.unwrap_or(1.0) } else { 1.0 };
+        let sem: Vec<f64> = of(&sem).iter().map(|v| v / per).collect();
+        if let Some(wrong) = sem.iter().find(|v| **v <= 0.0) {
+            return Err(message!("averaged_error", value = figure(*wrong, 4)));
+        }
+        let attitude = match of(&attitude)[..] {
+            [w, x, y, z] => {
+                let length = (w * w + x * x + y * y + z * z).sqrt();
+                if (length - 1.0).abs() > LENGTH {
+                    return Err(message!("averaged_attitude", length = figure(length, 4)));
+                }
+                Some(Rotation::from_attitude([w, x, y, z]))
+            }
+            _ => None,
+        };
+        let of_table = |table: Table| table.attitude(value(angles.start), value(angles.start + 1));
+        found.push(Row {
+            start_s: one(&time),
             duration_s,
-            attitude: None,
-            force_g0: commanded.force_g0,
-            rate_arcsec_s: commanded.rate_arcsec_s,
-            temperature_c: temperature.is_some().then(|| value(gyros + 3)),
-            output: (0..gyros).map(value).collect(),
-            output_sem: Vec::new(),
+            output: of(&output).iter().map(|v| v / per).collect(),
+            sem,
+            force: (!force.is_empty()).then(|| Vector3::from_vec(of(&force))),
+            rate: of(&rate),
+            attitude: attitude.or(table.map(of_table)),
+            temperature_c: one(&temperature).filter(|t| t.is_finite()),
         });
-        clock += duration_s;
         Ok(())
-    })?;
-    let mut remarks = vec![message!("averaged_rows", count = dwells.len())];
-    if hz.is_none() || samples.is_none() {
-        remarks.push(message!("averaged_durations"));
+    };
+    for k in 0..sources.len() {
+        same_layout(&sources[0], &sources[k])?;
+        let (place, source) = &mut sources[k];
+        bad += source.rows(place, &wanted, &mut each)?;
     }
-    Ok((dwells, counts, remarks))
+    if found.is_empty() {
+        return Err(LogError::new(&sources[0].0, message!("no_rows", count = incomplete)));
+    }
+    let mut remarks = Vec::new();
+    if incomplete > 0 {
+        remarks.push(message!("rows_incomplete", count = incomplete));
+    }
+    if bad > 0 {
+        remarks.push(message!("rows_left_out", count = bad));
+    }
+    Ok((found, remarks))
+}
+
+/// Outputs of rows in which nothing says that the table turned must be those of rest.
+fn at_rest(rows: &[Row], counts: Counts) -> Result<(), Message> {
+    let size = |row: &Row| row.output.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let mut sizes: Vec<f64> = rows.iter().map(size).collect();
+    sizes.sort_by(f64::total_cmp);
+    let most = if counts == Counts::Angular { TURNING } else { LARGER * sizes[sizes.len() / 10] };
+    let turning = sizes.iter().filter(|size| **size > most && **size > REST_ARCSEC_S).count();
+    if turning == 0 { Ok(()) } else { Err(message!("averaged_turning", count = turning, of = rows.len())) }
+}
+
+/// Begin and end of each row: as stated, else one after the other.
+fn spans(rows: &[Row]) -> Vec<(f64, f64)> {
+    let first = rows[0].start_s.unwrap_or(0.0);
+    // A clock that counts from 1970, or from midnight, begins with the first row.
+    let origin = if first < 0.0 || first > 86_400.0 { first } else { 0.0 };
+    let mut clock = 0.0;
+    let span = |row: &Row| {
+        let start = row.start_s.map_or(clock, |start| start - origin);
+        clock = start + row.duration_s.unwrap_or(1.0);
+        (start, clock)
+    };
+    rows.iter().map(span).collect()
+}
+
+/// Whether three rates are inertial, with the Earth's rate in them: as the map says, or as they are at rest.
+fn inertial(map: &Map, rows: &[Row], remarks: &mut Vec<Message>) -> Result<bool, Message> {
+    if rows[0].rate.len() != 3 {
+        return Ok(false);
+    }
+    let stated = map.rate.as_ref().and_then(|rate| rate.inertial);
+    let length = |row: &Row| row.rate.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let least = rows.iter().map(length).fold(f64::INFINITY, f64::min);
+    let earths = (least / EARTH_RATE_DEG_H - 1.0).abs() < EARTHS;
+    let found = match stated {
+        Some(stated) => stated,
+        None if earths => true,
+        None if least < EARTHS * EARTH_RATE_DEG_H => false,
+        None => return Err(message!("rates_unknown", least = figure(least, 2))),
+    };
+    remarks.push(if found { message!("rates_inertial") } else { message!("rates_table") });
+    Ok(found)
+}
+
+/// Rate of the table about the vertical, arcsec/s.
+fn turn(row: &Row, inertial: bool, site: Option<Site>) -> Option<f64> {
+    let stated = row.attitude.map(|attitude| (attitude * Vector::new(Vector3::z())).0);
+    let up = stated.or(row.force.and_then(|force| force.try_normalize(0.0)));
+    match (&row.rate[..], up) {
+        (&[rate], _) => Some(rate),
+        (&[x, y, z], up) => {
+            let rate = Vector3::new(x, y, z);
+            let along = up.map_or(rate.norm(), |up| rate.dot(&up));
+            Some(if inertial { along - site.map_or(0.0, |site| site.earth_rate().0.z) } else { along })
+        }
+        _ => None,
+    }
+}
+
+/// The programme's row of each row.
+fn positions(
+    rows: &[Row],
+    turns: &[Option<f64>],
+    spans: &[(f64, f64)],
+    programme: &[Position],
+    remarks: &mut Vec<Message>,
+) -> Result<Vec<Option<Position>>, Message> {
+    let up = |row: &Row| row.force.and_then(|force| force.try_normalize(0.0));
+    let seen: Vec<Seen> =
+        rows.iter().zip(turns).map(|(row, turn)| Seen { up: up(row), turn_arcsec_s: *turn }).collect();
+    let blind = seen.iter().all(|s| s.up.is_none() && s.turn_arcsec_s.is_none());
+    let clock = rows[0].start_s.and_then(|_| clock_offset(spans, programme));
+    let matched: Vec<Option<usize>> = match clock {
+        Some(offset) => {
+            remarks.push(message!("programme_clock", seconds = figure(offset, 2)));
+            spans.iter().map(|span| by_the_clock(*span, programme, offset)).collect()
+        }
+        None if blind && rows.len() != programme.len() => {
+            return Err(message!("programme_count", intervals = rows.len(), rows = programme.len()));
+        }
+        None => align(&seen, programme),
+    };
+    let taken: Vec<usize> = matched.iter().flatten().copied().collect();
+    if taken.is_empty() || 5 * taken.len() < 4 * rows.len() {
+        let (matched, intervals, rows) = (taken.len(), rows.len(), programme.len());
+        return Err(message!("programme_other", matched = matched, intervals = intervals, rows = rows));
+    }
+    if taken.len() < rows.len() {
+        remarks.push(message!("programme_left", count = rows.len() - taken.len()));
+    }
+    remarks.extend(missing(&taken, programme));
+    Ok(matched.into_iter().map(|row| row.map(|row| programme[row])).collect())
+}
+
+/// The position whose time a span has most of, where it is at least half of the span.
+fn by_the_clock((from, to): (f64, f64), programme: &[Position], offset: f64) -> Option<usize> {
+    let shared = |p: &Position| {
+        let start = p.start_s? + offset;
+        Some((to.min(start + p.duration_s?) - from.max(start)).max(0.0))
+    };
+    let all = programme.iter().enumerate().filter_map(|(row, p)| Some((row, shared(p)?)));
+    let best = all.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (best.1 >= 0.5 * (to - from)).then_some(best.0)
+}
+
+/// A stated force, or rate at rest, must agree with the position that was stated too.
+fn contradicted(
+    dwells: &[Dwell],
+    rows: &[Row],
+    positions: &[Option<Position>],
+    programme: bool,
+) -> Result<(), Message> {
+    let kept = rows.iter().zip(positions).filter(|(_, position)| !programme || position.is_some());
+    let off: Vec<(f64, f64)> = dwells
+        .iter()
+        .zip(kept)
+        .filter(|(dwell, _)| dwell.attitude.is_some())
+        .filter_map(|(dwell, (row, _))| Some((dwell.start_s, row.force?.angle(&dwell.force_g0))))
+        .collect();
+    let wrong: Vec<&(f64, f64)> = off.iter().filter(|(_, angle)| *angle > OFF_COMMANDED).collect();
+    let Some(&&(start, angle)) = wrong.first() else { return Ok(()) };
+    let (start, angle) = (figure(start, 1), figure(angle.to_degrees(), 1));
+    Err(message!("programme_contradicted", count = wrong.len(), of = off.len(), start = start, degrees = angle))
 }

@@ -40,7 +40,7 @@ pub fn campaign_of(files: &[PathBuf], map: &Map, programme: Option<&str>) -> Res
     let mut sources = files.iter().map(open).collect::<Result<Vec<_>, LogError>>()?;
     let site = site_of(map);
     let (dwells, noise, counts, remarks, gathered) = if map.averaged {
-        let (dwells, counts, remarks) = averaged::dwells(map, &mut sources, site)?;
+        let (dwells, counts, remarks) = averaged::dwells(map, &mut sources, site, positions.as_deref())?;
         (dwells, Vec::new(), counts, remarks, None)
     } else {
         let place = sources.first().map(|(place, _)| place.clone()).unwrap_or_default();

@@ -1,7 +1,7 @@
 //! Logs read from first to last, once: every sample brought to the campaign's units and gathered into blocks.
 
 use super::error::LogError;
-use super::map::{Columns, Found, Map, Reading, log_of};
+use super::map::{Columns, Found, Map, Reading};
 use super::source::Source;
 use super::units::{Counts, Quantity};
 use crate::core::dwells::blocks::{Blocks, Series};
@@ -95,11 +95,20 @@ pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered,
     reader.into_gathered(series, roles)
 }
 
-fn same_layout(first: &(String, Source), other: &(String, Source)) -> Result<(), LogError> {
+pub fn same_layout(first: &(String, Source), other: &(String, Source)) -> Result<(), LogError> {
     if first.1.columns() == other.1.columns() {
         return Ok(());
     }
     Err(LogError::new(&other.0, message!("log_other_layout", first = first.0.clone())))
+}
+
+/// That a key has as many columns as it may.
+pub fn counted(key: &'static str, have: usize, allowed: &[usize]) -> Result<(), LogError> {
+    if allowed.contains(&have) {
+        return Ok(());
+    }
+    let fault = message!("map_column_count", need = list(allowed.iter().map(text)), have = have);
+    Err(LogError::new("map", message!("at_map_key", key = key, fault = fault)))
 }
 
 fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Counts, Vec<Message>), LogError> {
@@ -116,56 +125,38 @@ fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Co
     };
     let output = map.output.find("output", Quantity::Output, sources)?;
     add("output", &output, Role::Output);
-    let expected = |key: &'static str, found: &Found, allowed: &[usize]| {
-        if allowed.contains(&found.readings.len()) {
-            return Ok(());
-        }
-        let need = list(allowed.iter().map(text));
-        let fault = message!("map_column_count", need = need, have = found.readings.len());
-        Err(LogError::new("map", message!("at_map_key", key = key, fault = fault)))
-    };
-    expected("output", &output, &[1, 2, 3])?;
+    counted("output", output.readings.len(), &[1, 2, 3])?;
     if !map.gyros.is_empty() && map.gyros.len() != output.readings.len() {
         let fault = message!("map_gyros", gyros = map.gyros.len(), outputs = output.readings.len());
         return Err(LogError::new("map", fault));
     }
     if let Some(force) = &map.force {
         let found = force.find("force", Quantity::Force, sources)?;
-        expected("force", &found, &[3])?;
+        counted("force", found.readings.len(), &[3])?;
         add("force", &found, Role::Force);
+    }
+    let of_averages = [("duration", map.duration.is_some()), ("standard_error", map.standard_error.is_some())];
+    let inertial = ("rate.inertial", map.rate.as_ref().is_some_and(|rate| rate.inertial.is_some()));
+    if let Some((key, _)) = of_averages.into_iter().chain([inertial]).find(|(_, is_there)| *is_there) {
+        return Err(LogError::new("map", message!("map_of_averages", key = key)));
     }
     if let Some(rate) = &map.rate {
         let found = rate.find("rate", Quantity::Rate, sources)?;
-        expected("rate", &found, &[1, 3])?;
+        counted("rate", found.readings.len(), &[1, 3])?;
         add("rate", &found, Role::Rate);
     }
     if let Some(table) = &map.table {
-        let columns = Columns {
-            columns: table.columns.to_vec(),
-            unit: table.unit.clone(),
-            scale: Vec::new(),
-            offset: Vec::new(),
-            log: table.log,
-            direction_only: false,
-        };
-        add("table", &columns.find("table", Quantity::Angle, sources)?, Role::Turn);
+        add("table", &table.as_columns().find("table", Quantity::Angle, sources)?, Role::Turn);
     }
     if let Some(temperature) = &map.temperature {
         let found = temperature.find("temperature", Quantity::Temperature, sources)?;
-        expected("temperature", &found, &[1])?;
+        counted("temperature", found.readings.len(), &[1])?;
         add("temperature", &found, |_| Role::Temperature);
     }
     if let Some(attitude) = &map.attitude {
-        let (log, (place, source)) = log_of("attitude", attitude.log, sources)?;
-        let fail = |fault: Message| LogError::new(place, message!("at_map_key", key = "attitude", fault = fault));
-        if attitude.columns.len() != 4 {
-            let need = list([text(4)]);
-            return Err(fail(message!("map_column_count", need = need, have = attitude.columns.len())));
-        }
-        for (k, name) in attitude.columns.iter().enumerate() {
-            let (column, factor) = name.find(source).map_err(fail)?;
-            channels.push(Channel { role: Role::Attitude(k), reading: Reading { log, column, factor, offset: 0.0 } });
-        }
+        let found = attitude.plain("attitude", sources)?;
+        counted("attitude", found.len(), &[4])?;
+        channels.extend(found.into_iter().enumerate().map(|(k, reading)| Channel { role: Role::Attitude(k), reading }));
     }
     Ok((channels, output.unit.counts, remarks))
 }
@@ -409,7 +400,7 @@ impl Reader {
             return Err(LogError::new(place, fault));
         }
         if self.rows == 0 {
-            return Err(LogError::new(place, message!("no_rows")));
+            return Err(LogError::new(place, message!("no_rows", count = self.missing as usize)));
         }
         Ok(())
     }

@@ -16,6 +16,8 @@ use crate::message;
 const ROWS: usize = 5000;
 /// Room about a unit's gravity.
 const ROOM: f64 = 0.12;
+/// Rows for each change of a command, at least.
+const SELDOM: usize = 20;
 const UNKNOWN: &str = "?";
 
 struct Looked {
@@ -63,9 +65,10 @@ impl Looked {
         text.push_str("site = { latitude_deg = \"?\", gravity_g0 = \"?\" }  # of the station\n");
         let time = self.time();
         let force = self.triple(&["acc", "accel", "force", "beschl"], &["a", "f"]);
-        let output = self.triple(&["gyr", "gyro", "omega", "pulse", "count", "rate", "dreh"], &["g", "w"]);
+        let output = self.output_triple();
         let (force, output) = self.by_numbers(time.as_ref().map(|t| t.0), force, output);
         let gyros = output.as_ref().map_or(3, Vec::len);
+        let rate = self.rate(&[output.clone(), force.clone()].into_iter().flatten().flatten().collect::<Vec<_>>());
         let serials: Vec<String> = (1..=gyros).map(|k| format!("\"G{k} SERIAL-{k}\"")).collect();
         writeln!(text, "gyros = [{}]", serials.join(", ")).expect("a string takes everything");
         let lines = [
@@ -84,6 +87,7 @@ impl Looked {
                 |places| self.output(&places),
             )),
             force.map(|places| self.force(&places)),
+            rate,
             self.temperature(),
         ];
         for line in lines.into_iter().flatten() {
@@ -139,6 +143,37 @@ impl Looked {
 
     fn hz(&self, step: f64, unit: &str) -> f64 {
         Quantity::Time.unit(unit).map_or(0.0, |u| (step * u.factor).recip())
+    }
+
+    /// The gyros: columns named for what they count before those named for a rate, which the table may have.
+    fn output_triple(&self) -> Option<Vec<usize>> {
+        let plain = self.triple(&["gyr", "pulse", "puls", "imp", "count", "kreisel", "output", "ausgang"], &["g"]);
+        let rates = || self.triple(&["omega", "rate", "dreh"], &["w"]);
+        plain.or_else(|| rates().filter(|places| !places.iter().any(|&p| self.is_command(p))))
+    }
+
+    /// A value that stands for long and has no noise: what was told, not what was measured.
+    fn is_command(&self, place: usize) -> bool {
+        let values = &self.values[place];
+        let changes = values.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        values.len() > 1 && SELDOM * changes <= values.len()
+    }
+
+    /// The rate of the table: what is named as a rate and is not the gyros'.
+    fn rate(&self, taken: &[usize]) -> Option<Line> {
+        const STEMS: [&str; 4] = ["rate", "omega", "dreh", "turn"];
+        let is_rate = |c: &Column| c.unit.as_deref().is_some_and(|u| Quantity::Rate.unit(u).is_some());
+        let named = |c: &Column| STEMS.iter().any(|stem| c.name.to_lowercase().contains(stem)) || is_rate(c);
+        let three = self.triple(&STEMS, &["w"]).filter(|places| !places.iter().any(|p| taken.contains(p)));
+        let one = || {
+            let mut free = (0..self.columns.len()).filter(|k| !taken.contains(k) && named(&self.columns[*k]));
+            free.find(|&k| self.is_command(k)).map(|k| vec![k])
+        };
+        let places = three.or_else(one)?;
+        let stated = self.columns[places[0]].unit.clone().filter(|u| Quantity::Rate.unit(u).is_some());
+        let unit = stated.unwrap_or_else(|| UNKNOWN.to_owned());
+        let text = format!("rate = {{ columns = [{}], unit = \"{unit}\" }}", self.list(&places));
+        Some(Line { text, reason: "named as a rate, and not that of the gyros: taken for the table's".to_owned() })
     }
 
     /// Three columns whose names share a stem and end in x, y, z or 1, 2, 3.

@@ -41,8 +41,11 @@ pub struct Map {
     /// Rows are averages already, one a dwell.
     #[serde(default)]
     pub averaged: bool,
-    /// With `averaged`: how many samples each row is of.
+    /// With `averaged`: how many samples each row is of, or how long it lasted.
     pub samples: Option<Columns>,
+    pub duration: Option<Columns>,
+    /// With `averaged`: standard errors of the outputs, in their unit where none is stated.
+    pub standard_error: Option<Columns>,
     pub min_s: Option<f64>,
     pub cut_s: Option<f64>,
 }
@@ -65,6 +68,8 @@ pub struct Columns {
     /// Of the force: believe its direction alone, and take the length from the site's gravity.
     #[serde(default)]
     pub direction_only: bool,
+    /// Of three rates of averages: the Earth's is in them, or it is not.
+    pub inertial: Option<bool>,
 }
 
 /// Angles of a two-axis table.
@@ -141,6 +146,15 @@ pub struct Found {
     pub of_header: bool,
 }
 
+impl std::fmt::Display for ColumnName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Name(name) => f.write_str(name),
+        }
+    }
+}
+
 impl Map {
     /// # Errors
     /// What the TOML is not, with its line.
@@ -180,7 +194,44 @@ impl ColumnName {
     }
 }
 
+impl TableColumns {
+    pub fn as_columns(&self) -> Columns {
+        Columns { unit: self.unit.clone(), log: self.log, ..Columns::named(&self.columns) }
+    }
+}
+
 impl Columns {
+    fn named(columns: &[ColumnName]) -> Self {
+        Self {
+            columns: columns.to_vec(),
+            unit: None,
+            scale: Vec::new(),
+            offset: Vec::new(),
+            log: None,
+            direction_only: false,
+            inertial: None,
+        }
+    }
+
+    /// The same in a unit, where none is stated.
+    pub fn or_unit(&self, unit: &str) -> Self {
+        Self { unit: self.unit.clone().or_else(|| Some(unit.to_owned())), ..self.clone() }
+    }
+
+    /// Columns of plain numbers: their places and signs.
+    ///
+    /// # Errors
+    /// No such log or column.
+    pub fn plain(&self, key: &'static str, sources: &[(String, Source)]) -> Result<Vec<Reading>, LogError> {
+        let (log, (place, source)) = log_of(key, self.log, sources)?;
+        let reading = |name: &ColumnName| {
+            let (column, factor) = name.find(source)?;
+            Ok(Reading { log, column, factor, offset: 0.0 })
+        };
+        let readings: Result<Vec<Reading>, Message> = self.columns.iter().map(reading).collect();
+        readings.map_err(|fault| LogError::new(place, message!("at_map_key", key = key, fault = fault)))
+    }
+
     /// The columns in their log.
     ///
     /// # Errors
@@ -202,7 +253,12 @@ impl Columns {
             // Of a temperature the unit's zero is no part of its scale.
             Ok(Reading { log, column, factor: scale, offset: unit.offset - scale * each(&self.offset, k, 0.0) })
         };
-        let readings = self.columns.iter().enumerate().map(reading).collect::<Result<_, _>>()?;
+        let readings: Vec<Reading> = self.columns.iter().enumerate().map(reading).collect::<Result<_, _>>()?;
+        let again = |(k, own): (usize, &Reading)| readings[..k].iter().any(|other| other.column == own.column);
+        if let Some((k, _)) = readings.iter().enumerate().find(|own| again(*own)) {
+            let name = self.columns[k].to_string();
+            return Err(fail(message!("map_column_again", name = sent(&name))));
+        }
         Ok(Found { readings, unit, unit_name, of_header })
     }
 

@@ -18,6 +18,8 @@ mod programme;
 pub mod report;
 pub mod sheet;
 mod source;
+#[cfg(test)]
+mod tests;
 mod text;
 mod turning;
 mod units;

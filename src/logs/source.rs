@@ -112,12 +112,16 @@ impl Source {
         let columns = self.columns();
         let wanted = Column::named(name);
         let is = |c: &&Column| c.name == wanted.name || c.name.eq_ignore_ascii_case(&wanted.name);
-        let mut found = columns.iter().enumerate().filter(|(_, c)| is(c) && !c.name.is_empty());
-        if let Some((place, _)) = found.next() {
-            return match found.next() {
-                Some(_) => Err(message!("log_column_twice", name = sent(name))),
-                None => Ok(place),
-            };
+        let named = columns.iter().enumerate().filter(|(_, c)| is(c) && !c.name.is_empty());
+        let mut found: Vec<(usize, &Column)> = named.collect();
+        // `s(K1)` and `s(K2)` differ in what looks like a unit.
+        if found.len() > 1 && wanted.unit.is_some() {
+            found.retain(|(_, c)| c.unit == wanted.unit);
+        }
+        match found[..] {
+            [(place, _)] => return Ok(place),
+            [] => {}
+            _ => return Err(message!("log_column_twice", name = sent(name))),
         }
         if let Ok(number) = name.parse::<usize>() {
             return match number {

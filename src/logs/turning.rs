@@ -4,7 +4,6 @@
 use nalgebra::Rotation3;
 
 use super::gather::{Gathered, Role};
-use super::units::Counts;
 use crate::core::dwells::intervals::{Interval, Search, find};
 use crate::core::dwells::programme::{Position, REST_ARCSEC_S};
 use crate::core::dwells::turns;
@@ -15,6 +14,8 @@ use crate::core::frames::{Body, Nav, Rotation};
 pub struct Turned {
     pub from_s: f64,
     pub to_s: f64,
+    /// Turns in it, where their swing was taken out; zero where it was not.
+    pub turns: f64,
 }
 
 /// All stretches, and whether the log itself says that they are turns.
@@ -24,8 +25,8 @@ pub struct Turns {
     pub known: bool,
 }
 
-/// Slowest turn that is looked for where nothing says how fast the table turns, arcsec/s.
-const SLOWEST: f64 = 360.0;
+/// Blocks of a stretch, at least.
+const FEWEST: usize = 8;
 
 /// Takes the swing of all turns out of the outputs and the force. What was there is kept as [`Role::Raw`].
 pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Position]>) -> Turns {
@@ -49,10 +50,9 @@ pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Posi
     let series = &mut log.series;
     let mut stretches = Vec::new();
     for (turn, angles) in turns {
-        stretches.push(Turned { from_s: series.start_s(turn.from), to_s: series.end_s(turn.to) });
-        if !angles.is_empty() {
-            turns::take_out(series, &channels, turn, angles);
-        }
+        let (from_s, to_s) = (series.start_s(turn.from), series.end_s(turn.to));
+        let turns = if angles.is_empty() { 0.0 } else { turns::take_out(series, &channels, turn, angles) };
+        stretches.push(Turned { from_s, to_s, turns });
     }
     Turns { stretches, known }
 }
@@ -103,25 +103,13 @@ fn by_outputs(
     told.retain(|rate| *rate > 0.0);
     told.sort_by(f64::total_cmp);
     told.dedup();
-    let slowest = told.first().copied().unwrap_or(SLOWEST).max(SLOWEST);
+    let Some(&slowest) = told.first() else { return Vec::new() };
     let search = |room: Vec<f64>| Search { min_s, breaks: log.breaks.clone(), keep_short: true, room };
     let mut own = series.clone();
     let rough = find(&mut own, outputs, &search(turns::room(series, outputs, slowest)));
     let block = |time: f64| series.number.partition_point(|&n| (n as f64 + 0.5) * series.block_s < time);
     let whole = |(from_s, to_s): (f64, f64)| Interval { from: block(from_s), to: block(to_s) };
-    let turn = |turn: Interval| {
-        let measured = || {
-            let level = |&c: &usize| series.tracks[c].mean_of(turn.from, turn.to).powi(2);
-            vec![outputs.iter().map(level).sum::<f64>().sqrt()]
-        };
-        let rates = if told.is_empty() && log.counts == Counts::Angular { measured() } else { told.clone() };
-        (turn, turns::likeliest(series, outputs, turn, &rates).unwrap_or_default())
-    };
-    rough
-        .intervals
-        .iter()
-        .map(|i| whole((own.start_s(i.from), own.end_s(i.to))))
-        .filter(|i| i.to > i.from + 8)
-        .map(turn)
-        .collect()
+    let turn = |turn: Interval| (turn, turns::likeliest(series, outputs, turn, &told).unwrap_or_default());
+    let spans = rough.intervals.iter().map(|i| whole((own.start_s(i.from), own.end_s(i.to))));
+    spans.filter(|i| i.to > i.from + FEWEST).map(turn).collect()
 }

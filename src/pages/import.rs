@@ -316,12 +316,13 @@ fn framed(viewer: &Viewer, text: &str, after: Markup) -> Page {
 }
 
 fn refused(t: &Text, line: usize, faults: &Faults) -> Markup {
+    // What a table's fault says names line and column itself.
+    let names_line = |fault: &Fault| fault.message.code.starts_with("at_");
     html! {
         article.fault {
-            h3 { (t.line) " " (line) " · " (t.refused) }
+            h3 { @if !faults.0.iter().any(names_line) { (t.line) " " (line) " · " } (t.refused) }
             ul { @for fault in &faults.0 {
-                // What a table's fault says names line and column itself.
-                li { @if !fault.message.code.starts_with("at_") { (named(t, &fault.pointer)) } (t.words(&fault.message)) }
+                li { @if !names_line(fault) { (named(t, &fault.pointer)) } (t.words(&fault.message)) }
             } }
         }
     }

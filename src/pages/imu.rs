@@ -16,8 +16,6 @@ use super::viewer::Viewer;
 use crate::core::effects::Effect;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::core::message::text;
-use crate::message;
 use crate::pages::status;
 use crate::pipeline::{Conclusion, RecordSummary, Seats, Standing, sample_of};
 use crate::wire::campaign::CampaignBody;
@@ -45,8 +43,8 @@ pub(super) struct Facts {
 impl Facts {
     pub async fn of(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Self, Problem> {
         let number = pages.pipeline.queries.names().imu_number(imu);
-        let number =
-            number.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = text(imu))))?;
+        let unknown = || Problem::new(404, "title_unknown_imu", pages.pipeline.queries.names().unknown_imu(imu));
+        let number = number.ok_or_else(unknown)?;
         let records = pages.pipeline.queries.records.of_imu(number, RECORDS).await?;
         let seats = pages.pipeline.queries.fleet.seated_in(number).await?;
         let parameters = match records.first() {

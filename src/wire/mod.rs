@@ -40,7 +40,7 @@ pub mod sender;
 pub mod silence;
 pub mod split;
 pub mod stations;
-mod table;
+pub mod table;
 pub mod text;
 pub mod time;
 pub mod triple;

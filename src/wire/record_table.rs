@@ -10,7 +10,7 @@
 //! Columns are the JSON's names, those of vectors with `_x _y _z`; a `# key: value` line above holds for every row.
 //! Rows of one IMU and time are one record. A [`TableMap`] says what a table with a header of its own means.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use jiff::civil::{DateTime, Time};
 use jiff::fmt::strtime::BrokenDownTime;
@@ -177,6 +177,16 @@ pub fn documents(text: &str, map: &TableMap) -> Option<Result<Vec<(usize, Value)
     Some(faults.or(documents.0))
 }
 
+/// Whether a column is named as those of records and bench results are, in our words or a station's.
+pub fn is_of_record(name: &str) -> bool {
+    const PARTS: [&str; 13] = [
+        "serial", "calibrat", "slot", "d_i", "d_s", "k_i", "k_s", "gyro no", "bench", "e_pulse", "g_pulse", "g_deg",
+        "bias",
+    ];
+    let plain = name.to_lowercase();
+    PARTS.iter().any(|part| plain.contains(part)) || matches!(plain.as_str(), "imu" | "ki" | "ks" | "di" | "ds")
+}
+
 /// Whether a text is such a table, sound or not.
 pub fn is_table(text: &str, map: &TableMap) -> bool {
     found(text.trim_start_matches('\u{feff}'), map).is_some()
@@ -249,7 +259,20 @@ impl<'a> Table<'a> {
         for name in told.filter(|name| !known.contains(name)) {
             faults.push("", message!("map_names", fault = unknown(name, known.iter().cloned())));
         }
-        for (name, column) in map.columns.iter().filter(|(name, _)| known.contains(name) && !places.contains_key(*name))
+        let shares = |column: &str| -> Vec<&str> {
+            map.columns.iter().filter(|(_, own)| own.trim() == column).map(|(name, _)| name.as_str()).collect()
+        };
+        let columns: BTreeSet<&str> = map.columns.values().map(|column| column.trim()).collect();
+        let shared = columns.into_iter().filter(|column| shares(column).len() > 1);
+        shared.for_each(|column| {
+            let names = list(shares(column).into_iter().map(sent));
+            faults.push("", message!("map_column_shared", column = sent(column), names = names));
+        });
+        let alone = |column: &String| shares(column.trim()).len() == 1;
+        for (name, column) in map
+            .columns
+            .iter()
+            .filter(|(name, column)| alone(column) && known.contains(name) && !places.contains_key(*name))
         {
             faults.push("", message!("map_column_missing", name = sent(name), column = sent(column)));
         }

@@ -33,13 +33,19 @@ pub(super) fn at_cell((line, column): (usize, usize), name: &str, fault: Message
 
 /// An unknown column, with the known one that it most resembles where one is near.
 pub(super) fn unknown(name: &str, known: impl Iterator<Item = String>) -> Message {
-    let nearest = known.map(|k| (edits(&name.to_lowercase(), &k), k)).min();
-    match nearest {
-        Some((distance, known)) if distance <= 1 + known.len() / 3 => {
-            message!("unknown_column_like", name = sent(name), known = sent(&known))
-        }
-        _ => message!("unknown_column", name = sent(name)),
+    let known: Vec<String> = known.collect();
+    match nearest(name, known.iter().map(String::as_str), 3) {
+        Some(known) => message!("unknown_column_like", name = sent(name), known = sent(known)),
+        None => message!("unknown_column", name = sent(name)),
     }
+}
+
+/// The known name that another most resembles, upper and lower case aside; none where it differs in more letters than
+/// one and one in each `length`.
+pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>, length: usize) -> Option<&'a str> {
+    let name = name.to_lowercase();
+    let (distance, known) = known.map(|known| (edits(&name, &known.to_lowercase()), known)).min()?;
+    (distance <= 1 + known.len() / length).then_some(known)
 }
 
 /// Levenshtein distance: insertions, deletions and replacements that turn one word into the other.

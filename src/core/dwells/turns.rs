@@ -26,6 +26,9 @@ const GAP: i64 = 24;
 /// Turns from which the harmonics are parted from the mean; from which the second is fitted.
 const WHOLE: f64 = 1.0;
 const TWO: f64 = 2.0;
+/// Part of a turn by whose swing a rate is known, and the whole of it, arcsec.
+const PART: f64 = 0.3;
+const TURN_ARCSEC: f64 = 1_296_000.0;
 /// Rounds of the fit by least absolute values, and residuals, in their median, that are then left out of it.
 const ROUNDS: usize = 20;
 const OUTLIER: f64 = 9.0;
@@ -66,7 +69,8 @@ pub fn angles(series: &Series, rates: &[[f64; 3]], turn: Interval) -> Vec<f64> {
     let rate = |k: usize| (0..3).map(|c| rates[k][c] * along[c]).sum::<f64>() / length;
     let mut angles = vec![0.0];
     for k in turn.from + 1..turn.to {
-        let step = 0.5 * (rate(k - 1) + rate(k)) * (series.time_s[k] - series.time_s[k - 1]);
+        // A rate that is the difference of angles is that since the block before.
+        let step = rate(k) * (series.time_s[k] - series.time_s[k - 1]);
         angles.push(angles[angles.len() - 1] + (step / 3600.0).to_radians());
     }
     let middle = 0.5 * angles[angles.len() - 1];
@@ -94,6 +98,11 @@ pub fn take_out(series: &mut Series, channels: &[usize], turn: Interval, mut ang
 pub fn likeliest(series: &Series, channels: &[usize], turn: Interval, rates: &[f64]) -> Option<Vec<f64>> {
     let scatter = |fits: &[Fit]| fits.iter().map(|fit| fit.scatter.max(f64::MIN_POSITIVE).ln()).sum::<f64>();
     let tried = rates.iter().filter_map(|&rate| {
+        let duration_s = series.time_s[turn.to - 1] - series.time_s[turn.from];
+        // A small part of a turn looks like any slow motion.
+        if rate * duration_s < PART * TURN_ARCSEC {
+            return None;
+        }
         let mut own = angles(series, &vec![[rate, 0.0, 0.0]; series.number.len()], turn);
         let fits = fitted(series, channels, turn, &mut own);
         // At half the rate the second harmonic would explain the swing as well.
@@ -169,9 +178,11 @@ fn harmonics(values: &[f64], angles: &[f64]) -> Fit {
     let width = if turns >= TWO { 6 } else { 4 };
     let row = |k: usize| {
         let (sine, cosine) = angles[k].sin_cos();
-        let time = 2.0 * k as f64 / count as f64 - 1.0;
-        // Of a small part of a turn cos and sin are all but 1 and theta, which are there already.
-        let level = if turns < WHOLE { angles[0].cos() } else { 0.0 };
+        // Of a small part of a turn cos and sin are all but 1 and theta, which is time.
+        let (level, time) = match turns {
+            ..WHOLE => (angles[0].cos(), 0.0),
+            _ => (0.0, 2.0 * k as f64 / count as f64 - 1.0),
+        };
         [1.0, time, cosine - level, sine, cosine * cosine - sine * sine, 2.0 * sine * cosine]
     };
     let origin = quantile(values.to_vec(), 0.5);
@@ -197,7 +208,9 @@ fn harmonics(values: &[f64], angles: &[f64]) -> Fit {
         left = vec![0.0; count];
     }
     let noise = (scatter / 0.674_489_8).powi(2).max(f64::MIN_POSITIVE);
-    let power = 0.5 * count as f64 * (found[2].powi(2) + found[3].powi(2)) / noise;
+    let first: Vec<f64> = (0..count).map(|k| found[2] * angles[k].cos() + found[3] * angles[k].sin()).collect();
+    let level = first.iter().sum::<f64>() / count as f64;
+    let power = first.iter().map(|swing| (swing - level).powi(2)).sum::<f64>() / noise;
     Fit { harmonics: found[2..].to_vec(), scatter, power, kept: weights.iter().map(|w| *w > 0.0).collect(), left }
 }
 
@@ -212,9 +225,9 @@ fn least_squares(rows: impl Iterator<Item = ([f64; 6], f64, f64)>, width: usize)
             normal[k][width] += weight * row[k] * value;
         }
     }
-    // A whisper of a ridge: what is not told apart stays small.
+    // A whisper of a ridge: what is not told apart stays small, and what is not there is zero.
     for (k, row) in normal.iter_mut().enumerate().take(width) {
-        row[k] *= 1.0 + 1e-12;
+        row[k] = if row[k] == 0.0 { 1.0 } else { row[k] * (1.0 + 1e-12) };
     }
     for k in 0..width {
         let pivot = (k..width).max_by(|&a, &b| normal[a][k].abs().total_cmp(&normal[b][k].abs()))?;

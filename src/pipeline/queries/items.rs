@@ -6,10 +6,13 @@ use crate::core::bench::BenchMethod;
 use crate::core::id::Id;
 use crate::core::judge::{Event, FixedLevels, State};
 use crate::core::kind::Kind;
+use crate::core::message::{Message, sent};
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::store::{
     BenchRow, ConfirmationRow, CorrectionRow, EventRow, GyroCorrection, RecordEntry, RecordHead, RecordRow, Tables,
 };
+use crate::wire::table::nearest;
 
 /// The names of what is stored, while it is looked at.
 #[derive(Debug)]
@@ -23,6 +26,14 @@ impl Names<'_> {
 
     pub fn station(&self, number: u32) -> &str {
         self.0.stations.name(number).map_or("", |name| &**name)
+    }
+
+    /// That no IMU has the name, with the one that it most resembles where one is near.
+    pub fn unknown_imu(&self, imu: &str) -> Message {
+        match nearest(imu, self.0.imus.all(), 8) {
+            Some(known) => message!("unknown_imu_like", imu = sent(imu), known = sent(known)),
+            None => message!("unknown_imu", imu = sent(imu)),
+        }
     }
 
     pub fn imu_number(&self, imu: &str) -> Option<u32> {

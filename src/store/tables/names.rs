@@ -49,6 +49,10 @@ impl Table {
         self.by_name.get(name).or_else(|| self.by_name.get(&*normal_form(name))).copied()
     }
 
+    pub fn all(&self) -> impl Iterator<Item = &str> {
+        self.by_number.values().map(|(name, _)| &**name)
+    }
+
     /// A known name that looks like `name` and is another.
     pub fn look_alike(&self, name: &str) -> Option<&Arc<str>> {
         let known = look_keys(name).into_iter().find_map(|key| self.by_look.get(&key));

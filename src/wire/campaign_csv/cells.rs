@@ -5,6 +5,7 @@ use crate::core::message::{Message, Parameter, list, sent};
 use crate::message;
 use crate::wire::campaign::DwellBody;
 use crate::wire::numbers::Numbers;
+use crate::wire::record_table::is_of_record;
 use crate::wire::table::{at_cell, number, reader, unknown};
 
 /// Fields of a dwell, the suffixes of their columns, and whether every table has them.
@@ -45,6 +46,10 @@ pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option
     let mut reader = reader(text, first_line);
     let mut records = reader.records();
     let header = records.next()?.ok()?;
+    if let Some(foreign) = foreign(&header) {
+        faults.push("", message!("at_line", line = first_line + 1, fault = foreign));
+        return None;
+    }
     let columns = Columns::read(&header, first_line + 1, faults);
     let mut rows = Vec::new();
     let mut dwell = 0;
@@ -62,6 +67,19 @@ pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option
         }
     }
     Some((columns, rows))
+}
+
+/// A header that is no campaign's: of records, of bench results, of samples, or of a station's own.
+fn foreign(header: &csv::StringRecord) -> Option<Message> {
+    const SHOWN: usize = 6;
+    let known = header.iter().filter(|name| field_and_part(name).is_some()).count();
+    let records: Vec<&str> = header.iter().filter(|name| is_of_record(name)).collect();
+    let names = |names: &[&str]| list(names.iter().take(SHOWN).map(|name| sent(name)));
+    if !records.is_empty() && records.len() >= known {
+        return Some(message!("table_of_records", names = names(&records)));
+    }
+    let named: Vec<&str> = header.iter().filter(|name| !name.is_empty()).collect();
+    (known == 0).then(|| message!("table_foreign", names = names(&named)))
 }
 
 impl Columns {

@@ -65,6 +65,7 @@ title_no_host = No host
 faults_in_document = the document has faults
 unknown_gyro = no gyro has the serial { $serial }
 unknown_imu = no IMU is named { $imu }
+unknown_imu_like = no IMU is named { $imu }; did you mean { $known }?
 unknown_station = no station is named { $station }
 no_such_record = there is no record { $id }
 no_such_campaign = there is no campaign { $id }

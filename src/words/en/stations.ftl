@@ -27,7 +27,7 @@ mat_broken = is a MAT-file that breaks off or is damaged; save it again with sav
 xlsx_broken = cannot be read as xlsx: { $why }
 xlsx_no_table = is a workbook without a table of numbers
 no_numbers = is text without a table of numbers ({ $lines } lines were looked at)
-no_rows = has no row with all columns filled
+no_rows = no row has a number in every column that the map names; { $count } rows have empty cells or nan
 zeros_from_here = only zero bytes from here on: the logger lost power while it wrote; cut the file off here
 rows_unreadable = { $count } of { $rows } rows cannot be read; the first: { $fault }
 cell_missing = the row ends before this column
@@ -90,10 +90,21 @@ turns_left = the table turned steadily in { $count } stretches, { $seconds } s i
 turns_unsteady = NO DWELL from { $count } stretches in which the table turned steadily, { $seconds } s in all: the outputs were not steady in them, even without what the Earth's rate does in a turn: { $spans } s
 swings_unsteady = NO DWELL from { $count } stretches in which the outputs changed no more than the Earth's rate lets them in a turn, { $seconds } s in all: { $spans } s
 intervals_tumbling = { $count } intervals are left out in which the table turned about an axis that is not vertical: gravity does not stand still in them
-averaged_rows = { $count } rows are taken for averages, one dwell each; their standard errors are not known
-averaged_durations = durations are made up (one second a row): give `samples` and `rate_hz` for true ones
-averaged_counts = averages must be rates: pulse/s, deg/s ...
+averaged_rows = { $count } rows are taken for averages, one dwell each
+averaged_durations = durations are made up (one second a row): give `duration`, or `samples` and `rate_hz`
+averaged_counts = the outputs of averages must be rates (pulse/s, deg/s ...), or `pulse` of a whole row with its `duration`
 averaged_many = has more than { $most } rows: these are samples, not averages; leave `averaged` out
+averaged_turning = the outputs of { $count } of { $of } rows are those of turns, and nothing says how fast the table turned: name `rate` in the map, or give --programme
+averaged_errors = their standard errors are not known: `standard_error` in the map names the columns that hold them
+averaged_beside = averages must be in one table: `log` cannot be used with `averaged`
+averaged_duration = a duration must be positive, is { $seconds } s
+averaged_error = a standard error must be positive, is { $value }
+averaged_attitude = an attitude has the length one, this one { $length }: are these its four columns?
+rates_inertial = the three rates are taken for rates in inertial space, with the Earth's in them; `inertial = false` in `rate` says otherwise
+rates_table = the three rates are taken for those of the table, without the Earth's; `inertial = true` in `rate` says otherwise
+rates_unknown = the smallest of the rates is { $least } arcsec/s, neither rest nor the Earth's rate: say `inertial = true` or `false` in `rate`
+map_of_averages = `{ $key }` belongs to tables of averages: `averaged = true` is missing
+map_column_again = column "{ $name }" is named twice
 
 ## What was commanded
 

@@ -65,6 +65,7 @@ title_no_host = 没有Host
 faults_in_document = 文档有误
 unknown_gyro = 没有编号为{ $serial }的陀螺
 unknown_imu = 没有名为{ $imu }的惯性组合
+unknown_imu_like = 没有名为{ $imu }的惯性组合；是否为{ $known }？
 unknown_station = 没有名为{ $station }的测试站
 no_such_record = 没有标定记录{ $id }
 no_such_campaign = 没有标定试验{ $id }

@@ -27,7 +27,7 @@ mat_broken = 是不完整或损坏的MAT文件；请用save('FILE', '-v7')重新
 xlsx_broken = 不能作为xlsx读取：{ $why }
 xlsx_no_table = 工作簿中没有数值表
 no_numbers = 是没有数值表的文本（看过{ $lines }行）
-no_rows = 没有各列齐全的行
+no_rows = 没有一行在映射所列各列中都有数值；{ $count }行有空单元格或nan
 zeros_from_here = 此后全为零字节：记录仪写入时断电；请在此处截断文件
 rows_unreadable = { $rows }行中有{ $count }行不能读取；第一处：{ $fault }
 cell_missing = 该行在此列之前结束
@@ -90,10 +90,21 @@ turns_left = 转台在{ $count }个时段内匀速转动（共{ $seconds } s）�
 turns_unsteady = { $count }个匀速转动时段未形成测点（共{ $seconds } s）：即使去掉地球自转在转动中的影响，输出仍不稳定：{ $spans } s
 swings_unsteady = { $count }个时段未形成测点（共{ $seconds } s），其输出变化不超过转动中地球自转所能引起的范围：{ $spans } s
 intervals_tumbling = 剔除{ $count }个转台绕非铅垂轴转动的时段：其中重力方向不固定
-averaged_rows = { $count }行视为均值，每行一个测点；其标准误差未知
-averaged_durations = 时长为假定（每行一秒）：请给出`samples`与`rate_hz`
-averaged_counts = 均值须为速率：pulse/s、deg/s等
+averaged_rows = { $count }行视为均值，每行一个测点
+averaged_durations = 时长为假定（每行一秒）：请给出`duration`，或`samples`与`rate_hz`
+averaged_counts = 均值的输出须为速率（pulse/s、deg/s等），或整行的`pulse`并给出`duration`
 averaged_many = 超过{ $most }行：这是采样而不是均值；请去掉`averaged`
+averaged_turning = { $of }行中有{ $count }行的输出属于转动，而不知道转台转速：请在映射中给出`rate`，或用--programme
+averaged_errors = 其标准误差未知：映射中的`standard_error`指明所在列
+averaged_beside = 均值须在同一表中：`averaged`不能与`log`同用
+averaged_duration = 时长须为正，现为{ $seconds } s
+averaged_error = 标准误差须为正，现为{ $value }
+averaged_attitude = 姿态四元数的模应为1，现为{ $length }：这四列对吗？
+rates_inertial = 三个角速率视为惯性空间角速率，含地球自转；`rate`中写`inertial = false`则相反
+rates_table = 三个角速率视为转台角速率，不含地球自转；`rate`中写`inertial = true`则相反
+rates_unknown = 最小角速率为{ $least } arcsec/s，既非静止也非地球自转：请在`rate`中写`inertial = true`或`false`
+map_of_averages = `{ $key }`用于均值表：缺少`averaged = true`
+map_column_again = 列"{ $name }"被指定两次
 
 ## 给定的输入
 

@@ -354,6 +354,9 @@ impl Reader {
         let has_output = channels.iter().any(|c| matches!(c.role, Role::Output(_)));
         let per_interval = has_output && matches!(self.counts, Counts::Increment | Counts::Total);
         let needs_before = per_interval || channels.iter().any(|c| matches!(c.role, Role::Turn(_)));
+        let is_attitude = |k: &usize| matches!(channels[*k].role, Role::Attitude(_));
+        let attitude: Vec<usize> = (0..channels.len()).filter(is_attitude).collect();
+        let mut quaternion = Vec::new();
         let mut row = Vec::new();
         let mut before: Option<(f64, Vec<f64>)> = None;
         let mut numbers = Vec::new();
@@ -377,6 +380,7 @@ impl Reader {
             self.rows += 1;
             numbers.clear();
             numbers.extend(channels.iter().zip(values).map(|(c, v)| c.reading.factor * v + c.reading.offset));
+            align(&attitude, &mut numbers, &mut quaternion);
             self.note_equal(has_output, &numbers, before.as_ref().map(|b| b.1.as_slice()), at);
             if needs_before {
                 let now = (at, numbers.clone());
@@ -493,6 +497,16 @@ impl Reader {
             remarks: self.remarks,
         })
     }
+}
+
+/// A quaternion and its negative are one attitude: the sign nearer to the one before, so that means have a meaning.
+fn align(places: &[usize], numbers: &mut [f64], before: &mut Vec<f64>) {
+    let along: f64 = places.iter().zip(&*before).map(|(&place, old)| numbers[place] * old).sum();
+    if along < 0.0 {
+        places.iter().for_each(|&place| numbers[place] = -numbers[place]);
+    }
+    before.clear();
+    before.extend(places.iter().map(|&place| numbers[place]));
 }
 
 /// A row of tracks from two samples one after the other: increments and angles need the one before.

@@ -216,7 +216,7 @@ impl Work<'_> {
     fn candidate(&self, interval: Interval) -> Candidate {
         let force = self.vector(Role::Force, interval);
         let up = force.and_then(|f| f.try_normalize(0.0));
-        let spin = self.vector(Role::Spin, interval);
+        let spin = self.spin(interval);
         let mut level_turn = spin.map_or(0.0, |spin| spin.xy().norm());
         let mut turn = match self.vector(Role::Rate, interval) {
             Some(rate) => Some(self.up(up, interval).map_or(rate.norm(), |up| rate.dot(&up))),
@@ -268,8 +268,32 @@ impl Work<'_> {
         Some((angle(0)?, angle(1)?))
     }
 
+    /// Rates of the table's axes, arcsec/s: what their angles change by over the interval. The mean of rates from
+    /// sample to sample would be too large where stamps jitter.
     fn rates(&self, interval: Interval) -> Option<(f64, f64)> {
-        Some((self.mean(Role::Turn(0), interval)?, self.mean(Role::Turn(1), interval)?))
+        let (first, last) = (interval.from, interval.to - 1);
+        let seconds = self.log.series.time_s[last] - self.log.series.time_s[first];
+        let rate = |k: usize| {
+            let (cosine, sine) = (self.track(Role::Cosine(k))?, self.track(Role::Sine(k))?);
+            let angle = |block: usize| sine.mean[block].atan2(cosine.mean[block]);
+            let turned = |block: usize| {
+                let turned = angle(block) - angle(block - 1);
+                turned - std::f64::consts::TAU * (turned / std::f64::consts::TAU).round()
+            };
+            Some((first + 1..=last).map(turned).sum::<f64>().to_degrees() * 3600.0 / seconds)
+        };
+        if seconds > 0.0 { Some((rate(0)?, rate(1)?)) } else { None }
+    }
+
+    /// Rate of turn of the stated attitude over an interval, East North Up, arcsec/s.
+    fn spin(&self, interval: Interval) -> Option<Vector3<f64>> {
+        let time = &self.log.series.time_s;
+        let tracks = [self.track(Role::Spin(0))?, self.track(Role::Spin(1))?, self.track(Role::Spin(2))?];
+        let turned = |track: &Track| {
+            (interval.from + 1..interval.to).map(|k| track.mean[k] * (time[k] - time[k - 1])).sum::<f64>()
+        };
+        let seconds = time[interval.to - 1] - time[interval.from];
+        (seconds > 0.0).then(|| Vector3::from(tracks.map(turned)) / seconds)
     }
 
     /// The specific force must be gravity in the unit that the map states.

@@ -182,7 +182,7 @@ fn measure(seeds: std::ops::Range<u64>, hz: f64) -> (usize, Vec<f64>) {
         let dwells = made.as_ref().map(|made| &made.dwells[..]).unwrap_or_default();
         let is_of = |d: &super::assemble::Dwell, t: &Truth| {
             let off = (d.rate_arcsec_s - t.rate).norm();
-            (d.start_s - t.start_s).abs() < 25.0 && d.phase == t.phase && off < 6e-4 * t.rate.norm() + 0.5
+            (d.start_s - t.start_s).abs() < 50.0 && d.phase == t.phase && off < 1e-3 * t.rate.norm() + 0.5
         };
         if dwells.len() != DWELLS || !dwells.iter().zip(&truth).all(|(d, t)| is_of(d, t)) {
             let why = made.as_ref().err().map(|e| e.fault.code.to_string());

@@ -45,10 +45,11 @@ pub fn steady_turns(series: &Series, rates: &[[f64; 3]], least: f64) -> Vec<Inte
     let cells: Vec<[f64; 3]> = rates.chunks(width).map(mean).collect();
     let turning = |c: &[f64; 3]| norm(c) >= least;
     let both = cells.windows(2).filter(|p| turning(&p[0]) && turning(&p[1]));
-    let noise = quantile(both.map(|p| norm(&difference(&p[1], &p[0]))).collect(), 0.5);
+    // Relative: stamps that jitter make a rate of differences as uncertain as it is fast.
+    let noise = quantile(both.map(|p| norm(&difference(&p[1], &p[0])) / norm(&p[0])).collect(), 0.5);
     let mut found: Vec<(usize, usize)> = Vec::new();
     for (k, cell) in cells.iter().enumerate().filter(|(_, cell)| turning(cell)) {
-        let room = least.max(OTHER_RATE * norm(cell)).max(CHANGE * noise);
+        let room = least.max(OTHER_RATE.max(CHANGE * noise) * norm(cell));
         let near = |j: usize| {
             let gap = series.number[k * width] - series.number[j * width];
             norm(&difference(cell, &cells[j])) <= room && gap <= width as i64 + GAP

@@ -257,7 +257,10 @@ async fn the_diagnosis_of_a_stored_campaign_is_the_command_lines() {
     let mut command = assert_cmd::Command::cargo_bin("gyrowatch").unwrap();
     let printed = command.args(["diagnose", "--format", "json"]).arg(&path).assert().success();
     let printed: Value = serde_json::from_slice(&printed.get_output().stdout).unwrap();
-    assert_eq!(diagnosis, printed);
+    let mut alone = diagnosis.clone();
+    // What was foretold of a campaign follows from the stored ones before it.
+    assert!(alone.as_object_mut().unwrap().remove("forecast").is_some());
+    assert_eq!(alone, printed);
     lab.restart().await;
     assert_eq!(lab.diagnosis(&id).await.ok(), diagnosis);
     lab.get("/v1/campaigns/0000000000000/diagnosis").await.refused(404);

@@ -276,7 +276,7 @@ fn at_rest(rows: &[Row], counts: Counts) -> Result<(), Message> {
 fn spans(rows: &[Row]) -> Vec<(f64, f64)> {
     let first = rows[0].start_s.unwrap_or(0.0);
     // A clock that counts from 1970, or from midnight, begins with the first row.
-    let origin = if first < 0.0 || first > 86_400.0 { first } else { 0.0 };
+    let origin = if !(0.0..=86_400.0).contains(&first) { first } else { 0.0 };
     let mut clock = 0.0;
     let span = |row: &Row| {
         let start = row.start_s.map_or(clock, |start| start - origin);

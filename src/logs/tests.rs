@@ -79,7 +79,7 @@ fn log(seed: u64, hz: f64, told: Told) -> (Gathered, Vec<Position>, Vec<Truth>) 
         let rates = if hz > 50.0 { &RATES_DEG_S[2..] } else { &RATES_DEG_S[..] };
         position.turn_arcsec_s = 3600.0 * rates[k % rates.len()];
     }
-    if seed % 3 == 0 {
+    if seed.is_multiple_of(3) {
         for k in (1..DWELLS).rev() {
             programme.swap(k, rng.random_range(0.0..k as f64 + 1.0) as usize);
         }

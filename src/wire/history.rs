@@ -106,6 +106,8 @@ pub struct DueBody {
     pub at: String,
     pub interval_80: [Option<String>; 2],
     pub interval_95: [Option<String>; 2],
+    /// Until when it is within its budget with 95 %; null where that was never so.
+    pub calibrate_by: Option<String>,
 }
 
 impl HistoryDiagnosisBody {
@@ -193,6 +195,7 @@ impl DueBody {
             at: at(due.days),
             interval_80: due.p80.map(|end| end.map(at)),
             interval_95: due.p95.map(|end| end.map(at)),
+            calibrate_by: due.calibrate_by.map(at),
         }
     }
 }

@@ -58,6 +58,7 @@ impl Report {
         row("closure covered".into(), all(&|score| score.closure_covered), Some(0.9), None);
         row("date within 80 %".into(), all(&|score| score.date_covered.map(|c| c[0])), Some(0.75), None);
         row("date within 95 %".into(), all(&|score| score.date_covered.map(|c| c[1])), Some(0.92), None);
+        row("calibrated in time".into(), all(&|score| score.in_time), Some(0.92), None);
         let mut confusion: BTreeMap<&'static str, BTreeMap<String, usize>> = BTreeMap::new();
         for score in scores.iter().filter(|score| !score.right) {
             let named = if score.named.is_empty() { "-".to_owned() } else { score.named.join("+") };

@@ -25,6 +25,8 @@ pub struct Score {
     pub closure_covered: Option<bool>,
     /// Whether the date at which the budget is left lies within the 80 % and the 95 % interval.
     pub date_covered: Option<[bool; 2]>,
+    /// Whether a calibration on the day that is asked for would have found it within its budget.
+    pub in_time: Option<bool>,
     /// What was named.
     pub named: Vec<&'static str>,
 }
@@ -75,6 +77,9 @@ impl Fleet {
             gyro_blamed: station.then(|| named.iter().any(|id| *id != "station")),
             explained: (self.kind == Kind::Wanders).then_some(own.verdict == HistoryVerdict::Explained),
             closure_covered: self.closure_covered(&own),
+            in_time: limit
+                .zip(own.due.as_ref().and_then(|due| due.calibrate_by))
+                .map(|(years, by)| by <= (years - self.years(self.signal.len() - 1)) * 365.25),
             date_covered: limit.zip(own.due.as_ref()).map(|(years, due)| {
                 let days = (years - self.years(self.signal.len() - 1)) * 365.25;
                 [due.p80, due.p95].map(|[early, late]| {

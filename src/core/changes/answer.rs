@@ -260,6 +260,8 @@ pub struct Due {
     /// Intervals, ends in days from the newest record; none where that end may never come.
     pub p80: [Option<f64>; 2],
     pub p95: [Option<f64>; 2],
+    /// Until when it is within its budget with 95 %: the last day on which a calibration still finds it there.
+    pub calibrate_by: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -352,6 +354,8 @@ impl HistoryDiagnosis {
                     message!("history_due_open", day = day(due.days), early = day(early.unwrap_or(0.0)))
                 }
             });
+            let by = due.calibrate_by.filter(|days| *days > 0.0);
+            all.extend(by.map(|days| message!("history_calibrate_by", day = day(days))));
         }
         all
     }

@@ -47,5 +47,6 @@ pub(super) fn due(level: &Level, budget: Budget) -> Option<Due> {
         days,
         p80: [when(0.1), when(0.9)],
         p95: [when(0.025), when(0.975)],
+        calibrate_by: when(0.05),
     })
 }

@@ -323,6 +323,7 @@ fn the_budget_is_reached_when_the_slope_reaches_it() {
         [due.p80, due.p95].map(|ends| ends.map(|end| end.expect("closed")));
     assert!(early_95 < early_80 && early_80 < due.days && due.days < late_80 && late_80 < late_95, "{due:?}");
     assert!((early_95..=late_95).contains(&truth), "{due:?}, {truth}");
+    assert!(due.calibrate_by.is_some_and(|by| early_95 < by && by < early_80), "{due:?}");
 }
 
 #[test]

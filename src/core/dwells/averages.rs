@@ -66,13 +66,18 @@ pub fn settled(series: &Series, channels: &[(&Track, Noise)], interval: Interval
 }
 
 /// Standard error of a channel's mean over an interval. Where this dwell scatters otherwise than those that the noise
-/// is of, its white part is its own.
+/// is of, its white part is its own. Of a converter that reads the same all the while it is that of one reading,
+/// count/sqrt(12): no noise rounds it sometimes up and sometimes down.
 pub fn standard_error(series: &Series, track: &Track, noise: &Noise, interval: Interval, sample_s: f64) -> f64 {
     let dwell_s = series.end_s(interval.to) - series.start_s(interval.from);
     let samples: f64 = track.count[interval.from..interval.to].iter().map(|&n| f64::from(n)).sum();
     let log_s = series.end_s(series.number.len()) - series.start_s(0);
     let own = own_noise(series, track, noise, interval).unwrap_or(*noise);
-    own.standard_error(dwell_s, (samples * sample_s).min(dwell_s), log_s)
+    let of_noise = own.standard_error(dwell_s, (samples * sample_s).min(dwell_s), log_s);
+    let first = track.mean[interval.from];
+    let reads_the_same = (interval.from..interval.to).all(|k| track.spread[k] == 0.0 && track.mean[k] == first);
+    let of_rounding = if reads_the_same && track.step.is_finite() { track.step / 12_f64.sqrt() } else { 0.0 };
+    of_noise.max(of_rounding)
 }
 
 fn own_noise(series: &Series, track: &Track, noise: &Noise, interval: Interval) -> Option<Noise> {

@@ -317,3 +317,17 @@ fn the_programmes_clock_is_found_in_the_log() {
     assert!((clock_offset(&spans, &programme).unwrap() - 37.0).abs() < 1e-9);
     assert_eq!(clock_offset(&spans, &twenty_four()), None);
 }
+
+#[test]
+fn a_converter_that_reads_the_same_all_the_while_is_known_to_its_rounding() {
+    let mut blocks = Blocks::new(1, 1.0);
+    (0..200).for_each(|k| blocks.push(f64::from(k), &[if k < 100 { 3.0 } else { 7.0 }]));
+    let series = Series::join(vec![blocks]);
+    let track = &series.tracks[0];
+    let first = Interval { from: 2, to: 90 };
+    let of = noise(&series, track, &[first, Interval { from: 110, to: 190 }]);
+    // The smallest difference that was seen is four.
+    assert!((standard_error(&series, track, &of, first, 1.0) - 4.0 / 12f64.sqrt()).abs() < 1e-12);
+    let both = Interval { from: 2, to: 190 };
+    assert!(standard_error(&series, track, &of, both, 1.0) < 1e-6, "it does not read the same");
+}

@@ -2,13 +2,13 @@
 //! it, and TCP by itself waits for a quarter of an hour.
 
 use std::io::{Error as IoError, ErrorKind};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use futures::future::BoxFuture;
 use futures::stream::{BoxStream, StreamExt, unfold};
 use sqlx::postgres::{PgConnectOptions, PgPoolOptions, PgQueryResult, PgRow, PgStatement, PgTypeInfo};
 use sqlx::{Connection, Either, Error, Execute, Executor, PgPool, Postgres, SqlSafeStr, SqlStr, Transaction};
+use tokio::sync::watch;
 use tokio::time::timeout;
 
 /// What comes of `work`, unless nothing has within `limit`.
@@ -28,17 +28,35 @@ fn silent(limit: Duration) -> Error {
 
 /// When the database last left a question unanswered. Every connection from before may lead to a host that is gone:
 /// whoever would find that out on each of them in turn waits for the limit of a question each time.
-#[derive(Debug, Clone, Default)]
-pub(super) struct LastSilence(Arc<Mutex<Option<Instant>>>);
+#[derive(Debug, Clone)]
+pub(super) struct LastSilence(watch::Sender<Option<Instant>>);
+
+impl Default for LastSilence {
+    fn default() -> Self {
+        Self(watch::Sender::new(None))
+    }
+}
 
 impl LastSilence {
     pub fn is_now(&self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+        self.0.send_replace(Some(Instant::now()));
     }
 
     /// Whether a connection of this age was opened after it.
     pub fn is_before(&self, age: Duration) -> bool {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).is_none_or(|silence| age < silence.elapsed())
+        self.0.borrow().is_none_or(|silence| age < silence.elapsed())
+    }
+
+    /// Returns once another question was left unanswered while this one had waited for `long`: it holds a connection
+    /// that others wait for.
+    async fn falls_after(&self, long: Duration) {
+        let (begun, mut silences) = (Instant::now(), self.0.subscribe());
+        while silences.changed().await.is_ok() {
+            if begun.elapsed() >= long {
+                return;
+            }
+        }
+        std::future::pending().await
     }
 }
 
@@ -87,12 +105,17 @@ impl PgReaders {
 
     /// What comes of `work`, unless nothing has within the limit of one question.
     pub async fn within_limit<T, E: From<Error>>(&self, work: impl Future<Output = Result<T, E>>) -> Result<T, E> {
-        timeout(self.limit, work).await.unwrap_or_else(|_| Err(self.gave_up().into()))
+        self.unless_silent(work).await.unwrap_or_else(|silent| Err(silent.into()))
     }
 
-    fn gave_up(&self) -> Error {
-        self.silence.is_now();
-        silent(self.limit)
+    async fn unless_silent<T>(&self, work: impl Future<Output = T>) -> Result<T, Error> {
+        tokio::select! {
+            done = timeout(self.limit, work) => done.map_err(|_| {
+                self.silence.is_now();
+                silent(self.limit)
+            }),
+            () = self.silence.falls_after(self.limit / WAITED) => Err(silent(self.limit)),
+        }
     }
 
     pub fn is_closed(&self) -> bool {
@@ -104,6 +127,9 @@ impl PgReaders {
         let _silent = timeout(self.limit, self.pool.close()).await;
     }
 }
+
+/// A question that has waited for this part of its limit gives up with another one.
+const WAITED: u32 = 10;
 
 type Step = Result<Either<PgQueryResult, PgRow>, Error>;
 
@@ -118,9 +144,9 @@ impl<'c> Executor<'c> for &'c PgReaders {
         let steps = self.pool.fetch_many(query);
         let next = move |steps: Option<BoxStream<'e, Step>>| async move {
             let mut steps = steps?;
-            match timeout(self.limit, steps.next()).await {
+            match self.unless_silent(steps.next()).await {
                 Ok(step) => Some((step?, Some(steps))),
-                Err(_) => Some((Err(self.gave_up()), None)),
+                Err(silent) => Some((Err(silent), None)),
             }
         };
         unfold(Some(steps), next).boxed()

@@ -60,6 +60,7 @@ history_wander_walk_by_record = It wanders by { $size } deg/(h g0) from record t
 history_wander_flicker = It wanders by { $size } deg/(h g0) in all (1/f noise).
 history_due = It reaches its budget on { $day } (80 %: { $early } to { $late }).
 history_due_open = It reaches its budget on { $day } (80 %: from { $early }; the end is open).
+history_calibrate_by = Calibrate it by { $day }: until then it is within its budget with 95 %.
 history_due_past = It reached its budget on { $day }.
 
 ## Stations

@@ -50,6 +50,7 @@ history_wander_walk_by_record = 游走：每条记录{ $size } (°)/(h·g0)。
 history_wander_flicker = 游走（1/f噪声）：共{ $size } (°)/(h·g0)。
 history_due = 将于{ $day }达到允许范围（80 %：{ $early }至{ $late }）。
 history_due_open = 将于{ $day }达到允许范围（80 %：{ $early }起，上限不定）。
+history_calibrate_by = 请在{ $day }之前标定：此前以95 %的概率在允许范围内。
 history_due_past = 已于{ $day }达到允许范围。
 
 ## 测试站

@@ -1,7 +1,7 @@
 //! Stretches in which the table turned, and what the Earth's rate does in them: known from the log's rate, angles or
 //! attitude, else found in the outputs by the rates of the programme.
 
-use nalgebra::Rotation3;
+use nalgebra::{Rotation3, Vector3};
 
 use super::gather::{Gathered, Role};
 use crate::core::dwells::intervals::{Interval, Search, find};
@@ -80,13 +80,13 @@ fn spin_of_attitude(log: &mut Gathered) {
 }
 
 /// Rate of turn by block, in any axes.
-fn rates(log: &Gathered) -> Option<Vec<[f64; 3]>> {
+fn rates(log: &Gathered) -> Option<Vec<Vector3<f64>>> {
     let kinds: [fn(usize) -> Role; 3] = [Role::Rate, Role::Turn, Role::Spin];
     let tracks = |kind: &fn(usize) -> Role| -> Vec<usize> {
         (0..3).filter_map(|k| log.roles.iter().position(|role| *role == kind(k))).collect()
     };
     let own = kinds.iter().map(tracks).find(|own| !own.is_empty())?;
-    let rate = |k: usize| [0, 1, 2].map(|c| own.get(c).map_or(0.0, |&place| log.series.tracks[place].mean[k]));
+    let rate = |k: usize| Vector3::from_fn(|c, _| own.get(c).map_or(0.0, |&place| log.series.tracks[place].mean[k]));
     Some((0..log.series.number.len()).map(rate).collect())
 }
 

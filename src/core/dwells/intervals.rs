@@ -204,7 +204,7 @@ fn changes(track: &Track, (from, to): (usize, usize), half: usize) -> Vec<(usize
     (half..=last).map(|k| (from + k, mean(k, k + half) - mean(k - half, k))).collect()
 }
 
-fn quantile(mut of: Vec<f64>, share: f64) -> f64 {
+pub(super) fn quantile(mut of: Vec<f64>, share: f64) -> f64 {
     if of.is_empty() {
         return 0.0;
     }

@@ -12,8 +12,12 @@
 //! axis that is not quite vertical; second: their squares. Only the harmonics are subtracted, so that a mean over whole
 //! turns stays what it was. The fit is by least absolute values, so that starts, stops and knocks do not bend it.
 
+use nalgebra::{DMatrix, DVector, Vector3};
+
 use super::blocks::Series;
-use super::intervals::Interval;
+use super::intervals::{Interval, quantile};
+use crate::core::numerics::normal::SD_OF_MEDIAN;
+use crate::core::units::EARTH_RATE_DEG_H;
 
 /// Seconds over which the rate of the table is averaged before it is compared with the next.
 const CELL_S: f64 = 1.0;
@@ -35,24 +39,21 @@ const OUTLIER: f64 = 9.0;
 /// Power of a harmonic over that of noise from which the angle's own scale is fitted, and how far it may be off.
 const PLAIN: f64 = 100.0;
 const SCALE: f64 = 0.03;
-/// The Earth's rate, arcsec/s: half of what an output can swing by.
-const EARTH_ARCSEC_S: f64 = 15.041_067;
-
 /// Intervals in which the table turns faster than `least` at a rate that does not change: `rates` by block, arcsec/s,
 /// in any three axes.
-pub fn steady_turns(series: &Series, rates: &[[f64; 3]], least: f64) -> Vec<Interval> {
+pub fn steady_turns(series: &Series, rates: &[Vector3<f64>], least: f64) -> Vec<Interval> {
     let width = (CELL_S / series.block_s).ceil().max(1.0) as usize;
-    let cells: Vec<[f64; 3]> = rates.chunks(width).map(mean).collect();
-    let turning = |c: &[f64; 3]| norm(c) >= least;
+    let cells: Vec<Vector3<f64>> = rates.chunks(width).map(mean).collect();
+    let turning = |c: &Vector3<f64>| c.norm() >= least;
     let both = cells.windows(2).filter(|p| turning(&p[0]) && turning(&p[1]));
     // Relative: stamps that jitter make a rate of differences as uncertain as it is fast.
-    let noise = quantile(both.map(|p| norm(&difference(&p[1], &p[0])) / norm(&p[0])).collect(), 0.5);
+    let noise = quantile(both.map(|p| (p[1] - p[0]).norm() / p[0].norm()).collect(), 0.5);
     let mut found: Vec<(usize, usize)> = Vec::new();
     for (k, cell) in cells.iter().enumerate().filter(|(_, cell)| turning(cell)) {
-        let room = least.max(OTHER_RATE.max(CHANGE * noise) * norm(cell));
+        let room = least.max(OTHER_RATE.max(CHANGE * noise) * cell.norm());
         let near = |j: usize| {
             let gap = series.number[k * width] - series.number[j * width];
-            norm(&difference(cell, &cells[j])) <= room && gap <= width as i64 + GAP
+            (cell - cells[j]).norm() <= room && gap <= width as i64 + GAP
         };
         match found.last_mut() {
             Some((_, to)) if *to == k && near(k - 1) => *to = k + 1,
@@ -64,10 +65,10 @@ pub fn steady_turns(series: &Series, rates: &[[f64; 3]], least: f64) -> Vec<Inte
 }
 
 /// Angle of the table through a turn, rad, from the rates along their mean; zero in the middle.
-pub fn angles(series: &Series, rates: &[[f64; 3]], turn: Interval) -> Vec<f64> {
+pub fn angles(series: &Series, rates: &[Vector3<f64>], turn: Interval) -> Vec<f64> {
     let along = mean(&rates[turn.from..turn.to]);
-    let length = norm(&along).max(f64::MIN_POSITIVE);
-    let rate = |k: usize| (0..3).map(|c| rates[k][c] * along[c]).sum::<f64>() / length;
+    let length = along.norm().max(f64::MIN_POSITIVE);
+    let rate = |k: usize| rates[k].dot(&along) / length;
     let mut angles = vec![0.0];
     for k in turn.from + 1..turn.to {
         // A rate that is the difference of angles is that since the block before.
@@ -104,7 +105,7 @@ pub fn likeliest(series: &Series, channels: &[usize], turn: Interval, rates: &[f
         if rate * duration_s < PART * TURN_ARCSEC {
             return None;
         }
-        let mut own = angles(series, &vec![[rate, 0.0, 0.0]; series.number.len()], turn);
+        let mut own = angles(series, &vec![Vector3::new(rate, 0.0, 0.0); series.number.len()], turn);
         let fits = fitted(series, channels, turn, &mut own);
         // At half the rate the second harmonic would explain the swing as well.
         fits.iter().any(|fit| fit.power > PLAIN).then(|| (scatter(&fits), own))
@@ -112,10 +113,10 @@ pub fn likeliest(series: &Series, channels: &[usize], turn: Interval, rates: &[f
     tried.min_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
 }
 
-/// By block, what the Earth's rate may change the outputs by while the table turns at `slowest` arcsec/s or faster.
+/// By block, what the Earth's rate (deg/h are arcsec/s) may change the outputs by while the table turns at `slowest` arcsec/s or faster.
 pub fn room(series: &Series, outputs: &[usize], slowest: f64) -> Vec<f64> {
     let level = |k: usize| outputs.iter().map(|&c| series.tracks[c].mean[k].powi(2)).sum::<f64>().sqrt();
-    (0..series.number.len()).map(|k| 2.0 * EARTH_ARCSEC_S / slowest * level(k)).collect()
+    (0..series.number.len()).map(|k| 2.0 * EARTH_RATE_DEG_H / slowest * level(k)).collect()
 }
 
 /// A channel's fit: the harmonics, the median of what is left, and the power of the first over that of noise.
@@ -208,7 +209,7 @@ fn harmonics(values: &[f64], angles: &[f64]) -> Fit {
     if left.is_empty() {
         left = vec![0.0; count];
     }
-    let noise = (scatter / 0.674_489_8).powi(2).max(f64::MIN_POSITIVE);
+    let noise = (SD_OF_MEDIAN * scatter).powi(2).max(f64::MIN_POSITIVE);
     let first: Vec<f64> = (0..count).map(|k| found[2] * angles[k].cos() + found[3] * angles[k].sin()).collect();
     let level = first.iter().sum::<f64>() / count as f64;
     let power = first.iter().map(|swing| (swing - level).powi(2)).sum::<f64>() / noise;
@@ -217,57 +218,23 @@ fn harmonics(values: &[f64], angles: &[f64]) -> Fit {
 
 /// Weighted least squares of `width` unknowns; none where they are not told apart.
 fn least_squares(rows: impl Iterator<Item = ([f64; 6], f64, f64)>, width: usize) -> Option<Vec<f64>> {
-    let mut normal = [[0.0_f64; 7]; 6];
+    let (mut normal, mut right) = (DMatrix::zeros(width, width), DVector::zeros(width));
     for (row, value, weight) in rows {
         for k in 0..width {
             for j in 0..width {
-                normal[k][j] += weight * row[k] * row[j];
+                normal[(k, j)] += weight * row[k] * row[j];
             }
-            normal[k][width] += weight * row[k] * value;
+            right[k] += weight * row[k] * value;
         }
     }
     // A whisper of a ridge: what is not told apart stays small, and what is not there is zero.
-    for (k, row) in normal.iter_mut().enumerate().take(width) {
-        row[k] = if row[k] == 0.0 { 1.0 } else { row[k] * (1.0 + 1e-12) };
-    }
     for k in 0..width {
-        let pivot = (k..width).max_by(|&a, &b| normal[a][k].abs().total_cmp(&normal[b][k].abs()))?;
-        normal.swap(k, pivot);
-        let lead = normal[k];
-        if lead[k] == 0.0 {
-            return None;
-        }
-        for row in normal.iter_mut().skip(k + 1).take(width - k - 1) {
-            let factor = row[k] / lead[k];
-            for j in k..=width {
-                row[j] -= factor * lead[j];
-            }
-        }
+        normal[(k, k)] = if normal[(k, k)] == 0.0 { 1.0 } else { normal[(k, k)] * (1.0 + 1e-12) };
     }
-    let mut found = vec![0.0; width];
-    for k in (0..width).rev() {
-        let known: f64 = (k + 1..width).map(|j| normal[k][j] * found[j]).sum();
-        found[k] = (normal[k][width] - known) / normal[k][k];
-    }
-    found.iter().all(|f| f.is_finite()).then_some(found)
+    let found = normal.lu().solve(&right)?;
+    found.iter().all(|f| f.is_finite()).then(|| found.iter().copied().collect())
 }
 
-fn mean(of: &[[f64; 3]]) -> [f64; 3] {
-    [0, 1, 2].map(|c| of.iter().map(|r| r[c]).sum::<f64>() / of.len() as f64)
-}
-
-fn difference(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|c| a[c] - b[c])
-}
-
-fn norm(of: &[f64; 3]) -> f64 {
-    of.iter().map(|c| c * c).sum::<f64>().sqrt()
-}
-
-fn quantile(mut of: Vec<f64>, share: f64) -> f64 {
-    if of.is_empty() {
-        return 0.0;
-    }
-    let k = ((of.len() - 1) as f64 * share).round() as usize;
-    *of.select_nth_unstable_by(k, f64::total_cmp).1
+fn mean(of: &[Vector3<f64>]) -> Vector3<f64> {
+    of.iter().sum::<Vector3<f64>>() / of.len() as f64
 }

@@ -4,11 +4,10 @@ use super::Noise;
 use crate::core::judge::Series;
 use crate::core::judge::cells::DAYS_A_YEAR;
 use crate::core::numerics::median::median;
+use crate::core::numerics::normal::SD_OF_MEDIAN;
 
 /// Lags, in cells.
 const LAGS: [usize; 9] = [1, 2, 3, 4, 6, 8, 13, 20, 26];
-/// Median of |N(0, 1)|.
-const MEDIAN_OF_NORMAL: f64 = 0.674_489_750_2;
 /// Cells that the default counts for.
 const WEIGHT: f64 = 100.0;
 /// A coefficient whose mean square difference at its longest lag is so many times the fleet's median moves, and is
@@ -119,7 +118,7 @@ fn spacing(stretches: &[Stretch], lag: usize) -> Option<Spacing> {
     let differences = sizes.len();
     let size = median(&mut sizes).filter(|size| differences >= LEAST_DIFFERENCES && *size > 0.0)?;
     let years = years.iter().sum::<f64>() / differences as f64;
-    Some(Spacing { lag, years, half_square: 0.5 * (size / MEDIAN_OF_NORMAL).powi(2), differences })
+    Some(Spacing { lag, years, half_square: 0.5 * (SD_OF_MEDIAN * size).powi(2), differences })
 }
 
 /// The noise, and the scatter s.

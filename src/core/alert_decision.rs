@@ -344,7 +344,7 @@ fn begin(
     now: UtcMicros,
 ) -> Alert {
     let since = match (verdict.rule, verdict.finding) {
-        // Overdue is whoever was calibrated longer ago than the interval, which is the limit.
+        // A gyro is overdue from the interval on, which is the limit.
         (Rule::Overdue, _) => record_at.plus_days(verdict.limit),
         (_, Finding::StationShift { since, .. }) => since,
         _ => record_at,

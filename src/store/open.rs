@@ -149,7 +149,12 @@ async fn check_structure(connection: &mut SqliteConnection) -> Result<(), StoreE
     if sqlx::query_scalar::<_, i64>(size).fetch_one(&mut *connection).await? > LOOKED_THROUGH {
         return Ok(());
     }
-    let found: Vec<String> = sqlx::query_scalar("PRAGMA quick_check(3)").fetch_all(connection).await?;
+    finds_nothing(connection, "PRAGMA quick_check(3)").await
+}
+
+/// What a check of SQLite's own finds wrong with the file is said as it says it.
+pub(super) async fn finds_nothing(connection: &mut SqliteConnection, check: &'static str) -> Result<(), StoreError> {
+    let found: Vec<String> = sqlx::query_scalar(check).fetch_all(connection).await?;
     if found == ["ok"] { Ok(()) } else { Err(StoreError::Damaged(found.join("; "))) }
 }
 

@@ -27,7 +27,7 @@ fn silent(limit: Duration) -> Error {
 }
 
 /// When the database last left a question unanswered. Every connection from before may lead to a host that is gone:
-/// whoever would find that out on each of them in turn waits for the limit of a question each time.
+/// finding that out on each of them in turn takes the limit of a question each time.
 #[derive(Debug, Clone)]
 pub(super) struct LastSilence(watch::Sender<Option<Instant>>);
 

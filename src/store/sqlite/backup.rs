@@ -15,7 +15,7 @@ use crate::core::time::Span;
 use crate::store;
 use crate::store::db::Readers;
 use crate::store::error::StoreError;
-use crate::store::open::{MIGRATIONS, Options, Place, Store, connect_options, load_names, migrate};
+use crate::store::open::{MIGRATIONS, Options, Place, Store, connect_options, finds_nothing, load_names, migrate};
 use crate::store::postgres;
 use crate::store::secrets::Secrets;
 use crate::store::sqlite::write_behind::Unplaced;
@@ -235,10 +235,7 @@ async fn check_calendar(readers: &SqlitePool) -> Result<(), StoreError> {
 }
 
 async fn structure(connection: &mut SqliteConnection) -> Result<(), StoreError> {
-    let found: Vec<String> = sqlx::query_scalar("PRAGMA integrity_check(3)").fetch_all(&mut *connection).await?;
-    if found != ["ok"] {
-        return Err(StoreError::Damaged(found.join("; ")));
-    }
+    finds_nothing(connection, "PRAGMA integrity_check(3)").await?;
     let dangling: Option<String> =
         sqlx::query_scalar("SELECT \"table\" FROM pragma_foreign_key_check").fetch_optional(connection).await?;
     match dangling {

@@ -55,6 +55,9 @@ pub struct StationColumnBody {
     pub drifts: bool,
     /// Re-levellings and the like that were found, oldest first.
     pub steps: Vec<StepBody>,
+    /// Times for which it was off, oldest first.
+    #[serde(default)]
+    pub windows: Vec<WindowBody>,
     /// What single gyros show beyond the common offset: gyro x station; null with too few.
     pub gyro_by_station: Option<SpreadBody>,
     /// What its gyros read about their own levels, oldest first.
@@ -82,6 +85,16 @@ pub struct SharedBody {
 #[schema(as = StationStepBody)]
 pub struct StepBody {
     pub at: String,
+    #[serde(flatten)]
+    pub size: SharedBody,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = StationWindowBody)]
+pub struct WindowBody {
+    /// Its first record that is off, and the first after it that is not.
+    pub from: String,
+    pub until: String,
     #[serde(flatten)]
     pub size: SharedBody,
 }
@@ -128,8 +141,11 @@ impl StationBody {
 impl From<&StationColumn> for StationColumnBody {
     fn from(column: &StationColumn) -> Self {
         let step = |(at, size): &(_, Shared)| StepBody { at: time::format(*at), size: SharedBody::from(size) };
-        let mut steps: Vec<_> = column.steps.clone();
-        steps.sort_by_key(|(at, _)| *at);
+        let window = |([from, until], size): &([_; 2], Shared)| WindowBody {
+            from: time::format(*from),
+            until: time::format(*until),
+            size: SharedBody::from(size),
+        };
         let course = column.course.iter().map(|point| CoursePointBody {
             at: time::format(point.at),
             value: point.value,
@@ -141,7 +157,8 @@ impl From<&StationColumn> for StationColumnBody {
             offset: column.offset.as_ref().map(SharedBody::from),
             drift: column.drift.as_ref().map(SharedBody::from),
             drifts: column.drifts,
-            steps: steps.iter().map(step).collect(),
+            steps: column.steps.iter().map(step).collect(),
+            windows: column.windows.iter().map(window).collect(),
             gyro_by_station: column.by_gyro.as_ref().map(SpreadBody::from),
             course: course.collect(),
         }

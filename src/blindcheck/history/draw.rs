@@ -23,6 +23,7 @@ pub enum Kind {
     StationOffset,
     StationDrifts,
     StationRelevelled,
+    StationOff,
     OneOfTwoDrifts,
     MovedWithPeers,
     StepAtStationChange,
@@ -35,7 +36,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Nothing,
         Self::Ageing,
         Self::StepAtEvent,
@@ -45,6 +46,7 @@ impl Kind {
         Self::StationOffset,
         Self::StationDrifts,
         Self::StationRelevelled,
+        Self::StationOff,
         Self::OneOfTwoDrifts,
         Self::MovedWithPeers,
         Self::StepAtStationChange,
@@ -67,6 +69,7 @@ impl Kind {
             Self::StationOffset => "station_offset",
             Self::StationDrifts => "station_drifts",
             Self::StationRelevelled => "station_relevelled",
+            Self::StationOff => "station_off_for_weeks",
             Self::OneOfTwoDrifts => "one_of_two_drifts",
             Self::MovedWithPeers => "moved_with_peers",
             Self::StepAtStationChange => "step_at_station_change",
@@ -145,7 +148,7 @@ impl Draw {
         let span = self.between(1.5, 2.5);
         let stated = self.between(4e-4, 8e-4);
         let sigma = stated * self.between(0.85, 1.1);
-        let single = matches!(kind, Kind::StationDrifts | Kind::StationRelevelled);
+        let single = matches!(kind, Kind::StationDrifts | Kind::StationRelevelled | Kind::StationOff);
         let moves = matches!(kind, Kind::MovedWithPeers | Kind::StepAtStationChange | Kind::LoneImuMoved);
         let noisy = if kind == Kind::NoisyStation { self.between(3.0, 6.0) } else { 1.0 };
         let (asked_imu, asked_slot) = (self.rng.random_range(0..imus), self.rng.random_range(0..3_usize));
@@ -166,6 +169,7 @@ impl Draw {
         let station_slope = self.sign() * sigma * self.between(4.5, 9.0) / span;
         let instant = span * self.between(0.3, 0.7);
         let walk = self.walk(&occasions[asked_imu], sigma, span);
+        let off = if kind == Kind::StationOff { self.window(&occasions[asked_imu]) } else { [0.0; 2] };
 
         let mut gyros = Vec::new();
         let mut signal = Vec::new();
@@ -191,6 +195,8 @@ impl Draw {
                         Kind::StationOffset | Kind::MovedWithPeers | Kind::LoneImuMoved => offset * there,
                         Kind::StationDrifts => station_slope * occasion.years,
                         Kind::StationRelevelled => step * late,
+                        Kind::StationOff if (off[0]..off[1]).contains(&occasion.years) => step,
+                        Kind::StationOff => 0.0,
                         Kind::OneOfTwoDrifts => 1.5 * station_slope * occasion.years * there,
                         Kind::StepAtStationChange => own * step * there,
                         Kind::Clocking => own * clocking * spin,
@@ -291,6 +297,14 @@ impl Draw {
             occasions.push(Occasion { years, station, temperature_c: self.normal() });
         }
         occasions
+    }
+
+    /// From some days before one of these to some days after it: four to nine weeks altogether, years.
+    fn window(&mut self, occasions: &[Occasion]) -> [f64; 2] {
+        let within = occasions[self.rng.random_range(2..occasions.len() - 2)].years;
+        let long = self.between(28.0, 63.0) / YEAR_DAYS;
+        let from = within - long * self.between(0.1, 0.9);
+        [from, from + long]
     }
 
     /// A walk by record, a walk in time, or 1/f noise, of three to nine sigma altogether.

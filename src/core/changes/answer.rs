@@ -40,6 +40,25 @@ pub enum StationForm {
     Drift,
     /// Its reading changed at this instant and stayed: a re-levelling, a new reference.
     Step(UtcMicros),
+    /// Its reading was off from the first instant on and before the second.
+    Between(UtcMicros, UtcMicros),
+}
+
+impl StationForm {
+    /// Whether its instants were searched for.
+    pub(super) fn is_searched(self) -> bool {
+        matches!(self, Self::Step(_) | Self::Between(..))
+    }
+
+    /// What it adds at the station, at an instant that is so many years from the first.
+    pub(super) fn at(self, at: UtcMicros, years: f64) -> f64 {
+        match self {
+            Self::Offset => 1.0,
+            Self::Drift => years,
+            Self::Step(from) => f64::from(at >= from),
+            Self::Between(from, until) => f64::from(from <= at && at < until),
+        }
+    }
 }
 
 /// What a cause is tied to.
@@ -89,9 +108,7 @@ impl Tie {
             Self::Event { at, .. } | Self::Moved { at, .. } | Self::Instant { before: at, .. } => since(*at),
             Self::Temperature { mean_c, .. } => entry.temperature_c.map_or(0.0, |t| t - mean_c),
             Self::Station { name, .. } if *name != entry.station => 0.0,
-            Self::Station { form: StationForm::Offset, .. } => 1.0,
-            Self::Station { form: StationForm::Drift, .. } => years,
-            Self::Station { form: StationForm::Step(at), .. } => since(*at),
+            Self::Station { form, .. } => form.at(entry.at, years),
             Self::Proportion => entry.d[1].value,
         }
     }
@@ -118,6 +135,10 @@ impl Tie {
             }
             Self::Station { name, form: StationForm::Step(at), .. } => {
                 message!("change_station_step", station = text(name), day = text(at.date()))
+            }
+            Self::Station { name, form: StationForm::Between(from, until), .. } => {
+                let [from, until] = [from, until].map(|at| text(at.date()));
+                message!("change_station_between", station = text(name), from = from, until = until)
             }
             Self::Proportion => message!("change_proportion"),
             Self::Instant { after, before } => {

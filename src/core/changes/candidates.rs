@@ -148,7 +148,7 @@ fn of_station(series: &Series, reference: usize, station: usize, form: StationFo
     let part = Part { station, form };
     let unit = if form == StationForm::Drift { "deg/(h*g0)/year" } else { "deg/(h*g0)" };
     let column = series.column(|row| part.at(row.station, row.at, row.years));
-    let tried = if matches!(form, StationForm::Step(_)) { series.len() } else { 1 };
+    let tried = if form.is_searched() { series.len() } else { 1 };
     let tie = tie(series, reference, &part);
     Some(Candidate { part: Some(part), tried, ..candidate("station", tie, unit, column) })
 }

@@ -180,32 +180,43 @@ fn drawn(entries: &[Entry], answer: &HistoryDiagnosis, column: usize, origin: Ut
     entries.iter().map(one).collect()
 }
 
-/// A station's step is somewhere between two records of peers. Of the gyro's own records between them, those after it are
-/// told by how well they fit.
+/// Where a station's step or window begins and ends is somewhere between two records of peers. Of the gyro's own records
+/// between them, those after it are told by how well they fit.
 fn place_steps(series: &Series, course: &mut Course) {
     for k in 0..course.taken.len() {
-        let (part, common) = course.taken[k];
-        let StationForm::Step(at) = part.form else { continue };
-        let Some(before) = course.before(part.station, at) else { continue };
-        let between = series.rows.iter().filter(|row| row.station == part.station && row.at > before && row.at < at);
-        let instants = std::iter::once(at).chain(between.map(|row| row.at));
-        let others: Vec<(Part, station::Common)> =
-            course.taken.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, taken)| *taken).collect();
-        let misfit = |at: UtcMicros| {
-            let part = Part { form: StationForm::Step(at), ..part };
-            let left = |row: &series::Row| {
-                let of = |part: &Part| part.at(row.station, row.at, row.years);
-                row.y - common.value * of(&part) - others.iter().map(|(p, c)| c.value * of(p)).sum::<f64>()
+        let station = course.taken[k].0.station;
+        for edge in 0..2 {
+            let (form, at): (&dyn Fn(UtcMicros) -> StationForm, UtcMicros) = match course.taken[k].0.form {
+                StationForm::Step(at) if edge == 0 => (&StationForm::Step, at),
+                StationForm::Between(from, until) if edge == 0 => (&move |at| StationForm::Between(at, until), from),
+                StationForm::Between(from, until) => (&move |at| StationForm::Between(from, at), until),
+                _ => continue,
             };
-            let weight: f64 = series.rows.iter().map(|row| 1.0 / row.variance).sum();
-            let mean = series.rows.iter().map(|row| left(row) / row.variance).sum::<f64>() / weight;
-            series.rows.iter().map(|row| (left(row) - mean).powi(2) / row.variance).sum::<f64>()
-        };
-        let best = instants.map(|at| (misfit(at), at)).min_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((_, at)) = best {
-            course.taken[k].0.form = StationForm::Step(at);
+            let Some(before) = course.before(station, at) else { continue };
+            let own = series.rows.iter().filter(|row| row.station == station && row.at > before && row.at < at);
+            let instants = std::iter::once(at).chain(own.map(|row| row.at));
+            let misfit = |at: UtcMicros| misfit(series, course, k, form(at));
+            let best = instants.map(|at| (misfit(at), at)).min_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((_, at)) = best {
+                course.taken[k].0.form = form(at);
+            }
         }
     }
+}
+
+/// Weighted squares of what is left of a gyro's records about their level, beside what the stations do, the `k`th part
+/// in another form.
+fn misfit(series: &Series, course: &Course, k: usize, form: StationForm) -> f64 {
+    let left = |row: &series::Row| {
+        let of_part = |(i, (part, common)): (usize, &(Part, station::Common))| {
+            let part = if i == k { Part { form, ..*part } } else { *part };
+            common.value * part.at(row.station, row.at, row.years)
+        };
+        row.y - course.taken.iter().enumerate().map(of_part).sum::<f64>()
+    };
+    let weight: f64 = series.rows.iter().map(|row| 1.0 / row.variance).sum();
+    let mean = series.rows.iter().map(|row| left(row) / row.variance).sum::<f64>() / weight;
+    series.rows.iter().map(|row| (left(row) - mean).powi(2) / row.variance).sum()
 }
 
 /// What the gyro's own records say of a part, beside a level: estimate and standard deviation.

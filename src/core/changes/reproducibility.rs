@@ -50,7 +50,10 @@ pub struct StationColumn {
     pub drift: Option<Shared>,
     /// Whether the drift is beyond chance.
     pub drifts: bool,
+    /// In order of time.
     pub steps: Vec<(UtcMicros, Shared)>,
+    /// From the first instant on and before the second it was off; in order of time.
+    pub windows: Vec<([UtcMicros; 2], Shared)>,
     pub by_gyro: Option<Spread>,
     pub course: Vec<CoursePoint>,
 }
@@ -151,19 +154,25 @@ fn of_station(
         Some((Shared { value: common.value, sd: common.sd, gyros: common.gyros, imus: common.imus }, taken.is_some()))
     };
     let drift = whole(StationForm::Drift);
-    let steps = course.taken.iter().filter_map(|(part, common)| match part.form {
-        StationForm::Step(at) if part.station == station => {
-            Some((at, Shared { value: common.value, sd: common.sd, gyros: common.gyros, imus: common.imus }))
+    let (mut steps, mut windows) = (Vec::new(), Vec::new());
+    for (part, common) in course.taken.iter().filter(|(part, _)| part.station == station) {
+        let shared = Shared { value: common.value, sd: common.sd, gyros: common.gyros, imus: common.imus };
+        match part.form {
+            StationForm::Step(at) => steps.push((at, shared)),
+            StationForm::Between(from, until) => windows.push(([from, until], shared)),
+            StationForm::Offset | StationForm::Drift => {}
         }
-        _ => None,
-    });
+    }
+    steps.sort_by_key(|(at, _)| *at);
+    windows.sort_by_key(|(between, _)| *between);
     let offset = (station != reference).then(|| whole(StationForm::Offset)).flatten();
     StationColumn {
         repeatability,
         offset: offset.map(|(shared, _)| shared),
         drift: drift.map(|(shared, _)| shared),
         drifts: drift.is_some_and(|(_, taken)| taken),
-        steps: steps.collect(),
+        steps,
+        windows,
         by_gyro: (station != reference).then(|| by_gyro(course, station)).flatten(),
         course: raw.course_of(station, POINTS),
     }

@@ -462,7 +462,7 @@ fn rank(candidate: &Candidate) -> u8 {
 
 fn rank_of_searched(candidate: &Candidate) -> Option<u8> {
     match candidate.part {
-        Some(Part { form: StationForm::Drift | StationForm::Step(_), .. }) => Some(3),
+        Some(Part { form, .. }) if form == StationForm::Drift || form.is_searched() => Some(3),
         _ => (candidate.cause == "step" || matches!(candidate.tie, Tie::SlopeSince(_))).then_some(2),
     }
 }

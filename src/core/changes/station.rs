@@ -1,7 +1,7 @@
 //! What a station does to every gyro that it measures: its offset, drift and steps, from gyros of other IMUs.
 //!
 //! Records of peer p: y = mu_p + sum of b c(t, station) + noise, with c of a part: 1 at the station (offset), t there
-//! (drift), 1 there from an instant on (step). Each peer gives an estimate b_p of its own, its level projected out; the
+//! (drift), 1 there from an instant on (step) or between two (window). Each peer gives an estimate b_p of its own, its level projected out; the
 //! station's is their robust mean (Huber from the weighted median), its standard deviation the larger of what the
 //! records' noise gives and the sandwich over IMUs, whose gyros are calibrated together and move together. So no gyro
 //! that ages or steps by itself makes its station do so. Parts are taken one by one, the most significant first, and
@@ -10,15 +10,22 @@
 use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
 use super::series::{Scatter, scatter_of};
 use crate::core::numerics::median::median_of;
+use crate::core::numerics::normal::SD_OF_MEDIAN;
 use crate::core::time::UtcMicros;
 
-/// |b|/sd from which a part is taken: of an offset or a drift, and of a step, whose instant is searched for.
+/// |b|/sd from which a part is taken: of an offset or a drift, and of a step or a window, which are searched for.
 const TAKEN: f64 = 4.5;
-const TAKEN_STEP: f64 = 5.0;
-/// Instants that are tried at a station before the best is refined.
+const TAKEN_SEARCHED: f64 = 5.0;
+/// Instants that are tried at a station, and to either side of the best, before that is refined.
 const INSTANTS: usize = 24;
-/// What the best of many instants gains by chance.
+const ABOUT: usize = 12;
+/// Lengths of windows that are looked through, days: a fault of hours to one of two months.
+const WINDOWS: [f64; 5] = [4.0, 8.0, 16.0, 32.0, 64.0];
+/// A record counts as so many of its standard deviations there, at most.
+const CLIPPED: f64 = 4.0;
+/// What the best of many instants, or of all windows, gains by chance.
 const SEARCHED: f64 = 12.0;
+const SEARCHED_WINDOWS: f64 = 18.0;
 /// Huber's constant.
 const HUBER: f64 = 1.5;
 /// Beside few IMUs a gyro's own records must agree with them within this, and be so significant themselves.
@@ -35,12 +42,7 @@ pub(super) struct Part {
 impl Part {
     /// Its column; `at` and `years` of one record.
     pub fn at(&self, station: usize, at: UtcMicros, years: f64) -> f64 {
-        match self.form {
-            _ if station != self.station => 0.0,
-            StationForm::Offset => 1.0,
-            StationForm::Drift => years,
-            StationForm::Step(from) => f64::from(at >= from),
-        }
+        if station == self.station { self.form.at(at, years) } else { 0.0 }
     }
 }
 
@@ -213,7 +215,8 @@ impl Course {
             // Near the ends of its records a step is an offset.
             let edge = instants.len() / 16 + 1;
             let inner = instants.iter().skip(edge).take(instants.len().saturating_sub(2 * edge));
-            all.extend(inner.step_by(every).map(|at| Part { station, form: StationForm::Step(*at) }));
+            let steps = inner.step_by(every).map(|at| StationForm::Step(*at)).chain(self.windows(station));
+            all.extend(steps.map(|form| Part { station, form }));
         }
         all
     }
@@ -226,19 +229,78 @@ impl Course {
         instants
     }
 
-    /// The best instant of a step among those about it.
+    /// Of each length the window in which the records at a station are furthest off together; none that begins with the
+    /// first record or ends with the last, which are steps.
+    fn windows(&self, station: usize) -> impl Iterator<Item = StationForm> {
+        let mut rows: Vec<&Row> =
+            self.peers.iter().flat_map(|peer| &peer.rows).filter(|row| row.station == station).collect();
+        rows.sort_by_key(|row| row.at);
+        // Each record's estimate times its weight, and the weight.
+        let terms: Vec<[f64; 2]> = (rows.iter())
+            .map(|row| [(row.y * row.weight.sqrt()).clamp(-CLIPPED, CLIPPED) * row.weight.sqrt(), row.weight])
+            .collect();
+        WINDOWS.into_iter().filter_map(move |days| {
+            let (mut end, mut sums) = (0, [0.0; 2]);
+            let mut best: Option<(f64, StationForm)> = None;
+            for start in 0..rows.len() {
+                while end < rows.len() && rows[end].at.days_since(rows[start].at) < days {
+                    (sums[0], sums[1]) = (sums[0] + terms[end][0], sums[1] + terms[end][1]);
+                    end += 1;
+                }
+                let is_inner = start > 0 && end < rows.len() && rows[start - 1].at < rows[start].at;
+                let rated = sums[0] * sums[0] / sums[1];
+                if is_inner && best.as_ref().is_none_or(|(most, _)| rated > *most) {
+                    best = Some((rated, StationForm::Between(rows[start].at, rows[end].at)));
+                }
+                (sums[0], sums[1]) = (sums[0] - terms[start][0], sums[1] - terms[start][1]);
+            }
+            best.map(|(_, form)| form)
+        })
+    }
+
+    /// The best instants of a step or a window among those about its own.
     fn refined(&self, part: Part, common: Common) -> (Part, Common) {
-        let StationForm::Step(at) = part.form else { return (part, common) };
         let instants = self.instants(part.station);
-        let every = instants.len().div_ceil(INSTANTS).max(1);
-        let k = instants.partition_point(|instant| *instant < at);
-        let about = &instants[k.saturating_sub(every).max(1)..(k + every + 1).min(instants.len())];
-        let finer = about.iter().map(|at| Part { form: StationForm::Step(*at), ..part });
-        finer
-            .filter_map(|part| Some((part, self.estimate(&part)?)))
-            .chain([(part, common)])
-            .max_by(|a, b| a.1.gain.total_cmp(&b.1.gain))
-            .unwrap_or((part, common))
+        let reach = instants.len().div_ceil(INSTANTS).max(1);
+        match part.form {
+            StationForm::Offset | StationForm::Drift => (part, common),
+            StationForm::Step(at) => self.best_about(&instants, at, reach, (part, common), StationForm::Step),
+            StationForm::Between(from, until) => {
+                let found =
+                    self.best_about(&instants, from, reach, (part, common), |at| StationForm::Between(at, until));
+                let StationForm::Between(from, _) = found.0.form else { return found };
+                self.best_about(&instants, until, reach, found, |at| StationForm::Between(from, at))
+            }
+        }
+    }
+
+    /// The best of a part's forms, one for each instant, from `reach` instants before one to as many after it: in strides,
+    /// then about the best in shorter ones.
+    fn best_about(
+        &self,
+        instants: &[UtcMicros],
+        at: UtcMicros,
+        reach: usize,
+        found: (Part, Common),
+        form: impl Fn(UtcMicros) -> StationForm,
+    ) -> (Part, Common) {
+        let (mut best, mut k) = (found, instants.partition_point(|instant| *instant < at));
+        let mut stride = reach.div_ceil(ABOUT);
+        loop {
+            let first = k.saturating_sub(ABOUT * stride).max(1);
+            let about = (first..instants.len().min(k + ABOUT * stride + 1)).step_by(stride);
+            for place in about {
+                let part = Part { form: form(instants[place]), ..best.0 };
+                let Some(common) = self.estimate(&part) else { continue };
+                if common.gain > best.1.gain {
+                    (best, k) = ((part, common), place);
+                }
+            }
+            if stride == 1 {
+                return best;
+            }
+            stride = stride.div_ceil(ABOUT);
+        }
     }
 
     fn subtract(&mut self, part: &Part, value: f64) {
@@ -247,15 +309,16 @@ impl Course {
         }
     }
 
-    /// Each part again, beside the others; what is significant no more is given up, and answered.
+    /// Each part again, beside the others, which were not there when its instants were found. What is significant no more is given up, and answered.
     fn estimate_again(&mut self) -> Vec<Part> {
         for _ in 0..4 {
             for k in 0..self.taken.len() {
                 let (part, old) = self.taken[k];
                 self.subtract(&part, -old.value);
                 let new = self.estimate(&part).unwrap_or(old);
+                let (part, new) = self.refined(part, new);
                 self.subtract(&part, new.value);
-                self.taken[k].1 = new;
+                self.taken[k] = (part, new);
             }
         }
         let mut given_up = Vec::new();
@@ -268,13 +331,18 @@ impl Course {
     }
 }
 
-/// The gain of a part; of a step less what the best of many instants gains by chance.
+/// The gain of a part, less what the best of many gains by chance.
 fn rated((part, common): &(Part, Common)) -> f64 {
-    common.gain - if matches!(part.form, StationForm::Step(_)) { SEARCHED } else { 0.0 }
+    common.gain
+        - match part.form {
+            StationForm::Offset | StationForm::Drift => 0.0,
+            StationForm::Step(_) => SEARCHED,
+            StationForm::Between(..) => SEARCHED_WINDOWS,
+        }
 }
 
 fn threshold(part: &Part) -> f64 {
-    if matches!(part.form, StationForm::Step(_)) { TAKEN_STEP } else { TAKEN }
+    if part.form.is_searched() { TAKEN_SEARCHED } else { TAKEN }
 }
 
 fn about_their_mean(mut rows: Vec<Row>) -> Vec<Row> {
@@ -288,12 +356,12 @@ fn about_their_mean(mut rows: Vec<Row>) -> Vec<Row> {
 fn own(part: &Part, rows: &[Row]) -> Option<(f64, f64)> {
     let [mut w, mut wc, mut wcc, mut wy, mut wcy] = [0.0; 5];
     let (mut with, mut without) = (0, 0);
-    let is_step = matches!(part.form, StationForm::Step(_));
+    let is_searched = part.form.is_searched();
     for row in rows {
         let c = part.at(row.station, row.at, row.years);
         with += usize::from(c != 0.0);
         // A step shows at the station itself; against others it is an offset.
-        without += usize::from(c == 0.0 && (!is_step || row.station == part.station));
+        without += usize::from(c == 0.0 && (!is_searched || row.station == part.station));
         w += row.weight;
         wc += row.weight * c;
         wcc += row.weight * c * c;
@@ -324,7 +392,7 @@ fn combined(each: &[(usize, f64, f64)]) -> Option<Common> {
     }
     let mut pulls: Vec<f64> = each.iter().map(|(_, b, info)| (b - value).abs() * info.sqrt()).collect();
     pulls.sort_by(f64::total_cmp);
-    let excess = if each.len() < 3 { 1.0 } else { (1.4826 * pulls[pulls.len() / 2]).max(1.0) };
+    let excess = if each.len() < 3 { 1.0 } else { (SD_OF_MEDIAN * pulls[pulls.len() / 2]).max(1.0) };
     let weigh = |value: f64, b: f64, info: f64| {
         let pull = (b - value).abs() * info.sqrt() / excess;
         info * if pull > HUBER { HUBER / pull } else { 1.0 }

@@ -243,6 +243,37 @@ fn a_station_that_drifts_or_is_re_levelled_is_not_blamed_on_the_gyro() {
     }
 }
 
+/// Every IMU three gyros and a day of its own in every three weeks; the station reads high for a fortnight.
+#[test]
+fn a_station_that_was_off_for_a_fortnight_is_dated_by_the_records_within_it() {
+    const HIGH: [i64; 2] = [600, 614];
+    let (mut dated, mut beyond, mut blamed) = (0, 0, 0);
+    for seed in 0..20 {
+        let mut fleet = Fleet::seeded(900 + seed);
+        let mut gyros: Vec<GyroHistory> = (0..18).map(|_| fleet.gyro(34)).collect();
+        for (k, gyro) in gyros.iter_mut().enumerate() {
+            in_imu(gyro, k / 3);
+            for (i, entry) in gyro.entries.iter_mut().enumerate() {
+                let day = 21 * i as i64 + 3 * (k as i64 / 3);
+                entry.at = UtcMicros(day * UtcMicros::DAY);
+                entry.station = "ST-1".into();
+                entry.d[0].value += if (HIGH[0]..HIGH[1]).contains(&day) { 0.004 } else { 0.0 };
+            }
+        }
+        let within = |at: &UtcMicros| (HIGH[0]..HIGH[1]).contains(&(at.0 / UtcMicros::DAY));
+        let records = || gyros.iter().flat_map(|gyro| gyro.entries.iter().map(|entry| entry.at));
+        let (first, last) = (records().filter(within).min(), records().filter(within).max());
+        let after = records().filter(|at| Some(*at) > last).min();
+        let column = stations(&gyros).expect("there are records").stations[0].columns[0].clone();
+        let between: Vec<[Option<UtcMicros>; 2]> = column.windows.iter().map(|(at, _)| at.map(Some)).collect();
+        dated += usize::from(between == [[first, after]] && column.steps.is_empty() && !column.drifts);
+        beyond += column.windows.iter().filter(|(_, size)| (size.value - 0.004).abs() > 3.0 * size.sd).count();
+        let own = of(&gyros[0], &gyros[1..], Coefficient::DI);
+        blamed += usize::from(own.causes.iter().any(|one| one.cause != "station"));
+    }
+    assert!(dated >= 15 && beyond <= 1 && blamed <= 1, "dated {dated} of 20, beyond 3 sd {beyond}, blamed {blamed}");
+}
+
 #[test]
 fn one_peer_that_ages_does_not_make_the_station_drift() {
     let mut fleet = Fleet::seeded(30);

@@ -27,6 +27,7 @@ change_temperature_gaps = about { $mean } degrees Celsius; { $missing ->
 change_station_offset = { $station } reads differently from { $against }
 change_station_drift = { $station } drifts
 change_station_step = { $station } stepped on { $day }
+change_station_between = { $station } was off from { $from } until { $until }
 change_proportion = D_O in proportion to D_S
 change_instant = between { $after } and { $before }
 

@@ -24,6 +24,7 @@ change_temperature_gaps = 以{ $mean }摄氏度为中心；{ $missing }条记录
 change_station_offset = { $station }与{ $against }读数不同
 change_station_drift = { $station }漂移
 change_station_step = { $station }于{ $day }阶跃
+change_station_between = { $station }自{ $from }至{ $until }期间偏离
 change_proportion = D_O与D_S成比例
 change_instant = { $after }与{ $before }之间
 

@@ -81,7 +81,7 @@ async fn a_step_fires_is_confirmed_and_resolves_while_the_baseline_goes_on_firin
     );
     assert_eq!(
         (&step["calibrated_at"], &step["limit"], &step["unit"]),
-        (&json!(day(120)), &json!(0.01), &json!("deg/(h g0)"))
+        (&json!(day(120)), &json!(0.01), &json!("deg/(h*g0)"))
     );
     assert!(step["reason"].as_str().unwrap().contains("0.0200 deg/(h g0) above"), "{step}");
     assert_eq!(

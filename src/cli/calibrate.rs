@@ -13,6 +13,7 @@ use crate::core::mounting::Slot;
 use crate::wire::calibration::{CampaignAnswer, GyroFitBody};
 use crate::wire::document::DocumentKind;
 use crate::wire::document::parse;
+use crate::wire::unit;
 
 /// Dwells with the largest standardised residuals that the table shows.
 const SHOWN_RESIDUALS: usize = 5;
@@ -129,7 +130,7 @@ fn parameter_table(gyros: &[GyroFitBody]) -> String {
                 Slot::from(gyro.slot).name().to_owned(),
                 p.name.clone(),
                 figure(p.value, p.sd),
-                document::unit(&p.unit),
+                unit::of_people(&p.unit),
                 remark.to_owned(),
             ]);
         }
@@ -138,7 +139,7 @@ fn parameter_table(gyros: &[GyroFitBody]) -> String {
                 Slot::from(gyro.slot).name().to_owned(),
                 format!("{} {}", e.effect, e.name),
                 e.sd.map_or(format!("{:+.3e}", e.value), |sd| format!("{:+.3e} ± {sd:.1e}", e.value)),
-                document::unit(&e.unit),
+                unit::of_people(&e.unit),
                 "effect".to_owned(),
             ]);
         }

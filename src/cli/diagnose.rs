@@ -19,6 +19,7 @@ use crate::wire::document::{is_csv, parse};
 use crate::wire::forecast::ChangedBody;
 use crate::wire::record::parse_record;
 use crate::wire::split::SplitBody;
+use crate::wire::unit;
 use crate::wire::{self, time};
 use crate::words::asked;
 
@@ -220,7 +221,7 @@ fn reference_parts(d: &DiagnosisBody) -> Option<String> {
             None => format!("{:+.3e}", m.shift),
         };
         let [reference, now] = [m.reference, m.now].map(|x| format!("{x:+.6}"));
-        moved.add_row([m.slot.clone(), m.coefficient.clone(), reference, now, shift, document::unit(&m.unit)]);
+        moved.add_row([m.slot.clone(), m.coefficient.clone(), reference, now, shift, unit::of_people(&m.unit)]);
     }
     let notes: String = split.notes.iter().map(|note| format!("\nnote: {note}")).collect();
     let head = format!("Against {}, measured by {} at {}", split.imu, split.station, split.measured_at);
@@ -261,7 +262,7 @@ fn effects(d: &DiagnosisBody) -> Option<String> {
                 gyros,
                 parameter,
                 format!("{:+.3e} ± {:.1e}", e.value, e.sd),
-                document::unit(&e.unit),
+                unit::of_people(&e.unit),
                 closure,
                 p,
                 detectability,

@@ -136,11 +136,6 @@ fn write_beside(part: &Path, target: &Path, text: &str, replaces: bool) -> std::
     std::fs::rename(part, target)
 }
 
-/// A unit as people read it: where JSON has `deg/(h*g0)`, all texts have `deg/(h g0)`.
-pub fn unit(of_json: &str) -> String {
-    of_json.replace('*', " ")
-}
-
 /// Prints a result as JSON, alone on standard output.
 pub fn print_json(result: &impl Serialize) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();

@@ -16,6 +16,7 @@ use crate::core::model::{Term, Terms};
 use crate::system::sha256;
 use crate::wire::campaign::terms_from_names;
 use crate::wire::document::parse;
+use crate::wire::unit;
 use crate::wire::{self, time};
 use crate::words;
 
@@ -210,7 +211,7 @@ fn tables(model: &Identified) -> String {
             c.slot.map_or("all", crate::core::mounting::Slot::name).to_owned(),
             one.name.to_owned(),
             format!("{:+.3e} ± {:.1e}", c.value, model.sd(place)),
-            document::unit(one.unit),
+            unit::of_people(one.unit),
         ]);
     }
     if model.effects.is_empty() {

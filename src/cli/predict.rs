@@ -14,6 +14,7 @@ use crate::simulate::{Scenario, simulate};
 use crate::wire::document::parse;
 use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastBody};
 use crate::wire::triple::Triple;
+use crate::wire::unit;
 
 /// Dwells that a table shows.
 const SHOWN: usize = 8;
@@ -210,7 +211,7 @@ pub(super) fn against_model(changed: &ChangedBody) -> String {
                 c.name.clone(),
                 format!("{:+.3e} ± {:.1e}", c.model, c.model_sd),
                 format!("{:+.3e} ± {:.1e}", c.now, c.now_sd),
-                document::unit(&c.unit),
+                unit::of_people(&c.unit),
                 format!("{:.1e}", effect.p_value),
                 if effect.changed { "yes" } else { "no" }.to_owned(),
             ]);

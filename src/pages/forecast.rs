@@ -16,6 +16,7 @@ use crate::wire::diagnosis::{InUseBody, InUseEffectBody};
 use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastPointBody, ThenNowBody};
 use crate::wire::model::ModelBody;
 use crate::wire::time;
+use crate::wire::unit;
 
 /// The forecasts of an IMU's campaigns, oldest first; nothing where there are none.
 pub(super) fn series(t: &Text, points: &[ForecastPointBody]) -> Markup {
@@ -238,7 +239,7 @@ fn came_true(t: &Text, point: &ForecastPointBody) -> Markup {
 
 /// Adopted coefficients then and now, and what the changed ones do to D_I and D_S.
 fn against_model(t: &Text, changed: &ChangedBody) -> Markup {
-    let with = |c: &ThenNowBody, value: f64, sd: f64| html! { (figure::with_sd(value, Some(sd), 6)) " " (c.unit) };
+    let with = |c: &ThenNowBody, value: f64, sd: f64| html! { (figure::with_sd(value, Some(sd), 6)) " " (unit::of_people(&c.unit)) };
     html! {
         h3 { (t.effects_then_and_now) }
         div.scroll tabindex="0" { table {

@@ -16,6 +16,7 @@ use crate::pipeline::{NotSplit, RecordSummary, StoredCampaign};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::problem::Problem;
 use crate::wire::split::{MovedBody, PartsBody, SplitBody};
+use crate::wire::unit;
 
 /// Calibrations of the IMU that are offered.
 const OFFERED: u32 = 60;
@@ -141,7 +142,7 @@ fn moved_row(moved: &MovedBody) -> Markup {
             td.n { (format!("{:.places$}", moved.reference)) } td.n { (format!("{:.places$}", moved.now)) }
             td.n { (format!("{:+.places$}", moved.shift)) }
             td.n { @if let Some(sd) = moved.sd { (format!("{sd:.places$}")) } @else { "–" } }
-            td { (moved.unit) }
+            td { (unit::of_people(&moved.unit)) }
         }
     }
 }

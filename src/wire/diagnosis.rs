@@ -15,6 +15,7 @@ use crate::core::diagnose as core;
 use crate::core::effects::{Effect, Estimate};
 use crate::core::mounting::Slot;
 use crate::message;
+use crate::wire::unit;
 use crate::words::{Language, asked};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -499,7 +500,7 @@ impl From<&Estimate> for EstimateBody {
             name: e.name.to_owned(),
             value: e.value,
             sd: e.sd,
-            unit: e.unit.to_owned(),
+            unit: unit::of_machines(e.unit),
         }
     }
 }

@@ -14,6 +14,7 @@ use crate::core::imu_model::{
 use crate::core::message::{Message, figure, significant, text};
 use crate::core::mounting::Slot;
 use crate::message;
+use crate::wire::unit;
 use crate::words::{Language, asked};
 
 /// Forecast of one campaign.
@@ -397,7 +398,7 @@ impl ChangedBody {
             coefficients: (one.coefficients.iter())
                 .map(|(c, [model, model_sd], [now, now_sd])| ThenNowBody {
                     name: c.name.to_owned(),
-                    unit: c.unit.to_owned(),
+                    unit: unit::of_machines(c.unit),
                     model: *model,
                     model_sd: *model_sd,
                     now: *now,

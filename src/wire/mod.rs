@@ -44,3 +44,4 @@ pub mod table;
 pub mod text;
 pub mod time;
 pub mod triple;
+pub mod unit;

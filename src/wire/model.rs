@@ -23,6 +23,7 @@ use crate::core::message::{Parameter as Filling, list, sent, text};
 use crate::core::mounting::Slot;
 use crate::core::name::normal_form;
 use crate::message;
+use crate::wire::unit;
 
 /// An augmented error model. Without effects it is model (6), or as much of it as `terms` names.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -301,10 +302,10 @@ impl KnownEstimateBody {
             );
             return None;
         };
-        if self.unit != coefficient.unit {
+        if unit::of_machines(&self.unit) != unit::of_machines(coefficient.unit) {
             faults.push(
                 format!("{place}/unit"),
-                message!("must_be", wanted = sent(coefficient.unit), value = sent(&self.unit)),
+                message!("must_be", wanted = sent(&unit::of_machines(coefficient.unit)), value = sent(&self.unit)),
             );
         }
         in_range(self.value, format_args!("{place}/value"), faults);
@@ -426,7 +427,7 @@ impl From<&KnownEffect> for KnownEffectBody {
                     name: e.name.to_owned(),
                     value: e.value,
                     sd: e.sd,
-                    unit: e.unit.to_owned(),
+                    unit: unit::of_machines(e.unit),
                 })
                 .collect(),
         }

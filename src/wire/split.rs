@@ -7,6 +7,7 @@ use super::message::MessageBody;
 use super::time;
 use crate::core::diagnose::{Moved, Parts, Split};
 use crate::core::mounting::Slot;
+use crate::wire::unit;
 use crate::words::{Language, asked};
 
 /// What parts a campaign from a reference of the same IMU.
@@ -87,7 +88,7 @@ impl From<&Moved> for MovedBody {
             now: m.now,
             shift: m.now - m.reference,
             sd: m.sd,
-            unit: m.unit.to_owned(),
+            unit: unit::of_machines(m.unit),
         }
     }
 }

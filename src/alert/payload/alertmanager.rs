@@ -15,6 +15,7 @@ use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::wire::alert::AlertBody;
 use crate::wire::time;
+use crate::wire::unit;
 use crate::words::asked;
 
 /// A pushed alert expires by itself when so many pushes have failed to come, but not within a day: a service that is
@@ -148,14 +149,14 @@ fn of_alert(alert: &AlertBody, severity: &str, ends_at: &str, context: &Context<
     let mut annotations = Labels::from([
         ("summary", summary(alert, alert.state == "resolved")),
         ("description", finding.reason.words(asked())),
-        ("limit", format!("{} {}", finding.limit, finding.unit)),
+        ("limit", format!("{} {}", finding.limit, unit::of_people(&finding.unit))),
     ]);
     let mut annotate = |name, text: Option<String>| {
         if let Some(text) = text {
             annotations.insert(name, text);
         }
     };
-    annotate("value", finding.value.map(|value| format!("{value} {}", finding.unit)));
+    annotate("value", finding.value.map(|value| format!("{value} {}", unit::of_people(&finding.unit))));
     annotate("imu", finding.imu.clone());
     annotate("slot", finding.slot.as_ref().map(ToString::to_string));
     annotate("station", finding.station.clone());

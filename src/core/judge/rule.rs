@@ -64,11 +64,11 @@ impl Unit {
     /// As machines read it.
     pub fn name(self) -> &'static str {
         match self {
-            Unit::Drift => "deg/(h g0)",
+            Unit::Drift => "deg/(h*g0)",
             Unit::Days => "days",
             Unit::StandardDeviations => "standard deviations",
             Unit::PulsePerArcsec => "pulse/arcsec",
-            Unit::PulsePerSecond => "pulse/(s g0)",
+            Unit::PulsePerSecond => "pulse/(s*g0)",
         }
     }
 

@@ -15,6 +15,7 @@ use crate::pages::{Pages, figure, residuals};
 use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
 use crate::wire::calibration::GyroFitBody;
 use crate::wire::problem::Problem;
+use crate::wire::unit;
 
 /// How long the page waits for a diagnosis that is being made.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -178,7 +179,7 @@ fn parameter(line: &Line) -> Markup {
             td.n class=[class.filter(|class| !class.is_empty())] data-label="(B - A)/σ" {
                 @if let Some(over) = over { (format!("{over:+.1}")) } @else { "–" }
             }
-            td translate="no" { (line.unit) }
+            td translate="no" { (unit::of_people(&line.unit)) }
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::pages::figure::{percent, short};
 use crate::pages::text::Text;
 use crate::pages::{figure, forecast, layout, residuals};
 use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, EstimateBody, HeldOutBody, ImpactBody};
+use crate::wire::unit;
 
 /// Slot and serial of each gyro in `gyros`; `against`: the gap against a reference.
 pub(super) fn of(t: &Text, d: &DiagnosisBody, gyros: &[(String, String)], against: &Markup) -> Markup {
@@ -65,7 +66,7 @@ fn sizes(t: &Text, effect: &EffectBody) -> String {
         let slot = if estimate.slot == "all" { String::new() } else { format!("{} ", estimate.slot) };
         let name = if estimate.name == "k" { String::new() } else { format!("{} = ", estimate.name) };
         let value = figure::with_sd(factor * estimate.value, Some(factor * estimate.sd).filter(|sd| *sd > 0.0), 3);
-        format!("{slot}{name}{value} {unit}").trim_end().to_owned()
+        format!("{slot}{name}{value} {}", unit::of_people(unit)).trim_end().to_owned()
     };
     effect.estimates.iter().map(size).collect::<Vec<_>>().join(t.semicolon)
 }
@@ -197,7 +198,7 @@ fn one_effect(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String
                 tbody { @for estimate in &effect.estimates {
                     tr {
                         td { (if estimate.slot == "all" { t.all_gyros } else { &estimate.slot }) } td { (estimate.name) }
-                        td.n { (figure::with_sd(estimate.value, Some(estimate.sd), 6)) } td { (estimate.unit) }
+                        td.n { (figure::with_sd(estimate.value, Some(estimate.sd), 6)) } td { (unit::of_people(&estimate.unit)) }
                     }
                 } }
             } }

@@ -9,6 +9,7 @@ use crate::store::{AlertOf, AlertRow, Changes, NewName, StoreError, Tables};
 use crate::wire::alert::{AcknowledgementBody, AlertBody, FindingBody, SilenceBody};
 use crate::wire::reason::Reason;
 use crate::wire::time;
+use crate::wire::unit;
 
 /// Where the judged figures come from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,13 +123,15 @@ fn silence_of(row: &AlertRow, now: UtcMicros) -> Option<SilenceBody> {
     })
 }
 
-/// The last verdict that an alert has followed.
+/// The last verdict that an alert has followed. Earlier versions spelled its unit as people do.
 ///
 /// # Errors
 /// [`StoreError::Damaged`] where it cannot be read.
 pub fn finding_of(row: &AlertRow) -> Result<FindingBody, StoreError> {
-    serde_json::from_str(&row.finding)
-        .map_err(|error| StoreError::Damaged(format!("the finding of alert {}: {error}", row.id)))
+    let mut finding: FindingBody = serde_json::from_str(&row.finding)
+        .map_err(|error| StoreError::Damaged(format!("the finding of alert {}: {error}", row.id)))?;
+    finding.unit = unit::of_machines(&finding.unit).into();
+    Ok(finding)
 }
 
 /// What the gyro is, by an alert and the last verdict that it has followed.

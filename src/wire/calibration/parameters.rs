@@ -7,6 +7,7 @@ use utoipa::ToSchema;
 
 use crate::core::calibrate::design::unit;
 use crate::core::calibrate::{EffectParameter, GyroCalibration, NullDirection, Parameter};
+use crate::wire::unit;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ParameterBody {
@@ -55,7 +56,7 @@ impl EffectParameterBody {
         Self {
             effect: e.effect.id().to_owned(),
             name: e.coefficient.name.to_owned(),
-            unit: e.coefficient.unit.to_owned(),
+            unit: unit::of_machines(e.coefficient.unit),
             value: e.value,
             sd: e.sd,
         }

@@ -15,6 +15,7 @@ use crate::message;
 use crate::wire::geometry::GeometryBody;
 use crate::wire::numbers::in_range;
 use crate::wire::triple::Triple;
+use crate::wire::unit;
 use crate::wire::{text, time};
 
 /// Most coefficients that a model may have: three gyros with every effect of the catalogue.
@@ -144,7 +145,7 @@ impl IdentifiedBody {
                 value: c.value,
                 sd: model.sd(place),
                 between_campaigns_sd: c.between,
-                unit: unit.to_owned(),
+                unit: unit::of_machines(unit),
             }
         };
         let gyro = |gyro: &ModelGyro| ModelGyroBody {
@@ -346,8 +347,9 @@ impl ModelCoefficientBody {
             faults.push(format!("{place}/name"), message!("must_be_one_of", known = known, value = sent(&self.name)));
             None
         })?;
-        if self.unit != unit {
-            let unknown = message!("must_be", wanted = sent(unit), value = sent(&self.unit));
+        let unit = unit::of_machines(unit);
+        if unit::of_machines(&self.unit) != unit {
+            let unknown = message!("must_be", wanted = sent(&unit), value = sent(&self.unit));
             faults.push(format!("{place}/unit"), unknown);
         }
         Some(ModelCoefficient { slot, of, value: self.value, between: self.between_campaigns_sd })

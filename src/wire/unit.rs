@@ -1,0 +1,34 @@
+//! Units as machines and as people read them: `deg/(h*g0)` and `deg/(h g0)`.
+
+/// As every format for machines has it; both spellings are read.
+pub fn of_machines(unit: &str) -> String {
+    let mut is_within = false;
+    let spelled = unit.chars().map(|c| {
+        is_within = (is_within || c == '(') && c != ')';
+        if is_within && c == ' ' { '*' } else { c }
+    });
+    spelled.collect()
+}
+
+pub fn of_people(unit: &str) -> String {
+    unit.replace('*', " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_products_in_a_denominator_are_spelled_twice() {
+        for (people, machines) in [
+            ("deg/(h g0)", "deg/(h*g0)"),
+            ("deg/(h g0^2 K)", "deg/(h*g0^2*K)"),
+            ("deg/h/(deg/h)^2", "deg/h/(deg/h)^2"),
+            ("standard deviations", "standard deviations"),
+            ("deg/(h g0) per campaign", "deg/(h*g0) per campaign"),
+        ] {
+            assert_eq!((of_machines(people).as_str(), of_people(machines).as_str()), (machines, people));
+            assert_eq!(of_machines(machines), machines);
+        }
+    }
+}

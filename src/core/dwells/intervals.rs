@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::blocks::{Series, Track};
+use crate::core::numerics::normal::SD_OF_MEDIAN;
 
 /// What is looked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,7 +67,6 @@ const LOCAL: usize = 48;
 /// Quantile of |change| for the first guess of the noise, and what it is for a normal distribution.
 const QUANTILE: f64 = 0.3;
 const NORMAL_QUANTILE: f64 = 0.385_320_5;
-const NORMAL_MEDIAN: f64 = 0.674_489_8;
 /// Room for regular dwells: durations and pauses that agree so well are a programme's.
 const REGULAR: f64 = 0.03;
 /// What the first or last dwell may last, in regular ones.
@@ -157,7 +157,7 @@ fn mark(
         let of = |share: f64, normal: f64, of: Vec<f64>| (quantile(of, share) / normal).max(least);
         let rough = of(QUANTILE, NORMAL_QUANTILE, changes.iter().map(|c| c.1.abs()).collect());
         let still: Vec<f64> = changes.iter().map(|c| c.1.abs()).filter(|c| *c <= CHANGE * rough).collect();
-        let sigma = of(0.5, NORMAL_MEDIAN, still).min(rough.max(least)).min(most).max(least);
+        let sigma = of(0.5, 1.0 / SD_OF_MEDIAN, still).min(rough.max(least)).min(most).max(least);
         most = GROWTH * sigma;
         let reach = half.div_ceil(2);
         let beyond = |c: &&(usize, f64)| {
@@ -179,7 +179,7 @@ fn local(changes: &[(usize, f64)], blocks: usize) -> Vec<f64> {
     for (at, change) in changes {
         pieces[at / LOCAL].push(change.abs());
     }
-    pieces.into_iter().map(|piece| quantile(piece, 0.5) / NORMAL_MEDIAN).collect()
+    pieces.into_iter().map(|piece| SD_OF_MEDIAN * quantile(piece, 0.5)).collect()
 }
 
 /// Half a count of the converter. A channel of few levels that changes hardly ever is a command: it has no noise.

@@ -7,6 +7,7 @@ use super::worth::{Tried, Worth};
 use super::{Cause, EARTH, Finding, Part, Symptom};
 use crate::core::campaign::{Campaign, Dwell, Phase};
 use crate::core::numerics::median::median_of;
+use crate::core::numerics::normal::{MEDIAN_ERROR, SD_OF_MEDIAN};
 
 /// A mistake that explains a campaign leaves at most this share of its dwells unexplained.
 const LEFT_OVER: f64 = 0.05;
@@ -257,7 +258,7 @@ fn gravity(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
         return finding(unit.map(|(unit, _)| Cause::ForceUnit { unit }), true);
     }
     let spread = median_of(ratios().map(|r| (r - ratio).abs())).unwrap_or(0.0);
-    let error = 1.2533 * 1.4826 * spread / (dwells.len() as f64).sqrt();
+    let error = MEDIAN_ERROR * SD_OF_MEDIAN * spread / (dwells.len() as f64).sqrt();
     let common = (ratio - 1.0).abs() > 3.0 * error;
     let impossible = expected.is_none() && !(GRAVITY_ON_EARTH.0..=GRAVITY_ON_EARTH.1).contains(&ratio);
     let worth_telling = expected.is_some() && (ratio - 1.0).abs() > 1e-4;

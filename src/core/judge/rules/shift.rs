@@ -8,6 +8,7 @@ use crate::core::judge::noise::Prior;
 use crate::core::judge::sample::Measured;
 use crate::core::judge::{Finding, Rule, State, Verdict};
 use crate::core::numerics::median::median;
+use crate::core::numerics::normal::SD_OF_MEDIAN;
 
 /// Cells before it says anything.
 pub const SHIFT_MIN_CELLS: usize = 8;
@@ -17,8 +18,6 @@ const NEWEST: usize = 3;
 const STANDARD_DEVIATIONS: f64 = 3.0;
 /// Deviations from the median count for no more than so many scatters.
 const CLIPPED_AT: f64 = 3.0;
-/// Median of |N(0, 1)| -> standard deviation.
-const NORMAL_FROM_MAD: f64 = 1.4826;
 
 /// The value is |median of the newest three cells - level of up to 37 cells before|, a cell being the mean of one
 /// week's records. The limit is `limits.least`, or three standard deviations of the value where those are more: what
@@ -45,7 +44,7 @@ pub(crate) fn shift(case: &Case<'_>, limits: &ShiftLimits) -> Verdict {
     let (center, now) = (middle(before), middle(newest));
     let mut off = [0.0; CELLS];
     off.iter_mut().zip(before).for_each(|(off, x)| *off = (x - center).abs());
-    let clip = CLIPPED_AT * (NORMAL_FROM_MAD * middle(&off[..k])).max(prior.least);
+    let clip = CLIPPED_AT * (SD_OF_MEDIAN * middle(&off[..k])).max(prior.least);
     let clipped = |x: &f64| (x - center).clamp(-clip, clip);
     let mean = before.iter().map(clipped).sum::<f64>() / k as f64;
     let squares = before.iter().map(|x| (clipped(x) - mean).powi(2)).sum::<f64>();

@@ -152,8 +152,12 @@ fn standard_errors_are_rescaled_by_repeats() {
     // Twenty repeats of one position scatter by 0.2 about their mean where 0.1 is stated.
     let scatter = |k: usize| if k.is_multiple_of(2) { 0.2 } else { -0.2 };
     let rows: Vec<Row> = (0..20).map(|k| (FACES[0], [0.0; 3], 5.0 + scatter(k), Some(0.1))).collect();
-    let calibration = calibrate_in_white_noise(&campaign(&rows, Some([1.0, 0.0, 0.0])), Terms::of(&[Term::Bias]));
-    assert_close(calibration.sem_factor().expect("errors are stated"), (84.0f64 / 23.0).sqrt());
+    let mut calibration = calibrate_in_white_noise(&campaign(&rows, Some([1.0, 0.0, 0.0])), Terms::of(&[Term::Bias]));
+    let mut quiet = calibration.gyros[0].clone();
+    quiet.noise.factor = Some(1.0);
+    calibration.gyros.push(quiet);
+    // The root mean square of both gyros'.
+    assert_close(calibration.sem_factor().expect("errors are stated"), ((84.0f64 / 23.0 + 1.0) / 2.0).sqrt());
     let fit = &calibration.gyros[0];
     let noise = fit.noise;
     assert_eq!((noise.source, noise.pure_error.dof), (noise::Source::SemAndRepeats, 19));

@@ -357,6 +357,19 @@ mod tests {
     }
 
     #[test]
+    fn a_straight_line_has_no_bend_at_uneven_times() {
+        let noise = Noise { phi: 0.0, walk: 0.0, of_fleet: true };
+        let t = [-9.0, -4.0, -2.0, -1.0, -0.5, 0.0];
+        let bend = |x: fn(f64) -> f64| {
+            let (x, first, sd) = (t.map(x), [UtcMicros(0); 6], [None; 6]);
+            let points = Points { first: &first, t: &t, x: &x, sd: &sd };
+            Line::through(points, &noise, Prior { least: 1e-6, ..Prior::of(1e-3, &sd) }).bend
+        };
+        assert!(bend(|t| 3.0 + 2.0 * t).abs() < 1e-6, "{}", bend(|t| 3.0 + 2.0 * t));
+        assert!(bend(|t| 1e-2 * t * t) > 1.0 && bend(|t| -1e-2 * t * t) < -1.0);
+    }
+
+    #[test]
     fn a_point_is_left_out_by_the_scatter_of_the_others() {
         // Level but for +-1 by turns and one that is off by `off`: its distance from the others in their standard
         // deviations is known to fit between 4 sqrt((n - 3)/n) and 4 by the choice of `off`.

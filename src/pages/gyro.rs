@@ -140,7 +140,7 @@ async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> R
 const PATIENCE: Duration = Duration::from_millis(400);
 
 /// Why its coefficients changed; none for a gyro without calibrations, and where that takes longer.
-async fn explained(
+pub(super) async fn explained(
     pages: &Pages,
     number: u32,
     serial: &str,

@@ -138,7 +138,15 @@ pub(super) fn head(
             p.lead { (t.never_calibrated) }
         }
         (loads(t, &facts.stands(judged)))
-        (causes(t, serial, facts, explained))
+        div.causes {
+            (causes(t, facts, explained))
+            @if !facts.course.figures.is_empty() {
+                p {
+                    a href={ "/gyros/" (encoded(serial)) "/diagnosis" } { (t.history_diagnosis) } " · "
+                    a href={ "/v1/gyros/" (encoded(serial)) "/diagnosis" } { "JSON" }
+                }
+            }
+        }
         (decided(viewer, serial, facts))
     }
 }
@@ -206,31 +214,23 @@ fn load_row(t: &Text, stand: &Stand) -> Markup {
 }
 
 /// Why those coefficients changed of which a rule speaks: the gyro's own causes first.
-fn causes(t: &Text, serial: &str, facts: &Facts, explained: Option<&ExplainedHistory>) -> Markup {
+pub(super) fn causes(t: &Text, facts: &Facts, explained: Option<&ExplainedHistory>) -> Markup {
     let speaks = |column: usize| facts.standing.as_ref().is_some_and(|one| one.drift[column] >= Status::Drifting);
     let answers = explained.into_iter().flat_map(|explained| explained.coefficients.iter().enumerate());
     html! {
-        div.causes {
-            @for (_, answer) in answers.filter(|(column, _)| speaks(*column)) {
-                p {
-                    strong { (t.cause) " " (symbol(answer.coefficient.name())) (t.colon) } " "
-                    @for cause in own_first(answer).take(MOST_CAUSES) {
-                        (t.words(&cause_word(cause.cause))) " ("
-                        (t.words(&cause.tie.message())) ") "
-                        span.nowrap {
-                            (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) " "
-                            (drift_unit(t, cause.estimate.unit))
-                        }
-                        "; "
+        @for (_, answer) in answers.filter(|(column, _)| speaks(*column)) {
+            p {
+                strong { (t.cause) " " (symbol(answer.coefficient.name())) (t.colon) } " "
+                @for cause in own_first(answer).take(MOST_CAUSES) {
+                    (t.words(&cause_word(cause.cause))) " ("
+                    (t.words(&cause.tie.message())) ") "
+                    span.nowrap {
+                        (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) " "
+                        (drift_unit(t, cause.estimate.unit))
                     }
-                    (t.words(&answer.opening()))
+                    "; "
                 }
-            }
-            @if !facts.course.figures.is_empty() {
-                p {
-                    a href={ "/gyros/" (encoded(serial)) "/diagnosis" } { (t.history_diagnosis) } " · "
-                    a href={ "/v1/gyros/" (encoded(serial)) "/diagnosis" } { "JSON" }
-                }
+                (t.words(&answer.opening()))
             }
         }
     }

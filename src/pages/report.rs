@@ -7,7 +7,7 @@ use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
 
-use super::gyro::{Facts, agreement, calibration_table, known};
+use super::gyro::{Facts, agreement, calibration_table, explained, known};
 use super::layout::{DRIFTS, Page, Section, instant, symbol};
 use super::text::Text;
 use super::viewer::Viewer;
@@ -38,6 +38,7 @@ pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Res
     let number = known(pages, serial)?;
     let view = View::whole(pages.config.judging.method);
     let facts = Facts::of(pages, number, serial, &view, 0).await?;
+    let explained = explained(pages, number, serial, &facts).await?;
     let rested_on = rested_on(pages, &facts).await?;
     let names = pages.pipeline.queries.names();
     let plots = history_plot::plots(viewer, serial, view, facts.seen(), &names, "");
@@ -49,6 +50,7 @@ pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Res
                 (as_of(pages, viewer))
                 (identity(viewer, serial, &view, &facts, &names))
                 (gyro_head::loads(t, &facts.stands(view.judged)))
+                div.causes { (gyro_head::causes(t, &facts, explained.as_ref())) }
                 (conclusion(t, &facts))
                 (plots.of(&[0, 1]))
                 div.beside { (limits(t, &facts.course.limits)) (hashes(t, &rested_on)) }

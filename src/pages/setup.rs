@@ -58,7 +58,7 @@ fn limits(t: &Text, judging: &Judging) -> Markup {
         html! {
             tr {
                 td { (symbol(name)) } th scope="row" { (t.rule(rule)) }
-                td.n { (figure::short(limit.value)) } td { (unit) } td { code { (limit.from) } }
+                td.n { @if rule == Rule::Shift { "≥ " } (figure::short(limit.value)) } td { (unit) } td { code { (limit.from) } }
             }
         }
     };

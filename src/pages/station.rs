@@ -9,13 +9,15 @@ use super::alerts;
 use super::course::Course;
 use super::figure;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
+use super::stations::is_open_of;
 use super::viewer::Viewer;
 use crate::core::access::Role;
-use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{Shared, Spread, StationColumn};
+use crate::core::time::UtcMicros;
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
+use crate::wire::time;
 
 pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(name): Path<String>) -> Response {
     viewer.show(build(&pages, &viewer, &name).await)
@@ -27,18 +29,16 @@ async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Probl
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
     let overdue = overdue.get(name).copied().unwrap_or_default();
     let told = pages.pipeline.alerts.of_stations(&AlertFilter::default()).await?;
-    let is_open = |alert: &&AlertBody| alert.name() == name && alert.state != Standing::Resolved.name();
-    let open: Vec<&AlertBody> = told.iter().filter(is_open).collect();
+    let open: Vec<&AlertBody> = told.iter().filter(|alert| is_open_of(alert, name)).collect();
     let figures = found.as_ref().and_then(|found| found.stations.iter().find(|station| *station.name == *name));
     let (found, figures) = found.as_ref().zip(figures).ok_or_else(|| Problem::no_such_station(name))?;
     let body = html! {
         h1 { (t.station) " " (name) }
         p.lead {
             (t.last_seen) " " (instant(figures.last)) " · " (figures.records) " " (t.calibrations_seen)
-            " · " (figures.gyros) " " (t.gyros)
+            " · " a href={ "/fleet?station=" (encoded(name)) "&station_when=ever" } { (t.count_of_gyros(figures.gyros)) }
             @if figures.imus > 0 { " · " (figures.imus) " " (t.imu) }
             " · " (overdue) " " (t.overdue_gyros)
-            " · " a href={ "/fleet?station=" (encoded(name)) } { (t.gyros) }
             " · " a href={ "/v1/stations/" (encoded(name)) } { "JSON" }
         }
         @if !open.is_empty() { (alerts::table(viewer, open.into_iter(), false, None)) }
@@ -73,7 +73,7 @@ fn section(viewer: &Viewer, name: &str, coefficient: &str, column: &StationColum
         name,
         points: column.course.iter().map(|point| (point.at, point.value, Some(point.sd))).collect(),
         lines: Vec::new(),
-        marks: column.steps.iter().map(|(at, _)| (*at, t.step_found.to_owned())).collect(),
+        marks: changes(column).into_iter().map(|(at, ..)| (at, t.step_found.to_owned())).collect(),
     };
     html! {
         section {
@@ -87,11 +87,31 @@ fn section(viewer: &Viewer, name: &str, coefficient: &str, column: &StationColum
                 @if let Some(drift) = &column.drift {
                     dt { (t.drift_a_year) } dd { (shared(drift)) @if !column.drifts { " (" (t.within_chance) ")" } }
                 }
-                @for (at, step) in &column.steps { dt { (t.step_found) " " (instant(*at)) } dd { (shared(step)) } }
+                @for (from, until, size) in changes(column) {
+                    dt {
+                        (if until.is_some() { t.off_found } else { t.step_found }) " " (instant(from))
+                        @if let Some(until) = until { " … " (instant(until)) }
+                    }
+                    dd { (shared(size)) @if viewer.may(Role::Engineer) {
+                        " " a.action href={
+                            "/stations/" (encoded(name)) "/suspect?from=" (time::format(from))
+                            @if let Some(until) = until { "&to=" (time::format(until)) }
+                        } { (t.suspect_from_here) }
+                    } }
+                }
                 @if let Some(by_gyro) = &column.by_gyro { dt { (t.gyro_by_station) } dd { (said(Some(by_gyro))) } }
             }
         }
     }
+}
+
+/// Its steps and the windows in which it was off: when each began and ended, and its size. Oldest first.
+pub(super) fn changes(column: &StationColumn) -> Vec<(UtcMicros, Option<UtcMicros>, &Shared)> {
+    let steps = column.steps.iter().map(|(at, size)| (*at, None, size));
+    let mut all: Vec<_> =
+        steps.chain(column.windows.iter().map(|([from, until], size)| (*from, Some(*until), size))).collect();
+    all.sort_by_key(|(from, ..)| *from);
+    all
 }
 
 fn shared(shared: &Shared) -> Markup {

@@ -1,15 +1,22 @@
-//! `/stations`: what each station does to results.
+//! `/stations`: what each station does to results, the one that is furthest out first.
+
+use std::cmp::Reverse;
 
 use axum::extract::State as Held;
 use axum::response::Response;
 use maud::{Markup, html};
 
 use super::Pages;
-use super::figure;
-use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
+use super::bullet;
+use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
+use super::station::changes;
 use super::text::Text;
 use super::viewer::Viewer;
-use crate::pipeline::StationEffect;
+use crate::core::alert_decision::Standing;
+use crate::core::alert_filter::AlertFilter;
+use crate::core::changes::{Shared, StationFigures};
+use crate::core::judge::{Measured, Status};
+use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 
 pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
@@ -19,36 +26,89 @@ pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
 async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
     let t = viewer.text();
     let fleet = &pages.pipeline.queries.fleet;
-    let (stations, overdue) = (fleet.stations().await?, fleet.overdue_of_stations().await?);
+    let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
+    let told = pages.pipeline.alerts.of_stations(&AlertFilter::default()).await?;
+    let budget = pages.config.judging.budget;
     let body = html! {
         h1 { (t.stations) }
-        @if stations.is_empty() { p.lead { (t.nothing_yet) } } @else {
-            p.note { (t.station_note) " " (t.unit) }
+        @if let Some(found) = found {
+            @let mut stations: Vec<&StationFigures> = found.stations.iter().collect();
+            @let () = stations.sort_by_cached_key(|station| Reverse((1e6 * furthest(station) / budget) as u64));
+            p.note { (t.offset_against) " " (found.against) ". " (t.stations_note) }
             div.scroll tabindex="0" { table.cards {
                 thead { tr {
-                    th { (t.station) } th { (t.last_seen) } th.n { (t.calibrations_seen) } th.n { (t.overdue_gyros) }
-                    th.n { (t.scatter) " " (symbol("D_I")) } th.n { (t.scatter) " " (symbol("D_S")) }
-                    th.n { (t.on_arrival) " " (symbol("D_I")) } th.n { (t.on_arrival) " " (symbol("D_S")) } th.n.capital { (t.changes_seen) }
+                    th { (t.station) } th.capital { (t.alerts) }
+                    @for name in DRIFTS.iter().take(2) { th.nowrap { (t.offset) " " (symbol(name)) } }
+                    @for name in DRIFTS.iter().take(2) { th.n.nowrap { (t.repeatability_short) " " (symbol(name)) } }
+                    th { (t.drift_a_year) } th { (t.last_step) }
+                    th.n.capital { (t.calibrations_seen) } th.n.capital { (t.overdue_gyros) } th { (t.last_seen) }
                 } }
-                tbody { @for station in &stations { (line(t, station, overdue.get(&*station.name).copied().unwrap_or_default())) } }
+                tbody { @for station in stations {
+                    @let is_open = |alert: &&_| is_open_of(alert, &station.name);
+                    @let alerts = told.iter().filter(is_open).count();
+                    (line(t, station, budget, alerts, overdue.get(&*station.name).copied().unwrap_or_default()))
+                } }
             } }
-        }
+        } @else { p.lead { (t.nothing_yet) } }
     };
     Ok(Page { title: t.stations.into(), section: Section::Stations, body })
 }
 
-fn line(t: &Text, station: &StationEffect, overdue: usize) -> Markup {
+/// Whether this alert of a station has not been resolved.
+pub(super) fn is_open_of(alert: &AlertBody, station: &str) -> bool {
+    alert.name() == station && alert.state != Standing::Resolved.name()
+}
+
+/// How far a station is out, deg/(h g0): the largest of its offsets, its drifts in a year where they are beyond chance,
+/// and the repeatability of its records.
+fn furthest(station: &StationFigures) -> f64 {
+    let sizes = station.columns.iter().flat_map(|column| {
+        let offset = column.offset.as_ref().map(|offset| offset.value.abs());
+        let drift = column.drift.as_ref().filter(|_| column.drifts).map(|drift| drift.value.abs());
+        [offset, drift, column.repeatability.as_ref().map(|spread| spread.sd)]
+    });
+    sizes.flatten().fold(0.0, f64::max)
+}
+
+fn line(t: &Text, station: &StationFigures, budget: f64, alerts: usize, overdue: usize) -> Markup {
+    let load = |shared: &Shared| Measured { value: shared.value, sd: Some(shared.sd) }.in_units_of(budget);
+    let columns = || station.columns.iter().zip(DRIFTS);
     html! {
         tr {
-            th scope="row" { a href={ "/stations/" (encoded(&station.name)) } { (station.name) } " · " a href={ "/fleet?station=" (encoded(&station.name)) } { (t.gyros) } }
-            td data-label=(t.last_seen) { (instant(station.last)) }
+            th.nowrap scope="row" {
+                a href={ "/stations/" (encoded(&station.name)) } { (station.name) }
+                " · " a href={ "/fleet?station=" (encoded(&station.name)) "&station_when=ever" } { (t.count_of_gyros(station.gyros)) }
+            }
+            td data-label=(t.alerts) { @if alerts > 0 { a href={ "/stations/" (encoded(&station.name)) } { (alerts) } } }
+            @for (column, name) in columns() {
+                td.trend data-label={ (t.offset) " " (name) } {
+                    @if let Some(load) = column.offset.as_ref().map(load) {
+                        @let status = if load.value.abs() > 1.0 { Status::OutOfTolerance } else { Status::InTolerance };
+                        (bullet::bar(load, status)) span.n { (bullet::percent(load)) }
+                    }
+                }
+            }
+            @for (column, name) in columns() {
+                td.n data-label={ (t.repeatability_short) " " (name) } {
+                    @if let Some(spread) = &column.repeatability { (format!("{:.1}", 100.0 * spread.sd / budget)) }
+                }
+            }
+            td data-label=(t.drift_a_year) { @for (column, name) in columns() {
+                @if let Some(drift) = column.drift.as_ref().filter(|_| column.drifts) {
+                    span.slope { (symbol(name)) " " (bullet::percent(load(drift))) } " "
+                }
+            } }
+            td data-label=(t.last_step) { @for (column, name) in columns() {
+                @if let Some((from, until, size)) = changes(column).pop() {
+                    span.slope {
+                        (day(from)) @if let Some(until) = until { " … " (day(until)) }
+                        " " (symbol(name)) " " (bullet::percent(load(size)))
+                    } " "
+                }
+            } }
             td.n data-label=(t.calibrations_seen) { (station.records) }
             td.n data-label=(t.overdue_gyros) { (overdue) }
-            @for (scatter, name) in station.scatter.into_iter().zip(DRIFTS) { td.n data-label={ (t.scatter) " " (name) } { @if let Some(scatter) = scatter { (figure::fixed(scatter, 6)) } @else { "–" } } }
-            @for (arrival, name) in station.arrival.into_iter().zip(DRIFTS) {
-                td.n data-label={ (t.on_arrival) " " (name) } { @if let Some((mean, error)) = arrival { (figure::with_sd(mean, error, 6)) } @else { "–" } }
-            }
-            td.n data-label=(t.changes_seen) { (station.arrivals) }
+            td data-label=(t.last_seen) { (instant(station.last)) }
         }
     }
 }

@@ -2,7 +2,7 @@
 //! and counts again.
 
 use axum::Form;
-use axum::extract::{Path, State as Held};
+use axum::extract::{Path, Query, State as Held};
 use axum::response::Response;
 use maud::html;
 use serde::Deserialize;
@@ -32,12 +32,22 @@ enum Doing {
     Trust,
 }
 
-pub(super) async fn ask_suspect(pages: Held<Pages>, viewer: Viewer, name: Path<String>) -> Response {
-    ask(&pages, &viewer, &name, Doing::Suspect).await
+pub(super) async fn ask_suspect(
+    pages: Held<Pages>,
+    viewer: Viewer,
+    name: Path<String>,
+    window: Query<Window>,
+) -> Response {
+    ask(&pages, &viewer, &name, &window, Doing::Suspect).await
 }
 
-pub(super) async fn ask_trust(pages: Held<Pages>, viewer: Viewer, name: Path<String>) -> Response {
-    ask(&pages, &viewer, &name, Doing::Trust).await
+pub(super) async fn ask_trust(
+    pages: Held<Pages>,
+    viewer: Viewer,
+    name: Path<String>,
+    window: Query<Window>,
+) -> Response {
+    ask(&pages, &viewer, &name, &window, Doing::Trust).await
 }
 
 pub(super) async fn suspect(
@@ -58,12 +68,11 @@ pub(super) async fn trust(
     answered(&viewer, done(&pages, &viewer, &name, &window, Doing::Trust).await)
 }
 
-async fn ask(pages: &Pages, viewer: &Viewer, name: &str, doing: Doing) -> Response {
-    let window = Window::default();
+async fn ask(pages: &Pages, viewer: &Viewer, name: &str, window: &Window, doing: Doing) -> Response {
     let known = known(pages, name).await;
     viewer.show(
         known.map(|()| {
-            with_form(viewer, name, &window, doing, |deed| deed.page(viewer, &window.word, &Faults::default()))
+            with_form(viewer, name, window, doing, |deed| deed.page(viewer, &window.word, &Faults::default()))
         }),
     )
 }

@@ -181,7 +181,7 @@ fn worse(
     html! { div { (shown) (form) } }
 }
 
-/// What is out of tolerance and has not changed since: the worst of the fleet, without those that are in `worse`.
+/// What is out of tolerance or drifting and has not changed since: the worst of the fleet, without those in `worse`.
 fn still_out(
     viewer: &Viewer,
     fleet: &FleetPage,
@@ -189,7 +189,7 @@ fn still_out(
     dealt: &HashMap<u32, Markup>,
     names: &Names<'_>,
 ) -> Markup {
-    const OUT: [Status; 3] = [Status::Unconfirmed, Status::OutOfTolerance, Status::Confirmed];
+    const OUT: [Status; 4] = [Status::Drifting, Status::Unconfirmed, Status::OutOfTolerance, Status::Confirmed];
     let t = viewer.text();
     let is_out = |standing: &&Standing| {
         let is_above = worse.first.iter().any(|above| above.serial == standing.serial);
@@ -263,7 +263,7 @@ fn due(t: &Text, today: &Today, gone: &HashMap<Arc<str>, Vec<Arc<str>>>, now: Ut
                     td { @if is_over { (badges::badge(t, Some(Status::Overdue))) } @else { span.quiet { (t.due_word) } } }
                     th scope="row" { a.id href={ "/imus/" (encoded(&due.imu)) } { (due.imu) } }
                     td {
-                        span.nowrap { (due.gyros) " " (t.gyros) }
+                        span.nowrap { (t.count_of_gyros(due.gyros)) }
                         @if let Some(gone) = gone.get(&due.imu).filter(|_| is_over) {
                             " · " (t.gyros_before) (t.colon)
                             @for serial in gone { " " a.id href={ "/gyros/" (encoded(serial)) } { (serial) } }
@@ -299,7 +299,7 @@ fn several(t: &Text, today: &Today) -> Markup {
                 li {
                     a.id href={ "/imus/" (encoded(&moved.imu)) } { (moved.imu) } " · "
                     a href={ "/records/" (moved.record) } { (day(moved.at)) } ": "
-                    (t.all_moved_by) " " (format!("{:.0}", moved.least)) " " (t.budgets_or_more) " (" (moved.gyros) " " (t.gyros) "). "
+                    (t.all_moved_by) " " (format!("{:.0}", moved.least)) " " (t.budgets_or_more) " (" (t.count_of_gyros(moved.gyros)) "). "
                     strong { (t.wrong_file) }
                 }
             }
@@ -311,7 +311,7 @@ fn several(t: &Text, today: &Today) -> Markup {
                     }
                     ", "
                     (day(found.between[0])) " … " (day(found.between[1])) ": "
-                    (symbol(DRIFTS[found.column])) ", " (found.shift.gyros) " " (t.gyros) ", " (t.median_word) " "
+                    (symbol(DRIFTS[found.column])) ", " (t.count_of_gyros(found.shift.gyros)) ", " (t.median_word) " "
                     (bullet::percent(Measured { value: found.shift.median, sd: Some(found.shift.error) })) (t.share_of_budget_unit)
                 }
             }

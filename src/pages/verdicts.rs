@@ -139,7 +139,12 @@ fn row(viewer: &Viewer, said: &Said, alert: Option<&AlertBody>, here: Option<&st
             td.n data-label=(t.probability) {
                 @if let Some(probability) = said.body.probability { (certainty(probability)) }
             }
-            td { @if let Some(alert) = alert { (told(viewer, alert, here)) } }
+            td { @if let Some(alert) = alert {
+                (told(viewer, alert, here))
+                @if said.status() < Status::Drifting {
+                    " " span.quiet { (t.ends_in_tolerance) }
+                }
+            } }
         }
     }
 }

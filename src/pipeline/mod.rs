@@ -63,8 +63,8 @@ pub use queries::{
     BEYOND, Baseline, BenchItem, Compared, Comparison, CorrectedResult, CorrectionItem, Course, DUE_DAYS, DueImu,
     EventItem, ExplainedHistory, FirstOf, Fleet, FleetFilter, FleetPage, Forecast, Foreseen, Histories, ItemStatus,
     ListFilter, ListedImu, ListedRecord, Names, Queries, RecentValues, RecordItem, RecordSummary, Records, Seats,
-    Standing, StandingFilter, StationEffect, Statuses, StoredCampaign, StoredRecord, Tested, Today, Together, Verified,
-    Violation, WallPage, sample_of, today,
+    Standing, StandingFilter, Statuses, StoredCampaign, StoredRecord, Tested, Today, Together, Verified, Violation,
+    WallPage, sample_of, today,
 };
 
 pub use suspect::{SuspectWindow, WindowOutcome};

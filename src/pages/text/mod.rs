@@ -37,6 +37,15 @@ impl Text {
         self.language().word(&message.code)
     }
 
+    /// `1 gyro`, `3 gyros`.
+    pub fn count_of_gyros(&self, count: usize) -> String {
+        match (self.language(), count) {
+            (Language::Chinese, _) => format!("{count} 个陀螺"),
+            (_, 1) => format!("{count} {}", self.gyro_word),
+            _ => format!("{count} {}", self.gyros),
+        }
+    }
+
     pub fn rule(&self, rule: Rule) -> &'static str {
         self.word(&rule.word())
     }

@@ -109,9 +109,14 @@ catalogue! {
     line_station: "Dashed line: what the stations do to all their gyros.", "虚线：测试站对所有陀螺的共同影响。";
     station_figures_note: "What all gyros share here, about their own levels; a gyro that ages or steps by itself does not count. Intervals: 95 %.", "本站所有陀螺的共同变化（各以自身水平为准）；个别陀螺的老化或阶跃不计入。区间：95 %。";
     repeatability: "Repeatability of one record", "单次记录的重复性";
+    offset: "Offset", "偏移";
+    last_step: "Last change", "最近变化";
+    repeatability_short: "Repeatability", "重复性";
+    suspect_from_here: "Mark as suspect", "标为可疑";
     offset_against: "Offset against", "偏移，相对";
     drift_a_year: "Drift a year", "年漂移";
     within_chance: "within chance", "未超出偶然";
+    off_found: "Off", "偏离";
     step_found: "Step found", "发现阶跃";
     gyro_by_station: "Gyro x station", "陀螺与测试站交互";
     reproducibility: "Reproducibility", "复现性";
@@ -338,11 +343,9 @@ catalogue! {
     kind: "Kind", "类型";
     kind_record: "record", "记录";
     kind_campaign: "campaign", "原始试验";
-    station_note: "Of every gyro's last records. Scatter: standard deviation of one calibration, estimated as 1.4826 times the median size of the differences between a gyro's successive calibrations at this station, over √2, so that single gyros that stepped do not count. Changes: what D_I and D_S did when a gyro came here from another station.", "取自各陀螺最近的记录。离散：单次标定的标准差，由同一陀螺在该测试站相邻两次标定之差的绝对值中位数乘以1.4826再除以√2估计，个别陀螺的跳变不计入。换台变化：陀螺从其他测试站转来时D_I、D_S的变化。";
+    stations_note: "All in % of the budget, furthest out first. Offset: of the same gyros, here less there. Repeatability: standard deviation of one record. Drifts: those beyond chance.", "均为占允许范围的 %，偏离最大者在前。偏移：同一陀螺在本站与该站之差。重复性：单次记录的标准差。漂移：仅列超出偶然者。";
     scatter: "Scatter", "离散";
-    on_arrival: "Change on arrival", "换台变化";
-    changes_seen: "changes", "次数";
-    calibrations_seen: "Calibrations seen", "计入标定数";
+    calibrations_seen: "calibrations", "计入标定数";
 
     // Import.
     import: "Import", "导入";
@@ -529,8 +532,8 @@ catalogue! {
     today_title: "Today", "今日";
     worse_since: "New or worse since", "新出现或加重，自";
     since_day: "Since", "起始日期";
-    still_out: "Still out of tolerance", "仍超差";
-    nothing_else_out: "No other gyro is out of tolerance.", "没有其他陀螺超差。";
+    still_out: "Still out of tolerance or drifting", "仍超差或漂移";
+    nothing_else_out: "No other gyro is out of tolerance or drifting.", "没有其他陀螺超差或漂移。";
     nothing_worse: "Nothing has become worse.", "没有新出现或加重的情况。";
     will_cross: "Will reach the budget", "将达到允许范围";
     nothing_crosses: "No established trend leads to the budget.", "没有已确立的趋势会达到允许范围。";
@@ -636,7 +639,7 @@ catalogue! {
     times_are_in: "Times are in this zone", "时间所用时区";
     setup: "Setup", "设置";
     setup_limits: "Limits in force", "现行限值";
-    limits_note: "For every gyro that no override names. The last column names the key of the configuration that sets the limit.", "适用于未单独规定的陀螺。末列为规定该限值的配置项。";
+    limits_note: "For every gyro that no override names. The last column names the key of the configuration that sets the limit. ≥: more where a gyro scatters.", "适用于未单独规定的陀螺。末列为规定该限值的配置项。≥：离散大的陀螺限值更高。";
     set_by_key: "Set by", "规定于";
     overrides: "Overrides", "单独规定";
     tokens: "Tokens", "令牌";
@@ -654,6 +657,7 @@ catalogue! {
 
     // What a file would come to.
     gyro_word: "gyro", "陀螺";
+    ends_in_tolerance: "ends once the figure is in tolerance", "数值回到允许范围后结束";
     text_of_file: "The text", "文件内容";
     to_be_checked: "to be checked", "项需核对";
     check_first: "Check before storing", "保存前请核对";

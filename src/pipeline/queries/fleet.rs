@@ -7,7 +7,6 @@ use std::sync::Arc;
 use super::entries::fleet_histories;
 use super::record::Records;
 use super::standing::{Standing, StoredFacts, of_rank, rank};
-use super::stations::{StationEffect, station_effects};
 use crate::config::Config;
 use crate::core::changes::{self, FleetStations};
 use crate::core::figures::Figures;
@@ -300,11 +299,6 @@ impl Fleet {
         let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
         let rows = store::histories::newest(&self.store, &ever, 1).await?;
         Ok(gyros.iter().zip(rows).map(|(gyro, mut rows)| (*gyro, rows.pop())).collect())
-    }
-
-    /// Every station that calibrated a gyro lately, by name.
-    pub async fn stations(&self) -> Result<Vec<StationEffect>, StorageError> {
-        Ok(station_effects(&self.store, self.config.judging.method).await?)
     }
 
     /// Gyros that each station calibrated last and that are overdue.

@@ -11,7 +11,6 @@ pub(super) mod heads;
 mod items;
 mod record;
 pub(super) mod standing;
-mod stations;
 mod status;
 mod today;
 mod verify;
@@ -36,7 +35,6 @@ pub use items::{
 };
 pub use record::{ListFilter, Records, StoredCampaign, StoredRecord};
 pub use standing::{Standing, Violation};
-pub use stations::StationEffect;
 pub use status::Statuses;
 pub use today::{DUE_DAYS, DueImu, FirstOf, Today, Together, today};
 pub use verify::Verified;

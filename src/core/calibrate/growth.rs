@@ -187,6 +187,23 @@ mod tests {
     }
 
     #[test]
+    fn residuals_that_scatter_are_weighed_by_the_variance_that_they_are_expected_to_have() {
+        // As in a campaign, but every other dwell is louder by half than the law has it, and those between quieter.
+        let (x, h) = (vector(30, |k| (k as f64 - 19.0).max(0.0) / 10.0), vector(30, |k| 0.05 + 0.01 * k as f64));
+        let scattered = |k: usize| if k.is_multiple_of(2) { 1.5 } else { 0.6 } + if k == 29 { 1.5 } else { 0.0 };
+        let residuals = expected(0.02, 3.0, &x, &h).component_mul(&vector(30, scattered));
+        let dwells = dwells(x.clone(), 0);
+        let gyro = Unweighted { residuals: &residuals, leverage: &h, dwells: &dwells };
+        let found = law(std::slice::from_ref(&gyro));
+        // Least squares on r^2/(1 - h) = s^2 (1 + rho x), whose variance is as v^2/(1 - h): a fixed point of it.
+        let s2 = gyro.variance(found);
+        let weights = vector(30, |k| (1.0 - h[k]) / (1.0 + found.growth * x[k]).powi(2));
+        let above = vector(30, |k| residuals[k].powi(2) / (s2 * (1.0 - h[k])) - 1.0);
+        let again = weights.component_mul(&x).dot(&above) / weights.dot(&x.component_mul(&x));
+        assert!((found.growth / again - 1.0).abs() < 0.02, "{} is not {again}", found.growth);
+    }
+
+    #[test]
     fn noise_that_falls_with_duration_is_told_from_noise_that_grows_with_rate() {
         // The fast dwells are the long ones: by rate alone their noise would seem not to grow.
         let (x, h) = (vector(30, |k| (k as f64 - 19.0).max(0.0) / 10.0), vector(30, |_| 0.1));

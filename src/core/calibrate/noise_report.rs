@@ -41,7 +41,7 @@ pub(super) fn report(found: &Found, gyros: &[GyroCalibration]) -> NoiseFound {
 
 /// Correlations of the standardised residuals of every two gyros, where Bartlett's test of none (Biometrika 41, 1954)
 /// has less than [`SHARED`]: -(nu - (2 p + 5)/6) ln det R is chi-square of p (p - 1)/2.
-fn between(gyros: &[GyroCalibration]) -> Vec<(Slot, Slot, f64)> {
+pub(super) fn between(gyros: &[GyroCalibration]) -> Vec<(Slot, Slot, f64)> {
     let p = gyros.len();
     let Some(residuals) = gyros.iter().map(|gyro| gyro.standardised.as_ref()).collect::<Option<Vec<_>>>() else {
         return Vec::new();

@@ -168,6 +168,31 @@ fn standard_errors_are_rescaled_by_repeats() {
 }
 
 #[test]
+fn gyros_that_share_their_noise_are_said_with_its_correlation() {
+    let rows: Vec<Row> = (0..40).map(|_| (FACES[0], [0.0; 3], 5.0, Some(0.1))).collect();
+    let calibration = calibrate_in_white_noise(&campaign(&rows, Some([1.0, 0.0, 0.0])), Terms::of(&[Term::Bias]));
+    // Three patterns of signs at right angles; G2 is as loud as it likes, and correlated with G1 by 0.8.
+    let sign = |period: usize, k: usize| if k % period < period / 2 { 1.0 } else { -1.0 };
+    let of = |slot: Slot, residual: &dyn Fn(usize) -> f64| GyroCalibration {
+        slot,
+        dof: 39,
+        standardised: Some(nalgebra::DVector::from_fn(40, |k, _| residual(k))),
+        ..calibration.gyros[0].clone()
+    };
+    let [first, third] = [of(Slot::G1, &|k| 3.0 * sign(2, k)), of(Slot::G3, &|k| 0.5 * sign(8, k))];
+    let second = |shared: f64, own: f64| of(Slot::G2, &move |k| 7.0 * (shared * sign(2, k) + own * sign(4, k)));
+    let found = noise_report::between(&[first.clone(), second(0.8, 0.6), third.clone()]);
+    for ((one, other, correlation), expected) in
+        found.iter().zip([(Slot::G1, Slot::G2, 0.8), (Slot::G1, Slot::G3, 0.0), (Slot::G2, Slot::G3, 0.0)])
+    {
+        assert_eq!((*one, *other), (expected.0, expected.1));
+        assert_close(*correlation, expected.2);
+    }
+    assert_eq!(found.len(), 3);
+    assert!(noise_report::between(&[first, second(0.1, 0.99), third]).is_empty(), "a tenth is chance");
+}
+
+#[test]
 fn without_standard_errors_the_residuals_or_the_repeats_speak() {
     let line = |k: usize, bend: f64| {
         let x = k as f64 / 10.0 - 0.5;

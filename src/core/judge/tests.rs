@@ -783,6 +783,11 @@ fn tables_3_and_4_meet_their_requirements_and_what_does_not_is_named() {
     let [Some(near), _] = requirement(required, &near, &g, Some(&sd), None, 0.95) else { panic!("E is required") };
     assert_eq!(near.state, State::Indeterminate, "{near}");
     assert_eq!(requirement(&Requirement::default(), &e, &g, None, None, 0.95), [None, None]);
+    // The sd of |E|, by hand: |(0.1 x 3, 0.2 x 4, 9 x 0)|/5.
+    let length = Requirement { e_norm: required.e[0], ..Requirement::default() };
+    let (e, sd) = (Vector3::new(3.0, 4.0, 0.0), Vector3::new(0.1, 0.2, 9.0));
+    let [Some(of_length), None] = requirement(&length, &e, &g, Some(&sd), None, 0.95) else { panic!("of |E| alone") };
+    assert!((of_length.sd.unwrap() - 0.73_f64.sqrt() / 5.0).abs() < 1e-12, "{of_length}");
 }
 
 #[test]

@@ -8,14 +8,15 @@ A diagnosis whose figures hold on both does not owe them to one simulator.
 
     python3 scripts/blind_generator.py --out DIR --seed 7 --count 200
     python3 scripts/blind_generator.py --out DIR --seed 7 --count 200 --hard
-    python3 scripts/blind_generator.py --out DIR --seed 7 --count 100 --pairs
+    python3 scripts/blind_generator.py --out DIR --seed 7 --count 100 --pairs [--kind stepped]
 
 With --hard the noise is not what standard errors say: they are wrong by a factor of their own for each gyro, or absent,
 or the noise has heavy tails, and the programme is one that no table of positions lists.
 
 With --pairs it makes two campaigns of each IMU: the same gyros, the same effects with the same coefficients, another order
 of dwells, another course of temperature and other noise; the second is as warm as the first, or 3 K off. In some the
-coefficients have tripled.
+coefficients have tripled. --kind makes all pairs alike; D_I of a gyro has `stepped` by 0.01 deg/(h g0), or it is `reseated`
+60 arcsec off, without any effect.
 """
 
 import argparse
@@ -382,19 +383,37 @@ class Same:
         return np.random.default_rng(self.seed).normal(size=size)
 
 
-def pair(seed, number):
-    """Two campaigns of one IMU, and what is true of them."""
+def changed(rng, first, second, kind):
+    """One gyro of the second campaign has stepped in D_I by 0.01 deg/(h g0), or is seated 60 arcsec off."""
+    j = int(rng.integers(first.count))
+    if kind == "stepped":
+        second.d_i = np.array(first.d_i, float)
+        second.d_i[j] += 0.01 * rng.choice([-1, 1])
+    if kind == "reseated":
+        turn = axis_rotation(rng.normal(size=3), np.radians(60 / 3600))
+        for axes in "iso":
+            moved = [np.array(axis) for axis in getattr(first, axes)]
+            moved[j] = turn @ moved[j]
+            setattr(second, axes, moved)
+
+
+def pair(seed, number, wanted=None):
+    """Two campaigns of one IMU, and what is true of them; `wanted`: the kind of all pairs."""
     rng = np.random.default_rng([seed, number, 2])
     kind = str(rng.choice(["same", "warmer", "tripled", "clean"], p=[0.3, 0.4, 0.15, 0.15]))
+    kind = wanted or kind
     design = str(rng.choice(DESIGNS))
-    count = 0 if kind == "clean" else 1 if kind == "tripled" else int(rng.choice([1, 2]))
+    count = 1 if kind == "tripled" else int(rng.choice([1, 2])) if kind in ("same", "warmer") else 0
     effects = [str(name) for name in rng.choice(LASTING, count, replace=False)]
     given = style(rng, False)
     first, second = Campaign(rng, design, given), Campaign(rng, design, given)
     for name in "k i s o d_f d_i d_s quality".split():
         setattr(second, name, getattr(first, name))
     second.find_noise()
-    second.temperature += {"warmer": 3.0 * rng.choice([-1, 1])}.get(kind, 0.0)
+    if kind in ("warmer", "clean_warmer"):
+        second.temperature += 3.0 * rng.choice([-1, 1])
+    if kind in ("stepped", "reseated"):
+        changed(rng, first, second, kind)
     first.draw_shared()
     second.shared = first.shared
     responses, key, moved = [[], []], [], np.zeros((2, 3))
@@ -441,11 +460,13 @@ def main():
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--hard", action="store_true", help="standard errors wrong or absent, heavy tails, other designs")
     parser.add_argument("--pairs", action="store_true", help="two campaigns of each IMU")
+    parser.add_argument("--kind", choices="same warmer tripled clean clean_warmer stepped reseated".split(),
+                        help="all pairs of this kind")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     key = {}
     for number in range(options.count if options.pairs else 0):
-        documents, entry = pair(options.seed, number)
+        documents, entry = pair(options.seed, number, options.kind)
         names = [f"pair-{number:04d}-{letter}.json" for letter in "ab"]
         for name, document in zip(names, documents):
             (options.out / name).write_text(json.dumps(document))

@@ -3,9 +3,11 @@
 
     python3 scripts/blind_generator.py --out DIR --seed 7 --count 100 --pairs
     python3 scripts/blind_loop.py GYROWATCH DIR
+    python3 scripts/blind_loop.py GYROWATCH DIR --alarms
 
 For each pair: `model fit` of the first campaign with the effects that its diagnosis names, the same without effects, `predict`
-of the second, and `calibrate --model` of both for D_I and D_S at the model's temperature.
+of the second, and `calibrate --model` of both for D_I and D_S at the model's temperature. With --alarms only what the rule
+`forecast` says, by kind of pair.
 """
 
 import json
@@ -37,12 +39,31 @@ def share(hits):
     return f"{sum(hits)}/{len(hits)}" + (f" ({100 * sum(hits) / len(hits):.1f} %)" if hits else "")
 
 
+def foretold(gyrowatch, folder, name, entry):
+    model, first, second = folder / "model.json", folder / name, folder / entry["next"]
+    run(gyrowatch, "model", "fit", first, "-o", model)
+    return json.loads(run(gyrowatch, "predict", model, second, "--format", "json"))
+
+
+def alarms(gyrowatch, folder, key):
+    kinds, ps = {}, []
+    for name, entry in key.items():
+        compared = foretold(gyrowatch, folder, name, entry)["compared"]
+        kinds.setdefault(entry["kind"], []).append(compared["verdict"]["state"])
+        if entry["kind"] == "clean":
+            ps.append(compared["p_value"])
+    for kind, states in kinds.items():
+        of = lambda state: share([s == state for s in states])
+        print(f"{kind:12} exceeded {of('exceeded')}, within {of('within')}, indeterminate {of('indeterminate')}")
+    if ps:
+        print(f"Kolmogorov over the p of clean pairs: {kolmogorov(ps):.3f}")
+
+
 def one(gyrowatch, folder, name, entry):
     model, plain = folder / "model.json", folder / "plain.json"
     first, second = folder / name, folder / entry["next"]
-    run(gyrowatch, "model", "fit", first, "-o", model)
+    told = foretold(gyrowatch, folder, name, entry)
     run(gyrowatch, "model", "fit", first, "--effects", "none", "-o", plain)
-    told = json.loads(run(gyrowatch, "predict", model, second, "--format", "json"))
     bare = json.loads(run(gyrowatch, "predict", plain, second, "--format", "json"))
     then, now = (drift(json.loads(run(gyrowatch, "calibrate", c, "--model", model, "--format", "json")))
                  for c in (first, second))
@@ -53,6 +74,8 @@ def one(gyrowatch, folder, name, entry):
 def main():
     gyrowatch, folder = sys.argv[1], pathlib.Path(sys.argv[2])
     key = json.loads((folder / "key.json").read_text())
+    if "--alarms" in sys.argv:
+        return alarms(gyrowatch, folder, key)
     rows, skipped = [], 0
     for name, entry in key.items():
         try:

@@ -4,9 +4,9 @@ mod lab;
 
 use std::time::Duration;
 
-use lab::Lab;
+use lab::{Lab, cluster};
 use serde_json::{Value, json};
-use sqlx::{Connection, SqliteConnection};
+use sqlx::{Connection, PgConnection, SqliteConnection};
 
 /// A practice campaign with `temperature_bias` in it, at some time.
 fn campaign(measured_at: &str) -> Value {
@@ -19,32 +19,40 @@ fn id(stored: &Value) -> &str {
     stored["id"].as_str().unwrap()
 }
 
-async fn database(lab: &Lab) -> SqliteConnection {
-    SqliteConnection::connect(&format!("sqlite://{}", lab.database().display())).await.unwrap()
+/// Works with a connection to the database of a laboratory, whichever it is.
+macro_rules! connected {
+    ($lab:expr, $connection:ident => $work:expr) => {
+        if cluster::is_wanted() {
+            let mut $connection = PgConnection::connect(&$lab.config.database.url).await.unwrap();
+            let done = $work;
+            $connection.close().await.unwrap();
+            done
+        } else {
+            let mut $connection = SqliteConnection::connect(&$lab.config.database.url).await.unwrap();
+            let done = $work;
+            $connection.close().await.unwrap();
+            done
+        }
+    };
 }
 
 /// Changes the database of a service that stands still.
 async fn tamper(lab: &Lab, sql: &'static str) {
-    let mut connection = database(lab).await;
-    let done = sqlx::query(sql).execute(&mut connection).await.unwrap();
-    assert!(done.rows_affected() > 0, "{sql}");
-    connection.close().await.unwrap();
+    let rows = connected!(lab, connection => sqlx::query(sql).execute(&mut connection).await.unwrap().rows_affected());
+    assert!(rows > 0, "{sql}");
 }
 
 /// The one that is kept, inflated by hand.
 async fn kept(lab: &Lab) -> Value {
-    let mut connection = database(lab).await;
-    let packed: Vec<u8> = sqlx::query_scalar("SELECT packed FROM diagnosis").fetch_one(&mut connection).await.unwrap();
-    connection.close().await.unwrap();
+    let sql = "SELECT packed FROM diagnosis";
+    let packed: Vec<u8> =
+        connected!(lab, connection => sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap());
     serde_json::from_reader(flate2::read::ZlibDecoder::new(&packed[..])).unwrap()
 }
 
 async fn due(lab: &Lab) -> i64 {
-    let mut connection = database(lab).await;
     let sql = "SELECT count(*) FROM diagnosis WHERE body IS NULL";
-    let due = sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap();
-    connection.close().await.unwrap();
-    due
+    connected!(lab, connection => sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap())
 }
 
 /// Until nothing is due; nobody asks for a diagnosis meanwhile.
@@ -72,11 +80,11 @@ async fn a_kept_diagnosis_is_served_after_a_restart_and_made_again_by_another_pr
     lab.stop().await;
     let mut text = kept(&lab).await;
     text["verdict"] = "as kept".into();
-    let mut connection = database(&lab).await;
     // As an earlier version kept it.
-    let plain = sqlx::query("UPDATE diagnosis SET body = $1, packed = NULL").bind(text.to_string());
-    plain.execute(&mut connection).await.unwrap();
-    connection.close().await.unwrap();
+    let sql = "UPDATE diagnosis SET body = $1, packed = NULL";
+    connected!(lab, connection => {
+        sqlx::query(sql).bind(text.to_string()).execute(&mut connection).await.unwrap();
+    });
     lab.start().await;
     assert_eq!(lab.diagnosis(id(&stored)).await.ok()["verdict"], "as kept");
 

@@ -2,9 +2,11 @@
 //! `simulate --model` draws.
 
 mod lab;
+mod receiver;
 mod support;
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use gyrowatch::core::augmented::{Adopted, AugmentedModel, KnownEffect};
 use gyrowatch::core::calibrate::outcome::{Outcome, evaluate_with};
@@ -13,6 +15,7 @@ use gyrowatch::core::effects::{Effect, Shape};
 use gyrowatch::core::imu_model::{
     Identified, NoForecast, NotIdentified, Sample, changed, compare, identify, ladder, most_telling, named, promised,
 };
+use gyrowatch::core::judge::{Finding, Limits, State, Unseen, forecast};
 use gyrowatch::core::model::Term;
 use gyrowatch::core::mounting::Slot;
 use gyrowatch::core::record::Plausibility;
@@ -20,8 +23,9 @@ use gyrowatch::simulate::scenario::GyroChoice;
 use gyrowatch::simulate::{Scenario, simulate};
 use gyrowatch::wire;
 use lab::Lab;
+use receiver::Receiver;
 use serde_json::{Value, json};
-use support::{data_path, gyrowatch};
+use support::{Server, data_path, gyrowatch};
 
 /// Change of D_I and D_S of G1 with temperature, deg/(h g0 K).
 const K: [f64; 2] = [0.003, -0.002];
@@ -218,6 +222,41 @@ fn campaigns_that_are_not_of_one_imu_make_no_model_and_other_campaigns_have_no_f
 }
 
 #[test]
+fn a_campaign_is_judged_by_the_dwells_that_are_like_those_the_model_has_seen() {
+    let (first, mut next) = (campaign(1, 1, NOMINAL_C, 0.0), campaign(2, 2, NOMINAL_C, 0.0));
+    for (dwell, like) in next.dwells.iter_mut().zip(&first.dwells) {
+        dwell.temperature_c = like.temperature_c;
+    }
+    let model = model(&[&first]);
+    let judged = |campaign: &Campaign| {
+        let found = compare(&model, campaign).unwrap();
+        let foretold = found.foretold(&model);
+        (forecast(&foretold, Limits::default().forecast()).unwrap(), foretold.gyros[0].count)
+    };
+    // The last dwells are read 10 K warmer than they are: nobody knows what the model would say of them.
+    let heated = |dwells: usize| {
+        let mut campaign = next.clone();
+        let from = campaign.dwells.len() - dwells;
+        campaign.dwells[from..].iter_mut().for_each(|dwell| *dwell.temperature_c.as_mut().unwrap() += 10.0);
+        campaign
+    };
+    let n = next.dwells.len();
+    let (whole, count) = judged(&next);
+    assert_eq!((whole.state, count), (State::Within, n));
+    let (most, count) = judged(&heated(5));
+    assert_eq!((most.state, count), (State::Within, n - 5), "{most}");
+    let (few, _) = judged(&heated(n / 2 + 1));
+    assert_eq!(few.state, State::Indeterminate, "{few}");
+    let Finding::Forecast { unseen, .. } = few.finding else { panic!("{few}") };
+    assert_eq!(unseen, Some(Unseen::Temperature));
+    // What shows in the others shows.
+    let mut moved = heated(5);
+    let input = moved.geometry.triad(Slot::G1).unwrap().input();
+    moved.dwells.iter_mut().for_each(|d| d.output_pulse_s[0] += 1.46 * 0.01 * d.specific_force_g0.dot(&input));
+    assert_eq!(judged(&moved).0.state, State::Exceeded);
+}
+
+#[test]
 fn the_dwells_to_measure_next_are_those_that_the_model_knows_least_of() {
     // A model of the static half knows nothing of rates: what it does not know, dwells at rate tell.
     let whole = campaign(1, 1, NOMINAL_C, 1.0);
@@ -351,7 +390,6 @@ fn a_model_file_that_contradicts_itself_is_refused_by_the_place_of_its_fault() {
 #[tokio::test]
 async fn the_service_foretells_each_campaign_by_the_model_in_force_when_it_came_in() {
     let lab = Lab::open().await;
-    let document = |campaign: &Campaign| -> Value { serde_json::from_str(&wire::campaign::to_json(campaign)).unwrap() };
     let (first, second) = (campaign(1, 1, NOMINAL_C, 1.0), campaign(2, 2, NOMINAL_C + 3.0, 1.0));
     let third = campaign(3, 3, NOMINAL_C + 3.0, 1.0);
     lab.get("/v1/imus/IMU-07/forecast").await.refused(404);
@@ -418,7 +456,6 @@ fn step([one, one_sd]: [f64; 2], [other, other_sd]: [f64; 2]) -> f64 {
 #[tokio::test]
 async fn an_adoption_states_the_stored_campaigns_at_its_temperature_and_its_undoing_as_they_were() {
     let mut lab = Lab::open().await;
-    let document = |campaign: &Campaign| -> Value { serde_json::from_str(&wire::campaign::to_json(campaign)).unwrap() };
     let firing = async |lab: &Lab| -> Vec<Value> {
         let alerts = lab.get("/v1/alerts?state=firing&serial=LFG-0").await.ok();
         let mut rules: Vec<Value> =
@@ -493,4 +530,199 @@ async fn an_adoption_states_the_stored_campaigns_at_its_temperature_and_its_undo
 fn at(mut campaign: Value, measured_at: &str) -> Value {
     campaign["measured_at"] = measured_at.into();
     campaign
+}
+
+fn document(campaign: &Campaign) -> Value {
+    serde_json::from_str(&wire::campaign::to_json(campaign)).unwrap()
+}
+
+/// As [`campaign`] at the usual temperature, on a day of June; D_I of G2 higher by `moved`, deg/(h g0).
+fn in_june(day: u32, moved: f64) -> Value {
+    let mut campaign = campaign(60 + u64::from(day), 6, NOMINAL_C, 1.0);
+    let input = campaign.geometry.triad(Slot::G2).unwrap().input();
+    for dwell in &mut campaign.dwells {
+        dwell.output_pulse_s[1] += 1.47 * moved * dwell.specific_force_g0.dot(&input);
+    }
+    at(document(&campaign), &format!("2026-06-{day:02}T08:00:00Z"))
+}
+
+async fn adopts(lab: &Lab, model: &AugmentedModel) -> Value {
+    let mut body: Value = serde_json::from_str(&wire::model::to_json(model)).unwrap();
+    body["author"] = "M. Adopter".into();
+    body["reason"] = "it foretells".into();
+    lab.post("/v1/imus/IMU-07/model", &body).await.created()
+}
+
+/// Posts a campaign and waits until its diagnosis is kept: what is made of its forecast.
+async fn measured(lab: &Lab, campaign: &Value) -> Value {
+    let stored = lab.post("/v1/campaigns", campaign).await.created();
+    let id = stored["id"].as_str().unwrap();
+    let mut forecast = lab.diagnosis(id).await.ok()["forecast"].clone();
+    forecast["id"] = stored["id"].clone();
+    forecast
+}
+
+/// Waits until the alert of the IMU stands so and is so severe; it, or null where there is none.
+async fn alert_is(lab: &Lab, wanted: Option<[&str; 2]>) -> Value {
+    let patience = Instant::now() + Duration::from_secs(60);
+    loop {
+        let found = lab.get("/v1/alerts?rule=forecast").await.ok()["alerts"].clone();
+        let alert = &found[0];
+        let stands = [&alert["state"], &alert["severity"]].map(|word| word.as_str().unwrap_or_default());
+        if wanted.map_or(alert.is_null(), |wanted| stands == wanted) {
+            return alert.clone();
+        }
+        assert!(Instant::now() < patience, "{found:#}");
+        tokio::time::sleep(Duration::from_millis(30)).await;
+    }
+}
+
+#[tokio::test]
+async fn a_campaign_outside_what_its_imus_adopted_model_foretold_fires_and_the_next_confirms_or_resolves_it() {
+    let (lab, target) = (Lab::open().await, Receiver::start().await);
+    let hook = json!({"kind": "standard-webhooks", "url": target.url(), "filter": {"rules": ["forecast"]}});
+    lab.post("/v1/hooks", &hook).await.created();
+    let first = campaign(1, 1, NOMINAL_C, 1.0);
+    measured(&lab, &document(&first)).await;
+    // Nobody has adopted anything: it is foretold, and judged by nobody.
+    let unasked = measured(&lab, &in_june(1, 0.02)).await;
+    assert_eq!((&unasked["compared"]["state"], &unasked["compared"]["verdict"]), (&json!("outside"), &Value::Null));
+    alert_is(&lab, None).await;
+
+    adopts(&lab, &model(&[&first]).into_model(&temperature_g())).await;
+    let clean = measured(&lab, &in_june(2, 0.0)).await;
+    let verdict = &clean["compared"]["verdict"];
+    assert_eq!(verdict["state"], "within", "{verdict}");
+    assert!(verdict["smallest_step"].as_f64().unwrap() < 0.01, "{verdict}");
+    alert_is(&lab, None).await;
+
+    let moved = measured(&lab, &in_june(3, 0.02)).await;
+    let verdict = &moved["compared"]["verdict"];
+    assert_eq!((&verdict["state"], &verdict["slot"]), (&json!("exceeded"), &json!("G2")), "{verdict}");
+    let alert = alert_is(&lab, Some(["firing", "warning"])).await;
+    assert_eq!(
+        [&alert["subject"], &alert["imu"], &alert["slot"], &alert["record"], &alert["status"], &alert["unit"]],
+        ["imu", "IMU-07", "G2", moved["id"].as_str().unwrap(), "unconfirmed", "standard deviations"]
+    );
+    assert!(alert["serial"].is_null() && alert["value"].as_f64() > alert["limit"].as_f64(), "{alert}");
+    let said = alert["reason"].as_str().unwrap();
+    let dwell = format!("Dwell {} is furthest", verdict["dwell"]);
+    assert!(said.contains("G2") && said.contains(&dwell) && said.contains("of one campaign"), "{said}");
+    let fired = target.has_been_told(1).await[0].json();
+    assert_eq!((&fired["type"], &fired["data"]["imu"]), (&json!("alert.fired"), &json!("IMU-07")));
+    let id = alert["id"].as_str().unwrap();
+    assert_eq!(lab.get("/v1/alerts?imu=IMU-07&rule=forecast").await.ok()["alerts"][0]["id"], alert["id"]);
+
+    // Six kelvin warmer than the model has seen: nothing is known, and nothing changes.
+    let warm = document(&campaign(90, 6, NOMINAL_C + 6.0, 1.0));
+    let unseen = measured(&lab, &at(warm, "2026-06-04T08:00:00Z")).await;
+    let verdict = &unseen["compared"]["verdict"];
+    assert_eq!((&verdict["state"], &verdict["unseen"]), (&json!("indeterminate"), &json!("temperature_outside_model")));
+    alert_is(&lab, Some(["firing", "warning"])).await;
+
+    // The next that says anything confirms it.
+    let fifth = measured(&lab, &in_june(5, 0.02)).await;
+    let confirmed = alert_is(&lab, Some(["firing", "critical"])).await;
+    assert_eq!(confirmed["status"], "confirmed");
+    assert!(confirmed["reason"].as_str().unwrap().contains("second campaign"), "{confirmed}");
+
+    // What confirmed it counts no more; then what raised it.
+    let void = json!({"author": "Li Wei", "reason": "the table was not level"});
+    let voids = async |campaign: &Value| {
+        let path = format!("/v1/records/{}/void", campaign["id"].as_str().unwrap());
+        lab.post(&path, &void).await.ok();
+    };
+    voids(&fifth).await;
+    alert_is(&lab, Some(["firing", "warning"])).await;
+    voids(&moved).await;
+    alert_is(&lab, Some(["resolved", "warning"])).await;
+    let steps = lab.get(&format!("/v1/alerts/{id}")).await.ok()["history"].to_string();
+    assert!(steps.contains("Li Wei") && steps.contains("lower"), "{steps}");
+
+    // It comes again, and goes by itself: by one campaign far within, or by the second within.
+    measured(&lab, &in_june(7, 0.02)).await;
+    alert_is(&lab, Some(["firing", "warning"])).await;
+    measured(&lab, &in_june(8, 0.0)).await;
+    measured(&lab, &in_june(9, 0.0)).await;
+    alert_is(&lab, Some(["resolved", "warning"])).await;
+
+    // Another model comes into force: what the one before had foretold is over, and stays so.
+    measured(&lab, &in_june(10, 0.02)).await;
+    alert_is(&lab, Some(["firing", "warning"])).await;
+    let plain = json!({"terms": [], "effects": [], "author": "M. Adopter", "reason": "G2 is another now"});
+    lab.post("/v1/imus/IMU-07/model", &plain).await.created();
+    alert_is(&lab, Some(["resolved", "warning"])).await;
+    let steps = lab.get(&format!("/v1/alerts/{id}")).await.ok()["history"].to_string();
+    assert!(steps.contains("G2 is another now"), "{steps}");
+    assert_eq!(measured(&lab, &in_june(11, 0.04)).await["compared"]["verdict"], Value::Null);
+    alert_is(&lab, Some(["resolved", "warning"])).await;
+    let verified = lab.verified().await;
+    assert!(verified.faults.is_empty(), "{:?}", verified.faults);
+}
+
+#[tokio::test]
+async fn an_old_campaign_outside_its_forecast_is_told_to_nobody_and_a_rule_that_is_off_judges_nothing() {
+    let lab = Lab::with(|config| config.alerts.backfill_days = 30.0).await;
+    let target = Receiver::start().await;
+    let hook = json!({"kind": "standard-webhooks", "url": target.url(), "filter": {"rules": ["forecast"]}});
+    lab.post("/v1/hooks", &hook).await.created();
+    let first = campaign(1, 1, NOMINAL_C, 1.0);
+    measured(&lab, &document(&first)).await;
+    adopts(&lab, &model(&[&first]).into_model(&temperature_g())).await;
+    // The clock of the laboratory stands in November.
+    measured(&lab, &in_june(3, 0.02)).await;
+    let alert = alert_is(&lab, Some(["firing", "warning"])).await;
+    let steps = lab.get(&format!("/v1/alerts/{}", alert["id"].as_str().unwrap())).await.ok()["history"].clone();
+    assert!(steps.as_array().unwrap().iter().all(|step| step["told"] == false), "{steps}");
+    let mut recent = in_june(4, 0.02);
+    recent["measured_at"] = "2026-11-20T08:00:00Z".into();
+    measured(&lab, &recent).await;
+    let told = target.has_been_told(1).await[0].json();
+    assert_eq!((&told["type"], &told["data"]["severity"]), (&json!("alert.fired"), &json!("critical")));
+    // A campaign of between is history: the newest has decided.
+    measured(&lab, &in_june(20, 0.0)).await;
+    tokio::time::sleep(Duration::from_millis(200)).await;
+    alert_is(&lab, Some(["firing", "critical"])).await;
+
+    let off = Lab::with(|config| config.judging.rules.off = serde_json::from_value(json!(["forecast"])).unwrap()).await;
+    measured(&off, &document(&first)).await;
+    adopts(&off, &model(&[&first]).into_model(&temperature_g())).await;
+    let moved = measured(&off, &in_june(3, 0.02)).await;
+    assert_eq!((&moved["compared"]["state"], &moved["compared"]["verdict"]), (&json!("outside"), &Value::Null));
+    alert_is(&off, None).await;
+}
+
+/// As a person sees it, on the clock of this machine.
+#[tokio::test]
+async fn pages_show_the_alert_of_an_imu_with_the_gyro_and_the_dwell() {
+    let server = Server::start().await;
+    let first = campaign(1, 1, NOMINAL_C, 1.0);
+    let stored = server.post("/v1/campaigns", lab::JSON, document(&first).to_string()).await;
+    assert_eq!(stored.status, 201);
+    let mut body: Value =
+        serde_json::from_str(&wire::model::to_json(&model(&[&first]).into_model(&temperature_g()))).unwrap();
+    body["author"] = "M. Adopter".into();
+    body["reason"] = "it foretells".into();
+    assert_eq!(server.post("/v1/imus/IMU-07/model", lab::JSON, body.to_string()).await.status, 201);
+    assert_eq!(server.post("/v1/campaigns", lab::JSON, in_june(3, 0.02).to_string()).await.status, 201);
+    let patience = Instant::now() + Duration::from_secs(60);
+    let alert = loop {
+        let found = server.get("/v1/alerts?rule=forecast").await.json()["alerts"].clone();
+        if !found[0].is_null() {
+            break found[0].clone();
+        }
+        assert!(Instant::now() < patience, "{}", server.log());
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    };
+    let (id, record) = (alert["id"].as_str().unwrap(), alert["record"].as_str().unwrap());
+    let forecast = format!("/campaigns/{record}/diagnosis");
+    for (page, shows) in [
+        ("/alerts".to_owned(), ["href=\"/imus/IMU-07\"", &*format!("{forecast}#forecast")]),
+        (format!("/alerts/{id}"), ["IMU-07", "is furthest"]),
+        ("/imus/IMU-07".to_owned(), ["is furthest", "outside its forecast"]),
+        (forecast.clone(), ["G2 is off what the adopted model foretold", "is furthest"]),
+    ] {
+        let text = server.get(&page).await.text();
+        assert!(shows.iter().all(|shown| text.contains(shown)), "{page}: {text}");
+    }
 }

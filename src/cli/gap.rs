@@ -11,6 +11,7 @@ use super::document::{self, Format, table};
 use super::predict::{NOTHING_TO_CLOSE, identified, measured};
 use super::{Usage, block_on};
 use crate::core::imu_model::{compare, ladder};
+use crate::core::judge::Limits;
 use crate::wire::forecast::{ClosingBody, ComparedBody, ForecastBody, ForecastPointBody, ForecastSeriesBody, RungBody};
 use crate::wire::time;
 
@@ -84,7 +85,8 @@ impl Gap {
             let comparison = compare(&model, &campaign).with_context(file)?;
             let steps = ladder(&model, &campaign).with_context(file)?;
             let body = ForecastBody::of(&model, &campaign, &comparison.forecast, None);
-            let Some(compared) = body.compared(&comparison, &steps, None).compared else { continue };
+            let judged = (&*model, Limits::default().forecast());
+            let Some(compared) = body.compared(&comparison, &steps, None, judged).compared else { continue };
             ladders.push(Ladder::of(time::format(campaign.measured_at), campaign.station.to_string(), compared));
         }
         Ok((model.imu.to_string(), ladders))
@@ -99,8 +101,14 @@ impl Ladder {
 }
 
 fn tables(imu: &str, ladders: &[Ladder]) -> String {
+    if ladders.is_empty() {
+        return format!("{imu}: no campaign has a forecast; it needs an earlier campaign of the same gyros\n");
+    }
     let mut rows = table(["campaign", "model", "forecast error, deg/h", "in sd", "closes"], 2..4);
     for one in ladders {
+        let state = if one.state == "outside" { "outside its forecast" } else { "as foretold" };
+        let mut left = [one.measured_at.as_str(), state].into_iter();
+        let mut left = || left.next().unwrap_or_default().to_owned();
         for (k, rung) in one.rungs.iter().enumerate() {
             let last = k + 1 == one.rungs.len();
             let closes = one.closing.filter(|_| last && k > 0).map_or(String::new(), |c| match c.interval {
@@ -110,7 +118,7 @@ fn tables(imu: &str, ladders: &[Ladder]) -> String {
                 None => NOTHING_TO_CLOSE.to_owned(),
             });
             rows.add_row([
-                if k == 0 { one.measured_at.clone() } else { String::new() },
+                left(),
                 rung.effect.as_ref().map_or("model (6)".to_owned(), |effect| format!("+ {effect}")),
                 format!("{:.3e}", rung.rms_deg_per_h),
                 format!("{:.2}", rung.rms_over_sd),
@@ -118,7 +126,9 @@ fn tables(imu: &str, ladders: &[Ladder]) -> String {
             ]);
         }
         let floor = format!("{:.3e}", one.noise_deg_per_h);
-        rows.add_row([String::new(), "noise floor".to_owned(), floor, "1.00".to_owned(), String::new()]);
+        rows.add_row([left(), "noise floor".to_owned(), floor, "1.00".to_owned(), String::new()]);
     }
-    format!("{imu}: forecast error of each campaign\n{rows}")
+    let plain = ladders.iter().all(|one| one.rungs.len() == 1);
+    let hint = if plain { "\nNo effects are adopted. `gyrowatch model fit` finds them." } else { "" };
+    format!("{imu}: forecast error of each campaign\n{rows}{hint}")
 }

@@ -9,6 +9,7 @@ use super::document::{self, Format, table};
 use super::model;
 use crate::core::campaign::Campaign;
 use crate::core::imu_model::{Identified, changed, compare, forecast, ladder, most_telling, promised};
+use crate::core::judge::Limits;
 use crate::simulate::of_model::scenario_of;
 use crate::simulate::{Scenario, simulate};
 use crate::wire::document::parse;
@@ -92,7 +93,8 @@ fn body(model: &Identified, campaign: &Campaign) -> anyhow::Result<ForecastBody>
 fn held_against(model: &Identified, campaign: &Campaign) -> anyhow::Result<ForecastBody> {
     let compared = compare(model, campaign)?;
     let changed = if model.effects.is_empty() { None } else { changed(model, campaign).ok() };
-    Ok(body(model, campaign)?.compared(&compared, &ladder(model, campaign)?, changed.as_ref()))
+    let limits = Limits::default().forecast();
+    Ok(body(model, campaign)?.compared(&compared, &ladder(model, campaign)?, changed.as_ref(), (model, limits)))
 }
 
 fn tables(body: &ForecastBody) -> String {
@@ -171,6 +173,9 @@ fn comparison(c: &ComparedBody) -> String {
         "Measured: {state}. rms(error/sd) {:.3} over {} outputs, p {:.2e}; uniformity of the PIT, p {:.2}\n",
         c.rms_over_sd, c.count, c.p_value, c.pit_p_value
     );
+    if let Some(verdict) = c.verdict.as_ref().filter(|verdict| !verdict.is_within()) {
+        out.push_str(&format!("{}\n", verdict.reason));
+    }
     if let Some(seen) = &c.closing {
         out.push_str(&format!("Seen: {}\n", closing(seen)));
     }

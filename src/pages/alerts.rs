@@ -94,8 +94,9 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     } else {
         pages.pipeline.alerts.by_gyro(&filter, filters.page.saturating_mul(ROWS), ROWS + 1).await?
     };
-    let stations =
-        if filters.page > 0 || nobody { Vec::new() } else { pages.pipeline.alerts.of_stations(&filter).await? };
+    let of_no_gyro =
+        if filters.page > 0 || nobody { Vec::new() } else { pages.pipeline.alerts.of_no_gyro(&filter).await? };
+    let (stations, imus): (Vec<AlertBody>, Vec<AlertBody>) = of_no_gyro.into_iter().partition(AlertBody::is_of_station);
     let more = found.len() > ROWS;
     let groups = together(found.into_iter().take(ROWS).collect());
     let silences = silences::list(pages, viewer).await?;
@@ -116,13 +117,15 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         }
         (search(viewer, filters))
         p.note { (t.alerts_note) }
-        @if !stations.is_empty() {
-            section.together {
-                h2 { (t.stations_alerts) }
-                (table(viewer, stations.iter(), true, may.then_some(here.as_str())))
+        @for (word, alerts) in [(t.stations_alerts, &stations), (t.imus_alerts, &imus)] {
+            @if !alerts.is_empty() {
+                section.together {
+                    h2 { (word) }
+                    (table(viewer, alerts.iter(), true, may.then_some(here.as_str())))
+                }
             }
         }
-        @if groups.is_empty() { @if stations.is_empty() { p.lead { (t.no_alerts) } } }
+        @if groups.is_empty() { @if stations.is_empty() && imus.is_empty() { p.lead { (t.no_alerts) } } }
         @else {
             @for group in &groups { (group.shown(viewer, may, &here)) }
             @if may { (bulk::bar(viewer, &here)) }
@@ -257,6 +260,11 @@ pub(super) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>
     Ok(open)
 }
 
+/// Whether this alert of a station has not been resolved.
+pub(super) fn is_open_of(alert: &AlertBody, station: &str) -> bool {
+    alert.is_of_station() && alert.name() == station && alert.state != Standing::Resolved.name()
+}
+
 fn violated(t: &Text, alert: &AlertBody) -> Markup {
     html! { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
 }
@@ -300,7 +308,9 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
             td.words {
                 (alert.finding.reason.words(viewer.language))
                 @if let Some(record) = alert.finding.record.as_ref().filter(|_| alert.rule != Rule::Agreement.name()) {
-                    " " a href={ "/records/" (record) } { (t.record) }
+                    @if alert.subject == AlertBody::OF_IMU {
+                        " " a href={ "/campaigns/" (record) "/diagnosis#forecast" } { (t.forecast) }
+                    } @else { " " a href={ "/records/" (record) } { (t.record) } }
                 }
             }
             td data-label=(t.since) { @if let Some(since) = &alert.since { (written(since)) } }

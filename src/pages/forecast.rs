@@ -13,7 +13,9 @@ use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
 use crate::pipeline::AdoptedModel;
 use crate::wire::diagnosis::{InUseBody, InUseEffectBody};
-use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastPointBody, ThenNowBody};
+use crate::wire::forecast::{
+    ChangedBody, ClosingBody, ComparedBody, ForecastPointBody, ForecastVerdictBody, ThenNowBody,
+};
 use crate::wire::model::ModelBody;
 use crate::wire::time;
 use crate::wire::unit;
@@ -109,7 +111,13 @@ fn effect_word<'a>(t: &'a Text, id: &'a str) -> &'a str {
 }
 
 fn state(t: &Text, compared: &ComparedBody) -> Markup {
-    html! { @if compared.state == "outside" { strong { (t.outside_forecast) } } @else { (t.as_foretold) } }
+    let is_open = compared.verdict.as_ref().is_some_and(ForecastVerdictBody::is_indeterminate);
+    html! {
+        @if compared.state != "outside" { (t.as_foretold) }
+        @else if is_open { (t.outside_forecast) }
+        @else { strong { (t.outside_forecast) } }
+        @if is_open { " (" (t.forecast_indeterminate) ")" }
+    }
 }
 
 fn closed(t: &Text, closing: ClosingBody) -> Markup {
@@ -227,6 +235,7 @@ fn came_true(t: &Text, point: &ForecastPointBody) -> Markup {
                     " · " (t.foretold_by) " " (at(&model.measured_at)) ", " (model.campaigns) " " (t.campaigns_word)
                 }
             }
+            @if let Some(verdict) = compared.verdict.as_ref().filter(|verdict| !verdict.is_within()) { p { (verdict.reason) } }
             @if let Some(closing) = compared.closing {
                 p { (t.effects_close) ": " (closed(t, closing))
                     @if let Some(promised) = point.promised { " · " (t.promised) " " (closed(t, promised)) } }

@@ -171,6 +171,7 @@ fn letter(rule: Rule) -> char {
         Rule::Shift => 'L',
         Rule::BeforeAfter => 'E',
         Rule::StationShift => 'G',
+        Rule::Forecast => 'K',
     }
 }
 

@@ -7,17 +7,21 @@ use axum::response::Response;
 use maud::{Markup, html};
 
 use super::Pages;
+use super::alerts;
 use super::figure;
 use super::forecast;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::parameters::{self, Parameters};
 use super::text::Text;
 use super::viewer::Viewer;
+use crate::core::alert_decision;
+use crate::core::alert_filter::AlertFilter;
 use crate::core::effects::Effect;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::pages::status;
 use crate::pipeline::{Conclusion, RecordSummary, Seats, Standing, sample_of};
+use crate::wire::alert::AlertBody;
 use crate::wire::campaign::CampaignBody;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
@@ -63,6 +67,10 @@ async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Proble
         Some(number) => pages.pipeline.diagnoses.forecasts_made(number, FORECASTS).await?,
         None => Vec::new(),
     };
+    let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
+    let is_its = |alert: &&AlertBody| alert.subject == AlertBody::OF_IMU && alert.name() == imu;
+    let is_open = |alert: &&AlertBody| is_its(alert) && alert.state != alert_decision::Standing::Resolved.name();
+    let open: Vec<&AlertBody> = told.iter().filter(is_open).collect();
     let models = pages.pipeline.diagnoses.models(imu).await?.unwrap_or_default();
     let concluded = match number {
         Some(number) => pages.pipeline.diagnoses.conclusions(number).await?,
@@ -77,6 +85,7 @@ async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Proble
                 a.action href={ "/compare?" (gyros.collect::<Vec<_>>().join("&")) } { (t.compare_gyros) }
             }
         }
+        @if !open.is_empty() { (alerts::table(viewer, open.into_iter(), false, None)) }
         (seated(pages, t, &seats))
         @if let Some(newest) = parameters { section { h2 { (t.newest_parameters) } (newest) } }
         (forecast::versions(t, &models))

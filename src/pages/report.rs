@@ -142,7 +142,10 @@ fn limits(t: &Text, limits: &Limits) -> Markup {
         [of(&limits.d_i), of(&limits.d_s), limits.closure.filter(|_| rule == Rule::Closure)]
     };
     // Of a station, and of no gyro.
-    let rules = Rule::ALL.into_iter().filter(|rule| *rule != Rule::StationShift).map(|rule| (rule, of_rule(rule)));
+    let rules = Rule::ALL
+        .into_iter()
+        .filter(|rule| !matches!(rule, Rule::StationShift | Rule::Forecast))
+        .map(|rule| (rule, of_rule(rule)));
     html! { div {
         div.scroll tabindex="0" { table.small {
             thead { tr {

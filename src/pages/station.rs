@@ -6,10 +6,10 @@ use maud::{Markup, html};
 
 use super::Pages;
 use super::alerts;
+use super::alerts::is_open_of;
 use super::course::Course;
 use super::figure;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
-use super::stations::is_open_of;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::alert_filter::AlertFilter;
@@ -28,7 +28,7 @@ async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Probl
     let fleet = &pages.pipeline.queries.fleet;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
     let overdue = overdue.get(name).copied().unwrap_or_default();
-    let told = pages.pipeline.alerts.of_stations(&AlertFilter::default()).await?;
+    let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
     let open: Vec<&AlertBody> = told.iter().filter(|alert| is_open_of(alert, name)).collect();
     let figures = found.as_ref().and_then(|found| found.stations.iter().find(|station| *station.name == *name));
     let (found, figures) = found.as_ref().zip(figures).ok_or_else(|| Problem::no_such_station(name))?;

@@ -7,16 +7,15 @@ use axum::response::Response;
 use maud::{Markup, html};
 
 use super::Pages;
+use super::alerts::is_open_of;
 use super::bullet;
 use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
 use super::station::changes;
 use super::text::Text;
 use super::viewer::Viewer;
-use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{Shared, StationFigures};
 use crate::core::judge::{Measured, Status};
-use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 
 pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
@@ -27,7 +26,7 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
     let t = viewer.text();
     let fleet = &pages.pipeline.queries.fleet;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
-    let told = pages.pipeline.alerts.of_stations(&AlertFilter::default()).await?;
+    let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
     let budget = pages.config.judging.budget;
     let body = html! {
         h1 { (t.stations) }
@@ -52,11 +51,6 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
         } @else { p.lead { (t.nothing_yet) } }
     };
     Ok(Page { title: t.stations.into(), section: Section::Stations, body })
-}
-
-/// Whether this alert of a station has not been resolved.
-pub(super) fn is_open_of(alert: &AlertBody, station: &str) -> bool {
-    alert.name() == station && alert.state != Standing::Resolved.name()
 }
 
 /// How far a station is out, deg/(h g0): the largest of its offsets, its drifts in a year where they are beyond chance,

@@ -144,7 +144,8 @@ impl Pipeline {
         let guard = Guard::start(store.clone(), config.access.clone(), config.server.is_behind_proxy()).await?;
         let activity = IdleDetector::new();
         let weak = queue.downgrade();
-        let diagnoser = Diagnoser::new(store.clone(), models.clone(), clock.clone(), weak, activity.clone());
+        let diagnoser =
+            Diagnoser::new(store.clone(), models.clone(), (clock.clone(), config.clone()), weak, activity.clone());
         let reader = Reader { store: store.clone(), config: config.clone(), clock: clock.clone(), models };
         Ok(Self {
             access: Access { store: store.clone(), clock: clock.clone(), guard, queue: queue.clone() },

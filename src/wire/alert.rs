@@ -8,14 +8,14 @@ use utoipa::ToSchema;
 
 use super::reason::Reason;
 
-/// The alert of one gyro or station, coefficient and rule. Its identity lasts: when it fires again it is the same alert.
+/// The alert of one gyro, station or IMU, coefficient and rule. Its identity lasts: when it fires again it is the same alert.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct AlertBody {
     pub id: String,
-    /// `station`, where it is about the station that is named as such; left out where it is about a gyro.
+    /// `station` or `imu`, where it is about the one that is named as such; left out where it is about a gyro.
     #[serde(default = "of_gyro", skip_serializing_if = "is_of_gyro")]
     pub subject: Cow<'static, str>,
-    /// Of the gyro; left out where it is about a station.
+    /// Of the gyro; left out where it is about a station or an IMU.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub serial: String,
     pub coefficient: Cow<'static, str>,
@@ -56,14 +56,23 @@ fn is_of_gyro(subject: &str) -> bool {
 impl AlertBody {
     pub const OF_GYRO: &'static str = "gyro";
     pub const OF_STATION: &'static str = "station";
+    pub const OF_IMU: &'static str = "imu";
+
+    pub fn is_of_gyro(&self) -> bool {
+        is_of_gyro(&self.subject)
+    }
 
     pub fn is_of_station(&self) -> bool {
         self.subject == Self::OF_STATION
     }
 
-    /// Serial of the gyro, or name of the station.
+    /// Serial of the gyro, or name of the station or IMU.
     pub fn name(&self) -> &str {
-        if self.is_of_station() { self.finding.station.as_deref().unwrap_or_default() } else { &self.serial }
+        match self.subject.as_ref() {
+            Self::OF_STATION => self.finding.station.as_deref().unwrap_or_default(),
+            Self::OF_IMU => self.finding.imu.as_deref().unwrap_or_default(),
+            _ => &self.serial,
+        }
     }
 
     /// As the database keeps it.
@@ -74,7 +83,7 @@ impl AlertBody {
     /// The gyro and the record that it rests on; the gyro alone, where no record has caused it (`overdue`).
     pub fn group(&self) -> String {
         match &self.finding.record {
-            Some(record) => format!("{}/{record}", self.serial),
+            Some(record) => format!("{}/{record}", self.name()),
             None => self.name().to_owned(),
         }
     }

@@ -11,6 +11,8 @@ use crate::core::id::Id;
 use crate::core::imu_model::{
     Changed, ChangedEffect, Closing, Comparison, DriftShift, Forecast, GyroForecast, Identified, Rung, Telling,
 };
+use crate::core::judge;
+use crate::core::judge::{Coefficient, Finding, Limit, LimitKey, Rule, State, Unseen, Verdict};
 use crate::core::message::{Message, figure, significant, text};
 use crate::core::mounting::Slot;
 use crate::message;
@@ -113,6 +115,9 @@ impl ForecastPointBody {
         if let Some(why) = &mut self.why_not_code {
             self.why_not = Some(why.say(language));
         }
+        if let Some(verdict) = self.compared.as_mut().and_then(|compared| compared.verdict.as_mut()) {
+            verdict.say(language);
+        }
     }
 
     /// The comparison where the campaign lies outside its forecast, and that is a finding: of a model that somebody has
@@ -187,8 +192,12 @@ pub struct ClosingBody {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ComparedBody {
-    /// `as_foretold`, or `outside` where errors as large have a probability of less than 1 %.
+    /// `as_foretold` or `outside`: by the verdict where that decides, else `outside` where errors as large have a
+    /// probability of less than 1 %.
     pub state: String,
+    /// By the rule `forecast`; none where no model was adopted, or the rule is switched off.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<ForecastVerdictBody>,
     /// Dwells times gyros that were foretold.
     pub count: usize,
     pub rms_over_sd: f64,
@@ -204,6 +213,93 @@ pub struct ComparedBody {
     pub closing: Option<ClosingBody>,
     /// Model (6) alone, then effect by effect.
     pub ladder: Vec<RungBody>,
+}
+
+/// The campaign judged against its forecast, by the gyro that is furthest from it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ForecastVerdictBody {
+    /// `within`, `indeterminate` or `exceeded`.
+    pub state: String,
+    pub slot: String,
+    /// Root mean square of its independent errors over their standard deviations.
+    pub value: f64,
+    /// By chance one campaign of 500 without a change has a gyro beyond its limit.
+    pub limit: f64,
+    /// Of errors as large, over all gyros.
+    pub p_value: f64,
+    /// The dwell that is furthest from its forecast, and its error in standard deviations.
+    pub dwell: Option<usize>,
+    pub z: Option<f64>,
+    /// Of D_I or D_S, the smallest that would show in every gyro in 95 %, deg/(h g0); none where none would.
+    pub smallest_step: Option<f64>,
+    /// What of the campaign the model has not seen, as a note of the forecast says it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unseen: Option<String>,
+    /// Campaigns that the model was fitted to.
+    pub campaigns: usize,
+    pub reason: String,
+    pub reason_codes: Vec<MessageBody>,
+}
+
+impl ForecastVerdictBody {
+    /// None of a verdict by another rule.
+    pub fn of(verdict: &Verdict) -> Option<Self> {
+        let Finding::Forecast { slot, furthest, p, step, campaigns, unseen } = verdict.finding else { return None };
+        let said = verdict.messages();
+        Some(Self {
+            state: verdict.state.name().to_owned(),
+            slot: slot.name().to_owned(),
+            value: verdict.value?,
+            limit: verdict.limit,
+            p_value: p,
+            dwell: furthest.map(|(dwell, _)| dwell),
+            z: furthest.map(|(_, z)| z),
+            smallest_step: step,
+            unseen: unseen.map(|unseen| unseen.name().to_owned()),
+            campaigns,
+            reason: asked().sentences(&said),
+            reason_codes: said.iter().map(|message| MessageBody::of(message, asked())).collect(),
+        })
+    }
+
+    /// The verdict that it is; none where a later version wrote what this one does not know.
+    pub fn verdict(&self) -> Option<Verdict> {
+        let unseen = self.unseen.as_deref().map(|name| Unseen::from_name(name).ok_or(())).transpose().ok()?;
+        Some(Verdict {
+            coefficient: Coefficient::All,
+            rule: Rule::Forecast,
+            state: State::from_name(&self.state)?,
+            value: Some(self.value),
+            limit: self.limit,
+            limit_from: LimitKey::BUDGET,
+            sd: None,
+            probability: None,
+            between: None,
+            confirmed: false,
+            finding: Finding::Forecast {
+                slot: Slot::from_name(&self.slot)?,
+                furthest: self.dwell.zip(self.z),
+                p: self.p_value,
+                step: self.smallest_step,
+                campaigns: self.campaigns,
+                unseen,
+            },
+        })
+    }
+
+    pub fn is_within(&self) -> bool {
+        self.state == State::Within.name()
+    }
+
+    pub fn is_indeterminate(&self) -> bool {
+        self.state == State::Indeterminate.name()
+    }
+
+    fn say(&mut self, language: Language) {
+        let said: Vec<Message> = self.verdict().map(|verdict| verdict.messages()).unwrap_or_default();
+        self.reason = language.sentences(&said);
+        self.reason_codes = said.iter().map(|message| MessageBody::of(message, language)).collect();
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -312,9 +408,16 @@ impl ForecastBody {
         self
     }
 
-    /// With what was measured.
-    pub fn compared(mut self, comparison: &Comparison, ladder: &[Rung], changed: Option<&Changed>) -> Self {
-        self.compared = Some(ComparedBody::of(comparison, ladder));
+    /// With what was measured; `limits`: of the rule `forecast`, the steps of D_I and D_S that are to show.
+    pub fn compared(
+        mut self,
+        comparison: &Comparison,
+        ladder: &[Rung],
+        changed: Option<&Changed>,
+        (model, limits): (&Identified, [Option<Limit>; 2]),
+    ) -> Self {
+        let verdict = judge::forecast(&comparison.foretold(model), limits);
+        self.compared = Some(ComparedBody::of(comparison, ladder, verdict.as_ref()));
         self.effects_against_model = changed.map(ChangedBody::of);
         self
     }
@@ -343,7 +446,13 @@ impl ClosingBody {
 }
 
 impl ComparedBody {
-    fn of(c: &Comparison, ladder: &[Rung]) -> Self {
+    fn of(c: &Comparison, ladder: &[Rung], verdict: Option<&Verdict>) -> Self {
+        let state = match verdict.map(|verdict| verdict.state) {
+            Some(State::Exceeded) => "outside",
+            Some(State::Within) => "as_foretold",
+            _ if c.p_value < OUTSIDE => "outside",
+            _ => "as_foretold",
+        };
         let gyros = c.gyros.iter().map(|gyro| GyroComparedBody {
             slot: gyro.slot.name().to_owned(),
             rms_over_sd: gyro.rms_over_sd,
@@ -354,7 +463,8 @@ impl ComparedBody {
         let missed =
             c.missed.iter().map(|m| MissBody { slot: m.slot.name().to_owned(), dwell: m.dwell, z: m.z }).collect();
         Self {
-            state: if c.p_value < OUTSIDE { "outside" } else { "as_foretold" }.to_owned(),
+            state: state.to_owned(),
+            verdict: verdict.and_then(ForecastVerdictBody::of),
             count: c.count,
             rms_over_sd: c.rms_over_sd,
             rms_deg_per_h: c.rms_deg_per_h,

@@ -163,7 +163,7 @@ impl FilterBody {
             *rule == alert.rule
                 || alert.is_of_station() && Rule::from_name(rule).is_some_and(Rule::is_explained_by_station)
         };
-        let of_gyro = |gyro: &String| alert.is_of_station() || normal_form(gyro) == normal_form(&alert.serial);
+        let of_gyro = |gyro: &String| !alert.is_of_gyro() || normal_form(gyro) == normal_form(&alert.serial);
         (self.rules.is_empty() || self.rules.iter().any(of_rule))
             && (self.gyros.is_empty() || self.gyros.iter().any(of_gyro))
             && self.min_severity.as_deref().is_none_or(|least| severity(&alert.severity) >= severity(least))
@@ -185,7 +185,7 @@ pub struct DigestBody {
 
 impl DigestBody {
     pub fn of(alerts: &[&AlertBody]) -> Self {
-        let of_gyros = alerts.iter().filter(|alert| !alert.is_of_station());
+        let of_gyros = alerts.iter().filter(|alert| alert.is_of_gyro());
         let gyros: BTreeSet<&str> = of_gyros.map(|alert| alert.serial.as_str()).collect();
         let mut rules = BTreeMap::new();
         for alert in alerts {

@@ -184,7 +184,11 @@ fn test_alert(message: &Message, context: &Context<'_>, ends_at: &str) -> Alert 
 
 /// What makes the alert this alert, whatever its severity.
 fn identity(alert: &AlertBody) -> Labels {
-    let subject = if alert.is_of_station() { "station" } else { "serial" };
+    let subject = match alert.subject.as_ref() {
+        AlertBody::OF_STATION => "station",
+        AlertBody::OF_IMU => "imu",
+        _ => "serial",
+    };
     Labels::from([
         ("alertname", alert_name(&alert.rule)),
         (subject, alert.name().to_owned()),

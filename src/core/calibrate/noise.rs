@@ -122,8 +122,15 @@ impl Noise {
     /// What a covariance for the weights as given is multiplied by: f^2 dof/(dof - 2) (1 + 4 c^2).
     pub fn covariance_scale(&self) -> Option<f64> {
         let f = self.factor?;
-        let t_variance = if self.dof.is_infinite() { 1.0 } else { self.dof / (self.dof - 2.0) };
-        (self.dof > 2.0).then_some(f * f * t_variance * (1.0 + 4.0 * self.sem_scatter.powi(2)))
+        (self.dof > 2.0).then_some(f * f * t_variance(self.dof) * (1.0 + 4.0 * self.sem_scatter.powi(2)))
+    }
+
+    /// What the variance of one output by the weights as given is multiplied by: f^2 dof/(dof - 2), and (1 + 3 c^2)
+    /// where no residuals have shown that.
+    pub fn output_scale(&self) -> Option<f64> {
+        let f = self.factor?;
+        let unseen = if self.source == Source::Sem { 3.0 * self.sem_scatter.powi(2) } else { 0.0 };
+        (self.dof > 2.0).then_some(f * f * t_variance(self.dof) * (1.0 + unseen))
     }
 }
 
@@ -137,6 +144,11 @@ impl Noise {
             _ => mean_squares_tail(evidence.lack_of_fit(), self.repeated),
         }
     }
+}
+
+/// Variance of a t distribution: of an error over its estimated standard deviation; above 2 degrees of freedom.
+pub fn t_variance(dof: f64) -> f64 {
+    if dof.is_infinite() { 1.0 } else { dof / (dof - 2.0) }
 }
 
 /// Relative scatter of standard errors given with their dwells' durations: the standard deviation of

@@ -17,9 +17,11 @@ use super::identified::Identified;
 use super::programme::{Knowledge, NoForecast, Programme};
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
+use crate::core::judge::{Foretold, ForetoldGyro, Unseen};
+use crate::core::message::Message;
 use crate::core::mounting::Slot;
 use crate::core::numerics::normal::{normal_cdf, normal_quantile};
-use crate::core::numerics::tails::{chi2_tail, f_tail};
+use crate::core::numerics::tails::squares_tail;
 
 /// Chance, over all dwells, below which a dwell has missed its forecast.
 const MISSED: f64 = 0.01;
@@ -46,6 +48,8 @@ pub struct Comparison {
     pub pit: Vec<f64>,
     /// Beyond what chance has over all dwells, the furthest first.
     pub missed: Vec<Miss>,
+    /// Whether the model has seen the temperatures, rates and attitudes of half the dwells: those alone are judged.
+    is_mostly_seen: bool,
     /// None where the model holds no effects.
     pub closing: Option<Closing>,
 }
@@ -60,6 +64,21 @@ pub struct GyroComparison {
     pub rms_over_sd: f64,
     /// That the errors of this gyro are as large.
     pub p_value: f64,
+    /// What that is judged by.
+    pub foretold: ForetoldGyro,
+}
+
+impl Comparison {
+    /// As a rule judges it.
+    pub fn foretold(&self, model: &Identified) -> Foretold {
+        let of_note = |note: &Message| Unseen::from_name(&note.code);
+        let mut unseen = self.forecast.notes.iter().filter_map(of_note);
+        Foretold {
+            gyros: self.gyros.iter().map(|gyro| gyro.foretold).collect(),
+            campaigns: model.campaigns.len(),
+            unseen: unseen.find(|unseen| !(self.is_mostly_seen && unseen.is_of_dwells())),
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,10 +160,12 @@ pub fn ladder(model: &Identified, campaign: &Campaign) -> Result<Vec<Rung>, NoFo
 fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64>) -> Comparison {
     let forecast = foretold(programme, knowledge);
     let n = programme.dwells;
-    let innovations = innovations(programme, knowledge, measured, &forecast);
+    let is_told = |i: usize| forecast.gyros[i / n].foretold[i % n];
+    let innovations = innovations(programme, knowledge, measured, is_told);
+    let judged = Judged::of(programme, knowledge, measured, (&forecast, &innovations));
     let mut gyros = Vec::new();
     let mut missed = Vec::new();
-    let (mut squares, mut count) = (0.0, 0);
+    let (mut squares, mut all_independent, mut count) = (0.0, 0.0, 0);
     let (mut errors, mut weights) = (0.0, 0.0);
     for (j, gyro) in forecast.gyros.iter().enumerate() {
         let error: Vec<f64> =
@@ -152,7 +173,8 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
         let z: Vec<f64> = (0..n).map(|k| if gyro.foretold[k] { error[k] / gyro.sd[k] } else { 0.0 }).collect();
         let told: Vec<usize> = (0..n).filter(|k| gyro.foretold[*k]).collect();
         let of_gyro: f64 = z.iter().map(|z| z * z).sum();
-        let independent: f64 = told.iter().map(|k| innovations[j * n + k].powi(2)).sum();
+        let independent: f64 =
+            told.iter().map(|k| innovations[j * n + k][0].powi(2)).sum::<f64>() * programme.gyros[j].t_variance;
         for k in &told {
             let weight = (gyro.scale / gyro.noise[*k]).powi(2);
             errors += weight * (error[*k] / gyro.scale).powi(2);
@@ -160,21 +182,23 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
             missed.push(Miss { slot: gyro.slot, dwell: *k, z: z[*k] });
         }
         squares += of_gyro;
+        all_independent += independent;
         count += told.len();
         gyros.push(GyroComparison {
             slot: gyro.slot,
+            foretold: foretold_gyro(programme, &forecast, &judged, j, &z),
             error,
             z,
             rms_over_sd: (of_gyro / told.len().max(1) as f64).sqrt(),
-            p_value: as_large(independent, told.len(), programme.gyros[j].dof),
+            p_value: squares_tail(independent, told.len(), programme.gyros[j].dof),
         });
     }
     let each = 1.0 - (1.0 - MISSED).powf(1.0 / count.max(1) as f64);
     let limit = -normal_quantile(0.5 * each);
     missed.retain(|miss| miss.z.abs() > limit);
     missed.sort_by(|a, b| b.z.abs().total_cmp(&a.z.abs()));
-    let told = |i: &usize| forecast.gyros[*i / n].foretold[*i % n];
-    let independent: Vec<f64> = (0..innovations.len()).filter(told).map(|i| innovations[i]).collect();
+    let told = (0..innovations.len()).filter(|i| is_told(*i));
+    let independent: Vec<f64> = told.map(|i| innovations[i][0]).collect();
     let pit: Vec<f64> = independent.iter().map(|z| normal_cdf(*z)).collect();
     Comparison {
         gyros,
@@ -182,24 +206,56 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
         rms_over_sd: (squares / count.max(1) as f64).sqrt(),
         rms_deg_per_h: (errors / weights).sqrt(),
         noise_deg_per_h: (count as f64 / weights).sqrt(),
-        p_value: as_large(independent.iter().map(|z| z * z).sum(), count, scale_dof(programme)),
+        p_value: squares_tail(all_independent, count, scale_dof(programme)),
         pit_p_value: kolmogorov(&pit),
         pit,
         missed,
+        is_mostly_seen: judged.is_mostly_seen,
         closing: None,
         forecast,
     }
 }
 
-/// P of a sum of squares as large over a noise that `dof` degrees of freedom tell: F, chi-square for a known noise.
-fn as_large(squares: f64, count: usize, dof: f64) -> f64 {
-    if count == 0 {
-        return 1.0;
+/// What a rule judges: the dwells of which the model has seen the like, where they are half of all.
+struct Judged {
+    is_mostly_seen: bool,
+    innovations: Vec<[f64; 3]>,
+}
+
+impl Judged {
+    fn of(
+        programme: &Programme,
+        knowledge: &Knowledge,
+        measured: &DVector<f64>,
+        (forecast, of_all): (&Forecast, &[[f64; 3]]),
+    ) -> Self {
+        let n = programme.dwells;
+        let seen = programme.seen.iter().filter(|seen| **seen).count();
+        let is_mostly_seen = 2 * seen >= n;
+        if !is_mostly_seen || seen == n {
+            return Self { is_mostly_seen, innovations: of_all.to_vec() };
+        }
+        let is_judged = |i: usize| programme.seen[i % n] && forecast.gyros[i / n].foretold[i % n];
+        Self { is_mostly_seen, innovations: innovations(programme, knowledge, measured, is_judged) }
     }
-    if dof.is_finite() {
-        f_tail(squares / count as f64, count as f64, dof)
-    } else {
-        chi2_tail(squares, count).unwrap_or(1.0)
+
+    fn counts(&self, programme: &Programme, dwell: usize) -> bool {
+        programme.seen[dwell] || !self.is_mostly_seen
+    }
+}
+
+fn foretold_gyro(programme: &Programme, forecast: &Forecast, judged: &Judged, j: usize, z: &[f64]) -> ForetoldGyro {
+    let (n, gyro) = (programme.dwells, &programme.gyros[j]);
+    let foretold = &forecast.gyros[j].foretold;
+    let told: Vec<usize> = (0..n).filter(|k| foretold[*k] && judged.counts(programme, *k)).collect();
+    let sum = |of: usize| told.iter().map(|k| judged.innovations[j * n + k][of].powi(2)).sum::<f64>();
+    ForetoldGyro {
+        slot: gyro.slot,
+        count: told.len(),
+        dof: gyro.dof,
+        squares: sum(0) * gyro.t_variance,
+        telling: [sum(1), sum(2)].map(|telling| telling * gyro.t_variance),
+        furthest: told.iter().map(|k| (*k, z[*k])).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())),
     }
 }
 
@@ -210,21 +266,35 @@ fn scale_dof(programme: &Programme) -> f64 {
     if programme.one_scale { dof.fold(f64::INFINITY, f64::min) } else { dof.sum() }
 }
 
-/// Errors one by one, each over its standard deviation given those before; zero where nothing is foretold.
-fn innovations(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64>, forecast: &Forecast) -> Vec<f64> {
+/// Errors one by one, each over its standard deviation given those before, and what a step of D_I and of D_S of the
+/// row's gyro by 1 deg/(h g0) adds to it; zero of what is left out.
+fn innovations(
+    programme: &Programme,
+    knowledge: &Knowledge,
+    measured: &DVector<f64>,
+    is_told: impl Fn(usize) -> bool,
+) -> Vec<[f64; 3]> {
     let n = programme.dwells;
-    let (mut values, mut covariance) = (knowledge.values.clone(), knowledge.covariance.clone());
-    let mut found = vec![0.0; measured.len()];
+    let Knowledge { values, mut covariance } = knowledge.clone();
+    // What the rows before have told: of the campaign, and of one whose D_I or D_S alone differs.
+    let mut told = [values.clone(), DVector::zeros(values.len()), DVector::zeros(values.len())];
+    let mut found = vec![[0.0; 3]; measured.len()];
     for (i, found) in found.iter_mut().enumerate() {
-        if !forecast.gyros[i / n].foretold[i % n] {
+        if i % n == 0 {
+            told[1..].iter_mut().for_each(|step| step.fill(0.0));
+        }
+        if !is_told(i) {
             continue;
         }
         let row = programme.columns.row(i).transpose();
         let spread = &covariance * &row;
         let variance = row.dot(&spread).max(0.0) + programme.noise[i].powi(2);
-        let error = measured[i] - row.dot(&values);
-        *found = error / variance.sqrt();
-        values.axpy(error / variance, &spread, 1.0);
+        let [d_i, d_s] = programme.steps[i];
+        for ((told, outcome), found) in told.iter_mut().zip([measured[i], d_i, d_s]).zip(found) {
+            let error = outcome - row.dot(told);
+            *found = error / variance.sqrt();
+            told.axpy(error / variance, &spread, 1.0);
+        }
         covariance.ger(-1.0 / variance, &spread, &spread, 1.0);
     }
     found

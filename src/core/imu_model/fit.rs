@@ -188,9 +188,9 @@ struct Part<'a> {
 /// How far outputs of one gyro scatter about the model.
 #[derive(Debug, Clone, Copy)]
 struct Scale {
-    /// Over the standard deviations that the calibration finds.
+    /// Over the standard deviations that the calibration finds, for the covariance of what is fitted.
     of_sigma: f64,
-    /// Over the standard errors as stated, or 1 pulse/s.
+    /// Over the standard errors as stated, or 1 pulse/s, for an output to come.
     of_weights: f64,
     dof: f64,
 }
@@ -201,17 +201,17 @@ impl Scale {
     fn of(calibration: &Calibration, j: usize) -> Option<Self> {
         let gyro = &calibration.gyros[j];
         let factor = gyro.noise.factor.filter(|f| *f > 0.0)?;
-        let found = gyro.noise.covariance_scale()?.sqrt();
+        let [found, output] = [gyro.noise.covariance_scale()?.sqrt(), gyro.noise.output_scale()?.sqrt()];
         let by_repeats = matches!(gyro.noise.source, Source::SemAndRepeats | Source::Repeats);
         let gyros = if calibration.has_sem { &calibration.gyros[..] } else { std::slice::from_ref(gyro) };
         let squares: f64 =
             gyros.iter().filter_map(|g| Some(g.residuals.component_div(g.sigma.as_ref()?).norm_squared())).sum();
         let dof = gyros.iter().map(|g| g.dof).sum::<usize>() as f64;
         let of_residuals = (squares / (dof - 2.0)).sqrt();
-        if by_repeats && dof > 2.0 && of_residuals * factor > found {
+        if by_repeats && dof > 2.0 && of_residuals * factor > output {
             return Some(Self { of_sigma: of_residuals, of_weights: of_residuals * factor, dof });
         }
-        Some(Self { of_sigma: found / factor, of_weights: found, dof: gyro.noise.dof })
+        Some(Self { of_sigma: found / factor, of_weights: output, dof: gyro.noise.dof })
     }
 }
 

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::columns::columns;
 use super::identified::{Identified, ModelGyro, Of};
+use crate::core::calibrate::noise::t_variance;
 use crate::core::campaign::{Campaign, Temperatures, TestKind};
 use crate::core::effects::{Parameter, Refusal, Scope, Setting};
 use crate::core::message::{Message, figure, text};
@@ -47,6 +48,8 @@ impl NoForecast {
 const NEW_DIRECTION: f64 = 0.94;
 /// Share by which a rate may exceed those seen.
 const FASTER: f64 = 1.01;
+/// Of a scale that has a standard deviation.
+const LEAST_DOF: f64 = 3.0;
 /// K by which a temperature may lie outside the span seen, beside a tenth of it.
 const WARMER_K: f64 = 0.5;
 
@@ -61,6 +64,8 @@ pub(super) struct Asked {
     pub scale: f64,
     /// Degrees of freedom that its noise is known by.
     pub dof: f64,
+    /// Square of the noise's standard deviation, which is one of a t distribution, over the estimated variance.
+    pub t_variance: f64,
 }
 
 /// Rows of all gyros one after the other, dwell by dwell.
@@ -74,6 +79,10 @@ pub(super) struct Programme {
     pub held: DVector<f64>,
     /// Standard deviation of each output's noise, pulse/s.
     pub noise: DVector<f64>,
+    /// What D_I and D_S of the row's gyro make of it, pulse/s per deg/(h g0).
+    pub steps: Vec<[f64; 2]>,
+    /// Whether the model has seen such temperatures, rates and attitudes, by dwell.
+    pub seen: Vec<bool>,
     /// Whether the scale of the noise is one for all gyros: a factor on stated standard errors.
     pub one_scale: bool,
     pub notes: Vec<Message>,
@@ -104,7 +113,7 @@ impl Programme {
                 .iter()
                 .map(|(effect, lack)| message!("effect_not_foretold", effect = effect.word(), why = lack.message())),
         );
-        outside(model, campaign, &setting, &mut notes);
+        let seen = outside(model, campaign, &setting, &mut notes);
         let n = setting.dwells();
         let one_scale = campaign.states_errors() && known.iter().all(|(_, gyro)| gyro.noise.sem_factor.is_some());
         let (mut held, mut noise) = (DVector::zeros(known.len() * n), DVector::zeros(known.len() * n));
@@ -120,14 +129,31 @@ impl Programme {
                 held[j * n + k] = if gyro.e_held { gyro.e.dot(&setting.rate[k]) } else { 0.0 };
             }
         }
+        let along = |j: usize, k: usize| {
+            let axes = &setting.gyros[j];
+            [axes.input, axes.spin].map(|axis| axes.scale * axis.dot(&setting.force[k]))
+        };
+        let steps = (0..known.len() * n).map(|i| along(i / n, i % n)).collect();
         let asked = known.iter().zip(&setting.gyros).map(|((place, gyro), axes)| Asked {
             place: *place,
             slot: gyro.slot,
             serial: gyro.serial.clone(),
             scale: axes.scale,
             dof: gyro.noise.dof,
+            // The scale is the mean of those of the campaigns.
+            t_variance: t_variance((gyro.noise.dof / model.campaigns.len() as f64).max(LEAST_DOF)),
         });
-        Ok(Self { gyros: asked.collect(), dwells: n, columns: columns.matrix, held, noise, one_scale, notes })
+        Ok(Self {
+            gyros: asked.collect(),
+            dwells: n,
+            columns: columns.matrix,
+            held,
+            noise,
+            steps,
+            seen,
+            one_scale,
+            notes,
+        })
     }
 
     /// Of a campaign that the model was not fitted to.
@@ -165,10 +191,12 @@ fn known<'a>(model: &'a Identified, campaign: &Campaign, notes: &mut Vec<Message
     known
 }
 
-/// Notes what the model's campaigns have not shown.
-fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &mut Vec<Message>) {
+/// Notes what the model's campaigns have not shown; whether they have, dwell by dwell.
+fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &mut Vec<Message>) -> Vec<bool> {
+    let mut seen = vec![true; setting.dwells()];
     if let (Some([low, high]), Some(now)) = (model.validity.temperature_c, Temperatures::of(campaign).filled) {
         let room = WARMER_K + 0.1 * (high - low);
+        seen.iter_mut().zip(&now).for_each(|(seen, t)| *seen &= (low - room..=high + room).contains(t));
         let (least, most) = now.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), t| (l.min(*t), m.max(*t)));
         if least < low - room || most > high + room {
             let [low, high, least, most] = [low, high, least, most].map(|t| figure(t, 1));
@@ -177,6 +205,8 @@ fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &m
     }
     let fastest = setting.rate.iter().map(|w| w.norm()).fold(0.0, f64::max);
     if fastest > FASTER * model.validity.rate_arcsec_s {
+        let slow = |rate: &nalgebra::Vector3<f64>| rate.norm() <= FASTER * model.validity.rate_arcsec_s;
+        seen.iter_mut().zip(&setting.rate).for_each(|(seen, rate)| *seen &= slow(rate));
         let (seen, now) = (figure(model.validity.rate_arcsec_s, 0), figure(fastest, 0));
         notes.push(message!("rate_outside_model", seen = seen, now = now));
     }
@@ -184,6 +214,7 @@ fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &m
         let along = |known: &nalgebra::Vector3<f64>| known.dot(force) / force.norm();
         force.norm() > 0.0 && model.validity.directions.iter().all(|known| along(known) < NEW_DIRECTION)
     };
+    seen.iter_mut().zip(&setting.force).for_each(|(seen, force)| *seen &= !is_new(&force));
     let new = setting.force.iter().filter(is_new).count();
     if new > 0 {
         notes.push(message!("attitudes_outside_model", dwells = new));
@@ -199,6 +230,7 @@ fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &m
     if model.campaigns.len() == 1 {
         notes.push(message!("ageing_unknown"));
     }
+    seen
 }
 
 /// Coefficients with their covariance.

@@ -148,6 +148,11 @@ impl Limits {
         }
     }
 
+    /// The steps of D_I and D_S that the forecast of a campaign is to show, deg/(h g0); none where nobody asks.
+    pub fn forecast(&self) -> [Option<Limit>; 2] {
+        [&self.d_i, &self.d_s].map(|drift| drift.of(Rule::Forecast))
+    }
+
     /// How many records up to the judged one the rule with the longest memory takes one by one.
     pub(crate) fn longest_memory(&self) -> usize {
         RMS_RECORDS.max(self.range_min_records).max(BEFORE_AFTER_RECORDS)

@@ -33,10 +33,10 @@ pub use noise::{FleetNoise, Noise, Spacing, fit_fleet};
 pub use outlook::{Outlook, Reach};
 pub use range_summary::Older;
 pub use reason::{digits, sd_digits, turn_arcmin};
-pub use rule::{Finding, LimitKind, Rule, Source, Unit};
+pub use rule::{Finding, LimitKind, Rule, Source, Unit, Unseen};
 pub use rules::{
-    Calibrated, ShiftQuestion, SourcedResult, Suspected, agreement, in_common, is_explained, overdue, requirement,
-    station_shift,
+    Calibrated, Foretold, ForetoldGyro, ShiftQuestion, SourcedResult, Suspected, agreement, forecast, in_common,
+    is_explained, overdue, requirement, station_shift,
 };
 pub use sample::{BASELINE_RECORDS, Measured, Sample, Seat};
 pub use series::Series;

@@ -3,9 +3,10 @@
 use std::fmt::{self, Display, Formatter};
 
 use super::rule::Rule;
-use super::rule::{Finding, Source};
+use super::rule::{Finding, Source, Unit, Unseen};
+use super::rules::FALSE_ALARMS;
 use super::verdict::{State, Status, Verdict};
-use crate::core::message::{Message, Parameter, figure, list, signed, text};
+use crate::core::message::{Message, Parameter, figure, list, signed, significant, text};
 use crate::core::time::UtcMicros;
 use crate::core::units::degrees;
 use crate::message;
@@ -35,6 +36,10 @@ impl Verdict {
             return said;
         }
         said.push(self.limit_message());
+        if let Finding::Forecast { step, campaigns, unseen, .. } = self.finding {
+            said.extend(self.forecast_messages(step, campaigns, unseen));
+            return said;
+        }
         said.extend(self.between.map(|sd| message!("between_stations", sd = figure(sd, sd_digits(sd, self.limit)))));
         if self.confirmed {
             said.push(match self.rule {
@@ -74,6 +79,9 @@ impl Verdict {
         let limit = message!("measured", value = figure(self.limit, digits(self.limit)), unit = self.unit().word());
         let percent = 100.0 * self.value.unwrap_or(0.0) / self.limit;
         match self.finding {
+            Finding::Forecast { .. } => {
+                message!("limit_of_forecast", limit = limit, percent = figure(100.0 * FALSE_ALARMS, 1))
+            }
             // Its bounds were named.
             Finding::Requirement { .. } => message!("limits_from", from = from),
             Finding::Shift { least, .. } if self.limit > least => {
@@ -84,6 +92,23 @@ impl Verdict {
             }
             _ => message!("limit_is", limit = limit, from = from),
         }
+    }
+
+    /// Why a forecast does not say more.
+    fn forecast_messages(&self, step: Option<f64>, campaigns: usize, unseen: Option<Unseen>) -> Vec<Message> {
+        let mut said = Vec::new();
+        match (self.state, unseen, step) {
+            (State::Indeterminate, Some(unseen), _) => said.push(message!("forecast_unseen", what = unseen.word())),
+            (State::Indeterminate, None, Some(step)) => {
+                let step = message!("measured", value = significant(step, 2), unit = Unit::Drift.word());
+                said.push(message!("forecast_wide", step = step));
+            }
+            (State::Indeterminate, None, None) => said.push(message!("forecast_says_nothing")),
+            (State::Exceeded, ..) if campaigns == 1 => said.push(message!("forecast_of_one_campaign")),
+            _ => {}
+        }
+        said.extend(self.confirmed.then(|| message!("second_campaign")));
+        said
     }
 
     fn certainty(&self) -> Option<Message> {
@@ -243,6 +268,13 @@ impl Verdict {
                 since = day(since),
                 until = day(until),
             )],
+            Finding::Forecast { slot, furthest, p, .. } => {
+                let p = if p < 1e-6 { text("< 1e-6") } else { text(format!("= {}", significant(p, 1))) };
+                let slot = slot.name();
+                let mut said = vec![message!("forecast", slot = slot, value = value(), p = p)];
+                said.extend(furthest.map(|(dwell, z)| message!("forecast_dwell", dwell = dwell, z = signed(z, 1))));
+                said
+            }
             Finding::Agreement { results, lowest, highest } => {
                 let of = |(source, at, result): (Source, UtcMicros, f64)| {
                     message!("result_of_method", value = shown(result), method = source.word(), at = day(at))

@@ -4,6 +4,7 @@ use super::coefficient::Coefficient;
 use super::sample::Measured;
 use crate::core::bench::BenchMethod;
 use crate::core::message::Message;
+use crate::core::mounting::Slot;
 use crate::core::named::named;
 use crate::core::time::UtcMicros;
 use crate::message;
@@ -38,6 +39,8 @@ pub enum Rule("rule_") {
     BeforeAfter = "before_after",
     /// What the gyros of a station have moved by together, judged by the clock and not by a record.
     StationShift = "station_shift",
+    /// A campaign of an IMU against what its adopted model has foretold.
+    Forecast = "forecast",
 }
 }
 
@@ -96,7 +99,9 @@ impl Rule {
     /// steps stays below half of it in the root mean square of successive differences.
     pub fn share_of_budget(self) -> Option<f64> {
         match self {
-            Rule::Step | Rule::Range | Rule::Baseline | Rule::Agreement | Rule::BeforeAfter => Some(1.0),
+            Rule::Step | Rule::Range | Rule::Baseline | Rule::Agreement | Rule::BeforeAfter | Rule::Forecast => {
+                Some(1.0)
+            }
             Rule::RmsSuccessive => Some(0.5),
             Rule::StationShift => Some(0.25),
             _ => None,
@@ -107,7 +112,7 @@ impl Rule {
     pub fn unit(self, coefficient: Coefficient) -> Unit {
         match (self, coefficient) {
             (Rule::Overdue, _) => Unit::Days,
-            (Rule::Cusum, _) => Unit::StandardDeviations,
+            (Rule::Cusum | Rule::Forecast, _) => Unit::StandardDeviations,
             (Rule::Requirement, Coefficient::E) => Unit::PulsePerArcsec,
             (Rule::Requirement, _) => Unit::PulsePerSecond,
             _ => Unit::Drift,
@@ -242,6 +247,19 @@ pub enum Finding {
         /// The median.
         shift: f64,
     },
+    /// The gyro of the campaign that is furthest from its forecast.
+    Forecast {
+        slot: Slot,
+        /// Its dwell that is, with the error over its standard deviation.
+        furthest: Option<(usize, f64)>,
+        /// Of errors as large, over all gyros.
+        p: f64,
+        /// Of D_I or D_S, the smallest that would show in every gyro, deg/(h g0); none where none would.
+        step: Option<f64>,
+        /// That the model was fitted to.
+        campaigns: usize,
+        unseen: Option<Unseen>,
+    },
     Agreement {
         results: usize,
         lowest: (Source, UtcMicros, f64),
@@ -259,6 +277,26 @@ pub enum Finding {
     Overdue {
         last: UtcMicros,
     },
+}
+
+named! {
+/// What of a campaign, or of most of its dwells, the model has not seen: the notes of the forecast.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Unseen("unseen_") {
+    Temperature = "temperature_outside_model",
+    Rate = "rate_outside_model",
+    Attitudes = "attitudes_outside_model",
+    Before = "campaign_before_model",
+    Effect = "effect_not_foretold",
+    Station = "effect_of_other_station",
+}
+}
+
+impl Unseen {
+    /// Whether it is of single dwells, and the others may be judged.
+    pub fn is_of_dwells(self) -> bool {
+        matches!(self, Unseen::Temperature | Unseen::Rate | Unseen::Attitudes)
+    }
 }
 
 /// Where a figure comes from.

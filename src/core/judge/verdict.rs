@@ -71,8 +71,8 @@ impl Status {
             State::Within => Status::InTolerance,
             State::Indeterminate if value.is_none() => Status::NotEnoughData,
             State::Indeterminate if sd.is_some_and(|sd| sd > TOO_UNCERTAIN * limit.abs()) => Status::TooUncertain,
-            // A shift is undecided for no other reason.
-            State::Indeterminate if rule == Rule::Shift => Status::TooUncertain,
+            // They are undecided for no other reason.
+            State::Indeterminate if matches!(rule, Rule::Shift | Rule::Forecast) => Status::TooUncertain,
             State::Indeterminate => Status::Borderline,
             State::Exceeded if rule == Rule::Overdue => Status::Overdue,
             State::Exceeded if rule.limit_kind() == LimitKind::Control => Status::Drifting,

@@ -20,6 +20,29 @@ pub fn f_tail(f: f64, numerator: f64, denominator: f64) -> f64 {
     checked_beta_reg(0.5 * denominator, 0.5 * numerator, x).unwrap_or(1.0)
 }
 
+/// P of a sum of `count` squares as large over a variance that `dof` degrees of freedom tell: F, chi-square for one
+/// that is known.
+pub fn squares_tail(squares: f64, count: usize, dof: f64) -> f64 {
+    if count == 0 {
+        return 1.0;
+    }
+    if dof.is_finite() {
+        f_tail(squares / count as f64, count as f64, dof)
+    } else {
+        chi2_tail(squares, count).unwrap_or(1.0)
+    }
+}
+
+/// The sum of squares that [`squares_tail`] gives the probability `p`, by bisection of its logarithm.
+pub fn squares_quantile(p: f64, count: usize, dof: f64) -> f64 {
+    let (mut low, mut high) = (-60.0_f64, 60.0_f64);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if squares_tail(middle.exp(), count, dof) > p { low = middle } else { high = middle }
+    }
+    low.exp()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -32,6 +55,14 @@ mod tests {
         }
         for (f, d1, d2, p) in [(161.4476, 1.0, 1.0, 0.05), (3.325835, 5.0, 10.0, 0.05), (4.849147, 10.0, 10.0, 0.01)] {
             assert!((f_tail(f, d1, d2) / p - 1.0).abs() < 1e-4, "{f} {d1} {d2}");
+        }
+    }
+
+    #[test]
+    fn quantiles_of_sums_of_squares_are_those_of_the_tables() {
+        // 10 F of 10 and 10 degrees of freedom at 1 %; chi-square of 100 at 1 % (Abramowitz and Stegun 26.8, 26.9).
+        for (p, count, dof, squares) in [(0.01, 10, 10.0, 48.49147), (0.01, 100, f64::INFINITY, 135.80672)] {
+            assert!((squares_quantile(p, count, dof) / squares - 1.0).abs() < 1e-4, "{count} {dof}");
         }
     }
 

@@ -58,7 +58,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem
                 p { button.primary { (t.comment) } }
             }
         }
-        @if !alert.is_of_station() { p { a href=(of_gyro) { (t.alerts_of_gyro) } } }
+        @if alert.is_of_gyro() { p { a href=(of_gyro) { (t.alerts_of_gyro) } } }
     };
     Ok(Page { title: format!("{} {}", t.alert, alert.name()), section: Section::Alerts, body })
 }

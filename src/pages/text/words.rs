@@ -379,6 +379,7 @@ catalogue! {
     alert_inhibited: "inhibited", "已抑制";
     explained_by_station: "explained by a station's alert", "由测试站告警解释";
     stations_alerts: "Stations", "测试站";
+    imus_alerts: "IMUs", "惯组";
     inhibited_by_it: "Alerts of gyros that it explains", "由其解释的陀螺告警";
     severity: "Severity", "级别";
     rule_word: "Rule", "规则";
@@ -558,6 +559,7 @@ catalogue! {
     forecast_ladder: "Forecast error, step by step. Upright line: the noise floor.", "预报误差逐项变化。竖线：噪声底。";
     model_6: "Model (6)", "模型(6)";
     as_foretold: "as foretold", "与预报相符";
+    forecast_indeterminate: "cannot be judged", "无法判断";
     outside_forecast: "outside its forecast", "超出预报";
     not_foretold: "not foretold", "未预报";
     error_in_sd: "rms(error/sd)", "误差/标准差（均方根）";

@@ -47,7 +47,7 @@ impl Naming<'_> {
         stored.or_else(|| added(&self.new?.gyros, number)).unwrap_or_default().to_owned()
     }
 
-    /// Empty for a station.
+    /// Empty for a station or an IMU.
     pub fn serial(&self, of: AlertOf) -> String {
         of.gyro().map(|gyro| self.gyro(gyro)).unwrap_or_default()
     }
@@ -86,7 +86,7 @@ impl Naming<'_> {
         let finding = finding_of(row)?;
         Ok(AlertBody {
             id: row.id.to_string(),
-            subject: if row.of.gyro().is_some() { AlertBody::OF_GYRO } else { AlertBody::OF_STATION }.into(),
+            subject: subject(row.of).into(),
             serial: self.serial(row.of),
             coefficient: row.coefficient.name().into(),
             rule: row.rule.name().into(),
@@ -141,6 +141,14 @@ pub fn status_of(row: &AlertRow, finding: &FindingBody) -> Status {
     }
     let confirmed = row.alert.severity == Severity::Critical;
     Status::of(row.rule, State::Exceeded, finding.value, finding.limit, finding.sd, confirmed)
+}
+
+fn subject(of: AlertOf) -> &'static str {
+    match of {
+        AlertOf::Gyro(_) => AlertBody::OF_GYRO,
+        AlertOf::Station(_) => AlertBody::OF_STATION,
+        AlertOf::Imu(_) => AlertBody::OF_IMU,
+    }
 }
 
 fn added(names: &[NewName], number: u32) -> Option<&str> {

@@ -32,7 +32,7 @@ pub(crate) struct AlertCache {
     pub(super) news: Vec<News>,
     /// Those of many alerts that are in force.
     pub(super) silences: Silences,
-    /// They, and the alerts of stations, are to be read again before they are used.
+    /// They, and the alerts of stations and IMUs, are to be read again before they are used.
     settings_moved: bool,
 }
 
@@ -88,7 +88,7 @@ impl AlertCache {
         self.alerts.retain(|of, _| of.gyro().is_none_or(|gyro| !lost(gyro)));
     }
 
-    /// Others have begun or ended silences, or alerts of stations have changed.
+    /// Others have begun or ended silences, or alerts of stations or IMUs have changed.
     pub fn forget_settings(&mut self) {
         self.settings_moved = true;
     }
@@ -96,7 +96,7 @@ impl AlertCache {
     /// Keeps the memory within its bounds, when all that was noted is stored.
     pub fn tidy(&mut self) {
         if self.alerts.len() > MOST_GYROS {
-            self.alerts.retain(|of, _| of.station().is_some());
+            self.alerts.retain(|of, _| of.gyro().is_none());
         }
     }
 
@@ -111,7 +111,7 @@ impl AlertCache {
         if self.settings_moved {
             self.silences = Silences::load(store, now).await?;
             self.alerts.retain(|of, _| of.gyro().is_some());
-            rows = store::alerts::of_stations(store).await?;
+            rows = store::alerts::of_no_gyro(store).await?;
             self.settings_moved = false;
         }
         let is_unknown = |gyro: &u32| !self.alerts.contains_key(&AlertOf::Gyro(*gyro));
@@ -147,7 +147,7 @@ impl AlertCache {
         self.alerts.get(&gyro.into()).into_iter().flatten().filter(|row| row.alert.status == Status::Firing)
     }
 
-    /// Follows a verdict on the newest figures of a gyro, or on what a station does.
+    /// Follows a verdict on the newest figures of a gyro, on what a station does, or on the newest campaign of an IMU.
     pub fn follow(&mut self, of: impl Into<AlertOf>, verdict: &Verdict, origin: &Origin, pen: &mut Pen<'_>) {
         let of = of.into();
         let place = self.place(of, |row| row.coefficient == verdict.coefficient && row.rule == verdict.rule);
@@ -216,12 +216,12 @@ impl AlertCache {
     /// alert is by what is left; none where nothing bears it out.
     pub fn undo(
         &mut self,
-        gyro: u32,
+        of: impl Into<AlertOf>,
         still: impl Fn(&AlertRow) -> Option<Severity>,
         undone: &Undone,
         pen: &mut Pen<'_>,
     ) {
-        let of = AlertOf::Gyro(gyro);
+        let of = of.into();
         for place in 0..self.alerts.get(&of).map_or(0, Vec::len) {
             let row = &self.alerts[&of][place];
             let decision = match still(row) {
@@ -233,6 +233,12 @@ impl AlertCache {
             let said = (Some(undone.author.clone()), Some(undone.reason.clone()));
             self.enter((of, place), decision, false, said, pen);
         }
+    }
+
+    /// Whether an alert of an IMU fires.
+    pub fn fires_of_imu(&self, imu: u32) -> bool {
+        let rows = self.alerts.get(&AlertOf::Imu(imu)).into_iter().flatten();
+        rows.into_iter().any(|row| row.alert.status == Status::Firing)
     }
 
     /// Those of stations among them.

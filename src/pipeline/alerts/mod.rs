@@ -109,12 +109,12 @@ impl Alerts {
         Ok(gyros.iter().map(of_gyro).collect::<Result<_, StoreError>>()?)
     }
 
-    /// Alerts of stations that a filter lets through, the newest first.
+    /// Alerts of stations and IMUs that a filter lets through, the newest first.
     ///
     /// # Errors
     /// [`StorageError`].
-    pub async fn of_stations(&self, filter: &AlertFilter) -> Result<Vec<AlertBody>, StorageError> {
-        let (now, mut rows) = (self.clock.now(), store::alerts::of_stations(&self.store).await?);
+    pub async fn of_no_gyro(&self, filter: &AlertFilter) -> Result<Vec<AlertBody>, StorageError> {
+        let (now, mut rows) = (self.clock.now(), store::alerts::of_no_gyro(&self.store).await?);
         rows.retain(|row| {
             filter.gyro.is_none()
                 && filter.standing.is_none_or(|standing| row.alert.standing(now) == standing)

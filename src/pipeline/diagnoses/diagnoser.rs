@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::{Semaphore, oneshot, watch};
 
+use crate::config::Config;
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::diagnose;
 use crate::core::effects::Effect;
@@ -54,6 +55,7 @@ pub(in crate::pipeline) struct Diagnoser {
     pub(super) store: Store,
     pub(super) models: ModelCache,
     pub(super) clock: Clock,
+    config: Arc<Config>,
     /// Weak: the writer ends when nobody but this could send to it.
     queue: WeakWriteQueue,
     pub(super) idle: IdleDetector,
@@ -65,10 +67,17 @@ pub(in crate::pipeline) struct Diagnoser {
 }
 
 impl Diagnoser {
-    pub fn new(store: Store, models: ModelCache, clock: Clock, queue: WeakWriteQueue, idle: IdleDetector) -> Self {
+    pub fn new(
+        store: Store,
+        models: ModelCache,
+        (clock, config): (Clock, Arc<Config>),
+        queue: WeakWriteQueue,
+        idle: IdleDetector,
+    ) -> Self {
         let at_once = std::thread::available_parallelism().map_or(AT_ONCE, |n| n.get().max(AT_ONCE));
         let turns = Arc::new(Semaphore::new(at_once));
-        Self { store, models, clock, queue, idle, at_once, turns, under_way: Arc::default(), known: Arc::default() }
+        let (under_way, known) = Default::default();
+        Self { store, models, clock, config, queue, idle, at_once, turns, under_way, known }
     }
 
     /// The diagnosis of a stored campaign against the model in force: as it was kept, or made now.
@@ -134,7 +143,8 @@ impl Diagnoser {
         let (diagnoser, imu) = (self.clone(), row.imu);
         tokio::spawn(async move {
             let gyros = seats(&campaign);
-            let foretelling = Foretelling::of(&diagnoser.store, (key.0, imu), &campaign).await;
+            let judging = &diagnoser.config.judging;
+            let foretelling = Foretelling::of(&diagnoser.store, judging, (key.0, imu), &campaign).await;
             let foretelling = foretelling.inspect_err(|error| {
                 tracing::warn!(%error, campaign = %key.0, "what foretells a campaign cannot be read");
             });

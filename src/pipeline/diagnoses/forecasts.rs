@@ -8,11 +8,13 @@ use serde::Deserialize;
 
 use super::Diagnoses;
 use super::foretelling::{Foretelling, stored};
+use super::models::InForce;
 use crate::core::id::Id;
+use crate::core::judge::{State, Verdict};
 use crate::core::kind::Kind;
 use crate::pipeline::error::StorageError;
 use crate::store;
-use crate::store::StoreError;
+use crate::store::{RecordHead, Store, StoreError};
 use crate::wire::forecast::{ForecastPointBody, ForecastSeriesBody};
 use crate::words;
 
@@ -36,12 +38,13 @@ impl Diagnoses {
         let (mut points, mut latest) = (Vec::new(), None);
         for id in self.campaigns_of(number, limit).await? {
             // The newest comes first.
-            if let Some(kept) = self.kept(id).await?.filter(|_| !points.is_empty()) {
+            if let Some(kept) = self.said(id).await?.filter(|_| !points.is_empty()) {
                 points.push(kept);
                 continue;
             }
             let Some(campaign) = stored(&self.store, id).await? else { continue };
-            let foretelling = Foretelling::of(&self.store, (id, number), &campaign).await?;
+            let foretelling =
+                Foretelling::of(&self.store, &self.reader.config.judging, (id, number), &campaign).await?;
             let work = words::spawn_blocking(move || {
                 let told = foretelling.foretold(&campaign);
                 (foretelling.point_of(&campaign, told.as_ref()), told)
@@ -62,7 +65,7 @@ impl Diagnoses {
     pub async fn forecasts_made(&self, imu: u32, limit: u32) -> Result<Vec<ForecastPointBody>, StorageError> {
         let mut points = Vec::new();
         for id in self.campaigns_of(imu, limit).await? {
-            points.extend(self.kept(id).await?);
+            points.extend(self.said(id).await?);
         }
         points.reverse();
         Ok(points)
@@ -76,13 +79,57 @@ impl Diagnoses {
     }
 
     /// The forecast that is kept with the campaign's diagnosis, in the language that is asked for.
-    async fn kept(&self, id: Id) -> Result<Option<ForecastPointBody>, StoreError> {
-        let diagnosis = store::diagnosis::get(&self.store, id).await?.filter(|kept| !kept.refused);
-        let kept = diagnosis.and_then(|kept| serde_json::from_str::<WithForecast>(&kept.body).ok());
-        let mut forecast = kept.and_then(|kept| kept.forecast);
+    async fn said(&self, id: Id) -> Result<Option<ForecastPointBody>, StoreError> {
+        let mut forecast = kept(&self.store, id).await?;
         if let Some(forecast) = &mut forecast {
             forecast.say(words::asked());
         }
         Ok(forecast)
     }
+}
+
+/// The forecast that is kept with a campaign's diagnosis.
+async fn kept(store: &Store, id: Id) -> Result<Option<ForecastPointBody>, StoreError> {
+    let diagnosis = store::diagnosis::get(store, id).await?.filter(|kept| !kept.refused);
+    let kept = diagnosis.and_then(|kept| serde_json::from_str::<WithForecast>(&kept.body).ok());
+    Ok(kept.and_then(|kept| kept.forecast))
+}
+
+/// What the rule `forecast` says of the newest campaign of an IMU, by the model in force; confirmed where the campaign
+/// before of which it says anything lies outside its forecast, too. None where nothing is adopted, or the campaign is
+/// not judged by it.
+///
+/// `made`: one whose diagnosis is about to be kept; none of one that the verdict does not rest on. Without one, of the
+/// newest campaign that decides: `gone` are about to be withdrawn.
+pub(in crate::pipeline) async fn newest_verdict(
+    store: &Store,
+    (imu, in_force): (u32, &InForce),
+    gone: &[Id],
+    made: Option<(Id, &ForecastPointBody)>,
+) -> Result<Option<(RecordHead, Verdict)>, StoreError> {
+    let Some(model) = in_force.id.filter(|_| in_force.model.identified.is_some()) else { return Ok(None) };
+    let mut campaigns = store::record::of_imu(store, imu, LOOKED_THROUGH).await?;
+    campaigns.retain(|head| head.kind == Kind::Campaign && !gone.contains(&head.id));
+    let mut newest: Option<(RecordHead, Verdict)> = None;
+    let mut rests_on_made = made.is_none();
+    for head in campaigns {
+        let point = match made.filter(|(made, _)| *made == head.id) {
+            Some((_, point)) => Some(point.clone()),
+            None => kept(store, head.id).await?,
+        };
+        rests_on_made |= made.is_some_and(|(made, _)| made == head.id);
+        let point = point.filter(|point| point.imu_model.as_deref() == Some(&*model.to_string()));
+        let verdict = point.and_then(|point| point.compared?.verdict?.verdict());
+        let decided = verdict.filter(|verdict| verdict.state != State::Indeterminate);
+        match (&mut newest, verdict, decided) {
+            (None, Some(verdict), _) if made.is_some() || decided.is_some() => newest = Some((head, verdict)),
+            (None, None, _) if made.is_some() => return Ok(None),
+            (Some((_, of_newest)), _, Some(before)) => {
+                of_newest.confirmed = [of_newest.state, before.state] == [State::Exceeded; 2];
+                break;
+            }
+            _ => {}
+        }
+    }
+    Ok(newest.filter(|_| rests_on_made))
 }

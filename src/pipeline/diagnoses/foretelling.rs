@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use super::models::{InForce, read};
+use crate::config::Judging;
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::id::Id;
 use crate::core::imu_model::{Identified, Sample, changed, compare, identify, ladder, promised};
+use crate::core::judge::Limit;
 use crate::core::kind::Kind;
 use crate::core::message::Message;
 use crate::message;
@@ -27,11 +29,18 @@ pub(super) struct Foretelling {
     before: Vec<(Id, Campaign)>,
     /// When it came in.
     in_force: InForce,
+    /// Of the rule `forecast`.
+    limits: [Option<Limit>; 2],
 }
 
 impl Foretelling {
     /// Of the campaign `id` of the IMU with number `imu`.
-    pub async fn of(store: &Store, (id, imu): (Id, u32), campaign: &Campaign) -> Result<Self, StoreError> {
+    pub async fn of(
+        store: &Store,
+        judging: &Judging,
+        (id, imu): (Id, u32),
+        campaign: &Campaign,
+    ) -> Result<Self, StoreError> {
         // Identifiers are in order of arrival; the models are newest first.
         let models = store::model::of_imu(store, imu).await?;
         let in_force = models.iter().find(|model| model.id < id).map(read).transpose()?.unwrap_or_default();
@@ -42,7 +51,8 @@ impl Foretelling {
                 before.extend(earlier.filter(|earlier| are_alike(earlier, campaign)).map(|it| (head.id, it)));
             }
         }
-        Ok(Self { id, before, in_force })
+        let limits = judging.limits(campaign.imu.as_str(), "").forecast();
+        Ok(Self { id, before, in_force, limits })
     }
 
     /// The forecast without its dwells, or why there is none. Computing, some milliseconds.
@@ -58,16 +68,17 @@ impl Foretelling {
     /// force.
     pub fn foretold(&self, campaign: &Campaign) -> Result<ForecastBody, Message> {
         let usable = |model: &&Arc<Identified>| compare(model, campaign).is_ok();
-        let model = match self.in_force.model.identified.as_ref().filter(usable) {
-            Some(adopted) => Arc::clone(adopted),
-            None => Arc::new(self.of_campaigns()?),
+        // What nobody has adopted is held against nobody.
+        let (model, limits) = match self.in_force.model.identified.as_ref().filter(usable) {
+            Some(adopted) => (Arc::clone(adopted), self.limits),
+            None => (Arc::new(self.of_campaigns()?), [None; 2]),
         };
         let comparison = compare(&model, campaign).map_err(|why| why.message())?;
         let steps = ladder(&model, campaign).map_err(|why| why.message())?;
         let promised = promised(&model, campaign).map_err(|why| why.message())?;
         let changed = if model.effects.is_empty() { None } else { changed(&model, campaign).ok() };
         let body = ForecastBody::of(&model, campaign, &comparison.forecast, promised);
-        Ok(body.compared(&comparison, &steps, changed.as_ref()))
+        Ok(body.compared(&comparison, &steps, changed.as_ref(), (&model, limits)))
     }
 
     fn of_campaigns(&self) -> Result<Identified, Message> {

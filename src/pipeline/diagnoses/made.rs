@@ -7,9 +7,9 @@ use crate::core::message::Message;
 use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::digest::{Digest, Seat};
 use crate::pipeline::diagnoses::models::ModelCache;
-use crate::pipeline::error::WriteError;
-use crate::store::{Changes, DiagnosisRow, JobChanges, NewDiagnosis, SettledTask, Writer};
+use crate::store::{Changes, DiagnosisRow, JobChanges, NewDiagnosis, SettledTask};
 use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::forecast::ForecastPointBody;
 use crate::wire::message::to_stored;
 
 /// The answer, or why there is none.
@@ -65,13 +65,13 @@ pub(super) fn text(body: &impl serde::Serialize) -> String {
 }
 
 impl Made {
-    /// What the writer does with it: one transaction, unless another model has come into force or another hypothesis
-    /// competes meanwhile. Orders that wait for the campaign are told in the same.
-    pub async fn keep(&self, writer: &mut Writer, models: &ModelCache) -> Result<(), WriteError> {
+    /// What the writer writes, none where another model has come into force or another hypothesis competes meanwhile.
+    /// Orders that wait for the campaign are told in the same.
+    pub fn changes(&self, models: &ModelCache) -> Option<Changes> {
         let Self { campaign, begun_at, ended_at, outcome } = self;
         let mut changes = Changes::default();
         let failed = match outcome {
-            Outcome::Known { known, .. } if !known.is_of_now(models) => return Ok(()),
+            Outcome::Known { known, .. } if !known.is_of_now(models) => return None,
             Outcome::Known { known, gyros } => {
                 let gist = text(&Digest::of(gyros.clone(), &known.diagnosed));
                 changes.diagnoses.push(NewDiagnosis { row: known.row(), gist });
@@ -81,6 +81,13 @@ impl Made {
         };
         let settled = vec![SettledTask { record: *campaign, begun_at: *begun_at, ended_at: *ended_at, failed }];
         changes.diagnosis_jobs = JobChanges { settled, ..JobChanges::default() };
-        Ok(writer.commit(&changes).await?)
+        Some(changes)
+    }
+
+    /// The campaign, its IMU, and what was foretold of it.
+    pub fn foretold(&self) -> Option<(Id, u32, &ForecastPointBody)> {
+        let Outcome::Known { known, .. } = &self.outcome else { return None };
+        let body = known.diagnosed.as_ref().as_ref().ok()?;
+        Some((self.campaign, known.imu, body.forecast.as_ref()?))
     }
 }

@@ -60,6 +60,7 @@ pub(super) use diagnoser::Diagnoser;
 pub use diagnoser::DiagnosisAnswer;
 pub use digest::Conclusion;
 pub use error::{DiagnosisError, NotSplit};
+pub(super) use forecasts::newest_verdict;
 pub use hypotheses::StoredHypothesis;
 pub(super) use hypothesis_orders::HypothesisHandler;
 pub use hypothesis_orders::HypothesisOrder;

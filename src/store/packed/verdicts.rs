@@ -328,6 +328,7 @@ mod tests {
             "shift",
             "before_after",
             "station_shift",
+            "forecast",
         ];
         assert_eq!(names[..known.len()], known);
         assert_eq!(Coefficient::ALL.map(Coefficient::name)[..6], ["D_I", "D_S", "D_O", "E", "G", "all"]);

@@ -41,8 +41,8 @@ impl News {
         match self {
             Self::Names => [changes.imus.len(), changes.stations.len(), changes.gyros.len()] != [0; 3],
             Self::Settings => {
-                let of_station = changes.alerts.iter().any(|alert| alert.of.station().is_some());
-                of_station || !changes.hooks.is_empty() || !changes.silences.is_empty()
+                let of_no_gyro = changes.alerts.iter().any(|alert| alert.of.gyro().is_none());
+                of_no_gyro || !changes.hooks.is_empty() || !changes.silences.is_empty()
             }
             Self::Outbox => {
                 let moved = [outbox.queued.len(), outbox.replayed.len(), outbox.dropped.len(), outbox.hastened.len()];

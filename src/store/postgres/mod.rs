@@ -37,7 +37,7 @@ use crate::store::sqlite::write_behind::Unplaced;
 use crate::store::tables::names::{Names, Tables};
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-const MIGRATIONS: [(i64, &str, &str); 16] = [
+const MIGRATIONS: [(i64, &str, &str); 17] = [
     (1, "schema", include_str!("../../../migrations/postgres/0001_schema.sql")),
     (2, "claims", include_str!("../../../migrations/postgres/0002_claims.sql")),
     (3, "shared_limits", include_str!("../../../migrations/postgres/0003_shared_limits.sql")),
@@ -54,6 +54,7 @@ const MIGRATIONS: [(i64, &str, &str); 16] = [
     (14, "station_alerts", include_str!("../../../migrations/postgres/0014_station_alerts.sql")),
     (15, "hypotheses", include_str!("../../../migrations/postgres/0015_hypotheses.sql")),
     (16, "packed_texts", include_str!("../../../migrations/postgres/0016_packed_texts.sql")),
+    (17, "imu_alerts", include_str!("../../../migrations/postgres/0017_imu_alerts.sql")),
 ];
 
 /// How long a database that does not answer yet is waited for at the start.

@@ -23,20 +23,28 @@ pub struct Remark {
 pub enum AlertOf {
     Gyro(u32),
     Station(u32),
+    Imu(u32),
 }
 
 impl AlertOf {
     pub fn gyro(self) -> Option<u32> {
         match self {
             Self::Gyro(gyro) => Some(gyro),
-            Self::Station(_) => None,
+            Self::Station(_) | Self::Imu(_) => None,
         }
     }
 
     pub fn station(self) -> Option<u32> {
         match self {
-            Self::Gyro(_) => None,
             Self::Station(station) => Some(station),
+            Self::Gyro(_) | Self::Imu(_) => None,
+        }
+    }
+
+    pub fn imu(self) -> Option<u32> {
+        match self {
+            Self::Imu(imu) => Some(imu),
+            Self::Gyro(_) | Self::Station(_) => None,
         }
     }
 }
@@ -47,7 +55,7 @@ impl From<u32> for AlertOf {
     }
 }
 
-/// The alert of one gyro or station, coefficient and rule.
+/// The alert of one gyro, station or IMU, coefficient and rule.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AlertRow {
     pub id: Id,
@@ -111,17 +119,18 @@ pub(crate) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
             .optional_integer(muted.as_ref().map(|(silence, _)| silence.0))
             .optional_integer(alert.muted_until.map(|until| until.0))
             .optional_integer(of.station().map(i64::from))
-            .optional_integer(inhibited_by.map(|id| id.0));
+            .optional_integer(inhibited_by.map(|id| id.0))
+            .optional_integer(of.imu().map(i64::from));
     }
     batch.add(
         insert!(
             "alert (id, gyro, coefficient, rule, status, severity, fired_at, resolved_at, record_at, within,
              told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at,
              silenced_by, silenced_reason, silenced_at, silenced_until, finding, since, hushed_at, digest, muted_by, muted_until,
-             station, inhibited_by)",
+             station, inhibited_by, imu)",
             [int 0, int 1, text 2, text 3, text 4, text 5, int 6, int 7, int 8, int 9, int 10, text 11, text 12, text 13,
              int 14, text 15, text 16, int 17, int 18, words 19 20, int 21, int 22, int 23, int 24, int 25,
-             int 26, int 27],
+             int 26, int 27, int 28],
             "ON CONFLICT (id) DO UPDATE SET (status, severity, fired_at, resolved_at, record_at, within, told_at,
              told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, silenced_by, silenced_reason,
              silenced_at, silenced_until, finding, since, hushed_at, digest, muted_by, muted_until, inhibited_by) =
@@ -157,7 +166,7 @@ pub(crate) fn insert_steps(steps: &[StepRow], batch: &mut Batch) {
     );
 }
 
-const COLUMNS: &str = "SELECT alert.id, gyro, alert.station, inhibited_by, coefficient, alert.rule, status, severity, fired_at, resolved_at, record_at, within, \
+const COLUMNS: &str = "SELECT alert.id, gyro, alert.station, alert.imu, inhibited_by, coefficient, alert.rule, status, severity, fired_at, resolved_at, record_at, within, \
      told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, \
      silenced_by, silenced_reason, silenced_at, silenced_until, finding, coalesce(since, fired_at) AS since, hushed_at, digest, \
      muted_by, muted_until, silence.author AS muted_author, silence.reason AS muted_reason, silence.at AS muted_at \
@@ -183,7 +192,9 @@ fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
     let inhibited_by = row.cell::<Option<i64>>("inhibited_by")?.map(Id);
     let gyro: Option<Whole<u32>> = row.cell("gyro")?;
     let station: Option<Whole<u32>> = row.cell("station")?;
+    let imu: Option<Whole<u32>> = row.cell("imu")?;
     let of = gyro.map(|gyro| AlertOf::Gyro(gyro.0)).or(station.map(|station| AlertOf::Station(station.0)));
+    let of = of.or(imu.map(|imu| AlertOf::Imu(imu.0)));
     let acknowledged = remark("acknowledged_by", "acknowledged_reason", "acknowledged_at")?;
     Ok(AlertRow {
         id,
@@ -339,9 +350,9 @@ pub async fn all(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
     on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
 }
 
-/// Every alert of a station that there has been: few.
-pub async fn of_stations(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.station IS NOT NULL ORDER BY alert.id"));
+/// Every alert of a station or an IMU that there has been: few.
+pub async fn of_no_gyro(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IS NULL ORDER BY alert.id"));
     on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
 }
 

@@ -54,6 +54,8 @@ station_shift = The median { $name } of { $gyros } gyros of { $imus } IMUs is { 
     [below] below
    *[above] above
 } their baselines ({ $since } to { $until }). It is the station, or what these gyros share.
+forecast = { $slot } is off what the adopted model foretold by an rms of { $value } (p { $p } over all gyros).
+forecast_dwell = Dwell { $dwell } is furthest, by { $z } standard deviations.
 between_stations = { $sd } of its standard deviation is the reproducibility of stations.
 whole_budget = The shift is beyond the whole budget.
 agreement = { $name } spans { $value } over { $results } results: { $lowest } and { $highest }.
@@ -71,7 +73,19 @@ limit_exceeded = Limit { $limit } ({ $from }): { $percent } %.
 limit_of_three_sd = Limit { $limit } (three standard deviations; least { $from }).
 limits_from = Limits from { $from }.
 
+limit_of_forecast = Limit { $limit }: chance exceeds it in { $percent } % of campaigns.
+
 # How certain it is.
+forecast_unseen = It says nothing: the model has not seen { $what }.
+forecast_wide = It says nothing: only a step of D_I and D_S of { $step } or more is sure to show.
+forecast_says_nothing = It says nothing: no step of D_I and D_S would show.
+forecast_of_one_campaign = The model is of one campaign: what usually changes between campaigns may be all of it.
+unseen_temperature_outside_model = such temperatures
+unseen_rate_outside_model = such rates
+unseen_attitudes_outside_model = such attitudes
+unseen_campaign_before_model = what was before it
+unseen_effect_not_foretold = what one of its effects needs
+unseen_effect_of_other_station = this station
 second_campaign = Confirmed by a second campaign.
 not_a_single_result = Not due to a single result.
 too_uncertain = Too uncertain to judge: standard deviation { $sd } against a limit of { $limit }.
@@ -98,6 +112,7 @@ rule_overdue = overdue
 rule_shift = shift of level
 rule_before_after = before and after a test
 rule_station_shift = shift of a station
+rule_forecast = forecast
 
 # A line of a hook.
 alert_fires = { $serial }: { $coefficient } { $rule } fires ({ $severity })

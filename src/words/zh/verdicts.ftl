@@ -51,6 +51,8 @@ station_shift = { $imus }个惯组{ $gyros }个陀螺的{ $name }中位数比各
     [below] 低
    *[above] 高
 }{ $value }（{ $since }至{ $until }）。原因在测试站，或在这些陀螺的共同之处。
+forecast = { $slot }偏离已采用模型的预报，均方根为{ $value }（全部陀螺 p { $p }）。
+forecast_dwell = 偏离最大的是第{ $dwell }个停留，{ $z }倍标准差。
 between_stations = 其标准差中{ $sd }为测试站之间的复现性。
 whole_budget = 偏移超出整个允许范围。
 agreement = { $name }的{ $results }个结果极差为{ $value }：{ $lowest }与{ $highest }。
@@ -66,6 +68,7 @@ limit_is = 限值为{ $limit }（{ $from }）。
 limit_exceeded = 限值为{ $limit }（{ $from }），为其{ $percent } %。
 limit_of_three_sd = 限值为{ $limit }（三倍标准差；下限来自{ $from }）。
 limits_from = 限值来自{ $from }。
+limit_of_forecast = 限值为{ $limit }：{ $percent } %的标定因偶然超出。
 
 second_campaign = 第二次标定已证实。
 not_a_single_result = 并非由单个结果造成。
@@ -73,6 +76,16 @@ too_uncertain = 不确定度过大，无法判断：标准差{ $sd }，限值{ $
 too_uncertain_for_shift = 不确定度过大，无法判断：三倍标准差大于允许范围。
 probability_beyond = 超差概率{ $percent } %。
 no_standard_deviation = 标准差未知，按数值直接比较。
+forecast_unseen = 无法判断：模型未见过{ $what }。
+forecast_wide = 无法判断：D_I、D_S的阶跃达到{ $step }才必然可见。
+forecast_says_nothing = 无法判断：D_I、D_S的任何阶跃都不可见。
+forecast_of_one_campaign = 模型仅来自一次标定：差异可能只是各次标定之间的通常变化。
+unseen_temperature_outside_model = 这样的温度
+unseen_rate_outside_model = 这样的转速
+unseen_attitudes_outside_model = 这样的姿态
+unseen_campaign_before_model = 它之前的情况
+unseen_effect_not_foretold = 其某个效应所需的量
+unseen_effect_of_other_station = 这个测试站
 
 decided_before = 按当时判定；此后限值或履历已变化。
 does_not_count = 不再计入：该记录已作废或修订。
@@ -91,6 +104,7 @@ rule_overdue = 超期
 rule_shift = 持续偏移
 rule_before_after = 试验前后
 rule_station_shift = 测试站偏移
+rule_forecast = 预报
 
 # 推送的一行。
 alert_fires = { $serial }：{ $coefficient } { $rule } 告警（{ $severity }）

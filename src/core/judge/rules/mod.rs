@@ -5,6 +5,7 @@ mod baseline;
 mod before_after;
 mod case;
 mod closure;
+mod forecast;
 mod overdue;
 mod range;
 mod requirement;
@@ -15,6 +16,7 @@ mod step;
 mod trend;
 
 pub use agreement::{SourcedResult, agreement};
+pub use forecast::{FALSE_ALARMS, Foretold, ForetoldGyro, forecast};
 pub use overdue::overdue;
 pub use requirement::requirement;
 pub use station_shift::{Calibrated, ShiftQuestion, Suspected, in_common, is_explained, station_shift};

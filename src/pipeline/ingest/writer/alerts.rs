@@ -228,7 +228,7 @@ impl Task {
         self.hooks.tell_digest(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
-    async fn commit_or_forget(
+    pub(super) async fn commit_or_forget(
         &mut self,
         noted: Result<(), StoreError>,
         changes: &mut Changes,

@@ -49,6 +49,7 @@ impl Task {
         let touched = touched.chain(agreements.iter().map(|agreement| agreement.gyro));
         self.alerts.recall(&self.store, touched, now).await?;
         let sent = sent(items, &replies);
+        self.withdraw_forecasts(&changes, now).await?;
         let causes = Causes::of(stored(items, &replies), &changes);
         self.follow(&sent, &mut changes, (&found, &agreements), &causes, now).await?;
         metrics::histogram!(telemetry::JUDGING).record(judging.elapsed());

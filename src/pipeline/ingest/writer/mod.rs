@@ -2,6 +2,7 @@
 //! database server a process has several, and one of them carries out orders and follows the clock.
 
 pub(crate) mod alerts;
+mod forecasts;
 mod group;
 mod heads;
 pub(crate) mod overlapped;
@@ -142,7 +143,7 @@ impl Task {
                         continue;
                     }
                     Job::Diagnosed { made, reply } => {
-                        let kept = in_turn!(self, Cells::one(0), made.keep(&mut self.writer, &self.after.models));
+                        let kept = in_turn!(self, Cells::one(0), self.keep(&made));
                         let _gone = reply.send(kept);
                         continue;
                     }

@@ -37,7 +37,11 @@ impl Task {
             models: self.after.models.clone(),
         };
         let restated = reader.restated(&adoption.imu, &adoption.model, restated.clone()).await?;
-        let done = self.restate(&mut changes, &restated).await;
+        let imu = changes.models[0].imu;
+        let done = match self.end_forecast((imu, adoption), self.clock.now()).await {
+            Ok(()) => self.restate(&mut changes, &restated).await,
+            Err(error) => Err(error),
+        };
         if let Err(error) = done {
             // What is remembered is ahead of what is stored.
             self.start_over();

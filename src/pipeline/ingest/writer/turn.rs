@@ -132,6 +132,8 @@ impl Task {
                 }
                 Submission::Event(sent) => cells.insert(store::names::cell_of_gyro(&self.store, sent.serial.as_str())),
                 Submission::Correction(sent) => {
+                    // The alert of an IMU is there.
+                    cells.insert(0);
                     sent.replacement.iter().for_each(|new| self.cells_of_calibration(new, &mut cells));
                     match sent.item {
                         Corrected::Calibration { id, .. } => self.cells_of_record(id, &mut cells).await?,

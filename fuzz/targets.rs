@@ -15,7 +15,7 @@ use axum::http::Request;
 use gyrowatch::config::Config;
 use gyrowatch::core::calibrate::bench::calibrate_bench;
 use gyrowatch::core::calibrate::{Calibration, calibrate};
-use gyrowatch::core::campaign::{Campaign, CampaignGyro, Dwell, Limits, Phase, Site, TestKind};
+use gyrowatch::core::campaign::{Campaign, CampaignGyro, Dwell, Limits, Phase, Site, StationUncertainty, TestKind};
 use gyrowatch::core::mounting::{Geometry, Slot};
 use gyrowatch::core::record::{Name, Plausibility};
 use gyrowatch::core::separate::{Separation, diagonal_covariance, separate, stated_covariance};
@@ -178,12 +178,14 @@ pub fn fit(bytes: &[u8]) {
     let (geometry, model) = (Geometry::Skewed, None);
     let (imu, station, measured_at) = (name("i"), name("s"), UtcMicros(0));
     let (temperature_c, operator, note) = (None, None, None);
+    let station_uncertainty = StationUncertainty { levelling: Some(1e-4), azimuth: None, fixture: Some(2e-5) };
     let campaign = Campaign {
         imu,
         station,
         measured_at,
         geometry,
         site,
+        station_uncertainty,
         gyros,
         dwells,
         test,

@@ -179,3 +179,139 @@ fn a_bench_test_yields_a_bench_result() {
         assert!((found - truth).abs() < 4.0 * sd && sd < 2e-3, "{name}: {found} +- {sd}");
     }
 }
+
+/// The campaign with something else in it, in a file of its own.
+fn changed(change: impl FnOnce(&mut Value)) -> tempfile::NamedTempFile {
+    let mut campaign: Value = serde_json::from_slice(&std::fs::read(CAMPAIGN).unwrap()).unwrap();
+    change(&mut campaign);
+    file(".json", &campaign.to_string())
+}
+
+fn path(file: &tempfile::NamedTempFile) -> &str {
+    file.path().to_str().unwrap()
+}
+
+#[test]
+fn every_sd_says_what_it_is_made_of_and_is_as_before_where_the_station_states_nothing() {
+    let plain = answer(&[CAMPAIGN]);
+    assert_eq!(plain["calibration"]["station_uncertainty"], serde_json::json!({"stated": false}));
+    for separation in plain["separations"].as_array().unwrap() {
+        for name in ["d_i", "d_s", "d_o", "scale_factor"] {
+            let parts = &separation["uncertainty"][name];
+            assert_eq!((&parts["station"], &parts["discrepancy"]), (&Value::Null, &Value::from(0.0)), "{parts}");
+            assert_eq!((&parts["statistical"], &parts["combined"]), (&separation[name]["sd"], &separation[name]["sd"]));
+        }
+    }
+    assert!(table(&[CAMPAIGN]).contains("No uncertainty of the station is stated"));
+    let stated = changed(|campaign| {
+        campaign["station_uncertainty"] =
+            serde_json::json!({"levelling_arcsec": 20, "azimuth_arcsec": 30, "fixture_arcsec": 5})
+    });
+    let found = answer(&[path(&stated)]);
+    for (before, after) in plain["separations"].as_array().unwrap().iter().zip(found["separations"].as_array().unwrap())
+    {
+        assert_eq!(before["d_i"]["value"], after["d_i"]["value"]);
+        let [sd, combined] =
+            [&after["d_i"]["sd"], &after["uncertainty"]["d_i"]["combined"]].map(|x| x.as_f64().unwrap());
+        assert!((sd / combined - 1.0).abs() < 1e-12, "{sd} is not {combined}");
+        assert!(after["d_i"]["sd"].as_f64() > before["d_i"]["sd"].as_f64());
+    }
+    let as_csv = file(".csv", &as_csv(path(&stated)));
+    assert_eq!(answer(&[path(&as_csv)]), found);
+    assert!(!table(&[path(&stated)]).contains("No uncertainty"));
+}
+
+#[test]
+fn what_a_campaign_cannot_tell_of_its_station_is_said() {
+    let without = changed(|campaign| {
+        campaign["station_uncertainty"] = serde_json::json!({"levelling_arcsec": 20, "fixture_arcsec": 5});
+        for dwell in campaign["dwells"].as_array_mut().unwrap() {
+            dwell.as_object_mut().unwrap().remove("attitude");
+        }
+    });
+    let found = answer(&[path(&without)]);
+    let parts = &found["separations"][0]["uncertainty"]["d_s"];
+    assert!(parts["levelling"].is_null() && parts["fixture"].is_number(), "{parts}");
+    let note = found["notes"].as_array().unwrap().iter().find(|n| n["code"] == "station_left_out").expect("said");
+    assert_eq!(note["parts"], serde_json::json!(["levelling"]));
+}
+
+/// Three campaigns, a day apart, with noise of their own and another bias.
+fn three(bias: f64) -> Vec<tempfile::NamedTempFile> {
+    let of_day = |day: usize| {
+        changed(|campaign| {
+            campaign["measured_at"] = format!("2026-03-0{}T08:00:00Z", day + 1).into();
+            for (k, dwell) in campaign["dwells"].as_array_mut().unwrap().iter_mut().enumerate() {
+                for j in 0..3 {
+                    let noise = 0.0012 * f64::sin(1.7 * (k * k + 31 * j + 101 * day) as f64);
+                    let output = dwell["output_pulse_s"][j].as_f64().unwrap();
+                    dwell["output_pulse_s"][j] = (output + noise + bias * day as f64).into();
+                }
+            }
+        })
+    };
+    (0..3).map(of_day).collect()
+}
+
+#[test]
+fn several_campaigns_say_what_repeats_between_them() {
+    let files = three(0.02);
+    // The order of the files is that of a shell, and says nothing.
+    let arguments = [path(&files[2]), path(&files[0]), path(&files[1])];
+    let found = answer(&arguments);
+    let campaigns = found["campaigns"].as_array().unwrap();
+    let times: Vec<&str> = campaigns.iter().map(|one| one["measured_at"].as_str().unwrap()).collect();
+    assert_eq!(times, ["2026-03-01T08:00:00Z", "2026-03-02T08:00:00Z", "2026-03-03T08:00:00Z"]);
+    assert_eq!(answer(&[path(&files[1])]), campaigns[1]);
+    let of = |slot: &str, coefficient: &str| {
+        let all = found["between_campaigns"].as_array().unwrap().iter();
+        all.clone().find(|r| r["slot"] == slot && r["coefficient"] == coefficient).unwrap().clone()
+    };
+    let d_i = of("G1", "D_I");
+    let values: Vec<(f64, f64)> = campaigns
+        .iter()
+        .map(|one| &one["separations"][0]["d_i"])
+        .map(|figure| (figure["value"].as_f64().unwrap(), figure["sd"].as_f64().unwrap()))
+        .collect();
+    let weights: f64 = values.iter().map(|(_, sd)| sd.powi(-2)).sum();
+    let mean = values.iter().map(|(x, sd)| x * sd.powi(-2)).sum::<f64>() / weights;
+    let chi2: f64 = values.iter().map(|(x, sd)| ((x - mean) / sd).powi(2)).sum();
+    let close = |value: &Value, expected: f64| {
+        let value = value.as_f64().unwrap();
+        assert!((value - expected).abs() < 1e-9 * expected.abs(), "{value} is not {expected}");
+    };
+    assert_eq!((&d_i["campaigns"], &d_i["dof"], &d_i["beyond_sd"]), (&3.into(), &2.into(), &0.0.into()));
+    close(&d_i["mean"], mean);
+    close(&d_i["chi2"], chi2);
+    close(&d_i["sd"], weights.sqrt().recip());
+    // P(chi-square of two > x) = exp(-x/2).
+    close(&d_i["p_value"], (-0.5 * chi2).exp());
+    let d_f = of("G1", "D_F");
+    assert!(d_f["p_value"].as_f64().unwrap() < 1e-3, "{d_f}");
+    let between = 0.02 / campaigns[0]["separations"][0]["scale_factor"]["value"].as_f64().unwrap();
+    let beyond = d_f["beyond_sd"].as_f64().unwrap();
+    assert!((0.9..1.1).contains(&(beyond / between)), "{d_f}");
+    assert!(d_f["sd"].as_f64().unwrap() > 0.9 * between / f64::sqrt(3.0), "{d_f}");
+    let text = table(&arguments);
+    assert!(text.contains("the sd of the mean holds it: G1 D_F, G2 D_F, G3 D_F"), "{text}");
+    let alike = three(0.0);
+    let text = table(&[path(&alike[0]), path(&alike[1])]);
+    assert!(text.contains("No coefficient differs between campaigns by more than is stated"), "{text}");
+}
+
+#[test]
+fn campaigns_of_other_imus_gyros_or_instants_are_refused_by_file() {
+    let later = |change: fn(&mut Value)| {
+        changed(|campaign| {
+            campaign["measured_at"] = "2026-05-01T08:00:00Z".into();
+            change(campaign);
+        })
+    };
+    let other_imu = later(|campaign| campaign["imu"] = "IMU-1".into());
+    let other_gyro = later(|campaign| campaign["gyros"][1]["serial"] = "LFG-1".into());
+    let same_instant = changed(|_| ());
+    for (file, why) in [(&other_imu, "IMU-1"), (&other_gyro, "LFG-1"), (&same_instant, "")] {
+        let words = complaint(&[CAMPAIGN, path(file)], 1);
+        assert!(words.contains(path(file)) && words.contains(CAMPAIGN) && words.contains(why), "{words}");
+    }
+}

@@ -8,6 +8,7 @@ use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
 use serde_json::{Value, json};
 
+use gyrowatch::config::Stated;
 use lab::{Answer, JSON, Lab, assert_close, tables_3_and_4, verdict};
 
 const CSV: &str = "text/csv";
@@ -117,6 +118,39 @@ async fn a_campaign_and_a_record_share_one_history() {
     assert_eq!(trend[1]["record"], second["id"]);
     lab.restart().await;
     assert_eq!(lab.sees_trend("LFG-9000-1", "coefficient=D_I").await, trend);
+}
+
+#[tokio::test]
+async fn what_a_station_states_of_itself_is_in_what_is_judged_and_kept() {
+    let stated = |station: Option<&str>, levelling_arcsec, azimuth_arcsec| Stated {
+        station: station.map(str::to_owned),
+        levelling_arcsec,
+        azimuth_arcsec,
+        fixture_arcsec: None,
+    };
+    let everywhere = stated(None, Some(40.0), Some(30.0));
+    let of_others = stated(Some("ST-B"), Some(900.0), None);
+    let lab = Lab::with(|config| config.stations.uncertainty = vec![everywhere, of_others]).await;
+    let mut sent = campaign();
+    sent["station_uncertainty"] = json!({"levelling_arcsec": 20.0});
+    let answer = posts(&lab, &sent).await.created();
+    let said = json!({"stated": true, "levelling_arcsec": 20.0, "azimuth_arcsec": 30.0});
+    assert_eq!(answer["calibration"]["station_uncertainty"], said);
+    let d_i = &answer["separations"][0]["uncertainty"]["d_i"];
+    let part = |name: &str| d_i[name].as_f64().unwrap();
+    // Levelling moves D_I by Omega cos L a radian: 20 arcsec at 34.25 deg are 0.0012 deg/(h g0). Azimuths cancel.
+    assert!((part("levelling") / 1.2055e-3 - 1.0).abs() < 0.02 && part("azimuth") < 1e-5, "{d_i}");
+    let squares = part("statistical").powi(2) + part("station").powi(2) + part("discrepancy").powi(2);
+    assert_close(&d_i["combined"], squares.sqrt(), 1e-12);
+    assert_close(&answer["separations"][0]["d_i"]["sd"], part("combined"), 1e-12);
+    let trend = lab.sees_trend("LFG-9000-1", "coefficient=D_I").await;
+    assert_close(&trend[0]["sd"], part("combined"), 1e-12);
+    let id = answer["id"].as_str().unwrap();
+    let kept = lab.get(&format!("/v1/campaigns/{id}")).await.ok();
+    assert_eq!(kept["separations"], answer["separations"]);
+    sent["measured_at"] = "2026-04-01T08:00:00Z".into();
+    let later = posts(&lab, &sent).await.created();
+    assert_close(&verdict(&later, "LFG-9000-1", "D_I", "step")["sd"], part("combined") * f64::sqrt(2.0), 1e-9);
 }
 
 #[tokio::test]
@@ -294,6 +328,8 @@ fn bad_members() -> Vec<(&'static str, &'static str, Value)> {
         ("a serial twice", "/gyros/1/serial", json!("LFG-9000-1")),
         ("no dwells", "/dwells", json!([])),
         ("a time without offset", "/measured_at", json!("2026-03-01T08:00:00")),
+        ("a negative uncertainty", "/station_uncertainty/fixture_arcsec", json!(-1.0)),
+        ("an uncertainty of degrees", "/station_uncertainty/fixture_arcsec", json!(7200.0)),
         ("a latitude beyond the pole", "/site/latitude_deg", json!(91.0)),
     ]
 }
@@ -302,6 +338,7 @@ fn with(pointer: &str, value: Value) -> Value {
     let mut document = campaign();
     let pointer = pointer.strip_suffix("/1").filter(|p| *p == "/model").unwrap_or(pointer);
     let (parent, member) = pointer.rsplit_once('/').unwrap();
+    document["station_uncertainty"] = json!({"levelling_arcsec": 5.0});
     match document.pointer_mut(parent).unwrap() {
         Value::Object(members) => _ = members.insert(member.into(), value),
         Value::Array(items) => items[member.parse::<usize>().unwrap()] = value,

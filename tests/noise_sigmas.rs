@@ -3,7 +3,7 @@
 
 use gyrowatch::core::augmented::Options;
 use gyrowatch::core::calibrate::calibrate;
-use gyrowatch::core::campaign::{Campaign, CampaignGyro, Dwell, Phase, TestKind};
+use gyrowatch::core::campaign::{Campaign, CampaignGyro, Dwell, Phase, StationUncertainty, TestKind};
 use gyrowatch::core::diagnose::diagnose;
 use gyrowatch::core::model::Terms;
 use gyrowatch::core::mounting::{Geometry, Slot};
@@ -173,6 +173,7 @@ fn draw(kind: Kind, states_errors: bool, seed: u64) -> (Campaign, Vec<[Vector3<f
         gyros,
         dwells,
         test: TestKind::Imu,
+        station_uncertainty: StationUncertainty::default(),
         model: None,
         temperature_c: None,
         operator: None,

@@ -1,28 +1,33 @@
-//! `calibrate`: one campaign of raw dwells in, the fit and the drift coefficients out. Nothing is stored or judged.
+//! `calibrate`: campaigns of raw dwells in, the fit and the drift coefficients out. Nothing is stored or judged.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
 use super::document::{self, Format, table};
 use super::model;
 use super::separate::{BENCH_RESULT, Method, drift_and_mounting, figure};
+use crate::config::Config;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
+use crate::core::calibrate::repeats_between::repeated;
 use crate::core::campaign::{Campaign, TestKind};
+use crate::core::imu_model::{NotIdentified, of_one_imu};
 use crate::core::mounting::Slot;
-use crate::wire::calibration::{CampaignAnswer, GyroFitBody};
+use crate::wire::calibration::{CampaignAnswer, CampaignsAnswer, GyroFitBody, RepeatedBody};
 use crate::wire::document::DocumentKind;
 use crate::wire::document::parse;
 use crate::wire::unit;
+use crate::words;
 
 /// Dwells with the largest standardised residuals that the table shows.
 const SHOWN_RESIDUALS: usize = 5;
 
-/// Fit the error model to one campaign of raw dwells, and separate its gyros
+/// Fit the error model to campaigns of raw dwells, and separate their gyros
 #[derive(Debug, clap::Args)]
 pub struct Calibrate {
-    /// The campaign, in JSON or CSV; `-` is standard input
-    campaign: PathBuf,
+    /// The campaign, in JSON or CSV; `-` is standard input. Several of one IMU: also what repeats between them
+    #[arg(required = true, value_name = "CAMPAIGN")]
+    campaigns: Vec<PathBuf>,
 
     /// What to fit: terms of bias, g_linear, g_squared, scale, parted by commas, or a model file
     /// [default: the campaign's own terms, else all four]
@@ -37,10 +42,49 @@ pub struct Calibrate {
     format: Format,
 }
 
+/// A campaign, its fit and what is answered.
+struct Fitted {
+    file: String,
+    campaign: Campaign,
+    outcome: Outcome,
+    answer: CampaignAnswer,
+}
+
 impl Calibrate {
     pub fn run(self) -> anyhow::Result<()> {
-        let bytes = document::read(&self.campaign)?;
-        let file = || document::name(&self.campaign);
+        let config = document::config()?;
+        let mut fitted =
+            self.campaigns.iter().map(|path| self.fitted(path, &config)).collect::<anyhow::Result<Vec<_>>>()?;
+        if let [one] = fitted.as_slice() {
+            return match self.format {
+                Format::Table => document::print(&tables(&one.campaign, &one.outcome, &one.answer)),
+                Format::Json => document::print_json(&one.answer),
+            };
+        }
+        fitted.sort_by_key(|one| one.campaign.measured_at);
+        for (i, one) in fitted.iter().enumerate() {
+            for other in &fitted[..i] {
+                let named = |why: NotIdentified| {
+                    let why = words::asked().words(&why.message());
+                    anyhow::anyhow!("{} beside {}: {why}", one.file, other.file)
+                };
+                of_one_imu(&[&other.campaign, &one.campaign]).map_err(named)?;
+            }
+        }
+        let pairs: Vec<_> = fitted.iter().map(|one| (&one.campaign, &one.outcome)).collect();
+        let between: Vec<RepeatedBody> = repeated(&pairs).iter().map(RepeatedBody::from).collect();
+        match self.format {
+            Format::Table => document::print(&tables_between(&fitted, &between)),
+            Format::Json => document::print_json(&CampaignsAnswer {
+                campaigns: fitted.into_iter().map(|one| one.answer).collect(),
+                between_campaigns: between,
+            }),
+        }
+    }
+
+    fn fitted(&self, path: &Path, config: &Config) -> anyhow::Result<Fitted> {
+        let bytes = document::read(path)?;
+        let file = || document::name(path);
         match DocumentKind::instead_of(DocumentKind::Campaign, &bytes) {
             Some(DocumentKind::Record) => {
                 bail!("{}: this is a calibration record: separate it with `gyrowatch separate`", file())
@@ -48,21 +92,79 @@ impl Calibrate {
             Some(DocumentKind::Bench) => bail!("{}: {BENCH_RESULT}", file()),
             Some(DocumentKind::Campaign) | None => {}
         }
-        let mut campaign = parse(&bytes).with_context(file)?;
+        let mut campaign = config.stations.complete(parse(&bytes).with_context(file)?);
         let options = model::chosen(self.model.as_ref())?.options(&campaign);
         campaign.model = options.terms;
         if campaign.test != TestKind::Imu && !options.adopted.is_empty() {
             bail!("{}: the effects of a model file are fitted to campaigns of an IMU, this is a bench test", file());
         }
-        let limits = document::plausibility()?;
+        let limits = config.plausibility.limits();
         campaign.check_known_scales(&limits).with_context(file)?;
         let outcome = evaluate_with(&campaign, &options, &limits).with_context(file)?;
         let answer = CampaignAnswer::of(&campaign, &outcome, self.method.into());
-        match self.format {
-            Format::Table => document::print(&tables(&campaign, &outcome, &answer)),
-            Format::Json => document::print_json(&answer),
+        Ok(Fitted { file: file(), campaign, outcome, answer })
+    }
+}
+
+/// D_I and D_S of every campaign, and what repeats between them.
+fn tables_between(fitted: &[Fitted], between: &[RepeatedBody]) -> String {
+    let mut each = table(["campaign", "station", "measured", "gyro", "D_I", "D_S"], 4..6);
+    let mut text = format!("{}: {} campaigns\n\n", fitted[0].answer.imu, fitted.len());
+    for Fitted { file, answer, .. } in fitted {
+        for s in &answer.separations {
+            each.add_row([
+                file.clone(),
+                answer.station.clone(),
+                answer.measured_at.clone(),
+                Slot::from(s.slot).name().to_owned(),
+                figure(s.d_i.value, s.d_i.sd),
+                figure(s.d_s.value, s.d_s.sd),
+            ]);
         }
     }
+    text.push_str(&format!("Drift coefficients, deg/(h g0)\n{each}\n"));
+    let head = ["gyro", "coefficient", "n", "mean", "unit", "stated sd", "scatter", "scatter/stated", "p", "beyond"];
+    let mut repeats = table(head, 5..10);
+    for r in between {
+        let [low, high] = r.ratio_interval;
+        let beyond = if r.beyond_sd > 0.0 { format!("{:.2e}", r.beyond_sd) } else { "-".to_owned() };
+        repeats.add_row([
+            Slot::from(r.slot).name().to_owned(),
+            r.coefficient.to_owned(),
+            r.campaigns.to_string(),
+            figure(r.mean, Some(r.sd)),
+            unit::of_people(r.unit),
+            format!("{:.2e}", r.stated_sd),
+            format!("{:.2e}", r.scatter_sd),
+            format!("{:.2} [{low:.2}, {high:.2}]", r.ratio),
+            r.p_value.map_or("-".to_owned(), |p| format!("{p:.1e}")),
+            beyond,
+        ]);
+    }
+    text.push_str(&format!("\nBetween campaigns\n{repeats}\n"));
+    let beyond: Vec<String> = between
+        .iter()
+        .filter(|r| r.beyond_sd > 0.0)
+        .map(|r| format!("{} {}", Slot::from(r.slot).name(), r.coefficient))
+        .collect();
+    text.push_str(&match beyond.as_slice() {
+        [] if between.is_empty() => "Nothing is determined by two campaigns.".to_owned(),
+        [] => "No coefficient differs between campaigns by more than is stated (p >= 0.05).".to_owned(),
+        some => format!(
+            "Campaigns differ by more than is stated (p < 0.05), and the sd of the mean holds it: {}.",
+            some.join(", ")
+        ),
+    });
+    for Fitted { file, answer, .. } in fitted {
+        for gyro in &answer.not_separated {
+            let slot = Slot::from(gyro.slot).name();
+            text.push_str(&format!("\n{file}: {slot} ({}) is not separated: {}", gyro.serial, gyro.reason));
+        }
+        for note in &answer.notes {
+            text.push_str(&format!("\n{file}: note: {}", note.detail));
+        }
+    }
+    text
 }
 
 fn tables(campaign: &Campaign, outcome: &Outcome, answer: &CampaignAnswer) -> String {
@@ -78,6 +180,7 @@ fn tables(campaign: &Campaign, outcome: &Outcome, answer: &CampaignAnswer) -> St
         if !rows.is_empty() {
             text.push_str(&drift_and_mounting(rows.into_iter()));
             text.push('\n');
+            text.push_str(&uncertainty_table(answer));
         }
     }
     for gyro in &answer.not_separated {
@@ -92,6 +195,28 @@ fn tables(campaign: &Campaign, outcome: &Outcome, answer: &CampaignAnswer) -> St
         text.push_str(&format!("\nnote: {}", note.detail));
     }
     text
+}
+
+/// What the standard deviations of D_I and D_S are made of.
+fn uncertainty_table(answer: &CampaignAnswer) -> String {
+    let head = ["gyro", "", "sd", "noise", "levelling", "azimuth", "fixture", "discrepancy", "combined"];
+    let mut parts = table(head, 2..9);
+    for separation in &answer.separations {
+        let Some(uncertainty) = &separation.uncertainty else { continue };
+        let of = [("D_I", separation.d_i, uncertainty.d_i), ("D_S", separation.d_s, uncertainty.d_s)];
+        for (name, figure, u) in of {
+            let cell = |sd: Option<f64>| sd.map_or("-".to_owned(), |sd| format!("{sd:.6}"));
+            let sds = [Some(u.statistical), u.levelling, u.azimuth, u.fixture, u.discrepancy, Some(u.combined)];
+            let gyro = Slot::from(separation.slot).name().to_owned();
+            parts.add_row([gyro, name.to_owned(), cell(figure.sd)].into_iter().chain(sds.map(cell)));
+        }
+    }
+    let stated = if answer.calibration.station_uncertainty.stated {
+        ""
+    } else {
+        "No uncertainty of the station is stated: its levelling, azimuth and fixture are in no sd.\n"
+    };
+    format!("\nStandard uncertainties, deg/(h g0)\n{parts}\n{stated}")
 }
 
 fn fit_table(gyros: &[GyroFitBody]) -> String {

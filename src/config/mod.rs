@@ -7,6 +7,7 @@ mod hooks;
 mod judging;
 mod requirement;
 mod rules;
+mod stations;
 mod values;
 
 use std::net::SocketAddr;
@@ -30,6 +31,7 @@ pub use hooks::Hooks;
 pub use judging::{JudgedMethod, Judging, Override};
 pub use requirement::SlotRequirements;
 pub use rules::{FixedBaseline, RuleKeys};
+pub use stations::{Stated, Stations};
 
 /// What `server.plain_http` must say for HTTP beyond this machine.
 pub const PLAIN_HTTP: &str = "anybody on the network can read tokens and records, and change them";
@@ -43,6 +45,7 @@ pub struct Config {
     pub access: Access,
     pub database: Database,
     pub judging: Judging,
+    pub stations: Stations,
     pub alerts: Alerts,
     pub hooks: Hooks,
     pub plausibility: PlausibilityKeys,
@@ -299,6 +302,7 @@ impl Config {
         self.access.check()?;
         self.alerts.check()?;
         self.hooks.check()?;
+        self.stations.check()?;
         self.judging.check()
     }
 

@@ -16,13 +16,15 @@ pub mod commanded;
 mod earth_rate;
 mod note;
 pub mod repeats;
+mod station_uncertainty;
 mod temperatures;
 
 pub use check::{Limits, check_dwells};
 pub use columns::notes;
 pub(crate) use columns::temperature_outliers;
 pub use earth_rate::{NoEarthRate, with_earth_rate};
-pub use note::{CampaignNote, Column, LeftOut};
+pub use note::{CampaignNote, Column, LeftOut, StationLack};
+pub use station_uncertainty::{StationPart, StationUncertainty};
 pub use temperatures::Temperatures;
 
 /// Whether the IMU stood still on the Earth or the table turned during a dwell.
@@ -130,6 +132,7 @@ pub struct Campaign {
     pub measured_at: UtcMicros,
     pub geometry: Geometry,
     pub site: Option<Site>,
+    pub station_uncertainty: StationUncertainty,
     pub gyros: Vec<CampaignGyro>,
     /// In time order, never empty.
     pub dwells: Vec<Dwell>,

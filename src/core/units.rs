@@ -27,6 +27,16 @@ pub fn radians_from_arcmin(arcmin: f64) -> f64 {
     (arcmin / 60.0).to_radians()
 }
 
+/// Seconds of arc to radians.
+pub fn radians_from_arcsec(arcsec: f64) -> f64 {
+    (arcsec / 3600.0).to_radians()
+}
+
+/// Radians to seconds of arc.
+pub fn arcsec(radians: f64) -> f64 {
+    3600.0 * radians.to_degrees()
+}
+
 /// Drift rate in deg/h of a gyro whose output is `pulse_per_s`, for a scale factor in pulse/arcsec.
 pub fn deg_per_h(pulse_per_s: f64, scale_pulse_per_arcsec: f64) -> f64 {
     pulse_per_s / scale_pulse_per_arcsec

@@ -72,6 +72,7 @@ fn body(map: &Map, dwells: &[Dwell], gathered: Option<&Gathered>) -> Result<Camp
         measured_at: map.measured_at.clone().or(began).ok_or_else(|| missing("measured_at"))?,
         geometry: map.geometry.clone().ok_or_else(|| missing("geometry"))?,
         site: map.site.clone(),
+        station_uncertainty: None,
         gyros: map.gyros.iter().map(|text| gyro(text)).collect::<Result<_, _>>()?,
         dwells: dwells.iter().map(DwellBody::from).collect(),
         rates: None,

@@ -6,7 +6,7 @@ use nalgebra::Matrix3;
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
-use crate::core::campaign::{Campaign, CampaignGyro, Dwell};
+use crate::core::campaign::{Campaign, CampaignGyro, Dwell, StationUncertainty};
 use crate::core::fault::Faults;
 use crate::core::frames::Rotation;
 use crate::core::message::Message;
@@ -117,6 +117,7 @@ impl World {
             measured_at: instant(&scenario.measured_at)?,
             geometry: scenario.geometry.resolve()?,
             site: Some(self.earth.stated(scenario.site.states_magnetic_field)),
+            station_uncertainty: StationUncertainty::default(),
             gyros: self.stated_gyros()?,
             dwells,
             test: scenario.test_kind()?,

@@ -11,7 +11,10 @@ use super::note::NoteBody;
 use super::reason::Reason;
 use super::record::SlotBody;
 use super::triple::Triple;
+use crate::core::calibrate::GyroCalibration;
+use crate::core::calibrate::uncertainty::Budget;
 use crate::core::judge::Verdict;
+use crate::core::mounting::Geometry;
 use crate::core::separate::{self, Separation};
 
 pub use judged::{CAPACITY, with_verdicts};
@@ -47,6 +50,43 @@ pub struct FigureBody {
     pub sd: Option<f64>,
 }
 
+/// What the standard deviation of a figure is made of, in its unit: `combined` is the root of the sum of the squares of
+/// `statistical`, `station` and `discrepancy`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct UncertaintyBody {
+    /// Of the noise.
+    pub statistical: f64,
+    /// Of levelling, azimuth and fixture. None where the station states none of them, or the campaign cannot tell.
+    pub station: Option<f64>,
+    /// Of what the model leaves out: what the Birge ratio adds where residuals exceed the noise. None where nothing
+    /// tests that.
+    pub discrepancy: Option<f64>,
+    pub combined: f64,
+    /// Parts of `station`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub levelling: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub azimuth: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fixture: Option<f64>,
+}
+
+impl From<Budget> for UncertaintyBody {
+    fn from(budget: Budget) -> Self {
+        let Budget { statistical, station, of_station: [levelling, azimuth, fixture], discrepancy, combined } = budget;
+        Self { statistical, station, discrepancy, combined, levelling, azimuth, fixture }
+    }
+}
+
+/// Of what a campaign says of one gyro.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct UncertaintiesBody {
+    pub d_i: UncertaintyBody,
+    pub d_s: UncertaintyBody,
+    pub d_o: UncertaintyBody,
+    pub scale_factor: UncertaintyBody,
+}
+
 /// One gyro of a record, separated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SeparationBody {
@@ -77,6 +117,9 @@ pub struct SeparationBody {
     /// of this campaign.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub as_measured: Option<AsMeasuredBody>,
+    /// Of a campaign: what the standard deviations are made of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<UncertaintiesBody>,
 }
 
 /// D_I and D_S at the temperature at which they were measured.
@@ -162,7 +205,18 @@ impl SeparationBody {
             published: published.map(PublishedBody::of),
             as_printed: separation.as_printed.as_ref().ok().map(PublishedBody::of),
             as_measured: None,
+            uncertainty: None,
         }
+    }
+
+    /// With what the standard deviations are made of.
+    pub fn with_uncertainty(mut self, fitted: &GyroCalibration, geometry: &Geometry) -> Self {
+        let budgets = fitted.budgets(geometry, self.method == MethodBody::Published);
+        self.uncertainty = budgets.map(|budgets| {
+            let [d_i, d_s, d_o, scale_factor] = budgets.map(UncertaintyBody::from);
+            UncertaintiesBody { d_i, d_s, d_o, scale_factor }
+        });
+        self
     }
 
     /// With the same gyro at the temperature at which it was measured.

@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 
 use super::answer::{MethodBody, SeparationBody, VerdictBody};
 use super::bench::BenchBody;
+use super::campaign::StationUncertaintyBody;
 use super::diagnosis::NoiseFoundBody;
 use super::note::NoteBody;
 use super::record::SlotBody;
@@ -14,8 +15,9 @@ use super::triple::Triple;
 use crate::core::calibrate::bench::BenchCalibration;
 use crate::core::calibrate::noise::Noise;
 use crate::core::calibrate::outcome::Outcome;
+use crate::core::calibrate::repeats_between::Repeated;
 use crate::core::calibrate::{GyroCalibration, Parameter, ScaleSource};
-use crate::core::campaign::{self, Campaign, CampaignNote};
+use crate::core::campaign::{self, Campaign, CampaignNote, StationLack, StationPart};
 use crate::core::model::{Term, Terms};
 use crate::core::note::Note;
 use crate::words;
@@ -72,7 +74,75 @@ pub struct CalibrationBody {
     /// standard deviation and covariance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseFoundBody>,
+    /// What the station states of itself, in the campaign or in the configuration.
+    #[serde(default)]
+    pub station_uncertainty: StationStatedBody,
     pub gyros: Vec<GyroFitBody>,
+}
+
+/// Several campaigns of one IMU, and what repeats between them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CampaignsAnswer {
+    /// Each as it is answered by itself, in the order of time.
+    pub campaigns: Vec<CampaignAnswer>,
+    pub between_campaigns: Vec<RepeatedBody>,
+}
+
+/// One coefficient over several campaigns.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RepeatedBody {
+    pub slot: SlotBody,
+    pub serial: String,
+    pub coefficient: &'static str,
+    pub unit: &'static str,
+    /// Campaigns that determine it.
+    pub campaigns: usize,
+    /// Weighted mean, and its standard deviation with what campaigns differ by.
+    pub mean: f64,
+    pub sd: f64,
+    /// Root mean square of the stated standard deviations, and standard deviation of the values.
+    pub stated_sd: f64,
+    pub scatter_sd: f64,
+    /// Of the values about their weighted mean.
+    pub chi2: f64,
+    pub dof: usize,
+    pub p_value: Option<f64>,
+    /// Real over stated standard deviation, and its interval, 95 %.
+    pub ratio: f64,
+    pub ratio_interval: [f64; 2],
+    /// What campaigns differ by beyond what is stated; zero within chance (p >= 0.05).
+    pub beyond_sd: f64,
+}
+
+impl From<&Repeated> for RepeatedBody {
+    fn from(repeated: &Repeated) -> Self {
+        Self {
+            slot: repeated.slot.into(),
+            serial: repeated.serial.to_string(),
+            coefficient: repeated.coefficient,
+            unit: repeated.unit,
+            campaigns: repeated.campaigns,
+            mean: repeated.mean,
+            sd: repeated.sd,
+            stated_sd: repeated.stated_sd,
+            scatter_sd: repeated.scatter_sd,
+            chi2: repeated.scatter.chi2,
+            dof: repeated.scatter.dof,
+            p_value: repeated.scatter.p_value(),
+            ratio: repeated.ratio(),
+            ratio_interval: repeated.ratio_interval(),
+            beyond_sd: repeated.beyond_sd,
+        }
+    }
+}
+
+/// Systematic standard uncertainties of the station that are in the standard deviations.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct StationStatedBody {
+    /// Whether anything is: without, every standard deviation is statistical.
+    pub stated: bool,
+    #[serde(flatten)]
+    pub sizes: StationUncertaintyBody,
 }
 
 /// The fit of one gyro. Of a bench test, the coefficients of eq. (5) stand in `parameters`.
@@ -166,6 +236,10 @@ impl CampaignAnswer {
                 dwells: campaign.dwells.len(),
                 repeats: Vec::new(),
                 noise: None,
+                station_uncertainty: StationStatedBody {
+                    stated: campaign.station_uncertainty.is_stated(),
+                    sizes: StationUncertaintyBody::of(&campaign.station_uncertainty).unwrap_or_default(),
+                },
                 gyros: Vec::new(),
             },
             separations: Vec::new(),
@@ -194,6 +268,7 @@ impl CampaignAnswer {
                     match separation {
                         Ok(s) => {
                             let body = SeparationBody::of(&serial, s, method);
+                            let body = body.with_uncertainty(gyro, &campaign.geometry);
                             let own =
                                 as_measured.as_ref().and_then(|own| Some((own, own.separations[j].as_ref().ok()?)));
                             answer.separations.push(match own {
@@ -214,6 +289,12 @@ impl CampaignAnswer {
             Outcome::Bench(bench) => {
                 let aliased = bench.aliases.iter().map(|alias| Note::Campaign(CampaignNote::ProductAliased(*alias)));
                 answer.notes.extend(aliased.map(|note| NoteBody::of(&note)));
+                let parts = StationPart::ALL.into_iter().filter(|p| campaign.station_uncertainty.of(*p).is_some());
+                let parts: Vec<StationPart> = parts.collect();
+                if !parts.is_empty() {
+                    let left_out = CampaignNote::StationLeftOut { parts, why: StationLack::BenchTest };
+                    answer.notes.push(NoteBody::of(&Note::Campaign(left_out)));
+                }
                 answer.calibration.repeats.clone_from(&bench.repeats);
                 answer.calibration.gyros = vec![GyroFitBody::of_bench(campaign, bench)];
                 answer.bench_result = Some(BenchBody::of(&bench.result(campaign)));
@@ -241,7 +322,7 @@ impl GyroFitBody {
             slot: gyro.slot.into(),
             serial: gyro.serial.to_string(),
             e_source: scale_source(gyro.scale_source),
-            parameters: gyro.parameters.iter().map(ParameterBody::of).collect(),
+            parameters: gyro.parameters.iter().enumerate().map(|(i, p)| ParameterBody::of(p, gyro, i)).collect(),
             effects: gyro.effects.iter().map(EffectParameterBody::of).collect(),
             e_pulse_per_arcsec: gyro.e().map(Triple::from),
             g_pulse_per_s_g0: gyro.g().map(Triple::from),
@@ -278,6 +359,7 @@ impl GyroFitBody {
                     value: c.value,
                     sd: c.sd,
                     determined: true,
+                    uncertainty: None,
                 })
                 .collect(),
             effects: Vec::new(),

@@ -7,18 +7,22 @@ use super::numbers::{Numbers, in_range};
 use super::{json, text};
 use crate::core::campaign::commanded::Part;
 use crate::core::campaign::{
-    Campaign, CampaignGyro, Dwell, Limits, Phase, Site, TestKind, check_dwells, with_earth_rate,
+    Campaign, CampaignGyro, Dwell, Limits, Phase, Site, StationPart, StationUncertainty, TestKind, check_dwells,
+    with_earth_rate,
 };
 use crate::core::fault::{Fault, Faults};
 use crate::core::frames::{Body, Nav, Rotation};
 use crate::core::message::{figure, list, sent};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
-use crate::core::units::radians;
+use crate::core::units::{arcsec, radians, radians_from_arcsec};
 use crate::message;
 
 pub mod commanded;
 mod write;
+
+/// A degree: beyond it a station's error is a mistake and no uncertainty.
+const MAX_UNCERTAINTY_ARCSEC: f64 = 3600.0;
 
 /// What `rate_arcsec_s` may hold.
 const INERTIAL: &str = "inertial";
@@ -39,6 +43,21 @@ pub struct SiteBody {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<[f64; 3]>)]
     pub magnetic_field_nav: Option<Numbers>,
+}
+
+/// Systematic standard uncertainties of the station, arcsec. What is left out is the configuration's.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StationUncertaintyBody {
+    /// Of the table's vertical, about east and about north alike.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub levelling_arcsec: Option<f64>,
+    /// Of the table's north.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub azimuth_arcsec: Option<f64>,
+    /// Of the IMU against the table, about each body axis alike.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fixture_arcsec: Option<f64>,
 }
 
 /// One gyro of a campaign.
@@ -95,6 +114,8 @@ pub struct CampaignBody {
     pub geometry: GeometryBody,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub site: Option<SiteBody>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub station_uncertainty: Option<StationUncertaintyBody>,
     pub gyros: Vec<CampaignGyroBody>,
     pub dwells: Vec<DwellBody>,
     /// What `rate_arcsec_s` holds: `inertial` rates (default), or the `table`'s own, to which the service adds the
@@ -199,6 +220,11 @@ impl CampaignBody {
             faults.push("/rates", message!("rates_inertial_or_table", value = sent(rates)));
         }
         let gyros = self.gyros(test != TestKind::Imu, faults);
+        let stated = self.station_uncertainty.unwrap_or_default();
+        let station_uncertainty = stated.to_core().unwrap_or_else(|part| {
+            faults.absorb("", part);
+            StationUncertainty::default()
+        });
         let geometry = self.geometry.to_core().unwrap_or_else(|part| {
             faults.absorb("/geometry", part);
             Geometry::Skewed
@@ -209,6 +235,7 @@ impl CampaignBody {
             measured_at,
             geometry,
             site: None,
+            station_uncertainty,
             gyros,
             dwells: Vec::new(),
             test,
@@ -285,6 +312,36 @@ impl CampaignGyroBody {
         let place = format_args!("/gyros/{i}/known_e_pulse_per_arcsec");
         let known_e = self.known_e_pulse_per_arcsec.as_ref().and_then(|e| e.vector(place, faults));
         CampaignGyro { slot, serial, known_e }
+    }
+}
+
+impl StationUncertaintyBody {
+    /// # Errors
+    /// What is no standard uncertainty, by JSON pointer.
+    pub fn to_core(self) -> Result<StationUncertainty, Faults> {
+        let mut faults = Faults::default();
+        let mut part = |member: &str, arcsec: Option<f64>| {
+            let arcsec = arcsec?;
+            if !(0.0..=MAX_UNCERTAINTY_ARCSEC).contains(&arcsec) {
+                let most = format_args!("{MAX_UNCERTAINTY_ARCSEC}");
+                let message = message!("station_uncertainty_range", value = format_args!("{arcsec}"), most = most);
+                faults.push(format!("/station_uncertainty/{member}"), message);
+            }
+            Some(radians_from_arcsec(arcsec))
+        };
+        let stated = StationUncertainty {
+            levelling: part("levelling_arcsec", self.levelling_arcsec),
+            azimuth: part("azimuth_arcsec", self.azimuth_arcsec),
+            fixture: part("fixture_arcsec", self.fixture_arcsec),
+        };
+        faults.or(stated)
+    }
+
+    /// None where nothing is stated.
+    pub fn of(stated: &StationUncertainty) -> Option<Self> {
+        let [levelling_arcsec, azimuth_arcsec, fixture_arcsec] =
+            StationPart::ALL.map(|part| stated.of(part).map(arcsec));
+        stated.is_stated().then_some(Self { levelling_arcsec, azimuth_arcsec, fixture_arcsec })
     }
 }
 

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::design;
 use super::noise::{self, Noise};
 use super::noise_found::NoiseFound;
+use super::uncertainty::Uncertainty;
 use crate::core::campaign::{Campaign, CampaignNote};
 use crate::core::effects::{Coefficient, Effect};
 use crate::core::model::{Term, Terms};
@@ -69,8 +70,11 @@ pub struct GyroCalibration {
     pub parameters: Vec<Parameter>,
     /// Fitted beside them: the effects of an augmented model.
     pub effects: Vec<EffectParameter>,
-    /// Covariance of the parameters, p x p, with the noise scale and its t inflation; none without a noise scale.
+    /// Covariance of the parameters, p x p, with the noise scale and its t inflation, and with the station's part where
+    /// one is stated; none without a noise scale.
     pub covariance: Option<DMatrix<f64>>,
+    /// What that is made of.
+    pub uncertainty: Option<Uncertainty>,
     pub rank: usize,
     pub null_directions: Vec<NullDirection>,
     /// Sum of squared residuals over the standard errors as given (over 1 pulse/s without any).

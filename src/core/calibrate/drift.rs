@@ -1,5 +1,8 @@
 //! From fitted E and G to D_I, D_S, D_O, with the covariance of the fit carried through.
 
+use nalgebra::DMatrix;
+
+use super::uncertainty::Budget;
 use super::{Calibration, GyroCalibration, ScaleSource};
 use crate::core::message::{Message, figure, list};
 use crate::core::model::Term;
@@ -59,7 +62,11 @@ impl NotSeparated {
 impl GyroCalibration {
     /// Covariance of (E, G) with its cross terms, where the noise is known. A held E has none of its own.
     pub fn covariance_eg(&self) -> Option<CovarianceEg> {
-        let full = self.covariance.as_ref()?;
+        self.covariance.as_ref().map(|full| self.eg_of(full))
+    }
+
+    /// (E, G) of a covariance of all parameters.
+    pub fn eg_of(&self, full: &DMatrix<f64>) -> CovarianceEg {
         let column = |term| self.terms.contains(term).then(|| super::design::first_column(self.terms, term));
         let places = [column(Term::Scale), column(Term::GLinear)];
         let mut eg = CovarianceEg::zeros();
@@ -70,7 +77,7 @@ impl GyroCalibration {
                 }
             }
         }
-        Some(eg)
+        eg
     }
 
     /// Separates the gyro by both methods.
@@ -91,6 +98,19 @@ impl GyroCalibration {
         }
         limits.check_scale(&e, geometry, self.slot).map_err(NotSeparated::Implausible)?;
         Ok(separate(geometry, self.slot, &e, &g, covariance.as_ref())?)
+    }
+
+    /// How uncertain D_I, D_S, D_O and |E| are, and why; D_I and D_S by the published equations where those are asked
+    /// for and defined.
+    pub fn budgets(&self, geometry: &Geometry, published: bool) -> Option<[Budget; 4]> {
+        let (e, g) = (self.e()?, self.g()?);
+        self.uncertainty.as_ref()?.budgets(|covariance| {
+            let separated = separate(geometry, self.slot, &e, &g, Some(&self.eg_of(covariance))).ok()?;
+            let [d_i, d_s, d_o] = separated.rigid.sd()?;
+            let of_equations = separated.published.ok().filter(|_| published).and_then(|p| p.sd());
+            let [d_i, d_s] = of_equations.unwrap_or([d_i, d_s]);
+            Some([d_i, d_s, d_o, separated.scale_factor_sd?].map(|sd| sd * sd))
+        })
     }
 
     fn check_determined(&self) -> Result<(), NotSeparated> {

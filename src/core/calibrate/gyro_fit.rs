@@ -7,11 +7,12 @@ use super::design::{self, Design};
 use super::growth::{Exposure, Unweighted};
 use super::memory::{self, Fitted};
 use super::noise::{Evidence, Noise};
+use super::uncertainty::{Response, Uncertainty};
 use crate::core::calibrate::effect_columns;
 use crate::core::calibrate::regressor::Regressor;
 use crate::core::calibrate::shared_coefficients::{CommonFit, Own};
 use crate::core::campaign::repeats::PureError;
-use crate::core::campaign::{Campaign, CampaignGyro, Dwell};
+use crate::core::campaign::{Campaign, CampaignGyro, Dwell, StationPart};
 use crate::core::effects::Effect;
 use crate::core::model::{Term, Terms};
 use crate::core::numerics::least_squares::{Factor, Fit};
@@ -65,6 +66,10 @@ pub(super) struct GyroFit {
     pub variances: DVector<f64>,
     pub even: DVector<f64>,
     pub evidence: Evidence,
+    /// What each stated rotation of the station makes of the fit.
+    pub station: Vec<Response>,
+    /// Residuals that speak of the noise, and their degrees of freedom, where those of the fit hold more than that.
+    net: Option<(DVector<f64>, usize)>,
 }
 
 /// The shared coefficients as one gyro sees them.
@@ -124,6 +129,8 @@ pub(super) fn fit_gyro(
         variances,
         even,
         evidence,
+        station: Vec::new(),
+        net: None,
     }
 }
 
@@ -178,8 +185,39 @@ impl GyroFit {
         });
     }
 
+    pub fn factor<'a>(&self, shared: &'a SharedFactors) -> &'a Factor {
+        &shared.0[self.factor].2
+    }
+
+    /// Residuals that speak of the noise, pulse/s, and their degrees of freedom.
+    pub fn left(&self) -> (&DVector<f64>, usize) {
+        self.net.as_ref().map_or((&self.fit.residuals, self.fit.dof), |(net, dof)| (net, *dof))
+    }
+
+    /// Leaves `net` (over the standard errors) of the residuals to speak of the noise, `dof` degrees of freedom fewer.
+    pub fn leave(&mut self, net: DVector<f64>, dof: usize, shared: &SharedFactors) {
+        let dof = self.fit.dof.saturating_sub(dof);
+        self.evidence = Evidence::of(net.norm_squared(), dof, self.evidence.pure_error);
+        self.net = Some((net.component_div(self.factor(shared).weights()), dof));
+    }
+
+    /// E, held or determined, and G (zero where it is not fitted).
+    pub fn e_and_g(&self, shared: &SharedFactors) -> Option<(Vector3<f64>, Vector3<f64>)> {
+        let (design, _, factor) = &shared.0[self.factor];
+        let values = &design.expand * &self.fit.estimate;
+        let of = |term| {
+            let first = design::first_column(design.terms, term);
+            let rows = first..first + term.columns();
+            let are_told = design.terms.contains(term)
+                && rows.clone().all(|i| factor.determines(&design.expand.row(i).transpose()));
+            are_told.then(|| values.fixed_rows::<3>(first).into_owned())
+        };
+        let e = self.known_e.or_else(|| of(Term::Scale)).filter(|e| e.norm() > 0.0)?;
+        Some((e, of(Term::GLinear).unwrap_or_default()))
+    }
+
     pub fn unweighted<'a>(&'a self, dwells: &'a Exposure) -> Unweighted<'a> {
-        Unweighted { residuals: &self.fit.residuals, leverage: &self.fit.leverage, dwells }
+        Unweighted { residuals: self.left().0, leverage: &self.fit.leverage, dwells }
     }
 
     pub fn exposure(&self, campaign: &Campaign) -> Exposure {
@@ -202,9 +240,10 @@ impl GyroFit {
     /// What the search for a memory of the noise needs.
     pub fn fitted<'a>(&'a self, shared: &'a SharedFactors) -> Fitted<'a> {
         let (_, _, factor) = &shared.0[self.factor];
-        let Self { fit, variances, even, .. } = self;
+        let Self { variances, even, .. } = self;
         let (basis, weights) = (factor.basis(), factor.weights());
-        Fitted { basis, weights, variances, even, residuals: &fit.residuals, dof: fit.dof }
+        let (residuals, dof) = self.left();
+        Fitted { basis, weights, variances, even, residuals, dof }
     }
 
     /// Covariance of the coordinates on the design's basis without a memory of the noise.
@@ -219,10 +258,11 @@ impl GyroFit {
         gyro: &CampaignGyro,
         noise: Noise,
         coordinates: Option<DMatrix<f64>>,
+        is_other_noise: bool,
         shared: &SharedFactors,
     ) -> GyroCalibration {
         let (design, sd, factor) = &shared.0[self.factor];
-        let Self { scale_source, known_e, fit, variances, evidence, regressors, common, .. } = self;
+        let Self { scale_source, known_e, fit, variances, evidence, regressors, common, station, .. } = self;
         let values = &design.expand * &fit.estimate;
         let covariance = coordinates.zip(noise.covariance_scale()).map(|(coordinates, scale)| {
             let own = factor.covariance_of(&coordinates);
@@ -249,7 +289,18 @@ impl GyroFit {
             })
         });
         let effects = effects.chain(of_common).collect();
-        let covariance = covariance.map(|c| c.view((0, 0), (p, p)).into_owned());
+        let of_part = |part: StationPart| {
+            let responses = || station.iter().filter(move |response| response.part == part);
+            let is_there = responses().next().is_some();
+            is_there
+                .then(|| (part, Response::covariance(responses(), &design.expand).view((0, 0), (p, p)).into_owned()))
+        };
+        let uncertainty = covariance.map(|c| Uncertainty {
+            fit: c.view((0, 0), (p, p)).into_owned(),
+            share: noise.share(&evidence, is_other_noise),
+            station: StationPart::ALL.into_iter().filter_map(of_part).collect(),
+        });
+        let covariance = uncertainty.as_ref().map(Uncertainty::covariance);
         let parameters = design::parameter_names(design.terms)
             .into_iter()
             .zip(terms_by_column)
@@ -277,6 +328,7 @@ impl GyroFit {
             parameters,
             effects,
             covariance,
+            uncertainty,
             rank: fit.rank,
             null_directions: gauge.chain(cut).collect(),
             chi2: fit.chi2,

@@ -20,7 +20,10 @@ pub mod noise_found;
 mod noise_report;
 pub mod outcome;
 mod regressor;
+pub mod repeats_between;
 mod shared_coefficients;
+mod station;
+pub mod uncertainty;
 
 pub use calibration::{
     Calibration, EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource, weights_sd,
@@ -29,11 +32,11 @@ pub use calibration::{
 use nalgebra::DMatrix;
 
 use super::augmented::Adopted;
-use super::campaign::{Campaign, CampaignNote, Dwell, LeftOut, Phase};
+use super::campaign::{Campaign, CampaignNote, Dwell, LeftOut, Phase, StationUncertainty};
 use super::effects::Effect;
 use super::model::Terms;
 use crate::core::calibrate::effect_columns::Regressors;
-use crate::core::calibrate::shared_coefficients::{Own, Shared};
+use crate::core::calibrate::shared_coefficients::{CommonFit, Own, Shared};
 use crate::core::campaign::repeats::PureError;
 use growth::{Exposure, Law};
 use gyro_fit::{GyroFit, SharedFactors, fit_gyro};
@@ -65,7 +68,7 @@ pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
 /// the laws and memories that [`memory`] weighs. Where something may be wrong with the commanded vectors, what they
 /// leave must not pass for noise that wanders.
 pub fn calibrate_in_white_noise(campaign: &Campaign, terms: Terms) -> Calibration {
-    calibrate_in(Kinds::White, campaign, terms, &[], None)
+    calibrate_in(Kinds::White, campaign, terms, &[], None, &StationUncertainty::default())
 }
 
 /// As [`calibrate`], with the effects of an augmented model fitted beside the terms: each gyro for itself, and those
@@ -84,7 +87,17 @@ pub fn calibrate_referred(
     adopted: &[Adopted],
     reference_c: Option<f64>,
 ) -> Calibration {
-    calibrate_in(Kinds::All, campaign, terms, adopted, reference_c)
+    calibrate_in(Kinds::All, campaign, terms, adopted, reference_c, &StationUncertainty::default())
+}
+
+/// As [`calibrate_referred`], with what the campaign states of its station in the covariances: [`station`].
+pub fn calibrate_at_station(
+    campaign: &Campaign,
+    terms: Terms,
+    adopted: &[Adopted],
+    reference_c: Option<f64>,
+) -> Calibration {
+    calibrate_in(Kinds::All, campaign, terms, adopted, reference_c, &campaign.station_uncertainty)
 }
 
 /// Which kinds of noise are weighed.
@@ -100,6 +113,7 @@ fn calibrate_in(
     terms: Terms,
     adopted: &[Adopted],
     reference_c: Option<f64>,
+    stated: &StationUncertainty,
 ) -> Calibration {
     let Regressors { own, shared: of_all, mut notes } = effect_columns::regressors(campaign, adopted, reference_c);
     let dwells = &campaign.dwells;
@@ -115,8 +129,11 @@ fn calibrate_in(
             why: LeftOut::NotTold,
         }));
     }
-    if !of_all.is_empty() {
-        notes.extend(fit_common(of_all, &mut fits, has_sem, &repeats, &shared));
+    let common = (!of_all.is_empty()).then(|| fit_common(of_all, &mut fits, has_sem, &repeats, &shared));
+    let told = |effect: &Effect| CampaignNote::EffectLeftOut { slot: None, effect: *effect, why: LeftOut::NotTold };
+    notes.extend(common.iter().flat_map(|common| &common.hidden).map(told));
+    if stated.is_stated() {
+        notes.extend(station::spread(campaign, stated, &mut fits, common.as_ref(), (has_sem, &shared)));
     }
     let growth = if has_sem { 0.0 } else { unequal_variances(campaign, &repeats, &mut fits) };
     let evidence: Vec<Evidence> = fits.iter().map(|f| f.evidence).collect();
@@ -125,12 +142,13 @@ fn calibrate_in(
     let mut coordinates: Vec<_> =
         fits.iter().zip(&noises).map(|(fit, noise)| fit.coordinates(noise, &shared)).collect();
     let found = (kinds == Kinds::All).then(|| weigh(dwells, has_sem, &fits, &mut coordinates, &shared));
+    let is_other_noise = found.as_ref().is_some_and(noise_report::is_other);
     let gyros: Vec<GyroCalibration> = fits
         .into_iter()
         .zip(noises)
         .zip(coordinates)
         .zip(&campaign.gyros)
-        .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, &shared))
+        .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, is_other_noise, &shared))
         .collect();
     let noise_found = found.map(|found| noise_report::report(&found, &gyros)).unwrap_or_default();
     Calibration { terms, has_sem, repeats, growth, gyros, notes, noise_found }
@@ -151,14 +169,14 @@ fn weigh(
     memory::weigh(&course, &fitted, coordinates, has_sem)
 }
 
-/// Fits what all gyros share and takes it out of each gyro's fit; answers what these dwells cannot tell.
+/// Fits what all gyros share and takes it out of each gyro's fit.
 fn fit_common(
     of_all: Vec<Shared>,
     fits: &mut [GyroFit],
     has_sem: bool,
     repeats: &[Vec<usize>],
     shared: &SharedFactors,
-) -> Vec<CampaignNote> {
+) -> CommonFit {
     let own: Vec<Own> = fits.iter().map(|fit| fit.own(has_sem, shared)).collect();
     let common = shared_coefficients::fit(of_all, &own);
     let mut taken = 0.0;
@@ -167,8 +185,7 @@ fn fit_common(
         taken += common.leverage[j].sum();
         fit.take_out(&common, j, (taken.round() - before) as usize, repeats, shared);
     }
-    let told = |effect: &Effect| CampaignNote::EffectLeftOut { slot: None, effect: *effect, why: LeftOut::NotTold };
-    common.hidden.iter().map(told).collect()
+    common
 }
 
 /// Lets the residuals say how the noise goes with rate and duration, and what follows for each fit's evidence.
@@ -179,9 +196,10 @@ fn unequal_variances(campaign: &Campaign, repeats: &[Vec<usize>], fits: &mut [Gy
     for (fit, dwells) in fits.iter_mut().zip(&exposures) {
         fit.variances = law.variances(dwells);
         fit.even = Law { growth: 0.0, ..law }.variances(dwells);
-        let scaled = fit.fit.residuals.zip_map(&fit.variances, |r, v| r * r / v);
+        let (left, dof) = fit.left();
+        let scaled = left.zip_map(&fit.variances, |r, v| r * r / v);
         let pure_error = PureError::of(repeats, |k| fit.of_position[k], |k| fit.variances[k].sqrt());
-        let evidence = Evidence::of(scaled.sum(), fit.fit.dof, pure_error);
+        let evidence = Evidence::of(scaled.sum(), dof, pure_error);
         let gyro = fit.unweighted(dwells);
         let residual = evidence.residual.map(|_| (gyro.variance(law), gyro.dof(law)));
         fit.evidence = Evidence { residual, ..evidence };

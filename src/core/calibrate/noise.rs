@@ -151,6 +151,30 @@ pub fn t_variance(dof: f64) -> f64 {
     if dof.is_infinite() { 1.0 } else { dof / (dof - 2.0) }
 }
 
+/// How the variance of a fit is shared between noise and what the model leaves out; over that variance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Share {
+    pub statistical: f64,
+    /// In the variance already where the two add up to one, beside it otherwise. None where nothing tests the fit.
+    pub discrepancy: Option<f64>,
+}
+
+impl Noise {
+    /// Where residuals exceed the noise (p < 0.001), the Birge ratio R = sqrt(chi2/dof)/f (Phys. Rev. 40, 1932) says by
+    /// how much: 1 - 1/f^2 of the variance where f is that ratio itself, R^2 - 1 beside it where f is of repeats.
+    /// `is_other_noise`: what exceeds it is noise of another kind, and in the variance as such.
+    pub fn share(&self, evidence: &Evidence, is_other_noise: bool) -> Share {
+        let (statistical, discrepancy) = match (self.source, self.p_value(evidence), self.factor, evidence.residual) {
+            (_, None, ..) | (_, _, None, _) | (.., None) => (1.0, None),
+            (_, Some(p), ..) if p >= BEYOND_CHANCE && self.source != Source::SemAndResiduals => (1.0, Some(0.0)),
+            _ if is_other_noise => (1.0, Some(0.0)),
+            (Source::SemAndResiduals, _, Some(f), _) => (1.0 / (f * f), Some(1.0 - 1.0 / (f * f))),
+            (_, _, Some(f), Some((squared, _))) => (1.0, Some((squared / (f * f) - 1.0).max(0.0))),
+        };
+        Share { statistical, discrepancy }
+    }
+}
+
 /// Relative scatter of standard errors given with their dwells' durations: the standard deviation of
 /// ln(sem sqrt(duration)), as means over longer times scatter less. Zero for fewer than five.
 pub fn sem_scatter(sems: impl Iterator<Item = (f64, f64)>) -> f64 {

@@ -14,6 +14,15 @@ const CERTAIN: f64 = 0.98;
 /// Chance below which gyros are said to share their noise.
 const SHARED: f64 = 1e-3;
 
+/// Whether the noise is said to be other than white, independent and as stated.
+pub(super) fn is_other(found: &Found) -> bool {
+    let weight = |memory: bool| -> f64 {
+        let of_kind = found.kinds.iter().filter(|(kind, _)| matches!(kind, Kind::Memory(..)) == memory);
+        of_kind.map(|(_, weight)| weight).sum()
+    };
+    weight(true) > CERTAIN || weight(false) > CERTAIN
+}
+
 /// What the residuals of a fit say.
 pub(super) fn report(found: &Found, gyros: &[GyroCalibration]) -> NoiseFound {
     let certain = |of_kind: &dyn Fn(&Kind) -> bool| {

@@ -1,8 +1,7 @@
 use nalgebra::Vector3;
 
 use super::*;
-use crate::core::campaign::CampaignGyro;
-use crate::core::campaign::TestKind;
+use crate::core::campaign::{CampaignGyro, StationUncertainty, TestKind};
 use crate::core::model::Term;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::{Name, Plausibility};
@@ -37,6 +36,7 @@ fn campaign(rows: &[Row], known_e: Option<[f64; 3]>) -> Campaign {
         }],
         dwells: rows.iter().enumerate().map(dwell).collect(),
         test: TestKind::Imu,
+        station_uncertainty: StationUncertainty::default(),
         model: None,
         temperature_c: None,
         operator: None,

@@ -1,6 +1,7 @@
 //! What is worth knowing about a campaign's dwells and their fit.
 
 use super::commanded::Finding;
+use super::station_uncertainty::StationPart;
 use crate::core::bench::Alias;
 use crate::core::effects::{Effect, Lack, Refusal};
 use crate::core::mounting::Slot;
@@ -60,6 +61,11 @@ pub enum CampaignNote {
     EffectsLeftOut {
         why: Refusal,
     },
+    /// What a station states of itself is not in the standard deviations.
+    StationLeftOut {
+        parts: Vec<StationPart>,
+        why: StationLack,
+    },
     /// A product of specific forces that a bench test does not fit moves a coefficient by so much of itself.
     ProductAliased(Alias),
     /// The campaign does not determine E, whose size along the nominal axis is taken, pulse/arcsec.
@@ -67,6 +73,15 @@ pub enum CampaignNote {
         slot: Slot,
         scale: f64,
     },
+}
+
+/// Why the campaign cannot tell what an error of its station does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StationLack {
+    Attitude,
+    /// E is neither held nor determined.
+    Scale(Slot),
+    BenchTest,
 }
 
 /// An optional column of a campaign's dwells.
@@ -104,6 +119,7 @@ impl CampaignNote {
             Self::ResidualsExceedNoise { .. } => "residuals_exceed_noise",
             Self::EffectLeftOut { .. } => "effect_left_out",
             Self::EffectsLeftOut { .. } => "effects_left_out",
+            Self::StationLeftOut { .. } => "station_left_out",
             Self::ProductAliased(_) => "product_aliased",
             Self::NominalAxis { .. } => "nominal_axis",
         }

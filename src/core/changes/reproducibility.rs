@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::core::numerics::median::median_of;
+use crate::core::numerics::tails;
 use crate::core::time::UtcMicros;
 
 use super::answer::{GyroHistory, StationForm};
@@ -219,13 +220,7 @@ fn among(stations: &[StationFigures], column: usize) -> Option<Spread> {
     let squares = offsets.iter().map(|offset| (offset.value - mean).powi(2)).sum::<f64>() + mean * mean;
     let own = offsets.iter().map(|offset| offset.sd.powi(2)).sum::<f64>() / count as f64;
     let dof = (count - 1) as f64;
-    let [low, high] = [0.975, 0.025].map(|p| squares / chi2_quantile(p, dof));
+    let [low, high] = [0.975, 0.025].map(|p| squares / tails::chi2_quantile(p, dof));
     let sd = |variance: f64| (variance - own).max(0.0).sqrt();
     Some(Spread { sd: sd(squares / dof), interval: [sd(low), sd(high)], count })
-}
-
-/// The value that chi-square of `dof` is below with probability `p`.
-fn chi2_quantile(p: f64, dof: f64) -> f64 {
-    use statrs::distribution::{ChiSquared, ContinuousCDF};
-    ChiSquared::new(dof).map_or(dof, |chi2| chi2.inverse_cdf(p))
 }

@@ -24,8 +24,8 @@ use crate::core::effects::{Estimate, GyroAxes, Refusal, Scope, Setting, axes};
 use crate::core::message::{Message, text};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
+use crate::core::numerics::between::Scatter;
 use crate::core::numerics::least_squares::Factor;
-use crate::core::numerics::tails::chi2_tail;
 use crate::core::record::Name;
 use crate::message;
 
@@ -86,8 +86,6 @@ impl NotIdentified {
 const SAME_DIRECTION: f64 = 0.985;
 /// Standard deviation along what no campaign shows, in the units of model (6) and above: beyond anything possible.
 const UNKNOWN: f64 = 100.0;
-/// Chance below which campaigns differ by more than their noise.
-const BEYOND_NOISE: f64 = 0.05;
 /// Families of coefficients that may differ from campaign to campaign.
 const FAMILIES: [Term; 3] = [Term::Bias, Term::GLinear, Term::Scale];
 
@@ -132,9 +130,16 @@ pub fn identify_at(
 }
 
 fn check(samples: &[Sample]) -> Result<(), NotIdentified> {
-    let first = samples.first().ok_or(NotIdentified::NoCampaign)?.campaign;
-    for sample in samples {
-        let c = sample.campaign;
+    of_one_imu(&samples.iter().map(|sample| sample.campaign).collect::<Vec<_>>())
+}
+
+/// Whether campaigns, in the order of time, are of one IMU with the same gyros.
+///
+/// # Errors
+/// [`NotIdentified`], naming what does not fit together.
+pub fn of_one_imu(campaigns: &[&Campaign]) -> Result<(), NotIdentified> {
+    let first = *campaigns.first().ok_or(NotIdentified::NoCampaign)?;
+    for c in campaigns {
         if c.test != TestKind::Imu {
             return Err(NotIdentified::BenchTest);
         }
@@ -156,7 +161,7 @@ fn check(samples: &[Sample]) -> Result<(), NotIdentified> {
             return Err(NotIdentified::OtherGyros);
         }
     }
-    let at_once = samples.windows(2).any(|pair| pair[0].campaign.measured_at == pair[1].campaign.measured_at);
+    let at_once = campaigns.windows(2).any(|pair| pair[0].measured_at == pair[1].measured_at);
     if at_once { Err(NotIdentified::SameInstant) } else { Ok(()) }
 }
 
@@ -414,31 +419,20 @@ fn coefficients_of_occasions(
     coefficients(gyros, Terms::of(&[]), occasions, axes, &[0.0; 3])
 }
 
-/// tau of each family, over |E|: (sum Q - dof)/sum(S1 - S2/S1) over gyros and components, where Q is beyond chance.
+/// tau of each family, over |E|, from all gyros and components together.
 fn between(parts: &[Part]) -> [f64; 3] {
     FAMILIES.map(|term| {
-        let (mut squares, mut dof, mut weight) = (0.0, 0, 0.0);
-        for j in 0..parts[0].sample.campaign.gyros.len() {
-            for i in 0..term.columns() {
-                let of_part = |part: &Part| {
-                    let parameter = part.calibration.gyros[j].of(term)?[i];
-                    let scale = part.setting.gyros[j].scale;
-                    Some((parameter.value / scale, parameter.sd.filter(|sd| *sd > 0.0)? / scale))
-                };
-                let known: Vec<(f64, f64)> = parts.iter().filter_map(of_part).collect();
-                let sum = |f: &dyn Fn(f64, f64) -> f64| known.iter().map(|(x, sd)| f(*x, sd.powi(-2))).sum::<f64>();
-                let (s1, s2) = (sum(&|_, w| w), sum(&|_, w| w * w));
-                if known.len() < 2 {
-                    continue;
-                }
-                let mean = sum(&|x, w| x * w) / s1;
-                squares += sum(&|x, w| w * (x - mean).powi(2));
-                dof += known.len() - 1;
-                weight += s1 - s2 / s1;
-            }
-        }
-        let beyond = chi2_tail(squares, dof).is_some_and(|p| p < BEYOND_NOISE);
-        if beyond { ((squares - dof as f64) / weight).max(0.0).sqrt() } else { 0.0 }
+        let of_component = |(j, i): (usize, usize)| {
+            let of_part = |part: &Part| {
+                let parameter = part.calibration.gyros[j].of(term)?[i];
+                let scale = part.setting.gyros[j].scale;
+                Some((parameter.value / scale, parameter.sd.filter(|sd| *sd > 0.0)? / scale))
+            };
+            Scatter::of(&parts.iter().filter_map(of_part).collect::<Vec<_>>())
+        };
+        let gyros = 0..parts[0].sample.campaign.gyros.len();
+        let components = gyros.flat_map(|j| (0..term.columns()).map(move |i| (j, i)));
+        components.filter_map(of_component).fold(Scatter::default(), Scatter::plus).beyond()
     })
 }
 

@@ -20,7 +20,7 @@ pub use changed::{Changed, ChangedEffect, DriftShift, NotCompared, changed, chan
 pub use comparison::{Closing, Comparison, GyroComparison, Miss, Rung, compare, ladder, promised};
 pub use draw::drawn;
 pub use effects::{Chosen, asked_for, named};
-pub use fit::{NotIdentified, Sample, identify, identify_at};
+pub use fit::{NotIdentified, Sample, identify, identify_at, of_one_imu};
 pub use forecast::{Forecast, GyroForecast, forecast};
 pub use identified::{FittedCampaign, Identified, ModelCoefficient, ModelGyro, NoiseLaw, Of, Validity};
 pub use programme::NoForecast;

@@ -1,6 +1,7 @@
 //! Linear algebra, least squares and probabilities that the mathematics shares.
 
 pub(super) mod basis;
+pub mod between;
 pub mod least_squares;
 pub(super) mod log_sum;
 pub(crate) mod median;

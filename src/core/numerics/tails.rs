@@ -1,5 +1,6 @@
 //! Tails of the distributions that sums of squares are held against, for every number that a sum may be.
 
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::beta::checked_beta_reg;
 use statrs::function::gamma::checked_gamma_ur;
 
@@ -10,6 +11,11 @@ pub fn chi2_tail(chi2: f64, dof: usize) -> Option<f64> {
         chi2 if chi2 > 0.0 => checked_gamma_ur(0.5 * dof as f64, 0.5 * chi2).unwrap_or(1.0),
         _ => 1.0,
     })
+}
+
+/// The value that chi-square of `dof` is below with probability `p`.
+pub fn chi2_quantile(p: f64, dof: f64) -> f64 {
+    ChiSquared::new(dof).map_or(dof, |chi2| chi2.inverse_cdf(p))
 }
 
 /// P(F of `numerator` and `denominator` degrees of freedom > `f`) = I_x(d2/2, d1/2), x = d2/(d2 + d1 f) (Abramowitz

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::reader::Reader;
+use crate::config::Stations;
 use crate::core::augmented::AugmentedModel;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::{Campaign, Temperatures};
@@ -37,6 +38,7 @@ impl Reader {
                 (campaign, Some(serde_json::to_vec(&body).expect("strings and finite numbers always serialise")))
             }
         };
+        let campaign = self.config.stations.complete(campaign);
         let serials = campaign.gyros.iter().map(|gyro| &gyro.serial);
         check_names(&[("/imu", &campaign.imu), ("/station", &campaign.station)], serials)?;
         self.check_time("/measured_at", campaign.measured_at)?;
@@ -71,8 +73,9 @@ impl Reader {
     /// A stored campaign, fitted again with the model that it was fitted with. Computes on a thread for that.
     pub(crate) async fn fitted_again(&self, row: &RecordRow) -> Result<Result<CampaignFit, Faults>, StoreError> {
         let (model, body) = (self.fitted_with(row.id).await?, Arc::clone(&row.body));
+        let config = Arc::clone(&self.config);
         let work = words::spawn_blocking(move || {
-            let (campaign, outcome) = evaluated(&body, &model)?;
+            let (campaign, outcome) = evaluated(&config.stations, &body, &model)?;
             Ok(CampaignFit { campaign, outcome, model: model.id })
         });
         work.await.map_err(|error| StoreError::Damaged(format!("campaign {} could not be fitted: {error}", row.id)))
@@ -150,7 +153,8 @@ impl Reader {
             }
             let Some(row) = store::record::get(&self.store, head.id).await? else { continue };
             let model = InForce { id: None, model: Arc::clone(model) };
-            let work = words::spawn_blocking(move || (evaluated(&row.body, &model), row));
+            let config = Arc::clone(&self.config);
+            let work = words::spawn_blocking(move || (evaluated(&config.stations, &row.body, &model), row));
             let (fitted, row) = work
                 .await
                 .map_err(|error| StoreError::Damaged(format!("campaign {} could not be fitted: {error}", head.id)))?;
@@ -166,7 +170,7 @@ impl Reader {
     /// # Errors
     /// Every fault of the stored body.
     pub fn fitted_bench(&self, body: &str) -> Result<BenchBody, Faults> {
-        let (campaign, outcome) = evaluated(body, &InForce::default())?;
+        let (campaign, outcome) = evaluated(&self.config.stations, body, &InForce::default())?;
         match outcome {
             Outcome::Bench(bench) => Ok(BenchBody::of(&bench.result(&campaign))),
             Outcome::Imu { .. } => {
@@ -185,9 +189,10 @@ impl Reader {
 /// Stored campaigns fitted with another model than they were; none where one cannot be fitted with it.
 pub(crate) type Restated = HashMap<Id, Option<Calibration>>;
 
-/// Fitted as it was when it came: it was plausible once, whatever today's limits are.
-fn evaluated(body: &str, fitted_with: &InForce) -> Result<(Campaign, Outcome), Faults> {
-    let campaign = campaign::parse_json(body.as_bytes())?;
+/// Fitted as it was when it came: it was plausible once, whatever today's limits are. What the station left unsaid of
+/// itself is what the configuration says today.
+fn evaluated(stations: &Stations, body: &str, fitted_with: &InForce) -> Result<(Campaign, Outcome), Faults> {
+    let campaign = stations.complete(campaign::parse_json(body.as_bytes())?);
     let outcome = evaluate_with(&campaign, &fitted_with.model.options_as_asked(&campaign), &anything())?;
     Ok((campaign, outcome))
 }

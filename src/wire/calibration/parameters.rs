@@ -7,6 +7,7 @@ use utoipa::ToSchema;
 
 use crate::core::calibrate::design::unit;
 use crate::core::calibrate::{EffectParameter, GyroCalibration, NullDirection, Parameter};
+use crate::wire::answer::UncertaintyBody;
 use crate::wire::unit;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -18,6 +19,9 @@ pub struct ParameterBody {
     pub sd: Option<f64>,
     /// Whether the dwells, with the gauge, leave one value.
     pub determined: bool,
+    /// What `sd` is made of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<UncertaintyBody>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -40,8 +44,12 @@ pub struct NullDirectionBody {
 }
 
 impl ParameterBody {
-    pub(super) fn of(p: &Parameter) -> Self {
+    /// The parameter in place `i` of a gyro.
+    pub(super) fn of(p: &Parameter, gyro: &GyroCalibration, i: usize) -> Self {
+        let uncertainty = gyro.uncertainty.as_ref().filter(|_| p.sd.is_some());
+        let budget = uncertainty.and_then(|parts| parts.budgets(|covariance| Some([covariance[(i, i)]])));
         Self {
+            uncertainty: budget.map(|[budget]| budget.into()),
             name: p.name.to_owned(),
             unit: unit(p.term).to_owned(),
             value: p.value,

@@ -1,6 +1,6 @@
 //! A campaign as it is written.
 
-use super::{CampaignBody, CampaignGyroBody, DwellBody, SiteBody};
+use super::{CampaignBody, CampaignGyroBody, DwellBody, SiteBody, StationUncertaintyBody};
 use crate::core::campaign::{Campaign, CampaignGyro, Dwell, TestKind};
 use crate::core::units::degrees;
 use crate::wire::geometry::GeometryBody;
@@ -19,6 +19,7 @@ impl From<&Campaign> for CampaignBody {
                 gravity_g0: s.gravity_g0,
                 magnetic_field_nav: s.magnetic_field_nav.as_ref().map(Numbers::from),
             }),
+            station_uncertainty: StationUncertaintyBody::of(&c.station_uncertainty),
             gyros: c.gyros.iter().map(CampaignGyroBody::from).collect(),
             dwells: c.dwells.iter().map(DwellBody::from).collect(),
             rates: None,

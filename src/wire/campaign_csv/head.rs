@@ -43,6 +43,10 @@ pub(super) const KEYS: &[(&str, &str, Kind)] = &[
     ("latitude_deg", "/site/latitude_deg", Kind::Number),
     ("gravity_g0", "/site/gravity_g0", Kind::Number),
     ("magnetic_field_nav", "/site/magnetic_field_nav", Kind::Numbers),
+    ("station_uncertainty", "/station_uncertainty", Kind::Text),
+    ("levelling_arcsec", "/station_uncertainty/levelling_arcsec", Kind::Number),
+    ("azimuth_arcsec", "/station_uncertainty/azimuth_arcsec", Kind::Number),
+    ("fixture_arcsec", "/station_uncertainty/fixture_arcsec", Kind::Number),
     ("gyros", "/gyros", Kind::Gyros),
 ];
 /// A station that writes while it measures says with it when its table is whole.
@@ -110,7 +114,8 @@ impl Head {
 /// Pointer and kind of a key. `site.latitude_deg`, `site_latitude_deg` and `latitude_deg` are the same; a gyro's
 /// keys end in `_1 _2 _3`, or stand as `gyros.0.serial`.
 fn meaning(key: &str) -> Option<(String, Kind)> {
-    let plain = key.strip_prefix("site.").or(key.strip_prefix("site_")).unwrap_or(key);
+    let plain =
+        ["site.", "site_", "station_uncertainty."].into_iter().find_map(|of| key.strip_prefix(of)).unwrap_or(key);
     if let Some((_, pointer, kind)) = KEYS.iter().find(|(name, ..)| *name == plain) {
         return Some(((*pointer).to_owned(), *kind));
     }

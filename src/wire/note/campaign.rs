@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::core::bench::Alias;
-use crate::core::campaign::{CampaignNote, Column, LeftOut};
+use crate::core::campaign::{CampaignNote, Column, LeftOut, StationLack};
 use crate::core::message::{Message, Parameter, figure, list, signed, significant, text};
 use crate::core::mounting::Slot;
 use crate::message;
@@ -72,6 +72,14 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             }
         }
         CampaignNote::EffectsLeftOut { why } => message!("effects_left_out", why = why.message()),
+        CampaignNote::StationLeftOut { parts, why } => {
+            let why = match why {
+                StationLack::Attitude => message!("dwells_without_attitude"),
+                StationLack::Scale(slot) => message!("station_needs_scale", slot = slot.name()),
+                StationLack::BenchTest => message!("station_not_of_bench"),
+            };
+            message!("station_left_out", parts = list(parts.iter().map(|part| part.name())), why = why)
+        }
         CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => message!(
             "product_aliased",
             product = *product,
@@ -123,6 +131,9 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             None => json!({"effect": effect.id()}),
         },
         CampaignNote::EffectsLeftOut { .. } => json!({}),
+        CampaignNote::StationLeftOut { parts, .. } => {
+            json!({"parts": parts.iter().map(|part| part.name()).collect::<Vec<_>>()})
+        }
         CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => {
             json!({"product": product, "coefficient": coefficient, "moves": moves})
         }

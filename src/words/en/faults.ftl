@@ -36,6 +36,7 @@ magnitude_at_most = must be a finite number of magnitude at most { $most }, is {
 temperature_range = must be a temperature between -273.15 and 1000 deg C, is { $value }
 deviation_range = must be a standard deviation from 0 to { $most }, is { $value }
 latitude_range = must be from -90 to 90, is { $value }
+station_uncertainty_range = must be a standard uncertainty of 0 to { $most } arcsec, is { $value }
 gravity_range = must be local gravity in g0 (9.80665 m/s^2), 0.9 to 1.1, is { $value }
 no_direction = must have a direction
 not_unit_vector = must be a unit vector, its length is { $length }

@@ -36,6 +36,7 @@ magnitude_at_most = 应为绝对值不超过{ $most }的有限数，实为{ $val
 temperature_range = 应为-273.15至1000 °C之间的温度，实为{ $value }
 deviation_range = 应为0至{ $most }之间的标准差，实为{ $value }
 latitude_range = 应在-90与90之间，实为{ $value }
+station_uncertainty_range = 应为0至{ $most }角秒的标准不确定度，实为{ $value }
 gravity_range = 应为以g0（9.80665 m/s²）计的当地重力，0.9至1.1，实为{ $value }
 no_direction = 应有方向
 not_unit_vector = 应为单位矢量，其长度为{ $length }

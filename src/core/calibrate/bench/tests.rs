@@ -1,7 +1,7 @@
 //! Outputs made from eq. (5) by hand: y = K I.w + K (D_F + D_I a_I + D_S a_S + D_II a_I^2 + D_SS a_S^2 + D_O a_O).
 
 use super::*;
-use crate::core::campaign::{CampaignGyro, Dwell, Phase};
+use crate::core::campaign::{CampaignGyro, Dwell, Phase, StationUncertainty};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
@@ -49,6 +49,7 @@ fn bench(
         gyros: vec![CampaignGyro { slot: Slot::G1, serial: name("A"), known_e }],
         dwells: positions.iter().zip(outputs).enumerate().map(dwell).collect(),
         test,
+        station_uncertainty: StationUncertainty::default(),
         model: None,
         temperature_c: None,
         operator: None,

@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::*;
 use crate::core::calibrate::{EffectParameter, calibrate_augmented};
-use crate::core::campaign::{CampaignGyro, Dwell, Phase, TestKind};
+use crate::core::campaign::{CampaignGyro, Dwell, Phase, StationUncertainty, TestKind};
 use crate::core::effects::{Lack, Refusal, Shape};
 use crate::core::frames::Rotation;
 use crate::core::model::Terms;
@@ -56,6 +56,7 @@ fn campaign() -> Campaign {
         gyros,
         dwells: (0..30).map(dwell).collect(),
         test: TestKind::Imu,
+        station_uncertainty: StationUncertainty::default(),
         model: None,
         temperature_c: None,
         operator: None,

@@ -5,7 +5,7 @@ use crate::core::calibrate::noise::Source;
 use crate::core::calibrate::shared_coefficients::Shared;
 use crate::core::calibrate::{calibrate, calibrate_in_white_noise, fit_common, noise};
 use crate::core::campaign::repeats;
-use crate::core::campaign::{CampaignNote, LeftOut, Phase, TestKind};
+use crate::core::campaign::{CampaignNote, LeftOut, Phase, StationUncertainty, TestKind};
 use crate::core::effects::Coefficient;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::numerics::tails::f_tail;
@@ -44,6 +44,7 @@ fn campaign(dwells: Vec<Dwell>, known_e: &[Option<Vector3<f64>>]) -> Campaign {
         gyros: [Slot::G1, Slot::G2, Slot::G3].into_iter().zip(known_e).map(gyro).collect(),
         dwells,
         test: TestKind::Imu,
+        station_uncertainty: StationUncertainty::default(),
         model: None,
         temperature_c: None,
         operator: None,

@@ -154,3 +154,19 @@ fn mean_squares_are_compared_as_the_table_of_f_has_it() {
         assert_eq!(mean_squares_tail(numerator, denominator), None);
     }
 }
+
+#[test]
+fn what_the_model_leaves_out_is_in_the_variance_once_or_beside_it() {
+    let share = |evidence: Evidence, has_sem: bool, is_other: bool| {
+        let share = noise(&[evidence], has_sem)[0].share(&evidence, is_other);
+        (share.statistical, share.discrepancy)
+    };
+    // Raised to the Birge ratio, f^2 = 400/100: a quarter of the variance is noise.
+    assert_eq!(share(evidence(400.0, 100, (0.0, 0)), true, false), (0.25, Some(0.75)));
+    assert_eq!(share(evidence(400.0, 100, (0.0, 0)), true, true), (1.0, Some(0.0)));
+    assert_eq!(share(evidence(100.0, 100, (0.0, 0)), true, false), (1.0, Some(0.0)));
+    // Repeats give f^2 = (20 + 4)/(20 + 4), and chi2/dof = 4: three times the variance beside it.
+    assert_eq!(share(evidence(400.0, 100, (20.0, 20)), true, false), (1.0, Some(3.0)));
+    // Residuals without anything to hold them against.
+    assert_eq!(share(evidence(400.0, 100, (0.0, 0)), false, false), (1.0, None));
+}

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::*;
-use crate::core::campaign::{Campaign, CampaignGyro, Dwell, Phase, Site, TestKind};
+use crate::core::campaign::{Campaign, CampaignGyro, Dwell, Phase, Site, StationUncertainty, TestKind};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
@@ -48,6 +48,7 @@ fn faces() -> Campaign {
         gyros: Slot::ALL.map(gyro).to_vec(),
         dwells,
         test: TestKind::Imu,
+        station_uncertainty: StationUncertainty::default(),
         model: None,
         temperature_c: None,
         operator: None,

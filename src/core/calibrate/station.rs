@@ -1,0 +1,178 @@
+//! What a station that is not quite level, north or seated does to a fit: sensitivities, and the covariance that
+//! follows (GUM 2008, 5.1.2 and 5.2.2).
+//!
+//! A rotation d (rad) that all dwells share changes what gyro j sees in dwell k by
+//!
+//! ```text
+//! x_jk = G.dA + E.dw     dA = C(d x f), dw = C(d x w)  of the table, d along east, north or up
+//!                        dA = d x A,    dw = d x w     of the IMU in its fixture, d along a body axis
+//! ```
+//!
+//! per radian: the columns that the catalogue has for `levelling`, `azimuth` and `reseating` (a tilted table turns
+//! about its own vertical: over whole turns only what lies along it stays). The weighted fit that makes the estimates
+//! makes S = A+ x of them. The covariance is S diag(u^2) S'. P is left out of x: 2 P A dA is usually below a hundredth
+//! of G.dA.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::gyro_fit::{GyroFit, SharedFactors};
+use super::shared_coefficients::{self, CommonFit, Own};
+use super::uncertainty::Response;
+use crate::core::campaign::{Campaign, CampaignNote, StationLack, StationPart, StationUncertainty};
+use crate::core::effects::{Effect, GyroAxes, Setting, Shape};
+use crate::core::numerics::least_squares::Fit;
+
+/// One rotation and its standard uncertainty.
+struct Rotation {
+    part: StationPart,
+    /// Standard uncertainty, rad.
+    sd: f64,
+    /// x of each gyro, pulse/s a radian; none where its E is unknown.
+    columns: Vec<Option<DVector<f64>>>,
+}
+
+/// Hands each fit its responses, and what the station may have left in its residuals is no noise. Answers what cannot
+/// be told.
+pub(super) fn spread(
+    campaign: &Campaign,
+    stated: &StationUncertainty,
+    fits: &mut [GyroFit],
+    common: Option<&CommonFit>,
+    (has_sem, shared): (bool, &SharedFactors),
+) -> Vec<CampaignNote> {
+    let (rotations, notes) = rotations(campaign, stated, fits, shared);
+    for rotation in &rotations {
+        let of_gyro = |(fit, column): (&GyroFit, &Option<DVector<f64>>)| {
+            let column = column.clone().unwrap_or_else(|| DVector::zeros(campaign.dwells.len()));
+            fit.factor(shared).fit(&(column * rotation.sd))
+        };
+        let mut seen: Vec<_> = fits.iter().zip(&rotation.columns).map(of_gyro).collect();
+        if let Some(common) = common {
+            let own = |(j, seen): (usize, _)| {
+                let seen: &Fit = seen;
+                let (factor, variance) = (fits[j].factor(shared), common.variances[j]);
+                Own { factor, residuals: &seen.residuals, variance }
+            };
+            let owns: Vec<Own> = seen.iter().enumerate().map(own).collect();
+            let taken = shared_coefficients::fit(common.kept.clone(), &owns).estimate;
+            for (j, seen) in seen.iter_mut().enumerate() {
+                for (regressor, k) in common.kept.iter().zip(taken.iter()) {
+                    let Some(regressor) = &regressor[j] else { continue };
+                    let absorbed = fits[j].factor(shared).fit(&regressor.column);
+                    seen.estimate.axpy(-k, &absorbed.estimate, 1.0);
+                    seen.residuals.axpy(-k, &absorbed.residuals, 1.0);
+                }
+            }
+        }
+        for ((fit, seen), column) in fits.iter_mut().zip(seen).zip(&rotation.columns) {
+            let response = Response { part: rotation.part, estimate: seen.estimate, residuals: seen.residuals };
+            fit.station.extend(column.as_ref().map(|_| response));
+        }
+    }
+    take_out(fits, has_sem, shared);
+    notes
+}
+
+fn rotations(
+    campaign: &Campaign,
+    stated: &StationUncertainty,
+    fits: &[GyroFit],
+    shared: &SharedFactors,
+) -> (Vec<Rotation>, Vec<CampaignNote>) {
+    let parts = || StationPart::ALL.into_iter().filter(|part| stated.of(*part).is_some());
+    let left_out = |parts: Vec<StationPart>, why| CampaignNote::StationLeftOut { parts, why };
+    let mut notes = Vec::new();
+    let axes = campaign.gyros.iter().zip(fits).map(|(gyro, fit)| {
+        let nominal = campaign.geometry.triad(gyro.slot)?.mat_gyro_body();
+        let (e, g) = fit.e_and_g(shared)?;
+        Some(GyroAxes::carried(gyro.slot, nominal, e, g))
+    });
+    let axes: Vec<Option<GyroAxes>> = axes.collect();
+    for (gyro, _) in campaign.gyros.iter().zip(&axes).filter(|(_, axes)| axes.is_none()) {
+        notes.push(left_out(parts().collect(), StationLack::Scale(gyro.slot)));
+    }
+    let known: Vec<usize> = (0..axes.len()).filter(|j| axes[*j].is_some()).collect();
+    let setting = Setting::of(campaign, axes.into_iter().flatten().collect());
+    let of_table: Vec<StationPart> = parts().filter(|part| *part != StationPart::Fixture).collect();
+    if setting.nav_to_body.is_none() && !of_table.is_empty() && !known.is_empty() {
+        notes.push(left_out(of_table, StationLack::Attitude));
+    }
+    let mut rotations: Vec<Rotation> = Vec::new();
+    for part in parts() {
+        let (effect, shape) = match part {
+            StationPart::Levelling => (Effect::Levelling, Shape::Tilt { with_rate: false }),
+            StationPart::Azimuth => (Effect::Azimuth, Shape::Linear),
+            // From before the first dwell on: in all of them.
+            StationPart::Fixture => (Effect::Reseating, Shape::Instant(f64::NEG_INFINITY)),
+        };
+        if part != StationPart::Fixture && setting.nav_to_body.is_none() {
+            continue;
+        }
+        let first = rotations.len();
+        for (place, j) in known.iter().enumerate() {
+            let columns = (effect.entry().columns)(&setting, place, shape);
+            let scale = setting.gyros[place].scale;
+            for (c, column) in columns.into_iter().enumerate() {
+                if first + c == rotations.len() {
+                    let (sd, columns) = (stated.of(part).unwrap_or(0.0), vec![None; campaign.gyros.len()]);
+                    rotations.push(Rotation { part, sd, columns });
+                }
+                rotations[first + c].columns[*j] = Some(scale * DVector::from_vec(column));
+            }
+        }
+    }
+    (rotations, notes)
+}
+
+/// Rounds in which the noise, where nothing states it, and what the station leaves in the residuals are told apart.
+const ROUNDS: usize = 4;
+
+/// The residuals without what the rotations, each N(0, u^2) and one for all gyros, most likely left in them (ridge
+/// regression): what the station's own uncertainty explains is neither noise nor lack of fit, and not counted twice.
+fn take_out(fits: &mut [GyroFit], has_sem: bool, shared: &SharedFactors) {
+    let m = fits.iter().map(|fit| fit.station.len()).max().unwrap_or(0);
+    let whitened = |fit: &GyroFit, v: &DVector<f64>| v.component_mul(fit.factor(shared).weights());
+    let left: Vec<DMatrix<f64>> = fits
+        .iter()
+        .map(|fit| {
+            let columns: Vec<_> = fit.station.iter().map(|response| whitened(fit, &response.residuals)).collect();
+            if columns.len() == m && m > 0 {
+                DMatrix::from_columns(&columns)
+            } else {
+                DMatrix::zeros(fit.fit.residuals.len(), m)
+            }
+        })
+        .collect();
+    let residuals: Vec<DVector<f64>> = fits.iter().map(|fit| whitened(fit, &fit.fit.residuals)).collect();
+    let scatter = |j: usize, net: &DVector<f64>, taken: f64| {
+        let dof = fits[j].fit.dof as f64 - taken;
+        if dof > 0.0 { (net.norm_squared() / dof).max(f64::MIN_POSITIVE) } else { 1.0 }
+    };
+    let mut variances: Vec<f64> =
+        (0..fits.len()).map(|j| if has_sem { 1.0 } else { scatter(j, &residuals[j], 0.0) }).collect();
+    let mut net: Vec<(DVector<f64>, f64)> = Vec::new();
+    for _ in 0..if has_sem { 1 } else { ROUNDS } {
+        let mut normal = DMatrix::identity(m, m);
+        let mut side = DVector::zeros(m);
+        for j in 0..fits.len() {
+            normal += left[j].tr_mul(&left[j]) / variances[j];
+            side += left[j].tr_mul(&residuals[j]) / variances[j];
+        }
+        let Some(inverse) = normal.cholesky().map(|factor| factor.inverse()) else { return };
+        let likely = &inverse * side;
+        let of_gyro = |j: usize| {
+            let taken = (&inverse * left[j].tr_mul(&left[j])).trace() / variances[j];
+            (&residuals[j] - &left[j] * &likely, taken)
+        };
+        net = (0..fits.len()).map(of_gyro).collect();
+        if !has_sem {
+            variances = net.iter().enumerate().map(|(j, (net, taken))| scatter(j, net, *taken)).collect();
+        }
+    }
+    let mut taken = 0.0;
+    for (fit, (net, share)) in fits.iter_mut().zip(net) {
+        let before = f64::round(taken);
+        taken += share;
+        fit.leave(net, (taken.round() - before) as usize, shared);
+    }
+}

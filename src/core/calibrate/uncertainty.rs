@@ -1,0 +1,87 @@
+//! What a standard deviation is made of: noise, the station, and what the model leaves out (GUM 2008, 5.1.2: variances
+//! add).
+
+use nalgebra::{DMatrix, DVector};
+
+use super::noise::Share;
+use crate::core::campaign::StationPart;
+
+/// Covariances of the parameters of one gyro (p x p), part by part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uncertainty {
+    /// Of the fit: what is stated without a word from the station.
+    pub(super) fit: DMatrix<f64>,
+    pub(super) share: Share,
+    /// S diag(u^2) S' of what the station states and the campaign can tell; empty where it does neither.
+    pub(super) station: Vec<(StationPart, DMatrix<f64>)>,
+}
+
+/// What one rotation of its standard uncertainty makes of a gyro's fit.
+#[derive(Debug, Clone)]
+pub(super) struct Response {
+    pub part: StationPart,
+    /// Of the estimates.
+    pub estimate: DVector<f64>,
+    /// Of the residuals, pulse/s.
+    pub residuals: DVector<f64>,
+}
+
+impl Response {
+    /// S diag(u^2) S' of the parameters that `expand` makes of the estimates, over the rotations of one part.
+    pub fn covariance<'a>(of_part: impl Iterator<Item = &'a Self>, expand: &DMatrix<f64>) -> DMatrix<f64> {
+        let p = expand.nrows();
+        let columns = of_part.map(|response| expand * &response.estimate);
+        columns.fold(DMatrix::zeros(p, p), |sum, s| sum + &s * s.transpose())
+    }
+}
+
+/// Standard deviations of one figure. `combined` is the root of the sum of the squares of the others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Budget {
+    pub statistical: f64,
+    /// None where nothing is stated, or the campaign cannot tell.
+    pub station: Option<f64>,
+    /// Of which by part, in the order of [`StationPart::ALL`].
+    pub of_station: [Option<f64>; 3],
+    /// Zero where residuals are within the noise; none where nothing tests that.
+    pub discrepancy: Option<f64>,
+    pub combined: f64,
+}
+
+impl Uncertainty {
+    /// What the standard deviations of the fit come from.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        let all = self.share.statistical + self.share.discrepancy.unwrap_or(0.0);
+        match self.station.as_slice() {
+            [] => self.fit.clone(),
+            parts => parts.iter().fold(&self.fit * all, |sum, (_, part)| sum + part),
+        }
+    }
+
+    /// `variances` of some figures, each linear in the covariance of the parameters.
+    pub fn budgets<const N: usize>(
+        &self,
+        variances: impl Fn(&DMatrix<f64>) -> Option<[f64; N]>,
+    ) -> Option<[Budget; N]> {
+        let fit = variances(&self.fit)?;
+        let mut of_station = [None; 3];
+        for (part, covariance) in &self.station {
+            of_station[*part as usize] = Some(variances(covariance)?);
+        }
+        let Share { statistical, discrepancy } = self.share;
+        let sd = |variance: f64| variance.max(0.0).sqrt();
+        Some(std::array::from_fn(|i| {
+            let of_station: [Option<f64>; 3] = of_station.map(|part| part.map(|variances| variances[i]));
+            let station = (!self.station.is_empty()).then(|| of_station.iter().flatten().sum::<f64>());
+            let discrepancy = discrepancy.map(|share| share * fit[i]);
+            let combined = statistical * fit[i] + station.unwrap_or(0.0) + discrepancy.unwrap_or(0.0);
+            Budget {
+                statistical: sd(statistical * fit[i]),
+                station: station.map(sd),
+                of_station: of_station.map(|part| part.map(sd)),
+                discrepancy: discrepancy.map(sd),
+                combined: sd(combined),
+            }
+        }))
+    }
+}

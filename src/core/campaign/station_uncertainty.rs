@@ -1,0 +1,56 @@
+//! How well a station knows its own table: what no repetition on it shows.
+
+/// Systematic standard uncertainties (GUM type B) of small rotations that all dwells of a campaign share, radians; none
+/// where nothing is stated.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StationUncertainty {
+    /// Of the table's vertical, about east and about north alike.
+    pub levelling: Option<f64>,
+    /// Of the table's north, about the vertical.
+    pub azimuth: Option<f64>,
+    /// Of the IMU against the table, about each body axis alike.
+    pub fixture: Option<f64>,
+}
+
+/// Which of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StationPart {
+    Levelling,
+    Azimuth,
+    Fixture,
+}
+
+impl StationPart {
+    pub const ALL: [Self; 3] = [Self::Levelling, Self::Azimuth, Self::Fixture];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Levelling => "levelling",
+            Self::Azimuth => "azimuth",
+            Self::Fixture => "fixture",
+        }
+    }
+}
+
+impl StationUncertainty {
+    pub fn of(&self, part: StationPart) -> Option<f64> {
+        match part {
+            StationPart::Levelling => self.levelling,
+            StationPart::Azimuth => self.azimuth,
+            StationPart::Fixture => self.fixture,
+        }
+    }
+
+    /// What is stated here, and of the rest what `otherwise` states.
+    pub fn or(self, otherwise: Self) -> Self {
+        Self {
+            levelling: self.levelling.or(otherwise.levelling),
+            azimuth: self.azimuth.or(otherwise.azimuth),
+            fixture: self.fixture.or(otherwise.fixture),
+        }
+    }
+
+    pub fn is_stated(&self) -> bool {
+        StationPart::ALL.iter().any(|part| self.of(*part).is_some())
+    }
+}

@@ -10,7 +10,7 @@ use super::separate::{BENCH_RESULT, Method, drift_and_mounting, figure};
 use crate::config::Config;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::calibrate::repeats_between::repeated;
-use crate::core::campaign::{Campaign, TestKind};
+use crate::core::campaign::{Campaign, StationPart, TestKind};
 use crate::core::imu_model::{NotIdentified, of_one_imu};
 use crate::core::mounting::Slot;
 use crate::wire::calibration::{CampaignAnswer, CampaignsAnswer, GyroFitBody, RepeatedBody};
@@ -199,8 +199,8 @@ fn tables(campaign: &Campaign, outcome: &Outcome, answer: &CampaignAnswer) -> St
 
 /// What the standard deviations of D_I and D_S are made of.
 fn uncertainty_table(answer: &CampaignAnswer) -> String {
-    let head = ["gyro", "", "sd", "noise", "levelling", "azimuth", "fixture", "discrepancy", "combined"];
-    let mut parts = table(head, 2..9);
+    let [levelling, azimuth, fixture] = StationPart::ALL.map(StationPart::name);
+    let mut parts = table(["gyro", "", "sd", "noise", levelling, azimuth, fixture, "discrepancy", "combined"], 2..9);
     for separation in &answer.separations {
         let Some(uncertainty) = &separation.uncertainty else { continue };
         let of = [("D_I", separation.d_i, uncertainty.d_i), ("D_S", separation.d_s, uncertainty.d_s)];

@@ -340,7 +340,7 @@ impl StationUncertaintyBody {
     /// None where nothing is stated.
     pub fn of(stated: &StationUncertainty) -> Option<Self> {
         let [levelling_arcsec, azimuth_arcsec, fixture_arcsec] =
-            StationPart::ALL.map(|part| stated.of(part).map(arcsec));
+            StationPart::ALL.map(|part| stated.of(part).map(|sd| write::tidy(arcsec(sd))));
         stated.is_stated().then_some(Self { levelling_arcsec, azimuth_arcsec, fixture_arcsec })
     }
 }

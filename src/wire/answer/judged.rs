@@ -100,7 +100,7 @@ mod tests {
     };
     use crate::core::note::Note;
     use crate::core::time::UtcMicros;
-    use crate::wire::calibration::{CalibrationBody, CampaignAnswer};
+    use crate::wire::calibration::{CalibrationBody, CampaignAnswer, StationStatedBody};
     use crate::wire::note::NoteBody;
 
     /// Of histories that lie still, drift and step, without and with standard deviations, from one record on.
@@ -183,6 +183,7 @@ mod tests {
             dwells: 24,
             repeats: vec![],
             noise: None,
+            station_uncertainty: StationStatedBody::default(),
             gyros: vec![],
         };
         CampaignAnswer {

@@ -58,7 +58,7 @@ impl From<&Dwell> for DwellBody {
     }
 }
 
-/// Takes off the last bit that degrees to radians and back leaves.
-fn tidy(degrees: f64) -> f64 {
-    (degrees * 1e12).round() / 1e12
+/// Takes off the last bits that an angle, in degrees or arcsec, to radians and back leaves.
+pub(super) fn tidy(angle: f64) -> f64 {
+    (angle * 1e12).round() / 1e12
 }

@@ -5,7 +5,7 @@ use crate::core::calibrate::noise::Source;
 use crate::core::calibrate::shared_coefficients::Shared;
 use crate::core::calibrate::{calibrate, calibrate_in_white_noise, fit_common, noise};
 use crate::core::campaign::repeats;
-use crate::core::campaign::{CampaignNote, LeftOut, Phase, StationUncertainty, TestKind};
+use crate::core::campaign::{Phase, StationUncertainty, TestKind};
 use crate::core::effects::Coefficient;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::numerics::tails::f_tail;
@@ -133,9 +133,8 @@ fn gyros_with_effects_of_their_own_and_shared_ones_are_those_of_one_fit() {
             (0..3).map(|_| Some(regressor(Effect::Magnetic, absorbed.clone()))).collect(),
             vec![None, Some(north(1)), Some(north(2))],
         ];
-        let notes = fit_common(shared, &mut fits, has_sem, &groups, &factors);
-        let untold = CampaignNote::EffectLeftOut { slot: None, effect: Effect::Magnetic, why: LeftOut::NotTold };
-        assert_eq!(notes, [untold]);
+        let common = fit_common(shared, &mut fits, has_sem, &groups, &factors);
+        assert_eq!(common.hidden, [Effect::Magnetic]);
 
         // All at once: rows over their standard deviations, the columns of each gyro, then the two shared ones.
         let mut columns: Vec<(usize, DVector<f64>)> = Vec::new();
@@ -173,7 +172,7 @@ fn gyros_with_effects_of_their_own_and_shared_ones_are_those_of_one_fit() {
         let noises = noise::noise(&evidence, has_sem);
         for (j, (fit, noise)) in fits.into_iter().zip(noises).enumerate() {
             let coordinates = fit.coordinates(&noise, &factors);
-            let found = fit.finish(&campaign.gyros[j], noise, coordinates, &factors);
+            let found = fit.finish(&campaign.gyros[j], noise, coordinates, false, &factors);
             let exact = N as f64 - (0..N).map(|k| hat[(j * N + k, j * N + k)]).sum::<f64>();
             assert!((found.dof as f64 - exact).abs() < 1.0, "{} of {exact}", found.dof);
             // The covariance of all at once, in units of the gyro's own noise.

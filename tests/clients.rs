@@ -5,6 +5,7 @@ mod support;
 use std::path::Path;
 use std::process::Command;
 
+use serde_json::json;
 use support::{Server, required};
 
 #[tokio::test]
@@ -25,4 +26,41 @@ async fn the_python_client_posts_reads_and_retries() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && said.contains("OK"), "{said}");
     assert!(!said.contains("Ran 0 tests"), "{said}");
+}
+
+/// The service needs no token before there is one; a client that is generated always sends one.
+async fn with_token(server: &Server) -> String {
+    let asked = json!({"name": "client", "role": "admin"}).to_string();
+    let made = server.post("/v1/tokens", "application/json", asked).await;
+    assert_eq!(made.status, 201, "{}", made.text());
+    made.json()["token"].as_str().unwrap().to_owned()
+}
+
+#[tokio::test]
+async fn generated_clients_in_python_and_typescript_compile_and_are_used() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let script = || Command::new(root.join("scripts/clients"));
+    let installed = script().arg("install").output().unwrap();
+    if installed.status.code() == Some(3) {
+        let why = String::from_utf8_lossy(&installed.stdout).into_owned();
+        assert_ne!(std::env::var("GYROWATCH_TEST_CLIENTS").as_deref(), Ok("required"), "{why}");
+        println!("passed over: {why}");
+        return;
+    }
+    for used in ["python", "typescript"] {
+        let server = Server::start().await;
+        let dir = tempfile::tempdir().unwrap();
+        let output = script()
+            .arg(server.url(""))
+            .arg(dir.path())
+            .arg(used)
+            .env("GYROWATCH_URL", server.url(""))
+            .env("GYROWATCH_TOKEN", with_token(&server).await)
+            .env("GYROWATCH_TEST_DATA", root.join("tests/data"))
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+        assert!(output.status.success() && said.to_lowercase().contains(&format!("used from {used}")), "{said}");
+        assert!(!said.contains("WARNING"), "an operation is left out: {said}");
+    }
 }

@@ -347,11 +347,17 @@ async fn the_description_of_the_api_is_whole() {
         assert!(paths.get(path).is_some_and(|operations| operations.get(method).is_some()), "{method} {path}");
     }
     let mut ids = Vec::new();
+    let mut guarded = 0;
     for (path, operations) in paths {
         for (method, operation) in operations.as_object().unwrap() {
             let named = format!("{method} {path}");
             ids.push(operation["operationId"].as_str().unwrap_or_else(|| panic!("{named}")).to_owned());
             assert!(operation["summary"].is_string(), "{named}: no summary");
+            if operation["security"].is_array() {
+                let described = |status: &str| operation["responses"].get(status).is_some();
+                assert!(["401", "403", "429"].into_iter().all(described), "{named}");
+                guarded += 1;
+            }
             let parameters = operation["parameters"].as_array().cloned().unwrap_or_default();
             for variable in path.split('{').skip(1).map(|rest| rest.split('}').next().unwrap()) {
                 let described = |p: &Value| p["in"] == "path" && p["name"] == variable && p["required"] == true;
@@ -366,6 +372,11 @@ async fn the_description_of_the_api_is_whole() {
         }
     }
     let operations = ids.len();
+    assert!(guarded > 60 && document["components"]["securitySchemes"]["token"].is_object(), "{guarded}");
+    assert!(
+        ids.iter().all(|id| id.chars().all(|c| c.is_ascii_lowercase() || c == '_')),
+        "a name of a function: {ids:?}"
+    );
     let mut links = 0;
     for link in paths.values().flat_map(|operations| operations.as_object().unwrap().values()) {
         for answer in link["responses"].as_object().unwrap().values() {
@@ -385,6 +396,43 @@ async fn the_description_of_the_api_is_whole() {
     for target in targets {
         let pointer = target.strip_prefix('#').unwrap_or_else(|| panic!("{target} lies outside"));
         assert!(document.pointer(pointer).is_some(), "{target} points nowhere");
+    }
+}
+
+/// The limits that scripts/schemathesis holds against what is taken are there at all.
+#[tokio::test]
+async fn the_description_says_what_is_read_as_a_time_a_name_or_a_choice() {
+    let server = Server::start().await;
+    let document = server.get("/openapi.json").await.json();
+    let member = |schema: &str, member: &str| document["components"]["schemas"][schema]["properties"][member].clone();
+    for (schema, name) in [("RecordBody", "calibrated_at"), ("Point", "calibrated_at"), ("NewSilenceBody", "until")] {
+        assert_eq!(member(schema, name)["format"], "date-time", "{schema} {name}");
+    }
+    for (schema, name, most) in [("RecordBody", "imu", 64), ("VoidOrder", "reason", 4096), ("BenchBody", "note", 4096)]
+    {
+        let found = member(schema, name);
+        assert!(found["maxLength"] == most && found["pattern"].is_string(), "{schema} {name}: {found}");
+    }
+    assert_eq!(member("NewTokenBody", "role")["enum"], json!(["viewer", "station", "engineer", "admin"]));
+    assert_eq!(member("CampaignBody", "rates")["enum"], json!(["inertial", "table", null]));
+    assert_eq!(member("CampaignBody", "model")["uniqueItems"], true);
+    let latitude = member("SiteBody", "latitude_deg");
+    assert_eq!((&latitude["minimum"], &latitude["maximum"]), (&json!(-90.0), &json!(90.0)));
+    // What an answer always has is required, though it may be null.
+    let required = document["components"]["schemas"]["Gyros"]["required"].clone();
+    assert_eq!(required, json!(["gyros", "next"]));
+
+    let parameters = document["paths"]["/v1/gyros"]["get"]["parameters"].as_array().unwrap();
+    let parameter = |name: &str| &parameters.iter().find(|one| one["name"] == name).unwrap()["schema"];
+    let statuses = parameter("status")["enum"].as_array().unwrap();
+    assert!(statuses.len() > 5);
+    for status in statuses {
+        assert_eq!(server.get(&format!("/v1/gyros?status={}", status.as_str().unwrap())).await.status, 200, "{status}");
+    }
+    let limit = parameter("limit");
+    let (least, most) = (limit["minimum"].as_f64().unwrap(), limit["maximum"].as_f64().unwrap());
+    for (limit, status) in [(least, 200), (most, 200), (least - 1.0, 400), (most + 1.0, 400)] {
+        assert_eq!(server.get(&format!("/v1/gyros?limit={limit}")).await.status, status, "{limit}");
     }
 }
 

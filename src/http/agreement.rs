@@ -44,7 +44,9 @@ struct ResultBody {
     measured_at: String,
     station: String,
     /// The IMU and slot of a separation.
+    #[schema(required)]
     imu: Option<String>,
+    #[schema(required)]
     slot: Option<&'static str>,
     /// Identifier of the record or of the bench result.
     id: String,
@@ -60,8 +62,10 @@ struct ResultBody {
 #[derive(Serialize, ToSchema)]
 struct RangeBody {
     #[serde(rename = "D_I")]
+    #[schema(required)]
     d_i: Option<f64>,
     #[serde(rename = "D_S")]
+    #[schema(required)]
     d_s: Option<f64>,
 }
 

@@ -56,6 +56,7 @@ pub struct AlertsQuery {
 struct Alerts {
     alerts: Vec<ListedAlert>,
     /// Cursor of the next page; null on the last.
+    #[schema(required)]
     next: Option<String>,
 }
 
@@ -166,7 +167,9 @@ struct StepBody {
     action: String,
     /// Whether hooks were told.
     told: bool,
+    #[schema(required)]
     by: Option<String>,
+    #[schema(required)]
     reason: Option<String>,
     /// The alert as it then was.
     alert: AlertBody,
@@ -224,7 +227,7 @@ struct SilenceOrder {
 }
 
 /// Somebody knows: no more repeats until it resolves or grows more severe. Both are still told.
-#[utoipa::path(post, path = "/v1/alerts/{id}/acknowledge", tag = "alerts", request_body = AcknowledgeBody,
+#[utoipa::path(post, operation_id = "acknowledge_alert", path = "/v1/alerts/{id}/acknowledge", tag = "alerts", request_body = AcknowledgeBody,
     responses(
         (status = 200, description = "the alert, acknowledged", body = AlertBody),
         (status = 409, description = "it is resolved")))]
@@ -237,7 +240,7 @@ pub async fn post_acknowledge(
 }
 
 /// Nobody knows, after all: repeats go on.
-#[utoipa::path(post, path = "/v1/alerts/{id}/unacknowledge", tag = "alerts", request_body = AcknowledgeBody,
+#[utoipa::path(post, operation_id = "unacknowledge_alert", path = "/v1/alerts/{id}/unacknowledge", tag = "alerts", request_body = AcknowledgeBody,
     responses((status = 200, description = "the alert, not acknowledged", body = AlertBody)))]
 pub async fn post_unacknowledge(
     State(app): State<App>,
@@ -257,7 +260,7 @@ async fn remarked(app: &App, id: &str, change: AlertChange, bytes: &[u8]) -> Res
 }
 
 /// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
-#[utoipa::path(post, path = "/v1/alerts/{id}/silence", tag = "alerts", request_body = SilenceOrder,
+#[utoipa::path(post, operation_id = "silence_alert", path = "/v1/alerts/{id}/silence", tag = "alerts", request_body = SilenceOrder,
     responses((status = 200, description = "the alert, silenced", body = AlertBody)))]
 pub async fn post_silence(
     State(app): State<App>,

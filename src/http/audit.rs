@@ -50,18 +50,20 @@ struct AuditLine {
     /// Name of the token; `local` before there was one, `command line`, or `service`.
     who: String,
     /// Identifier of the token.
+    #[schema(required)]
     token: Option<String>,
     /// The address that it came from.
     source: String,
     /// The program that was used, by its own word (`User-Agent`).
+    #[schema(required)]
     agent: Option<String>,
     action: String,
     subject: String,
     /// What it was about, as it was; null where it was not.
-    #[schema(value_type = Option<Object>)]
+    #[schema(required, value_type = Option<Object>)]
     before: Option<Box<RawValue>>,
     /// What it became; null where it is no more.
-    #[schema(value_type = Option<Object>)]
+    #[schema(required, value_type = Option<Object>)]
     after: Option<Box<RawValue>>,
 }
 
@@ -70,6 +72,7 @@ struct Audit {
     /// Newest first.
     lines: Vec<AuditLine>,
     /// Cursor of the next page; null on the last.
+    #[schema(required)]
     next: Option<String>,
 }
 

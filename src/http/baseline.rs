@@ -39,6 +39,7 @@ struct BaselineBody {
 /// Levels that are stated instead of measured, deg/(h g0), and their standard deviations where they are known.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(min_properties = 1)]
 pub struct FixedBody {
     #[serde(rename = "D_I", default, skip_serializing_if = "Option::is_none")]
     d_i: Option<f64>,
@@ -88,6 +89,7 @@ pub struct BaselineAnswer {
     serial: String,
     at: String,
     reason: String,
+    #[schema(required)]
     author: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     fixed: Option<FixedBody>,

@@ -65,6 +65,7 @@ pub struct StoredBench {
     standing: StandingBody,
     received_at: String,
     /// Who sent it; null of what a version without that knowledge stored.
+    #[schema(required)]
     sent_by: Option<SenderBody>,
     /// The result word for word as it was sent; of raw dwells, what was fitted to them.
     #[schema(value_type = BenchBody)]

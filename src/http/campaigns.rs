@@ -16,7 +16,7 @@ use super::app::App;
 use super::corrections::{StandingBody, standing};
 use super::document::{Document, check_media_type};
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
-use super::prefer_header::{AsWanted, Wanted};
+use super::prefer_header::{MinimalAnswer, Wanted};
 use super::query::{Parameters, bad};
 use super::telling::Telling;
 use crate::core::id::Id;
@@ -52,13 +52,22 @@ impl<S: Send + Sync> FromRequest<S> for Dwells {
 
 /// Fits model (6) to the dwells, separates, stores and judges; the same rules as for records.
 ///
+/// As much of the answer as was wanted.
+#[derive(ToSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "describes the two forms of the answer in the OpenAPI document")]
+enum CampaignAsWanted {
+    Whole(CampaignAnswer),
+    Minimal(MinimalAnswer),
+}
+
 /// A raw single-gyro bench test (`"test": "torque_feedback"` or `"turntable_servo"`) becomes a bench result.
 #[utoipa::path(post, path = "/v1/campaigns", tag = "campaigns", request_body(content((CampaignBody = "application/json"), (String = "text/csv"))),
     params(IdempotencyKey, Telling, Wanted),
     responses(
-        (status = 201, description = "stored and judged", body = AsWanted<CampaignAnswer>,
+        (status = 201, description = "stored and judged", body = CampaignAsWanted,
             headers(("Location" = String, description = "where it is"), ("Preference-Applied" = Option<String>, description = "`return=minimal` where it was preferred"))),
-        (status = 200, description = "was stored before with the same content", body = AsWanted<CampaignAnswer>),
+        (status = 200, description = "was stored before with the same content", body = CampaignAsWanted),
         (status = 409, description = "the same IMU and time with other content"),
         (status = 422, description = "what cannot be stored; the places are named")))]
 pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwells) -> Result<Response, Problem> {
@@ -106,6 +115,7 @@ pub struct StoredCampaignBody {
     standing: StandingBody,
     received_at: String,
     /// Who sent it; null of what a version without that knowledge stored.
+    #[schema(required)]
     sent_by: Option<SenderBody>,
     /// The campaign word for word as it was sent; one sent as CSV, as the JSON that says the same.
     #[schema(value_type = CampaignBody)]
@@ -127,7 +137,7 @@ pub async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Res
 
 /// The gap between the campaign and its error model: where, which unmodelled effect, how far it shrinks, what cannot
 /// be told.
-#[utoipa::path(get, path = "/v1/campaigns/{id}/diagnosis", tag = "campaigns",
+#[utoipa::path(get, operation_id = "get_campaign_diagnosis", path = "/v1/campaigns/{id}/diagnosis", tag = "campaigns",
     params(DiagnosisQuery),
     responses(
         (status = 200, description = "the diagnosis", body = DiagnosisBody),

@@ -30,10 +30,13 @@ use crate::words;
 pub struct StandingBody {
     /// `valid`, `voided`, `revised`, or `set_aside` until somebody confirms it; only what is valid counts.
     state: &'static str,
+    #[schema(required)]
     voided: Option<RemarkBody>,
     /// What stands in its place.
+    #[schema(required)]
     revised_by: Option<RevisionBody>,
     /// In whose place it stands.
+    #[schema(required)]
     revises: Option<RevisionBody>,
     /// Who confirmed the time of a record that was set aside.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -29,7 +29,7 @@ const MOST_FAILURES: usize = 1000;
 ///
 /// Those whose diagnosis is of this version of the program and the model in force are done already, unless `again` is
 /// true. The same order, sent while it is being worked off, is that order.
-#[utoipa::path(post, path = "/v1/diagnoses", tag = "diagnoses", request_body = WhichBody,
+#[utoipa::path(post, operation_id = "order_diagnoses", path = "/v1/diagnoses", tag = "diagnoses", request_body = WhichBody,
     responses(
         (status = 202, description = "taken; `Location` says how it goes", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
         (status = 200, description = "the same is being worked off", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
@@ -61,7 +61,7 @@ impl PageQuery {
 }
 
 /// Orders with their progress, newest first.
-#[utoipa::path(get, path = "/v1/diagnoses", tag = "diagnoses",
+#[utoipa::path(get, operation_id = "get_diagnosis_orders", path = "/v1/diagnoses", tag = "diagnoses",
     params(PageQuery),
     responses(
         (status = 200, description = "the orders", body = JobsBody, headers(("Link" = Option<String>, description = "where it goes on")))))]
@@ -81,7 +81,7 @@ pub async fn get_diagnoses(
 }
 
 /// One order: how far it has come, and which campaigns could not be diagnosed, and why.
-#[utoipa::path(get, path = "/v1/diagnoses/{id}", tag = "diagnoses",
+#[utoipa::path(get, operation_id = "get_diagnosis_order", path = "/v1/diagnoses/{id}", tag = "diagnoses",
     params(PageQuery),
     responses(
         (status = 200, description = "the order", body = JobDetailBody, headers(("Link" = Option<String>, description = "where its failures go on")))))]
@@ -98,7 +98,7 @@ pub async fn get_one(
 }
 
 /// Cancels an order. What is done stays done; what is in work is finished.
-#[utoipa::path(delete, path = "/v1/diagnoses/{id}", tag = "diagnoses",
+#[utoipa::path(delete, operation_id = "cancel_diagnosis_order", path = "/v1/diagnoses/{id}", tag = "diagnoses",
     responses((status = 204, description = "canceled, now or before"), (status = 409, description = "it has ended")))]
 pub async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
     app.pipeline.diagnoses.order(DiagnosisOrder::Cancel(number(&id)?)).await?;
@@ -128,7 +128,7 @@ pub struct SummaryQuery {
 /// explain.
 ///
 /// Campaigns that were voided or revised are left out. In CSV a line is an effect in a gyro, or an IMU in doubt.
-#[utoipa::path(get, path = "/v1/diagnoses/summary", tag = "diagnoses",
+#[utoipa::path(get, operation_id = "get_diagnosis_summary", path = "/v1/diagnoses/summary", tag = "diagnoses",
     params(SummaryQuery),
     responses(
         (status = 200, description = "the summary", content((SummaryBody = "application/json"), (String = "text/csv")))))]

@@ -36,6 +36,7 @@ pub struct EventBody {
     #[serde(skip_serializing_if = "Option::is_none")]
     to: Option<String>,
     reason: String,
+    #[schema(required)]
     author: Option<String>,
     /// Rules that do not compare what was before with what comes after.
     resets: Vec<&'static str>,

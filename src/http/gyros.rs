@@ -114,6 +114,7 @@ pub struct Gyros {
     /// In the order in which they were first seen.
     gyros: Vec<Gyro>,
     /// Cursor of the next page; null on the last.
+    #[schema(required)]
     next: Option<String>,
 }
 
@@ -122,18 +123,23 @@ pub struct Gyros {
 pub struct Gyro {
     serial: String,
     /// Null for a gyro that only a bench has seen.
+    #[schema(required)]
     latest: Option<Latest>,
     /// The worst of what the rules that could judge say of its newest calibration, requirements on E and G included:
     /// `indeterminate` while none could judge its drift, null before the first. `exceeded` in any case while an alert
     /// of `agreement` is not resolved.
+    #[schema(required)]
     state: Option<&'static str>,
     /// The worst of its verdicts and of what its alerts know besides, and whether its calibration is overdue:
     /// `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting`, `overdue`, `borderline`, `too_uncertain`,
     /// `not_enough_data` or `in_tolerance`, the worst first. Null for a gyro that only a bench has seen.
+    #[schema(required)]
     status: Option<&'static str>,
     /// `retired` or `in_storage`, until it is calibrated again: it is never overdue.
+    #[schema(required)]
     out_of_use: Option<&'static str>,
     /// Since when it is beyond its limits; where it is not, since when it drifts.
+    #[schema(required)]
     since: Option<String>,
     attributes: AttributesBody,
 }
@@ -142,9 +148,12 @@ pub struct Gyro {
 #[derive(Serialize, ToSchema)]
 struct AttributesBody {
     /// Of production.
+    #[schema(required)]
     batch: Option<String>,
+    #[schema(required)]
     r#type: Option<String>,
     /// The owner, or the vehicle that it flies in.
+    #[schema(required)]
     unit: Option<String>,
 }
 
@@ -202,6 +211,7 @@ struct Latest {
     /// (value - baseline) / budget, signed: 1 at the budget.
     loads: LoadsBody,
     /// When a trend that is established carries D_I or D_S to the budget, whichever does so first; null without one.
+    #[schema(required)]
     reach: Option<ReachBody>,
 }
 
@@ -209,10 +219,13 @@ struct Latest {
 #[derive(Serialize, ToSchema)]
 struct LoadsBody {
     #[serde(rename = "D_I")]
+    #[schema(required)]
     d_i: Option<FigureBody>,
     #[serde(rename = "D_S")]
+    #[schema(required)]
     d_s: Option<FigureBody>,
     #[serde(rename = "D_O")]
+    #[schema(required)]
     d_o: Option<FigureBody>,
 }
 
@@ -221,8 +234,10 @@ struct LoadsBody {
 struct ReachBody {
     coefficient: &'static str,
     at: String,
+    #[schema(required)]
     earliest: Option<String>,
     /// Null where the late edge never does.
+    #[schema(required)]
     latest: Option<String>,
     /// The course is young: these dates may be off by more than they say.
     provisional: bool,

@@ -111,6 +111,7 @@ pub struct Deliveries {
     /// Newest first.
     deliveries: Vec<DeliveryBody>,
     /// Cursor of the next page; null on the last.
+    #[schema(required)]
     next: Option<String>,
 }
 

@@ -36,6 +36,7 @@ pub struct ImusQuery {
 pub struct Imus {
     imus: Vec<ListedImuBody>,
     /// Cursor of the next page; null on the last.
+    #[schema(required)]
     next: Option<String>,
 }
 
@@ -44,10 +45,12 @@ pub struct Imus {
 struct ListedImuBody {
     imu: String,
     /// The worst status of the gyros in it; null where none is.
+    #[schema(required)]
     status: Option<&'static str>,
     /// Serials of the gyros in it, in the order of their slots.
     gyros: Vec<String>,
     /// The newest calibration of any gyro that is in it; null where none is.
+    #[schema(required)]
     calibrated_at: Option<String>,
 }
 
@@ -56,6 +59,7 @@ struct ListedImuBody {
 pub struct ImuDetail {
     imu: String,
     /// The worst status of the gyros in it; null where none is.
+    #[schema(required)]
     status: Option<&'static str>,
     /// In it, in the order of their slots.
     gyros: Vec<Gyro>,

@@ -28,6 +28,7 @@ mod hooks;
 mod hypotheses;
 mod import;
 mod imus;
+mod members;
 mod metrics;
 mod middleware;
 mod models;

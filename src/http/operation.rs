@@ -28,7 +28,7 @@ const fn thing(at: &'static str, name: &'static str, answer: (&'static str, &'st
     Thing { at, name, by: "identifier", answer }
 }
 
-const THINGS: [Thing; 12] = [
+const THINGS: [Thing; 13] = [
     thing("/v1/records/{id}", "record", ("/v1/records", "201", "/id")),
     thing("/v1/campaigns/{id}", "campaign", ("/v1/campaigns", "201", "/id")),
     thing("/v1/bench-results/{id}", "bench result", ("/v1/bench-results", "201", "/id")),
@@ -40,6 +40,7 @@ const THINGS: [Thing; 12] = [
     thing("/v1/deliveries/{id}", "delivery", ("/v1/hooks/{id}/test", "202", "/id")),
     thing("/v1/tokens/{id}", "token", ("/v1/tokens", "201", "/id")),
     Thing { by: "serial number", ..thing("/v1/gyros/{serial}", "gyro", ("/v1/gyros", "200", "/gyros/0/serial")) },
+    Thing { by: "name", ..thing("/v1/stations/{name}", "station", ("/v1/stations", "200", "/stations/0/name")) },
     Thing { by: "name", ..thing("/v1/imus/{imu}", "IMU", ("/v1/imus", "200", "/imus/0/imu")) },
 ];
 
@@ -103,6 +104,7 @@ fn refusals(operation: &Operation, writes: bool, thing: Option<&Thing>, least: L
         _ => Vec::new(),
     };
     let (json, no_body) = (taken.contains(&"application/json"), taken.is_empty());
+    let document = json || taken.contains(&"text/csv");
     let mut parameters = operation.parameters.iter().flatten();
     let optional = parameters.any(|one| matches!(one, RefOr::T(one) if one.parameter_in != ParameterIn::Path));
     let bad = match (json, optional) {
@@ -116,13 +118,13 @@ fn refusals(operation: &Operation, writes: bool, thing: Option<&Thing>, least: L
         least.map(|_| ("401", "no token, or one that is not valid".to_owned())),
         least.map(|role| ("403", format!("not with this token: it takes the role `{}` or one above", role.name()))),
         thing.map(|thing| ("404", format!("no such {}", thing.name))),
-        json.then(|| ("413", "too large".to_owned())),
+        document.then(|| ("413", "too large".to_owned())),
         (!no_body).then(|| ("415", format!("not {}", taken.join(" or ")))),
-        json.then(|| ("422", "JSON that cannot be stored; the places are named".to_owned())),
+        document.then(|| ("422", "a document that cannot be stored; the places are named".to_owned())),
         least.map(|_| ("429", "too many requests, or too many wrong tokens; `Retry-After` says when".to_owned())),
         // An import says so of each line.
-        (writes && (json || no_body)).then(|| ("503", "too busy or not writable; try again".to_owned())),
-        (writes && (json || no_body)).then(|| ("507", "no room left".to_owned())),
+        (writes && (document || no_body)).then(|| ("503", "too busy or not writable; try again".to_owned())),
+        (writes && (document || no_body)).then(|| ("507", "no room left".to_owned())),
     ];
     found.into_iter().flatten().collect()
 }

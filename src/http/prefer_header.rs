@@ -9,8 +9,7 @@ use axum::http::HeaderMap;
 use axum::http::request::Parts;
 use serde::Serialize;
 use utoipa::openapi::path::{Parameter, ParameterIn};
-use utoipa::openapi::schema::{ObjectBuilder, SchemaType, Type};
-use utoipa::{IntoParams, ToSchema};
+use utoipa::{IntoParams, PartialSchema, ToSchema};
 
 use crate::core::id::Id;
 use crate::core::judge::State;
@@ -36,8 +35,7 @@ impl IntoParams for Wanted {
     fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
         let minimal = "`return=minimal`: the answer is the identifier and how many verdicts there are of each state";
         let prefer = Parameter::builder().name("Prefer").parameter_in(ParameterIn::Header).description(Some(minimal));
-        let text = ObjectBuilder::new().schema_type(SchemaType::from_iter([Type::String, Type::Null]));
-        vec![prefer.schema(Some(text)).build()]
+        vec![prefer.schema(Some(String::schema())).build()]
     }
 }
 
@@ -110,7 +108,7 @@ impl MinimalAnswer {
 }
 
 /// As much of an answer as was wanted.
-#[derive(Serialize, ToSchema)]
+#[derive(Serialize)]
 #[serde(untagged)]
 pub enum AsWanted<T> {
     Whole(T),

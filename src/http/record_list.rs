@@ -43,6 +43,7 @@ pub struct RecordsQuery {
 pub struct RecordList {
     records: Vec<ListedRecordBody>,
     /// Cursor of the next page; null on the last.
+    #[schema(required)]
     next: Option<String>,
 }
 
@@ -51,6 +52,7 @@ pub struct RecordList {
 pub struct CampaignList {
     campaigns: Vec<ListedRecordBody>,
     /// Cursor of the next page; null on the last.
+    #[schema(required)]
     next: Option<String>,
 }
 

@@ -11,7 +11,7 @@ use super::app::App;
 use super::corrections::{StandingBody, standing};
 use super::document::Document;
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
-use super::prefer_header::{AsWanted, Wanted};
+use super::prefer_header::{MinimalAnswer, Wanted};
 use super::telling::Telling;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
@@ -28,14 +28,23 @@ use crate::wire::time;
 
 /// Separates, stores and judges a calibration record.
 ///
+/// As much of the answer as was wanted.
+#[derive(ToSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "describes the two forms of the answer in the OpenAPI document")]
+enum RecordAsWanted {
+    Whole(RecordAnswer),
+    Minimal(MinimalAnswer),
+}
+
 /// The record is on disk before the answer. The same content again answers 200 with the same id; the same IMU and
 /// time with other content 409.
 #[utoipa::path(post, path = "/v1/records", tag = "records", request_body = RecordBody,
     params(IdempotencyKey, Telling, Wanted),
     responses(
-        (status = 201, description = "stored and judged", body = AsWanted<RecordAnswer>,
+        (status = 201, description = "stored and judged", body = RecordAsWanted,
             headers(("Location" = String, description = "where it is"), ("Preference-Applied" = Option<String>, description = "`return=minimal` where it was preferred"))),
-        (status = 200, description = "was stored before with the same content", body = AsWanted<RecordAnswer>),
+        (status = 200, description = "was stored before with the same content", body = RecordAsWanted),
         (status = 409, description = "the same IMU and time with other content")))]
 pub async fn post_record(
     State(app): State<App>,
@@ -73,6 +82,7 @@ struct StoredRecordBody {
     standing: StandingBody,
     received_at: String,
     /// Who sent it; null of what a version without that knowledge stored.
+    #[schema(required)]
     sent_by: Option<SenderBody>,
     /// The record word for word as it was sent.
     #[schema(value_type = RecordBody)]

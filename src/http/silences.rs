@@ -56,7 +56,7 @@ pub async fn get_silences(
 
 /// Nobody is told of any alert that matches, before a time: of those that fire, and of those that will. What has
 /// changed by then is told at its end.
-#[utoipa::path(post, path = "/v1/silences", tag = "alerts", request_body = NewSilenceBody,
+#[utoipa::path(post, operation_id = "post_silence", path = "/v1/silences", tag = "alerts", request_body = NewSilenceBody,
     responses(
         (status = 201, description = "it holds", body = MatchingSilenceBody, headers(("Location" = String, description = "where it is"))),
         (status = 409, description = "there are too many")))]
@@ -119,7 +119,7 @@ struct EndSilenceBody {
 }
 
 /// Ends a silence: what it has held back is told. One that is over already stays as it is.
-#[utoipa::path(post, path = "/v1/silences/{id}/end", tag = "alerts", request_body = EndSilenceBody,
+#[utoipa::path(post, operation_id = "end_silence", path = "/v1/silences/{id}/end", tag = "alerts", request_body = EndSilenceBody,
     responses((status = 200, description = "the silence, ended", body = MatchingSilenceBody)))]
 pub async fn post_end_silence(
     State(app): State<App>,

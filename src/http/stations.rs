@@ -25,7 +25,6 @@ pub async fn get_stations(State(app): State<App>) -> Result<Json<StationsBody>, 
 
 /// One station.
 #[utoipa::path(get, path = "/v1/stations/{name}", tag = "stations",
-    params(("name" = String, Path, description = "name of the station")),
     responses((status = 200, description = "the station", body = StationBody)))]
 pub async fn get_station(State(app): State<App>, Path(name): Path<String>) -> Result<Json<StationBody>, Problem> {
     let fleet = &app.pipeline.queries.fleet;
@@ -68,7 +67,6 @@ struct RefusedBody {
 /// What a station measured in a window of time is suspect: its records are set aside, and what depends on them is
 /// judged again. Nothing is deleted.
 #[utoipa::path(post, path = "/v1/stations/{name}/suspect", tag = "stations", request_body = WindowOrder,
-    params(("name" = String, Path, description = "name of the station")),
     responses((status = 200, description = "the records that were set aside", body = WindowBody)))]
 pub async fn suspect_window(
     State(app): State<App>,
@@ -82,7 +80,6 @@ pub async fn suspect_window(
 
 /// What was marked as suspect in a window of time counts again.
 #[utoipa::path(post, path = "/v1/stations/{name}/trust", tag = "stations", request_body = WindowOrder,
-    params(("name" = String, Path, description = "name of the station")),
     responses((status = 200, description = "the records that count again", body = WindowBody)))]
 pub async fn trust_window(
     State(app): State<App>,

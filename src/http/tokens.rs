@@ -27,9 +27,12 @@ struct TokenBody {
     /// `viewer`, `station`, `engineer` or `admin`.
     role: &'static str,
     /// The only station that it may send for; null for any.
+    #[schema(required)]
     station: Option<String>,
     created_at: String,
+    #[schema(required)]
     expires_at: Option<String>,
+    #[schema(required)]
     revoked_at: Option<String>,
     /// To be sent as `Authorization: Bearer`. Shown this once.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -11,11 +11,10 @@ mod request;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, Uri};
 use axum::response::Response;
-use serde::Serialize;
 use utoipa::ToSchema;
 
 use self::answer::{answer, etag, is_known, not_modified};
-use self::body::{Point, Trend};
+use self::body::{ColumnTrend, Point, Trend};
 use self::periods::PeriodTrend;
 use self::point::{Seen, bench_point, separated_point};
 use self::request::{Method, Request, TrendQuery, Written};
@@ -26,12 +25,13 @@ use crate::message;
 use crate::pipeline::BenchItem;
 use crate::wire::problem::Problem;
 
-/// Points, or periods where `every` asks for them.
-#[derive(Serialize, ToSchema)]
+/// Points, lists where `columns` asks for them, or periods where `every` does.
+#[derive(ToSchema)]
 #[serde(untagged)]
 #[expect(dead_code, reason = "describes the two forms of the answer in the OpenAPI document")]
 enum TrendAnswer<'a> {
     Points(Trend<'a>),
+    Columns(ColumnTrend),
     Periods(PeriodTrend<'a>),
 }
 

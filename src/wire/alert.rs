@@ -31,14 +31,18 @@ pub struct AlertBody {
     pub severity: Cow<'static, str>,
     /// When the gyro began to do this: the time of the record that began it. Null where an earlier version wrote this.
     #[serde(default)]
+    #[schema(required)]
     pub since: Option<String>,
     /// When that was found.
     pub fired_at: String,
+    #[schema(required)]
     pub resolved_at: Option<String>,
     /// The last verdict.
     #[serde(flatten)]
     pub finding: FindingBody,
+    #[schema(required)]
     pub acknowledged: Option<AcknowledgementBody>,
+    #[schema(required)]
     pub silenced: Option<SilenceBody>,
     /// The alert of the station that explains it; left out where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -94,19 +98,27 @@ impl AlertBody {
 #[schema(as = AlertFindingBody)]
 pub struct FindingBody {
     /// The magnitude that was compared with the limit.
+    #[schema(required)]
     pub value: Option<f64>,
     pub limit: f64,
     pub unit: Cow<'static, str>,
+    #[schema(required)]
     pub sd: Option<f64>,
     /// Probability that the true value exceeds the limit, where `sd` is known.
+    #[schema(required)]
     pub probability: Option<f64>,
     #[serde(flatten)]
     pub reason: Reason,
     /// The record that was judged, and where it came from; none for `overdue`.
+    #[schema(required)]
     pub record: Option<String>,
+    #[schema(required)]
     pub calibrated_at: Option<String>,
+    #[schema(required)]
     pub imu: Option<String>,
+    #[schema(required)]
     pub slot: Option<Cow<'static, str>>,
+    #[schema(required)]
     pub station: Option<String>,
 }
 
@@ -141,6 +153,7 @@ pub struct SilenceBody {
     /// The silence of many alerts (`/v1/silences`) that holds for this one; null where it is a silence of this alert
     /// alone.
     #[serde(default)]
+    #[schema(required)]
     pub silence: Option<String>,
     pub by: String,
     pub reason: String,

@@ -47,6 +47,7 @@ pub enum MethodBody {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct FigureBody {
     pub value: f64,
+    #[schema(required)]
     pub sd: Option<f64>,
 }
 
@@ -110,8 +111,10 @@ pub struct SeparationBody {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rigid: Option<RigidBody>,
     /// None for a geometry that equations (8) to (13) do not cover.
+    #[schema(required)]
     pub published: Option<PublishedBody>,
     /// Equations (8) to (13) letter by letter, misprints included: for comparison only.
+    #[schema(required)]
     pub as_printed: Option<PublishedBody>,
     /// Where the model in force states the coefficients at a temperature of its own: the same at the mean temperature
     /// of this campaign.
@@ -143,7 +146,9 @@ pub struct PublishedBody {
     pub branch: Cow<'static, str>,
     pub d_i: f64,
     pub d_s: f64,
+    #[schema(required)]
     pub d_i_sd: Option<f64>,
+    #[schema(required)]
     pub d_s_sd: Option<f64>,
     /// Root mean square of the residuals of the equation's three rows.
     pub closure_rms: f64,
@@ -161,13 +166,17 @@ pub struct VerdictBody {
     /// `unconfirmed`, `out_of_tolerance` or `confirmed`.
     pub status: Cow<'static, str>,
     /// The magnitude that is compared with the limit; none where there are too few points.
+    #[schema(required)]
     pub value: Option<f64>,
     pub limit: f64,
     /// The key of the configuration that sets the limit; none where the verdict was decided with other limits than
     /// today's.
+    #[schema(required)]
     pub limit_from: Option<String>,
+    #[schema(required)]
     pub sd: Option<f64>,
     /// Probability that the true value exceeds the limit, where `sd` is known.
+    #[schema(required)]
     pub probability: Option<f64>,
     /// Whether a second campaign says the same.
     pub confirmed: bool,

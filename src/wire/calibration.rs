@@ -179,9 +179,11 @@ pub struct GyroFitBody {
     pub chi2: f64,
     pub dof: usize,
     /// chi2/dof, where standard errors are given and dwells are left over.
+    #[schema(required)]
     pub reduced_chi2: Option<f64>,
     /// Lack of fit: the chance of residuals as large as these if the model and the noise scale are right. Where
     /// repeats give the scale it is no chi-square probability of `reduced_chi2`.
+    #[schema(required)]
     pub p_value: Option<f64>,
     pub noise: NoiseBody,
     pub residuals: ResidualsBody,
@@ -195,12 +197,17 @@ pub struct NoiseBody {
     /// Whether dwells were weighted by their standard errors.
     pub weighted: bool,
     /// What the standard errors are multiplied by; none without standard errors.
+    #[schema(required)]
     pub sem_factor: Option<f64>,
+    #[schema(required)]
     pub sem_factor_sd: Option<f64>,
     /// Root mean square over the dwells of the standard deviation of one output.
+    #[schema(required)]
     pub rms_pulse_per_s: Option<f64>,
+    #[schema(required)]
     pub rms_deg_per_h: Option<f64>,
     /// Degrees of freedom behind the scale; none where standard errors are taken at their word.
+    #[schema(required)]
     pub dof: Option<f64>,
     /// Spread of repeats: chi2 against the standard errors as given, and its degrees of freedom.
     pub pure_error_chi2: f64,
@@ -213,8 +220,10 @@ pub struct ResidualsBody {
     /// Measured less fitted.
     pub pulse_per_s: Vec<f64>,
     /// The same over |E|; none where E is unknown.
+    #[schema(required)]
     pub deg_per_h: Option<Vec<f64>>,
     /// Over its own standard deviation; none where nothing gives the noise.
+    #[schema(required)]
     pub standardised: Option<Vec<f64>>,
     /// Share of its own output in each fitted value, 0 to 1.
     pub leverage: Vec<f64>,

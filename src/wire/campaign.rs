@@ -41,7 +41,7 @@ pub struct SiteBody {
     pub gravity_g0: f64,
     /// Direction of the magnetic field [East, North, Up], any unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<[f64; 3]>)]
+    #[schema(value_type = Option<[f64; 3]>, min_items = 3, max_items = 3)]
     pub magnetic_field_nav: Option<Numbers>,
 }
 
@@ -70,7 +70,7 @@ pub struct CampaignGyroBody {
     pub serial: String,
     /// E that is held and not fitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<[f64; 3]>)]
+    #[schema(value_type = Option<[f64; 3]>, min_items = 3, max_items = 3)]
     pub known_e_pulse_per_arcsec: Option<Numbers>,
 }
 
@@ -84,22 +84,22 @@ pub struct DwellBody {
     pub duration_s: f64,
     /// Commanded unit quaternion [w, x, y, z] with v_body = C(q) v_nav, nav = East-North-Up.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<[f64; 4]>)]
+    #[schema(value_type = Option<[f64; 4]>, min_items = 4, max_items = 4)]
     pub attitude: Option<Numbers>,
     /// Commanded mean specific force, body axes, g0.
-    #[schema(value_type = [f64; 3])]
+    #[schema(value_type = [f64; 3], min_items = 3, max_items = 3)]
     pub specific_force_g0: Numbers,
     /// Commanded mean inertial rate, Earth rate included, body axes, arcsec/s.
-    #[schema(value_type = [f64; 3])]
+    #[schema(value_type = [f64; 3], min_items = 3, max_items = 3)]
     pub rate_arcsec_s: Numbers,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub temperature_c: Option<f64>,
     /// Mean output of each gyro, in the order of `gyros`.
-    #[schema(value_type = Vec<f64>)]
+    #[schema(value_type = Vec<f64>, min_items = 1, max_items = 3)]
     pub output_pulse_s: Numbers,
     /// Standard errors of those means.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<Vec<f64>>)]
+    #[schema(value_type = Option<Vec<f64>>, min_items = 1, max_items = 3)]
     pub output_sem_pulse_s: Option<Numbers>,
 }
 
@@ -116,7 +116,9 @@ pub struct CampaignBody {
     pub site: Option<SiteBody>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub station_uncertainty: Option<StationUncertaintyBody>,
+    #[schema(min_items = 1, max_items = 3)]
     pub gyros: Vec<CampaignGyroBody>,
+    #[schema(min_items = 1)]
     pub dwells: Vec<DwellBody>,
     /// What `rate_arcsec_s` holds: `inertial` rates (default), or the `table`'s own, to which the service adds the
     /// Earth's.
@@ -127,6 +129,7 @@ pub struct CampaignBody {
     pub test: Option<String>,
     /// Terms to fit: any of `bias`, `g_linear`, `g_squared`, `scale`. All four by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(min_items = 1)]
     pub model: Option<Vec<String>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub temperature_c: Option<f64>,

@@ -29,6 +29,7 @@ pub struct ClosureGapBody {
     pub rms_deg_per_h_g0: f64,
     pub budget_deg_per_h_g0: f64,
     /// Smallest probability of a gyro's D_O by noise alone; null where no standard deviations are stated.
+    #[schema(required)]
     pub p_value: Option<f64>,
 }
 
@@ -42,8 +43,10 @@ pub struct ClosureShareBody {
     pub slot: String,
     pub share: f64,
     pub d_o: f64,
+    #[schema(required)]
     pub sd: Option<f64>,
     pub of_budget: f64,
+    #[schema(required)]
     pub p_value: Option<f64>,
 }
 
@@ -64,6 +67,7 @@ pub struct ClosureEstimateBody {
     pub slot: String,
     pub name: String,
     pub value: f64,
+    #[schema(required)]
     pub sd: Option<f64>,
     pub unit: String,
 }

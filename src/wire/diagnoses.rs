@@ -34,7 +34,9 @@ pub struct JobBody {
     pub asked_by: String,
     pub asked_at: String,
     /// When the first of its campaigns was taken up.
+    #[schema(required)]
     pub begun_at: Option<String>,
+    #[schema(required)]
     pub ended_at: Option<String>,
     pub counts: CountsBody,
 }
@@ -54,6 +56,7 @@ pub struct CountsBody {
 pub struct JobsBody {
     pub diagnoses: Vec<JobBody>,
     /// Cursor of the next page; null on the last.
+    #[schema(required)]
     pub next: Option<String>,
 }
 
@@ -65,6 +68,7 @@ pub struct JobDetailBody {
     /// In the order in which they were stored.
     pub failures: Vec<FailureBody>,
     /// Cursor of the next failures; null on the last page.
+    #[schema(required)]
     pub next: Option<String>,
 }
 
@@ -150,6 +154,7 @@ pub struct FindingBody {
     /// Of how many from the first one on.
     pub of_since: u64,
     /// The last campaign of the gyro before the first one with the effect; null where there is none.
+    #[schema(required)]
     pub clear_at: Option<String>,
     pub first: SightingBody,
     pub last: SightingBody,

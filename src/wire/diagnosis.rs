@@ -298,9 +298,11 @@ pub struct SignBody {
 pub struct CandidateBody {
     pub effect: String,
     /// Fraction of the reducible gap that it closes alone; null where it could not be tried.
+    #[schema(required)]
     pub closure: Option<f64>,
     /// 95 % interval of that.
     #[serde(default)]
+    #[schema(required)]
     pub interval: Option<[f64; 2]>,
     pub p_value_adjusted: f64,
     /// Whether noise alone shows as much too often for a name: `closure` is then that of a chance pattern, and no

@@ -187,6 +187,7 @@ pub struct ClosingBody {
     /// 1 - (after^2 - noise^2)/(before^2 - noise^2). Without an interval it says nothing.
     pub closure: f64,
     /// 95 %; none where the error without them does not exceed the noise.
+    #[schema(required)]
     pub interval: Option<[f64; 2]>,
 }
 
@@ -325,6 +326,7 @@ pub struct MissBody {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RungBody {
     /// The effect that joins here; none for model (6) alone.
+    #[schema(required)]
     pub effect: Option<String>,
     pub rms_deg_per_h: f64,
     pub rms_over_sd: f64,

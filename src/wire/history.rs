@@ -35,10 +35,12 @@ pub struct CoefficientBody {
     /// Records that stand apart from those before and after them, and were left out.
     pub outliers: Vec<OutlierBody>,
     /// How the coefficient wanders without a cause; null where it does not.
+    #[schema(required)]
     pub wander: Option<WanderBody>,
     /// Significance of what follows in time after all that was named.
     pub remaining_p_value: f64,
     /// When it leaves its budget, where it ages; null where it does not.
+    #[schema(required)]
     pub due: Option<DueBody>,
     /// All this in sentences, in the language of the request.
     pub said: Vec<String>,
@@ -53,6 +55,7 @@ pub struct CauseBody {
     pub detail: String,
     pub estimates: Vec<EstimateBody>,
     /// Null where no block of records can be predicted from the others.
+    #[schema(required)]
     pub held_out: Option<LeftOutBody>,
     pub p_value_adjusted: f64,
 }
@@ -107,6 +110,7 @@ pub struct DueBody {
     pub interval_80: [Option<String>; 2],
     pub interval_95: [Option<String>; 2],
     /// Until when it is within its budget with 95 %; null where that was never so.
+    #[schema(required)]
     pub calibrate_by: Option<String>,
 }
 

@@ -119,8 +119,10 @@ fn same(a: &serde_json::Value, b: &serde_json::Value) -> bool {
 #[serde(deny_unknown_fields, default)]
 pub struct FilterBody {
     /// Names of rules, as `step`.
+    #[schema(max_items = 10_000)]
     pub rules: Vec<String>,
     /// Serials of gyros.
+    #[schema(max_items = 10_000)]
     pub gyros: Vec<String>,
     /// The least severity, `warning` or `critical`. An alert that has been told never falls below it, so that its end
     /// is told as well.
@@ -209,13 +211,16 @@ pub struct HookBody {
     /// Whether what is sent is signed.
     pub signed: bool,
     /// Until when the secret before signs as well.
+    #[schema(required)]
     pub old_secret_until: Option<String>,
     pub filter: FilterBody,
     pub enabled: bool,
     /// Whether all that a record changes comes in one message.
     pub batch: bool,
+    #[schema(required)]
     pub expect: Option<ExpectBody>,
     /// Why the service itself has disabled it.
+    #[schema(required)]
     pub disabled_because: Option<String>,
     pub created_at: String,
     pub changed_at: String,
@@ -231,6 +236,7 @@ pub struct QueueBody {
     /// Deliveries that are still to be made.
     pub open: i64,
     /// When the oldest of them was queued.
+    #[schema(required)]
     pub oldest_open: Option<String>,
     /// Given up after the whole ladder.
     pub dead: i64,
@@ -246,13 +252,16 @@ pub struct DeliveryBody {
     /// `alert.fired`, `alert.escalated`, `alert.lowered`, `alert.repeated`, `alert.resolved`, `alerts.digest` or `hook.test`.
     pub event: &'static str,
     /// The gravest, where it tells of many.
+    #[schema(required)]
     pub alert: Option<String>,
     pub queued_at: String,
     /// `behind` (an earlier one of the same alert comes first), `waiting`, `delivered`, `dead` (given up) or `dropped`
     /// (the hook was deleted, or disabled and then told of everything that fires).
     pub state: &'static str,
     /// When it is tried next, where it waits.
+    #[schema(required)]
     pub due_at: Option<String>,
+    #[schema(required)]
     pub finished_at: Option<String>,
     /// Oldest first.
     pub attempts: Vec<AttemptBody>,
@@ -263,6 +272,7 @@ pub struct DeliveryBody {
 pub struct AttemptBody {
     pub at: String,
     /// The HTTP status; null where none was answered.
+    #[schema(required)]
     pub status: Option<u16>,
     /// What went wrong, in words.
     pub detail: String,
@@ -270,6 +280,7 @@ pub struct AttemptBody {
     #[serde(flatten)]
     pub message: Option<MessageBody>,
     /// The first kilobyte of what the target answered, made printable; null where it said nothing.
+    #[schema(required)]
     pub answer: Option<String>,
     pub took_ms: f64,
 }

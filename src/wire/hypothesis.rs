@@ -29,6 +29,7 @@ pub struct HypothesisBody {
     pub plausible: f64,
     /// Sizes that are met in practice; a thousandth to a tenth of `plausible` where left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(min_items = 2, max_items = 2)]
     pub typical: Option<[f64; 2]>,
     /// Whether all gyros share one set of coefficients.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

@@ -75,6 +75,7 @@ pub struct KnownEffectBody {
     /// Id of the catalogue.
     pub effect: String,
     /// Slots that have it. Effects of the station act on all gyros.
+    #[schema(min_items = 1)]
     pub gyros: Vec<String>,
     /// Its non-linear parameter, where it has one: held, not fitted.
     #[serde(default, skip_serializing_if = "ShapeBody::is_linear")]
@@ -100,6 +101,7 @@ pub struct KnownEstimateBody {
 
 /// At most one member.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(max_properties = 1)]
 #[serde(deny_unknown_fields)]
 pub struct ShapeBody {
     /// Time constant of `warmup`.

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::geometry::GeometryBody;
+use super::text::Deviations;
 use super::triple::Triple;
 use super::{json, text, time};
 use crate::core::fault::Faults;
@@ -56,9 +57,11 @@ pub struct GyroBody {
     pub bias_pulse_per_s: Option<f64>,
     /// Standard deviations of E, pulse/arcsec.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<Deviations>)]
     pub e_sd: Option<Triple>,
     /// Standard deviations of G, in the unit in which G is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<Deviations>)]
     pub g_sd: Option<Triple>,
 }
 

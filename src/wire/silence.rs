@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 /// Which alerts a silence is of. Every alert has to match all that is given; at least one is.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
+#[schema(min_properties = 1)]
 pub struct MatchersBody {
     /// Of one gyro.
     pub serial: Option<String>,
@@ -44,6 +45,7 @@ pub struct MatchingSilenceBody {
     /// Whether it holds now.
     pub active: bool,
     /// Who ended it before its time, why and when.
+    #[schema(required)]
     pub ended: Option<EndedBody>,
 }
 

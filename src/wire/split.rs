@@ -63,6 +63,7 @@ pub struct MovedBody {
     pub now: f64,
     pub shift: f64,
     /// Of the shift; null where neither states its noise.
+    #[schema(required)]
     pub sd: Option<f64>,
     pub unit: String,
 }

@@ -12,6 +12,7 @@ use crate::wire::time;
 pub struct StationsBody {
     pub unit: String,
     /// The station that offsets count from: the one with most records.
+    #[schema(required)]
     pub against: Option<String>,
     pub stations: Vec<StationBody>,
     /// Spread of the stations' offsets; null where there is one station.
@@ -45,11 +46,14 @@ pub struct BothBody<T> {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StationColumnBody {
     /// Standard deviation of one record; null with too few.
+    #[schema(required)]
     pub repeatability: Option<SpreadBody>,
     /// How much more it reads than the station that offsets count from; null of that one, and where no gyro was at
     /// both.
+    #[schema(required)]
     pub offset: Option<SharedBody>,
     /// A year; null where nothing can be said.
+    #[schema(required)]
     pub drift: Option<SharedBody>,
     /// Whether the drift is beyond chance.
     pub drifts: bool,
@@ -59,6 +63,7 @@ pub struct StationColumnBody {
     #[serde(default)]
     pub windows: Vec<WindowBody>,
     /// What single gyros show beyond the common offset: gyro x station; null with too few.
+    #[schema(required)]
     pub gyro_by_station: Option<SpreadBody>,
     /// What its gyros read about their own levels, oldest first.
     pub course: Vec<CoursePointBody>,

@@ -6,6 +6,9 @@
 use std::fmt::Display;
 
 use nalgebra::Vector3;
+use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
+use utoipa::openapi::{RefOr, Schema};
+use utoipa::{PartialSchema, ToSchema};
 
 use super::time;
 use super::triple::Triple;
@@ -27,8 +30,8 @@ pub fn matched(pointer: &str, text: &str, faults: &mut Faults) -> Option<String>
 }
 
 /// Largest standard deviation and temperature that is taken for a measured one.
-const LARGEST_DEVIATION: f64 = 1e9;
-const TEMPERATURE_RANGE_C: std::ops::RangeInclusive<f64> = -273.15..=1000.0;
+pub(crate) const LARGEST_DEVIATION: f64 = 1e9;
+pub(crate) const TEMPERATURE_RANGE_C: std::ops::RangeInclusive<f64> = -273.15..=1000.0;
 
 pub fn name(pointer: &str, text: &str, faults: &mut Faults) -> Name {
     Name::parse(text).unwrap_or_else(|detail| {
@@ -132,3 +135,16 @@ pub fn deviation(pointer: &str, sd: Option<f64>, faults: &mut Faults) -> Option<
     }
     sd
 }
+
+/// Three standard deviations, as the description has them.
+pub struct Deviations;
+
+impl PartialSchema for Deviations {
+    fn schema() -> RefOr<Schema> {
+        let deviation =
+            ObjectBuilder::new().schema_type(Type::Number).minimum(Some(0.0)).maximum(Some(LARGEST_DEVIATION));
+        ArrayBuilder::new().items(deviation).min_items(Some(3)).max_items(Some(3)).into()
+    }
+}
+
+impl ToSchema for Deviations {}

@@ -22,7 +22,36 @@ pub(super) struct Trend<'a> {
     #[schema(value_type = Vec<EventBody>)]
     pub events: &'a [EventBody],
     /// Cursor of the next page; null on the last.
+    #[schema(required)]
     pub next: Option<String>,
+}
+
+/// The history of one coefficient with a list for each member of a point that `columns` asks for.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes what is written member by member")]
+pub(super) struct ColumnTrend {
+    serial: String,
+    coefficient: String,
+    unit: String,
+    columns: Columns,
+    events: Vec<EventBody>,
+    #[schema(required)]
+    next: Option<String>,
+}
+
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes what is written member by member")]
+struct Columns {
+    calibrated_at: Option<Vec<String>>,
+    value: Option<Vec<f64>>,
+    sd: Option<Vec<Option<f64>>>,
+    method: Option<Vec<String>>,
+    imu: Option<Vec<Option<String>>>,
+    slot: Option<Vec<Option<String>>>,
+    station: Option<Vec<String>>,
+    record: Option<Vec<String>>,
+    state: Option<Vec<Option<String>>>,
+    status: Option<Vec<Option<String>>>,
 }
 
 #[derive(Serialize, ToSchema)]
@@ -31,10 +60,13 @@ pub(super) struct Point<'a> {
     #[schema(value_type = String)]
     pub calibrated_at: UtcMicros,
     pub value: f64,
+    #[schema(required)]
     pub sd: Option<f64>,
     pub method: &'static str,
     /// IMU and slot; null on a bench.
+    #[schema(required)]
     pub imu: Option<&'a str>,
+    #[schema(required)]
     pub slot: Option<&'static str>,
     pub station: &'a str,
     /// Identifier of the record, or of the bench result.
@@ -42,9 +74,11 @@ pub(super) struct Point<'a> {
     #[schema(value_type = String)]
     pub record: Id,
     /// `within`, `exceeded` or `indeterminate`, as it was judged; null for what is not judged.
+    #[schema(required)]
     pub state: Option<&'static str>,
     /// What the verdicts on it come to: `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting`, `borderline`,
     /// `too_uncertain`, `not_enough_data` or `in_tolerance`; null for what is not judged.
+    #[schema(required)]
     pub status: Option<&'static str>,
     /// True where it does not count any more; shown where voided points are asked for.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -33,6 +33,7 @@ pub(super) struct PeriodTrend<'a> {
     #[schema(value_type = Vec<EventBody>)]
     events: &'a [EventBody],
     /// Cursor of the next page; null on the last.
+    #[schema(required)]
     next: Option<String>,
 }
 

@@ -16,6 +16,7 @@ pub struct ParameterBody {
     pub unit: String,
     pub value: f64,
     /// None where the dwells do not determine the parameter, or nothing gives the noise.
+    #[schema(required)]
     pub sd: Option<f64>,
     /// Whether the dwells, with the gauge, leave one value.
     pub determined: bool,
@@ -32,6 +33,7 @@ pub struct EffectParameterBody {
     pub unit: String,
     pub value: f64,
     /// None where nothing gives the noise.
+    #[schema(required)]
     pub sd: Option<f64>,
 }
 
@@ -40,6 +42,7 @@ pub struct NullDirectionBody {
     /// Shares of the parameters, a unit vector; those of zero are left out.
     pub direction: BTreeMap<String, f64>,
     /// The condition that was imposed to make the estimate unique; none where it is cut off at the shortest one.
+    #[schema(required)]
     pub gauge: Option<String>,
 }
 

@@ -50,17 +50,17 @@ impl<S: Send + Sync> FromRequest<S> for Dwells {
     }
 }
 
-/// Fits model (6) to the dwells, separates, stores and judges; the same rules as for records.
-///
 /// As much of the answer as was wanted.
 #[derive(ToSchema)]
 #[serde(untagged)]
 #[expect(dead_code, reason = "describes the two forms of the answer in the OpenAPI document")]
 enum CampaignAsWanted {
-    Whole(CampaignAnswer),
+    Whole(Box<CampaignAnswer>),
     Minimal(MinimalAnswer),
 }
 
+/// Fits model (6) to the dwells, separates, stores and judges; the same rules as for records.
+///
 /// A raw single-gyro bench test (`"test": "torque_feedback"` or `"turntable_servo"`) becomes a bench result.
 #[utoipa::path(post, path = "/v1/campaigns", tag = "campaigns", request_body(content((CampaignBody = "application/json"), (String = "text/csv"))),
     params(IdempotencyKey, Telling, Wanted),

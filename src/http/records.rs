@@ -26,8 +26,6 @@ use crate::wire::record::RecordBody;
 use crate::wire::sender::SenderBody;
 use crate::wire::time;
 
-/// Separates, stores and judges a calibration record.
-///
 /// As much of the answer as was wanted.
 #[derive(ToSchema)]
 #[serde(untagged)]
@@ -37,6 +35,8 @@ enum RecordAsWanted {
     Minimal(MinimalAnswer),
 }
 
+/// Separates, stores and judges a calibration record.
+///
 /// The record is on disk before the answer. The same content again answers 200 with the same id; the same IMU and
 /// time with other content 409.
 #[utoipa::path(post, path = "/v1/records", tag = "records", request_body = RecordBody,

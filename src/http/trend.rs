@@ -31,7 +31,7 @@ use crate::wire::problem::Problem;
 #[expect(dead_code, reason = "describes the two forms of the answer in the OpenAPI document")]
 enum TrendAnswer<'a> {
     Points(Trend<'a>),
-    Columns(ColumnTrend),
+    Columns(Box<ColumnTrend>),
     Periods(PeriodTrend<'a>),
 }
 

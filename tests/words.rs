@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use gyrowatch::core::bench::BenchMethod;
 use gyrowatch::core::diagnose::Variable;
 use gyrowatch::core::effects::{CATALOGUE, COMPETITORS};
-use gyrowatch::core::judge::{Event, Rule, Severity, Status, Suggestion};
+use gyrowatch::core::judge::{Event, Rule, Severity, Status, Suggestion, Unseen};
 
 use fluent_syntax::ast::{CallArguments, Entry, Expression, InlineExpression, Pattern, PatternElement};
 
@@ -189,6 +189,7 @@ fn named() -> BTreeSet<String> {
         BenchMethod::ALL.map(BenchMethod::word).to_vec(),
         Variable::ALL.map(Variable::word).to_vec(),
         Suggestion::ALL.map(Suggestion::word).to_vec(),
+        Unseen::ALL.map(Unseen::word).to_vec(),
     ];
     let effects = CATALOGUE.iter().chain(&COMPETITORS).map(|entry| entry.effect.word());
     let needs = CATALOGUE.iter().map(|entry| entry.effect.needs());

@@ -9,7 +9,7 @@ use maud::{Markup, html};
 use super::Pages;
 use super::alerts::is_open_of;
 use super::bullet;
-use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, day, encoded, symbol};
 use super::station::changes;
 use super::text::Text;
 use super::viewer::Viewer;
@@ -38,9 +38,8 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
                 thead { tr {
                     th { (t.station) } th.capital { (t.alerts) }
                     @for name in DRIFTS.iter().take(2) { th.nowrap { (t.offset) " " (symbol(name)) } }
-                    @for name in DRIFTS.iter().take(2) { th.n.nowrap { (t.repeatability_short) " " (symbol(name)) } }
-                    th { (t.drift_a_year) } th { (t.last_step) }
-                    th.n.capital { (t.calibrations_seen) } th.n.capital { (t.overdue_gyros) } th { (t.last_seen) }
+                    th { (t.repeatability_short) } th { (t.drift_a_year) } th { (t.last_step) }
+                    th.n.capital { (t.overdue_gyros) } th { (t.last_seen) }
                 } }
                 tbody { @for station in stations {
                     @let is_open = |alert: &&_| is_open_of(alert, &station.name);
@@ -82,11 +81,11 @@ fn line(t: &Text, station: &StationFigures, budget: f64, alerts: usize, overdue:
                     }
                 }
             }
-            @for (column, name) in columns() {
-                td.n data-label={ (t.repeatability_short) " " (name) } {
-                    @if let Some(spread) = &column.repeatability { (format!("{:.1}", 100.0 * spread.sd / budget)) }
+            td data-label=(t.repeatability_short) { @for (column, name) in columns() {
+                @if let Some(spread) = &column.repeatability {
+                    span.slope { (symbol(name)) " " (format!("{:.1}", 100.0 * spread.sd / budget)) } " "
                 }
-            }
+            } }
             td data-label=(t.drift_a_year) { @for (column, name) in columns() {
                 @if let Some(drift) = column.drift.as_ref().filter(|_| column.drifts) {
                     span.slope { (symbol(name)) " " (bullet::percent(load(drift))) } " "
@@ -100,9 +99,8 @@ fn line(t: &Text, station: &StationFigures, budget: f64, alerts: usize, overdue:
                     } " "
                 }
             } }
-            td.n data-label=(t.calibrations_seen) { (station.records) }
             td.n data-label=(t.overdue_gyros) { (overdue) }
-            td data-label=(t.last_seen) { (instant(station.last)) }
+            td data-label=(t.last_seen) { (day(station.last)) }
         }
     }
 }

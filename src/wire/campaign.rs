@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::geometry::GeometryBody;
-use super::numbers::{Numbers, in_range};
+use super::numbers::{Numbers, in_range, tidy};
 use super::{json, text};
 use crate::core::campaign::commanded::Part;
 use crate::core::campaign::{
@@ -343,7 +343,7 @@ impl StationUncertaintyBody {
     /// None where nothing is stated.
     pub fn of(stated: &StationUncertainty) -> Option<Self> {
         let [levelling_arcsec, azimuth_arcsec, fixture_arcsec] =
-            StationPart::ALL.map(|part| stated.of(part).map(|sd| write::tidy(arcsec(sd))));
+            StationPart::ALL.map(|part| stated.of(part).map(|sd| tidy(arcsec(sd))));
         stated.is_stated().then_some(Self { levelling_arcsec, azimuth_arcsec, fixture_arcsec })
     }
 }

@@ -16,6 +16,11 @@ const KEPT: usize = 4;
 /// squares and sums of what passes cannot overflow.
 pub const LARGEST: f64 = 1e12;
 
+/// Takes off the last bits that an angle, in degrees or arcsec, to radians and back leaves.
+pub fn tidy(angle: f64) -> f64 {
+    (angle * 1e12).round() / 1e12
+}
+
 /// A list of numbers as the document has it. Only the first four are kept: no legal list is longer, and of an
 /// illegal one the length is all that is reported.
 #[derive(Debug, Clone, Copy, PartialEq)]

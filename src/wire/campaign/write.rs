@@ -4,7 +4,7 @@ use super::{CampaignBody, CampaignGyroBody, DwellBody, SiteBody, StationUncertai
 use crate::core::campaign::{Campaign, CampaignGyro, Dwell, TestKind};
 use crate::core::units::degrees;
 use crate::wire::geometry::GeometryBody;
-use crate::wire::numbers::Numbers;
+use crate::wire::numbers::{Numbers, tidy};
 use crate::wire::time;
 
 impl From<&Campaign> for CampaignBody {
@@ -56,9 +56,4 @@ impl From<&Dwell> for DwellBody {
             output_sem_pulse_s: d.output_sem_pulse_s.as_deref().map(Numbers::from),
         }
     }
-}
-
-/// Takes off the last bits that an angle, in degrees or arcsec, to radians and back leaves.
-pub(super) fn tidy(angle: f64) -> f64 {
-    (angle * 1e12).round() / 1e12
 }

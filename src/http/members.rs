@@ -181,6 +181,7 @@ fn of_member((schema, member): (&str, &str), sent: bool) -> Option<What> {
         | ("KnownEstimateBody" | "ModelCoefficientBody", "value") => Number(-LARGEST, LARGEST),
         ("KnownEstimateBody" | "ModelCoefficientBody", "sd") => Number(0.0, LARGEST),
         ("ExpectBody", "json") => Members(32),
+        ("StationUncertaintyBody", _) => Number(0.0, 3600.0),
         ("SiteBody", "latitude_deg") => Number(-90.0, 90.0),
         ("SiteBody", "gravity_g0") => Number(0.9, 1.1),
         ("HypothesisBody", "plausible" | "typical") => Positive(f64::MAX),

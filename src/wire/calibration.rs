@@ -17,7 +17,7 @@ use crate::core::calibrate::noise::Noise;
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::calibrate::repeats_between::Repeated;
 use crate::core::calibrate::{GyroCalibration, Parameter, ScaleSource};
-use crate::core::campaign::{self, Campaign, CampaignNote, StationLack, StationPart};
+use crate::core::campaign::{self, Campaign, CampaignNote, StationLack, StationPart, StationUncertainty};
 use crate::core::model::{Term, Terms};
 use crate::core::note::Note;
 use crate::words;
@@ -141,8 +141,20 @@ impl From<&Repeated> for RepeatedBody {
 pub struct StationStatedBody {
     /// Whether anything is: without, every standard deviation is statistical.
     pub stated: bool,
-    #[serde(flatten)]
-    pub sizes: StationUncertaintyBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub levelling_arcsec: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub azimuth_arcsec: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fixture_arcsec: Option<f64>,
+}
+
+impl StationStatedBody {
+    fn of(station: &StationUncertainty) -> Self {
+        let StationUncertaintyBody { levelling_arcsec, azimuth_arcsec, fixture_arcsec } =
+            StationUncertaintyBody::of(station).unwrap_or_default();
+        Self { stated: station.is_stated(), levelling_arcsec, azimuth_arcsec, fixture_arcsec }
+    }
 }
 
 /// The fit of one gyro. Of a bench test, the coefficients of eq. (5) stand in `parameters`.
@@ -245,10 +257,7 @@ impl CampaignAnswer {
                 dwells: campaign.dwells.len(),
                 repeats: Vec::new(),
                 noise: None,
-                station_uncertainty: StationStatedBody {
-                    stated: campaign.station_uncertainty.is_stated(),
-                    sizes: StationUncertaintyBody::of(&campaign.station_uncertainty).unwrap_or_default(),
-                },
+                station_uncertainty: StationStatedBody::of(&campaign.station_uncertainty),
                 gyros: Vec::new(),
             },
             separations: Vec::new(),

@@ -179,11 +179,9 @@ fn fit_common(
 ) -> CommonFit {
     let own: Vec<Own> = fits.iter().map(|fit| fit.own(has_sem, shared)).collect();
     let common = shared_coefficients::fit(of_all, &own);
-    let mut taken = 0.0;
-    for (j, fit) in fits.iter_mut().enumerate() {
-        let before = f64::round(taken);
-        taken += common.leverage[j].sum();
-        fit.take_out(&common, j, (taken.round() - before) as usize, repeats, shared);
+    let taken = shared_coefficients::in_whole_numbers(common.leverage.iter().map(|share| share.sum()));
+    for (j, (fit, taken)) in fits.iter_mut().zip(taken).enumerate() {
+        fit.take_out(&common, j, taken, repeats, shared);
     }
     common
 }

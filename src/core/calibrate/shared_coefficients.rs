@@ -22,6 +22,15 @@ use crate::core::numerics::least_squares::Factor;
 /// have it.
 pub(super) type Shared = Vec<Option<Regressor>>;
 
+/// Degrees of freedom that gyros share, in whole numbers of the same sum.
+pub(super) fn in_whole_numbers(shares: impl Iterator<Item = f64>) -> impl Iterator<Item = usize> {
+    shares.scan(0.0, |taken: &mut f64, share| {
+        let before = taken.round();
+        *taken += share;
+        Some((taken.round() - before) as usize)
+    })
+}
+
 /// One gyro as its own columns leave it.
 pub(super) struct Own<'a> {
     pub factor: &'a Factor,

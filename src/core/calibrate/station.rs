@@ -169,10 +169,9 @@ fn take_out(fits: &mut [GyroFit], has_sem: bool, shared: &SharedFactors) {
             variances = net.iter().enumerate().map(|(j, (net, taken))| scatter(j, net, *taken)).collect();
         }
     }
-    let mut taken = 0.0;
-    for (fit, (net, share)) in fits.iter_mut().zip(net) {
-        let before = f64::round(taken);
-        taken += share;
-        fit.leave(net, (taken.round() - before) as usize, shared);
+    let (net, taken): (Vec<_>, Vec<f64>) = net.into_iter().unzip();
+    let taken = shared_coefficients::in_whole_numbers(taken.into_iter());
+    for ((fit, net), taken) in fits.iter_mut().zip(net).zip(taken) {
+        fit.leave(net, taken, shared);
     }
 }

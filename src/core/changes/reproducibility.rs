@@ -14,7 +14,7 @@ use crate::core::time::UtcMicros;
 
 use super::answer::{GyroHistory, StationForm};
 use super::series::robust;
-use super::station::{Course, CoursePoint, Part};
+use super::station::{Common, Course, CoursePoint, Part};
 
 /// Points of a station's course, at most.
 const POINTS: usize = 24;
@@ -39,6 +39,12 @@ pub struct Shared {
     pub sd: f64,
     pub gyros: usize,
     pub imus: usize,
+}
+
+impl From<&Common> for Shared {
+    fn from(common: &Common) -> Self {
+        Self { value: common.value, sd: common.sd, gyros: common.gyros, imus: common.imus }
+    }
 }
 
 /// One coefficient at one station.
@@ -152,12 +158,12 @@ fn of_station(
         let part = Part { station, form };
         let taken = course.taken.iter().find(|(taken, _)| *taken == part).map(|(_, common)| *common);
         let common = taken.or_else(|| course.estimate(&part))?;
-        Some((Shared { value: common.value, sd: common.sd, gyros: common.gyros, imus: common.imus }, taken.is_some()))
+        Some((Shared::from(&common), taken.is_some()))
     };
     let drift = whole(StationForm::Drift);
     let (mut steps, mut windows) = (Vec::new(), Vec::new());
     for (part, common) in course.taken.iter().filter(|(part, _)| part.station == station) {
-        let shared = Shared { value: common.value, sd: common.sd, gyros: common.gyros, imus: common.imus };
+        let shared = Shared::from(common);
         match part.form {
             StationForm::Step(at) => steps.push((at, shared)),
             StationForm::Between(from, until) => windows.push(([from, until], shared)),

@@ -19,6 +19,7 @@ use crate::core::period::Period;
 use crate::core::record::MAX_NOTE_CHARS;
 use crate::pipeline::HookKind;
 use crate::routes::operations;
+use crate::wire::campaign::MAX_UNCERTAINTY_ARCSEC;
 use crate::wire::numbers::LARGEST;
 use crate::wire::text::{LARGEST_DEVIATION, TEMPERATURE_RANGE_C};
 
@@ -181,7 +182,7 @@ fn of_member((schema, member): (&str, &str), sent: bool) -> Option<What> {
         | ("KnownEstimateBody" | "ModelCoefficientBody", "value") => Number(-LARGEST, LARGEST),
         ("KnownEstimateBody" | "ModelCoefficientBody", "sd") => Number(0.0, LARGEST),
         ("ExpectBody", "json") => Members(32),
-        ("StationUncertaintyBody", _) => Number(0.0, 3600.0),
+        ("StationUncertaintyBody", _) => Number(0.0, MAX_UNCERTAINTY_ARCSEC),
         ("SiteBody", "latitude_deg") => Number(-90.0, 90.0),
         ("SiteBody", "gravity_g0") => Number(0.9, 1.1),
         ("HypothesisBody", "plausible" | "typical") => Positive(f64::MAX),

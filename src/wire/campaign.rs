@@ -22,7 +22,7 @@ pub mod commanded;
 mod write;
 
 /// A degree: beyond it a station's error is a mistake and no uncertainty.
-const MAX_UNCERTAINTY_ARCSEC: f64 = 3600.0;
+pub const MAX_UNCERTAINTY_ARCSEC: f64 = 3600.0;
 
 /// What `rate_arcsec_s` may hold.
 const INERTIAL: &str = "inertial";

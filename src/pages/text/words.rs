@@ -116,6 +116,7 @@ catalogue! {
     offset_against: "Offset against", "偏移，相对";
     drift_a_year: "Drift a year", "年漂移";
     within_chance: "within chance", "未超出偶然";
+    drift_of_gyros: "the station's, or of these gyros by themselves", "测试站漂移或这些陀螺自身变化";
     off_found: "Off", "偏离";
     step_found: "Step found", "发现阶跃";
     gyro_by_station: "Gyro x station", "陀螺与测试站交互";

@@ -237,9 +237,9 @@ impl WhyNot {
             Self::NoBetterThanWandering { p } => message!("change_no_better_than_wandering", p = figure(p, 2)),
             Self::OthersDeny { own, others, sd, gyros } => message!(
                 "change_others_deny",
-                own = signed(own, 4),
-                others = signed(others, 4),
-                sd = figure(sd, 4),
+                own = signed(own, decimals(sd)),
+                others = signed(others, decimals(sd)),
+                sd = figure(sd, decimals(sd)),
                 gyros = gyros
             ),
         }
@@ -395,6 +395,11 @@ impl HistoryDiagnosis {
     }
 }
 
+/// Decimals of a figure beside its standard deviation: two digits of that, and four at the least.
+fn decimals(sd: f64) -> usize {
+    (1.0 - sd.max(1e-9).log10().floor()).max(4.0) as usize
+}
+
 impl NamedCause {
     /// What it is and what it explains, sentence by sentence.
     fn sentences(&self) -> Vec<Message> {
@@ -402,8 +407,8 @@ impl NamedCause {
             "history_cause",
             cause = cause_word(self.cause),
             detail = self.tie.message(),
-            value = signed(self.estimate.value, 4),
-            sd = figure(self.estimate.sd, 4),
+            value = signed(self.estimate.value, decimals(self.estimate.sd)),
+            sd = figure(self.estimate.sd, decimals(self.estimate.sd)),
             unit = self.estimate.unit
         )];
         all.extend(self.others());

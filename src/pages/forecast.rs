@@ -50,9 +50,10 @@ pub(super) fn versions(t: &Text, models: &[AdoptedModel]) -> Markup {
         if model.is_plain() {
             return t.plain_model.to_owned();
         }
-        let ModelBody { terms, effects, .. } = ModelBody::from(model);
+        let ModelBody { terms, effects, plausible_sizes, .. } = ModelBody::from(model);
         let effects = effects.into_iter().map(|known| InUseEffectBody { effect: known.effect, gyros: known.gyros });
-        InUseBody { terms, effects: effects.collect() }.listed()
+        let sizes = plausible_sizes.iter().map(|(id, size)| format!(" |{id}| ≤ {size}"));
+        InUseBody { terms, effects: effects.collect() }.listed() + &sizes.collect::<String>()
     };
     html! {
         @if !models.is_empty() {

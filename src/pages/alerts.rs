@@ -391,9 +391,7 @@ pub(super) async fn ask(
         Err(problem) => Err(problem),
     };
     let said = Said { word, ..Said::default() };
-    viewer.show(found.map(|(doing, alert)| {
-        with_form(&viewer, &alert, doing, &said, |deed| deed.page(&viewer, &said.word, &Faults::default()))
-    }))
+    viewer.show(found.map(|(doing, alert)| form(&viewer, &alert, doing, &said).fresh(&viewer, &said.word)))
 }
 
 pub(super) async fn act(
@@ -416,7 +414,7 @@ async fn done(pages: &Pages, viewer: &Viewer, (id, deed): (&str, &str), said: &S
         faults.push("days", Message::verbatim(format_args!("0 … {LONGEST_SILENCE}")));
     }
     if !faults.is_empty() {
-        return Ok(with_form(viewer, &alert, doing, said, |deed| deed.again(viewer, &said.word, &faults)));
+        return Ok(form(viewer, &alert, doing, said).again(viewer, &said.word, &faults));
     }
     let until = pages.clock.now().plus_days(days.unwrap_or_default());
     let change = match doing {
@@ -429,7 +427,7 @@ async fn done(pages: &Pages, viewer: &Viewer, (id, deed): (&str, &str), said: &S
     Ok(see_other(said.word.back_or("/alerts")))
 }
 
-fn with_form<T>(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said) -> Deed {
     let t = viewer.text();
     let (title, does, button) = match doing {
         Doing::Acknowledge => (t.acknowledge_title, t.acknowledge_what, t.acknowledge),
@@ -443,14 +441,14 @@ fn with_form<T>(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said, s
             label { (t.silence_days) input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value=(days) required; }
         }
     };
-    show(&Deed {
+    Deed {
         section: Section::Alerts,
-        title,
+        title: title.into(),
         what,
         fields,
-        action: &format!("/alerts/{}/{}", alert.id, doing.name()),
+        action: format!("/alerts/{}/{}", alert.id, doing.name()),
         button,
-        back: said.word.back_or("/alerts"),
+        back: said.word.back_or("/alerts").to_owned(),
         reasoned: true,
-    })
+    }
 }

@@ -57,23 +57,28 @@ impl Word {
 }
 
 /// Something that changes what is stored, on a page of its own: what it does, who does it, why, and that it is meant.
-pub(super) struct Deed<'a> {
+pub(super) struct Deed {
     pub section: Section,
-    pub title: &'a str,
+    pub title: String,
     /// What it is about, and what it does.
     pub what: Markup,
     /// What it needs to know besides.
     pub fields: Markup,
-    pub action: &'a str,
-    pub button: &'a str,
+    pub action: String,
+    pub button: &'static str,
     /// Where to go on if it is not done.
-    pub back: &'a str,
+    pub back: String,
     /// Whether it asks who and why.
     pub reasoned: bool,
 }
 
-impl Deed<'_> {
-    pub fn page(&self, viewer: &Viewer, word: &Word, faults: &Faults) -> Page {
+impl Deed {
+    /// Before anything was sent.
+    pub fn fresh(&self, viewer: &Viewer, word: &Word) -> Page {
+        self.page(viewer, word, &Faults::default())
+    }
+
+    fn page(&self, viewer: &Viewer, word: &Word, faults: &Faults) -> Page {
         let t = viewer.text();
         // Whoever has signed in need not write the name under which the audit trail has them anyway.
         let by = if word.by.is_empty() { viewer.signed_in.as_deref().unwrap_or_default() } else { &word.by };
@@ -92,7 +97,7 @@ impl Deed<'_> {
                 p { button.primary { (self.button) } " " a href=(self.back) { (t.go_back) } }
             }
         };
-        Page { title: self.title.to_owned(), section: self.section, body }
+        Page { title: self.title.clone(), section: self.section, body }
     }
 
     /// What was sent cannot be done as it is: the form again, with why.

@@ -73,7 +73,7 @@ pub(super) struct NewSilence {
 
 pub(super) async fn ask_new(viewer: Viewer) -> Response {
     let new = NewSilence::default();
-    viewer.show(Ok(with_form(&viewer, &new, |deed| deed.page(&viewer, &new.word, &Faults::default()))))
+    viewer.show(Ok(form(&viewer, &new).fresh(&viewer, &new.word)))
 }
 
 pub(super) async fn begin(Held(pages): Held<Pages>, viewer: Viewer, Form(new): Form<NewSilence>) -> Response {
@@ -101,7 +101,7 @@ async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Respo
         faults.push("serial", Message::verbatim(viewer.text().silence_of_nothing));
     }
     if !faults.is_empty() {
-        return Ok(with_form(viewer, new, |deed| deed.again(viewer, &new.word, &faults)));
+        return Ok(form(viewer, new).again(viewer, &new.word, &faults));
     }
     let until = pages.clock.now().plus_days(days.unwrap_or_default());
     let Word { by, reason, .. } = new.word.clone();
@@ -109,7 +109,7 @@ async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Respo
     Ok(see_other("/alerts"))
 }
 
-fn with_form<T>(viewer: &Viewer, new: &NewSilence, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn form(viewer: &Viewer, new: &NewSilence) -> Deed {
     let t = viewer.text();
     let days = if new.days.is_empty() { "7" } else { &new.days };
     let names = [("serial", t.serial, &new.serial), ("imu", t.imu, &new.imu), ("station", t.station, &new.station)];
@@ -121,16 +121,16 @@ fn with_form<T>(viewer: &Viewer, new: &NewSilence, show: impl FnOnce(&Deed<'_>) 
         } }
         label { (t.silence_days) input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value=(days) required; }
     };
-    show(&Deed {
+    Deed {
         section: Section::Alerts,
-        title: t.silence_many,
+        title: t.silence_many.into(),
         what: html! { p.lead { (t.silence_many_what) } },
         fields,
-        action: "/silences/new",
+        action: "/silences/new".into(),
         button: t.silence,
-        back: "/alerts",
+        back: "/alerts".into(),
         reasoned: true,
-    })
+    }
 }
 
 async fn known(pages: &Pages, id: &str) -> Result<(Id, MatchingSilenceBody), Problem> {
@@ -142,9 +142,7 @@ async fn known(pages: &Pages, id: &str) -> Result<(Id, MatchingSilenceBody), Pro
 pub(super) async fn ask_end(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let word = Word::default();
     let found = known(&pages, &id).await;
-    viewer.show(
-        found.map(|(_, silence)| end_form(&viewer, &silence, |deed| deed.page(&viewer, &word, &Faults::default()))),
-    )
+    viewer.show(found.map(|(_, silence)| end_form(&viewer, &silence).fresh(&viewer, &word)))
 }
 
 pub(super) async fn end(
@@ -158,7 +156,7 @@ pub(super) async fn end(
         let mut faults = Faults::default();
         word.check(&viewer, &mut faults);
         if !faults.is_empty() {
-            return Ok(end_form(&viewer, &body, |deed| deed.again(&viewer, &word, &faults)));
+            return Ok(end_form(&viewer, &body).again(&viewer, &word, &faults));
         }
         let Word { by, reason, .. } = word;
         pages.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
@@ -167,16 +165,16 @@ pub(super) async fn end(
     answered(&viewer, ended.await)
 }
 
-fn end_form<T>(viewer: &Viewer, silence: &MatchingSilenceBody, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn end_form(viewer: &Viewer, silence: &MatchingSilenceBody) -> Deed {
     let t = viewer.text();
-    show(&Deed {
+    Deed {
         section: Section::Alerts,
-        title: t.end_silence_title,
+        title: t.end_silence_title.into(),
         what: html! { p { (of(viewer, &silence.matchers)) } p.lead { (t.end_silence_what) } },
         fields: html! {},
-        action: &format!("/silences/{}/end", silence.id),
+        action: format!("/silences/{}/end", silence.id),
         button: t.end_silence,
-        back: "/alerts",
+        back: "/alerts".into(),
         reasoned: true,
-    })
+    }
 }

@@ -16,7 +16,6 @@ use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity};
-use crate::core::message::text;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::{AlertChange, AlertOrder, AlertStep};
@@ -187,7 +186,7 @@ impl From<AlertStep> for StepBody {
     responses((status = 200, description = "the alert", body = AlertDetail)))]
 pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result<Json<AlertDetail>, Problem> {
     let number = read_id(&id)?;
-    let found = app.pipeline.alerts.get(number).await?.ok_or_else(|| unknown(&id))?;
+    let found = app.pipeline.alerts.get(number).await?.ok_or_else(|| Problem::unknown_alert(&id))?;
     let inhibited = app.pipeline.alerts.inhibited_by(number).await?;
     Ok(Json(AlertDetail {
         alert: found.alert,
@@ -197,11 +196,7 @@ pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result
 }
 
 fn read_id(id: &str) -> Result<Id, Problem> {
-    id.parse().map_err(|_| unknown(id))
-}
-
-fn unknown(id: &str) -> Problem {
-    Problem::new(404, "title_unknown_alert", message!("unknown_alert", id = text(id)))
+    id.parse().map_err(|_| Problem::unknown_alert(id))
 }
 
 /// Who knows, and why it may go on firing.
@@ -256,7 +251,7 @@ async fn remarked(app: &App, id: &str, change: AlertChange, bytes: &[u8]) -> Res
         order(id, change, by, reason, Faults::default())
     };
     let order = read(bytes).map_err(|faults| Document::problem(bytes, faults))?;
-    Ok(Json(app.pipeline.alerts.change(order.ok_or_else(|| unknown(id))?).await?))
+    Ok(Json(app.pipeline.alerts.change(order.ok_or_else(|| Problem::unknown_alert(id))?).await?))
 }
 
 /// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
@@ -274,7 +269,7 @@ pub async fn post_silence(
         order(&id, AlertChange::Silence { until }, by, reason, faults)
     };
     let order = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    Ok(Json(app.pipeline.alerts.change(order.ok_or_else(|| unknown(&id))?).await?))
+    Ok(Json(app.pipeline.alerts.change(order.ok_or_else(|| Problem::unknown_alert(&id))?).await?))
 }
 
 pub(super) fn future(pointer: &str, text: &str, now: UtcMicros, faults: &mut Faults) -> UtcMicros {

@@ -15,7 +15,6 @@ use super::query::{self, Parameters, bad, not_one_of, with_sign};
 use crate::core::fault::Fault;
 use crate::core::id::Id;
 use crate::core::message::list;
-use crate::core::message::text;
 use crate::message;
 use crate::pipeline::{Accepted, DiagnosisOrder};
 use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
@@ -164,13 +163,9 @@ pub async fn get_summary(
 }
 
 async fn one(app: &App, id: Id, after: Option<Id>, limit: usize) -> Result<JobDetailBody, Problem> {
-    app.pipeline.diagnoses.job(id, after, limit as u32).await?.ok_or_else(|| no_such(&id.to_string()))
+    app.pipeline.diagnoses.job(id, after, limit as u32).await?.ok_or_else(|| Problem::no_such_diagnoses(id))
 }
 
 fn number(id: &str) -> Result<Id, Problem> {
-    id.parse().map_err(|_| no_such(id))
-}
-
-fn no_such(id: &str) -> Problem {
-    Problem::new(404, "title_no_such_diagnoses", message!("no_such_diagnoses", id = text(id)))
+    id.parse().map_err(|_| Problem::no_such_diagnoses(id))
 }

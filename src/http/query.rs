@@ -119,6 +119,11 @@ pub fn gyro(app: &App, serial: &str) -> Result<u32, Problem> {
     number.ok_or_else(|| Problem::unknown_gyro(serial))
 }
 
+/// That no IMU has this name, and which one may be meant.
+pub fn unknown_imu(app: &App, name: &str) -> Problem {
+    Problem::new(404, "title_unknown_imu", app.pipeline.queries.names().unknown_imu(name))
+}
+
 #[cfg(test)]
 mod tests {
     use axum::http::Request;

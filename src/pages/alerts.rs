@@ -374,7 +374,7 @@ impl Doing {
 }
 
 async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
-    let unknown = || Problem::new(404, "title_unknown_alert", message!("unknown_alert", id = id.to_owned()));
+    let unknown = || Problem::unknown_alert(id);
     let number = id.parse::<Id>().map_err(|_| unknown())?;
     Ok((number, pages.pipeline.alerts.get(number).await?.ok_or_else(unknown)?.alert))
 }

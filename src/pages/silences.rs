@@ -16,7 +16,6 @@ use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::message::Message;
-use crate::message;
 use crate::pipeline::SilenceOrder;
 use crate::wire::problem::Problem;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody};
@@ -134,7 +133,7 @@ fn form(viewer: &Viewer, new: &NewSilence) -> Deed {
 }
 
 async fn known(pages: &Pages, id: &str) -> Result<(Id, MatchingSilenceBody), Problem> {
-    let unknown = || Problem::new(404, "title_unknown_silence", message!("unknown_silence", id = id.to_owned()));
+    let unknown = || Problem::unknown_silence(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
     Ok((number, pages.pipeline.alerts.silence(number).await?.ok_or_else(unknown)?))
 }

@@ -9,7 +9,6 @@ use super::fields::{beginning, end, said};
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
-use crate::message;
 use crate::pages::Pages;
 use crate::pages::form::{answered, see_other};
 use crate::pages::layout::written;
@@ -48,8 +47,7 @@ impl Wanted {
 
 pub(in crate::pages) async fn cancel(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let canceled = async {
-        let unknown = || Problem::new(404, "title_no_such_diagnoses", message!("no_such_diagnoses", id = id.clone()));
-        let number: Id = id.parse().map_err(|_| unknown())?;
+        let number: Id = id.parse().map_err(|_| Problem::no_such_diagnoses(&id))?;
         pages.pipeline.diagnoses.order(DiagnosisOrder::Cancel(number)).await?;
         Ok(see_other("/diagnoses#orders"))
     };

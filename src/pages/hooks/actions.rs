@@ -231,9 +231,8 @@ pub(crate) async fn redeliver(
     Path((id, delivery)): Path<(String, String)>,
 ) -> Response {
     let sent = async {
-        let unknown =
-            || Problem::new(404, "title_no_such_delivery", message!("no_such_delivery", id = delivery.clone()));
-        pages.pipeline.hooks.order(Order::Redeliver(delivery.parse().map_err(|_| unknown())?)).await?;
+        let delivery = delivery.parse().map_err(|_| Problem::no_such_delivery(&delivery))?;
+        pages.pipeline.hooks.order(Order::Redeliver(delivery)).await?;
         known(&pages, &id).await?;
         Ok(see_other(&format!("/hooks/{id}")))
     };

@@ -3,7 +3,7 @@
 use anyhow::Context;
 
 use super::diagnose_all::Fleet;
-use super::document::{self, Format, table};
+use super::document::{Format, table};
 use crate::wire::history::{CoefficientBody, HistoryDiagnosisBody};
 
 pub fn run(serial: &str, fleet: &Fleet, format: Format) -> anyhow::Result<()> {
@@ -13,10 +13,7 @@ pub fn run(serial: &str, fleet: &Fleet, format: Format) -> anyhow::Result<()> {
     let route = route.replace('+', "%20");
     let answer = super::block_on(async { service.get(&route).await })?;
     let answer: HistoryDiagnosisBody = serde_json::from_value(answer).context("the answer is not one of gyrowatch")?;
-    match format {
-        Format::Table => document::print(&tables(&answer)),
-        Format::Json => document::print_json(&answer),
-    }
+    format.show(&answer, || tables(&answer))
 }
 
 fn tables(answer: &HistoryDiagnosisBody) -> String {

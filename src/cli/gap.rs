@@ -50,10 +50,7 @@ impl Gap {
     pub fn run(self) -> anyhow::Result<()> {
         let (name, mut ladders) = if self.campaigns.is_empty() { self.of_service()? } else { self.of_files()? };
         ladders.sort_by(|a, b| a.measured_at.cmp(&b.measured_at));
-        match self.format {
-            Format::Table => document::print(&tables(&name, &ladders)),
-            Format::Json => document::print_json(&ladders),
-        }
+        self.format.show(&ladders, || tables(&name, &ladders))
     }
 
     /// The campaigns of an IMU that a service stores, each from the model in force when it came in.

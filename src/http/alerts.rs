@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::header::{ACCEPT, CONTENT_TYPE, LINK};
+use axum::http::header::{CONTENT_TYPE, LINK};
 use axum::http::{HeaderMap, HeaderValue, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -82,7 +82,7 @@ pub async fn get_alerts(
     uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let csv = wants_csv(asked.format.as_deref(), &headers)?;
+    let csv = query::wants_csv(asked.format.as_deref(), &headers)?;
     let limit = query::limit(asked.limit, if csv { MOST_ALERTS } else { DEFAULT_ALERTS }, MOST_ALERTS)?;
     let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
     let filter = filter(&app, &asked)?;
@@ -102,15 +102,6 @@ pub async fn get_alerts(
         response.headers_mut().insert(LINK, link);
     }
     Ok(response)
-}
-
-fn wants_csv(format: Option<&str>, headers: &HeaderMap) -> Result<bool, Problem> {
-    match format {
-        Some("csv") => Ok(true),
-        Some("json") => Ok(false),
-        Some(other) => Err(not_one_of("format", ["json", "csv"], other)),
-        None => Ok(headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv"))),
-    }
 }
 
 fn filter(app: &App, asked: &AlertsQuery) -> Result<AlertFilter, Problem> {

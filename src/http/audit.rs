@@ -1,7 +1,7 @@
 //! `/v1/audit`: who did what, when and from where.
 
 use axum::extract::State;
-use axum::http::header::{ACCEPT, CONTENT_TYPE, LINK};
+use axum::http::header::{CONTENT_TYPE, LINK};
 use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -88,12 +88,7 @@ pub async fn get_audit(
     uri: Uri,
     Parameters(asked): Parameters<AuditQuery>,
 ) -> Result<Response, Problem> {
-    let csv = match asked.format.as_deref() {
-        Some("csv") => true,
-        Some("json") => false,
-        Some(other) => return Err(query::not_one_of("format", ["json", "csv"], other)),
-        None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
-    };
+    let csv = query::wants_csv(asked.format.as_deref(), &headers)?;
     let limit = query::limit(asked.limit, 100, MOST_LINES)?;
     let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
     let span = query::span(asked.from.as_deref(), asked.to.as_deref())?;

@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::header::{ACCEPT, CONTENT_TYPE, LINK, LOCATION};
+use axum::http::header::{CONTENT_TYPE, LINK, LOCATION};
 use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
@@ -11,7 +11,7 @@ use utoipa::IntoParams;
 use super::answer::Answer;
 use super::app::App;
 use super::document::Document;
-use super::query::{self, Parameters, bad, not_one_of, with_sign};
+use super::query::{self, Parameters, bad, with_sign};
 use crate::core::fault::Fault;
 use crate::core::id::Id;
 use crate::core::message::list;
@@ -136,12 +136,7 @@ pub async fn get_summary(
     headers: HeaderMap,
     Parameters(asked): Parameters<SummaryQuery>,
 ) -> Result<Response, Problem> {
-    let csv = match asked.format.as_deref() {
-        Some("csv") => true,
-        Some("json") => false,
-        Some(other) => return Err(not_one_of("format", ["json", "csv"], other)),
-        None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
-    };
+    let csv = query::wants_csv(asked.format.as_deref(), &headers)?;
     let SummaryQuery { imu, station, effect, since, until, .. } = asked;
     let [since, until] = [since, until].map(|time| time.map(|text| with_sign(&text).into_owned()));
     let which = WhichBody { imu, station, since, until, again: false };

@@ -3,8 +3,9 @@
 use std::borrow::Cow;
 
 use axum::extract::{FromRequestParts, Query};
-use axum::http::Uri;
+use axum::http::header::ACCEPT;
 use axum::http::request::Parts;
+use axum::http::{HeaderMap, Uri};
 use serde::de::DeserializeOwned;
 
 use super::app::App;
@@ -66,6 +67,16 @@ pub fn bad(message: Message) -> Problem {
 /// The answer to a parameter that must be one of those that are known.
 pub fn not_one_of(parameter: &'static str, known: impl IntoIterator<Item = &'static str>, value: &str) -> Problem {
     bad(message!("parameter_one_of", parameter = parameter, known = list(known), value = value.to_owned()))
+}
+
+/// `format`, or else `Accept`: whether CSV is asked for and not JSON.
+pub fn wants_csv(format: Option<&str>, headers: &HeaderMap) -> Result<bool, Problem> {
+    match format {
+        Some("csv") => Ok(true),
+        Some("json") => Ok(false),
+        Some(other) => Err(not_one_of("format", ["json", "csv"], other)),
+        None => Ok(headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv"))),
+    }
 }
 
 /// `limit`: how many items at most.

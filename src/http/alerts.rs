@@ -21,7 +21,7 @@ use crate::message;
 use crate::pipeline::{AlertChange, AlertOrder, AlertStep};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
-use crate::wire::{alert_csv, cursor, json, text, time};
+use crate::wire::{alert_csv, json, text, time};
 
 const DEFAULT_ALERTS: usize = 100;
 const MOST_ALERTS: usize = 10_000;
@@ -86,10 +86,8 @@ pub async fn get_alerts(
     let limit = query::limit(asked.limit, if csv { MOST_ALERTS } else { DEFAULT_ALERTS }, MOST_ALERTS)?;
     let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
     let filter = filter(&app, &asked)?;
-    let mut found = app.pipeline.alerts.find(&filter, before, limit as u32 + 1).await?;
-    let more = found.len() > limit;
-    found.truncate(limit);
-    let next = found.last().filter(|_| more).map(|(id, _)| cursor::encode(id.0));
+    let found = app.pipeline.alerts.find(&filter, before, limit as u32 + 1).await?;
+    let (found, next) = query::page(found, limit, |(id, _)| Some(*id));
     let alerts: Vec<AlertBody> = found.into_iter().map(|(_, alert)| alert).collect();
     let link = next.as_deref().and_then(|next| HeaderValue::from_str(&query::link_to(&uri, next)).ok());
     let mut response = if csv {

@@ -16,7 +16,7 @@ use crate::core::id::Id;
 use crate::message;
 use crate::pipeline::AuditEntry;
 use crate::wire::problem::Problem;
-use crate::wire::{cursor, time};
+use crate::wire::time;
 
 const MOST_LINES: usize = 10_000;
 
@@ -94,10 +94,8 @@ pub async fn get_audit(
     let span = query::span(asked.from.as_deref(), asked.to.as_deref())?;
     let AuditQuery { who, action, subject, .. } = asked;
     let filter = AuditFilter { from: Some(span.from), to: Some(span.to), who, action, subject };
-    let mut rows = app.pipeline.access.audit(&filter, before, limit as u32 + 1).await?;
-    let more = rows.len() > limit;
-    rows.truncate(limit);
-    let next = rows.last().filter(|_| more).map(|last| cursor::encode(last.id.0));
+    let rows = app.pipeline.access.audit(&filter, before, limit as u32 + 1).await?;
+    let (rows, next) = query::page(rows, limit, |last| Some(last.id));
     let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
     if csv {
         let text = as_csv(&rows).ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;

@@ -18,8 +18,8 @@ use crate::core::message::list;
 use crate::message;
 use crate::pipeline::{Accepted, DiagnosisOrder};
 use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
+use crate::wire::diagnoses_csv;
 use crate::wire::problem::Problem;
-use crate::wire::{cursor, diagnoses_csv};
 
 const MOST_ORDERS: usize = 100;
 const MOST_FAILURES: usize = 1000;
@@ -70,11 +70,8 @@ pub async fn get_diagnoses(
     Parameters(asked): Parameters<PageQuery>,
 ) -> Result<Response, Problem> {
     let limit = query::limit(asked.limit, 20, MOST_ORDERS)?;
-    let mut diagnoses = app.pipeline.diagnoses.jobs(asked.position()?, limit as u32 + 1).await?;
-    let more = diagnoses.len() > limit;
-    diagnoses.truncate(limit);
-    let last = diagnoses.last().filter(|_| more).and_then(|last| last.id.parse::<Id>().ok());
-    let next = last.map(|id| cursor::encode(id.0));
+    let diagnoses = app.pipeline.diagnoses.jobs(asked.position()?, limit as u32 + 1).await?;
+    let (diagnoses, next) = query::page(diagnoses, limit, |last| last.id.parse().ok());
     let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
     Ok((link, Json(JobsBody { diagnoses, next })).into_response())
 }

@@ -14,7 +14,6 @@ use super::query::{self, Parameters};
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::pipeline::{DeliveryPage, Order};
-use crate::wire::cursor;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use crate::wire::problem::Problem;
 
@@ -130,11 +129,9 @@ pub async fn get_deliveries(
         return Err(Problem::no_such_hook(&id));
     }
     let page = DeliveryPage { state, before, limit: limit as u32 + 1 };
-    let mut deliveries = app.pipeline.hooks.deliveries(hook, page).await?;
-    let more = deliveries.len() > limit;
-    deliveries.truncate(limit);
-    let last = deliveries.last().filter(|_| more).and_then(|last| last.id.parse::<Id>().ok());
-    Ok(Json(Deliveries { deliveries, next: last.map(|id| cursor::encode(id.0)) }))
+    let deliveries = app.pipeline.hooks.deliveries(hook, page).await?;
+    let (deliveries, next) = query::page(deliveries, limit, |last| last.id.parse().ok());
+    Ok(Json(Deliveries { deliveries, next }))
 }
 
 /// One delivery with every attempt.

@@ -9,6 +9,7 @@ use axum::http::{HeaderMap, Uri};
 use serde::de::DeserializeOwned;
 
 use super::app::App;
+use crate::core::id::Id;
 use crate::core::message::{Message, list, text};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
@@ -115,6 +116,14 @@ pub fn with_sign(text: &str) -> Cow<'_, str> {
 /// The position that a cursor stands for.
 pub fn position(cursor: &str) -> Result<i64, Problem> {
     cursor::decode(cursor).ok_or_else(|| bad(message!("invalid_cursor")))
+}
+
+/// The first `limit` of what was asked for with one more, and the cursor of the page after them where there is one.
+pub fn page<T>(mut found: Vec<T>, limit: usize, id: impl FnOnce(&T) -> Option<Id>) -> (Vec<T>, Option<String>) {
+    let more = found.len() > limit;
+    found.truncate(limit);
+    let next = found.last().filter(|_| more).and_then(id).map(|last| cursor::encode(last.0));
+    (found, next)
 }
 
 /// The same address with another cursor (RFC 8288).

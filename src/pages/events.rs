@@ -13,7 +13,7 @@ use super::layout::{Section, encoded};
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
-use crate::core::judge::{Event, Rule};
+use crate::core::judge::Event;
 use crate::core::record::Name;
 use crate::message;
 use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
@@ -160,11 +160,7 @@ fn form(viewer: &Viewer, serial: &Name, said: &Said) -> Deed {
 /// What the rules will no longer compare with what came before.
 fn what_it_resets(viewer: &Viewer, about: About) -> Markup {
     let t = viewer.text();
-    let resets = |event: Event| -> Vec<&str> {
-        let judges = |rule: &Rule| !matches!(rule, Rule::Overdue | Rule::Cusum);
-        let rules = Rule::ALL.into_iter().filter(|rule| judges(rule) && event.resets(*rule));
-        rules.map(|rule| t.rule(rule)).collect()
-    };
+    let resets = |event: Event| -> Vec<&str> { event.rules_reset().map(|rule| t.rule(rule)).collect() };
     html! {
         p.lead { (if about == About::Decision { t.decision_what } else { t.event_what }) }
         @if about != About::Decision { ul {

@@ -10,8 +10,10 @@ use base64::prelude::BASE64_STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::assets::{SCRIPT, STYLE};
+use super::text::Text;
 use super::viewer::{Theme, Viewer};
 use crate::core::access::Role;
+use crate::core::effects::Effect;
 use crate::core::judge::Coefficient;
 use crate::core::time::UtcMicros;
 use crate::system;
@@ -244,6 +246,16 @@ pub(super) fn symbol(name: &str) -> Markup {
         Some((letter, index)) => html! { var { (letter) sub { (index) } } },
         None => html! { var { (name) } },
     }
+}
+
+/// An effect by its name in words, with the identifier that the interface uses.
+pub(super) fn effect_named(t: &Text, id: &str) -> Markup {
+    html! { @if let Some(effect) = Effect::from_id(id) { (t.effect(effect)) " " } code.quiet { (id) } }
+}
+
+/// An effect by its name in words; one that is not of the catalogue by its identifier.
+pub(super) fn effect_word<'a>(t: &'a Text, id: &'a str) -> &'a str {
+    Effect::from_id(id).map_or(id, |effect| t.effect(effect))
 }
 
 /// A name as one segment of a path, or a value within a query: every byte but RFC 3986's unreserved ones as %XX.

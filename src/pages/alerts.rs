@@ -11,10 +11,10 @@ use serde::Deserialize;
 
 use super::Pages;
 use super::figure;
-use super::form::{Deed, Word, answered, see_other};
+use super::form::{Deed, Word, answered, rule_choice, see_other, severity_choice};
 use super::layout::{Page, Section, encoded, remark, symbol, written, written_day};
 use super::silences;
-use super::silences::LONGEST_SILENCE;
+use super::silences::{days_field, silent_until};
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
@@ -23,7 +23,6 @@ use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity, Status};
-use crate::core::message::Message;
 use crate::message;
 use crate::pages::status;
 use crate::pipeline::{AlertChange, AlertOrder, BEYOND};
@@ -147,14 +146,8 @@ fn search(viewer: &Viewer, filters: &Filters) -> Markup {
         form.search role="search" action="/alerts" method="get" {
             input type="hidden" name="state" value=(filters.state());
             input type="search" name="serial" value=(filters.serial) placeholder=(t.serial) aria-label=(t.serial);
-            label { (t.rule_word) " " select name="rule" {
-                option value="" { (t.any) }
-                @for rule in Rule::ALL { option value=(rule.name()) selected[rule.name() == filters.rule] { (t.rule(rule)) } }
-            } }
-            label { (t.severity) " " select name="severity" {
-                option value="" { (t.any) }
-                @for one in Severity::ALL { option value=(one.name()) selected[one.name() == filters.severity] { (t.severity(one)) } }
-            } }
+            (rule_choice(t, &filters.rule))
+            (severity_choice(t, t.severity, "severity", &filters.severity))
             button { (t.search) }
         }
     }
@@ -405,23 +398,17 @@ pub(super) async fn act(
 
 async fn done(pages: &Pages, viewer: &Viewer, (id, deed): (&str, &str), said: &Said) -> Result<Response, Problem> {
     let doing = Doing::of(deed)?;
-    let silence = doing == Doing::Silence;
     let (number, alert) = known(pages, id).await?;
     let mut faults = Faults::default();
     said.word.check(viewer, &mut faults);
-    let days = said.days.trim().parse().ok().filter(|days| *days > 0.0 && *days <= LONGEST_SILENCE);
-    if silence && days.is_none() {
-        faults.push("days", Message::verbatim(format_args!("0 … {LONGEST_SILENCE}")));
-    }
-    if !faults.is_empty() {
-        return Ok(form(viewer, &alert, doing, said).again(viewer, &said.word, &faults));
-    }
-    let until = pages.clock.now().plus_days(days.unwrap_or_default());
     let change = match doing {
         Doing::Acknowledge => AlertChange::Acknowledge,
         Doing::Unacknowledge => AlertChange::Unacknowledge,
-        Doing::Silence => AlertChange::Silence { until },
+        Doing::Silence => AlertChange::Silence { until: silent_until(pages, &said.days, &mut faults) },
     };
+    if !faults.is_empty() {
+        return Ok(form(viewer, &alert, doing, said).again(viewer, &said.word, &faults));
+    }
     let Word { by, reason, .. } = said.word.clone();
     pages.pipeline.alerts.change(AlertOrder { alert: number, change, by, reason }).await?;
     Ok(see_other(said.word.back_or("/alerts")))
@@ -435,12 +422,7 @@ fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said) -> Deed {
         Doing::Silence => (t.silence_title, t.silence_what, t.silence),
     };
     let what = html! { (table(viewer, std::iter::once(alert), true, None)) p.lead { (does) } };
-    let days = if said.days.is_empty() { "7" } else { &said.days };
-    let fields = html! {
-        @if doing == Doing::Silence {
-            label { (t.silence_days) input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value=(days) required; }
-        }
-    };
+    let fields = html! { @if doing == Doing::Silence { (days_field(t, &said.days, true)) } };
     Deed {
         section: Section::Alerts,
         title: title.into(),

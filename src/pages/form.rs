@@ -11,6 +11,7 @@ use super::layout::{Page, Section};
 use super::text::Text;
 use super::viewer::{Viewer, is_local};
 use crate::core::fault::Faults;
+use crate::core::judge::{Rule, Severity};
 use crate::core::message::Message;
 use crate::wire::problem::Problem;
 use crate::wire::text;
@@ -104,6 +105,32 @@ impl Deed {
     pub fn again(&self, viewer: &Viewer, word: &Word, faults: &Faults) -> Response {
         viewer.respond(StatusCode::UNPROCESSABLE_ENTITY, &self.page(viewer, word, faults))
     }
+}
+
+/// One of several by their names, or any.
+pub(super) fn choice<'a>(
+    t: &Text,
+    label: &str,
+    name: &str,
+    of: impl IntoIterator<Item = (&'static str, &'a str)>,
+    chosen: &str,
+) -> Markup {
+    html! {
+        label { (label) " " select name=(name) {
+            option value="" { (t.any) }
+            @for (value, word) in of { option value=(value) selected[value == chosen] { (word) } }
+        } }
+    }
+}
+
+/// Of which rule.
+pub(super) fn rule_choice(t: &Text, chosen: &str) -> Markup {
+    choice(t, t.rule_word, "rule", Rule::ALL.map(|rule| (rule.name(), t.rule(rule))), chosen)
+}
+
+/// Of which severity.
+pub(super) fn severity_choice(t: &Text, label: &str, name: &str, chosen: &str) -> Markup {
+    choice(t, label, name, Severity::ALL.map(|one| (one.name(), t.severity(one))), chosen)
 }
 
 /// What is missing or wrong on a form.

@@ -7,8 +7,9 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, Word, answered, see_other};
+use super::form::{Deed, Word, answered, rule_choice, see_other};
 use super::layout::{Section, remark, written};
+use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::alert_filter::Matchers;
@@ -16,13 +17,34 @@ use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::message::Message;
+use crate::core::time::UtcMicros;
 use crate::pipeline::SilenceOrder;
 use crate::wire::problem::Problem;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody};
 use crate::wire::text;
 
 /// Longest silence, days.
-pub(super) const LONGEST_SILENCE: f64 = 365.0;
+const LONGEST_SILENCE: f64 = 365.0;
+
+/// For how many days there is to be silence; a week unless somebody has said otherwise.
+pub(super) fn days_field(t: &Text, days: &str, required: bool) -> Markup {
+    let days = if days.is_empty() { "7" } else { days };
+    html! {
+        label {
+            (t.silence_days) " "
+            input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value=(days) required[required];
+        }
+    }
+}
+
+/// When a silence of so many days ends; now, where they are at fault.
+pub(super) fn silent_until(pages: &Pages, days: &str, faults: &mut Faults) -> UtcMicros {
+    let days = days.trim().parse().ok().filter(|days| *days > 0.0 && *days <= LONGEST_SILENCE);
+    if days.is_none() {
+        faults.push("days", Message::verbatim(format_args!("0 … {LONGEST_SILENCE}")));
+    }
+    pages.clock.now().plus_days(days.unwrap_or_default())
+}
 
 /// Those that hold, and how to begin one.
 pub(super) async fn list(pages: &Pages, viewer: &Viewer) -> Result<Markup, Problem> {
@@ -82,10 +104,7 @@ pub(super) async fn begin(Held(pages): Held<Pages>, viewer: Viewer, Form(new): F
 async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Response, Problem> {
     let mut faults = Faults::default();
     new.word.check(viewer, &mut faults);
-    let days = new.days.trim().parse().ok().filter(|days| *days > 0.0 && *days <= LONGEST_SILENCE);
-    if days.is_none() {
-        faults.push("days", Message::verbatim(format_args!("0 … {LONGEST_SILENCE}")));
-    }
+    let until = silent_until(pages, &new.days, &mut faults);
     let mut name = |field: &str, text: &str| {
         let text = Some(text.trim()).filter(|text| !text.is_empty())?;
         text::matched(field, text, &mut faults)
@@ -102,7 +121,6 @@ async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Respo
     if !faults.is_empty() {
         return Ok(form(viewer, new).again(viewer, &new.word, &faults));
     }
-    let until = pages.clock.now().plus_days(days.unwrap_or_default());
     let Word { by, reason, .. } = new.word.clone();
     pages.pipeline.alerts.order_silence(SilenceOrder::Begin { matchers, until, by, reason }).await?;
     Ok(see_other("/alerts"))
@@ -110,15 +128,11 @@ async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Respo
 
 fn form(viewer: &Viewer, new: &NewSilence) -> Deed {
     let t = viewer.text();
-    let days = if new.days.is_empty() { "7" } else { &new.days };
     let names = [("serial", t.serial, &new.serial), ("imu", t.imu, &new.imu), ("station", t.station, &new.station)];
     let fields = html! {
         @for (name, label, value) in names { label { (label) input name=(name) value=(value) maxlength="128" translate="no"; } }
-        label { (t.rule_word) select name="rule" {
-            option value="" { (t.any) }
-            @for rule in Rule::ALL { option value=(rule.name()) selected[rule.name() == new.rule] { (t.rule(rule)) } }
-        } }
-        label { (t.silence_days) input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value=(days) required; }
+        (rule_choice(t, &new.rule))
+        (days_field(t, &new.days, true))
     };
     Deed {
         section: Section::Alerts,

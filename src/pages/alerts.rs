@@ -12,10 +12,11 @@ use serde::Deserialize;
 use super::Pages;
 use super::figure;
 use super::form::{Deed, Word, answered, rule_choice, see_other, severity_choice};
-use super::layout::{Page, Section, encoded, remark, symbol, written, written_day};
+use super::layout::{Page, Section, encoded, symbol, written, written_day};
 use super::silences;
 use super::silences::{days_field, silent_until};
 use super::text::Text;
+use super::verdicts::{actions, remarks};
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::alert_decision::Standing;
@@ -292,7 +293,6 @@ pub(super) fn table<'a>(
 fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> Markup {
     let t = viewer.text();
     let open = alert.state != Standing::Resolved.name();
-    let deed = |deed: &str, here: &str| format!("/alerts/{}/{deed}?back={}", alert.id, encoded(here));
     html! {
         tr {
             td { (status::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
@@ -311,16 +311,9 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
             td.words {
                 (t.standing(&alert.state))
                 @if let Some(station) = &alert.inhibited_by { " " a href={ "/alerts/" (station) } { (t.explained_by_station) } }
-                @if let Some(said) = &alert.acknowledged { (remark(t.said_by, &said.by, &said.reason)) }
-                @if let Some(said) = &alert.silenced { " " (t.until) " " (written(&said.until)) (remark(t.said_by, &said.by, &said.reason)) }
+                (remarks(t, alert))
                 @if let Some(at) = &alert.resolved_at { " " (written(at)) }
-                @if let Some(here) = here.filter(|_| open && viewer.may(Role::Engineer)) {
-                    span.actions.no-print {
-                        @if alert.acknowledged.is_none() { a href=(deed("acknowledge", here)) { (t.acknowledge) } }
-                        @else { a href=(deed("unacknowledge", here)) { (t.unacknowledge) } }
-                        a href=(deed("silence", here)) { (t.silence) }
-                    }
-                }
+                (actions(viewer, alert, here.filter(|_| open)))
             }
         }
     }

@@ -5,10 +5,9 @@ use maud::{Markup, html};
 
 use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
 use super::figure::{self, percent, short};
-use super::layout::{instant, symbol};
+use super::layout::{effect_word, instant, symbol};
 use super::text::Text;
 use crate::core::augmented::AugmentedModel;
-use crate::core::effects::Effect;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
 use crate::pipeline::AdoptedModel;
@@ -105,10 +104,6 @@ fn line(t: &Text, point: &ForecastPointBody) -> Markup {
 
 fn at(text: &str) -> Markup {
     time::parse(text).map_or_else(|_| html! { (text) }, instant)
-}
-
-fn effect_word<'a>(t: &'a Text, id: &'a str) -> &'a str {
-    Effect::from_id(id).map_or(id, |effect| t.effect(effect))
 }
 
 fn state(t: &Text, compared: &ComparedBody) -> Markup {

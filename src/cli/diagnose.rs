@@ -118,10 +118,7 @@ impl Diagnose {
         if let Some(path) = &self.adopt {
             adopt(path, &in_use, &campaign, &diagnosed)?;
         }
-        match self.format {
-            Format::Table => document::print(&tables(&campaign, &diagnosis)),
-            Format::Json => document::print_json(&diagnosis),
-        }
+        self.format.show(&diagnosis, || tables(&campaign, &diagnosis))
     }
 }
 

@@ -31,7 +31,7 @@ pub mod message;
 pub mod model;
 pub mod mounting;
 pub mod name;
-mod named;
+pub(crate) mod named;
 pub mod note;
 pub mod numerics;
 pub mod own_history;

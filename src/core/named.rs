@@ -1,9 +1,21 @@
-//! Enums whose values have a name on the wire and words: [`Rule::Step`](crate::core::judge::Rule) is `step`, its
-//! words are those of `rule_step`.
+//! Enums whose values have a name on the wire, and some of them words: [`Rule::Step`](crate::core::judge::Rule) is
+//! `step`, its words are those of `rule_step`.
 
-/// `named! { pub enum Rule("rule_") { Step = "step", ... } }`: the enum with `ALL`, `name`, `from_name` and `word`.
+/// `named! { pub enum Rule("rule_") { Step = "step", ... } }`: the enum with `ALL`, `name`, `from_name` and `word`;
+/// without the prefix of its words, all but `word`.
 macro_rules! named {
     ($(#[$on_all:meta])* pub enum $of:ident($prefix:literal) { $($(#[$on_one:meta])* $one:ident = $name:literal,)* }) => {
+        $crate::core::named::named! { $(#[$on_all])* pub enum $of { $($(#[$on_one])* $one = $name,)* } }
+
+        impl $of {
+            /// What people read.
+            pub fn word(self) -> $crate::core::message::Message {
+                let code = match self { $($of::$one => concat!($prefix, $name)),* };
+                $crate::core::message::Message::new(code, Vec::new())
+            }
+        }
+    };
+    ($(#[$on_all:meta])* pub enum $of:ident { $($(#[$on_one:meta])* $one:ident = $name:literal,)* }) => {
         $(#[$on_all])*
         pub enum $of { $($(#[$on_one])* $one),* }
 
@@ -17,12 +29,6 @@ macro_rules! named {
 
             pub fn from_name(name: &str) -> Option<Self> {
                 Self::ALL.into_iter().find(|one| one.name() == name)
-            }
-
-            /// What people read.
-            pub fn word(self) -> $crate::core::message::Message {
-                let code = match self { $($of::$one => concat!($prefix, $name)),* };
-                $crate::core::message::Message::new(code, Vec::new())
             }
         }
     };

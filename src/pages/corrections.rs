@@ -72,7 +72,7 @@ pub(super) async fn void_bench(
 }
 
 fn asked(viewer: &Viewer, item: Result<Item, Problem>, word: &Word) -> Response {
-    viewer.show(item.map(|item| with_form(viewer, &item, word, |deed| deed.page(viewer, word, &Faults::default()))))
+    viewer.show(item.map(|item| form(viewer, &item, word).fresh(viewer, word)))
 }
 
 async fn void(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, word: Word) -> Result<Response, Problem> {
@@ -80,7 +80,7 @@ async fn void(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, word:
     let mut faults = Faults::default();
     word.check(viewer, &mut faults);
     if !faults.is_empty() {
-        return Ok(with_form(viewer, &item, &word, |deed| deed.again(viewer, &word, &faults)));
+        return Ok(form(viewer, &item, &word).again(viewer, &word, &faults));
     }
     let home = word.back_or(&item.home).to_owned();
     let Word { by: author, reason, .. } = word;
@@ -160,18 +160,18 @@ async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {
     Err(Problem::new(409, "title_already_corrected", message!("already_corrected", id = text(id))))
 }
 
-fn with_form<T>(viewer: &Viewer, item: &Item, word: &Word, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn form(viewer: &Viewer, item: &Item, word: &Word) -> Deed {
     let t = viewer.text();
-    show(&Deed {
+    Deed {
         section: Section::Fleet,
-        title: item.title,
+        title: item.title.into(),
         what: html! { (item.shown) p.lead { (t.void_what) } },
         fields: html! {},
-        action: &item.action,
+        action: item.action.clone(),
         button: t.void,
-        back: word.back_or(&item.home),
+        back: word.back_or(&item.home).to_owned(),
         reasoned: true,
-    })
+    }
 }
 
 /// How a calibration stands.

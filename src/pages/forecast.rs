@@ -5,10 +5,9 @@ use maud::{Markup, html};
 
 use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
 use super::figure::{self, percent, short};
-use super::layout::{instant, symbol};
+use super::layout::{effect_word, instant, symbol};
 use super::text::Text;
 use crate::core::augmented::AugmentedModel;
-use crate::core::effects::Effect;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
 use crate::pipeline::AdoptedModel;
@@ -50,9 +49,10 @@ pub(super) fn versions(t: &Text, models: &[AdoptedModel]) -> Markup {
         if model.is_plain() {
             return t.plain_model.to_owned();
         }
-        let ModelBody { terms, effects, .. } = ModelBody::from(model);
+        let ModelBody { terms, effects, plausible_sizes, .. } = ModelBody::from(model);
         let effects = effects.into_iter().map(|known| InUseEffectBody { effect: known.effect, gyros: known.gyros });
-        InUseBody { terms, effects: effects.collect() }.listed()
+        let sizes = plausible_sizes.iter().map(|(id, size)| format!(" |{id}| ≤ {size}"));
+        InUseBody { terms, effects: effects.collect() }.listed() + &sizes.collect::<String>()
     };
     html! {
         @if !models.is_empty() {
@@ -104,10 +104,6 @@ fn line(t: &Text, point: &ForecastPointBody) -> Markup {
 
 fn at(text: &str) -> Markup {
     time::parse(text).map_or_else(|_| html! { (text) }, instant)
-}
-
-fn effect_word<'a>(t: &'a Text, id: &'a str) -> &'a str {
-    Effect::from_id(id).map_or(id, |effect| t.effect(effect))
 }
 
 fn state(t: &Text, compared: &ComparedBody) -> Markup {

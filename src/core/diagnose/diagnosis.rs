@@ -12,28 +12,19 @@ use crate::core::mounting::Slot;
 use crate::core::named::named;
 use crate::core::note::Note;
 
+named! {
 /// How far the catalogue explains the gap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// Structure is not above the noise floor.
-    NoGap,
+    NoGap = "no_gap",
     /// Something was adopted and nothing significant remains.
-    Explained,
+    Explained = "explained",
     /// Something was adopted and something significant remains.
-    PartlyExplained,
+    PartlyExplained = "partly_explained",
     /// There is a gap, and nothing of the catalogue earns adoption.
-    Unexplained,
+    Unexplained = "unexplained",
 }
-
-impl Verdict {
-    pub fn name(self) -> &'static str {
-        match self {
-            Verdict::NoGap => "no_gap",
-            Verdict::Explained => "explained",
-            Verdict::PartlyExplained => "partly_explained",
-            Verdict::Unexplained => "unexplained",
-        }
-    }
 }
 
 /// The answer for one campaign.

@@ -1,7 +1,6 @@
 //! What is asked of a trend, checked, and the rows that answer it.
 
 use axum::http::HeaderMap;
-use axum::http::header::ACCEPT;
 use serde::Deserialize;
 use utoipa::IntoParams;
 
@@ -106,12 +105,7 @@ impl Request {
                 not_one_of("method", ["rigid", "published", "torque_feedback", "turntable_servo"], name)
             })?),
         };
-        let csv = match asked.format.as_deref() {
-            Some("csv") => true,
-            Some("json") => false,
-            Some(other) => return Err(not_one_of("format", ["json", "csv"], other)),
-            None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
-        };
+        let csv = query::wants_csv(asked.format.as_deref(), headers)?;
         let voided = match asked.voided.as_deref() {
             None | Some("exclude") => false,
             Some("include") => true,

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use crate::core::effects::{Effect, regressor_unit};
 use crate::pages::figure::{percent, short};
+use crate::pages::layout::{effect_named, effect_word};
 use crate::pages::text::Text;
 use crate::pages::{figure, forecast, layout, residuals};
 use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, EstimateBody, HeldOutBody, ImpactBody};
@@ -49,10 +50,6 @@ fn summary(t: &Text, d: &DiagnosisBody) -> Markup {
             p { (t.sign_of_more) ": " (t.sign(&sign.kind)) " (" (sign.gyros.join(", ")) "), p = " (short(sign.p_value)) }
         }
     }
-}
-
-fn effect_word<'a>(t: &'a Text, id: &'a str) -> &'a str {
-    Effect::from_id(id).map_or(id, |effect| t.effect(effect))
 }
 
 /// `G1 -1.108 ± 0.087 ppm; G2 …`: the coefficients as an engineer writes them.
@@ -121,11 +118,6 @@ fn ladder(t: &Text, d: &DiagnosisBody) -> Markup {
     )
 }
 
-/// An effect by its name in words, with the identifier that the interface uses.
-fn named(t: &Text, id: &str) -> Markup {
-    html! { @if let Some(effect) = Effect::from_id(id) { (t.effect(effect)) " " } code.quiet { (id) } }
-}
-
 fn effects(t: &Text, d: &DiagnosisBody, gyros: &[(String, String)]) -> Markup {
     html! {
         section {
@@ -180,7 +172,7 @@ fn evidence(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String, 
 fn one_effect(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String, String)]) -> Markup {
     html! {
         article.effect {
-            h3 { (named(t, &effect.effect)) " · " (effect.gyros.join(", ")) }
+            h3 { (effect_named(t, &effect.effect)) " · " (effect.gyros.join(", ")) }
             @if let Some(entry) = Effect::from_id(&effect.effect).map(Effect::entry) {
                 p.note { code { (entry.equation) } }
             }
@@ -209,7 +201,7 @@ fn one_effect(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String
 /// A class without the effect itself.
 fn others(t: &Text, effect: &EffectBody, class: &[String]) -> Markup {
     let others = class.iter().filter(|id| **id != effect.effect).enumerate();
-    html! { @for (i, id) in others { @if i > 0 { "; " } (named(t, id)) } }
+    html! { @for (i, id) in others { @if i > 0 { "; " } (effect_named(t, id)) } }
 }
 
 /// How far the error of dwells that were held out shrinks.
@@ -294,7 +286,7 @@ fn listed(t: &Text, all: &[&CandidateBody]) -> Markup {
             }
             tbody { @for candidate in all {
                 tr {
-                    td.words { (named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
+                    td.words { (effect_named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
                     td.nowrap {
                         @if candidate.closure.is_some() && candidate.within_noise {
                             (t.within_noise)
@@ -361,7 +353,7 @@ fn blind_spots(t: &Text, d: &DiagnosisBody) -> Markup {
                     thead { tr { th { (t.effect) } th.n { (t.visible) } th { (t.why) } th { (t.would_show) } } }
                     tbody { @for one in &d.not_identifiable {
                         tr {
-                            td.words { (named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
+                            td.words { (effect_named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
                             td.words { (one.reason) } td.words { (one.needs) }
                         }
                     } }
@@ -383,7 +375,7 @@ fn next(t: &Text, d: &DiagnosisBody) -> Markup {
                         tr {
                             td { (t.phase(&dwell.phase)) } td.n { (three(dwell.specific_force_g0, 4)) }
                             td.n { (three(dwell.rate_arcsec_s, 1)) }
-                            td.words { @for (i, id) in dwell.separates.iter().enumerate() { @if i > 0 { "; " } (named(t, id)) } }
+                            td.words { @for (i, id) in dwell.separates.iter().enumerate() { @if i > 0 { "; " } (effect_named(t, id)) } }
                         }
                     } }
                 } }

@@ -26,7 +26,7 @@ use crate::store::{AuditRow, RecordFilter, RecordRow, Store, StoreError, StoredV
 use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, VerdictBody};
 use crate::wire::calibration::CampaignAnswer;
-use crate::wire::history_note;
+use crate::wire::note;
 use crate::wire::reason::Reason;
 use crate::wire::sender::SenderBody;
 
@@ -85,7 +85,7 @@ impl Records {
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let closures = closures_of(&calibration);
         let separations = self.reader.separations(&calibration.gyros);
-        let notes = history_note::read(row.notes.as_deref());
+        let notes = note::read(row.notes.as_deref());
         let answer = RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts };
         Ok(Some(StoredRecord { item: self.item(row), answer, seen, closures }))
     }
@@ -99,7 +99,7 @@ impl Records {
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let mut answer = self.reader.campaign_answer(&fitted);
         answer.id = Some(id.to_string());
-        answer.notes.extend(history_note::read(row.notes.as_deref()));
+        answer.notes.extend(note::read(row.notes.as_deref()));
         answer.verdicts = verdicts;
         Ok(Some(StoredCampaign { item: self.item(row), answer, seen }))
     }

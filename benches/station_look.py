@@ -47,7 +47,7 @@ def main():
     for gyros in map(int, asked.gyros.split(",")):
         imus = gyros // 3
         with tempfile.TemporaryDirectory() as folder:
-            service = Service(asked.program, f"{folder}/look.db", folder)
+            service = Service(asked.program, f"sqlite://{folder}/look.db", folder)
             for week in range(5):
                 lines = [json.dumps(record(rng, imu, 0, QUIET, now - timedelta(days=55 - 7 * week, seconds=imu)))
                          for imu in range(imus)]

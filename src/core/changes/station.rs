@@ -198,7 +198,7 @@ impl Course {
                 .max_by(|a, b| rated(a).total_cmp(&rated(b)));
             let Some((part, common)) = best.filter(|_| self.taken.len() < MOST_PARTS) else { break };
             let (part, common) = self.refined(part, common);
-            if !is_shared(&part, &common) || !is_borne_out(&part, &common, &self.taken) {
+            if !self.is_shared(&part, &common) || !is_borne_out(&part, &common, &self.taken) {
                 refused.push(part);
                 if !matches!(part.form, StationForm::Offset | StationForm::Between(..)) {
                     not_searched.push(part.station);
@@ -209,6 +209,17 @@ impl Course {
             self.taken.push((part, common));
             refused.extend(self.estimate_again());
         }
+    }
+
+    /// Whether it is what the gyros share: a window that one IMU tells is its own where few others stand by, and the gyros
+    /// do not differ in it as those that age each by itself do. They may differ in an offset: gyro x station.
+    fn is_shared(&self, part: &Part, common: &Common) -> bool {
+        let is_told = match part.form {
+            StationForm::Between(..) => common.imus > 1 || self.imus_at(part.station) > 2,
+            StationForm::Drift | StationForm::Step(_) => true,
+            StationForm::Offset => return true,
+        };
+        is_told && common.value.abs() > ALIKE * common.between
     }
 
     /// The last record of a peer at a station before an instant.
@@ -342,17 +353,6 @@ impl Course {
         }
         given_up
     }
-}
-
-/// Whether it is what the gyros share: of a window two IMUs tell at the least, and the gyros do not differ in it as those
-/// that age each by itself do. They may differ in an offset: gyro x station.
-fn is_shared(part: &Part, common: &Common) -> bool {
-    let is_told = match part.form {
-        StationForm::Between(..) => common.imus >= 2,
-        StationForm::Drift | StationForm::Step(_) => true,
-        StationForm::Offset => return true,
-    };
-    is_told && common.value.abs() > ALIKE * common.between
 }
 
 /// Whether the gyro's own estimate lets the part be taken out of its records: beside one IMU it must agree, and beside

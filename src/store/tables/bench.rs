@@ -8,7 +8,7 @@ use crate::core::id::Id;
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Sql, Whole, cell, insert, on};
+use crate::store::db::{Whole, cell, insert, listed, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 
@@ -122,11 +122,7 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<BenchRow>, StoreError> 
 
 /// Those of `gyros` that have bench results.
 pub async fn on_benches(store: &Store, gyros: &[u32]) -> Result<Vec<u32>, StoreError> {
-    let sql = store.readers.words(Sql {
-        sqlite: "SELECT DISTINCT gyro FROM bench_result WHERE gyro IN (SELECT value FROM json_each($1))",
-        postgres: "SELECT DISTINCT gyro FROM bench_result WHERE gyro IN
-                   (SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
-    });
+    let sql = store.readers.words(listed!("SELECT DISTINCT gyro FROM bench_result WHERE gyro"));
     let gyros = serde_json::json!(gyros).to_string();
     let found: Vec<Whole<u32>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(gyros).fetch_all(db).await?);
     Ok(found.into_iter().map(|gyro| gyro.0).collect())

@@ -6,7 +6,7 @@ use crate::core::id::Id;
 use crate::core::judge::{Event, FixedLevels, Measured};
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Sql, Whole, cell, insert, on};
+use crate::store::db::{Whole, cell, insert, listed, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 
@@ -93,15 +93,11 @@ pub async fn out_of_use_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, 
 
 /// Every event of several gyros, by gyro and oldest first.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<EventRow>, StoreError> {
-    let sql = store.readers.words(Sql {
-        sqlite: "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test
-                 FROM event WHERE gyro IN (SELECT value FROM json_each($1)) ORDER BY gyro, at, id",
-        postgres:
-            "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test FROM event
-                   WHERE gyro IN (SELECT CAST(j.value AS BIGINT)
-                                  FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))
-                   ORDER BY gyro, at, id",
-    });
+    let sql = store.readers.words(listed!(
+        "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test
+         FROM event WHERE gyro",
+        " ORDER BY gyro, at, id"
+    ));
     let gyros = serde_json::json!(gyros).to_string();
     let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(gyros).fetch_all(db).await?);
     rows.into_iter().map(event_of).collect()

@@ -6,7 +6,7 @@ use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::time::{Span, UtcMicros};
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Readers, Sql, Whole, cell, insert, on};
+use crate::store::db::{Readers, Sql, Whole, cell, insert, listed, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 use crate::store::packed::text;
@@ -307,11 +307,7 @@ pub async fn verdict_sheets(
     store: &Store,
     records: impl Iterator<Item = Id>,
 ) -> Result<Vec<(Id, VerdictSheet)>, StoreError> {
-    let sql = store.readers.words(Sql {
-        sqlite: "SELECT id, verdicts FROM record WHERE id IN (SELECT value FROM json_each($1))",
-        postgres: "SELECT id, verdicts FROM record WHERE id IN (SELECT CAST(j.value AS BIGINT)
-                   FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
-    });
+    let sql = store.readers.words(listed!("SELECT id, verdicts FROM record WHERE id"));
     let rows: Vec<(i64, Vec<u8>)> =
         on!(store.readers, db => sqlx::query_as(sql).bind(json_of(records)).fetch_all(db).await?);
     rows.into_iter().map(|(id, bytes)| Ok((Id(id), VerdictSheet::unpack(Id(id), &bytes)?))).collect()

@@ -126,8 +126,8 @@ impl VoidOrder {
     }
 
     fn checked(self, faults: &mut Faults) -> Self {
-        let author = text::required_short("/author", self.author, faults);
-        Self { author, reason: text::required_note("/reason", self.reason, faults) }
+        let (author, reason) = text::signed("/author", self.author, self.reason, faults);
+        Self { author, reason }
     }
 }
 

@@ -4,8 +4,7 @@ use std::time::Duration;
 
 use crate::alert::{DIGEST_EVENT, event_name};
 use crate::core::alert_decision::Action;
-use crate::core::delivery::DeliveryState;
-use crate::core::delivery::QueueState;
+use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::{AttemptRow, DeliveryRow, HookRow, StoreError, Subject};

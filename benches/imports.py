@@ -42,7 +42,7 @@ def timed(address, requests, took, until=None):
 
 def run(program, by_connection):
     with tempfile.TemporaryDirectory() as folder:
-        service = Service(program, f"{folder}/imports.db", folder)
+        service = Service(program, f"sqlite://{folder}/imports.db", folder)
         imports, pages, done = [], [], threading.Event()
         watcher = threading.Thread(target=timed, args=(service.address, iter(lambda: ("GET", "/fleet", None), 0), pages, done))
         senders = [threading.Thread(target=timed, args=(service.address, [("POST", "/v1/import", b) for b in batches], imports))

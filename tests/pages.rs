@@ -655,7 +655,7 @@ async fn an_alert_is_found_acknowledged_and_silenced_on_its_pages() {
     let link = of_gyro.split('"').find(|part| part.starts_with("/alerts/") && part.contains("/acknowledge")).unwrap();
     let path = link.split('?').next().unwrap();
     let alert = format!("/v1{}", path.strip_suffix("/acknowledge").unwrap());
-    assert!(page(&server, &link.replace("&amp;", "&"), &[]).await.contains("hooks hear no more repeats"));
+    assert!(page(&server, &link.replace("&amp;", "&"), &[]).await.contains("Stops the repeats of this alert"));
 
     let said = [("by", "Li Wei"), ("reason", "the station was moved"), ("back", "/gyros/JUMP%2F1")];
     let meant = [said[0], said[1], said[2], ("confirm", "yes")];

@@ -275,7 +275,7 @@ pub fn lower(alert: &Alert, severity: Severity, now: UtcMicros) -> Decision {
     announce(Alert { severity: alert.severity.min(severity), ..*alert }, now)
 }
 
-/// Somebody knows: no more repeats. Escalation and resolution are still told.
+/// Acknowledged: no more repeats. Escalation and resolution are still told.
 pub fn acknowledge(alert: &Alert) -> Alert {
     Alert { acknowledged: true, ..*alert }
 }

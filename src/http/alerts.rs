@@ -210,7 +210,7 @@ struct SilenceOrder {
     reason: String,
 }
 
-/// Somebody knows: no more repeats until it resolves or grows more severe. Both are still told.
+/// Stops the repeats until it resolves or becomes more severe. Both are still told.
 #[utoipa::path(post, operation_id = "acknowledge_alert", path = "/v1/alerts/{id}/acknowledge", tag = "alerts", request_body = AcknowledgeBody,
     responses(
         (status = 200, description = "the alert, acknowledged", body = AlertBody),

@@ -16,7 +16,7 @@ use crate::core::id::Id;
 use crate::core::message::text;
 use crate::message;
 use crate::pipeline::{Actor, Confirmation, Submission};
-use crate::wire::history_note;
+use crate::wire::note;
 use crate::wire::problem::Problem;
 
 /// What is to be confirmed, as it is shown to whoever is about to.
@@ -76,7 +76,7 @@ async fn item(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem>
             (item.imu) " · " (t.station) " " (item.station)
             " · " (t.calibrated) " " (instant(item.calibrated_at)) " · " (t.received) " " (instant(item.received_at))
         }
-        (noted(t, &history_note::read(item.notes.as_deref())))
+        (noted(t, &note::read(item.notes.as_deref())))
     };
     Ok(Item { id: number, home: format!("/records/{number}"), action: format!("/records/{number}/confirm"), shown })
 }

@@ -27,7 +27,7 @@ use crate::store::{RecordFilter, RecordRow, Store, StoreError, StoredVerdict};
 use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, VerdictBody};
 use crate::wire::calibration::CampaignAnswer;
-use crate::wire::history_note;
+use crate::wire::note;
 use crate::wire::reason::Reason;
 use crate::wire::sender::SenderBody;
 
@@ -86,7 +86,7 @@ impl Records {
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let closures = closures_of(&calibration);
         let separations = self.reader.separations(&calibration.gyros);
-        let notes = history_note::read(row.notes.as_deref());
+        let notes = note::read(row.notes.as_deref());
         let answer = RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts };
         Ok(Some(StoredRecord { item: self.item(row), answer, seen, closures }))
     }
@@ -100,7 +100,7 @@ impl Records {
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let mut answer = self.reader.campaign_answer(&fitted);
         answer.id = Some(id.to_string());
-        answer.notes.extend(history_note::read(row.notes.as_deref()));
+        answer.notes.extend(note::read(row.notes.as_deref()));
         answer.verdicts = verdicts;
         Ok(Some(StoredCampaign { item: self.item(row), answer, seen }))
     }

@@ -30,7 +30,6 @@ use crate::config::Config;
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::fault::Faults;
 use crate::core::id::Id;
-use crate::core::time::UtcMicros;
 use crate::store;
 use crate::store::Store;
 use crate::system::Clock;

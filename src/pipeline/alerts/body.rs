@@ -5,7 +5,7 @@ use crate::core::id::Id;
 use crate::core::judge::{Severity, State, Status, Verdict};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
-use crate::store::{AlertOf, AlertRow, Changes, NewName, StoreError, Tables};
+use crate::store::{AlertOf, AlertRow, Changes, NewName, StoreError, Table, Tables};
 use crate::wire::alert::{AcknowledgementBody, AlertBody, FindingBody, SilenceBody};
 use crate::wire::reason::Reason;
 use crate::wire::time;

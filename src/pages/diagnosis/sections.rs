@@ -392,7 +392,7 @@ fn next(t: &Text, d: &DiagnosisBody) -> Markup {
                         tr {
                             td { (TableBody::direction(table.up)) } td { (TableBody::direction(table.north)) }
                             td.n { (format!("{:.3}", table.rate_deg_s)) }
-                            td.words { @for (i, id) in separates.iter().enumerate() { @if i > 0 { "; " } (named(t, id)) } }
+                            td.words { @for (i, id) in separates.iter().enumerate() { @if i > 0 { "; " } (effect_named(t, id)) } }
                         }
                     } }
                 } }

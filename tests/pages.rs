@@ -238,6 +238,7 @@ async fn assets_are_compressed_and_kept_for_ever() {
         let packed = server.call("GET", path, &[("accept-encoding", "gzip")], "").await;
         assert_eq!(packed.status, 200, "{path}");
         assert_eq!(packed.headers["content-encoding"], "gzip");
+        assert_eq!(packed.headers["vary"], "accept-encoding");
         assert!(packed.headers["cache-control"].to_str().unwrap().contains("immutable"));
         let plain = server.get(path).await;
         assert!(!plain.headers.contains_key("content-encoding") && plain.body.len() > packed.body.len());

@@ -154,7 +154,7 @@ async fn ask<T: DeserializeOwned>(service: &Service, route: &str) -> anyhow::Res
 /// Waits before another try, where one can help and patience is left.
 async fn wait(trouble: Trouble, begun: Instant) -> anyhow::Result<()> {
     let pause = match &trouble {
-        Trouble::Stop(_) => return Err(trouble.into()),
+        Trouble::Stop { .. } => return Err(trouble.into()),
         Trouble::Away(_) => STEP,
         Trouble::Again { after, .. } => after.unwrap_or(STEP),
     };

@@ -1,5 +1,6 @@
 //! Roles: what somebody who holds a token may do.
 
+use crate::core::id::Id;
 use crate::core::named::named;
 use crate::core::time::UtcMicros;
 
@@ -16,6 +17,22 @@ pub enum Role {
     /// Decides who is told and who may do what.
     Admin = "admin",
 }
+}
+
+/// One line of the audit trail. `before` and `after` are JSON.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AuditEntry {
+    pub id: Id,
+    pub at: UtcMicros,
+    pub who: String,
+    pub token: Option<Id>,
+    pub source: String,
+    /// The program that was used, by its own word.
+    pub agent: Option<String>,
+    pub action: String,
+    pub subject: String,
+    pub before: Option<String>,
+    pub after: Option<String>,
 }
 
 /// Which lines of the audit trail.

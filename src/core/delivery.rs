@@ -1,6 +1,7 @@
 //! How a delivery to a hook stands.
 
 use crate::core::named::named;
+use crate::core::time::UtcMicros;
 
 named! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,4 +16,12 @@ pub enum DeliveryState {
     /// Its hook was deleted, or was told of everything that fires instead.
     Dropped = "dropped",
 }
+}
+
+/// How the queue of a hook stands, or the queues of all.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct QueueState {
+    pub open: i64,
+    pub dead: i64,
+    pub oldest_open: Option<UtcMicros>,
 }

@@ -12,6 +12,7 @@ pub mod bench;
 pub mod calibrate;
 pub mod campaign;
 pub mod changes;
+pub mod correction;
 pub mod delivery;
 pub mod diagnose;
 pub mod dwells;

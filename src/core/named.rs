@@ -2,8 +2,20 @@
 //! `step`, its words are those of `rule_step`.
 
 /// `named! { pub enum Rule("rule_") { Step = "step", ... } }`: the enum with `ALL`, `name`, `from_name` and `word`;
-/// without the prefix of its words, all but `word`.
+/// without the prefix of its words, all but `word`. With `("rule_", letter) { Step = "step" 'S', ... }` also `letter`.
 macro_rules! named {
+    ($(#[$on_all:meta])* pub enum $of:ident($prefix:literal, letter) {
+        $($(#[$on_one:meta])* $one:ident = $name:literal $letter:literal,)*
+    }) => {
+        $crate::core::named::named! { $(#[$on_all])* pub enum $of($prefix) { $($(#[$on_one])* $one = $name,)* } }
+
+        impl $of {
+            /// Its letter in a picture, as control charts have them.
+            pub fn letter(self) -> char {
+                match self { $($of::$one => $letter),* }
+            }
+        }
+    };
     ($(#[$on_all:meta])* pub enum $of:ident($prefix:literal) { $($(#[$on_one:meta])* $one:ident = $name:literal,)* }) => {
         $crate::core::named::named! { $(#[$on_all])* pub enum $of { $($(#[$on_one])* $one = $name,)* } }
 

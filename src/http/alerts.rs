@@ -280,8 +280,7 @@ fn order(
     reason: String,
     mut faults: Faults,
 ) -> Result<Option<AlertOrder>, Faults> {
-    let by = text::required_short("/by", by, &mut faults);
-    let reason = text::required_note("/reason", reason, &mut faults);
+    let (by, reason) = text::signed("/by", by, reason, &mut faults);
     let alert = id.parse().ok();
     faults.or(alert.map(|alert| AlertOrder { alert, change, by, reason }))
 }

@@ -11,10 +11,9 @@ use utoipa::{IntoParams, ToSchema};
 use super::answer::Answer;
 use super::app::App;
 use super::query::{self, Parameters};
-use crate::core::access::AuditFilter;
+use crate::core::access::{AuditEntry, AuditFilter};
 use crate::core::id::Id;
 use crate::message;
-use crate::pipeline::AuditEntry;
 use crate::wire::problem::Problem;
 use crate::wire::time;
 

@@ -72,8 +72,7 @@ fn read(bytes: &[u8], now: UtcMicros) -> Result<SilenceOrder, Faults> {
     let mut faults = Faults::default();
     let matchers = matchers_of(matchers, &mut faults);
     let until = future("/until", &until, now, &mut faults);
-    let by = text::required_short("/by", by, &mut faults);
-    let reason = text::required_note("/reason", reason, &mut faults);
+    let (by, reason) = text::signed("/by", by, reason, &mut faults);
     faults.or(SilenceOrder::Begin { matchers, until, by, reason })
 }
 
@@ -125,8 +124,7 @@ pub async fn post_end_silence(
     let read = |bytes: &[u8]| {
         let EndSilenceBody { by, reason } = json::parse(bytes)?;
         let mut faults = Faults::default();
-        let by = text::required_short("/by", by, &mut faults);
-        let reason = text::required_note("/reason", reason, &mut faults);
+        let (by, reason) = text::signed("/by", by, reason, &mut faults);
         faults.or((by, reason))
     };
     let (by, reason) = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;

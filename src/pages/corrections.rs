@@ -12,6 +12,7 @@ use super::form::{Deed, Word, answered, see_other};
 use super::layout::{DRIFTS, Section, encoded, instant, symbol};
 use super::viewer::Viewer;
 use crate::core::access::Role;
+use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
@@ -19,7 +20,7 @@ use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::{Actor, Corrected, CorrectedResult, Correction, CorrectionItem, Submission};
+use crate::pipeline::{Actor, Corrected, Correction, Submission};
 use crate::wire::problem::Problem;
 
 /// What is to be voided, as it is shown to whoever is about to.

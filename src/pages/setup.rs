@@ -9,9 +9,9 @@ use super::text::Text;
 use super::viewer::Viewer;
 use super::{Pages, figure};
 use crate::config::Judging;
-use crate::core::access::{AuditFilter, Role};
+use crate::core::access::{AuditEntry, AuditFilter, Role};
 use crate::core::judge::{Limit, Rule};
-use crate::pipeline::{AuditEntry, Token};
+use crate::pipeline::Token;
 use crate::wire::problem::Problem;
 
 /// Lines of the audit trail that are shown.

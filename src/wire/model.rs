@@ -243,13 +243,7 @@ impl AdoptionBody {
     /// All faults, by JSON pointer.
     pub fn to_core(self) -> Result<(AugmentedModel, String, String), Faults> {
         let mut faults = Faults::default();
-        for (pointer, said) in [("/author", &self.author), ("/reason", &self.reason)] {
-            if said.trim().is_empty() {
-                faults.push(pointer, message!("empty_text"));
-            }
-        }
-        let author = text::short("/author", &Some(self.author.clone()), &mut faults).unwrap_or_default();
-        let reason = text::note("/reason", &Some(self.reason.clone()), &mut faults).unwrap_or_default();
+        let (author, reason) = text::signed("/author", self.author, self.reason, &mut faults);
         let Self { version, terms, effects, provenance, identified, plausible_sizes, .. } = self;
         let file = ModelBody { version, terms, effects, provenance, identified, plausible_sizes };
         match file.to_core() {

@@ -98,6 +98,11 @@ pub fn required_note(pointer: &str, text: String, faults: &mut Faults) -> String
     note(pointer, &Some(text), faults).unwrap_or_default()
 }
 
+/// Who does something, in the member `who`, and why.
+pub fn signed(who: &str, by: String, reason: String, faults: &mut Faults) -> (String, String) {
+    (required_short(who, by, faults), required_note("/reason", reason, faults))
+}
+
 fn required(pointer: &str, text: &str, faults: &mut Faults) {
     if text.trim().is_empty() {
         faults.push(pointer, message!("empty_text"));

@@ -429,7 +429,7 @@ fn nothing_but_the_catalogue_lists_effects() {
         name.starts_with("src/core/effects/")
             // Its own, independent definitions; stories that are told with some; the words.
             || name.starts_with("src/simulate/")
-            || matches!(name, "src/cli/demo/campaigns.rs" | "src/pages/text/effects.rs")
+            || name == "src/cli/demo/campaigns.rs"
             // The two readings of one number, in a record: the physics of this pair and of no other.
             || name == "src/core/diagnose/record_closure.rs"
             // The rotations that a station states an uncertainty of, and what they do: the columns of their effects.

@@ -1,6 +1,6 @@
 //! What a diagnosis answers. Plain data, every number finite; the wire form is `wire::diagnosis`.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::core::augmented::Adopted;
 use crate::core::calibrate::noise_found::NoiseFound;
@@ -252,6 +252,10 @@ pub struct NextDwell {
     pub phase: Phase,
     pub specific_force_g0: Vector3<f64>,
     pub rate_arcsec_s: Vector3<f64>,
+    /// Columns: east, north and up in body axes.
+    pub attitude: Matrix3<f64>,
+    /// Of the table about the vertical, arcsec/s.
+    pub table_rate_arcsec_s: f64,
     pub separates: Vec<Effect>,
 }
 

@@ -87,8 +87,8 @@ words_of_pages! {
     parameter value unit_word all_gyros held_out located heat_note heat_map place share against against_note
     none_before hold_against reference whole_gap part_parameters part_structure part_noise p_parameters now
     what_else effect closes_alone within_noise why_not impact impact_within_noise plain with_effects shift of_budget
-    how_far before_after_note cannot_be_told visible why would_show measure_next phase_word phase_static phase_rate
-    specific_force rate_word separates notes
+    how_far before_after_note cannot_be_told visible why would_show measure_next up_axis north_axis table_rate as_programme phase_static phase_rate
+    separates notes
 
     // An IMU; stations.
     gyros_in_it none_in_it never_in_it gyros_before gyros_before_note last_calibrated_in_it newest_parameters
@@ -136,7 +136,7 @@ words_of_pages! {
     forecast_error forecast_ladder model_6 as_foretold forecast_indeterminate outside_forecast not_foretold
     error_in_sd effects_close nothing_to_close promised foretold_by campaigns_word without_effects
     effects_then_and_now in_model in_campaign changed_word yes no by_the_change as_measured adopted_models
-    adopted_models_note plain_model adopted_at model_word stated_at campaigns_stated author in_force all_moved_by
+    adopted_models_note plain_model adopt adopt_what undo_model in_force_again undo_model_what adopted_at model_word stated_at campaigns_stated author in_force all_moved_by
     budgets_or_more wrong_file median_word share_of_budget_unit percent_sign percent_a_year of_budget_unit
     slope_a_year days_short violates_besides reaches_budget gyros_of load_note choose with_selected compare_ticked
     reports more_filters calibrated_there calibrated_last calibrated_ever calibrated_since changed_since as_list

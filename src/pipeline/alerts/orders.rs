@@ -5,12 +5,13 @@ use std::collections::BTreeSet;
 use super::book::{AlertCache, Pen};
 use super::error::AlertError;
 use super::silences::{MOST_SILENCES, body};
+use crate::core::access::AuditEntry;
 use crate::core::alert_decision;
 use crate::core::alert_filter::Matchers;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
-use crate::store::{AlertOf, AlertRow, AuditRow, Changes, Remark, SilenceRow};
+use crate::store::{AlertOf, AlertRow, Changes, Remark, SilenceRow};
 
 /// Somebody says something of an alert.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,7 +141,7 @@ impl AlertCache {
     }
 }
 
-fn audited(pen: &mut Pen<'_>, by: &Actor, action: &str, before: Option<&SilenceRow>, after: &SilenceRow) -> AuditRow {
+fn audited(pen: &mut Pen<'_>, by: &Actor, action: &str, before: Option<&SilenceRow>, after: &SilenceRow) -> AuditEntry {
     let (before, now) = (before.map(|row| body(row, pen.now)), pen.now);
     let line = pen.writer.next_id(now);
     by.line(line, now, (action, format!("silences/{}", after.id)), before.as_ref(), Some(&body(after, now)))

@@ -320,6 +320,9 @@ fn the_command_line_fits_foretells_climbs_the_ladder_and_simulates_this_imu() {
     assert!(table.contains("Promised by the model") && table.contains("noise floor"), "{table}");
     let steps: Value = serde_json::from_str(&ran(&["gap", &model, next, "--format", "json"])).unwrap();
     assert_eq!(steps[0]["rungs"][1]["effect"], "temperature_g");
+    let words = ran(&["gap", &model, next]);
+    let said = ["forecast error of each campaign", "model (6)", "+ temperature_g", "as foretold", "noise floor"];
+    assert!(said.iter().all(|part| words.contains(part)), "{words}");
     let against: Value =
         serde_json::from_str(&ran(&["diagnose", next, "--model", &model, "--format", "json"])).unwrap();
     assert_eq!(against["effects_against_model"]["effects"][0]["changed"], false);

@@ -349,9 +349,17 @@ catalogue! {
 
     // Import.
     import: "Import", "导入";
-    import_note: "A calibration record, a campaign or a bench result: JSON, one document a line (NDJSON), or a campaign's CSV. Nothing is stored before you have seen what it says.", "标定记录、原始试验或单表测试结果：JSON、逐行NDJSON，或试验CSV。预览确认之前不存储任何内容。";
+    import_note: "A calibration record, a campaign or a bench result: JSON, one document a line (NDJSON), or a campaign's CSV or xlsx; or a raw log with its map. Nothing is stored before you have seen what it says.", "标定记录、原始试验或单表测试结果：JSON、逐行NDJSON，试验CSV或xlsx，或附映射的原始日志。预览确认之前不存储任何内容。";
     choose_file: "Choose a file, or drop it here:", "选择文件，或拖放到此处：";
     or_paste: "Text of the file:", "文件内容：";
+    of_a_log: "For a raw log", "用于原始日志";
+    map_of_log: "Map: which columns are what. Left empty, a first one is made from the log.", "映射（各列的含义）：留空则由日志生成初稿。";
+    programme_of_log: "Programme: what the table was told. 24 (six faces in four headings), or rows up,north,rate_deg_s. A long log: gyrowatch dwells.", "转台程序：填24（六面各四个方向），或逐行填写 up,north,rate_deg_s。较长的日志请用 gyrowatch dwells。";
+    log_needs_map: "This is a raw log, not averaged dwells. A first map stands above: check each line, answer each \"?\", and preview again.", "这是原始日志，不是平均后的测点。上方已生成映射初稿：请逐行核对，填好每个“?”，再次预览。";
+    of_the_log: "What was averaged", "取平均的区间";
+    look_at_stored: "Look at the one that is stored", "查看已存储的那一份";
+    replace_it: "Put this one in its place", "以此份取代";
+    replace_what: "The one that is stored counts no more. It is kept, with my name and reason.", "已存储的那一份不再计入，但连同姓名与原因一并保留。";
     preview: "Preview", "预览";
     no_document: "There is no document in it.", "其中没有任何文件内容。";
     can_be_stored: "can be stored", "项可以存储";

@@ -19,6 +19,7 @@ const ROOM: f64 = 0.12;
 /// Rows for each change of a command, at least.
 const SELDOM: usize = 20;
 const UNKNOWN: &str = "?";
+const HALF_A_DAY_S: f64 = 43_200.0;
 /// Rows up to which a log may be a table of averages.
 const FEW_ROWS: usize = 500;
 
@@ -162,7 +163,10 @@ impl Looked {
 
     fn rises(&self, place: usize) -> bool {
         let values = &self.values[place];
-        values.len() > 2 && values.windows(2).all(|p| p[1] >= p[0]) && values[values.len() - 1] > values[0]
+        // A time of day begins anew at midnight.
+        let is_clock = self.clocks.contains(&place);
+        let goes_on = |p: &[f64]| p[1] >= p[0] || is_clock && p[0] - p[1] > HALF_A_DAY_S;
+        values.len() > 2 && values.windows(2).all(goes_on) && values[values.len() - 1] != values[0]
     }
 
     fn step(&self, place: usize) -> f64 {

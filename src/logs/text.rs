@@ -101,6 +101,9 @@ impl TextLog {
             match fault {
                 None => {
                     rows += 1;
+                    if cells.clocks.len() > self.clocks.len() {
+                        self.clocks.clone_from(&cells.clocks);
+                    }
                     each(Sample { line, values: &values }).map_err(|fault| refuse(line, fault))?;
                 }
                 // The last line of a file that was being written breaks off anywhere.
@@ -111,7 +114,6 @@ impl TextLog {
                 break;
             }
         }
-        self.clocks = cells.clocks;
         let serious: Vec<_> = bad.iter().filter_map(|(line, found)| Some((*line, found.clone()?))).collect();
         if let Some((first, (column, why))) = serious.first()
             && serious.len() as f64 > MOST_BAD * (rows + serious.len() as u64) as f64

@@ -551,7 +551,7 @@ catalogue! {
     nothing_together: "No station's gyros lie to one side together.", "没有测试站的陀螺同时偏向一侧。";
     several_note: "Newest calibrations since that day. The median load of a station's gyros is shown where it is four standard errors from zero. Check the station before the gyros.", "取该日以来的最新标定；某测试站各陀螺负荷的中位数偏离零超过四倍标准误差时列出。请先检查测试站，再检查陀螺。";
     outside_forecast_title: "Outside their forecast", "超出预报的试验";
-    outside_note: "Campaigns since that day whose errors are too large for the model in force before them (p below 1 %).", "该日以来误差超出此前现用模型所预报的试验（p 低于1 %）。";
+    outside_note: "Campaigns since that day that the rule forecast finds outside what the model in force before them foretold. Gyro and error: the furthest.", "该日以来按判定规则 forecast 超出此前现用模型预报的试验；所列为偏离最大的陀螺及其误差。";
     forecast: "Forecast", "预报";
     forecasts: "Forecasts", "历次预报";
     forecasts_note: "Error of each campaign's forecast by the model in force before it. Blue: with the adopted effects; orange: without them; dashed: noise alone. Triangle: outside its forecast.", "历次试验与此前现用模型所作预报之差。蓝：含已采用的效应；橙：不含；虚线：仅噪声。三角：超出预报。";
@@ -575,6 +575,8 @@ catalogue! {
     changed_word: "Changed", "已改变";
     yes: "yes", "是";
     no: "no", "否";
+    cannot_tell: "cannot tell", "无法判断";
+    change_undecided: "Cannot tell: the gyro shows more than the model holds. That may be what has changed.", "无法判断：该陀螺的残差超出模型所含的内容，改变的可能是模型之外的某项。";
     by_the_change: "by the change", "由此改变引起";
     as_measured: "as measured", "测试温度下";
     adopted_models: "Adopted models", "已采用的模型";
@@ -582,7 +584,7 @@ catalogue! {
     plain_model: "plain", "基本模型";
     adopted_at: "Adopted", "采用时间";
     model_word: "Model", "模型";
-    stated_at: "D_I, D_S at", "D_I、D_S 归算温度";
+    stated_at: "at", "归算温度";
     campaigns_stated: "Campaigns", "试验数";
     author: "By", "采用人";
     in_force: "in force", "现用";

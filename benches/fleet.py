@@ -2,13 +2,14 @@
 """A fleet of 10^5 gyros: how long its page, a search, another order and a start take, of several programs in one run.
 
     benches/fleet.py --program before=target/before/gyrowatch --program after=target/release/gyrowatch
-                     [--gyros 100000] [--records 4] [--rounds 5] [--requests 40] [--database FILE]
+                     [--gyros 100000] [--records 4] [--rounds 5] [--requests 40] [--database FILE | --url URL]
 
 The first program fills a database: gyros by three in an IMU, `records` calibrations each, one gyro in ten with a
 shift, one in four overdue. Each program gets a copy of it, which it brings up to date, and is started again; then
 each page is asked for by turns, `rounds` times `requests`, over one connection each. Printed are the median and the
 99th percentile of the whole answer as the client sees it, the time of a start until it is ready, and the memory at
-the end. `--database` keeps the database, and fills it only if it is not there. Standard library only; the client
+the end. `--database` keeps the database, and fills it only if it is not there. `--url` asks about a database as it is,
+one on PostgreSQL too (`gyrowatch copy` makes one of a file). Standard library only; the client
 shares the machine.
 """
 import argparse, http.client, json, os, random, shutil, subprocess, sys, tempfile, time
@@ -29,9 +30,9 @@ SETTINGS = {"GYROWATCH_LISTEN": "127.0.0.1:0", "GYROWATCH_JUDGING__INTERVAL_DAYS
 class Service:
     """A program on a database."""
 
-    def __init__(self, program, database, folder):
+    def __init__(self, program, url, folder):
         begun = time.perf_counter()
-        environment = {**os.environ, **SETTINGS, "GYROWATCH_DATABASE_URL": f"sqlite://{database}"}
+        environment = {**os.environ, **SETTINGS, "GYROWATCH_DATABASE_URL": url}
         self.process = subprocess.Popen([os.path.abspath(program), "serve"], stdout=subprocess.PIPE, text=True,
                                         cwd=folder, stderr=open(f"{folder}/log", "a"), env=environment)
         self.address = self.process.stdout.readline().split("http://")[1].strip()
@@ -91,18 +92,20 @@ def main():
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--requests", type=int, default=40)
     parser.add_argument("--database")
+    parser.add_argument("--url")
     asked = parser.parse_args()
     programs = dict(program.split("=", 1) for program in asked.program)
     with tempfile.TemporaryDirectory() as folder:
         database = os.path.abspath(asked.database or f"{folder}/fleet.db")
-        if not os.path.exists(database):
-            service = Service(next(iter(programs.values())), database, folder)
+        if not asked.url and not os.path.exists(database):
+            service = Service(next(iter(programs.values())), f"sqlite://{database}", folder)
             fill(service, asked.gyros, asked.records)
             service.stop()
         services = {}
         for name, program in programs.items():
-            own = f"{folder}/{name}.db"
-            shutil.copyfile(database, own)
+            own = asked.url or f"sqlite://{folder}/{name}.db"
+            if not asked.url:
+                shutil.copyfile(database, f"{folder}/{name}.db")
             upgrade = Service(program, own, folder)
             upgrade.stop()
             starts = []

@@ -259,3 +259,26 @@ fn a_bad_model_file_is_refused_by_the_place_of_its_fault() {
     let (status, _, error) = run(&["diagnose", campaign, "--adopt", "/nowhere/model.json"]);
     assert!(status == 1 && error.contains("/nowhere/model.json"), "{error}");
 }
+
+/// What gyros of a kind cannot be as large as is no cause of theirs, whoever asks.
+#[test]
+fn nothing_is_named_larger_than_gyros_of_this_kind_have_it() {
+    let bench = Bench::new();
+    let (campaign, effect) = practice_with_one_effect();
+    let named_with = |most: f64| {
+        let model = bench.path("kind.json");
+        let file = json!({"terms": [], "effects": [], "plausible_sizes": {effect.as_str(): most}});
+        std::fs::write(&model, file.to_string()).unwrap();
+        let answer = json_of(&["diagnose", &campaign, "--model", model.to_str().unwrap()]);
+        effects(&answer).contains(&effect.as_str())
+    };
+    assert!(named_with(1e3));
+    assert!(!named_with(1e-9));
+    // An adoption keeps what is known of the kind.
+    let (kind, adopted) = (bench.path("kind.json"), bench.path("adopted.json"));
+    std::fs::write(&kind, json!({"terms": [], "effects": [], "plausible_sizes": {"magnetic": 0.5}}).to_string())
+        .unwrap();
+    let files = [kind.to_str().unwrap(), adopted.to_str().unwrap()];
+    json_of(&["diagnose", &campaign, "--model", files[0], "--adopt", files[1]]);
+    assert_eq!(read(&adopted)["plausible_sizes"], json!({"magnetic": 0.5}));
+}

@@ -17,6 +17,7 @@ use gyrowatch::alert::sign::{self, Secret};
 use gyrowatch::alert::target::TargetPolicy;
 use gyrowatch::alert::{HookKind, Message};
 use gyrowatch::core::time::UtcMicros;
+use gyrowatch::system::Proxies;
 use gyrowatch::words::Language;
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
@@ -39,7 +40,7 @@ fn local() -> TargetPolicy {
 
 fn courier(policy: TargetPolicy) -> Courier {
     gyrowatch::system::install_crypto();
-    Courier::new(policy, LIMITS, None).unwrap()
+    Courier::through(&Proxies::None, policy, LIMITS, None).unwrap()
 }
 
 async fn attempt_with(courier: &Courier, url: &str) -> Attempt {
@@ -434,7 +435,7 @@ async fn a_name_that_changes_its_mind_after_registration_is_checked_when_it_is_d
             let answers = answers.clone();
             Box::pin(async move { Ok(answers) })
         });
-        let courier = Courier::with_resolver(resolver, TargetPolicy::default(), LIMITS, None).unwrap();
+        let courier = Courier::with_resolver(&Proxies::None, resolver, TargetPolicy::default(), LIMITS, None).unwrap();
         let url = format!("http://rebinding.example:{}/", address.port());
         failed(&attempt_with(&courier, &url).await, None, "rebinding.example resolves to a forbidden address: ");
     }
@@ -448,7 +449,7 @@ async fn a_name_with_a_forbidden_and_an_allowed_address_uses_the_allowed_one() {
     let resolver = GuardedResolver::with_lookup(local(), |_| {
         Box::pin(async { Ok(vec![[169, 254, 169, 254].into(), [127, 0, 0, 1].into()]) })
     });
-    let courier = Courier::with_resolver(resolver, local(), LIMITS, None).unwrap();
+    let courier = Courier::with_resolver(&Proxies::None, resolver, local(), LIMITS, None).unwrap();
     assert_eq!(attempt_with(&courier, &url).await.outcome, Outcome::Delivered);
 }
 
@@ -458,7 +459,7 @@ async fn a_name_that_does_not_exist_is_named() {
     let resolver = GuardedResolver::with_lookup(local(), |_| {
         Box::pin(async { Err(io::Error::new(io::ErrorKind::NotFound, "no such name")) })
     });
-    let courier = Courier::with_resolver(resolver, local(), LIMITS, None).unwrap();
+    let courier = Courier::with_resolver(&Proxies::None, resolver, local(), LIMITS, None).unwrap();
     let got = attempt_with(&courier, "http://nowhere.example/").await;
     failed(&got, None, "nowhere.example does not resolve: no such name");
 }

@@ -222,3 +222,45 @@ async fn an_equation_without_a_value_in_a_campaign_is_said_and_the_rest_is_diagn
     let said = found["not_identifiable"].as_array().unwrap().iter().find(|one| one["effect"] == "pole");
     assert!(said.is_some_and(|one| one["reason"].as_str().unwrap().contains("no finite value")), "{said:?}");
 }
+
+/// A form of a page, sent as a browser does that does not go on by itself.
+async fn sends(lab: &Lab, path: &str, form: &str) -> Answer {
+    lab.post_text(path, "application/x-www-form-urlencoded", form.to_owned()).await
+}
+
+#[tokio::test]
+async fn what_a_diagnosis_names_is_adopted_and_undone_on_the_pages() {
+    let lab = Lab::open().await;
+    let sent = campaign();
+    let imu = sent["imu"].as_str().unwrap();
+    let stored = lab.post("/v1/campaigns", &sent).await.created();
+    let id = stored["id"].as_str().unwrap();
+    diagnosis(&lab, &stored).await;
+    let form = format!("/campaigns/{id}/adopt");
+    assert!(lab.get(&format!("/campaigns/{id}/diagnosis")).await.text.contains(&format!("href=\"{form}\"")));
+    let asked = lab.get(&form).await;
+    assert!(
+        asked.text.contains("temperature changes the bias") || asked.text.contains("Temperature"),
+        "{}",
+        asked.text
+    );
+    assert_eq!(sends(&lab, &form, "by=M&reason=held+out").await.status, 422, "not confirmed");
+    assert_eq!(lab.get(&model_path(&sent)).await.ok()["history"], json!([]));
+
+    let adopted = sends(&lab, &form, "by=M.+Adopter&reason=held+out&confirm=yes").await;
+    assert_eq!((adopted.status, adopted.header("location")), (303, &*format!("/imus/{imu}#models")));
+    let in_force = lab.get(&model_path(&sent)).await.ok();
+    assert_eq!(in_force["model"]["effects"][0]["effect"], "temperature_bias", "{in_force}");
+    assert_eq!(in_force["history"][0]["author"], "M. Adopter");
+    assert_eq!(diagnosis(&lab, &stored).await["verdict"], "no_gap");
+    assert_eq!(lab.get(&form).await.status, 409, "nothing is named beside the model");
+
+    let undo = format!("/imus/{imu}/model/undo");
+    assert!(lab.get(&format!("/imus/{imu}")).await.text.contains(&format!("href=\"{undo}\"")));
+    assert!(lab.get(&undo).await.text.contains("temperature_bias"));
+    assert_eq!(sends(&lab, &undo, "by=M.+Adopter&reason=too+early&confirm=yes").await.status, 303);
+    let in_force = lab.get(&model_path(&sent)).await.ok();
+    assert_eq!((&in_force["model"]["effects"], in_force["history"].as_array().unwrap().len()), (&json!([]), 2));
+    assert_eq!(named(&diagnosis(&lab, &stored).await), ["temperature_bias"]);
+    assert_eq!(lab.get("/imus/NOBODY/model/undo").await.status, 404);
+}

@@ -238,6 +238,7 @@ async fn assets_are_compressed_and_kept_for_ever() {
         let packed = server.call("GET", path, &[("accept-encoding", "gzip")], "").await;
         assert_eq!(packed.status, 200, "{path}");
         assert_eq!(packed.headers["content-encoding"], "gzip");
+        assert_eq!(packed.headers["vary"], "accept-encoding");
         assert!(packed.headers["cache-control"].to_str().unwrap().contains("immutable"));
         let plain = server.get(path).await;
         assert!(!plain.headers.contains_key("content-encoding") && plain.body.len() > packed.body.len());
@@ -654,7 +655,7 @@ async fn an_alert_is_found_acknowledged_and_silenced_on_its_pages() {
     let link = of_gyro.split('"').find(|part| part.starts_with("/alerts/") && part.contains("/acknowledge")).unwrap();
     let path = link.split('?').next().unwrap();
     let alert = format!("/v1{}", path.strip_suffix("/acknowledge").unwrap());
-    assert!(page(&server, &link.replace("&amp;", "&"), &[]).await.contains("hooks hear no more repeats"));
+    assert!(page(&server, &link.replace("&amp;", "&"), &[]).await.contains("Stops the repeats of this alert"));
 
     let said = [("by", "Li Wei"), ("reason", "the station was moved"), ("back", "/gyros/JUMP%2F1")];
     let meant = [said[0], said[1], said[2], ("confirm", "yes")];

@@ -5,7 +5,8 @@ mod lab;
 use reqwest::Method;
 use serde_json::{Value, json};
 
-use lab::{Answer, Lab, assert_close, day, record, verdict};
+use lab::{Answer, Lab, assert_close, bench, cluster, day, record, verdict};
+use sqlx::{Connection, PgConnection, SqliteConnection};
 
 /// D_I of a gyro `A` on given days, posted in the order given.
 async fn lab_with(history: &[(i64, f64)]) -> Lab {
@@ -404,4 +405,107 @@ async fn a_trend_as_columns_says_what_its_points_say() {
     for wrong in ["columns=valeu", "columns=", "columns=all&format=csv", "columns=all&every=month"] {
         assert_eq!(lab.get(&format!("/v1/gyros/A/trend?{wrong}")).await.status, 400, "{wrong}");
     }
+}
+
+/// A row of the view for SQL: serial, day, method, then D_I, D_S, D_O with their standard deviations, and what was said of D_I.
+type Plain = (String, String, String, [Option<f64>; 6], Option<String>);
+
+async fn plain_history(lab: &Lab) -> Vec<Plain> {
+    type Columns = (
+        String,
+        String,
+        String,
+        Option<f64>,
+        Option<f64>,
+        Option<f64>,
+        Option<f64>,
+        Option<f64>,
+        Option<f64>,
+        Option<String>,
+    );
+    let sql =
+        "SELECT serial, substr(CAST(time AS TEXT), 1, 10), method, d_i, d_i_sd, d_s, d_s_sd, d_o, d_o_sd, state_d_i
+               FROM gyro_history ORDER BY serial, method, time";
+    let rows: Vec<Columns> = if cluster::is_wanted() {
+        let mut connection = PgConnection::connect(&lab.config.database.url).await.unwrap();
+        sqlx::query_as(sql).fetch_all(&mut connection).await.unwrap()
+    } else {
+        let mut connection = SqliteConnection::connect(&lab.config.database.url).await.unwrap();
+        sqlx::query_as(sql).fetch_all(&mut connection).await.unwrap()
+    };
+    let row = |(serial, day, method, d_i, d_i_sd, d_s, d_s_sd, d_o, d_o_sd, state): Columns| -> Plain {
+        (serial, day, method, [d_i, d_i_sd, d_s, d_s_sd, d_o, d_o_sd], state)
+    };
+    rows.into_iter().map(row).collect()
+}
+
+/// The same from trends.
+async fn from_trends(lab: &Lab, serial: &str, method: &str) -> Vec<Plain> {
+    let mut rows: Vec<Plain> = Vec::new();
+    for (k, coefficient) in ["D_I", "D_S", "D_O"].into_iter().enumerate() {
+        let points = lab.sees_trend(serial, &format!("coefficient={coefficient}&method={method}&last=10000")).await;
+        for (n, point) in points.iter().filter(|point| point["method"] == method).enumerate() {
+            if k == 0 {
+                let day = point["calibrated_at"].as_str().unwrap()[..10].to_owned();
+                let state = point["state"].as_str().map(str::to_owned);
+                rows.push((serial.to_owned(), day, method.to_owned(), [None; 6], state));
+            }
+            let known = method != "published" || coefficient != "D_O";
+            rows[n].3[2 * k] = point["value"].as_f64().filter(|_| known);
+            rows[n].3[2 * k + 1] = point["sd"].as_f64().filter(|_| known);
+        }
+    }
+    rows
+}
+
+/// Bit for bit, whatever has been corrected, and whether or not it has been moved to its place.
+#[tokio::test]
+async fn sql_reads_the_history_of_every_gyro_in_plain_columns() {
+    let lab = Lab::open().await;
+    let sizes = [1.0, -2.5e-9, 370.0, 0.0, 1.0 / 3.0];
+    let of = |n: i64, at: &str| {
+        let d_i = sizes[n as usize % sizes.len()] + 1e-4 * n as f64;
+        let mut record = record("IMU-1", at, &[("G1", "A", d_i, -2.0), ("G2", "B", 1.0, d_i)]);
+        if n % 2 == 0 {
+            (record["gyros"][0]["e_sd"], record["gyros"][0]["g_sd"]) =
+                (json!([1e-7, 1e-7, 1e-7]), json!([1e-4, 2e-4, 3e-4]));
+        }
+        record
+    };
+    let mut ids = Vec::new();
+    // Two come late.
+    for n in [0, 1, 4, 5, 2, 6, 7, 3, 8] {
+        ids.push(lab.posts(&of(n, &day(n))).await["id"].as_str().unwrap().to_owned());
+    }
+    let said = json!({"author": "A. Turing", "reason": "table was not level"});
+    lab.post(&format!("/v1/records/{}/void", ids[1]), &said).await.ok();
+    let revision = json!({"author": "A. Turing", "reason": "wrong scale", "record": of(3, &day(5))});
+    lab.post(&format!("/v1/records/{}/revise", ids[3]), &revision).await.created();
+    lab.post("/v1/bench-results", &bench("A", &day(3), 0.5, -0.25)).await.created();
+    let mut expected = Vec::new();
+    for (serial, method) in
+        [("A", "published"), ("A", "rigid"), ("A", "torque_feedback"), ("B", "published"), ("B", "rigid")]
+    {
+        let bench = (serial.to_owned(), day(3)[..10].to_owned(), method.to_owned(), [0.5, -0.25]);
+        expected.extend(match method {
+            "torque_feedback" => {
+                vec![(bench.0, bench.1, bench.2, [Some(bench.3[0]), None, Some(bench.3[1]), None, None, None], None)]
+            }
+            method => from_trends(&lab, serial, method).await,
+        });
+    }
+    let seen = plain_history(&lab).await;
+    assert!(seen.iter().any(|row| row.3[1].is_some()) && seen.len() == 4 * 8 + 1, "{seen:?}");
+    assert_eq!(seen, expected);
+    if cluster::is_wanted() {
+        return;
+    }
+    // So many that the first ones leave the log of a file.
+    let minutes = |n: i64| format!("{}T{:02}:{:02}:00Z", &day(9 + n / 1_440)[..10], n / 60 % 24, n % 60);
+    let documents: Vec<Value> = (9..9_000).map(|n| of(n, &minutes(n))).collect();
+    assert!(lab.imports(&documents).await.iter().all(|line| line["status"] == 201), "all are stored");
+    let seen = plain_history(&lab).await;
+    let rigid: Vec<Plain> = seen.into_iter().filter(|row| row.0 == "A" && row.2 == "rigid").collect();
+    assert_eq!(rigid.len(), 8 + 8_991);
+    assert_eq!(rigid, from_trends(&lab, "A", "rigid").await);
 }

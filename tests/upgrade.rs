@@ -217,7 +217,7 @@ async fn write_server_as_of(version: i64, all: &Migrator, url: &str, from: &mut 
     // Rows come in any order of tables.
     sqlx::query("SET session_replication_role = replica").execute(&mut connection).await.unwrap();
     let tables = "SELECT CAST(table_name AS TEXT) FROM information_schema.tables
-                  WHERE table_schema = 'public' AND table_name NOT LIKE '\\_sqlx%'";
+                  WHERE table_schema = 'public' AND table_type = 'BASE TABLE' AND table_name NOT LIKE '\\_sqlx%'";
     let newer: Vec<String> = sqlx::query_scalar(tables).fetch_all(&mut *from).await.unwrap();
     let own: Vec<String> = sqlx::query_scalar(tables).fetch_all(&mut connection).await.unwrap();
     for table in own.iter().filter(|table| newer.contains(table)) {

@@ -191,9 +191,22 @@ fn named() -> BTreeSet<String> {
         Suggestion::ALL.map(Suggestion::word).to_vec(),
         Unseen::ALL.map(Unseen::word).to_vec(),
     ];
+    // The macro makes `page_search` of `search`.
+    let of_pages = fs::read_to_string(root().join("src/pages/text/words.rs")).unwrap();
+    let fields = of_pages.split_once("\nwords_of_pages! {").expect("the fields").1.lines();
+    let fields = fields.filter(|line| !line.trim_start().starts_with("//")).flat_map(str::split_whitespace);
+    let of_pages: Vec<String> = fields.filter(|field| *field != "}").map(|field| format!("page_{field}")).collect();
+    assert!(of_pages.len() > 500, "{of_pages:?}");
     let effects = CATALOGUE.iter().chain(&COMPETITORS).map(|entry| entry.effect.word());
     let needs = CATALOGUE.iter().map(|entry| entry.effect.needs());
-    codes.into_iter().flatten().chain(effects).chain(needs).map(|message| message.code.into_owned()).collect()
+    codes
+        .into_iter()
+        .flatten()
+        .chain(effects)
+        .chain(needs)
+        .map(|message| message.code.into_owned())
+        .chain(of_pages)
+        .collect()
 }
 
 #[test]

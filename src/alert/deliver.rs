@@ -90,12 +90,8 @@ pub struct Courier {
 }
 
 impl Courier {
-    /// `extra_roots`: certificates in PEM that are trusted beside the system's, for a laboratory's own authority.
-    pub fn new(policy: TargetPolicy, limits: AttemptLimits, extra_roots: Option<&[u8]>) -> reqwest::Result<Self> {
-        Self::through(&Proxies::None, policy, limits, extra_roots)
-    }
-
-    /// By way of proxies, which then decide what names lead to.
+    /// By way of proxies, where there are any, which then decide what names lead to. `extra_roots`: certificates in PEM
+    /// that are trusted beside the system's, for a laboratory's own authority.
     pub fn through(
         proxies: &Proxies,
         policy: TargetPolicy,
@@ -103,19 +99,11 @@ impl Courier {
         extra_roots: Option<&[u8]>,
     ) -> reqwest::Result<Self> {
         let resolver = GuardedResolver::system(policy.clone()).trusting(proxies.hosts());
-        Self::build(proxies, resolver, policy, limits, extra_roots)
+        Self::with_resolver(proxies, resolver, policy, limits, extra_roots)
     }
 
+    /// As [`Courier::through`], with names looked up by `resolver`.
     pub fn with_resolver(
-        resolver: GuardedResolver,
-        policy: TargetPolicy,
-        limits: AttemptLimits,
-        extra_roots: Option<&[u8]>,
-    ) -> reqwest::Result<Self> {
-        Self::build(&Proxies::None, resolver, policy, limits, extra_roots)
-    }
-
-    fn build(
         proxies: &Proxies,
         resolver: GuardedResolver,
         policy: TargetPolicy,

@@ -1,47 +1,26 @@
 //! What is told, and in whose dialect.
 
 use crate::core::alert_decision::Action;
+use crate::core::named::named;
 use crate::core::time::UtcMicros;
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::DigestBody;
 
+named! {
 /// The dialect that a hook's target understands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HookKind {
     /// Signed events after the Standard Webhooks specification 1.0.
-    StandardWebhooks,
+    StandardWebhooks = "standard-webhooks",
     /// The body that Alertmanager posts to its webhook receivers, version 4.
-    AlertmanagerWebhook,
+    AlertmanagerWebhook = "alertmanager-webhook",
     /// An Alertmanager: pushed to `/api/v2/alerts`, again and again while the alert fires.
-    Alertmanager,
+    Alertmanager = "alertmanager",
     /// CloudEvents 1.0, structured JSON.
-    CloudEvents,
+    CloudEvents = "cloudevents",
     /// E-mail to the addresses of a `mailto:` URL, by way of the mail server of the configuration.
-    Email,
+    Email = "email",
 }
-
-impl HookKind {
-    pub const ALL: [HookKind; 5] = [
-        HookKind::StandardWebhooks,
-        HookKind::AlertmanagerWebhook,
-        HookKind::Alertmanager,
-        HookKind::CloudEvents,
-        HookKind::Email,
-    ];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            HookKind::StandardWebhooks => "standard-webhooks",
-            HookKind::AlertmanagerWebhook => "alertmanager-webhook",
-            HookKind::Alertmanager => "alertmanager",
-            HookKind::CloudEvents => "cloudevents",
-            HookKind::Email => "email",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
-    }
 }
 
 /// One thing told to a hook. Rendered anew at every attempt; but for an Alertmanager's `endsAt`, always to the same

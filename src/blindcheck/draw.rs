@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 use super::reach::Structure;
+use crate::core::named::named;
 use crate::simulate::cause::{CATALOGUE, Injectable, SEAT, ShownBy};
 use crate::simulate::outside::FAMILIES;
 use crate::simulate::programme::{Order, Positions, Programme, any_direction};
@@ -16,46 +17,29 @@ use crate::simulate::scenario::{
 };
 use crate::simulate::{Simulated, simulate};
 
+named! {
 /// What a campaign of a blind run is to try.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Case {
     /// One effect of the catalogue, d of 8 or more.
-    One,
+    One = "one",
     /// One effect at d = 5.
-    Faint,
+    Faint = "faint",
     /// Nothing but noise.
-    Clean,
+    Clean = "clean",
     /// Two effects, d = 12 each.
-    Pair,
+    Pair = "pair",
     /// A cause in no catalogue, d of 15 or more.
-    Outside,
+    Outside = "outside",
     /// An effect that leaves nothing in this design.
-    Unseen,
+    Unseen = "unseen",
     /// A term of model (6) that the model in use leaves out.
-    Withheld,
+    Withheld = "withheld",
+}
 }
 
 impl Case {
-    pub const ALL: [Case; 7] =
-        [Case::One, Case::Faint, Case::Clean, Case::Pair, Case::Outside, Case::Unseen, Case::Withheld];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Case::One => "one",
-            Case::Faint => "faint",
-            Case::Clean => "clean",
-            Case::Pair => "pair",
-            Case::Outside => "outside",
-            Case::Unseen => "unseen",
-            Case::Withheld => "withheld",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|case| case.name() == name)
-    }
-
     /// Share of a mixed run, per cent.
     fn share(self) -> u32 {
         match self {

@@ -8,7 +8,8 @@ use anyhow::{Context, bail};
 use clap::Args;
 use comfy_table::Table;
 
-use super::document::{Format, print, print_json, table, write, write_all};
+use super::common::positive;
+use super::document::{Format, table, write, write_all};
 use super::hypothesis;
 use super::tallies::{figures, percent, progress};
 use crate::blindcheck;
@@ -89,11 +90,6 @@ fn count(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|count| *count > 0).ok_or_else(|| "must be a whole number from 1 on".to_owned())
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "must be a positive number".to_owned())
-}
-
 fn case(text: &str) -> Result<Case, String> {
     Case::from_name(text).ok_or_else(|| format!("cases are {}", Case::ALL.map(Case::name).join(", ")))
 }
@@ -144,10 +140,7 @@ impl Blindcheck {
             _ => self.drawn()?,
         };
         let report = Report::of(&seal, scores);
-        match self.format {
-            Format::Json => print_json(&report)?,
-            Format::Table => print(&tables(&report, begun.elapsed().as_secs_f64()))?,
-        }
+        self.format.show(&report, || tables(&report, begun.elapsed().as_secs_f64()))?;
         if self.strict && !report.reached() {
             bail!("not every figure to be reached was reached");
         }
@@ -158,10 +151,7 @@ impl Blindcheck {
         let wanted = |kind: &&Kind| self.kind.iter().any(|name| *name == ALL || *name == kind.name);
         let rows: Vec<KindRow> =
             KINDS.iter().filter(wanted).map(|kind| row(kind, self.seed, self.count.unwrap_or(COUNT), &plain)).collect();
-        match self.format {
-            Format::Json => print_json(&rows),
-            Format::Table => print(&kind_table(&rows)),
-        }
+        self.format.show(&rows, || kind_table(&rows))
     }
 
     fn hypothesis(&self, path: &Path) -> anyhow::Result<()> {
@@ -183,10 +173,7 @@ impl Blindcheck {
         let report = blindcheck::hypothesis::hypothesis(*effect, design, sizes, &asked, &|| bar.inc(1));
         bar.finish_and_clear();
         let report = report.with_context(|| path.display().to_string())?;
-        match self.format {
-            Format::Json => print_json(&report),
-            Format::Table => print(&hypothesis_tables(&report)),
-        }
+        self.format.show(&report, || hypothesis_tables(&report))
     }
 
     fn drawn(&self) -> anyhow::Result<(String, Vec<Score>)> {

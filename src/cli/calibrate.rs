@@ -56,10 +56,7 @@ impl Calibrate {
         let mut fitted =
             self.campaigns.iter().map(|path| self.fitted(path, &config)).collect::<anyhow::Result<Vec<_>>>()?;
         if let [one] = fitted.as_slice() {
-            return match self.format {
-                Format::Table => document::print(&tables(&one.campaign, &one.outcome, &one.answer)),
-                Format::Json => document::print_json(&one.answer),
-            };
+            return self.format.show(&one.answer, || tables(&one.campaign, &one.outcome, &one.answer));
         }
         fitted.sort_by_key(|one| one.campaign.measured_at);
         for (i, one) in fitted.iter().enumerate() {

@@ -41,14 +41,25 @@ pub enum Trouble {
     Away(String),
     /// It answers that it is busy or unwell: sending again can help.
     Again { why: String, after: Option<Duration> },
-    /// It cannot, until somebody changes the address, the token or the service.
-    Stop(String),
+    /// It cannot, until somebody changes the address, the token or the service; the status, where that says so.
+    Stop { status: Option<StatusCode>, why: String },
+}
+
+impl Trouble {
+    pub fn stop(status: impl Into<Option<StatusCode>>, why: String) -> Self {
+        Self::Stop { status: status.into(), why }
+    }
+
+    /// Whether there is nothing at the address that was asked.
+    pub fn is_not_found(&self) -> bool {
+        matches!(self, Self::Stop { status: Some(StatusCode::NOT_FOUND), .. })
+    }
 }
 
 impl std::fmt::Display for Trouble {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Away(why) | Self::Again { why, .. } | Self::Stop(why) => f.write_str(why),
+            Self::Away(why) | Self::Again { why, .. } | Self::Stop { why, .. } => f.write_str(why),
         }
     }
 }
@@ -152,12 +163,12 @@ impl Service {
     pub async fn ask(&self, route: &str) -> Result<Value, Trouble> {
         let (status, after, body) = self.answer(self.request(Method::GET, route)).await?;
         if status == StatusCode::OK {
-            let foreign = |error| Trouble::Stop(format!("the answer is not one of gyrowatch: {error}"));
+            let foreign = |error| Trouble::stop(None, format!("the answer is not one of gyrowatch: {error}"));
             return serde_json::from_slice(&body).map_err(foreign);
         }
         Err(match sort(status, after, &body)? {
-            Sent::Refused(problem) => Trouble::Stop(format!("{status}: {}", problem.detail)),
-            Sent::Stored(_) | Sent::Known(_) => Trouble::Stop(format!("status {status} from {route}")),
+            Sent::Refused(problem) => Trouble::stop(status, format!("{status}: {}", problem.detail)),
+            Sent::Stored(_) | Sent::Known(_) => Trouble::stop(status, format!("status {status} from {route}")),
         })
     }
 
@@ -172,8 +183,10 @@ impl Service {
         let (status, after, body) = self.call("/v1/import", NDJSON, lines).await?;
         if status != StatusCode::OK {
             return Err(match sort(status, after, &body)? {
-                Sent::Refused(problem) => Trouble::Stop(format!("the whole batch was refused: {}", problem.detail)),
-                Sent::Stored(_) | Sent::Known(_) => Trouble::Stop(format!("status {status} from /v1/import")),
+                Sent::Refused(problem) => {
+                    Trouble::stop(status, format!("the whole batch was refused: {}", problem.detail))
+                }
+                Sent::Stored(_) | Sent::Known(_) => Trouble::stop(status, format!("status {status} from /v1/import")),
             });
         }
         let answers: Result<Vec<LineAnswer>, _> =
@@ -184,7 +197,7 @@ impl Service {
                 let why = format!("{count} lines were sent, {} answered", answers.len());
                 Err(Trouble::Again { why, after: None })
             }
-            Err(error) => Err(Trouble::Stop(format!("the answer is not one of gyrowatch: {error}"))),
+            Err(error) => Err(Trouble::stop(None, format!("the answer is not one of gyrowatch: {error}"))),
         }
     }
 
@@ -239,14 +252,14 @@ fn sort(status: StatusCode, after: Option<Duration>, body: &[u8]) -> Result<Sent
             Ok(answer) if answer.get("id").is_some() => {
                 Ok(if code == 200 { Sent::Known(answer) } else { Sent::Stored(answer) })
             }
-            _ => Err(Trouble::Stop(format!("status {code}, but the answer is not one of gyrowatch"))),
+            _ => Err(Trouble::stop(status, format!("status {code}, but the answer is not one of gyrowatch"))),
         },
         400 | 409 | 413 | 415 | 422 => match problem() {
             Some(problem) => Ok(Sent::Refused(problem)),
-            None => Err(Trouble::Stop(format!("status {status}, but the answer is not one of gyrowatch"))),
+            None => Err(Trouble::stop(status, format!("status {status}, but the answer is not one of gyrowatch"))),
         },
         408 | 425 | 429 | 500.. => Err(Trouble::Again { why: why(status, body), after }),
-        _ => Err(Trouble::Stop(why(status, body))),
+        _ => Err(Trouble::stop(status, why(status, body))),
     }
 }
 
@@ -277,19 +290,19 @@ mod tests {
         }
         assert!(matches!(sorted(200, br#"{"id":"r1"}"#), Ok(Sent::Known(_))));
         for page in [&b"<html>Welcome to the guest network</html>"[..], b"{}", b""] {
-            assert!(matches!(sorted(200, page), Err(Trouble::Stop(_))));
+            assert!(matches!(sorted(200, page), Err(Trouble::Stop { .. })));
         }
-        assert!(matches!(sorted(302, b""), Err(Trouble::Stop(_))));
+        assert!(matches!(sorted(302, b""), Err(Trouble::Stop { .. })));
     }
 
     #[test]
     fn only_the_documents_own_faults_refuse_it() {
         for status in [400, 409, 413, 415, 422] {
             assert!(matches!(sorted(status, PROBLEM), Ok(Sent::Refused(_))), "{status}");
-            assert!(matches!(sorted(status, b"<html>"), Err(Trouble::Stop(_))), "{status}");
+            assert!(matches!(sorted(status, b"<html>"), Err(Trouble::Stop { .. })), "{status}");
         }
         for status in [401, 403, 404, 405] {
-            assert!(matches!(sorted(status, PROBLEM), Err(Trouble::Stop(_))), "{status}");
+            assert!(matches!(sorted(status, PROBLEM), Err(Trouble::Stop { .. })), "{status}");
         }
         for status in [408, 429, 500, 502, 503, 507] {
             assert!(matches!(sorted(status, PROBLEM), Err(Trouble::Again { .. })), "{status}");

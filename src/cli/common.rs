@@ -26,3 +26,9 @@ pub(super) fn instant(text: &str) -> Result<UtcMicros, String> {
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub(super) struct Usage(pub(super) String);
+
+/// An argument that is a number above zero.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "must be a positive number".to_owned())
+}

@@ -65,8 +65,8 @@ impl Void {
             let post = |kind: &str| post(&service, format!("/v1/{kind}/{}/void", self.id), order.clone());
             // A campaign is a record too; a bench result is none.
             let sent = match post("records").await {
-                Err(Trouble::Stop(why)) if why.starts_with("404") => match post("bench-results").await {
-                    Err(Trouble::Stop(why)) if why.starts_with("404") => {
+                Err(trouble) if trouble.is_not_found() => match post("bench-results").await {
+                    Err(trouble) if trouble.is_not_found() => {
                         bail!("404: no record, campaign or bench result has the identifier {:?}", self.id)
                     }
                     other => other?,

@@ -13,7 +13,7 @@ use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, may_be_
 use crate::core::imu_model::changed_since;
 use crate::pages::{Subject, diagnosis_report};
 use crate::wire::campaign::parse_json;
-use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::diagnosis::{DiagnosisBody, TableBody};
 use crate::wire::document::DocumentKind;
 use crate::wire::document::{is_csv, parse};
 use crate::wire::forecast::ChangedBody;
@@ -118,10 +118,7 @@ impl Diagnose {
         if let Some(path) = &self.adopt {
             adopt(path, &in_use, &campaign, &diagnosed)?;
         }
-        match self.format {
-            Format::Table => document::print(&tables(&campaign, &diagnosis)),
-            Format::Json => document::print_json(&diagnosis),
-        }
+        self.format.show(&diagnosis, || tables(&campaign, &diagnosis))
     }
 }
 
@@ -342,11 +339,11 @@ fn blind_spots(d: &DiagnosisBody) -> Option<String> {
 }
 
 fn next(d: &DiagnosisBody) -> Option<String> {
-    let mut rows = table(["next dwell", "specific force, g0", "rate, arcsec/s", "separates"], 1..3);
+    let mut rows = table(["up", "north", "table rate, deg/s", "separates"], 2..3);
     for n in &d.next_dwells {
-        let triple = |v: [f64; 3], digits: usize| v.map(|x| format!("{x:.digits$}")).join(" ");
-        let (force, rate) = (triple(n.specific_force_g0, 4), triple(n.rate_arcsec_s, 1));
-        rows.add_row([n.phase.clone(), force, rate, n.separates.join(", ")]);
+        let Some(TableBody { up, north, rate_deg_s }) = &n.table else { continue };
+        let (up, north) = (TableBody::direction(*up), TableBody::direction(*north));
+        rows.add_row([up, north, format!("{rate_deg_s:.3}"), n.separates.join(", ")]);
     }
     (!d.next_dwells.is_empty()).then(|| format!("Worth measuring next\n{rows}"))
 }

@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::de::DeserializeOwned;
 
 use super::client::{Connection, JSON, Sent, Service, Trouble};
-use super::document::{self, Format, table};
+use super::document::{Format, table};
 use crate::wire::diagnoses::{CoverageBody, DoubtBody, FindingBody, JobDetailBody, SummaryBody, WhichBody};
 
 /// How often progress is asked for.
@@ -95,10 +95,7 @@ async fn all(fleet: &Fleet, service: &Service, format: Format) -> anyhow::Result
         bail!("order {} was canceled; campaigns still to go: {}", ended.job.id, ended.job.counts.canceled);
     }
     let summary: SummaryBody = ask(service, &format!("/v1/diagnoses/summary?{}", fleet.query())).await?;
-    match format {
-        Format::Table => document::print(&tables(&summary))?,
-        Format::Json => document::print_json(&summary)?,
-    }
+    format.show(&summary, || tables(&summary))?;
     match ended.job.counts.failed {
         0 => Ok(()),
         failed => bail!("{failed} of {} campaigns could not be diagnosed", ended.job.counts.campaigns),
@@ -157,7 +154,7 @@ async fn ask<T: DeserializeOwned>(service: &Service, route: &str) -> anyhow::Res
 /// Waits before another try, where one can help and patience is left.
 async fn wait(trouble: Trouble, begun: Instant) -> anyhow::Result<()> {
     let pause = match &trouble {
-        Trouble::Stop(_) => return Err(trouble.into()),
+        Trouble::Stop { .. } => return Err(trouble.into()),
         Trouble::Away(_) => STEP,
         Trouble::Again { after, .. } => after.unwrap_or(STEP),
     };

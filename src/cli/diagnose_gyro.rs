@@ -3,20 +3,16 @@
 use anyhow::Context;
 
 use super::diagnose_all::Fleet;
-use super::document::{self, Format, table};
+use super::document::{Format, table};
 use crate::wire::history::{CoefficientBody, HistoryDiagnosisBody};
+use crate::wire::text::encoded;
 
 pub fn run(serial: &str, fleet: &Fleet, format: Format) -> anyhow::Result<()> {
     let service = fleet.service()?;
-    let route =
-        format!("/v1/gyros/{}/diagnosis", url::form_urlencoded::byte_serialize(serial.as_bytes()).collect::<String>());
-    let route = route.replace('+', "%20");
+    let route = format!("/v1/gyros/{}/diagnosis", encoded(serial));
     let answer = super::block_on(async { service.get(&route).await })?;
     let answer: HistoryDiagnosisBody = serde_json::from_value(answer).context("the answer is not one of gyrowatch")?;
-    match format {
-        Format::Table => document::print(&tables(&answer)),
-        Format::Json => document::print_json(&answer),
-    }
+    format.show(&answer, || tables(&answer))
 }
 
 fn tables(answer: &HistoryDiagnosisBody) -> String {

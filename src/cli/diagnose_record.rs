@@ -26,10 +26,7 @@ pub fn run(bytes: &[u8], format: Format) -> anyhow::Result<()> {
         time::format(record.calibrated_at),
         answer.verdict.replace('_', " ")
     );
-    match format {
-        Format::Table => document::print(&tables(&head, &answer)),
-        Format::Json => document::print_json(&answer),
-    }
+    format.show(&answer, || tables(&head, &answer))
 }
 
 fn tables(head: &str, answer: &ClosureBody) -> String {

@@ -30,6 +30,16 @@ pub enum Format {
     Json,
 }
 
+impl Format {
+    /// Prints an answer, or the tables that people read in its place.
+    pub fn show(self, answer: &impl Serialize, tables: impl FnOnce() -> String) -> anyhow::Result<()> {
+        match self {
+            Self::Table => print(&tables()),
+            Self::Json => print_json(answer),
+        }
+    }
+}
+
 /// Reads a file whole, or standard input for `-`.
 pub fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
     let mut bytes = Vec::new();

@@ -13,6 +13,7 @@ use super::{Usage, block_on};
 use crate::core::imu_model::{compare, ladder};
 use crate::core::judge::Limits;
 use crate::wire::forecast::{ClosingBody, ComparedBody, ForecastBody, ForecastPointBody, ForecastSeriesBody, RungBody};
+use crate::wire::text::encoded;
 use crate::wire::time;
 
 /// Show the gap between the model of an IMU and its later campaigns: model (6), each effect, the noise floor
@@ -50,10 +51,7 @@ impl Gap {
     pub fn run(self) -> anyhow::Result<()> {
         let (name, mut ladders) = if self.campaigns.is_empty() { self.of_service()? } else { self.of_files()? };
         ladders.sort_by(|a, b| a.measured_at.cmp(&b.measured_at));
-        match self.format {
-            Format::Table => document::print(&tables(&name, &ladders)),
-            Format::Json => document::print_json(&ladders),
-        }
+        self.format.show(&ladders, || tables(&name, &ladders))
     }
 
     /// The campaigns of an IMU that a service stores, each from the model in force when it came in.
@@ -62,9 +60,8 @@ impl Gap {
             return Err(Usage("a model file wants campaigns to hold it against".to_owned()).into());
         }
         let imu = self.model.to_string_lossy().into_owned();
-        let name = url::form_urlencoded::byte_serialize(imu.as_bytes()).collect::<String>().replace('+', "%20");
         let service = self.connection.service()?;
-        let answer = block_on(async { service.get(&format!("/v1/imus/{name}/forecast")).await })?;
+        let answer = block_on(async { service.get(&format!("/v1/imus/{}/forecast", encoded(&imu))).await })?;
         let series: ForecastSeriesBody =
             serde_json::from_value(answer).context("the answer is not one of gyrowatch")?;
         for point in &series.points {

@@ -126,10 +126,7 @@ impl Fit {
             None => document::print(&text),
             Some(path) => {
                 document::write(path, &(text + "\n"))?;
-                match self.format {
-                    Format::Table => document::print(&shown),
-                    Format::Json => document::print_json(&wire::model::ModelBody::from(&file)),
-                }
+                self.format.show(&wire::model::ModelBody::from(&file), || shown)
             }
         }
     }

@@ -49,10 +49,7 @@ impl Predict {
             let campaign = measured(&self.campaign)?;
             held_against(&model, &campaign).with_context(file)?
         };
-        match self.format {
-            Format::Table => document::print(&tables(&body)),
-            Format::Json => document::print_json(&body),
-        }
+        self.format.show(&body, || tables(&body))
     }
 }
 

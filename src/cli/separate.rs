@@ -72,10 +72,8 @@ impl Separate {
         let record = parse_record(&bytes, &config.plausibility.limits()).with_context(file)?;
         let separations = separate_all(&record).with_context(file)?;
         let verdicts: Vec<_> = record.gyros.iter().map(|gyro| required(&record, gyro, &config.judging)).collect();
-        match self.format {
-            Format::Table => document::print(&tables(&record, &separations, &verdicts)),
-            Format::Json => document::print_json(&answer(&record, &separations, &verdicts, self.method)),
-        }
+        self.format
+            .show(&answer(&record, &separations, &verdicts, self.method), || tables(&record, &separations, &verdicts))
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 
+use super::common::positive;
 use super::{Usage, document, experiment, hypothesis, model};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
@@ -224,11 +225,6 @@ fn made(scenario: &Scenario, put_in: &PutIn) -> anyhow::Result<Simulated> {
         hide(&mut simulated, *effect, *amount, slots, &mut rng).context("--hypothesis")?;
     }
     Ok(simulated)
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "must be a positive number".to_owned())
 }
 
 fn slot(name: &str) -> Result<Slot, String> {

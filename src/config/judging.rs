@@ -7,6 +7,7 @@ use crate::core::judge::limits::{DriftLimits, Limit, LimitKey, Limits, Requireme
 use crate::core::judge::{Noise, Verdict, requirement};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::name::{Name, normal_form};
+use crate::core::named::named;
 use crate::words::Language;
 
 use super::ConfigError;
@@ -14,11 +15,13 @@ use super::requirement::SlotRequirements;
 use super::rules::OverriddenCoefficient;
 use super::rules::RuleKeys;
 
+named! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum JudgedMethod {
-    Rigid,
-    Published,
+    Rigid = "rigid",
+    Published = "published",
+}
 }
 
 #[derive(Debug, Clone, Deserialize)]

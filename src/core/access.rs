@@ -1,35 +1,38 @@
 //! Roles: what somebody who holds a token may do.
 
+use crate::core::id::Id;
+use crate::core::named::named;
 use crate::core::time::UtcMicros;
 
+named! {
 /// Each may do what those before it may.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     /// Reads.
-    Viewer,
+    Viewer = "viewer",
     /// Sends calibrations.
-    Station,
+    Station = "station",
     /// Says what is to be made of them: acknowledges, silences, marks events, adopts models.
-    Engineer,
+    Engineer = "engineer",
     /// Decides who is told and who may do what.
-    Admin,
+    Admin = "admin",
+}
 }
 
-impl Role {
-    pub const ALL: [Self; 4] = [Self::Viewer, Self::Station, Self::Engineer, Self::Admin];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Viewer => "viewer",
-            Self::Station => "station",
-            Self::Engineer => "engineer",
-            Self::Admin => "admin",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|role| role.name() == name)
-    }
+/// One line of the audit trail. `before` and `after` are JSON.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AuditEntry {
+    pub id: Id,
+    pub at: UtcMicros,
+    pub who: String,
+    pub token: Option<Id>,
+    pub source: String,
+    /// The program that was used, by its own word.
+    pub agent: Option<String>,
+    pub action: String,
+    pub subject: String,
+    pub before: Option<String>,
+    pub after: Option<String>,
 }
 
 /// Which lines of the audit trail.

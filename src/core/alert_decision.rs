@@ -6,6 +6,7 @@
 
 use super::judge::{Finding, Rule, Severity, State, Verdict};
 use super::time::UtcMicros;
+use crate::core::named::named;
 
 /// How an alert behaves between verdicts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,55 +43,27 @@ pub enum Late {
     Clock,
 }
 
+named! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Status {
-    Firing,
-    Resolved,
+    Firing = "firing",
+    Resolved = "resolved",
+}
 }
 
-impl Status {
-    pub fn name(self) -> &'static str {
-        match self {
-            Status::Firing => "firing",
-            Status::Resolved => "resolved",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        [Status::Firing, Status::Resolved].into_iter().find(|status| status.name() == name)
-    }
-}
-
+named! {
 /// How an alert stands for whoever looks at it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Standing {
-    Firing,
+    Firing = "firing",
     /// Firing, and somebody knows.
-    Acknowledged,
+    Acknowledged = "acknowledged",
     /// Firing, and nobody is told before a time.
-    Silenced,
+    Silenced = "silenced",
     /// Firing, and a station's alert explains it: nobody is told while that fires.
-    Inhibited,
-    Resolved,
+    Inhibited = "inhibited",
+    Resolved = "resolved",
 }
-
-impl Standing {
-    pub const ALL: [Standing; 5] =
-        [Standing::Firing, Standing::Acknowledged, Standing::Silenced, Standing::Inhibited, Standing::Resolved];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Standing::Firing => "firing",
-            Standing::Acknowledged => "acknowledged",
-            Standing::Silenced => "silenced",
-            Standing::Inhibited => "inhibited",
-            Standing::Resolved => "resolved",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|standing| standing.name() == name)
-    }
 }
 
 /// What is kept of an alert. Who acknowledged or silenced it, and why, is kept beside it by the caller.
@@ -159,41 +132,23 @@ pub struct Told {
     pub severity: Severity,
 }
 
+named! {
 /// What to tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Action {
     /// It fires.
-    Fire,
+    Fire = "fire",
     /// It fires still, and a second campaign has confirmed it.
-    Escalate,
+    Escalate = "escalate",
     /// It fires still, but what had confirmed it counts no more.
-    Lower,
+    Lower = "lower",
     /// It fires still.
-    Repeat,
+    Repeat = "repeat",
     /// It fires no more.
-    Resolve,
+    Resolve = "resolve",
     /// Nothing to tell.
-    Silent,
+    Silent = "silent",
 }
-
-impl Action {
-    pub const ALL: [Action; 6] =
-        [Action::Fire, Action::Escalate, Action::Lower, Action::Repeat, Action::Resolve, Action::Silent];
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|action| action.name() == name)
-    }
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Action::Fire => "fire",
-            Action::Escalate => "escalate",
-            Action::Lower => "lower",
-            Action::Repeat => "repeat",
-            Action::Resolve => "resolve",
-            Action::Silent => "silent",
-        }
-    }
 }
 
 /// The alert as it is to be kept (none: there is none), and what to tell.
@@ -320,7 +275,7 @@ pub fn lower(alert: &Alert, severity: Severity, now: UtcMicros) -> Decision {
     announce(Alert { severity: alert.severity.min(severity), ..*alert }, now)
 }
 
-/// Somebody knows: no more repeats. Escalation and resolution are still told.
+/// Acknowledged: no more repeats. Escalation and resolution are still told.
 pub fn acknowledge(alert: &Alert) -> Alert {
     Alert { acknowledged: true, ..*alert }
 }

@@ -27,6 +27,19 @@ pub struct Options {
     pub reference_c: Option<f64>,
     /// Hypotheses of one's own, which compete with the catalogue.
     pub hypotheses: Vec<Effect>,
+    pub plausible_sizes: PlausibleSizes,
+}
+
+/// Largest sizes that gyros of this kind may have, by effect, in the unit of its coefficients; the catalogue's
+/// ([`super::effects::Entry::plausible`]) of the others.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PlausibleSizes(pub Vec<(Effect, f64)>);
+
+impl PlausibleSizes {
+    pub fn of(&self, effect: Effect) -> f64 {
+        let own = self.0.iter().find(|(kind, _)| *kind == effect);
+        own.map_or(effect.entry().plausible, |(_, size)| *size)
+    }
 }
 
 /// An effect in the model, as large as the campaign in which it was found says.
@@ -53,11 +66,12 @@ pub struct AugmentedModel {
     pub found_in: Option<Provenance>,
     /// The coefficients of the very IMU, where campaigns were fitted.
     pub identified: Option<Arc<Identified>>,
+    pub plausible_sizes: PlausibleSizes,
 }
 
 impl AugmentedModel {
     pub fn is_plain(&self) -> bool {
-        self.terms.is_none() && self.effects.is_empty()
+        self.terms.is_none() && self.effects.is_empty() && self.plausible_sizes.0.is_empty()
     }
 
     /// What of the model is not of `campaign`'s IMU and gyros: its effects are fitted there all the same.
@@ -100,6 +114,6 @@ impl AugmentedModel {
         let adopted = adopted.filter(|a| a.effect.term().is_none() && (here || !a.effect.entry().one_occasion));
         let reference_c = self.identified.as_ref().and_then(|identified| identified.reference_c);
         let (terms, adopted) = (Some(Terms::of(&terms)), adopted.cloned().collect());
-        Options { terms, adopted, reference_c, hypotheses: Vec::new() }
+        Options { terms, adopted, reference_c, hypotheses: Vec::new(), plausible_sizes: self.plausible_sizes.clone() }
     }
 }

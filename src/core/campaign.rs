@@ -9,6 +9,7 @@ use super::mounting::{Geometry, Slot};
 use super::record::Name;
 use super::time::UtcMicros;
 use super::units::EARTH_RATE_DEG_H;
+use crate::core::named::named;
 
 mod check;
 mod columns;
@@ -27,49 +28,26 @@ pub use note::{CampaignNote, Column, LeftOut, StationLack};
 pub use station_uncertainty::{StationPart, StationUncertainty};
 pub use temperatures::Temperatures;
 
+named! {
 /// Whether the IMU stood still on the Earth or the table turned during a dwell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Phase {
-    Static,
-    Rate,
+    Static = "static",
+    Rate = "rate",
+}
 }
 
-impl Phase {
-    pub fn name(self) -> &'static str {
-        match self {
-            Phase::Static => "static",
-            Phase::Rate => "rate",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        [Phase::Static, Phase::Rate].into_iter().find(|phase| phase.name() == name)
-    }
-}
-
+named! {
 /// What was on the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum TestKind {
     /// A whole IMU, the default.
-    Imu,
+    Imu = "imu",
     /// One gyro, torque feedback (polar-axis tumble): output in pulse/s.
-    TorqueFeedback,
+    TorqueFeedback = "torque_feedback",
     /// One gyro on a servo turntable: output is the table rate in arcsec/s.
-    TurntableServo,
+    TurntableServo = "turntable_servo",
 }
-
-impl TestKind {
-    pub fn name(self) -> &'static str {
-        match self {
-            TestKind::Imu => "imu",
-            TestKind::TorqueFeedback => "torque_feedback",
-            TestKind::TurntableServo => "turntable_servo",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        [TestKind::Imu, TestKind::TorqueFeedback, TestKind::TurntableServo].into_iter().find(|t| t.name() == name)
-    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,38 +1,27 @@
 //! How a delivery to a hook stands.
 
+use crate::core::named::named;
+use crate::core::time::UtcMicros;
+
+named! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeliveryState {
     /// An earlier one of the same hook and alert is not done.
-    Behind,
+    Behind = "behind",
     /// To be sent when it is due.
-    Waiting,
-    Delivered,
+    Waiting = "waiting",
+    Delivered = "delivered",
     /// Given up after the whole ladder, or because the target is gone.
-    Dead,
+    Dead = "dead",
     /// Its hook was deleted, or was told of everything that fires instead.
-    Dropped,
+    Dropped = "dropped",
+}
 }
 
-impl DeliveryState {
-    pub const ALL: [DeliveryState; 5] = [
-        DeliveryState::Behind,
-        DeliveryState::Waiting,
-        DeliveryState::Delivered,
-        DeliveryState::Dead,
-        DeliveryState::Dropped,
-    ];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            DeliveryState::Behind => "behind",
-            DeliveryState::Waiting => "waiting",
-            DeliveryState::Delivered => "delivered",
-            DeliveryState::Dead => "dead",
-            DeliveryState::Dropped => "dropped",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|state| state.name() == name)
-    }
+/// How the queue of a hook stands, or the queues of all.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct QueueState {
+    pub open: i64,
+    pub dead: i64,
+    pub oldest_open: Option<UtcMicros>,
 }

@@ -3,37 +3,25 @@
 //! N = D0 + G.A + P.A^2 + E.w (pulse/s), with A in g0 and w in arcsec/s, both in body axes. The printed text
 //! under (6) calls the nine E "drift coefficients"; they are scale/installation terms, and the nine G are meant.
 
+use crate::core::named::named;
 use nalgebra::Vector3;
 
+named! {
 /// One group of columns of model (6).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Term {
     /// D0, pulse/s: one column of ones.
-    Bias,
+    Bias = "bias",
     /// G, pulse/(s g0): A_x, A_y, A_z.
-    GLinear,
+    GLinear = "g_linear",
     /// P, pulse/(s g0^2): A_x^2, A_y^2, A_z^2.
-    GSquared,
+    GSquared = "g_squared",
     /// E, pulse/arcsec: w_x, w_y, w_z.
-    Scale,
+    Scale = "scale",
+}
 }
 
 impl Term {
-    pub const ALL: [Term; 4] = [Term::Bias, Term::GLinear, Term::GSquared, Term::Scale];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Term::Bias => "bias",
-            Term::GLinear => "g_linear",
-            Term::GSquared => "g_squared",
-            Term::Scale => "scale",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|term| term.name() == name)
-    }
-
     pub fn columns(self) -> usize {
         match self {
             Term::Bias => 1,

@@ -4,32 +4,21 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::fault::Faults;
 use crate::core::message::{figure, text};
+use crate::core::named::named;
 use crate::message;
 
+named! {
 /// Position of a gyro in its IMU. The paper's G1, G2, G3.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Slot {
     #[default]
-    G1,
-    G2,
-    G3,
+    G1 = "G1",
+    G2 = "G2",
+    G3 = "G3",
+}
 }
 
 impl Slot {
-    pub const ALL: [Slot; 3] = [Slot::G1, Slot::G2, Slot::G3];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Slot::G1 => "G1",
-            Slot::G2 => "G2",
-            Slot::G3 => "G3",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|slot| slot.name() == name)
-    }
-
     pub fn index(self) -> usize {
         self as usize
     }

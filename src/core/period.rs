@@ -1,30 +1,19 @@
 //! Measurements gathered by day, week or month: what a plot of years needs.
 
 use super::time::UtcMicros;
+use crate::core::named::named;
 
+named! {
 /// A stretch of the calendar, UTC.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Period {
-    Day,
-    Week,
-    Month,
+    Day = "day",
+    Week = "week",
+    Month = "month",
+}
 }
 
 impl Period {
-    pub const ALL: [Self; 3] = [Self::Day, Self::Week, Self::Month];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Day => "day",
-            Self::Week => "week",
-            Self::Month => "month",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|period| period.name() == name)
-    }
-
     /// First instant of the period that holds `at`; weeks begin on Monday (ISO 8601).
     pub fn begin(self, at: UtcMicros) -> UtcMicros {
         let day = at.0.div_euclid(UtcMicros::DAY);

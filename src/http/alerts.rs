@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::header::{ACCEPT, CONTENT_TYPE, LINK};
+use axum::http::header::{CONTENT_TYPE, LINK};
 use axum::http::{HeaderMap, HeaderValue, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -16,13 +16,12 @@ use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity};
-use crate::core::message::text;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::{AlertChange, AlertOrder, AlertStep};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
-use crate::wire::{alert_csv, cursor, json, text, time};
+use crate::wire::{alert_csv, json, text, time};
 
 const DEFAULT_ALERTS: usize = 100;
 const MOST_ALERTS: usize = 10_000;
@@ -83,14 +82,12 @@ pub async fn get_alerts(
     uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let csv = wants_csv(asked.format.as_deref(), &headers)?;
+    let csv = query::wants_csv(asked.format.as_deref(), &headers)?;
     let limit = query::limit(asked.limit, if csv { MOST_ALERTS } else { DEFAULT_ALERTS }, MOST_ALERTS)?;
     let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
     let filter = filter(&app, &asked)?;
-    let mut found = app.pipeline.alerts.find(&filter, before, limit as u32 + 1).await?;
-    let more = found.len() > limit;
-    found.truncate(limit);
-    let next = found.last().filter(|_| more).map(|(id, _)| cursor::encode(id.0));
+    let found = app.pipeline.alerts.find(&filter, before, limit as u32 + 1).await?;
+    let (found, next) = query::page(found, limit, |(id, _)| Some(*id));
     let alerts: Vec<AlertBody> = found.into_iter().map(|(_, alert)| alert).collect();
     let link = next.as_deref().and_then(|next| HeaderValue::from_str(&query::link_to(&uri, next)).ok());
     let mut response = if csv {
@@ -103,15 +100,6 @@ pub async fn get_alerts(
         response.headers_mut().insert(LINK, link);
     }
     Ok(response)
-}
-
-fn wants_csv(format: Option<&str>, headers: &HeaderMap) -> Result<bool, Problem> {
-    match format {
-        Some("csv") => Ok(true),
-        Some("json") => Ok(false),
-        Some(other) => Err(not_one_of("format", ["json", "csv"], other)),
-        None => Ok(headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv"))),
-    }
 }
 
 fn filter(app: &App, asked: &AlertsQuery) -> Result<AlertFilter, Problem> {
@@ -187,7 +175,7 @@ impl From<AlertStep> for StepBody {
     responses((status = 200, description = "the alert", body = AlertDetail)))]
 pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result<Json<AlertDetail>, Problem> {
     let number = read_id(&id)?;
-    let found = app.pipeline.alerts.get(number).await?.ok_or_else(|| unknown(&id))?;
+    let found = app.pipeline.alerts.get(number).await?.ok_or_else(|| Problem::unknown_alert(&id))?;
     let inhibited = app.pipeline.alerts.inhibited_by(number).await?;
     Ok(Json(AlertDetail {
         alert: found.alert,
@@ -197,11 +185,7 @@ pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result
 }
 
 fn read_id(id: &str) -> Result<Id, Problem> {
-    id.parse().map_err(|_| unknown(id))
-}
-
-fn unknown(id: &str) -> Problem {
-    Problem::new(404, "title_unknown_alert", message!("unknown_alert", id = text(id)))
+    id.parse().map_err(|_| Problem::unknown_alert(id))
 }
 
 /// Who knows, and why it may go on firing.
@@ -226,7 +210,7 @@ struct SilenceOrder {
     reason: String,
 }
 
-/// Somebody knows: no more repeats until it resolves or grows more severe. Both are still told.
+/// Stops the repeats until it resolves or becomes more severe. Both are still told.
 #[utoipa::path(post, operation_id = "acknowledge_alert", path = "/v1/alerts/{id}/acknowledge", tag = "alerts", request_body = AcknowledgeBody,
     responses(
         (status = 200, description = "the alert, acknowledged", body = AlertBody),
@@ -256,7 +240,7 @@ async fn remarked(app: &App, id: &str, change: AlertChange, bytes: &[u8]) -> Res
         order(id, change, by, reason, Faults::default())
     };
     let order = read(bytes).map_err(|faults| Document::problem(bytes, faults))?;
-    Ok(Json(app.pipeline.alerts.change(order.ok_or_else(|| unknown(id))?).await?))
+    Ok(Json(app.pipeline.alerts.change(order.ok_or_else(|| Problem::unknown_alert(id))?).await?))
 }
 
 /// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
@@ -274,7 +258,7 @@ pub async fn post_silence(
         order(&id, AlertChange::Silence { until }, by, reason, faults)
     };
     let order = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    Ok(Json(app.pipeline.alerts.change(order.ok_or_else(|| unknown(&id))?).await?))
+    Ok(Json(app.pipeline.alerts.change(order.ok_or_else(|| Problem::unknown_alert(&id))?).await?))
 }
 
 pub(super) fn future(pointer: &str, text: &str, now: UtcMicros, faults: &mut Faults) -> UtcMicros {
@@ -296,8 +280,7 @@ fn order(
     reason: String,
     mut faults: Faults,
 ) -> Result<Option<AlertOrder>, Faults> {
-    let by = text::required_short("/by", by, &mut faults);
-    let reason = text::required_note("/reason", reason, &mut faults);
+    let (by, reason) = text::signed("/by", by, reason, &mut faults);
     let alert = id.parse().ok();
     faults.or(alert.map(|alert| AlertOrder { alert, change, by, reason }))
 }

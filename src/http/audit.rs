@@ -1,7 +1,7 @@
 //! `/v1/audit`: who did what, when and from where.
 
 use axum::extract::State;
-use axum::http::header::{ACCEPT, CONTENT_TYPE, LINK};
+use axum::http::header::{CONTENT_TYPE, LINK};
 use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -11,12 +11,11 @@ use utoipa::{IntoParams, ToSchema};
 use super::answer::Answer;
 use super::app::App;
 use super::query::{self, Parameters};
-use crate::core::access::AuditFilter;
+use crate::core::access::{AuditEntry, AuditFilter};
 use crate::core::id::Id;
 use crate::message;
-use crate::pipeline::AuditEntry;
 use crate::wire::problem::Problem;
-use crate::wire::{cursor, time};
+use crate::wire::time;
 
 const MOST_LINES: usize = 10_000;
 
@@ -88,21 +87,14 @@ pub async fn get_audit(
     uri: Uri,
     Parameters(asked): Parameters<AuditQuery>,
 ) -> Result<Response, Problem> {
-    let csv = match asked.format.as_deref() {
-        Some("csv") => true,
-        Some("json") => false,
-        Some(other) => return Err(query::not_one_of("format", ["json", "csv"], other)),
-        None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
-    };
+    let csv = query::wants_csv(asked.format.as_deref(), &headers)?;
     let limit = query::limit(asked.limit, 100, MOST_LINES)?;
     let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
     let span = query::span(asked.from.as_deref(), asked.to.as_deref())?;
     let AuditQuery { who, action, subject, .. } = asked;
     let filter = AuditFilter { from: Some(span.from), to: Some(span.to), who, action, subject };
-    let mut rows = app.pipeline.access.audit(&filter, before, limit as u32 + 1).await?;
-    let more = rows.len() > limit;
-    rows.truncate(limit);
-    let next = rows.last().filter(|_| more).map(|last| cursor::encode(last.id.0));
+    let rows = app.pipeline.access.audit(&filter, before, limit as u32 + 1).await?;
+    let (rows, next) = query::page(rows, limit, |last| Some(last.id));
     let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
     if csv {
         let text = as_csv(&rows).ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;

@@ -27,8 +27,7 @@ use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::document::DocumentKind;
-use crate::wire::history_note;
-use crate::wire::note::NoteBody;
+use crate::wire::note::{self, NoteBody};
 use crate::wire::problem::Problem;
 use crate::wire::sender::SenderBody;
 use crate::wire::split::SplitBody;
@@ -100,7 +99,7 @@ pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwe
         }
         PostOutcome::There(id) => {
             let StoredCampaign { item, answer, .. } = stored(&app, id).await?;
-            let whole = (answer, item.states.into_iter(), history_note::read(item.notes.as_deref()));
+            let whole = (answer, item.states.into_iter(), note::read(item.notes.as_deref()));
             Ok(post.again((collection, id), whole, standing(&app, id).await?.unless_valid()))
         }
     }

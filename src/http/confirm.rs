@@ -55,6 +55,6 @@ pub async fn confirm_record(
 fn read(bytes: &[u8]) -> Result<(String, String), Faults> {
     let mut faults = Faults::default();
     let ConfirmOrder { by, reason } = json::parse(bytes)?;
-    let said = (text::required_short("/by", by, &mut faults), text::required_note("/reason", reason, &mut faults));
-    faults.or(said)
+    let signed = text::signed("/by", by, reason, &mut faults);
+    faults.or(signed)
 }

@@ -12,11 +12,12 @@ use utoipa::ToSchema;
 use super::answer::Answer;
 use super::app::App;
 use super::document::Document;
+use crate::core::correction::CorrectionItem;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::message;
-use crate::pipeline::{Accepted, Actor, Calibration, Corrected, Correction, CorrectionItem, Fitted, Submission};
+use crate::pipeline::{Accepted, Actor, Calibration, Corrected, Correction, Fitted, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
@@ -126,8 +127,8 @@ impl VoidOrder {
     }
 
     fn checked(self, faults: &mut Faults) -> Self {
-        let author = text::required_short("/author", self.author, faults);
-        Self { author, reason: text::required_note("/reason", self.reason, faults) }
+        let (author, reason) = text::signed("/author", self.author, self.reason, faults);
+        Self { author, reason }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::header::{ACCEPT, CONTENT_TYPE, LINK, LOCATION};
+use axum::http::header::{CONTENT_TYPE, LINK, LOCATION};
 use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
@@ -11,16 +11,15 @@ use utoipa::IntoParams;
 use super::answer::Answer;
 use super::app::App;
 use super::document::Document;
-use super::query::{self, Parameters, bad, not_one_of, with_sign};
+use super::query::{self, Parameters, bad, with_sign};
 use crate::core::fault::Fault;
 use crate::core::id::Id;
 use crate::core::message::list;
-use crate::core::message::text;
 use crate::message;
 use crate::pipeline::{Accepted, DiagnosisOrder};
 use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
+use crate::wire::diagnoses_csv;
 use crate::wire::problem::Problem;
-use crate::wire::{cursor, diagnoses_csv};
 
 const MOST_ORDERS: usize = 100;
 const MOST_FAILURES: usize = 1000;
@@ -71,11 +70,8 @@ pub async fn get_diagnoses(
     Parameters(asked): Parameters<PageQuery>,
 ) -> Result<Response, Problem> {
     let limit = query::limit(asked.limit, 20, MOST_ORDERS)?;
-    let mut diagnoses = app.pipeline.diagnoses.jobs(asked.position()?, limit as u32 + 1).await?;
-    let more = diagnoses.len() > limit;
-    diagnoses.truncate(limit);
-    let last = diagnoses.last().filter(|_| more).and_then(|last| last.id.parse::<Id>().ok());
-    let next = last.map(|id| cursor::encode(id.0));
+    let diagnoses = app.pipeline.diagnoses.jobs(asked.position()?, limit as u32 + 1).await?;
+    let (diagnoses, next) = query::page(diagnoses, limit, |last| last.id.parse().ok());
     let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
     Ok((link, Json(JobsBody { diagnoses, next })).into_response())
 }
@@ -137,12 +133,7 @@ pub async fn get_summary(
     headers: HeaderMap,
     Parameters(asked): Parameters<SummaryQuery>,
 ) -> Result<Response, Problem> {
-    let csv = match asked.format.as_deref() {
-        Some("csv") => true,
-        Some("json") => false,
-        Some(other) => return Err(not_one_of("format", ["json", "csv"], other)),
-        None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
-    };
+    let csv = query::wants_csv(asked.format.as_deref(), &headers)?;
     let SummaryQuery { imu, station, effect, since, until, .. } = asked;
     let [since, until] = [since, until].map(|time| time.map(|text| with_sign(&text).into_owned()));
     let which = WhichBody { imu, station, since, until, again: false };
@@ -164,13 +155,9 @@ pub async fn get_summary(
 }
 
 async fn one(app: &App, id: Id, after: Option<Id>, limit: usize) -> Result<JobDetailBody, Problem> {
-    app.pipeline.diagnoses.job(id, after, limit as u32).await?.ok_or_else(|| no_such(&id.to_string()))
+    app.pipeline.diagnoses.job(id, after, limit as u32).await?.ok_or_else(|| Problem::no_such_diagnoses(id))
 }
 
 fn number(id: &str) -> Result<Id, Problem> {
-    id.parse().map_err(|_| no_such(id))
-}
-
-fn no_such(id: &str) -> Problem {
-    Problem::new(404, "title_no_such_diagnoses", message!("no_such_diagnoses", id = text(id)))
+    id.parse().map_err(|_| Problem::no_such_diagnoses(id))
 }

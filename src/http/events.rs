@@ -47,7 +47,6 @@ pub struct EventBody {
 
 impl EventBody {
     pub fn of(event: &EventItem) -> Self {
-        let resets = Rule::ALL.into_iter().filter(|rule| judges(*rule) && event.event.resets(*rule));
         Self {
             id: event.id.to_string(),
             at: time::format(event.at),
@@ -56,15 +55,10 @@ impl EventBody {
             to: event.until.map(time::format),
             reason: event.reason.clone(),
             author: event.author.clone(),
-            resets: resets.map(Rule::name).collect(),
+            resets: event.event.rules_reset().map(Rule::name).collect(),
             fixed: FixedBody::of(&event.fixed),
         }
     }
-}
-
-/// Whether a rule compares what an event may part; no rule judges any more by a cumulative sum.
-fn judges(rule: Rule) -> bool {
-    !matches!(rule, Rule::Overdue | Rule::Cusum)
 }
 
 /// Events, oldest first.

@@ -421,11 +421,7 @@ impl Latest {
             slot: figures.slot.name(),
             station: names.station(figures.station).to_owned(),
             record: figures.record.to_string(),
-            method: if method == JudgedMethod::Published && figures.published.is_some() {
-                "published"
-            } else {
-                "rigid"
-            },
+            method: if figures.published.is_some() { method } else { JudgedMethod::Rigid }.name(),
             d_i,
             d_s,
             d_o,

@@ -13,10 +13,7 @@ use super::document::Document;
 use super::query::{self, Parameters};
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
-use crate::core::message::text;
-use crate::message;
 use crate::pipeline::{DeliveryPage, Order};
-use crate::wire::cursor;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use crate::wire::problem::Problem;
 
@@ -47,7 +44,7 @@ pub async fn post_hook(State(app): State<App>, body: Document) -> Result<Respons
     let new = app.pipeline.hooks.read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let drawn = new.drawn();
     let id = app.pipeline.hooks.order(Order::Create(new)).await?;
-    let hook = app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| no_such_hook(&id))?;
+    let hook = app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| Problem::no_such_hook(&id))?;
     Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/hooks/{id}"))], Json(hook)).into_response())
 }
 
@@ -56,7 +53,7 @@ pub async fn post_hook(State(app): State<App>, body: Document) -> Result<Respons
     responses((status = 200, description = "the hook", body = HookBody)))]
 pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Json<HookBody>, Problem> {
     let hook = app.pipeline.hooks.get(hook_id(&id)?, None).await?;
-    Ok(Json(hook.ok_or_else(|| no_such_hook(&id))?))
+    Ok(Json(hook.ok_or_else(|| Problem::no_such_hook(&id))?))
 }
 
 /// Changes a hook. A secret that is replaced signs beside the new one for a while; `enabled: true` sends what waits
@@ -74,7 +71,7 @@ pub async fn patch_hook(
     let patch = app.pipeline.hooks.read_patch(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let drawn = patch.drawn();
     app.pipeline.hooks.order(Order::Change(id, patch)).await?;
-    Ok(Json(app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| no_such_hook(&id))?))
+    Ok(Json(app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| Problem::no_such_hook(&id))?))
 }
 
 /// Deletes a hook and what it was still to be told.
@@ -129,14 +126,12 @@ pub async fn get_deliveries(
     let limit = query::limit(asked.limit, 100, MOST_DELIVERIES)?;
     let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
     if app.pipeline.hooks.get(hook, None).await?.is_none() {
-        return Err(no_such_hook(&id));
+        return Err(Problem::no_such_hook(&id));
     }
     let page = DeliveryPage { state, before, limit: limit as u32 + 1 };
-    let mut deliveries = app.pipeline.hooks.deliveries(hook, page).await?;
-    let more = deliveries.len() > limit;
-    deliveries.truncate(limit);
-    let last = deliveries.last().filter(|_| more).and_then(|last| last.id.parse::<Id>().ok());
-    Ok(Json(Deliveries { deliveries, next: last.map(|id| cursor::encode(id.0)) }))
+    let deliveries = app.pipeline.hooks.deliveries(hook, page).await?;
+    let (deliveries, next) = query::page(deliveries, limit, |last| last.id.parse().ok());
+    Ok(Json(Deliveries { deliveries, next }))
 }
 
 /// One delivery with every attempt.
@@ -144,7 +139,7 @@ pub async fn get_deliveries(
     responses((status = 200, description = "the delivery", body = DeliveryBody)))]
 pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Result<Json<DeliveryBody>, Problem> {
     let delivery = app.pipeline.hooks.delivery(delivery_id(&id)?).await?;
-    Ok(Json(delivery.ok_or_else(|| no_such_delivery(&id))?))
+    Ok(Json(delivery.ok_or_else(|| Problem::no_such_delivery(&id))?))
 }
 
 /// Sends a delivery again that is done or a dead letter, from the start of the ladder; one that waits, at once.
@@ -158,7 +153,7 @@ pub async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Result
 }
 
 async fn queued(app: &App, id: Id) -> Result<Response, Problem> {
-    let delivery = app.pipeline.hooks.delivery(id).await?.ok_or_else(|| no_such_delivery(&id))?;
+    let delivery = app.pipeline.hooks.delivery(id).await?.ok_or_else(|| Problem::no_such_delivery(&id))?;
     Ok((StatusCode::ACCEPTED, [(LOCATION, format!("/v1/deliveries/{id}"))], Json(delivery)).into_response())
 }
 
@@ -168,17 +163,9 @@ fn delivery_state(name: &str) -> Result<DeliveryState, Problem> {
 }
 
 fn hook_id(text: &str) -> Result<Id, Problem> {
-    text.parse().map_err(|_| no_such_hook(&text))
+    text.parse().map_err(|_| Problem::no_such_hook(text))
 }
 
 fn delivery_id(text: &str) -> Result<Id, Problem> {
-    text.parse().map_err(|_| no_such_delivery(&text))
-}
-
-fn no_such_hook(id: &impl std::fmt::Display) -> Problem {
-    Problem::new(404, "title_no_such_hook", message!("no_such_hook", id = text(id)))
-}
-
-fn no_such_delivery(id: &impl std::fmt::Display) -> Problem {
-    Problem::new(404, "title_no_such_delivery", message!("no_such_delivery", id = text(id)))
+    text.parse().map_err(|_| Problem::no_such_delivery(text))
 }

@@ -85,8 +85,7 @@ pub async fn post_hypothesis(State(app): State<App>, body: Document) -> Result<R
 fn read(bytes: &[u8]) -> Result<HypothesisOrder, Faults> {
     let NewHypothesisBody { hypothesis, author, reason } = json::parse(bytes)?;
     let mut faults = Faults::default();
-    let author = text::required_short("/author", author, &mut faults);
-    let reason = text::required_note("/reason", reason, &mut faults);
+    let (author, reason) = text::signed("/author", author, reason, &mut faults);
     match hypothesis.to_core() {
         Ok(effect) => faults.or(HypothesisOrder::Add { effect, author, reason }),
         Err(part) => {

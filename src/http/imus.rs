@@ -96,8 +96,7 @@ pub async fn get_imus(
     responses((status = 200, description = "the IMU", body = ImuDetail)))]
 pub async fn get_imu(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuDetail>, Problem> {
     let number = app.pipeline.queries.names().imu_number(&imu);
-    let number =
-        number.ok_or_else(|| Problem::new(404, "title_unknown_imu", app.pipeline.queries.names().unknown_imu(&imu)))?;
+    let number = number.ok_or_else(|| query::unknown_imu(&app, &imu))?;
     let seats = app.pipeline.queries.fleet.seated_in(number).await?;
     let names = app.pipeline.queries.names();
     let body = |standings: &[Standing]| {

@@ -47,8 +47,7 @@ pub struct AdoptedBody {
     responses((status = 200, description = "the model and its history", body = ImuModelBody)))]
 pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuModelBody>, Problem> {
     let models = app.pipeline.diagnoses.models(&imu).await?;
-    let models =
-        models.ok_or_else(|| Problem::new(404, "title_unknown_imu", app.pipeline.queries.names().unknown_imu(&imu)))?;
+    let models = models.ok_or_else(|| query::unknown_imu(&app, &imu))?;
     let adopted = |adopted: AdoptedModel| AdoptedBody {
         id: adopted.id.to_string(),
         adopted_at: time::format(adopted.adopted_at),
@@ -119,6 +118,5 @@ pub async fn get_forecast(
 ) -> Result<Json<ForecastSeriesBody>, Problem> {
     let limit = query::limit(asked.limit, 20, MOST_FORECASTS)?;
     let series = app.pipeline.diagnoses.forecasts(&imu, limit as u32).await?;
-    let unknown = || Problem::new(404, "title_unknown_imu", app.pipeline.queries.names().unknown_imu(&imu));
-    series.map(Json).ok_or_else(unknown)
+    series.map(Json).ok_or_else(|| query::unknown_imu(&app, &imu))
 }

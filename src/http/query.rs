@@ -3,11 +3,13 @@
 use std::borrow::Cow;
 
 use axum::extract::{FromRequestParts, Query};
-use axum::http::Uri;
+use axum::http::header::ACCEPT;
 use axum::http::request::Parts;
+use axum::http::{HeaderMap, Uri};
 use serde::de::DeserializeOwned;
 
 use super::app::App;
+use crate::core::id::Id;
 use crate::core::message::{Message, list, text};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
@@ -68,6 +70,16 @@ pub fn not_one_of(parameter: &'static str, known: impl IntoIterator<Item = &'sta
     bad(message!("parameter_one_of", parameter = parameter, known = list(known), value = value.to_owned()))
 }
 
+/// `format`, or else `Accept`: whether CSV is asked for and not JSON.
+pub fn wants_csv(format: Option<&str>, headers: &HeaderMap) -> Result<bool, Problem> {
+    match format {
+        Some("csv") => Ok(true),
+        Some("json") => Ok(false),
+        Some(other) => Err(not_one_of("format", ["json", "csv"], other)),
+        None => Ok(headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv"))),
+    }
+}
+
 /// `limit`: how many items at most.
 pub fn limit(asked: Option<usize>, default: usize, most: usize) -> Result<usize, Problem> {
     match asked.unwrap_or(default) {
@@ -106,6 +118,14 @@ pub fn position(cursor: &str) -> Result<i64, Problem> {
     cursor::decode(cursor).ok_or_else(|| bad(message!("invalid_cursor")))
 }
 
+/// The first `limit` of what was asked for with one more, and the cursor of the page after them where there is one.
+pub fn page<T>(mut found: Vec<T>, limit: usize, id: impl FnOnce(&T) -> Option<Id>) -> (Vec<T>, Option<String>) {
+    let more = found.len() > limit;
+    found.truncate(limit);
+    let next = found.last().filter(|_| more).and_then(id).map(|last| cursor::encode(last.0));
+    (found, next)
+}
+
 /// The same address with another cursor (RFC 8288).
 pub fn link_to(uri: &Uri, next: &str) -> String {
     let kept = uri.query().unwrap_or_default().split('&').filter(|p| !p.is_empty() && !p.starts_with("cursor="));
@@ -117,6 +137,11 @@ pub fn link_to(uri: &Uri, next: &str) -> String {
 pub fn gyro(app: &App, serial: &str) -> Result<u32, Problem> {
     let number = app.pipeline.queries.names().gyro_number(serial);
     number.ok_or_else(|| Problem::unknown_gyro(serial))
+}
+
+/// That no IMU has this name, and which one may be meant.
+pub fn unknown_imu(app: &App, name: &str) -> Problem {
+    Problem::new(404, "title_unknown_imu", app.pipeline.queries.names().unknown_imu(name))
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ use crate::pipeline::{Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
 use crate::wire::document::DocumentKind;
-use crate::wire::history_note;
+use crate::wire::note;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::sender::SenderBody;
@@ -65,7 +65,7 @@ pub async fn post_record(
         PostOutcome::New(answer) => Ok(answer),
         PostOutcome::There(id) => {
             let StoredRecord { item, answer, .. } = stored(&app, id).await?;
-            let whole = (answer, item.states.into_iter(), history_note::read(item.notes.as_deref()));
+            let whole = (answer, item.states.into_iter(), note::read(item.notes.as_deref()));
             Ok(post.again((COLLECTION, id), whole, standing(&app, id).await?.unless_valid()))
         }
     }

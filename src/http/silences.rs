@@ -16,7 +16,7 @@ use crate::core::alert_filter::Matchers;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::Rule;
-use crate::core::message::{sent, text};
+use crate::core::message::sent;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::SilenceOrder;
@@ -72,8 +72,7 @@ fn read(bytes: &[u8], now: UtcMicros) -> Result<SilenceOrder, Faults> {
     let mut faults = Faults::default();
     let matchers = matchers_of(matchers, &mut faults);
     let until = future("/until", &until, now, &mut faults);
-    let by = text::required_short("/by", by, &mut faults);
-    let reason = text::required_note("/reason", reason, &mut faults);
+    let (by, reason) = text::signed("/by", by, reason, &mut faults);
     faults.or(SilenceOrder::Begin { matchers, until, by, reason })
 }
 
@@ -97,15 +96,11 @@ fn matchers_of(body: MatchersBody, faults: &mut Faults) -> Matchers {
 #[utoipa::path(get, path = "/v1/silences/{id}", tag = "alerts",
     responses((status = 200, description = "the silence", body = MatchingSilenceBody)))]
 pub async fn get_silence(State(app): State<App>, Path(id): Path<String>) -> Result<Json<MatchingSilenceBody>, Problem> {
-    Ok(Json(shown(&app, id.parse().map_err(|_| unknown(&id))?).await?))
+    Ok(Json(shown(&app, id.parse().map_err(|_| Problem::unknown_silence(&id))?).await?))
 }
 
 async fn shown(app: &App, id: Id) -> Result<MatchingSilenceBody, Problem> {
-    app.pipeline.alerts.silence(id).await?.ok_or_else(|| unknown(&id.to_string()))
-}
-
-fn unknown(id: &str) -> Problem {
-    Problem::new(404, "title_unknown_silence", message!("unknown_silence", id = text(id)))
+    app.pipeline.alerts.silence(id).await?.ok_or_else(|| Problem::unknown_silence(id))
 }
 
 /// Who ends a silence before its time, and why.
@@ -129,12 +124,11 @@ pub async fn post_end_silence(
     let read = |bytes: &[u8]| {
         let EndSilenceBody { by, reason } = json::parse(bytes)?;
         let mut faults = Faults::default();
-        let by = text::required_short("/by", by, &mut faults);
-        let reason = text::required_note("/reason", reason, &mut faults);
+        let (by, reason) = text::signed("/by", by, reason, &mut faults);
         faults.or((by, reason))
     };
     let (by, reason) = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    let silence: Id = id.parse().map_err(|_| unknown(&id))?;
+    let silence: Id = id.parse().map_err(|_| Problem::unknown_silence(&id))?;
     app.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
     Ok(Json(shown(&app, silence).await?))
 }

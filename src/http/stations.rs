@@ -96,8 +96,7 @@ async fn window(app: &App, station: String, body: &Document) -> Result<SuspectWi
         json::parse(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let mut faults = Faults::default();
     let span = text::span(("/from", &from), ("/to", &to), &mut faults);
-    let author = text::required_short("/by", by, &mut faults);
-    let reason = text::required_note("/reason", reason, &mut faults);
+    let (author, reason) = text::signed("/by", by, reason, &mut faults);
     faults.or(()).map_err(|faults| Document::problem(&body.0, faults))?;
     if !app.pipeline.queries.is_station(&station).await? {
         return Err(Problem::no_such_station(&station));

@@ -11,11 +11,12 @@ use serde::Deserialize;
 
 use super::Pages;
 use super::figure;
-use super::form::{Deed, Word, answered, see_other};
-use super::layout::{Page, Section, encoded, remark, symbol, written, written_day};
+use super::form::{Deed, Word, answered, rule_choice, see_other, severity_choice};
+use super::layout::{Page, Section, encoded, symbol, written, written_day};
 use super::silences;
-use super::silences::LONGEST_SILENCE;
+use super::silences::{days_field, silent_until};
 use super::text::Text;
+use super::verdicts::{actions, remarks};
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::alert_decision::Standing;
@@ -23,7 +24,6 @@ use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity, Status};
-use crate::core::message::Message;
 use crate::message;
 use crate::pages::status;
 use crate::pipeline::{AlertChange, AlertOrder, BEYOND};
@@ -147,14 +147,8 @@ fn search(viewer: &Viewer, filters: &Filters) -> Markup {
         form.search role="search" action="/alerts" method="get" {
             input type="hidden" name="state" value=(filters.state());
             input type="search" name="serial" value=(filters.serial) placeholder=(t.serial) aria-label=(t.serial);
-            label { (t.rule_word) " " select name="rule" {
-                option value="" { (t.any) }
-                @for rule in Rule::ALL { option value=(rule.name()) selected[rule.name() == filters.rule] { (t.rule(rule)) } }
-            } }
-            label { (t.severity) " " select name="severity" {
-                option value="" { (t.any) }
-                @for one in Severity::ALL { option value=(one.name()) selected[one.name() == filters.severity] { (t.severity(one)) } }
-            } }
+            (rule_choice(t, &filters.rule))
+            (severity_choice(t, t.severity, "severity", &filters.severity))
             button { (t.search) }
         }
     }
@@ -299,7 +293,6 @@ pub(super) fn table<'a>(
 fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> Markup {
     let t = viewer.text();
     let open = alert.state != Standing::Resolved.name();
-    let deed = |deed: &str, here: &str| format!("/alerts/{}/{deed}?back={}", alert.id, encoded(here));
     html! {
         tr {
             td { (status::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
@@ -318,16 +311,9 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
             td.words {
                 (t.standing(&alert.state))
                 @if let Some(station) = &alert.inhibited_by { " " a href={ "/alerts/" (station) } { (t.explained_by_station) } }
-                @if let Some(said) = &alert.acknowledged { (remark(t.said_by, &said.by, &said.reason)) }
-                @if let Some(said) = &alert.silenced { " " (t.until) " " (written(&said.until)) (remark(t.said_by, &said.by, &said.reason)) }
+                (remarks(t, alert))
                 @if let Some(at) = &alert.resolved_at { " " (written(at)) }
-                @if let Some(here) = here.filter(|_| open && viewer.may(Role::Engineer)) {
-                    span.actions.no-print {
-                        @if alert.acknowledged.is_none() { a href=(deed("acknowledge", here)) { (t.acknowledge) } }
-                        @else { a href=(deed("unacknowledge", here)) { (t.unacknowledge) } }
-                        a href=(deed("silence", here)) { (t.silence) }
-                    }
-                }
+                (actions(viewer, alert, here.filter(|_| open)))
             }
         }
     }
@@ -374,7 +360,7 @@ impl Doing {
 }
 
 async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
-    let unknown = || Problem::new(404, "title_unknown_alert", message!("unknown_alert", id = id.to_owned()));
+    let unknown = || Problem::unknown_alert(id);
     let number = id.parse::<Id>().map_err(|_| unknown())?;
     Ok((number, pages.pipeline.alerts.get(number).await?.ok_or_else(unknown)?.alert))
 }
@@ -391,9 +377,7 @@ pub(super) async fn ask(
         Err(problem) => Err(problem),
     };
     let said = Said { word, ..Said::default() };
-    viewer.show(found.map(|(doing, alert)| {
-        with_form(&viewer, &alert, doing, &said, |deed| deed.page(&viewer, &said.word, &Faults::default()))
-    }))
+    viewer.show(found.map(|(doing, alert)| form(&viewer, &alert, doing, &said).fresh(&viewer, &said.word)))
 }
 
 pub(super) async fn act(
@@ -407,29 +391,23 @@ pub(super) async fn act(
 
 async fn done(pages: &Pages, viewer: &Viewer, (id, deed): (&str, &str), said: &Said) -> Result<Response, Problem> {
     let doing = Doing::of(deed)?;
-    let silence = doing == Doing::Silence;
     let (number, alert) = known(pages, id).await?;
     let mut faults = Faults::default();
     said.word.check(viewer, &mut faults);
-    let days = said.days.trim().parse().ok().filter(|days| *days > 0.0 && *days <= LONGEST_SILENCE);
-    if silence && days.is_none() {
-        faults.push("days", Message::verbatim(format_args!("0 … {LONGEST_SILENCE}")));
-    }
-    if !faults.is_empty() {
-        return Ok(with_form(viewer, &alert, doing, said, |deed| deed.again(viewer, &said.word, &faults)));
-    }
-    let until = pages.clock.now().plus_days(days.unwrap_or_default());
     let change = match doing {
         Doing::Acknowledge => AlertChange::Acknowledge,
         Doing::Unacknowledge => AlertChange::Unacknowledge,
-        Doing::Silence => AlertChange::Silence { until },
+        Doing::Silence => AlertChange::Silence { until: silent_until(pages, &said.days, &mut faults) },
     };
+    if !faults.is_empty() {
+        return Ok(form(viewer, &alert, doing, said).again(viewer, &said.word, &faults));
+    }
     let Word { by, reason, .. } = said.word.clone();
     pages.pipeline.alerts.change(AlertOrder { alert: number, change, by, reason }).await?;
     Ok(see_other(said.word.back_or("/alerts")))
 }
 
-fn with_form<T>(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said) -> Deed {
     let t = viewer.text();
     let (title, does, button) = match doing {
         Doing::Acknowledge => (t.acknowledge_title, t.acknowledge_what, t.acknowledge),
@@ -437,20 +415,15 @@ fn with_form<T>(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said, s
         Doing::Silence => (t.silence_title, t.silence_what, t.silence),
     };
     let what = html! { (table(viewer, std::iter::once(alert), true, None)) p.lead { (does) } };
-    let days = if said.days.is_empty() { "7" } else { &said.days };
-    let fields = html! {
-        @if doing == Doing::Silence {
-            label { (t.silence_days) input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value=(days) required; }
-        }
-    };
-    show(&Deed {
+    let fields = html! { @if doing == Doing::Silence { (days_field(t, &said.days, true)) } };
+    Deed {
         section: Section::Alerts,
-        title,
+        title: title.into(),
         what,
         fields,
-        action: &format!("/alerts/{}/{}", alert.id, doing.name()),
+        action: format!("/alerts/{}/{}", alert.id, doing.name()),
         button,
-        back: said.word.back_or("/alerts"),
+        back: said.word.back_or("/alerts").to_owned(),
         reasoned: true,
-    })
+    }
 }

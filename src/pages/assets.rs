@@ -1,19 +1,12 @@
-//! Style sheet and script, held compressed. Their names carry a hash of their content, so that a
-//! browser may keep them for ever and a new version is another name.
+//! Style sheet and script. Their names carry a hash of their content, so that a browser may keep them for ever and a
+//! new version is another name.
 
-use std::io::{Read, Write};
-use std::sync::{LazyLock, OnceLock};
+use std::sync::LazyLock;
 
 use axum::extract::Path;
-use axum::http::header::{ACCEPT_ENCODING, CACHE_CONTROL, CONTENT_ENCODING, CONTENT_TYPE, VARY};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::StatusCode;
+use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
-use bytes::Bytes;
-use flate2::Compression;
-use flate2::read::GzDecoder;
-use flate2::write::GzEncoder;
-
-use super::off_the_loop;
 
 /// Something that pages load.
 pub(super) struct Asset {
@@ -21,8 +14,6 @@ pub(super) struct Asset {
     pub path: String,
     media_type: &'static str,
     pub(super) content: &'static str,
-    /// Made when it is first asked for: a page names it, and is not to wait for that.
-    compressed: OnceLock<Bytes>,
 }
 
 pub(super) static STYLE: LazyLock<Asset> =
@@ -32,39 +23,18 @@ pub(super) static SCRIPT: LazyLock<Asset> =
 impl Asset {
     fn new(stem: &str, ending: &str, media_type: &'static str, content: &'static str) -> Self {
         let path = format!("/assets/{stem}-{:08x}.{ending}", crc32fast::hash(content.as_bytes()));
-        Self { path, media_type, content, compressed: OnceLock::new() }
-    }
-
-    fn compressed(&self) -> Bytes {
-        let compress = || {
-            let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
-            let compressed = encoder.write_all(self.content.as_bytes()).and_then(|()| encoder.finish());
-            compressed.expect("writing to memory cannot fail").into()
-        };
-        self.compressed.get_or_init(compress).clone()
+        Self { path, media_type, content }
     }
 }
 
 /// Answers with the asset of that name.
-pub(super) async fn serve(Path(name): Path<String>, headers: HeaderMap) -> Response {
+pub(super) async fn serve(Path(name): Path<String>) -> Response {
     let all: [&'static Asset; 2] = [&STYLE, &SCRIPT];
     let Some(asset) = all.into_iter().find(|asset| asset.path.strip_prefix("/assets/") == Some(&name)) else {
         return StatusCode::NOT_FOUND.into_response();
     };
-    let compressed = off_the_loop(move || asset.compressed()).await;
-    let head = [
-        (CONTENT_TYPE, asset.media_type),
-        (CACHE_CONTROL, "public, max-age=31536000, immutable"),
-        (VARY, "accept-encoding"),
-    ];
-    let takes_gzip =
-        headers.get(ACCEPT_ENCODING).and_then(|taken| taken.to_str().ok()).is_some_and(|taken| taken.contains("gzip"));
-    if takes_gzip {
-        return (head, [(CONTENT_ENCODING, "gzip")], compressed).into_response();
-    }
-    let mut plain = Vec::new();
-    GzDecoder::new(&*compressed).read_to_end(&mut plain).expect("what was compressed here can be read again");
-    (head, plain).into_response()
+    let head = [(CONTENT_TYPE, asset.media_type), (CACHE_CONTROL, "public, max-age=31536000, immutable")];
+    (head, asset.content).into_response()
 }
 
 #[cfg(test)]

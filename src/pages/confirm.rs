@@ -16,7 +16,7 @@ use crate::core::id::Id;
 use crate::core::message::text;
 use crate::message;
 use crate::pipeline::{Actor, Confirmation, Submission};
-use crate::wire::history_note;
+use crate::wire::note;
 use crate::wire::problem::Problem;
 
 /// What is to be confirmed, as it is shown to whoever is about to.
@@ -34,7 +34,7 @@ pub(super) async fn ask(
     Query(word): Query<Word>,
 ) -> Response {
     let item = item(&pages, &viewer, &id).await;
-    viewer.show(item.map(|item| with_form(&viewer, &item, &word, |deed| deed.page(&viewer, &word, &Faults::default()))))
+    viewer.show(item.map(|item| form(&viewer, &item, &word).fresh(&viewer, &word)))
 }
 
 pub(super) async fn act(
@@ -52,7 +52,7 @@ async fn confirm(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, wo
     let mut faults = Faults::default();
     word.check(viewer, &mut faults);
     if !faults.is_empty() {
-        return Ok(with_form(viewer, &item, &word, |deed| deed.again(viewer, &word, &faults)));
+        return Ok(form(viewer, &item, &word).again(viewer, &word, &faults));
     }
     let home = word.back_or(&item.home).to_owned();
     let Word { by: author, reason, .. } = word;
@@ -76,21 +76,21 @@ async fn item(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem>
             (item.imu) " · " (t.station) " " (item.station)
             " · " (t.calibrated) " " (instant(item.calibrated_at)) " · " (t.received) " " (instant(item.received_at))
         }
-        (noted(t, &history_note::read(item.notes.as_deref())))
+        (noted(t, &note::read(item.notes.as_deref())))
     };
     Ok(Item { id: number, home: format!("/records/{number}"), action: format!("/records/{number}/confirm"), shown })
 }
 
-fn with_form<T>(viewer: &Viewer, item: &Item, word: &Word, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn form(viewer: &Viewer, item: &Item, word: &Word) -> Deed {
     let t = viewer.text();
-    show(&Deed {
+    Deed {
         section: Section::Fleet,
-        title: t.confirm_time,
+        title: t.confirm_time.into(),
         what: html! { (item.shown) p.lead { (t.confirm_what) } },
         fields: html! {},
-        action: &item.action,
+        action: item.action.clone(),
         button: t.confirm_time,
-        back: word.back_or(&item.home),
+        back: word.back_or(&item.home).to_owned(),
         reasoned: true,
-    })
+    }
 }

@@ -12,6 +12,7 @@ use super::form::{Deed, Word, answered, see_other};
 use super::layout::{DRIFTS, Section, encoded, instant, symbol};
 use super::viewer::Viewer;
 use crate::core::access::Role;
+use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
@@ -19,7 +20,7 @@ use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::{Actor, Corrected, CorrectedResult, Correction, CorrectionItem, Submission};
+use crate::pipeline::{Actor, Corrected, Correction, Submission};
 use crate::wire::problem::Problem;
 
 /// What is to be voided, as it is shown to whoever is about to.
@@ -72,7 +73,7 @@ pub(super) async fn void_bench(
 }
 
 fn asked(viewer: &Viewer, item: Result<Item, Problem>, word: &Word) -> Response {
-    viewer.show(item.map(|item| with_form(viewer, &item, word, |deed| deed.page(viewer, word, &Faults::default()))))
+    viewer.show(item.map(|item| form(viewer, &item, word).fresh(viewer, word)))
 }
 
 async fn void(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, word: Word) -> Result<Response, Problem> {
@@ -80,7 +81,7 @@ async fn void(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, word:
     let mut faults = Faults::default();
     word.check(viewer, &mut faults);
     if !faults.is_empty() {
-        return Ok(with_form(viewer, &item, &word, |deed| deed.again(viewer, &word, &faults)));
+        return Ok(form(viewer, &item, &word).again(viewer, &word, &faults));
     }
     let home = word.back_or(&item.home).to_owned();
     let Word { by: author, reason, .. } = word;
@@ -160,18 +161,18 @@ async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {
     Err(Problem::new(409, "title_already_corrected", message!("already_corrected", id = text(id))))
 }
 
-fn with_form<T>(viewer: &Viewer, item: &Item, word: &Word, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn form(viewer: &Viewer, item: &Item, word: &Word) -> Deed {
     let t = viewer.text();
-    show(&Deed {
+    Deed {
         section: Section::Fleet,
-        title: item.title,
+        title: item.title.into(),
         what: html! { (item.shown) p.lead { (t.void_what) } },
         fields: html! {},
-        action: &item.action,
+        action: item.action.clone(),
         button: t.void,
-        back: word.back_or(&item.home),
+        back: word.back_or(&item.home).to_owned(),
         reasoned: true,
-    })
+    }
 }
 
 /// How a calibration stands.

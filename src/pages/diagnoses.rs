@@ -12,13 +12,13 @@ use serde::Deserialize;
 
 use super::Pages;
 use super::figure::percent;
-use super::form::{answered, see_other};
-use super::layout::{Page, Section, encoded, symbol, written};
+use super::form::{answered, fault_list, see_other};
+use super::layout::{Page, Section, effect_named, encoded, symbol, written};
 use super::residuals::closure_bar;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
-use crate::core::effects::{CATALOGUE, Effect};
+use crate::core::effects::CATALOGUE;
 use crate::core::fault::Faults;
 use crate::pipeline::DiagnosisOrder;
 use crate::wire::diagnoses::{
@@ -99,7 +99,7 @@ async fn build(
         h1 { (t.diagnoses) }
         p.note { (t.diagnoses_note) }
         (search(t, filters))
-        @if let Some(faults) = &unusable { (orders::faults(t, faults)) }
+        @if let Some(faults) = &unusable { (fault_list(t, faults)) }
         @else { (shown(t, &summary, filters)) }
         (orders)
         @if viewer.may(Role::Engineer) { (orders::form(viewer, wanted, wrong)) }
@@ -163,11 +163,6 @@ fn shown(t: &Text, summary: &SummaryBody, filters: &Filters) -> Markup {
     }
 }
 
-/// An effect by its name in words, with the identifier that the interface uses.
-fn named(t: &Text, id: &str) -> Markup {
-    html! { @if let Some(effect) = Effect::from_id(id) { (t.effect(effect)) " " } code.quiet { (id) } }
-}
-
 fn overview(t: &Text, effects: &[OverviewBody]) -> Markup {
     html! {
         div.scroll tabindex="0" { table {
@@ -177,7 +172,7 @@ fn overview(t: &Text, effects: &[OverviewBody]) -> Markup {
             } }
             tbody { @for one in effects {
                 tr {
-                    th.words scope="row" { a href={ "/diagnoses?effect=" (encoded(&one.effect)) } { (named(t, &one.effect)) } }
+                    th.words scope="row" { a href={ "/diagnoses?effect=" (encoded(&one.effect)) } { (effect_named(t, &one.effect)) } }
                     td.words { @for (i, imu) in one.imus.iter().enumerate() { @if i > 0 { ", " } (imu_link(imu)) } }
                     td.n { (one.gyros) }
                     td.words translate="no" { (names(&one.stations)) }
@@ -207,9 +202,9 @@ fn finding(t: &Text, one: &FindingBody) -> Markup {
     html! {
         tr {
             th.words scope="row" {
-                (named(t, &one.effect))
+                (effect_named(t, &one.effect))
                 @if others().count() > 0 {
-                    br; span.quiet { (t.or_as_well) " " @for (i, id) in others() { @if i > 0 { "; " } (named(t, id)) } }
+                    br; span.quiet { (t.or_as_well) " " @for (i, id) in others() { @if i > 0 { "; " } (effect_named(t, id)) } }
                 }
             }
             td translate="no" { a.id href={ "/gyros/" (encoded(&one.serial)) } { (one.serial) } " " (one.slot) }

@@ -13,7 +13,7 @@ use super::layout::{Section, encoded};
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
-use crate::core::judge::{Event, Rule};
+use crate::core::judge::Event;
 use crate::core::record::Name;
 use crate::message;
 use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
@@ -72,8 +72,7 @@ pub(super) async fn ask(
     Path(serial): Path<String>,
     Query(said): Query<Said>,
 ) -> Response {
-    let page = known(&pages, &serial)
-        .map(|name| with_form(&viewer, &name, &said, |deed| deed.page(&viewer, &said.word, &Faults::default())));
+    let page = known(&pages, &serial).map(|name| form(&viewer, &name, &said).fresh(&viewer, &said.word));
     viewer.show(page)
 }
 
@@ -110,7 +109,7 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
     let filled = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
     let test = event.map(|event| read_test(event, at, (filled(&said.to), filled(&said.kind)), &mut faults));
     let Some((event, (until, test))) = event.zip(test).filter(|_| faults.is_empty()) else {
-        return Ok(with_form(viewer, &name, said, |deed| deed.again(viewer, &said.word, &faults)));
+        return Ok(form(viewer, &name, said).again(viewer, &said.word, &faults));
     };
     let Word { by, reason, .. } = said.word.clone();
     let (fixed, author, by) = ([None; 2], Some(by), Actor::by_caller());
@@ -126,7 +125,7 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
     }
 }
 
-fn with_form<T>(viewer: &Viewer, serial: &Name, said: &Said, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn form(viewer: &Viewer, serial: &Name, said: &Said) -> Deed {
     let t = viewer.text();
     let about = About::of(Event::from_name(&said.event));
     let title = about.title(t);
@@ -146,26 +145,22 @@ fn with_form<T>(viewer: &Viewer, serial: &Name, said: &Said, show: impl FnOnce(&
             label { (t.event_test_to) input name="to" value=(said.to) placeholder="2026-03-03T16:00:00Z"; }
         }
     };
-    show(&Deed {
+    Deed {
         section: Section::Fleet,
-        title: &format!("{title}: {serial}"),
+        title: format!("{title}: {serial}"),
         what: what_it_resets(viewer, about),
         fields,
-        action: &format!("{path}/events/new"),
+        action: format!("{path}/events/new"),
         button: title,
-        back: &path,
+        back: path,
         reasoned: true,
-    })
+    }
 }
 
 /// What the rules will no longer compare with what came before.
 fn what_it_resets(viewer: &Viewer, about: About) -> Markup {
     let t = viewer.text();
-    let resets = |event: Event| -> Vec<&str> {
-        let judges = |rule: &Rule| !matches!(rule, Rule::Overdue | Rule::Cusum);
-        let rules = Rule::ALL.into_iter().filter(|rule| judges(rule) && event.resets(*rule));
-        rules.map(|rule| t.rule(rule)).collect()
-    };
+    let resets = |event: Event| -> Vec<&str> { event.rules_reset().map(|rule| t.rule(rule)).collect() };
     html! {
         p.lead { (if about == About::Decision { t.decision_what } else { t.event_what }) }
         @if about != About::Decision { ul {

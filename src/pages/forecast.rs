@@ -5,10 +5,11 @@ use maud::{Markup, html};
 
 use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
 use super::figure::{self, percent, short};
-use super::layout::{instant, symbol};
+use super::layout::{effect_word, encoded, instant, symbol};
 use super::text::Text;
+use super::viewer::Viewer;
+use crate::core::access::Role;
 use crate::core::augmented::AugmentedModel;
-use crate::core::effects::Effect;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
 use crate::pipeline::AdoptedModel;
@@ -42,16 +43,21 @@ pub(super) fn series(t: &Text, points: &[ForecastPointBody]) -> Markup {
     }
 }
 
+/// What a model holds: terms, effects beside them, sizes that its gyros may have.
+pub(super) fn held(t: &Text, model: &AugmentedModel) -> String {
+    if model.is_plain() {
+        return t.plain_model.to_owned();
+    }
+    let ModelBody { terms, effects, plausible_sizes, .. } = ModelBody::from(model);
+    let effects = effects.into_iter().map(|known| InUseEffectBody { effect: known.effect, gyros: known.gyros });
+    let sizes = plausible_sizes.iter().map(|(id, size)| format!(" |{id}| ≤ {size}"));
+    InUseBody { terms, effects: effects.collect() }.listed() + &sizes.collect::<String>()
+}
+
 /// The models that were adopted for an IMU, the one in force first; nothing where none was.
-pub(super) fn versions(t: &Text, models: &[AdoptedModel]) -> Markup {
-    let holds = |model: &AugmentedModel| {
-        if model.is_plain() {
-            return t.plain_model.to_owned();
-        }
-        let ModelBody { terms, effects, .. } = ModelBody::from(model);
-        let effects = effects.into_iter().map(|known| InUseEffectBody { effect: known.effect, gyros: known.gyros });
-        InUseBody { terms, effects: effects.collect() }.listed()
-    };
+pub(super) fn versions(viewer: &Viewer, imu: &str, models: &[AdoptedModel]) -> Markup {
+    let t = viewer.text();
+    let may_undo = viewer.may(Role::Engineer);
     html! {
         @if !models.is_empty() {
             section #models {
@@ -64,8 +70,11 @@ pub(super) fn versions(t: &Text, models: &[AdoptedModel]) -> Markup {
                     } }
                     tbody { @for (k, one) in models.iter().enumerate() {
                         tr {
-                            td { (instant(one.adopted_at)) @if k == 0 { br; strong { (t.in_force) } } }
-                            td.words { code translate="no" { (holds(&one.model)) } }
+                            td { (instant(one.adopted_at)) @if k == 0 {
+                                br; strong { (t.in_force) }
+                                @if may_undo { " " a href={ "/imus/" (encoded(imu)) "/model/undo" } { (t.undo) } }
+                            } }
+                            td.words { code translate="no" { (held(t, &one.model)) } }
                             td.nowrap {
                                 @match one.model.identified.as_ref().and_then(|own| own.reference_c) {
                                     Some(celsius) => { (format!("{celsius:.1} °C")) }
@@ -103,10 +112,6 @@ fn line(t: &Text, point: &ForecastPointBody) -> Markup {
 
 fn at(text: &str) -> Markup {
     time::parse(text).map_or_else(|_| html! { (text) }, instant)
-}
-
-fn effect_word<'a>(t: &'a Text, id: &'a str) -> &'a str {
-    Effect::from_id(id).map_or(id, |effect| t.effect(effect))
 }
 
 fn state_word(t: &Text, compared: &ComparedBody) -> &'static str {

@@ -11,6 +11,7 @@ use super::layout::{Page, Section};
 use super::text::Text;
 use super::viewer::{Viewer, is_local};
 use crate::core::fault::Faults;
+use crate::core::judge::{Rule, Severity};
 use crate::core::message::Message;
 use crate::wire::problem::Problem;
 use crate::wire::text;
@@ -57,23 +58,28 @@ impl Word {
 }
 
 /// Something that changes what is stored, on a page of its own: what it does, who does it, why, and that it is meant.
-pub(super) struct Deed<'a> {
+pub(super) struct Deed {
     pub section: Section,
-    pub title: &'a str,
+    pub title: String,
     /// What it is about, and what it does.
     pub what: Markup,
     /// What it needs to know besides.
     pub fields: Markup,
-    pub action: &'a str,
-    pub button: &'a str,
+    pub action: String,
+    pub button: &'static str,
     /// Where to go on if it is not done.
-    pub back: &'a str,
+    pub back: String,
     /// Whether it asks who and why.
     pub reasoned: bool,
 }
 
-impl Deed<'_> {
-    pub fn page(&self, viewer: &Viewer, word: &Word, faults: &Faults) -> Page {
+impl Deed {
+    /// Before anything was sent.
+    pub fn fresh(&self, viewer: &Viewer, word: &Word) -> Page {
+        self.page(viewer, word, &Faults::default())
+    }
+
+    fn page(&self, viewer: &Viewer, word: &Word, faults: &Faults) -> Page {
         let t = viewer.text();
         // Whoever has signed in need not write the name under which the audit trail has them anyway.
         let by = if word.by.is_empty() { viewer.signed_in.as_deref().unwrap_or_default() } else { &word.by };
@@ -92,13 +98,39 @@ impl Deed<'_> {
                 p { button.primary { (self.button) } " " a href=(self.back) { (t.go_back) } }
             }
         };
-        Page { title: self.title.to_owned(), section: self.section, body }
+        Page { title: self.title.clone(), section: self.section, body }
     }
 
     /// What was sent cannot be done as it is: the form again, with why.
     pub fn again(&self, viewer: &Viewer, word: &Word, faults: &Faults) -> Response {
         viewer.respond(StatusCode::UNPROCESSABLE_ENTITY, &self.page(viewer, word, faults))
     }
+}
+
+/// One of several by their names, or any.
+pub(super) fn choice<'a>(
+    t: &Text,
+    label: &str,
+    name: &str,
+    of: impl IntoIterator<Item = (&'static str, &'a str)>,
+    chosen: &str,
+) -> Markup {
+    html! {
+        label { (label) " " select name=(name) {
+            option value="" { (t.any) }
+            @for (value, word) in of { option value=(value) selected[value == chosen] { (word) } }
+        } }
+    }
+}
+
+/// Of which rule.
+pub(super) fn rule_choice(t: &Text, chosen: &str) -> Markup {
+    choice(t, t.rule_word, "rule", Rule::ALL.map(|rule| (rule.name(), t.rule(rule))), chosen)
+}
+
+/// Of which severity.
+pub(super) fn severity_choice(t: &Text, label: &str, name: &str, chosen: &str) -> Markup {
+    choice(t, label, name, Severity::ALL.map(|one| (one.name(), t.severity(one))), chosen)
 }
 
 /// What is missing or wrong on a form.
@@ -125,6 +157,11 @@ fn field(t: &Text, pointer: &str) -> Markup {
         "to" => t.window_to,
         "confirm" => t.confirmation,
         "alert" => t.alert,
+        "/imu" => t.imu,
+        "/station" => t.station,
+        "/since" => t.measured_since,
+        "/until" => t.measured_until,
+        "/effect" => t.effect,
         "/name" => t.hook_name,
         "/kind" => t.kind,
         "/url" => t.hook_url,

@@ -64,7 +64,7 @@ async fn asked(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<super::la
     let GyroAttributes { batch, r#type, unit } = standing.attributes;
     let [batch, r#type, unit] = [batch, r#type, unit].map(Option::unwrap_or_default);
     let said = Attributes { word: Word::default(), batch, r#type, unit };
-    Ok(with_form(viewer, serial, &said, |deed| deed.page(viewer, &said.word, &Faults::default())))
+    Ok(form(viewer, serial, &said).fresh(viewer, &said.word))
 }
 
 pub(super) async fn act(
@@ -88,7 +88,7 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Attributes) -
     let [batch, r#type, unit] = [("batch", &said.batch), ("type", &said.r#type), ("unit", &said.unit)]
         .map(|(pointer, said)| word(pointer, said));
     if !faults.is_empty() {
-        return Ok(with_form(viewer, serial, said, |deed| deed.again(viewer, &said.word, &faults)));
+        return Ok(form(viewer, serial, said).again(viewer, &said.word, &faults));
     }
     let patch = GyroAttributesPatch { batch, r#type, unit };
     let order = AttributesOrder { serial: name, patch, by: Actor::by_caller() };
@@ -96,21 +96,21 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Attributes) -
     Ok(see_other(&format!("/gyros/{}", encoded(serial))))
 }
 
-fn with_form<T>(viewer: &Viewer, serial: &str, said: &Attributes, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn form(viewer: &Viewer, serial: &str, said: &Attributes) -> Deed {
     let t = viewer.text();
     let home = format!("/gyros/{}", encoded(serial));
-    show(&Deed {
+    Deed {
         section: Section::Fleet,
-        title: t.edit_attributes,
+        title: t.edit_attributes.into(),
         what: html! { p.lead translate="no" { (serial) } p { (t.edit_attributes_what) } },
         fields: html! {
             label { (t.batch) input name="batch" value=(said.batch) maxlength="64"; }
             label { (t.gyro_type) input name="type" value=(said.r#type) maxlength="64"; }
             label { (t.gyro_unit) input name="unit" value=(said.unit) maxlength="64"; }
         },
-        action: &format!("{home}/attributes"),
+        action: format!("{home}/attributes"),
         button: t.edit_attributes,
-        back: &home,
+        back: home,
         reasoned: false,
-    })
+    }
 }

@@ -155,26 +155,6 @@ pub(super) fn epoch_of(epochs: &[Epoch], at: UtcMicros) -> Option<&Epoch> {
     epochs.get(epochs.partition_point(|epoch| epoch.from <= at).saturating_sub(1))
 }
 
-/// The letter of a rule in a picture, as control charts have them.
-fn letter(rule: Rule) -> char {
-    match rule {
-        Rule::Step => 'S',
-        Rule::Range => 'R',
-        Rule::Baseline => 'B',
-        Rule::Trend => 'T',
-        Rule::Cusum => 'C',
-        Rule::RmsSuccessive => 'N',
-        Rule::Closure => 'O',
-        Rule::Agreement => 'A',
-        Rule::Requirement => 'Q',
-        Rule::Overdue => 'D',
-        Rule::Shift => 'L',
-        Rule::BeforeAfter => 'E',
-        Rule::StationShift => 'G',
-        Rule::Forecast => 'K',
-    }
-}
-
 /// What the pictures of one view have in common.
 struct Drawing<'a> {
     t: &'static Text,
@@ -351,7 +331,7 @@ impl Drawing<'_> {
             y,
             sd: measured.sd,
             status: Some(status),
-            letters: rules.into_iter().map(letter).collect(),
+            letters: rules.into_iter().map(Rule::letter).collect(),
             href: Some(format!("/records/{}", figures.record)),
             said: self.said(column, figures.at, (y, measured), &[&status_said, &place]),
         }
@@ -527,7 +507,7 @@ fn lane(rows: &[&Figures], name: impl Fn(&Figures) -> String) -> Vec<Segment> {
 fn legend(t: &Text, charts: &[(usize, Chart)], drawing: &Drawing<'_>) -> Markup {
     let tracks = || charts.iter().flat_map(|(_, chart)| &chart.tracks);
     let occurs = |status: &Status| tracks().flat_map(|track| &track.dots).any(|dot| dot.status == Some(*status));
-    let speaks = |rule: &Rule| tracks().flat_map(|track| &track.dots).any(|dot| dot.letters.contains(letter(*rule)));
+    let speaks = |rule: &Rule| tracks().flat_map(|track| &track.dots).any(|dot| dot.letters.contains(rule.letter()));
     let benches = BenchMethod::ALL
         .into_iter()
         .enumerate()
@@ -548,7 +528,7 @@ fn legend(t: &Text, charts: &[(usize, Chart)], drawing: &Drawing<'_>) -> Markup 
             @for (k, method) in benches {
                 li { (mark(&format!("bench{k}"), html! { circle.plain r="3" {} })) (t.method(method.name())) }
             }
-            @for rule in Rule::ALL.into_iter().filter(speaks) { li { b { (letter(rule)) } " " (t.rule(rule)) } }
+            @for rule in Rule::ALL.into_iter().filter(speaks) { li { b { (rule.letter()) } " " (t.rule(rule)) } }
             @if drawing.budgets.iter().any(Option::is_some) {
                 li { (mark("", html! { line.budget x1="-7" x2="7" {} })) (t.budget_line) }
             }
@@ -653,7 +633,7 @@ mod tests {
 
     #[test]
     fn every_rule_has_a_letter_of_its_own() {
-        let letters: std::collections::BTreeSet<char> = Rule::ALL.into_iter().map(letter).collect();
+        let letters: std::collections::BTreeSet<char> = Rule::ALL.into_iter().map(Rule::letter).collect();
         assert_eq!(letters.len(), Rule::ALL.len());
     }
 }

@@ -14,8 +14,6 @@ use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity};
-use crate::core::message::text;
-use crate::message;
 use crate::wire::hook::{FilterBody, HookBody};
 use crate::wire::problem::Problem;
 
@@ -105,7 +103,7 @@ fn buttons(viewer: &Viewer, hook: &HookBody) -> Markup {
 
 /// The hook of that identifier.
 async fn known(pages: &Pages, id: &str) -> Result<(Id, HookBody), Problem> {
-    let unknown = || Problem::new(404, "title_no_such_hook", message!("no_such_hook", id = text(id)));
+    let unknown = || Problem::no_such_hook(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
     Ok((number, pages.pipeline.hooks.get(number, None).await?.ok_or_else(unknown)?))
 }

@@ -88,7 +88,7 @@ async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Proble
         @if !open.is_empty() { (alerts::table(viewer, open.into_iter(), false, None)) }
         (seated(pages, t, &seats))
         @if let Some(newest) = parameters { section { h2 { (t.newest_parameters) } (newest) } }
-        (forecast::versions(t, &models))
+        (forecast::versions(viewer, imu, &models))
         (forecast::series(t, &forecasts))
         section { h2 { (t.records) } (list(t, &records, &concluded)) }
     };

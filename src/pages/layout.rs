@@ -10,12 +10,15 @@ use base64::prelude::BASE64_STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::assets::{SCRIPT, STYLE};
+use super::text::Text;
 use super::viewer::{Theme, Viewer};
 use crate::core::access::Role;
+use crate::core::effects::Effect;
 use crate::core::judge::Coefficient;
 use crate::core::time::UtcMicros;
 use crate::system;
 use crate::wire::problem::Problem;
+pub(super) use crate::wire::text::encoded;
 use crate::wire::time;
 
 /// Nothing is loaded from elsewhere, nothing inline runs and nothing inline is a style. Pictures that are saved are made
@@ -246,28 +249,19 @@ pub(super) fn symbol(name: &str) -> Markup {
     }
 }
 
-/// A name as one segment of a path, or a value within a query: every byte but RFC 3986's unreserved ones as %XX.
-pub(super) fn encoded(text: &str) -> String {
-    let mut encoded = String::with_capacity(text.len());
-    for byte in text.bytes() {
-        if byte.is_ascii_alphanumeric() || b"-._~".contains(&byte) {
-            encoded.push(char::from(byte));
-        } else {
-            encoded.push_str(&format!("%{byte:02X}"));
-        }
-    }
-    encoded
+/// An effect by its name in words, with the identifier that the interface uses.
+pub(super) fn effect_named(t: &Text, id: &str) -> Markup {
+    html! { @if let Some(effect) = Effect::from_id(id) { (t.effect(effect)) " " } code.quiet { (id) } }
+}
+
+/// An effect by its name in words; one that is not of the catalogue by its identifier.
+pub(super) fn effect_word<'a>(t: &'a Text, id: &'a str) -> &'a str {
+    Effect::from_id(id).map_or(id, |effect| t.effect(effect))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn names_fit_into_addresses_whatever_they_hold() {
-        assert_eq!(encoded("LFG-0101_a.b~"), "LFG-0101_a.b~");
-        assert_eq!(encoded("a/b?c d&陀"), "a%2Fb%3Fc%20d%26%E9%99%80");
-    }
 
     #[test]
     fn what_a_gyro_is_called_ends_neither_a_string_nor_a_style() {

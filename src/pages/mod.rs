@@ -3,6 +3,7 @@
 //! A page is a function of what the pipeline answers. Everything it needs comes from this service: no other host is
 //! named, and the content security policy allows none.
 
+mod adoption;
 mod alerts;
 mod assets;
 mod before_after;
@@ -76,6 +77,8 @@ pub fn routes() -> Routes<Pages> {
         .get(VIEWER, "/reports", reports::page)
         .get(VIEWER, "/imus/{imu}", imu::page)
         .get(VIEWER, "/imus/{imu}/report", report::imu)
+        .get(ENGINEER, "/imus/{imu}/model/undo", adoption::ask_undo)
+        .post(ENGINEER, "/imus/{imu}/model/undo", adoption::undo)
         .get(VIEWER, "/compare", compare::page)
         .get(VIEWER, "/alerts", alerts::page)
         .get(ENGINEER, "/alerts/bulk", alerts::ask_bulk)
@@ -108,6 +111,8 @@ pub fn routes() -> Routes<Pages> {
         .get(ENGINEER, "/bench-results/{id}/void", corrections::ask_bench)
         .post(ENGINEER, "/bench-results/{id}/void", corrections::void_bench)
         .get(VIEWER, "/campaigns/{id}/diagnosis", diagnosis::page)
+        .get(ENGINEER, "/campaigns/{id}/adopt", adoption::ask)
+        .post(ENGINEER, "/campaigns/{id}/adopt", adoption::adopt)
         .get(VIEWER, "/diagnoses", diagnoses::page)
         .post(ENGINEER, "/diagnoses", diagnoses::start)
         .post(ENGINEER, "/diagnoses/{id}/cancel", diagnoses::cancel)

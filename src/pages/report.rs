@@ -13,7 +13,7 @@ use super::text::Text;
 use super::viewer::Viewer;
 use super::{Pages, before_after, figure, gyro_head, history_plot, imu, verdicts};
 use crate::core::id::Id;
-use crate::core::judge::{DriftLimits, Event, Limits, Rule};
+use crate::core::judge::{Event, Limits, Rule};
 use crate::core::kind::Kind;
 use crate::core::time::UtcMicros;
 use crate::pages::history;
@@ -134,12 +134,8 @@ fn conclusion(t: &Text, facts: &Facts) -> Markup {
 /// Everything that the gyro is held to, each with the key that sets it.
 fn limits(t: &Text, limits: &Limits) -> Markup {
     let of_rule = |rule: Rule| {
-        let of = |drift: &DriftLimits| match rule {
-            Rule::Trend => drift.trend.map(|trend| trend.budget),
-            Rule::Shift => drift.shift.map(|shift| shift.least),
-            _ => drift.of(rule),
-        };
-        [of(&limits.d_i), of(&limits.d_s), limits.closure.filter(|_| rule == Rule::Closure)]
+        let closure = limits.closure.filter(|_| rule == Rule::Closure);
+        [limits.d_i.stated(rule), limits.d_s.stated(rule), closure]
     };
     // Of a station, and of no gyro.
     let rules = Rule::ALL

@@ -9,9 +9,9 @@ use super::text::Text;
 use super::viewer::Viewer;
 use super::{Pages, figure};
 use crate::config::Judging;
-use crate::core::access::{AuditFilter, Role};
-use crate::core::judge::{DriftLimits, Limit, Rule};
-use crate::pipeline::{AuditEntry, Token};
+use crate::core::access::{AuditEntry, AuditFilter, Role};
+use crate::core::judge::{Limit, Rule};
+use crate::pipeline::Token;
 use crate::wire::problem::Problem;
 
 /// Lines of the audit trail that are shown.
@@ -42,16 +42,6 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
     Ok(Page { title: t.setup.into(), section: Section::Setup, body })
 }
 
-/// Every limit that a rule of D_I or D_S has.
-fn of_drift(drift: &DriftLimits) -> Vec<(Rule, Limit)> {
-    let special = |rule: Rule| match rule {
-        Rule::Trend => drift.trend.map(|trend| trend.budget),
-        Rule::Shift => drift.shift.map(|shift| shift.least),
-        _ => drift.of(rule),
-    };
-    Rule::ALL.into_iter().filter_map(|rule| Some((rule, special(rule)?))).collect()
-}
-
 fn limits(t: &Text, judging: &Judging) -> Markup {
     let limits = judging.limits("", "");
     let row = |name: &str, rule: Rule, limit: Limit, unit: &str| {
@@ -70,7 +60,7 @@ fn limits(t: &Text, judging: &Judging) -> Markup {
                 thead { tr { th { (t.coefficient) } th { (t.rule_word) } th.n { (t.limit) } th { (t.unit_word) } th { (t.set_by_key) } } }
                 tbody {
                     @for (name, drift) in DRIFTS.iter().zip([&limits.d_i, &limits.d_s]) {
-                        @for (rule, limit) in of_drift(drift) { (row(name, rule, limit, t.unit)) }
+                        @for rule in Rule::ALL { @if let Some(limit) = drift.stated(rule) { (row(name, rule, limit, t.unit)) } }
                     }
                     @if let Some(closure) = limits.closure { (row(DRIFTS[2], Rule::Closure, closure, t.unit)) }
                     @if let Some(interval) = limits.interval_days { (row("all", Rule::Overdue, interval, t.days_word)) }

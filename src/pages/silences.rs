@@ -7,8 +7,9 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, Word, answered, see_other};
+use super::form::{Deed, Word, answered, rule_choice, see_other};
 use super::layout::{Section, remark, written};
+use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::alert_filter::Matchers;
@@ -16,14 +17,34 @@ use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::message::Message;
-use crate::message;
+use crate::core::time::UtcMicros;
 use crate::pipeline::SilenceOrder;
 use crate::wire::problem::Problem;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody};
 use crate::wire::text;
 
 /// Longest silence, days.
-pub(super) const LONGEST_SILENCE: f64 = 365.0;
+const LONGEST_SILENCE: f64 = 365.0;
+
+/// For how many days there is to be silence; a week unless somebody has said otherwise.
+pub(super) fn days_field(t: &Text, days: &str, required: bool) -> Markup {
+    let days = if days.is_empty() { "7" } else { days };
+    html! {
+        label {
+            (t.silence_days) " "
+            input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value=(days) required[required];
+        }
+    }
+}
+
+/// When a silence of so many days ends; now, where they are at fault.
+pub(super) fn silent_until(pages: &Pages, days: &str, faults: &mut Faults) -> UtcMicros {
+    let days = days.trim().parse().ok().filter(|days| *days > 0.0 && *days <= LONGEST_SILENCE);
+    if days.is_none() {
+        faults.push("days", Message::verbatim(format_args!("0 … {LONGEST_SILENCE}")));
+    }
+    pages.clock.now().plus_days(days.unwrap_or_default())
+}
 
 /// Those that hold, and how to begin one.
 pub(super) async fn list(pages: &Pages, viewer: &Viewer) -> Result<Markup, Problem> {
@@ -73,7 +94,7 @@ pub(super) struct NewSilence {
 
 pub(super) async fn ask_new(viewer: Viewer) -> Response {
     let new = NewSilence::default();
-    viewer.show(Ok(with_form(&viewer, &new, |deed| deed.page(&viewer, &new.word, &Faults::default()))))
+    viewer.show(Ok(form(&viewer, &new).fresh(&viewer, &new.word)))
 }
 
 pub(super) async fn begin(Held(pages): Held<Pages>, viewer: Viewer, Form(new): Form<NewSilence>) -> Response {
@@ -83,10 +104,7 @@ pub(super) async fn begin(Held(pages): Held<Pages>, viewer: Viewer, Form(new): F
 async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Response, Problem> {
     let mut faults = Faults::default();
     new.word.check(viewer, &mut faults);
-    let days = new.days.trim().parse().ok().filter(|days| *days > 0.0 && *days <= LONGEST_SILENCE);
-    if days.is_none() {
-        faults.push("days", Message::verbatim(format_args!("0 … {LONGEST_SILENCE}")));
-    }
+    let until = silent_until(pages, &new.days, &mut faults);
     let mut name = |field: &str, text: &str| {
         let text = Some(text.trim()).filter(|text| !text.is_empty())?;
         text::matched(field, text, &mut faults)
@@ -101,40 +119,35 @@ async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Respo
         faults.push("serial", Message::verbatim(viewer.text().silence_of_nothing));
     }
     if !faults.is_empty() {
-        return Ok(with_form(viewer, new, |deed| deed.again(viewer, &new.word, &faults)));
+        return Ok(form(viewer, new).again(viewer, &new.word, &faults));
     }
-    let until = pages.clock.now().plus_days(days.unwrap_or_default());
     let Word { by, reason, .. } = new.word.clone();
     pages.pipeline.alerts.order_silence(SilenceOrder::Begin { matchers, until, by, reason }).await?;
     Ok(see_other("/alerts"))
 }
 
-fn with_form<T>(viewer: &Viewer, new: &NewSilence, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn form(viewer: &Viewer, new: &NewSilence) -> Deed {
     let t = viewer.text();
-    let days = if new.days.is_empty() { "7" } else { &new.days };
     let names = [("serial", t.serial, &new.serial), ("imu", t.imu, &new.imu), ("station", t.station, &new.station)];
     let fields = html! {
         @for (name, label, value) in names { label { (label) input name=(name) value=(value) maxlength="128" translate="no"; } }
-        label { (t.rule_word) select name="rule" {
-            option value="" { (t.any) }
-            @for rule in Rule::ALL { option value=(rule.name()) selected[rule.name() == new.rule] { (t.rule(rule)) } }
-        } }
-        label { (t.silence_days) input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value=(days) required; }
+        (rule_choice(t, &new.rule))
+        (days_field(t, &new.days, true))
     };
-    show(&Deed {
+    Deed {
         section: Section::Alerts,
-        title: t.silence_many,
+        title: t.silence_many.into(),
         what: html! { p.lead { (t.silence_many_what) } },
         fields,
-        action: "/silences/new",
+        action: "/silences/new".into(),
         button: t.silence,
-        back: "/alerts",
+        back: "/alerts".into(),
         reasoned: true,
-    })
+    }
 }
 
 async fn known(pages: &Pages, id: &str) -> Result<(Id, MatchingSilenceBody), Problem> {
-    let unknown = || Problem::new(404, "title_unknown_silence", message!("unknown_silence", id = id.to_owned()));
+    let unknown = || Problem::unknown_silence(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
     Ok((number, pages.pipeline.alerts.silence(number).await?.ok_or_else(unknown)?))
 }
@@ -142,9 +155,7 @@ async fn known(pages: &Pages, id: &str) -> Result<(Id, MatchingSilenceBody), Pro
 pub(super) async fn ask_end(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let word = Word::default();
     let found = known(&pages, &id).await;
-    viewer.show(
-        found.map(|(_, silence)| end_form(&viewer, &silence, |deed| deed.page(&viewer, &word, &Faults::default()))),
-    )
+    viewer.show(found.map(|(_, silence)| end_form(&viewer, &silence).fresh(&viewer, &word)))
 }
 
 pub(super) async fn end(
@@ -158,7 +169,7 @@ pub(super) async fn end(
         let mut faults = Faults::default();
         word.check(&viewer, &mut faults);
         if !faults.is_empty() {
-            return Ok(end_form(&viewer, &body, |deed| deed.again(&viewer, &word, &faults)));
+            return Ok(end_form(&viewer, &body).again(&viewer, &word, &faults));
         }
         let Word { by, reason, .. } = word;
         pages.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
@@ -167,16 +178,16 @@ pub(super) async fn end(
     answered(&viewer, ended.await)
 }
 
-fn end_form<T>(viewer: &Viewer, silence: &MatchingSilenceBody, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn end_form(viewer: &Viewer, silence: &MatchingSilenceBody) -> Deed {
     let t = viewer.text();
-    show(&Deed {
+    Deed {
         section: Section::Alerts,
-        title: t.end_silence_title,
+        title: t.end_silence_title.into(),
         what: html! { p { (of(viewer, &silence.matchers)) } p.lead { (t.end_silence_what) } },
         fields: html! {},
-        action: &format!("/silences/{}/end", silence.id),
+        action: format!("/silences/{}/end", silence.id),
         button: t.end_silence,
-        back: "/alerts",
+        back: "/alerts".into(),
         reasoned: true,
-    })
+    }
 }

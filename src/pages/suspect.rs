@@ -70,11 +70,7 @@ pub(super) async fn trust(
 
 async fn ask(pages: &Pages, viewer: &Viewer, name: &str, window: &Window, doing: Doing) -> Response {
     let known = known(pages, name).await;
-    viewer.show(
-        known.map(|()| {
-            with_form(viewer, name, window, doing, |deed| deed.page(viewer, &window.word, &Faults::default()))
-        }),
-    )
+    viewer.show(known.map(|()| form(viewer, name, window, doing).fresh(viewer, &window.word)))
 }
 
 async fn known(pages: &Pages, name: &str) -> Result<(), Problem> {
@@ -88,7 +84,7 @@ async fn done(pages: &Pages, viewer: &Viewer, name: &str, said: &Window, doing: 
     said.word.check(viewer, &mut faults);
     let span = text::span(("from", said.from.trim()), ("to", said.to.trim()), &mut faults);
     if !faults.is_empty() {
-        return Ok(with_form(viewer, name, said, doing, |deed| deed.again(viewer, &said.word, &faults)));
+        return Ok(form(viewer, name, said, doing).again(viewer, &said.word, &faults));
     }
     let Word { by: author, reason, .. } = said.word.clone();
     let window = SuspectWindow { station: name.to_owned(), span, author, reason };
@@ -102,24 +98,24 @@ async fn done(pages: &Pages, viewer: &Viewer, name: &str, said: &Window, doing: 
     }
 }
 
-fn with_form<T>(viewer: &Viewer, name: &str, said: &Window, doing: Doing, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn form(viewer: &Viewer, name: &str, said: &Window, doing: Doing) -> Deed {
     let t = viewer.text();
     let (title, what, path) = match doing {
         Doing::Suspect => (t.suspect_window, t.suspect_what, "suspect"),
         Doing::Trust => (t.trust_window, t.trust_what, "trust"),
     };
     let home = format!("/stations/{}", encoded(name));
-    show(&Deed {
+    Deed {
         section: Section::Stations,
-        title,
+        title: title.into(),
         what: html! { p.lead { (t.station) " " span translate="no" { (name) } } p { (what) } },
         fields: html! {
             label { (t.window_from) input name="from" value=(said.from) required placeholder="2026-06-01T00:00:00+08:00"; }
             label { (t.window_to) input name="to" value=(said.to) required placeholder="2026-06-08T00:00:00+08:00"; }
         },
-        action: &format!("{home}/{path}"),
+        action: format!("{home}/{path}"),
         button: title,
-        back: &home,
+        back: home,
         reasoned: true,
-    })
+    }
 }

@@ -48,13 +48,23 @@ pub(super) fn list(viewer: &Viewer, verdicts: &[Said]) -> Markup {
     let t = viewer.text();
     let calm = |status: Status| matches!(status, Status::InTolerance | Status::NotEnoughData);
     let (rest, grave): (Vec<&Said>, Vec<&Said>) = sorted(verdicts).into_iter().partition(|said| calm(said.status()));
-    let waiting = rest.iter().filter(|said| said.status() == Status::NotEnoughData).count();
     html! {
         ul.verdicts { @for verdict in grave { (one(viewer, verdict)) } }
+        (folded(t, &rest, &html! { ul.verdicts { @for verdict in &rest { (one(viewer, verdict)) } } }))
+    }
+}
+
+/// What has passed, and what waits for data: counted, and shown to whoever asks.
+fn folded(t: &Text, rest: &[&Said], shown: &Markup) -> Markup {
+    let waiting = rest.iter().filter(|said| said.status() == Status::NotEnoughData).count();
+    html! {
         @if !rest.is_empty() {
             details {
-                summary { (t.passed) " " (rest.len() - waiting) (t.stop) @if waiting > 0 { " " (t.too_few) " " (waiting) (t.stop) } }
-                ul.verdicts { @for verdict in rest { (one(viewer, verdict)) } }
+                summary {
+                    (t.passed) " " (rest.len() - waiting) (t.stop)
+                    @if waiting > 0 { " " (t.too_few) " " (waiting) (t.stop) }
+                }
+                (shown)
             }
         }
     }
@@ -74,22 +84,13 @@ pub(super) fn table(viewer: &Viewer, verdicts: &[Said], alerts: &[AlertBody], he
         verdicts.iter().all(|said| (&alert.rule, &alert.coefficient) != (&said.body.rule, &said.body.coefficient))
     });
     let alone: Vec<&AlertBody> = alone.collect();
-    let waiting = rest.iter().filter(|said| said.status() == Status::NotEnoughData).count();
     let rows = |all: &[&Said]| html! { @for said in all { (row(viewer, said, alert_of(said), here)) } };
     html! {
         @if verdicts.is_empty() && alerts.is_empty() { p { (t.not_judged) } }
         @if !grave.is_empty() || !alone.is_empty() {
             (framed(t, &html! { (rows(&grave)) @for alert in alone { (alert_row(viewer, alert, here)) } }))
         }
-        @if !rest.is_empty() {
-            details {
-                summary {
-                    (t.passed) " " (rest.len() - waiting) (t.stop)
-                    @if waiting > 0 { " " (t.too_few) " " (waiting) (t.stop) }
-                }
-                (framed(t, &rows(&rest)))
-            }
-        }
+        (folded(t, &rest, &framed(t, &rows(&rest))))
     }
 }
 
@@ -183,13 +184,24 @@ fn certainty(probability: f64) -> String {
 /// How the alert stands, and what can be done about it.
 fn told(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
     let t = viewer.text();
-    let deed = |deed: &str, here: &str| format!("/alerts/{}/{deed}?back={}", alert.id, encoded(here));
+    html! { (t.standing(&alert.state)) (remarks(t, alert)) (actions(viewer, alert, here)) }
+}
+
+/// Who knows of an alert, and who wants nobody to be told, until when.
+pub(super) fn remarks(t: &Text, alert: &AlertBody) -> Markup {
     html! {
-        (t.standing(&alert.state))
         @if let Some(said) = &alert.acknowledged { (remark(t.said_by, &said.by, &said.reason)) }
         @if let Some(said) = &alert.silenced {
             " " (t.until) " " (written(&said.until)) (remark(t.said_by, &said.by, &said.reason))
         }
+    }
+}
+
+/// What whoever looks at an alert can do about it, coming back `here`.
+pub(super) fn actions(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
+    let t = viewer.text();
+    let deed = |deed: &str, here: &str| format!("/alerts/{}/{deed}?back={}", alert.id, encoded(here));
+    html! {
         @if let Some(here) = here.filter(|_| viewer.may(Role::Engineer)) {
             " " span.actions.no-print {
                 @if alert.acknowledged.is_none() { a href=(deed("acknowledge", here)) { (t.acknowledge) } }

@@ -25,8 +25,7 @@ impl Shown {
 
     pub fn name(self) -> &'static str {
         match self {
-            Self::Separation(JudgedMethod::Rigid) => "rigid",
-            Self::Separation(JudgedMethod::Published) => "published",
+            Self::Separation(method) => method.name(),
             Self::Bench => "bench",
         }
     }
@@ -53,10 +52,7 @@ impl Shown {
 
 impl Text {
     pub fn method_of(&self, method: JudgedMethod) -> &'static str {
-        match method {
-            JudgedMethod::Rigid => self.method("rigid"),
-            JudgedMethod::Published => self.method("published"),
-        }
+        self.method(method.name())
     }
 }
 

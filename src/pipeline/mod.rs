@@ -44,8 +44,8 @@ use write_queue::{Job, WriteQueue};
 
 pub use crate::alert::HookKind;
 pub use access::{
-    Access, AccessError, AccessOrder, Actor, AuditEntry, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret,
-    SignedIn, Token, create_beside, revoke_beside,
+    Access, AccessError, AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret, SignedIn,
+    Token, create_beside, revoke_beside,
 };
 pub use alerts::{AlertChange, AlertError, AlertOrder, AlertRecord, AlertStep, Alerts, SilenceOrder};
 pub use diagnoses::{
@@ -60,11 +60,10 @@ pub use ingest::{
     Submission,
 };
 pub use queries::{
-    BEYOND, Baseline, BenchItem, Compared, Comparison, CorrectedResult, CorrectionItem, Course, DUE_DAYS, DueImu,
-    EventItem, ExplainedHistory, FirstOf, Fleet, FleetFilter, FleetPage, Forecast, Foreseen, Histories, ItemStatus,
-    ListFilter, ListedImu, ListedRecord, Names, Queries, RecentValues, RecordItem, RecordSummary, Records, Seats,
-    Standing, StandingFilter, Statuses, StoredCampaign, StoredRecord, Tested, Today, Together, Verified, Violation,
-    WallPage, sample_of, today,
+    BEYOND, Baseline, BenchItem, Compared, Comparison, Course, DUE_DAYS, DueImu, EventItem, ExplainedHistory, FirstOf,
+    Fleet, FleetFilter, FleetPage, Forecast, Foreseen, Histories, ItemStatus, ListFilter, ListedImu, ListedRecord,
+    Names, Queries, RecentValues, RecordItem, RecordSummary, Records, Seats, Standing, StandingFilter, Statuses,
+    StoredCampaign, StoredRecord, Tested, Today, Together, Verified, Violation, WallPage, sample_of, today,
 };
 
 pub use suspect::{SuspectWindow, WindowOutcome};

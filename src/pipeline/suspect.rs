@@ -5,7 +5,7 @@ use crate::core::id::Id;
 use crate::core::time::Span;
 use crate::pipeline::error::WriteError;
 use crate::pipeline::{Accepted, Actor, Confirmation, Doubt, ListFilter, Pipeline, Refused, Submission};
-use crate::wire::history_note;
+use crate::wire::note;
 
 /// Records that are asked for, and submitted, at a time.
 const PAGE: u32 = 500;
@@ -53,7 +53,7 @@ impl Pipeline {
             else {
                 continue;
             };
-            if history_note::read(record.notes.as_deref()).iter().any(|note| note.code == "suspect") {
+            if note::read(record.notes.as_deref()).iter().any(|note| note.code == "suspect") {
                 suspect.push(id);
             }
         }

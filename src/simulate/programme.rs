@@ -11,6 +11,7 @@ use crate::core::fault::Faults;
 
 use super::fault_at::fault;
 use crate::core::message::text;
+use crate::core::named::named;
 use crate::message;
 
 /// Whole revolution, arcsec.
@@ -43,37 +44,27 @@ pub struct Programme {
     pub power_off_s: f64,
 }
 
+named! {
 /// Sets of static positions: a list of body directions that point up, with headings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Positions {
     /// Six faces, one heading.
     #[serde(rename = "6")]
-    Faces,
+    Faces = "6",
     /// Six faces in four headings each.
     #[serde(rename = "24")]
-    TwentyFour,
+    TwentyFour = "24",
     /// And the twelve edges, 45 degrees.
     #[serde(rename = "36")]
-    WithEdges,
+    WithEdges = "36",
     /// And the twenty-four tilts of 30 and 60 degrees.
     #[serde(rename = "60")]
-    WithTilts,
+    WithTilts = "60",
     /// One gyro on the polar axis: body Z (the output axis of a fixture) along the Earth's axis, twelve positions
     /// about it, then Z against it and twelve more.
     #[serde(rename = "polar_tumble")]
-    PolarTumble,
+    PolarTumble = "polar_tumble",
 }
-
-impl Positions {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Faces => "6",
-            Self::TwentyFour => "24",
-            Self::WithEdges => "36",
-            Self::WithTilts => "60",
-            Self::PolarTumble => "polar_tumble",
-        }
-    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

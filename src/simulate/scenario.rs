@@ -13,6 +13,7 @@ use crate::core::mounting::{Geometry, Slot, Triad};
 
 use super::programme::Programme;
 use crate::core::message::sent;
+use crate::core::named::named;
 use crate::message;
 
 /// One simulated campaign, whole.
@@ -177,27 +178,18 @@ pub struct Columns {
     pub standard_errors: StandardErrors,
 }
 
+named! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StandardErrors {
     /// The true standard deviation of each mean.
-    Exact,
+    Exact = "exact",
     /// Wrong by 12 per cent, dwell by dwell, as estimates from few samples are.
-    Noisy,
+    Noisy = "noisy",
     /// One number for all dwells of a gyro, the median of the true ones.
-    Constant,
-    Absent,
+    Constant = "constant",
+    Absent = "absent",
 }
-
-impl StandardErrors {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Exact => "exact",
-            Self::Noisy => "noisy",
-            Self::Constant => "constant",
-            Self::Absent => "absent",
-        }
-    }
 }
 
 /// A cause to put into the campaign, sized either in its own unit or by how visible it is to be.

@@ -13,6 +13,7 @@ use super::db::{Sql, cell, insert};
 use super::error::StoreError;
 use super::id::IdSource;
 use super::postgres::{CellWriter, Missed};
+use crate::core::correction::CorrectionItem;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::packed::verdicts::StoredVerdict;
@@ -24,7 +25,7 @@ use crate::store::tables::alerts::{AlertRow, StepRow};
 use crate::store::tables::bench;
 use crate::store::tables::bench::BenchRow;
 use crate::store::tables::correction;
-use crate::store::tables::correction::{CorrectionRow, Withdrawn};
+use crate::store::tables::correction::Withdrawn;
 use crate::store::tables::delivery;
 use crate::store::tables::delivery::OutboxChanges;
 use crate::store::tables::diagnosis;
@@ -67,7 +68,7 @@ pub struct Changes {
     pub rejudged: Rejudged,
     /// What does not count any more.
     pub withdrawn: Withdrawn,
-    pub corrections: Vec<CorrectionRow>,
+    pub corrections: Vec<CorrectionItem>,
     /// What is not to count before its time is confirmed.
     pub set_aside: SetAside,
     /// What was set aside and counts from now on; its rows are among those of `history`.

@@ -27,75 +27,81 @@ enum Kind {
     Bytes,
 }
 
-/// A table: its name, in what order it is read, its columns.
-struct Table {
-    name: &'static str,
-    order: &'static str,
-    columns: &'static [(&'static str, Kind)],
+impl Kind {
+    /// Of a column of a STRICT table.
+    fn of(declared: &str) -> Result<Self, StoreError> {
+        match declared {
+            "INTEGER" => Ok(Self::Whole),
+            "REAL" => Ok(Self::Real),
+            "TEXT" => Ok(Self::Text),
+            "BLOB" => Ok(Self::Bytes),
+            other => Err(StoreError::Damaged(format!("a column of type {other}"))),
+        }
+    }
 }
 
-macro_rules! tables {
-    ($($name:literal by $order:literal: $($kind:ident $($column:ident)+),+;)+) => {
-        &[$(Table {
-            name: $name,
-            order: $order,
-            columns: &[$($((stringify!($column), Kind::$kind)),+),+],
-        }),+]
-    };
+/// A table as the schema of the file has it: its name, its columns, in what order it is read.
+struct Table {
+    name: &'static str,
+    columns: Vec<(String, Kind)>,
+    order: String,
 }
 
 /// Those that are referred to before those that refer to them.
-const TABLES: &[Table] = tables! {
-    "imu" by "id": Whole id, Text name;
-    "station" by "id": Whole id, Text name;
-    "gyro" by "id": Whole id, Text serial;
-    "gyro_attribute" by "gyro": Whole gyro, Text batch type unit;
-    "record" by "id": Whole id kind imu station calibrated_at received_at, Text body, Bytes body_sha256 verdicts, Whole voided, Text notes,
-        Whole sent_by, Real temperature_c, Bytes packed;
-    "history" by "gyro, calibrated_at": Whole gyro calibrated_at record, Bytes figures;
-    "voided_history" by "gyro, calibrated_at, record": Whole gyro calibrated_at record, Bytes figures;
-    "bench_result" by "id": Whole id gyro station measured_at, Text method, Real d_i d_s d_i_sd d_s_sd, Whole received_at,
-        Text body, Bytes body_sha256, Whole voided sent_by;
-    "event" by "id": Whole id gyro at, Text kind reason author, Whole received_at, Real d_i d_i_sd d_s d_s_sd, Whole until, Text test;
-    "idempotency_key" by "key": Text key, Whole item, Bytes body_sha256;
-    "correction" by "item, replaced_by": Whole item replaced_by at, Text author reason;
-    "confirmation" by "record": Whole record at, Text author reason;
-    "alert" by "id": Whole id gyro, Text coefficient rule status severity, Whole fired_at resolved_at record_at within told_at,
-        Text told_severity acknowledged_by acknowledged_reason, Whole acknowledged_at, Text silenced_by silenced_reason,
-        Whole silenced_at silenced_until, Text finding, Whole since hushed_at digest muted_by muted_until
-        station inhibited_by;
-    "silence" by "id": Whole id, Text serial imu station rule, Whole until, Text author reason, Whole at ended_at,
-        Text ended_by ended_reason;
-    "alert_step" by "id": Whole id alert at, Text action, Whole told, Text author reason body;
-    "hook" by "id": Whole id, Text name kind url authorization secret old_secret, Whole old_secret_until, Text filter,
-        Whole enabled, Text disabled_because, Whole created_at changed_at deleted_at batch, Text expect;
-    "hook_heard" by "hook, alert": Whole hook alert, Text severity;
-    "delivery" by "id": Whole id hook step alert queued_at, Text state, Whole due_at attempts first_attempt_at finished_at,
-        Text action digest;
-    "delivery_part" by "delivery, place": Whole delivery place hook alert, Text action, Whole step, Text body;
-    "delivery_attempt" by "delivery, id": Whole delivery id at status, Text detail, Whole took_us, Text answer;
-    "imu_model" by "id": Whole id imu adopted_at, Text author reason body;
-    "campaign_model" by "record": Whole record model;
-    "hypothesis" by "id": Whole id, Text body author reason, Whole added_at ended_at;
-    "diagnosis" by "record": Whole record model, Text program, Whole refused, Text body, Bytes packed;
-    "diagnosis_job" by "id": Whole id asked_at, Text asked_by asked, Whole canceled begun_at ended_at;
-    "diagnosis_task" by "job, record": Whole job record, Text state reason;
-    "diagnosis_gist" by "record": Whole record imu station measured_at, Text program gist;
-    "token" by "id": Whole id, Text name role station, Bytes secret_sha256, Whole created_at expires_at revoked_at;
-    "session" by "id": Whole id token, Bytes secret_sha256, Whole began_at expires_at;
-    "audit" by "id": Whole id at, Text who, Whole token, Text source action subject before after agent;
-};
+const TABLES: [&str; 30] = [
+    "imu",
+    "station",
+    "gyro",
+    "gyro_attribute",
+    "record",
+    "history",
+    "voided_history",
+    "bench_result",
+    "event",
+    "idempotency_key",
+    "correction",
+    "confirmation",
+    "alert",
+    "silence",
+    "alert_step",
+    "hook",
+    "hook_heard",
+    "delivery",
+    "delivery_part",
+    "delivery_attempt",
+    "imu_model",
+    "campaign_model",
+    "hypothesis",
+    "diagnosis",
+    "diagnosis_job",
+    "diagnosis_task",
+    "diagnosis_gist",
+    "token",
+    "session",
+    "audit",
+];
 
 impl Table {
+    async fn of(name: &'static str, source: &mut SqliteConnection) -> Result<Self, StoreError> {
+        let sql = "SELECT name, type, pk FROM pragma_table_info($1) ORDER BY cid";
+        let found: Vec<(String, String, i64)> = sqlx::query_as(sql).bind(name).fetch_all(source).await?;
+        let mut key: Vec<(i64, &str)> = found.iter().map(|(column, _, pk)| (*pk, column.as_str())).collect();
+        key.retain(|(place, _)| *place > 0);
+        key.sort_unstable();
+        let key: Vec<&str> = key.into_iter().map(|(_, column)| column).collect();
+        let order = if key.is_empty() { "rowid".to_owned() } else { quoted(&key) };
+        let kinds = found.iter().map(|(column, declared, _)| Ok((column.clone(), Kind::of(declared)?)));
+        Ok(Self { name, columns: kinds.collect::<Result<_, StoreError>>()?, order })
+    }
+
     /// Every column, in quotation marks: some are words of SQL.
     fn columns(&self) -> String {
-        let quoted: Vec<String> = self.columns.iter().map(|(name, _)| format!("\"{name}\"")).collect();
-        quoted.join(", ")
+        quoted(&self.columns.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>())
     }
 
     /// Reads the table on either side; on SQLite the history is that of the table and of what waits before it.
     fn select(&self, from: Sql) -> String {
-        let (columns, order) = (self.columns(), self.order);
+        let (columns, order) = (self.columns(), &self.order);
         let source = if self.name == "history" { from.sqlite } else { self.name };
         format!("SELECT {columns} FROM {source} ORDER BY {order}")
     }
@@ -110,6 +116,11 @@ impl Table {
         let arrays: Vec<String> = arrays.collect();
         format!("INSERT INTO {} ({}) SELECT * FROM unnest({})", self.name, self.columns(), arrays.join(", "))
     }
+}
+
+fn quoted(columns: &[&str]) -> String {
+    let quoted: Vec<String> = columns.iter().map(|name| format!("\"{name}\"")).collect();
+    quoted.join(", ")
 }
 
 /// How a table compares on the two sides.
@@ -145,17 +156,21 @@ pub async fn copy(
     let (mut source, _lock) = open_source(from).await?;
     let mut target = postgres::open_to_copy(to).await?;
     claim(&mut target, &from.file()?.display().to_string()).await?;
-    for table in TABLES {
+    let mut tables = Vec::with_capacity(TABLES.len());
+    for name in TABLES {
+        tables.push(Table::of(name, &mut source).await?);
+    }
+    for table in &tables {
         copy_table(table, &mut source, &mut target, &mut each).await?;
     }
     let mut compared = Vec::with_capacity(TABLES.len());
-    for table in TABLES {
+    for table in &tables {
         let (rows, checksum) = source_sum(table, &mut source).await?;
         let (found, of_found) = target_sum(table, &mut target).await?;
         compared.push(Copied { table: table.name, rows: [rows, found], checksums: [checksum, of_found] });
     }
     if compared.iter().all(Copied::is_whole) {
-        release(&mut target).await?;
+        release(&tables, &mut target).await?;
     }
     Ok(compared)
 }
@@ -211,10 +226,10 @@ async fn claim(target: &mut PgConnection, source: &str) -> Result<(), StoreError
         None => {}
     }
     for table in TABLES {
-        let any = AssertSqlSafe(format!("SELECT count(*) FROM (SELECT 1 FROM {} LIMIT 1) AS chosen", table.name));
+        let any = AssertSqlSafe(format!("SELECT count(*) FROM (SELECT 1 FROM {table} LIMIT 1) AS chosen"));
         if sqlx::query_scalar::<_, i64>(any).fetch_one(&mut *target).await? > 0 {
             release_mark(target).await?;
-            return Err(StoreError::File(format!("the database is not empty: there are rows in {}", table.name)));
+            return Err(StoreError::File(format!("the database is not empty: there are rows in {table}")));
         }
     }
     sqlx::query("INSERT INTO copying VALUES ('', 0, $1)").bind(source).execute(target).await?;
@@ -227,8 +242,8 @@ async fn release_mark(target: &mut PgConnection) -> Result<(), StoreError> {
 }
 
 /// Opens the copy to servers: identifiers go on after the greatest.
-async fn release(target: &mut PgConnection) -> Result<(), StoreError> {
-    let newest = TABLES.iter().filter(|table| table.columns[0].0 == "id" && !NAMES.contains(&table.name));
+async fn release(tables: &[Table], target: &mut PgConnection) -> Result<(), StoreError> {
+    let newest = tables.iter().filter(|table| table.columns[0].0 == "id" && !NAMES.contains(&table.name));
     let newest: Vec<String> =
         newest.map(|table| format!("coalesce((SELECT max(id) FROM {}), 0)", table.name)).collect();
     let sql = format!(
@@ -366,5 +381,40 @@ fn add(bytes: &mut Vec<u8>, value: Option<impl AsRef<[u8]>>) {
             bytes.extend(value);
         }
         None => bytes.extend(0_u64.to_le_bytes()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::tests::opened;
+
+    /// Made anew from the others at the first start, or of a file alone.
+    const NOT_COPIED: [&str; 8] = [
+        "calendar",
+        "calendar_begun",
+        "checksum",
+        "gyro_station",
+        "head",
+        "head_made",
+        "history_log",
+        "_sqlx_migrations",
+    ];
+
+    #[tokio::test]
+    async fn every_table_is_copied_or_made_anew() {
+        let dir = tempfile::tempdir().unwrap();
+        let (store, writer) = opened(&dir).await;
+        drop((store, writer));
+        let file = SqliteConnectOptions::new().filename(dir.path().join("test.db"));
+        let mut source = file.connect().await.unwrap();
+        let sql = "SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'sqlite%' ORDER BY name";
+        let there: Vec<String> = sqlx::query_scalar(sql).fetch_all(&mut source).await.unwrap();
+        let mut known = [TABLES.as_slice(), &NOT_COPIED].concat();
+        known.sort_unstable();
+        assert_eq!(there, known);
+        let alert = Table::of("alert", &mut source).await.unwrap();
+        assert!(alert.columns.contains(&("imu".to_owned(), Kind::Whole)), "{}", alert.columns());
+        assert_eq!(alert.order, "\"id\"");
     }
 }

@@ -130,7 +130,21 @@ macro_rules! among {
     };
 }
 
-pub(super) use {among, cell, insert, on};
+/// `$select` is among the whole numbers of a list in JSON, the first parameter, `$then`, in the words of both databases.
+macro_rules! listed {
+    ($select:literal $(, $then:literal)?) => {
+        $crate::store::db::Sql {
+            sqlite: concat!($select, " IN (SELECT value FROM json_each($1))", $($then)?),
+            postgres: concat!(
+                $select,
+                " IN (SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
+                $($then)?
+            ),
+        }
+    };
+}
+
+pub(super) use {among, cell, insert, listed, on};
 
 /// What both databases can hold in a cell.
 pub(crate) trait Cell:

@@ -21,12 +21,12 @@ pub use crate::store::packed::verdicts::{StoredVerdict, VerdictSheet};
 pub use crate::store::sqlite::backup::{
     Holdings, backup, check, check_all_but_records, check_checksums, open_to_read, restore,
 };
-pub use crate::store::tables::access::{AccessChanges, AuditRow, Beside, SessionRow, TokenRow};
+pub use crate::store::tables::access::{AccessChanges, Beside, SessionRow, TokenRow};
 pub use crate::store::tables::alerts::{AlertOf, AlertRow, Remark, StepRow};
 pub use crate::store::tables::bench::BenchRow;
-pub use crate::store::tables::correction::{CorrectionRow, GyroCorrection, Withdrawn};
+pub use crate::store::tables::correction::Withdrawn;
 pub use crate::store::tables::delivery::{
-    AttemptRow, DeliveryRow, DueDelivery, NewDelivery, OutboxChanges, Part, Progress, QueueState, Subject,
+    AttemptRow, DeliveryRow, DueDelivery, NewDelivery, OutboxChanges, Part, Progress, Subject,
 };
 pub use crate::store::tables::diagnosis::{DiagnosisRow, NewDiagnosis};
 pub use crate::store::tables::diagnosis_digest::GistRow;

@@ -60,7 +60,7 @@ pub(crate) enum Place {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 24] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 25] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -85,6 +85,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 24] = [
     (22, "hypotheses", include_str!("../../migrations/sqlite/0022_hypotheses.sql")),
     (23, "packed_texts", include_str!("../../migrations/sqlite/0023_packed_texts.sql")),
     (24, "imu_alerts", include_str!("../../migrations/sqlite/0024_imu_alerts.sql")),
+    (25, "gyro_history", include_str!("../../migrations/sqlite/0025_gyro_history.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.

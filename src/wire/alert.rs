@@ -139,7 +139,7 @@ fn kept(answer: &impl Serialize, reason: &Reason) -> String {
     answer.to_string()
 }
 
-/// Somebody knows: no more repeats.
+/// No more repeats.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct AcknowledgementBody {
     pub by: String,

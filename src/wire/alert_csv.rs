@@ -1,25 +1,24 @@
 //! Alerts as CSV (RFC 4180), one a line, times in UTC.
 
-use std::fmt::Write as _;
-
 use super::alert::AlertBody;
 use crate::words::asked;
 
 /// The names of the columns.
-pub const HEADER: &str = "id,serial,coefficient,rule,state,severity,fired_at,resolved_at,value,limit,unit,sd,probability,\
+const HEADER: &str = "id,serial,coefficient,rule,state,severity,fired_at,resolved_at,value,limit,unit,sd,probability,\
                           record,calibrated_at,imu,slot,station,acknowledged_by,acknowledged_at,silenced_by,\
                           silenced_until,reason,since,status,subject,inhibited_by\n";
 
 /// Alerts with the header line.
 pub fn to_csv<'a>(alerts: impl IntoIterator<Item = &'a AlertBody>) -> String {
-    let mut text = HEADER.to_owned();
+    let mut writer = csv::Writer::from_writer(HEADER.as_bytes().to_vec());
     for alert in alerts {
-        line(alert, &mut text);
+        line(alert, &mut writer);
     }
-    text
+    let bytes = writer.into_inner().expect("memory takes what is written");
+    String::from_utf8(bytes).expect("texts were written")
 }
 
-fn line(alert: &AlertBody, text: &mut String) {
+fn line(alert: &AlertBody, to: &mut csv::Writer<Vec<u8>>) {
     let finding = &alert.finding;
     let number = |value: Option<f64>| value.map(|value| value.to_string());
     let [value, limit, sd, probability] =
@@ -56,22 +55,7 @@ fn line(alert: &AlertBody, text: &mut String) {
         Some(&alert.subject),
         alert.inhibited_by.as_deref(),
     ];
-    for (i, cell) in cells.into_iter().enumerate() {
-        if i > 0 {
-            text.push(',');
-        }
-        field(cell.unwrap_or_default(), text);
-    }
-    text.push('\n');
-}
-
-/// Quoted where it has to be.
-fn field(value: &str, text: &mut String) {
-    if value.contains(['"', ',', '\n', '\r']) {
-        write!(text, "\"{}\"", value.replace('"', "\"\"")).expect("writing to a string cannot fail");
-    } else {
-        text.push_str(value);
-    }
+    to.write_record(cells.map(Option::unwrap_or_default)).expect("lines have one length and memory takes them");
 }
 
 #[cfg(test)]

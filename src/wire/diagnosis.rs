@@ -356,7 +356,37 @@ pub struct NextDwellBody {
     pub phase: String,
     pub specific_force_g0: [f64; 3],
     pub rate_arcsec_s: [f64; 3],
+    /// How the table is set for it; none in diagnoses of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table: Option<TableBody>,
     pub separates: Vec<String>,
+}
+
+/// How a table is set for a dwell.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TableBody {
+    /// Which body direction points up, and which north.
+    pub up: [f64; 3],
+    pub north: [f64; 3],
+    /// About the vertical, without the Earth's.
+    pub rate_deg_s: f64,
+}
+
+impl TableBody {
+    /// A body direction as a person sets it: `+X`, `+Z 30° +X` (thirty degrees from +Z towards +X), else its components.
+    pub fn direction(of: [f64; 3]) -> String {
+        let mut axes: Vec<(f64, char)> = of.into_iter().zip(['X', 'Y', 'Z']).filter(|(x, _)| x.abs() > 1e-3).collect();
+        axes.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+        let signed = |(x, axis): (f64, char)| format!("{}{axis}", if x < 0.0 { '-' } else { '+' });
+        match axes[..] {
+            [one] => signed(one),
+            [far, near] => {
+                let angle = near.0.abs().atan2(far.0.abs()).to_degrees();
+                format!("{} {angle:.0}° {}", signed(far), signed(near))
+            }
+            _ => of.map(|x| format!("{x:.4}")).join(" "),
+        }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -574,6 +604,11 @@ impl From<&core::NextDwell> for NextDwellBody {
             phase: n.phase.name().to_owned(),
             specific_force_g0: n.specific_force_g0.into(),
             rate_arcsec_s: n.rate_arcsec_s.into(),
+            table: Some(TableBody {
+                up: n.attitude.column(2).into_owned().into(),
+                north: n.attitude.column(1).into_owned().into(),
+                rate_deg_s: n.table_rate_arcsec_s / 3600.0,
+            }),
             separates: ids(&n.separates),
         }
     }

@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::note::NoteBody;
 use super::record::SlotBody;
 use super::time;
 use crate::core::history_note::{HistoryNote, NameKind, Named, Quantity, Seat, TimeDoubt};
@@ -182,20 +181,10 @@ pub fn with(kept: Option<&str>, note: &HistoryNote) -> String {
     serde_json::json!({ "version": VERSION, "notes": notes }).to_string()
 }
 
-/// Kept notes for a reader. One that only a later version knows is shown by its code.
-pub fn read(kept: Option<&str>) -> Vec<NoteBody> {
-    let document: Value = kept.and_then(|kept| serde_json::from_str(kept).ok()).unwrap_or_default();
-    let notes = document.get("notes").and_then(Value::as_array);
-    notes.into_iter().flatten().filter_map(body).collect()
-}
-
-fn body(note: &Value) -> Option<NoteBody> {
-    let mut parameters = note.as_object()?.clone();
-    let code = parameters.remove("code")?.as_str()?.to_owned();
-    parameters.retain(|_, value| !value.is_null());
-    let detail = serde_json::from_value::<Coded>(note.clone())
-        .map_or_else(|_| code.clone(), |coded| asked().words(&coded.message()));
-    Some(NoteBody { code: code.into(), detail, parameters })
+/// What a reader is told of a kept note; nothing of one that only a later version knows.
+pub(super) fn kept_words(note: &Value) -> Option<String> {
+    let coded = serde_json::from_value::<Coded>(note.clone()).ok()?;
+    Some(asked().words(&coded.message()))
 }
 
 /// The day of a time that was written by [`time::format`].
@@ -296,6 +285,7 @@ mod tests {
     use super::*;
     use crate::core::mounting::Slot;
     use crate::core::time::UtcMicros;
+    use crate::wire::note::{NoteBody, read};
 
     fn every_kind() -> Vec<Note> {
         let named = |record: &str| Named { record: record.to_owned(), at: UtcMicros(1_767_254_400_000_000) };

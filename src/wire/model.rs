@@ -3,6 +3,7 @@
 
 mod identified;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -15,7 +16,7 @@ use super::hypothesis::HypothesisBody;
 use super::numbers::in_range;
 use super::{json, text, time};
 use crate::core::augmented::Adopted;
-use crate::core::augmented::{AugmentedModel, KnownEffect, Provenance};
+use crate::core::augmented::{AugmentedModel, KnownEffect, PlausibleSizes, Provenance};
 use crate::core::effects::Estimate;
 use crate::core::effects::{self, Effect, Parameter, Scope, Shape};
 use crate::core::fault::{Fault, Faults};
@@ -42,6 +43,10 @@ pub struct ModelBody {
     /// The coefficients of the very IMU (`gyrowatch model fit`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub identified: Option<IdentifiedBody>,
+    /// Largest sizes that gyros of this kind may have, by id of the catalogue, in the unit of the effect's
+    /// coefficients. A diagnosis names nothing larger. The catalogue's are those of any kind.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub plausible_sizes: BTreeMap<String, f64>,
 }
 
 /// Forms of the model file that are read.
@@ -53,7 +58,7 @@ const VERSIONS: [u32; 2] = [1, 2];
 pub struct AdoptionBody {
     #[serde(default)]
     pub version: Option<u32>,
-    /// As in the model file. Without terms and effects the plain model is in force again.
+    /// As in the model file. Without terms, effects and sizes the plain model is in force again.
     #[serde(default)]
     pub terms: Vec<String>,
     #[serde(default)]
@@ -62,6 +67,8 @@ pub struct AdoptionBody {
     pub provenance: Option<ProvenanceBody>,
     #[serde(default)]
     pub identified: Option<IdentifiedBody>,
+    #[serde(default)]
+    pub plausible_sizes: BTreeMap<String, f64>,
     #[schema(min_length = 1, max_length = 64)]
     pub author: String,
     #[schema(min_length = 1, max_length = 4096)]
@@ -161,7 +168,14 @@ pub fn to_json(model: &AugmentedModel) -> String {
 impl ModelBody {
     /// Model (6), each campaign with the terms that it asks for.
     pub fn plain() -> Self {
-        Self { version: None, terms: Vec::new(), effects: Vec::new(), provenance: None, identified: None }
+        Self {
+            version: None,
+            terms: Vec::new(),
+            effects: Vec::new(),
+            provenance: None,
+            identified: None,
+            plausible_sizes: BTreeMap::new(),
+        }
     }
 
     /// Converts and checks.
@@ -186,7 +200,24 @@ impl ModelBody {
         });
         let adopted: Vec<Adopted> = effects.iter().map(|known| known.adopted.clone()).collect();
         let identified = self.identified.as_ref().and_then(|body| body.to_core(&adopted, &mut faults));
-        faults.or(AugmentedModel { terms, effects, found_in, identified: identified.map(Arc::new) })
+        let plausible_sizes = self.plausible_sizes(&mut faults);
+        faults.or(AugmentedModel { terms, effects, found_in, identified: identified.map(Arc::new), plausible_sizes })
+    }
+
+    fn plausible_sizes(&self, faults: &mut Faults) -> PlausibleSizes {
+        let size = |(id, &size): (&String, &f64)| {
+            let place = format!("/plausible_sizes/{id}");
+            let Some(effect) = Effect::from_id(id) else {
+                let message = message!("unknown_effect", effect = sent(id), effects = effects::known());
+                faults.push(place, message);
+                return None;
+            };
+            if in_range(size, &place, faults) && size <= 0.0 {
+                faults.push(place, message!("not_positive", value = text(size)));
+            }
+            Some((effect, size))
+        };
+        PlausibleSizes(self.plausible_sizes.iter().filter_map(size).collect())
     }
 }
 
@@ -212,15 +243,9 @@ impl AdoptionBody {
     /// All faults, by JSON pointer.
     pub fn to_core(self) -> Result<(AugmentedModel, String, String), Faults> {
         let mut faults = Faults::default();
-        for (pointer, said) in [("/author", &self.author), ("/reason", &self.reason)] {
-            if said.trim().is_empty() {
-                faults.push(pointer, message!("empty_text"));
-            }
-        }
-        let author = text::short("/author", &Some(self.author.clone()), &mut faults).unwrap_or_default();
-        let reason = text::note("/reason", &Some(self.reason.clone()), &mut faults).unwrap_or_default();
-        let Self { version, terms, effects, provenance, identified, .. } = self;
-        let file = ModelBody { version, terms, effects, provenance, identified };
+        let (author, reason) = text::signed("/author", self.author, self.reason, &mut faults);
+        let Self { version, terms, effects, provenance, identified, plausible_sizes, .. } = self;
+        let file = ModelBody { version, terms, effects, provenance, identified, plausible_sizes };
         match file.to_core() {
             Ok(model) => faults.or((model, author, reason)),
             Err(part) => {
@@ -408,6 +433,7 @@ impl From<&AugmentedModel> for ModelBody {
                 station: found.station.to_string(),
                 measured_at: time::format(found.measured_at),
             }),
+            plausible_sizes: model.plausible_sizes.0.iter().map(|(of, size)| (of.id().to_owned(), *size)).collect(),
         }
     }
 }

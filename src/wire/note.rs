@@ -37,6 +37,21 @@ impl NoteBody {
     }
 }
 
+/// Kept notes for a reader. One that only a later version knows is shown by its code.
+pub fn read(kept: Option<&str>) -> Vec<NoteBody> {
+    let document: Value = kept.and_then(|kept| serde_json::from_str(kept).ok()).unwrap_or_default();
+    let notes = document.get("notes").and_then(Value::as_array);
+    notes.into_iter().flatten().filter_map(of_kept).collect()
+}
+
+fn of_kept(note: &Value) -> Option<NoteBody> {
+    let mut parameters = note.as_object()?.clone();
+    let code = parameters.remove("code")?.as_str()?.to_owned();
+    parameters.retain(|_, value| !value.is_null());
+    let detail = history_note::kept_words(note).unwrap_or_else(|| code.clone());
+    Some(NoteBody { code: code.into(), detail, parameters })
+}
+
 pub fn words(note: &Note, language: Language) -> String {
     language.words(&message(note))
 }

@@ -60,33 +60,34 @@ pub struct Place {
     pub detail: String,
 }
 
+/// Constructors of the 404s: what is asked for by this name or identifier is not there.
+macro_rules! not_there {
+    ($($of:ident($given:ident): $title:literal, $message:expr;)*) => {
+        impl Problem {
+            $(pub fn $of($given: impl Display) -> Self {
+                Self::new(404, $title, $message)
+            })*
+        }
+    };
+}
+
+not_there! {
+    unknown_gyro(serial): "title_unknown_gyro", message!("unknown_gyro", serial = text(serial));
+    unknown_alert(id): "title_unknown_alert", message!("unknown_alert", id = text(id));
+    unknown_silence(id): "title_unknown_silence", message!("unknown_silence", id = text(id));
+    no_such_station(name): "title_no_such_station", message!("no_such_station", name = text(name));
+    no_such_record(id): "title_no_such_record", message!("no_such_record", id = text(id));
+    no_such_campaign(id): "title_no_such_campaign", message!("no_such_campaign", id = text(id));
+    no_such_bench_result(id): "title_no_such_bench_result", message!("no_such_bench_result", id = text(id));
+    no_such_reference(id): "title_no_such_reference", message!("no_such_reference", id = text(id));
+    no_such_hook(id): "title_no_such_hook", message!("no_such_hook", id = text(id));
+    no_such_delivery(id): "title_no_such_delivery", message!("no_such_delivery", id = text(id));
+    no_such_diagnoses(id): "title_no_such_diagnoses", message!("no_such_diagnoses", id = text(id));
+}
+
 impl Problem {
     pub fn new(status: u16, title: &'static str, message: Message) -> Self {
         Self { status, title, message, places: Vec::new(), existing: None }
-    }
-
-    pub fn unknown_gyro(serial: &str) -> Self {
-        Self::new(404, "title_unknown_gyro", message!("unknown_gyro", serial = serial.to_owned()))
-    }
-
-    pub fn no_such_station(name: &str) -> Self {
-        Self::new(404, "title_no_such_station", message!("no_such_station", name = name.to_owned()))
-    }
-
-    pub fn no_such_record(id: impl Display) -> Self {
-        Self::new(404, "title_no_such_record", message!("no_such_record", id = text(id)))
-    }
-
-    pub fn no_such_campaign(id: impl Display) -> Self {
-        Self::new(404, "title_no_such_campaign", message!("no_such_campaign", id = text(id)))
-    }
-
-    pub fn no_such_bench_result(id: impl Display) -> Self {
-        Self::new(404, "title_no_such_bench_result", message!("no_such_bench_result", id = text(id)))
-    }
-
-    pub fn no_such_reference(id: impl Display) -> Self {
-        Self::new(404, "title_no_such_reference", message!("no_such_reference", id = text(id)))
     }
 
     /// A body that is no JSON (400) or says what cannot be stored (422): the faults at their places.

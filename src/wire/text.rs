@@ -18,6 +18,19 @@ use crate::core::record::{MAX_NAME_CHARS, MAX_NOTE_CHARS, Name};
 use crate::core::time::{Span, UtcMicros};
 use crate::message;
 
+/// A name as one segment of a path, or a value within a query: every byte but RFC 3986's unreserved ones as %XX.
+pub fn encoded(text: &str) -> String {
+    let mut encoded = String::with_capacity(text.len());
+    for byte in text.bytes() {
+        if byte.is_ascii_alphanumeric() || b"-._~".contains(&byte) {
+            encoded.push(char::from(byte));
+        } else {
+            encoded.push_str(&format!("%{byte:02X}"));
+        }
+    }
+    encoded
+}
+
 /// A name that something is to match: in its one spelling, without characters that nobody sees.
 pub fn matched(pointer: &str, text: &str, faults: &mut Faults) -> Option<String> {
     match Name::parse(text).and_then(|name| name.check_seen().map(|()| name)) {
@@ -85,6 +98,11 @@ pub fn required_note(pointer: &str, text: String, faults: &mut Faults) -> String
     note(pointer, &Some(text), faults).unwrap_or_default()
 }
 
+/// Who does something, in the member `who`, and why.
+pub fn signed(who: &str, by: String, reason: String, faults: &mut Faults) -> (String, String) {
+    (required_short(who, by, faults), required_note("/reason", reason, faults))
+}
+
 fn required(pointer: &str, text: &str, faults: &mut Faults) {
     if text.trim().is_empty() {
         faults.push(pointer, message!("empty_text"));
@@ -148,3 +166,14 @@ impl PartialSchema for Deviations {
 }
 
 impl ToSchema for Deviations {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_fit_into_addresses_whatever_they_hold() {
+        assert_eq!(encoded("LFG-0101_a.b~"), "LFG-0101_a.b~");
+        assert_eq!(encoded("a/b?c d&陀"), "a%2Fb%3Fc%20d%26%E9%99%80");
+    }
+}

@@ -70,9 +70,9 @@ macro_rules! sources {
 }
 
 const ENGLISH: &[&str] =
-    sources!("en": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history", "stations");
+    sources!("en": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history", "stations", "pages");
 const CHINESE: &[&str] =
-    sources!("zh": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history", "stations");
+    sources!("zh": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history", "stations", "pages");
 
 static BUNDLES: LazyLock<[FluentBundle<FluentResource>; 2]> =
     LazyLock::new(|| [Language::English, Language::Chinese].map(Language::bundle));

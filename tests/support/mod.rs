@@ -296,7 +296,8 @@ impl Server {
 async fn holdings_on_server(url: &str) -> Vec<(String, i64)> {
     let mut connection = sqlx::PgConnection::connect(url).await.unwrap();
     let tables = "SELECT CAST(table_name AS TEXT) FROM information_schema.tables
-                  WHERE table_schema = 'public' AND table_name NOT IN ('turn', 'turn_commit', 'lease') ORDER BY 1";
+                  WHERE table_schema = 'public' AND table_type = 'BASE TABLE'
+                  AND table_name NOT IN ('turn', 'turn_commit', 'lease') ORDER BY 1";
     let mut holdings = Vec::new();
     for table in sqlx::query_scalar::<_, String>(tables).fetch_all(&mut connection).await.unwrap() {
         let count = sqlx::AssertSqlSafe(format!("SELECT count(*) FROM \"{table}\""));

@@ -7,6 +7,7 @@ use crate::core::message::text;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::wire::alert::AlertBody;
+use crate::wire::text::encoded;
 use crate::words::asked;
 
 /// What a hook is told, ready to be sent.
@@ -34,14 +35,7 @@ pub(super) const MOST_LISTED: usize = 100;
 /// The page of what an alert is about, a gyro or a station: its path alone where nobody has said where the service is
 /// reached.
 pub(super) fn page(context: &Context<'_>, alert: &AlertBody) -> String {
-    let mut url = format!("{}/{}s/", context.external_url.unwrap_or_default(), alert.subject);
-    for byte in alert.name().bytes() {
-        match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => url.push(char::from(byte)),
-            _ => url.push_str(&format!("%{byte:02X}")),
-        }
-    }
-    url
+    format!("{}/{}s/{}", context.external_url.unwrap_or_default(), alert.subject, encoded(alert.name()))
 }
 
 /// The page of an alert.

@@ -5,6 +5,7 @@ use std::ops::AddAssign;
 use std::time::Duration;
 
 use bytes::Bytes;
+use reqwest::StatusCode;
 use serde_json::Value;
 
 use super::source::{Content, Document, MAX_DOCUMENT_BYTES, read_line};
@@ -168,7 +169,7 @@ impl<'a> Courier<'a> {
                 }
             }
             200 => self.tally.known += 1,
-            401 | 403 => return Err(Trouble::Stop(why())),
+            401 | 403 => return Err(Trouble::stop(StatusCode::from_u16(answer.status).ok(), why())),
             408 | 425 | 429 | 500.. => {
                 return Err(Trouble::Again { why: format!("line {line}: {}", why()), after: None });
             }

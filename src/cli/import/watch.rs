@@ -131,7 +131,7 @@ impl Folder {
             match error.downcast_ref::<Trouble>() {
                 Some(Trouble::Away(why)) => return self.trouble.again(why, None),
                 Some(Trouble::Again { after, .. }) => self.again(&name, &error, *after),
-                Some(Trouble::Stop(_)) | None => self.again(&name, &error, None),
+                Some(Trouble::Stop { .. }) | None => self.again(&name, &error, None),
             }
         }
     }

@@ -21,6 +21,7 @@ use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
 use super::law::{AS_STATED, Course, Law};
 use super::noise::PRIOR_DOF;
+use crate::core::named::named;
 use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::median::median_of;
 
@@ -39,25 +40,18 @@ pub const WITHOUT_MEMORY: f64 = 0.995;
 /// ln of a weight below which a kind of noise is left out.
 const NOTHING: f64 = -9.0;
 
+named! {
 /// What dwells have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Memory {
     /// Mean over [`TIMES`] of exp(-|dt|/tau): about as flat over the decades as flicker is.
-    Flicker,
+    Flicker = "flicker",
     /// min(t, t')/mean t.
-    Walk,
+    Walk = "random_walk",
+}
 }
 
 impl Memory {
-    pub const ALL: [Self; 2] = [Self::Flicker, Self::Walk];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Flicker => "flicker",
-            Self::Walk => "random_walk",
-        }
-    }
-
     /// By how much more power a pair of this kernel has.
     pub fn size(self) -> f64 {
         if self == Self::Walk { OF_WALK } else { 1.0 }

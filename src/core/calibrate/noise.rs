@@ -27,6 +27,7 @@
 use statrs::function::gamma::ln_gamma;
 
 use crate::core::campaign::repeats::PureError;
+use crate::core::named::named;
 use crate::core::numerics::tails;
 use crate::core::numerics::tails::chi2_tail;
 
@@ -44,37 +45,25 @@ const BEYOND_CHANCE: f64 = 1e-3;
 /// Chance below which residuals scatter more than repeats and standard errors allow, and are kept out of the noise.
 const LACK_OF_FIT: f64 = 0.05;
 
+named! {
 /// Where the scale of the noise comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// Standard errors at their word.
-    Sem,
+    Sem = "sem",
     /// Standard errors times a factor from repeats.
-    SemAndRepeats,
+    SemAndRepeats = "repeats+sem",
     /// The same, confirmed and sharpened by residuals that agree.
-    SemRepeatsAndResiduals,
+    SemRepeatsAndResiduals = "repeats+residuals+sem",
     /// Standard errors times the Birge ratio.
-    SemAndResiduals,
+    SemAndResiduals = "residuals+sem",
     /// Repeats alone, equal weights.
-    Repeats,
+    Repeats = "repeats",
     /// Residuals alone, equal weights.
-    Residuals,
+    Residuals = "residuals",
     /// Nothing: no standard errors, no repeats, no residual degree of freedom.
-    None,
+    None = "none",
 }
-
-impl Source {
-    pub fn name(self) -> &'static str {
-        match self {
-            Source::Sem => "sem",
-            Source::SemAndRepeats => "repeats+sem",
-            Source::SemRepeatsAndResiduals => "repeats+residuals+sem",
-            Source::SemAndResiduals => "residuals+sem",
-            Source::Repeats => "repeats",
-            Source::Residuals => "residuals",
-            Source::None => "none",
-        }
-    }
 }
 
 /// The noise scale of one gyro.

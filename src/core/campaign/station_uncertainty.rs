@@ -1,5 +1,7 @@
 //! How well a station knows its own table: what no repetition on it shows.
 
+use crate::core::named::named;
+
 /// Systematic standard uncertainties (GUM type B) of small rotations that all dwells of a campaign share, radians; none
 /// where nothing is stated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -12,24 +14,14 @@ pub struct StationUncertainty {
     pub fixture: Option<f64>,
 }
 
+named! {
 /// Which of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StationPart {
-    Levelling,
-    Azimuth,
-    Fixture,
+    Levelling = "levelling",
+    Azimuth = "azimuth",
+    Fixture = "fixture",
 }
-
-impl StationPart {
-    pub const ALL: [Self; 3] = [Self::Levelling, Self::Azimuth, Self::Fixture];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Levelling => "levelling",
-            Self::Azimuth => "azimuth",
-            Self::Fixture => "fixture",
-        }
-    }
 }
 
 impl StationUncertainty {

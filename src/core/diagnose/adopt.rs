@@ -21,6 +21,7 @@ impl AugmentedModel {
             }),
             // Coefficients that were fitted without the new effects are not those with them.
             identified: None,
+            plausible_sizes: self.plausible_sizes.clone(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What a diagnosis answers. Plain data, every number finite; the wire form is `wire::diagnosis`.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::core::augmented::Adopted;
 use crate::core::calibrate::noise_found::NoiseFound;
@@ -12,28 +12,19 @@ use crate::core::mounting::Slot;
 use crate::core::named::named;
 use crate::core::note::Note;
 
+named! {
 /// How far the catalogue explains the gap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// Structure is not above the noise floor.
-    NoGap,
+    NoGap = "no_gap",
     /// Something was adopted and nothing significant remains.
-    Explained,
+    Explained = "explained",
     /// Something was adopted and something significant remains.
-    PartlyExplained,
+    PartlyExplained = "partly_explained",
     /// There is a gap, and nothing of the catalogue earns adoption.
-    Unexplained,
+    Unexplained = "unexplained",
 }
-
-impl Verdict {
-    pub fn name(self) -> &'static str {
-        match self {
-            Verdict::NoGap => "no_gap",
-            Verdict::Explained => "explained",
-            Verdict::PartlyExplained => "partly_explained",
-            Verdict::Unexplained => "unexplained",
-        }
-    }
 }
 
 /// The answer for one campaign.
@@ -261,6 +252,10 @@ pub struct NextDwell {
     pub phase: Phase,
     pub specific_force_g0: Vector3<f64>,
     pub rate_arcsec_s: Vector3<f64>,
+    /// Columns: east, north and up in body axes.
+    pub attitude: Matrix3<f64>,
+    /// Of the table about the vertical, arcsec/s.
+    pub table_rate_arcsec_s: f64,
     pub separates: Vec<Effect>,
 }
 

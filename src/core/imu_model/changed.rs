@@ -117,7 +117,7 @@ pub fn changed(model: &Identified, campaign: &Campaign) -> Result<Changed, NotCo
 /// Gyros in which the campaign shows more than the model with the effects that are fitted to it anew.
 fn lacking(now: &Identified, campaign: &Campaign) -> Vec<Slot> {
     let (terms, adopted) = (Some(now.terms), now.effects.clone());
-    let options = Options { terms, adopted, reference_c: now.reference_c, hypotheses: Vec::new() };
+    let options = Options { terms, adopted, reference_c: now.reference_c, ..Options::default() };
     let all = || campaign.gyros.iter().map(|gyro| gyro.slot).collect();
     match diagnose(campaign, &options) {
         Ok(found) => match found.verdict {

@@ -524,6 +524,12 @@ impl Identified {
             measured_at: newest.measured_at,
         });
         let effects = effects.collect();
-        AugmentedModel { terms: Some(self.terms), effects, found_in, identified: Some(Arc::new(self)) }
+        AugmentedModel {
+            terms: Some(self.terms),
+            effects,
+            found_in,
+            plausible_sizes: model.plausible_sizes.clone(),
+            identified: Some(Arc::new(self)),
+        }
     }
 }

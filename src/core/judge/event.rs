@@ -69,6 +69,13 @@ impl Event {
             Event::DecisionRelease | Event::DecisionRetest | Event::DecisionRemove => false,
         }
     }
+
+    /// The rules that it [resets](Event::resets), as people are told: `overdue` compares nothing that an event may part,
+    /// and no rule judges any more by a cumulative sum.
+    pub fn rules_reset(self) -> impl Iterator<Item = Rule> {
+        let judges = |rule: &Rule| !matches!(rule, Rule::Overdue | Rule::Cusum);
+        Rule::ALL.into_iter().filter(move |rule| judges(rule) && self.resets(*rule))
+    }
 }
 
 /// An event on a gyro's time line. It parts the records before `at` from those at or after it.

@@ -105,6 +105,15 @@ impl DriftLimits {
         self.single[rule as usize]
     }
 
+    /// What was set for a rule: of `trend` its budget, of `shift` the least that counts, of others their limit.
+    pub fn stated(&self, rule: Rule) -> Option<Limit> {
+        match rule {
+            Rule::Trend => self.trend.map(|trend| trend.budget),
+            Rule::Shift => self.shift.map(|shift| shift.least),
+            _ => self.of(rule),
+        }
+    }
+
     pub fn set(&mut self, rule: Rule, limit: Option<Limit>) {
         self.single[rule as usize] = limit;
     }

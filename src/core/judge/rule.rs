@@ -12,35 +12,35 @@ use crate::message;
 named! {
 /// A criterion. Several may watch the same coefficient. Stored by their place: new ones come last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Rule("rule_") {
+pub enum Rule("rule_", letter) {
     /// |x_k - median of the three before|.
-    Step = "step",
+    Step = "step" 'S',
     /// max - min over the newest records.
-    Range = "range",
+    Range = "range" 'R',
     /// |x_k - baseline|.
-    Baseline = "baseline",
+    Baseline = "baseline" 'B',
     /// A straight course, carried forward to the budget.
-    Trend = "trend",
+    Trend = "trend" 'T',
     /// Two-sided cumulative sum, in verdicts and alerts of earlier versions; [`Rule::Shift`] has taken its place.
-    Cusum = "cusum",
+    Cusum = "cusum" 'C',
     /// Root mean square of successive differences.
-    RmsSuccessive = "rms_successive",
+    RmsSuccessive = "rms_successive" 'N',
     /// The closure moved from its baseline.
-    Closure = "closure",
+    Closure = "closure" 'O',
     /// Range over the methods that measured the gyro.
-    Agreement = "agreement",
+    Agreement = "agreement" 'A',
     /// E or G outside its requirement (Tables 3 and 4).
-    Requirement = "requirement",
+    Requirement = "requirement" 'Q',
     /// Not calibrated for longer than the interval.
-    Overdue = "overdue",
+    Overdue = "overdue" 'D',
     /// The newest three weeks with records against the level before.
-    Shift = "shift",
+    Shift = "shift" 'L',
     /// The first records after an environmental test against the last one before.
-    BeforeAfter = "before_after",
+    BeforeAfter = "before_after" 'E',
     /// What the gyros of a station have moved by together, judged by the clock and not by a record.
-    StationShift = "station_shift",
+    StationShift = "station_shift" 'G',
     /// A campaign of an IMU against what its adopted model has foretold.
-    Forecast = "forecast",
+    Forecast = "forecast" 'K',
 }
 }
 

@@ -6,28 +6,14 @@ use super::rule::Finding;
 use super::rule::{LimitKind, Rule, Unit};
 use crate::core::named::named;
 
+named! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum State {
-    Within,
+    Within = "within",
     /// Too few points, or the uncertainty straddles the limit.
-    Indeterminate,
-    Exceeded,
+    Indeterminate = "indeterminate",
+    Exceeded = "exceeded",
 }
-
-impl State {
-    pub const ALL: [State; 3] = [State::Within, State::Indeterminate, State::Exceeded];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            State::Within => "within",
-            State::Indeterminate => "indeterminate",
-            State::Exceeded => "exceeded",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|state| state.name() == name)
-    }
 }
 
 named! {

@@ -30,15 +30,11 @@ pub(super) fn separated_point<'t>(
     names: &'t Names<'_>,
 ) -> Point<'t> {
     let measured = sample_of(figures, method).d[column];
-    let name = match (method, figures.published) {
-        (JudgedMethod::Published, Some(_)) => "published",
-        _ => "rigid",
-    };
     Point {
         calibrated_at: figures.at,
         value: measured.value,
         sd: measured.sd,
-        method: name,
+        method: if figures.published.is_some() { method } else { JudgedMethod::Rigid }.name(),
         imu: Some(names.imu(figures.imu)).filter(|imu| !imu.is_empty()),
         slot: Some(figures.slot.name()),
         station: names.station(figures.station),

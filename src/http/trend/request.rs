@@ -1,7 +1,6 @@
 //! What is asked of a trend, checked, and the rows that answer it.
 
 use axum::http::HeaderMap;
-use axum::http::header::ACCEPT;
 use serde::Deserialize;
 use utoipa::IntoParams;
 
@@ -63,8 +62,7 @@ pub(super) enum Method {
 impl Method {
     pub fn name(self) -> &'static str {
         match self {
-            Self::Separated(JudgedMethod::Rigid) => "rigid",
-            Self::Separated(JudgedMethod::Published) => "published",
+            Self::Separated(method) => method.name(),
             Self::Bench(method) => method.name(),
         }
     }
@@ -100,18 +98,16 @@ impl Request {
             .ok_or_else(|| not_one_of("coefficient", ["D_I", "D_S", "D_O"], coefficient))?;
         let method = match asked.method.as_deref() {
             None => Method::Separated(app.config.judging.method),
-            Some("rigid") => Method::Separated(JudgedMethod::Rigid),
-            Some("published") => Method::Separated(JudgedMethod::Published),
-            Some(name) => Method::Bench(BenchMethod::from_name(name).ok_or_else(|| {
-                not_one_of("method", ["rigid", "published", "torque_feedback", "turntable_servo"], name)
-            })?),
+            Some(name) => {
+                let separated = JudgedMethod::from_name(name).map(Method::Separated);
+                let known = JudgedMethod::ALL.map(JudgedMethod::name).into_iter();
+                let known = known.chain(BenchMethod::ALL.map(BenchMethod::name));
+                separated
+                    .or_else(|| BenchMethod::from_name(name).map(Method::Bench))
+                    .ok_or_else(|| not_one_of("method", known, name))?
+            }
         };
-        let csv = match asked.format.as_deref() {
-            Some("csv") => true,
-            Some("json") => false,
-            Some(other) => return Err(not_one_of("format", ["json", "csv"], other)),
-            None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
-        };
+        let csv = query::wants_csv(asked.format.as_deref(), headers)?;
         let voided = match asked.voided.as_deref() {
             None | Some("exclude") => false,
             Some("include") => true,

@@ -9,12 +9,11 @@ use super::{open_ones, table};
 use crate::core::alert_decision::Standing;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
-use crate::core::message::Message;
 use crate::message;
 use crate::pages::Pages;
 use crate::pages::form::{answered, fault_list, see_other};
 use crate::pages::layout::{Page, Section};
-use crate::pages::silences::LONGEST_SILENCE;
+use crate::pages::silences::{days_field, silent_until};
 use crate::pages::viewer::{Viewer, is_local};
 use crate::pipeline::{AlertChange, AlertOrder};
 use crate::wire::alert::AlertBody;
@@ -98,18 +97,12 @@ pub(in crate::pages) async fn act(
 async fn done_of(pages: &Pages, viewer: &Viewer, said: &Said) -> Result<Response, Problem> {
     let found = said.found(pages).await?;
     let by = viewer.signed_in.clone().filter(|_| said.by.trim().is_empty()).unwrap_or_else(|| said.by.clone());
-    let days: Option<f64> = said.days.trim().parse().ok().filter(|days| *days > 0.0 && *days <= LONGEST_SILENCE);
     let mut faults = Faults::default();
     text::required_short("by", by.clone(), &mut faults);
     let change = match said.deed.as_str() {
         "unacknowledge" => AlertChange::Unacknowledge,
         "comment" => AlertChange::Comment,
-        "silence" => {
-            if days.is_none() {
-                faults.push("days", Message::verbatim(format_args!("0 … {LONGEST_SILENCE}")));
-            }
-            AlertChange::Silence { until: pages.clock.now().plus_days(days.unwrap_or_default()) }
-        }
+        "silence" => AlertChange::Silence { until: silent_until(pages, &said.days, &mut faults) },
         _ => AlertChange::Acknowledge,
     };
     let is_brief = matches!(change, AlertChange::Acknowledge | AlertChange::Unacknowledge);
@@ -147,7 +140,6 @@ async fn done_of(pages: &Pages, viewer: &Viewer, said: &Said) -> Result<Response
 fn form(viewer: &Viewer, said: &Said, found: &[AlertBody], faults: &Faults) -> Page {
     let t = viewer.text();
     let by = if said.by.is_empty() { viewer.signed_in.as_deref().unwrap_or_default() } else { &said.by };
-    let days = if said.days.is_empty() { "7" } else { &said.days };
     let deeds = [
         ("acknowledge", t.acknowledge),
         ("silence", t.silence),
@@ -168,7 +160,7 @@ fn form(viewer: &Viewer, said: &Said, found: &[AlertBody], faults: &Faults) -> P
             } }
             label { (t.who) input name="by" value=(by) required maxlength="128" autocomplete="name"; }
             label { (t.reason_word) textarea name="reason" rows="3" maxlength="4096" required[viewer.signed_in.is_none()] { (said.reason) } }
-            label { (t.silence_days) input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value=(days); }
+            (days_field(t, &said.days, false))
             p { button.primary { (t.confirm_short) } " " a href=(said.back()) { (t.go_back) } }
         }
     };
@@ -187,7 +179,7 @@ pub(super) fn bar(viewer: &Viewer, here: &str) -> Markup {
                 label { (t.who) " " input name="by" maxlength="128" autocomplete="name" size="12"; }
             }
             label { (t.reason_word) " " input name="reason" maxlength="4096" size="20"; }
-            label { (t.silence_days) " " input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value="7"; }
+            (days_field(t, "", false))
             @for (name, word) in deeds { button name="deed" value=(name) { (word) } }
         }
     }

@@ -7,7 +7,6 @@ use maud::html;
 use super::table;
 use crate::core::access::Role;
 use crate::core::id::Id;
-use crate::message;
 use crate::pages::Pages;
 use crate::pages::layout::{Page, Section, encoded, instant, symbol};
 use crate::pages::viewer::Viewer;
@@ -20,7 +19,7 @@ pub(in crate::pages) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Pat
 
 async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem> {
     let t = viewer.text();
-    let unknown = || Problem::new(404, "title_unknown_alert", message!("unknown_alert", id = id.to_owned()));
+    let unknown = || Problem::unknown_alert(id);
     let number = id.parse::<Id>().map_err(|_| unknown())?;
     let record = pages.pipeline.alerts.get(number).await?.ok_or_else(unknown)?;
     let alert = &record.alert;

@@ -9,9 +9,8 @@ use super::fields::{beginning, end, said};
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
-use crate::message;
 use crate::pages::Pages;
-use crate::pages::form::{answered, see_other};
+use crate::pages::form::{answered, fault_list, see_other};
 use crate::pages::layout::written;
 use crate::pages::text::Text;
 use crate::pages::viewer::Viewer;
@@ -48,26 +47,11 @@ impl Wanted {
 
 pub(in crate::pages) async fn cancel(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let canceled = async {
-        let unknown = || Problem::new(404, "title_no_such_diagnoses", message!("no_such_diagnoses", id = id.clone()));
-        let number: Id = id.parse().map_err(|_| unknown())?;
+        let number: Id = id.parse().map_err(|_| Problem::no_such_diagnoses(&id))?;
         pages.pipeline.diagnoses.order(DiagnosisOrder::Cancel(number)).await?;
         Ok(see_other("/diagnoses#orders"))
     };
     answered(&viewer, canceled.await)
-}
-
-/// What is wrong, each at its field.
-pub(super) fn faults(t: &Text, faults: &Faults) -> Markup {
-    let field = |pointer: &str| match pointer {
-        "/imu" => t.imu,
-        "/station" => t.station,
-        "/since" => t.measured_since,
-        "/until" => t.measured_until,
-        _ => t.effect,
-    };
-    html! {
-        ul.fault role="alert" { @for fault in &faults.0 { li { (field(&fault.pointer)) ": " (t.words(&fault.message)) } } }
-    }
 }
 
 /// The newest orders with their progress.
@@ -168,7 +152,7 @@ pub(super) fn form(viewer: &Viewer, wanted: &Wanted, wrong: Option<&Faults>) -> 
         section {
             h2 { (t.new_order) }
             p.note { (t.new_order_note) }
-            @if let Some(wrong) = wrong { (faults(t, wrong)) }
+            @if let Some(wrong) = wrong { (fault_list(t, wrong)) }
             form.deed action="/diagnoses" method="post" {
                 label { (t.imu) input name="imu" value=(wanted.imu) placeholder=(t.any); }
                 label { (t.station) input name="station" value=(wanted.station) placeholder=(t.any); }

@@ -2,7 +2,7 @@
 //! be told, and what to measure next. The same answer as `/v1/campaigns/{id}/diagnosis`, to look at.
 
 mod report;
-mod sections;
+pub(super) mod sections;
 
 use std::time::Duration;
 
@@ -19,6 +19,7 @@ use super::calibration::stored_campaign;
 use super::layout::{Page, Section, encoded, instant};
 use super::text::Text;
 use super::viewer::Viewer;
+use crate::core::access::Role;
 use crate::core::mounting::Slot;
 use crate::pages::reference;
 use crate::pages::reference::Against;
@@ -72,8 +73,12 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Aske
         .map(|gyro| (Slot::from(gyro.slot).name().to_owned(), gyro.serial.clone()))
         .collect();
     let against = Against::of(pages, &stored, &diagnosis, asked).await?;
+    let may_adopt = viewer.may(Role::Engineer) && !diagnosis.effects.is_empty();
     let body = html! {
         (head(t, &stored))
+        @if may_adopt {
+            p.actions { a.action href={ "/campaigns/" (stored.item.id) "/adopt" } { (t.adopt) } }
+        }
         (sections::of(t, &diagnosis, &slots, &against.section(t)))
     };
     let title = format!("{} · {}", t.diagnosis, stored.answer.imu);

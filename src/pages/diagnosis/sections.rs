@@ -4,9 +4,12 @@ use maud::{Markup, html};
 
 use crate::core::effects::{Effect, regressor_unit};
 use crate::pages::figure::{percent, short};
+use crate::pages::layout::{effect_named, effect_word};
 use crate::pages::text::Text;
 use crate::pages::{figure, forecast, layout, residuals};
-use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, EstimateBody, HeldOutBody, ImpactBody};
+use crate::wire::diagnosis::{
+    CandidateBody, DiagnosisBody, EffectBody, EstimateBody, HeldOutBody, ImpactBody, TableBody,
+};
 use crate::wire::unit;
 
 /// Slot and serial of each gyro in `gyros`; `against`: the gap against a reference.
@@ -30,13 +33,7 @@ pub(super) fn of(t: &Text, d: &DiagnosisBody, gyros: &[(String, String)], agains
 fn summary(t: &Text, d: &DiagnosisBody) -> Markup {
     html! {
         p.lead { strong { (d.verdict_in_words(t.language())) } }
-        @if !d.effects.is_empty() {
-            ul.found {
-                @for effect in &d.effects {
-                    li { strong { (effect_word(t, &effect.effect)) } ": " span translate="no" { (sizes(t, effect)) } }
-                }
-            }
-        }
+        (found(t, d))
         p.lead { (consequence(t, d)) }
         (ladder(t, d))
         p.note {
@@ -51,8 +48,17 @@ fn summary(t: &Text, d: &DiagnosisBody) -> Markup {
     }
 }
 
-fn effect_word<'a>(t: &'a Text, id: &'a str) -> &'a str {
-    Effect::from_id(id).map_or(id, |effect| t.effect(effect))
+/// What was named, with its sizes.
+pub(in crate::pages) fn found(t: &Text, d: &DiagnosisBody) -> Markup {
+    html! {
+        @if !d.effects.is_empty() {
+            ul.found {
+                @for effect in &d.effects {
+                    li { strong { (effect_word(t, &effect.effect)) } ": " span translate="no" { (sizes(t, effect)) } }
+                }
+            }
+        }
+    }
 }
 
 /// `G1 -1.108 ± 0.087 ppm; G2 …`: the coefficients as an engineer writes them.
@@ -121,11 +127,6 @@ fn ladder(t: &Text, d: &DiagnosisBody) -> Markup {
     )
 }
 
-/// An effect by its name in words, with the identifier that the interface uses.
-fn named(t: &Text, id: &str) -> Markup {
-    html! { @if let Some(effect) = Effect::from_id(id) { (t.effect(effect)) " " } code.quiet { (id) } }
-}
-
 fn effects(t: &Text, d: &DiagnosisBody, gyros: &[(String, String)]) -> Markup {
     html! {
         section {
@@ -180,7 +181,7 @@ fn evidence(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String, 
 fn one_effect(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String, String)]) -> Markup {
     html! {
         article.effect {
-            h3 { (named(t, &effect.effect)) " · " (effect.gyros.join(", ")) }
+            h3 { (effect_named(t, &effect.effect)) " · " (effect.gyros.join(", ")) }
             @if let Some(entry) = Effect::from_id(&effect.effect).map(Effect::entry) {
                 p.note { code { (entry.equation) } }
             }
@@ -209,7 +210,7 @@ fn one_effect(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String
 /// A class without the effect itself.
 fn others(t: &Text, effect: &EffectBody, class: &[String]) -> Markup {
     let others = class.iter().filter(|id| **id != effect.effect).enumerate();
-    html! { @for (i, id) in others { @if i > 0 { "; " } (named(t, id)) } }
+    html! { @for (i, id) in others { @if i > 0 { "; " } (effect_named(t, id)) } }
 }
 
 /// How far the error of dwells that were held out shrinks.
@@ -294,7 +295,7 @@ fn listed(t: &Text, all: &[&CandidateBody]) -> Markup {
             }
             tbody { @for candidate in all {
                 tr {
-                    td.words { (named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
+                    td.words { (effect_named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
                     td.nowrap {
                         @if candidate.closure.is_some() && candidate.within_noise {
                             (t.within_noise)
@@ -361,7 +362,7 @@ fn blind_spots(t: &Text, d: &DiagnosisBody) -> Markup {
                     thead { tr { th { (t.effect) } th.n { (t.visible) } th { (t.why) } th { (t.would_show) } } }
                     tbody { @for one in &d.not_identifiable {
                         tr {
-                            td.words { (named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
+                            td.words { (effect_named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
                             td.words { (one.reason) } td.words { (one.needs) }
                         }
                     } }
@@ -371,22 +372,34 @@ fn blind_spots(t: &Text, d: &DiagnosisBody) -> Markup {
     }
 }
 
+/// As `gyrowatch dwells --programme` reads it: body directions, and the rate of a turn.
+fn programme_row(table: &TableBody) -> String {
+    let three = |of: [f64; 3]| of.map(|x| format!("{:.6}", x + 0.0)).join(" ");
+    let rate = if table.rate_deg_s == 0.0 { String::new() } else { format!("{:.6}", table.rate_deg_s) };
+    format!("{},{},{rate}", three(table.up), three(table.north))
+}
+
 fn next(t: &Text, d: &DiagnosisBody) -> Markup {
-    let three = |v: [f64; 3], decimals: usize| v.map(|x| format!("{x:.decimals$}")).join(", ");
+    let settings: Vec<(&TableBody, &[String])> =
+        d.next_dwells.iter().filter_map(|dwell| Some((dwell.table.as_ref()?, &*dwell.separates))).collect();
     html! {
-        @if !d.next_dwells.is_empty() {
+        @if !settings.is_empty() {
             section {
                 h2 { (t.measure_next) }
                 div.scroll tabindex="0" { table {
-                    thead { tr { th { (t.phase_word) } th { (t.specific_force) ", g0" } th { (t.rate_word) ", arcsec/s" } th { (t.separates) } } }
-                    tbody { @for dwell in &d.next_dwells {
+                    thead { tr { th { (t.up_axis) } th { (t.north_axis) } th.n { (t.table_rate) ", deg/s" } th { (t.separates) } } }
+                    tbody { @for (table, separates) in &settings {
                         tr {
-                            td { (t.phase(&dwell.phase)) } td.n { (three(dwell.specific_force_g0, 4)) }
-                            td.n { (three(dwell.rate_arcsec_s, 1)) }
-                            td.words { @for (i, id) in dwell.separates.iter().enumerate() { @if i > 0 { "; " } (named(t, id)) } }
+                            td { (TableBody::direction(table.up)) } td { (TableBody::direction(table.north)) }
+                            td.n { (format!("{:.3}", table.rate_deg_s)) }
+                            td.words { @for (i, id) in separates.iter().enumerate() { @if i > 0 { "; " } (effect_named(t, id)) } }
                         }
                     } }
                 } }
+                details {
+                    summary { (t.as_programme) }
+                    pre { "up,north,rate_deg_s\n" @for (table, _) in &settings { (programme_row(table)) "\n" } }
+                }
             }
         }
     }
@@ -396,6 +409,16 @@ fn next(t: &Text, d: &DiagnosisBody) -> Markup {
 mod tests {
     use super::*;
     use crate::words::Language;
+
+    #[test]
+    fn a_dwell_to_measure_is_what_a_programme_says() {
+        let table = TableBody { up: [0.0, 0.0, -1.0], north: [0.5, 0.75_f64.sqrt(), 0.0], rate_deg_s: 0.0 };
+        assert_eq!([table.up, table.north].map(TableBody::direction), ["-Z", "+Y 30° +X"]);
+        assert_eq!(programme_row(&table), "0.000000 0.000000 -1.000000,0.500000 0.866025 0.000000,");
+        let turning = TableBody { rate_deg_s: -2.5, ..table };
+        assert!(programme_row(&turning).ends_with(",-2.500000"));
+        assert_eq!(TableBody::direction([0.6, 0.64, 0.48]), "0.6000 0.6400 0.4800");
+    }
 
     #[test]
     fn sizes_are_in_units_that_an_engineer_writes() {

@@ -11,6 +11,7 @@ use crate::core::judge::{Rule, Status};
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
 use crate::message;
+use crate::pages::form::rule_choice;
 use crate::pages::layout::encoded;
 use crate::pages::viewer::Viewer;
 use crate::pipeline::{BEYOND, FleetFilter, FleetPage};
@@ -184,10 +185,7 @@ impl Filters {
                             option value="ever" selected[self.station_when == "ever"] { (t.calibrated_ever) }
                         } }
                         label { (t.imu) " " input name="imu" value=(self.imu) size="12"; }
-                        label { (t.rule_word) " " select name="rule" {
-                            option value="" { (t.any) }
-                            @for rule in Rule::ALL { option value=(rule.name()) selected[rule.name() == self.rule] { (t.rule(rule)) } }
-                        } }
+                        (rule_choice(t, &self.rule))
                         label { (t.batch) " " input name="batch" value=(self.batch) size="12"; }
                         label { (t.calibrated_since) " " input type="date" name="calibrated_since" value=(self.calibrated_since); }
                         label { (t.changed_since) " " input type="date" name="changed_since" value=(self.changed_since); }

@@ -12,11 +12,10 @@ use super::known;
 use crate::core::delivery::DeliveryState;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
-use crate::core::judge::Severity;
 use crate::core::message::text;
 use crate::message;
 use crate::pages::Pages;
-use crate::pages::form::{Deed, Word, answered, see_other};
+use crate::pages::form::{Deed, Word, answered, see_other, severity_choice};
 use crate::pages::layout::{Page, Section};
 use crate::pages::viewer::Viewer;
 use crate::pipeline::{DeliveryPage, HookKind, Order};
@@ -87,7 +86,7 @@ impl NewHook {
 
 pub(crate) async fn ask_add(viewer: Viewer) -> Response {
     let new = NewHook { batch: "true".into(), ..NewHook::default() };
-    viewer.show(Ok(with_form(&viewer, &new, |deed| deed.page(&viewer, &new.word, &Faults::default()))))
+    viewer.show(Ok(form(&viewer, &new).fresh(&viewer, &new.word)))
 }
 
 pub(crate) async fn add(Held(pages): Held<Pages>, viewer: Viewer, Form(new): Form<NewHook>) -> Response {
@@ -100,7 +99,7 @@ async fn added(pages: &Pages, viewer: &Viewer, new: &NewHook) -> Result<Response
     let read = new.document().and_then(|hook| pages.pipeline.hooks.read(hook.to_string().as_bytes()));
     let read = read.map_err(|wrong| faults.absorb("", wrong)).ok().filter(|_| faults.is_empty());
     let Some(hook) = read else {
-        return Ok(with_form(viewer, new, |deed| deed.again(viewer, &new.word, &faults)));
+        return Ok(form(viewer, new).again(viewer, &new.word, &faults));
     };
     let drawn = hook.drawn();
     let id = pages.pipeline.hooks.order(Order::Create(hook)).await?;
@@ -122,7 +121,7 @@ fn shown_once(viewer: &Viewer, id: Id, secret: &str) -> Page {
     Page { title: t.hook_set_up.into(), section: Section::Hooks, body }
 }
 
-fn with_form<T>(viewer: &Viewer, new: &NewHook, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn form(viewer: &Viewer, new: &NewHook) -> Deed {
     let t = viewer.text();
     let fields = html! {
         label { (t.hook_name) input name="name" value=(new.name) maxlength="128"; }
@@ -134,35 +133,28 @@ fn with_form<T>(viewer: &Viewer, new: &NewHook, show: impl FnOnce(&Deed<'_>) -> 
         label { (t.hook_authorization) input name="authorization" value=(new.authorization) autocomplete="off" placeholder="Bearer …"; }
         label { (t.hook_rules) input name="rules" value=(new.rules) placeholder="step, baseline" translate="no"; }
         label { (t.hook_gyros) input name="gyros" value=(new.gyros); }
-        label { (t.hook_severity) select name="min_severity" {
-            option value="" { (t.any) }
-            @for one in Severity::ALL { option value=(one.name()) selected[one.name() == new.min_severity] { (t.severity(one)) } }
-        } }
+        (severity_choice(t, t.hook_severity, "min_severity", &new.min_severity))
         label.sure {
             input type="checkbox" name="batch" value="true" checked[new.batch == "true"]; span { (t.hook_batch) }
         }
         label { (t.hook_expect) input name="expect" value=(new.expect) placeholder="errcode = 0" translate="no"; }
     };
-    show(&Deed {
+    Deed {
         section: Section::Hooks,
-        title: t.add_hook,
+        title: t.add_hook.into(),
         what: html! { p.lead { (t.add_hook_what) } },
         fields,
-        action: "/hooks/new",
+        action: "/hooks/new".into(),
         button: t.add_hook,
-        back: "/hooks",
+        back: "/hooks".into(),
         reasoned: false,
-    })
+    }
 }
 
 pub(crate) async fn ask_delete(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let found = known(&pages, &id).await;
     let word = Word::default();
-    viewer.show(
-        found.map(|(id, hook)| {
-            delete_form(&viewer, id, &hook.url, |deed| deed.page(&viewer, &word, &Faults::default()))
-        }),
-    )
+    viewer.show(found.map(|(id, hook)| delete_form(&viewer, id, &hook.url).fresh(&viewer, &word)))
 }
 
 pub(crate) async fn delete(
@@ -176,7 +168,7 @@ pub(crate) async fn delete(
         let mut faults = Faults::default();
         word.check_meant(&viewer, &mut faults);
         if !faults.is_empty() {
-            return Ok(delete_form(&viewer, id, &hook.url, |deed| deed.again(&viewer, &word, &faults)));
+            return Ok(delete_form(&viewer, id, &hook.url).again(&viewer, &word, &faults));
         }
         pages.pipeline.hooks.order(Order::Delete(id)).await?;
         Ok(see_other("/hooks"))
@@ -184,18 +176,18 @@ pub(crate) async fn delete(
     answered(&viewer, deleted.await)
 }
 
-fn delete_form<T>(viewer: &Viewer, id: Id, url: &str, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+fn delete_form(viewer: &Viewer, id: Id, url: &str) -> Deed {
     let t = viewer.text();
-    show(&Deed {
+    Deed {
         section: Section::Hooks,
-        title: t.delete_hook_title,
+        title: t.delete_hook_title.into(),
         what: html! { p { code { (url) } } p.lead { (t.delete_hook_what) } },
         fields: html! {},
-        action: &format!("/hooks/{id}/delete"),
+        action: format!("/hooks/{id}/delete"),
         button: t.delete_hook,
-        back: "/hooks",
+        back: "/hooks".into(),
         reasoned: false,
-    })
+    }
 }
 
 pub(crate) async fn test(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
@@ -235,9 +227,8 @@ pub(crate) async fn redeliver(
     Path((id, delivery)): Path<(String, String)>,
 ) -> Response {
     let sent = async {
-        let unknown =
-            || Problem::new(404, "title_no_such_delivery", message!("no_such_delivery", id = delivery.clone()));
-        pages.pipeline.hooks.order(Order::Redeliver(delivery.parse().map_err(|_| unknown())?)).await?;
+        let delivery = delivery.parse().map_err(|_| Problem::no_such_delivery(&delivery))?;
+        pages.pipeline.hooks.order(Order::Redeliver(delivery)).await?;
         known(&pages, &id).await?;
         Ok(see_other(&format!("/hooks/{id}")))
     };

@@ -1,4 +1,4 @@
-//! Every word of the pages, in both languages side by side: what is missing in one does not compile.
+//! Every word of the pages.
 
 mod words;
 
@@ -13,21 +13,7 @@ use crate::message;
 
 pub(super) use crate::words::Language;
 
-impl Language {
-    /// The words of the pages.
-    pub(in crate::pages) fn text(self) -> &'static Text {
-        match self {
-            Self::English => &words::ENGLISH,
-            Self::Chinese => &words::CHINESE,
-        }
-    }
-}
-
 impl Text {
-    pub fn language(&self) -> Language {
-        Language::from_tag(self.tag).unwrap_or_default()
-    }
-
     pub fn words(&self, message: &Message) -> String {
         self.language().words(message)
     }

@@ -1,675 +1,156 @@
-//! The catalogue. Longer than 400 lines because it is one table.
+//! The words of the pages: a field each, read once from `page_*` of `src/words`. A word that no page uses does not
+//! compile; one without words fails `tests/words.rs`.
 
-macro_rules! catalogue {
-    ($($key:ident: $english:literal, $chinese:literal;)*) => {
+use std::sync::LazyLock;
+
+use crate::core::message::Message;
+use crate::words::Language;
+
+macro_rules! words_of_pages {
+    ($($key:ident)*) => {
         /// The words of one language.
-        pub(in crate::pages) struct Text { $(pub $key: &'static str),* }
-        pub(super) const ENGLISH: Text = Text { $($key: $english),* };
-        pub(super) const CHINESE: Text = Text { $($key: $chinese),* };
+        pub(in crate::pages) struct Text { language: Language, $(pub $key: &'static str),* }
+
+        impl Text {
+            pub fn language(&self) -> Language {
+                self.language
+            }
+
+            fn of(language: Language) -> Self {
+                let word = |code: &'static str| -> &'static str { language.words(&Message::new(code, Vec::new())).leak() };
+                Self { language, $($key: word(concat!("page_", stringify!($key)))),* }
+            }
+        }
     };
 }
 
-catalogue! {
-    tag: "en", "zh";
+static TEXTS: LazyLock<[Text; 2]> = LazyLock::new(|| Language::ALL.map(Text::of));
 
+impl Language {
+    /// The words of the pages.
+    pub(in crate::pages) fn text(self) -> &'static Text {
+        &TEXTS[self as usize]
+    }
+}
+
+words_of_pages! {
     // The frame of every page.
-    fleet: "Fleet", "全部陀螺";
-    stations: "Stations", "测试站";
-    api: "API", "接口";
-    book: "Book", "手册";
-    contents: "Contents", "目录";
-    other_language: "中文", "English";
-    dark: "Dark", "深色";
-    light: "Light", "浅色";
-    skip: "Skip to content", "跳到正文";
-    navigation: "Pages", "页面导航";
-    error_title: "This did not work", "出错了";
-    error_back: "Back to the fleet", "返回陀螺总览";
+    fleet stations api book contents other_language dark light skip navigation error_title error_back
 
     // Quantities.
-    unit: "deg/(h g0)", "(°)/(h·g0)";
-    serial: "Gyro", "陀螺编号";
-    imu: "IMU", "惯性组合";
-    station: "Station", "测试站";
-    state: "State", "状态";
-    calibrated: "Calibrated", "标定时间";
-    method: "Method", "方法";
-    date: "Date", "日期";
-    range: "Range", "极差";
-    meaning_d_i: "mass unbalance along the spin axis, drift per g along I", "沿电机轴的质量不平衡，对应沿I轴的比力";
-    meaning_d_s: "mass unbalance along the input axis, drift per g along S", "沿输入轴的质量不平衡，对应沿S轴的比力";
-    meaning_d_o: "closure: the mounting, or a true output-axis term", "闭合差：安装偏差或真实的输出轴项";
-    meaning_e: "scale factor and direction of the input axis", "标度因子与输入轴方向";
-    meaning_g: "g-sensitive terms", "与g有关的项";
-    meaning_all: "the gyro as a whole", "整个陀螺";
+    unit serial imu station state calibrated method date range meaning_d_i meaning_d_s meaning_d_o meaning_e
+    meaning_g meaning_all
 
     // How things stand.
-    status_word: "Status", "状态";
-    beyond: "beyond a specification limit", "超出指标限值";
-    limit: "Limit", "限值";
-    limit_within: "limit", "限值";
-    stop: ".", "。";
-    colon: ": ", "：";
-    slot: "Slot", "位置";
-    no_record: "not calibrated", "未标定";
-    event_test_kind: "Of an environmental test: which", "环境试验的种类";
-    event_test_to: "Of an environmental test: when it was over (RFC 3339)", "环境试验的结束时间（RFC 3339）";
-    moved: "moved", "更换位置";
-    other_station: "other station", "更换测试站";
-    method_bench: "bench", "单表测试";
+    status_word beyond limit limit_within stop colon slot no_record event_test_kind event_test_to moved
+    other_station method_bench
 
     // The fleet.
-    search: "Search", "搜索";
-    search_hint: "serial, IMU or station", "陀螺、惯性组合或测试站";
-    all_states: "all", "全部";
-    none_found: "Nothing fits these filters.", "没有符合条件的陀螺。";
-    nothing_yet: "Nothing is stored yet. Post a calibration record to /v1/records, or send files with gyrowatch import.", "尚无数据。请向 /v1/records 提交标定记录，或用 gyrowatch import 发送文件。";
-    clear_filters: "Clear filters", "清除筛选";
-    days_ago: "days ago", "天前";
-    violates: "Violates", "违反";
-    page_of: "page", "第";
-    previous: "Previous", "上一页";
-    next: "Next", "下一页";
-    gyros: "gyros", "陀螺数";
-    last_seen: "Last seen", "最近上报";
+    search search_hint all_states none_found nothing_yet clear_filters days_ago violates page_of previous next gyros
+    last_seen
 
     // One gyro.
-    history: "History", "历史";
-    plot_note: "Bars: one standard deviation. Drag across a plot to zoom, double-click for all; click a point to open its record.", "误差棒：一倍标准差。在图上拖动放大，双击还原；点击数据点打开其记录。";
-    since_baseline: "Since the last baseline", "自最近基线起";
-    whole_history: "All", "全部";
-    save_picture: "Save picture", "保存图片";
-    verdicts: "Verdicts on the newest record", "最新记录的判定";
-    passed: "Passed:", "合格：";
-    too_few: "Not enough data:", "数据不足：";
-    before_after: "Before and after environmental tests", "环境试验前后";
-    before_after_test_note: "The last record before each test against the first after it, by the judged method.", "每次试验前最后一个记录与试验后第一个记录比较，按判定所用方法。";
-    coefficient: "Coefficient", "系数";
-    last_before: "Last before", "试验前";
-    first_after: "First after", "试验后";
-    difference: "Difference", "差值";
-    not_compared: "not compared", "未比较";
-    agreement: "Agreement of methods", "方法一致性";
-    agreement_note: "As in Table 5 of the paper: results of every method side by side.", "与论文表5相同：各方法结果并列。";
-    not_counted: "for comparison, not in the range", "仅供比较，不计入极差";
-    one_result: "One result alone: nothing to compare yet.", "只有一个结果，尚无法比较。";
-    events: "Events", "履历";
-    no_events: "No events.", "无记录。";
-    calibrations: "Calibrations", "标定记录";
-    history_diagnosis: "Cause of change", "变化原因";
-    peers_of_stations: "Other gyros of its stations:", "同测试站的其他陀螺：";
-    cause: "Cause", "原因";
-    tied_to: "Tied to", "依据";
-    estimate: "Estimate", "估计值";
-    change_closed: "Closed on records left out", "在留出的记录上的解释比例";
-    ruled_out: "Not named", "未采用";
-    outlier: "outlier, left out", "离群记录，未采用";
-    about_mean: "Points: records about their mean.", "点：各次记录与均值之差。";
-    line_explained: "Solid line: what is named.", "实线：已确定的原因。";
-    line_station: "Dashed line: what the stations do to all their gyros.", "虚线：测试站对所有陀螺的共同影响。";
-    station_figures_note: "What all gyros share here, about their own levels; a gyro that ages or steps by itself does not count. Intervals: 95 %.", "本站所有陀螺的共同变化（各以自身水平为准）；个别陀螺的老化或阶跃不计入。区间：95 %。";
-    repeatability: "Repeatability of one record", "单次记录的重复性";
-    offset: "Offset", "偏移";
-    last_step: "Last change", "最近变化";
-    repeatability_short: "Repeatability", "重复性";
-    suspect_from_here: "Mark as suspect", "标为可疑";
-    offset_against: "Offset against", "偏移，相对";
-    drift_a_year: "Drift a year", "年漂移";
-    within_chance: "within chance", "未超出偶然";
-    off_found: "Off", "偏离";
-    step_found: "Step found", "发现阶跃";
-    gyro_by_station: "Gyro x station", "陀螺与测试站交互";
-    reproducibility: "Reproducibility", "复现性";
-    reproducibility_note: "Spread of the offsets of all stations. Intervals: 95 %.", "各测试站偏移的离散。区间：95 %。";
-    older: "Older", "更早";
-    newer: "Newest", "最新";
-    csv: "CSV", "CSV";
-    deviation: "deviation from the baseline", "相对基线的偏差";
-    value_absolute: "value", "数值";
-    percent_of_budget: "% of the budget", "占允许范围 %";
-    chart_keys: "Arrow keys go from record to record, Enter opens one.", "方向键逐个记录移动，回车打开。";
-    baseline_word: "baseline", "基线";
-    no_baseline_yet: "no baseline yet, counted from", "尚无基线，起点";
-    baseline_forming: "no baseline yet", "尚无基线";
-    budget_line: "budget", "允许范围";
-    control_line: "UCL, LCL: control limits, three standard deviations of the gyro's own scatter", "UCL、LCL：控制限，自身离散的三倍标准差";
-    baseline_records: "records that make the baseline", "构成基线的记录";
-    trend_line: "trend; cone: when it reaches the budget (95 %)", "趋势；锥形：到达允许范围的时间（95 %）";
-    condensed: "calibrations. Shading: from the lowest to the highest of each stretch. Line: the median. Zoom in to see each.", "次标定。阴影：各区段最低至最高；线：中位数。放大可逐个查看。";
-    load: "Load, % of the budget", "占允许范围";
-    records_short: "records", "个记录";
-    suggested: "Suggested", "建议";
-    decision: "Decision", "决定";
-    record_decision: "Record a decision", "记录决定";
-    decision_what: "The decision is kept for good with your name and reason. It stands in the gyro's history, its plots and its report, and resets nothing.", "决定连同姓名与原因永久保存，列入该陀螺的履历、曲线与报告，不重置任何规则。";
-    records_since: "records since:", "此后记录：";
-    axis_word: "Axis", "坐标";
-    axis_deviation: "Deviation", "偏差";
-    axis_absolute: "Absolute", "绝对值";
-    span_word: "Time", "时间";
-    last_year: "Last year", "近一年";
-    since_then: "since", "自";
-    a_year: " a year", "/年";
-    probability: "P(out)", "超差概率";
-    alert_word: "Alert", "告警";
-    never_calibrated: "Never calibrated in an IMU.", "从未在惯性组合中标定。";
+    history plot_note since_baseline whole_history save_picture verdicts passed too_few before_after
+    before_after_test_note coefficient last_before first_after difference not_compared agreement agreement_note
+    not_counted one_result events no_events calibrations history_diagnosis peers_of_stations cause tied_to estimate
+    change_closed ruled_out outlier about_mean line_explained line_station station_figures_note repeatability offset
+    last_step repeatability_short suspect_from_here offset_against drift_a_year within_chance off_found step_found
+    gyro_by_station reproducibility reproducibility_note older newer csv deviation value_absolute percent_of_budget
+    chart_keys baseline_word no_baseline_yet baseline_forming budget_line control_line baseline_records trend_line
+    condensed load records_short suggested decision record_decision decision_what records_since axis_word
+    axis_deviation axis_absolute span_word last_year since_then a_year probability alert_word never_calibrated
 
     // Several beside one another.
-    compare: "Compare", "对比";
-    compare_gyros: "Compare its gyros", "对比所装陀螺";
-    compare_chosen: "Compare the two that are ticked", "对比所选两次";
-    same_time: "By date", "按日期";
-    time_since_baseline: "From the baseline on", "自基线起";
-    days_since_baseline: "days since the baseline", "自基线起的天数";
-    compare_note: "Deviation of each gyro from its own baseline, on one scale. A triangle: a rule speaks.", "各陀螺相对自身基线的偏差，同一尺度。三角：规则提示。";
-    trend_a_year: "Trend a year", "年趋势";
-    measured_at: "Measured", "测试时间";
-    effects_found: "Effects found", "发现的效应";
-    other_imus: "The two are of different IMUs.", "两次试验属于不同的惯性组合。";
-    other_gyros: "Another gyro was in this slot: the difference is that of two gyros.", "该位置换了陀螺：差值为两个陀螺之差。";
-    no_common_slot: "The two have no slot in common.", "两次试验没有共同的位置。";
+    compare compare_gyros compare_chosen same_time time_since_baseline days_since_baseline compare_note trend_a_year
+    measured_at effects_found other_imus other_gyros no_common_slot
 
     // One calibration.
-    record: "Calibration record", "标定记录";
-    campaign: "Campaign", "标定试验";
-    measured: "measured", "测试时间";
-    received: "Received", "收到";
-    sent_by: "sent by", "发送者";
-    identifier: "id", "编号";
-    operator: "operator", "操作员";
-    dwells: "dwells", "个测点";
-    dwell: "dwell", "测点";
-    diagnose: "Diagnose: where it parts from the error model, and why", "诊断：与误差模型的差异及原因";
-    verdicts_of_record: "Verdicts", "判定";
-    uncounted_note: "As it was judged while it counted. None of this counts any more.", "以下为该记录有效时的判定，现均不再计入。";
-    not_judged: "Nothing is judged.", "无判定。";
-    separated: "Separated coefficients", "分离结果";
-    closure_diagnosis: "What the closure says", "闭合差说明什么";
-    closure_within: "D_O is no larger than its noise (or, where none is stated, the budget) allows: D_I and D_S explain G.", "D_O未超出其噪声（未给出时为允许范围）：D_I与D_S足以解释G。";
-    closure_stands_out: "D_O is larger than its noise (or, where none is stated, the budget) allows: drift along the output axis, or a clocking of S about I. One record cannot tell the two apart; what would is in the answer.", "D_O超出其噪声（未给出时为允许范围）：输出轴漂移，或S绕I的转角。单个记录无法区分二者，答复中给出可区分的测量。";
-    published_by: "published", "论文公式";
-    as_printed: "as printed", "按原文印刷";
-    as_printed_note: "As printed: equations (8) to (13) letter by letter, misprints included, for comparison only. The number in brackets is the equation that applies.", "按原文印刷：公式(8)-(13)逐字照用，含印刷错误，仅供比较。括号内为所用公式编号。";
-    closure_rms: "closure rms", "闭合差均方根";
-    mounting: "Angles of the input axis", "输入轴角度";
-    misalignment: "off nominal", "偏离标称";
-    clocking: "clocking of S about I", "S绕I的转角";
-    parameters: "Parameters of model (6)", "模型(6)参数";
-    requirement_note: "Ranges: what is required of E and G. Set by:", "范围：对E与G的要求，由以下配置规定：";
-    not_determined: "not determined by these dwells", "这些测点不能确定";
-    pass: "pass", "合格";
-    fail: "fail", "不合格";
-    fit_quality: "Quality of the fit", "拟合质量";
-    rank: "rank / parameters", "秩/参数数";
-    freedom: "ν", "ν";
-    lack_of_fit: "lack of fit", "失拟";
-    noise: "noise", "噪声";
-    sem_factor: "real / stated noise", "实际/标称噪声";
-    noise_from: "noise known from", "噪声来源";
-    not_seen: "no dwell sees the direction", "任何测点都看不到的方向";
-    fixed_by: "fixed by", "约束条件";
-    residuals_by_dwell: "Residuals by dwell", "各测点残差";
-    residuals_note: "Each over its own standard deviation; the band is two of them.", "以各自标准差为单位；灰带为两倍标准差。";
-    no_noise: "Nothing gives the noise, so residuals have no scale.", "噪声未知，残差无法归一化。";
-    every_residual: "Every residual as a table", "全部残差列表";
+    record campaign measured received sent_by identifier operator dwells dwell diagnose verdicts_of_record
+    uncounted_note not_judged separated closure_diagnosis closure_within closure_stands_out published_by as_printed
+    as_printed_note closure_rms mounting misalignment clocking parameters requirement_note not_determined pass fail
+    fit_quality rank freedom lack_of_fit noise sem_factor noise_from not_seen fixed_by residuals_by_dwell
+    residuals_note no_noise every_residual
 
     // Diagnoses of many campaigns.
-    diagnoses: "Diagnoses", "诊断汇总";
-    diagnoses_note: "What the diagnoses of all campaigns say together: which effects, in which gyros, at which stations, since when.", "汇总所有标定试验的诊断：哪些效应、出现在哪些陀螺和测试站、始于何时。";
-    measured_since: "Measured since", "测试起始";
-    measured_until: "Measured until", "测试截止";
-    what_was_found: "What was found", "诊断结果";
-    campaigns_diagnosed: "Campaigns diagnosed:", "已诊断的标定试验：";
-    campaigns: "Campaigns", "试验数";
-    coverage_no_gap: "no gap", "无差异";
-    coverage_explained: "explained", "已解释";
-    coverage_partly_explained: "partly explained", "部分解释";
-    coverage_unexplained: "unexplained", "未解释";
-    coverage_refused: "nothing to diagnose", "无法诊断";
-    coverage_waiting: "not diagnosed yet", "尚未诊断";
-    coverage_outdated: "by another version of the program", "由其他版本的程序诊断";
-    first_seen: "First with it", "首次出现";
-    last_seen_in: "Last with it", "最近出现";
-    last_clear: "Last without it before", "此前最后一次未出现";
-    gyro_by_gyro: "Gyro by gyro", "逐个陀螺";
-    findings_note: "Campaigns: with the effect / since the first one with it / of the gyro. At a station: with the effect / of the gyro there. Closed: of the reducible gap that effects named before it in the campaign have left, on held-out dwells, the median with the least and the greatest. Shift: the largest by all effects named in a campaign, with its part of the budget; dwells cannot show a smaller one than their noise.", "试验数：出现该效应／首次出现以来／该陀螺全部。测试站：出现／该陀螺在此的试验。解释比例：留出测点上，该次试验中先命名的效应所余可消除差异的解释比例，中位数及最小、最大值。变化：试验中所有效应造成的最大变化及占允许范围的比例；小于噪声的变化无法显示。";
-    or_as_well: "or just as well:", "或同样可能：";
-    closed: "Closed", "解释比例";
-    not_explained: "Not explained by the catalogue, or not wholly", "目录不能解释或不能完全解释的差异";
-    doubts_note: "Something remains in these IMUs that no effect of the catalogue accounts for, or not wholly.", "这些惯性组合中仍有目录效应不能或不能完全解释的差异。";
-    verdict_word: "Verdict", "结论";
-    signs_word: "What shows it", "迹象";
-    orders: "Orders", "诊断任务";
-    no_orders: "No order yet. New campaigns are diagnosed without one.", "尚无任务。新收到的试验会自动诊断。";
-    ordered: "Ordered", "下达";
-    which_campaigns: "Which campaigns", "范围";
-    progress: "Progress", "进度";
-    failed_word: "Failed", "失败";
-    ended: "Ended", "结束";
-    order_done: "done", "完成";
-    order_canceled: "canceled", "已取消";
-    order_running: "running", "进行中";
-    order_waiting: "waiting", "等待";
-    cancel: "Cancel", "取消";
-    all_campaigns: "all", "全部";
-    again_short: "(again)", "（重新诊断）";
-    not_diagnosed: "Not diagnosed, of the order of", "未能诊断，任务下达于";
-    new_order: "Diagnose many campaigns", "批量诊断";
-    new_order_note: "Behind all other work, on every processor. What is done stays done when the service stops, and the rest is taken up again. What is left empty narrows nothing; dates are days in UTC.", "在其他工作之后以最低优先级运行，使用全部处理器。服务停止时已完成的保留，其余在启动后继续。留空表示不限；日期为UTC日。";
-    again_word: "Also those whose diagnosis is up to date", "已是最新诊断的也重新进行";
-    start_order: "Start", "开始";
+    diagnoses diagnoses_note measured_since measured_until what_was_found campaigns_diagnosed campaigns
+    coverage_no_gap coverage_explained coverage_partly_explained coverage_unexplained coverage_refused
+    coverage_waiting coverage_outdated first_seen last_seen_in last_clear gyro_by_gyro findings_note or_as_well
+    closed not_explained doubts_note verdict_word signs_word orders no_orders ordered which_campaigns progress
+    failed_word ended order_done order_canceled order_running order_waiting cancel all_campaigns again_short
+    not_diagnosed new_order new_order_note again_word start_order
 
     // A diagnosis.
-    diagnosis: "Diagnosis", "诊断";
-    diagnosis_waiting: "Other diagnoses are being computed. This page loads itself again every few seconds.", "正在计算其他诊断，本页每隔几秒自动刷新。";
-    gap_before: "Gap before", "解释前";
-    after_effect: "after", "计入后：";
-    ladder_note: "Error on dwells that were held out, after each effect in the order of adoption. Upright line: the noise floor.", "留出测点的误差，按采用顺序逐项计入效应后。竖线：噪声底。";
-    ladder_of_fit: "Root mean square of the residuals against the noise floor (upright line).", "残差均方根与噪声底（竖线）。";
-    semicolon: "; ", "；";
-    impact_none: "D_I and D_S are not moved beyond their noise.", "D_I与D_S的变化均在噪声范围内。";
-    impact_some: "It moves:", "造成的变化：";
-    evidence_note: "Residual without this effect against what the effect follows, with its fit. All gyros on one scale.", "不计该效应的残差与其回归量的关系及拟合线；各陀螺同一尺度。";
-    regressor: "regressor", "回归量";
-    ruled_out_same: "Explains the same as what is named", "与已指出的效应解释相同";
-    ruled_out_weaker: "Explains less", "解释较少";
-    ruled_out_within: "Within the noise", "在噪声范围内";
-    model_in_use: "Model in use", "现用模型";
-    noise_floor: "Noise floor", "噪声底";
-    sign_of_more: "Sign of more", "还有其他迹象";
-    what_parts_them: "Causes found", "差异来源";
-    no_effect: "No effect is named.", "没有指出任何效应。";
-    all_together: "All together", "合计";
-    adjusted_p: "adjusted p", "校正p值";
-    detectability: "detectability", "可检测度";
-    cannot_tell_from: "This campaign cannot tell it from:", "本次试验无法与下列效应区分：";
-    alone_cannot_tell_from: "alone cannot tell it from:", "单独无法与下列效应区分：";
-    parameter: "Parameter", "参数";
-    value: "Value", "数值";
-    unit_word: "Unit", "单位";
-    all_gyros: "all", "全部";
-    held_out: "of the reducible gap closed on dwells that were held out:", "的可消除差异在留出的测点上得到解释：";
-    located: "Where", "位置";
-    heat_note: "Gyro by dwell. Shade: residual before over its standard uncertainty; full at six.", "陀螺×测点；颜色深浅为解释前残差与其标准不确定度之比，6倍时最深。";
-    heat_map: "residual over uncertainty, gyro by dwell", "各陀螺各测点残差与不确定度之比";
-    place: "Place", "位置";
-    share: "Share of the gap", "所占差异";
-    against: "Against an earlier calibration", "与以往标定比较";
-    against_note: "Root mean square over the dwells, deg/h; the squares of the three parts add up to that of the whole.", "各测点的均方根，°/h；三部分的平方和等于总差异的平方。";
-    none_before: "No calibration of this IMU is earlier; a later one can be chosen.", "该惯性组合没有更早的标定，可以选择较晚的标定。";
-    hold_against: "Compare", "比较";
-    reference: "Reference", "参照标定";
-    whole_gap: "Whole gap", "总差异";
-    part_parameters: "Parameters", "参数变化";
-    part_structure: "Structure", "模型结构";
-    part_noise: "Noise", "噪声";
-    p_parameters: "p of the parameters", "参数变化p值";
-    now: "Now", "本次";
-    what_else: "What else was tried", "其他候选";
-    effect: "Effect", "效应";
-    closes_alone: "Closes alone, of the reducible gap", "单独解释（占可消除差异）";
-    within_noise: "within the noise", "在噪声范围内";
-    why_not: "Why it was not taken", "未采用原因";
-    impact: "What it does to the drift coefficients", "对漂移系数的影响";
-    impact_within_noise: "They move no drift coefficient beyond its noise.", "所有漂移系数的变化均在噪声范围内。";
-    plain: "Plain", "原值";
-    with_effects: "With the effects", "计入效应后";
-    shift: "Shift", "变化";
-    of_budget: "Of the budget", "占允许范围";
-    how_far: "Before and after", "解释前后";
-    before_after_note: "Hollow: after the fit of the model in use. Filled: with the named effects added. Band: two standard uncertainties.", "空心：按现用模型拟合后；实心：计入所指效应后；灰带：两倍标准不确定度。";
-    cannot_be_told: "What this campaign cannot tell", "本次试验无法判断的效应";
-    visible: "Visible", "可见部分";
-    why: "Why", "原因";
-    would_show: "What would show it", "需要的条件";
-    measure_next: "What to measure next", "建议下一步测量";
-    phase_word: "Phase", "阶段";
-    phase_static: "static", "静态";
-    phase_rate: "rate", "速率";
-    specific_force: "Specific force", "比力";
-    rate_word: "Rate", "角速度";
-    separates: "Separates", "可区分";
-    notes: "Notes", "说明";
+    diagnosis diagnosis_waiting gap_before after_effect ladder_note ladder_of_fit semicolon impact_none impact_some
+    evidence_note regressor ruled_out_same ruled_out_weaker ruled_out_within model_in_use noise_floor sign_of_more
+    what_parts_them no_effect all_together adjusted_p detectability cannot_tell_from alone_cannot_tell_from
+    parameter value unit_word all_gyros held_out located heat_note heat_map place share against against_note
+    none_before hold_against reference whole_gap part_parameters part_structure part_noise p_parameters now
+    what_else effect closes_alone within_noise why_not impact impact_within_noise plain with_effects shift of_budget
+    how_far before_after_note cannot_be_told visible why would_show measure_next up_axis north_axis table_rate as_programme phase_static phase_rate
+    separates notes
 
     // An IMU; stations.
-    gyros_in_it: "Gyros in it", "所装陀螺";
-    none_in_it: "None: what was calibrated in it last has been calibrated in another IMU since.", "无：最后在其中标定的陀螺此后已在其他惯性组合中标定。";
-    never_in_it: "None: no calibration that counts has separated a gyro in it.", "无：没有计入的标定在其中分离出任何陀螺。";
-    gyros_before: "In it before", "曾装陀螺";
-    gyros_before_note: "Another gyro has been calibrated in their slot since; they themselves nowhere.", "此后同一位置已标定其他陀螺，而这些陀螺未再标定。";
-    last_calibrated_in_it: "Last calibrated in it", "最后在其中标定";
-    newest_parameters: "Newest parameters", "最新参数";
-    records: "Calibrations", "历次标定";
-    kind: "Kind", "类型";
-    kind_record: "record", "记录";
-    kind_campaign: "campaign", "原始试验";
-    stations_note: "All in % of the budget, furthest out first. Offset: of the same gyros, here less there. Repeatability: standard deviation of one record. Drifts: those beyond chance.", "均为占允许范围的 %，偏离最大者在前。偏移：同一陀螺在本站与该站之差。重复性：单次记录的标准差。漂移：仅列超出偶然者。";
-    scatter: "Scatter", "离散";
-    calibrations_seen: "calibrations", "计入标定数";
+    gyros_in_it none_in_it never_in_it gyros_before gyros_before_note last_calibrated_in_it newest_parameters
+    records kind kind_record kind_campaign stations_note scatter calibrations_seen
 
     // Import.
-    import: "Import", "导入";
-    import_note: "A calibration record, a campaign or a bench result: JSON, one document a line (NDJSON), or a campaign's CSV. Nothing is stored before you have seen what it says.", "标定记录、原始试验或单表测试结果：JSON、逐行NDJSON，或试验CSV。预览确认之前不存储任何内容。";
-    choose_file: "Choose a file, or drop it here:", "选择文件，或拖放到此处：";
-    or_paste: "Text of the file:", "文件内容：";
-    preview: "Preview", "预览";
-    no_document: "There is no document in it.", "其中没有任何文件内容。";
-    can_be_stored: "can be stored", "项可以存储";
-    cannot_be_stored: "cannot, and will not be", "项有误，不会存储";
-    first_foreseen: "So many of the documents without a fault were held against what is stored; storing tells of the others:", "已与库中内容核对的无误文件数（其余以存储结果为准）：";
-    store: "Store", "存储";
-    store_note: "Storing the same again is harmless.", "重复存储同样内容无妨。";
-    result: "Result", "结果";
-    line: "Line", "行";
-    refused: "refused", "拒绝";
-    contradicts_line: "other content of the same IMU or gyro and time as on line", "与另一行的惯性组合或陀螺及时间相同，但内容不同，见行";
-    is_stored: "stored:", "已存储：";
-    was_there: "was stored before with the same content:", "此前已存储，内容相同：";
+    import import_note choose_file or_paste preview no_document can_be_stored cannot_be_stored first_foreseen store
+    store_note result line refused contradicts_line is_stored was_there
 
     // Alerts.
-    alerts: "Alerts", "告警";
-    alerts_note: "One line per gyro, the worst first; its alerts are folded below. An alert lasts: when it fires again it is the same alert.", "每个陀螺一行，最差优先，其告警折叠于下。告警是持续的：再次触发仍为同一告警。";
-    no_alerts: "No alert fits.", "没有符合条件的告警。";
-    alert_all: "all", "全部";
-    alert_firing: "firing", "触发中";
-    alert_acknowledged: "acknowledged", "已确认";
-    alert_silenced: "silenced", "已静默";
-    alert_resolved: "resolved", "已恢复";
-    overdue_gyros: "overdue", "超期";
-    alert_inhibited: "inhibited", "已抑制";
-    explained_by_station: "explained by a station's alert", "由测试站告警解释";
-    stations_alerts: "Stations", "测试站";
-    imus_alerts: "IMUs", "惯组";
-    inhibited_by_it: "Alerts of gyros that it explains", "由其解释的陀螺告警";
-    severity: "Severity", "级别";
-    rule_word: "Rule", "规则";
-    any: "any", "不限";
-    since: "Since", "起始时间";
-    fired: "Found", "发现时间";
-    said_by: "by", "由";
-    until: "until", "至";
-    acknowledge: "Acknowledge", "确认";
-    acknowledge_title: "Acknowledge an alert", "确认告警";
-    acknowledge_what: "Somebody knows: hooks hear no more repeats of this alert until it resolves or grows more severe. Both are still told.", "表示已有人知悉：在恢复或升级之前，不再向通知目标重复发送；恢复与升级仍会通知。";
-    unacknowledge: "Take the acknowledgement back", "撤销确认";
-    unacknowledge_title: "Take an acknowledgement back", "撤销告警的确认";
-    unacknowledge_what: "Hooks hear repeats of this alert again.", "恢复向通知目标重复发送该告警。";
-    silence: "Silence", "静默";
-    silence_title: "Silence an alert", "静默告警";
-    silence_what: "Nobody is told of this alert before the silence ends. What has changed by then is told at its end.", "静默结束前不通知任何人；期间的变化在结束时通知。";
-    silence_days: "For how many days", "静默天数";
-    silences: "Silences", "静默规则";
-    silence_of: "Alerts with", "适用的告警";
-    silence_many: "Silence alerts by gyro, IMU, station or rule", "按陀螺、惯性组合、测试站或规则静默告警";
-    silence_many_what: "Nobody is told of the alerts that match, of those that fire and of those that will. Every alert has to match all that is given; empty means \"any\". What has changed by the end is told at the end.", "凡符合条件的告警，无论现有或新触发，均不通知任何人。须同时符合所填各项；留空表示不限。期间的变化在结束时通知。";
-    silence_of_nothing: "name at least a gyro, an IMU, a station or a rule", "陀螺、惯性组合、测试站、规则至少填写一项";
-    end_silence: "End", "结束";
-    end_silence_title: "End a silence", "结束静默";
-    end_silence_what: "What the silence has held back is told now.", "静默期间的变化将立即通知。";
+    alerts alerts_note no_alerts alert_all alert_firing alert_acknowledged alert_silenced alert_resolved
+    overdue_gyros alert_inhibited explained_by_station stations_alerts imus_alerts inhibited_by_it severity
+    rule_word any since fired said_by until acknowledge acknowledge_title acknowledge_what unacknowledge
+    unacknowledge_title unacknowledge_what silence silence_title silence_what silence_days silences silence_of
+    silence_many silence_many_what silence_of_nothing end_silence end_silence_title end_silence_what
 
     // What somebody does: who, why, and that it is meant.
-    actions_word: "Actions", "操作";
-    who: "Your name", "姓名";
-    reason_word: "Reason", "原因";
-    confirm_word: "I have read what this does, and mean it.", "我已阅读以上说明并确认执行。";
-    confirmation: "Confirmation", "确认";
-    event_time: "When", "时间";
-    hook_secret_word: "Secret", "密钥";
-    must_confirm: "tick that you mean it", "请勾选确认";
-    go_back: "Back without doing it", "返回，不执行";
-    add_event: "Add an event", "添加事件";
-    start_baseline: "Start a baseline", "开始新基线";
-    event_what: "The event is kept for good with your name and reason, and stands in the gyro's history. It resets:", "事件连同姓名与原因永久保存，列入该陀螺的履历。它会重置：";
-    resets_nothing: "no rule", "无规则";
-    event_word: "Event", "事件";
-    event_at: "When (UTC, as 2026-03-01T08:00:00Z; now, if empty)", "时间（UTC，如 2026-03-01T08:00:00Z；留空为现在）";
+    actions_word who reason_word confirm_word confirmation event_time hook_secret_word must_confirm go_back
+    add_event start_baseline event_what resets_nothing event_word event_at
 
     // What counts no more.
-    void: "Void", "作废";
-    void_record: "Void this record", "作废该标定记录";
-    void_campaign: "Void this campaign", "作废该标定试验";
-    void_bench: "Void this bench result", "作废该单表测试结果";
-    void_what: "It counts no more: baselines, trends, verdicts and alerts become what they would be if it had never come. It is kept as it was sent, with your name and reason, and stays to be seen. It cannot be made to count again; what was measured can be sent anew as a revision.", "该结果不再计入：基线、趋势、判定与告警均按从未收到它重新得出。原文连同姓名与原因永久保存，随时可查。作废不可撤销；可以修订的形式重新提交测量结果。";
-    voided: "voided", "已作废";
-    set_aside: "set aside", "暂不计入";
-    was_set_aside: "Set aside: it does not count until somebody confirms it.", "暂不计入：待人工确认后计入。";
-    was_confirmed: "Time confirmed:", "时间已确认：";
-    confirm_time: "Confirm", "确认";
-    suspect_window: "Mark a window as suspect", "标记存疑时段";
-    suspect_what: "Every record of this station in the window is set aside: it does not count, and what depends on it is judged again. Nothing is deleted; the window can be trusted again.", "该测试站在此时段内的全部记录暂不计入，相关判定重新得出。不删除任何数据，可随时恢复。";
-    trust_window: "Trust a window again", "恢复存疑时段";
-    trust_what: "Every record of this station that was marked as suspect in the window counts again.", "该测试站在此时段内标记为存疑的记录恢复计入。";
-    window_from: "From (RFC 3339)", "起（RFC 3339）";
-    window_to: "To (RFC 3339)", "止（RFC 3339）";
-    confirm_what: "The record counts from now on: baselines, verdicts and alerts become what they would be if it had counted from the first. If it is wrong, void or revise the record instead.", "该记录自此计入：基线、判定与告警均按其一直计入重新得出。若有误，请作废或修订该记录。";
-    revised: "revised", "已修订";
-    was_voided: "Voided: it counts no more.", "已作废：不再计入。";
-    was_revised: "Revised: in its place stands", "已修订，代之以";
-    stands_for: "It stands in the place of", "代替";
-    replacement: "what stands in its place", "替代记录";
-    calibration_of: "calibration of", "标定";
-    bench_result: "bench result of", "单表测试";
-    bench_results: "Bench results", "单表测试结果";
+    void void_record void_campaign void_bench void_what voided set_aside was_set_aside was_confirmed confirm_time
+    suspect_window suspect_what trust_window trust_what window_from window_to confirm_what revised was_voided
+    was_revised stands_for replacement calibration_of bench_result bench_results
 
     // Hooks.
-    hooks: "Hooks", "通知目标";
-    hooks_note: "Whom the service tells of alerts. A message that cannot be delivered is tried again for days, then kept as a dead letter, which can be sent again.", "服务向这些目标发送告警。投递失败会在数天内重试，仍失败则保留为死信，可重新发送。";
-    no_hooks: "No hook is set up: nobody is told of alerts.", "尚未设置通知目标：告警不会通知任何人。";
-    hook: "Hook", "目标";
-    add_hook: "Add a hook", "添加目标";
-    add_hook_what: "From then on it is told of every alert that its filter lets through.", "此后凡通过筛选的告警都会发送给它。";
-    delete_hook: "Delete", "删除";
-    delete_hook_title: "Delete a hook", "删除目标";
-    delete_hook_what: "Nothing more is sent to it. What it was still to be told is thrown away.", "不再向其发送；尚未送达的消息将被丢弃。";
-    hook_name: "Name", "名称";
-    hook_url: "Address", "地址";
-    hook_secret: "Secret (whsec_…; drawn by the service, if empty)", "密钥（whsec_…；留空则由服务生成）";
-    hook_secret_shown: "Its secret, shown this once:", "密钥（仅显示一次）：";
-    hook_authorization: "Authorization header (optional)", "Authorization 头（可选）";
-    hook_rules: "Rules, separated by commas (all, if empty)", "规则，以逗号分隔（留空为全部）";
-    hook_gyros: "Gyros, separated by commas (all, if empty)", "陀螺编号，以逗号分隔（留空为全部）";
-    hook_severity: "Least severity", "最低级别";
-    batch: "Batch", "批次";
-    gyro_type: "Type", "型号";
-    gyro_unit: "Unit (owner or vehicle)", "所属（单位或载体）";
-    edit_attributes: "Edit batch, type and unit", "编辑批次、型号与单位";
-    edit_attributes_what: "Words of your own, to find gyros by. An empty field says nothing.", "自定义文字，用于查找陀螺。留空即不填。";
-    hook_batch: "One message per record, with all its alerts", "每条记录一条消息，含其全部告警";
-    hook_expect: "A successful answer holds (for chat robots)", "成功的应答须含（用于聊天机器人）";
-    hook_set_up: "The hook is set up.", "目标已设置。";
-    enabled: "enabled", "启用";
-    disabled: "disabled", "停用";
-    enable: "Enable", "启用";
-    disable: "Disable", "停用";
-    test_hook: "Send a test", "发送测试";
-    open_deliveries: "To be sent", "待发送";
-    dead_letters: "Dead letters", "死信";
-    deliveries: "Deliveries", "投递记录";
-    no_deliveries: "Nothing has been sent yet.", "尚无投递。";
-    message: "Message", "消息";
-    queued: "Queued", "入队时间";
-    attempts: "Attempts", "尝试次数";
-    last_attempt: "Last attempt", "最近一次";
-    redeliver: "Send again", "重新发送";
-    redeliver_dead: "Send all dead letters again", "重新发送全部死信";
-    delivery_behind: "behind an earlier one", "排在先前消息之后";
-    delivery_waiting: "waiting", "等待";
-    delivery_delivered: "delivered", "已送达";
-    delivery_dead: "dead letter", "死信";
-    delivery_dropped: "dropped", "已丢弃";
+    hooks hooks_note no_hooks hook add_hook add_hook_what delete_hook delete_hook_title delete_hook_what hook_name
+    hook_url hook_secret hook_secret_shown hook_authorization hook_rules hook_gyros hook_severity batch gyro_type
+    gyro_unit edit_attributes edit_attributes_what hook_batch hook_expect hook_set_up enabled disabled enable
+    disable test_hook open_deliveries dead_letters deliveries no_deliveries message queued attempts last_attempt
+    redeliver redeliver_dead delivery_behind delivery_waiting delivery_delivered delivery_dead delivery_dropped
 
     // A report to print.
-    report: "Report to print", "打印报告";
-    report_of_gyro: "Report on gyro", "陀螺报告";
-    report_of_imu: "Report on IMU", "惯性组合报告";
-    printed_at: "As of", "截至";
-    identity: "Identity", "基本信息";
-    records_word: "Calibrations stored", "已存标定数";
-    judged_by: "Judged by", "判定方法";
-    records_judged: "Records that the verdicts rest on", "判定所依据的记录";
-    newest_record: "newest record", "最新记录";
-    baseline_record: "baseline", "基线";
-    limits_in_force: "Limits in force", "现行限值";
-    set_by: "Set by", "配置项";
-    days: "days", "天";
-    confidence_word: "certain from", "判定置信概率";
-    newest_of: "newest", "最新";
-    signature: "Name, date, signature", "姓名、日期、签名";
+    report report_of_gyro report_of_imu printed_at identity records_word judged_by records_judged newest_record
+    baseline_record limits_in_force set_by days confidence_word newest_of signature
 
     // Signing in.
-    sign_in: "Sign in", "登录";
-    sign_out: "Sign out", "退出";
-    sign_in_note: "With a token that an administrator has made for you. It is kept until you sign out or some hours have passed.", "请使用管理员为您创建的令牌登录；退出或数小时后失效。";
-    token: "Token", "令牌";
-    takes_role: "The token that you have signed in with does not reach that far. Sign in with one of the role: ", "您登录所用的令牌权限不足，请使用以下角色的令牌登录：";
-    role_viewer: "viewer", "只读";
-    role_station: "station", "测试站";
-    role_engineer: "engineer", "工程师";
-    role_admin: "administrator", "管理员";
-    wrong_token: "This token is not valid.", "令牌无效。";
-    too_many_tokens: "Too many attempts. Wait a minute.", "尝试次数过多，请一分钟后再试。";
+    sign_in sign_out sign_in_note token takes_role role_viewer role_station role_engineer role_admin wrong_token
+    too_many_tokens
 
     // Today, and the fleet on one scale.
-    today_title: "Today", "今日";
-    worse_since: "New or worse since", "新出现或加重，自";
-    since_day: "Since", "起始日期";
-    still_out: "Still out of tolerance or drifting", "仍超差或漂移";
-    nothing_else_out: "No other gyro is out of tolerance or drifting.", "没有其他陀螺超差或漂移。";
-    nothing_worse: "Nothing has become worse.", "没有新出现或加重的情况。";
-    will_cross: "Will reach the budget", "将达到允许范围";
-    nothing_crosses: "No established trend leads to the budget.", "没有已确立的趋势会达到允许范围。";
-    reach_note: "By the straight line of the rule trend; behind it the 95 % interval. A question mark: the course is still short, and the date is provisional.", "按趋势规则的直线外推，其后为95 %区间。问号：记录尚短，日期为暂定。";
-    never: "never", "不会达到";
-    overdue_and_due: "Overdue, and due within 14 days", "超期及14天内到期";
-    nothing_due: "Nothing is due. The interval is judging.interval_days.", "没有到期的标定。间隔由 judging.interval_days 规定。";
-    none_selected: "No gyro is selected.", "未选择陀螺。";
-    due_word: "due", "到期";
-    due_more: "IMUs due within 14 days:", "14天内到期的惯性组合：";
-    in_days: "in", "还有";
-    days_word: "days", "天";
-    several_at_once: "Several gyros at once", "多个陀螺同时变化";
-    nothing_together: "No station's gyros lie to one side together.", "没有测试站的陀螺同时偏向一侧。";
-    several_note: "Newest calibrations since that day. The median load of a station's gyros is shown where it is four standard errors from zero. Check the station before the gyros.", "取该日以来的最新标定；某测试站各陀螺负荷的中位数偏离零超过四倍标准误差时列出。请先检查测试站，再检查陀螺。";
-    outside_forecast_title: "Outside their forecast", "超出预报的试验";
-    outside_note: "Campaigns since that day that the rule forecast finds outside what the model in force before them foretold. Gyro and error: the furthest.", "该日以来按判定规则 forecast 超出此前现用模型预报的试验；所列为偏离最大的陀螺及其误差。";
-    forecast: "Forecast", "预报";
-    forecasts: "Forecasts", "历次预报";
-    forecasts_note: "Error of each campaign's forecast by the model in force before it. Blue: with the adopted effects; orange: without them; dashed: noise alone. Triangle: outside its forecast.", "历次试验与此前现用模型所作预报之差。蓝：含已采用的效应；橙：不含；虚线：仅噪声。三角：超出预报。";
-    forecast_error: "Forecast error", "预报误差";
-    forecast_ladder: "Forecast error, step by step. Upright line: the noise floor.", "预报误差逐项变化。竖线：噪声底。";
-    model_6: "Model (6)", "模型(6)";
-    as_foretold: "as foretold", "与预报相符";
-    forecast_indeterminate: "cannot be judged", "无法判断";
-    outside_forecast: "outside its forecast", "超出预报";
-    not_foretold: "not foretold", "未预报";
-    error_in_sd: "rms(error/sd)", "误差/标准差（均方根）";
-    effects_close: "Closed by the effects", "效应消除的部分";
-    nothing_to_close: "nothing to close", "无可消除";
-    promised: "promised", "预计";
-    foretold_by: "Model of", "模型时间";
-    campaigns_word: "campaign(s)", "次试验";
-    without_effects: "without effects", "不含效应";
-    effects_then_and_now: "Adopted effects then and now", "已采用的效应：当时与现在";
-    in_model: "Model", "模型";
-    in_campaign: "This campaign", "本次试验";
-    changed_word: "Changed", "已改变";
-    yes: "yes", "是";
-    no: "no", "否";
-    cannot_tell: "cannot tell", "无法判断";
-    change_undecided: "Cannot tell: the gyro shows more than the model holds. That may be what has changed.", "无法判断：该陀螺的残差超出模型所含的内容，改变的可能是模型之外的某项。";
-    by_the_change: "by the change", "由此改变引起";
-    as_measured: "as measured", "测试温度下";
-    adopted_models: "Adopted models", "已采用的模型";
-    adopted_models_note: "The newest is in force. Stored campaigns are stated with it, D_I and D_S at its temperature; each campaign shows the values as measured beside them. An empty model undoes those before it: POST /v1/imus/{imu}/model.", "最新者现用。已存试验按其重新表述，一次项漂移系数D_I、D_S归算到其温度；各试验另列测试温度下的值。采用空模型即撤销此前各项：POST /v1/imus/{imu}/model。";
-    plain_model: "plain", "基本模型";
-    adopted_at: "Adopted", "采用时间";
-    model_word: "Model", "模型";
-    stated_at: "at", "归算温度";
-    campaigns_stated: "Campaigns", "试验数";
-    author: "By", "采用人";
-    in_force: "in force", "现用";
-    all_moved_by: "every gyro is", "各陀螺偏离基线";
-    budgets_or_more: "budgets or more from its baseline", "倍允许范围以上";
-    wrong_file: "Wrong file or wrong serials?", "文件或陀螺编号是否有误？";
-    median_word: "median", "中位数";
-    share_of_budget_unit: " % of budget", " %允许范围";
-    percent_sign: " %", " %";
-    percent_a_year: " %/yr", " %/年";
-    of_budget_unit: ", % of budget", "，占允许范围 %";
-    slope_a_year: "Trend a year", "年趋势";
-    days_short: "d", "天";
-    violates_besides: "Violates besides", "另违反";
-    reaches_budget: "The trend reaches the budget", "按趋势达到允许范围的日期";
-    gyros_of: "gyros.", "个陀螺。";
-    load_note: "Load: distance from the baseline over the budget, with its standard deviation. Tint: the budget. Arrow: beyond 150 %. Small line: the last year.", "负荷：与基线之差占允许范围的百分比及其标准差。底色：允许范围；箭头：超过150 %；小折线：最近一年。";
-    choose: "Select", "选择";
-    with_selected: "With the selected gyros:", "对所选陀螺：";
-    compare_ticked: "Compare", "比较";
-    reports: "Reports", "报告";
-    more_filters: "More filters", "更多筛选";
-    calibrated_there: "Calibrated there", "在该站标定";
-    calibrated_last: "last", "最近一次";
-    calibrated_ever: "at any time", "任何一次";
-    calibrated_since: "Calibrated since", "标定起始";
-    changed_since: "New or worse since", "新出现或加重起始";
-    as_list: "List", "列表";
-    by_imu: "By IMU", "按惯性组合";
-    imus_worst_first: "IMUs, worst first. Figures: loads in % of the budget.", "个惯性组合，最差优先。数字为负荷，占允许范围的百分比。";
-    all_of_them: "All", "全部";
+    today_title worse_since since_day still_out nothing_else_out nothing_worse will_cross nothing_crosses reach_note
+    never overdue_and_due nothing_due none_selected due_word due_more in_days days_word several_at_once
+    nothing_together several_note outside_forecast_title outside_note forecast forecasts forecasts_note
+    forecast_error forecast_ladder model_6 as_foretold forecast_indeterminate outside_forecast not_foretold
+    error_in_sd effects_close nothing_to_close promised foretold_by campaigns_word without_effects
+    effects_then_and_now in_model in_campaign changed_word yes no cannot_tell change_undecided by_the_change as_measured
+    adopted_models
+    adopted_models_note plain_model adopt adopt_what undo_model in_force_again undo_model_what adopted_at model_word stated_at campaigns_stated author in_force all_moved_by
+    budgets_or_more wrong_file median_word share_of_budget_unit percent_sign percent_a_year of_budget_unit
+    slope_a_year days_short violates_besides reaches_budget gyros_of load_note choose with_selected compare_ticked
+    reports more_filters calibrated_there calibrated_last calibrated_ever calibrated_since changed_since as_list
+    by_imu imus_worst_first all_of_them
 
     // Many alerts at once, and one by itself.
-    alert: "Alert", "告警";
-    alerts_of_gyro: "All alerts of this gyro", "该陀螺的全部告警";
-    gyros_of_one_record: "gyros by one record", "个陀螺由同一记录触发";
-    of_limit: "Largest figure, in % of its limit", "最大值占限值的百分比";
-    bulk_title: "Acknowledge, silence or comment on alerts", "确认、静默或评注告警";
-    action_word: "What to do", "操作";
-    comment: "Comment", "评注";
-    undo: "Undo", "撤销";
-    confirm_short: "Confirm", "确定";
-    what_became: "What became of it", "经过";
-    what_word: "What", "事项";
-    told_word: "For hooks", "供通知";
-    told_yes: "yes", "是";
-    step_fires: "fires", "触发";
-    step_escalates: "confirmed by a second campaign", "经第二次标定证实";
-    step_lowered: "no longer confirmed", "不再被证实";
-    step_repeats: "still fires", "仍在触发";
-    step_silent: "judged again", "重新判定";
+    alert alerts_of_gyro gyros_of_one_record of_limit bulk_title action_word comment undo confirm_short what_became
+    what_word told_word told_yes step_fires step_escalates step_lowered step_repeats step_silent
 
     // The head of every page, and how the service is set up.
-    find_short: "Search ( / )", "搜索（/）";
-    find_hint: "Find a gyro, an IMU, a station or a record", "查找陀螺、惯性组合、测试站或记录";
-    times_are_in: "Times are in this zone", "时间所用时区";
-    setup: "Setup", "设置";
-    setup_limits: "Limits in force", "现行限值";
-    limits_note: "For every gyro that no override names. The last column names the key of the configuration that sets the limit. ≥: more where a gyro scatters.", "适用于未单独规定的陀螺。末列为规定该限值的配置项。≥：离散大的陀螺限值更高。";
-    set_by_key: "Set by", "规定于";
-    overrides: "Overrides", "单独规定";
-    tokens: "Tokens", "令牌";
-    tokens_note: "Made and revoked on the command line or by the API.", "由命令行或接口创建和撤销。";
-    name_word: "Name", "名称";
-    role_word: "Role", "角色";
-    created: "Created", "创建时间";
-    expires: "Expires", "失效时间";
-    valid: "valid", "有效";
-    not_valid: "revoked or expired", "已撤销或失效";
-    audit: "Audit trail", "审计记录";
-    audit_note: "The newest lines. All of them:", "最新若干条。全部见";
-    subject: "Subject", "对象";
-    from_where: "From", "来源";
+    find_short find_hint times_are_in setup setup_limits limits_note set_by_key overrides tokens tokens_note
+    name_word role_word created expires valid not_valid audit audit_note subject from_where
 
     // What a file would come to.
-    gyro_word: "gyro", "陀螺";
-    ends_in_tolerance: "ends once the figure is in tolerance", "数值回到允许范围后结束";
-    text_of_file: "The text", "文件内容";
-    to_be_checked: "to be checked", "项需核对";
-    check_first: "Check before storing", "保存前请核对";
-    station_unknown: "No calibration of this station is stored:", "尚无该测试站的标定：";
-    serial_unknown: "This IMU is known, this gyro is not:", "惯性组合已知，但陀螺未知：";
-    from_last_value: "from its last value", "与上次相比";
-    last_value: "Last value", "上次值";
-    change_of_budget: "Change, % of budget", "变化，占允许范围 %";
-    load_word: "Load, % of budget", "负荷，占允许范围 %";
-    first_calibration: "first calibration", "首次标定";
+    gyro_word ends_in_tolerance text_of_file to_be_checked check_first station_unknown serial_unknown
+    from_last_value last_value change_of_budget load_word first_calibration
 }

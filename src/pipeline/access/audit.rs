@@ -8,10 +8,9 @@ use std::net::IpAddr;
 
 use serde::Serialize;
 
-use crate::core::access::Role;
+use crate::core::access::{AuditEntry, Role};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::AuditRow;
 
 tokio::task_local! {
     static CALLER: Caller;
@@ -122,8 +121,8 @@ impl Actor {
         (action, subject): (&str, String),
         before: Option<&impl Serialize>,
         after: Option<&impl Serialize>,
-    ) -> AuditRow {
-        AuditRow {
+    ) -> AuditEntry {
+        AuditEntry {
             id,
             at,
             who: self.who.clone(),

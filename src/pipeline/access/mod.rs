@@ -16,11 +16,11 @@ use std::net::IpAddr;
 
 use super::error::{StorageError, WriteError};
 use super::write_queue::{Job, WriteQueue};
-use crate::core::access::{AuditFilter, Role};
+use crate::core::access::{AuditEntry, AuditFilter, Role};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store;
-use crate::store::{AuditRow, Store, TokenRow};
+use crate::store::{Store, TokenRow};
 use crate::system::Clock;
 
 pub use audit::{Actor, By, Caller};
@@ -50,30 +50,6 @@ impl From<TokenRow> for Token {
     fn from(row: TokenRow) -> Self {
         let TokenRow { id, name, role, station, created_at, expires_at, revoked_at, .. } = row;
         Self { id, name, role, station, created_at, expires_at, revoked_at }
-    }
-}
-
-/// A line of the audit trail.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct AuditEntry {
-    pub id: Id,
-    pub at: UtcMicros,
-    pub who: String,
-    pub token: Option<Id>,
-    pub source: String,
-    /// The program that was used, by its own word.
-    pub agent: Option<String>,
-    pub action: String,
-    pub subject: String,
-    /// JSON.
-    pub before: Option<String>,
-    pub after: Option<String>,
-}
-
-impl From<AuditRow> for AuditEntry {
-    fn from(row: AuditRow) -> Self {
-        let AuditRow { id, at, who, token, source, agent, action, subject, before, after } = row;
-        Self { id, at, who, token, source, agent, action, subject, before, after }
     }
 }
 
@@ -153,7 +129,6 @@ impl Access {
         before: Option<Id>,
         limit: u32,
     ) -> Result<Vec<AuditEntry>, StorageError> {
-        let rows = store::access::audit(&self.store, filter, before, limit).await?;
-        Ok(rows.into_iter().map(AuditEntry::from).collect())
+        Ok(store::access::audit(&self.store, filter, before, limit).await?)
     }
 }

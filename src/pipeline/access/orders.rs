@@ -6,10 +6,10 @@ use super::audit::Actor;
 use super::error::AccessError;
 use super::guard::Guard;
 use super::secret::Secret;
-use crate::core::access::Role;
+use crate::core::access::{AuditEntry, Role};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::{AccessChanges, AuditRow, Beside, Changes, SessionRow, TokenRow, Writer};
+use crate::store::{AccessChanges, Beside, Changes, SessionRow, TokenRow, Writer};
 use crate::wire::time;
 
 /// A token to be made.
@@ -141,13 +141,13 @@ fn token_row(new: &NewToken, secret: &Secret, now: UtcMicros) -> TokenRow {
     TokenRow { id: secret.id, name, role, station, secret_sha256, created_at: now, expires_at, revoked_at: None }
 }
 
-fn created(by: &Actor, line: Id, row: &TokenRow) -> AuditRow {
+fn created(by: &Actor, line: Id, row: &TokenRow) -> AuditEntry {
     let what = ("create token", format!("tokens/{}", row.id));
     by.line(line, row.created_at, what, NOTHING, Some(&Audited::from(row)))
 }
 
 /// None where it was revoked before.
-fn revoked(by: &Actor, line: Id, row: &TokenRow, now: UtcMicros) -> Option<(TokenRow, AuditRow)> {
+fn revoked(by: &Actor, line: Id, row: &TokenRow, now: UtcMicros) -> Option<(TokenRow, AuditEntry)> {
     if row.revoked_at.is_some() {
         return None;
     }

@@ -5,7 +5,7 @@ use crate::core::id::Id;
 use crate::core::judge::{Severity, State, Status, Verdict};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
-use crate::store::{AlertOf, AlertRow, Changes, NewName, StoreError, Tables};
+use crate::store::{AlertOf, AlertRow, Changes, NewName, StoreError, Table, Tables};
 use crate::wire::alert::{AcknowledgementBody, AlertBody, FindingBody, SilenceBody};
 use crate::wire::reason::Reason;
 use crate::wire::time;
@@ -43,8 +43,7 @@ pub struct Naming<'a> {
 
 impl Naming<'_> {
     pub fn gyro(&self, number: u32) -> String {
-        let stored = self.tables.gyros.name(number).map(|name| &**name);
-        stored.or_else(|| added(&self.new?.gyros, number)).unwrap_or_default().to_owned()
+        self.name(&self.tables.gyros, |new| &new.gyros, number)
     }
 
     /// Empty for a station or an IMU.
@@ -53,13 +52,17 @@ impl Naming<'_> {
     }
 
     pub fn imu(&self, number: u32) -> String {
-        let stored = self.tables.imus.name(number).map(|name| &**name);
-        stored.or_else(|| added(&self.new?.imus, number)).unwrap_or_default().to_owned()
+        self.name(&self.tables.imus, |new| &new.imus, number)
     }
 
     fn station(&self, number: u32) -> String {
-        let stored = self.tables.stations.name(number).map(|name| &**name);
-        stored.or_else(|| added(&self.new?.stations, number)).unwrap_or_default().to_owned()
+        self.name(&self.tables.stations, |new| &new.stations, number)
+    }
+
+    /// As it is stored, or else as the group adds it.
+    fn name(&self, stored: &Table, added: fn(&Changes) -> &Vec<NewName>, number: u32) -> String {
+        let of_group = || added(self.new?).iter().find(|new| new.number == number).map(|new| new.name.as_str());
+        stored.name(number).map(|name| &**name).or_else(of_group).unwrap_or_default().to_owned()
     }
 
     pub fn finding(&self, verdict: &Verdict, origin: &Origin) -> FindingBody {
@@ -149,8 +152,4 @@ fn subject(of: AlertOf) -> &'static str {
         AlertOf::Station(_) => AlertBody::OF_STATION,
         AlertOf::Imu(_) => AlertBody::OF_IMU,
     }
-}
-
-fn added(names: &[NewName], number: u32) -> Option<&str> {
-    names.iter().find(|added| added.number == number).map(|added| added.name.as_str())
 }

@@ -22,7 +22,7 @@ use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::store;
-use crate::store::{StepRow, Store, StoreError};
+use crate::store::{AlertRow, StepRow, Store, StoreError};
 use crate::system::Clock;
 use crate::wire::alert::AlertBody;
 use crate::wire::silence::MatchingSilenceBody;
@@ -81,9 +81,16 @@ impl Alerts {
     ) -> Result<Vec<(Id, AlertBody)>, StorageError> {
         let now = self.clock.now();
         let rows = store::alerts::find(&self.store, filter, now, before, limit).await?;
-        let tables = self.store.names().read();
-        let naming = Naming { tables: &tables, new: None };
-        rows.iter().map(|row| Ok((row.id, naming.alert(row, now)?))).collect()
+        Ok(rows.iter().map(|row| row.id).zip(self.bodies(&rows, now)?).collect())
+    }
+
+    fn bodies<'a>(
+        &self,
+        rows: impl IntoIterator<Item = &'a AlertRow>,
+        now: UtcMicros,
+    ) -> Result<Vec<AlertBody>, StorageError> {
+        let naming = Naming { tables: &self.store.names().read(), new: None };
+        Ok(rows.into_iter().map(|row| naming.alert(row, now)).collect::<Result<_, StoreError>>()?)
     }
 
     /// Alerts that a filter lets through, gyro by gyro: those that stand worst first, of what is resolved those whose
@@ -100,8 +107,7 @@ impl Alerts {
         let (now, is_newest_first) = (self.clock.now(), filter.standing == Some(Standing::Resolved));
         let gyros = store::alerts::gyros_found(&self.store, filter, now, is_newest_first, [skip, most]).await?;
         let rows = store::alerts::found_of(&self.store, filter, now, &gyros).await?;
-        let tables = self.store.names().read();
-        let naming = Naming { tables: &tables, new: None };
+        let naming = Naming { tables: &self.store.names().read(), new: None };
         let of_gyro = |gyro: &u32| {
             let of_it = rows.iter().filter(|row| row.of.gyro() == Some(*gyro));
             of_it.map(|row| naming.alert(row, now)).collect::<Result<Vec<AlertBody>, StoreError>>()
@@ -121,9 +127,7 @@ impl Alerts {
                 && filter.rule.is_none_or(|rule| row.rule == rule)
                 && filter.severity.is_none_or(|severity| row.alert.severity == severity)
         });
-        let tables = self.store.names().read();
-        let naming = Naming { tables: &tables, new: None };
-        Ok(rows.iter().rev().map(|row| naming.alert(row, now)).collect::<Result<_, StoreError>>()?)
+        self.bodies(rows.iter().rev(), now)
     }
 
     /// Alerts of gyros that the alert of a station explains.
@@ -132,9 +136,7 @@ impl Alerts {
     /// [`StorageError`].
     pub async fn inhibited_by(&self, station: Id) -> Result<Vec<AlertBody>, StorageError> {
         let (now, rows) = (self.clock.now(), store::alerts::inhibited_by(&self.store, station).await?);
-        let tables = self.store.names().read();
-        let naming = Naming { tables: &tables, new: None };
-        Ok(rows.iter().map(|row| naming.alert(row, now)).collect::<Result<_, StoreError>>()?)
+        self.bodies(&rows, now)
     }
 
     /// Those of these alerts that there are.
@@ -143,9 +145,7 @@ impl Alerts {
     /// [`StorageError`].
     pub async fn of(&self, ids: &[Id]) -> Result<Vec<AlertBody>, StorageError> {
         let (now, rows) = (self.clock.now(), store::alerts::of_ids(&self.store, ids).await?);
-        let tables = self.store.names().read();
-        let naming = Naming { tables: &tables, new: None };
-        Ok(rows.iter().map(|row| naming.alert(row, now)).collect::<Result<_, StoreError>>()?)
+        self.bodies(&rows, now)
     }
 
     /// How many alerts of how many gyros stand how, among those that a filter lets through.
@@ -182,8 +182,8 @@ impl Alerts {
             Ok(AlertStep { id, at, action, told, author, reason, alert })
         });
         let steps = steps.collect::<Result<_, StoreError>>()?;
-        let tables = self.store.names().read();
-        let alert = Naming { tables: &tables, new: None }.alert(&row, self.clock.now())?;
+        let naming = Naming { tables: &self.store.names().read(), new: None };
+        let alert = naming.alert(&row, self.clock.now())?;
         Ok(Some(AlertRecord { alert, steps }))
     }
 

@@ -5,12 +5,13 @@ use std::collections::BTreeSet;
 use super::book::{AlertCache, Pen};
 use super::error::AlertError;
 use super::silences::{MOST_SILENCES, body};
+use crate::core::access::AuditEntry;
 use crate::core::alert_decision;
 use crate::core::alert_filter::Matchers;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
-use crate::store::{AlertOf, AlertRow, AuditRow, Changes, Remark, SilenceRow};
+use crate::store::{AlertOf, AlertRow, Changes, Remark, SilenceRow};
 
 /// Somebody says something of an alert.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,36 +58,30 @@ impl AlertCache {
         let unknown = || AlertError::UnknownAlert { id: order.alert };
         let row = self.alert(order.alert).ok_or_else(unknown)?;
         let remark = Remark { by: order.by.clone(), reason: order.reason.clone(), at: pen.now };
-        let changed = match order.change {
+        match order.change {
             AlertChange::Acknowledge if row.alert.status == alert_decision::Status::Resolved => {
                 return Err(AlertError::AlertResolved { id: order.alert });
             }
             // There is nothing to take back.
-            AlertChange::Unacknowledge if !row.alert.acknowledged => Some(row.clone()),
+            AlertChange::Unacknowledge if !row.alert.acknowledged => return Ok(row.clone()),
+            _ => {}
+        }
+        let change = |row: &mut AlertRow| match order.change {
             AlertChange::Unacknowledge => {
-                let change = |row: &mut AlertRow| {
-                    row.alert = alert_decision::unacknowledge(&row.alert);
-                    row.acknowledged = None;
-                };
-                self.say(order.alert, order.change.name(), &remark, change, pen)
+                row.alert = alert_decision::unacknowledge(&row.alert);
+                row.acknowledged = None;
             }
             AlertChange::Acknowledge => {
-                let change = |row: &mut AlertRow| {
-                    row.alert = alert_decision::acknowledge(&row.alert);
-                    row.acknowledged = Some(remark.clone());
-                };
-                self.say(order.alert, order.change.name(), &remark, change, pen)
+                row.alert = alert_decision::acknowledge(&row.alert);
+                row.acknowledged = Some(remark.clone());
             }
-            AlertChange::Comment => self.say(order.alert, order.change.name(), &remark, |_| {}, pen),
+            AlertChange::Comment => {}
             AlertChange::Silence { until } => {
-                let change = |row: &mut AlertRow| {
-                    row.alert = alert_decision::silence(&row.alert, Some(until));
-                    row.silenced = Some(remark.clone());
-                };
-                self.say(order.alert, order.change.name(), &remark, change, pen)
+                row.alert = alert_decision::silence(&row.alert, Some(until));
+                row.silenced = Some(remark.clone());
             }
         };
-        changed.ok_or_else(unknown)
+        self.say(order.alert, order.change.name(), &remark, change, pen).ok_or_else(unknown)
     }
 
     /// Begins or ends a silence. What is untold at the end is told at once.
@@ -146,7 +141,7 @@ impl AlertCache {
     }
 }
 
-fn audited(pen: &mut Pen<'_>, by: &Actor, action: &str, before: Option<&SilenceRow>, after: &SilenceRow) -> AuditRow {
+fn audited(pen: &mut Pen<'_>, by: &Actor, action: &str, before: Option<&SilenceRow>, after: &SilenceRow) -> AuditEntry {
     let (before, now) = (before.map(|row| body(row, pen.now)), pen.now);
     let line = pen.writer.next_id(now);
     by.line(line, now, (action, format!("silences/{}", after.id)), before.as_ref(), Some(&body(after, now)))

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use tokio::sync::{Semaphore, oneshot, watch};
 
 use crate::config::Config;
+use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::diagnose;
 use crate::core::effects::Effect;
@@ -64,6 +65,15 @@ pub(in crate::pipeline) struct Diagnoser {
     turns: Arc<Semaphore>,
     under_way: Arc<Mutex<UnderWay>>,
     known: Arc<Mutex<VecDeque<Known>>>,
+}
+
+/// What a campaign is compared with.
+fn against(in_force: &InForce, competing: &Competing, campaign: &Campaign) -> Options {
+    let options = in_force.model.options_as_asked(campaign);
+    // One that the model holds is fitted, and has nothing to compete for.
+    let is_held = |own: &Effect| options.adopted.iter().any(|adopted| adopted.effect.id() == own.id());
+    let hypotheses = competing.effects().filter(|own| !is_held(own)).collect();
+    Options { hypotheses, ..options }
 }
 
 impl Diagnoser {
@@ -178,10 +188,7 @@ impl Diagnoser {
         // Nobody closes it: a turn always comes.
         let _turn = self.turns.acquire().await;
         let (begun_at, begun) = (self.clock.now(), Instant::now());
-        let mut options = in_force.model.options_as_asked(&campaign);
-        // One that the model holds is fitted, and has nothing to compete for.
-        let is_held = |own: &Effect| options.adopted.iter().any(|adopted| adopted.effect.id() == own.id());
-        options.hypotheses = competing.effects().filter(|own| !is_held(own)).collect();
+        let options = against(in_force, competing, &campaign);
         let model = Arc::clone(&in_force.model);
         let work = move || match diagnose(&campaign, &options) {
             Ok(diagnosis) => {
@@ -201,6 +208,20 @@ impl Diagnoser {
         metrics::counter!(telemetry::DIAGNOSES, "outcome" => outcome).increment(1);
         metrics::histogram!(telemetry::DIAGNOSIS_TIME).record(begun.elapsed());
         (begun_at, made.map(Arc::new))
+    }
+
+    /// The model in force for the IMU of a stored campaign with what the campaign's diagnosis names; none where there
+    /// is no such campaign or no answer.
+    pub(super) async fn proposed(&self, id: Id) -> Result<Option<(u32, AugmentedModel)>, StoreError> {
+        let Some(row) = store::record::get(&self.store, id).await?.filter(|row| row.kind == Kind::Campaign) else {
+            return Ok(None);
+        };
+        let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(row.id, &faults))?;
+        let in_force = self.models.of(Some(row.imu));
+        let options = against(&in_force, &self.models.competing(), &campaign);
+        let work = move || Some(in_force.model.adopting(&campaign, &diagnose(&campaign, &options).ok()?));
+        let model = beside_others("diagnosis", Awaited::BySomebody, work).await.flatten();
+        Ok(model.map(|model| (row.imu, model)))
     }
 
     /// Puts it on disk. Where that fails it is made again after the next start, or for the orders that wait for it.

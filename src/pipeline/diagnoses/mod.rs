@@ -135,6 +135,17 @@ impl Diagnoses {
         Ok(SplitBody::from(&split))
     }
 
+    /// An adoption of what the diagnosis of a stored campaign names, beside the model in force for its IMU; none where
+    /// there is no such campaign or no answer.
+    ///
+    /// # Errors
+    /// [`StorageError`], where the campaign cannot be read.
+    pub async fn adoption(&self, id: Id, author: String, reason: String) -> Result<Option<Adoption>, StorageError> {
+        let Some((imu, model)) = self.diagnoser.proposed(id).await? else { return Ok(None) };
+        let imu = self.store.names().read().imus.name(imu).map(|name| name.to_string());
+        Ok(imu.map(|imu| Adoption { imu, model: Arc::new(model), author, reason }))
+    }
+
     /// Puts a model in force for an IMU and states its stored campaigns anew; returns once that is on disk. One without
     /// terms and effects undoes those before it.
     ///

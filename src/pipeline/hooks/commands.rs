@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::read::{HookPatch, NewHook};
 use crate::alert::HookKind;
+use crate::core::access::AuditEntry;
 use crate::core::alert_decision::Status;
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
@@ -18,7 +19,7 @@ use crate::pipeline::hooks::error::HookError;
 use crate::pipeline::hooks::registry::{OutboxContext, Standing, Subscription, introduce};
 use crate::store;
 use crate::store::{
-    AttemptRow, AuditRow, Changes, HookRow, NewDelivery, OutboxChanges, Progress, Store, StoreError, Subject, Writer,
+    AttemptRow, Changes, HookRow, NewDelivery, OutboxChanges, Progress, Store, StoreError, Subject, Writer,
 };
 use crate::wire::message::to_stored;
 use crate::wire::time;
@@ -151,7 +152,7 @@ impl HookHandler<'_> {
         by: &Actor,
         about: Id,
         changes: &Changes,
-    ) -> Result<AuditRow, HookError> {
+    ) -> Result<AuditEntry, HookError> {
         let (action, subject) = match order {
             Order::Create(_) => ("create hook", format!("hooks/{about}")),
             Order::Change(..) => ("change hook", format!("hooks/{about}")),

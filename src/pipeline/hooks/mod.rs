@@ -27,12 +27,11 @@ use super::error::{StorageError, WriteError};
 use super::write_queue::{Job, WriteQueue};
 use crate::alert::sign::Secret;
 use crate::config::Config;
-use crate::core::delivery::DeliveryState;
+use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::fault::Faults;
 use crate::core::id::Id;
-use crate::core::time::UtcMicros;
 use crate::store;
-use crate::store::{QueueState, Store};
+use crate::store::Store;
 use crate::system::Clock;
 use crate::wire::hook::{DeliveryBody, HookBody};
 use delivery::pulse::Pulse;
@@ -43,14 +42,6 @@ pub struct DeliveryPage {
     pub state: Option<DeliveryState>,
     pub before: Option<Id>,
     pub limit: u32,
-}
-
-/// How the queues of all hooks stand together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct QueueTotals {
-    pub open: i64,
-    pub dead: i64,
-    pub oldest_open: Option<UtcMicros>,
 }
 
 /// What is told to whom. Cheap to clone.
@@ -140,8 +131,7 @@ impl Hooks {
     }
 
     /// How the queues of all hooks stand together.
-    pub async fn outbox_totals(&self) -> Result<QueueTotals, StorageError> {
-        let QueueState { open, dead, oldest_open } = store::outbox::outbox_totals(&self.store).await?;
-        Ok(QueueTotals { open, dead, oldest_open })
+    pub async fn outbox_totals(&self) -> Result<QueueState, StorageError> {
+        Ok(store::outbox::outbox_totals(&self.store).await?)
     }
 }

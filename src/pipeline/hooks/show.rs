@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use crate::alert::{DIGEST_EVENT, event_name};
 use crate::core::alert_decision::Action;
-use crate::core::delivery::DeliveryState;
+use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::{AttemptRow, DeliveryRow, HookRow, QueueState, StoreError, Subject};
+use crate::store::{AttemptRow, DeliveryRow, HookRow, StoreError, Subject};
 use crate::wire::hook::{AttemptBody, DeliveryBody, FilterBody, HookBody, QueueBody};
 use crate::wire::message::{MessageBody, from_stored};
 use crate::wire::time;

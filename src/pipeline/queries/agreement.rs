@@ -215,10 +215,7 @@ fn of_separation(figures: &Figures, method: JudgedMethod, judged: JudgedMethod, 
     let [d_i, d_s, _] = sample_of(figures, method).d;
     let name = |name: Option<&std::sync::Arc<str>>| name.map_or_else(String::new, |name| name.to_string());
     Compared {
-        method: match method {
-            JudgedMethod::Rigid => "rigid",
-            JudgedMethod::Published => "published",
-        },
+        method: method.name(),
         source: Source::Separation,
         at: figures.at,
         station: name(tables.stations.name(figures.station)),

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use super::agreement::{Comparison, compare_methods};
 use super::fleet::level;
-use super::items::{BenchItem, CorrectedResult, EventItem, Names};
+use super::items::{BenchItem, EventItem, Names};
 use super::status::Statuses;
 use crate::config::{Config, JudgedMethod};
+use crate::core::correction::CorrectedResult;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
@@ -89,7 +90,6 @@ impl Histories {
         let events: Vec<EventItem> = events.into_iter().map(EventItem::from).collect();
         let benches = self.benches(gyro, Span::EVER).await?;
         let corrections = store::correction::of_gyro(&self.store, gyro).await?;
-        let corrections = corrections.into_iter().map(CorrectedResult::from).collect();
         let set_aside = store::set_aside::of_gyro(&self.store, gyro).await?;
         let imu = figures.last().and_then(|newest| self.store.names().read().imus.name(newest.imu).cloned());
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial);

@@ -3,15 +3,14 @@
 use std::sync::{Arc, RwLockReadGuard};
 
 use crate::core::bench::BenchMethod;
+use crate::core::correction::CorrectionItem;
 use crate::core::id::Id;
 use crate::core::judge::{Event, FixedLevels, State};
 use crate::core::kind::Kind;
 use crate::core::message::{Message, sent};
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::store::{
-    BenchRow, ConfirmationRow, CorrectionRow, EventRow, GyroCorrection, RecordEntry, RecordHead, RecordRow, Tables,
-};
+use crate::store::{BenchRow, ConfirmationRow, EventRow, RecordEntry, RecordHead, RecordRow, Tables};
 use crate::wire::table::nearest;
 
 /// The names of what is stored, while it is looked at.
@@ -180,39 +179,6 @@ impl From<EventRow> for EventItem {
     fn from(row: EventRow) -> Self {
         let EventRow { id, at, event, until, test, fixed, reason, author, .. } = row;
         Self { id, at, event, until, test, fixed, reason, author }
-    }
-}
-
-/// That an item counts no more: who said so, and why.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct CorrectionItem {
-    pub item: Id,
-    /// The record that stands in its place; none where it was voided.
-    pub replaced_by: Option<Id>,
-    pub at: UtcMicros,
-    pub author: String,
-    pub reason: String,
-}
-
-impl From<CorrectionRow> for CorrectionItem {
-    fn from(row: CorrectionRow) -> Self {
-        let CorrectionRow { item, replaced_by, at, author, reason } = row;
-        Self { item, replaced_by, at, author, reason }
-    }
-}
-
-/// A result of a gyro that counts no more.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct CorrectedResult {
-    pub correction: CorrectionItem,
-    /// Of the calibration or bench result.
-    pub measured_at: UtcMicros,
-    pub is_bench: bool,
-}
-
-impl From<GyroCorrection> for CorrectedResult {
-    fn from(GyroCorrection { said, measured_at, is_bench }: GyroCorrection) -> Self {
-        Self { correction: said.into(), measured_at, is_bench }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::config::Config;
+use crate::core::access::AuditEntry;
 use crate::core::diagnose::{ClosureDiagnosis, closures};
 use crate::core::fault::Faults;
 use crate::core::id::Id;
@@ -19,14 +20,14 @@ use crate::pipeline::ingest::fitted::CampaignFit;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::queries::items::{
-    BenchItem, ConfirmationItem, CorrectionItem, ItemStatus, ListedRecord, Names, RecordItem, RecordSummary,
+    BenchItem, ConfirmationItem, ItemStatus, ListedRecord, Names, RecordItem, RecordSummary,
 };
 use crate::store;
-use crate::store::{AuditRow, RecordFilter, RecordRow, Store, StoreError, StoredVerdict};
+use crate::store::{RecordFilter, RecordRow, Store, StoreError, StoredVerdict};
 use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, VerdictBody};
 use crate::wire::calibration::CampaignAnswer;
-use crate::wire::history_note;
+use crate::wire::note;
 use crate::wire::reason::Reason;
 use crate::wire::sender::SenderBody;
 
@@ -85,7 +86,7 @@ impl Records {
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let closures = closures_of(&calibration);
         let separations = self.reader.separations(&calibration.gyros);
-        let notes = history_note::read(row.notes.as_deref());
+        let notes = note::read(row.notes.as_deref());
         let answer = RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts };
         Ok(Some(StoredRecord { item: self.item(row), answer, seen, closures }))
     }
@@ -99,7 +100,7 @@ impl Records {
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let mut answer = self.reader.campaign_answer(&fitted);
         answer.id = Some(id.to_string());
-        answer.notes.extend(history_note::read(row.notes.as_deref()));
+        answer.notes.extend(note::read(row.notes.as_deref()));
         answer.verdicts = verdicts;
         Ok(Some(StoredCampaign { item: self.item(row), answer, seen }))
     }
@@ -110,7 +111,7 @@ impl Records {
     /// [`StorageError`].
     pub async fn sender(&self, line: Option<Id>) -> Result<Option<SenderBody>, StorageError> {
         let Some(line) = line else { return Ok(None) };
-        let body = |line: AuditRow| SenderBody {
+        let body = |line: AuditEntry| SenderBody {
             name: line.who,
             token: line.token.map(|token| token.to_string()),
             address: line.source,
@@ -214,7 +215,7 @@ impl Records {
         let corrections = store::correction::of_item(&self.store, id).await?;
         Ok(ItemStatus {
             is_corrected: corrections.iter().any(|correction| correction.item == id),
-            corrections: corrections.into_iter().map(CorrectionItem::from).collect(),
+            corrections,
             set_aside: store::set_aside::is_set_aside(&self.store, id).await?,
             confirmation: store::set_aside::confirmation(&self.store, id).await?.map(ConfirmationItem::from),
         })

@@ -24,7 +24,7 @@ const TABLES: &str = "SELECT name FROM sqlite_schema WHERE type = 'table' AND na
     AND name NOT GLOB 'sqlite_*' AND (name NOT GLOB '_*' OR name = '_sqlx_migrations')";
 /// The migration that made the table of checksums.
 const SINCE: i64 = 16;
-/// What of the schema is a checksum's: of tables that have one, and of their own.
+/// What of the schema is a checksum's: of tables that have one, of their own, and views.
 const SCHEMA: &str = "sqlite_schema";
 
 /// Rows and sum of a table, or what a transaction adds to them.
@@ -65,7 +65,10 @@ fn row_sum<'v>(values: impl Iterator<Item = ValueRef<'v>>) -> i64 {
 fn table_sum(connection: &Connection, name: &str) -> rusqlite::Result<Sum> {
     let sql = if name == SCHEMA {
         // Where a table begins in the file is another place in every copy.
-        format!("SELECT type, name, tbl_name, sql FROM {SCHEMA} WHERE tbl_name = 'checksum' OR tbl_name IN ({TABLES})")
+        format!(
+            "SELECT type, name, tbl_name, sql FROM {SCHEMA}
+             WHERE type = 'view' OR tbl_name = 'checksum' OR tbl_name IN ({TABLES})"
+        )
     } else {
         format!("SELECT * FROM \"{name}\"")
     };

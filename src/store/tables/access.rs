@@ -2,8 +2,7 @@
 
 use sqlx::{ConnectOptions, SqliteConnection};
 
-use crate::core::access::AuditFilter;
-use crate::core::access::Role;
+use crate::core::access::{AuditEntry, AuditFilter, Role};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
@@ -48,22 +47,6 @@ pub struct SessionRow {
     pub expires_at: UtcMicros,
 }
 
-/// One line of the audit trail. `before` and `after` are JSON.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct AuditRow {
-    pub id: Id,
-    pub at: UtcMicros,
-    pub who: String,
-    pub token: Option<Id>,
-    pub source: String,
-    /// The program that was used, by its own word.
-    pub agent: Option<String>,
-    pub action: String,
-    pub subject: String,
-    pub before: Option<String>,
-    pub after: Option<String>,
-}
-
 /// What changes about access; see [`Changes`].
 #[derive(Debug, Default)]
 pub struct AccessChanges {
@@ -71,7 +54,7 @@ pub struct AccessChanges {
     pub tokens: Vec<TokenRow>,
     pub sessions: Vec<SessionRow>,
     pub ended: Vec<Id>,
-    pub audit: Vec<AuditRow>,
+    pub audit: Vec<AuditEntry>,
 }
 
 impl AccessChanges {
@@ -176,7 +159,7 @@ pub async fn sessions(store: &Store) -> Result<Vec<SessionRow>, StoreError> {
 }
 
 /// One line of the audit trail.
-pub async fn audit_line(store: &Store, id: Id) -> Result<Option<AuditRow>, StoreError> {
+pub async fn audit_line(store: &Store, id: Id) -> Result<Option<AuditEntry>, StoreError> {
     let sql = "SELECT id, at, who, token, source, action, subject, before, after, agent FROM audit WHERE id = $1";
     on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(line).transpose())
 }
@@ -187,7 +170,7 @@ pub async fn audit(
     filter: &AuditFilter,
     before: Option<Id>,
     limit: u32,
-) -> Result<Vec<AuditRow>, StoreError> {
+) -> Result<Vec<AuditEntry>, StoreError> {
     let sql = "SELECT id, at, who, token, source, action, subject, before, after, agent FROM audit
                WHERE id < $1 AND at >= $2 AND at <= $3 AND ($4 IS NULL OR who = $4) AND ($5 IS NULL OR action = $5)
                    AND ($6 IS NULL OR subject = $6)
@@ -215,8 +198,8 @@ fn session(row: &impl AnyRow) -> Result<SessionRow, StoreError> {
     })
 }
 
-fn line(row: &impl AnyRow) -> Result<AuditRow, StoreError> {
-    Ok(AuditRow {
+fn line(row: &impl AnyRow) -> Result<AuditEntry, StoreError> {
+    Ok(AuditEntry {
         id: Id(row.cell("id")?),
         at: UtcMicros(row.cell("at")?),
         who: row.cell("who")?,

@@ -28,24 +28,15 @@ pub enum AlertOf {
 
 impl AlertOf {
     pub fn gyro(self) -> Option<u32> {
-        match self {
-            Self::Gyro(gyro) => Some(gyro),
-            Self::Station(_) | Self::Imu(_) => None,
-        }
+        if let Self::Gyro(gyro) = self { Some(gyro) } else { None }
     }
 
     pub fn station(self) -> Option<u32> {
-        match self {
-            Self::Station(station) => Some(station),
-            Self::Gyro(_) | Self::Imu(_) => None,
-        }
+        if let Self::Station(station) = self { Some(station) } else { None }
     }
 
     pub fn imu(self) -> Option<u32> {
-        match self {
-            Self::Imu(imu) => Some(imu),
-            Self::Gyro(_) | Self::Station(_) => None,
-        }
+        if let Self::Imu(imu) = self { Some(imu) } else { None }
     }
 }
 

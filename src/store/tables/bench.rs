@@ -8,7 +8,7 @@ use crate::core::id::Id;
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Sql, Whole, cell, insert, on};
+use crate::store::db::{AnyRow, Whole, cell, insert, listed, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 
@@ -60,73 +60,37 @@ pub(crate) fn insert(benches: &[BenchRow], batch: &mut Batch) {
     );
 }
 
-type Row = (
-    i64,
-    Whole<u32>,
-    Whole<u32>,
-    i64,
-    String,
-    f64,
-    f64,
-    Option<f64>,
-    Option<f64>,
-    bool,
-    i64,
-    String,
-    Vec<u8>,
-    Option<i64>,
-);
-
-fn row(row: Row) -> Result<BenchRow, StoreError> {
-    let (
-        id,
-        Whole(gyro),
-        Whole(station),
-        measured_at,
-        method,
-        d_i,
-        d_s,
-        d_i_sd,
-        d_s_sd,
-        voided,
-        received_at,
-        body,
-        hash,
-        by,
-    ) = row;
-    let id = Id(id);
+fn row(row: &impl AnyRow) -> Result<BenchRow, StoreError> {
+    let id = Id(row.cell("id")?);
     let damaged = |what: &str| StoreError::Damaged(format!("bench result {id}: {what}"));
+    let (method, body, hash): (String, String, Vec<u8>) =
+        (row.cell("method")?, row.cell("body")?, row.cell("body_sha256")?);
     Ok(BenchRow {
         id,
-        gyro,
-        station,
-        measured_at: UtcMicros(measured_at),
+        gyro: row.cell::<Whole<u32>>("gyro")?.0,
+        station: row.cell::<Whole<u32>>("station")?.0,
+        measured_at: UtcMicros(row.cell("measured_at")?),
         method: BenchMethod::from_name(&method).ok_or_else(|| damaged("unknown method"))?,
-        d: [d_i, d_s],
-        sd: [d_i_sd, d_s_sd],
-        voided,
-        received_at: UtcMicros(received_at),
+        d: [row.cell("d_i")?, row.cell("d_s")?],
+        sd: [row.cell("d_i_sd")?, row.cell("d_s_sd")?],
+        voided: row.cell::<i64>("voided")? != 0,
+        received_at: UtcMicros(row.cell("received_at")?),
         body: body.into(),
         body_sha256: hash.try_into().map_err(|_| damaged("its hash has not 32 bytes"))?,
-        sent_by: by.map(Id),
+        sent_by: row.cell::<Option<i64>>("sent_by")?.map(Id),
     })
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<BenchRow>, StoreError> {
-    let sql = "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided <> 0, received_at, body,
+    let sql = "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided, received_at, body,
                       body_sha256, sent_by
                FROM bench_result WHERE id = $1";
-    let found: Option<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
-    found.map(row).transpose()
+    on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(row).transpose())
 }
 
 /// Those of `gyros` that have bench results.
 pub async fn on_benches(store: &Store, gyros: &[u32]) -> Result<Vec<u32>, StoreError> {
-    let sql = store.readers.words(Sql {
-        sqlite: "SELECT DISTINCT gyro FROM bench_result WHERE gyro IN (SELECT value FROM json_each($1))",
-        postgres: "SELECT DISTINCT gyro FROM bench_result WHERE gyro IN
-                   (SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
-    });
+    let sql = store.readers.words(listed!("SELECT DISTINCT gyro FROM bench_result WHERE gyro"));
     let gyros = serde_json::json!(gyros).to_string();
     let found: Vec<Whole<u32>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(gyros).fetch_all(db).await?);
     Ok(found.into_iter().map(|gyro| gyro.0).collect())
@@ -141,11 +105,10 @@ pub async fn of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchRo
 
 /// Bench results of a gyro within `span`, those that do not count any more included, oldest first.
 pub async fn all_of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchRow>, StoreError> {
-    let sql = "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided <> 0, received_at, body,
+    let sql = "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided, received_at, body,
                       body_sha256, sent_by
                FROM bench_result WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method, id";
-    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).bind(span.from.0).bind(span.to.0).fetch_all(db).await?);
-    rows.into_iter().map(row).collect()
+    on!(store.readers, db => sqlx::query(sql).bind(Whole(gyro)).bind(span.from.0).bind(span.to.0).fetch_all(db).await?.iter().map(row).collect())
 }
 
 /// The results of a gyro by one method at an instant: the one that counts first, then those that do not.

@@ -1,32 +1,13 @@
 //! Records and bench results that do not count any more: who said so, when, why, and what stands in their place.
 
 use super::history::{self, HistoryRow};
+use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
-
-/// What somebody said of a record or bench result: that it does not count, or that another stands in its place.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct CorrectionRow {
-    pub item: Id,
-    /// The record that stands in its place; none where it was voided.
-    pub replaced_by: Option<Id>,
-    pub at: UtcMicros,
-    pub author: String,
-    pub reason: String,
-}
-
-/// The same, with what it is said of.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct GyroCorrection {
-    pub said: CorrectionRow,
-    /// Of the calibration or bench result.
-    pub measured_at: UtcMicros,
-    pub is_bench: bool,
-}
 
 /// What a transaction takes out of what counts.
 #[derive(Debug, Default)]
@@ -56,7 +37,7 @@ pub(crate) fn withdraw(withdrawn: &Withdrawn, batch: &mut Batch) {
     );
 }
 
-pub(crate) fn insert(corrections: &[CorrectionRow], batch: &mut Batch) {
+pub(crate) fn insert(corrections: &[CorrectionItem], batch: &mut Batch) {
     let mut rows = Rows::default();
     for correction in corrections {
         rows.row()
@@ -74,13 +55,13 @@ pub(crate) fn insert(corrections: &[CorrectionRow], batch: &mut Batch) {
 
 type Row = (i64, Option<i64>, i64, String, String);
 
-fn row((item, replaced_by, at, author, reason): Row) -> CorrectionRow {
-    CorrectionRow { item: Id(item), replaced_by: replaced_by.map(Id), at: UtcMicros(at), author, reason }
+fn row((item, replaced_by, at, author, reason): Row) -> CorrectionItem {
+    CorrectionItem { item: Id(item), replaced_by: replaced_by.map(Id), at: UtcMicros(at), author, reason }
 }
 
 /// What was said of an item, oldest first: that it does not count, that another stands in its place, that it stands in
 /// another's place.
-pub async fn of_item(store: &Store, item: Id) -> Result<Vec<CorrectionRow>, StoreError> {
+pub async fn of_item(store: &Store, item: Id) -> Result<Vec<CorrectionItem>, StoreError> {
     let sql = "SELECT item, replaced_by, at, author, reason FROM correction
                WHERE item = $1 OR replaced_by = $1 ORDER BY at, replaced_by NULLS FIRST";
     let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(item.0).fetch_all(db).await?);
@@ -88,7 +69,7 @@ pub async fn of_item(store: &Store, item: Id) -> Result<Vec<CorrectionRow>, Stor
 }
 
 /// What was said of a gyro's calibrations and bench results that do not count any more, oldest first.
-pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<GyroCorrection>, StoreError> {
+pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<CorrectedResult>, StoreError> {
     let sql = "SELECT item, replaced_by, at, author, reason, withdrawn.measured_at, withdrawn.bench <> 0
                FROM (SELECT record AS id, calibrated_at AS measured_at, 0 AS bench FROM voided_history WHERE gyro = $1
                      UNION ALL
@@ -96,8 +77,8 @@ pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<GyroCorrection>, St
                JOIN correction ON item = withdrawn.id ORDER BY at, item, replaced_by NULLS FIRST";
     let rows: Vec<(i64, Option<i64>, i64, String, String, i64, bool)> =
         on!(store.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
-    let of_gyro = |(item, replaced_by, at, author, reason, measured_at, is_bench)| GyroCorrection {
-        said: row((item, replaced_by, at, author, reason)),
+    let of_gyro = |(item, replaced_by, at, author, reason, measured_at, is_bench)| CorrectedResult {
+        correction: row((item, replaced_by, at, author, reason)),
         measured_at: UtcMicros(measured_at),
         is_bench,
     };

@@ -115,14 +115,6 @@ pub struct DeliveryRow {
     pub attempts: Vec<AttemptRow>,
 }
 
-/// How the queue of a hook stands, or the queues of all.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct QueueState {
-    pub open: i64,
-    pub dead: i64,
-    pub oldest_open: Option<UtcMicros>,
-}
-
 /// What a transaction changes in the outbox.
 #[derive(Debug, Default)]
 pub struct OutboxChanges {

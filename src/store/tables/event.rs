@@ -6,7 +6,7 @@ use crate::core::id::Id;
 use crate::core::judge::{Event, FixedLevels, Measured};
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Sql, Whole, cell, insert, on};
+use crate::store::db::{AnyRow, Whole, cell, insert, listed, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 
@@ -52,37 +52,32 @@ pub(crate) fn insert(events: &[EventRow], batch: &mut Batch) {
     );
 }
 
-type Row = (
-    i64,
-    Whole<u32>,
-    i64,
-    String,
-    String,
-    Option<String>,
-    i64,
-    Option<f64>,
-    Option<f64>,
-    Option<f64>,
-    Option<f64>,
-    Option<i64>,
-    Option<String>,
-);
-
-fn event_of(row: Row) -> Result<EventRow, StoreError> {
-    let (id, Whole(gyro), at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test) = row;
-    let fixed = [(d_i, d_i_sd), (d_s, d_s_sd)].map(|(value, sd)| value.map(|value| Measured { value, sd }));
-    let event =
-        Event::from_name(&kind).ok_or_else(|| StoreError::Damaged(format!("event {}: unknown kind", Id(id))))?;
-    let (id, at, received_at, until) = (Id(id), UtcMicros(at), UtcMicros(received_at), until.map(UtcMicros));
-    Ok(EventRow { id, gyro, at, event, until, test, fixed, reason, author, received_at })
+fn event_of(row: &impl AnyRow) -> Result<EventRow, StoreError> {
+    let id = Id(row.cell("id")?);
+    let kind: String = row.cell("kind")?;
+    let level = |value: &str, sd: &str| -> Result<Option<Measured>, StoreError> {
+        let (value, sd): (Option<f64>, Option<f64>) = (row.cell(value)?, row.cell(sd)?);
+        Ok(value.map(|value| Measured { value, sd }))
+    };
+    Ok(EventRow {
+        id,
+        gyro: row.cell::<Whole<u32>>("gyro")?.0,
+        at: UtcMicros(row.cell("at")?),
+        event: Event::from_name(&kind).ok_or_else(|| StoreError::Damaged(format!("event {id}: unknown kind")))?,
+        until: row.cell::<Option<i64>>("until")?.map(UtcMicros),
+        test: row.cell("test")?,
+        fixed: [level("d_i", "d_i_sd")?, level("d_s", "d_s_sd")?],
+        reason: row.cell("reason")?,
+        author: row.cell("author")?,
+        received_at: UtcMicros(row.cell("received_at")?),
+    })
 }
 
 /// Every event of a gyro, oldest first.
 pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<EventRow>, StoreError> {
     let sql = "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test
                FROM event WHERE gyro = $1 ORDER BY at, id";
-    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
-    rows.into_iter().map(event_of).collect()
+    on!(store.readers, db => sqlx::query(sql).bind(Whole(gyro)).fetch_all(db).await?.iter().map(event_of).collect())
 }
 
 /// Those of some gyros that were retired or put into storage: when last, and which.
@@ -93,16 +88,11 @@ pub async fn out_of_use_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, 
 
 /// Every event of several gyros, by gyro and oldest first.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<EventRow>, StoreError> {
-    let sql = store.readers.words(Sql {
-        sqlite: "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test
-                 FROM event WHERE gyro IN (SELECT value FROM json_each($1)) ORDER BY gyro, at, id",
-        postgres:
-            "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test FROM event
-                   WHERE gyro IN (SELECT CAST(j.value AS BIGINT)
-                                  FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))
-                   ORDER BY gyro, at, id",
-    });
+    let sql = store.readers.words(listed!(
+        "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test
+         FROM event WHERE gyro",
+        " ORDER BY gyro, at, id"
+    ));
     let gyros = serde_json::json!(gyros).to_string();
-    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(gyros).fetch_all(db).await?);
-    rows.into_iter().map(event_of).collect()
+    on!(store.readers, db => sqlx::query(sql).bind(gyros).fetch_all(db).await?.iter().map(event_of).collect())
 }

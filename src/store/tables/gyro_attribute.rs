@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use crate::core::gyro_attributes::GyroAttributes;
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{LISTED, Whole, cell, insert, on};
+use crate::store::db::{Whole, cell, insert, listed, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 
@@ -39,9 +39,7 @@ pub(crate) fn upsert(changed: &[GyroAttributeRow], batch: &mut Batch) {
 /// Of these gyros, those of which something is said.
 pub async fn of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, GyroAttributes>, StoreError> {
     type Said = (Whole<u32>, Option<String>, Option<String>, Option<String>);
-    let those = store.readers.words(LISTED);
-    let sql =
-        sqlx::AssertSqlSafe(format!("SELECT gyro, batch, type, unit FROM gyro_attribute WHERE gyro IN ({those})"));
+    let sql = store.readers.words(listed!("SELECT gyro, batch, type, unit FROM gyro_attribute WHERE gyro"));
     let gyros = serde_json::json!(gyros).to_string();
     let rows: Vec<Said> = on!(store.readers, db => sqlx::query_as(sql).bind(gyros).fetch_all(db).await?);
     let row = |(Whole(gyro), batch, r#type, unit)| (gyro, GyroAttributes { batch, r#type, unit });

@@ -9,7 +9,7 @@ use crate::core::judge::{Coefficient, Event, Measured, Outlook, Reach, Rule, Sev
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{AnyRow, LISTED, Sql, Whole, cell, insert, on};
+use crate::store::db::{AnyRow, Sql, Whole, cell, insert, listed, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 
@@ -631,8 +631,7 @@ pub async fn imus(
 
 /// Gyros whose newest calibration was made in any of these IMUs.
 pub async fn of_imus(store: &Store, imus: &[u32]) -> Result<Vec<HeadRow>, StoreError> {
-    let those = store.readers.words(LISTED);
-    let sql = sqlx::AssertSqlSafe(format!("SELECT * FROM head WHERE imu IN ({those}) ORDER BY serial"));
+    let sql = store.readers.words(listed!("SELECT * FROM head WHERE imu", " ORDER BY serial"));
     let imus = serde_json::json!(imus).to_string();
     on!(store.readers, db => sqlx::query(sql).bind(imus).fetch_all(db).await?.iter().map(head).collect())
 }
@@ -653,8 +652,7 @@ pub async fn overdue(store: &Store, now: UtcMicros) -> Result<Vec<u32>, StoreErr
 
 /// The rows of some gyros, in no order.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<HeadRow>, StoreError> {
-    let those = store.readers.words(LISTED);
-    let sql = sqlx::AssertSqlSafe(format!("SELECT * FROM head WHERE gyro IN ({those})"));
+    let sql = store.readers.words(listed!("SELECT * FROM head WHERE gyro"));
     let gyros = serde_json::json!(gyros).to_string();
     on!(store.readers, db => sqlx::query(sql).bind(gyros).fetch_all(db).await?.iter().map(head).collect())
 }

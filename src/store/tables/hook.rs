@@ -7,7 +7,7 @@ use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::cells::Cells;
 use crate::store::commit::{Changes, Writer};
-use crate::store::db::{AnyRow, Sql, cell, insert, on};
+use crate::store::db::{AnyRow, cell, insert, listed, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 use crate::store::secrets::Secrets;
@@ -168,11 +168,7 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<HookRow>, StoreError> {
 
 /// What hooks have heard last of these alerts, where that is that they fire: hook, alert, severity.
 pub async fn heard_of(store: &Store, alerts: &[Id]) -> Result<Vec<(Id, Id, String)>, StoreError> {
-    let sql = store.readers.words(Sql {
-        sqlite: "SELECT hook, alert, severity FROM hook_heard WHERE alert IN (SELECT value FROM json_each($1))",
-        postgres: "SELECT hook, alert, severity FROM hook_heard WHERE alert IN
-                   (SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
-    });
+    let sql = store.readers.words(listed!("SELECT hook, alert, severity FROM hook_heard WHERE alert"));
     let alerts: Vec<i64> = alerts.iter().map(|alert| alert.0).collect();
     let alerts = serde_json::json!(alerts).to_string();
     let rows: Vec<(i64, i64, String)> = on!(store.readers, db => sqlx::query_as(sql).bind(alerts).fetch_all(db).await?);

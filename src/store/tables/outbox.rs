@@ -1,7 +1,7 @@
 //! Reading the outbox: what is due, how a hook's queue stands, what became of each delivery.
 
-use super::delivery::{AttemptRow, DeliveryRow, DueDelivery, QueueState, Subject};
-use crate::core::delivery::DeliveryState;
+use super::delivery::{AttemptRow, DeliveryRow, DueDelivery, Subject};
+use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::db::{AnyRow, Readers, Sql, Whole, on};

@@ -1,5 +1,5 @@
 use crate::core::alert_filter::Matchers;
-use crate::core::delivery::DeliveryState;
+use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::id::Id;
 use tempfile::TempDir;
 

@@ -6,7 +6,7 @@ use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::time::{Span, UtcMicros};
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Readers, Sql, Whole, cell, insert, on};
+use crate::store::db::{AnyRow, Readers, Sql, Whole, cell, insert, listed, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 use crate::store::packed::text;
@@ -145,65 +145,34 @@ pub(crate) fn update_verdicts(sheets: &[(Id, RejudgedSheet)], batch: &mut Batch)
     );
 }
 
-type Row = (
-    i64,
-    i64,
-    Whole<u32>,
-    Whole<u32>,
-    i64,
-    i64,
-    String,
-    Vec<u8>,
-    Vec<u8>,
-    bool,
-    Option<String>,
-    Option<i64>,
-    Option<f64>,
-    Option<Vec<u8>>,
-);
-
-fn row(row: Row) -> Result<RecordRow, StoreError> {
-    let (
-        id,
-        kind,
-        Whole(imu),
-        Whole(station),
-        calibrated_at,
-        received_at,
-        body,
-        body_sha256,
-        verdicts,
-        voided,
-        notes,
-        by,
-        temperature_c,
-        packed,
-    ) = row;
-    let id = Id(id);
+fn row(row: &impl AnyRow) -> Result<RecordRow, StoreError> {
+    let id = Id(row.cell("id")?);
     let damaged = |what: &str| StoreError::Damaged(format!("record {id}: {what}"));
+    let (hash, verdicts): (Vec<u8>, Vec<u8>) = (row.cell("body_sha256")?, row.cell("verdicts")?);
     Ok(RecordRow {
         id,
-        kind: kind_of(kind).ok_or_else(|| damaged("unknown kind"))?,
-        imu,
-        station,
-        calibrated_at: UtcMicros(calibrated_at),
-        received_at: UtcMicros(received_at),
-        body: text::unpack(body, packed, || format!("record {id}"))?.into(),
-        body_sha256: body_sha256.try_into().map_err(|_| damaged("its hash has not 32 bytes"))?,
+        kind: kind_of(row.cell("kind")?).ok_or_else(|| damaged("unknown kind"))?,
+        imu: row.cell::<Whole<u32>>("imu")?.0,
+        station: row.cell::<Whole<u32>>("station")?.0,
+        calibrated_at: UtcMicros(row.cell("calibrated_at")?),
+        received_at: UtcMicros(row.cell("received_at")?),
+        body: text::unpack(row.cell("body")?, row.cell("packed")?, || format!("record {id}"))?.into(),
+        body_sha256: hash.try_into().map_err(|_| damaged("its hash has not 32 bytes"))?,
         verdicts: VerdictSheet::unpack(id, &verdicts)?,
-        voided,
-        notes: notes.map(Into::into),
-        sent_by: by.map(Id),
-        temperature_c,
+        voided: row.cell::<i64>("voided")? != 0,
+        notes: row.cell::<Option<String>>("notes")?.map(Into::into),
+        sent_by: row.cell::<Option<i64>>("sent_by")?.map(Id),
+        temperature_c: row.cell("temperature_c")?,
     })
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<RecordRow>, StoreError> {
     let sql = "SELECT id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts,
-                      voided <> 0, notes, sent_by, temperature_c, packed
+                      voided, notes, sent_by, temperature_c, packed
                FROM record WHERE id = $1";
-    let found: Option<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
-    let found = found.map(row).transpose()?;
+    let found = on!(store.readers, db => {
+        sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(row).transpose()?
+    });
     if let Some(row) = &found {
         postgres::names::know_names_of(store, row).await?;
     }
@@ -307,11 +276,7 @@ pub async fn verdict_sheets(
     store: &Store,
     records: impl Iterator<Item = Id>,
 ) -> Result<Vec<(Id, VerdictSheet)>, StoreError> {
-    let sql = store.readers.words(Sql {
-        sqlite: "SELECT id, verdicts FROM record WHERE id IN (SELECT value FROM json_each($1))",
-        postgres: "SELECT id, verdicts FROM record WHERE id IN (SELECT CAST(j.value AS BIGINT)
-                   FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
-    });
+    let sql = store.readers.words(listed!("SELECT id, verdicts FROM record WHERE id"));
     let rows: Vec<(i64, Vec<u8>)> =
         on!(store.readers, db => sqlx::query_as(sql).bind(json_of(records)).fetch_all(db).await?);
     rows.into_iter().map(|(id, bytes)| Ok((Id(id), VerdictSheet::unpack(Id(id), &bytes)?))).collect()

@@ -13,6 +13,7 @@ fn document() -> Value {
             "estimates": [{"slot": "G1", "name": "k", "value": 0.02, "sd": 1e-3, "unit": "deg/h"}],
         }],
         "provenance": {"imu": "IMU-1", "station": "ST-1", "measured_at": "2026-03-01T08:00:00Z"},
+        "plausible_sizes": {"magnetic": 0.5},
     })
 }
 
@@ -53,6 +54,9 @@ fn every_bad_member_is_named_by_its_place() {
         ("/effects/0/estimates/0/sd", json!(-1.0), "/effects/0/estimates/0/sd"),
         ("/provenance/measured_at", json!("yesterday"), "/provenance/measured_at"),
         ("/provenance/imu", json!(""), "/provenance/imu"),
+        ("/plausible_sizes", json!({"poltergeist": 1.0}), "/plausible_sizes/poltergeist"),
+        ("/plausible_sizes", json!({"magnetic": 0.0}), "/plausible_sizes/magnetic"),
+        ("/plausible_sizes", json!({"magnetic": 1e300}), "/plausible_sizes/magnetic"),
     ];
     for (pointer, value, place) in cases {
         let faults = parse(&with(pointer, value.clone())).expect_err(place);

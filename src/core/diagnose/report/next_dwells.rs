@@ -62,8 +62,17 @@ pub(crate) fn next_dwells(
         if separates.is_empty() {
             break;
         }
-        let (phase, force, rate, _) = &proposals[best];
-        chosen.push(NextDwell { phase: *phase, specific_force_g0: *force, rate_arcsec_s: *rate, separates });
+        let (phase, force, rate, c) = proposals[best];
+        let earth = frame.setting.earth_nav.z;
+        let table_rate_arcsec_s = if phase == Phase::Rate { rate.dot(&c.column(2)) - earth } else { 0.0 };
+        chosen.push(NextDwell {
+            phase,
+            specific_force_g0: force,
+            rate_arcsec_s: rate,
+            attitude: c,
+            table_rate_arcsec_s,
+            separates,
+        });
         taken.push(best);
     }
     chosen

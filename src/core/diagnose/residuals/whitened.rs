@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::noise::{self, Noise};
-use crate::core::augmented::{Adopted, Options};
+use crate::core::augmented::{Adopted, Options, PlausibleSizes};
 use crate::core::campaign::{Campaign, CampaignGyro, TestKind, temperature_outliers};
 use crate::core::effects::{CATALOGUE, Effect, Entry, Refusal, Scope, Setting, axes};
 use crate::core::message::Message;
@@ -34,6 +34,7 @@ pub(crate) struct Frame {
     pub adopted: Vec<Adopted>,
     /// Hypotheses of one's own that compete with the catalogue.
     pub hypotheses: Vec<Effect>,
+    pub plausible_sizes: PlausibleSizes,
     pub gyros: Vec<GyroFrame>,
     pub noise: Noise,
     /// Output of each gyro, deg/h, less what the model in use says of all gyros together; and the raw columns of the
@@ -85,6 +86,7 @@ impl Frame {
             terms,
             adopted: options.adopted.clone(),
             hypotheses: options.hypotheses.clone(),
+            plausible_sizes: options.plausible_sizes.clone(),
             gyros: Vec::new(),
             noise,
             outputs,

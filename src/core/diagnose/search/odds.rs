@@ -44,10 +44,10 @@ impl Search<'_> {
         if evidence > self.threshold.alone + odds { evidence - odds } else { evidence }
     }
 
-    /// Whether what the outputs ask of an effect is more than any gyro has, beyond its own uncertainty.
+    /// Whether what the outputs ask of an effect is more than a gyro of this kind has, beyond its own uncertainty.
     fn is_implausible(&self, choices: &[Choice], score: &Score) -> bool {
         let Some(part) = self.part(&self.choice(score)) else { return false };
-        let most = part.effect.entry().plausible;
+        let most = self.frame.plausible_sizes.of(part.effect);
         let mut parts: Vec<Part> = choices.iter().filter_map(|choice| self.part(choice)).collect();
         parts.push(part);
         let fit = augmented_fit::fit(self.frame, &parts);

@@ -267,7 +267,7 @@ impl Admission<'_> {
     fn nearest(&self, serial: &str, had: &str, group: &Group) -> Option<String> {
         let tables = self.store.names().read();
         let stored = tables.gyros.iter().map(|(_, known)| &**known);
-        let all = std::iter::once(had).chain(stored).chain(group.gyros.keys().map(String::as_str));
+        let all = std::iter::once(had).chain(stored).chain(group.names(NamesOf::Gyros).keys().map(String::as_str));
         let most = SLIPS.min(serial.chars().count() / 3);
         let near = all.filter_map(|known| Some((distance(serial, known, most)?, known)));
         near.min_by_key(|(slips, _)| *slips).map(|(_, known)| known.to_owned())

@@ -6,6 +6,7 @@ use serde_json::json;
 
 use super::context::Admission;
 use super::group::Group;
+use crate::core::correction::CorrectionItem;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::note::Note;
@@ -15,7 +16,7 @@ use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::ingest::submission::{Calibration, Corrected, Correction};
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{CorrectionRow, HistoryRow, NamesOf, RecordRow, StoreError};
+use crate::store::{HistoryRow, NamesOf, RecordRow, StoreError};
 
 impl Admission<'_> {
     pub(super) async fn correction(&mut self, sent: &Correction, group: &mut Group) -> Result<Accepted, Refused> {
@@ -66,7 +67,7 @@ impl Admission<'_> {
         let what = (if replaced_by.is_some() { "revise" } else { "void" }, subject);
         let line = self.ids.next(self.now);
         group.changes.access.audit.push(sent.by.line(line, self.now, what, None::<&()>, Some(&audited)));
-        group.changes.corrections.push(CorrectionRow { item, replaced_by, at: self.now, author, reason });
+        group.changes.corrections.push(CorrectionItem { item, replaced_by, at: self.now, author, reason });
     }
 
     /// Takes a record out of what counts.
@@ -99,7 +100,7 @@ impl Admission<'_> {
     }
 
     /// What was said of an item as it stands, this group included.
-    pub(super) async fn said_before(&self, item: Id, group: &Group) -> Result<Vec<CorrectionRow>, StoreError> {
+    pub(super) async fn said_before(&self, item: Id, group: &Group) -> Result<Vec<CorrectionItem>, StoreError> {
         let mut said = store::correction::of_item(self.store, item).await?;
         said.extend(group.changes.corrections.iter().cloned());
         said.retain(|row| row.item == item);
@@ -111,12 +112,12 @@ impl Admission<'_> {
     async fn repeated(
         &self,
         sent: &Correction,
-        said: &[CorrectionRow],
+        said: &[CorrectionItem],
         group: &Group,
     ) -> Result<Option<Accepted>, Refused> {
         let id = sent.item.id();
         let Some(last) = said.iter().max_by_key(|row| row.replaced_by.is_some()) else { return Ok(None) };
-        let same_words = |row: &&CorrectionRow| row.author == sent.author && row.reason == sent.reason;
+        let same_words = |row: &&CorrectionItem| row.author == sent.author && row.reason == sent.reason;
         let differs = Refused::AlreadyCorrected { id, existing: last.replaced_by.unwrap_or(id) };
         match (&sent.replacement, last.replaced_by) {
             (None, _) => {

@@ -16,9 +16,8 @@ use crate::wire::history_note;
 #[derive(Debug, Default)]
 pub(crate) struct Group {
     pub changes: Changes,
-    pub(super) imus: HashMap<String, u32>,
-    pub(super) stations: HashMap<String, u32>,
-    pub(super) gyros: HashMap<String, u32>,
+    /// Numbers by name, of each kind.
+    names: [HashMap<String, u32>; NamesOf::ALL.len()],
     /// Of new names.
     pub(super) numbers: HashSet<(NamesOf, u32)>,
     pub(super) records: HashMap<(u32, UtcMicros), (Id, [u8; 32])>,
@@ -44,19 +43,11 @@ pub(super) struct Sending {
 
 impl Group {
     pub(super) fn names(&self, of: NamesOf) -> &HashMap<String, u32> {
-        match of {
-            NamesOf::Imus => &self.imus,
-            NamesOf::Stations => &self.stations,
-            NamesOf::Gyros => &self.gyros,
-        }
+        &self.names[of as usize]
     }
 
     pub(super) fn names_mut(&mut self, of: NamesOf) -> &mut HashMap<String, u32> {
-        match of {
-            NamesOf::Imus => &mut self.imus,
-            NamesOf::Stations => &mut self.stations,
-            NamesOf::Gyros => &mut self.gyros,
-        }
+        &mut self.names[of as usize]
     }
 
     pub(super) fn take_key(&mut self, key: Option<&str>, item: Id, body_sha256: [u8; 32]) {

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use crate::config::JudgedMethod;
+use crate::core::correction::CorrectionItem;
 use crate::core::figures::Figures;
 use crate::core::judge::history::{History, Need};
 use crate::core::judge::{BASELINE_RECORDS, Mark, Measured, Sample, Seat, baseline_since, reset_before};
@@ -11,7 +12,7 @@ use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::older_summary::{OlderSummary, RUN};
 use crate::store;
-use crate::store::{CorrectionRow, EventRow, Store, StoreError};
+use crate::store::{EventRow, Store, StoreError};
 
 /// The newest records of one gyro, its newest baselines, and what was done to it.
 #[derive(Debug, Clone, Default)]
@@ -160,7 +161,7 @@ impl GyroWindow {
     ) -> Result<Self, StoreError> {
         let (mut left, mut entered) = (HashMap::new(), HashMap::new());
         for correction in store::correction::of_gyro(store, gyro).await? {
-            let CorrectionRow { item, replaced_by, at, .. } = correction.said;
+            let CorrectionItem { item, replaced_by, at, .. } = correction.correction;
             left.entry(item).or_insert(at);
             replaced_by.map(|new| entered.entry(new).or_insert(at));
         }

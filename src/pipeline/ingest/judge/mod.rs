@@ -23,6 +23,9 @@ use crate::store::{Changes, Store, StoreError, StoredVerdict};
 /// A gyro with more than this part of the records that are remembered is remembered shortened from the first.
 const LARGE_PART: usize = 100;
 
+/// What a gyro takes in memory beside its records, in records: its baselines, weekly means and marks.
+const BESIDE_RECORDS: usize = 16;
+
 /// Judges; remembers the newest stretch of the gyros that it has seen.
 #[derive(Debug)]
 pub(crate) struct Judge {
@@ -124,6 +127,7 @@ impl Judge {
         if self.is_full() {
             let need = Need::of(&self.limits(None));
             let keep = self.judging.remembered_records / (2 * self.lines.len());
+            let keep = keep.saturating_sub(BESIDE_RECORDS);
             self.lines.values_mut().for_each(|line| line.shorten(keep, need));
         }
         if self.is_full() {
@@ -132,7 +136,8 @@ impl Judge {
     }
 
     pub fn is_full(&self) -> bool {
-        self.lines.values().map(GyroWindow::len).sum::<usize>() > self.judging.remembered_records
+        let records: usize = self.lines.values().map(GyroWindow::len).sum();
+        records + BESIDE_RECORDS * self.lines.len() > self.judging.remembered_records
     }
 
     async fn load(&mut self, gyro: u32, changes: &Changes) -> Result<(), StoreError> {

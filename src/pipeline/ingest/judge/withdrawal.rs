@@ -5,13 +5,14 @@ use std::collections::{HashMap, HashSet};
 use super::{Firing, Judge, Judged, Undone};
 use crate::core::alert_decision;
 use crate::core::alert_decision::{Alert, Status};
+use crate::core::correction::CorrectionItem;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::store;
-use crate::store::{Changes, CorrectionRow, HistoryRow, StoreError, VerdictSheet};
+use crate::store::{Changes, HistoryRow, StoreError, VerdictSheet};
 
 impl Judge {
     /// Notes for each gyro of which something counts no more, or is stated anew, what fires now. To be asked once the
@@ -80,10 +81,10 @@ impl Judge {
     }
 }
 
-fn said_of(mut items: impl Iterator<Item = Id>, changes: &Changes) -> Option<&CorrectionRow> {
+fn said_of(mut items: impl Iterator<Item = Id>, changes: &Changes) -> Option<&CorrectionItem> {
     items.find_map(|item| changes.corrections.iter().find(|row| row.item == item))
 }
 
-fn undone(fires: Option<Firing>, said: &CorrectionRow) -> Undone {
+fn undone(fires: Option<Firing>, said: &CorrectionItem) -> Undone {
     Undone { fires, author: said.author.clone(), reason: said.reason.clone() }
 }

@@ -54,7 +54,8 @@ words_of_pages! {
     before_after_test_note coefficient last_before first_after difference not_compared agreement agreement_note
     not_counted one_result events no_events calibrations history_diagnosis peers_of_stations cause tied_to estimate
     change_closed ruled_out outlier about_mean line_explained line_station station_figures_note repeatability offset
-    last_step repeatability_short suspect_from_here offset_against drift_a_year within_chance off_found step_found
+    last_step repeatability_short suspect_from_here offset_against drift_a_year within_chance drift_of_gyros off_found
+    step_found
     gyro_by_station reproducibility reproducibility_note older newer csv deviation value_absolute percent_of_budget
     chart_keys baseline_word no_baseline_yet baseline_forming budget_line control_line baseline_records trend_line
     condensed load records_short suggested decision record_decision decision_what records_since axis_word

@@ -104,6 +104,7 @@ page_suspect_from_here = Mark as suspect
 page_offset_against = Offset against
 page_drift_a_year = Drift a year
 page_within_chance = within chance
+page_drift_of_gyros = the station's, or of these gyros by themselves
 page_off_found = Off
 page_step_found = Step found
 page_gyro_by_station = Gyro x station

@@ -104,6 +104,7 @@ page_suspect_from_here = 标为可疑
 page_offset_against = 偏移，相对
 page_drift_a_year = 年漂移
 page_within_chance = 未超出偶然
+page_drift_of_gyros = 测试站漂移或这些陀螺自身变化
 page_off_found = 偏离
 page_step_found = 发现阶跃
 page_gyro_by_station = 陀螺与测试站交互

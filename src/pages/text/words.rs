@@ -96,7 +96,8 @@ words_of_pages! {
 
     // Import.
     import import_note choose_file or_paste preview no_document can_be_stored cannot_be_stored first_foreseen store
-    store_note result line refused contradicts_line is_stored was_there
+    store_note result line refused contradicts_line is_stored was_there of_a_log map_of_log programme_of_log
+    log_needs_map of_the_log look_at_stored replace_it replace_what
 
     // Alerts.
     alerts alerts_note no_alerts alert_all alert_firing alert_acknowledged alert_silenced alert_resolved
@@ -135,7 +136,8 @@ words_of_pages! {
     nothing_together several_note outside_forecast_title outside_note forecast forecasts forecasts_note
     forecast_error forecast_ladder model_6 as_foretold forecast_indeterminate outside_forecast not_foretold
     error_in_sd effects_close nothing_to_close promised foretold_by campaigns_word without_effects
-    effects_then_and_now in_model in_campaign changed_word yes no by_the_change as_measured adopted_models
+    effects_then_and_now in_model in_campaign changed_word yes no cannot_tell change_undecided by_the_change as_measured
+    adopted_models
     adopted_models_note plain_model adopt adopt_what undo_model in_force_again undo_model_what adopted_at model_word stated_at campaigns_stated author in_force all_moved_by
     budgets_or_more wrong_file median_word share_of_budget_unit percent_sign percent_a_year of_budget_unit
     slope_a_year days_short violates_besides reaches_budget gyros_of load_note choose with_selected compare_ticked

@@ -18,7 +18,8 @@ const OPEN: [&str; 7] = [
     "GET /preference",
     "GET /assets/{name}",
 ];
-const ENGINEERS: [&str; 61] = [
+const ENGINEERS: [&str; 62] = [
+    "POST /import/replace",
     "PATCH /v1/gyros",
     "PATCH /v1/gyros/{serial}",
     "GET /gyros/{serial}/attributes",

@@ -305,7 +305,7 @@ fn a_diagnosis_for_people_says_how_sure_a_name_is_and_what_it_does_to_each_gyro(
 fn a_clean_campaign_shows_no_finding_and_says_that_what_was_tried_is_chance() {
     let file = "tests/data/practice/campaign-00.json";
     let table = printed(&["diagnose", file]);
-    assert!(table.contains("No gap: the model predicts this campaign to within its noise."), "{table}");
+    assert!(table.contains("No gap: fitted to this campaign, the model leaves no more than noise."), "{table}");
     assert!(table.contains("within the noise: no finding") && !table.contains("Also beyond the noise"), "{table}");
     let answer: Value = serde_json::from_str(&printed(&["diagnose", file, "--format", "json"])).unwrap();
     let gap = &answer["gap"];

@@ -143,6 +143,61 @@ fn decimal_commas_units_in_a_row_of_their_own_and_utf_16() {
     assert!(said.contains("the map says rad/s, the header of the log says °/s"), "{said}");
 }
 
+/// Times of day in a column of their own, and a table in GBK.
+#[test]
+fn times_of_day_are_seconds_and_chinese_headers_are_read() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut text = String::from(
+        "日期,时间（时:分:秒）,加速度X（g）,加速度Y（g）,加速度Z（g）,陀螺1（度/秒）,陀螺2（度/秒）,陀螺3（度/秒）,温度（℃）\n",
+    );
+    for (t, f, w) in by_hand(7) {
+        // Half a minute before midnight it begins.
+        let ms = (1000.0 * t).round() as u64 + 86_370_000;
+        let (day, ms) = (24 + ms / 86_400_000, ms % 86_400_000);
+        let stamp = format!("{:02}:{:02}:{:02}.{:03}", ms / 3_600_000, ms / 60_000 % 60, ms / 1000 % 60, ms % 1000);
+        writeln!(text, "2026/11/{day},{stamp},{},{},{},{},{},{},21.5", f[0], f[1], f[2], w[0], w[1], w[2]).unwrap();
+    }
+    fs::write(dir.path().join("log.csv"), encoding_rs::GBK.encode(&text).0).unwrap();
+    let guessed = dwells(dir.path(), &["log.csv", "--guess"]);
+    let map = String::from_utf8(guessed.stdout).unwrap();
+    for line in [
+        "time = { column = \"时间\", unit = \"s\" }",
+        "force = { columns = [\"加速度X\", \"加速度Y\", \"加速度Z\"], unit = \"g\" }",
+        "output = { columns = [\"陀螺1\", \"陀螺2\", \"陀螺3\"], unit = \"度/秒\" }",
+        "temperature = { column = \"温度\", unit = \"℃\" }",
+    ] {
+        assert!(map.contains(line), "{line}: {map}");
+    }
+    let answered = map
+        .replace("measured_at = \"?\"", "measured_at = \"2026-03-01T08:00:00Z\"")
+        .replace("latitude_deg = \"?\", gravity_g0 = \"?\"", "latitude_deg = 34.0, gravity_g0 = 1.0")
+        .replace("\"?\"\n", "\"A\"\n");
+    fs::write(dir.path().join("map.toml"), answered).unwrap();
+    let output = dwells(dir.path(), &["log.csv", "--map", "map.toml"]);
+    let made = campaign(&output);
+    check_by_hand(&made);
+    assert_eq!(made["dwells"][5]["temperature_c"], 21.5);
+    assert!((made["dwells"][5]["start_s"].as_f64().unwrap() - 40.0).abs() < 1.0, "across midnight: {made}");
+}
+
+#[test]
+fn a_guess_of_two_logs_says_which_is_which() {
+    let dir = tempfile::tempdir().unwrap();
+    let (mut force, mut rate) = (String::from("t,ax,ay,az\n"), String::from("t,gx,gy,gz\n"));
+    for (t, f, w) in by_hand(8) {
+        writeln!(force, "{t:.2},{},{},{}", f[0], f[1], f[2]).unwrap();
+        writeln!(rate, "{t:.2},{},{},{}", w[0], w[1], w[2]).unwrap();
+    }
+    fs::write(dir.path().join("a.csv"), force).unwrap();
+    fs::write(dir.path().join("g.csv"), rate).unwrap();
+    let guessed = dwells(dir.path(), &["a.csv", "g.csv", "--guess"]);
+    let map = String::from_utf8(guessed.stdout).unwrap();
+    assert!(map.contains("output = { columns = [\"gx\", \"gy\", \"gz\"], unit = \"?\", log = 2 }"), "{map}");
+    assert!(map.contains("force = { columns = [\"ax\", \"ay\", \"az\"], unit = \"g0\", log = 1 }"), "{map}");
+    let alone = String::from_utf8(dwells(dir.path(), &["g.csv", "--guess"]).stdout).unwrap();
+    assert!(!alone.contains("log ="), "{alone}");
+}
+
 #[test]
 fn averages_of_a_chamber_are_dwells_already() {
     let dir = tempfile::tempdir().unwrap();

@@ -4,6 +4,7 @@ mod lab;
 
 use serde_json::Value;
 
+use gyrowatch::wire::time;
 use lab::{Lab, day, record};
 use sqlx::{Connection, SqliteConnection};
 
@@ -172,4 +173,50 @@ async fn a_history_full_of_voids_and_revisions_is_diagnosed_by_what_counts() {
     let [corrected, plain] = [diagnosis(&lab, "AGES", "D_I").await, diagnosis(&plain, "AGES", "D_I").await];
     assert_eq!(plain["causes"][0]["cause"], "ageing", "{plain}");
     assert_eq!(corrected, plain);
+}
+
+/// Records of one gyro of an IMU of its own at ST-1, `days` apart.
+async fn sends(lab: &Lab, serial: &str, records: i64, days: f64, d_i: impl Fn(i64) -> f64) {
+    let shift = serial.bytes().map(i64::from).sum::<i64>();
+    let noise = |k: i64| scatter(k + k / 17 * 3 + shift);
+    let of = |k: i64| {
+        let figures = ("G1", serial, 3.0 + noise(k) + d_i(k), 4.0 + noise(k + 3));
+        let start = time::parse(&day(0)).unwrap();
+        record(&format!("IMU-{serial}"), &time::format(start.plus_days(days * k as f64)), &[figures])
+    };
+    for answer in lab.imports(&(0..records).map(of).collect::<Vec<_>>()).await {
+        assert_eq!(answer["status"], 201, "{answer}");
+    }
+}
+
+#[tokio::test]
+async fn records_of_one_day_do_not_age() {
+    let lab = Lab::open().await;
+    sends(&lab, "HOURS", 24, 1.0 / 86_400.0, |k| 2e-3 * k as f64).await;
+    let answer = diagnosis(&lab, "HOURS", "D_I").await;
+    assert_eq!((&answer["verdict"], &answer["due"]), (&Value::from("too_few"), &Value::Null), "{answer}");
+    assert!(answer["said"][0].as_str().unwrap().starts_with("24 records within one day"), "{answer}");
+}
+
+#[tokio::test]
+async fn what_happened_long_ago_in_a_long_history_is_not_passed_over() {
+    let lab = Lab::open().await;
+    sends(&lab, "LONG", 1200, 0.25, |k| if k >= 100 { 5e-3 } else { 0.0 }).await;
+    let whole = lab.get("/v1/gyros/LONG/diagnosis").await.ok();
+    assert_eq!((&whole["records"], &whole["coefficients"][0]["records"]), (&1200.into(), &600.into()));
+    let answer = diagnosis(&lab, "LONG", "D_I").await;
+    assert!(answer["causes"][0]["class"].as_array().unwrap().contains(&"step".into()), "{answer}");
+    let said = answer["said"].as_array().unwrap();
+    assert_eq!(said.last().unwrap(), "600 of 1200 records are looked at, spread over their time.", "{answer}");
+}
+
+#[tokio::test]
+async fn what_a_station_did_before_the_newest_hundred_records_of_its_gyros_is_still_the_stations() {
+    let lab = Lab::open().await;
+    for serial in ["A", "B", "C", "D"] {
+        sends(&lab, serial, 150, 2.0, |k| if k >= 25 { 5e-3 } else { 0.0 }).await;
+    }
+    let answer = diagnosis(&lab, "B", "D_I").await;
+    let causes: Vec<&Value> = answer["causes"].as_array().unwrap().iter().map(|cause| &cause["cause"]).collect();
+    assert_eq!(causes, ["station"], "{answer}");
 }

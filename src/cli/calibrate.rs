@@ -90,7 +90,11 @@ impl Calibrate {
             Some(DocumentKind::Campaign) | None => {}
         }
         let mut campaign = config.stations.complete(parse(&bytes).with_context(file)?);
-        let options = model::chosen(self.model.as_ref())?.options(&campaign);
+        let chosen = model::chosen(self.model.as_ref())?;
+        for note in chosen.notes_of_others(&campaign) {
+            eprintln!("{}: {}", file(), words::asked().words(&note));
+        }
+        let options = chosen.options(&campaign);
         campaign.model = options.terms;
         if campaign.test != TestKind::Imu && !options.adopted.is_empty() {
             bail!("{}: the effects of a model file are fitted to campaigns of an IMU, this is a bench test", file());

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use bytes::Bytes;
 use serde_json::{Value, json};
 
@@ -83,32 +83,61 @@ impl Revise {
     pub fn run(self) -> anyhow::Result<()> {
         let name = document::name(&self.file);
         let bytes = document::read(&self.file)?;
-        let (kind, member, new) = read(&bytes).with_context(|| name.clone())?;
         block_on(async {
             let service = self.connection.service()?;
-            let id = match &self.of {
-                Some(id) => id.clone(),
-                None => match post(&service, format!("/v1/{kind}"), new.to_string()).await? {
-                    Sent::Refused(ProblemBody { status: 409, existing: Some(id), .. }) => id,
-                    Sent::Refused(problem) => bail!("{name}: {}", in_words(&problem)),
-                    Sent::Known(answer) => bail!("{name}: is what is stored already, as {}", answer["id"]),
-                    Sent::Stored(answer) => {
-                        let id = answer["id"].as_str().unwrap_or_default();
-                        return document::print(&format!(
-                            "{name}: nothing was stored for this IMU and time; it is stored as {id}. If it replaces \
-                             one of another time, void that one"
-                        ));
-                    }
-                },
-            };
-            let order = json!({ "author": self.remark.author, "reason": self.remark.reason, member: new }).to_string();
-            let answer = accepted(post(&service, format!("/v1/{kind}/{id}/revise"), order).await?)?;
-            document::print(&format!(
-                "{name}: stands in the place of {id}, as {}",
-                answer["id"].as_str().unwrap_or("?")
-            ))
+            let said = Said { author: &self.remark.author, reason: &self.remark.reason };
+            match replace(&service, &bytes, self.of.as_deref(), said).await? {
+                Ok(done) => document::print(&format!("{name}: {done}")),
+                Err(refused) => bail!("{name}: {refused}"),
+            }
         })
     }
+}
+
+/// Who says so, and why.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Said<'a> {
+    pub author: &'a str,
+    pub reason: &'a str,
+}
+
+/// Puts a document in the place of another, or of what is stored for its IMU and time; in words what was done, or why
+/// it was refused.
+///
+/// # Errors
+/// The service is away, or does not let this caller.
+pub(super) async fn replace(
+    service: &Service,
+    bytes: &[u8],
+    of: Option<&str>,
+    said: Said<'_>,
+) -> Result<Result<String, String>, Trouble> {
+    let (kind, member, new) = match read(bytes) {
+        Ok(read) => read,
+        Err(error) => return Ok(Err(format!("{error:#}"))),
+    };
+    let id = match of {
+        Some(id) => id.to_owned(),
+        None => match post(service, format!("/v1/{kind}"), new.to_string()).await? {
+            Sent::Refused(ProblemBody { status: 409, existing: Some(id), .. }) => id,
+            Sent::Refused(problem) => return Ok(Err(in_words(&problem))),
+            Sent::Known(answer) => return Ok(Err(format!("is what is stored already, as {}", answer["id"]))),
+            Sent::Stored(answer) => {
+                let id = answer["id"].as_str().unwrap_or_default();
+                return Ok(Ok(format!(
+                    "nothing was stored for this IMU and time; it is stored as {id}. If it replaces one of another \
+                     time, void that one"
+                )));
+            }
+        },
+    };
+    let order = json!({ "author": said.author, "reason": said.reason, member: new }).to_string();
+    Ok(match post(service, format!("/v1/{kind}/{id}/revise"), order).await? {
+        Sent::Refused(problem) => Err(in_words(&problem)),
+        Sent::Stored(answer) | Sent::Known(answer) => {
+            Ok(format!("stands in the place of {id}, as {}", answer["id"].as_str().unwrap_or("?")))
+        }
+    })
 }
 
 /// Where a document belongs, what a revision calls it, and the document as JSON.

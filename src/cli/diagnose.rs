@@ -105,7 +105,7 @@ impl Diagnose {
         hypothesis::defined_in(&hypotheses, &campaign).with_context(file)?;
         let options = Options { hypotheses, ..in_use.options(&campaign) };
         let diagnosed = diagnose(&campaign, &options).with_context(file)?;
-        let mut diagnosis = DiagnosisBody::from(&diagnosed);
+        let mut diagnosis = DiagnosisBody::from(&diagnosed).noted(in_use.notes_of_others(&campaign));
         diagnosis.effects_against_model = changed_since(&in_use, &campaign).map(|changed| ChangedBody::of(&changed));
         if let Some(path) = &self.reference {
             let parts = split(&campaign, &options, &diagnosed.residuals, &reference(path, &campaign)?);

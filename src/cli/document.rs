@@ -9,13 +9,9 @@ use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
 
 use crate::config::Config;
-use crate::core::message::Message;
 use crate::core::record::Plausibility;
 use crate::logs::error::LogError;
-use crate::logs::kind::{FileKind, HEAD, file_kind};
-use crate::logs::sheet;
-use crate::message;
-use crate::wire::document::is_csv;
+use crate::logs::sheet::readable;
 
 /// Largest document that is read: far above any campaign, far below memory.
 const MAX_BYTES: u64 = 16 << 20;
@@ -51,25 +47,6 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
     read.with_context(|| name(path))?;
     ensure!(bytes.len() as u64 <= MAX_BYTES, "{}: is larger than {MAX_BYTES} bytes", name(path));
     readable(bytes).map_err(|fault| LogError::new(name(path), fault).into())
-}
-
-/// The bytes of a document; of a workbook the CSV that it would be saved as.
-///
-/// # Errors
-/// What the file is, where it is none of these.
-pub fn readable(bytes: Vec<u8>) -> Result<Vec<u8>, Message> {
-    if sheet::is_workbook(&bytes) {
-        return sheet::to_csv(&bytes).map(String::into_bytes);
-    }
-    if is_csv(&bytes) && !bytes.is_empty() {
-        let kind = file_kind(&bytes[..bytes.len().min(HEAD)])?;
-        let text = bytes.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1);
-        if kind == FileKind::Text && text < bytes.len() {
-            let line = 1 + bytes[..text].iter().filter(|&&b| b == b'\n').count();
-            return Err(message!("at_line", line = line, fault = message!("zeros_from_here")));
-        }
-    }
-    Ok(bytes)
 }
 
 /// The configuration in force: files in `config` and the environment.

@@ -33,7 +33,7 @@ pub struct Dwells {
     #[arg(long, value_name = "24|FILE")]
     programme: Option<String>,
 
-    /// Print a map for the first log, with reasons, to be checked
+    /// Print a map for the logs, with reasons, to be checked
     #[arg(long, conflicts_with_all = ["map", "programme", "report"])]
     guess: bool,
 
@@ -65,7 +65,7 @@ pub struct Dwells {
 impl Dwells {
     pub fn run(self) -> anyhow::Result<()> {
         if self.guess {
-            let map = guess(&self.logs[0])?;
+            let map = guess(&self.logs)?;
             return match &self.out {
                 Some(path) => document::write(path, &map),
                 None => document::print(map.trim_end()),

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::client::Connection;
 use super::document::{self, Format, table};
-use super::predict::{NOTHING_TO_CLOSE, identified, measured};
+use super::predict::{NOTHING_TO_CLOSE, identified, measured, state};
 use super::{Usage, block_on};
 use crate::core::imu_model::{compare, ladder};
 use crate::core::judge::Limits;
@@ -103,8 +103,7 @@ fn tables(imu: &str, ladders: &[Ladder]) -> String {
     }
     let mut rows = table(["campaign", "model", "forecast error, deg/h", "in sd", "closes"], 2..4);
     for one in ladders {
-        let state = if one.state == "outside" { "outside its forecast" } else { "as foretold" };
-        let mut left = [one.measured_at.as_str(), state].into_iter();
+        let mut left = [one.measured_at.as_str(), state(&one.state)].into_iter();
         let mut left = || left.next().unwrap_or_default().to_owned();
         for (k, rung) in one.rungs.iter().enumerate() {
             let last = k + 1 == one.rungs.len();

@@ -56,7 +56,7 @@ struct Fit {
     terms: Option<Terms>,
 
     /// Write the model file here instead of to standard output
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, alias = "adopt", value_name = "FILE")]
     out: Option<PathBuf>,
 
     /// With --out: how the result is printed

@@ -165,10 +165,13 @@ fn to_measure(body: &ForecastBody) -> String {
 }
 
 fn comparison(c: &ComparedBody) -> String {
-    let state = if c.state == "outside" { "outside its forecast" } else { "as foretold" };
     let mut out = format!(
-        "Measured: {state}. rms(error/sd) {:.3} over {} outputs, p {:.2e}; uniformity of the PIT, p {:.2}\n",
-        c.rms_over_sd, c.count, c.p_value, c.pit_p_value
+        "Measured: {}. rms(error/sd) {:.3} over {} outputs, p {:.2e}; uniformity of the PIT, p {:.2}\n",
+        state(&c.state),
+        c.rms_over_sd,
+        c.count,
+        c.p_value,
+        c.pit_p_value
     );
     if let Some(verdict) = c.verdict.as_ref().filter(|verdict| !verdict.is_within()) {
         out.push_str(&format!("{}\n", verdict.reason));
@@ -190,6 +193,15 @@ fn comparison(c: &ComparedBody) -> String {
         out.push_str(&format!("\n{} outputs missed their forecast\n{missed}\n", c.missed.len()));
     }
     out
+}
+
+/// How a campaign came out, in words.
+pub(super) fn state(state: &str) -> &str {
+    match state {
+        "outside" => "outside its forecast",
+        "as_foretold" => "as foretold",
+        _ => "cannot be judged",
+    }
 }
 
 /// The ladder with the noise floor at its foot.
@@ -215,11 +227,21 @@ pub(super) fn against_model(changed: &ChangedBody) -> String {
                 format!("{:+.3e} ± {:.1e}", c.now, c.now_sd),
                 unit::of_people(&c.unit),
                 format!("{:.1e}", effect.p_value),
-                if effect.changed { "yes" } else { "no" }.to_owned(),
+                if effect.changed {
+                    "yes"
+                } else if effect.undecided {
+                    "cannot tell"
+                } else {
+                    "no"
+                }
+                .to_owned(),
             ]);
         }
     }
     let mut out = format!("\nEffects against the model\n{rows}\n");
+    if changed.effects.iter().any(|effect| effect.undecided) {
+        out.push_str("cannot tell: the gyro shows more than the model holds; that may be what has changed\n");
+    }
     for shift in &changed.shifts {
         let (slot, coefficient) = (&shift.slot, &shift.coefficient);
         out.push_str(&format!(

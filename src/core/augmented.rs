@@ -10,9 +10,11 @@ pub use super::adopted::Adopted;
 use super::campaign::Campaign;
 use super::effects::{Effect, Estimate};
 use super::imu_model::Identified;
+use super::message::{Message, text};
 use super::model::{Term, Terms};
 use super::record::Name;
 use super::time::UtcMicros;
+use crate::message;
 
 /// What is compared with the campaign.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -70,6 +72,22 @@ pub struct AugmentedModel {
 impl AugmentedModel {
     pub fn is_plain(&self) -> bool {
         self.terms.is_none() && self.effects.is_empty() && self.plausible_sizes.0.is_empty()
+    }
+
+    /// What of the model is not of `campaign`'s IMU and gyros: its effects are fitted there all the same.
+    pub fn notes_of_others(&self, campaign: &Campaign) -> Vec<Message> {
+        let identified = self.identified.as_ref();
+        let found_in = self.found_in.as_ref().map(|found| &found.imu);
+        let imu = identified.map(|identified| &identified.imu).or(found_in);
+        if let Some(imu) = imu.filter(|imu| **imu != campaign.imu) {
+            return vec![message!("model_found_in_other_imu", model = text(imu), campaign = text(&campaign.imu))];
+        }
+        let exchanged = campaign.gyros.iter().filter_map(|gyro| {
+            let own = identified?.gyro(gyro.slot).filter(|own| own.serial != gyro.serial)?;
+            let (slot, then, now) = (gyro.slot.name(), text(&own.serial), text(&gyro.serial));
+            Some(message!("model_found_in_other_gyro", slot = slot, then = then, now = now))
+        });
+        exchanged.filter(|_| !self.effects.is_empty()).collect()
     }
 
     /// What `campaign` is fitted with and compared with.

@@ -21,5 +21,12 @@ pub async fn get_gyro_diagnosis(
     let number = query::gyro(&app, &serial)?;
     let explained = app.pipeline.queries.histories.explain(number, &serial).await?;
     let coefficients = &explained.coefficients;
-    Ok(Json(HistoryDiagnosisBody::new(&serial, explained.peers, explained.newest, coefficients, asked())))
+    Ok(Json(HistoryDiagnosisBody::new(
+        &serial,
+        explained.peers,
+        explained.records,
+        explained.newest,
+        coefficients,
+        asked(),
+    )))
 }

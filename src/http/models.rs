@@ -70,7 +70,7 @@ pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Resul
     responses(
         (status = 201, description = "in force from now on", body = AdoptedBody),
         (status = 200, description = "was in force before", body = AdoptedBody),
-        (status = 422, description = "JSON that is no model, or one of another IMU; the places are named")))]
+        (status = 422, description = "JSON that is no model, or one of another IMU or other gyros; the places are named")))]
 pub async fn post_model(
     State(app): State<App>,
     Path(imu): Path<String>,

@@ -83,6 +83,10 @@ impl From<DiagnosisError> for Problem {
         match error {
             DiagnosisError::NoSuchDiagnoses { .. } => Self::new(404, "title_no_such_diagnoses", detail),
             DiagnosisError::DiagnosesEnded { .. } => Self::new(409, "title_diagnoses_ended", detail),
+            DiagnosisError::OtherGyros(_) => {
+                let place = detail.clone();
+                Self::new(422, "title_cannot_be_stored", detail).with_place("/identified", place)
+            }
             DiagnosisError::UnknownImu { .. } => Self::new(404, "title_unknown_imu", detail),
             DiagnosisError::NoSuchHypothesis { .. } => Self::new(404, "title_no_such_hypothesis", detail),
             DiagnosisError::HypothesisTaken { .. } => Self::new(409, "title_hypothesis_taken", detail),

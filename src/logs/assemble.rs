@@ -13,7 +13,7 @@ use crate::core::dwells::averages::{noise, settled, standard_error, without_edge
 use crate::core::dwells::blocks::Track;
 use crate::core::dwells::intervals::{Found, Interval, Search, find};
 use crate::core::dwells::noise::Noise;
-use crate::core::dwells::programme::{Position, REST_ARCSEC_S, Seen, Table, align, attitude, clock_offset};
+use crate::core::dwells::programme::{Clock, Position, REST_ARCSEC_S, Seen, Table, align, attitude, clock_offset};
 use crate::core::frames::{Body, Nav, Rotation, Vector};
 use crate::core::message::{Message, figure, list, text};
 use crate::core::units::EARTH_RATE_DEG_H;
@@ -47,6 +47,8 @@ const CLIPPED: f64 = 0.02;
 const GRAVITY: std::ops::Range<f64> = 0.9..1.1;
 /// Angle between measured and commanded vertical that is another position, radians (8 deg).
 pub const OFF_COMMANDED: f64 = 0.14;
+/// Part of a commanded rate by which the log's own may differ from it.
+const OFF_RATE: f64 = 0.2;
 /// Turning of gyros that measure rates themselves, where nothing else says that the table turns: arcsec/s (1 deg/s).
 pub const TURNING: f64 = 3600.0;
 const WHOLE_TURN_ARCSEC: f64 = 1_296_000.0;
@@ -367,14 +369,16 @@ impl Work<'_> {
         let series = &self.log.series;
         let spans: Vec<(f64, f64)> =
             candidates.iter().map(|c| (series.start_s(c.interval.from), series.end_s(c.interval.to))).collect();
-        if let Some(offset) = clock_offset(&spans, programme) {
+        let seen: Vec<Seen> = candidates.iter().map(|c| c.seen).collect();
+        let clock = clock_offset(&spans, &seen, programme);
+        one_clock(clock)?;
+        if let Some(Clock { offset_s: offset, .. }) = clock {
             let found = self.by_the_clock(&spans, candidates, programme, offset);
             let taken: Vec<usize> = found.iter().map(|(row, _)| *row).collect();
             *candidates = found.into_iter().map(|(_, candidate)| candidate).collect();
             self.remarks.extend(missing(&taken, programme));
             self.remarks.push(message!("programme_clock", seconds = figure(offset, 2)));
         } else {
-            let seen: Vec<Seen> = candidates.iter().map(|c| c.seen).collect();
             let blind = seen.iter().all(|s| s.up.is_none() && s.turn_arcsec_s.is_none());
             if blind && seen.len() != programme.len() {
                 return Err(message!("programme_count", intervals = seen.len(), rows = programme.len()));
@@ -425,8 +429,18 @@ impl Work<'_> {
         found
     }
 
-    /// Accelerometers, where there are any, must agree with the programme.
+    /// Accelerometers and rates, where there are any, must agree with the programme.
     fn check_commanded(&self, candidates: &[Candidate]) -> Result<(), Message> {
+        let turns_otherwise = |c: &&Candidate| {
+            let told = c.position.map_or(0.0, |p| p.turn_arcsec_s);
+            let off = c.seen.turn_arcsec_s.map_or(0.0, |seen| (seen - told).abs());
+            off > REST_ARCSEC_S.max(OFF_RATE * told.abs())
+        };
+        if let Some(first) = candidates.iter().find(turns_otherwise) {
+            let count = candidates.iter().filter(turns_otherwise).count();
+            let start = figure(self.log.series.start_s(first.interval.from), 1);
+            return Err(message!("programme_rates", count = count, of = candidates.len(), start = start));
+        }
         let angle = |c: &Candidate| Some(c.seen.up?.dot(&c.position?.up()).clamp(-1.0, 1.0).acos());
         let off: Vec<(usize, f64)> = candidates.iter().enumerate().filter_map(|(k, c)| Some((k, angle(c)?))).collect();
         let wrong: Vec<&(usize, f64)> = off.iter().filter(|(_, angle)| *angle > OFF_COMMANDED).collect();
@@ -461,27 +475,62 @@ impl Work<'_> {
         };
         let rough = [Phase::Static, Phase::Rate].map(|p| of_phase(&candidates, p));
         let of = |noise: &[Vec<Noise>; 2], c: &Candidate| noise[usize::from(phase(c) == Phase::Rate)].clone();
-        let mut short_turns = 0;
         for candidate in &mut candidates {
             let noise = of(&rough, candidate);
             let channels: Vec<(&Track, Noise)> = outputs.iter().copied().zip(noise).collect();
             candidate.interval = settled(series, &channels, candidate.interval);
             self.whole_turns(candidate);
-            let is_unknown =
-                |p: Position| self.is_part_of_turn(candidate, &p) && self.part_of_turn(candidate, &p).is_none();
-            short_turns += usize::from(candidate.position.is_some_and(is_unknown));
         }
         let fine = [Phase::Static, Phase::Rate].map(|p| of_phase(&candidates, p));
         let dwells = candidates.iter().map(|c| self.dwell(c, &of(&fine, c))).collect::<Result<Vec<_>, _>>()?;
         if gone > 0 {
             self.remarks.push(message!("intervals_all_edge", count = gone));
         }
-        if short_turns > 0 {
-            self.remarks.push(message!("turns_not_whole", count = short_turns));
-        }
+        let dwells = self.without_parts_of_turns(&candidates, dwells)?;
         let [still, turning] = fine;
         let noise = if candidates.iter().any(|c| phase(c) == Phase::Static) { still } else { turning };
         Ok(Assembled { dwells, remarks: std::mem::take(&mut self.remarks), noise })
+    }
+
+    /// Leaves out parts of a turn of which nothing says at which heading they began: an unknown part of the Earth's
+    /// horizontal rate is in their means. Those that it moves by less than noise stay.
+    fn without_parts_of_turns(&mut self, candidates: &[Candidate], dwells: Vec<Dwell>) -> Result<Vec<Dwell>, Message> {
+        let (mut kept, mut below, mut left, mut most) = (Vec::new(), 0_usize, 0_usize, 0.0_f64);
+        for (candidate, dwell) in candidates.iter().zip(dwells) {
+            let Some((unknown, turn)) = self.unknown_rate(candidate) else {
+                kept.push(dwell);
+                continue;
+            };
+            // The gyro that sees most of the turn has the scale factor.
+            let scale = dwell.output.iter().map(|output| output.abs()).fold(0.0, f64::max) / turn.abs();
+            if dwell.output_sem.iter().all(|sem| unknown * scale <= *sem) {
+                below += 1;
+                kept.push(dwell);
+            } else {
+                left += 1;
+                most = most.max(unknown);
+            }
+        }
+        if below > 0 {
+            self.remarks.push(message!("turns_not_whole", count = below));
+        }
+        let too_short = message!("turns_too_short", count = left, most = figure(most, 1));
+        if kept.is_empty() {
+            return Err(too_short);
+        }
+        if left > 0 {
+            self.remarks.push(too_short);
+        }
+        Ok(kept)
+    }
+
+    /// Of a part of a turn from an unknown heading, what the Earth's horizontal rate may be in its mean, and the turn,
+    /// arcsec/s: Omega cos L |sin(theta/2) / (theta/2)|.
+    fn unknown_rate(&self, candidate: &Candidate) -> Option<(f64, f64)> {
+        let position = candidate.position?;
+        let unknown = self.is_part_of_turn(candidate, &position) && self.part_of_turn(candidate, &position).is_none();
+        let half = 0.5 * self.turned(candidate, &position);
+        unknown.then_some((self.site?.earth_rate().0.y * (half.sin() / half).abs(), position.turn_arcsec_s))
     }
 
     /// Cuts a turning interval to whole turns, where there is one.
@@ -609,6 +658,19 @@ pub fn by_accelerometers(
         force_g0: if direction_only { gravity * up } else { force },
         rate_arcsec_s: (turn.unwrap_or(0.0) + vertical) * up,
     })
+}
+
+/// That the programme's times are those of one clock alone.
+///
+/// # Errors
+/// Two offsets, a dwell apart, that fit as well.
+pub fn one_clock(clock: Option<Clock>) -> Result<(), Message> {
+    match clock {
+        Some(Clock { offset_s, rival_s: Some(rival) }) => {
+            Err(message!("programme_ambiguous", one = figure(offset_s, 1), other = figure(rival, 1)))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Rows of a programme that no interval is of.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::assemble::{Dwell, OFF_COMMANDED, TURNING, by_accelerometers, missing, table};
+use super::assemble::{Dwell, OFF_COMMANDED, TURNING, by_accelerometers, missing, one_clock, table};
 use super::column::Sample;
 use super::error::LogError;
 use super::gather::{counted, same_layout};
@@ -12,7 +12,7 @@ use super::map::{Columns, Map, Reading, TableColumns};
 use super::source::Source;
 use super::units::{Counts, Quantity};
 use crate::core::campaign::{Phase, Site};
-use crate::core::dwells::programme::{Position, REST_ARCSEC_S, Seen, Table, align, clock_offset};
+use crate::core::dwells::programme::{Clock, Position, REST_ARCSEC_S, Seen, Table, align, clock_offset};
 use crate::core::frames::{Body, Nav, Rotation, Vector};
 use crate::core::message::{Message, figure};
 use crate::core::units::EARTH_RATE_DEG_H;
@@ -332,9 +332,10 @@ fn positions(
     let seen: Vec<Seen> =
         rows.iter().zip(turns).map(|(row, turn)| Seen { up: up(row), turn_arcsec_s: *turn }).collect();
     let blind = seen.iter().all(|s| s.up.is_none() && s.turn_arcsec_s.is_none());
-    let clock = rows[0].start_s.and_then(|_| clock_offset(spans, programme));
+    let clock = rows[0].start_s.and_then(|_| clock_offset(spans, &seen, programme));
+    one_clock(clock)?;
     let matched: Vec<Option<usize>> = match clock {
-        Some(offset) => {
+        Some(Clock { offset_s: offset, .. }) => {
             remarks.push(message!("programme_clock", seconds = figure(offset, 2)));
             spans.iter().map(|span| by_the_clock(*span, programme, offset)).collect()
         }

@@ -12,6 +12,7 @@ use super::source::Source;
 use super::units::Counts;
 use crate::core::campaign::{Phase, Site};
 use crate::core::dwells::noise::Noise;
+use crate::core::dwells::programme::Position;
 use crate::core::message::{Message, sent};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
@@ -37,15 +38,27 @@ pub struct Made {
 pub fn campaign_of(files: &[PathBuf], map: &Map, programme: Option<&str>) -> Result<Made, LogError> {
     let positions = programme.map(programme::read).transpose()?;
     let open = |path: &PathBuf| Ok((path.display().to_string(), Source::open(path)?));
-    let mut sources = files.iter().map(open).collect::<Result<Vec<_>, LogError>>()?;
+    let sources = files.iter().map(open).collect::<Result<Vec<_>, LogError>>()?;
+    campaign_from(sources, map, positions.as_deref())
+}
+
+/// As [`campaign_of`], of logs that are open, each with its name.
+///
+/// # Errors
+/// As [`campaign_of`].
+pub fn campaign_from(
+    mut sources: Vec<(String, Source)>,
+    map: &Map,
+    positions: Option<&[Position]>,
+) -> Result<Made, LogError> {
     let site = site_of(map);
     let (dwells, noise, counts, remarks, gathered) = if map.averaged {
-        let (dwells, counts, remarks) = averaged::dwells(map, &mut sources, site, positions.as_deref())?;
+        let (dwells, counts, remarks) = averaged::dwells(map, &mut sources, site, positions)?;
         (dwells, Vec::new(), counts, remarks, None)
     } else {
         let place = sources.first().map(|(place, _)| place.clone()).unwrap_or_default();
         let mut gathered = gather(map, sources)?;
-        let made = assemble(map, &mut gathered, site, positions.as_deref())
+        let made = assemble(map, &mut gathered, site, positions)
             .map_err(|error| if error.place == "log" { LogError { place, ..error } } else { error })?;
         (made.dwells, made.noise, gathered.counts, made.remarks, Some(gathered))
     };

@@ -19,7 +19,8 @@ pub struct Sample<'a> {
 impl Column {
     /// From a heading such as `gyro_x (deg/s)` or `ax [m/s^2]`.
     pub fn named(heading: &str) -> Self {
-        let heading = heading.trim();
+        let heading = heading.trim().replace(['（', '［'], "(").replace(['）', '］'], ")");
+        let heading = heading.as_str();
         let open = heading.rfind(['(', '[']).filter(|&at| at > 0 && heading.ends_with([')', ']']));
         match open {
             Some(at) => {
@@ -49,6 +50,7 @@ mod tests {
             ("gyro_x", "gyro_x", None),
             ("(deg/s)", "(deg/s)", None),
             ("t []", "t", None),
+            ("时间（秒）", "时间", Some("秒")),
         ] {
             assert_eq!(Column::named(heading), Column { name: name.to_owned(), unit: unit.map(str::to_owned) });
         }

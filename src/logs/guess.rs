@@ -2,7 +2,7 @@
 //! who knows the station: what the file does not say stays a question mark, which `dwells` refuses.
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::PathBuf;
 
 use super::column::Column;
 use super::error::LogError;
@@ -19,81 +19,135 @@ const ROOM: f64 = 0.12;
 /// Rows for each change of a command, at least.
 const SELDOM: usize = 20;
 const UNKNOWN: &str = "?";
+const HALF_A_DAY_S: f64 = 43_200.0;
+/// Rows up to which a log may be a table of averages.
+const FEW_ROWS: usize = 500;
 
 struct Looked {
     columns: Vec<Column>,
     values: Vec<Vec<f64>>,
+    /// Columns of times of day or dates, which are read as seconds.
+    clocks: Vec<usize>,
 }
 
 /// One line of the map: what it says, and why.
+#[derive(Clone)]
 struct Line {
     text: String,
     reason: String,
 }
 
-/// The map of a log as far as names, units and numbers show it.
+/// The map of logs as far as names, units and numbers show it.
 ///
 /// # Errors
 /// As [`Source::open`].
-pub fn guess(path: &Path) -> Result<String, LogError> {
-    let place = path.display().to_string();
-    let mut source = Source::open(path)?;
+pub fn guess(paths: &[PathBuf]) -> Result<String, LogError> {
+    let name = |path: &PathBuf| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    let open = |path: &PathBuf| Ok((name(path), Source::open(path)?));
+    guess_of(paths.iter().map(open).collect::<Result<_, LogError>>()?)
+}
+
+/// As [`guess`], of logs that are open, each with its name.
+///
+/// # Errors
+/// A log without rows.
+pub fn guess_of(sources: Vec<(String, Source)>) -> Result<String, LogError> {
+    let names: Vec<String> = sources.iter().map(|(name, _)| name.clone()).collect();
+    let mut looked = Vec::new();
+    for (name, source) in sources {
+        looked.push(look(&name, source)?);
+    }
+    // Logs of the same columns follow one another; others run beside one another.
+    if looked.iter().all(|own| own.columns == looked[0].columns) {
+        looked.truncate(1);
+    }
+    Ok(map(&looked, &names.join(", ")))
+}
+
+fn look(name: &str, mut source: Source) -> Result<Looked, LogError> {
     source.leniently();
     let columns = source.columns().to_vec();
     let wanted: Vec<usize> = (0..columns.len()).collect();
     let mut values = vec![Vec::new(); columns.len()];
     const ENOUGH: &str = "enough";
-    let read = source.rows(&place, &wanted, &mut |sample| {
+    let read = source.rows(name, &wanted, &mut |sample| {
         for (list, value) in values.iter_mut().zip(sample.values) {
             list.push(*value);
         }
         if values[0].len() < ROWS { Ok(()) } else { Err(Message::verbatim(ENOUGH)) }
     });
     let stopped = values[0].len() >= ROWS;
-    let looked = match read {
-        Err(error) if !stopped && values[0].is_empty() => return Err(error),
-        _ => Looked { columns, values },
+    match read {
+        Err(error) if !stopped && values[0].is_empty() => Err(error),
+        _ => Ok(Looked { columns, values, clocks: source.clocks().to_vec() }),
+    }
+}
+
+/// What one log has of a map.
+struct Parts {
+    time: Option<Line>,
+    /// With their number.
+    output: Option<(usize, Line)>,
+    force: Option<Line>,
+    rate: Option<Line>,
+    temperature: Option<Line>,
+}
+
+fn map(logs: &[Looked], name: &str) -> String {
+    let mut text = format!("# Guessed from {name}: check every line, and fill in what is \"{UNKNOWN}\".\n");
+    text.push_str("imu = \"?\"\nstation = \"?\"\nmeasured_at = \"?\"  # such as 2026-03-01T08:00:00Z\n");
+    text.push_str("geometry = \"orthogonal\"  # or \"skewed\", or axes by slot\n");
+    text.push_str("site = { latitude_deg = \"?\", gravity_g0 = \"?\" }  # of the station\n");
+    let parts: Vec<Parts> = logs.iter().map(Looked::parts).collect();
+    let gyros = parts.iter().find_map(|part| part.output.as_ref()).map_or(3, |(gyros, _)| *gyros);
+    let serials: Vec<String> = (1..=gyros).map(|k| format!("\"G{k} SERIAL-{k}\"")).collect();
+    writeln!(text, "gyros = [{}]", serials.join(", ")).expect("a string takes everything");
+    if logs.iter().any(|log| log.values[0].len() <= FEW_ROWS) {
+        text.push_str("# few rows: if each is an average already, say averaged = true, and duration or samples\n");
+    }
+    let first = |of: fn(&Parts) -> Option<Line>| {
+        let found = parts.iter().enumerate().find_map(|(k, part)| Some((k, of(part)?)));
+        found.map(|(k, line)| if logs.len() > 1 { line.in_log(k + 1) } else { line })
     };
-    Ok(looked.map(&path.file_name().map_or(place, |n| n.to_string_lossy().into_owned())))
+    let unknown = |text: &str, reason: &str| Some(Line { text: text.to_owned(), reason: reason.to_owned() });
+    let lines = [
+        parts[0]
+            .time
+            .clone()
+            .or_else(|| unknown("rate_hz = \"?\"", "no column rises steadily: say how many samples a second")),
+        first(|part| Some(part.output.clone()?.1))
+            .or_else(|| unknown("output = { columns = [], unit = \"?\" }", "no column looks like a gyro's")),
+        first(|part| part.force.clone()),
+        first(|part| part.rate.clone()),
+        first(|part| part.temperature.clone()),
+    ];
+    for line in lines.into_iter().flatten() {
+        writeln!(text, "# {}\n{}", line.reason, line.text).expect("a string takes everything");
+    }
+    text
+}
+
+impl Line {
+    /// The line of a log that runs beside others.
+    fn in_log(self, log: usize) -> Self {
+        let text = self.text.strip_suffix(" }").map_or(self.text.clone(), |text| format!("{text}, log = {log} }}"));
+        Self { text, ..self }
+    }
 }
 
 impl Looked {
-    fn map(&self, name: &str) -> String {
-        let mut text = format!("# Guessed from {name}: check every line, and fill in what is \"{UNKNOWN}\".\n");
-        text.push_str("imu = \"?\"\nstation = \"?\"\nmeasured_at = \"?\"  # such as 2026-03-01T08:00:00Z\n");
-        text.push_str("geometry = \"orthogonal\"  # or \"skewed\", or axes by slot\n");
-        text.push_str("site = { latitude_deg = \"?\", gravity_g0 = \"?\" }  # of the station\n");
+    fn parts(&self) -> Parts {
         let time = self.time();
-        let force = self.triple(&["acc", "accel", "force", "beschl"], &["a", "f"]);
-        let output = self.output_triple();
-        let (force, output) = self.by_numbers(time.as_ref().map(|t| t.0), force, output);
-        let gyros = output.as_ref().map_or(3, Vec::len);
-        let rate = self.rate(&[output.clone(), force.clone()].into_iter().flatten().flatten().collect::<Vec<_>>());
-        let serials: Vec<String> = (1..=gyros).map(|k| format!("\"G{k} SERIAL-{k}\"")).collect();
-        writeln!(text, "gyros = [{}]", serials.join(", ")).expect("a string takes everything");
-        let lines = [
-            Some(time.map_or_else(
-                || Line {
-                    text: "rate_hz = \"?\"".into(),
-                    reason: "no column rises steadily: say how many samples a second".into(),
-                },
-                |t| t.1,
-            )),
-            Some(output.map_or_else(
-                || Line {
-                    text: "output = { columns = [], unit = \"?\" }".into(),
-                    reason: "no column looks like a gyro's".into(),
-                },
-                |places| self.output(&places),
-            )),
-            force.map(|places| self.force(&places)),
-            rate,
-            self.temperature(),
-        ];
-        for line in lines.into_iter().flatten() {
-            writeln!(text, "# {}\n{}", line.reason, line.text).expect("a string takes everything");
+        let force = self.triple(&["acc", "accel", "force", "beschl", "加速度", "加表", "加计"], &["a", "f"]);
+        let (force, output) = self.by_numbers(time.as_ref().map(|t| t.0), force, self.output_triple());
+        let taken: Vec<usize> = [output.clone(), force.clone()].into_iter().flatten().flatten().collect();
+        Parts {
+            time: time.map(|time| time.1),
+            output: output.map(|places| (places.len(), self.output(&places))),
+            force: force.map(|places| self.force(&places)),
+            rate: self.rate(&taken),
+            temperature: self.temperature(),
         }
-        text
     }
 
     /// How a column is named in the map: by its name where it has one of its own.
@@ -109,7 +163,10 @@ impl Looked {
 
     fn rises(&self, place: usize) -> bool {
         let values = &self.values[place];
-        values.len() > 2 && values.windows(2).all(|p| p[1] >= p[0]) && values[values.len() - 1] > values[0]
+        // A time of day begins anew at midnight.
+        let is_clock = self.clocks.contains(&place);
+        let goes_on = |p: &[f64]| p[1] >= p[0] || is_clock && p[0] - p[1] > HALF_A_DAY_S;
+        values.len() > 2 && values.windows(2).all(goes_on) && values[values.len() - 1] != values[0]
     }
 
     fn step(&self, place: usize) -> f64 {
@@ -121,10 +178,18 @@ impl Looked {
     fn time(&self) -> Option<(usize, Line)> {
         let lower = |k: &usize| self.columns[*k].name.to_lowercase();
         let rising: Vec<usize> = (0..self.columns.len()).filter(|&k| self.rises(k) && self.step(k) > 0.0).collect();
-        let says = |k: &&usize| ["time", "zeit", "stamp"].iter().any(|w| lower(k).contains(w)) || lower(k) == "t";
+        let says =
+            |k: &&usize| ["time", "zeit", "stamp", "时间"].iter().any(|w| lower(k).contains(w)) || lower(k) == "t";
         let named = rising.iter().find(says);
         let place = *named.or(rising.first().filter(|_| rising.len() == 1 || self.columns[0].name.is_empty()))?;
         let step = self.step(place);
+        if self.clocks.contains(&place) {
+            let reason = format!("times of day or dates: read as seconds, {step:.4} from row to row");
+            return Some((
+                place,
+                Line { text: format!("time = {{ column = {}, unit = \"s\" }}", self.named(place)), reason },
+            ));
+        }
         let (first, stated) = (self.values[place][0], self.columns[place].unit.clone());
         let absolute = [("unix_s", 1.0), ("unix_ms", 1e3), ("unix_us", 1e6), ("unix_ns", 1e9)];
         let since_1970 = absolute.iter().find(|(_, factor)| (8e8..4e9).contains(&(first / factor)));
@@ -147,8 +212,9 @@ impl Looked {
 
     /// The gyros: columns named for what they count before those named for a rate, which the table may have.
     fn output_triple(&self) -> Option<Vec<usize>> {
-        let plain = self.triple(&["gyr", "pulse", "puls", "imp", "count", "kreisel", "output", "ausgang"], &["g"]);
-        let rates = || self.triple(&["omega", "rate", "dreh"], &["w"]);
+        let plain = self
+            .triple(&["gyr", "pulse", "puls", "imp", "count", "kreisel", "output", "ausgang", "陀螺", "脉冲"], &["g"]);
+        let rates = || self.triple(&["omega", "rate", "dreh", "角速度"], &["w"]);
         plain.or_else(|| rates().filter(|places| !places.iter().any(|&p| self.is_command(p))))
     }
 
@@ -161,7 +227,7 @@ impl Looked {
 
     /// The rate of the table: what is named as a rate and is not the gyros'.
     fn rate(&self, taken: &[usize]) -> Option<Line> {
-        const STEMS: [&str; 4] = ["rate", "omega", "dreh", "turn"];
+        const STEMS: [&str; 6] = ["rate", "omega", "dreh", "turn", "转速", "角速度"];
         let is_rate = |c: &Column| c.unit.as_deref().is_some_and(|u| Quantity::Rate.unit(u).is_some());
         let named = |c: &Column| STEMS.iter().any(|stem| c.name.to_lowercase().contains(stem)) || is_rate(c);
         let three = self.triple(&STEMS, &["w"]).filter(|places| !places.iter().any(|p| taken.contains(p)));
@@ -262,6 +328,7 @@ impl Looked {
         let is = |c: &Column| {
             let name = c.name.to_lowercase();
             name.contains("temp")
+                || name.contains("温度")
                 || name == "t_c"
                 || c.unit.as_deref().is_some_and(|u| Quantity::Temperature.unit(u).is_some())
         };

@@ -7,6 +7,7 @@
 pub mod assemble;
 mod averaged;
 pub mod campaign;
+mod clock;
 mod column;
 pub mod error;
 mod gather;
@@ -14,12 +15,12 @@ pub mod guess;
 pub mod kind;
 pub mod map;
 mod mat;
-mod programme;
+pub mod programme;
 pub mod report;
 pub mod sheet;
-mod source;
+pub mod source;
 #[cfg(test)]
 mod tests;
-mod text;
+pub mod text;
 mod turning;
 mod units;

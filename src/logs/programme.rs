@@ -38,6 +38,14 @@ pub fn read(choice: &str) -> Result<Vec<Position>, LogError> {
     parse(&decoded(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes))).map_err(|fault| LogError::new(choice, fault))
 }
 
+/// As [`read`], of its text in place of a file's name.
+///
+/// # Errors
+/// Line and column of what cannot be read.
+pub fn of_text(text: &str) -> Result<Vec<Position>, Message> {
+    if text.trim() == TWENTY_FOUR { Ok(twenty_four()) } else { parse(text) }
+}
+
 fn parse(text: &str) -> Result<Vec<Position>, Message> {
     let head = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
     let delimiter = [b',', b';', b'\t'].into_iter().max_by_key(|d| head.bytes().filter(|b| b == d).count());

@@ -21,8 +21,6 @@ const STYLE: &str = "body{font:14px/1.4 system-ui,sans-serif;max-width:1160px;ma
 
 /// One page that needs nothing else.
 pub fn report(made: &Made, title: &str, language: Language) -> String {
-    let words = |message| language.words(message);
-    let head = |code: &'static str| language.word(code);
     let page = html! {
         (DOCTYPE)
         html lang=(language.tag()) {
@@ -30,21 +28,28 @@ pub fn report(made: &Made, title: &str, language: Language) -> String {
             body {
                 h1 { (title) }
                 p { (made.body.imu) ", " (made.body.station) ", " (made.body.measured_at) }
-                ul { @for remark in &made.remarks { li { (words(remark)) } } }
-                @if let Some(gathered) = &made.gathered {
-                    @for (class, code) in [("static", "static_dwells"), ("rate", "rate_dwells")] {
-                        svg width="16" height="10" { rect class=(class) width="16" height="10" {} }
-                        p { (head(code)) }
-                    }
-                    @for (role, track) in gathered.roles.iter().zip(&gathered.series.tracks) {
-                        @if let Some(name) = name(*role) { h2 { (name) } (plot(made, gathered, track)) }
-                    }
-                }
-                (table(made))
+                (shown(made, language))
             }
         }
     };
     page.into_string()
+}
+
+/// What was noticed, the intervals over the signals, and the dwells.
+pub fn shown(made: &Made, language: Language) -> Markup {
+    html! {
+        ul { @for remark in &made.remarks { li { (language.words(remark)) } } }
+        @if let Some(gathered) = &made.gathered {
+            @for (class, code) in [("static", "static_dwells"), ("rate", "rate_dwells")] {
+                svg width="16" height="10" { rect class=(class) width="16" height="10" {} }
+                p { (language.word(code)) }
+            }
+            @for (role, track) in gathered.roles.iter().zip(&gathered.series.tracks) {
+                @if let Some(name) = name(*role) { h2 { (name) } (plot(made, gathered, track)) }
+            }
+        }
+        (table(made))
+    }
 }
 
 fn name(role: Role) -> Option<String> {

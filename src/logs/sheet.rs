@@ -4,11 +4,13 @@ use std::io::Cursor;
 
 use calamine::{Data, Reader, Xlsx};
 
+use super::kind::{FileKind, HEAD, file_kind};
 use crate::core::message::Message;
 use crate::message;
+use crate::wire::document::is_csv;
 
 /// Whether bytes are a zip archive, as every xlsx file is.
-pub fn is_workbook(bytes: &[u8]) -> bool {
+fn is_workbook(bytes: &[u8]) -> bool {
     bytes.starts_with(b"PK\x03\x04")
 }
 
@@ -16,7 +18,7 @@ pub fn is_workbook(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// What cannot be read as xlsx.
-pub fn to_csv(bytes: &[u8]) -> Result<String, Message> {
+fn to_csv(bytes: &[u8]) -> Result<String, Message> {
     let broken = |error: calamine::XlsxError| message!("xlsx_broken", why = format_args!("{error}"));
     let mut book: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).map_err(broken)?;
     let first = book.sheet_names().first().cloned().ok_or_else(|| message!("xlsx_no_table"))?;
@@ -45,4 +47,26 @@ fn cell(cell: &Data) -> String {
         }
         other => other.to_string(),
     }
+}
+
+/// The bytes of a document; of a workbook the CSV that it would be saved as.
+///
+/// # Errors
+/// What the file is, where it is none of these.
+pub fn readable(bytes: Vec<u8>) -> Result<Vec<u8>, Message> {
+    if bytes.trim_ascii().is_empty() {
+        return Err(message!("file_is_empty"));
+    }
+    if is_workbook(&bytes) {
+        return to_csv(&bytes).map(String::into_bytes);
+    }
+    if is_csv(&bytes) {
+        let kind = file_kind(&bytes[..bytes.len().min(HEAD)])?;
+        let text = bytes.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1);
+        if kind == FileKind::Text && text < bytes.len() {
+            let line = 1 + bytes[..text].iter().filter(|&&b| b == b'\n').count();
+            return Err(message!("at_line", line = line, fault = message!("zeros_from_here")));
+        }
+    }
+    Ok(bytes)
 }

@@ -1,10 +1,10 @@
 //! One log, whichever format it is in: named columns, and rows of numbers from first to last.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Cursor, Read, Seek};
 use std::path::Path;
 
-use calamine::{Data, Reader, Xlsx, open_workbook};
+use calamine::{Data, Reader, Xlsx};
 
 use super::column::{Column, Sample};
 use super::error::{LogError, unreadable};
@@ -29,28 +29,38 @@ impl Source {
     /// What it is, where it is no table; what the operating system says.
     pub fn open(path: &Path) -> Result<Self, LogError> {
         let place = path.display().to_string();
-        let fail = unreadable(&place);
-        let mut head = Vec::new();
-        let file = File::open(path).map_err(&fail)?;
+        let file = File::open(path).map_err(unreadable(&place))?;
         if file.metadata().is_ok_and(|m| m.is_dir()) {
             return Err(LogError::new(&place, message!("file_is_folder")));
         }
-        file.take(HEAD as u64).read_to_end(&mut head).map_err(&fail)?;
+        Self::read(&place, file)
+    }
+
+    /// As [`Source::open`], of a log that is at hand; `place` is how messages name it.
+    ///
+    /// # Errors
+    /// As [`Source::open`].
+    pub fn read(place: &str, mut from: impl Read + Seek + 'static) -> Result<Self, LogError> {
+        let fail = unreadable(place);
+        let mut head = Vec::new();
+        from.by_ref().take(HEAD as u64).read_to_end(&mut head).map_err(&fail)?;
+        from.rewind().map_err(&fail)?;
         if head.is_empty() {
-            return Err(LogError::new(&place, message!("file_is_empty")));
+            return Err(LogError::new(place, message!("file_is_empty")));
         }
-        let of_file = |fault| LogError::new(&place, fault);
-        match file_kind(&head).map_err(of_file)? {
-            FileKind::Mat5 => {
-                let arrays = mat::arrays(&std::fs::read(path).map_err(&fail)?).map_err(of_file)?;
-                Self::of_columns(of_arrays(arrays), 1).map_err(of_file)
-            }
-            FileKind::Xlsx => {
-                let (columns, first_line) = of_workbook(path).map_err(of_file)?;
-                Self::of_columns(columns, first_line).map_err(of_file)
-            }
-            kind => TextLog::open(path, kind).map(Self::Text),
+        let of_file = |fault| LogError::new(place, fault);
+        let kind = file_kind(&head).map_err(of_file)?;
+        if !matches!(kind, FileKind::Mat5 | FileKind::Xlsx) {
+            return TextLog::of(place, from, kind).map(Self::Text);
         }
+        let mut bytes = Vec::new();
+        from.read_to_end(&mut bytes).map_err(&fail)?;
+        let (columns, first_line) = match kind {
+            FileKind::Mat5 => mat::arrays(&bytes).map(|arrays| (of_arrays(arrays), 1)),
+            _ => of_workbook(&bytes),
+        }
+        .map_err(of_file)?;
+        Self::of_columns(columns, first_line).map_err(of_file)
     }
 
     fn of_columns(named: Vec<Named>, first_line: u64) -> Result<Self, Message> {
@@ -66,6 +76,14 @@ impl Source {
     pub fn leniently(&mut self) {
         if let Self::Text(log) = self {
             log.lenient = true;
+        }
+    }
+
+    /// Columns in which times of day or dates were read as seconds.
+    pub fn clocks(&self) -> &[usize] {
+        match self {
+            Self::Text(log) => &log.clocks,
+            Self::Whole { .. } => &[],
         }
     }
 
@@ -151,9 +169,9 @@ fn of_arrays(arrays: Vec<mat::Array>) -> Vec<Named> {
 }
 
 /// The first sheet of a workbook that holds a table: its columns, and the line of its first row of numbers.
-fn of_workbook(path: &Path) -> Result<(Vec<Named>, u64), Message> {
+fn of_workbook(bytes: &[u8]) -> Result<(Vec<Named>, u64), Message> {
     let broken = |error: calamine::XlsxError| message!("xlsx_broken", why = format_args!("{error}"));
-    let mut book: Xlsx<_> = open_workbook(path).map_err(broken)?;
+    let mut book: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).map_err(broken)?;
     for name in book.sheet_names() {
         let range = book.worksheet_range(&name).map_err(broken)?;
         let rows: Vec<&[Data]> = range.rows().collect();

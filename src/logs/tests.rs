@@ -41,6 +41,7 @@ fn normal(rng: &mut ChaCha8Rng, sd: f64) -> f64 {
 
 struct Truth {
     start_s: f64,
+    length_s: f64,
     output: [f64; 3],
     rate: Vector3<f64>,
     phase: Phase,
@@ -160,7 +161,7 @@ fn log(seed: u64, hz: f64, told: Told) -> (Gathered, Vec<Position>, Vec<Truth>) 
                 blocks.push(time + jitter, &values);
             }
         }
-        truth.push(Truth { start_s: begin, output: output(rate), rate, phase: position.phase() });
+        truth.push(Truth { start_s: begin, length_s: dwell_s, output: output(rate), rate, phase: position.phase() });
     }
     let gathered = Gathered {
         series: Series::join(vec![blocks]),
@@ -186,8 +187,12 @@ fn measure(seeds: std::ops::Range<u64>, hz: f64) -> (usize, Vec<f64>) {
         let made = assemble(&map, &mut log, Some(site()), programme);
         let dwells = made.as_ref().map(|made| &made.dwells[..]).unwrap_or_default();
         let is_of = |d: &super::assemble::Dwell, t: &Truth| {
+            // Inside what was held, to a block or two, and not less than a half of it; of turns, whole ones.
+            let (early, late) = (t.start_s - d.start_s, d.start_s + d.duration_s - t.start_s - t.length_s);
+            let is_inside = early.max(late) < 1.0 + 1.5 / hz && d.duration_s > 0.5 * t.length_s;
+            // As far as the table keeps its rate.
             let off = (d.rate_arcsec_s - t.rate).norm();
-            (d.start_s - t.start_s).abs() < 50.0 && d.phase == t.phase && off < 1e-3 * t.rate.norm() + 0.5
+            is_inside && d.phase == t.phase && off < 5.2e-4 * t.rate.norm() + 0.02
         };
         if dwells.len() != DWELLS || !dwells.iter().zip(&truth).all(|(d, t)| is_of(d, t)) {
             let why = made.as_ref().err().map(|e| e.fault.code.to_string());

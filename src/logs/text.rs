@@ -1,9 +1,8 @@
 //! Text tables as loggers write them: any delimiter, decimal commas, a header in brackets, a row of units.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
-use std::path::Path;
 
+use super::clock;
 use super::column::{Column, Sample};
 use super::error::{LogError, unreadable};
 use super::kind::{FileKind, HEAD};
@@ -36,21 +35,24 @@ pub struct TextLog {
     pub layout: Layout,
     /// Cells that are no numbers are empty ones: for a first look at what there is.
     pub lenient: bool,
+    /// Columns in which times of day or dates were read as seconds.
+    pub clocks: Vec<usize>,
 }
 
 impl TextLog {
-    pub fn open(path: &Path, kind: FileKind) -> Result<Self, LogError> {
-        let place = path.display().to_string();
-        let named = place.clone();
-        let fail = unreadable(&named);
-        let mut file = File::open(path).map_err(&fail)?;
+    /// Looks at the layout of what stands at its beginning.
+    ///
+    /// # Errors
+    /// Text without a table; what the operating system says.
+    pub fn of(place: &str, mut from: impl Read + Seek + 'static, kind: FileKind) -> Result<Self, LogError> {
+        let fail = unreadable(place);
         let mut head = Vec::new();
-        reader_of(file.try_clone().map_err(&fail)?, kind).take(HEAD as u64).read_to_end(&mut head).map_err(&fail)?;
+        reader_of(&mut from, kind).take(HEAD as u64).read_to_end(&mut head).map_err(&fail)?;
         let whole = head.len() < HEAD;
-        let layout = Layout::of(&head, whole).map_err(|fault| LogError::new(&place, fault))?;
-        file.rewind().map_err(&fail)?;
-        let reader = Box::new(BufReader::with_capacity(1 << 18, reader_of(file, kind)));
-        Ok(Self { place, reader, layout, lenient: false })
+        let layout = Layout::of(&head, whole).map_err(|fault| LogError::new(place, fault))?;
+        from.rewind().map_err(&fail)?;
+        let reader = Box::new(BufReader::with_capacity(1 << 18, reader_of(from, kind)));
+        Ok(Self { place: place.to_owned(), reader, layout, lenient: false, clocks: Vec::new() })
     }
 
     /// Reads the rows from first to last: line, and the numbers of the columns `wanted`, NaN where a cell is empty.
@@ -99,6 +101,9 @@ impl TextLog {
             match fault {
                 None => {
                     rows += 1;
+                    if cells.clocks.len() > self.clocks.len() {
+                        self.clocks.clone_from(&cells.clocks);
+                    }
                     each(Sample { line, values: &values }).map_err(|fault| refuse(line, fault))?;
                 }
                 // The last line of a file that was being written breaks off anywhere.
@@ -131,24 +136,24 @@ fn is_comment(line: &[u8]) -> bool {
     line.starts_with(b"#") || line.starts_with(b"%") || line.starts_with(b"//")
 }
 
-fn reader_of(file: File, kind: FileKind) -> Box<dyn Read> {
+fn reader_of<'r>(from: impl Read + 'r, kind: FileKind) -> Box<dyn Read + 'r> {
     match kind {
         FileKind::Utf16 { big_endian } => {
-            Box::new(Utf16 { from: BufReader::with_capacity(1 << 18, file), big_endian, ready: Vec::new(), given: 0 })
+            Box::new(Utf16 { from: BufReader::with_capacity(1 << 18, from), big_endian, ready: Vec::new(), given: 0 })
         }
-        _ => Box::new(file),
+        _ => Box::new(from),
     }
 }
 
 /// UTF-16 as UTF-8, as it is read.
-struct Utf16 {
-    from: BufReader<File>,
+struct Utf16<R> {
+    from: BufReader<R>,
     big_endian: bool,
     ready: Vec<u8>,
     given: usize,
 }
 
-impl Read for Utf16 {
+impl<R: Read> Read for Utf16<R> {
     fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
         if self.given == self.ready.len() {
             let mut bytes = vec![0; 1 << 16];
@@ -181,6 +186,7 @@ struct Cells {
     decimal_comma: bool,
     ends: Vec<(usize, usize)>,
     plain: String,
+    clocks: Vec<usize>,
 }
 
 impl Cells {
@@ -249,6 +255,12 @@ impl Cells {
                 return Ok(number);
             }
         }
+        if let Some(seconds) = text.contains(':').then(|| clock::seconds(text)).flatten() {
+            if !self.clocks.contains(&column) {
+                self.clocks.push(column);
+            }
+            return Ok(seconds);
+        }
         if is_empty(text) { Ok(f64::NAN) } else { Err(message!("not_a_number", value = sent(text))) }
     }
 }
@@ -306,7 +318,7 @@ impl Layout {
     }
 }
 
-/// UTF-8, or one byte a character as Windows writes Western Europe's.
+/// UTF-8, or what Windows writes otherwise: GBK in China, one byte a character in Western Europe.
 pub fn decoded(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
@@ -314,8 +326,23 @@ pub fn decoded(bytes: &[u8]) -> String {
         Err(error) if error.error_len().is_none() => {
             String::from_utf8_lossy(&bytes[..error.valid_up_to()]).into_owned()
         }
+        Err(_) if is_chinese(bytes) => encoding_rs::GBK.decode_without_bom_handling(bytes).0.into_owned(),
         Err(_) => bytes.iter().map(|&b| char::from(b)).collect(),
     }
+}
+
+/// Whether all that is no ASCII are pairs of GB 2312: letters of Western Europe mostly stand alone. The
+/// last may be cut.
+fn is_chinese(bytes: &[u8]) -> bool {
+    let is_high = |byte: &u8| *byte >= 0x80;
+    let runs = bytes.chunk_by(|a, b| is_high(a) == is_high(b)).filter(|run| is_high(&run[0]));
+    let at_end = |run: &[u8]| run.as_ptr_range().end == bytes.as_ptr_range().end;
+    let is_pair = |pair: &[u8]| matches!(pair, [0xa1..=0xf7, 0xa1..=0xfe]);
+    let mut all = runs.map(|run| {
+        let pairs = run.chunks_exact(2);
+        (pairs.remainder().is_empty() || at_end(run)) && pairs.into_iter().all(is_pair)
+    });
+    all.all(|is_of_pairs| is_of_pairs)
 }
 
 fn split(line: &str, delimiter: Option<u8>) -> Vec<String> {

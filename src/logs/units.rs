@@ -75,17 +75,34 @@ impl Quantity {
     }
 }
 
+/// What is written otherwise, and the plain spelling.
+const SPELLINGS: [(&str, &str); 12] = [
+    ("℃", "degc"),
+    ("pulses", "pulse"),
+    ("impulse", "imp"),
+    ("degrees", "deg"),
+    ("degree", "deg"),
+    ("sec^2", "s^2"),
+    ("/sec", "/s"),
+    ("脉冲", "pulse"),
+    ("小时", "h"),
+    ("秒", "s"),
+    ("度", "deg"),
+    ("米", "m"),
+];
+
 /// Lower case, without blanks, with the plain spelling of powers and degrees.
 fn plain(name: &str) -> String {
     let plain: String = name.chars().filter(|c| !c.is_whitespace() && *c != '·' && *c != '*').collect();
     let mut plain = plain.to_lowercase().replace('²', "^2").replace(['°', 'º'], "deg").replace(['µ', 'μ'], "u");
-    for (long, short) in [("pulses", "pulse"), ("degrees", "deg"), ("degree", "deg"), ("sec^2", "s^2"), ("/sec", "/s")]
-    {
+    for (long, short) in SPELLINGS {
         plain = plain.replace(long, short);
     }
     match plain.as_str() {
         "sec" | "seconds" => "s".to_owned(),
         "deg/hr" => "deg/h".to_owned(),
+        "imp" => "pulse".to_owned(),
+        "imp/s" => "pulse/s".to_owned(),
         _ => plain,
     }
 }
@@ -147,7 +164,10 @@ mod tests {
         assert_eq!(factor(Quantity::Time, "µs"), 1e-6);
         let fahrenheit = Quantity::Temperature.unit("°F").unwrap();
         assert!((212.0 * fahrenheit.factor + fahrenheit.offset - 100.0).abs() < 1e-12);
-        assert_eq!(Quantity::Output.unit("pulses").unwrap().counts, Counts::Increment);
+        for name in ["pulses", "Imp", "Impulse", "脉冲"] {
+            assert_eq!(Quantity::Output.unit(name).unwrap().counts, Counts::Increment, "{name}");
+        }
+        assert_eq!(Quantity::Output.unit("度/小时").unwrap().factor, 1.0);
         assert_eq!(Quantity::Force.unit("deg/s"), None);
     }
 }

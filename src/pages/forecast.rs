@@ -14,28 +14,26 @@ use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
 use crate::pipeline::AdoptedModel;
 use crate::wire::diagnosis::{InUseBody, InUseEffectBody};
-use crate::wire::forecast::{
-    ChangedBody, ClosingBody, ComparedBody, ForecastPointBody, ForecastVerdictBody, ThenNowBody,
-};
+use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastPointBody, ThenNowBody};
 use crate::wire::model::ModelBody;
 use crate::wire::time;
 use crate::wire::unit;
 
 /// The forecasts of an IMU's campaigns, oldest first; nothing where there are none.
 pub(super) fn series(t: &Text, points: &[ForecastPointBody]) -> Markup {
-    let newest = points.iter().rev().find_map(|point| point.compared.as_ref());
+    let newest = points.iter().rev().find_map(|point| Some((point, point.compared.as_ref()?)));
     html! {
         @if !points.is_empty() {
             section #forecasts {
                 h2 { (t.forecasts) }
-                @if let Some(newest) = newest {
+                @if let Some((newest, compared)) = newest {
                     p.note { (t.forecasts_note) }
                     (picture(t, points))
-                    (ladder(t, newest))
+                    (ladder(t, &format!("{} · {}", &newest.measured_at[..10], t.forecast_ladder), compared))
                 }
                 div.scroll.tall tabindex="0" { table {
                     thead { tr {
-                        th { (t.measured) } th { (t.forecast) } th.n { (t.error_in_sd) } th { (t.effects_close) }
+                        th { (t.measured_at) } th { (t.forecast) } th.n { (t.error_in_sd) } th { (t.effects_close) }
                         th { (t.foretold_by) }
                     } }
                     tbody { @for point in points.iter().rev() { (line(t, point)) } }
@@ -66,7 +64,8 @@ pub(super) fn versions(viewer: &Viewer, imu: &str, models: &[AdoptedModel]) -> M
                 h2 { (t.adopted_models) }
                 div.scroll tabindex="0" { table {
                     thead { tr {
-                        th { (t.adopted_at) } th { (t.model_word) } th { (t.stated_at) } th.n { (t.campaigns_stated) }
+                        th { (t.adopted_at) } th { (t.model_word) }
+                        th { (symbol("D_I")) ", " (symbol("D_S")) " " (t.stated_at) } th.n { (t.campaigns_stated) }
                         th { (t.author) } th { (t.reason_word) }
                     } }
                     tbody { @for (k, one) in models.iter().enumerate() {
@@ -115,20 +114,24 @@ fn at(text: &str) -> Markup {
     time::parse(text).map_or_else(|_| html! { (text) }, instant)
 }
 
-fn state(t: &Text, compared: &ComparedBody) -> Markup {
-    let is_open = compared.verdict.as_ref().is_some_and(ForecastVerdictBody::is_indeterminate);
-    html! {
-        @if compared.state != "outside" { (t.as_foretold) }
-        @else if is_open { (t.outside_forecast) }
-        @else { strong { (t.outside_forecast) } }
-        @if is_open { " (" (t.forecast_indeterminate) ")" }
+fn state_word(t: &Text, compared: &ComparedBody) -> &'static str {
+    if compared.is_outside() {
+        t.outside_forecast
+    } else if compared.is_indeterminate() {
+        t.forecast_indeterminate
+    } else {
+        t.as_foretold
     }
+}
+
+fn state(t: &Text, compared: &ComparedBody) -> Markup {
+    html! { @if compared.is_outside() { strong { (t.outside_forecast) } } @else { (state_word(t, compared)) } }
 }
 
 fn closed(t: &Text, closing: ClosingBody) -> Markup {
     html! {
         @match closing.interval {
-            Some([low, high]) => { (percent(closing.closure)) " (" (percent(low)) " – " (percent(high)) ")" }
+            Some([low, high]) => { (percent(closing.closure)) " (" (percent(low)) " … " (percent(high)) ")" }
             None => { (t.nothing_to_close) }
         }
     }
@@ -153,10 +156,9 @@ fn picture(t: &Text, points: &[ForecastPointBody]) -> Markup {
         ..Dot::default()
     };
     let with = told.iter().map(|(x, at, point, c)| {
-        let outside = c.state == "outside";
-        let state = if outside { t.outside_forecast } else { t.as_foretold };
-        let said = format!("{} · {} deg/h, {} sd · {state}", at.date(), short(c.rms_deg_per_h), short(c.rms_over_sd));
-        dot(*x, c.rms_deg_per_h, outside, said, &point.campaign)
+        let (error, state) = (short(c.rms_deg_per_h), state_word(t, c));
+        let said = format!("{} · {error} deg/h, {} sd · {state}", at.date(), short(c.rms_over_sd));
+        dot(*x, c.rms_deg_per_h, c.is_outside(), said, &point.campaign)
     });
     let without = told.iter().filter_map(|(x, at, point, c)| {
         let plain = c.ladder.first().filter(|_| c.ladder.len() > 1)?;
@@ -174,15 +176,15 @@ fn picture(t: &Text, points: &[ForecastPointBody]) -> Markup {
     chart.markup()
 }
 
-/// The newest campaign's forecast error, from model (6) over each effect to the noise.
-fn ladder(t: &Text, compared: &ComparedBody) -> Markup {
+/// One campaign's forecast error, from model (6) over each effect to the noise.
+fn ladder(t: &Text, caption: &str, compared: &ComparedBody) -> Markup {
     let name = |effect: &Option<String>| match effect {
         Some(effect) => format!("+ {}", effect_word(t, effect)),
         None => t.model_6.to_owned(),
     };
     let steps: Vec<(String, f64)> =
         compared.ladder.iter().map(|rung| (name(&rung.effect), rung.rms_deg_per_h)).collect();
-    rungs(t, t.forecast_ladder, &steps, compared.noise_deg_per_h)
+    rungs(t, caption, &steps, compared.noise_deg_per_h)
 }
 
 /// Errors as bars on one scale, and the noise floor under them.
@@ -235,7 +237,7 @@ fn came_true(t: &Text, point: &ForecastPointBody) -> Markup {
         @if let Some(compared) = &point.compared {
             p {
                 (state(t, compared)) " · " (t.error_in_sd) " " (short(compared.rms_over_sd))
-                " · p " (short(compared.p_value))
+                @if let Some(furthest) = compared.furthest() { " · " (furthest.slot) ": p " (short(furthest.p_value)) }
                 @if let Some(model) = &point.model {
                     " · " (t.foretold_by) " " (at(&model.measured_at)) ", " (model.campaigns) " " (t.campaigns_word)
                 }
@@ -245,7 +247,7 @@ fn came_true(t: &Text, point: &ForecastPointBody) -> Markup {
                 p { (t.effects_close) ": " (closed(t, closing))
                     @if let Some(promised) = point.promised { " · " (t.promised) " " (closed(t, promised)) } }
             }
-            (ladder(t, compared))
+            (ladder(t, t.forecast_ladder, compared))
         } @else { p { (point.why_not.as_deref().unwrap_or(t.not_foretold)) } }
         @for note in &point.notes { p.note { (note) } }
     }
@@ -253,7 +255,12 @@ fn came_true(t: &Text, point: &ForecastPointBody) -> Markup {
 
 /// Adopted coefficients then and now, and what the changed ones do to D_I and D_S.
 fn against_model(t: &Text, changed: &ChangedBody) -> Markup {
-    let with = |c: &ThenNowBody, value: f64, sd: f64| html! { (figure::with_sd(value, Some(sd), 6)) " " (unit::of_people(&c.unit)) };
+    let with = |c: &ThenNowBody, value: f64, sd: f64| {
+        html! {
+            (figure::with_sd(value, Some(sd), 6))
+            @if c.unit != "1" { " " (unit::of_people(&c.unit)) }
+        }
+    };
     html! {
         h3 { (t.effects_then_and_now) }
         div.scroll tabindex="0" { table {
@@ -267,10 +274,15 @@ fn against_model(t: &Text, changed: &ChangedBody) -> Markup {
                     td { (if effect.slot == "all" { t.all_gyros } else { &effect.slot }) } td { (c.name) }
                     td.n { (with(c, c.model, c.model_sd)) } td.n { (with(c, c.now, c.now_sd)) }
                     td.n { (short(effect.p_value)) }
-                    td { @if effect.changed { strong { (t.yes) } } @else { (t.no) } }
+                    td {
+                        @if effect.changed { strong { (t.yes) } }
+                        @else if effect.undecided { (t.cannot_tell) }
+                        @else { (t.no) }
+                    }
                 }
             } } }
         } }
+        @if changed.effects.iter().any(|effect| effect.undecided) { p.note { (t.change_undecided) } }
         @for shift in &changed.shifts {
             p { (shift.slot) " " (symbol(&shift.coefficient)) " " (figure::signed_drift(shift.shift, Some(shift.sd)))
                 " " (t.unit) " " (t.by_the_change) }

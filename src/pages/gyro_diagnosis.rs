@@ -14,6 +14,7 @@ use super::layout::{Page, Section, encoded, symbol};
 use super::viewer::Viewer;
 use crate::core::changes::{HeldOut, HistoryDiagnosis, cause_word};
 use crate::core::time::UtcMicros;
+use crate::pipeline::ExplainedHistory;
 use crate::wire::problem::Problem;
 
 pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(serial): Path<String>) -> Response {
@@ -31,19 +32,19 @@ async fn build(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, Pro
             " · " (t.peers_of_stations) " " (explained.peers)
             " · " a href={ "/v1/gyros/" (encoded(serial)) "/diagnosis" } { "JSON" }
         }
-        @for coefficient in &explained.coefficients { (section(viewer, serial, coefficient, explained.newest)) }
+        @for coefficient in &explained.coefficients { (section(viewer, serial, coefficient, &explained)) }
     };
     Ok(Page { title: format!("{serial}: {}", t.history_diagnosis), section: Section::Fleet, body })
 }
 
-fn section(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, newest: Option<UtcMicros>) -> Markup {
+fn section(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, explained: &ExplainedHistory) -> Markup {
     let t = viewer.text();
     let name = answer.coefficient.name();
     html! {
         section id=(name) {
             h2 { (symbol(name)) }
             p { (t.words(&answer.opening())) }
-            @for said in answer.besides(newest) { p { (t.words(&said)) } }
+            @for said in answer.besides(explained.newest).into_iter().chain(answer.looked_at(explained.records)) { p { (t.words(&said)) } }
             (drawn(viewer, serial, answer))
             @if !answer.causes.is_empty() {
                 div.scroll tabindex="0" { table.cards {

@@ -4,14 +4,19 @@
 //! The form is sent as `text/plain`, which is the text as it stands: it works without a script, and a file is no
 //! larger on the way than it is.
 
+pub(super) mod in_place;
 mod located;
+mod logs;
 mod numbered;
+mod replace;
 
 use std::sync::Arc;
 
 use axum::Extension;
 use axum::extract::State as Held;
-use axum::response::Response;
+use axum::extract::rejection::StringRejection;
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 
 use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
@@ -25,7 +30,10 @@ use crate::core::fault::{Fault, Faults};
 use crate::core::history_note::HistoryNote;
 use crate::core::id::Id;
 use crate::core::judge::Measured;
+use crate::core::message::Message;
 use crate::core::note::Note;
+use crate::logs::campaign::Made;
+use crate::logs::report;
 use crate::message;
 use crate::pages::upload_parts::{Piece, pieces};
 use crate::pipeline::{
@@ -37,6 +45,7 @@ use crate::wire::json::from_line;
 use crate::wire::note::NoteBody;
 use crate::wire::record_table::{TableMap, documents, is_table};
 use located::Place;
+use logs::{Looked, Sent};
 
 /// Documents of one form that are shown; all are read and all are stored. So many of the sound ones are held against
 /// what is stored, each with queries of its own: all that are shown, and no more, for a file may hold tens of
@@ -44,7 +53,7 @@ use located::Place;
 const MOST_SHOWN: usize = 200;
 
 pub(super) async fn page(viewer: Viewer) -> Response {
-    viewer.show(Ok(framed(&viewer, "", html! {})))
+    viewer.show(Ok(framed(&viewer, &Sent::default(), html! {})))
 }
 
 /// What the text says, or what is wrong with it. Stores nothing.
@@ -52,31 +61,76 @@ pub(super) async fn preview(
     Held(pages): Held<Pages>,
     viewer: Viewer,
     Extension(caller): Extension<Caller>,
-    form: String,
+    form: Result<String, StringRejection>,
 ) -> Response {
+    let form = match form {
+        Ok(form) => form,
+        Err(refused) if refused.status() == StatusCode::PAYLOAD_TOO_LARGE => {
+            let most = pages.config.server.max_body_bytes;
+            let fault = message!("log_too_large", most = most, key = "server.max_body_bytes");
+            return viewer.respond(refused.status(), &unread(&viewer, Sent::default(), &Looked::Faulty(fault)));
+        }
+        Err(refused) => return refused.into_response(),
+    };
     let pipeline = pages.pipeline.clone();
-    let (file, text, read, places) = off_the_loop(move || {
-        let (file, text) = (file_of(&form), text_of(&form));
+    let looked = off_the_loop(move || {
+        let sent = Sent::of(&form);
+        let (text, made) = match logs::look(&sent) {
+            Looked::Text(text) => (text, None),
+            Looked::Made(made, text) => (text, Some(made)),
+            other => return Err((sent, other)),
+        };
         let read = read_all(&pipeline, &caller, &text);
+        if made.is_none() && logs::is_foreign(&text, &read) {
+            let guessed = logs::guessed(&sent);
+            if matches!(guessed, Looked::Guessed(_)) {
+                return Err((sent, guessed));
+            }
+        }
         let places = places(&text, &read);
-        (file, text, read, places)
+        Ok((Source { sent, text, made, places }, read))
     })
     .await;
+    let (source, read) = match looked {
+        Ok(looked) => looked,
+        Err((sent, looked)) => return viewer.show(Ok(unread(&viewer, sent, &looked))),
+    };
     let prospects = match previews(&pages.pipeline, read).await {
         Ok(prospects) => prospects,
         Err(error) => return viewer.show(Err(error.into())),
     };
-    let file = Source { name: file, text, places };
-    off_the_loop(move || viewer.show(Ok(previewed(&viewer, &prospects, &file)))).await
+    off_the_loop(move || viewer.show(Ok(previewed(&viewer, &prospects, &source)))).await
 }
 
-/// The text that is looked at.
+/// What is looked at.
 struct Source {
-    /// Of the file, where the script knows it.
-    name: String,
+    sent: Sent,
+    /// The documents in it: those that it is, or the campaign of a log.
     text: String,
-    /// What is faulty in it.
+    made: Option<Box<Made>>,
+    /// What is faulty in the text.
     places: Vec<Place>,
+}
+
+/// A log that needs a map, or a file that is none.
+fn unread(viewer: &Viewer, mut sent: Sent, looked: &Looked) -> Page {
+    let t = viewer.text();
+    let mut said: Option<&Message> = None;
+    match looked {
+        Looked::Guessed(map) => sent.map.clone_from(map),
+        Looked::Faulty(fault) => said = Some(fault),
+        Looked::Text(_) | Looked::Made(..) => {}
+    }
+    let body = html! {
+        section.preview aria-live="polite" {
+            h2 { (t.preview) @if !sent.file.is_empty() { " · " span translate="no" { (sent.file) } } }
+            @match said {
+                Some(fault) => p.fault { (t.words(fault)) },
+                None => p.doubt { (t.log_needs_map) },
+            }
+        }
+    };
+    framed(viewer, &sent, body)
 }
 
 /// Where the faults are of the first that have some.
@@ -142,22 +196,9 @@ pub(super) async fn store(
     form: String,
 ) -> Response {
     let pipeline = pages.pipeline.clone();
-    let read = off_the_loop(move || read_all(&pipeline, &caller, &text_of(&form))).await;
+    let read = off_the_loop(move || read_all(&pipeline, &caller, &Sent::of(&form).text)).await;
     let outcomes = submit(&pages.pipeline, read).await;
     viewer.show(Ok(outcome(&viewer, &outcomes)))
-}
-
-/// The name of the file, which the script sends before its text.
-fn file_of(form: &str) -> String {
-    let name = form.strip_prefix("file=").and_then(|form| form.split_once("\r\n"));
-    name.map_or("", |(name, _)| name).to_owned()
-}
-
-/// The field `text` of a form sent as text/plain, with line ends as files have them.
-fn text_of(form: &str) -> String {
-    let form = form.strip_prefix("file=").and_then(|form| form.split_once("\r\n")).map_or(form, |(_, text)| text);
-    let text = form.strip_prefix("text=").unwrap_or(form);
-    text.strip_suffix("\r\n").unwrap_or(text).replace("\r\n", "\n")
 }
 
 /// What a piece says, if this caller may send it.
@@ -180,10 +221,12 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
     let sound = prospects.iter().filter(is_sound).count();
     let faulty = prospects.len() - sound;
     let read = prospects.iter().filter(|(_, prospect)| !matches!(prospect, Prospect::Faulty(_))).count();
+    // A table of records has no text of its own for each.
+    let parts = if is_table(&source.text, &TableMap::default()) { Vec::new() } else { pieces(&source.text) };
     let doubtful = prospects.iter().filter(|(_, prospect)| prospect.is_doubtful()).count();
     let body = html! {
         section.preview aria-live="polite" {
-            h2 { (t.preview) @if !source.name.is_empty() { " · " span translate="no" { (source.name) } } }
+            h2 { (t.preview) @if !source.sent.file.is_empty() { " · " span translate="no" { (source.sent.file) } } }
             @if prospects.is_empty() { p.fault { (t.no_document) } }
             p.lead {
                 (sound) " " (t.can_be_stored)
@@ -192,10 +235,17 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
             }
             (numbered::shown(t, &source.text, &source.places))
             @if read > MOST_SHOWN { p.note { (t.first_foreseen) " " (MOST_SHOWN) } }
-            @for (line, prospect) in prospects.iter().filter(|one| !is_sound(one)).take(MOST_SHOWN) {
+            @let unsound = prospects.iter().enumerate().filter(|(_, one)| !is_sound(one));
+            @for (k, (line, prospect)) in unsound.take(MOST_SHOWN) {
                 @match prospect {
                     Prospect::Faulty(faults) => (refused(t, *line, faults)),
-                    Prospect::Refused(why) => (hindered(t, *line, &t.words(&why.message()))),
+                    Prospect::Refused(why) => {
+                        article.fault {
+                            h3 { (t.line) " " (line) " · " (t.refused) }
+                            p { (t.words(&why.message())) }
+                            @if let Some(piece) = parts.get(k) { (replace::offer(viewer, why, piece.text)) }
+                        }
+                    }
                     Prospect::Contradicts(earlier) => (hindered(t, *line, &format!("{} {earlier}", t.contradicts_line))),
                     Prospect::Sound(..) => {}
                 }
@@ -204,6 +254,9 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
                 @if let Prospect::Sound(submission, notes, forecast) = prospect {
                     (sound_document(t, *line, submission, notes, forecast.as_ref()))
                 }
+            }
+            @if let Some(made) = &source.made {
+                section.log { h3 { (t.of_the_log) } (report::shown(made, t.language())) }
             }
             @if sound > 0 {
                 form.confirm action="/import/store" method="post" enctype="text/plain" {
@@ -214,7 +267,7 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
             }
         }
     };
-    framed(viewer, &source.text, body)
+    framed(viewer, &source.sent, body)
 }
 
 /// What one document has come to.
@@ -296,18 +349,23 @@ fn outcome(viewer: &Viewer, outcomes: &[(usize, Outcome)]) -> Page {
             }
         }
     };
-    framed(viewer, "", body)
+    framed(viewer, &Sent::default(), body)
 }
 
-fn framed(viewer: &Viewer, text: &str, after: Markup) -> Page {
+fn framed(viewer: &Viewer, sent: &Sent, after: Markup) -> Page {
     let t = viewer.text();
     let body = html! {
         h1 { (t.import) }
         p.lead { (t.import_note) }
         form.import action="/import/preview" method="post" enctype="text/plain" data-drop {
             input type="hidden" name="file" disabled;
-            p hidden { label { (t.choose_file) " " input type="file" accept=".json,.ndjson,.jsonl,.csv,.txt"; } }
-            label { (t.or_paste) textarea name="text" rows="10" spellcheck="false" required { (text) } }
+            p hidden { label { (t.choose_file) " " input type="file" accept=".json,.ndjson,.jsonl,.csv,.txt,.log,.xlsx,.mat"; } }
+            details open[!sent.map.is_empty()] {
+                summary { (t.of_a_log) }
+                label { (t.map_of_log) textarea name="map" rows="14" spellcheck="false" { (sent.map) } }
+                label { (t.programme_of_log) textarea name="programme" rows="3" spellcheck="false" { (sent.programme) } }
+            }
+            label { (t.or_paste) textarea name="text" rows="10" spellcheck="false" required { (sent.text) } }
             button.primary { (t.preview) }
         }
         (after)
@@ -513,11 +571,17 @@ mod tests {
 
     #[test]
     fn the_text_comes_out_of_the_form_as_the_file_had_it() {
-        assert_eq!(text_of("text={\r\n \"a\": 1\r\n}\r\n"), "{\n \"a\": 1\n}");
-        assert_eq!(text_of("text=a=b\r\n"), "a=b");
-        assert_eq!(text_of("text=file=b\r\ntext=c\r\n"), "file=b\ntext=c");
-        let named = "file=ST-2 \u{53f0}.csv\r\ntext=# imu: A\r\n1\r\n";
-        assert_eq!((file_of(named).as_str(), text_of(named).as_str()), ("ST-2 \u{53f0}.csv", "# imu: A\n1"));
-        assert_eq!(file_of("text=a"), "");
+        let text = |form: &str| Sent::of(form).text;
+        assert_eq!(text("text={\r\n \"a\": 1\r\n}\r\n"), "{\n \"a\": 1\n}");
+        assert_eq!(text("text=a=b\r\n"), "a=b");
+        assert_eq!(text("text=file=b\r\ntext=c\r\n"), "file=b\ntext=c");
+        let named = Sent::of("file=ST-2 \u{53f0}.csv\r\ntext=# imu: A\r\n1\r\n");
+        assert_eq!((named.file.as_str(), named.text.as_str()), ("ST-2 \u{53f0}.csv", "# imu: A\n1"));
+        assert_eq!(Sent::of("text=a").file, "");
+        let log = Sent::of("file=l.csv\r\nmap=imu = \"A\"\r\na = 1\r\nprogramme=24\r\ntext=t,g\r\n0,1\r\n");
+        assert_eq!((log.map.as_str(), log.programme.as_str()), ("imu = \"A\"\na = 1", "24"));
+        assert_eq!((log.file.as_str(), log.text.as_str()), ("l.csv", "t,g\n0,1"));
+        let none = Sent::of("map=\r\nprogramme=\r\ntext=a\r\n");
+        assert_eq!((none.map.as_str(), none.programme.as_str(), none.text.as_str()), ("", "", "a"));
     }
 }

@@ -130,6 +130,7 @@ pub fn routes() -> Routes<Pages> {
         .get(STATION, "/import", import::page)
         .post(STATION, "/import/preview", import::preview)
         .post(STATION, "/import/store", import::store)
+        .post(ENGINEER, "/import/replace", import::in_place::act)
         .get(ANYONE, "/sign-in", sign_in::page)
         .post(ANYONE, "/sign-in", sign_in::enter)
         .post(ANYONE, "/sign-out", sign_in::leave)

@@ -10,6 +10,7 @@ use super::alerts::is_open_of;
 use super::course::Course;
 use super::figure;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
+use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::alert_filter::AlertFilter;
@@ -85,7 +86,10 @@ fn section(viewer: &Viewer, name: &str, coefficient: &str, column: &StationColum
                     dt { (t.offset_against) " " (against) } dd { (shared(offset)) }
                 }
                 @if let Some(drift) = &column.drift {
-                    dt { (t.drift_a_year) } dd { (shared(drift)) @if !column.drifts { " (" (t.within_chance) ")" } }
+                    dt { (t.drift_a_year) } dd {
+                        (shared(drift))
+                        @if !column.drifts { " (" (remark(t, drift)) ")" }
+                    }
                 }
                 @for (from, until, size) in changes(column) {
                     dt {
@@ -103,6 +107,11 @@ fn section(viewer: &Viewer, name: &str, coefficient: &str, column: &StationColum
             }
         }
     }
+}
+
+/// Of a drift that is not said to be the station's.
+fn remark(t: &Text, drift: &Shared) -> &'static str {
+    if drift.is_beyond_chance() { t.drift_of_gyros } else { t.within_chance }
 }
 
 /// Its steps and the windows in which it was off: when each began and ended, and its size. Oldest first.

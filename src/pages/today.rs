@@ -331,7 +331,7 @@ fn outside(t: &Text, today: &Today) -> Markup {
                 td.nowrap {
                     a href={ "/campaigns/" (found.campaign.campaign) "/diagnosis#forecast" } { (found.campaign.measured_at[..10]) }
                 }
-                td { (found.campaign.station) }
+                td { (found.campaign.station) } td { (found.slot) }
                 td.nowrap { (t.error_in_sd) " " (figure::short(found.rms_over_sd)) }
             }
         } } } }

@@ -48,6 +48,9 @@ pub fn parse_csv_as_sent(bytes: &[u8]) -> Result<(CampaignBody, Campaign), Fault
     let mut faults = Faults::default();
     let (head, table_line) = Head::read(text, &mut faults);
     let Some((columns, rows)) = cells::read(text, table_line, &mut faults) else { return Err(faults) };
+    if rows.is_empty() {
+        faults.push("", message!("table_without_rows"));
+    }
     if let Some((told, line)) = head.told.filter(|(told, _)| faults.is_empty() && *told != rows.len()) {
         let broken = message!("dwells_told", told = told, have = rows.len());
         faults.push("/dwells", message!("at_line", line = line, fault = broken));
@@ -81,6 +84,11 @@ fn text_of(bytes: &[u8]) -> Result<&str, Faults> {
         return Err(fault("", message!("utf16")));
     }
     let bytes = json::without_mark(bytes);
+    let written = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    if written < bytes.len() {
+        let line = 1 + memchr::memchr_iter(b'\n', &bytes[..written]).count();
+        return Err(fault("", message!("at_line", line = line, fault = message!("zeros_from_here"))));
+    }
     std::str::from_utf8(bytes).map_err(|e| {
         let line = 1 + bytes[..e.valid_up_to()].iter().filter(|&&b| b == b'\n').count();
         fault("", message!("at_line", line = line, fault = message!("not_utf8_text")))

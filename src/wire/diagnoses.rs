@@ -97,12 +97,15 @@ pub struct SummaryBody {
     pub outside_forecast: Vec<OutsideForecastBody>,
 }
 
-/// A campaign with errors so large that the forecast has a probability of less than 1 %.
+/// A campaign that the rule `forecast` finds outside what was foretold, and the gyro that is furthest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct OutsideForecastBody {
     pub imu: String,
     pub campaign: SightingBody,
+    /// Empty where an earlier version made the diagnosis.
+    pub slot: String,
     pub rms_over_sd: f64,
+    /// Of errors as large, over all gyros.
     pub p_value: f64,
 }
 

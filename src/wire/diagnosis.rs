@@ -13,6 +13,7 @@ use crate::core::augmented::Adopted;
 use crate::core::calibrate::noise_found::{LawFound, NoiseFound};
 use crate::core::diagnose as core;
 use crate::core::effects::{Effect, Estimate};
+use crate::core::message::Message;
 use crate::core::mounting::Slot;
 use crate::message;
 use crate::wire::unit;
@@ -92,12 +93,18 @@ impl DiagnosisBody {
 
     /// With what was foretold of the campaign, which is noted where it lies outside.
     #[must_use]
-    pub fn foretold(mut self, forecast: Option<ForecastPointBody>) -> Self {
-        if let Some(finding) = forecast.as_ref().and_then(ForecastPointBody::finding) {
-            self.notes.push(asked().words(&finding));
-            self.note_codes.push(MessageBody::of(&finding, asked()));
+    pub fn foretold(self, forecast: Option<ForecastPointBody>) -> Self {
+        let finding = forecast.as_ref().and_then(ForecastPointBody::finding);
+        Self { forecast, ..self.noted(finding) }
+    }
+
+    /// With further notes.
+    #[must_use]
+    pub fn noted(mut self, notes: impl IntoIterator<Item = Message>) -> Self {
+        for note in notes {
+            self.notes.push(asked().words(&note));
+            self.note_codes.push(MessageBody::of(&note, asked()));
         }
-        self.forecast = forecast;
         self
     }
 

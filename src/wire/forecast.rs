@@ -12,7 +12,7 @@ use crate::core::imu_model::{
     Changed, ChangedEffect, Closing, Comparison, DriftShift, Forecast, GyroForecast, Identified, Rung, Telling,
 };
 use crate::core::judge;
-use crate::core::judge::{Coefficient, Finding, Limit, LimitKey, Rule, State, Unseen, Verdict};
+use crate::core::judge::{Coefficient, Finding, Limit, LimitKey, Limits, Rule, State, Unseen, Verdict};
 use crate::core::message::{Message, figure, significant, text};
 use crate::core::mounting::Slot;
 use crate::message;
@@ -124,17 +124,21 @@ impl ForecastPointBody {
     /// adopted, or of campaigns enough to know what changes from one to the next.
     pub fn outside(&self) -> Option<&ComparedBody> {
         let knows_ageing = self.imu_model.is_some() || self.model.as_ref().is_some_and(|model| model.campaigns > 1);
-        self.compared.as_ref().filter(|compared| compared.state == "outside" && knows_ageing)
+        self.compared.as_ref().filter(|compared| compared.is_outside() && knows_ageing)
     }
 
     /// [`Self::outside`] as a note.
     pub fn finding(&self) -> Option<Message> {
         let compared = self.outside()?;
+        let Furthest { slot, rms_over_sd, p_value } = compared.furthest()?;
         let effects = &self.effects_changed;
-        let (rms, p) = (figure(compared.rms_over_sd, 2), significant(compared.p_value, 1));
+        let (slot, rms, p) = (text(slot), figure(rms_over_sd, 2), significant(p_value, 1));
         Some(match effects.as_slice() {
-            [] => message!("campaign_outside_forecast", rms = rms, p = p),
-            _ => message!("campaign_outside_forecast_changed", rms = rms, p = p, effects = text(effects.join(", "))),
+            [] => message!("campaign_outside_forecast", slot = slot, rms = rms, p = p),
+            _ => {
+                let effects = text(effects.join(", "));
+                message!("campaign_outside_forecast_changed", slot = slot, rms = rms, p = p, effects = effects)
+            }
         })
     }
 }
@@ -191,10 +195,18 @@ pub struct ClosingBody {
     pub interval: Option<[f64; 2]>,
 }
 
+/// A gyro, the root mean square of its errors over their standard deviations, and the p of such over all gyros.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Furthest {
+    pub slot: String,
+    pub rms_over_sd: f64,
+    pub p_value: f64,
+}
+
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ComparedBody {
-    /// `as_foretold` or `outside`: by the verdict where that decides, else `outside` where errors as large have a
-    /// probability of less than 1 %.
+    /// `as_foretold`, `outside` or `indeterminate`: what the rule `forecast` says, also where nobody has adopted the
+    /// model or the rule is switched off (then with the limits that are built in).
     pub state: String,
     /// By the rule `forecast`; none where no model was adopted, or the rule is switched off.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -292,10 +304,6 @@ impl ForecastVerdictBody {
         self.state == State::Within.name()
     }
 
-    pub fn is_indeterminate(&self) -> bool {
-        self.state == State::Indeterminate.name()
-    }
-
     fn say(&mut self, language: Language) {
         let said: Vec<Message> = self.verdict().map(|verdict| verdict.messages()).unwrap_or_default();
         self.reason = language.sentences(&said);
@@ -348,7 +356,12 @@ pub struct ChangedEffectBody {
     pub coefficients: Vec<ThenNowBody>,
     /// Adjusted for everything that is compared.
     pub p_value: f64,
+    /// p below 0.005, and the model with this campaign's coefficients leaves no gap.
     pub changed: bool,
+    /// p below 0.005, but the diagnosis finds more in the gyro than the model holds: whether the coefficient or that has
+    /// changed cannot be told.
+    #[serde(default)]
+    pub undecided: bool,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -369,8 +382,8 @@ pub struct ShiftBody {
     pub sd: f64,
 }
 
-/// Probability of errors as large below which a campaign lies outside its forecast.
-pub const OUTSIDE: f64 = 0.01;
+/// The state of a campaign that lies outside its forecast.
+const OUTSIDE: &str = "outside";
 
 impl ForecastBody {
     pub fn of(model: &Identified, campaign: &Campaign, forecast: &Forecast, promised: Option<Closing>) -> Self {
@@ -418,8 +431,10 @@ impl ForecastBody {
         changed: Option<&Changed>,
         (model, limits): (&Identified, [Option<Limit>; 2]),
     ) -> Self {
-        let verdict = judge::forecast(&comparison.foretold(model), limits);
-        self.compared = Some(ComparedBody::of(comparison, ladder, verdict.as_ref()));
+        let foretold = comparison.foretold(model);
+        let verdict = judge::forecast(&foretold, limits);
+        let said = verdict.clone().or_else(|| judge::forecast(&foretold, Limits::default().forecast()));
+        self.compared = Some(ComparedBody::of(comparison, ladder, verdict.as_ref(), said.as_ref()));
         self.effects_against_model = changed.map(ChangedBody::of);
         self
     }
@@ -448,12 +463,12 @@ impl ClosingBody {
 }
 
 impl ComparedBody {
-    fn of(c: &Comparison, ladder: &[Rung], verdict: Option<&Verdict>) -> Self {
-        let state = match verdict.map(|verdict| verdict.state) {
-            Some(State::Exceeded) => "outside",
+    /// `verdict` is kept, `said` is what the rule says whoever is judged by it.
+    fn of(c: &Comparison, ladder: &[Rung], verdict: Option<&Verdict>, said: Option<&Verdict>) -> Self {
+        let state = match said.map(|verdict| verdict.state) {
+            Some(State::Exceeded) => OUTSIDE,
             Some(State::Within) => "as_foretold",
-            _ if c.p_value < OUTSIDE => "outside",
-            _ => "as_foretold",
+            _ => "indeterminate",
         };
         let gyros = c.gyros.iter().map(|gyro| GyroComparedBody {
             slot: gyro.slot.name().to_owned(),
@@ -482,6 +497,25 @@ impl ComparedBody {
 }
 
 impl ComparedBody {
+    pub fn is_outside(&self) -> bool {
+        self.state == OUTSIDE
+    }
+
+    pub fn is_indeterminate(&self) -> bool {
+        self.state == State::Indeterminate.name()
+    }
+
+    /// The gyro that is furthest from its forecast, as the rule has it.
+    pub fn furthest(&self) -> Option<Furthest> {
+        if let Some(verdict) = &self.verdict {
+            let (rms_over_sd, p_value) = (verdict.value, verdict.p_value);
+            return Some(Furthest { slot: verdict.slot.clone(), rms_over_sd, p_value });
+        }
+        let worst = self.gyros.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))?;
+        let p_value = (worst.p_value * self.gyros.len() as f64).min(1.0);
+        Some(Furthest { slot: worst.slot.clone(), rms_over_sd: worst.rms_over_sd, p_value })
+    }
+
     /// For a series: what is said of whole gyros and of dwells that missed.
     pub fn without_dwells(mut self) -> Self {
         for gyro in &mut self.gyros {
@@ -519,6 +553,7 @@ impl ChangedBody {
                 .collect(),
             p_value: one.p_value,
             changed: one.changed,
+            undecided: one.undecided,
         };
         let shift = |s: &DriftShift| ShiftBody {
             slot: s.slot.name().to_owned(),

@@ -15,6 +15,8 @@ pub struct HistoryDiagnosisBody {
     pub serial: String,
     /// Other gyros that met the same stations, from which the stations' doing was told.
     pub peers: usize,
+    /// Records that count; of more than 1,000 so many are looked at, spread over their time.
+    pub records: usize,
     pub coefficients: Vec<CoefficientBody>,
 }
 
@@ -23,6 +25,7 @@ pub struct CoefficientBody {
     pub coefficient: Cow<'static, str>,
     /// `too_few`, `no_change`, `explained`, `partly_explained` or `unexplained`.
     pub verdict: Cow<'static, str>,
+    /// That were looked at.
     pub records: usize,
     pub unit: Cow<'static, str>,
     /// Scatter of calibration, from successive differences.
@@ -54,7 +57,7 @@ pub struct CauseBody {
     /// What it is tied to, in the language of the request.
     pub detail: String,
     pub estimates: Vec<EstimateBody>,
-    /// Null where no block of records can be predicted from the others.
+    /// Null where no block of records can be predicted from the others, or where they say nothing of it.
     #[schema(required)]
     pub held_out: Option<LeftOutBody>,
     pub p_value_adjusted: f64,
@@ -115,21 +118,23 @@ pub struct DueBody {
 }
 
 impl HistoryDiagnosisBody {
-    /// `newest`: the newest record, from which dates count.
+    /// `records`: how many count. `newest`: the newest record, from which dates count.
     pub fn new(
         serial: &str,
         peers: usize,
+        records: usize,
         newest: Option<UtcMicros>,
         answers: &[HistoryDiagnosis],
         language: Language,
     ) -> Self {
-        let coefficients = answers.iter().map(|answer| CoefficientBody::new(answer, newest, language)).collect();
-        Self { serial: serial.to_owned(), peers, coefficients }
+        let coefficients =
+            answers.iter().map(|answer| CoefficientBody::new(answer, records, newest, language)).collect();
+        Self { serial: serial.to_owned(), peers, records, coefficients }
     }
 }
 
 impl CoefficientBody {
-    fn new(answer: &HistoryDiagnosis, newest: Option<UtcMicros>, language: Language) -> Self {
+    fn new(answer: &HistoryDiagnosis, records: usize, newest: Option<UtcMicros>, language: Language) -> Self {
         let due = newest.zip(answer.due.as_ref());
         Self {
             coefficient: answer.coefficient.name().into(),
@@ -144,7 +149,7 @@ impl CoefficientBody {
             wander: answer.wander.as_ref().map(WanderBody::from),
             remaining_p_value: answer.remaining_p_value,
             due: due.map(|(newest, due)| DueBody::new(due, newest)),
-            said: answer.sentences(newest).iter().map(|said| language.words(said)).collect(),
+            said: answer.sentences(records, newest).iter().map(|said| language.words(said)).collect(),
         }
     }
 }

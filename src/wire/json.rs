@@ -24,6 +24,9 @@ pub use place::{pointer_token, said_of};
 /// again to name the place.
 pub fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Faults> {
     let bytes = without_mark(bytes);
+    if without_blanks_after(bytes).is_empty() {
+        return Err(Fault { pointer: String::new(), message: message!("file_is_empty") }.into());
+    }
     if bytes.trim_ascii_start().starts_with(b"[") && is_json(bytes) {
         // serde would take the list for the members in their order.
         let message = message!("invalid_type", found = message!("json_array"), expected = message!("json_object"));

@@ -48,14 +48,14 @@ pub struct StationColumnBody {
     /// Standard deviation of one record; null with too few.
     #[schema(required)]
     pub repeatability: Option<SpreadBody>,
-    /// How much more it reads than the station that offsets count from; null of that one, and where no gyro was at
-    /// both.
+    /// How much more it reads than the station that offsets count from; null of that one, and where no gyros lead from
+    /// one to the other.
     #[schema(required)]
     pub offset: Option<SharedBody>,
     /// A year; null where nothing can be said.
     #[schema(required)]
     pub drift: Option<SharedBody>,
-    /// Whether the drift is beyond chance.
+    /// Whether the drift is beyond chance, and the gyros of several IMUs share it.
     pub drifts: bool,
     /// Re-levellings and the like that were found, oldest first.
     pub steps: Vec<StepBody>,

@@ -2,6 +2,7 @@
 
 mod folder;
 mod gist;
+mod revise;
 mod send;
 mod source;
 mod watch;

@@ -12,9 +12,9 @@ use serde_json::value::RawValue;
 
 use crate::cli::Usage;
 use crate::cli::client::JSON;
-use crate::cli::document::readable;
 use crate::cli::faults::in_words;
 use crate::core::fault::Faults;
+use crate::logs::sheet::readable;
 use crate::message;
 use crate::wire::record_table::{TableMap, documents};
 use crate::words;

@@ -15,6 +15,7 @@ use anyhow::Context;
 
 use super::folder::{Dir, Stamp};
 use super::gist::Gist;
+use super::revise::{self, REVISE, WHY};
 use super::send::{Courier, Event, Refusal, Tally, end};
 use super::source;
 use crate::cli::client::{Service, Trouble};
@@ -51,6 +52,7 @@ pub async fn watch(
     say(&format!("watching {} for {}", dir.display(), service.base()));
     loop {
         folder.pass(service).await;
+        folder.revise(service).await;
         tokio::time::sleep(POLL).await;
     }
 }
@@ -68,6 +70,12 @@ struct Folder {
     links: HashSet<OsString>,
     /// Trouble that concerns every file: the folder cannot be read, or no service answers.
     trouble: Trials,
+    /// Trouble with what waits in `revise`.
+    revising: Trials,
+}
+
+fn is_left_alone(name: &str) -> bool {
+    name.starts_with('.') || UNFINISHED.iter().any(|ending| name.ends_with(ending))
 }
 
 /// JSON says itself where it ends.
@@ -94,7 +102,7 @@ impl Folder {
     fn open(path: &Path, settle: Option<Duration>) -> anyhow::Result<Self> {
         std::fs::create_dir_all(path).with_context(|| format!("cannot create {}", path.display()))?;
         let dir = Dir::open(path).with_context(|| path.display().to_string())?;
-        for within in [SENT, REFUSED] {
+        for within in [SENT, REFUSED, REVISE] {
             dir.within(within).with_context(|| path.join(within).display().to_string())?;
         }
         Ok(Self {
@@ -106,6 +114,7 @@ impl Folder {
             waiting: HashMap::new(),
             links: HashSet::new(),
             trouble: Trials::default(),
+            revising: Trials::default(),
         })
     }
 
@@ -136,6 +145,46 @@ impl Folder {
         }
     }
 
+    /// Tries every file in `revise`.
+    async fn revise(&mut self, service: &Service) {
+        if !self.revising.due() {
+            return;
+        }
+        match self.revise_all(&service.clone().telling("")).await {
+            Ok(()) => self.revising.over(),
+            Err(error) => self.revising.again(&format!("{REVISE}: {error:#}; it stays and is tried again"), None),
+        }
+    }
+
+    async fn revise_all(&self, service: &Service) -> anyhow::Result<()> {
+        let dir = self.within(REVISE)?;
+        for name in dir.names()? {
+            let shown = name.to_string_lossy().into_owned();
+            if is_left_alone(&shown) || shown.ends_with(WHY) || dir.stamp(&name).is_none() {
+                continue;
+            }
+            let settle = self.settle.unwrap_or_else(|| usual_settle(&name));
+            let (to, words) = match revise::deliver(&dir, &name, settle, service).await? {
+                None | Some(revise::Fate::Asked { now: false }) => continue,
+                Some(revise::Fate::Asked { now: true }) => {
+                    say(&format!("{REVISE}/{shown}: say in {shown}{WHY} who replaces what is stored, and why"));
+                    continue;
+                }
+                Some(revise::Fate::Done(words)) => (SENT, words),
+                Some(revise::Fate::Refused(words)) => (REFUSED, words),
+            };
+            let target = self.within(to)?;
+            let new_name = free_name(&target, &name);
+            if to == REFUSED {
+                target.write(&with(&new_name, ".reason.txt"), format!("{words}\n").as_bytes())?;
+            }
+            dir.move_to(&name, &target, &new_name)?;
+            dir.move_to(&revise::beside(&name), &target, &free_name(&target, &revise::beside(&new_name)))?;
+            say(&format!("{REVISE}/{shown}: {words}"));
+        }
+        Ok(())
+    }
+
     /// Notes new and changed files, forgets those that are gone.
     fn look(&mut self) -> std::io::Result<()> {
         self.dir = Dir::open(&self.path)?;
@@ -143,7 +192,7 @@ impl Folder {
         let mut links = HashSet::new();
         for name in self.dir.names()? {
             let text = name.to_string_lossy();
-            if text.starts_with('.') || UNFINISHED.iter().any(|ending| text.ends_with(ending)) {
+            if is_left_alone(&text) {
                 continue;
             }
             let Some(stamp) = self.dir.stamp(&name) else {

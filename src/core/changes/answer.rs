@@ -201,7 +201,7 @@ pub struct NamedCause {
     pub class: Vec<&'static str>,
     pub tie: Tie,
     pub estimate: Estimate,
-    /// None where no block can be predicted from the others.
+    /// None where no block can be predicted from the others, or where they say nothing of it.
     pub held_out: Option<HeldOut>,
     pub p_value_adjusted: f64,
 }
@@ -237,9 +237,9 @@ impl WhyNot {
             Self::NoBetterThanWandering { p } => message!("change_no_better_than_wandering", p = figure(p, 2)),
             Self::OthersDeny { own, others, sd, gyros } => message!(
                 "change_others_deny",
-                own = signed(own, 4),
-                others = signed(others, 4),
-                sd = figure(sd, 4),
+                own = signed(own, decimals(sd)),
+                others = signed(others, decimals(sd)),
+                sd = figure(sd, decimals(sd)),
                 gyros = gyros
             ),
         }
@@ -287,7 +287,7 @@ pub struct Due {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HistoryVerdict {
-    /// Too few records to tell a change from scatter.
+    /// Too few records, or too short a time, to tell a change from scatter.
     TooFew,
     /// Nothing above the scatter of calibration.
     NoChange,
@@ -321,6 +321,8 @@ pub struct HistoryDiagnosis {
     pub causes: Vec<NamedCause>,
     pub rejected: Vec<Rejected>,
     pub outliers: Vec<Outlier>,
+    /// Whether there are records enough, and all of one day: too few, for they tell nothing of time.
+    pub is_of_a_day: bool,
     pub wander: Option<Wander>,
     /// Significance of what is left beyond the scatter.
     pub remaining_p_value: f64,
@@ -334,21 +336,32 @@ pub struct HistoryDiagnosis {
 pub const FEWEST_RECORDS: usize = 6;
 
 impl HistoryDiagnosis {
-    /// What is said of the coefficient, sentence by sentence; `newest` is its newest record, from which dates count.
-    pub fn sentences(&self, newest: Option<UtcMicros>) -> Vec<Message> {
+    /// What is said of the coefficient, sentence by sentence, of so many records that count; `newest` is the newest one,
+    /// from which dates count.
+    pub fn sentences(&self, records: usize, newest: Option<UtcMicros>) -> Vec<Message> {
         let of_causes = self.causes.iter().flat_map(NamedCause::sentences);
-        std::iter::once(self.opening()).chain(of_causes).chain(self.besides(newest)).collect()
+        std::iter::once(self.opening())
+            .chain(of_causes)
+            .chain(self.besides(newest))
+            .chain(self.looked_at(records))
+            .collect()
     }
 
     /// How much of the change is explained.
     pub fn opening(&self) -> Message {
         match self.verdict {
+            HistoryVerdict::TooFew if self.is_of_a_day => message!("history_of_a_day", records = self.records),
             HistoryVerdict::TooFew => message!("history_too_few", records = self.records),
             HistoryVerdict::NoChange => message!("history_no_change"),
             HistoryVerdict::Explained => message!("history_explained"),
             HistoryVerdict::PartlyExplained => message!("history_partly_explained"),
             HistoryVerdict::Unexplained => message!("history_unexplained"),
         }
+    }
+
+    /// Of how many records it is said, where not all that count are looked at.
+    pub fn looked_at(&self, records: usize) -> Option<Message> {
+        (self.records < records).then(|| message!("history_looked_at", looked_at = self.records, records = records))
     }
 
     /// What is said besides the causes: how it wanders, what lies off, when it reaches its budget.
@@ -382,6 +395,11 @@ impl HistoryDiagnosis {
     }
 }
 
+/// Decimals of a figure beside its standard deviation: two digits of that, and four at the least.
+fn decimals(sd: f64) -> usize {
+    (1.0 - sd.max(1e-9).log10().floor()).max(4.0) as usize
+}
+
 impl NamedCause {
     /// What it is and what it explains, sentence by sentence.
     fn sentences(&self) -> Vec<Message> {
@@ -389,8 +407,8 @@ impl NamedCause {
             "history_cause",
             cause = cause_word(self.cause),
             detail = self.tie.message(),
-            value = signed(self.estimate.value, 4),
-            sd = figure(self.estimate.sd, 4),
+            value = signed(self.estimate.value, decimals(self.estimate.sd)),
+            sd = figure(self.estimate.sd, decimals(self.estimate.sd)),
             unit = self.estimate.unit
         )];
         all.extend(self.others());

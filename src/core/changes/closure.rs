@@ -10,10 +10,11 @@ const BLOCKS: usize = 8;
 /// Remaining power, in standard deviations of what noise alone leaves, from which something is left.
 const LEFT: f64 = 2.5;
 
-/// Of column `k` among `columns`, the others in the model both times.
-pub(super) fn held_out(y: &[f64], variance: &[f64], columns: &[&[f64]], k: usize) -> Option<HeldOut> {
+/// Of column `k` among `columns`, the others in the model both times. So much of its course as `open` may be another's,
+/// which the residuals of the blocks need not show.
+pub(super) fn held_out(y: &[f64], variance: &[f64], columns: &[&[f64]], k: usize, open: f64) -> Option<HeldOut> {
     let others: Vec<&[f64]> = columns.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, column)| *column).collect();
-    summed(y, y, variance, &others, columns)
+    summed(y, y, variance, &others, columns, open)
 }
 
 /// Of a column whose coefficient is known without this gyro; it is taken out of `y` already.
@@ -25,15 +26,22 @@ pub(super) fn held_out_known(
     value: f64,
 ) -> Option<HeldOut> {
     let whole: Vec<f64> = y.iter().zip(column).map(|(y, c)| y + value * c).collect();
-    summed(&whole, y, variance, columns, columns)
+    summed(&whole, y, variance, columns, columns, 0.0)
 }
 
-fn summed(y_without: &[f64], y_with: &[f64], variance: &[f64], without: &[&[f64]], with: &[&[f64]]) -> Option<HeldOut> {
+fn summed(
+    y_without: &[f64],
+    y_with: &[f64],
+    variance: &[f64],
+    without: &[&[f64]],
+    with: &[&[f64]],
+    open: f64,
+) -> Option<HeldOut> {
     let n = y_with.len();
     let blocks = BLOCKS.min(n / 2).max(1);
-    let mut open: Vec<std::ops::Range<usize>> = (0..blocks).map(|b| b * n / blocks..(b + 1) * n / blocks).collect();
+    let mut waiting: Vec<std::ops::Range<usize>> = (0..blocks).map(|b| b * n / blocks..(b + 1) * n / blocks).collect();
     let (mut before, mut after, mut floor, mut count, mut noise) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    while let Some(block) = open.pop() {
+    while let Some(block) = waiting.pop() {
         if block.is_empty() {
             continue;
         }
@@ -42,7 +50,7 @@ fn summed(y_without: &[f64], y_with: &[f64], variance: &[f64], without: &[&[f64]
             // A block that the rest cannot predict, in halves.
             if block.len() > 1 {
                 let middle = usize::midpoint(block.start, block.end);
-                open.extend([block.start..middle, middle..block.end]);
+                waiting.extend([block.start..middle, middle..block.end]);
             }
             continue;
         };
@@ -56,8 +64,11 @@ fn summed(y_without: &[f64], y_with: &[f64], variance: &[f64], without: &[&[f64]
     if count < 4.0 {
         return None;
     }
-    let scatter = (2.0 * count).sqrt();
     let gain = (before - after).max(0.0);
+    if gain == 0.0 {
+        return None;
+    }
+    let scatter = (2.0 * count).sqrt();
     let over = after - floor;
     let significant = over > LEFT * scatter;
     let left = if significant { over } else { 1.0 };
@@ -65,6 +76,7 @@ fn summed(y_without: &[f64], y_with: &[f64], variance: &[f64], without: &[&[f64]
     let low_gain = (gain.sqrt() - 2.0).max(0.0).powi(2);
     let high_left =
         if significant { over + 2.0 * over_scatter } else { 1.0 + over.max(0.0).min(scatter) + 0.5 * scatter };
+    let high_left = high_left.max(gain * open);
     let high_gain = (gain.sqrt() + 2.0).powi(2);
     let low_left = if significant { (over - 2.0 * over_scatter).max(0.0) } else { 0.0 };
     let share = |gain: f64, left: f64| if gain > 0.0 { gain / (gain + left) } else { 0.0 };

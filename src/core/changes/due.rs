@@ -19,7 +19,8 @@ pub struct Budget {
 /// Years beyond which no date is given.
 const FARTHEST: f64 = 200.0;
 
-pub(super) fn due(level: &Level, budget: Budget) -> Option<Due> {
+/// The newest record is so many days younger than the row at which `level` stands.
+pub(super) fn due(level: &Level, younger: f64, budget: Budget) -> Option<Due> {
     if !level.ages || level.slope == 0.0 {
         return None;
     }
@@ -40,9 +41,9 @@ pub(super) fn due(level: &Level, budget: Budget) -> Option<Due> {
             let middle = 0.5 * (early + late);
             if chance(middle) < p { early = middle } else { late = middle }
         }
-        Some(late * YEAR_DAYS)
+        Some(late * YEAR_DAYS - younger)
     };
-    let days = -beyond / slope * YEAR_DAYS;
+    let days = -beyond / slope * YEAR_DAYS - younger;
     (days.abs() < FARTHEST * YEAR_DAYS).then(|| Due {
         days,
         p80: [when(0.1), when(0.9)],

@@ -46,6 +46,11 @@ pub use due::Budget;
 pub use reproducibility::{FleetStations, Shared, Spread, StationColumn, StationFigures, stations};
 pub use station::CoursePoint;
 
+/// Stated standard deviations of a gyro without peers count for nothing where successive records scatter by so many.
+const DISBELIEVED: f64 = 3.0;
+/// Days below which records are of one occasion, and tell nothing of time.
+const SHORTEST_DAYS: f64 = 1.0;
+
 /// Diagnoses D_I, D_S and D_O of `gyro`. `others` are gyros of the fleet: those of other IMUs tell what a station does
 /// to all, those of the same IMU share its record. With `budgets` it is said when a coefficient that ages leaves them.
 pub fn diagnose_history(
@@ -80,12 +85,15 @@ fn diagnose(
         causes: Vec::new(),
         rejected: Vec::new(),
         outliers: Vec::new(),
+        is_of_a_day: false,
         wander: None,
         remaining_p_value: 1.0,
         due: None,
         course: Vec::new(),
     };
-    if series.len() < FEWEST_RECORDS {
+    let span = entries.first().zip(entries.last()).map_or(0.0, |(first, last)| last.at.days_since(first.at));
+    answer.is_of_a_day = series.len() >= FEWEST_RECORDS && span < SHORTEST_DAYS;
+    if series.len() < FEWEST_RECORDS || answer.is_of_a_day {
         return answer;
     }
     answer.verdict = HistoryVerdict::NoChange;
@@ -95,7 +103,7 @@ fn diagnose(
     let names: Vec<&str> = series.stations.iter().map(|name| &**name).collect();
     let reference = series.reference();
     let mut course = Course::of(peers, &names, series.origin, column);
-    course.take(reference, |part, taken| own_estimate(&series, part, taken));
+    course.take(reference, |part, common, taken| station::is_borne_out(common, own_estimate(&series, part, taken)));
     place_steps(&series, &mut course);
     let mates = Course::of(mates, &names, series.origin, column);
     for (part, common) in &course.taken {
@@ -125,7 +133,8 @@ fn diagnose(
     let of_station =
         |budget: &Budget| budget.measured_since.map_or(0.0, |since| baseline_part(&series, &course, entries, since));
     answer.due = budget.and_then(|budget| {
-        due::due(&found.level, Budget { baseline: budget.baseline - of_station(&budget), ..budget })
+        let since = entries.last()?.at.days_since(series.rows.last()?.at);
+        due::due(&found.level, since, Budget { baseline: budget.baseline - of_station(&budget), ..budget })
     });
     answer.causes = found.named;
     answer.rejected = found.rejected;
@@ -149,11 +158,12 @@ fn baseline_part(series: &Series, course: &Course, entries: &[Entry], since: Utc
 /// The scale of the noise as the fleet shows it; without a fleet, as it is stated.
 fn prior(series: &Series, course: &Course, entries: &[Entry], column: usize) -> search::Prior {
     let stated = entries.iter().any(|entry| entry.d[column].sd.is_some_and(|sd| sd > 0.0));
+    let of_stated = series.scatter.of_stated;
     let fleet = course.scatter.filter(|_| course.gyros() >= 3);
     let (freedom, sd): (f64, f64) = match fleet {
         Some(fleet) if stated => (40.0, series.unit * fleet.of_stated),
         Some(fleet) => (20.0, fleet.absolute),
-        None if stated => (4.0, series.unit),
+        None if stated => (4.0, series.unit * if of_stated > DISBELIEVED { of_stated } else { 1.0 }),
         None => (0.0, 0.0),
     };
     // Figures without any noise have that of their rounding.

@@ -5,22 +5,20 @@
 //! chapter III). Gyros age and step by themselves, so all of it is robust: e from the median of successive differences,
 //! c from the median of the gyros' pulls about the common offset, b from [`station`](super::station).
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::core::numerics::median::median_of;
 use crate::core::numerics::tails;
 use crate::core::time::UtcMicros;
 
-use super::answer::{GyroHistory, StationForm};
+use super::answer::{Entry, GyroHistory, StationForm};
 use super::series::robust;
-use super::station::{Common, Course, CoursePoint, Part};
+use super::station::{Common, Course, CoursePoint, OF_SCALE, Part, TAKEN};
 
 /// Points of a station's course, at most.
 const POINTS: usize = 24;
-/// Relative standard deviation of a robust scale, times the root of the number of figures; 0.6745^-1 sqrt(pi/8)/phi
-/// gives 1.167 for independent ones, and successive differences share a record each.
-const OF_SCALE: f64 = 1.167;
+/// As [`OF_SCALE`]; successive differences share a record each.
 const OF_SUCCESSIVE: f64 = 1.43;
 
 /// A standard deviation with its 95 % interval, deg/(h g0).
@@ -41,6 +39,13 @@ pub struct Shared {
     pub imus: usize,
 }
 
+impl Shared {
+    /// Whether a drift of this size would be taken for more than chance.
+    pub fn is_beyond_chance(&self) -> bool {
+        self.value.abs() > TAKEN * self.sd
+    }
+}
+
 impl From<&Common> for Shared {
     fn from(common: &Common) -> Self {
         Self { value: common.value, sd: common.sd, gyros: common.gyros, imus: common.imus }
@@ -55,7 +60,7 @@ pub struct StationColumn {
     pub offset: Option<Shared>,
     /// A year.
     pub drift: Option<Shared>,
-    /// Whether the drift is beyond chance.
+    /// Whether the drift is beyond chance, and the gyros of several IMUs share it.
     pub drifts: bool,
     /// In order of time.
     pub steps: Vec<(UtcMicros, Shared)>,
@@ -131,36 +136,62 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
     let reference = names.iter().position(|name| **name == *against)?;
     let origin = found.values().map(|figures| figures.first).min()?;
     let gyros: Vec<&GyroHistory> = fleet.iter().collect();
+    let compared = compared(fleet, &names, reference);
     let mut reproducibility = [None; 2];
     let mut stations: Vec<StationFigures> = found.values().cloned().collect();
     for (column, reproducibility) in reproducibility.iter_mut().enumerate() {
         let raw = Course::of(&gyros, &names, origin, column);
         let mut course = raw.clone();
-        course.take(reference, |_, _| None);
+        course.take(reference, |_, common, _| common.imus >= 2);
         for (station, figures) in stations.iter_mut().enumerate() {
             figures.imus = raw.imus_at(station);
             figures.columns[column] =
-                of_station(&raw, &course, station, reference, repeatability(fleet, &figures.name, column));
+                of_station(&raw, &course, station, &compared, repeatability(fleet, &figures.name, column));
         }
         *reproducibility = among(&stations, column);
     }
     Some(FleetStations { stations, against, reproducibility })
 }
 
+/// Stations other than `reference` that gyros compare with it: those of one gyro, and through its stations those of others.
+fn compared(fleet: &[GyroHistory], names: &[&str], reference: usize) -> Vec<bool> {
+    let mut reached = vec![false; names.len()];
+    reached[reference] = true;
+    let number = |entry: &Entry| names.binary_search(&&*entry.station).ok();
+    let of_gyros: Vec<BTreeSet<usize>> =
+        fleet.iter().map(|gyro| gyro.entries.iter().filter_map(number).collect()).collect();
+    loop {
+        let meets = |of: &&BTreeSet<usize>| of.iter().any(|k| reached[*k]) && !of.iter().all(|k| reached[*k]);
+        let Some(more) = of_gyros.iter().find(meets) else { break };
+        more.iter().for_each(|k| reached[*k] = true);
+    }
+    reached[reference] = false;
+    reached
+}
+
 fn of_station(
     raw: &Course,
     course: &Course,
     station: usize,
-    reference: usize,
+    compared: &[bool],
     repeatability: Option<Spread>,
 ) -> StationColumn {
-    let whole = |form: StationForm| {
+    let whole = |course: &Course, form: StationForm| {
         let part = Part { station, form };
         let taken = course.taken.iter().find(|(taken, _)| *taken == part).map(|(_, common)| *common);
         let common = taken.or_else(|| course.estimate(&part))?;
         Some((Shared::from(&common), taken.is_some()))
     };
-    let drift = whole(StationForm::Drift);
+    let offset = whole(course, StationForm::Offset);
+    let drift = match offset {
+        // An offset that too few tell is not taken, and is no drift all the same.
+        Some((offset, false)) if offset.is_beyond_chance() => {
+            let mut course = course.clone();
+            course.subtract(&Part { station, form: StationForm::Offset }, offset.value);
+            whole(&course, StationForm::Drift)
+        }
+        _ => whole(course, StationForm::Drift),
+    };
     let (mut steps, mut windows) = (Vec::new(), Vec::new());
     for (part, common) in course.taken.iter().filter(|(part, _)| part.station == station) {
         let shared = Shared::from(common);
@@ -172,7 +203,7 @@ fn of_station(
     }
     steps.sort_by_key(|(at, _)| *at);
     windows.sort_by_key(|(between, _)| *between);
-    let offset = (station != reference).then(|| whole(StationForm::Offset)).flatten();
+    let offset = offset.filter(|_| compared[station]);
     StationColumn {
         repeatability,
         offset: offset.map(|(shared, _)| shared),
@@ -180,19 +211,21 @@ fn of_station(
         drifts: drift.is_some_and(|(_, taken)| taken),
         steps,
         windows,
-        by_gyro: (station != reference).then(|| by_gyro(course, station)).flatten(),
+        by_gyro: compared[station].then(|| by_gyro(course, station)).flatten(),
         course: raw.course_of(station, POINTS),
     }
 }
 
 /// Spread of what single gyros show beyond the common offset, their records' noise taken off.
 fn by_gyro(course: &Course, station: usize) -> Option<Spread> {
-    let each = course.each(&Part { station, form: StationForm::Offset });
+    let part = Part { station, form: StationForm::Offset };
+    let (each, common) = (course.each(&part), course.estimate(&part)?.value);
     let count = each.len();
     if count < 3 {
         return None;
     }
-    let mut pulls: Vec<f64> = each.iter().map(|(value, information)| value.abs() * information.sqrt()).collect();
+    let mut pulls: Vec<f64> =
+        each.iter().map(|(value, information)| (value - common).abs() * information.sqrt()).collect();
     let scale = robust(&mut pulls)?;
     let information = each.iter().map(|(_, information)| information).sum::<f64>() / count as f64;
     let beyond = |scale: f64| ((scale * scale - 1.0).max(0.0) / information).sqrt();

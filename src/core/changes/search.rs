@@ -165,6 +165,7 @@ impl Question<'_> {
         let kinds = kinds(&pool);
         let mut taken: Vec<Candidate> = Vec::new();
         let mut named: Vec<NamedCause> = Vec::new();
+        let mut open: Vec<f64> = Vec::new();
         let models = noise::models(&series.column(|row| row.years), &variance, &known);
         if models.first()?.process != Process::White {
             return None;
@@ -181,6 +182,7 @@ impl Question<'_> {
             let Some((k, class)) = lead else { break };
             let candidate = pool[k].clone();
             let trial = trials[k]?;
+            open.push(self.open(&fitted, &pool, &trials, k));
             named.push(NamedCause {
                 cause: candidate.cause,
                 class,
@@ -207,7 +209,7 @@ impl Question<'_> {
         let noise_variance = fitted.variance(fitted.squares[0]);
         let stated: Vec<f64> = variance.iter().map(|v| v * noise_variance).collect();
         for (k, cause) in named.iter_mut().enumerate() {
-            cause.held_out = closure::held_out(&y, &stated, &columns, k);
+            cause.held_out = closure::held_out(&y, &stated, &columns, k, open[k]);
         }
         let (best, model) = fitted.best();
         let gain = 2.0 * (best - fitted.white());
@@ -302,11 +304,29 @@ impl Question<'_> {
         Some((*lead, class))
     }
 
+    /// What share of a named course is open: the largest squared distance from it to the course of a candidate that
+    /// explains as much, another instant among them, over its own square. Level and named causes count in neither.
+    fn open(&self, fitted: &Fitted, pool: &[Candidate], trials: &[Option<Trial>], named: usize) -> f64 {
+        let possible = |(k, trial): (usize, &Option<Trial>)| trial.filter(|one| self.denied(&pool[k], one).is_none());
+        let best = trials.iter().enumerate().filter_map(possible).map(|one| one.best).fold(f64::NEG_INFINITY, f64::max);
+        let course = |k: usize| -> Option<Vec<f64>> {
+            let trial = possible((k, &trials[k])).filter(|one| 2.0 * (best - one.best) <= EQUALLY_GOOD)?;
+            let mut column = fitted.models[0].whiten(&pool[k].column);
+            fitted.bases[0].project_out(&mut column);
+            column.iter_mut().for_each(|value| *value *= trial.value);
+            Some(column)
+        };
+        let Some(own) = course(named) else { return 0.0 };
+        let apart = |other: Vec<f64>| own.iter().zip(&other).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+        (0..pool.len()).filter_map(course).map(apart).fold(0.0, f64::max) / dot(&own, &own)
+    }
+
     /// What the other gyros, or those of the same IMU, say against a station.
     fn denied(&self, candidate: &Candidate, trial: &Trial) -> Option<Common> {
         let part = candidate.part?;
         if let Some(others) = self.course.estimate(&part) {
-            let consistent = (trial.value - others.value).abs() <= CONSISTENT * trial.sd.hypot(others.sd);
+            let sd = trial.sd.hypot(others.sd).hypot(others.between);
+            let consistent = (trial.value - others.value).abs() <= CONSISTENT * sd;
             return (!consistent).then_some(others);
         }
         if part.form == StationForm::Offset {

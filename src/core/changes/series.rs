@@ -15,6 +15,8 @@ use super::answer::{Entry, Outlier, YEAR_DAYS};
 const MOST_ROWS: usize = 72;
 /// Distance, in standard deviations, from which a record between others is an outlier.
 const OUTLYING: f64 = 6.0;
+/// Standard deviations of the best step among neighbours from which on they are averaged before it and after it.
+const STEPS: f64 = 5.0;
 /// The same figures within so many days are one measurement, sent again.
 const REPEATED_WITHIN_DAYS: f64 = 1.0;
 
@@ -185,7 +187,8 @@ impl Series {
                 groups.entry((bin, since, row.station, row.seat.clone())).or_default().push(k);
             }
             if groups.len() <= MOST_ROWS || bins < 8 {
-                let mut rows: Vec<Row> = groups.values().map(|group| self.average(group)).collect();
+                let apart = groups.values().flat_map(|group| self.apart(group));
+                let mut rows: Vec<Row> = apart.map(|group| self.average(group)).collect();
                 rows.sort_by_key(|row| row.at);
                 self.rows = rows;
                 break;
@@ -193,6 +196,30 @@ impl Series {
             bins /= 2;
         }
         debug_assert!(self.len() <= n);
+    }
+
+    /// A group in two, where it steps within: an average over a step would be two steps.
+    fn apart<'a>(&self, group: &'a [usize]) -> impl Iterator<Item = &'a [usize]> {
+        let sum = |some: &[usize]| {
+            some.iter().fold((0.0, 0.0), |(weight, weighted), k| {
+                let one = 1.0 / self.rows[*k].variance;
+                (weight + one, weighted + one * self.rows[*k].y)
+            })
+        };
+        let whole = sum(group);
+        let (mut before, mut best) = ((0.0, 0.0), (0.0, 0));
+        for (cut, k) in group.iter().enumerate() {
+            let after = (whole.0 - before.0, whole.1 - before.1);
+            let step = (after.1 / after.0 - before.1 / before.0) / (1.0 / after.0 + 1.0 / before.0).sqrt();
+            if cut > 0 && step.abs() > best.0 {
+                best = (step.abs(), cut);
+            }
+            let one = sum(std::slice::from_ref(k));
+            before = (before.0 + one.0, before.1 + one.1);
+        }
+        let cut = if best.0 > STEPS * self.unit * self.scatter.of_stated { best.1 } else { 0 };
+        let (before, after) = group.split_at(cut);
+        [before, after].into_iter().filter(|some| !some.is_empty())
     }
 
     fn average(&self, group: &[usize]) -> Row {

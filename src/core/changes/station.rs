@@ -14,7 +14,7 @@ use crate::core::numerics::normal::SD_OF_MEDIAN;
 use crate::core::time::UtcMicros;
 
 /// |b|/sd from which a part is taken: of an offset or a drift, and of a step or a window, which are searched for.
-const TAKEN: f64 = 4.5;
+pub(super) const TAKEN: f64 = 4.5;
 const TAKEN_SEARCHED: f64 = 5.0;
 /// Instants that are tried at a station, and to either side of the best, before that is refined.
 const INSTANTS: usize = 24;
@@ -26,10 +26,16 @@ const CLIPPED: f64 = 4.0;
 /// What the best of many instants, or of all windows, gains by chance.
 const SEARCHED: f64 = 12.0;
 const SEARCHED_WINDOWS: f64 = 18.0;
+/// Relative standard deviation of a robust scale, times the root of the number of figures: 0.6745^-1 sqrt(pi/8)/phi.
+pub(super) const OF_SCALE: f64 = 1.167;
 /// Huber's constant.
 const HUBER: f64 = 1.5;
-/// Beside few IMUs a gyro's own records must agree with them within this, and be so significant themselves.
+/// A gyro's own records agree with one or two IMUs within so many standard deviations, and show something themselves
+/// from as many on; of more IMUs they are only denied so far apart from them.
 const AGREES: f64 = 3.5;
+const DENIES: f64 = 6.0;
+/// Gyros that share a change differ in it by less than its size over this; those that age each by itself do not.
+const ALIKE: f64 = 8.0;
 const MOST_PARTS: usize = 6;
 
 /// A part of a station's course.
@@ -53,6 +59,8 @@ pub(super) struct Common {
     pub sd: f64,
     pub gyros: usize,
     pub imus: usize,
+    /// How the gyros differ beyond their noise at the least (95 %), standard deviation.
+    pub between: f64,
     /// By how much the sum of squares falls.
     gain: f64,
 }
@@ -171,12 +179,17 @@ impl Course {
         combined(&each)
     }
 
-    /// Takes the parts that the peers show. `reference` is the station that offsets count from; `agrees` asks the
-    /// gyro's own records for their estimate and its standard deviation, where there are few peers.
-    pub fn take(&mut self, reference: usize, own: impl Fn(&Part, &[(Part, Common)]) -> Option<(f64, f64)>) {
+    /// Takes the parts that the peers show and `is_borne_out` does not object to, which is also told what is taken.
+    /// `reference` is the station that offsets count from.
+    pub fn take(&mut self, reference: usize, is_borne_out: impl Fn(&Part, &Common, &[(Part, Common)]) -> bool) {
         let mut refused: Vec<Part> = Vec::new();
+        // Where a drift or a step is refused, instants are found that follow it for a while.
+        let mut not_searched: Vec<usize> = Vec::new();
         for _ in 0..2 * MOST_PARTS {
-            let known = |part: &Part| self.taken.iter().any(|(taken, _)| taken == part) || refused.contains(part);
+            let known = |part: &Part| {
+                let is_not = part.form.is_searched() && not_searched.contains(&part.station);
+                is_not || self.taken.iter().any(|(taken, _)| taken == part) || refused.contains(part)
+            };
             let candidates: Vec<Part> = self.candidates(reference).into_iter().filter(|part| !known(part)).collect();
             let best = candidates
                 .into_iter()
@@ -185,17 +198,28 @@ impl Course {
                 .max_by(|a, b| rated(a).total_cmp(&rated(b)));
             let Some((part, common)) = best.filter(|_| self.taken.len() < MOST_PARTS) else { break };
             let (part, common) = self.refined(part, common);
-            let few = common.imus < 2;
-            let agreed =
-                |(b, sd): (f64, f64)| b.abs() > AGREES * sd && (b - common.value).abs() < AGREES * sd.hypot(common.sd);
-            if few && !own(&part, &self.taken).is_some_and(agreed) {
+            if !self.is_shared(&part, &common) || !is_borne_out(&part, &common, &self.taken) {
                 refused.push(part);
+                if !matches!(part.form, StationForm::Offset | StationForm::Between(..)) {
+                    not_searched.push(part.station);
+                }
                 continue;
             }
             self.subtract(&part, common.value);
             self.taken.push((part, common));
             refused.extend(self.estimate_again());
         }
+    }
+
+    /// Whether it is what the gyros share: a window that one IMU tells is its own where few others stand by, and the gyros
+    /// do not differ in it as those that age each by itself do. They may differ in an offset: gyro x station.
+    fn is_shared(&self, part: &Part, common: &Common) -> bool {
+        let is_told = match part.form {
+            StationForm::Between(..) => common.imus > 1 || self.imus_at(part.station) > 2,
+            StationForm::Drift | StationForm::Step(_) => true,
+            StationForm::Offset => return true,
+        };
+        is_told && common.value.abs() > ALIKE * common.between
     }
 
     /// The last record of a peer at a station before an instant.
@@ -303,7 +327,7 @@ impl Course {
         }
     }
 
-    fn subtract(&mut self, part: &Part, value: f64) {
+    pub fn subtract(&mut self, part: &Part, value: f64) {
         for row in self.peers.iter_mut().flat_map(|peer| &mut peer.rows) {
             row.y -= value * part.at(row.station, row.at, row.years);
         }
@@ -328,6 +352,19 @@ impl Course {
             given_up.push(part);
         }
         given_up
+    }
+}
+
+/// Whether the gyro's own estimate lets the part be taken out of its records: beside one IMU it must agree, and beside
+/// more it must not be nothing where they show something.
+pub(super) fn is_borne_out(common: &Common, own: Option<(f64, f64)>) -> bool {
+    let Some((value, sd)) = own else { return common.imus > 1 };
+    let apart = (value - common.value).abs() / sd.hypot(common.sd);
+    let is_nothing = value.abs() < AGREES * sd;
+    match common.imus {
+        0 | 1 => !is_nothing && apart < AGREES,
+        2 => !is_nothing || apart < AGREES,
+        _ => !is_nothing || apart < DENIES,
     }
 }
 
@@ -393,6 +430,8 @@ fn combined(each: &[(usize, f64, f64)]) -> Option<Common> {
     let mut pulls: Vec<f64> = each.iter().map(|(_, b, info)| (b - value).abs() * info.sqrt()).collect();
     pulls.sort_by(f64::total_cmp);
     let excess = if each.len() < 3 { 1.0 } else { (SD_OF_MEDIAN * pulls[pulls.len() / 2]).max(1.0) };
+    let count = each.len() as f64;
+    let least = excess / (1.645 * OF_SCALE / count.sqrt()).exp();
     let weigh = |value: f64, b: f64, info: f64| {
         let pull = (b - value).abs() * info.sqrt() / excess;
         info * if pull > HUBER { HUBER / pull } else { 1.0 }
@@ -425,6 +464,7 @@ fn combined(each: &[(usize, f64, f64)]) -> Option<Common> {
         sd: noise.max(sandwich).sqrt(),
         gyros: each.len(),
         imus,
+        between: ((least * least - 1.0).max(0.0) / (2.0 * half) * count).sqrt(),
         gain: each.iter().map(|&(_, b, info)| weigh(value, b, info) * (b * b - (b - value).powi(2))).sum(),
     })
 }

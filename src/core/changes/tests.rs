@@ -365,8 +365,11 @@ fn ten_thousand_records_and_records_of_one_instant_get_an_answer() {
     let answer = of(&gyro, &[], Coefficient::DI);
     assert_eq!((answer.records, answer.causes[0].cause), (10_000, "ageing"), "{answer:?}");
     let mut at_once = fleet.gyro(24);
-    at_once.entries.iter_mut().for_each(|entry| entry.at = UtcMicros(0));
-    assert_eq!(of(&at_once, &[], Coefficient::DI).verdict, HistoryVerdict::NoChange);
+    for (k, entry) in at_once.entries.iter_mut().enumerate() {
+        (entry.at, entry.d[0].value) = (UtcMicros(k as i64 * UtcMicros::SECOND), 3.0 + 0.01 * k as f64);
+    }
+    let of_a_day = of(&at_once, &[], Coefficient::DI);
+    assert_eq!((of_a_day.verdict, of_a_day.is_of_a_day), (HistoryVerdict::TooFew, true), "24 s are no time to age in");
     let mut without = fleet.gyro(24);
     without.entries.iter_mut().for_each(|entry| entry.temperature_c = None);
     assert_eq!(of(&without, &[], Coefficient::DS).verdict, HistoryVerdict::NoChange);
@@ -431,5 +434,112 @@ fn a_station_with_one_gyro_and_records_without_temperature_get_what_can_be_told(
         let found = stations(std::slice::from_ref(&few));
         assert_eq!(found.is_none(), records == 0);
         assert!(found.into_iter().flat_map(|found| found.stations).all(|one| one.columns[0].offset.is_none()));
+    }
+}
+
+/// `imus` IMUs of three gyros at one station, of which `moves` are changed by `by`.
+fn small_fleet(seed: u64, imus: usize, by: impl Fn(usize, usize) -> f64) -> Vec<GyroHistory> {
+    let mut fleet = Fleet::seeded(seed);
+    let mut gyros: Vec<GyroHistory> = peers(&mut fleet, imus, 24);
+    for (k, gyro) in gyros.iter_mut().enumerate() {
+        gyro.entries.iter_mut().for_each(|entry| entry.station = "ST-1".into());
+        change(gyro, 0, |record, _| by(k / 3, record));
+    }
+    gyros
+}
+
+#[test]
+fn a_gyro_that_stands_still_is_not_moved_by_a_station_that_moves_others() {
+    let step = |imu: usize, k: usize| if imu > 0 && k >= 11 { 0.01 } else { 0.0 };
+    let slope = |imu: usize, k: usize| if imu > 0 { 5e-4 * k as f64 } else { 0.0 };
+    let changes: [(usize, &dyn Fn(usize, usize) -> f64); 3] = [(3, &step), (3, &slope), (6, &step)];
+    for (seed, (imus, by)) in (60..65).flat_map(|seed| changes.map(|of| (seed, of))) {
+        let gyros = small_fleet(seed, imus, by);
+        let answer = of(&gyros[0], &gyros[3..], Coefficient::DI);
+        assert_eq!(answer.verdict, HistoryVerdict::NoChange, "{seed}, {imus} IMUs: {answer:?}");
+    }
+}
+
+#[test]
+fn gyros_that_age_each_by_itself_do_not_make_the_station_drift() {
+    for seed in 70..76 {
+        let gyros = small_fleet(seed, 6, |imu, k| 3e-4 * (1.0 + 0.3 * imu as f64) * k as f64);
+        let found = stations(&gyros).expect("there are records");
+        assert!(!found.stations[0].columns[0].drifts, "{seed}: {found:?}");
+        let answer = of(&gyros[0], &gyros[3..], Coefficient::DI);
+        let [cause] = &answer.causes[..] else { panic!("{seed}: {answer:?}") };
+        assert_eq!(cause.cause, "ageing", "{seed}: {answer:?}");
+        assert!((cause.estimate.value / (3e-4 * 365.25 / 30.0) - 1.0).abs() < 0.5, "{seed}: {answer:?}");
+    }
+}
+
+#[test]
+fn scatter_beyond_what_is_stated_is_no_wandering() {
+    let wanders = (0..60).filter(|&seed| {
+        let mut gyro = Fleet::seeded(2000 + seed).gyro(24);
+        gyro.entries.iter_mut().for_each(|entry| entry.d[0].sd = Some(1e-4 * SCATTER));
+        of(&gyro, &[], Coefficient::DI).verdict != HistoryVerdict::NoChange
+    });
+    let wanders = wanders.count();
+    assert!(wanders <= 3, "{wanders} of 60 histories of white noise were called something else");
+}
+
+#[test]
+fn a_closure_covers_what_an_onset_that_was_searched_for_explains() {
+    let (mut covered, mut all) = (0, 0);
+    for seed in 0..120 {
+        let truth = |k: usize| 1e-3 * (k as f64 - 12.0).max(0.0);
+        let mut gyro = Fleet::seeded(3000 + seed).gyro(24);
+        change(&mut gyro, 0, |k, _| truth(k));
+        let answer = of(&gyro, &[], Coefficient::DI);
+        let [cause] = &answer.causes[..] else { continue };
+        let Some(held_out) = cause.held_out else { continue };
+        let origin = gyro.entries[0].at;
+        let explained = |entry: &Entry| cause.estimate.value * cause.tie.regressor(entry, origin);
+        let power = |values: Vec<f64>| {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            values.iter().map(|value| (value - mean).powi(2)).sum::<f64>()
+        };
+        let error = gyro.entries.iter().enumerate().map(|(k, entry)| truth(k) - explained(entry)).collect();
+        let share = 1.0 - power(error) / power((0..24).map(truth).collect());
+        covered += usize::from((held_out.interval[0]..=held_out.interval[1]).contains(&share));
+        all += 1;
+    }
+    assert!(all >= 110 && 100 * covered >= 86 * all, "{covered} of {all}");
+}
+
+#[test]
+fn days_count_from_the_newest_record_of_a_long_history() {
+    let mut gyro = Fleet::seeded(80).gyro(1000);
+    change(&mut gyro, 0, |k, _| 2e-4 * k as f64);
+    let budget = Budget { baseline: 3.0, limit: 0.3, measured_since: None };
+    let due = diagnose_history(&gyro, &[], [Some(budget), None, None])[0].due.expect("it ages");
+    let truth = 30.0 * (0.3 / 2e-4 - 999.0);
+    let [early, late] = due.p95.map(|end| end.expect("closed"));
+    assert!((early..=late).contains(&truth) && late - early < 200.0, "{due:?}, {truth}");
+}
+
+#[test]
+fn stations_that_no_gyro_compares_have_no_offset() {
+    let mut fleet = Fleet::seeded(81);
+    let mut gyros = peers(&mut fleet, 4, 24);
+    for entry in gyros[6..].iter_mut().flat_map(|gyro| &mut gyro.entries) {
+        entry.station = if &*entry.station == "ST-1" { "ST-3".into() } else { "ST-4".into() };
+    }
+    let found = stations(&gyros).expect("there are records");
+    let known: Vec<bool> = found.stations.iter().map(|one| one.columns[0].offset.is_some()).collect();
+    assert_eq!((&*found.against, &known[..]), ("ST-3", &[false, false, false, true][..]));
+}
+
+#[test]
+fn a_step_within_what_is_averaged_is_one_step() {
+    for seed in 90..94 {
+        let mut gyro = Fleet::seeded(seed).gyro(1000);
+        change(&mut gyro, 0, |k, _| if k >= 405 { 0.02 } else { 0.0 });
+        let answer = of(&gyro, &[], Coefficient::DI);
+        let [cause] = &answer.causes[..] else { panic!("{seed}: {answer:?}") };
+        assert_eq!(cause.cause, "step", "{seed}: {answer:?}");
+        let Estimate { value, sd, .. } = cause.estimate;
+        assert!((value - 0.02).abs() < 4.0 * sd, "{seed}: {answer:?}");
     }
 }

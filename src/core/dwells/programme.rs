@@ -180,27 +180,53 @@ fn disagreement(seen: &Seen, position: &Position) -> f64 {
     cost
 }
 
-/// How much later the log's clock is than the programme's: where most positions begin just before an interval.
+/// How much later the log's clock is than the programme's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clock {
+    pub offset_s: f64,
+    /// Another offset, a dwell away, that fits as well: of regular dwells of which the first or the last are missing.
+    pub rival_s: Option<f64>,
+}
+
+/// The offset at which most positions are held in intervals that do not contradict them.
 ///
-/// The candidates are all differences between the begin of an interval and that of a position; the best has most
-/// intervals inside their positions. None where no position states its time, or fewer than half fit.
-pub fn clock_offset(intervals: &[(f64, f64)], programme: &[Position]) -> Option<f64> {
+/// The candidates are all differences between the begin of an interval and that of a position, or their ends; clocks
+/// that agree to a second are taken for one. None where no position states its time, or fewer than half fit.
+pub fn clock_offset(intervals: &[(f64, f64)], seen: &[Seen], programme: &[Position]) -> Option<Clock> {
     let told: Vec<(f64, f64)> =
         programme.iter().filter_map(|p| Some((p.start_s?, p.start_s? + p.duration_s?))).collect();
     if told.len() < programme.len() || told.is_empty() {
         return None;
     }
+    let agrees: Vec<Vec<bool>> =
+        programme.iter().map(|p| seen.iter().map(|s| disagreement(s, p).is_finite()).collect()).collect();
     let overlap = |offset: f64| -> f64 {
-        let shared = |&(from, to): &(f64, f64)| {
-            let part = |&(a, b): &(f64, f64)| (b.min(to + offset) - a.max(from + offset)).max(0.0);
-            intervals.iter().map(part).sum::<f64>() / (to - from)
+        let shared = |(row, &(from, to)): (usize, &(f64, f64))| {
+            let part = |(k, &(a, b)): (usize, &(f64, f64))| match agrees[row][k] {
+                true => (b.min(to + offset) - a.max(from + offset)).max(0.0),
+                false => 0.0,
+            };
+            intervals.iter().enumerate().map(part).sum::<f64>() / (to - from)
         };
-        told.iter().map(shared).sum()
+        told.iter().enumerate().map(shared).sum()
     };
     let ends = intervals.iter().flat_map(|&(a, b)| told.iter().flat_map(move |&(from, to)| [a - from, b - to]));
-    let best = ends.chain([0.0]).map(|offset| (overlap(offset), offset)).max_by(|a, b| {
-        // Of equals, the clock that needs no shift.
-        a.0.total_cmp(&b.0).then(b.1.abs().total_cmp(&a.1.abs()))
-    })?;
-    (best.0 >= 0.5 * told.len() as f64).then_some(best.1)
+    let tried: Vec<(f64, f64)> = ends.chain([0.0]).map(|offset| (overlap(offset), offset)).collect();
+    let most = tried.iter().map(|(shared, _)| *shared).fold(0.0, f64::max);
+    if most < 0.5 * told.len() as f64 {
+        return None;
+    }
+    let as_good = || tried.iter().filter(|(shared, _)| *shared >= most - AS_GOOD);
+    let is_one = |(_, offset): &&(f64, f64)| offset.abs() <= ONE_CLOCK_S;
+    if let Some(&(_, offset_s)) = as_good().filter(is_one).max_by(|a, b| a.0.total_cmp(&b.0)) {
+        return Some(Clock { offset_s, rival_s: None });
+    }
+    let offset_s = tried.iter().find(|(shared, _)| *shared == most)?.1;
+    let apart = 0.5 * told.iter().map(|(from, to)| to - from).fold(f64::INFINITY, f64::min);
+    let rival_s = as_good().map(|(_, offset)| *offset).find(|offset| (offset - offset_s).abs() > apart);
+    Some(Clock { offset_s, rival_s })
 }
+
+/// Dwells by which one offset must fit better than another; clocks that agree so well are one.
+const AS_GOOD: f64 = 0.5;
+const ONE_CLOCK_S: f64 = 1.0;

@@ -314,8 +314,19 @@ fn the_programmes_clock_is_found_in_the_log() {
     let timed = |k: usize| Position { start_s: Some(240.0 * k as f64), duration_s: Some(180.0), ..twenty_four()[k] };
     let programme: Vec<Position> = (0..24).map(timed).collect();
     let spans: Vec<(f64, f64)> = (0..24).map(|k| (37.0 + 240.0 * k as f64, 37.0 + 240.0 * k as f64 + 180.0)).collect();
-    assert!((clock_offset(&spans, &programme).unwrap() - 37.0).abs() < 1e-9);
-    assert_eq!(clock_offset(&spans, &twenty_four()), None);
+    let blind = [Seen { up: None, turn_arcsec_s: None }; 24];
+    let found = clock_offset(&spans, &blind, &programme).unwrap();
+    assert!((found.offset_s - 37.0).abs() < 1e-9 && found.rival_s.is_none(), "{found:?}");
+    assert_eq!(clock_offset(&spans, &blind, &twenty_four()), None);
+    // Without the first two, nothing says which they are: but what points up does, or a clock that both share.
+    let late = clock_offset(&spans[2..], &blind[2..], &programme).unwrap();
+    assert!(late.rival_s.is_some_and(|rival| (rival - late.offset_s).abs() >= 239.0), "{late:?}");
+    let seen: Vec<Seen> = programme.iter().map(|p| Seen { up: Some(p.up()), turn_arcsec_s: None }).collect();
+    let late = clock_offset(&spans[2..], &seen[2..], &programme).unwrap();
+    assert!((late.offset_s - 37.0).abs() < 1e-9 && late.rival_s.is_none(), "{late:?}");
+    let shared: Vec<(f64, f64)> = spans[2..].iter().map(|(from, to)| (from - 37.0, to - 37.0)).collect();
+    let one = clock_offset(&shared, &blind[2..], &programme).unwrap();
+    assert!(one.offset_s.abs() < 1e-9 && one.rival_s.is_none(), "{one:?}");
 }
 
 #[test]

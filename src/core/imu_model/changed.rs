@@ -5,12 +5,14 @@ use nalgebra::DVector;
 use super::fit::{NotIdentified, Sample, identify_at};
 use super::identified::Identified;
 use super::programme::{Knowledge, NoForecast, Programme, effect_of, scaled_inverse};
-use crate::core::augmented::{AugmentedModel, KnownEffect};
+use crate::core::augmented::{AugmentedModel, KnownEffect, Options};
+use crate::core::calibrate::noise::t_variance;
 use crate::core::campaign::Campaign;
+use crate::core::diagnose::{Verdict, diagnose};
 use crate::core::effects::{Coefficient, Effect, Parameter};
 use crate::core::message::Message;
 use crate::core::mounting::Slot;
-use crate::core::numerics::tails::chi2_tail;
+use crate::core::numerics::tails::squares_tail;
 use crate::core::separate::Rigid;
 
 /// Chance, over all effects of the model, below which one has changed.
@@ -36,6 +38,9 @@ pub struct ChangedEffect {
     /// Of noise alone, over all that is compared (Sidak).
     pub p_value: f64,
     pub changed: bool,
+    /// Noise alone would not have it, but with the model's effects fitted anew the gyro shows more than the model
+    /// holds: that may be what has changed.
+    pub undecided: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,7 +71,14 @@ impl NotCompared {
 }
 
 /// Fits the model's effects to the campaign anew, at the model's temperature, and holds them against the model:
-/// chi-square of `(k - k_model)' (C + C_model)^-1 (k - k_model)`.
+///
+/// ```text
+/// (k - k_model)' S^-1 (k - k_model)/m ~ F(m, nu),     S = C + C_model
+/// 1/nu = w^2/dof + w_model^2/dof_model,               w = tr(S^-1 C)/m
+/// ```
+///
+/// with `C` as the scales of the noise are estimated, m coefficients, and nu after Welch (1947): either campaign may
+/// know its noise by a few repeats only.
 ///
 /// # Errors
 /// [`NotCompared`].
@@ -87,17 +99,34 @@ pub fn changed(model: &Identified, campaign: &Campaign) -> Result<Changed, NotCo
         }
     }
     let count = groups.len();
-    let mut places = Vec::new();
-    let mut found = Vec::new();
-    for (effect, slot) in groups {
-        let Some((one, own)) = held_against(model, &now, effect, slot, count) else { continue };
-        if one.changed {
-            places.extend(own);
+    let held = groups.into_iter().filter_map(|(effect, slot)| held_against(model, &now, effect, slot, count));
+    let (mut found, own): (Vec<ChangedEffect>, Vec<_>) = held.unzip();
+    if found.iter().any(|one| one.changed) {
+        let lacking = lacking(&now, campaign);
+        for one in &mut found {
+            let lacks = lacking.iter().any(|gyro| one.slot.is_none_or(|slot| slot == *gyro));
+            (one.changed, one.undecided) = (one.changed && !lacks, one.changed && lacks);
         }
-        found.push(one);
     }
+    let changed = found.iter().zip(own).filter(|(one, _)| one.changed);
+    let places: Vec<(usize, f64)> = changed.flat_map(|(_, own)| own).collect();
     let shifts = if places.is_empty() { Vec::new() } else { shifts(&now, &places) };
     Ok(Changed { effects: found, shifts })
+}
+
+/// Gyros in which the campaign shows more than the model with the effects that are fitted to it anew.
+fn lacking(now: &Identified, campaign: &Campaign) -> Vec<Slot> {
+    let (terms, adopted) = (Some(now.terms), now.effects.clone());
+    let options = Options { terms, adopted, reference_c: now.reference_c, ..Options::default() };
+    let all = || campaign.gyros.iter().map(|gyro| gyro.slot).collect();
+    match diagnose(campaign, &options) {
+        Ok(found) => match found.verdict {
+            Verdict::NoGap => Vec::new(),
+            Verdict::Explained => found.effects.iter().flat_map(|effect| effect.gyros.iter().copied()).collect(),
+            Verdict::PartlyExplained | Verdict::Unexplained => all(),
+        },
+        Err(_) => all(),
+    }
 }
 
 /// As [`changed`], where the model in use is one of the very IMU, holds effects, and can be compared.
@@ -128,9 +157,16 @@ fn held_against(
     let block =
         |identified: &Identified, places: &[usize]| identified.covariance.select_rows(places).select_columns(places);
     let difference = values(now, &own) - values(model, &then);
-    let covariance = block(now, &own) + block(model, &then);
-    let statistic = difference.dot(&(scaled_inverse(&covariance)? * &difference));
-    let alone = chi2_tail(statistic, own.len()).unwrap_or(1.0);
+    // Covariances are those of errors that follow a t distribution.
+    let scales = [now, model].map(|identified| identified.dof(slot));
+    let [of_now, of_model] = [(now, &own, scales[0]), (model, &then, scales[1])]
+        .map(|(identified, places, dof)| block(identified, places) / t_variance(dof));
+    let inverse = scaled_inverse(&(&of_now + &of_model))?;
+    let count_of = own.len();
+    let shares = [of_now, of_model].map(|of| (&inverse * of).trace() / count_of as f64);
+    let dofs = [scales[0], scales[1] * model.campaigns.len() as f64];
+    let dof = shares.iter().zip(dofs).map(|(share, dof)| share * share / dof).sum::<f64>().recip();
+    let alone = squares_tail(difference.dot(&(inverse * &difference)), count_of, dof);
     // 1 - (1 - p)^n without losing small p.
     let p_value = -f64::exp_m1(count as f64 * f64::ln_1p(-alone.min(1.0 - 1e-16)));
     let names = adopted.effect.entry().coefficients(adopted.shape);
@@ -144,6 +180,7 @@ fn held_against(
         coefficients: coefficients.collect(),
         p_value,
         changed: p_value < CHANGED,
+        undecided: false,
     };
     Some((one, own.into_iter().zip(values(model, &then).iter().copied()).collect()))
 }

@@ -61,6 +61,9 @@ pub struct NoiseLaw {
     pub dof: f64,
 }
 
+/// Of a scale that has a standard deviation.
+const LEAST_DOF: f64 = 3.0;
+
 /// What a coefficient belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Of {
@@ -105,6 +108,13 @@ pub struct Validity {
 impl Identified {
     pub fn values(&self) -> DVector<f64> {
         DVector::from_iterator(self.coefficients.len(), self.coefficients.iter().map(|c| c.value))
+    }
+
+    /// Degrees of freedom that one campaign's scale of the noise has on the mean, the least of all gyros without one.
+    pub fn dof(&self, slot: Option<Slot>) -> f64 {
+        let of_gyros = self.gyros.iter().filter(|gyro| slot.is_none_or(|slot| slot == gyro.slot));
+        let least = of_gyros.map(|gyro| gyro.noise.dof).fold(f64::INFINITY, f64::min);
+        (least / self.campaigns.len().max(1) as f64).max(LEAST_DOF)
     }
 
     pub fn sd(&self, place: usize) -> f64 {

@@ -48,8 +48,6 @@ impl NoForecast {
 const NEW_DIRECTION: f64 = 0.94;
 /// Share by which a rate may exceed those seen.
 const FASTER: f64 = 1.01;
-/// Of a scale that has a standard deviation.
-const LEAST_DOF: f64 = 3.0;
 /// K by which a temperature may lie outside the span seen, beside a tenth of it.
 const WARMER_K: f64 = 0.5;
 
@@ -141,7 +139,7 @@ impl Programme {
             scale: axes.scale,
             dof: gyro.noise.dof,
             // The scale is the mean of those of the campaigns.
-            t_variance: t_variance((gyro.noise.dof / model.campaigns.len() as f64).max(LEAST_DOF)),
+            t_variance: t_variance(model.dof(Some(gyro.slot))),
         });
         Ok(Self {
             gyros: asked.collect(),

@@ -191,11 +191,23 @@
   addEventListener("popstate", () => { if (document.querySelector("#history")) exchange(location.href, false); });
 
   // A file that is dropped or chosen becomes the text of the form, and is previewed at once.
+  const text = async (file) => {
+    try {
+      const read = new TextDecoder("utf-8", { fatal: true }).decode(await file.arrayBuffer());
+      if (!read.includes("\0")) return read;
+    } catch { /* A workbook, or another encoding: as base64. */ }
+    return new Promise((resolve, reject) => {
+      const reader = new FileReader();
+      reader.onload = () => resolve(reader.result);
+      reader.onerror = () => reject(reader.error);
+      reader.readAsDataURL(file);
+    });
+  };
   for (const form of document.querySelectorAll("form[data-drop]")) {
     const input = form.querySelector("input[type=file]");
     const take = async (file) => {
       if (!file) return;
-      form.querySelector("textarea").value = await file.text();
+      form.querySelector("textarea[name=text]").value = await text(file);
       const name = form.querySelector("input[name=file]");
       [name.disabled, name.value] = [false, file.name];
       form.requestSubmit();

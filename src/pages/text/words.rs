@@ -54,7 +54,8 @@ words_of_pages! {
     before_after_test_note coefficient last_before first_after difference not_compared agreement agreement_note
     not_counted one_result events no_events calibrations history_diagnosis peers_of_stations cause tied_to estimate
     change_closed ruled_out outlier about_mean line_explained line_station station_figures_note repeatability offset
-    last_step repeatability_short suspect_from_here offset_against drift_a_year within_chance off_found step_found
+    last_step repeatability_short suspect_from_here offset_against drift_a_year within_chance drift_of_gyros off_found
+    step_found
     gyro_by_station reproducibility reproducibility_note older newer csv deviation value_absolute percent_of_budget
     chart_keys baseline_word no_baseline_yet baseline_forming budget_line control_line baseline_records trend_line
     condensed load records_short suggested decision record_decision decision_what records_since axis_word
@@ -95,7 +96,8 @@ words_of_pages! {
 
     // Import.
     import import_note choose_file or_paste preview no_document can_be_stored cannot_be_stored first_foreseen store
-    store_note result line refused contradicts_line is_stored was_there
+    store_note result line refused contradicts_line is_stored was_there of_a_log map_of_log programme_of_log
+    log_needs_map of_the_log look_at_stored replace_it replace_what
 
     // Alerts.
     alerts alerts_note no_alerts alert_all alert_firing alert_acknowledged alert_silenced alert_resolved
@@ -134,7 +136,8 @@ words_of_pages! {
     nothing_together several_note outside_forecast_title outside_note forecast forecasts forecasts_note
     forecast_error forecast_ladder model_6 as_foretold forecast_indeterminate outside_forecast not_foretold
     error_in_sd effects_close nothing_to_close promised foretold_by campaigns_word without_effects
-    effects_then_and_now in_model in_campaign changed_word yes no by_the_change as_measured adopted_models
+    effects_then_and_now in_model in_campaign changed_word yes no cannot_tell change_undecided by_the_change as_measured
+    adopted_models
     adopted_models_note plain_model adopt adopt_what undo_model in_force_again undo_model_what adopted_at model_word stated_at campaigns_stated author in_force all_moved_by
     budgets_or_more wrong_file median_word share_of_budget_unit percent_sign percent_a_year of_budget_unit
     slope_a_year days_short violates_besides reaches_budget gyros_of load_note choose with_selected compare_ticked

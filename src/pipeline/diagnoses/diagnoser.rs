@@ -194,6 +194,7 @@ impl Diagnoser {
             Ok(diagnosis) => {
                 let changed = changed_since(&model, &campaign).map(|changed| ChangedBody::of(&changed));
                 let body = DiagnosisBody { effects_against_model: changed, ..DiagnosisBody::from(&diagnosis) };
+                let body = body.noted(model.notes_of_others(&campaign));
                 Ok(body.foretold(foretelling.map(|foretelling| foretelling.point(&campaign))))
             }
             Err(why) => Err(why.message()),

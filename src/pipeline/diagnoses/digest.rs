@@ -6,7 +6,7 @@ use crate::core::campaign::Campaign;
 use crate::core::message::Message;
 use crate::store::{GistRow, StoreError};
 use crate::wire::diagnosis::DiagnosisBody;
-use crate::wire::forecast::ForecastPointBody;
+use crate::wire::forecast::{ComparedBody, ForecastPointBody};
 
 /// The verdict of a campaign that leaves nothing to diagnose.
 pub(super) const REFUSED: &str = "refused";
@@ -40,6 +40,9 @@ pub(super) const OUTSIDE: &str = "\"outside_forecast\":{";
 /// How far a campaign lies outside what was foretold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct OutsideForecast {
+    /// Of the gyro that is furthest; empty in digests of before.
+    #[serde(default)]
+    pub slot: String,
     pub rms_over_sd: f64,
     pub p_value: f64,
 }
@@ -110,10 +113,14 @@ impl Digest {
             of_budget: i.of_budget,
         });
         let signs = d.remaining.signs.iter().map(|s| Sign { kind: s.kind.clone(), gyros: s.gyros.clone() });
-        let outside = d.forecast.as_ref().and_then(ForecastPointBody::outside);
+        let outside = d.forecast.as_ref().and_then(ForecastPointBody::outside).and_then(ComparedBody::furthest);
         Self {
             verdict: d.verdict.clone(),
-            outside_forecast: outside.map(|c| OutsideForecast { rms_over_sd: c.rms_over_sd, p_value: c.p_value }),
+            outside_forecast: outside.map(|furthest| OutsideForecast {
+                slot: furthest.slot,
+                rms_over_sd: furthest.rms_over_sd,
+                p_value: furthest.p_value,
+            }),
             effects: effects.collect(),
             impact: impact.collect(),
             signs: signs.collect(),

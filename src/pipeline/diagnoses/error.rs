@@ -2,6 +2,7 @@
 
 use crate::core::diagnose::NoReference;
 use crate::core::id::Id;
+use crate::core::imu_model::NoForecast;
 use crate::core::message::{Message, sent, text};
 use crate::message;
 use crate::pipeline::error::{StorageError, WriteError, unwritten};
@@ -19,6 +20,8 @@ pub enum DiagnosisError {
     UnknownImu {
         imu: String,
     },
+    /// A model of other gyros, or another geometry, than the IMU's newest campaign has.
+    OtherGyros(NoForecast),
     NoSuchHypothesis {
         name: String,
     },
@@ -37,6 +40,7 @@ impl DiagnosisError {
         match self {
             Self::NoSuchDiagnoses { id } => message!("no_such_diagnoses", id = text(id)),
             Self::DiagnosesEnded { id } => message!("diagnoses_ended", id = text(id)),
+            Self::OtherGyros(why) => message!("model_of_other_gyros", why = why.message()),
             Self::UnknownImu { imu } => message!("unknown_imu", imu = imu.clone()),
             Self::NoSuchHypothesis { name } => message!("no_such_hypothesis", name = sent(name)),
             Self::HypothesisTaken { name } => message!("hypothesis_taken", name = sent(name)),

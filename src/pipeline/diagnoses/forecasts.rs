@@ -72,7 +72,7 @@ impl Diagnoses {
     }
 
     /// Newest first.
-    async fn campaigns_of(&self, imu: u32, limit: u32) -> Result<Vec<Id>, StoreError> {
+    pub(super) async fn campaigns_of(&self, imu: u32, limit: u32) -> Result<Vec<Id>, StoreError> {
         let heads = store::record::of_imu(&self.store, imu, limit.saturating_add(LOOKED_THROUGH)).await?;
         let campaigns = heads.into_iter().filter(|head| head.kind == Kind::Campaign);
         Ok(campaigns.take(limit as usize).map(|head| head.id).collect())

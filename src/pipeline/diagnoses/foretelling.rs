@@ -44,13 +44,23 @@ impl Foretelling {
         // Identifiers are in order of arrival; the models are newest first.
         let models = store::model::of_imu(store, imu).await?;
         let in_force = models.iter().find(|model| model.id < id).map(read).transpose()?.unwrap_or_default();
-        let mut before = Vec::new();
+        let (mut before, mut otherwise): (Vec<(Id, Campaign)>, Vec<_>) = Default::default();
         for head in store::record::of_imu_before(store, imu, campaign.measured_at, LOOKED_THROUGH).await? {
-            if head.kind == Kind::Campaign && before.len() < FITTED {
-                let earlier = stored(store, head.id).await?;
-                before.extend(earlier.filter(|earlier| are_alike(earlier, campaign)).map(|it| (head.id, it)));
+            if head.kind != Kind::Campaign || before.len() == FITTED {
+                continue;
+            }
+            let Some(earlier) = stored(store, head.id).await? else { continue };
+            if are_alike(&earlier, campaign) {
+                before.push((head.id, earlier));
+            } else if has_gyros_of(&earlier, campaign)
+                && otherwise.len() < FITTED
+                && otherwise.first().is_none_or(|(_, first)| are_alike(&earlier, first))
+            {
+                otherwise.push((head.id, earlier));
             }
         }
+        // One that holds E, or fits it, is foretold by those that do not as well.
+        let before = if before.is_empty() { otherwise } else { before };
         let limits = judging.limits(campaign.imu.as_str(), "").forecast();
         Ok(Self { id, before, in_force, limits })
     }
@@ -100,8 +110,14 @@ pub(super) async fn stored(store: &Store, id: Id) -> Result<Option<Campaign>, St
 
 /// Whether campaigns can be fitted together.
 fn are_alike(one: &Campaign, other: &Campaign) -> bool {
+    let held = |campaign: &Campaign| -> Vec<_> { campaign.gyros.iter().map(|gyro| gyro.known_e).collect() };
+    has_gyros_of(one, other) && held(one) == held(other)
+}
+
+/// Whether it is of an IMU as `other` has it.
+fn has_gyros_of(one: &Campaign, other: &Campaign) -> bool {
     let gyros = |campaign: &Campaign| -> Vec<_> {
-        campaign.gyros.iter().map(|gyro| (gyro.slot, gyro.serial.clone(), gyro.known_e)).collect()
+        campaign.gyros.iter().map(|gyro| (gyro.slot, gyro.serial.clone())).collect()
     };
     one.test == TestKind::Imu && gyros(one) == gyros(other) && one.geometry.is_same(&other.geometry)
 }

@@ -31,10 +31,12 @@ use super::error::StorageError;
 use super::ingest::{Accepted, Reader};
 use super::write_queue::{Job, WriteQueue};
 use crate::core::augmented::AugmentedModel;
+use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Reference, split};
 use crate::core::effects::{self, Effect};
 use crate::core::fault::Faults;
 use crate::core::id::Id;
+use crate::core::imu_model::{NoForecast, forecast};
 use crate::core::kind::Kind;
 use crate::core::message::text as shown_text;
 use crate::core::time::Span;
@@ -42,6 +44,7 @@ use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::diagnoses::background::Awaited;
 use crate::pipeline::diagnoses::digest::Digest;
+use crate::pipeline::diagnoses::foretelling::stored;
 use crate::pipeline::diagnoses::models::read;
 use crate::pipeline::ingest::fitted::damaged;
 use crate::pipeline::ingest::submission::anything;
@@ -150,10 +153,22 @@ impl Diagnoses {
     /// [`DiagnosisError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
     /// is not known.
     pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, DiagnosisError> {
+        if let Some(identified) = &adoption.model.identified
+            && let Some(newest) = self.newest_campaign(&adoption.imu).await?
+            && let Err(why @ (NoForecast::OtherGeometry | NoForecast::NoGyro)) = forecast(identified, &newest)
+        {
+            return Err(DiagnosisError::OtherGyros(why));
+        }
         // Fitted here, so that nobody waits for it; what comes in between the writer fits itself.
         let restated = self.reader.restated(&adoption.imu, &adoption.model, HashMap::new()).await?;
         let (adoption, by) = (Box::new((adoption, restated)), Actor::by_caller());
         self.queue.ask(|reply| Job::Model { adoption, by, reply }).await
+    }
+
+    async fn newest_campaign(&self, imu: &str) -> Result<Option<Campaign>, StoreError> {
+        let Some(imu) = self.store.names().read().imus.number(imu) else { return Ok(None) };
+        let Some(id) = self.campaigns_of(imu, 1).await?.first().copied() else { return Ok(None) };
+        stored(&self.store, id).await
     }
 
     /// The models of an IMU, newest first; none where no such IMU is known.

@@ -286,6 +286,7 @@ fn outside_body(imu: u32, (seen, outside): &(Sighting, OutsideForecast), tables:
     OutsideForecastBody {
         imu: name(&tables.imus, imu),
         campaign: seen.body(tables),
+        slot: outside.slot.clone(),
         rms_over_sd: outside.rms_over_sd,
         p_value: outside.p_value,
     }

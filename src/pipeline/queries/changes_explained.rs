@@ -16,8 +16,10 @@ use crate::store;
 use crate::store::{StoreError, Stretch};
 use crate::words;
 
-/// Newest records of the gyro itself that are looked at.
+/// Records of the gyro itself that are looked at, at most.
 const OWN_RECORDS: usize = 1000;
+/// Records of a peer are taken from so many parts of the gyro's time.
+const PARTS: usize = 20;
 /// Most peers that count, and most gyros that are asked whether they are one: those with the nearest numbers, which
 /// came to the service at the same time.
 const PEERS: usize = 40;
@@ -28,6 +30,8 @@ const ASKED: usize = 200;
 pub struct ExplainedHistory {
     /// Other gyros that met the same stations.
     pub peers: usize,
+    /// Records that count. Of many, some are looked at, spread over their time.
+    pub records: usize,
     /// The newest record.
     pub newest: Option<UtcMicros>,
     /// D_I, D_S, D_O.
@@ -40,27 +44,59 @@ impl Histories {
     /// # Errors
     /// [`StorageError`].
     pub async fn explain(&self, gyro: u32, serial: &str) -> Result<ExplainedHistory, StorageError> {
-        let own = store::history::newest(&self.store, gyro, Span::EVER, OWN_RECORDS).await?;
-        let stations: HashSet<u32> = own.iter().map(|figures| figures.station).collect();
-        let temperatures = store::history::temperatures(&self.store, gyro).await?.into_iter().collect();
+        let all = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
         let marks = load_marks(&self.store, gyro).await?;
         let method = self.config.judging.method;
-        let budgets = self.budgets(serial, &own, &marks);
-        let newest = own.last().map(|figures| figures.at);
+        let budgets = self.budgets(serial, &all, &marks);
+        let (records, newest) = (all.len(), all.last().map(|figures| figures.at));
+        let own = spread(&all, OWN_RECORDS);
+        let stations: HashSet<u32> = own.iter().map(|figures| figures.station).collect();
+        let of_own = own.iter().map(|figures| figures.record);
+        let temperatures = store::history::temperatures(&self.store, of_own).await?.into_iter().collect();
         let history = GyroHistory { entries: entries(&self.store, method, &own, &temperatures), marks };
-        let others = self.neighbours(gyro);
-        let ever: Vec<Stretch> = others.iter().map(|other| (*other, Span::EVER)).collect();
-        let rows = store::histories::newest(&self.store, &ever, PEER_RECORDS).await?;
-        let met = |rows: &&Vec<Figures>| rows.iter().any(|figures| stations.contains(&figures.station));
-        let peers = rows.iter().filter(met).take(PEERS).map(|rows| entries(&self.store, method, rows, &HashMap::new()));
+        let rows = self.peers(gyro, &own, &stations).await?;
+        let peers = rows.iter().map(|rows| entries(&self.store, method, rows, &HashMap::new()));
         let peers: Vec<GyroHistory> = peers.map(|entries| GyroHistory { entries, marks: Vec::new() }).collect();
         let explained = words::spawn_blocking(move || {
             let coefficients = diagnose_history(&history, &peers.iter().collect::<Vec<_>>(), budgets);
-            ExplainedHistory { peers: peers.len(), newest, coefficients }
+            ExplainedHistory { peers: peers.len(), records, newest, coefficients }
         });
         let failed =
             |error| StoreError::Damaged(format!("the history of gyro number {gyro} could not be diagnosed: {error}"));
         Ok(explained.await.map_err(failed)?)
+    }
+
+    /// Records of gyros that met one of these stations: the newest, or where there are more within the time of `own`,
+    /// some from each part of it.
+    async fn peers(
+        &self,
+        gyro: u32,
+        own: &[Figures],
+        stations: &HashSet<u32>,
+    ) -> Result<Vec<Vec<Figures>>, StoreError> {
+        let Some([first, last]) = own.first().zip(own.last()).map(|(first, last)| [first.at, last.at]) else {
+            return Ok(Vec::new());
+        };
+        let others = self.neighbours(gyro);
+        let ever: Vec<Stretch> = others.iter().map(|other| (*other, Span::EVER)).collect();
+        let rows = store::histories::newest(&self.store, &ever, PEER_RECORDS).await?;
+        let met = |rows: &Vec<Figures>| rows.iter().any(|figures| stations.contains(&figures.station));
+        let mut peers: Vec<(u32, Vec<Figures>)> =
+            others.into_iter().zip(rows).filter(|(_, rows)| met(rows)).take(PEERS).collect();
+        let is_more = |rows: &[Figures]| rows.len() == PEER_RECORDS && rows[0].at > first;
+        let more: Vec<usize> = (0..peers.len()).filter(|k| is_more(&peers[*k].1)).collect();
+        let days = last.days_since(first) / PARTS as f64;
+        let part = |part: usize| {
+            let to = if part + 1 == PARTS { last } else { UtcMicros(first.plus_days(days * (part + 1) as f64).0 - 1) };
+            Span { from: first.plus_days(days * part as f64), to }
+        };
+        let parts: Vec<Stretch> =
+            more.iter().flat_map(|k| (0..PARTS).map(|number| (peers[*k].0, part(number)))).collect();
+        let found = store::histories::newest(&self.store, &parts, PEER_RECORDS / PARTS).await?;
+        for (k, parts) in more.iter().zip(found.chunks(PARTS)) {
+            peers[*k].1 = parts.concat();
+        }
+        Ok(peers.into_iter().map(|(_, rows)| rows).collect())
     }
 
     /// Other gyros, nearest number first.
@@ -86,6 +122,16 @@ impl Histories {
             Some(Budget { baseline: baseline(&samples, marks, newest.at, &limits, column)?, limit, measured_since })
         })
     }
+}
+
+/// One of every so many, the newest among them, so that no more than `most` are left. Which one of its neighbours is
+/// taken changes, so that what alternates is not seen from one side.
+fn spread(all: &[Figures], most: usize) -> Vec<Figures> {
+    let every = all.len().div_ceil(most).max(1);
+    let mut some: Vec<Figures> =
+        all.rchunks(every).enumerate().map(|(k, some)| some[some.len() - 1 - k % some.len()]).collect();
+    some.reverse();
+    some
 }
 
 fn budget(limits: &Limits, column: usize) -> Option<f64> {

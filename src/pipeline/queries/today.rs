@@ -106,7 +106,7 @@ pub async fn today(fleet: &Fleet, since: UtcMicros, most: usize) -> Result<Today
     let due_by = now.plus_days(DUE_DAYS);
     let overdue = store::head::due(store, [UtcMicros(i64::MIN), now], most).await?;
     let due = store::head::due(store, [now, due_by], most).await?;
-    let newest = store::head::calibrated_since(store, since).await?;
+    let newest = store::head::calibrated_since(store, since, None).await?;
     let moved = store::head::moved(store, since, MOVED, most).await?;
     let (first, of) = outside_forecasts(store, since, most).await?;
     let outside = FirstOf { first, of };

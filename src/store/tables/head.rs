@@ -544,17 +544,28 @@ pub struct CalibratedRow {
     pub batch: Option<Arc<str>>,
 }
 
-/// Newest calibrations that were made no earlier than `from`, of as many gyros as a fleet may have calibrated since.
-pub async fn calibrated_since(store: &Store, from: UtcMicros) -> Result<Vec<CalibratedRow>, StoreError> {
+/// Newest calibrations that were made no earlier than `from`, of as many gyros as a fleet may have calibrated since; by
+/// one station, of as many as tell what it does.
+pub async fn calibrated_since(
+    store: &Store,
+    from: UtcMicros,
+    station: Option<u32>,
+) -> Result<Vec<CalibratedRow>, StoreError> {
     let sql = "SELECT head.gyro, serial, imu, imu.name, station, calibrated_at, d_i_load, d_i_load_sd, d_s_load,
                       d_s_load_sd, batch
                FROM head JOIN imu ON imu.id = head.imu LEFT JOIN gyro_attribute ON gyro_attribute.gyro = head.gyro
                WHERE coalesce(calibrated_at, 9223372036854775807) BETWEEN $1 AND 9223372036854775806
-                     AND station IS NOT NULL
-               ORDER BY coalesce(calibrated_at, 9223372036854775807) DESC LIMIT 20000";
+                     AND station IS NOT NULL AND ($2 < 0 OR station = $2)
+               ORDER BY coalesce(calibrated_at, 9223372036854775807) DESC LIMIT $3";
+    let limit: i64 = if station.is_some() { 100 } else { 20_000 };
     type Real = Option<f64>;
     type Row = (Whole<u32>, String, Whole<u32>, String, Whole<u32>, i64, Real, Real, Real, Real, Option<String>);
-    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(from.0).fetch_all(db).await?);
+    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql)
+        .bind(from.0)
+        .bind(station.map_or(-1, i64::from))
+        .bind(limit)
+        .fetch_all(db)
+        .await?);
     let measured = |value: Real, sd: Real| value.map(|value| Measured { value, sd });
     let row = |(gyro, serial, imu, imu_name, station, at, d_i, d_i_sd, d_s, d_s_sd, batch): Row| CalibratedRow {
         gyro: gyro.0,

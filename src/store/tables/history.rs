@@ -169,10 +169,9 @@ pub async fn count(store: &Store, gyro: u32) -> Result<usize, StoreError> {
     Ok(oldest(store, gyro, Span::EVER, usize::MAX).await?.len())
 }
 
-/// The temperature of each of a gyro's records that has one; of what an earlier version stored, as its body says it.
-pub async fn temperatures(store: &Store, gyro: u32) -> Result<Vec<(Id, f64)>, StoreError> {
-    let rows = oldest(store, gyro, Span::EVER, usize::MAX).await?;
-    let records: Vec<i64> = rows.iter().map(|row| row.record.0).collect();
+/// The temperature of each of these records that has one; of what an earlier version stored, as its body says it.
+pub async fn temperatures(store: &Store, records: impl Iterator<Item = Id>) -> Result<Vec<(Id, f64)>, StoreError> {
+    let records: Vec<i64> = records.map(|record| record.0).collect();
     let sql = store.readers.words(Sql {
         sqlite: "SELECT record.id, coalesce(temperature_c, CAST(coalesce(json_extract(body, '$.temperature_c'),
                         (SELECT avg(value->>'temperature_c') FROM json_each(body, '$.dwells'))) AS REAL))

@@ -211,6 +211,9 @@ rate_outside_model = outside the model: rates up to { $now } arcsec/s; its campa
 attitudes_outside_model = outside the model: { $dwells } dwells are more than 20° from every attitude of its campaigns
 campaign_before_model = the campaign is older than the model
 ageing_unknown = one campaign does not say how the coefficients change from campaign to campaign: no such change is in the sd
+model_found_in_other_imu = the model is of IMU { $model }; its effects are fitted to this campaign of { $campaign } anew
+model_found_in_other_gyro = { $slot } was { $then } when the model was made and is { $now }: the effects are fitted to it anew
+model_of_other_gyros = is no model of this IMU as its newest campaign has it: { $why }
 covariance_is_no_triangle = must be a lower triangle of { $need } rows, has { $have } or rows of other lengths
 covariance_is_not_positive = is no covariance: it has a negative eigenvalue
 sd_is_not_of_covariance = is not the root of its place in the covariance
@@ -231,7 +234,7 @@ noise_none = none
 
 ## What a diagnosis comes to
 
-diagnosis_no_gap = No gap: the model predicts this campaign to within its noise.
+diagnosis_no_gap = No gap: fitted to this campaign, the model leaves no more than noise.
 diagnosis_explained = Explained by the causes below. The residuals are at the noise floor.
 diagnosis_partly_explained = Partly explained by the causes below. Significant residuals remain.
 diagnosis_unexplained = Unexplained: no effect in the catalogue accounts for the gap.
@@ -239,5 +242,5 @@ diagnosis_by_pattern = The residuals are no larger than noise alone would leave.
 
 ## A forecast that failed
 
-campaign_outside_forecast = Outside its forecast: rms(error/sd) { $rms }, p { $p }. Something has changed that the model does not hold.
-campaign_outside_forecast_changed = Outside its forecast: rms(error/sd) { $rms }, p { $p }. Adopted coefficients have changed: { $effects }.
+campaign_outside_forecast = Outside its forecast: { $slot } has rms(error/sd) { $rms }, p { $p } over all gyros. Something has changed that the model does not hold.
+campaign_outside_forecast_changed = Outside its forecast: { $slot } has rms(error/sd) { $rms }, p { $p } over all gyros. Adopted coefficients have changed: { $effects }.

@@ -48,6 +48,8 @@ history_too_few = { $records ->
     [one] One record
    *[other] { $records } records
 }: not enough data to tell a change from scatter.
+history_of_a_day = { $records } records within one day: too short a time to tell a change from scatter.
+history_looked_at = { $looked_at } of { $records } records are looked at, spread over their time.
 history_no_change = No change above the scatter of calibration.
 history_explained = Explained. What is left is scatter.
 history_partly_explained = Partly explained. The coefficient may also wander without a recorded cause.

@@ -54,7 +54,7 @@ station_shift = The median { $name } of { $gyros } gyros of { $imus } IMUs is { 
     [below] below
    *[above] above
 } their baselines ({ $since } to { $until }). It is the station, or what these gyros share.
-forecast = { $slot } is off what the adopted model foretold by an rms of { $value } (p { $p } over all gyros).
+forecast = { $slot } is furthest from the forecast of the adopted model, by an rms of { $value } (p { $p } over all gyros).
 forecast_dwell = Dwell { $dwell } is furthest, by { $z } standard deviations.
 between_stations = { $sd } of its standard deviation is the reproducibility of stations.
 whole_budget = The shift is beyond the whole budget.

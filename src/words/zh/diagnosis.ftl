@@ -184,18 +184,18 @@ effects_fitted_anew = 现用模型中的效应在每次试验中重新拟合，�
 reference_without_noise_of_d0 = 参照为标定记录：没有给出D0与P的噪声
 reference_taken_as_exact = 参照标定没有给出标准差：视为准确值
 
-## 惯组模型与预报
+## 惯性组合模型与预报
 
 no_campaign_to_fit = 没有可供拟合的试验
-bench_test_has_no_model = 单表试验不能建立惯组模型
-campaigns_of_other_imu = 试验分属惯组{ $first }与{ $other }
+bench_test_has_no_model = 单表试验不能建立惯性组合模型
+campaigns_of_other_imu = 试验分属惯性组合{ $first }与{ $other }
 campaigns_of_other_geometry = 各次试验的构型不同
 campaigns_of_other_gyro = { $slot }先为{ $first }，后为{ $other }：一个模型只含同一组陀螺
 campaigns_of_other_gyros = 各次试验的位置不同，或保持不变的E不同
 campaigns_of_one_instant = 有两次试验的时间相同
 model_without_noise = { $slot }：噪声无从得知：没有标准误差，没有重复测点，也没有多余测点
 nothing_to_foretell_from = 此前没有装有同一组陀螺的试验：无从预报
-model_of_other_imu = 模型属于惯组{ $model }，而本次试验属于{ $campaign }
+model_of_other_imu = 模型属于惯性组合{ $model }，而本次试验属于{ $campaign }
 model_of_other_geometry = 模型与本次试验的构型不同
 bench_test_has_no_forecast = 单表试验没有预报
 model_without_gyros = 本次试验的陀螺均不在模型中
@@ -211,6 +211,9 @@ rate_outside_model = 超出模型范围：速率达{ $now } arcsec/s；模型的
 attitudes_outside_model = 超出模型范围：{ $dwells }个测点的姿态与模型试验的任一姿态相差20°以上
 campaign_before_model = 本次试验早于模型
 ageing_unknown = 仅有一次试验，不能说明系数逐次的变化：标准差中未计入此项
+model_found_in_other_imu = 模型属于惯性组合{ $model }；其效应在{ $campaign }的本次试验中重新拟合
+model_found_in_other_gyro = 建立模型时{ $slot }为{ $then }，现为{ $now }：效应对其重新拟合
+model_of_other_gyros = 与该惯性组合最近一次试验不符：{ $why }
 covariance_is_no_triangle = 应为{ $need }行的下三角，实为{ $have }行，或行长不符
 covariance_is_not_positive = 不是协方差：存在负特征值
 sd_is_not_of_covariance = 与协方差中相应位置的平方根不符
@@ -231,7 +234,7 @@ noise_none = 无
 
 ## What a diagnosis comes to
 
-diagnosis_no_gap = 没有差异：模型与试验数据在噪声范围内一致。
+diagnosis_no_gap = 没有差异：模型对本次试验拟合后，残差不超过噪声。
 diagnosis_explained = 差异已由下列原因解释，残差已达噪声底。
 diagnosis_partly_explained = 差异部分由下列原因解释，仍有显著残差。
 diagnosis_unexplained = 差异未得到解释：目录中没有能说明它的效应。
@@ -239,5 +242,5 @@ diagnosis_by_pattern = 残差并不大于噪声所应留下的残差。差异体
 
 ## 未应验的预报
 
-campaign_outside_forecast = 本次试验超出预报：误差与标准差之比的均方根 { $rms }，p { $p }。模型之外的某项已改变。
-campaign_outside_forecast_changed = 本次试验超出预报：误差与标准差之比的均方根 { $rms }，p { $p }。已采用的系数已改变：{ $effects }。
+campaign_outside_forecast = 本次试验超出预报：{ $slot } 误差与标准差之比的均方根 { $rms }，各陀螺合计 p { $p }。模型之外的某项已改变。
+campaign_outside_forecast_changed = 本次试验超出预报：{ $slot } 误差与标准差之比的均方根 { $rms }，各陀螺合计 p { $p }。已采用的系数已改变：{ $effects }。

@@ -38,6 +38,8 @@ change_others_deny = 本陀螺{ $own }，该测试站其他{ $gyros }只陀螺�
 ## 对系数的结论
 
 history_too_few = 仅有{ $records }条记录：数据不足，无法区分变化与标定散布。
+history_of_a_day = 一天内的{ $records }条记录：时间太短，无法区分变化与标定散布。
+history_looked_at = { $records }条记录中取{ $looked_at }条，均布于全部时间。
 history_no_change = 变化未超出标定散布。
 history_explained = 已解释，剩余为散布。
 history_partly_explained = 部分解释：系数也可能在游走，无记录的原因。

@@ -51,8 +51,8 @@ station_shift = { $imus }个惯组{ $gyros }个陀螺的{ $name }中位数比各
     [below] 低
    *[above] 高
 }{ $value }（{ $since }至{ $until }）。原因在测试站，或在这些陀螺的共同之处。
-forecast = { $slot }偏离已采用模型的预报，均方根为{ $value }（全部陀螺 p { $p }）。
-forecast_dwell = 偏离最大的是第{ $dwell }个停留，{ $z }倍标准差。
+forecast = { $slot }与已采用模型的预报相差最大，均方根为{ $value }（全部陀螺 p { $p }）。
+forecast_dwell = 偏离最大的是第{ $dwell }个测点，{ $z }倍标准差。
 between_stations = 其标准差中{ $sd }为测试站之间的复现性。
 whole_budget = 偏移超出整个允许范围。
 agreement = { $name }的{ $results }个结果极差为{ $value }：{ $lowest }与{ $highest }。

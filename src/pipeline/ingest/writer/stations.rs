@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::state::Task;
 use crate::core::alert_decision::Late;
-use crate::core::judge::{Calibrated, Measured, Rule, ShiftQuestion, Verdict, station_shift};
+use crate::core::judge::{Calibrated, Measured, Rule, ShiftQuestion, State, Verdict, station_shift};
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{Naming, Origin, Pen, StationVerdict};
 use crate::pipeline::ingest::judge::{Judged, Newest};
@@ -40,7 +40,21 @@ impl Task {
         if stations.is_empty() {
             return Ok(Vec::new());
         }
-        let stored = self.calibrated(now).await?;
+        // Whether a station has shifted its own newest calibrations tell; the fleet's are only asked whether it alone has.
+        let mut near = Vec::new();
+        for station in &stations {
+            near.extend(self.calibrated(Some(*station), now).await?);
+        }
+        let judged = self.judged(&self.with_group(near, found, changes), &stations, now);
+        if judged.iter().all(|one| one.verdict.state != State::Exceeded) {
+            return Ok(judged);
+        }
+        let all = self.calibrated(None, now).await?;
+        Ok(self.judged(&self.with_group(all, found, changes), &stations, now))
+    }
+
+    /// Stored calibrations with those of a group in their place.
+    fn with_group(&self, stored: Vec<Calibrated>, found: &Judged, changes: &Changes) -> Vec<Calibrated> {
         let mut newest: HashMap<u32, Calibrated> = stored.into_iter().map(|row| (row.gyro, row)).collect();
         let tables = self.store.names().read();
         let naming = Naming { tables: &tables, new: Some(changes) };
@@ -52,8 +66,7 @@ impl Task {
             let (imu, station, at) = (figures.imu, figures.station, figures.at);
             newest.insert(*gyro, Calibrated { gyro: *gyro, imu, station, at, deviation, batch });
         }
-        let newest: Vec<Calibrated> = newest.into_values().collect();
-        Ok(self.judged(&newest, &stations, now))
+        newest.into_values().collect()
     }
 
     /// Lets the alerts of stations follow the clock, and those of gyros that they explain. `rows`: every alert that the
@@ -105,7 +118,7 @@ impl Task {
 
     /// What every station has done lately, and those that have an alert.
     async fn shifts(&self, now: UtcMicros) -> Result<Vec<StationVerdict>, StoreError> {
-        let newest = self.calibrated(now).await?;
+        let newest = self.calibrated(None, now).await?;
         let recent = now.plus_days(-self.config.alerts.backfill_days);
         let stations = newest.iter().filter(|one| one.at >= recent).map(|one| one.station);
         let stations: BTreeSet<u32> = stations.chain(self.alerts.stations().firing().map(|(one, _)| one)).collect();
@@ -135,10 +148,10 @@ impl Task {
         [limits.d_i, limits.d_s].iter().all(|drift| drift.of(Rule::StationShift).is_none())
     }
 
-    /// The newest calibrations of the fleet; of a station whose alert fires, those since it does.
-    async fn calibrated(&self, now: UtcMicros) -> Result<Vec<Calibrated>, StoreError> {
+    /// The newest calibrations of the fleet, or of one station; where a station's alert fires, those since it does.
+    async fn calibrated(&self, station: Option<u32>, now: UtcMicros) -> Result<Vec<Calibrated>, StoreError> {
         let began = self.alerts.stations().firing().map(|(_, row)| row.alert.since).min().unwrap_or(now);
-        let rows = store::head::calibrated_since(&self.store, now.plus_days(-LATELY).min(began)).await?;
+        let rows = store::head::calibrated_since(&self.store, now.plus_days(-LATELY).min(began), station).await?;
         let mut budgets: BTreeMap<(String, String), [Option<f64>; 2]> = BTreeMap::new();
         let calibrated = rows.into_iter().map(|row| {
             let of = (row.imu_name, row.serial);

@@ -1,0 +1,104 @@
+//! `revise/` in a watched folder: a right file takes the place of what is stored for its IMU and time, as soon as a
+//! file beside it says who wants that and why. The agent writes that file, to be filled in.
+
+use std::ffi::{OsStr, OsString};
+use std::io::Read;
+use std::time::{Duration, SystemTime};
+
+use anyhow::Context;
+
+use super::folder::Dir;
+use super::source::MAX_DOCUMENT_BYTES;
+use crate::cli::client::Service;
+use crate::cli::correct::{Said, replace};
+use crate::logs::sheet::readable;
+use crate::words;
+
+pub const REVISE: &str = "revise";
+/// What the file that says who and why is called after the one that it is about.
+pub const WHY: &str = ".why.txt";
+const ASKED: &str = "author: \nreason: \n";
+
+/// What became of a file.
+pub enum Fate {
+    /// Nobody has said yet who and why.
+    Asked {
+        now: bool,
+    },
+    Done(String),
+    Refused(String),
+}
+
+/// Tries one file that has not changed for `settle`; none of one that has.
+///
+/// # Errors
+/// Trouble with the folder or the service: it is tried again.
+pub async fn deliver(dir: &Dir, name: &OsStr, settle: Duration, service: &Service) -> anyhow::Result<Option<Fate>> {
+    let why = beside(name);
+    let Some(said) = text(dir, &why)? else {
+        dir.write(&why, ASKED.as_bytes()).with_context(|| why.display().to_string())?;
+        return Ok(Some(Fate::Asked { now: true }));
+    };
+    let still = |name: &OsStr| {
+        let changed = dir.stamp(name).and_then(|(_, changed)| changed);
+        changed.and_then(|at| SystemTime::now().duration_since(at).ok()).is_some_and(|age| age >= settle)
+    };
+    let Some((author, reason)) = remark(&String::from_utf8_lossy(&said)) else {
+        return Ok(Some(Fate::Asked { now: false }));
+    };
+    if !still(name) || !still(&why) {
+        return Ok(None);
+    }
+    let Some(bytes) = text(dir, name)? else { return Ok(None) };
+    let bytes = match readable(bytes) {
+        Ok(bytes) => bytes,
+        Err(fault) => return Ok(Some(Fate::Refused(words::asked().words(&fault)))),
+    };
+    let said = Said { author: &author, reason: &reason };
+    Ok(Some(match replace(service, &bytes, None, said).await? {
+        Ok(done) => Fate::Done(done),
+        Err(refused) => Fate::Refused(refused),
+    }))
+}
+
+/// The name of the file that says who and why.
+pub fn beside(name: &OsStr) -> OsString {
+    let mut name = name.to_owned();
+    name.push(WHY);
+    name
+}
+
+fn text(dir: &Dir, name: &OsStr) -> std::io::Result<Option<Vec<u8>>> {
+    if !dir.has(name) {
+        return Ok(None);
+    }
+    let Some(file) = dir.file(name)? else { return Ok(None) };
+    let mut bytes = Vec::new();
+    file.take(MAX_DOCUMENT_BYTES).read_to_end(&mut bytes)?;
+    Ok(Some(bytes))
+}
+
+/// Author and reason; none where one is not said.
+fn remark(text: &str) -> Option<(String, String)> {
+    let value = |key: &str| {
+        let of_key = |line: &str| {
+            let (name, value) = line.split_once(':')?;
+            (name.trim().eq_ignore_ascii_case(key) && !value.trim().is_empty()).then(|| value.trim().to_owned())
+        };
+        text.trim_start_matches('\u{feff}').lines().find_map(of_key)
+    };
+    Some((value("author")?, value("reason")?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_remark_needs_author_and_reason() {
+        let both = Some(("Li Wei".to_owned(), "wrong latitude: 34".to_owned()));
+        assert_eq!(remark("author: Li Wei\r\nReason: wrong latitude: 34\r\n"), both);
+        assert_eq!(remark(ASKED), None);
+        assert_eq!(remark("author: Li Wei\n"), None);
+    }
+}

@@ -1,0 +1,92 @@
+//! Times of day and dates in a log's cells, as loggers write them, in seconds.
+
+/// `8:15:00,010` and `08:15` are seconds of the day. With a date before them (`2026-11-24`, `24.11.2026`,
+/// `2026/11/24`; a `T` or a blank between) they count from [`EPOCH`], so that nobody takes local time for UTC; with an
+/// offset or a Z they are Unix seconds.
+pub fn seconds(text: &str) -> Option<f64> {
+    let (date, time) = match text.split_once(['T', ' ']) {
+        Some((date, time)) => (Some(days(date)?), time.trim()),
+        None => (None, text),
+    };
+    let (time, offset) = offset(time)?;
+    let mut parts = time.split(':');
+    let (hours, minutes) = (whole(parts.next()?, 23)?, whole(parts.next()?, 59)?);
+    let second = parts.next().map_or(Some(0.0), fraction)?;
+    if parts.next().is_some() {
+        return None;
+    }
+    let of_day = f64::from(hours * 3600 + minutes * 60) + second;
+    Some(match (date, offset) {
+        (None, _) => of_day,
+        (Some(days), None) => (days - EPOCH) as f64 * DAY + of_day,
+        (Some(days), Some(offset)) => days as f64 * DAY + of_day - offset,
+    })
+}
+
+const DAY: f64 = 86_400.0;
+/// 2020-01-01, in days since 1970.
+const EPOCH: i64 = 18_262;
+
+/// The time without its offset, and the offset in seconds.
+fn offset(time: &str) -> Option<(&str, Option<f64>)> {
+    if let Some(utc) = time.strip_suffix(['Z', 'z']) {
+        return Some((utc.trim_end(), Some(0.0)));
+    }
+    let Some(at) = time.rfind(['+', '-']) else { return Some((time, None)) };
+    let (hours, minutes) = time[at + 1..].split_once(':')?;
+    let seconds = f64::from(whole(hours, 14)? * 3600 + whole(minutes, 59)? * 60);
+    Some((time[..at].trim_end(), Some(if time[at..].starts_with('-') { -seconds } else { seconds })))
+}
+
+/// Days since 1970 of a date whose order is plain: the year first, or points between day, month and year.
+fn days(date: &str) -> Option<i64> {
+    let mark = ['-', '/', '.'].into_iter().find(|mark| date.contains(*mark))?;
+    let parts: Vec<&str> = date.split(mark).collect();
+    let [first, month, last] = parts[..] else { return None };
+    let (year, day) = match (first.len(), last.len(), mark) {
+        (4, ..) => (first, last),
+        (_, 4, '.') => (last, first),
+        _ => return None,
+    };
+    let [month, day] = [(month, 12), (day, 31)].map(|(text, most)| Some(whole(text, most)? as i8));
+    let date = jiff::civil::Date::new(year.parse().ok()?, month?, day?).ok()?;
+    Some(date.duration_since(jiff::civil::date(1970, 1, 1)).as_hours() / 24)
+}
+
+fn whole(text: &str, most: u32) -> Option<u32> {
+    let is_digits = (1..=2).contains(&text.len()) && text.bytes().all(|b| b.is_ascii_digit());
+    text.parse().ok().filter(|value| is_digits && *value <= most)
+}
+
+fn fraction(text: &str) -> Option<f64> {
+    let plain = text.replacen(',', ".", 1);
+    let is_plain = plain.bytes().all(|b| b.is_ascii_digit() || b == b'.');
+    plain.parse().ok().filter(|seconds| is_plain && (0.0..61.0).contains(seconds))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stamps_of_loggers_are_seconds() {
+        for (text, expected) in [
+            ("08:15:00,010", Some(29_700.01)),
+            ("8:15", Some(29_700.0)),
+            ("24.11.2026 08:15:00.5", Some(2_519.0 * DAY + 29_700.5)),
+            ("2026-11-24T08:15:00", Some(2_519.0 * DAY + 29_700.0)),
+            ("2026/11/24 08:15:00", Some(2_519.0 * DAY + 29_700.0)),
+            ("2026-11-24T08:15:00Z", Some(1_795_508_100.0)),
+            ("2026-11-24 08:15:00 +08:00", Some(1_795_508_100.0 - 28_800.0)),
+            // The order of day and month is not plain.
+            ("11/10/2026 08:15:00", None),
+            ("24:15:00", None),
+            ("08:15:00:10", None),
+            ("2026-13-24 08:15:00", None),
+            ("3.5", None),
+            ("a:b", None),
+        ] {
+            assert_eq!(seconds(text), expected, "{text}");
+        }
+    }
+}

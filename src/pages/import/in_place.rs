@@ -1,0 +1,67 @@
+//! A document of the import page takes the place of the one that is stored for its IMU and time.
+
+use axum::extract::State as Held;
+use axum::response::Response;
+use axum::{Extension, Form};
+use serde::Deserialize;
+
+use super::logs::Sent;
+use super::{framed, off_the_loop, read_all};
+use crate::core::fault::Faults;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
+use crate::message;
+use crate::pages::Pages;
+use crate::pages::form::{Word, answered, fault_list, see_other};
+use crate::pages::viewer::Viewer;
+use crate::pipeline::{Accepted, Actor, Caller, Corrected, Correction, ReadDocument, Submission};
+use crate::wire::problem::Problem;
+
+/// The right document, and which one it replaces.
+#[derive(Deserialize)]
+pub(in crate::pages) struct Order {
+    id: String,
+    text: String,
+    #[serde(flatten)]
+    word: Word,
+}
+
+pub(in crate::pages) async fn act(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Extension(caller): Extension<Caller>,
+    Form(order): Form<Order>,
+) -> Response {
+    answered(&viewer, replace(&pages, &viewer, caller, order).await)
+}
+
+async fn replace(pages: &Pages, viewer: &Viewer, caller: Caller, order: Order) -> Result<Response, Problem> {
+    let mut faults = Faults::default();
+    order.word.check(viewer, &mut faults);
+    let (pipeline, text) = (pages.pipeline.clone(), order.text.clone());
+    let read = off_the_loop(move || read_all(&pipeline, &caller, &text)).await;
+    let mut read = read.into_iter().map(|(_, read)| read);
+    let new = match (read.next(), read.next()) {
+        (Some(Ok(ReadDocument { submission: Submission::Calibration(new), .. })), None) => Some(*new),
+        (Some(Err(of_text)), None) => {
+            faults.absorb("", of_text);
+            None
+        }
+        _ => {
+            faults.push("", message!("not_one_calibration"));
+            None
+        }
+    };
+    let unknown = || Problem::no_such_record(&order.id);
+    let (id, Some(new), true) = (order.id.parse::<Id>().map_err(|_| unknown())?, new, faults.is_empty()) else {
+        let sent = Sent { text: order.text, ..Sent::default() };
+        return Ok(viewer.show(Ok(framed(viewer, &sent, fault_list(viewer.text(), &faults)))));
+    };
+    let place = if new.kind == Kind::Campaign { "campaigns" } else { "records" };
+    let item = Corrected::Calibration { id, kind: None };
+    let Word { by: author, reason, .. } = order.word;
+    let correction = Correction { item, author, reason, replacement: Some(new), by: Actor::by_caller() };
+    match pages.pipeline.ingest.submit(Submission::Correction(Box::new(correction))).await? {
+        Accepted::Stored { id, .. } | Accepted::There { id, .. } => Ok(see_other(&format!("/{place}/{id}"))),
+    }
+}

@@ -1,0 +1,148 @@
+//! A station's own files on the import page: workbooks and foreign encodings become text, and a raw log becomes a
+//! campaign by its map. A log without a map gets a first one, to be answered.
+
+use std::io::Cursor;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use crate::core::fault::Faults;
+use crate::core::message::{Message, Parameter};
+use crate::logs::campaign::{Made, campaign_from};
+use crate::logs::error::LogError;
+use crate::logs::guess::{answered, guess_of};
+use crate::logs::kind::{FileKind, HEAD, file_kind};
+use crate::logs::map::Map;
+use crate::logs::programme;
+use crate::logs::sheet::readable;
+use crate::logs::source::Source;
+use crate::logs::text::decoded;
+use crate::pipeline::ReadDocument;
+use crate::wire::campaign_csv::to_csv;
+use crate::wire::document::is_csv;
+
+/// Lines in which a campaign has its header.
+const CAMPAIGN_HEAD: usize = 60;
+
+/// The fields of the form as text/plain has them, with line ends as files have them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Sent {
+    /// Name of the file, which the script sends.
+    pub file: String,
+    pub map: String,
+    pub programme: String,
+    /// Of the file; as a `data:` address where it is no UTF-8.
+    pub text: String,
+}
+
+impl Sent {
+    pub fn of(form: &str) -> Self {
+        let mut rest = form;
+        let file = taken(&mut rest, "file=", "\r\n");
+        let map = taken(&mut rest, "map=", "\r\nprogramme=");
+        let programme = taken(&mut rest, "programme=", "\r\ntext=");
+        let text = rest.strip_prefix("text=").unwrap_or(rest);
+        let text = text.strip_suffix("\r\n").unwrap_or(text).replace("\r\n", "\n");
+        Self { file, map, programme, text }
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let base64 = self.text.strip_prefix("data:").and_then(|text| text.split_once(";base64,"));
+        base64.and_then(|(_, text)| STANDARD.decode(text.trim()).ok()).unwrap_or_else(|| self.text.clone().into_bytes())
+    }
+
+    /// How messages name the log.
+    fn name(&self) -> &str {
+        if self.file.is_empty() { "log" } else { &self.file }
+    }
+}
+
+/// A field up to where the next begins, without its line end.
+fn taken(rest: &mut &str, name: &str, end: &str) -> String {
+    let Some(field) = rest.strip_prefix(name) else { return String::new() };
+    let Some(at) = field.find(end) else { return String::new() };
+    *rest = &field[at + "\r\n".len()..];
+    field[..at].replace("\r\n", "\n")
+}
+
+/// What was sent, as far as it can be looked at.
+pub(super) enum Looked {
+    /// Documents, or a table of them.
+    Text(String),
+    /// The campaign of a raw log, and its text.
+    Made(Box<Made>, String),
+    /// A first map of a raw log.
+    Guessed(String),
+    Faulty(Message),
+}
+
+/// Turns what was sent into text that documents are read from.
+pub(super) fn look(sent: &Sent) -> Looked {
+    let bytes = sent.bytes();
+    // A map that is left from the log before says nothing of a document.
+    let is_document = !is_csv(&bytes) || is_campaigns(&sent.text);
+    if !sent.map.trim().is_empty() && !is_document {
+        return match made(sent, bytes) {
+            Ok((made, text)) => Looked::Made(Box::new(made), text),
+            Err(error) => Looked::Faulty(error.message()),
+        };
+    }
+    let kind = file_kind(&bytes[..bytes.len().min(HEAD)]).ok().filter(|_| is_csv(&bytes));
+    match kind {
+        Some(FileKind::Mat5) => guessed(sent),
+        Some(FileKind::Utf16 { big_endian }) => {
+            let unit = if big_endian { u16::from_be_bytes } else { u16::from_le_bytes };
+            let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
+            Looked::Text(String::from_utf16_lossy(&units))
+        }
+        _ => match readable(bytes) {
+            Ok(text) => Looked::Text(decoded(&text)),
+            Err(fault) => Looked::Faulty(LogError::new(sent.name(), fault).message()),
+        },
+    }
+}
+
+/// Whether a text that cannot be read is no campaign with a fault but a table of something else, such as a log.
+pub(super) fn is_foreign(text: &str, read: &[(usize, Result<ReadDocument, Faults>)]) -> bool {
+    let [(_, Err(faults))] = read else { return false };
+    let of_records = || faults.0.iter().any(|fault| says(&fault.message, "table_of_records"));
+    is_csv(text.as_bytes()) && !is_campaigns(text) && !of_records()
+}
+
+/// Whether a text has what every campaign's table has, whatever else is wrong with it.
+fn is_campaigns(text: &str) -> bool {
+    let has = |line: &str| line.contains("phase") || line.starts_with('#') && line.contains("imu");
+    text.lines().take(CAMPAIGN_HEAD).any(has)
+}
+
+/// Whether a message, or one within it, has this code.
+fn says(message: &Message, code: &str) -> bool {
+    let within = |parameter: &Parameter| matches!(parameter, Parameter::Message(nested) if says(nested, code));
+    message.code == code || message.parameters.iter().any(|(_, parameter)| within(parameter))
+}
+
+/// A first map of the log that was sent, or why it is none.
+pub(super) fn guessed(sent: &Sent) -> Looked {
+    let source = Source::read(sent.name(), Cursor::new(sent.bytes()));
+    match source.and_then(|source| guess_of(vec![(sent.name().to_owned(), source)])) {
+        Ok(map) => Looked::Guessed(map),
+        Err(error) => Looked::Faulty(error.message()),
+    }
+}
+
+fn made(sent: &Sent, bytes: Vec<u8>) -> Result<(Made, String), LogError> {
+    let of_map = |fault| LogError::new("map", fault);
+    answered(&sent.map).map_err(of_map)?;
+    let map = Map::parse(&sent.map).map_err(of_map)?;
+    let told = Some(sent.programme.as_str()).filter(|text| !text.trim().is_empty());
+    let positions = told.map(programme::of_text).transpose().map_err(|fault| LogError::new("programme", fault))?;
+    let source = Source::read(sent.name(), Cursor::new(bytes))?;
+    let made = campaign_from(vec![(sent.name().to_owned(), source)], &map, positions.as_deref())?;
+    let faults = |faults: Faults| {
+        let first = faults.0.into_iter().next().map(|fault| fault.message);
+        LogError::new(sent.name(), first.unwrap_or_else(|| Message::verbatim("")))
+    };
+    let campaign = made.body.to_core().map_err(faults)?;
+    let text = to_csv(&campaign);
+    Ok((made, text))
+}

@@ -1,0 +1,150 @@
+//! `/import` with a station's own files: workbooks, foreign encodings, raw logs with and without a map, what is no
+//! document at all; and the right document in the place of a wrong one.
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use base64::prelude::{BASE64_STANDARD, Engine};
+use serde_json::{Value, json};
+use support::{Server, data, gyrowatch};
+
+async fn previewed(server: &Server, form: String) -> String {
+    let answer = server.call("POST", "/import/preview", &[("content-type", "text/plain")], form).await;
+    assert_eq!((answer.status, answer.content_type.as_str()), (200, "text/html; charset=utf-8"));
+    answer.text()
+}
+
+/// As the page's script sends what is no UTF-8.
+fn as_base64(name: &str, bytes: &[u8]) -> String {
+    let text = BASE64_STANDARD.encode(bytes);
+    format!("file={name}\r\nmap=\r\nprogramme=\r\ntext=data:application/octet-stream;base64,{text}\r\n")
+}
+
+fn with_map(map: &str, programme: &str, log: &str) -> String {
+    let lines = |text: &str| text.trim_end().replace('\n', "\r\n");
+    format!("file=table.csv\r\nmap={}\r\nprogramme={}\r\ntext={}\r\n", lines(map), lines(programme), lines(log))
+}
+
+/// What stands in a textarea of the page, as a browser would send it.
+fn field(page: &str, name: &str) -> String {
+    let from = page.rfind(&format!("<textarea name=\"{name}\"")).unwrap_or_else(|| panic!("no {name} in {page}"));
+    let text = &page[from..][page[from..].find('>').unwrap() + 1..];
+    let text = &text[..text.find("</textarea>").unwrap()];
+    text.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
+}
+
+#[tokio::test]
+async fn a_raw_log_gets_a_first_map_and_with_its_map_becomes_a_campaign_that_is_stored() {
+    let server = Server::start().await;
+    let logs = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/logs");
+    let [log, map, programme] =
+        ["table.csv", "map.toml", "programme.csv"].map(|name| fs::read_to_string(logs.join(name)).unwrap());
+    let guessed = previewed(&server, with_map("", "", &log)).await;
+    assert!(guessed.contains("<h1>Import</h1>") && guessed.contains("Preview · <span translate=\"no\">table.csv"));
+    assert!(guessed.contains("This is a raw log, not averaged dwells."), "{guessed}");
+    let first = guessed.find("<textarea name=\"map\"").unwrap();
+    assert!(guessed[first..].contains("# Guessed from table.csv: check every line"), "{guessed}");
+    assert!(!guessed.contains("can be stored"), "{guessed}");
+
+    let said = previewed(&server, with_map("imu = \"?\"\noutput = { columns = [1] }", "", &log)).await;
+    assert!(said.contains("map: line 1: &quot;?&quot; must be answered"), "{said}");
+    let said = previewed(&server, with_map(&map, "up,north\n+X,+X\n", &log)).await;
+    assert!(said.contains("programme: ") && said.contains("are parallel"), "{said}");
+
+    let made = previewed(&server, with_map(&map, &programme, &log)).await;
+    assert!(made.contains("1 can be stored") && made.contains("What was averaged"), "{made}");
+    assert_eq!(made.matches("<td>rate</td>").count(), 12, "the dwells are shown");
+    assert!(made.contains("<rect class=\"static\""), "over the signals");
+    // The campaign is what is stored, not the log.
+    let stored = format!("text={}\r\n", field(&made, "text"));
+    let stored = server.call("POST", "/import/store", &[("content-type", "text/plain")], stored).await.text();
+    assert!(stored.contains("href=\"/records/"), "{stored}");
+    let fleet = server.get("/v1/gyros/LFG-0101").await.json();
+    assert_eq!(fleet["calibrations"], 1, "{fleet}");
+}
+
+#[tokio::test]
+async fn workbooks_and_foreign_files_are_read_or_named_as_what_they_are() {
+    let server = Server::start().await;
+    let dir = tempfile::tempdir().unwrap();
+    let book = dir.path().join("c.xlsx");
+    let made = gyrowatch().args(["template", "campaign", "--format", "xlsx", "--out"]).arg(&book).output().unwrap();
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let shown = previewed(&server, as_base64("c.xlsx", &fs::read(&book).unwrap())).await;
+    assert!(shown.contains("1 can be stored") && shown.contains("c.xlsx"), "{shown}");
+    let wide: Vec<u8> = "# imu: A\nphase,start_s\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let wide = [b"\xff\xfe".to_vec(), wide].concat();
+    for (name, bytes, expected) in [
+        ("px4.ulg", b"ULog\x01\x12\x35\x01\x00\x00".to_vec(), "px4.ulg: is a ULog of PX4"),
+        ("a.mat", b"MATLAB 7.3 MAT-file, Platform\x00\x01".to_vec(), "-v7"),
+        ("b.mat", [b"MATLAB 5.0 MAT-file".to_vec(), vec![0; 200]].concat(), "b.mat: "),
+        ("zeros.csv", vec![0; 600], "nothing but zeros"),
+        ("tail.csv", b"# imu: A\nphase,start_s\nstatic,0\n\x00\x00\x00\x00".to_vec(), "line 4: only zero bytes"),
+        ("wide.csv", wide, "the table has a header and no rows"),
+    ] {
+        let shown = previewed(&server, as_base64(name, &bytes)).await;
+        assert!(shown.contains(expected), "{name}: {shown}");
+        assert!(!shown.contains("1 can be stored"), "{name}: {shown}");
+    }
+}
+
+#[tokio::test]
+async fn empty_files_and_lone_headers_are_told_apart_wherever_they_are_sent() {
+    let server = Server::start().await;
+    let head = "# imu: A\n# station: S\n# measured_at: 2026-03-01T08:00:00Z\n# geometry: skewed\n# gyros: G1 L-1\n";
+    let header = "phase,start_s,duration_s,specific_force_g0_x,specific_force_g0_y,specific_force_g0_z,\
+        rate_arcsec_s_x,rate_arcsec_s_y,rate_arcsec_s_z,output_pulse_s_1\n";
+    let alone = format!("{head}{header}");
+    let sent = async |kind: &str, body: &str| server.post("/v1/campaigns", kind, body.to_owned()).await.text();
+    for (kind, body, expected) in [
+        ("text/csv", alone.as_str(), "the table has a header and no rows"),
+        ("text/csv", "", "no table"),
+        ("application/json", "", "is empty"),
+        ("application/json", " \n", "is empty"),
+        ("text/csv", &format!("{alone}\0\0\0\0"), "line 7: only zero bytes"),
+    ] {
+        let said = sent(kind, body).await;
+        assert!(said.contains(expected), "{kind} {body:?}: {said}");
+    }
+    let shown = previewed(&server, format!("text={}\r\n", alone.replace('\n', "\r\n"))).await;
+    assert!(shown.contains("the table has a header and no rows"), "{shown}");
+
+    let dir = tempfile::tempdir().unwrap();
+    for (name, text, expected) in
+        [("empty.csv", "", "empty.csv: is empty"), ("head.csv", &alone, "head.csv: the table has a header and no rows")]
+    {
+        fs::write(dir.path().join(name), text).unwrap();
+        let output = gyrowatch().current_dir(dir.path()).args(["calibrate", name]).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains(expected), "{said}");
+    }
+}
+
+#[tokio::test]
+async fn what_is_refused_for_another_that_is_stored_can_be_put_in_its_place() {
+    let server = Server::start().await;
+    let first = data("practice/campaign-00.json");
+    let there = server.post("/v1/campaigns", "application/json", first.clone()).await;
+    let id = there.json()["id"].as_str().unwrap().to_owned();
+    let mut right: Value = serde_json::from_str(&first).unwrap();
+    right["note"] = json!("the right one");
+    let shown = previewed(&server, format!("text={right}\r\n")).await;
+    assert!(shown.contains("Put this one in its place") && shown.contains(&format!("href=\"/records/{id}\"")));
+    let order = |fields: &[(&str, &str)]| {
+        let mut form = url::form_urlencoded::Serializer::new(String::new());
+        let text = right.to_string();
+        form.append_pair("id", &id).append_pair("text", &text).extend_pairs(fields).finish()
+    };
+    let send = async |body: String| {
+        let kind = [("content-type", "application/x-www-form-urlencoded")];
+        server.call("POST", "/import/replace", &kind, body).await
+    };
+    let unsaid = send(order(&[("by", "Li Wei"), ("reason", ""), ("confirm", "yes")])).await;
+    assert!(unsaid.status == 200 && unsaid.text().contains("class=\"fault\" role=\"alert\""), "{}", unsaid.text());
+    let done = send(order(&[("by", "Li Wei"), ("reason", "table was not level"), ("confirm", "yes")])).await;
+    assert!(done.status == 303 || done.status == 200, "{} {}", done.status, done.text());
+    let old = server.get(&format!("/v1/campaigns/{id}")).await.json();
+    assert_eq!(old["state"], "revised", "{old}");
+}

@@ -44,7 +44,7 @@ pub async fn post_hook(State(app): State<App>, body: Document) -> Result<Respons
     let new = app.pipeline.hooks.read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let drawn = new.drawn();
     let id = app.pipeline.hooks.order(Order::Create(new)).await?;
-    let hook = app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| Problem::no_such_hook(&id))?;
+    let hook = app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| Problem::no_such_hook(id))?;
     Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/hooks/{id}"))], Json(hook)).into_response())
 }
 
@@ -53,7 +53,7 @@ pub async fn post_hook(State(app): State<App>, body: Document) -> Result<Respons
     responses((status = 200, description = "the hook", body = HookBody)))]
 pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Json<HookBody>, Problem> {
     let hook = app.pipeline.hooks.get(hook_id(&id)?, None).await?;
-    Ok(Json(hook.ok_or_else(|| Problem::no_such_hook(&id))?))
+    Ok(Json(hook.ok_or_else(|| Problem::no_such_hook(id))?))
 }
 
 /// Changes a hook. A secret that is replaced signs beside the new one for a while; `enabled: true` sends what waits
@@ -71,7 +71,7 @@ pub async fn patch_hook(
     let patch = app.pipeline.hooks.read_patch(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let drawn = patch.drawn();
     app.pipeline.hooks.order(Order::Change(id, patch)).await?;
-    Ok(Json(app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| Problem::no_such_hook(&id))?))
+    Ok(Json(app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| Problem::no_such_hook(id))?))
 }
 
 /// Deletes a hook and what it was still to be told.
@@ -139,7 +139,7 @@ pub async fn get_deliveries(
     responses((status = 200, description = "the delivery", body = DeliveryBody)))]
 pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Result<Json<DeliveryBody>, Problem> {
     let delivery = app.pipeline.hooks.delivery(delivery_id(&id)?).await?;
-    Ok(Json(delivery.ok_or_else(|| Problem::no_such_delivery(&id))?))
+    Ok(Json(delivery.ok_or_else(|| Problem::no_such_delivery(id))?))
 }
 
 /// Sends a delivery again that is done or a dead letter, from the start of the ladder; one that waits, at once.
@@ -153,7 +153,7 @@ pub async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Result
 }
 
 async fn queued(app: &App, id: Id) -> Result<Response, Problem> {
-    let delivery = app.pipeline.hooks.delivery(id).await?.ok_or_else(|| Problem::no_such_delivery(&id))?;
+    let delivery = app.pipeline.hooks.delivery(id).await?.ok_or_else(|| Problem::no_such_delivery(id))?;
     Ok((StatusCode::ACCEPTED, [(LOCATION, format!("/v1/deliveries/{id}"))], Json(delivery)).into_response())
 }
 

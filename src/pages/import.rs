@@ -78,13 +78,13 @@ pub(super) async fn preview(
         let (text, made) = match logs::look(&sent) {
             Looked::Text(text) => (text, None),
             Looked::Made(made, text) => (text, Some(made)),
-            other => return Err((sent, other)),
+            other => return Err(Box::new((sent, other))),
         };
         let read = read_all(&pipeline, &caller, &text);
         if made.is_none() && logs::is_foreign(&text, &read) {
             let guessed = logs::guessed(&sent);
             if matches!(guessed, Looked::Guessed(_)) {
-                return Err((sent, guessed));
+                return Err(Box::new((sent, guessed)));
             }
         }
         let places = places(&text, &read);
@@ -93,7 +93,10 @@ pub(super) async fn preview(
     .await;
     let (source, read) = match looked {
         Ok(looked) => looked,
-        Err((sent, looked)) => return viewer.show(Ok(unread(&viewer, sent, &looked))),
+        Err(unreadable) => {
+            let (sent, looked) = *unreadable;
+            return viewer.show(Ok(unread(&viewer, sent, &looked)));
+        }
     };
     let prospects = match previews(&pages.pipeline, read).await {
         Ok(prospects) => prospects,

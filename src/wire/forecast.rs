@@ -433,7 +433,7 @@ impl ForecastBody {
     ) -> Self {
         let foretold = comparison.foretold(model);
         let verdict = judge::forecast(&foretold, limits);
-        let said = verdict.clone().or_else(|| judge::forecast(&foretold, Limits::default().forecast()));
+        let said = verdict.or_else(|| judge::forecast(&foretold, Limits::default().forecast()));
         self.compared = Some(ComparedBody::of(comparison, ladder, verdict.as_ref(), said.as_ref()));
         self.effects_against_model = changed.map(ChangedBody::of);
         self

@@ -12,6 +12,7 @@ use super::source::MAX_DOCUMENT_BYTES;
 use crate::cli::client::Service;
 use crate::cli::correct::{Said, replace};
 use crate::logs::sheet::readable;
+use crate::system::Clock;
 use crate::words;
 
 pub const REVISE: &str = "revise";
@@ -39,9 +40,10 @@ pub async fn deliver(dir: &Dir, name: &OsStr, settle: Duration, service: &Servic
         dir.write(&why, ASKED.as_bytes()).with_context(|| why.display().to_string())?;
         return Ok(Some(Fate::Asked { now: true }));
     };
+    let now = SystemTime::UNIX_EPOCH + Duration::from_micros(Clock::System.now().0.unsigned_abs());
     let still = |name: &OsStr| {
         let changed = dir.stamp(name).and_then(|(_, changed)| changed);
-        changed.and_then(|at| SystemTime::now().duration_since(at).ok()).is_some_and(|age| age >= settle)
+        changed.and_then(|at| now.duration_since(at).ok()).is_some_and(|age| age >= settle)
     };
     let Some((author, reason)) = remark(&String::from_utf8_lossy(&said)) else {
         return Ok(Some(Fate::Asked { now: false }));

@@ -91,7 +91,7 @@ fn records() -> Vec<Row> {
     let long = "x".repeat(65);
     vec![
         row("not JSON", b"imu: IMU-07".to_vec(), 400, Says("not_json")),
-        row("nothing", Vec::new(), 400, Says("not_json")),
+        row("nothing", Vec::new(), 400, Says("file_is_empty")),
         row("half a document", paper().to_string().into_bytes()[..200].to_vec(), 400, Says("not_json")),
         row(
             "two documents",

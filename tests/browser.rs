@@ -284,7 +284,7 @@ async fn an_operator_sees_what_is_wrong_with_a_file_before_anything_is_stored() 
 
     // A campaign's CSV, its fault named by line and column.
     browser.goto("/import").await;
-    browser.type_into("textarea", "# imu: IMU-1\nphase,start_s\nstatic,0\n").await;
+    browser.type_into("textarea[name=text]", "# imu: IMU-1\nphase,start_s\nstatic,0\n").await;
     browser.click("form.import button").await;
     browser.wait("document.querySelector('.fault')").await;
     browser.has_behaved().await;
@@ -480,7 +480,7 @@ const CUT: &str = r#"(() => {
 /// somebody wrote.
 const ENGLISH: &str = r#"(() => {
   const allowed = new Set(["deg", "arcsec", "pulse", "rms", "gyrowatch", "English", "standard-webhooks", "alertmanager",
-    "alertmanager-webhook", "cloudevents", "Authorization", "Bearer", "import", "https"]);
+    "alertmanager-webhook", "cloudevents", "Authorization", "Bearer", "import", "dwells", "https"]);
   const found = new Set();
   const look = (text) => {
     for (const word of text.match(/[A-Za-z0-9_./:'’-]+/g) || []) {

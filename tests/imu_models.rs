@@ -237,7 +237,8 @@ async fn what_a_diagnosis_names_is_adopted_and_undone_on_the_pages() {
     let id = stored["id"].as_str().unwrap();
     diagnosis(&lab, &stored).await;
     let form = format!("/campaigns/{id}/adopt");
-    assert!(lab.get(&format!("/campaigns/{id}/diagnosis")).await.text.contains(&format!("href=\"{form}\"")));
+    let page = lab.get(&format!("/campaigns/{id}/diagnosis")).await;
+    assert!(page.text.contains(&format!("href=\"{form}\"")), "{} {}", page.status, page.text);
     let asked = lab.get(&form).await;
     assert!(
         asked.text.contains("temperature changes the bias") || asked.text.contains("Temperature"),

@@ -452,7 +452,9 @@ impl Chart {
             @match &self.across {
                 Across::Time => @for (x, label) in dates(self.x) {
                     line.tick x1=(scale.x(x)) x2=(scale.x(x)) y1=(self.height) y2=(self.height + 3.0) {}
-                    text.date x=(scale.x(x)) y=(foot) text-anchor="middle" { (label) }
+                    // Half a date does not fit beyond the last one.
+                    @let anchor = if scale.share(x) > 0.94 { "end" } else { "middle" };
+                    text.date x=(scale.x(x)) y=(foot) text-anchor=(anchor) { (label) }
                 },
                 Across::Figure(name) => {
                     @let (figures, decimals) = round_steps(self.x, 6.0);

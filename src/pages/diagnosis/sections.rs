@@ -398,7 +398,7 @@ fn next(t: &Text, d: &DiagnosisBody) -> Markup {
                 } }
                 details {
                     summary { (t.as_programme) }
-                    pre { "up,north,rate_deg_s\n" @for (table, _) in &settings { (programme_row(table)) "\n" } }
+                    pre translate="no" { "up,north,rate_deg_s\n" @for (table, _) in &settings { (programme_row(table)) "\n" } }
                 }
             }
         }

@@ -339,12 +339,12 @@ page_calibrations_seen = 计入标定数
 
 ## Import.
 page_import = 导入
-page_import_note = 标定记录、原始试验或单表测试结果：JSON、逐行NDJSON，试验CSV或xlsx，或附映射的原始日志。预览确认之前不存储任何内容。
+page_import_note = 标定记录、原始试验或单表测试结果：JSON、逐行NDJSON，试验CSV或XLSX，或附映射的原始日志。预览确认之前不存储任何内容。
 page_choose_file = 选择文件，或拖放到此处：
 page_or_paste = 文件内容：
 page_of_a_log = 用于原始日志
 page_map_of_log = 映射（各列的含义）：留空则由日志生成初稿。
-page_programme_of_log = 转台程序：填24（六面各四个方向），或逐行填写 up,north,rate_deg_s。较长的日志请用 gyrowatch dwells。
+page_programme_of_log = 转台程序：填24（六面各四个方向），或粘贴程序CSV。较长的日志请用 gyrowatch dwells。
 page_log_needs_map = 这是原始日志，不是平均后的测点。上方已生成映射初稿：请逐行核对，填好每个“?”，再次预览。
 page_of_the_log = 取平均的区间
 page_look_at_stored = 查看已存储的那一份
@@ -549,7 +549,7 @@ page_several_at_once = 多个陀螺同时变化
 page_nothing_together = 没有测试站的陀螺同时偏向一侧。
 page_several_note = 取该日以来的最新标定；某测试站各陀螺负荷的中位数偏离零超过四倍标准误差时列出。请先检查测试站，再检查陀螺。
 page_outside_forecast_title = 超出预报的试验
-page_outside_note = 该日以来按判定规则 forecast 超出此前现用模型预报的试验；所列为偏离最大的陀螺及其误差。
+page_outside_note = 该日以来按预报规则超出此前现用模型预报的试验；所列为偏离最大的陀螺及其误差。
 page_forecast = 预报
 page_forecasts = 历次预报
 page_forecasts_note = 历次试验与此前现用模型所作预报之差。蓝：含已采用的效应；橙：不含；虚线：仅噪声。三角：超出预报。

@@ -428,3 +428,54 @@ const FORM: &str = "application/x-www-form-urlencoded";
 fn owned((name, value): (&str, &str)) -> (String, String) {
     (name.to_owned(), value.to_owned())
 }
+
+#[tokio::test]
+async fn what_a_diagnosis_names_is_adopted_and_undone_on_the_pages() {
+    let server = Server::start().await;
+    let sent = campaign("WARM", 3, "ST-1", Some(in_gyros("temperature_bias", &["G1", "G2", "G3"])));
+    let stored = server.post("/v1/campaigns", lab::JSON, sent.to_string()).await;
+    assert_eq!(stored.status, 201, "{}", stored.text());
+    let id = stored.json()["id"].as_str().unwrap().to_owned();
+    let diagnosed = || async {
+        loop {
+            let answer = server.get(&format!("/v1/campaigns/{id}/diagnosis")).await;
+            if answer.status != 202 {
+                break answer.json();
+            }
+        }
+    };
+    let named = diagnosed().await["effects"].clone();
+    assert!(!named.as_array().unwrap().is_empty());
+    let form = format!("/campaigns/{id}/adopt");
+    let page = server.get(&format!("/campaigns/{id}/diagnosis")).await.text();
+    assert!(page.contains(&format!("href=\"{form}\"")), "{page}");
+    assert!(server.get(&form).await.text().contains("enters the model of this IMU"));
+    let origin = server.url("");
+    let send = |path: &str, fields: &str| {
+        let (server, path, fields) = (&server, path.to_owned(), fields.to_owned());
+        let headers = [owned(("content-type", FORM)), owned(("origin", &origin))];
+        async move {
+            let headers: Vec<_> = headers.iter().map(|(name, value)| (name.as_str(), value.as_str())).collect();
+            server.call("POST", &path, &headers, fields).await
+        }
+    };
+    let models = || async { server.get("/v1/imus/WARM/model").await.json() };
+    assert_eq!(send(&form, "by=M&reason=held+out").await.status, 422, "not confirmed");
+    assert_eq!(models().await["history"], json!([]));
+    let adopted = send(&form, "by=M.+Adopter&reason=held+out&confirm=yes").await;
+    assert_eq!((adopted.status, &adopted.headers["location"]), (303, &"/imus/WARM#models".parse().unwrap()));
+    let in_force = models().await;
+    assert_eq!(in_force["model"]["effects"][0]["effect"], named[0]["effect"], "{in_force}");
+    assert_eq!(in_force["history"][0]["author"], "M. Adopter");
+    assert_eq!(diagnosed().await["verdict"], "no_gap");
+    assert_eq!(server.get(&form).await.status, 409, "nothing is named beside the model");
+
+    let undo = "/imus/WARM/model/undo";
+    assert!(server.get("/imus/WARM").await.text().contains(&format!("href=\"{undo}\"")));
+    assert!(server.get(undo).await.text().contains("temperature_bias"));
+    assert_eq!(send(undo, "by=M.+Adopter&reason=too+early&confirm=yes").await.status, 303);
+    let in_force = models().await;
+    assert_eq!((&in_force["model"]["effects"], in_force["history"].as_array().unwrap().len()), (&json!([]), 2));
+    assert_eq!(diagnosed().await["effects"][0]["effect"], named[0]["effect"]);
+    assert_eq!(server.get("/imus/NOBODY/model/undo").await.status, 404);
+}

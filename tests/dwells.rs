@@ -382,7 +382,8 @@ fn a_programme_says_what_was_commanded_and_the_campaign_is_the_one_that_was_meas
     let with_force = map + "force = { columns = [\"ax\", \"ay\", \"az\"], unit = \"g0\" }\n";
     fs::write(dir.path().join("force.toml"), &with_force).unwrap();
     let made = campaign(&dwells(dir.path(), &["log.csv", "--map", "force.toml", "--programme", "untimed.csv"]));
-    assert_eq!(made["dwells"].as_array().unwrap().len(), truth.dwells.len());
+    let whole = truth.dwells.iter().filter(|d| d.phase == Phase::Static || turned(d) > 350.0);
+    assert_eq!(made["dwells"].as_array().unwrap().len(), whole.count());
     // Two axes exchanged.
     fs::write(dir.path().join("swapped.toml"), with_force.replace("\"ax\", \"ay\"", "\"ay\", \"ax\"")).unwrap();
     let said = refused(&dwells(dir.path(), &["log.csv", "--map", "swapped.toml", "--programme", "untimed.csv"]));

@@ -165,7 +165,7 @@ fn a_coefficient_that_has_tripled_is_said_with_what_it_does_to_d_i() {
         changed(&model, &doubled).unwrap().effects[0].p_value
     };
     let (sure, few) = (p_by(1e6), p_by(5.0));
-    assert!(sure < 0.01 && few > 3.0 * sure, "{sure} {few}");
+    assert!(sure < 0.01 && few > 1.1 * sure, "{sure} {few}");
     let told = compare(&model, &next).unwrap();
     assert!(
         told.p_value < 0.05 && told.rms_over_sd > 2.0,

@@ -158,7 +158,7 @@ fn a_coefficient_that_has_tripled_is_said_with_what_it_does_to_d_i() {
     let [one] = &doubted.effects[..] else { panic!("{doubted:?}") };
     assert!(!one.changed && one.undecided && one.p_value < 0.005 && doubted.shifts.is_empty(), "{doubted:?}");
     // What the noise is known by counts: a few repeats of the first campaign make the same difference less sure.
-    let doubled = campaign(2, 2, NOMINAL_C + 3.0, 1.6);
+    let doubled = campaign(2, 2, NOMINAL_C + 3.0, 2.0);
     let p_by = |dof: f64| {
         let mut model = model.clone();
         model.gyros.iter_mut().for_each(|gyro| gyro.noise.dof = dof);

@@ -38,8 +38,8 @@ pub struct ChangedEffect {
     /// Of noise alone, over all that is compared (Sidak).
     pub p_value: f64,
     pub changed: bool,
-    /// Noise alone would not have it, but with the model's effects fitted anew the gyro shows more than the model
-    /// holds: that may be what has changed.
+    /// Noise alone would not have it, but with the model's effects fitted anew the gyro shows at least as much that
+    /// the model does not hold: that may be what has changed.
     pub undecided: bool,
 }
 
@@ -100,32 +100,40 @@ pub fn changed(model: &Identified, campaign: &Campaign) -> Result<Changed, NotCo
     }
     let count = groups.len();
     let held = groups.into_iter().filter_map(|(effect, slot)| held_against(model, &now, effect, slot, count));
-    let (mut found, own): (Vec<ChangedEffect>, Vec<_>) = held.unzip();
-    if found.iter().any(|one| one.changed) {
-        let lacking = lacking(&now, campaign);
-        for one in &mut found {
-            let lacks = lacking.iter().any(|gyro| one.slot.is_none_or(|slot| slot == *gyro));
+    let mut held: Vec<_> = held.collect();
+    if held.iter().any(|(one, ..)| one.changed) {
+        let (gyros, power) = lacking(&now, campaign);
+        for (one, _, statistic) in &mut held {
+            let lacks = power >= *statistic && gyros.iter().any(|gyro| one.slot.is_none_or(|slot| slot == *gyro));
             (one.changed, one.undecided) = (one.changed && !lacks, one.changed && lacks);
         }
     }
-    let changed = found.iter().zip(own).filter(|(one, _)| one.changed);
-    let places: Vec<(usize, f64)> = changed.flat_map(|(_, own)| own).collect();
+    let mut places = Vec::new();
+    let mut found = Vec::new();
+    for (one, own, _) in held {
+        places.extend(own.into_iter().filter(|_| one.changed));
+        found.push(one);
+    }
     let shifts = if places.is_empty() { Vec::new() } else { shifts(&now, &places) };
     Ok(Changed { effects: found, shifts })
 }
 
-/// Gyros in which the campaign shows more than the model with the effects that are fitted to it anew.
-fn lacking(now: &Identified, campaign: &Campaign) -> Vec<Slot> {
+/// Gyros in which the campaign shows more than the model with the effects that are fitted to it anew, and how much in
+/// all: the sum of d^2. What is less than a change cannot have made it: with a coefficient that is three times as
+/// large, a shape not quite right (a time constant, a direction) leaves something, too.
+fn lacking(now: &Identified, campaign: &Campaign) -> (Vec<Slot>, f64) {
     let (terms, adopted) = (Some(now.terms), now.effects.clone());
     let options = Options { terms, adopted, reference_c: now.reference_c, ..Options::default() };
     let all = || campaign.gyros.iter().map(|gyro| gyro.slot).collect();
-    match diagnose(campaign, &options) {
-        Ok(found) => match found.verdict {
-            Verdict::NoGap => Vec::new(),
-            Verdict::Explained => found.effects.iter().flat_map(|effect| effect.gyros.iter().copied()).collect(),
-            Verdict::PartlyExplained | Verdict::Unexplained => all(),
-        },
-        Err(_) => all(),
+    let Ok(found) = diagnose(campaign, &options) else { return (all(), f64::INFINITY) };
+    let named: f64 = found.effects.iter().map(|effect| effect.detectability.powi(2)).sum();
+    let outputs = (campaign.dwells.len() * campaign.gyros.len()) as f64;
+    match found.verdict {
+        Verdict::NoGap => (Vec::new(), 0.0),
+        Verdict::Explained => (found.effects.iter().flat_map(|effect| effect.gyros.iter().copied()).collect(), named),
+        Verdict::PartlyExplained | Verdict::Unexplained => {
+            (all(), named + outputs * (found.remaining.reduced_chi2 - 1.0).max(0.0))
+        }
     }
 }
 
@@ -135,14 +143,15 @@ pub fn changed_since(model: &AugmentedModel, campaign: &Campaign) -> Option<Chan
     changed(identified, campaign).ok()
 }
 
-/// The comparison, and the places of the coefficients in the campaign's own fit with the model's values.
+/// The comparison, the places of the coefficients in the campaign's own fit with the model's values, and the sum of
+/// squares of the difference.
 fn held_against(
     model: &Identified,
     now: &Identified,
     effect: usize,
     slot: Option<Slot>,
     count: usize,
-) -> Option<(ChangedEffect, Vec<(usize, f64)>)> {
+) -> Option<(ChangedEffect, Vec<(usize, f64)>, f64)> {
     let adopted = &now.effects[effect];
     let of = |identified: &Identified, effect: usize| -> Vec<usize> {
         let places = identified.of_effect(effect).into_iter();
@@ -166,7 +175,8 @@ fn held_against(
     let shares = [of_now, of_model].map(|of| (&inverse * of).trace() / count_of as f64);
     let dofs = [scales[0], scales[1] * model.campaigns.len() as f64];
     let dof = shares.iter().zip(dofs).map(|(share, dof)| share * share / dof).sum::<f64>().recip();
-    let alone = squares_tail(difference.dot(&(inverse * &difference)), count_of, dof);
+    let statistic = difference.dot(&(inverse * &difference));
+    let alone = squares_tail(statistic, count_of, dof);
     // 1 - (1 - p)^n without losing small p.
     let p_value = -f64::exp_m1(count as f64 * f64::ln_1p(-alone.min(1.0 - 1e-16)));
     let names = adopted.effect.entry().coefficients(adopted.shape);
@@ -182,7 +192,7 @@ fn held_against(
         changed: p_value < CHANGED,
         undecided: false,
     };
-    Some((one, own.into_iter().zip(values(model, &then).iter().copied()).collect()))
+    Some((one, own.into_iter().zip(values(model, &then).iter().copied()).collect(), statistic))
 }
 
 /// D_I and D_S with the effects as the campaign has them, less those with the model's.

@@ -260,7 +260,7 @@ fn a_bad_model_file_is_refused_by_the_place_of_its_fault() {
     assert!(status == 1 && error.contains("/nowhere/model.json"), "{error}");
 }
 
-/// What gyros of a kind cannot be as large as is no cause of theirs, whoever asks.
+/// What gyros of a kind cannot be as large as is no cause of theirs.
 #[test]
 fn nothing_is_named_larger_than_gyros_of_this_kind_have_it() {
     let bench = Bench::new();

@@ -145,6 +145,13 @@ fn reader_of<'r>(from: impl Read + 'r, kind: FileKind) -> Box<dyn Read + 'r> {
     }
 }
 
+/// UTF-16 without its byte-order mark.
+pub fn of_utf16(bytes: &[u8], big_endian: bool) -> String {
+    let unit = if big_endian { u16::from_be_bytes } else { u16::from_le_bytes };
+    let units = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).filter(|&unit| unit != 0xfeff);
+    char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
+}
+
 /// UTF-16 as UTF-8, as it is read.
 struct Utf16<R> {
     from: BufReader<R>,
@@ -164,12 +171,7 @@ impl<R: Read> Read for Utf16<R> {
                     more => filled += more,
                 }
             }
-            let unit = |pair: &[u8]| {
-                let pair = [pair[0], pair[1]];
-                if self.big_endian { u16::from_be_bytes(pair) } else { u16::from_le_bytes(pair) }
-            };
-            let units = bytes[..filled].chunks_exact(2).map(unit).filter(|&unit| unit != 0xfeff);
-            let text: String = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
+            let text = of_utf16(&bytes[..filled], self.big_endian);
             (self.ready, self.given) = (text.into_bytes(), 0);
         }
         let count = out.len().min(self.ready.len() - self.given);

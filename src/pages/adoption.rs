@@ -2,7 +2,6 @@
 //! `/imus/{imu}/model/undo`: the model before the newest is in force again.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use axum::Form;
 use axum::extract::{Path, Query, State as Held};
@@ -11,6 +10,7 @@ use maud::html;
 
 use super::Pages;
 use super::calibration::stored_campaign;
+use super::diagnosis::PATIENCE;
 use super::diagnosis::sections::found;
 use super::forecast::held;
 use super::form::{Deed, Word, answered, see_other};
@@ -24,9 +24,6 @@ use crate::message;
 use crate::pipeline::{Adoption, DiagnosisAnswer};
 use crate::wire::problem::Problem;
 use crate::words;
-
-/// How long a viewer waits for a diagnosis that is being made.
-const PATIENCE: Duration = Duration::from_secs(10);
 
 pub(super) async fn ask(
     Held(pages): Held<Pages>,

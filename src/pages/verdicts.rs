@@ -54,7 +54,7 @@ pub(super) fn list(viewer: &Viewer, verdicts: &[Said]) -> Markup {
     }
 }
 
-/// What has passed, and what waits for data: counted, and shown to whoever asks.
+/// What has passed, and what waits for data: counted, and shown when asked for.
 fn folded(t: &Text, rest: &[&Said], shown: &Markup) -> Markup {
     let waiting = rest.iter().filter(|said| said.status() == Status::NotEnoughData).count();
     html! {
@@ -197,7 +197,7 @@ pub(super) fn remarks(t: &Text, alert: &AlertBody) -> Markup {
     }
 }
 
-/// What whoever looks at an alert can do about it, coming back `here`.
+/// What a viewer can do about an alert, coming back `here`.
 pub(super) fn actions(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
     let t = viewer.text();
     let deed = |deed: &str, here: &str| format!("/alerts/{}/{deed}?back={}", alert.id, encoded(here));

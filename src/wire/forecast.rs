@@ -463,7 +463,7 @@ impl ClosingBody {
 }
 
 impl ComparedBody {
-    /// `verdict` is kept, `said` is what the rule says whoever is judged by it.
+    /// `verdict` is kept, `said` is what the rule says, judged or not.
     fn of(c: &Comparison, ladder: &[Rung], verdict: Option<&Verdict>, said: Option<&Verdict>) -> Self {
         let state = match said.map(|verdict| verdict.state) {
             Some(State::Exceeded) => OUTSIDE,

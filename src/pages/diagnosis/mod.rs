@@ -51,7 +51,7 @@ fn waiting(viewer: &Viewer) -> Response {
 }
 
 /// How long a viewer waits for a diagnosis that is being made.
-const PATIENCE: Duration = Duration::from_secs(10);
+pub(super) const PATIENCE: Duration = Duration::from_secs(10);
 
 /// The page; none while the diagnosis waits for others.
 async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Asked) -> Result<Option<Page>, Problem> {

@@ -16,7 +16,7 @@ use crate::logs::map::Map;
 use crate::logs::programme;
 use crate::logs::sheet::readable;
 use crate::logs::source::Source;
-use crate::logs::text::decoded;
+use crate::logs::text::{decoded, of_utf16};
 use crate::pipeline::ReadDocument;
 use crate::wire::campaign_csv::to_csv;
 use crate::wire::document::is_csv;
@@ -90,11 +90,7 @@ pub(super) fn look(sent: &Sent) -> Looked {
     let kind = file_kind(&bytes[..bytes.len().min(HEAD)]).ok().filter(|_| is_csv(&bytes));
     match kind {
         Some(FileKind::Mat5) => guessed(sent),
-        Some(FileKind::Utf16 { big_endian }) => {
-            let unit = if big_endian { u16::from_be_bytes } else { u16::from_le_bytes };
-            let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
-            Looked::Text(String::from_utf16_lossy(&units))
-        }
+        Some(FileKind::Utf16 { big_endian }) => Looked::Text(of_utf16(&bytes, big_endian)),
         _ => match readable(bytes) {
             Ok(text) => Looked::Text(decoded(&text)),
             Err(fault) => Looked::Faulty(LogError::new(sent.name(), fault).message()),

@@ -2,18 +2,18 @@
 
 use std::time::Instant;
 
-use anyhow::bail;
+use anyhow::{Context, Error, bail};
 use clap::Args;
 
+use super::blindcheck_service::ask;
 use super::document::{Format, print, print_json, table};
 use super::tallies::{figures, percent, progress};
-use crate::blindcheck::history::draw::Kind;
+use crate::blindcheck::history::draw::{Fleet, Kind};
 use crate::blindcheck::history::report::{Report, Row};
 use crate::blindcheck::history::run;
 use crate::blindcheck::history::speed::{Speed, measure};
-use crate::core::changes::diagnose_history;
 
-/// Draw fleets with a hidden cause, diagnose every gyro as the service does, score the answers
+/// Draw fleets with a hidden cause, send each to a service of its own, score what it answers of every gyro
 ///
 /// A fleet is five to eight IMUs of three gyros with 20 to 30 records each. One coefficient of one gyro, or a station,
 /// has the cause; everything else has none.
@@ -48,7 +48,7 @@ fn kinds_help() -> String {
 impl History {
     pub fn run(self) -> anyhow::Result<()> {
         if let Some(gyros) = self.speed {
-            let speed = measure(self.seed, gyros, &diagnose_history);
+            let speed = measure(self.seed, gyros);
             return match self.format {
                 Format::Json => print_json(&speed),
                 Format::Table => print(&shown(&speed)),
@@ -57,7 +57,9 @@ impl History {
         let kinds = if self.kind.is_empty() { Kind::ALL.to_vec() } else { self.kind.clone() };
         let bar = progress(kinds.len() * self.count as usize, "fleets");
         let begun = Instant::now();
-        let scores = run(self.seed, self.count as usize, &kinds, &diagnose_history, &|| bar.inc(1));
+        let services = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("cannot start")?;
+        let answers = |fleet: &Fleet| services.block_on(ask(fleet)).map_err(|error| format!("{error:#}"));
+        let scores = run(self.seed, self.count as usize, &kinds, &answers, &|| bar.inc(1)).map_err(Error::msg)?;
         bar.finish_and_clear();
         let report = Report::of(self.seed, &scores);
         match self.format {

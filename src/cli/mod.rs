@@ -8,6 +8,7 @@
 mod backup;
 mod blindcheck;
 mod blindcheck_history;
+mod blindcheck_service;
 mod calibrate;
 mod client;
 mod codes;

@@ -107,7 +107,34 @@ pub struct Fleet {
     pub shared: bool,
 }
 
-const YEAR_DAYS: f64 = 365.25;
+pub(super) const YEAR_DAYS: f64 = 365.25;
+
+/// How far the asked coefficient may be from where it began, and when it will be there.
+#[derive(Debug, Clone, Copy)]
+pub struct HiddenBudget {
+    pub baseline: f64,
+    pub limit: f64,
+    /// From the first record on.
+    pub years_from_first: f64,
+}
+
+impl Fleet {
+    /// Half as far again as the coefficient has aged by the newest record, where it ages from the beginning on.
+    pub fn budget(&self) -> Option<HiddenBudget> {
+        let (baseline, slope) = self.ageing?;
+        let limit = 1.5 * slope.abs() * self.years(self.signal.len() - 1);
+        Some(HiddenBudget { baseline, limit, years_from_first: limit / slope.abs() })
+    }
+
+    pub(super) fn entries(&self) -> &[Entry] {
+        &self.gyros[self.asked].entries
+    }
+
+    /// From the asked gyro's first record to its record `k`.
+    pub(super) fn years(&self, k: usize) -> f64 {
+        self.entries()[k].at.days_since(self.entries()[0].at) / YEAR_DAYS
+    }
+}
 
 /// One fleet.
 pub struct Draw {

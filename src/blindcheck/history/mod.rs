@@ -1,10 +1,12 @@
-//! Fleets whose hidden cause is known, asked for through the very function that the service answers with.
+//! Fleets whose hidden cause is known: what a service answers that was sent their records.
 //!
-//! In reading order: [`draw`] a fleet, [`score`] its answers, [`report`] the table. [`speed`] is asked apart.
+//! In reading order: [`draw`] a fleet, [`sent`] as its stations send it, [`score`] its answers, [`report`] the table.
+//! [`speed`] is asked apart.
 
 pub mod draw;
 pub mod report;
 pub mod score;
+pub mod sent;
 pub mod speed;
 
 use rayon::prelude::*;
@@ -13,12 +15,22 @@ use draw::{Draw, Kind};
 use score::{Diagnoser, Score};
 
 /// `count` fleets of each of `kinds`.
-pub fn run(seed: u64, count: usize, kinds: &[Kind], ask: &Diagnoser<'_>, done: &(dyn Fn() + Sync)) -> Vec<Score> {
+///
+/// # Errors
+/// What `ask` could not answer, of the first fleet that it failed at.
+pub fn run(
+    seed: u64,
+    count: usize,
+    kinds: &[Kind],
+    ask: &Diagnoser<'_>,
+    done: &(dyn Fn() + Sync),
+) -> Result<Vec<Score>, String> {
     let all: Vec<(u64, Kind)> = (kinds.iter().enumerate())
         .flat_map(|(k, kind)| (0..count).map(move |number| ((number * 64 + k) as u64, *kind)))
         .collect();
     let score = |(number, kind): (u64, Kind)| {
-        let score = Draw::of(seed, number).fleet(kind).score(ask);
+        let fleet = Draw::of(seed, number).fleet(kind);
+        let score = ask(&fleet).map(|answers| fleet.score(answers));
         done();
         score
     };

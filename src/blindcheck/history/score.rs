@@ -1,12 +1,14 @@
 //! What a diagnosis of a drawn fleet got right.
 
-use crate::core::changes::{Budget, Entry, GyroHistory, HistoryDiagnosis, HistoryVerdict};
+use crate::core::changes::{HistoryDiagnosis, HistoryVerdict};
 
-use super::draw::{Fleet, Kind};
+use super::draw::{Fleet, Kind, YEAR_DAYS};
 
-/// Asks for D_I, D_S and D_O of one gyro, with the others of its fleet: what the service does, or the service.
-pub type Diagnoser<'a> =
-    dyn Fn(&GyroHistory, &[&GyroHistory], [Option<Budget>; 3]) -> Vec<HistoryDiagnosis> + Sync + 'a;
+/// What is answered of D_I, D_S and D_O of each gyro of a fleet, in the fleet's order.
+pub type Answers = Vec<Vec<HistoryDiagnosis>>;
+
+/// Whoever diagnoses a fleet: the service with its real ingest, or the reason why it could not.
+pub type Diagnoser<'a> = dyn Fn(&Fleet) -> Result<Answers, String> + Sync + 'a;
 
 /// One fleet, scored.
 #[derive(Debug, Clone)]
@@ -32,20 +34,11 @@ pub struct Score {
 }
 
 impl Fleet {
-    pub fn score(&self, ask: &Diagnoser<'_>) -> Score {
+    pub fn score(&self, answers: Answers) -> Score {
         let mut false_names = (0, 0);
         let mut own = None;
-        let mut limit = None;
-        for (g, gyro) in self.gyros.iter().enumerate() {
-            let others: Vec<&GyroHistory> =
-                self.gyros.iter().enumerate().filter(|(other, _)| *other != g).map(|(_, other)| other).collect();
-            let mut budgets = [None; 3];
-            if let (true, Some((level, slope))) = (g == self.asked, self.ageing) {
-                let far = 1.5 * slope.abs() * self.years(gyro.entries.len() - 1);
-                budgets[self.column] = Some(Budget { baseline: level, limit: far, measured_since: None });
-                limit = Some(far / slope.abs());
-            }
-            for (column, answer) in ask(gyro, &others, budgets).into_iter().enumerate() {
+        for (g, answers) in answers.into_iter().enumerate() {
+            for (column, answer) in answers.into_iter().enumerate() {
                 let asked = g == self.asked && column == self.column;
                 let moved = self.kind == Kind::Clocking && g == self.asked && column == 1;
                 if asked {
@@ -56,6 +49,7 @@ impl Fleet {
                 }
             }
         }
+        let left = self.budget().map(|budget| budget.years_from_first - self.years(self.signal.len() - 1));
         let own = own.expect("the asked gyro is one of the fleet");
         let mut named: Vec<&'static str> = own.causes.iter().map(|cause| cause.cause).collect();
         named.dedup();
@@ -77,25 +71,17 @@ impl Fleet {
             gyro_blamed: station.then(|| named.iter().any(|id| *id != "station")),
             explained: (self.kind == Kind::Wanders).then_some(own.verdict == HistoryVerdict::Explained),
             closure_covered: self.closure_covered(&own),
-            in_time: limit
+            in_time: left
                 .zip(own.due.as_ref().and_then(|due| due.calibrate_by))
-                .map(|(years, by)| by <= (years - self.years(self.signal.len() - 1)) * 365.25),
-            date_covered: limit.zip(own.due.as_ref()).map(|(years, due)| {
-                let days = (years - self.years(self.signal.len() - 1)) * 365.25;
+                .map(|(years, by)| by <= years * YEAR_DAYS),
+            date_covered: left.zip(own.due.as_ref()).map(|(years, due)| {
+                let days = years * YEAR_DAYS;
                 [due.p80, due.p95].map(|[early, late]| {
                     early.is_none_or(|early| early <= days) && late.is_none_or(|late| days <= late)
                 })
             }),
             named,
         }
-    }
-
-    fn entries(&self) -> &[Entry] {
-        &self.gyros[self.asked].entries
-    }
-
-    fn years(&self, k: usize) -> f64 {
-        self.entries()[k].at.days_since(self.entries()[0].at) / 365.25
     }
 
     /// Whether the interval of the closure holds the share of the true change that is explained, where one cause is

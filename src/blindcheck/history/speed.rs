@@ -6,8 +6,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::draw::{Draw, Fleet, Kind};
-use super::score::Diagnoser;
-use crate::core::changes::GyroHistory;
+use crate::core::changes::{GyroHistory, diagnose_history};
 
 /// Records of the one gyro, and its peers, as many as the service asks for.
 const RECORDS: usize = 1000;
@@ -31,7 +30,7 @@ pub struct Speed {
 }
 
 /// Diagnoses fleets of every kind, `gyros` at the least, on all threads; then one gyro again and again.
-pub fn measure(seed: u64, gyros: usize, ask: &Diagnoser<'_>) -> Speed {
+pub fn measure(seed: u64, gyros: usize) -> Speed {
     let mut fleets: Vec<Fleet> = Vec::new();
     let count = |fleets: &[Fleet]| fleets.iter().map(|fleet| fleet.gyros.len()).sum::<usize>();
     while count(&fleets) < gyros {
@@ -42,7 +41,7 @@ pub fn measure(seed: u64, gyros: usize, ask: &Diagnoser<'_>) -> Speed {
     fleets
         .par_iter()
         .flat_map(|fleet| (0..fleet.gyros.len()).into_par_iter().map(move |g| (fleet, g)))
-        .for_each(|(fleet, g)| drop(ask(&fleet.gyros[g], &without(&fleet.gyros, g), [None; 3])));
+        .for_each(|(fleet, g)| drop(diagnose_history(&fleet.gyros[g], &without(&fleet.gyros, g), [None; 3])));
     let fleet_s = begun.elapsed().as_secs_f64();
     let all = Draw::of(seed, u64::MAX).weekly(1, RECORDS);
     let peers = Draw::of(seed, u64::MAX - 1).weekly(PEERS, OF_A_PEER);
@@ -50,7 +49,7 @@ pub fn measure(seed: u64, gyros: usize, ask: &Diagnoser<'_>) -> Speed {
     let mut took: Vec<Duration> = (0..ROUNDS)
         .map(|_| {
             let begun = Instant::now();
-            drop(ask(&all[0], &others, [None; 3]));
+            drop(diagnose_history(&all[0], &others, [None; 3]));
             begun.elapsed()
         })
         .collect();

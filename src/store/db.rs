@@ -3,6 +3,9 @@
 //! Most texts are understood by both; where they are not, the two stand side by side as a [`Sql`]. Nothing is made up
 //! at run time, and each database is spoken to in its own words, so that neither pays for the other.
 
+use std::future::ready;
+
+use futures::{Stream, TryStreamExt};
 use sqlx::encode::IsNull;
 use sqlx::error::BoxDynError;
 use sqlx::postgres::{PgArgumentBuffer, PgRow};
@@ -61,6 +64,14 @@ impl Readers {
             Self::Postgres(pool) => pool.close().await,
         }
     }
+}
+
+/// What `read` makes of each row as it comes. Rows in wait take many times the memory of what is made of them.
+pub(crate) async fn each<R, T>(
+    rows: impl Stream<Item = Result<R, sqlx::Error>>,
+    read: impl Fn(&R) -> Result<T, StoreError>,
+) -> Result<Vec<T>, StoreError> {
+    rows.err_into().and_then(|row| ready(read(&row))).try_collect().await
 }
 
 /// Runs `$query` on whichever database `$readers` are of; in it `$db` is the pool.

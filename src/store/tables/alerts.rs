@@ -6,7 +6,7 @@ use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{AnyRow, LISTED, Sql, Whole, cell, insert, on};
+use crate::store::db::{AnyRow, LISTED, Sql, Whole, cell, each, insert, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 
@@ -332,13 +332,13 @@ pub async fn of_clock(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
         "{COLUMNS} WHERE status = 'firing' OR told_at IS NOT NULL OR silenced_until IS NOT NULL
              OR muted_until IS NOT NULL ORDER BY alert.id"
     ));
-    on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
+    on!(store.readers, db => each(sqlx::query(sql).fetch(db), alert).await)
 }
 
 /// Every alert, in the order in which they first fired: as many as there are troubled gyros, not records.
 pub async fn all(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
     let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY alert.id"));
-    on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
+    on!(store.readers, db => each(sqlx::query(sql).fetch(db), alert).await)
 }
 
 /// Every alert of a station or an IMU that there has been: few.

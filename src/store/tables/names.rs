@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
 use crate::core::name::{look_keys, normal_form};
@@ -38,8 +39,8 @@ pub struct Table {
     by_number: BTreeMap<u32, (Arc<str>, u8)>,
     /// Also by the normal form of a name that an earlier version stored otherwise.
     by_name: HashMap<Arc<str>, u32>,
-    /// By [`look_keys`].
-    by_look: HashMap<String, u32>,
+    /// By hashes of its [`look_keys`], which in full would take as much room as everything else here.
+    by_look: HashMap<u64, u32>,
     by_cell: HashMap<u8, HashSet<u32>>,
 }
 
@@ -55,8 +56,10 @@ impl Table {
 
     /// A known name that looks like `name` and is another.
     pub fn look_alike(&self, name: &str) -> Option<&Arc<str>> {
-        let known = look_keys(name).into_iter().find_map(|key| self.by_look.get(&key));
-        known.and_then(|number| self.name(*number)).filter(|known| ***known != *name)
+        let keys = look_keys(name);
+        let known = keys.iter().find_map(|key| self.by_look.get(&hash(key)))?;
+        let looks_like = |known: &&Arc<str>| look_keys(known).iter().any(|key| keys.contains(key));
+        self.name(*known).filter(|known| ***known != *name).filter(looks_like)
     }
 
     /// The name of a number that a row refers to; a number that was never given out has none.
@@ -105,7 +108,7 @@ impl Table {
         if let Cow::Owned(normal) = normal_form(&name) {
             self.by_name.entry(normal.into()).or_insert(number);
         }
-        look_keys(&name).into_iter().for_each(|key| _ = self.by_look.entry(key).or_insert(number));
+        look_keys(&name).iter().for_each(|key| _ = self.by_look.entry(hash(key)).or_insert(number));
         self.by_name.insert(name, number);
         true
     }
@@ -114,12 +117,16 @@ impl Table {
         let Some((name, cell)) = self.by_number.remove(&number) else { return };
         self.by_cell.entry(cell).or_default().remove(&number);
         self.by_name.retain(|_, known| *known != number);
-        for key in look_keys(&name) {
+        for key in look_keys(&name).iter().map(|key| hash(key)) {
             if self.by_look.get(&key) == Some(&number) {
                 self.by_look.remove(&key);
             }
         }
     }
+}
+
+fn hash(key: &str) -> u64 {
+    BuildHasherDefault::<DefaultHasher>::default().hash_one(key)
 }
 
 #[derive(Debug)]

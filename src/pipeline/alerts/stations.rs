@@ -79,7 +79,10 @@ impl<'a> StationAlerts<'a> {
 
     /// Gyros among these alerts that stations explain, and did not, or do not any more.
     pub fn explained_anew(&self, rows: &[AlertRow], naming: &Naming<'_>) -> BTreeSet<u32> {
-        let anew = rows.iter().filter(|row| self.explaining_row(row, naming) != row.inhibited_by);
+        // Where no station's alert fires there is nothing to be read from findings.
+        let explains = self.firing().next().is_some();
+        let anew = rows.iter().filter(|row| explains || row.inhibited_by.is_some());
+        let anew = anew.filter(|row| self.explaining_row(row, naming) != row.inhibited_by);
         anew.filter_map(|row| row.of.gyro()).collect()
     }
 }

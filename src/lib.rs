@@ -30,26 +30,39 @@
 //! [`blindcheck`] (how often a hidden cause is found).
 //!
 //! The service around it: [`wire`] (documents), [`words`] (English and Chinese), [`store`], [`pipeline`], [`alert`],
-//! [`http`], [`pages`], [`cli`]. `docs/architecture.md` says which may use which.
+//! [`http`], [`pages`], [`cli`]. `docs/architecture.md` says which may use which. Without the feature `server` there is
+//! only what a station's agent needs.
 
 // What ships never unwraps in silence: `expect` says why it cannot fail.
 #![warn(clippy::unwrap_used)]
+#![cfg_attr(not(feature = "server"), allow(dead_code, reason = "the agent needs a part of what the service does"))]
 
+#[cfg(feature = "server")]
 pub mod alert;
+#[cfg(feature = "server")]
 pub mod blindcheck;
 pub mod cli;
+#[cfg(feature = "server")]
 pub mod config;
+#[cfg(feature = "server")]
 mod cookies;
 pub mod core;
+#[cfg(feature = "server")]
 pub mod experiment;
+#[cfg(feature = "server")]
 pub mod http;
 pub mod logs;
+#[cfg(feature = "server")]
 pub mod pages;
+#[cfg(feature = "server")]
 pub mod pipeline;
+#[cfg(feature = "server")]
 pub mod routes;
 pub mod simulate;
+#[cfg(feature = "server")]
 pub mod store;
 pub mod system;
+#[cfg(feature = "server")]
 pub mod telemetry;
 pub mod wire;
 pub mod words;

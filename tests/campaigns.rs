@@ -69,6 +69,23 @@ async fn posts(lab: &Lab, campaign: &Value) -> Answer {
     lab.post("/v1/campaigns", campaign).await
 }
 
+/// Cut within its last number a table reads as a whole one.
+#[tokio::test]
+async fn a_table_whose_last_line_has_no_end_is_stored_with_a_note() {
+    let lab = Lab::open().await;
+    let table = csv(&campaign());
+    let lines = table.lines().count();
+    let cut = table.trim_end();
+    let last = cut.rsplit(',').next().unwrap();
+    let answer = lab.post_text("/v1/campaigns", CSV, cut.to_owned()).await.created();
+    let note = answer["notes"].as_array().unwrap().iter().find(|note| note["code"] == "no_line_end").expect("a note");
+    assert_eq!((&note["line"], &note["value"]), (&json!(lines), &json!(last)));
+    assert!(note["detail"].as_str().unwrap().contains(&format!("line {lines}, the last,")), "{note}");
+    let later = table.replacen("2026-03-01", "2026-03-08", 1);
+    let answer = lab.post_text("/v1/campaigns", CSV, later).await.created();
+    assert!(!answer.to_string().contains("no_line_end"), "{answer}");
+}
+
 #[tokio::test]
 async fn a_campaign_is_fitted_separated_judged_and_kept_whole() {
     let lab = Lab::open().await;

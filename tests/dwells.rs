@@ -99,6 +99,108 @@ fn a_csv_of_an_ahrs_with_more_columns_than_are_needed() {
     calibrate.current_dir(dir.path()).args(["calibrate", "c.csv", "--model", "bias"]).assert().success();
 }
 
+/// An array as numpy.save writes it.
+fn npy(descr: &str, shape: &str, rows: impl Iterator<Item = Vec<f64>>) -> Vec<u8> {
+    let mut header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}");
+    header.push_str(&" ".repeat((64 - (10 + header.len() + 1) % 64) % 64));
+    header.push('\n');
+    let mut bytes = [b"\x93NUMPY\x01\x00".as_slice(), &(header.len() as u16).to_le_bytes(), header.as_bytes()].concat();
+    bytes.extend(rows.flatten().flat_map(f64::to_le_bytes));
+    bytes
+}
+
+const NAMES: [&str; 8] = ["sys_time", "acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z", "temperature"];
+
+fn row((t, f, w): (f64, [f64; 3], [f64; 3])) -> Vec<f64> {
+    [vec![(t * 1000.0).round()], f.to_vec(), w.to_vec(), vec![30.0]].concat()
+}
+
+#[test]
+fn arrays_of_numpy_are_read_by_the_names_of_their_members_or_of_their_archive() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = by_hand(8);
+    let members: Vec<String> = NAMES.iter().map(|name| format!("('{name}', '<f8')")).collect();
+    let structured =
+        npy(&format!("[{}]", members.join(", ")), &format!("({},)", rows.len()), rows.iter().copied().map(row));
+    fs::write(dir.path().join("log.npy"), &structured).unwrap();
+    let own = map("hi91-csv.toml");
+    check_by_hand(&campaign(&dwells(dir.path(), &["log.npy", "--map", own.to_str().unwrap()])));
+
+    let mut archive = zip::ZipWriter::new(fs::File::create(dir.path().join("log.npz")).unwrap());
+    let (line, three) = (format!("({},)", rows.len()), format!("({}, 3)", rows.len()));
+    for (name, array) in [
+        ("t", npy("'<f8'", &line, rows.iter().map(|(t, ..)| vec![*t]))),
+        ("gyro", npy("'<f8'", &three, rows.iter().map(|(.., w)| w.to_vec()))),
+        ("acc", npy("'<f8'", &three, rows.iter().map(|(_, f, _)| f.map(|f| f * G).to_vec()))),
+        ("temp", npy("'<f8'", &line, rows.iter().map(|_| vec![30.0]))),
+        ("fs", npy("'<f8'", "()", std::iter::once(vec![100.0]))),
+    ] {
+        archive.start_file(format!("{name}.npy"), zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut archive, &array).unwrap();
+    }
+    archive.finish().unwrap();
+    let made = campaign(&dwells(dir.path(), &["log.npz", "--map", map("matlab.toml").to_str().unwrap()]));
+    check_by_hand(&made);
+    assert_eq!(made["dwells"][2]["temperature_c"], 30.0);
+
+    fs::write(dir.path().join("cut.npy"), &structured[..structured.len() - 1]).unwrap();
+    let said = refused(&dwells(dir.path(), &["cut.npy", "--map", own.to_str().unwrap()]));
+    assert!(said.contains("cut.npy: is a file of NumPy that breaks off"), "{said}");
+    fs::write(dir.path().join("o.npy"), npy("'|O'", "(2,)", std::iter::empty())).unwrap();
+    let said = refused(&dwells(dir.path(), &["o.npy", "--map", own.to_str().unwrap()]));
+    assert!(said.contains("holds Python objects") && said.contains("astype(float)"), "{said}");
+}
+
+/// As pandas writes it, but for the codec that is given.
+#[cfg(feature = "parquet")]
+fn parquet(rows: &[Vec<f64>], compression: parquet::basic::Compression) -> Vec<u8> {
+    use parquet::data_type::DoubleType;
+    use parquet::file::properties::WriterProperties;
+    use parquet::file::writer::SerializedFileWriter;
+
+    let columns: String = NAMES.iter().map(|name| format!("optional double {name}; ")).collect();
+    let schema = parquet::schema::parser::parse_message_type(&format!("message log {{ {columns} }}")).unwrap();
+    let properties = WriterProperties::builder().set_compression(compression).build();
+    let mut bytes = Vec::new();
+    let mut writer = SerializedFileWriter::new(&mut bytes, schema.into(), properties.into()).unwrap();
+    for rows in rows.chunks(1000) {
+        let mut group = writer.next_row_group().unwrap();
+        for k in 0..NAMES.len() {
+            let values: Vec<f64> = rows.iter().map(|row| row[k]).collect();
+            let mut column = group.next_column().unwrap().unwrap();
+            column.typed::<DoubleType>().write_batch(&values, Some(&vec![1; values.len()]), None).unwrap();
+            column.close().unwrap();
+        }
+        group.close().unwrap();
+    }
+    writer.close().unwrap();
+    bytes
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn a_parquet_log_is_read_by_its_columns() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows: Vec<Vec<f64>> = by_hand(9).into_iter().map(row).collect();
+    let whole = parquet(&rows, parquet::basic::Compression::SNAPPY);
+    fs::write(dir.path().join("log.parquet"), &whole).unwrap();
+    let map = map("hi91-csv.toml");
+    let of = |name: &str| dwells(dir.path(), &[name, "--map", map.to_str().unwrap()]);
+    check_by_hand(&campaign(&of("log.parquet")));
+    fs::write(dir.path().join("cut.parquet"), &whole[..whole.len() / 2]).unwrap();
+    let said = refused(&of("cut.parquet"));
+    assert!(said.contains("cut.parquet: cannot be read as Parquet"), "{said}");
+}
+
+#[cfg(not(feature = "parquet"))]
+#[test]
+fn a_parquet_log_is_named_where_the_program_cannot_read_it() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("log.parquet"), b"PAR1\x15\x04").unwrap();
+    let said = refused(&dwells(dir.path(), &["log.parquet", "--map", map("hi91-csv.toml").to_str().unwrap()]));
+    assert!(said.contains("is a Parquet file") && said.contains("to_csv"), "{said}");
+}
+
 #[test]
 fn counts_in_two_files_without_header_beside_one_another() {
     let dir = tempfile::tempdir().unwrap();

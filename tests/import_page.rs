@@ -108,6 +108,17 @@ async fn empty_files_and_lone_headers_are_told_apart_wherever_they_are_sent() {
         let said = sent(kind, body).await;
         assert!(said.contains(expected), "{kind} {body:?}: {said}");
     }
+    for (bytes, expected) in [
+        (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\x01\x02\x03".to_vec(), "is binary, in a format that is not known"),
+        (b"PK\x03\x04\xff\xfe....[Content_Types].xml".to_vec(), "is a file of Excel (.xlsx), not text"),
+        (b"\x93NUMPY\x01\x00v\x00".to_vec(), "is a file of NumPy (.npy), not text"),
+        (b"\x1f\x8b\x08\x00\xff".to_vec(), "is compressed with gzip"),
+        (b"# imu: A\n# note: 20 \xb0C\n".to_vec(), "line 2: not UTF-8 text"),
+    ] {
+        let answer = server.call("POST", "/v1/campaigns", &[("content-type", "text/csv")], bytes).await;
+        let said = answer.text();
+        assert!(answer.status == 422 && said.contains(expected), "{said}");
+    }
     let shown = previewed(&server, format!("text={}\r\n", alone.replace('\n', "\r\n"))).await;
     assert!(shown.contains("the table has a header and no rows"), "{shown}");
 

@@ -71,6 +71,32 @@ async fn a_campaign_dropped_while_the_service_is_down_arrives_once_and_a_bad_one
     assert_eq!(trend["points"].as_array().unwrap().len(), 2, "sent twice, stored once: {trend}");
 }
 
+/// What is still open may be cut within a number; what others leave in a folder is no document.
+#[tokio::test]
+async fn a_table_waits_for_the_end_of_its_last_line() {
+    let server = Server::start().await;
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let made = gyrowatch().args(["template", "campaign", "--format", "csv"]).output().unwrap();
+    let table = String::from_utf8(made.stdout).unwrap();
+    let cut = table.trim_end();
+    for name in ["RUN.PART", "~$run.xlsx", "Thumbs.db", "desktop.ini"] {
+        fs::write(file(name), "of others").unwrap();
+    }
+    fs::write(file("run.csv"), &cut[..cut.len() - 1]).unwrap();
+    fs::write(file("stored.json"), data("practice/campaign-00.json")).unwrap();
+    let _agent = Agent::watches(folder.path(), &server);
+    appears(&file("sent/stored.json")).await;
+    tokio::time::sleep(Duration::from_secs(2)).await;
+    assert!(file("run.csv").exists(), "nothing says that its last number is whole");
+    fs::write(file("run.csv"), table).unwrap();
+    appears(&file("sent/run.csv")).await;
+    for name in ["RUN.PART", "~$run.xlsx", "Thumbs.db", "desktop.ini"] {
+        assert!(file(name).exists(), "{name}");
+    }
+    assert_eq!(fs::read_dir(file("refused")).unwrap().count(), 0);
+}
+
 /// Whoever may write to the folder cannot make the agent read, send or overwrite what lies elsewhere.
 #[tokio::test]
 async fn links_pipes_and_linked_directories_lead_nowhere() {

@@ -93,7 +93,8 @@ async fn send(service: &Service, fleet: &Fleet) -> anyhow::Result<()> {
     }
     for (gyro, history) in fleet.gyros.iter().enumerate() {
         for Mark { at, event, .. } in &history.marks {
-            let body = json!({"event": event.name(), "at": time::format(*at), "reason": "drawn", "author": "blindcheck"});
+            let body =
+                json!({"event": event.name(), "at": time::format(*at), "reason": "drawn", "author": "blindcheck"});
             let route = format!("/v1/gyros/{}/events", serial(gyro));
             let sent = service.post(&route, JSON, Bytes::from(body.to_string())).await?;
             ensure!(matches!(sent, Sent::Stored(_)), "{route}: {sent:?}");

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 use super::document::{self, Format, table};
-use super::model;
 use super::separate::{BENCH_RESULT, Method, drift_and_mounting, figure};
+use super::{model, settings};
 use crate::config::Config;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::calibrate::repeats_between::repeated;
@@ -52,7 +52,7 @@ struct Fitted {
 
 impl Calibrate {
     pub fn run(self) -> anyhow::Result<()> {
-        let config = document::config()?;
+        let config = settings::config()?;
         let mut fitted =
             self.campaigns.iter().map(|path| self.fitted(path, &config)).collect::<anyhow::Result<Vec<_>>>()?;
         if let [one] = fitted.as_slice() {

@@ -14,7 +14,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::common::service_address;
-use crate::system;
+use crate::system::{self, Proxies};
 use crate::wire::note::NoteBody;
 use crate::wire::problem::ProblemBody;
 use crate::words;
@@ -103,6 +103,11 @@ pub struct Connection {
     /// Certificate (PEM) of the authority that signed the service's, where this machine does not know it
     #[arg(long, value_name = "FILE")]
     ca_file: Option<PathBuf>,
+
+    /// Proxy on the way there: `http://host:port`, or `environment` for what HTTPS_PROXY, HTTP_PROXY and NO_PROXY say
+    #[arg(long, env = "GYROWATCH_PROXY", value_name = "PROXY", default_value = "", hide_default_value = true,
+          hide_env_values = true, value_parser = Proxies::parse)]
+    proxy: Proxies,
 }
 
 impl Connection {
@@ -122,22 +127,28 @@ impl Connection {
             }
             None => Vec::new(),
         };
-        Service::trusting(&self.url, token, authorities)
+        Service::by_way_of(&self.proxy, &self.url, token, authorities)
     }
 }
 
 impl Service {
     /// `address`: `http://host:port`, or `host:port` alone as `GYROWATCH_LISTEN` gives it.
     pub fn at(address: &str, token: Option<String>) -> anyhow::Result<Self> {
-        Self::trusting(address, token, Vec::new())
+        Self::by_way_of(&Proxies::None, address, token, Vec::new())
     }
 
     /// As [`Service::at`], trusting also what these authorities have signed.
-    fn trusting(address: &str, token: Option<String>, authorities: Vec<Certificate>) -> anyhow::Result<Self> {
+    fn by_way_of(
+        proxies: &Proxies,
+        address: &str,
+        token: Option<String>,
+        authorities: Vec<Certificate>,
+    ) -> anyhow::Result<Self> {
         let base = if address.contains("://") { address.to_owned() } else { format!("http://{address}") };
         let url = reqwest::Url::parse(&base).with_context(|| format!("{address} is not an address"))?;
         anyhow::ensure!(matches!(url.scheme(), "http" | "https"), "{address}: the scheme must be http or https");
-        let client = system::http_client(CONNECT_TIMEOUT, ANSWER_TIMEOUT);
+        let client = system::http_client_through(proxies, CONNECT_TIMEOUT, ANSWER_TIMEOUT);
+        let client = client.context("the proxy cannot be used")?;
         let client = if authorities.is_empty() { client } else { client.tls_certs_merge(authorities) };
         let http = client.build().context("cannot set up HTTP")?;
         Ok(Self { base: base.trim_end_matches('/').to_owned(), token, http, telling: "" })

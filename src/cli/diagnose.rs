@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 
 use super::document::{self, Format, table};
 use super::predict::against_model;
-use super::{diagnose_all, diagnose_gyro, diagnose_record, hypothesis, model};
+use super::{diagnose_all, diagnose_gyro, diagnose_record, hypothesis, model, settings};
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, may_be_split, split};
@@ -96,7 +96,7 @@ impl Diagnose {
             return diagnose_record::run(&bytes, self.format).with_context(file);
         }
         let campaign = parse(&bytes).with_context(file)?;
-        campaign.check_known_scales(&document::plausibility()?).with_context(file)?;
+        campaign.check_known_scales(&settings::plausibility()?).with_context(file)?;
         if let Some(path) = &self.adopt {
             model::may_be_replaced(path)?;
         }
@@ -127,7 +127,7 @@ fn reference(path: &Path, campaign: &Campaign) -> anyhow::Result<Reference> {
     let bytes = document::read(path)?;
     let file = || document::name(path);
     if is_record(&bytes) {
-        return parse_record(&bytes, &document::plausibility()?).map(Reference::Record).with_context(file);
+        return parse_record(&bytes, &settings::plausibility()?).map(Reference::Record).with_context(file);
     }
     parse(&bytes).map(Reference::Campaign).or_else(|faults| {
         if let Ok(other) = parse_json(&bytes).map(Reference::Campaign) {

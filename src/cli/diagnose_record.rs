@@ -1,6 +1,7 @@
 //! `diagnose RECORD`: what the closure of a calibration record says, where there are no dwells to ask.
 
-use super::document::{self, Format, table};
+use super::document::{Format, table};
+use super::settings;
 use crate::core::diagnose::closures;
 use crate::core::separate::{separate, stated_covariance};
 use crate::wire::closure::ClosureBody;
@@ -9,7 +10,7 @@ use crate::wire::time;
 
 /// Prints the diagnosis of a record.
 pub fn run(bytes: &[u8], format: Format) -> anyhow::Result<()> {
-    let record = parse_record(bytes, &document::plausibility()?)?;
+    let record = parse_record(bytes, &settings::plausibility()?)?;
     let separations = record
         .gyros
         .iter()

@@ -8,8 +8,6 @@ use anyhow::{Context, ensure};
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
 
-use crate::config::Config;
-use crate::core::record::Plausibility;
 use crate::logs::error::LogError;
 use crate::logs::sheet::readable;
 
@@ -47,16 +45,6 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
     read.with_context(|| name(path))?;
     ensure!(bytes.len() as u64 <= MAX_BYTES, "{}: is larger than {MAX_BYTES} bytes", name(path));
     readable(bytes).map_err(|fault| LogError::new(name(path), fault).into())
-}
-
-/// The configuration in force: files in `config` and the environment.
-pub fn config() -> anyhow::Result<Config> {
-    Ok(Config::load(&[], std::env::vars())?)
-}
-
-/// What is refused as impossible, as the configuration in force says.
-pub fn plausibility() -> anyhow::Result<Plausibility> {
-    Ok(config()?.plausibility.limits())
 }
 
 /// The file as messages name it.

@@ -17,9 +17,9 @@ use crate::words;
 
 /// Make a campaign from raw logs: find what is still and what turns, average it, and say how far the means are known
 ///
-/// LOG is a table of samples: CSV of any delimiter, MAT (version 5 to 7) or xlsx. The map says once which columns are
-/// what (docs/stations.md); --guess writes a first one. Logs follow one another, or run beside one another where the
-/// map says `log = 2`.
+/// LOG is a table of samples: CSV of any delimiter, MAT (version 5 to 7), xlsx, NumPy (.npy, .npz), or Parquet in a
+/// program built to read it. The map says once which columns are what (docs/stations.md); --guess writes a first one.
+/// Logs follow one another, or run beside one another where the map says `log = 2`.
 #[derive(Debug, clap::Args)]
 pub struct Dwells {
     #[arg(required = true, value_name = "LOG")]

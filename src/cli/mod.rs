@@ -2,64 +2,102 @@
 //!
 //! A subcommand is a `clap::Args` struct with `fn run(self) -> anyhow::Result<()>`: it prints its result on standard
 //! output and returns an error that names the file and the field. Exit status: 0 done, 1 an error, 2 wrong usage
-//! (clap's own, and [`Usage`]). To add one: a file here, a `mod` line, a variant of [`Command`] and its arm in
-//! [`Command::run`].
+//! (clap's own, and [`Usage`]). To add one: a file here, a `mod` line, a variant of `Command` and its arm in
+//! `Command::run` (`commands`; `agent` is what is left of it without the service).
 
+#[cfg(not(feature = "server"))]
+mod agent;
+#[cfg(feature = "server")]
 mod backup;
+#[cfg(feature = "server")]
 mod blindcheck;
+#[cfg(feature = "server")]
 mod blindcheck_history;
+#[cfg(feature = "server")]
 mod blindcheck_service;
+#[cfg(feature = "server")]
 mod calibrate;
 mod client;
 mod codes;
+#[cfg(feature = "server")]
+mod commands;
 mod common;
 mod completions;
+#[cfg(feature = "server")]
 mod config;
+#[cfg(feature = "server")]
 mod copy;
 mod correct;
+#[cfg(feature = "server")]
 mod demo;
+#[cfg(feature = "server")]
 mod diagnose;
+#[cfg(feature = "server")]
 mod diagnose_all;
+#[cfg(feature = "server")]
 mod diagnose_gyro;
+#[cfg(feature = "server")]
 mod diagnose_record;
 mod document;
 mod dwells;
+#[cfg(feature = "server")]
 mod experiment;
+#[cfg(feature = "server")]
 mod export;
 mod faults;
+#[cfg(feature = "server")]
 mod fleet_noise;
+#[cfg(feature = "server")]
 mod gap;
+#[cfg(feature = "server")]
 mod healthcheck;
+#[cfg(feature = "server")]
 mod hypothesis;
 mod import;
+#[cfg(feature = "server")]
 mod model;
+#[cfg(feature = "server")]
 mod model_fit;
+#[cfg(feature = "server")]
 mod notify;
+#[cfg(feature = "server")]
 mod predict;
+#[cfg(feature = "server")]
 mod restore;
+#[cfg(feature = "server")]
 mod separate;
+#[cfg(feature = "server")]
 mod serve;
+#[cfg(feature = "server")]
+mod settings;
+#[cfg(feature = "server")]
 mod simulate;
+#[cfg(feature = "server")]
 mod tallies;
 mod template;
+#[cfg(feature = "server")]
 mod token;
+#[cfg(feature = "server")]
 mod verify;
 
 use std::error::Error;
 use std::io;
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::Parser;
 
 use crate::core::diagnose::NoReference;
 use crate::core::effects::Refusal;
 use crate::core::fault::Faults;
 use crate::core::imu_model::{NoForecast, NotIdentified};
 use crate::logs::error::LogError;
-use crate::pipeline::AccessError;
 use crate::system;
 use crate::words;
-use common::{Usage, block_on, instant};
+#[cfg(not(feature = "server"))]
+use agent::Command;
+#[cfg(feature = "server")]
+use commands::Command;
+use common::{Usage, block_on};
 
 /// Separates, judges and diagnoses the drift coefficients of liquid-floated gyros from calibrations of their IMU.
 #[derive(Debug, Parser)]
@@ -69,75 +107,10 @@ pub struct Cli {
     command: Command,
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    Serve(serve::Serve),
-    Demo(demo::Demo),
-    Separate(separate::Separate),
-    Calibrate(calibrate::Calibrate),
-    Dwells(dwells::Dwells),
-    Diagnose(diagnose::Diagnose),
-    Model(model_fit::Model),
-    Predict(predict::Predict),
-    Gap(gap::Gap),
-    Import(import::Import),
-    Void(correct::Void),
-    Revise(correct::Revise),
-    Export(export::Export),
-    FleetNoise(fleet_noise::FleetNoise),
-    Simulate(simulate::Simulate),
-    Template(template::Template),
-    Blindcheck(blindcheck::Blindcheck),
-    Backup(backup::Backup),
-    Restore(restore::Restore),
-    Copy(copy::Copy),
-    Token(token::Token),
-    Verify(verify::Verify),
-    Config(config::Show),
-    Codes(codes::Codes),
-    Healthcheck(healthcheck::Healthcheck),
-    Completions(completions::Completions),
-    Man(completions::Man),
-}
-
-impl Command {
-    fn run(self) -> anyhow::Result<()> {
-        match self {
-            Self::Serve(serve) => serve.run(),
-            Self::Demo(demo) => demo.run(),
-            Self::Separate(separate) => separate.run(),
-            Self::Calibrate(calibrate) => calibrate.run(),
-            Self::Dwells(dwells) => dwells.run(),
-            Self::Diagnose(diagnose) => diagnose.run(),
-            Self::Model(model) => model.run(),
-            Self::Predict(predict) => predict.run(),
-            Self::Gap(gap) => gap.run(),
-            Self::Import(import) => import.run(),
-            Self::Void(void) => void.run(),
-            Self::Revise(revise) => revise.run(),
-            Self::Export(export) => export.run(),
-            Self::FleetNoise(fleet_noise) => fleet_noise.run(),
-            Self::Simulate(simulate) => simulate.run(),
-            Self::Template(template) => template.run(),
-            Self::Blindcheck(blindcheck) => blindcheck.run(),
-            Self::Backup(backup) => backup.run(),
-            Self::Restore(restore) => restore.run(),
-            Self::Copy(copy) => copy.run(),
-            Self::Token(token) => token.run(),
-            Self::Verify(verify) => verify.run(),
-            Self::Config(show) => show.run(),
-            Self::Codes(codes) => codes.run(),
-            Self::Healthcheck(healthcheck) => healthcheck.run(),
-            Self::Completions(completions) => completions.run(Cli::command()),
-            Self::Man(man) => man.run(Cli::command()),
-        }
-    }
-}
-
 impl Cli {
     /// Runs the subcommand; a failure is reported once, here, on standard error.
     pub fn run(self) -> ExitCode {
-        if !matches!(self.command, Command::Serve(_) | Command::Demo(_)) {
+        if !self.command.is_service() {
             words::speak_as_the_environment();
         }
         match self.command.run() {
@@ -159,7 +132,6 @@ fn in_words(error: &anyhow::Error) -> String {
             return faults::in_words(&found.0, language);
         }
         let message = None
-            .or_else(|| cause.downcast_ref::<AccessError>().map(AccessError::message))
             .or_else(|| cause.downcast_ref::<LogError>().map(LogError::message))
             .or_else(|| cause.downcast_ref::<Refusal>().map(Refusal::message))
             .or_else(|| cause.downcast_ref::<NoReference>().map(NoReference::message))

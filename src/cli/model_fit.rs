@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 
 use super::document::{self, Format, table};
-use super::{hypothesis, model};
+use super::{hypothesis, model, settings};
 use crate::core::augmented::{Adopted, AugmentedModel};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::Verdict;
@@ -84,7 +84,7 @@ impl Model {
 fn read(path: &Path) -> anyhow::Result<(Campaign, String)> {
     let bytes = document::read(path)?;
     let campaign = parse(&bytes).with_context(|| document::name(path))?;
-    campaign.check_known_scales(&document::plausibility()?).with_context(|| document::name(path))?;
+    campaign.check_known_scales(&settings::plausibility()?).with_context(|| document::name(path))?;
     let hash: String = sha256(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
     Ok((campaign, format!("sha256:{hash}")))
 }

@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 
 use super::document::{self, Format, table};
-use super::model;
+use super::{model, settings};
 use crate::core::campaign::Campaign;
 use crate::core::imu_model::{Identified, changed, compare, forecast, ladder, most_telling, promised};
 use crate::core::judge::Limits;
@@ -67,7 +67,7 @@ pub(super) fn identified(path: &Path) -> anyhow::Result<std::sync::Arc<Identifie
 pub(super) fn measured(path: &Path) -> anyhow::Result<Campaign> {
     let bytes = document::read(path)?;
     let campaign = parse(&bytes).with_context(|| document::name(path))?;
-    campaign.check_known_scales(&document::plausibility()?).with_context(|| document::name(path))?;
+    campaign.check_known_scales(&settings::plausibility()?).with_context(|| document::name(path))?;
     Ok(campaign)
 }
 

@@ -7,6 +7,7 @@ use anyhow::{Context, anyhow, bail};
 use comfy_table::Table;
 
 use super::document::{self, Format, table};
+use super::settings;
 use crate::config::Judging;
 use crate::core::judge::{State, Verdict};
 use crate::core::record::{GyroParameters, Record};
@@ -66,7 +67,7 @@ impl Separate {
             Some(DocumentKind::Bench) => bail!("{}: {BENCH_RESULT}", file()),
             Some(DocumentKind::Record) | None => {}
         }
-        let mut config = document::config()?;
+        let mut config = settings::config()?;
         // The comparison with the paper's tables is for the reader; what is configured for the fleet goes before it.
         config.judging.requirements = true;
         let record = parse_record(&bytes, &config.plausibility.limits()).with_context(file)?;

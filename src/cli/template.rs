@@ -90,7 +90,7 @@ impl Template {
             }
         };
         match &self.out {
-            Some(path) => document::write(path, text.trim_end_matches('\n')),
+            Some(path) => document::write(path, &text),
             None => document::print(text.trim_end()),
         }
     }

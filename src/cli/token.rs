@@ -3,9 +3,10 @@
 
 use std::path::PathBuf;
 
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 use clap::{Args, Subcommand};
 
+use super::common::instant;
 use super::{block_on, document};
 use crate::config::Config;
 use crate::core::access::Role;
@@ -16,6 +17,7 @@ use crate::pipeline::{AccessError, NewToken, create_beside, revoke_beside};
 use crate::store::{Beside, StoreError, TokenRow};
 use crate::system::Clock;
 use crate::wire::{text, time};
+use crate::words;
 
 /// Make, list and revoke access tokens
 #[derive(Debug, Args)]
@@ -78,8 +80,8 @@ impl Token {
             Ok(())
         };
         block_on(work).map_err(|error| match is_of_the_database(&error) {
-            true => error.context(format!("the database {}", database.options().shown())),
-            false => error,
+            true => in_words(error).context(format!("the database {}", database.options().shown())),
+            false => in_words(error),
         })
     }
 }
@@ -87,6 +89,14 @@ impl Token {
 /// Whether the database failed, and not what was asked of it.
 fn is_of_the_database(error: &anyhow::Error) -> bool {
     error.is::<StoreError>() || matches!(error.downcast_ref(), Some(AccessError::Write(_)))
+}
+
+/// What is refused, in the language of the environment.
+fn in_words(error: anyhow::Error) -> anyhow::Error {
+    match error.downcast::<AccessError>() {
+        Ok(refused) => anyhow!(words::asked().words(&refused.message())),
+        Err(other) => other,
+    }
 }
 
 impl Order {
@@ -113,7 +123,7 @@ impl Order {
 
 fn expiry(at: Option<&str>, days: Option<u32>, now: UtcMicros) -> anyhow::Result<Option<UtcMicros>> {
     if let Some(at) = at {
-        return match super::instant(at) {
+        return match instant(at) {
             Ok(at) => Ok(Some(at)),
             Err(why) => bail!("--expires-at {why}"),
         };

@@ -56,11 +56,7 @@ impl Hooks {
 
     /// By way of which proxies targets are told.
     pub fn proxies(&self) -> Proxies {
-        match self.proxy.as_str() {
-            "" => Proxies::None,
-            "environment" => Proxies::Environment,
-            url => Proxies::One(url.to_owned()),
-        }
+        Proxies::parse(&self.proxy).expect("the configuration was checked when it was read")
     }
 
     /// Whom e-mail is handed to; none where no mail server is named. `roots` as of [`Mailer::new`].
@@ -103,13 +99,8 @@ impl Hooks {
             let detail = format!("must lie between 0 and a year, is {}", self.old_secret_hours);
             return Err(ConfigError::Key { key: "hooks.old_secret_hours".into(), detail });
         }
-        if let Proxies::One(url) = self.proxies() {
-            let parsed = url::Url::parse(&url).ok();
-            if !parsed.is_some_and(|url| matches!(url.scheme(), "http" | "https") && url.host().is_some()) {
-                // It may hold a password, so that it is not repeated.
-                let detail = "must be http://host:port, `environment`, or empty for no proxy".to_owned();
-                return Err(ConfigError::Key { key: "hooks.proxy".into(), detail });
-            }
+        if let Err(detail) = Proxies::parse(&self.proxy) {
+            return Err(ConfigError::Key { key: "hooks.proxy".into(), detail: detail.to_owned() });
         }
         if let Err(error) = self.mailer(None) {
             let key = if matches!(error, MailError::From) { "hooks.mail_from" } else { "hooks.smtp_url" };

@@ -13,6 +13,8 @@ pub enum Note {
     NoSite,
     /// Effects of temperature cannot be seen.
     NoTemperatures,
+    /// The last line of its table has no end: where the file was cut, so was its last number.
+    NoLineEnd { line: usize, value: String },
     /// Of a campaign's dwells and their fit.
     Campaign(CampaignNote),
     /// Beside what is known of its IMU and gyros.
@@ -26,6 +28,7 @@ impl Note {
             Note::NoAttitudes => "no_attitudes",
             Note::NoSite => "no_site",
             Note::NoTemperatures => "no_temperatures",
+            Note::NoLineEnd { .. } => "no_line_end",
             Note::Campaign(note) => note.code(),
             Note::History(note) => note.code(),
         }

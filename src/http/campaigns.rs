@@ -31,6 +31,7 @@ use crate::wire::note::{self, NoteBody};
 use crate::wire::problem::Problem;
 use crate::wire::sender::SenderBody;
 use crate::wire::split::SplitBody;
+use crate::wire::table::open_end;
 use crate::wire::time;
 use crate::words::{self, asked};
 
@@ -79,6 +80,7 @@ pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwe
         Form::Csv => Problem::of_faults(422, "title_cannot_be_stored", faults),
         Form::Json => Document::refused_as(DocumentKind::Campaign, &bytes, faults),
     })?;
+    let post = post.noting(if form == Form::Csv { open_end(&bytes) } else { None });
     let is_bench = matches!(fitted, Fitted::Bench(_));
     let (sent, collection) = if is_bench {
         (Sent::Bench(&body), "bench-results")

@@ -17,6 +17,7 @@ use super::telling::Telling;
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::core::judge::State;
+use crate::core::note::Note;
 use crate::message;
 use crate::pipeline::{Accepted, Caller, Sent, Submission};
 use crate::wire::note::NoteBody;
@@ -28,6 +29,8 @@ pub struct DocumentPost {
     key: Result<IdempotencyKey, Problem>,
     pub wanted: Wanted,
     telling: Telling,
+    /// What the document itself shows, beside what is found of it.
+    noted: Option<Note>,
 }
 
 /// What has become of a calibration.
@@ -45,7 +48,7 @@ impl<S: Send + Sync> FromRequestParts<S> for DocumentPost {
         let key = IdempotencyKey::of(parts);
         let Ok(wanted) = Wanted::from_request_parts(parts, state).await;
         let telling = Telling::from_request_parts(parts, state).await.map_err(IntoResponse::into_response)?;
-        Ok(Self { caller, key, wanted, telling })
+        Ok(Self { caller, key, wanted, telling, noted: None })
     }
 }
 
@@ -53,6 +56,11 @@ impl DocumentPost {
     /// The idempotency key, where it is one. What is wrong with the document is said first.
     pub fn key(&self) -> Result<Option<String>, Problem> {
         self.key.clone().map(|key| key.0)
+    }
+
+    /// Has the answer say something of the document as it was sent.
+    pub fn noting(self, noted: Option<Note>) -> Self {
+        Self { noted, ..self }
     }
 
     /// Stores it.
@@ -77,7 +85,7 @@ impl DocumentPost {
         let Accepted::Stored { id, judged, notes } = &accepted else {
             return Ok(PostOutcome::There(app.pipeline.ingest.settle(&accepted, sent).await?));
         };
-        let notes = notes.iter().map(NoteBody::of).collect();
+        let notes = self.noted.iter().chain(notes.iter()).map(NoteBody::of).collect();
         let answer = match self.wanted {
             Wanted::Whole => JustJudged { answer: &whole(*id, notes), judged }.into_response(),
             Wanted::Minimal => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),

@@ -1,6 +1,6 @@
 //! A station's own files: raw logs of any layout, read by a map, become campaigns.
 //!
-//! [`kind`] says what a file is, [`source`] reads it as named columns of numbers, [`map`] says which are what,
+//! [`crate::wire::file_kind`] says what a file is, [`source`] reads it as named columns of numbers, [`map`] says which are what,
 //! [`gather`] brings all samples to one series, [`assemble`] makes dwells of it and [`campaign`] the document.
 //! The mathematics is in [`crate::core::dwells`].
 
@@ -12,9 +12,11 @@ mod column;
 pub mod error;
 mod gather;
 pub mod guess;
-pub mod kind;
 pub mod map;
 mod mat;
+mod npy;
+#[cfg(feature = "parquet")]
+mod parquet;
 pub mod programme;
 pub mod report;
 pub mod sheet;

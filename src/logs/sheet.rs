@@ -4,15 +4,10 @@ use std::io::Cursor;
 
 use calamine::{Data, Reader, Xlsx};
 
-use super::kind::{FileKind, HEAD, file_kind};
 use crate::core::message::Message;
 use crate::message;
 use crate::wire::document::is_csv;
-
-/// Whether bytes are a zip archive, as every xlsx file is.
-fn is_workbook(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"PK\x03\x04")
-}
+use crate::wire::file_kind::{FileKind, HEAD, file_kind};
 
 /// The first sheet as CSV: a line a row, cells parted by commas, head matter as it stands.
 ///
@@ -57,15 +52,21 @@ pub fn readable(bytes: Vec<u8>) -> Result<Vec<u8>, Message> {
     if bytes.trim_ascii().is_empty() {
         return Err(message!("file_is_empty"));
     }
-    if is_workbook(&bytes) {
-        return to_csv(&bytes).map(String::into_bytes);
+    if !is_csv(&bytes) {
+        return Ok(bytes);
     }
-    if is_csv(&bytes) {
-        let kind = file_kind(&bytes[..bytes.len().min(HEAD)])?;
-        let text = bytes.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1);
-        if kind == FileKind::Text && text < bytes.len() {
-            let line = 1 + bytes[..text].iter().filter(|&&b| b == b'\n').count();
-            return Err(message!("at_line", line = line, fault = message!("zeros_from_here")));
+    match file_kind(&bytes[..bytes.len().min(HEAD)])? {
+        FileKind::Xlsx => return to_csv(&bytes).map(String::into_bytes),
+        FileKind::Text => {
+            let text = bytes.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1);
+            if text < bytes.len() {
+                let line = 1 + bytes[..text].iter().filter(|&&b| b == b'\n').count();
+                return Err(message!("at_line", line = line, fault = message!("zeros_from_here")));
+            }
+        }
+        FileKind::Utf16 { .. } => {}
+        log @ (FileKind::Mat5 | FileKind::Npy | FileKind::Npz | FileKind::Parquet) => {
+            return Err(message!("file_is_log", name = log.name()));
         }
     }
     Ok(bytes)

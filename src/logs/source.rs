@@ -8,11 +8,11 @@ use calamine::{Data, Reader, Xlsx};
 
 use super::column::{Column, Sample};
 use super::error::{LogError, unreadable};
-use super::kind::{FileKind, HEAD, file_kind};
-use super::mat;
 use super::text::TextLog;
+use super::{mat, npy};
 use crate::core::message::{Message, list, sent};
 use crate::message;
+use crate::wire::file_kind::{FileKind, HEAD, file_kind};
 
 pub enum Source {
     Text(TextLog),
@@ -50,14 +50,18 @@ impl Source {
         }
         let of_file = |fault| LogError::new(place, fault);
         let kind = file_kind(&head).map_err(of_file)?;
-        if !matches!(kind, FileKind::Mat5 | FileKind::Xlsx) {
+        if matches!(kind, FileKind::Text | FileKind::Utf16 { .. }) {
             return TextLog::of(place, from, kind).map(Self::Text);
         }
         let mut bytes = Vec::new();
         from.read_to_end(&mut bytes).map_err(&fail)?;
+        let from_first = |columns| (columns, 1);
         let (columns, first_line) = match kind {
-            FileKind::Mat5 => mat::arrays(&bytes).map(|arrays| (of_arrays(arrays), 1)),
-            _ => of_workbook(&bytes),
+            FileKind::Mat5 => mat::arrays(&bytes).map(of_arrays).map(from_first),
+            FileKind::Npy => npy::columns(&bytes).map(from_first),
+            FileKind::Npz => npy::columns_of_archive(&bytes).map(from_first),
+            FileKind::Parquet => of_parquet(bytes).map(from_first),
+            FileKind::Xlsx | FileKind::Text | FileKind::Utf16 { .. } => of_workbook(&bytes),
         }
         .map_err(of_file)?;
         Self::of_columns(columns, first_line).map_err(of_file)
@@ -166,6 +170,14 @@ fn of_arrays(arrays: Vec<mat::Array>) -> Vec<Named> {
         }
     }
     named
+}
+
+#[cfg(feature = "parquet")]
+use super::parquet::columns as of_parquet;
+
+#[cfg(not(feature = "parquet"))]
+fn of_parquet(_: Vec<u8>) -> Result<Vec<Named>, Message> {
+    Err(message!("file_is_parquet"))
 }
 
 /// The first sheet of a workbook that holds a table: its columns, and the line of its first row of numbers.

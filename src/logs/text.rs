@@ -5,10 +5,10 @@ use std::io::{BufRead, BufReader, Read, Seek};
 use super::clock;
 use super::column::{Column, Sample};
 use super::error::{LogError, unreadable};
-use super::kind::{FileKind, HEAD};
 use super::units::QUANTITIES;
 use crate::core::message::{Message, sent};
 use crate::message;
+use crate::wire::file_kind::{FileKind, HEAD};
 
 /// Longest line that is a row of a table.
 const LONGEST_LINE: u64 = 1 << 20;

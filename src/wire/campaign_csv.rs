@@ -24,6 +24,7 @@ use cells::{Columns, Row};
 use head::Head;
 
 use super::campaign::{CampaignBody, commanded};
+use super::file_kind::{FileKind, HEAD, file_kind};
 use super::json;
 use super::table::at_cell;
 use crate::core::campaign::Campaign;
@@ -84,6 +85,14 @@ fn text_of(bytes: &[u8]) -> Result<&str, Faults> {
         return Err(fault("", message!("utf16")));
     }
     let bytes = json::without_mark(bytes);
+    match file_kind(&bytes[..bytes.len().min(HEAD)]) {
+        Ok(FileKind::Text) => {}
+        Ok(FileKind::Utf16 { .. }) => return Err(fault("", message!("utf16"))),
+        Ok(kind) => return Err(fault("", message!("file_is_no_text", name = kind.name()))),
+        // What is text is said by line and column.
+        Err(what) if what.code == "file_is_json" || std::str::from_utf8(bytes).is_ok() => {}
+        Err(what) => return Err(fault("", what)),
+    }
     let written = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     if written < bytes.len() {
         let line = 1 + memchr::memchr_iter(b'\n', &bytes[..written]).count();

@@ -19,6 +19,7 @@ pub mod diagnosis;
 pub mod differences;
 pub mod document;
 pub mod event;
+pub mod file_kind;
 pub mod forecast;
 pub mod geometry;
 pub mod gyro_table;

@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
 use super::history_note;
-use crate::core::message::Message;
+use crate::core::message::{Message, sent};
 use crate::core::note::Note;
 use crate::message;
 use crate::words::{Language, asked};
@@ -29,6 +29,10 @@ pub struct NoteBody {
 impl NoteBody {
     pub fn of(note: &Note) -> Self {
         let parameters = match note {
+            Note::NoLineEnd { line, value } => Map::from_iter([
+                ("line".to_owned(), Value::from(*line)),
+                ("value".to_owned(), Value::from(value.as_str())),
+            ]),
             Note::Campaign(note) => campaign::parameters(note),
             Note::History(note) => history_note::parameters(note),
             _ => Map::new(),
@@ -62,6 +66,7 @@ pub(super) fn message(note: &Note) -> Message {
         Note::NoAttitudes => message!("no_attitudes"),
         Note::NoSite => message!("no_site"),
         Note::NoTemperatures => message!("no_temperatures"),
+        Note::NoLineEnd { line, value } => message!("no_line_end", line = *line, value = sent(value)),
         Note::Campaign(note) => campaign::message(note),
         Note::History(note) => history_note::message(note),
     }

@@ -1,6 +1,7 @@
 //! What tables have in common: their delimiter, the comments above them, cells, and names of columns.
 
 use crate::core::message::{Message, sent};
+use crate::core::note::Note;
 use crate::message;
 
 /// The bytes from a line on; lines end in LF or CRLF.
@@ -18,6 +19,18 @@ pub(super) fn reader(text: &str, header: usize) -> csv::Reader<&[u8]> {
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(rest_from(text, header))
+}
+
+/// Of a table whose last line has no end: that line, and its last cell. Where the file was cut, both may be more.
+pub fn open_end(text: &[u8]) -> Option<Note> {
+    let last = text.rsplit(|&b| b == b'\n').next()?.trim_ascii_end();
+    // Carriage returns end lines too, and a comment is no row.
+    if text.ends_with(b"\r") || last.is_empty() || last.starts_with(b"#") {
+        return None;
+    }
+    let value = last.rsplit(|b| matches!(b, b',' | b';' | b'\t')).next()?.trim_ascii();
+    let line = 1 + memchr::memchr_iter(b'\n', text).count();
+    Some(Note::NoLineEnd { line, value: String::from_utf8_lossy(value).into_owned() })
 }
 
 fn delimiter_of(header: &str) -> u8 {

@@ -139,9 +139,10 @@ fn group_heads(group: &str) -> Vec<String> {
 
 fn dependencies() -> BTreeSet<String> {
     let manifest: toml::Table = fs::read_to_string(root().join("Cargo.toml")).unwrap().parse().unwrap();
-    ["dependencies", "dev-dependencies"]
-        .iter()
-        .filter_map(|section| manifest[*section].as_table())
+    let of_unix = &manifest["target"]["cfg(unix)"]["dependencies"];
+    [&manifest["dependencies"], &manifest["dev-dependencies"], of_unix]
+        .into_iter()
+        .filter_map(toml::Value::as_table)
         .flat_map(|table| table.keys().map(|name| name.replace('-', "_")))
         .collect()
 }

@@ -17,6 +17,7 @@ use self::columns::Row;
 use self::csv::Csv;
 #[cfg(feature = "parquet")]
 use self::parquet::Parquet;
+use super::common::instant;
 use super::{Usage, block_on};
 use crate::config::Config;
 use crate::core::figures::Figures;
@@ -37,10 +38,10 @@ pub struct Export {
     #[arg(long = "serial", value_name = "SERIAL")]
     serials: Vec<String>,
     /// Oldest instant, RFC 3339, itself included
-    #[arg(long, value_name = "TIME", value_parser = super::instant)]
+    #[arg(long, value_name = "TIME", value_parser = instant)]
     from: Option<UtcMicros>,
     /// Newest instant, itself included
-    #[arg(long, value_name = "TIME", value_parser = super::instant)]
+    #[arg(long, value_name = "TIME", value_parser = instant)]
     to: Option<UtcMicros>,
     /// Also what was voided or revised, flagged in the column `voided`
     #[arg(long)]

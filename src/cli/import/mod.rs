@@ -1,5 +1,9 @@
 //! `import`: sends files to a running service. Sending again does no harm, so that is how to resume.
 
+#[cfg(unix)]
+mod folder;
+#[cfg(windows)]
+#[path = "folder_windows.rs"]
 mod folder;
 mod gist;
 mod revise;
@@ -114,7 +118,7 @@ fn table_map(path: &Path) -> anyhow::Result<TableMap> {
 
 fn print(path: &Path, map: &TableMap) -> anyhow::Result<()> {
     match source::open(path, map)? {
-        Ok(Content::Members(members)) => {
+        Ok(Content::Members(members) | Content::Table(members, _)) => {
             members.iter().try_for_each(|(_, text)| document::print(&String::from_utf8_lossy(text)))
         }
         Ok(_) => bail!("{}: holds documents already; there is nothing to print", path.display()),

@@ -11,7 +11,9 @@ use serde_json::Value;
 use super::source::{Content, Document, MAX_DOCUMENT_BYTES, read_line};
 use crate::cli::client::{LineAnswer, Sent, Service, Trouble};
 use crate::cli::faults;
+use crate::core::note::Note;
 use crate::message;
+use crate::wire::note;
 use crate::wire::problem::ProblemBody;
 use crate::words;
 
@@ -58,7 +60,7 @@ pub enum Event<'a> {
     Refused(Refusal),
     /// The service's answer to a document sent alone.
     Answered(&'a Value),
-    /// What is noted about a stored line.
+    /// What is noted about a line.
     Noted {
         line: u64,
         note: &'a str,
@@ -106,15 +108,25 @@ impl<'a> Courier<'a> {
                     self.carry_batch(batch).await?;
                 }
             }
-            Content::Members(members) => {
-                for members in members.chunks(BATCH_LINES) {
-                    let mut batch = Batch::default();
-                    members.iter().for_each(|(number, text)| batch.push(*number, text.clone()));
-                    self.carry_batch(batch).await?;
+            Content::Members(members) => self.carry_members(&members).await?,
+            Content::Table(members, open) => {
+                if let Some(open @ Note::NoLineEnd { line, .. }) = &open {
+                    let note = note::words(open, words::asked());
+                    (self.tell)(Event::Noted { line: *line as u64, note: &note });
                 }
+                self.carry_members(&members).await?;
             }
         }
         Ok(self.tally)
+    }
+
+    async fn carry_members(&mut self, members: &[(u64, Vec<u8>)]) -> Result<(), Trouble> {
+        for members in members.chunks(BATCH_LINES) {
+            let mut batch = Batch::default();
+            members.iter().for_each(|(number, text)| batch.push(*number, text.clone()));
+            self.carry_batch(batch).await?;
+        }
+        Ok(())
     }
 
     async fn carry_one(&mut self, document: Document) -> Result<(), Trouble> {

@@ -14,9 +14,12 @@ use crate::cli::Usage;
 use crate::cli::client::JSON;
 use crate::cli::faults::in_words;
 use crate::core::fault::Faults;
+use crate::core::note::Note;
 use crate::logs::sheet::readable;
 use crate::message;
+use crate::wire::note;
 use crate::wire::record_table::{TableMap, documents};
+use crate::wire::table::open_end;
 use crate::words;
 
 /// Longest line, and largest single document: far above any campaign, far below memory.
@@ -27,8 +30,17 @@ pub enum Content {
     One(Document),
     /// NDJSON: one document a line.
     Lines(Box<dyn BufRead + Send>),
-    /// The members of a JSON array by their number, or the documents of a table by the line of their first row.
+    /// The members of a JSON array by their number.
     Members(Vec<(u64, Vec<u8>)>),
+    /// The documents of a table by the line of their first row, and what is to be said of its end.
+    Table(Vec<(u64, Vec<u8>)>, Option<Note>),
+}
+
+/// Whether somebody may still be writing a table whose last line has no end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Patience {
+    Waits,
+    TakesAsItIs,
 }
 
 #[derive(Debug, PartialEq)]
@@ -49,23 +61,32 @@ pub struct Unreadable {
 /// Opens a file; `-` is standard input. The outer error is the file system's, the inner one the content's.
 pub fn open(path: &Path, map: &TableMap) -> anyhow::Result<Result<Content, Unreadable>> {
     if path == Path::new("-") {
-        return read(BufReader::new(std::io::stdin()), map).context("standard input");
+        let read = read(BufReader::new(std::io::stdin()), map, Patience::TakesAsItIs);
+        return read.context("standard input");
     }
     let file = std::fs::File::open(path).with_context(|| path.display().to_string())?;
     if file.metadata().is_ok_and(|m| m.is_dir()) {
         let why = format!("{} is a directory; name its files, or watch it with --watch", path.display());
         return Err(Usage(why).into());
     }
-    read_file(file, map).with_context(|| path.display().to_string())
+    read_file(file, map, Patience::TakesAsItIs).with_context(|| path.display().to_string())
 }
 
 /// As [`open`], of a file that is open.
-pub fn read_file(file: std::fs::File, map: &TableMap) -> anyhow::Result<Result<Content, Unreadable>> {
-    read(BufReader::with_capacity(1 << 20, file), map)
+pub fn read_file(
+    file: std::fs::File,
+    map: &TableMap,
+    patience: Patience,
+) -> anyhow::Result<Result<Content, Unreadable>> {
+    read(BufReader::with_capacity(1 << 20, file), map, patience)
 }
 
 /// Reads the first line; when that alone is a JSON document and more follows, the rest is lines of such.
-fn read(mut reader: impl BufRead + Send + 'static, map: &TableMap) -> anyhow::Result<Result<Content, Unreadable>> {
+fn read(
+    mut reader: impl BufRead + Send + 'static,
+    map: &TableMap,
+    patience: Patience,
+) -> anyhow::Result<Result<Content, Unreadable>> {
     let mut head = Vec::new();
     while head.trim_ascii().is_empty() {
         if read_line(&mut reader, &mut head)? == 0 {
@@ -82,7 +103,7 @@ fn read(mut reader: impl BufRead + Send + 'static, map: &TableMap) -> anyhow::Re
         let why = format!("is one document of more than {MAX_DOCUMENT_BYTES} bytes; send one document a line");
         return Ok(Err(unreadable(&why, false)));
     }
-    Ok(classify(head, map))
+    Ok(classify(head, map, patience))
 }
 
 /// Like `read_until`, but a line without end cannot fill the memory.
@@ -94,17 +115,21 @@ fn more_follows(reader: &mut impl BufRead) -> std::io::Result<bool> {
     Ok(!reader.fill_buf()?.trim_ascii().is_empty())
 }
 
-fn classify(text: Vec<u8>, map: &TableMap) -> Result<Content, Unreadable> {
+fn classify(text: Vec<u8>, map: &TableMap, patience: Patience) -> Result<Content, Unreadable> {
     if starts_with(&text, b'[') {
         return members(&text);
     }
     if !starts_with(&text, b'{') {
         let text = readable(text).map_err(|fault| unreadable(&words::asked().words(&fault), false))?;
+        let open = open_end(&text);
+        if let (Patience::Waits, Some(open)) = (patience, &open) {
+            return Err(unreadable(&note::words(open, words::asked()), true));
+        }
         if let Some(documents) = std::str::from_utf8(&text).ok().and_then(|text| documents(text, map)) {
             let refused = |faults: Faults| unreadable(&in_words(&faults.0, words::asked()), false);
             let lines = documents.map_err(refused)?.into_iter();
             let lines = lines.map(|(line, document)| (line as u64, document.to_string().into_bytes()));
-            return Ok(Content::Members(lines.collect()));
+            return Ok(Content::Table(lines.collect(), open));
         }
         if let Some((told, have)) = unfinished(&text) {
             let why = words::asked().words(&message!("dwells_told", told = told, have = have));
@@ -170,7 +195,7 @@ mod tests {
     use super::*;
 
     fn content(text: &'static str) -> Result<Content, Unreadable> {
-        read(text.as_bytes(), &TableMap::default()).unwrap()
+        read(text.as_bytes(), &TableMap::default(), Patience::TakesAsItIs).unwrap()
     }
 
     fn route(text: &'static str) -> &'static str {
@@ -210,5 +235,22 @@ mod tests {
         assert!(content("# dwells: 1\nphase,start_s\nstatic,0\n").is_ok());
         assert!(!cut("{\"gyros\" = 1}\n"));
         assert!(!cut("{\"imu\": \"A\"}\n"));
+    }
+
+    #[test]
+    fn a_table_whose_last_line_has_no_end_may_go_on() {
+        const TABLE: &str = "phase,start_s\nstatic,0\nstatic,18";
+        const RECORDS: &str = "serial,measured_at,station,method,d_i_deg_per_h_g0,d_s_deg_per_h_g0\n\
+                               A-1,2026-03-01T08:00:00Z,ST-1,torque_feedback,1.5,-2.2";
+        let waiting = |text: &'static str| read(text.as_bytes(), &TableMap::default(), Patience::Waits).unwrap();
+        for text in [TABLE, RECORDS] {
+            assert!(waiting(text).is_err_and(|unreadable| unreadable.cut_short));
+        }
+        for text in ["phase,start_s\nstatic,0\n", "phase,start_s\r\nstatic,0\r\n", "{\"gyros\": []}"] {
+            assert!(waiting(text).is_ok(), "{text}");
+        }
+        assert!(matches!(content(TABLE), Ok(Content::One(_))));
+        let Ok(Content::Table(_, Some(open))) = content(RECORDS) else { panic!("a table of bench results") };
+        assert_eq!(open, Note::NoLineEnd { line: 2, value: "-2.2".to_owned() });
     }
 }

@@ -7,11 +7,12 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use axum::http::StatusCode;
+use clap::Parser;
 
 use super::send::{Courier, Event, Tally};
 use super::source::Content;
 use super::watch::watch;
-use crate::cli::client::Service;
+use crate::cli::client::{Connection, JSON, Sent, Service, Trouble};
 use crate::system;
 use crate::wire::record_table::TableMap;
 
@@ -34,6 +35,10 @@ impl Script {
     }
 
     async fn serve(self) -> Service {
+        Service::at(&self.address().await, None).unwrap()
+    }
+
+    async fn address(self) -> String {
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap().to_string();
         let router = axum::Router::new().fallback(move |body: String| async move {
@@ -43,7 +48,7 @@ impl Script {
         });
         tokio::spawn(async move { axum::serve(listener, router).await });
         system::install_crypto();
-        Service::at(&address, None).unwrap()
+        address
     }
 
     fn heard(&self) -> Vec<String> {
@@ -52,6 +57,7 @@ impl Script {
 }
 
 const RECORD: &str = "{\"gyros\": []}\n";
+const STORED: &str = r#"{"id":"r1"}"#;
 const REFUSED: &str = r#"{"title":"t","status":422,"detail":"d","errors":[{"pointer":"/imu","detail":"is missing"}]}"#;
 
 async fn carry(service: &Service, text: &'static str) -> (anyhow::Result<Tally>, Vec<String>) {
@@ -109,6 +115,25 @@ async fn a_page_that_answers_200_acknowledges_nothing() {
     let service = script.clone().serve().await;
     assert!(carry(&service, "one\n").await.0.is_err());
     assert_eq!(script.heard().len(), 1, "asking again would not help");
+}
+
+#[derive(Debug, clap::Parser)]
+struct Line {
+    #[command(flatten)]
+    connection: Connection,
+}
+
+#[tokio::test]
+async fn what_is_sent_goes_by_way_of_the_proxy_that_is_named() {
+    let script = Script::new(&[], (201, STORED));
+    let proxy = format!("http://{}", script.clone().address().await);
+    let line = |proxy: &str| Line::try_parse_from(["import", "--url", "http://gyros.invalid", "--proxy", proxy]);
+    let service = line(&proxy).unwrap().connection.service().unwrap();
+    assert!(matches!(service.post("/v1/records", JSON, RECORD.into()).await, Ok(Sent::Stored(_))));
+    assert_eq!(script.heard(), [RECORD]);
+    let direct = line("").unwrap().connection.service().unwrap();
+    assert!(matches!(direct.post("/v1/records", JSON, RECORD.into()).await, Err(Trouble::Away(_))));
+    assert!(line("ftp://user:secret@proxy").unwrap_err().to_string().contains("must be http://host:port"));
 }
 
 /// Watches until `done`, or fails after ten seconds.

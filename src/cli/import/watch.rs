@@ -17,7 +17,7 @@ use super::folder::{Dir, Stamp};
 use super::gist::Gist;
 use super::revise::{self, REVISE, WHY};
 use super::send::{Courier, Event, Refusal, Tally, end};
-use super::source;
+use super::source::{self, Patience};
 use crate::cli::client::{Service, Trouble};
 use crate::core::time::UtcMicros;
 use crate::system::Clock;
@@ -35,8 +35,9 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 /// Where files go whose fate is known.
 const SENT: &str = "sent";
 const REFUSED: &str = "refused";
-/// What programs call a file that they have not finished.
+/// What programs call a file that they have not finished, and what Windows leaves in a folder.
 const UNFINISHED: [&str; 6] = [".tmp", ".part", ".partial", ".crdownload", ".swp", "~"];
+const OF_WINDOWS: [&str; 2] = ["desktop.ini", "thumbs.db"];
 
 /// Watches until the process is ended.
 ///
@@ -75,7 +76,10 @@ struct Folder {
 }
 
 fn is_left_alone(name: &str) -> bool {
-    name.starts_with('.') || UNFINISHED.iter().any(|ending| name.ends_with(ending))
+    let name = name.to_lowercase();
+    // `~$run.xlsx` says that Excel has run.xlsx open.
+    let hidden = name.starts_with('.') || name.starts_with("~$") || OF_WINDOWS.contains(&name.as_str());
+    hidden || UNFINISHED.iter().any(|ending| name.ends_with(ending))
 }
 
 /// JSON says itself where it ends.
@@ -216,9 +220,11 @@ impl Folder {
         let path = self.path.join(name);
         // What is no plain file any more is left out from the next look on.
         let Some(file) = self.dir.file(name)? else { return Ok(Fate::Unfinished) };
-        let content = match source::read_file(file, &self.map)? {
+        let young = self.age(name) < CUT_SHORT_GRACE;
+        let patience = if young { Patience::Waits } else { Patience::TakesAsItIs };
+        let content = match source::read_file(file, &self.map, patience)? {
             Ok(content) => content,
-            Err(unreadable) if unreadable.cut_short && self.age(name) < CUT_SHORT_GRACE => return Ok(Fate::Unfinished),
+            Err(unreadable) if unreadable.cut_short && young => return Ok(Fate::Unfinished),
             Err(unreadable) => return Ok(Fate::Refused(vec![Refusal { line: None, why: unreadable.why }])),
         };
         let (mut refusals, mut gist) = (Vec::new(), String::new());

@@ -11,7 +11,6 @@ use crate::core::message::{Message, Parameter};
 use crate::logs::campaign::{Made, campaign_from};
 use crate::logs::error::LogError;
 use crate::logs::guess::{answered, guess_of};
-use crate::logs::kind::{FileKind, HEAD, file_kind};
 use crate::logs::map::Map;
 use crate::logs::programme;
 use crate::logs::sheet::readable;
@@ -20,6 +19,7 @@ use crate::logs::text::{decoded, of_utf16};
 use crate::pipeline::ReadDocument;
 use crate::wire::campaign_csv::to_csv;
 use crate::wire::document::is_csv;
+use crate::wire::file_kind::{FileKind, HEAD, file_kind};
 
 /// Lines in which a campaign has its header.
 const CAMPAIGN_HEAD: usize = 60;
@@ -89,7 +89,7 @@ pub(super) fn look(sent: &Sent) -> Looked {
     }
     let kind = file_kind(&bytes[..bytes.len().min(HEAD)]).ok().filter(|_| is_csv(&bytes));
     match kind {
-        Some(FileKind::Mat5) => guessed(sent),
+        Some(FileKind::Mat5 | FileKind::Npy | FileKind::Npz | FileKind::Parquet) => guessed(sent),
         Some(FileKind::Utf16 { big_endian }) => Looked::Text(of_utf16(&bytes, big_endian)),
         _ => match readable(bytes) {
             Ok(text) => Looked::Text(decoded(&text)),

@@ -18,13 +18,22 @@ file_is_mcap = is an MCAP recording, which is not read; export the IMU's topic a
 file_is_dataflash = is a dataflash log of ArduPilot, which is not read; `mavlogdump.py --format csv --types IMU FILE > log.csv`
 file_is_tdms = is a TDMS file of LabVIEW, which is not read; open it in Excel with NI's add-in and save it as xlsx or CSV
 file_is_xls = is an old Excel or Office file (.xls); save it as .xlsx or CSV
-file_is_npy = is a NumPy array, which is not read; in Python: numpy.savetxt("log.csv", numpy.load("FILE"), delimiter=",")
-file_is_parquet = is a Parquet file, which is not read; in Python: pandas.read_parquet("FILE").to_csv("log.csv", index=False)
+file_is_no_text = is a file of { $name }, not text; save the table as CSV, or send it with `gyrowatch import`
+file_is_log = is a log of { $name }; `gyrowatch dwells` makes a campaign of it first
+file_is_parquet = is a Parquet file, which this program was built to leave alone (build it with `--features parquet`); in Python: pandas.read_parquet("FILE").to_csv("log.csv", index=False)
 file_is_gzip = is compressed with gzip; unpack it with `gunzip FILE`
 file_is_zip = is a zip archive; unpack it and name the files in it
 file_is_json = is JSON, not a table of samples; campaigns and records go to `gyrowatch import`
 log_too_large = a file sent here may have { $most } bytes, the limit that { $key } sets; `gyrowatch dwells` makes a campaign of logs of any length, `gyrowatch import` sends files of many documents
 mat_broken = is a MAT-file that breaks off or is damaged; save it again with save('FILE', '-v7')
+npy_broken = is a file of NumPy that breaks off or is damaged; save it again with numpy.save or numpy.savez
+npy_pickled = holds Python objects, which are not read; save numbers: numpy.save("FILE", array.astype(float))
+npy_shape = holds an array of { $dimensions } dimensions; a log has a row a sample and a column a channel
+npy_wide = would have { $columns } columns of { $rows } rows; a log has a row a sample and a column a channel
+npy_no_numbers = holds no array of real numbers
+parquet_broken = cannot be read as Parquet: { $why }
+parquet_codec = is compressed with { $codec }, which is not read; in Python: pandas.read_parquet("FILE").to_parquet("log.parquet", compression="snappy")
+parquet_no_numbers = is a Parquet file without a column of numbers
 xlsx_broken = cannot be read as xlsx: { $why }
 xlsx_no_table = is a workbook without a table of numbers
 no_numbers = is text without a table of numbers ({ $lines } lines were looked at): a header alone, or no log

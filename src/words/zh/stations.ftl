@@ -18,13 +18,22 @@ file_is_mcap = 是MCAP记录，不能读取；请将IMU话题导出为CSV（例�
 file_is_dataflash = 是ArduPilot的dataflash记录，不能读取；`mavlogdump.py --format csv --types IMU FILE > log.csv`
 file_is_tdms = 是LabVIEW的TDMS文件，不能读取；请在Excel中用NI插件打开，另存为xlsx或CSV
 file_is_xls = 是旧版Excel或Office文件（.xls）；请另存为.xlsx或CSV
-file_is_npy = 是NumPy数组，不能读取；在Python中：numpy.savetxt("log.csv", numpy.load("FILE"), delimiter=",")
-file_is_parquet = 是Parquet文件，不能读取；在Python中：pandas.read_parquet("FILE").to_csv("log.csv", index=False)
+file_is_no_text = 是{ $name }文件，不是文本；请将表另存为CSV，或用`gyrowatch import`发送
+file_is_log = 是{ $name }记录；请先用`gyrowatch dwells`生成测试数据
+file_is_parquet = 是Parquet文件，本程序编译时未加入读取功能（编译时加`--features parquet`）；在Python中：pandas.read_parquet("FILE").to_csv("log.csv", index=False)
 file_is_gzip = 是gzip压缩文件；请用`gunzip FILE`解压
 file_is_zip = 是zip压缩包；请解压后给出其中的文件
 file_is_json = 是JSON，不是采样表；测试数据与标定记录请用`gyrowatch import`
 log_too_large = 此处发送的文件最多{ $most }字节（由{ $key }规定）；任意长度的日志请用`gyrowatch dwells`生成试验，含多份文件内容的请用`gyrowatch import`
 mat_broken = 是不完整或损坏的MAT文件；请用save('FILE', '-v7')重新保存
+npy_broken = 是不完整或损坏的NumPy文件；请用numpy.save或numpy.savez重新保存
+npy_pickled = 含Python对象，不能读取；请保存数值：numpy.save("FILE", array.astype(float))
+npy_shape = 含{ $dimensions }维数组；记录应每行一个采样、每列一个通道
+npy_wide = 将有{ $columns }列、{ $rows }行；记录应每行一个采样、每列一个通道
+npy_no_numbers = 没有实数数组
+parquet_broken = 不能作为Parquet读取：{ $why }
+parquet_codec = 以{ $codec }压缩，不能读取；在Python中：pandas.read_parquet("FILE").to_parquet("log.parquet", compression="snappy")
+parquet_no_numbers = 是没有数值列的Parquet文件
 xlsx_broken = 不能作为xlsx读取：{ $why }
 xlsx_no_table = 工作簿中没有数值表
 no_numbers = 是没有数值表的文本（看过{ $lines }行）：仅有表头，或不是日志

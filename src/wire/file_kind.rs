@@ -7,9 +7,29 @@ use crate::message;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileKind {
     Text,
-    Utf16 { big_endian: bool },
+    Utf16 {
+        big_endian: bool,
+    },
     Mat5,
     Xlsx,
+    Npy,
+    /// A zip archive of NumPy's arrays.
+    Npz,
+    Parquet,
+}
+
+impl FileKind {
+    /// What people call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Text | Self::Utf16 { .. } => "text",
+            Self::Mat5 => "MATLAB (.mat)",
+            Self::Xlsx => "Excel (.xlsx)",
+            Self::Npy => "NumPy (.npy)",
+            Self::Npz => "NumPy (.npz)",
+            Self::Parquet => "Parquet",
+        }
+    }
 }
 
 /// Bytes that are looked at.
@@ -30,11 +50,20 @@ pub fn file_kind(head: &[u8]) -> Result<FileKind, Message> {
     }
     if starts(b"PK\x03\x04") {
         let holds = |name: &[u8]| memchr::memmem::find(head, name).is_some();
-        return if holds(b"xl/") || holds(b"[Content_Types].xml") {
+        let first = head.get(26).and_then(|&length| head.get(30..30 + usize::from(length)));
+        return if first.is_some_and(|name| name.ends_with(b".npy")) {
+            Ok(FileKind::Npz)
+        } else if holds(b"xl/") || holds(b"[Content_Types].xml") {
             Ok(FileKind::Xlsx)
         } else {
             Err(message!("file_is_zip"))
         };
+    }
+    if starts(b"\x93NUMPY") {
+        return Ok(FileKind::Npy);
+    }
+    if starts(b"PAR1") {
+        return Ok(FileKind::Parquet);
     }
     if let Some((_, fault)) = foreign().into_iter().find(|(magic, _)| starts(magic)) {
         return Err(fault);
@@ -50,7 +79,7 @@ pub fn file_kind(head: &[u8]) -> Result<FileKind, Message> {
 }
 
 /// What begins with these bytes is known, and is not read.
-fn foreign() -> [(&'static [u8], Message); 13] {
+fn foreign() -> [(&'static [u8], Message); 11] {
     let other = |name: &'static str| message!("file_is_other", name = name);
     [
         (b"ULog\x01\x12\x35", message!("file_is_ulog")),
@@ -60,8 +89,6 @@ fn foreign() -> [(&'static [u8], Message); 13] {
         (b"TDSm", message!("file_is_tdms")),
         (b"\xd0\xcf\x11\xe0", message!("file_is_xls")),
         (b"SQLite format 3", other("SQLite")),
-        (b"\x93NUMPY", message!("file_is_npy")),
-        (b"PAR1", message!("file_is_parquet")),
         (b"\x1f\x8b", message!("file_is_gzip")),
         (b"%PDF", other("PDF")),
         (b"{", message!("file_is_json")),
@@ -100,7 +127,14 @@ mod tests {
         assert_eq!(code(b"\xff\xfet\0,\0"), Ok(FileKind::Utf16 { big_endian: false }));
         assert_eq!(code(b"t\0i\0m\0e\0,\0a\0x\0\n\x000\0,\x001\0"), Ok(FileKind::Utf16 { big_endian: false }));
         assert_eq!(code(b"PK\x03\x04....[Content_Types].xml"), Ok(FileKind::Xlsx));
-        assert_eq!(code(b"PK\x03\x04....a.npy"), refused("file_is_zip"));
+        let zip = |name: &[u8]| {
+            let header = [b"PK\x03\x04".as_slice(), &[0; 22], &[name.len() as u8, 0, 0, 0], name, b"..."];
+            code(&header.concat())
+        };
+        assert_eq!(zip(b"gyro.npy"), Ok(FileKind::Npz));
+        assert_eq!(zip(b"gyro.csv"), refused("file_is_zip"));
+        assert_eq!(code(b"\x93NUMPY\x01\x00v\x00{'descr': "), Ok(FileKind::Npy));
+        assert_eq!(code(b"PAR1\x15\x04\x15"), Ok(FileKind::Parquet));
         assert_eq!(code(b"MATLAB 5.0 MAT-file, Platform: PCWIN64"), Ok(FileKind::Mat5));
         assert_eq!(code(b"MATLAB 7.3 MAT-file, Platform"), refused("file_is_mat73"));
         assert_eq!(code(b"ULog\x01\x12\x35\x01...."), refused("file_is_ulog"));

@@ -239,7 +239,7 @@ async fn a_metrologist_reads_what_was_hidden_in_a_campaign() {
     }
     // The key says that both causes are in G3 alone: there the map is darkest.
     let darkest = browser.eval(
-        "[...document.querySelectorAll('.heat')].sort((a, b) => b.getAttribute('fill-opacity') - a.getAttribute('fill-opacity'))[0].textContent",
+        "[...document.querySelectorAll('.heat:has(title)')].sort((a, b) => b.getAttribute('fill-opacity') - a.getAttribute('fill-opacity'))[0].textContent",
     );
     assert!(darkest.await.as_str().unwrap().starts_with("G3, dwell "));
     browser.has_behaved().await;
@@ -420,6 +420,142 @@ async fn times_stand_in_the_viewers_zone_with_utc_beside_them() {
     browser.has_behaved().await;
 }
 
+/// What a quality engineer comes for, from the start page on: clicks and fields, as `docs/pages.md` has them.
+const JOBS: [(&str, usize, usize); 11] = [
+    ("Monday morning", 0, 0),
+    ("the worst gyro, and what to do", 1, 0),
+    ("a gyro that was repaired and moved", 0, 1),
+    ("its report, to print", 1, 1),
+    ("a CSV with a mistake in line 7", 1, 1),
+    ("a diagnosis", 2, 0),
+    ("two campaigns beside each other", 1, 1),
+    ("three gyros of a batch beside one another", 4, 1),
+    ("what got worse at ST-2 since June", 3, 2),
+    ("a hook, and its test", 6, 2),
+    ("every alert acknowledged", 3, 2),
+];
+
+#[tokio::test]
+async fn the_jobs_of_a_quality_engineer_take_few_clicks_on_a_desk() {
+    the_jobs(1440, 1).await;
+}
+
+#[tokio::test]
+async fn the_jobs_take_no_more_on_a_telephone_with_a_processor_six_times_slower() {
+    the_jobs(390, 6).await;
+}
+
+async fn the_jobs(width: u32, slower: u32) {
+    if !chromium::is_installed() {
+        return;
+    }
+    let demo = Demo::start();
+    let browser = Browser::open(&demo.base, demo.dir.path()).await;
+    browser.look(width, 900, false).await;
+    browser.cdp("Emulation.setCPUThrottlingRate", serde_json::json!({"rate": slower})).await;
+    let csv = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/examples/march.csv")).unwrap();
+    assert!(csv.lines().nth(6).unwrap().starts_with("# gyros: G1 LFG-3001, G2 LFG-3002,"));
+    let faulty = demo.dir.path().join("march.csv");
+    std::fs::write(&faulty, csv.replace("G2 LFG-3002", "G2")).unwrap();
+    browser.goto("/").await;
+    for serial in ["LFG-0001", "LFG-0002", "LFG-0005"] {
+        let body = "{method: 'PATCH', headers: {'content-type': 'application/json'}, body: '{\"batch\": \"B-17\"}'}";
+        let done = format!("fetch('/v1/gyros/{serial}', {body}).then((answer) => answer.status)");
+        assert_eq!(browser.eval(&done).await, 200);
+    }
+    // Diagnoses are made in the background.
+    browser.goto("/diagnoses").await;
+    reloads_until(&browser, "document.querySelector(\"td a[href$='/diagnosis']\")").await;
+    for (job, clicks, fields) in JOBS {
+        browser.begin_job().await;
+        let started = std::time::Instant::now();
+        match job {
+            "Monday morning" => {
+                for there in ["New or worse since", "Still out of tolerance or drifting", "Overdue"] {
+                    browser.sees(there).await;
+                }
+            }
+            "the worst gyro, and what to do" => {
+                browser.click("table.lines th a").await;
+                browser.wait("document.querySelector('.suggestion')").await;
+                browser.sees("LFG-0008").await;
+            }
+            "a gyro that was repaired and moved" => {
+                browser.type_into("#find", "LFG-0011\n").await;
+                browser.wait("document.querySelector('#history')").await;
+                browser.sees("repair 2026-02-14 · moved 2026-02-17").await;
+            }
+            "its report, to print" => {
+                browser.type_into("#find", "LFG-0011\n").await;
+                browser.wait("document.querySelector('#history')").await;
+                browser.click("a.action[href$='/report']").await;
+                browser.wait("document.querySelector('section.decide .signature')").await;
+            }
+            "a CSV with a mistake in line 7" => {
+                browser.click("nav a[href='/import']").await;
+                browser.type_into("input[type=file]", faulty.to_str().unwrap()).await;
+                browser.wait("document.querySelector('tr.faulty')").await;
+                browser.sees("line 7 (gyros)").await;
+                let seen = "(({top, bottom}) => top >= 0 && bottom <= innerHeight)(document.querySelector('.fault').getBoundingClientRect())";
+                browser.wait(seen).await;
+            }
+            "a diagnosis" => {
+                browser.click("nav a[href='/diagnoses']").await;
+                browser.wait("document.querySelector(\"td a[href$='/diagnosis']\")").await;
+                browser.click("td a[href$='/diagnosis']").await;
+                browser.wait("document.querySelector('ul.found') && document.querySelector('table.ladder')").await;
+            }
+            "two campaigns beside each other" => {
+                browser.type_into("#find", "IMU-21\n").await;
+                browser.wait("document.querySelector('form[action=\"/compare\"]')").await;
+                browser.click("form[action='/compare'] button").await;
+                browser.wait("document.querySelector('[data-label=\"(B - A)/σ\"]')").await;
+            }
+            "three gyros of a batch beside one another" => {
+                browser.click("nav a[href='/fleet']").await;
+                browser.click("details.filters summary").await;
+                browser.type_into("input[name=batch]", "B-17\n").await;
+                browser.wait("document.querySelectorAll('table.fleet tbody tr').length == 3").await;
+                browser.click("[data-all]").await;
+                browser.click("#selection button").await;
+                browser.wait("document.querySelectorAll('svg.area').length == 3").await;
+            }
+            "what got worse at ST-2 since June" => {
+                browser.click("nav a[href='/fleet']").await;
+                browser.click("details.filters summary").await;
+                browser.type_into("input[name=station]", "ST-2").await;
+                browser.type_into("input[name=changed_since]", "06012026").await;
+                browser.click("form.search button").await;
+                browser.wait("location.search.includes('changed_since=2026-06-01')").await;
+                browser.sees("LFG-0014").await;
+            }
+            "a hook, and its test" => {
+                browser.click("nav a[href='/hooks']").await;
+                browser.click("a.action[href='/hooks/new']").await;
+                browser.type_into("input[name=name]", "chat").await;
+                browser.type_into("input[name=url]", "http://127.0.0.1:9/").await;
+                browser.click("input[name=confirm]").await;
+                browser.click("form.deed button").await;
+                browser.click("main a[href^='/hooks/']").await;
+                browser.click("form[action$='/test'] button").await;
+                browser.wait("document.body.innerText.includes('hook.test')").await;
+            }
+            _ => {
+                browser.click("nav a[href='/alerts']").await;
+                browser.click("[data-all]").await;
+                browser.type_into("#bulk input[name=by]", "Li Wei").await;
+                browser.type_into("#bulk input[name=reason]", "seen on Monday").await;
+                browser.click("#bulk button[value=acknowledge]").await;
+                browser.wait("document.querySelector('.done')").await;
+                assert_eq!(browser.eval("document.querySelectorAll('.alerted').length").await, 0);
+            }
+        }
+        eprintln!("{job}: {:.1} s", started.elapsed().as_secs_f64());
+        assert_eq!(browser.took(), (clicks, fields), "{job}");
+    }
+    browser.has_behaved().await;
+}
+
 /// Names that a screen reader would miss, headings out of order, and text too faint to read (WCAG 2.2, 1.4.3: 4.5 to 1).
 const FAULTS: &str = r#"(() => {
   const faults = [];
@@ -479,7 +615,7 @@ const CUT: &str = r#"(() => {
 /// English left on a Chinese page: words that are neither a name with digits or capitals, nor a unit, nor what
 /// somebody wrote.
 const ENGLISH: &str = r#"(() => {
-  const allowed = new Set(["deg", "arcsec", "pulse", "rms", "gyrowatch", "English", "standard-webhooks", "alertmanager",
+  const allowed = new Set(["deg", "ppm", "arcsec", "pulse", "rms", "gyrowatch", "English", "standard-webhooks", "alertmanager",
     "alertmanager-webhook", "cloudevents", "Authorization", "Bearer", "import", "dwells", "https"]);
   const found = new Set();
   const look = (text) => {
@@ -547,7 +683,7 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
         browser.learn_axe(source).await;
     }
     browser.goto("/imus/IMU-21").await;
-    let newest = "[...document.querySelectorAll(\"a[href$='/diagnosis']\")][1].pathname";
+    let newest = "[...document.querySelectorAll(\"td.words a[href$='/diagnosis']\")][1].pathname";
     let diagnosis = browser.eval(newest).await.as_str().unwrap().to_owned();
     let campaign = diagnosis.strip_suffix("/diagnosis").unwrap().to_owned();
     let chosen = "'/compare?' + [...document.querySelectorAll('input[name=campaign]')].slice(0, 2) \
@@ -637,19 +773,44 @@ async fn a_report_prints_on_a_few_sheets_with_its_plots_and_without_what_is_for_
     }
     let demo = Demo::start();
     let browser = Browser::open(&demo.base, demo.dir.path()).await;
-    for (name, path) in [("gyro", "/gyros/LFG-0004/report"), ("imu", "/imus/IMU-02/report")] {
-        // The width of A4 between its margins, in CSS pixels.
+    let printed = [
+        ("gyro", "/gyros/LFG-0004/report", "en"),
+        ("gyro", "/gyros/LFG-0004/report", "zh"),
+        ("imu", "/imus/IMU-02/report", "en"),
+        ("page", "/gyros/LFG-0011", "en"),
+    ];
+    for (name, path, language) in printed {
+        // The width of A4 between its margins, in CSS pixels. From the dark theme: on paper it is light.
         browser.look(680, 900, true).await;
-        browser.goto(path).await;
+        browser.goto(&format!("/preference?language={language}&theme=dark&back={path}")).await;
         let pdf = browser.pdf().await;
-        std::fs::write(pictures().join(format!("report-{name}.pdf")), &pdf).unwrap();
+        std::fs::write(pictures().join(format!("report-{name}-{language}.pdf")), &pdf).unwrap();
         let sheets = pdf.windows(11).filter(|bytes| *bytes == b"/Type /Page").count() - 1;
         assert!(pdf.starts_with(b"%PDF") && (2..=14).contains(&sheets), "{sheets} sheets");
         browser.on_paper().await;
         if name == "gyro" {
             // 297 mm less the margins of 14 and 16, at 96 pixels an inch.
             let decide = browser.eval("document.querySelector('section.decide').getBoundingClientRect().height").await;
-            assert!(decide.as_f64().unwrap() < 1009.0, "the decision sheet is {decide} high");
+            assert!(decide.as_f64().unwrap() < 1009.0, "the decision sheet in {language} is {decide} high");
+            let parts = ".facts, table.loads, .picture, .boxes, .signature, table.small";
+            let parts = format!(
+                "[...document.querySelectorAll('section.decide :is({parts})')].filter((e) => e.checkVisibility()).map((e) => e.className)"
+            );
+            let parts = browser.eval(&parts).await;
+            assert_eq!(
+                parts,
+                serde_json::json!([
+                    "facts",
+                    "loads",
+                    "picture",
+                    "picture",
+                    "small",
+                    "small",
+                    "boxes",
+                    "signature",
+                    "signature"
+                ])
+            );
             // The newest points are on paper.
             let newest = "[...document.querySelectorAll('section.decide svg.area')] \
                 .map((area) => area.querySelector('g.record').lastElementChild)";
@@ -657,12 +818,19 @@ async fn a_report_prints_on_a_few_sheets_with_its_plots_and_without_what_is_for_
                 format!("{newest}.every((e) => e.getBoundingClientRect().right < innerWidth && e.checkVisibility())");
             assert_eq!(browser.eval(&there).await, true);
         }
+        if name != "page" {
+            let foot = "[...document.querySelectorAll('head style')].map((e) => e.textContent).join()";
+            let foot = browser.eval(foot).await;
+            assert!(foot.as_str().is_some_and(|foot| foot.contains("counter(page)")), "{path}: {foot}");
+        }
         let shown = "[...document.querySelectorAll('header.bar, form, nav, .actions')].filter((e) => e.checkVisibility()).length";
         assert_eq!(browser.eval(shown).await, 0);
         assert_eq!(browser.eval("getComputedStyle(document.body).backgroundColor").await, "rgb(255, 255, 255)");
+        let faint = format!("{FAULTS}.filter((fault) => fault.startsWith('too faint'))");
+        assert_eq!(browser.eval(&faint).await, serde_json::json!([]), "{path} in {language}");
         let cut = "[...document.querySelectorAll('.scroll')].filter((e) => e.scrollWidth > document.documentElement.clientWidth).map((e) => e.textContent.slice(0, 80)).join('; ')";
         assert_eq!(browser.eval(cut).await, "", "tables wider than the sheet");
-        browser.picture(&pictures().join(format!("paper-{name}.png"))).await;
+        browser.picture(&pictures().join(format!("paper-{name}-{language}.png"))).await;
     }
     browser.has_behaved().await;
 }

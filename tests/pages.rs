@@ -275,6 +275,13 @@ async fn a_campaign_its_imu_and_its_diagnosis_are_shown_from_what_was_sent() {
         .find(|cell| cell.starts_with(&format!("{e:.7}")[..8]));
     assert!(cell.is_some_and(|cell| cell.contains(" ± ") && cell.contains("0.8425 … 0.8529")), "{cell:?}");
     assert_eq!(shown.matches("<figure class=\"chart\"").count(), 3, "residuals of three gyros");
+    // What the standard deviations are made of, as it is answered; open where more than noise is in them.
+    let budget = shown.split("id=\"budget\"").nth(1).unwrap().split("</details>").next().unwrap();
+    let of_d_i = &answer["separations"][0]["uncertainty"]["d_i"];
+    let [noise, discrepancy] = ["statistical", "discrepancy"].map(|part| of_d_i[part].as_f64().unwrap());
+    assert!(noise > 0.0 && budget.contains(&format!("{noise:.2e}")[..4].replace('.', "")), "{noise} in {budget}");
+    assert_eq!(budget.starts_with(" open"), discrepancy > 0.0, "{discrepancy}: {budget}");
+    assert_eq!(budget.matches("<tr>").count(), 1 + 9, "three coefficients of three gyros");
     let imu = page(&server, "/imus/IMU-9002", &[]).await;
     assert!(imu.contains(&format!("/campaigns/{id}/diagnosis")) && imu.contains("/gyros/LFG-9002-1"));
     let moved = server.get(&format!("/records/{id}")).await;
@@ -338,6 +345,9 @@ async fn an_imu_shows_its_models_and_how_its_campaigns_came_out_as_foretold() {
     assert_eq!(server.post_json("/v1/imus/IMU-9002/model", &adoption).await.status, 201);
     let imu = page(&server, "/imus/IMU-9002", &[("accept-language", "zh")]).await;
     assert!(imu.contains("id=\"models\"") && imu.contains("M. Adopter") && imu.contains("现用"), "{imu}");
+    // What was foretold of them was foretold before: no diagnosis has to be made anew for it.
+    assert_eq!(imu.matches("<figure class=\"chart\"").count(), 1, "{imu}");
+    assert!(imu.contains("id=\"forecasts\"") && imu.contains("<strong>超出预报</strong>"), "{imu}");
 }
 
 #[tokio::test]
@@ -776,6 +786,16 @@ async fn what_was_done_to_a_gyro_is_noted_on_its_page() {
     let event = &server.get("/v1/gyros/STEADY/events").await.json()["events"][0];
     assert_eq!((&event["event"], &event["author"]), (&json!("repair"), &json!("Zhao Min")));
     assert!(page(&server, "/gyros/STEADY", &[]).await.contains("bearing replaced"));
+    // A repair ends what fires, and the alert says so.
+    let alerts = server.get("/v1/alerts?serial=JUMP%2F1").await.json()["alerts"].clone();
+    let fires = alerts.as_array().unwrap().iter().find(|alert| alert["rule"] == "baseline").unwrap();
+    assert_eq!(fires["state"], "firing", "{alerts}");
+    let alert = format!("/alerts/{}", fires["id"].as_str().unwrap());
+    assert!(!page(&server, &alert, &[]).await.contains("bearing replaced"));
+    assert_eq!(sends_form(&server, "/gyros/JUMP%2F1/events/new", &fields).await.status, 303);
+    let ended = page(&server, &alert, &[]).await;
+    assert!(place(&ended, ">resolved<") < place(&ended, "bearing replaced"), "{ended}");
+    assert!(place(&ended, "Zhao Min") < place(&ended, "repair "), "{ended}");
     assert_eq!(sends_form(&server, "/gyros/NOBODY/events/new", &fields).await.status, 404);
 }
 
@@ -1189,10 +1209,18 @@ async fn gyros_and_campaigns_are_compared_from_the_page_of_their_imu() {
     let gyros = link(&imu, "/compare?gyro=", "/compare");
     let shown = page(&server, &gyros, &[]).await;
     assert_eq!(shown.matches("<figure class=\"chart\"").count(), 3);
-    for there in ["<g class=\"k0\"", "<g class=\"k2\"", "align=baseline", "+100 %"] {
+    for there in ["<g class=\"k0\"", "<g class=\"k2\"", "align=baseline", "+100 %", "Δ|E|, ppm"] {
         assert!(shown.contains(there), "{there} is not in {shown}");
     }
     let serial = campaign["gyros"][0]["serial"].as_str().unwrap();
+    // The same dwells twice: |E| has not moved. What happened to one of them is marked in every picture.
+    let moved = shown.split("data-label=\"Δ|E|, ppm, since the baseline began\">").nth(1).unwrap();
+    assert!(moved.starts_with("0") && !shown.contains("class=\"flag\""), "{shown}");
+    let repair = json!({"event": "repair", "at": "2026-03-20T00:00:00Z", "reason": "bearing", "author": "Zhao Min"});
+    assert_eq!(server.post_json(&format!("/v1/gyros/{serial}/events"), &repair).await.status, 201);
+    let marked = page(&server, &gyros, &[]).await;
+    assert_eq!(marked.matches("class=\"flag\"").count(), 3, "{marked}");
+    assert!(marked.contains(&format!("2026-03-20 {serial} · repair")), "{marked}");
     for (query, status) in [
         (format!("gyro={serial}"), 400),
         (format!("gyro={serial}&gyro=NOBODY"), 404),

@@ -112,7 +112,7 @@ impl Diagnose {
             diagnosis.reference = Some(SplitBody::from(&parts.with_context(|| document::name(path))?));
         }
         if let Some(path) = &self.report {
-            let page = diagnosis_report(&subject(&campaign), &diagnosis, asked());
+            let page = diagnosis_report(&Subject::of(&campaign), &diagnosis, asked());
             document::write(path, &page)?;
         }
         if let Some(path) = &self.adopt {
@@ -150,16 +150,6 @@ fn adopt(path: &Path, in_use: &AugmentedModel, campaign: &Campaign, diagnosed: &
     let what = if named.is_empty() { "nothing was named: the model in use".to_owned() } else { named.join(", ") };
     eprintln!("{}: {what}", path.display());
     Ok(())
-}
-
-fn subject(campaign: &Campaign) -> Subject {
-    Subject {
-        imu: campaign.imu.to_string(),
-        station: campaign.station.to_string(),
-        measured_at: time::format(campaign.measured_at),
-        dwells: campaign.dwells.len(),
-        gyros: campaign.gyros.iter().map(|g| (g.slot.name().to_owned(), g.serial.to_string())).collect(),
-    }
 }
 
 fn tables(campaign: &Campaign, d: &DiagnosisBody) -> String {

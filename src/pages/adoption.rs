@@ -17,7 +17,6 @@ use super::form::{Deed, Word, answered, see_other};
 use super::layout::{Section, encoded, instant};
 use super::viewer::Viewer;
 use crate::core::augmented::AugmentedModel;
-use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::message::text;
 use crate::message;
@@ -46,10 +45,8 @@ pub(super) async fn adopt(
 
 async fn adopted(pages: &Pages, viewer: &Viewer, id: &str, word: Word) -> Result<Response, Problem> {
     let (id, form) = named(pages, viewer, id, &word).await?;
-    let mut faults = Faults::default();
-    word.check(viewer, &mut faults);
-    if !faults.is_empty() {
-        return Ok(form.again(viewer, &word, &faults));
+    if let Some(again) = form.incomplete(viewer, &word) {
+        return Ok(again);
     }
     let adoption = pages.pipeline.diagnoses.adoption(id, word.by, word.reason).await?;
     put(pages, adoption.ok_or_else(|| nothing_named(id))?).await
@@ -116,10 +113,8 @@ pub(super) async fn undo(
 
 async fn undone(pages: &Pages, viewer: &Viewer, imu: String, word: Word) -> Result<Response, Problem> {
     let (model, form) = before(pages, viewer, &imu, &word).await?;
-    let mut faults = Faults::default();
-    word.check(viewer, &mut faults);
-    if !faults.is_empty() {
-        return Ok(form.again(viewer, &word, &faults));
+    if let Some(again) = form.incomplete(viewer, &word) {
+        return Ok(again);
     }
     put(pages, Adoption { imu, model, author: word.by, reason: word.reason }).await
 }

@@ -4,14 +4,13 @@
 use axum::Form;
 use axum::extract::{Path, Query, State as Held};
 use axum::response::Response;
-use maud::{Markup, html};
+use maud::html;
 
 use super::Pages;
 use super::form::{Deed, Word, answered, see_other};
 use super::layout::{Section, instant};
 use super::notes::noted;
 use super::viewer::Viewer;
-use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::message::text;
 use crate::message;
@@ -19,22 +18,14 @@ use crate::pipeline::{Actor, Confirmation, Submission};
 use crate::wire::note;
 use crate::wire::problem::Problem;
 
-/// What is to be confirmed, as it is shown to whoever is about to.
-struct Item {
-    id: Id,
-    home: String,
-    action: String,
-    shown: Markup,
-}
-
 pub(super) async fn ask(
     Held(pages): Held<Pages>,
     viewer: Viewer,
     Path(id): Path<String>,
     Query(word): Query<Word>,
 ) -> Response {
-    let item = item(&pages, &viewer, &id).await;
-    viewer.show(item.map(|item| form(&viewer, &item, &word).fresh(&viewer, &word)))
+    let found = set_aside(&pages, &viewer, &id, &word).await;
+    viewer.show(found.map(|(_, form)| form.fresh(&viewer, &word)))
 }
 
 pub(super) async fn act(
@@ -43,25 +34,21 @@ pub(super) async fn act(
     Path(id): Path<String>,
     Form(word): Form<Word>,
 ) -> Response {
-    let item = item(&pages, &viewer, &id).await;
-    answered(&viewer, confirm(&pages, &viewer, item, word).await)
+    answered(&viewer, confirm(&pages, &viewer, &id, word).await)
 }
 
-async fn confirm(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, word: Word) -> Result<Response, Problem> {
-    let item = item?;
-    let mut faults = Faults::default();
-    word.check(viewer, &mut faults);
-    if !faults.is_empty() {
-        return Ok(form(viewer, &item, &word).again(viewer, &word, &faults));
+async fn confirm(pages: &Pages, viewer: &Viewer, id: &str, word: Word) -> Result<Response, Problem> {
+    let (id, form) = set_aside(pages, viewer, id, &word).await?;
+    if let Some(again) = form.incomplete(viewer, &word) {
+        return Ok(again);
     }
-    let home = word.back_or(&item.home).to_owned();
-    let Word { by: author, reason, .. } = word;
-    let confirmation = Confirmation { id: item.id, author, reason, by: Actor::by_caller() };
+    let confirmation = Confirmation { id, author: word.by, reason: word.reason, by: Actor::by_caller() };
     pages.pipeline.ingest.submit(Submission::Confirmation(confirmation)).await?;
-    Ok(see_other(&home))
+    Ok(see_other(&form.back))
 }
 
-async fn item(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
+/// A record that is set aside, and the form that asks whether its time is right.
+async fn set_aside(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Id, Deed), Problem> {
     let unknown = || Problem::no_such_record(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
     let records = &pages.pipeline.queries.records;
@@ -71,26 +58,22 @@ async fn item(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem>
         return Err(Problem::new(409, "title_not_set_aside", detail));
     }
     let t = viewer.text();
-    let shown = html! {
-        p.lead {
-            (item.imu) " · " (t.station) " " (item.station)
-            " · " (t.calibrated) " " (instant(item.calibrated_at)) " · " (t.received) " " (instant(item.received_at))
-        }
-        (noted(t, &note::read(item.notes.as_deref())))
-    };
-    Ok(Item { id: number, home: format!("/records/{number}"), action: format!("/records/{number}/confirm"), shown })
-}
-
-fn form(viewer: &Viewer, item: &Item, word: &Word) -> Deed {
-    let t = viewer.text();
-    Deed {
+    let form = Deed {
         section: Section::Fleet,
         title: t.confirm_time.into(),
-        what: html! { (item.shown) p.lead { (t.confirm_what) } },
+        what: html! {
+            p.lead {
+                (item.imu) " · " (t.station) " " (item.station)
+                " · " (t.calibrated) " " (instant(item.calibrated_at)) " · " (t.received) " " (instant(item.received_at))
+            }
+            (noted(t, &note::read(item.notes.as_deref())))
+            p.lead { (t.confirm_what) }
+        },
         fields: html! {},
-        action: item.action.clone(),
+        action: format!("/records/{number}/confirm"),
         button: t.confirm_time,
-        back: word.back_or(&item.home).to_owned(),
+        back: word.back_or(&format!("/records/{number}")).to_owned(),
         reasoned: true,
-    }
+    };
+    Ok((number, form))
 }

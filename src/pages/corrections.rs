@@ -10,10 +10,10 @@ use super::Pages;
 use super::figure;
 use super::form::{Deed, Word, answered, see_other};
 use super::layout::{DRIFTS, Section, encoded, instant, symbol};
+use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::correction::{CorrectedResult, CorrectionItem};
-use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::message::text;
@@ -23,24 +23,14 @@ use crate::message;
 use crate::pipeline::{Actor, Corrected, Correction, Submission};
 use crate::wire::problem::Problem;
 
-/// What is to be voided, as it is shown to whoever is about to.
-struct Item {
-    corrected: Corrected,
-    /// Its own page, or its gyro's.
-    home: String,
-    /// Where the form is sent.
-    action: String,
-    title: &'static str,
-    shown: Markup,
-}
-
 pub(super) async fn ask_record(
     Held(pages): Held<Pages>,
     viewer: Viewer,
     Path(id): Path<String>,
     Query(word): Query<Word>,
 ) -> Response {
-    asked(&viewer, calibration(&pages, &viewer, &id).await, &word)
+    let found = calibration(&pages, &viewer, &id, &word).await;
+    viewer.show(found.map(|(_, form)| form.fresh(&viewer, &word)))
 }
 
 pub(super) async fn ask_bench(
@@ -49,7 +39,8 @@ pub(super) async fn ask_bench(
     Path(id): Path<String>,
     Query(word): Query<Word>,
 ) -> Response {
-    asked(&viewer, bench(&pages, &viewer, &id).await, &word)
+    let found = bench(&pages, &viewer, &id, &word).await;
+    viewer.show(found.map(|(_, form)| form.fresh(&viewer, &word)))
 }
 
 pub(super) async fn void_record(
@@ -58,8 +49,8 @@ pub(super) async fn void_record(
     Path(id): Path<String>,
     Form(word): Form<Word>,
 ) -> Response {
-    let item = calibration(&pages, &viewer, &id).await;
-    answered(&viewer, void(&pages, &viewer, item, word).await)
+    let found = calibration(&pages, &viewer, &id, &word).await;
+    answered(&viewer, void(&pages, &viewer, found, word).await)
 }
 
 pub(super) async fn void_bench(
@@ -68,30 +59,28 @@ pub(super) async fn void_bench(
     Path(id): Path<String>,
     Form(word): Form<Word>,
 ) -> Response {
-    let item = bench(&pages, &viewer, &id).await;
-    answered(&viewer, void(&pages, &viewer, item, word).await)
+    let found = bench(&pages, &viewer, &id, &word).await;
+    answered(&viewer, void(&pages, &viewer, found, word).await)
 }
 
-fn asked(viewer: &Viewer, item: Result<Item, Problem>, word: &Word) -> Response {
-    viewer.show(item.map(|item| form(viewer, &item, word).fresh(viewer, word)))
-}
-
-async fn void(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, word: Word) -> Result<Response, Problem> {
-    let item = item?;
-    let mut faults = Faults::default();
-    word.check(viewer, &mut faults);
-    if !faults.is_empty() {
-        return Ok(form(viewer, &item, &word).again(viewer, &word, &faults));
+async fn void(
+    pages: &Pages,
+    viewer: &Viewer,
+    found: Result<(Corrected, Deed), Problem>,
+    word: Word,
+) -> Result<Response, Problem> {
+    let (item, form) = found?;
+    if let Some(again) = form.incomplete(viewer, &word) {
+        return Ok(again);
     }
-    let home = word.back_or(&item.home).to_owned();
     let Word { by: author, reason, .. } = word;
-    let correction = Correction { item: item.corrected, author, reason, replacement: None, by: Actor::by_caller() };
+    let correction = Correction { item, author, reason, replacement: None, by: Actor::by_caller() };
     pages.pipeline.ingest.submit(Submission::Correction(Box::new(correction))).await?;
-    Ok(see_other(&home))
+    Ok(see_other(&form.back))
 }
 
-/// A record or campaign that still counts.
-async fn calibration(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
+/// A record or campaign that still counts, and the form that asks whether it is to be voided.
+async fn calibration(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Corrected, Deed), Problem> {
     let unknown = || Problem::no_such_record(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
     let stored = pages.pipeline.queries.records.record(number).await?.ok_or_else(unknown)?;
@@ -118,16 +107,13 @@ async fn calibration(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, P
         } }
     };
     let place = if campaign { "campaigns" } else { "records" };
-    Ok(Item {
-        corrected: Corrected::Calibration { id: number, kind: Some(item.kind) },
-        home: format!("/{place}/{number}"),
-        action: format!("/{place}/{number}/void"),
-        title: if campaign { t.void_campaign } else { t.void_record },
-        shown,
-    })
+    let home = format!("/{place}/{number}");
+    let title = if campaign { t.void_campaign } else { t.void_record };
+    let form = form(t, title, &shown, (&format!("{home}/void"), word.back_or(&home)));
+    Ok((Corrected::Calibration { id: number, kind: Some(item.kind) }, form))
 }
 
-async fn bench(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
+async fn bench(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Corrected, Deed), Problem> {
     let unknown = || Problem::no_such_bench_result(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
     let bench = pages.pipeline.queries.records.bench(number).await?.ok_or_else(unknown)?;
@@ -144,13 +130,9 @@ async fn bench(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem
             (symbol("D_S")) " " (figure::drift(bench.d[1], bench.sd[1])) " " (t.unit)
         }
     };
-    Ok(Item {
-        corrected: Corrected::Bench(number),
-        home: format!("/gyros/{}", encoded(serial)),
-        action: format!("/bench-results/{number}/void"),
-        title: t.void_bench,
-        shown,
-    })
+    let home = format!("/gyros/{}", encoded(serial));
+    let action = format!("/bench-results/{number}/void");
+    Ok((Corrected::Bench(number), form(t, t.void_bench, &shown, (&action, word.back_or(&home)))))
 }
 
 async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {
@@ -161,16 +143,16 @@ async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {
     Err(Problem::new(409, "title_already_corrected", message!("already_corrected", id = text(id))))
 }
 
-fn form(viewer: &Viewer, item: &Item, word: &Word) -> Deed {
-    let t = viewer.text();
+/// Sent to `action`; `back` is where to go on.
+fn form(t: &Text, title: &'static str, shown: &Markup, (action, back): (&str, &str)) -> Deed {
     Deed {
         section: Section::Fleet,
-        title: item.title.into(),
-        what: html! { (item.shown) p.lead { (t.void_what) } },
+        title: title.into(),
+        what: html! { (shown) p.lead { (t.void_what) } },
         fields: html! {},
-        action: item.action.clone(),
+        action: action.to_owned(),
         button: t.void,
-        back: word.back_or(&item.home).to_owned(),
+        back: back.to_owned(),
         reasoned: true,
     }
 }

@@ -232,6 +232,7 @@ fn selection(viewer: &Viewer) -> Markup {
     let t = viewer.text();
     html! {
         form.selection.no-print #selection method="get" action="/compare" {
+            label hidden { input type="checkbox" data-all="gyro"; " " (t.all_of_them) }
             span.quiet { (t.with_selected) }
             button formaction="/compare" { (t.compare_ticked) }
             @if viewer.may(Role::Engineer) { button formaction="/alerts/bulk" { (t.acknowledge) } }

@@ -101,6 +101,13 @@ impl Deed {
         Page { title: self.title.clone(), section: self.section, body }
     }
 
+    /// The form again where who, why or that it is meant is missing; none where all of it was sent.
+    pub fn incomplete(&self, viewer: &Viewer, word: &Word) -> Option<Response> {
+        let mut faults = Faults::default();
+        word.check(viewer, &mut faults);
+        (!faults.is_empty()).then(|| self.again(viewer, word, &faults))
+    }
+
     /// What was sent cannot be done as it is: the form again, with why.
     pub fn again(&self, viewer: &Viewer, word: &Word, faults: &Faults) -> Response {
         viewer.respond(StatusCode::UNPROCESSABLE_ENTITY, &self.page(viewer, word, faults))

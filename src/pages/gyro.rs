@@ -208,7 +208,7 @@ fn history(viewer: &Viewer, serial: &str, view: &View, facts: &Facts, names: &Na
                 button type="button" data-save hidden { (t.save_picture) }
             }
             (plots.folded(t))
-            p.note {
+            p.note.no-print {
                 (t.plot_note) " " (t.csv) ": "
                 @for coefficient in DRIFTS {
                     a href={ "/v1/gyros/" (encoded(serial)) "/trend?coefficient=" (coefficient) "&method="
@@ -308,7 +308,7 @@ pub(super) fn calibration_table<'a>(
             thead { tr {
                 th { (t.calibrated) } th { (t.imu) } th { (t.station) }
                 th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.status_word) }
-                @if deeds { th { (t.actions_word) } }
+                @if deeds { th.no-print { (t.actions_word) } }
             } }
             tbody { @for figures in rows { (calibration(viewer, shown, figures, (statuses, names), deeds)) } }
         } }
@@ -343,7 +343,7 @@ fn calibration(
                 }
                 @if worst <= Status::NotEnoughData { (status::badge(t, Some(worst))) }
             }
-            @if deeds { td { (void_link(viewer, "records", figures.record, figures.at)) } }
+            @if deeds { td.no-print { (void_link(viewer, "records", figures.record, figures.at)) } }
         }
     }
 }
@@ -359,7 +359,7 @@ fn benches(viewer: &Viewer, course: &Course) -> Markup {
                 div.scroll.tall tabindex="0" { table.cards {
                     thead { tr {
                         th { (t.date) } th { (t.method) } th { (t.station) }
-                        th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } @if may_void { th { (t.actions_word) } }
+                        th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } @if may_void { th.no-print { (t.actions_word) } }
                     } }
                     tbody { @for row in course.benches.iter().rev() {
                         tr {
@@ -367,7 +367,7 @@ fn benches(viewer: &Viewer, course: &Course) -> Markup {
                             td { (t.method(row.method.name())) }
                             td { (row.station) }
                             @for i in 0..2 { td.n data-label=(DRIFTS[i]) { (figure::drift(row.d[i], row.sd[i])) } }
-                            @if may_void { td { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
+                            @if may_void { td.no-print { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
                         }
                     } }
                 } }

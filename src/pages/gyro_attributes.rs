@@ -45,8 +45,10 @@ pub(super) fn line(viewer: &Viewer, serial: &str, attributes: &GyroAttributes) -
                     " (" a href={ "/fleet?batch=" (encoded(batch)) } { (t.gyros) } ")"
                 }
                 @if may {
-                    @if !said.is_empty() { " · " }
-                    a href={ "/gyros/" (encoded(serial)) "/attributes" } { (t.edit_attributes) }
+                    span.no-print {
+                        @if !said.is_empty() { " · " }
+                        a href={ "/gyros/" (encoded(serial)) "/attributes" } { (t.edit_attributes) }
+                    }
                 }
             }
         }

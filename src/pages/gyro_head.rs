@@ -141,7 +141,7 @@ pub(super) fn head(
         div.causes {
             (causes(t, facts, explained))
             @if !facts.course.figures.is_empty() {
-                p {
+                p.no-print {
                     a href={ "/gyros/" (encoded(serial)) "/diagnosis" } { (t.history_diagnosis) } " · "
                     a href={ "/v1/gyros/" (encoded(serial)) "/diagnosis" } { "JSON" }
                 }

@@ -31,7 +31,7 @@ const STRETCHES: usize = 240;
 /// Stretches of a lane at the most: two stations in turn would be stripes.
 const MOST_STRETCHES: usize = 80;
 /// Flags that are drawn at the most, the newest.
-const MOST_FLAGS: usize = 40;
+pub(super) const MOST_FLAGS: usize = 40;
 /// How far a picture reaches beyond the newest record to show where a trend leads, as a part of what it shows.
 const AHEAD: f64 = 0.35;
 /// How far the axis of time reaches on either side of what stands alone, ms.
@@ -468,7 +468,7 @@ fn flags(t: &Text, course: &Course, view: &View, place: &str) -> Vec<Flag> {
     all
 }
 
-fn list(flags: &[Flag]) -> Markup {
+pub(super) fn list(flags: &[Flag]) -> Markup {
     html! {
         @if !flags.is_empty() {
             ol.flags {

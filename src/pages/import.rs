@@ -125,7 +125,7 @@ fn unread(viewer: &Viewer, mut sent: Sent, looked: &Looked) -> Page {
         Looked::Text(_) | Looked::Made(..) => {}
     }
     let body = html! {
-        section.preview aria-live="polite" {
+        section.preview #preview aria-live="polite" {
             h2 { (t.preview) @if !sent.file.is_empty() { " · " span translate="no" { (sent.file) } } }
             @match said {
                 Some(fault) => p.fault { (t.words(fault)) },
@@ -228,7 +228,7 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
     let parts = if is_table(&source.text, &TableMap::default()) { Vec::new() } else { pieces(&source.text) };
     let doubtful = prospects.iter().filter(|(_, prospect)| prospect.is_doubtful()).count();
     let body = html! {
-        section.preview aria-live="polite" {
+        section.preview #preview aria-live="polite" {
             h2 { (t.preview) @if !source.sent.file.is_empty() { " · " span translate="no" { (source.sent.file) } } }
             @if prospects.is_empty() { p.fault { (t.no_document) } }
             p.lead {
@@ -360,7 +360,7 @@ fn framed(viewer: &Viewer, sent: &Sent, after: Markup) -> Page {
     let body = html! {
         h1 { (t.import) }
         p.lead { (t.import_note) }
-        form.import action="/import/preview" method="post" enctype="text/plain" data-drop {
+        form.import action="/import/preview#preview" method="post" enctype="text/plain" data-drop {
             input type="hidden" name="file" disabled;
             p hidden { label { (t.choose_file) " " input type="file" accept=".json,.ndjson,.jsonl,.csv,.txt,.log,.xlsx,.mat"; } }
             details open[!sent.map.is_empty()] {

@@ -64,7 +64,7 @@ async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Proble
     let Facts { seats, records, parameters } = Facts::of(pages, viewer, imu).await?;
     let number = pages.pipeline.queries.names().imu_number(imu);
     let forecasts = match number {
-        Some(number) => pages.pipeline.diagnoses.forecasts_made(number, FORECASTS).await?,
+        Some(number) => pages.pipeline.diagnoses.forecasts_of_imu(number, FORECASTS).await?,
         None => Vec::new(),
     };
     let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;

@@ -67,8 +67,9 @@ impl Viewer {
         self.leave(status, page, None)
     }
 
-    /// The same, every sheet of paper with what it is about and its number.
-    pub fn show_for_paper(&self, page: Result<Page, Problem>, about: &str) -> Response {
+    /// The same, every sheet of paper with what it is about and its number. Of several, parts of the page with the
+    /// classes `about0`, `about1` … are about each.
+    pub fn show_for_paper(&self, page: Result<Page, Problem>, about: &[&str]) -> Response {
         match page {
             Ok(page) => self.leave(StatusCode::OK, &page, Some(&sheets(about))),
             Err(problem) => self.show(Err(problem)),
@@ -187,13 +188,23 @@ impl Viewer {
 
 /// Rules that put a name and the page's number on every sheet. Every character of the name but letters and digits as
 /// an escape, so that it can end neither the string nor the element.
-fn sheets(about: &str) -> String {
+fn sheets(about: &[&str]) -> String {
     let escaped = |c: char| if c.is_ascii_alphanumeric() { c.to_string() } else { format!("\\{:x} ", u32::from(c)) };
-    let about: String = about.chars().map(escaped).collect();
-    format!(
-        "@page {{ @bottom-left {{ content: \"{about}\"; font-size: 8pt; }} \
-         @bottom-right {{ content: counter(page) \" / \" counter(pages); font-size: 8pt; }} }}"
-    )
+    let foot = |about: &str| {
+        let about: String = about.chars().map(escaped).collect();
+        format!(
+            "{{ @bottom-left {{ content: \"{about}\"; font-size: 8pt; }} \
+             @bottom-right {{ content: counter(page) \" / \" counter(pages); font-size: 8pt; }} }}"
+        )
+    };
+    match about {
+        [about] => format!("@page {}", foot(about)),
+        several => {
+            let part =
+                |(k, about): (usize, &&str)| format!("@page about{k} {} .about{k} {{ page: about{k}; }} ", foot(about));
+            several.iter().enumerate().map(part).collect()
+        }
+    }
 }
 
 fn entry(path: &str, name: &str, here: bool) -> Markup {
@@ -265,8 +276,11 @@ mod tests {
 
     #[test]
     fn what_a_gyro_is_called_ends_neither_a_string_nor_a_style() {
-        assert!(sheets("LFG-1").contains("content: \"LFG\\2d 1\";"));
-        let evil = sheets("a\"}</style><script>\\");
+        assert!(sheets(&["LFG-1"]).starts_with("@page { @bottom-left { content: \"LFG\\2d 1\";"));
+        let several = sheets(&["A", "B"]);
+        assert!(several.contains("@page about1 { @bottom-left { content: \"B\";"), "{several}");
+        assert!(several.contains(".about1 { page: about1; }"), "{several}");
+        let evil = sheets(&["a\"}</style><script>\\"]);
         assert!(!evil.contains('<') && evil.matches('"').count() == 4, "{evil}");
     }
 

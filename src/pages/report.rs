@@ -26,11 +26,11 @@ use crate::{system, words};
 const ROWS: usize = super::gyro::MOST_ROWS;
 
 pub(super) async fn gyro(Held(pages): Held<Pages>, viewer: Viewer, Path(serial): Path<String>) -> Response {
-    viewer.show_for_paper(of_gyro(&pages, &viewer, &serial).await, &serial)
+    viewer.show_for_paper(of_gyro(&pages, &viewer, &serial).await, &[&serial])
 }
 
 pub(super) async fn imu(Held(pages): Held<Pages>, viewer: Viewer, Path(imu): Path<String>) -> Response {
-    viewer.show_for_paper(of_imu(&pages, &viewer, &imu).await, &imu)
+    viewer.show_for_paper(of_imu(&pages, &viewer, &imu).await, &[&imu])
 }
 
 pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, Problem> {

@@ -18,18 +18,20 @@ pub(super) async fn page(
     viewer: Viewer,
     Query(asked): Query<Vec<(String, String)>>,
 ) -> Response {
-    viewer.show(build(&pages, &viewer, &asked).await)
+    let serials = asked.iter().filter(|(name, _)| name == "gyro").map(|(_, serial)| serial.as_str());
+    let serials: Vec<&str> = serials.take(MOST).collect();
+    viewer.show_for_paper(build(&pages, &viewer, &serials).await, &serials)
 }
 
-async fn build(pages: &Pages, viewer: &Viewer, asked: &[(String, String)]) -> Result<Page, Problem> {
+async fn build(pages: &Pages, viewer: &Viewer, serials: &[&str]) -> Result<Page, Problem> {
     let t = viewer.text();
     let mut sheets = Vec::new();
-    for (_, serial) in asked.iter().filter(|(name, _)| name == "gyro").take(MOST) {
+    for serial in serials {
         sheets.push(report::of_gyro(pages, viewer, serial).await?.body);
     }
     let body = html! {
         @if sheets.is_empty() { h1 { (t.reports) } p.lead { (t.none_selected) } }
-        @for (k, sheet) in sheets.iter().enumerate() { section.sheet[k > 0] { (sheet) } }
+        @for (k, sheet) in sheets.iter().enumerate() { section.{ "about" (k) }.sheet[k > 0] { (sheet) } }
     };
     Ok(Page { title: t.reports.into(), section: Section::Fleet, body })
 }

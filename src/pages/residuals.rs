@@ -1,11 +1,13 @@
 //! Residuals dwell by dwell, and gyro by dwell, as pictures without a script.
 
 use maud::{Markup, html};
+use nalgebra::Vector3;
 
 use super::chart::{Across, Chart, Dot, Level, Track, bounds, widened};
 use super::figure::short;
 use super::text::Text;
-use crate::wire::diagnosis::ResidualBody;
+use crate::core::campaign::{Campaign, Dwell, Phase};
+use crate::wire::diagnosis::{ResidualBody, TableBody};
 
 const WIDTH: f64 = 960.0;
 /// Of one strip, pixels.
@@ -14,6 +16,12 @@ const LEFT: f64 = 62.0;
 const RIGHT: f64 = 8.0;
 /// Residuals of so many standard deviations are shown at full shade.
 const FULL_SHADE: f64 = 6.0;
+/// Height of a gyro's row in the map.
+const ROW: f64 = 34.0;
+/// Of what stands under them.
+const LANE: f64 = 16.0;
+/// The part of a direction that still counts as none, for the name of a face.
+const NEARLY: f64 = 0.05;
 
 fn tenth(value: f64) -> String {
     format!("{value:.1}")
@@ -118,27 +126,142 @@ pub(super) fn evidence(t: &Text, all: &[Evidence]) -> Markup {
     html! { div.charts.three { @for one in all { (chart(one).markup()) } } }
 }
 
-/// Gyros down, dwells across; the shade of a cell is its residual over its standard deviation.
-pub(super) fn heat_map(t: &Text, all: &[ResidualBody], slots: &[String]) -> Markup {
-    let dwells = all.iter().map(|residual| residual.index + 1).max().unwrap_or(1);
-    let (row, cell) = (26.0, (WIDTH - LEFT - RIGHT) / dwells as f64);
+/// How a dwell was set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// The body direction that was up, or about which the table turned.
+    direction: Vector3<f64>,
+    /// Of a rate dwell.
+    deg_per_s: Option<f64>,
+}
+
+impl Setting {
+    /// Of every dwell of a campaign.
+    pub fn of_all(campaign: &Campaign) -> Vec<Self> {
+        let of = |dwell: &Dwell| match dwell.phase {
+            Phase::Static => Self { direction: dwell.specific_force_g0.normalize(), deg_per_s: None },
+            Phase::Rate => {
+                let rate = dwell.rate_arcsec_s;
+                Self { direction: rate.normalize(), deg_per_s: Some(rate.norm() / 3600.0) }
+            }
+        };
+        campaign.dwells.iter().map(of).collect()
+    }
+
+    /// A face that is not quite level is still that face.
+    fn axis(&self) -> String {
+        let plain = self.direction.map(|x| if x.abs() < NEARLY { 0.0 } else { x });
+        TableBody::direction(plain.into())
+    }
+
+    fn said(&self, t: &Text) -> String {
+        match self.deg_per_s {
+            None => format!("{} {}", t.up_axis, self.axis()),
+            Some(rate) => format!("{} {}, {rate:.3} deg/s", t.table_rate, self.axis()),
+        }
+    }
+}
+
+/// Gyros down, dwells across, by time, and folded by attitude and rate.
+pub(super) fn signed_maps(t: &Text, all: &[ResidualBody], slots: &[String], settings: &[Setting]) -> Markup {
+    let dwells = all.iter().map(|residual| residual.index + 1).max().unwrap_or(0).max(settings.len());
+    let by_time: Vec<usize> = (0..dwells).collect();
+    let mut by_attitude = by_time.clone();
+    let key = |dwell: usize| settings.get(dwell).map(|one| (one.deg_per_s.is_some(), one.axis()));
+    let rate = |dwell: usize| settings.get(dwell).and_then(|one| one.deg_per_s).unwrap_or(0.0);
+    by_attitude.sort_by(|&a, &b| key(a).cmp(&key(b)).then(rate(a).total_cmp(&rate(b))));
     html! {
-        svg.dwells viewBox={ "0 0 " (WIDTH) " " (row * slots.len() as f64 + 18.0) } role="img" aria-label=(t.heat_map) {
+        (signed_map(t, all, slots, settings, &by_time))
+        @if !settings.is_empty() && by_attitude != by_time {
+            details { summary { (t.by_attitude) } (signed_map(t, all, slots, settings, &by_attitude)) }
+        }
+    }
+}
+
+/// What is above zero fills the upper half of a cell, what is below it the lower half; the shade is the residual over
+/// its standard deviation. Under them the phases, the body axis that was up or turned about, and the rate. By time each
+/// cell says what it is; once on a page is enough.
+fn signed_map(t: &Text, all: &[ResidualBody], slots: &[String], settings: &[Setting], order: &[usize]) -> Markup {
+    let cell = (WIDTH - LEFT - RIGHT) / order.len().max(1) as f64;
+    let mut places = vec![0; order.len()];
+    order.iter().enumerate().for_each(|(place, &dwell)| places[dwell] = place);
+    let x = |dwell: usize| tenth(LEFT + cell * places[dwell] as f64);
+    let wide = tenth((cell - 0.5).max(0.6));
+    let phases = ROW * slots.len() as f64 + 4.0;
+    let axes = phases + LANE;
+    let foot = axes + 3.0 * LANE;
+    let fastest = settings.iter().filter_map(|setting| setting.deg_per_s).fold(0.0, f64::max);
+    let height = if settings.is_empty() { phases } else { foot + LANE } + LANE;
+    let in_order: Vec<&Setting> = order.iter().filter_map(|&dwell| settings.get(dwell)).collect();
+    let mut from = 0;
+    html! {
+        div.scroll tabindex="0" { svg.dwells viewBox={ "0 0 " (WIDTH) " " (tenth(height)) } role="img" aria-label=(t.heat_map) {
             @for (line, slot) in slots.iter().enumerate() {
-                @let top = row * line as f64;
-                text x=(LEFT - 6.0) y=(tenth(top + 17.0)) text-anchor="end" { (slot) }
+                @let middle = ROW * (line as f64 + 0.5);
+                text x=(LEFT - 6.0) y=(tenth(middle + 4.0)) text-anchor="end" { (slot) }
                 @for residual in all.iter().filter(|residual| residual.slot == *slot) {
                     @let ratio = if residual.sd_deg_per_h > 0.0 { residual.before_deg_per_h / residual.sd_deg_per_h } else { 0.0 };
-                    rect.heat x=(tenth(LEFT + cell * residual.index as f64)) y=(tenth(top + 1.0)) width=(tenth(cell.max(0.6)))
-                        height=(row - 2.0) fill-opacity=(format!("{:.2}", (ratio.abs() / FULL_SHADE).min(1.0))) {
-                        title { (slot) ", " (t.dwell) " " (residual.index) ": " (format!("{ratio:+.1}")) " σ" }
+                    @let (class, top) = if ratio < 0.0 { ("heat below", middle) } else { ("heat", middle - 0.5 * ROW + 2.0) };
+                    rect class=(class) x=(x(residual.index)) y=(tenth(top)) width=(tenth(cell.max(0.6)))
+                        height=(0.5 * ROW - 2.0) fill-opacity=(shade(ratio)) {
+                        @if order.is_sorted() { title {
+                            (slot) ", " (t.dwell) " " (residual.index)
+                            @if let Some(setting) = settings.get(residual.index) { " (" (setting.said(t)) ")" }
+                            ": " (format!("{ratio:+.1}")) " σ"
+                        } }
+                    }
+                }
+                line x1=(LEFT) x2=(WIDTH - RIGHT) y1=(middle) y2=(middle) {}
+            }
+            @for run in in_order.chunk_by(|a, b| a.deg_per_s.is_some() == b.deg_per_s.is_some()) {
+                @let (class, name) = if run[0].deg_per_s.is_some() { ("lane1", t.phase_rate) } else { ("lane0", t.phase_static) };
+                @let (left, width) = (LEFT + cell * f64::from(from), cell * run.len() as f64);
+                rect class=(class) x=(tenth(left)) y=(phases) width=(tenth(width - 1.0)) height=(LANE - 3.0) { title { (name) } }
+                @if width > 44.0 {
+                    text.own x=(tenth(left + 0.5 * width)) y=(phases + 11.0) text-anchor="middle" { (name) }
+                }
+                @let _ = from += run.len() as u32;
+            }
+            @if !settings.is_empty() {
+                @for (line, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
+                    @let middle = axes + LANE * (line as f64 + 0.5);
+                    text x=(LEFT - 6.0) y=(tenth(middle + 4.0)) text-anchor="end" { (axis) }
+                    line x1=(LEFT) x2=(WIDTH - RIGHT) y1=(middle) y2=(middle) {}
+                    @for (dwell, setting) in settings.iter().enumerate() {
+                        @let along = setting.direction[line];
+                        @if along.abs() > NEARLY {
+                            @let size = along.abs() * (0.5 * LANE - 1.0);
+                            rect.set x=(x(dwell)) y=(tenth(if along < 0.0 { middle } else { middle - size })) width=(wide) height=(tenth(size)) {}
+                        }
                     }
                 }
             }
-            text x=(LEFT) y=(row * slots.len() as f64 + 14.0) { (t.dwell) " 0" }
-            text x=(WIDTH - RIGHT) y=(row * slots.len() as f64 + 14.0) text-anchor="end" { (dwells - 1) }
-        }
+            @if fastest > 0.0 {
+                @let base = foot + LANE - 2.0;
+                text x=(LEFT - 6.0) y=(tenth(base)) text-anchor="end" { (format!("{fastest:.*} deg/s", usize::from(fastest < 1.0))) }
+                @for (dwell, rate) in settings.iter().enumerate().filter_map(|(dwell, one)| Some((dwell, one.deg_per_s?))) {
+                    @let size = (LANE - 4.0) * rate / fastest;
+                    rect.set x=(x(dwell)) y=(tenth(base - size)) width=(wide) height=(tenth(size)) {}
+                }
+            }
+            @let key = height - 4.0;
+            @if order.is_sorted() {
+                text x=(LEFT) y=(tenth(key)) { (t.dwell) " 0" }
+                text x=(WIDTH - RIGHT) y=(tenth(key)) text-anchor="end" { (order.len().saturating_sub(1)) }
+            }
+            @for k in (-6_i32..=6).filter(|k| *k != 0) {
+                @let top = if k < 0 { key - 4.0 } else { key - 10.0 };
+                rect class={ "heat" @if k < 0 { " below" } } x=(tenth(0.5 * WIDTH + 14.0 * f64::from(k))) y=(tenth(top)) width="13" height="6"
+                    fill-opacity=(shade(f64::from(k))) {}
+            }
+            text x=(tenth(0.5 * WIDTH - 90.0)) y=(tenth(key)) text-anchor="end" { "-6 σ" }
+            text x=(tenth(0.5 * WIDTH + 104.0)) y=(tenth(key)) { "+6 σ" }
+        } }
     }
+}
+
+fn shade(ratio: f64) -> String {
+    format!("{:.2}", (ratio.abs() / FULL_SHADE).min(1.0))
 }
 
 /// How much of the gap is closed, from 0 to 1, with its interval as a whisker.
@@ -158,6 +281,7 @@ pub(super) fn closure_bar(closure: f64, interval: Option<[f64; 2]>) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wire::campaign;
     use crate::words::Language;
 
     fn residual(index: usize, slot: &str, before: f64) -> ResidualBody {
@@ -165,12 +289,34 @@ mod tests {
     }
 
     #[test]
-    fn a_large_residual_is_dark_and_every_dwell_is_there() {
+    fn a_large_residual_is_dark_and_its_sign_is_where_it_stands() {
         let all = [residual(0, "G1", 0.0), residual(1, "G1", -0.12), residual(0, "G2", 0.03), residual(1, "G2", 0.0)];
-        let map = heat_map(Language::English.text(), &all, &["G1".into(), "G2".into()]).into_string();
-        assert_eq!(map.matches("<rect").count(), 4);
-        assert!(map.contains(r#"fill-opacity="1.00"><title>G1, dwell 1: -12.0 σ"#), "{map}");
-        assert!(map.contains(r#"fill-opacity="0.50"><title>G2, dwell 0: +3.0 σ"#), "{map}");
+        let map = signed_maps(Language::English.text(), &all, &["G1".into(), "G2".into()], &[]).into_string();
+        let cells: Vec<&str> = map.split("<rect ").filter(|cell| cell.contains("<title>")).collect();
+        assert_eq!(cells.len(), 4);
+        // In the upper half of its row where it is above zero, in the lower one where it is below.
+        assert!(cells[1].starts_with(r#"class="heat below" x="507.0" y="17.0""#), "{map}");
+        assert!(cells[1].contains(r#"fill-opacity="1.00"><title>G1, dwell 1: -12.0 σ"#), "{map}");
+        assert!(cells[2].starts_with(r#"class="heat" x="62.0" y="36.0""#), "{map}");
+        assert!(cells[2].contains(r#"fill-opacity="0.50"><title>G2, dwell 0: +3.0 σ"#), "{map}");
+    }
+
+    #[test]
+    fn under_the_map_stand_phases_directions_and_rates_and_the_same_by_attitude() {
+        let campaign = campaign::parse_json(&std::fs::read("tests/data/practice/campaign-02.json").unwrap()).unwrap();
+        let settings = Setting::of_all(&campaign);
+        let faces: Vec<String> = settings.iter().map(Setting::axis).collect();
+        for face in ["+X", "-X", "+Y", "-Y", "+Z", "-Z"] {
+            assert!(faces.iter().any(|own| own == face), "{face} among {faces:?}");
+        }
+        let all: Vec<ResidualBody> = (0..settings.len()).map(|dwell| residual(dwell, "G1", 0.01)).collect();
+        let maps = signed_maps(Language::English.text(), &all, &["G1".into()], &settings).into_string();
+        let turning = settings.iter().filter(|setting| setting.deg_per_s.is_some()).count();
+        let along = settings.iter().flat_map(|setting| setting.direction.iter()).filter(|x| x.abs() > NEARLY).count();
+        assert!(turning > 0);
+        let drawn: Vec<usize> = maps.split("<summary>").map(|map| map.matches("<rect class=\"set\"").count()).collect();
+        assert_eq!(drawn, [turning + along; 2], "by time and by attitude");
+        assert!(maps.contains(">static</text>") && maps.contains(">rate</text>") && !maps.contains("NaN"));
     }
 
     #[test]
@@ -208,6 +354,6 @@ mod tests {
     #[test]
     fn nothing_to_draw_is_no_trouble() {
         assert_eq!(strip(Language::English.text(), &[], 0.0).into_string(), "");
-        assert!(!heat_map(Language::English.text(), &[], &[]).into_string().contains("NaN"));
+        assert!(!signed_maps(Language::English.text(), &[], &[], &[]).into_string().contains("NaN"));
     }
 }

@@ -6,7 +6,8 @@ use super::figure;
 use super::layout::{DRIFTS, encoded, symbol};
 use super::text::Text;
 use crate::core::mounting::Slot;
-use crate::wire::answer::{FigureBody, SeparationBody};
+use crate::wire::answer::{FigureBody, SeparationBody, UncertaintiesBody, UncertaintyBody};
+use crate::wire::record::SlotBody;
 
 pub(super) fn tables(t: &Text, separations: &[SeparationBody]) -> Markup {
     html! {
@@ -18,6 +19,7 @@ pub(super) fn tables(t: &Text, separations: &[SeparationBody]) -> Markup {
             tbody { @for one in separations { (figures(t, one)) } }
         } }
         p.note { (t.unit) ". " (t.as_printed_note) }
+        (budgets(t, separations))
         h3 { (t.mounting) }
         div.scroll tabindex="0" { table.cards {
             thead { tr {
@@ -71,6 +73,49 @@ fn figures(t: &Text, one: &SeparationBody) -> Markup {
                     td.n {}
                     td.n data-label=(t.closure_rms) { (figure::short(body.closure_rms)) }
                 }
+            }
+        }
+    }
+}
+
+/// What the standard deviations are made of; folded where nothing but the noise is in them.
+fn budgets(t: &Text, separations: &[SeparationBody]) -> Markup {
+    let of_gyro = |one: &SeparationBody| {
+        one.uncertainty.map(|UncertaintiesBody { d_i, d_s, d_o, .. }| ([d_i, d_s, d_o], one.slot, one.serial.clone()))
+    };
+    let all: Vec<([UncertaintyBody; 3], SlotBody, String)> = separations.iter().filter_map(of_gyro).collect();
+    let has = |part: fn(&UncertaintyBody) -> Option<f64>| {
+        all.iter().flat_map(|(budgets, ..)| budgets).filter_map(part).any(|sd| sd > 0.0)
+    };
+    let beyond_noise = has(|budget| budget.station) || has(|budget| budget.discrepancy);
+    let parts: [(&str, fn(&UncertaintyBody) -> Option<f64>); 3] = [
+        (t.part_noise, |budget| Some(budget.statistical)),
+        (t.station, |budget| budget.station),
+        (t.discrepancy, |budget| budget.discrepancy),
+    ];
+    html! {
+        @if !all.is_empty() {
+            details #budget open[beyond_noise] {
+                summary { (t.uncertainty_budget) }
+                div.scroll tabindex="0" { table.cards {
+                    thead { tr {
+                        th { (t.serial) } th {} @for (name, _) in &parts { th.n { (name) } } th.n { (t.combined) }
+                    } }
+                    tbody { @for (budgets, slot, serial) in &all {
+                        @for (budget, name) in budgets.iter().zip(DRIFTS) {
+                            tr {
+                                td { (Slot::from(*slot).name()) " " (serial) } td { (symbol(name)) }
+                                @for (name, part) in &parts {
+                                    td.n data-label=(name) {
+                                        @if let Some(sd) = part(budget) { (figure::short(sd)) } @else { "–" }
+                                    }
+                                }
+                                td.n data-label=(t.combined) { strong { (figure::short(budget.combined)) } }
+                            }
+                        }
+                    } }
+                } }
+                p.note { (t.unit) ". " (t.uncertainty_note) }
             }
         }
     }

@@ -166,10 +166,8 @@ pub(super) async fn end(
 ) -> Response {
     let ended = async {
         let (silence, body) = known(&pages, &id).await?;
-        let mut faults = Faults::default();
-        word.check(&viewer, &mut faults);
-        if !faults.is_empty() {
-            return Ok(end_form(&viewer, &body).again(&viewer, &word, &faults));
+        if let Some(again) = end_form(&viewer, &body).incomplete(&viewer, &word) {
+            return Ok(again);
         }
         let Word { by, reason, .. } = word;
         pages.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;

@@ -4,6 +4,8 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
 use base64::Engine;
@@ -22,6 +24,9 @@ pub struct Browser {
     http: reqwest::Client,
     /// Address of the service; nothing else may be asked.
     base: String,
+    /// What a person has done since [`Browser::begin_job`].
+    clicks: AtomicUsize,
+    fields: AtomicUsize,
 }
 
 /// Whether the programs are there. Where they are required, their absence is a failure.
@@ -82,7 +87,14 @@ impl Browser {
         let endpoint = format!("http://127.0.0.1:{port}/session");
         let opened = ask(&http, &endpoint, &capabilities).await;
         let session = format!("{endpoint}/{}", opened["sessionId"].as_str().expect("a session"));
-        let browser = Self { driver, session, http, base: base.to_owned() };
+        let browser = Self {
+            driver,
+            session,
+            http,
+            base: base.to_owned(),
+            clicks: AtomicUsize::new(0),
+            fields: AtomicUsize::new(0),
+        };
         browser.cdp("Browser.setDownloadBehavior", json!({"behavior": "allow", "downloadPath": downloads})).await;
         browser
     }
@@ -119,13 +131,27 @@ impl Browser {
         found[ELEMENT].as_str().unwrap_or_else(|| panic!("nothing fits {selector}: {found}")).to_owned()
     }
 
+    /// From the start page on.
+    pub async fn begin_job(&self) {
+        self.goto("/").await;
+        self.clicks.store(0, Relaxed);
+        self.fields.store(0, Relaxed);
+    }
+
+    /// Clicks, and fields that were filled in.
+    pub fn took(&self) -> (usize, usize) {
+        (self.clicks.load(Relaxed), self.fields.load(Relaxed))
+    }
+
     pub async fn click(&self, selector: &str) {
+        self.clicks.fetch_add(1, Relaxed);
         let element = self.element(selector).await;
         self.post(&format!("element/{element}/click"), &json!({})).await;
     }
 
     /// Types into a field; of a file field, chooses the file.
     pub async fn type_into(&self, selector: &str, text: &str) {
+        self.fields.fetch_add(1, Relaxed);
         let element = self.element(selector).await;
         self.post(&format!("element/{element}/value"), &json!({"text": text})).await;
     }

@@ -174,6 +174,7 @@ pub(super) fn bar(viewer: &Viewer, here: &str) -> Markup {
     html! {
         form.selection.no-print #bulk method="post" action="/alerts/bulk" {
             input type="hidden" name="back" value=(here);
+            label hidden { input type="checkbox" data-all="gyro"; " " (t.all_of_them) }
             span.quiet { (t.with_selected) }
             @if viewer.signed_in.is_none() {
                 label { (t.who) " " input name="by" maxlength="128" autocomplete="name" size="12"; }

@@ -6,12 +6,16 @@ use maud::html;
 
 use super::table;
 use crate::core::access::Role;
+use crate::core::alert_decision::Action;
 use crate::core::id::Id;
+use crate::core::judge::Rule;
 use crate::pages::Pages;
+use crate::pages::history::event_name;
 use crate::pages::layout::{Page, Section, encoded, instant, symbol};
 use crate::pages::viewer::Viewer;
-use crate::pipeline::AlertStep;
+use crate::pipeline::{AlertStep, EventItem};
 use crate::wire::problem::Problem;
+use crate::wire::time;
 
 pub(in crate::pages) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     viewer.show(build(&pages, &viewer, &id).await)
@@ -25,6 +29,11 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem
     let alert = &record.alert;
     let here = format!("/alerts/{}", alert.id);
     let of_gyro = format!("/alerts?state=all&serial={}", encoded(&alert.serial));
+    let gyro = pages.pipeline.queries.names().gyro_number(&alert.serial);
+    let events = match gyro {
+        Some(gyro) if alert.is_of_gyro() => pages.pipeline.queries.histories.events(gyro).await?,
+        _ => Vec::new(),
+    };
     let inhibited = pages.pipeline.alerts.inhibited_by(number).await?;
     let body = html! {
         h1 { (t.alert) " · " span.id { (alert.name()) } " " (symbol(&alert.coefficient)) }
@@ -35,14 +44,20 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem
         }
         h2 { (t.what_became) }
         div.scroll tabindex="0" { table {
-            thead { tr { th { (t.date) } th { (t.what_word) } th { (t.who) } th { (t.reason_word) } th { (t.told_word) } } }
-            tbody { @for AlertStep { at, action, told, author, reason, .. } in record.steps.iter().rev() {
+            thead { tr { th { (t.date) } th { (t.what_word) } th { (t.author) } th { (t.reason_word) } th { (t.told_word) } } }
+            tbody { @for step in record.steps.iter().rev() {
+                @let event = ended_by(step, &events);
+                @let author = step.author.as_deref().or(event.and_then(|event| event.author.as_deref()));
+                @let reason = step.reason.as_deref().or(event.map(|event| event.reason.as_str()));
                 tr {
-                    td { (instant(*at)) }
-                    td { (t.alert_step(action)) }
-                    td translate="no" { (author.as_deref().unwrap_or_default()) }
-                    td.words translate="no" { (reason.as_deref().unwrap_or_default()) }
-                    td { @if *told { (t.told_yes) } }
+                    td { (instant(step.at)) }
+                    td { (t.alert_step(&step.action)) }
+                    td translate="no" { (author.unwrap_or_default()) }
+                    td.words {
+                        @if let Some(event) = event { (event_name(t, event)) " " (instant(event.at)) (t.colon) }
+                        span translate="no" { (reason.unwrap_or_default()) }
+                    }
+                    td { @if step.told { (t.told_yes) } }
                 }
             } }
         } }
@@ -60,4 +75,20 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem
         @if alert.is_of_gyro() { p { a href=(of_gyro) { (t.alerts_of_gyro) } } }
     };
     Ok(Page { title: format!("{} {}", t.alert, alert.name()), section: Section::Alerts, body })
+}
+
+/// The event that ended an alert: one that cut its history off, for nobody has said why it ended.
+fn ended_by<'a>(step: &AlertStep, events: &'a [EventItem]) -> Option<&'a EventItem> {
+    if step.action != Action::Resolve.name() || step.author.is_some() {
+        return None;
+    }
+    let rule = Rule::from_name(&step.alert.rule).filter(|rule| *rule != Rule::Overdue)?;
+    let at = |text: &Option<String>| time::parse(text.as_deref()?).ok();
+    let (since, judged) = (at(&step.alert.since)?, at(&step.alert.finding.calibrated_at)?);
+    // What was judged after it, with figures, ended by itself.
+    let cuts = |event: &&EventItem| {
+        let is_between = since < event.at && (judged <= event.at || step.alert.finding.value.is_none());
+        event.id < step.id && event.event.resets(rule) && is_between
+    };
+    events.iter().filter(cuts).max_by_key(|event| event.id)
 }

@@ -2,17 +2,20 @@
 
 use maud::{Markup, html};
 
+use crate::core::id::Id;
 use crate::core::judge::{Finding, Measured, Rule, Status};
 use crate::core::time::UtcMicros;
-use crate::pages::chart::{Across, Chart, Dot, Level, Track, bounds, millis, widened};
+use crate::pages::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
 use crate::pages::gyro::{Facts, known};
-use crate::pages::history_plot::{budgets, epoch_of};
+use crate::pages::history::event_label;
+use crate::pages::history_plot::{MOST_FLAGS, budgets, epoch_of, list};
 use crate::pages::layout::{DRIFTS, Page, Section, encoded, symbol};
 use crate::pages::text::Text;
 use crate::pages::view::View;
 use crate::pages::viewer::Viewer;
 use crate::pages::{Pages, bullet, figure, history, status};
-use crate::pipeline::{Names, sample_of};
+use crate::pipeline::{EventItem, Names, StoredRecord, sample_of};
+use crate::wire::answer::FigureBody;
 use crate::wire::problem::Problem;
 
 /// Records of one gyro that are drawn, the newest.
@@ -22,6 +25,19 @@ const DAY: f64 = 864e5;
 struct Compared<'a> {
     serial: &'a str,
     facts: Facts,
+    /// Of its newest record, and of the one with which its newest baseline began.
+    scale_factors: [Option<FigureBody>; 2],
+}
+
+impl Compared<'_> {
+    /// Where x is time, or the time since the newest baseline began.
+    fn place(&self, at: UtcMicros, column: usize, aligned: bool) -> f64 {
+        if aligned { at.days_since(self.began(column)) } else { millis(at) }
+    }
+
+    fn began(&self, column: usize) -> UtcMicros {
+        self.facts.epochs[column].last().map_or(UtcMicros(0), |epoch| epoch.from)
+    }
 }
 
 /// `aligned`: x is the time since each gyro's newest baseline began.
@@ -31,8 +47,19 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, serials: &[&str], align
     let mut all = Vec::new();
     for serial in serials {
         let number = known(pages, serial)?;
-        all.push(Compared { serial, facts: Facts::of(pages, number, serial, &view, 0).await? });
+        let facts = Facts::of(pages, number, serial, &view, 0).await?;
+        let rows = &facts.course.figures;
+        let began = facts.epochs[0].last().map_or(UtcMicros(0), |epoch| epoch.from);
+        let ends = [rows.last(), rows.iter().find(|row| row.at >= began)];
+        let mut scale_factors = [None; 2];
+        for (found, row) in scale_factors.iter_mut().zip(ends) {
+            if let Some(row) = row {
+                *found = scale_factor(pages, row.record, serial).await?;
+            }
+        }
+        all.push(Compared { serial, facts, scale_factors });
     }
+    let happened = happened(t, &all, aligned);
     let names = pages.pipeline.queries.names();
     let query: String = serials.iter().map(|serial| format!("&gyro={}", encoded(serial))).collect();
     let title = format!("{} {}", t.compare, serials.join(", "));
@@ -44,6 +71,7 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, serials: &[&str], align
                 a href={ "/gyros/" (encoded(one.serial)) } { (one.serial) } } " "
         } }
         (table(t, &view, &all, &names))
+        (scale_factor_table(t, &all))
         section #history {
             div.tabs { nav aria-label=(t.span_word) {
                 a href={ "?align=time" (query) } aria-current=[(!aligned).then_some("true")] { (t.same_time) }
@@ -51,7 +79,8 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, serials: &[&str], align
                     (t.time_since_baseline)
                 }
             } }
-            div.charts { @for column in 0..3 { (chart(t, &view, &all, column, aligned).markup()) } }
+            div.charts { @for column in 0..3 { (chart(t, &view, &all, column, aligned, &happened).markup()) } }
+            (list(&happened))
             p.note { (t.compare_note) }
         }
     };
@@ -116,6 +145,57 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
     }
 }
 
+/// |E| of a gyro in a record.
+async fn scale_factor(pages: &Pages, record: Id, serial: &str) -> Result<Option<FigureBody>, Problem> {
+    let stored = pages.pipeline.queries.records.record(record).await?;
+    let own = |stored: StoredRecord| stored.answer.separations.into_iter().find(|one| one.serial == serial);
+    Ok(stored.and_then(own).map(|one| one.scale_factor))
+}
+
+fn scale_factor_table(t: &Text, all: &[Compared<'_>]) -> Markup {
+    html! {
+        div.scroll tabindex="0" { table.cards.wrapped {
+            thead { tr {
+                th { (t.serial) } th.n { "|E|, pulse/arcsec" } th.n { "Δ|E|, ppm, " (t.scale_factor_moved) }
+            } }
+            tbody { @for one in all { @if let [Some(now), began] = one.scale_factors {
+                tr {
+                    th scope="row" { (one.serial) }
+                    td.n data-label="|E|, pulse/arcsec" { (figure::with_sd(now.value, now.sd, 6)) }
+                    td.n data-label={ "Δ|E|, ppm, " (t.scale_factor_moved) } {
+                        @if let Some(began) = began {
+                            @let ppm = |value: f64| 1e6 * value / began.value;
+                            @let sd = now.sd.zip(began.sd).map(|(now, began)| ppm(now.hypot(began)));
+                            (figure::with_sd(ppm(now.value - began.value), sd, 1))
+                        } @else { "–" }
+                    }
+                }
+            } } }
+        } }
+    }
+}
+
+/// What happened to the gyros, numbered in the order of time as in the list under the pictures.
+fn happened(t: &Text, all: &[Compared<'_>], aligned: bool) -> Vec<Flag> {
+    let of_gyro = |one: &Compared<'_>| -> Vec<(UtcMicros, Flag)> {
+        let place = |at: UtcMicros| one.place(at, 0, aligned);
+        let flag = |event: &EventItem| Flag {
+            x: place(event.at),
+            until: event.until.map(place),
+            number: 0,
+            anchor: String::new(),
+            label: format!("{} {} · {}", event.at.date(), one.serial, event_label(t, event)),
+        };
+        one.facts.course.events.iter().map(|event| (event.at, flag(event))).collect()
+    };
+    let mut flags: Vec<(UtcMicros, Flag)> = all.iter().flat_map(of_gyro).collect();
+    flags.sort_by_key(|(at, _)| *at);
+    flags.drain(..flags.len().saturating_sub(MOST_FLAGS));
+    let numbered =
+        |(k, (_, flag)): (usize, (UtcMicros, Flag))| Flag { number: k + 1, anchor: format!("event-{}", k + 1), ..flag };
+    flags.into_iter().enumerate().map(numbered).collect()
+}
+
 /// What the trend rule has established of the newest record, budgets a year.
 fn slope(facts: &Facts, name: &str) -> Option<Measured> {
     let seen = facts.verdicts.iter().filter_map(|said| said.seen.as_ref());
@@ -128,13 +208,12 @@ fn slope(facts: &Facts, name: &str) -> Option<Measured> {
     })
 }
 
-fn chart(t: &Text, view: &View, all: &[Compared<'_>], column: usize, aligned: bool) -> Chart {
+fn chart(t: &Text, view: &View, all: &[Compared<'_>], column: usize, aligned: bool, happened: &[Flag]) -> Chart {
     let name = DRIFTS[column];
     let budget = all.iter().find_map(|one| budgets(&one.facts.course.limits)[column]);
     let track = |(k, one): (usize, &Compared<'_>)| {
         let (facts, epochs) = (&one.facts, &one.facts.epochs[column]);
-        let began = epochs.last().map_or(UtcMicros(0), |epoch| epoch.from);
-        let rows = facts.course.figures.iter().filter(|row| !aligned || row.at >= began);
+        let rows = facts.course.figures.iter().filter(|row| !aligned || row.at >= one.began(column));
         let mut dots: Vec<Dot> = rows
             .map(|row| {
                 let measured = sample_of(row, view.judged).d[column];
@@ -143,7 +222,7 @@ fn chart(t: &Text, view: &View, all: &[Compared<'_>], column: usize, aligned: bo
                 let said =
                     format!("{} · {} {name} {}", row.at.date(), one.serial, figure::signed_drift(y, measured.sd));
                 Dot {
-                    x: if aligned { row.at.days_since(began) } else { millis(row.at) },
+                    x: one.place(row.at, column, aligned),
                     y,
                     sd: measured.sd,
                     href: Some(format!("/records/{}", row.record)),
@@ -155,8 +234,7 @@ fn chart(t: &Text, view: &View, all: &[Compared<'_>], column: usize, aligned: bo
             })
             .collect();
         dots.drain(..dots.len().saturating_sub(MOST_RECORDS));
-        let place = |at: UtcMicros| if aligned { at.days_since(began) } else { millis(at) };
-        let breaks = epochs.iter().skip(1).map(|epoch| place(epoch.from)).collect();
+        let breaks = epochs.iter().skip(1).map(|epoch| one.place(epoch.from, column, aligned)).collect();
         Track { class: format!("k{k}"), dots, breaks, joined: true, envelope: Vec::new() }
     };
     let tracks: Vec<Track> = all.iter().enumerate().map(track).collect();
@@ -175,6 +253,7 @@ fn chart(t: &Text, view: &View, all: &[Compared<'_>], column: usize, aligned: bo
         clips: true,
         levels: vec![Level { from: x.0, until: x.1, budget, ..Level::default() }],
         tracks,
+        flags: happened.iter().filter(|flag| (x.0..=x.1).contains(&flag.x)).cloned().collect(),
         ..Chart::new(
             label,
             caption,

@@ -17,6 +17,7 @@ pub use report::{Subject, report};
 use super::Pages;
 use super::calibration::stored_campaign;
 use super::layout::{Page, Section, encoded, instant};
+use super::residuals::Setting;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
@@ -24,6 +25,7 @@ use crate::core::mounting::Slot;
 use crate::pages::reference;
 use crate::pages::reference::Against;
 use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
+use crate::wire::campaign;
 use crate::wire::problem::Problem;
 use crate::words;
 
@@ -72,6 +74,8 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Aske
         .iter()
         .map(|gyro| (Slot::from(gyro.slot).name().to_owned(), gyro.serial.clone()))
         .collect();
+    let campaign = campaign::parse_json(stored.item.body.as_bytes());
+    let settings = campaign.map(|campaign| Setting::of_all(&campaign)).unwrap_or_default();
     let against = Against::of(pages, &stored, &diagnosis, asked).await?;
     let may_adopt = viewer.may(Role::Engineer) && !diagnosis.effects.is_empty();
     let body = html! {
@@ -79,7 +83,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Aske
         @if may_adopt {
             p.actions { a.action href={ "/campaigns/" (stored.item.id) "/adopt" } { (t.adopt) } }
         }
-        (sections::of(t, &diagnosis, &slots, &against.section(t)))
+        (sections::of(t, &diagnosis, (&slots, &settings), &against.section(t)))
     };
     let title = format!("{} · {}", t.diagnosis, stored.answer.imu);
     Ok(Some(Page { title, section: Section::Fleet, body }))

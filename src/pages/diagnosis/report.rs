@@ -4,10 +4,13 @@
 use maud::{DOCTYPE, PreEscaped, html};
 
 use super::sections;
+use crate::core::campaign::Campaign;
 use crate::pages::assets::STYLE;
 use crate::pages::layout::written;
 use crate::pages::reference;
+use crate::pages::residuals::Setting;
 use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::time;
 use crate::words::Language;
 
 /// Whose campaign it is.
@@ -17,9 +20,22 @@ pub struct Subject {
     pub station: String,
     /// RFC 3339.
     pub measured_at: String,
-    pub dwells: usize,
+    /// How each dwell was set.
+    pub settings: Vec<Setting>,
     /// Slot and serial of each gyro.
     pub gyros: Vec<(String, String)>,
+}
+
+impl Subject {
+    pub fn of(campaign: &Campaign) -> Self {
+        Self {
+            imu: campaign.imu.to_string(),
+            station: campaign.station.to_string(),
+            measured_at: time::format(campaign.measured_at),
+            settings: Setting::of_all(campaign),
+            gyros: campaign.gyros.iter().map(|gyro| (gyro.slot.name().to_owned(), gyro.serial.to_string())).collect(),
+        }
+    }
 }
 
 /// The whole report in `language`, as an HTML document.
@@ -43,9 +59,9 @@ pub fn report(subject: &Subject, diagnosis: &DiagnosisBody, language: Language) 
                 h1 { (title) }
                 p.note {
                     (t.station) " " (subject.station) " · " (t.measured) " " (written(&subject.measured_at)) " · "
-                    (gyros.join(", ")) " · " (subject.dwells) " " (t.dwells)
+                    (gyros.join(", ")) " · " (subject.settings.len()) " " (t.dwells)
                 }
-                (sections::of(t, diagnosis, &subject.gyros, &against))
+                (sections::of(t, diagnosis, (&subject.gyros, &subject.settings), &against))
             } }
         }
     }
@@ -63,13 +79,7 @@ mod tests {
         let bytes = std::fs::read(format!("tests/data/practice/{file}")).unwrap();
         let campaign = document::parse(&bytes).unwrap();
         let diagnosis = DiagnosisBody::from(&diagnose(&campaign, &Options::default()).unwrap()).said_in(language);
-        let subject = Subject {
-            imu: "IMU <7>".into(),
-            station: "ST & Co".into(),
-            measured_at: "2026-03-01T08:00:00Z".into(),
-            dwells: campaign.dwells.len(),
-            gyros: campaign.gyros.iter().map(|g| (g.slot.name().into(), g.serial.to_string())).collect(),
-        };
+        let subject = Subject { imu: "IMU <7>".into(), station: "ST & Co".into(), ..Subject::of(&campaign) };
         report(&subject, &diagnosis, language)
     }
 

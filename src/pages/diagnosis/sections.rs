@@ -5,6 +5,7 @@ use maud::{Markup, html};
 use crate::core::effects::{Effect, regressor_unit};
 use crate::pages::figure::{percent, short};
 use crate::pages::layout::{effect_named, effect_word};
+use crate::pages::residuals::Setting;
 use crate::pages::text::Text;
 use crate::pages::{figure, forecast, layout, residuals};
 use crate::wire::diagnosis::{
@@ -12,15 +13,20 @@ use crate::wire::diagnosis::{
 };
 use crate::wire::unit;
 
-/// Slot and serial of each gyro in `gyros`; `against`: the gap against a reference.
-pub(super) fn of(t: &Text, d: &DiagnosisBody, gyros: &[(String, String)], against: &Markup) -> Markup {
+/// Slot and serial of each gyro in `gyros`; how each dwell was set; `against`: the gap against a reference.
+pub(super) fn of(
+    t: &Text,
+    d: &DiagnosisBody,
+    (gyros, settings): (&[(String, String)], &[Setting]),
+    against: &Markup,
+) -> Markup {
     html! {
         (summary(t, d))
         (impact(t, d))
         (effects(t, d, gyros))
         (against)
         (forecast::of_campaign(t, d.forecast.as_ref(), d.effects_against_model.as_ref()))
-        (located(t, d, gyros))
+        (located(t, d, gyros, settings))
         (before_and_after(t, d, gyros))
         (next(t, d))
         (candidates(t, d))
@@ -225,14 +231,14 @@ fn closure(t: &Text, held_out: &HeldOutBody) -> Markup {
     }
 }
 
-fn located(t: &Text, d: &DiagnosisBody, slots: &[(String, String)]) -> Markup {
+fn located(t: &Text, d: &DiagnosisBody, slots: &[(String, String)], settings: &[Setting]) -> Markup {
     let names: Vec<String> = slots.iter().map(|(slot, _)| slot.clone()).collect();
     let serial = |slot: &str| slots.iter().find(|(name, _)| name == slot).map_or("", |(_, serial)| serial.as_str());
     html! {
         section {
             h2 { (t.located) }
             p.note { (t.heat_note) }
-            (residuals::heat_map(t, &d.residuals, &names))
+            (residuals::signed_maps(t, &d.residuals, &names, settings))
             div.scroll tabindex="0" { table {
                 thead { tr { th { (t.place) } th.n { (t.share) } } }
                 tbody {

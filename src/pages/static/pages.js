@@ -190,6 +190,14 @@
   };
   addEventListener("popstate", () => { if (document.querySelector("#history")) exchange(location.href, false); });
 
+  // Ticks at once what can be ticked one by one.
+  for (const all of document.querySelectorAll("[data-all]")) {
+    all.parentElement.hidden = false;
+    all.addEventListener("change", () => {
+      for (const one of document.querySelectorAll(`input[type=checkbox][name=${all.dataset.all}]`)) one.checked = all.checked;
+    });
+  }
+
   // A file that is dropped or chosen becomes the text of the form, and is previewed at once.
   const text = async (file) => {
     try {

@@ -62,14 +62,14 @@ words_of_pages! {
     axis_deviation axis_absolute span_word last_year since_then a_year probability alert_word never_calibrated
 
     // Several beside one another.
-    compare compare_gyros compare_chosen same_time time_since_baseline days_since_baseline compare_note trend_a_year
+    compare compare_gyros compare_chosen same_time time_since_baseline days_since_baseline compare_note trend_a_year scale_factor_moved
     measured_at effects_found other_imus other_gyros no_common_slot
 
     // One calibration.
     record campaign measured received sent_by identifier operator dwells dwell diagnose verdicts_of_record
     uncounted_note not_judged separated closure_diagnosis closure_within closure_stands_out published_by as_printed
     as_printed_note closure_rms mounting misalignment clocking parameters requirement_note not_determined pass fail
-    fit_quality rank freedom lack_of_fit noise sem_factor noise_from not_seen fixed_by residuals_by_dwell
+    uncertainty_budget uncertainty_note combined discrepancy fit_quality rank freedom lack_of_fit noise sem_factor noise_from not_seen fixed_by residuals_by_dwell
     residuals_note no_noise every_residual
 
     // Diagnoses of many campaigns.
@@ -84,7 +84,7 @@ words_of_pages! {
     diagnosis diagnosis_waiting gap_before after_effect ladder_note ladder_of_fit semicolon impact_none impact_some
     evidence_note regressor ruled_out_same ruled_out_weaker ruled_out_within model_in_use noise_floor sign_of_more
     what_parts_them no_effect all_together adjusted_p detectability cannot_tell_from alone_cannot_tell_from
-    parameter value unit_word all_gyros held_out located heat_note heat_map place share against against_note
+    parameter value unit_word all_gyros held_out located heat_note heat_map by_attitude place share against against_note
     none_before hold_against reference whole_gap part_parameters part_structure part_noise p_parameters now
     what_else effect closes_alone within_noise why_not impact impact_within_noise plain with_effects shift of_budget
     how_far before_after_note cannot_be_told visible why would_show measure_next up_axis north_axis table_rate as_programme phase_static phase_rate

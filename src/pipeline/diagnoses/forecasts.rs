@@ -15,7 +15,7 @@ use crate::core::kind::Kind;
 use crate::pipeline::error::StorageError;
 use crate::store;
 use crate::store::{RecordHead, Store, StoreError};
-use crate::wire::forecast::{ForecastPointBody, ForecastSeriesBody};
+use crate::wire::forecast::{ForecastBody, ForecastPointBody, ForecastSeriesBody};
 use crate::words;
 
 /// Calibrations beside the campaigns that are asked for among which these are looked for.
@@ -42,30 +42,36 @@ impl Diagnoses {
                 points.push(kept);
                 continue;
             }
-            let Some(campaign) = stored(&self.store, id).await? else { continue };
-            let foretelling =
-                Foretelling::of(&self.store, &self.reader.config.judging, (id, number), &campaign).await?;
-            let work = words::spawn_blocking(move || {
-                let told = foretelling.foretold(&campaign);
-                (foretelling.point_of(&campaign, told.as_ref()), told)
-            });
-            let failed = |error| StoreError::Damaged(format!("forecasts could not be made: {error}"));
-            let (point, told) = work.await.map_err(failed)?;
+            let Some((point, told)) = self.made(id, number).await? else { continue };
             points.push(point);
-            latest = latest.or(told.ok());
+            latest = latest.or(told);
         }
         points.reverse();
         Ok(Some(ForecastSeriesBody { imu: imu.to_owned(), points, latest }))
     }
 
-    /// As [`Diagnoses::forecasts`], those that have been made.
+    /// The forecast of a campaign made now, and dwell by dwell; none where there is no such campaign.
+    async fn made(&self, id: Id, imu: u32) -> Result<Option<(ForecastPointBody, Option<ForecastBody>)>, StorageError> {
+        let Some(campaign) = stored(&self.store, id).await? else { return Ok(None) };
+        let foretelling = Foretelling::of(&self.store, &self.reader.config.judging, (id, imu), &campaign).await?;
+        let work = words::spawn_blocking(move || {
+            let told = foretelling.foretold(&campaign);
+            (foretelling.point_of(&campaign, told.as_ref()), told.ok())
+        });
+        let failed = |error| StoreError::Damaged(format!("forecasts could not be made: {error}"));
+        Ok(Some(work.await.map_err(failed)?))
+    }
+
+    /// As [`Diagnoses::forecasts`], without dwells: those that are kept, and those of campaigns whose diagnosis is due.
     ///
     /// # Errors
     /// [`StorageError`].
-    pub async fn forecasts_made(&self, imu: u32, limit: u32) -> Result<Vec<ForecastPointBody>, StorageError> {
+    pub async fn forecasts_of_imu(&self, imu: u32, limit: u32) -> Result<Vec<ForecastPointBody>, StorageError> {
         let mut points = Vec::new();
         for id in self.campaigns_of(imu, limit).await? {
-            points.extend(self.said(id).await?);
+            let is_due = store::diagnosis::get(&self.store, id).await?.is_none();
+            let made = if is_due { self.made(id, imu).await?.map(|(point, _)| point) } else { self.said(id).await? };
+            points.extend(made);
         }
         points.reverse();
         Ok(points)

@@ -1,8 +1,8 @@
 //! The subcommands of a station's agent: what needs neither the service nor its configuration.
 
-use clap::{CommandFactory, Subcommand};
+use clap::Subcommand;
 
-use super::{Cli, codes, completions, correct, dwells, import, template};
+use super::{codes, completions, correct, dwells, import, template};
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -17,7 +17,8 @@ pub enum Command {
 }
 
 impl Command {
-    pub fn run(self) -> anyhow::Result<()> {
+    /// `whole`: the definition of the command line.
+    pub fn run(self, whole: fn() -> clap::Command) -> anyhow::Result<()> {
         match self {
             Self::Dwells(dwells) => dwells.run(),
             Self::Import(import) => import.run(),
@@ -25,8 +26,8 @@ impl Command {
             Self::Revise(revise) => revise.run(),
             Self::Template(template) => template.run(),
             Self::Codes(codes) => codes.run(),
-            Self::Completions(completions) => completions.run(Cli::command()),
-            Self::Man(man) => man.run(Cli::command()),
+            Self::Completions(completions) => completions.run(whole()),
+            Self::Man(man) => man.run(whole()),
         }
     }
 

@@ -1,9 +1,9 @@
 //! Every subcommand.
 
-use clap::{CommandFactory, Subcommand};
+use clap::Subcommand;
 
 use super::{
-    Cli, backup, blindcheck, calibrate, codes, completions, config, copy, correct, demo, diagnose, dwells, export,
+    backup, blindcheck, calibrate, codes, completions, config, copy, correct, demo, diagnose, dwells, export,
     fleet_noise, gap, healthcheck, import, model_fit, predict, restore, separate, serve, simulate, template, token,
     verify,
 };
@@ -40,7 +40,8 @@ pub enum Command {
 }
 
 impl Command {
-    pub fn run(self) -> anyhow::Result<()> {
+    /// `whole`: the definition of the command line.
+    pub fn run(self, whole: fn() -> clap::Command) -> anyhow::Result<()> {
         match self {
             Self::Serve(serve) => serve.run(),
             Self::Demo(demo) => demo.run(),
@@ -67,8 +68,8 @@ impl Command {
             Self::Config(show) => show.run(),
             Self::Codes(codes) => codes.run(),
             Self::Healthcheck(healthcheck) => healthcheck.run(),
-            Self::Completions(completions) => completions.run(Cli::command()),
-            Self::Man(man) => man.run(Cli::command()),
+            Self::Completions(completions) => completions.run(whole()),
+            Self::Man(man) => man.run(whole()),
         }
     }
 

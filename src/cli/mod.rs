@@ -84,7 +84,7 @@ use std::error::Error;
 use std::io;
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
 use crate::core::diagnose::NoReference;
 use crate::core::effects::Refusal;
@@ -113,7 +113,7 @@ impl Cli {
         if !self.command.is_service() {
             words::speak_as_the_environment();
         }
-        match self.command.run() {
+        match self.command.run(Self::command) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {

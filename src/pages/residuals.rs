@@ -193,7 +193,11 @@ fn signed_map(t: &Text, all: &[ResidualBody], slots: &[String], settings: &[Sett
     let fastest = settings.iter().filter_map(|setting| setting.deg_per_s).fold(0.0, f64::max);
     let height = if settings.is_empty() { phases } else { foot + LANE } + LANE;
     let in_order: Vec<&Setting> = order.iter().filter_map(|&dwell| settings.get(dwell)).collect();
-    let mut from = 0;
+    let mut phases_from: Vec<(usize, usize, bool)> = Vec::new();
+    for run in in_order.chunk_by(|a, b| a.deg_per_s.is_some() == b.deg_per_s.is_some()) {
+        let from = phases_from.last().map_or(0, |(from, count, _)| from + count);
+        phases_from.push((from, run.len(), run[0].deg_per_s.is_some()));
+    }
     html! {
         div.scroll tabindex="0" { svg.dwells viewBox={ "0 0 " (WIDTH) " " (tenth(height)) } role="img" aria-label=(t.heat_map) {
             @for (line, slot) in slots.iter().enumerate() {
@@ -213,14 +217,13 @@ fn signed_map(t: &Text, all: &[ResidualBody], slots: &[String], settings: &[Sett
                 }
                 line x1=(LEFT) x2=(WIDTH - RIGHT) y1=(middle) y2=(middle) {}
             }
-            @for run in in_order.chunk_by(|a, b| a.deg_per_s.is_some() == b.deg_per_s.is_some()) {
-                @let (class, name) = if run[0].deg_per_s.is_some() { ("lane1", t.phase_rate) } else { ("lane0", t.phase_static) };
-                @let (left, width) = (LEFT + cell * f64::from(from), cell * run.len() as f64);
+            @for (from, count, turning) in phases_from {
+                @let (class, name) = if turning { ("lane1", t.phase_rate) } else { ("lane0", t.phase_static) };
+                @let (left, width) = (LEFT + cell * from as f64, cell * count as f64);
                 rect class=(class) x=(tenth(left)) y=(phases) width=(tenth(width - 1.0)) height=(LANE - 3.0) { title { (name) } }
                 @if width > 44.0 {
                     text.own x=(tenth(left + 0.5 * width)) y=(phases + 11.0) text-anchor="middle" { (name) }
                 }
-                @let _ = from += run.len() as u32;
             }
             @if !settings.is_empty() {
                 @for (line, axis) in ["X", "Y", "Z"].into_iter().enumerate() {

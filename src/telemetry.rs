@@ -30,6 +30,7 @@ pub const OUTBOX_AGE: &str = "gyrowatch_outbox_age_seconds";
 pub const OUTBOX: &str = "gyrowatch_outbox_deliveries";
 pub const DIAGNOSES: &str = "gyrowatch_diagnoses_total";
 pub const DIAGNOSIS_TIME: &str = "gyrowatch_diagnosis_duration_seconds";
+pub const FORECAST_RMS: &str = "gyrowatch_forecast_rms_over_sd";
 pub const DIAGNOSES_WAITING: &str = "gyrowatch_diagnoses_waiting";
 pub const GYROS: &str = "gyrowatch_gyros";
 pub const ALERTS: &str = "gyrowatch_alerts_firing";
@@ -48,6 +49,8 @@ pub const DIAGNOSIS_OUTCOMES: [&str; 3] = ["made", "refused", "failed"];
 const DURATIONS: [f64; 11] = [0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5, 2.0, 10.0];
 /// Upper bounds of the buckets of group sizes.
 const SIZES: [f64; 9] = [1.0, 2.0, 4.0, 8.0, 16.0, 64.0, 256.0, 1024.0, 8192.0];
+/// Upper bounds of the buckets of errors over their standard deviations.
+const DEVIATIONS: [f64; 9] = [0.5, 0.8, 1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0];
 /// How often what was measured is sorted into its buckets: until then it takes memory.
 const UPKEEP: Duration = Duration::from_secs(5);
 
@@ -64,6 +67,7 @@ pub fn start() -> Result<(), BuildError> {
     let handle = PrometheusBuilder::new()
         .set_buckets(&DURATIONS)?
         .set_buckets_for_metric(Matcher::Full(GROUP.to_owned()), &SIZES)?
+        .set_buckets_for_metric(Matcher::Full(FORECAST_RMS.to_owned()), &DEVIATIONS)?
         .install_recorder()?;
     describe();
     begin_at_zero();
@@ -137,6 +141,7 @@ fn describe() {
         "Diagnoses that came to an end, by outcome: made, refused (the campaign leaves nothing to diagnose), failed."
     );
     describe_histogram!(DIAGNOSIS_TIME, Unit::Seconds, "Computing one diagnosis, behind all other work.");
+    describe_histogram!(FORECAST_RMS, "Errors of a campaign's forecast over their standard deviations, rms.");
     describe_gauge!(DIAGNOSES_WAITING, "Campaigns that wait to be diagnosed, by what for: stored, ordered.");
     describe_gauge!(GYROS, "Gyros, by status: the worst of their verdicts and alerts, overdue ones by themselves.");
     describe_gauge!(ALERTS, "Alerts that fire, acknowledged and silenced ones among them, by severity.");

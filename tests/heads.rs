@@ -303,7 +303,20 @@ async fn the_fleet_is_narrowed_down_by_station_imu_rule_and_time_and_says_where_
         ] {
             assert_eq!(listed(&lab, query).await, serials, "{query}");
         }
-        for wrong in ["rule=nonsense", "station_when=then", "changed_since=yesterday"] {
+        for (sort, first, last) in [("serial", "A", "E"), ("load", "A", "E"), ("age", "C", "E"), ("eta", "A", "E")] {
+            let whole = listed(&lab, &format!("sort={sort}")).await;
+            assert_eq!((whole.len(), &*whole[3]), (4, last), "{sort}: {whole:?}");
+            assert!(sort == "eta" || whole[0] == first, "{sort}: {whole:?}");
+            let (mut one_by_one, mut query) = (Vec::new(), format!("sort={sort}&limit=1"));
+            loop {
+                let page = lab.get(&format!("/v1/gyros?{query}")).await.ok();
+                one_by_one.push(page["gyros"][0]["serial"].as_str().unwrap().to_owned());
+                let Some(next) = page["next"].as_str() else { break };
+                query = format!("sort={sort}&limit=1&cursor={next}");
+            }
+            assert_eq!(one_by_one, whole, "{sort}");
+        }
+        for wrong in ["rule=nonsense", "station_when=then", "changed_since=yesterday", "sort=size"] {
             assert_eq!(lab.get(&format!("/v1/gyros?{wrong}")).await.status, 400, "{wrong}");
         }
         let gyro = lab.get("/v1/gyros/A").await.ok();
@@ -319,6 +332,17 @@ async fn the_fleet_is_narrowed_down_by_station_imu_rule_and_time_and_says_where_
         lab.start().await;
         assert_eq!(listed(&lab, "station=ST-1&station_when=ever").await, ["A", "B"]);
         stand(&lab, "made anew").await;
+        lab.stop().await;
+        lab.config.judging.interval_days = 30.0;
+        lab.start().await;
+        // Thirty days after day 45 C became overdue, after day 50 A and B.
+        for (query, serials) in [
+            ("changed_since=2025-03-17", &["A", "B", "C"][..]),
+            ("changed_since=2025-03-18", &["A", "B"]),
+            ("changed_since=2025-03-23", &[]),
+        ] {
+            assert_eq!(listed(&lab, query).await, serials, "{query}");
+        }
     }
 }
 

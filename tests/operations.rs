@@ -179,6 +179,23 @@ async fn metrics_tell_how_the_fleet_stands_and_what_the_process_takes() {
     assert!(metric(&text, "process_open_fds") > 3.0);
 }
 
+#[tokio::test]
+async fn metrics_tell_how_far_forecasts_come_true() {
+    let server = Server::start().await;
+    let mut campaign: Value = serde_json::from_str(&data("practice/campaign-00.json")).unwrap();
+    for day in ["2026-03-01", "2026-03-22", "2026-04-12"] {
+        campaign["measured_at"] = format!("{day}T08:00:00Z").into();
+        let stored = server.post_json("/v1/campaigns", &campaign).await;
+        assert_eq!(stored.status, 201, "{}", stored.text());
+        let diagnosis = format!("/v1/campaigns/{}/diagnosis", stored.json()["id"].as_str().unwrap());
+        while server.get(&diagnosis).await.status == 202 {}
+    }
+    let text = server.get("/metrics").await.text();
+    assert_eq!(metric(&text, "gyrowatch_forecast_rms_over_sd_count"), 2.0, "the first has none before it");
+    let mean = metric(&text, "gyrowatch_forecast_rms_over_sd_sum") / 2.0;
+    assert!((0.3..1.2).contains(&mean), "the very dwells again: {mean}");
+}
+
 #[test]
 fn the_rules_of_prometheus_and_of_an_alertmanager_do_what_they_say() {
     if !required("promtool") || !required("amtool") {
@@ -279,6 +296,26 @@ async fn the_dashboard_asks_for_what_the_metrics_hold() {
             .unwrap();
         let (well, said) = judged_by("promtool", &["check", "rules", file.path().to_str().unwrap()], "");
         assert!(well, "{said}");
+    }
+}
+
+#[test]
+fn what_users_of_other_programs_expect_is_tested_where_the_document_says() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = std::fs::read_to_string(root.join("docs/integrations.md")).unwrap();
+    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| ")).skip(1).collect();
+    assert!(rows.len() >= 15, "{}", rows.len());
+    for row in rows {
+        let tests = row.trim_end_matches(" |").rsplit(" | ").next().unwrap();
+        let named: Vec<&str> = tests.split('`').skip(1).step_by(2).collect();
+        assert!(!named.is_empty(), "{row}");
+        for file in named {
+            let text = std::fs::read_to_string(root.join(file)).unwrap_or_else(|why| panic!("{file}: {why}: {row}"));
+            assert!(
+                file.starts_with("scripts/") || text.contains("#[test]") || text.contains("#[tokio::test"),
+                "{file}"
+            );
+        }
     }
 }
 

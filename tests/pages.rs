@@ -498,14 +498,14 @@ async fn a_preview_says_what_storing_would_refuse() {
         page[from..from + place(&page[from..], "</article>")].to_owned()
     };
     assert!(
-        said(&preview, 2).contains(&format!("stored with other content (id {id}); they differ at /gyros/0")),
+        said(&preview, 2).contains(&format!("stored with other content (id {id}); they differ at gyros 1 ")),
         "{preview}"
     );
     assert!(said(&preview, 3).contains(&format!("gyro GYRO has another calibration at the same time (id {id})")));
     for line in [5, 6] {
         assert!(said(&preview, line).contains("same IMU or gyro and time as on line 4"), "{preview}");
     }
-    assert!(said(&preview, 8).contains("they differ at /d_i_deg_per_h_g0"), "{preview}");
+    assert!(said(&preview, 8).contains("they differ at d_i_deg_per_h_g0"), "{preview}");
     // Nothing was stored by looking, and storing refuses the same.
     assert_eq!(server.get("/v1/gyros/GYRO/trend").await.json()["points"].as_array().unwrap().len(), 1);
     let stored = sends("/import/store").await;

@@ -10,3 +10,21 @@ pub enum FleetOrder {
     Age,
     Serial,
 }
+
+impl FleetOrder {
+    pub const ALL: [Self; 4] = [Self::Load, Self::Reach, Self::Age, Self::Serial];
+
+    /// As queries name it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Load => "load",
+            Self::Reach => "eta",
+            Self::Age => "age",
+            Self::Serial => "serial",
+        }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|order| order.name() == name)
+    }
+}

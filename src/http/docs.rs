@@ -10,7 +10,7 @@ use utoipa::openapi::{OpenApi, Server};
 use utoipa_swagger_ui::{Config, SwaggerUi};
 
 use super::app::App;
-use super::{members, operation};
+use super::{examples, members, operation};
 use crate::routes::{Routes, Rules};
 use crate::wire::problem::ProblemBody;
 
@@ -36,6 +36,7 @@ pub fn description(api: &Routes<App>, base_path: &str) -> OpenApi {
     openapi.merge(api.description().clone());
     operation::complete(&mut openapi, &Rules::of(api.rules()));
     members::describe(&mut openapi);
+    examples::describe(&mut openapi);
     let token = SecurityScheme::Http(Http::new(HttpAuthScheme::Bearer));
     openapi.components.get_or_insert_default().add_security_scheme(operation::TOKEN, token);
     if !base_path.is_empty() {

@@ -114,7 +114,7 @@ impl DocumentPost {
 #[derive(Debug, Clone, IntoParams)]
 #[into_params(names("Idempotency-Key"), parameter_in = Header)]
 pub struct IdempotencyKey(
-    /// One key a request, repeated when it is sent again.
+    /// One key a request, repeated when it is sent again. It is kept as long as what was sent: for ever.
     Option<String>,
 );
 

@@ -17,6 +17,7 @@ use crate::config::JudgedMethod;
 use crate::core::alert_decision::Late;
 use crate::core::fault::Faults;
 use crate::core::figures::Figures;
+use crate::core::fleet_order::FleetOrder;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
 use crate::core::judge::Measured;
 use crate::core::judge::{Event, Outlook, Reach, Rule, State as Judgement, Status};
@@ -61,8 +62,11 @@ pub struct GyrosQuery {
     batch: Option<String>,
     /// Only gyros that were calibrated no earlier: a day (UTC) or a time.
     calibrated_since: Option<String>,
-    /// Only gyros of which something began to be worse no earlier.
+    /// Only gyros of which something began to be worse no earlier, or that became overdue since.
     changed_since: Option<String>,
+    /// `serial`, which is the order unless it is given; `load`: the largest first; `eta`: what reaches its budget first;
+    /// `age`: what was calibrated the longest ago. What changes between two pages may come twice or not at all.
+    sort: Option<String>,
 }
 
 /// What a list is narrowed down to besides.
@@ -76,6 +80,10 @@ fn fleet_filter(asked: &GyrosQuery) -> Result<FleetFilter<'_>, Problem> {
     };
     let rule =
         |said: &String| Rule::from_name(said).ok_or_else(|| query::not_one_of("rule", Rule::ALL.map(Rule::name), said));
+    let order = |said: &String| {
+        FleetOrder::from_name(said)
+            .ok_or_else(|| query::not_one_of("sort", FleetOrder::ALL.map(FleetOrder::name), said))
+    };
     let station = asked.station.as_deref().unwrap_or_default();
     let (now, ever) = match asked.station_when.as_deref() {
         None | Some("now") => (station, ""),
@@ -88,6 +96,7 @@ fn fleet_filter(asked: &GyrosQuery) -> Result<FleetFilter<'_>, Problem> {
         ever,
         imu: asked.imu.as_deref().unwrap_or_default(),
         rule: asked.rule.as_ref().map(rule).transpose()?,
+        order: asked.sort.as_ref().map(order).transpose()?,
         batch: asked.batch.as_deref().unwrap_or_default(),
         calibrated_since: start("calibrated_since", &asked.calibrated_since)?,
         changed_since: start("changed_since", &asked.changed_since)?,
@@ -111,7 +120,7 @@ fn filter_of(asked: &GyrosQuery) -> Result<StandingFilter, Problem> {
 
 #[derive(Serialize, ToSchema)]
 pub struct Gyros {
-    /// In the order in which they were first seen.
+    /// In the order that is asked for.
     gyros: Vec<Gyro>,
     /// Cursor of the next page; null on the last.
     #[schema(required)]
@@ -287,7 +296,7 @@ pub async fn get_gyros(
     let after = asked.cursor.as_deref().map_or(Ok(0), query::position)?;
     let after = u32::try_from(after).map_err(|_| query::bad(message!("invalid_cursor")))?;
     let (of_status, of_fleet) = (filter_of(&asked)?, fleet_filter(&asked)?);
-    let (standings, more) = app.pipeline.queries.fleet.by_serial(after, limit as u32, of_status, &of_fleet).await?;
+    let (standings, more) = app.pipeline.queries.fleet.listed(after, limit as u32, of_status, &of_fleet).await?;
     let next = standings.last().filter(|_| more).map(|standing| cursor::encode(i64::from(standing.number)));
     let names = app.pipeline.queries.names();
     let gyros = standings.iter().map(|standing| Gyro::of(standing, app.config.judging.method, &names));

@@ -11,6 +11,7 @@ use crate::core::access::Role;
 use crate::core::alert_decision::Standing;
 use crate::core::campaign::{Phase, TestKind};
 use crate::core::delivery::DeliveryState;
+use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{Coefficient, Event, Rule, Severity, State, Status};
 use crate::core::model::Term;
 use crate::core::mounting::Slot;
@@ -214,6 +215,7 @@ fn of_parameter(operation: &str, parameter: &str) -> Option<What> {
         ("get_gyros", "state") => one_of(State::ALL.map(State::name)),
         ("get_deliveries", "state") => one_of(DeliveryState::ALL.map(DeliveryState::name)),
         ("get_silences", "state") => one_of(["active", "all"]),
+        ("get_gyros", "sort") => one_of(FleetOrder::ALL.map(FleetOrder::name)),
         (_, "status") => one_of(Status::ALL.map(Status::name)),
         (_, "severity") => one_of(Severity::ALL.map(Severity::name)),
         (_, "rule") => one_of(Rule::ALL.map(Rule::name)),

@@ -21,6 +21,7 @@ mod document;
 mod document_post;
 mod edge;
 mod events;
+mod examples;
 mod gyro_diagnosis;
 mod gyros;
 mod health;

@@ -8,6 +8,7 @@ use utoipa::openapi::{Content, OpenApi, Ref, RefOr, Required, Response};
 use utoipa::{PartialSchema, ToSchema};
 
 use super::problem::PROBLEM_JSON;
+use crate::core::access::Role;
 use crate::routes::{Least, Rules, operations};
 use crate::wire::problem::ProblemBody;
 
@@ -116,7 +117,7 @@ fn refusals(operation: &Operation, writes: bool, thing: Option<&Thing>, least: L
     let found = [
         bad.map(|why| ("400", why.to_owned())),
         least.map(|_| ("401", "no token, or one that is not valid".to_owned())),
-        least.map(|role| ("403", format!("not with this token: it takes the role `{}` or one above", role.name()))),
+        least.map(|role| ("403", forbidden(role))),
         thing.map(|thing| ("404", format!("no such {}", thing.name))),
         document.then(|| ("413", "too large".to_owned())),
         (!no_body).then(|| ("415", format!("not {}", taken.join(" or ")))),
@@ -127,6 +128,15 @@ fn refusals(operation: &Operation, writes: bool, thing: Option<&Thing>, least: L
         (writes && (document || no_body)).then(|| ("507", "no room left".to_owned())),
     ];
     found.into_iter().flatten().collect()
+}
+
+/// Every token is a viewer's at least.
+fn forbidden(least: Role) -> String {
+    let elsewhere = "without any token, from elsewhere than loopback";
+    match least {
+        Role::Viewer => elsewhere.to_owned(),
+        role => format!("not with this token: it takes the role `{}` or one above", role.name()),
+    }
 }
 
 /// Adds to answers the links to operations on what they name.

@@ -32,6 +32,11 @@ impl Differences {
         found
     }
 
+    /// Where they are, as people count.
+    pub fn places(&self) -> impl Iterator<Item = String> {
+        self.pointers.iter().map(|pointer| counted(pointer))
+    }
+
     pub fn is_empty(&self) -> bool {
         self.pointers.is_empty()
     }
@@ -67,6 +72,12 @@ impl Differences {
             self.further += 1;
         }
     }
+}
+
+/// `/dwells/8/output_pulse_s/2` as `dwells 9 output_pulse_s 3`.
+pub fn counted(pointer: &str) -> String {
+    let word = |token: &str| token.parse().map_or_else(|_| token.to_owned(), |place: usize| (place + 1).to_string());
+    pointer.split('/').skip(1).map(word).collect::<Vec<_>>().join(" ")
 }
 
 /// `stored` with its gyros, and with them the outputs in its dwells, in the order of their slots in `sent`. Where a
@@ -114,6 +125,12 @@ mod tests {
         assert_eq!(between(a, json!({"m": 1, "list": [{"x": 1}]})), ["/list"]);
         assert_eq!(between(json!({}), json!({"n": null})), ["/n"]);
         assert_eq!(between(json!({"a/b": 1, "c": 2}), json!({"c": 2})), ["/a~1b"]);
+    }
+
+    #[test]
+    fn places_are_named_as_people_count() {
+        assert_eq!(counted("/dwells/8/output_pulse_s/2"), "dwells 9 output_pulse_s 3");
+        assert_eq!(counted("/note"), "note");
     }
 
     #[test]

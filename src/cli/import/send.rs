@@ -11,8 +11,10 @@ use serde_json::Value;
 use super::source::{Content, Document, MAX_DOCUMENT_BYTES, read_line};
 use crate::cli::client::{LineAnswer, Sent, Service, Trouble};
 use crate::cli::faults;
+use crate::core::message::list;
 use crate::core::note::Note;
 use crate::message;
+use crate::wire::differences::counted;
 use crate::wire::note;
 use crate::wire::problem::ProblemBody;
 use crate::words;
@@ -289,10 +291,10 @@ fn of_document(problem: &ProblemBody, body: &[u8]) -> Option<String> {
     let existing = problem.existing.as_ref().filter(|_| problem.message.code.starts_with("differs"))?;
     let (what, at) = key(body)?;
     let places = problem.errors.iter().map(|error| counted(&error.pointer)).filter(|place| !place.is_empty());
-    let places = places.collect::<Vec<_>>().join("; ");
+    let places: Vec<String> = places.collect();
     let differs = match places.is_empty() {
         true => message!("stored_otherwise", what = what, at = at, id = existing.clone()),
-        false => message!("stored_otherwise_at", what = what, at = at, id = existing.clone(), places = places),
+        false => message!("stored_otherwise_at", what = what, at = at, id = existing.clone(), places = list(places)),
     };
     let way_out = message!("replace_it", id = existing.clone());
     Some(format!("{}; {}", words::asked().words(&differs), words::asked().words(&way_out)))
@@ -311,19 +313,6 @@ fn key(body: &[u8]) -> Option<(String, String)> {
     Some((value("imu").or_else(|| value("serial"))?, value("measured_at").or_else(|| value("calibrated_at"))?))
 }
 
-/// `/dwells/8/output_pulse_s/2` as `dwells 9, output_pulse_s 3`.
-fn counted(pointer: &str) -> String {
-    let mut words = String::new();
-    for token in pointer.split('/').skip(1) {
-        match token.parse::<usize>() {
-            Ok(place) => words.push_str(&format!(" {}", place + 1)),
-            Err(_) if words.is_empty() => words.push_str(token),
-            Err(_) => words.push_str(&format!(", {token}")),
-        }
-    }
-    words
-}
-
 /// Says that the import has come to its end: the service tells what it has left firing. It does so by itself in a
 /// quarter of an hour.
 pub(super) async fn end(service: &Service) {
@@ -338,14 +327,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_stored_otherwise_is_named_by_its_key_and_by_the_places_of_its_table() {
+    fn what_is_stored_otherwise_is_named_by_its_key() {
         let csv = b"# imu: IMU-30\n# measured_at: 2026-03-02T08:00:00Z\nphase\n".as_slice();
         let json = br#"{"serial": "L-1", "measured_at": "2026-01-01T00:00:00Z"}"#.as_slice();
         let pair = |what: &str, at: &str| Some((what.to_owned(), at.to_owned()));
         assert_eq!(key(csv), pair("IMU-30", "2026-03-02T08:00:00Z"));
         assert_eq!(key(json), pair("L-1", "2026-01-01T00:00:00Z"));
         assert_eq!(key(b"phase,start_s\n"), None);
-        assert_eq!(counted("/dwells/8/output_pulse_s/2"), "dwells 9, output_pulse_s 3");
-        assert_eq!(counted("/note"), "note");
     }
 }

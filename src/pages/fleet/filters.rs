@@ -71,13 +71,7 @@ impl Filters {
             calibrated_since: start("calibrated_since", &self.calibrated_since)?,
             changed_since: start("changed_since", &self.changed_since)?,
             statuses: self.statuses(),
-            order: match self.sort.as_str() {
-                "load" => Some(FleetOrder::Load),
-                "eta" => Some(FleetOrder::Reach),
-                "age" => Some(FleetOrder::Age),
-                "serial" => Some(FleetOrder::Serial),
-                _ => None,
-            },
+            order: FleetOrder::from_name(&self.sort),
         })
     }
 

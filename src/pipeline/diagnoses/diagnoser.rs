@@ -207,6 +207,10 @@ impl Diagnoser {
         };
         metrics::counter!(telemetry::DIAGNOSES, "outcome" => outcome).increment(1);
         metrics::histogram!(telemetry::DIAGNOSIS_TIME).record(begun.elapsed());
+        let forecast = made.iter().flatten().find_map(|body| body.forecast.as_ref()?.compared.as_ref());
+        if let Some(compared) = forecast {
+            metrics::histogram!(telemetry::FORECAST_RMS).record(compared.rms_over_sd);
+        }
         (begun_at, made.map(Arc::new))
     }
 

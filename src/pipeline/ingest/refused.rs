@@ -73,7 +73,7 @@ impl Refused {
 
 fn differs(existing: Id, differences: &Differences) -> Message {
     let (id, further) = (text(existing), differences.further);
-    let places = list(differences.pointers.iter().cloned());
+    let places = list(differences.places());
     match differences.pointers.iter().any(String::is_empty) {
         true => message!("differs_in_everything", id = id),
         false if further > 0 => message!("differs_further", id = id, places = places, further = further),

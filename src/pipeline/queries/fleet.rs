@@ -79,7 +79,7 @@ pub struct FleetFilter<'a> {
     pub rule: Option<Rule>,
     /// Calibrated no earlier than this.
     pub calibrated_since: Option<UtcMicros>,
-    /// Something began to be worse no earlier than this.
+    /// Something began to be worse, or it became overdue, no earlier than this.
     pub changed_since: Option<UtcMicros>,
     /// Batch of production; empty where all are wanted.
     pub batch: &'a str,
@@ -268,8 +268,9 @@ impl Fleet {
         page
     }
 
-    /// Gyros by serial, after gyro number `after` (0: all), and whether there are more than `most`.
-    pub async fn by_serial(
+    /// Gyros in the order of the filter, by serial where it says none, after gyro number `after` (0: all), and whether
+    /// there are more than `most`.
+    pub async fn listed(
         &self,
         after: u32,
         most: u32,
@@ -283,8 +284,9 @@ impl Fleet {
             is_overdue: filter.status.filter(|status| *status <= Status::Overdue).map(|of| of == Status::Overdue),
             state: filter.state,
         };
-        let (now, limit) = (self.clock.now(), most.saturating_add(1));
-        let mut gyros = store::head::by_serial(&self.store, after, standings, &narrowed, now, limit).await?;
+        let (now, limit, order) =
+            (self.clock.now(), most.saturating_add(1), of_fleet.order.unwrap_or(FleetOrder::Serial));
+        let mut gyros = store::head::listed(&self.store, after, order, standings, &narrowed, now, limit).await?;
         let more = gyros.len() > most as usize;
         gyros.truncate(most as usize);
         Ok((self.standings_of(&gyros).await?, more))
@@ -571,6 +573,9 @@ mod tests {
         let fleet = &pipeline.queries.fleet;
 
         let is_overdue = |row: &HeadRow| row.overdue_at.is_some_and(|at| at < now);
+        let changed_since_then = |row: &HeadRow, since: UtcMicros| {
+            row.changed_at.is_some_and(|at| at >= since) || is_overdue(row) && row.overdue_at >= Some(since)
+        };
         let status = |row: &HeadRow| row.status.max(is_overdue(row).then_some(Status::Overdue));
         let urgency = |row: &HeadRow| (row.rank >= 10, status(row), is_overdue(row));
         let mut sorted: Vec<&HeadRow> = rows.iter().collect();
@@ -608,7 +613,7 @@ mod tests {
                 let fits = |row: &&&HeadRow| {
                     let is = |of: &Status| status(row) == Some(*of) || *of == Status::Overdue && is_overdue(row);
                     statuses.is_none_or(|statuses| statuses.iter().any(is))
-                        && changed_since.is_none_or(|since| row.changed_at.is_some_and(|at| at >= since))
+                        && changed_since.is_none_or(|since| changed_since_then(row, since))
                 };
                 let mut expected: Vec<&HeadRow> = sorted.iter().filter(fits).copied().collect();
                 for order in [FleetOrder::Load, FleetOrder::Serial] {
@@ -634,7 +639,7 @@ mod tests {
         }
         for of in Status::ALL {
             let filter = StandingFilter { status: Some(of), state: None };
-            let (found, more) = fleet.by_serial(0, 1000, filter, &FleetFilter::default()).await.unwrap();
+            let (found, more) = fleet.listed(0, 1000, filter, &FleetFilter::default()).await.unwrap();
             let is = |row: &&&HeadRow| status(row) == Some(of) || of == Status::Overdue && is_overdue(row);
             let mut expected: Vec<&HeadRow> = sorted.iter().filter(is).copied().collect();
             expected.sort_by(|a, b| a.serial.cmp(&b.serial));

@@ -232,8 +232,9 @@ pub struct Narrowed {
     pub imu: Option<u32>,
     /// A rule of which an alert is not resolved.
     pub rule: Option<Rule>,
-    /// Calibrated, or new or worse, no earlier than this.
+    /// Calibrated no earlier than this.
     pub calibrated_since: Option<UtcMicros>,
+    /// New, worse or overdue no earlier than this.
     pub changed_since: Option<UtcMicros>,
     /// Of production, as the laboratory says.
     pub batch: Option<String>,
@@ -307,7 +308,7 @@ pub async fn counts(store: &Store, now: UtcMicros) -> Result<(Vec<Tally>, Vec<St
 
 /// Counts what is left of the fleet where it is narrowed down.
 pub async fn tallies(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Result<Vec<Tally>, StoreError> {
-    let Words { rank, conditions } = Words::of(store, narrowed, 2);
+    let Words { rank, conditions } = Words::of(store, narrowed, "$1", 2);
     let sql = sqlx::AssertSqlSafe(format!(
         "SELECT rank, CAST(CASE WHEN overdue_at < $1 THEN 1 ELSE 0 END AS BIGINT), count(*) FROM head
          WHERE {conditions} GROUP BY {rank}, 2"
@@ -329,9 +330,9 @@ struct Words {
 }
 
 impl Words {
-    /// The parameters of [`bound`] stand from place `first` on. Who narrows the fleet down reads it through: in the
-    /// order of an index each row would be looked up by itself.
-    fn of(store: &Store, narrowed: &Narrowed, first: usize) -> Self {
+    /// The time is the parameter `now`; those of [`bound`] stand from place `first` on. Who narrows the fleet down reads
+    /// it through: in the order of an index each row would be looked up by itself.
+    fn of(store: &Store, narrowed: &Narrowed, now: &str, first: usize) -> Self {
         let all = *narrowed == Narrowed::default();
         let rank = if all { "rank" } else { store.readers.words(Sql { sqlite: "+rank", postgres: "rank" }) };
         let has = store.readers.words(Sql { sqlite: "instr", postgres: "strpos" });
@@ -350,11 +351,11 @@ impl Words {
                 // As the index has it; who was never calibrated has the last instant of all.
                 "coalesce(calibrated_at, 9223372036854775807) BETWEEN $ AND 9223372036854775806".to_owned(),
             ),
-            (narrowed.changed_since.is_some(), "changed_at >= $".to_owned()),
+            (narrowed.changed_since.is_some(), "(changed_at >= $ OR overdue_at >= $ AND overdue_at < NOW)".to_owned()),
             (narrowed.batch.is_some(), "gyro IN (SELECT gyro FROM gyro_attribute WHERE batch = $)".to_owned()),
         ];
         let condition = |(place, (is_asked, words)): (usize, &(bool, String))| match is_asked {
-            true => words.replace('$', &format!("${}", first + place)),
+            true => words.replace('$', &format!("${}", first + place)).replace("NOW", now),
             false => format!("${} IS NULL", first + place),
         };
         Self { rank, conditions: asked.iter().enumerate().map(condition).collect::<Vec<_>>().join(" AND ") }
@@ -378,7 +379,7 @@ pub async fn of_ranks(
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>, StoreError> {
     let Ranks { lowest, highest, is_overdue } = ranks;
-    let Words { rank, conditions } = Words::of(store, narrowed, 4);
+    let Words { rank, conditions } = Words::of(store, narrowed, "$3", 4);
     // Of one rank the index has the order.
     let ranks =
         if lowest == highest { format!("{rank} = $1 AND {rank} = $2") } else { format!("{rank} BETWEEN $1 AND $2") };
@@ -405,23 +406,42 @@ pub struct Standings {
     pub state: Option<State>,
 }
 
-/// Gyros by serial, from the first after that of gyro number `after` (0: all) on, as many as `limit`. By number would
-/// be in no order at all: a database server's numbers are random.
-pub async fn by_serial(
+/// What an order goes by before the serial, the least first.
+fn key(order: FleetOrder) -> &'static str {
+    match order {
+        FleetOrder::Load => "-extreme",
+        FleetOrder::Reach => "coalesce(reach_at, 9223372036854775807)",
+        FleetOrder::Age => "coalesce(calibrated_at, 9223372036854775807)",
+        FleetOrder::Serial => "0",
+    }
+}
+
+/// Gyros in an order, from the first after gyro number `after` (0: all) on, as many as `limit`. By number would be in no
+/// order at all: a database server's numbers are random.
+pub async fn listed(
     store: &Store,
     after: u32,
+    order: FleetOrder,
     standings: Standings,
     narrowed: &Narrowed,
     now: UtcMicros,
     limit: u32,
 ) -> Result<Vec<u32>, StoreError> {
-    let Words { conditions, .. } = Words::of(store, narrowed, 7);
+    let Words { conditions, .. } = Words::of(store, narrowed, "$4", 7);
+    let (key, by_serial) = (key(order), order == FleetOrder::Serial);
+    let after_it = match by_serial {
+        true => "serial > coalesce((SELECT serial FROM gyro WHERE id = $1), '')".to_owned(),
+        false => format!(
+            "(CAST($1 AS BIGINT) = 0 OR ({key}, serial) > (SELECT {key}, serial FROM head AS last WHERE last.gyro = $1))"
+        ),
+    };
+    let by = if by_serial { "serial".to_owned() } else { format!("{key}, serial") };
     let sql = sqlx::AssertSqlSafe(format!(
-        "SELECT gyro FROM head WHERE serial > coalesce((SELECT serial FROM gyro WHERE id = $1), '')
+        "SELECT gyro FROM head WHERE {after_it}
              AND ($2 IS NULL OR rank = $2 OR rank = $2 + 10)
              AND ($3 IS NULL OR $3 = (overdue_at IS NOT NULL AND overdue_at < $4)) AND ($5 IS NULL OR state = $5)
              AND {conditions}
-         ORDER BY serial LIMIT $6"
+         ORDER BY {by} LIMIT $6"
     ));
     let rows: Vec<(Whole<u32>,)> = on!(store.readers, db => {
         let query = sqlx::query_as(sql).bind(Whole(after)).bind(standings.rank).bind(standings.is_overdue).bind(now.0);
@@ -452,13 +472,13 @@ pub async fn in_order(
     now: UtcMicros,
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>, StoreError> {
-    let Words { conditions, .. } = Words::of(store, narrowed, 2);
+    let Words { conditions, .. } = Words::of(store, narrowed, "$1", 2);
     let ranks = among_ranks(of_ranks);
+    // As the indices have them.
     let by = match order {
-        FleetOrder::Load => "extreme DESC, serial",
-        FleetOrder::Reach => "coalesce(reach_at, 9223372036854775807), serial",
-        FleetOrder::Age => "coalesce(calibrated_at, 9223372036854775807), serial",
-        FleetOrder::Serial => "serial",
+        FleetOrder::Load => "extreme DESC, serial".to_owned(),
+        FleetOrder::Reach | FleetOrder::Age => format!("{}, serial", key(order)),
+        FleetOrder::Serial => "serial".to_owned(),
     };
     let sql = sqlx::AssertSqlSafe(format!(
         "SELECT gyro FROM head WHERE {ranks} AND {conditions} ORDER BY {by} LIMIT $10 OFFSET $11"
@@ -621,7 +641,7 @@ pub async fn imus(
     now: UtcMicros,
     [skip, limit]: [usize; 2],
 ) -> Result<(Vec<u32>, usize), StoreError> {
-    let Words { conditions, .. } = Words::of(store, narrowed, 2);
+    let Words { conditions, .. } = Words::of(store, narrowed, "$1", 2);
     let ranks = among_ranks(of_ranks);
     let sql = sqlx::AssertSqlSafe(format!(
         "SELECT imu FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}

@@ -3,12 +3,6 @@
 
 mod lab;
 mod receiver;
-#[path = "support/mod.rs"]
-#[allow(
-    clippy::duplicate_mod,
-    clippy::allow_attributes,
-    reason = "the laboratory cannot fill a disk, the service in a process of its own can"
-)]
 mod support;
 
 use std::collections::BTreeMap;
@@ -338,11 +332,8 @@ async fn what_hooks_are_asked(s: &mut Scenario) {
     s.call("redeliver", &format!("{delivery}/redeliver"), None).await.refused(409);
     s.call("delete_hook", &at, None).await;
     // Addresses of this machine are not an example.
-    let as_it_would_be = |kept: Kept| -> Kept {
-        let text = serde_json::to_string(&kept).unwrap();
-        serde_json::from_str(&text.replace(&target.url(), "https://hooks.example/laboratory")).unwrap()
-    };
-    s.kept = as_it_would_be(std::mem::take(&mut s.kept));
+    let text = serde_json::to_string(&s.kept).unwrap();
+    s.kept = serde_json::from_str(&text.replace(&target.url(), "https://hooks.example/laboratory")).unwrap();
 }
 
 async fn what_campaigns_are_asked(s: &mut Scenario) {

@@ -13,7 +13,7 @@ use tokio::sync::oneshot;
 use super::client::{JSON, Sent, Service};
 use crate::blindcheck::history::draw::Fleet;
 use crate::blindcheck::history::score::Answers;
-use crate::blindcheck::history::sent::serial;
+use crate::blindcheck::history::sent::{records, serial};
 use crate::config::Config;
 use crate::core::judge::Mark;
 use crate::http::{self, App};
@@ -82,7 +82,7 @@ fn limits(fleet: &Fleet) -> anyhow::Result<Option<crate::config::Override>> {
 }
 
 async fn send(service: &Service, fleet: &Fleet) -> anyhow::Result<()> {
-    let records = fleet.records();
+    let records = records(fleet);
     let mut lines = Vec::new();
     for record in &records {
         serde_json::to_writer(&mut lines, &RecordBody::of(record))?;

@@ -17,17 +17,15 @@ pub fn serial(gyro: usize) -> Name {
     name(&format!("GYRO-{gyro:02}"))
 }
 
-impl Fleet {
-    /// A record for the three gyros of an IMU at a time, oldest first. E is that of the mounting, so D_I, D_S and D_O
-    /// are what was drawn.
-    pub fn records(&self) -> Vec<Record> {
-        let of_imu = |(imu, gyros): (usize, &[GyroHistory])| {
-            (0..gyros[0].entries.len()).map(|k| record(imu * AN_IMU, gyros, k)).collect::<Vec<_>>()
-        };
-        let mut all: Vec<Record> = self.gyros.chunks(AN_IMU).enumerate().flat_map(of_imu).collect();
-        all.sort_by_key(|record| record.calibrated_at);
-        all
-    }
+/// A record for the three gyros of an IMU at a time, oldest first. E is that of the mounting, so D_I, D_S and D_O are
+/// what was drawn.
+pub fn records(fleet: &Fleet) -> Vec<Record> {
+    let of_imu = |(imu, gyros): (usize, &[GyroHistory])| {
+        (0..gyros[0].entries.len()).map(|k| record(imu * AN_IMU, gyros, k)).collect::<Vec<_>>()
+    };
+    let mut all: Vec<Record> = fleet.gyros.chunks(AN_IMU).enumerate().flat_map(of_imu).collect();
+    all.sort_by_key(|record| record.calibrated_at);
+    all
 }
 
 fn name(text: &str) -> Name {

@@ -304,6 +304,15 @@ async fn what_alerts_are_asked(s: &mut Scenario) {
     s.call("end_silence", &format!("/v1/silences/{made}/end"), sent(&signed)).await.ok();
 }
 
+/// Waits until the target has been told so often, and the service knows it.
+async fn delivered(s: &Scenario, target: &Receiver, delivery: &str, times: usize) {
+    target.has_been_told(times).await;
+    let headers = [("authorization", format!("Bearer {}", s.token))];
+    while s.send("get_delivery", delivery, &None, &headers).await.ok()["state"] != "delivered" {
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+}
+
 async fn what_hooks_are_asked(s: &mut Scenario) {
     let target = Receiver::start().await;
     let hook = json!({ "name": "laboratory", "kind": "standard-webhooks", "url": target.url(),
@@ -315,18 +324,11 @@ async fn what_hooks_are_asked(s: &mut Scenario) {
     let test = s.call("test_hook", &format!("{at}/test"), None).await;
     assert_eq!(test.status, 202);
     let delivery = format!("/v1/deliveries/{}", id(&test.json()));
-    target.has_been_told(1).await;
-    loop {
-        let headers = [("authorization", format!("Bearer {}", s.token))];
-        let seen = s.send("get_delivery", &delivery, &None, &headers).await.ok();
-        if seen["state"] == "delivered" {
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(10)).await;
-    }
+    delivered(s, &target, &delivery, 1).await;
     s.call("get_delivery", &delivery, None).await.ok();
     s.call("get_deliveries", &format!("{at}/deliveries?limit=2"), None).await.ok();
     s.call("redeliver", &format!("{delivery}/redeliver"), None).await;
+    delivered(s, &target, &delivery, 2).await;
     s.call("patch_hook", &at, sent(&json!({ "enabled": false }))).await.ok();
     s.call("test_hook", &format!("{at}/test"), None).await.refused(409);
     s.call("redeliver", &format!("{delivery}/redeliver"), None).await.refused(409);

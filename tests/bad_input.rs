@@ -584,7 +584,8 @@ async fn a_conflict_names_every_member_that_differs_of_the_gyro_in_its_slot() {
     pointers.sort();
     assert_eq!(status, 409);
     assert_eq!(pointers, ["/gyros/0/g_pulse_per_s_g0/2", "/gyros/2/serial", "/note", "/station"]);
-    assert!(pointers.iter().all(|pointer| detail.contains(pointer.as_str())), "{detail}");
+    // For people, as they count.
+    assert!(detail.ends_with("differ at gyros 1 g_pulse_per_s_g0 3, gyros 3 serial, note, station"), "{detail}");
     // A gyro that is stored is missing here; one of another slot is not stored.
     let mut fewer = paper();
     fewer["gyros"].as_array_mut().unwrap().remove(0);

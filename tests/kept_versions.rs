@@ -9,15 +9,12 @@ mod support;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
 
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
 use serde_json::{Map, Value, json};
-use support::{Server, cluster, data, data_path, gyrowatch};
-
-const SUMMARY: &str = "/v1/diagnoses/summary";
+use support::{SUMMARY, Server, cluster, data, data_path, gyrowatch};
 
 /// Fills a service with some of everything that is kept.
 async fn fill(server: &Server) {
@@ -86,37 +83,22 @@ const LISTS: [(&str, &str, &str, &[&str]); 8] = [
 async fn readings(server: &Server) -> Map<String, Value> {
     let mut found = Map::new();
     for (list, member, name, paths) in LISTS {
-        let listed = read(server, list).await;
+        let listed = server.settled(list).await;
         for item in listed[member].as_array().unwrap() {
             for path in paths {
                 let path = path.replace("{}", item[name].as_str().unwrap());
                 if server.get(&path).await.status == 308 {
                     continue; // A campaign, which is read below.
                 }
-                found.insert(path.clone(), read(server, &path).await);
+                found.insert(path.clone(), server.settled(&path).await);
             }
         }
         found.insert(list.to_owned(), listed);
     }
     for path in ["/v1/hypotheses", "/v1/audit", "/v1/tokens", SUMMARY] {
-        found.insert(path.to_owned(), read(server, path).await);
+        found.insert(path.to_owned(), server.settled(path).await);
     }
     found
-}
-
-/// An answer; what rests on diagnoses, once all are made.
-async fn read(server: &Server, path: &str) -> Value {
-    let patience = Instant::now() + Duration::from_secs(180);
-    loop {
-        let answer = server.get(path).await;
-        assert_eq!(answer.status, 200, "{path}: {}", answer.text());
-        let answer = answer.json();
-        if path != SUMMARY || answer["campaigns"]["waiting"] == 0 {
-            return answer;
-        }
-        assert!(Instant::now() < patience, "{answer}");
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
 }
 
 /// Where an answer no longer says what it said. Members may come anew, and words beside a code may change.
@@ -183,7 +165,7 @@ async fn says_the_same(version: &str, kind: &str, server: &mut Server, url: &str
     assert!(before.len() > 40, "{}", before.len());
     let mut found = Vec::new();
     for (path, before) in &before {
-        differences(path, before, &read(server, path).await, &mut found);
+        differences(path, before, &server.settled(path).await, &mut found);
     }
     assert_eq!(found, [""; 0], "{version}");
     let known = server.get("/v1/records").await.json()["records"].as_array().unwrap().len();

@@ -6,12 +6,12 @@ mod receiver;
 mod support;
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 use sqlx::migrate::Migrator;
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, SqliteConnection};
-use support::{Server, cluster, data, gyrowatch};
+use support::{SUMMARY, Server, cluster, data, gyrowatch};
 
 /// Bytes of a row of the history's log: the gyro's number, and its figures.
 const ROW: usize = 124;
@@ -47,28 +47,10 @@ async fn filled(settings: &[(&str, &str)]) -> (Server, Vec<(String, Value)>) {
     }
     let mut answers = Vec::new();
     for path in paths {
-        let answer = answered(&server, &path).await;
+        let answer = server.settled(&path).await;
         answers.push((path, answer));
     }
     (server, answers)
-}
-
-/// Of diagnoses that an earlier version made and kept, the migration keeps the gist.
-const SUMMARY: &str = "/v1/diagnoses/summary";
-
-/// An answer; what rests on diagnoses, once all are made.
-async fn answered(server: &Server, path: &str) -> Value {
-    let patience = Instant::now() + Duration::from_secs(180);
-    loop {
-        let answer = server.get(path).await;
-        assert_eq!(answer.status, 200, "{path}: {}", answer.text());
-        let answer = answer.json();
-        if path != SUMMARY || answer["campaigns"]["waiting"] == 0 {
-            return answer;
-        }
-        assert!(Instant::now() < patience, "{answer}");
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
 }
 
 /// What is known is known again, and what is new is stored.
@@ -164,6 +146,7 @@ async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that
     assert!(server.terminate().0.success());
     let newest = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("migrations/sqlite")).unwrap().count();
     assert!(newest >= 9);
+    // Of diagnoses that an earlier version made and kept, the migration keeps the gist.
     let summary = &answers.iter().find(|(path, _)| path == SUMMARY).unwrap().1;
     assert_eq!(summary["findings"][0]["effect"], "temperature_bias");
     for version in 1..=newest as i64 {
@@ -192,7 +175,7 @@ async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that
                 assert_eq!(before["sent_by"]["name"], "local");
                 before["sent_by"] = Value::Null;
             }
-            let mut after = answered(&upgraded, path).await;
+            let mut after = upgraded.settled(path).await;
             if version < 12 {
                 forget_since(&mut after);
             }
@@ -271,7 +254,7 @@ async fn a_database_of_a_server_of_every_earlier_version_is_brought_up_to_date_w
                 // Earlier versions did not keep who sent it.
                 before["sent_by"] = Value::Null;
             }
-            let mut after = answered(&upgraded, path).await;
+            let mut after = upgraded.settled(path).await;
             if version < 4 {
                 forget_since(&mut after);
             }

@@ -23,6 +23,9 @@ use sqlx::{ConnectOptions, Connection, Row};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
+/// What the diagnoses of stored campaigns have come to.
+pub const SUMMARY: &str = "/v1/diagnoses/summary";
+
 /// A file of `tests/data`.
 pub fn data(name: &str) -> String {
     std::fs::read_to_string(data_path(name)).unwrap()
@@ -224,6 +227,21 @@ impl Server {
 
     pub async fn get(&self, path: &str) -> Answer {
         self.call("GET", path, &[], Vec::new()).await
+    }
+
+    /// An answer; of [`SUMMARY`] what rests on diagnoses, once all are made.
+    pub async fn settled(&self, path: &str) -> Value {
+        let patience = Instant::now() + Duration::from_secs(180);
+        loop {
+            let answer = self.get(path).await;
+            assert_eq!(answer.status, 200, "{path}: {}", answer.text());
+            let answer = answer.json();
+            if path != SUMMARY || answer["campaigns"]["waiting"] == 0 {
+                return answer;
+            }
+            assert!(Instant::now() < patience, "{answer}");
+            tokio::time::sleep(Duration::from_millis(50)).await;
+        }
     }
 
     pub async fn post(&self, path: &str, content_type: &str, body: impl Into<reqwest::Body>) -> Answer {

@@ -7,7 +7,7 @@ use super::draw::{Fleet, Kind, YEAR_DAYS};
 /// What is answered of D_I, D_S and D_O of each gyro of a fleet, in the fleet's order.
 pub type Answers = Vec<Vec<HistoryDiagnosis>>;
 
-/// Whoever diagnoses a fleet: the service with its real ingest, or the reason why it could not.
+/// What diagnoses a fleet, the service with its real ingest; or the reason why it could not.
 pub type Diagnoser<'a> = dyn Fn(&Fleet) -> Result<Answers, String> + Sync + 'a;
 
 /// One fleet, scored.

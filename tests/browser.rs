@@ -463,9 +463,12 @@ async fn the_jobs(width: u32, slower: u32) {
         let done = format!("fetch('/v1/gyros/{serial}', {body}).then((answer) => answer.status)");
         assert_eq!(browser.eval(&done).await, 200);
     }
-    // Diagnoses are made in the background.
+    // Diagnoses are made in the background, and the clock is looked at once a minute.
     browser.goto("/diagnoses").await;
     reloads_until(&browser, "document.querySelector(\"td a[href$='/diagnosis']\")").await;
+    browser.goto("/alerts").await;
+    reloads_until(&browser, "document.querySelector('.badge.overdue')").await;
+    browser.goto("/").await;
     for (job, clicks, fields) in JOBS {
         browser.begin_job().await;
         let started = std::time::Instant::now();

@@ -11,9 +11,10 @@ use serde::Serialize;
 
 use super::answer::Answer;
 use super::draw::{effect_in_some_gyros, is_outside, one_of, seen_by, style};
+use super::reach::Structure;
 use super::run::{Diagnoser, timed};
 use super::tally::Tally;
-use crate::simulate::cause::{FIELD, IN_TIME, POWER_UP, SEAT, THROUGHOUT, TILT, TILT_FROM_A_DWELL};
+use crate::simulate::cause::{ALWAYS, FIELD, IN_TIME, POWER_UP, SEAT, THROUGHOUT, TILT, TILT_FROM_A_DWELL};
 use crate::simulate::outside::{FAMILIES, depends_on};
 use crate::simulate::programme::Order;
 use crate::simulate::scenario::{EffectChoice, Scenario, StandardErrors};
@@ -46,6 +47,9 @@ const fn kind(name: &'static str, hidden: Hidden, put: fn(&mut Scenario, &mut Ch
 }
 
 use Hidden::{Effects, Nothing, Outside, PartOfTheTime};
+
+/// d from which on it can be seen that an effect acts for a part of the time only.
+const VISIBLE_CHANGE: f64 = 5.0;
 
 pub const KINDS: [Kind; 27] = [
     kind("clean", Nothing, |_, _| Some(())),
@@ -161,6 +165,8 @@ impl Kind {
         let means = |named: &super::answer::Named, id: &str| {
             named.means(id) || self.hidden == PartOfTheTime && id == TILT && named.means(TILT_FROM_A_DWELL)
         };
+        let in_part = truth.causes.iter().any(|cause| cause.acts_in_h != ALWAYS);
+        let change = in_part.then(|| left_by_the_whole(truth));
         let answer = match answer {
             Ok(answer) => answer,
             Err(error) => return KindScore { error: Some(error), ..KindScore::of(truth.truth.seen, milliseconds) },
@@ -175,6 +181,7 @@ impl Kind {
             gap: answer.verdict != "no_gap",
             wrong: answer.effects.iter().any(|named| !right(named)),
             found: !hidden.is_empty() && hidden.iter().all(|id| answer.effects.iter().any(|n| means(n, id))),
+            change,
             whole: answer.effects.iter().any(whole),
             said: answer.noise.is_some(),
             described: match &truth.truth.family {
@@ -198,6 +205,8 @@ pub struct KindScore {
     pub wrong: bool,
     /// All that was hidden was named.
     pub found: bool,
+    /// Detectability of what is left of an effect of a part of the time once it is taken to act throughout.
+    pub change: Option<f64>,
     /// An effect of a part of the time was named as though it acted throughout.
     pub whole: bool,
     /// Something was said of the noise.
@@ -221,6 +230,7 @@ pub struct KindRow {
     pub confident_wrong: Tally,
     pub doubted_wrong: Tally,
     pub found: Tally,
+    /// Of campaigns with an effect of a part of the time, where that it is one can be seen.
     pub explained_as_whole: Tally,
     pub gap_without_a_name: Tally,
     pub noise_said: Tally,
@@ -241,6 +251,8 @@ pub fn row(kind: &Kind, seed: u64, count: usize, diagnose: &Diagnoser<'_>) -> Ki
         })
         .collect();
     let tally = |of: fn(&KindScore) -> bool| Tally::of(scores.iter().map(of));
+    let is_visible = |s: &&KindScore| s.change.is_none_or(|change| change >= VISIBLE_CHANGE);
+    let visibly_in_part = scores.iter().filter(|_| kind.hidden == PartOfTheTime).filter(is_visible);
     let mut times: Vec<f64> = scores.iter().map(|score| score.milliseconds).collect();
     times.sort_by(f64::total_cmp);
     KindRow {
@@ -248,7 +260,7 @@ pub fn row(kind: &Kind, seed: u64, count: usize, diagnose: &Diagnoser<'_>) -> Ki
         confident_wrong: tally(|s| s.wrong && s.explained),
         doubted_wrong: tally(|s| s.wrong && !s.explained),
         found: tally(|s| s.found),
-        explained_as_whole: tally(|s| s.whole && s.explained),
+        explained_as_whole: Tally::of(visibly_in_part.map(|s| s.whole && s.explained)),
         gap_without_a_name: tally(|s| s.gap && s.named.is_empty()),
         noise_said: tally(|s| s.said),
         described: tally(|s| s.described),
@@ -256,6 +268,14 @@ pub fn row(kind: &Kind, seed: u64, count: usize, diagnose: &Diagnoser<'_>) -> Ki
         errors: scores.iter().filter(|s| s.error.is_some()).count(),
         scores,
     }
+}
+
+/// d of what the effects of a campaign leave where each is taken to act throughout, with sizes of its own.
+fn left_by_the_whole(simulated: &Simulated) -> f64 {
+    let slots: Vec<String> = simulated.world.slots().map(|slot| slot.name().to_owned()).collect();
+    let mut structure = Structure::of(simulated);
+    simulated.truth.effects.iter().for_each(|effect| structure.name(effect, &slots));
+    structure.left()
 }
 
 fn stated(s: &mut Scenario) -> Option<()> {

@@ -287,7 +287,7 @@ fn kind_table(rows: &[KindRow]) -> String {
         "confident wrong",
         "doubted wrong",
         "all named",
-        "explained as whole",
+        "visibly in part, explained as whole",
         "gap, no name",
         "noise said",
         "described",
@@ -297,13 +297,14 @@ fn kind_table(rows: &[KindRow]) -> String {
     let mut table = table(head, 1..11);
     for row in rows {
         let hits = |tally: &Tally| tally.hits.to_string();
+        let share = |of: &Tally| if of.trials > 0 { format!("{} of {}", of.hits, of.trials) } else { String::new() };
         table.add_row([
             row.kind.to_owned(),
             row.confident_wrong.trials.to_string(),
             hits(&row.confident_wrong),
             hits(&row.doubted_wrong),
             hits(&row.found),
-            hits(&row.explained_as_whole),
+            share(&row.explained_as_whole),
             hits(&row.gap_without_a_name),
             hits(&row.noise_said),
             hits(&row.described),

@@ -93,7 +93,7 @@ async fn serve(
     let database = || format!("cannot use the database {} (database.url)", config.database.options().shown());
     let (store, mut writer) = store::open(&config.database.options()).await.with_context(database)?;
     let store = store.with(config.secrets.clone());
-    let hidden = store::hook::hide_stored(&store, &mut writer).await.with_context(database)?;
+    let hidden = store::hide_stored_secrets(&store, &mut writer).await.with_context(database)?;
     if hidden > 0 {
         tracing::info!(hooks = hidden, "the secrets of hooks are encrypted now");
     }

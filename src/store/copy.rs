@@ -7,7 +7,7 @@ use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, Row, SqliteC
 
 use super::db::Sql;
 use super::error::StoreError;
-use super::open::Options;
+use super::handle::Options;
 use super::postgres;
 use crate::store::packed::history_row::PACKED_LEN;
 use crate::store::sqlite::lock;
@@ -154,7 +154,7 @@ pub async fn copy(
         return Err(StoreError::File("a copy goes from sqlite:// to postgres://".to_owned()));
     }
     let (mut source, _lock) = open_source(from).await?;
-    let mut target = postgres::open_to_copy(to).await?;
+    let mut target = postgres::open::open_to_copy(to).await?;
     claim(&mut target, &from.file()?.display().to_string()).await?;
     let mut tables = Vec::with_capacity(TABLES.len());
     for name in TABLES {

@@ -5,23 +5,30 @@
 
 mod batch;
 mod cells;
-mod commit;
+mod changes;
 mod copy;
 mod db;
 mod error;
+mod handle;
 mod id;
+mod name_tables;
 mod open;
 mod packed;
 mod postgres;
 mod secrets;
 mod sqlite;
+mod statements;
 mod tables;
+mod token_beside;
+mod writer;
 
+pub use crate::store::name_tables::{Names, NamesOf, NewName, Table, Tables};
+pub use crate::store::packed::history_row::HistoryRow;
 pub use crate::store::packed::verdicts::{StoredVerdict, VerdictSheet};
 pub use crate::store::sqlite::backup::{
     Holdings, backup, check, check_all_but_records, check_checksums, open_to_read, restore,
 };
-pub use crate::store::tables::access::{AccessChanges, Beside, SessionRow, TokenRow};
+pub use crate::store::tables::access::{AccessChanges, SessionRow, TokenRow};
 pub use crate::store::tables::alerts::{AlertOf, AlertRow, Remark, StepRow};
 pub use crate::store::tables::bench::BenchRow;
 pub use crate::store::tables::correction::Withdrawn;
@@ -37,25 +44,26 @@ pub use crate::store::tables::event::EventRow;
 pub use crate::store::tables::gyro_attribute::GyroAttributeRow;
 pub use crate::store::tables::head::{HeadChanges, HeadRow, HeadsMade, NewestRow};
 pub use crate::store::tables::histories::Stretch;
-pub use crate::store::tables::history::HistoryRow;
 pub use crate::store::tables::hook::HookRow;
 pub use crate::store::tables::hypothesis::HypothesisRow;
 pub use crate::store::tables::keys::KeyRow;
 pub use crate::store::tables::model::ModelRow;
-pub use crate::store::tables::names::{Names, NamesOf, NewName, Table, Tables};
 pub use crate::store::tables::record::{RecordAt, RecordEntry, RecordFilter, RecordHead, RecordRow, RejudgedSheet};
 pub use crate::store::tables::set_aside::{ConfirmationRow, SetAside, StoredAside};
 pub use crate::store::tables::silence::SilenceRow;
 pub use cells::{Cells, cell_of};
-pub use commit::{Changes, Committer, Rejudged, RestatedRow, Writer, Written};
+pub use changes::{Changes, Rejudged, RestatedRow};
 pub use copy::{Copied, copy};
 pub use error::StoreError;
+pub use handle::{Options, Store};
 pub use id::IdSource;
-pub use open::{Options, Store, open};
+pub use open::{hide_stored_secrets, open};
 pub use postgres::{Duty, Missed, Moves};
 pub use secrets::Secrets;
+pub use token_beside::Beside;
+pub use writer::{Committer, Writer, Written};
 
-pub use postgres::{claim, other_servers};
+pub use postgres::claim;
 pub use tables::{
     access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, gyro_attribute, head,
     histories, history, hook, hypothesis, keys, model, names, outbox, record, set_aside, silence,

@@ -1,63 +1,31 @@
 //! Opening the database: connect options, migrations, the names in memory.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::str::FromStr;
-use std::time::Duration;
 
 use rusqlite::OpenFlags;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions};
 use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection};
 
-use super::commit::{Writer, waiting_for_disk};
-use super::db::{Readers, on};
+use super::cells::Cells;
+use super::changes::Changes;
+use super::db::Readers;
 use super::error::StoreError;
+use super::handle::{Options, Place, Store};
 use super::id::IdSource;
-use super::postgres::{self, Neighbours};
+use super::name_tables::{Names, Table, Tables};
+use super::postgres;
 use super::secrets::Secrets;
+use super::writer::Writer;
 use crate::store::sqlite::checkpoint::Checkpoints;
 use crate::store::sqlite::checksum::{Summing, settle};
 use crate::store::sqlite::halt::Halt;
 use crate::store::sqlite::lock;
 use crate::store::sqlite::private;
 use crate::store::sqlite::write_behind::Unplaced;
-use crate::store::sqlite::writer::FileWriter;
-use crate::store::tables::names::{Names, Table, Tables};
-
-/// Where the database is, and how it is held open.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// `sqlite://path` or `postgres://user@host/database`.
-    pub url: String,
-    /// Connections that read at the same time.
-    pub readers: u32,
-    /// How long a statement waits for a lock of another process.
-    pub busy_timeout: Duration,
-    /// Page cache of each connection, KiB.
-    pub cache_kib: u32,
-    /// Pages in the write-ahead log from which on they are copied into the database.
-    pub checkpoint_pages: u32,
-    /// How long work in the background is a server's own before others may take it over.
-    pub lease: Duration,
-}
-
-/// The reading side. Cheap to clone.
-#[derive(Debug, Clone)]
-pub struct Store {
-    pub(super) readers: Readers,
-    pub(super) names: Names,
-    pub(super) unplaced: Unplaced,
-    pub(super) place: Place,
-    pub(super) secrets: Secrets,
-}
-
-/// Where the database lies.
-#[derive(Debug, Clone)]
-pub(crate) enum Place {
-    File(PathBuf),
-    /// Other servers may use it too.
-    Server(Neighbours),
-}
+use crate::store::sqlite::writer::{FileWriter, waiting_for_disk};
+use crate::store::tables::hook;
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
 pub(super) const MIGRATIONS: [(i64, &str, &str); 25] = [
@@ -94,7 +62,33 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 25] = [
 /// [`StoreError`] where the file cannot be opened, is served by another process, is no database, or holds a schema
 /// newer than this program.
 pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
-    if options.is_server() { postgres::open(options).await } else { open_file(options).await }
+    if options.is_server() { postgres::open::open(options).await } else { open_file(options).await }
+}
+
+/// Encrypts secrets of hooks that were stored before there was a key; says of how many hooks.
+///
+/// # Errors
+/// [`StoreError::Key`] where something is encrypted, and not with this key.
+pub async fn hide_stored_secrets(store: &Store, writer: &mut Writer) -> Result<usize, StoreError> {
+    writer.take_turn(&Cells::all()).await?;
+    let hidden = hide_in_turn(store, writer).await;
+    writer.give_back().await;
+    hidden
+}
+
+async fn hide_in_turn(store: &Store, writer: &mut Writer) -> Result<usize, StoreError> {
+    let mut hooks = Vec::new();
+    for mut hook in hook::stored(store).await? {
+        hook.clone().show(&store.secrets)?;
+        if hook.hide(&store.secrets)? {
+            hooks.push(hook);
+        }
+    }
+    let count = hooks.len();
+    if count > 0 {
+        writer.commit(&Changes { hooks, ..Changes::default() }).await?;
+    }
+    Ok(count)
 }
 
 async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
@@ -257,42 +251,4 @@ pub(super) async fn last_id(connection: &mut SqliteConnection) -> Result<i64, St
                           coalesce((SELECT max(id) FROM token), 0), coalesce((SELECT max(id) FROM session), 0),
                           coalesce((SELECT max(id) FROM audit), 0), coalesce((SELECT max(id) FROM diagnosis_job), 0))";
     Ok(sqlx::query_scalar(sql).fetch_one(connection).await?)
-}
-
-impl Store {
-    pub fn names(&self) -> &Names {
-        &self.names
-    }
-
-    /// Whether the database answers.
-    pub async fn ping(&self) -> Result<(), StoreError> {
-        let _one: i32 = on!(self.readers, db => sqlx::query_scalar("SELECT 1").fetch_one(db).await?);
-        Ok(())
-    }
-
-    /// Bytes on disk: the database, and the write-ahead log beside it where that is a file of its own.
-    ///
-    /// # Errors
-    /// [`StoreError`], where a database server does not say.
-    pub async fn sizes(&self) -> Result<(u64, u64), StoreError> {
-        match (&self.place, &self.readers) {
-            (Place::File(file), _) => {
-                let size = |path: &Path| std::fs::metadata(path).map_or(0, |found| found.len());
-                Ok((size(file), size(&lock::beside(file, "-wal"))))
-            }
-            (Place::Server(_), readers) => {
-                let sql = "SELECT pg_database_size(current_database())";
-                let size: i64 = on!(*readers, db => sqlx::query_scalar(sql).fetch_one(db).await?);
-                Ok((size.unsigned_abs(), 0))
-            }
-        }
-    }
-
-    /// Unplaced for reads under way and closes the readers.
-    pub async fn close(&self) {
-        if let (Place::Server(neighbours), Readers::Postgres(readers)) = (&self.place, &self.readers) {
-            neighbours.part(readers).await;
-        }
-        self.readers.close().await;
-    }
 }

@@ -9,8 +9,6 @@ use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD, URL_SAFE, URL_S
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
 
 use super::error::StoreError;
-use crate::core::id::Id;
-use crate::store::tables::hook::HookRow;
 use crate::system::fill_random;
 
 /// Before an encrypted text, and with a character that no text of a hook may have. The number is that of the way it
@@ -40,15 +38,16 @@ impl Secrets {
         Some(Self(Some(Arc::new(LessSafeKey::new(key)))))
     }
 
-    /// Encrypts what is not encrypted yet; says whether there was any.
-    pub fn hide(&self, hook: &mut HookRow) -> Result<bool, StoreError> {
+    /// Encrypts what is not encrypted yet of texts, each with where it stands: what strays to another place cannot be
+    /// decrypted there. Says whether there was any.
+    pub fn hide<'a>(&self, texts: impl Iterator<Item = (String, &'a mut String)>) -> Result<bool, StoreError> {
         let Some(key) = &self.0 else { return Ok(false) };
         let mut any = false;
-        for (column, text) in secret_texts(hook).filter(|(_, text)| !text.starts_with(MARK)) {
+        for (place, text) in texts.filter(|(_, text)| !text.starts_with(MARK)) {
             let mut nonce = [0; NONCE_LEN];
             fill_random(&mut nonce).map_err(|error| StoreError::Other(error.into()))?;
             let mut bytes = text.as_bytes().to_vec();
-            key.seal_in_place_append_tag(Nonce::assume_unique_for_key(nonce), column, &mut bytes)
+            key.seal_in_place_append_tag(Nonce::assume_unique_for_key(nonce), Aad::from(place), &mut bytes)
                 .map_err(|_| StoreError::Other("a secret cannot be encrypted".into()))?;
             *text = format!("{MARK}{}", STANDARD.encode([&nonce[..], &bytes].concat()));
             any = true;
@@ -56,11 +55,16 @@ impl Secrets {
         Ok(any)
     }
 
+    /// Decrypts the texts of what is `named` so, which stand where they were encrypted.
+    ///
     /// # Errors
     /// [`StoreError::Key`] where something is encrypted, and not with this key.
-    pub fn show(&self, hook: &mut HookRow) -> Result<(), StoreError> {
-        let named = format!("hook {} ({})", hook.id, hook.name);
-        for (column, text) in secret_texts(hook) {
+    pub fn show<'a>(
+        &self,
+        named: &str,
+        texts: impl Iterator<Item = (String, &'a mut String)>,
+    ) -> Result<(), StoreError> {
+        for (place, text) in texts {
             let Some(hidden) = text.strip_prefix(MARK) else { continue };
             let Some(key) = &self.0 else {
                 return Err(StoreError::Key(format!(
@@ -72,39 +76,26 @@ impl Secrets {
                     "GYROWATCH_SECRETS_KEY is another key than the secrets of {named} were encrypted with"
                 ))
             };
-            *text = shown(key, column, hidden).ok_or_else(other)?;
+            *text = shown(key, place, hidden).ok_or_else(other)?;
         }
         Ok(())
     }
 }
 
-fn shown(key: &LessSafeKey, column: Aad<String>, hidden: &str) -> Option<String> {
+fn shown(key: &LessSafeKey, place: String, hidden: &str) -> Option<String> {
     let bytes = STANDARD.decode(hidden).ok()?;
     let (nonce, hidden) = bytes.split_first_chunk()?;
     let mut hidden = hidden.to_vec();
-    let shown = key.open_in_place(Nonce::assume_unique_for_key(*nonce), column, &mut hidden).ok()?;
+    let shown = key.open_in_place(Nonce::assume_unique_for_key(*nonce), Aad::from(place), &mut hidden).ok()?;
     String::from_utf8(shown.to_vec()).ok()
-}
-
-/// What is secret of a hook, each with where it stands: what strays to another place cannot be decrypted there.
-fn secret_texts(hook: &mut HookRow) -> impl Iterator<Item = (Aad<String>, &mut String)> {
-    let HookRow { id, url, authorization, secret, old_secret, .. } = hook;
-    let id: Id = *id;
-    let old_secret = old_secret.as_mut().map(|(secret, _)| secret);
-    // What replaces a secret makes it the old one as it is.
-    let texts = [
-        ("url", Some(url)),
-        ("authorization", authorization.as_mut()),
-        ("secret", secret.as_mut()),
-        ("secret", old_secret),
-    ];
-    texts.into_iter().filter_map(move |(column, text)| Some((Aad::from(format!("hook {id} {column}")), text?)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::core::id::Id;
     use crate::core::time::UtcMicros;
+    use crate::store::tables::hook::HookRow;
 
     fn hook() -> HookRow {
         HookRow {
@@ -130,24 +121,24 @@ mod tests {
     fn what_is_secret_is_hidden_and_comes_back_with_the_key_alone() {
         let key = |byte: u8| Secrets::with_key(&hex::encode([byte; 32])).unwrap();
         let mut hidden = hook();
-        assert!(key(1).hide(&mut hidden).unwrap());
-        let texts: Vec<String> = secret_texts(&mut hidden).map(|(_, text)| text.clone()).collect();
+        assert!(key(1).hide(hidden.secret_texts()).unwrap());
+        let texts: Vec<String> = hidden.secret_texts().map(|(_, text)| text.clone()).collect();
         assert!(texts.len() == 4 && texts.iter().all(|text| text.starts_with(MARK)), "{texts:?}");
-        assert!(!key(1).hide(&mut hidden).unwrap(), "once is enough");
+        assert!(!key(1).hide(hidden.secret_texts()).unwrap(), "once is enough");
         for other in [key(2), Secrets::default()] {
-            assert!(matches!(other.show(&mut hidden.clone()), Err(StoreError::Key(_))));
+            assert!(matches!(other.show("", hidden.clone().secret_texts()), Err(StoreError::Key(_))));
         }
         let mut elsewhere = HookRow { id: Id(8), ..hidden.clone() };
-        assert!(key(1).show(&mut elsewhere).is_err(), "of another hook");
-        key(1).show(&mut hidden).unwrap();
+        assert!(key(1).show("", elsewhere.secret_texts()).is_err(), "of another hook");
+        key(1).show("", hidden.secret_texts()).unwrap();
         assert!(hidden == hook());
     }
 
     #[test]
     fn without_a_key_everything_stays_as_it_is() {
         let mut plain = hook();
-        assert!(!Secrets::default().hide(&mut plain).unwrap());
-        Secrets::default().show(&mut plain).unwrap();
+        assert!(!Secrets::default().hide(plain.secret_texts()).unwrap());
+        Secrets::default().show("", plain.secret_texts()).unwrap();
         assert!(plain == hook());
     }
 

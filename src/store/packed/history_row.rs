@@ -22,7 +22,40 @@ use crate::core::id::Id;
 use crate::core::judge::State;
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{cell, insert};
 use crate::store::error::StoreError;
+
+/// What a record says of a gyro.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HistoryRow {
+    pub gyro: u32,
+    pub figures: Figures,
+}
+
+/// Puts rows into their gyros' places; one that is there already is replaced.
+pub(crate) fn upsert<'a>(history: impl Iterator<Item = &'a HistoryRow>, batch: &mut Batch) {
+    batch.add(
+        insert!(
+            "history (gyro, calibrated_at, record, figures)",
+            [int 0, int 1, int 2, blob 3 4],
+            "ON CONFLICT (gyro, calibrated_at) DO UPDATE SET record = excluded.record, figures = excluded.figures"
+        ),
+        rows(history),
+    );
+}
+
+pub(crate) fn rows<'a>(history: impl Iterator<Item = &'a HistoryRow>) -> Rows {
+    let mut rows = Rows::default();
+    for HistoryRow { gyro, figures } in history {
+        rows.row()
+            .integer(i64::from(*gyro))
+            .integer(figures.at.0)
+            .integer(figures.record.0)
+            .written(|out| figures.pack(*gyro, out));
+    }
+    rows
+}
 
 pub(crate) const PACKED_LEN: usize = 120;
 const VERSION: u8 = 1;

@@ -11,6 +11,10 @@ use sqlx::{Connection, Either, Error, Execute, Executor, PgPool, Postgres, SqlSa
 use tokio::sync::watch;
 use tokio::time::timeout;
 
+/// How long a database that does not answer yet is waited for at the start.
+pub(super) const COMES_UP: Duration = Duration::from_secs(10);
+pub(super) const BREATH: Duration = Duration::from_millis(300);
+
 /// What comes of `work`, unless nothing has within `limit`.
 ///
 /// # Errors

@@ -4,14 +4,12 @@ use sqlx::Row as _;
 use sqlx::postgres::PgRow;
 
 use super::PgReaders;
-use crate::core::kind::Kind;
 use crate::store::cells::CELLS;
-use crate::store::commit::Changes;
 use crate::store::error::StoreError;
 
 /// What a commit may bring that others want to hear of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum News {
+pub(in crate::store) enum News {
     Names,
     /// Hooks, silences and alerts of stations.
     Settings,
@@ -33,27 +31,6 @@ impl News {
             Self::Models => "models",
             Self::Diagnoses => "diagnoses",
             Self::Access => "access",
-        }
-    }
-
-    pub fn is_in(self, changes: &Changes) -> bool {
-        let (outbox, access) = (&changes.outbox, &changes.access);
-        match self {
-            Self::Names => [changes.imus.len(), changes.stations.len(), changes.gyros.len()] != [0; 3],
-            Self::Settings => {
-                let of_no_gyro = changes.alerts.iter().any(|alert| alert.of.gyro().is_none());
-                of_no_gyro || !changes.hooks.is_empty() || !changes.silences.is_empty()
-            }
-            Self::Outbox => {
-                let moved = [outbox.queued.len(), outbox.replayed.len(), outbox.dropped.len(), outbox.hastened.len()];
-                moved != [0; 4] || !changes.hooks.is_empty()
-            }
-            Self::Models => !changes.models.is_empty() || !changes.hypotheses.is_empty(),
-            Self::Diagnoses => {
-                !(changes.models.is_empty() && changes.diagnosis_jobs.started.is_empty())
-                    || changes.records.iter().any(|record| record.kind == Kind::Campaign)
-            }
-            Self::Access => [access.tokens.len(), access.sessions.len(), access.ended.len()] != [0; 3],
         }
     }
 }

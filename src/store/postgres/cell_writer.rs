@@ -9,18 +9,19 @@ use std::time::{Duration, Instant};
 
 use sqlx::{AssertSqlSafe, Connection, PgConnection};
 
+use super::bounded::{BREATH, COMES_UP, PgReaders, within};
 use super::cell_rows::{AllCells, COLUMNS, CellRow, Missed, News};
 use super::hosts::Hosts;
-use super::{BREATH, COMES_UP, PgReaders, names, within};
+use super::names;
 use crate::store::cells::Cells;
-use crate::store::commit::{Changes, batch_of};
+use crate::store::changes::Changes;
 use crate::store::error::StoreError;
+use crate::store::handle::Options;
 use crate::store::id::IdSource;
-use crate::store::open::Options;
+use crate::store::name_tables::Names;
+use crate::store::packed::history_row::{self, HistoryRow};
+use crate::store::statements::batch_of;
 use crate::store::tables::diagnosis;
-use crate::store::tables::history;
-use crate::store::tables::history::HistoryRow;
-use crate::store::tables::names::Names;
 
 /// How long it is kept which commits there were: longer than anybody waits to find out.
 const COMMITS_KEPT_S: i64 = 600;
@@ -140,8 +141,8 @@ impl CellWriter {
                 self.find_out(&next[0], error.into()).await?;
             }
         }
-        self.names.learn(changes);
-        if News::Names.is_in(changes) {
+        self.names.learn(changes.new_names());
+        if changes.brings(News::Names) {
             let stamps = next.iter().map(|row| (usize::from(row.cell), row.stamp_of(News::Names)));
             self.names.change(|tables| stamps.for_each(|(place, stamp)| tables.seen[place] = stamp));
         }
@@ -154,7 +155,7 @@ impl CellWriter {
         let stamp = rand::random_range(1..i64::MAX);
         let after = |row: &CellRow| {
             let mut next = CellRow { stamp, last_id: last_id.max(row.last_id), ..*row };
-            for news in News::ALL.into_iter().filter(|news| news.is_in(changes)) {
+            for news in News::ALL.into_iter().filter(|news| changes.brings(*news)) {
                 next.news[news as usize] = stamp;
             }
             next
@@ -244,9 +245,9 @@ async fn write(
 ) -> Result<(), StoreError> {
     let mut batch = batch_of(changes);
     diagnosis::make_due(&changes.models, &mut batch);
-    history::upsert(last_of_each(changes).into_iter(), &mut batch);
+    history_row::upsert(last_of_each(changes).into_iter(), &mut batch);
     let (first, cells) = (next[0], next.iter().map(|row| i64::from(row.cell)).collect::<Vec<_>>());
-    let is_new = |news: News| if news.is_in(changes) { format!(", {} = $2", news.name()) } else { String::new() };
+    let is_new = |news: News| if changes.brings(news) { format!(", {} = $2", news.name()) } else { String::new() };
     let set = News::ALL.map(is_new).concat();
     let end = format!(
         "WITH made AS (INSERT INTO cell_commit (cell, at, stamp) VALUES ($1, now(), $2)),

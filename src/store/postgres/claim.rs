@@ -7,7 +7,7 @@ use std::time::Duration;
 use crate::core::id::Id;
 use crate::store::db::{PgReaders, Readers};
 use crate::store::error::StoreError;
-use crate::store::open::{Place, Store};
+use crate::store::handle::{Place, Store};
 
 /// A claim is renewed this often in the time for which it holds.
 const RENEWALS: u32 = 3;
@@ -87,12 +87,6 @@ impl Claimant<'_> {
         sqlx::query(sql).bind(self.number).bind(numbers(claimed)).execute(self.readers).await?;
         Ok(())
     }
-}
-
-/// At the end of a server.
-pub(super) async fn release_all(readers: &PgReaders, number: i64) -> Result<(), StoreError> {
-    sqlx::query("DELETE FROM diagnosis_claim WHERE holder = $1").bind(number).execute(readers).await?;
-    Ok(())
 }
 
 fn numbers(ids: &[Id]) -> Vec<i64> {

@@ -61,9 +61,11 @@ pub(super) async fn keep(readers: PgReaders, number: i64, lease: Duration, held:
     }
 }
 
+/// At the end of a server: its duties, and the diagnoses that it has claimed.
 pub(super) async fn give_back(readers: &PgReaders, number: i64) -> Result<(), StoreError> {
     let release = "UPDATE lease SET until = now() WHERE holder = $1";
     sqlx::query(release).bind(number).execute(readers).await?;
+    sqlx::query("DELETE FROM diagnosis_claim WHERE holder = $1").bind(number).execute(readers).await?;
     Ok(())
 }
 

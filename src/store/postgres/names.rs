@@ -1,11 +1,9 @@
 //! Names that other servers have given numbers to.
 
 use super::cell_rows::{AllCells, CellRow, News};
-use crate::store::db::{PgReaders, Readers};
+use crate::store::db::PgReaders;
 use crate::store::error::StoreError;
-use crate::store::open::Store;
-use crate::store::tables::names::{Names, NamesOf, Tables};
-use crate::store::tables::record::RecordRow;
+use crate::store::name_tables::{Names, NamesOf, Tables};
 
 /// A name: its kind, number, cell and text.
 type Found = (i32, i64, i64, String);
@@ -15,14 +13,8 @@ const ALL: &str = "SELECT 0, id, cell, name FROM imu UNION ALL SELECT 1, id, cel
 const OF_CELLS: &str = "SELECT 0, id, cell, name FROM imu WHERE cell = ANY($1)
                         UNION ALL SELECT 1, id, cell, name FROM station WHERE cell = ANY($1)
                         UNION ALL SELECT 2, id, cell, serial FROM gyro WHERE cell = ANY($1)";
-const OF_NAMES: &str = "SELECT 0, id, cell, name FROM imu WHERE name = ANY($1)
-                        UNION ALL SELECT 1, id, cell, name FROM station WHERE name = ANY($2)
-                        UNION ALL SELECT 2, id, cell, serial FROM gyro WHERE serial = ANY($3)";
-const OF_NUMBERS: &str = "SELECT 0, id, cell, name FROM imu WHERE id = ANY($1)
-                          UNION ALL SELECT 1, id, cell, name FROM station WHERE id = ANY($2)
-                          UNION ALL SELECT 2, id, cell, serial FROM gyro WHERE id = ANY($3)";
 
-fn read(found: Vec<Found>) -> Result<Vec<(NamesOf, u32, u8, String)>, StoreError> {
+pub(in crate::store) fn read(found: Vec<Found>) -> Result<Vec<(NamesOf, u32, u8, String)>, StoreError> {
     let one = |(kind, number, cell, name): Found| {
         let kind = usize::try_from(kind).ok().and_then(|kind| NamesOf::ALL.get(kind)).copied();
         let wrong = || StoreError::Damaged(format!("`{name}` has the number {number} in cell {cell}"));
@@ -78,55 +70,4 @@ pub(super) async fn learn_cells(readers: &PgReaders, names: &Names, found: &[Cel
         }
         Ok(())
     })
-}
-
-/// Names that may be known to other servers: of IMUs, stations and gyros.
-///
-/// # Errors
-/// [`StoreError`].
-pub(in crate::store) async fn look_up(store: &Store, unknown: [Vec<String>; 3]) -> Result<(), StoreError> {
-    let Readers::Postgres(readers) = &store.readers else { return Ok(()) };
-    if unknown.iter().all(Vec::is_empty) {
-        return Ok(());
-    }
-    let [imus, stations, gyros] = unknown;
-    let query = sqlx::query_as(OF_NAMES).bind(imus).bind(stations).bind(gyros);
-    learn(store, read(query.fetch_all(readers).await?)?)
-}
-
-fn learn(store: &Store, found: Vec<(NamesOf, u32, u8, String)>) -> Result<(), StoreError> {
-    store.names.change(|tables| {
-        found.iter().try_for_each(|(kind, number, cell, name)| tables.learn(*kind, *number, *cell, name))
-    })
-}
-
-/// A row of another server's may be read before the names that came with it were heard of.
-///
-/// # Errors
-/// [`StoreError`].
-pub(in crate::store) async fn know_names_of(store: &Store, row: &RecordRow) -> Result<(), StoreError> {
-    let gyros = row.verdicts.0.iter().map(|(gyro, _)| *gyro).collect();
-    look_up_numbers(store, [vec![row.imu], vec![row.station], gyros]).await
-}
-
-/// As [`look_up`], by numbers.
-///
-/// # Errors
-/// [`StoreError`].
-pub(in crate::store) async fn look_up_numbers(store: &Store, numbers: [Vec<u32>; 3]) -> Result<(), StoreError> {
-    let Readers::Postgres(readers) = &store.readers else { return Ok(()) };
-    let [imus, stations, gyros] = {
-        let tables = store.names.read();
-        let mut kinds = NamesOf::ALL.into_iter();
-        numbers.map(|numbers| {
-            let table = tables.of(kinds.next().expect("there are three kinds"));
-            let unknown = numbers.into_iter().filter(|number| table.name(*number).is_none());
-            unknown.map(i64::from).collect::<Vec<_>>()
-        })
-    };
-    if [&imus, &stations, &gyros].iter().all(|unknown| unknown.is_empty()) {
-        return Ok(());
-    }
-    let query = sqlx::query_as(OF_NUMBERS).bind(imus).bind(stations).bind(gyros);
-    learn(store, read(query.fetch_all(readers).await?)?)
 }

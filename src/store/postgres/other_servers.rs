@@ -4,13 +4,13 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
+use super::bounded::PgReaders;
 use super::cell_rows::{AllCells, Missed};
 use super::hosts::Hosts;
 use super::lease::{self, Duty, Held};
-use super::{PgReaders, claim, names};
+use super::names;
 use crate::store::error::StoreError;
-use crate::store::open::{Place, Store};
-use crate::store::tables::names::Names;
+use crate::store::name_tables::Names;
 
 /// How soon what others have written is known here.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
@@ -43,11 +43,19 @@ impl Neighbours {
         self.lease
     }
 
+    pub fn is_on_duty(&self, duty: Duty) -> bool {
+        lease::is_held(&self.held.borrow(), duty)
+    }
+
+    /// What is written by any server from now on.
+    pub fn moves(&self) -> Moves {
+        Moves { neighbours: self.clone(), seen: *self.seen.borrow() }
+    }
+
     /// Gives up every duty, for others to take over at once.
     pub async fn part(&self, readers: &PgReaders) {
         let Some((number, _)) = self.lease else { return };
-        let leases = lease::give_back(readers, number).await;
-        if let Err(error) = leases.and(claim::release_all(readers, number).await) {
+        if let Err(error) = lease::give_back(readers, number).await {
             tracing::debug!(%error, "leases and claims could not be given back; they end by themselves");
         }
     }
@@ -98,25 +106,5 @@ impl Moves {
         }
         let found = *self.neighbours.seen.borrow_and_update();
         Some(self.seen.learn(&found.0))
-    }
-}
-
-/// Whether something that one server does for all is this one's to do now. Alone on a file, everything is.
-pub fn is_on_duty(store: &Store, duty: Duty) -> bool {
-    match &store.place {
-        Place::File(_) => true,
-        Place::Server(neighbours) => lease::is_held(&neighbours.held.borrow(), duty),
-    }
-}
-
-/// What is written by any server from now on; none where there can be no other.
-pub fn moves(store: &Store) -> Option<Moves> {
-    match &store.place {
-        Place::File(_) => None,
-        Place::Server(neighbours) => {
-            let neighbours = neighbours.clone();
-            let seen = *neighbours.seen.borrow();
-            Some(Moves { neighbours, seen })
-        }
     }
 }

@@ -15,11 +15,12 @@ use crate::core::time::Span;
 use crate::store;
 use crate::store::db::Readers;
 use crate::store::error::StoreError;
-use crate::store::open::{MIGRATIONS, Options, Place, Store, connect_options, finds_nothing, load_names, migrate};
+use crate::store::handle::{Options, Place, Store};
+use crate::store::name_tables::Names;
+use crate::store::open::{MIGRATIONS, connect_options, finds_nothing, load_names, migrate};
 use crate::store::postgres;
 use crate::store::secrets::Secrets;
 use crate::store::sqlite::write_behind::Unplaced;
-use crate::store::tables::names::Names;
 use crate::system::{fill_random, sha256};
 
 impl Options {
@@ -133,7 +134,7 @@ pub fn check_checksums(options: &Options) -> Result<Vec<String>, StoreError> {
 /// As [`check`].
 pub async fn check_all_but_records(options: &Options) -> Result<(), StoreError> {
     if options.is_server() {
-        let store = postgres::open_to_read(options).await?;
+        let store = postgres::open::open_to_read(options).await?;
         contents(&store, false).await?;
         store.close().await;
         return Ok(());
@@ -188,7 +189,7 @@ async fn read_tables(file: &Path, records: bool) -> Result<Holdings, StoreError>
 /// [`StoreError::File`] where its schema is not of this version of the program.
 pub async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
     if options.is_server() {
-        return postgres::open_to_read(options).await;
+        return postgres::open::open_to_read(options).await;
     }
     let file = options.file()?;
     let connect = reading(&file).busy_timeout(options.busy_timeout);

@@ -3,15 +3,20 @@
 //! Whoever calls waits for the disk. The connection is SQLite's own and not a driver's with a thread of its own:
 //! handing a group over to that thread and back would take as long as a commit's flush.
 
+use tokio::runtime::{Handle, RuntimeFlavor};
+
 use super::checkpoint::{self, Checkpoints};
 use super::checksum::Summing;
 use super::halt::Halt;
 use super::lock::Lock;
-use crate::store::commit::{Changes, batch_of};
+use crate::store::changes::Changes;
 use crate::store::error::StoreError;
+use crate::store::name_tables::Names;
 use crate::store::sqlite::write_behind::Unplaced;
+use crate::store::sqlite::write_behind::record_index::{IndexChanges, NewRecord};
+use crate::store::statements::batch_of;
 use crate::store::tables::diagnosis;
-use crate::store::tables::names::Names;
+use crate::store::tables::record::RecordRow;
 
 #[derive(Debug)]
 pub(crate) struct FileWriter {
@@ -50,10 +55,11 @@ impl FileWriter {
             tail.write(changes.history_rows(), &fold, &mut batch);
             fold
         };
+        let indexed = indexed(changes);
         let entering = {
             let calendar = self.unplaced.calendar.read();
-            let entering = calendar.due(changes);
-            calendar.write(&entering, changes, &mut batch);
+            let entering = calendar.due(&indexed);
+            calendar.write(&entering, &indexed, &mut batch);
             diagnosis::make_due(&changes.models, &mut batch);
             entering
         };
@@ -62,9 +68,9 @@ impl FileWriter {
         self.in_doubt = matches!(&committed, Err(error) if !matches!(error, StoreError::Refused(_)));
         self.halt.heed(committed)?;
         // First, so that whoever finds a row knows its names.
-        self.names.learn(changes);
+        self.names.learn(changes.new_names());
         self.unplaced.tail.change(|tail| tail.committed(changes.history_rows(), &fold));
-        self.unplaced.calendar.change(|calendar| calendar.committed(&entering, changes));
+        self.unplaced.calendar.change(|calendar| calendar.committed(&entering, &indexed));
         self.checkpoints.written(pages);
         Ok(())
     }
@@ -103,5 +109,30 @@ impl FileWriter {
         }
         self.connection.into_inner().close().map_err(|(_, error)| error)?;
         copied
+    }
+}
+
+/// What changes in the record index.
+fn indexed(changes: &Changes) -> IndexChanges<'_> {
+    let new = |record: &RecordRow| NewRecord {
+        record: record.id,
+        imu: record.imu,
+        at: record.calibrated_at,
+        voided: record.voided,
+    };
+    IndexChanges {
+        records: changes.records.iter().map(new).collect(),
+        withdrawn: &changes.withdrawn.records,
+        confirmed: changes.confirmed.iter().map(|confirmed| confirmed.record).collect(),
+        asked_for: changes.models.iter().map(|model| model.imu).collect(),
+    }
+}
+
+/// Does `work` on this thread. Where it is one of those that run a runtime's tasks, its others are handed over to the
+/// next.
+pub(in crate::store) fn waiting_for_disk<T>(work: impl FnOnce() -> T) -> T {
+    match Handle::current().runtime_flavor() {
+        RuntimeFlavor::CurrentThread => work(),
+        _ => tokio::task::block_in_place(work),
     }
 }

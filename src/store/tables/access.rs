@@ -1,21 +1,14 @@
 //! Tokens, the browsers that signed in with them, and the audit trail.
 
-use sqlx::{ConnectOptions, SqliteConnection};
+use sqlx::SqliteConnection;
 
 use crate::core::access::{AuditEntry, AuditFilter, Role};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::cells::{ACCESS_CELL, Cells};
-use crate::store::commit::{Changes, Writer, batch_of, waiting_for_disk};
 use crate::store::db::{AnyRow, Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::IdSource;
-use crate::store::open::{Options, Store, connect_options, last_id, migrate, open_to_write};
-use crate::store::postgres;
-use crate::store::sqlite::checksum::{Summing, settle};
-use crate::store::sqlite::lock;
-use crate::store::sqlite::private;
+use crate::store::handle::Store;
 
 /// A token, without its secret.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -153,6 +146,11 @@ pub async fn tokens(store: &Store) -> Result<Vec<TokenRow>, StoreError> {
     on!(store.readers, db => sqlx::query(TOKENS).fetch_all(db).await?.iter().map(token).collect())
 }
 
+/// As [`tokens`], by a connection of one's own.
+pub(in crate::store) async fn tokens_of(reading: &mut SqliteConnection) -> Result<Vec<TokenRow>, StoreError> {
+    sqlx::query(TOKENS).fetch_all(reading).await?.iter().map(token).collect()
+}
+
 pub async fn sessions(store: &Store) -> Result<Vec<SessionRow>, StoreError> {
     let sql = "SELECT id, token, secret_sha256, began_at, expires_at FROM session ORDER BY id";
     on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(session).collect())
@@ -211,74 +209,4 @@ fn line(row: &impl AnyRow) -> Result<AuditEntry, StoreError> {
         before: row.cell("before")?,
         after: row.cell("after")?,
     })
-}
-
-/// A database beside the service that may be serving it: for commands that read tokens or write one row.
-#[derive(Debug)]
-pub struct Beside(Aside);
-
-#[derive(Debug)]
-enum Aside {
-    File { reading: Box<SqliteConnection>, writing: Box<Summing>, ids: IdSource },
-    Server { store: Store, writer: Box<Writer> },
-}
-
-impl Beside {
-    /// Opens the database; where no service holds it, creates it and brings its schema up to date first.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn open(options: &Options) -> Result<Self, StoreError> {
-        if options.is_server() {
-            let (store, mut writer) = postgres::open_beside(options).await?;
-            writer.take_turn(&Cells::one(ACCESS_CELL)).await?;
-            return Ok(Self(Aside::Server { store, writer: Box::new(writer) }));
-        }
-        let connect = connect_options(options)?;
-        let file = connect.get_filename().to_owned();
-        let lock = match lock::take(&file) {
-            Err(StoreError::InUse(_)) => None,
-            taken => Some(taken?),
-        };
-        private::make(&file);
-        let mut reading = connect.connect().await?;
-        if lock.is_some() {
-            migrate(&mut reading).await?;
-        }
-        let ids = IdSource::after(last_id(&mut reading).await?);
-        let writing = open_to_write(&file, options)?;
-        if lock.is_some() {
-            settle(&writing)?;
-        }
-        let writing = Summing::over(writing)?;
-        Ok(Self(Aside::File { reading: Box::new(reading), writing: Box::new(writing), ids }))
-    }
-
-    pub async fn tokens(&mut self) -> Result<Vec<TokenRow>, StoreError> {
-        match &mut self.0 {
-            Aside::File { reading, .. } => {
-                sqlx::query(TOKENS).fetch_all(&mut **reading).await?.iter().map(token).collect()
-            }
-            Aside::Server { store, .. } => tokens(store).await,
-        }
-    }
-
-    pub fn next_id(&mut self, now: UtcMicros) -> Id {
-        match &mut self.0 {
-            Aside::File { ids, .. } => ids.next(now),
-            Aside::Server { writer, .. } => writer.next_id(now),
-        }
-    }
-
-    /// Writes in one transaction; on disk when this returns.
-    ///
-    /// # Errors
-    /// [`StoreError`]; then nothing is written, but see [`crate::store::Writer::commit`].
-    pub async fn commit(&mut self, access: AccessChanges) -> Result<(), StoreError> {
-        let changes = Changes { access, ..Changes::default() };
-        match &mut self.0 {
-            Aside::File { writing, .. } => waiting_for_disk(|| batch_of(&changes).commit(writing)),
-            Aside::Server { writer, .. } => writer.commit(&changes).await,
-        }
-    }
 }

@@ -8,7 +8,7 @@ use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{AnyRow, LISTED, Sql, Whole, cell, each, insert, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 
 /// Who said so, why and when.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,13 +1,13 @@
 //! Records and bench results that do not count any more: who said so, when, why, and what stands in their place.
 
-use super::history::{self, HistoryRow};
 use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
+use crate::store::packed::history_row::{self, HistoryRow};
 
 /// What a transaction takes out of what counts.
 #[derive(Debug, Default)]
@@ -33,7 +33,7 @@ pub(crate) fn withdraw(withdrawn: &Withdrawn, batch: &mut Batch) {
     batch.add(among!("UPDATE bench_result SET voided = id WHERE id"), Rows::of(benches));
     batch.add(
         insert!("voided_history (gyro, calibrated_at, record, figures)", [int 0, int 1, int 2, blob 3 4]),
-        history::rows(withdrawn.history.iter()),
+        history_row::rows(withdrawn.history.iter()),
     );
 }
 

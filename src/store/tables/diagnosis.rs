@@ -7,7 +7,7 @@ use crate::core::kind::Kind;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 use crate::store::packed::text;
 
 /// A diagnosis that was made.

@@ -9,7 +9,7 @@ use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, Whole, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 
 /// The gist of one campaign's diagnosis.
 #[derive(Debug, Clone, PartialEq, Eq)]

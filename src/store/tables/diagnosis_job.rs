@@ -10,7 +10,7 @@ use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{AnyRow, Sql, Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 
 /// An order as it stands.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{AnyRow, Whole, cell, insert, listed, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventRow {

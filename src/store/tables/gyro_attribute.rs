@@ -6,7 +6,7 @@ use crate::core::gyro_attributes::GyroAttributes;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Whole, cell, insert, listed, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 
 /// A gyro, and what is said of it from now on.
 #[derive(Debug, Clone, PartialEq)]

@@ -11,7 +11,7 @@ use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{AnyRow, Sql, Whole, cell, insert, listed, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 
 /// How a gyro stands, whatever the time is.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,7 +6,7 @@ use crate::core::time::Span;
 use crate::store;
 use crate::store::db::{Sql, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 
 /// Gyros of one query, so that what it hands over stays within a few megabytes.
 const AT_ONCE: usize = 256;

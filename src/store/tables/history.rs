@@ -4,41 +4,10 @@ use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Readers, Sql, Whole, cell, insert, on};
+use crate::store::db::{Readers, Sql, Whole, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 use crate::store::packed::history_row::PACKED_LEN;
-
-#[derive(Debug, Clone, PartialEq)]
-pub struct HistoryRow {
-    pub gyro: u32,
-    pub figures: Figures,
-}
-
-/// Puts rows into their gyros' places; one that is there already is replaced.
-pub(crate) fn upsert<'a>(history: impl Iterator<Item = &'a HistoryRow>, batch: &mut Batch) {
-    batch.add(
-        insert!(
-            "history (gyro, calibrated_at, record, figures)",
-            [int 0, int 1, int 2, blob 3 4],
-            "ON CONFLICT (gyro, calibrated_at) DO UPDATE SET record = excluded.record, figures = excluded.figures"
-        ),
-        rows(history),
-    );
-}
-
-pub(crate) fn rows<'a>(history: impl Iterator<Item = &'a HistoryRow>) -> Rows {
-    let mut rows = Rows::default();
-    for HistoryRow { gyro, figures } in history {
-        rows.row()
-            .integer(i64::from(*gyro))
-            .integer(figures.at.0)
-            .integer(figures.record.0)
-            .written(|out| figures.pack(*gyro, out));
-    }
-    rows
-}
 
 /// Folded rows of `gyro` within `span`, whether they count or not: the oldest `limit` of them, oldest first; or the
 /// newest, newest first.

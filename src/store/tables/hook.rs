@@ -5,11 +5,9 @@ use std::collections::HashSet;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::cells::Cells;
-use crate::store::commit::{Changes, Writer};
 use crate::store::db::{AnyRow, cell, insert, listed, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 use crate::store::secrets::Secrets;
 
 /// A hook. Its secrets are for signing and sending only; what shows hooks leaves them out, and so does `Debug`.
@@ -40,6 +38,33 @@ impl std::fmt::Debug for HookRow {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         // The address too may hold a token.
         f.debug_struct("HookRow").field("id", &self.id).field("kind", &self.kind).finish_non_exhaustive()
+    }
+}
+
+impl HookRow {
+    /// What is secret of it, each text with where it stands.
+    pub(in crate::store) fn secret_texts(&mut self) -> impl Iterator<Item = (String, &mut String)> {
+        let Self { id, url, authorization, secret, old_secret, .. } = self;
+        let id: Id = *id;
+        let old_secret = old_secret.as_mut().map(|(secret, _)| secret);
+        // What replaces a secret makes it the old one as it is.
+        let texts = [
+            ("url", Some(url)),
+            ("authorization", authorization.as_mut()),
+            ("secret", secret.as_mut()),
+            ("secret", old_secret),
+        ];
+        texts.into_iter().filter_map(move |(column, text)| Some((format!("hook {id} {column}"), text?)))
+    }
+
+    /// Encrypts its secrets as far as they are not; says whether there was anything to do.
+    pub(in crate::store) fn hide(&mut self, secrets: &Secrets) -> Result<bool, StoreError> {
+        secrets.hide(self.secret_texts())
+    }
+
+    /// Decrypts its secrets.
+    pub(in crate::store) fn show(&mut self, secrets: &Secrets) -> Result<(), StoreError> {
+        secrets.show(&format!("hook {} ({})", self.id, self.name), self.secret_texts())
     }
 }
 
@@ -106,51 +131,20 @@ fn hook(row: &impl AnyRow) -> Result<HookRow, StoreError> {
     })
 }
 
-impl Store {
-    /// With the key of the hooks' secrets.
-    #[must_use]
-    pub fn with(self, secrets: Secrets) -> Self {
-        Self { secrets, ..self }
-    }
-}
-
 /// Encrypts the secrets of hooks that are to be written, where there is a key.
 pub fn hide(store: &Store, hooks: &mut [HookRow]) -> Result<(), StoreError> {
-    hooks.iter_mut().try_for_each(|hook| store.secrets.hide(hook).map(|_| ()))
+    hooks.iter_mut().try_for_each(|hook| hook.hide(&store.secrets).map(|_| ()))
 }
 
-/// Encrypts what was stored before there was a key; says of how many hooks.
-///
-/// # Errors
-/// [`StoreError::Key`] where something is encrypted, and not with this key.
-pub async fn hide_stored(store: &Store, writer: &mut Writer) -> Result<usize, StoreError> {
-    writer.take_turn(&Cells::all()).await?;
-    let hidden = hide_in_turn(store, writer).await;
-    writer.give_back().await;
-    hidden
-}
-
-async fn hide_in_turn(store: &Store, writer: &mut Writer) -> Result<usize, StoreError> {
+/// Every hook as it is stored, deleted ones too: its secrets may be encrypted.
+pub(in crate::store) async fn stored(store: &Store) -> Result<Vec<HookRow>, StoreError> {
     let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY id"));
-    let stored: Result<Vec<HookRow>, StoreError> =
-        on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(hook).collect());
-    let mut hooks = Vec::new();
-    for mut hook in stored? {
-        store.secrets.show(&mut hook.clone())?;
-        if store.secrets.hide(&mut hook)? {
-            hooks.push(hook);
-        }
-    }
-    let count = hooks.len();
-    if count > 0 {
-        writer.commit(&Changes { hooks, ..Changes::default() }).await?;
-    }
-    Ok(count)
+    on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(hook).collect())
 }
 
 fn shown(store: &Store, row: &impl AnyRow) -> Result<HookRow, StoreError> {
     let mut hook = hook(row)?;
-    store.secrets.show(&mut hook)?;
+    hook.show(&store.secrets)?;
     Ok(hook)
 }
 

@@ -4,7 +4,7 @@ use crate::core::id::Id;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyRow {

@@ -6,7 +6,7 @@ use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::db::{AnyRow, Readers, Sql, Whole, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 
 fn subject(row: &impl AnyRow) -> Result<Subject, sqlx::Error> {
     let (step, alert): (Option<i64>, Option<i64>) = (row.cell("step")?, row.cell("alert")?);

@@ -8,10 +8,10 @@ use crate::core::time::{Span, UtcMicros};
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{AnyRow, Readers, Sql, Whole, cell, insert, listed, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 use crate::store::packed::text;
 use crate::store::packed::verdicts::VerdictSheet;
-use crate::store::postgres;
+use crate::store::tables::names::look_up_numbers;
 
 fn kind_code(kind: Kind) -> i64 {
     match kind {
@@ -174,7 +174,8 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<RecordRow>, StoreError>
         sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(row).transpose()?
     });
     if let Some(row) = &found {
-        postgres::names::know_names_of(store, row).await?;
+        let gyros = row.verdicts.0.iter().map(|(gyro, _)| *gyro).collect();
+        look_up_numbers(store, [vec![row.imu], vec![row.station], gyros]).await?;
     }
     Ok(found)
 }
@@ -355,7 +356,7 @@ pub async fn listed(
         .fetch_all(db)
         .await?);
     let names = [rows.iter().map(|row| row.2.0).collect(), rows.iter().map(|row| row.3.0).collect(), Vec::new()];
-    postgres::names::look_up_numbers(store, names).await?;
+    look_up_numbers(store, names).await?;
     let entry = |(id, kind, Whole(imu), Whole(station), calibrated_at, received_at, voided): Row| {
         let kind = kind_of(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
         let (calibrated_at, received_at) = (UtcMicros(calibrated_at), UtcMicros(received_at));

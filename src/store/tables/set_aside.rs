@@ -1,12 +1,12 @@
 //! Records whose time is in doubt: kept as those that were voided are, until somebody confirms it.
 
-use super::history::{self, HistoryRow};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
+use crate::store::packed::history_row::{self, HistoryRow};
 
 /// What a transaction sets aside.
 #[derive(Debug, Default)]
@@ -38,7 +38,7 @@ pub struct ConfirmationRow {
 pub(crate) fn insert(set_aside: &SetAside, batch: &mut Batch) {
     batch.add(
         insert!("voided_history (gyro, calibrated_at, record, figures)", [int 0, int 1, int 2, blob 3 4]),
-        history::rows(set_aside.history.iter()),
+        history_row::rows(set_aside.history.iter()),
     );
     // It may have been confirmed before.
     if !set_aside.stored.is_empty() {

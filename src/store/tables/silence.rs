@@ -8,7 +8,7 @@ use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{AnyRow, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::open::Store;
+use crate::store::handle::Store;
 
 /// Nobody is told of the alerts that match, before a time or until somebody ends it.
 #[derive(Debug, Clone, PartialEq, Eq)]

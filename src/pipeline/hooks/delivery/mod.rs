@@ -100,7 +100,7 @@ impl Worker {
         let mut wake = self.context.hooks.wake.subscribe();
         while !*self.stopping.borrow_and_update() {
             self.context.hooks.pulse.beat();
-            let is_on_duty = store::other_servers::is_on_duty(&self.context.hooks.store, Duty::Deliveries);
+            let is_on_duty = self.context.hooks.store.is_on_duty(Duty::Deliveries);
             if !is_on_duty {
                 // What was under way is sent again by whoever delivers now.
                 self.queues.shutdown().await;

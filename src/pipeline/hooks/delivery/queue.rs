@@ -171,7 +171,7 @@ impl DeliveryQueue {
     }
 
     fn is_on_duty(&self) -> bool {
-        store::other_servers::is_on_duty(&self.context.hooks.store, Duty::Deliveries)
+        self.context.hooks.store.is_on_duty(Duty::Deliveries)
     }
 
     async fn until_more(&mut self, at_once: usize) -> Result<Duration, StoreError> {

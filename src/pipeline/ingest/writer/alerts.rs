@@ -117,7 +117,7 @@ impl Task {
 
     /// Lets the alerts follow the clock.
     pub(super) async fn tick(&mut self) {
-        if !store::other_servers::is_on_duty(&self.store, Duty::Clock) {
+        if !self.store.is_on_duty(Duty::Clock) {
             return;
         }
         let followed = self.try_tick().await;

@@ -84,7 +84,7 @@ impl Task {
         let mut jobs = Vec::with_capacity(max_group);
         let mut ticks = self.ticks();
         let is_for_orders = self.duties == Duties::Orders;
-        let mut moves = if is_for_orders { store::other_servers::moves(&self.store) } else { None };
+        let mut moves = if is_for_orders { self.store.moves() } else { None };
         loop {
             let room = max_group.saturating_sub(jobs.len()).max(1);
             tokio::select! {

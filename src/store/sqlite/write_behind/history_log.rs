@@ -15,9 +15,8 @@ use crate::core::time::Span;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, cell, insert};
 use crate::store::error::StoreError;
-use crate::store::packed::history_row::PACKED_LEN;
+use crate::store::packed::history_row::{self, HistoryRow, PACKED_LEN};
 use crate::store::sqlite::write_behind::queues::Waiting;
-use crate::store::tables::history::HistoryRow;
 
 const GYRO_LEN: usize = 4;
 
@@ -99,7 +98,7 @@ impl Tail {
             batch.add(insert!("history_log (id, rows)", [int 0, blob 1 2]), entry);
         }
         if !fold.0.is_empty() {
-            crate::store::tables::history::upsert(self.rows_of(fold).iter(), batch);
+            history_row::upsert(self.rows_of(fold).iter(), batch);
             let first = self.waiting.first_without(&fold.0).unwrap_or(self.last_entry + 1);
             batch.add(Sql::of_sqlite("DELETE FROM history_log WHERE id < $C0"), Rows::of([first]));
         }

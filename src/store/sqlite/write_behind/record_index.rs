@@ -14,11 +14,9 @@ use sqlx::SqliteConnection;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::commit::Changes;
 use crate::store::db::{Sql, Whole, cell, insert};
 use crate::store::error::StoreError;
 use crate::store::sqlite::write_behind::queues::Waiting;
-use crate::store::tables::record::RecordRow;
 
 /// A record that waits.
 #[derive(Debug, Clone, Copy)]
@@ -33,6 +31,25 @@ pub(crate) struct Calendar {
     waiting: Waiting<Entry>,
     /// The newest instant of each IMU, whether what was calibrated then counts or not.
     newest: HashMap<u32, UtcMicros>,
+}
+
+/// A record that a commit stores.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NewRecord {
+    pub record: Id,
+    pub imu: u32,
+    pub at: UtcMicros,
+    pub voided: bool,
+}
+
+/// What a commit does to records, as far as the index is concerned.
+#[derive(Debug)]
+pub(crate) struct IndexChanges<'a> {
+    pub records: Vec<NewRecord>,
+    pub withdrawn: &'a [Id],
+    pub confirmed: Vec<Id>,
+    /// IMUs of which the table alone is asked in the same commit: whose diagnoses become due.
+    pub asked_for: Vec<u32>,
 }
 
 /// What a commit enters into the table.
@@ -97,13 +114,12 @@ impl Calendar {
     }
 
     /// What is to be entered with `changes`.
-    pub fn due(&self, changes: &Changes) -> Entering {
-        let mut at_once = self.imus_of(&changes.withdrawn.records);
-        // Whose diagnoses become due is asked of the table alone.
-        at_once.extend(changes.models.iter().map(|model| model.imu));
+    pub fn due(&self, changes: &IndexChanges<'_>) -> Entering {
+        let mut at_once = self.imus_of(changes.withdrawn);
+        at_once.extend(&changes.asked_for);
         let mut newest: HashMap<u32, UtcMicros> = HashMap::new();
         for record in &changes.records {
-            let (imu, at) = (record.imu, record.calibrated_at);
+            let (imu, at) = (record.imu, record.at);
             if record.voided || newest.get(&imu).is_some_and(|newest| at <= *newest) || !self.is_newest(imu, at) {
                 at_once.insert(imu);
             } else {
@@ -125,23 +141,23 @@ impl Calendar {
     }
 
     /// After the records themselves have been written.
-    pub fn write(&self, entering: &Entering, changes: &Changes, batch: &mut Batch) {
+    pub fn write(&self, entering: &Entering, changes: &IndexChanges<'_>, batch: &mut Batch) {
         let waiting =
             entering.imus.iter().flat_map(|imu| self.waiting.of(*imu).iter().map(move |entry| (*imu, *entry, 0)));
         enter(waiting, batch);
-        batch.add(Sql::of_sqlite(WITHDRAW), Rows::of(changes.withdrawn.records.iter().map(|record| record.0)));
+        batch.add(Sql::of_sqlite(WITHDRAW), Rows::of(changes.withdrawn.iter().map(|record| record.0)));
         let (at_once, later): (Vec<_>, Vec<_>) =
             changes.records.iter().partition(|record| entering.at_once.contains(&record.imu));
-        let entry = |record: &&RecordRow| {
-            let voided = if record.voided { record.id.0 } else { 0 };
-            (record.imu, Entry { at: record.calibrated_at, record: record.id }, voided)
+        let entry = |record: &&NewRecord| {
+            let voided = if record.voided { record.record.0 } else { 0 };
+            (record.imu, Entry { at: record.at, record: record.record }, voided)
         };
         enter(at_once.iter().map(entry), batch);
-        batch.add(Sql::of_sqlite(CONFIRM), Rows::of(changes.confirmed.iter().map(|confirmed| confirmed.record.0)));
+        batch.add(Sql::of_sqlite(CONFIRM), Rows::of(changes.confirmed.iter().map(|record| record.0)));
         let first = self.waiting.first_without(&entering.imus);
-        let first = first.or_else(|| later.first().map(|record| record.id.0));
+        let first = first.or_else(|| later.first().map(|record| record.record.0));
         // Where nothing waits any more.
-        let first = first.or_else(|| at_once.last().map(|record| record.id.0 + 1));
+        let first = first.or_else(|| at_once.last().map(|record| record.record.0 + 1));
         if let (Some(first), false) = (first, entering.imus.is_empty()) {
             let sql =
                 "INSERT INTO calendar_begun (id, record) VALUES (1, $C0) ON CONFLICT (id) DO UPDATE SET record = $C0";
@@ -150,18 +166,18 @@ impl Calendar {
     }
 
     /// Follows a commit.
-    pub fn committed(&mut self, entering: &Entering, changes: &Changes) {
+    pub fn committed(&mut self, entering: &Entering, changes: &IndexChanges<'_>) {
         for imu in &entering.imus {
             self.waiting.remove(*imu);
         }
         for record in &changes.records {
-            let (imu, at) = (record.imu, record.calibrated_at);
+            let NewRecord { record, imu, at, .. } = *record;
             if entering.at_once.contains(&imu) {
                 let newest = self.newest.entry(imu).or_insert(at);
                 *newest = at.max(*newest);
                 self.waiting.pass(1);
             } else {
-                self.enter(imu, Entry { at, record: record.id });
+                self.enter(imu, Entry { at, record });
             }
         }
     }

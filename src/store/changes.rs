@@ -1,0 +1,156 @@
+//! What one transaction writes, as rows of every table.
+
+use std::collections::BTreeSet;
+
+use crate::core::correction::CorrectionItem;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
+use crate::store::name_tables::{NamesOf, NewName};
+use crate::store::packed::history_row::HistoryRow;
+use crate::store::packed::verdicts::StoredVerdict;
+use crate::store::postgres::cell_rows::News;
+use crate::store::tables::access::AccessChanges;
+use crate::store::tables::alerts::{AlertRow, StepRow};
+use crate::store::tables::bench::BenchRow;
+use crate::store::tables::correction::Withdrawn;
+use crate::store::tables::delivery::OutboxChanges;
+use crate::store::tables::diagnosis::NewDiagnosis;
+use crate::store::tables::diagnosis_job::JobChanges;
+use crate::store::tables::event::EventRow;
+use crate::store::tables::gyro_attribute::GyroAttributeRow;
+use crate::store::tables::head::HeadChanges;
+use crate::store::tables::hook::HookRow;
+use crate::store::tables::hypothesis::HypothesisRow;
+use crate::store::tables::keys::KeyRow;
+use crate::store::tables::model::ModelRow;
+use crate::store::tables::record::{RecordRow, RejudgedSheet};
+use crate::store::tables::set_aside::{ConfirmationRow, SetAside};
+use crate::store::tables::silence::SilenceRow;
+
+/// Everything that one transaction writes. Rows may refer to names of the same group.
+#[derive(Debug, Default)]
+pub struct Changes {
+    pub imus: Vec<NewName>,
+    pub stations: Vec<NewName>,
+    pub gyros: Vec<NewName>,
+    pub records: Vec<RecordRow>,
+    pub history: Vec<HistoryRow>,
+    /// Stored rows that are judged anew.
+    pub rejudged: Rejudged,
+    /// What does not count any more.
+    pub withdrawn: Withdrawn,
+    pub corrections: Vec<CorrectionItem>,
+    /// What is not to count before its time is confirmed.
+    pub set_aside: SetAside,
+    /// What was set aside and counts from now on; its rows are among those of `history`.
+    pub confirmed: Vec<ConfirmationRow>,
+    pub benches: Vec<BenchRow>,
+    pub events: Vec<EventRow>,
+    pub attributes: Vec<GyroAttributeRow>,
+    pub keys: Vec<KeyRow>,
+    pub alerts: Vec<AlertRow>,
+    pub alert_steps: Vec<StepRow>,
+    pub silences: Vec<SilenceRow>,
+    pub hooks: Vec<HookRow>,
+    pub models: Vec<ModelRow>,
+    pub hypotheses: Vec<HypothesisRow>,
+    /// Campaigns that were fitted with an adopted model, and which.
+    pub models_used: Vec<(Id, Id)>,
+    /// Diagnoses that have been made of stored campaigns.
+    pub diagnoses: Vec<NewDiagnosis>,
+    pub diagnosis_jobs: JobChanges,
+    pub outbox: OutboxChanges,
+    pub access: AccessChanges,
+    /// How the gyros stand that all of that touches.
+    pub heads: HeadChanges,
+}
+
+/// What changes on stored records when they are judged again.
+#[derive(Debug, Default)]
+pub struct Rejudged {
+    pub history: Vec<HistoryRow>,
+    pub sheets: Vec<(Id, RejudgedSheet)>,
+    /// What is noted about them.
+    pub notes: Vec<(Id, String)>,
+    /// Rows that another model makes of stored campaigns. Judging enters them into `history`.
+    pub restated: Vec<RestatedRow>,
+}
+
+impl Rejudged {
+    /// The gyros of which something is stated anew, in order.
+    pub fn gyros_restated(&self) -> BTreeSet<u32> {
+        self.restated.iter().map(|restated| restated.row.gyro).collect()
+    }
+}
+
+/// A stored campaign's row of one gyro, as another model has it.
+#[derive(Debug, Clone)]
+pub struct RestatedRow {
+    pub row: HistoryRow,
+    /// Verdicts that need no history.
+    pub requirements: Vec<StoredVerdict>,
+}
+
+impl Changes {
+    /// New names.
+    pub fn names_mut(&mut self, of: NamesOf) -> &mut Vec<NewName> {
+        match of {
+            NamesOf::Imus => &mut self.imus,
+            NamesOf::Stations => &mut self.stations,
+            NamesOf::Gyros => &mut self.gyros,
+        }
+    }
+
+    /// New names of IMUs, stations and gyros.
+    pub(super) fn new_names(&self) -> [&[NewName]; 3] {
+        [&self.imus, &self.stations, &self.gyros]
+    }
+
+    /// Rows of the history in the order in which they hold: the last of a gyro and instant.
+    pub(super) fn history_rows(&self) -> impl Iterator<Item = &HistoryRow> {
+        self.history.iter().chain(&self.rejudged.history)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.records.is_empty()
+            && self.corrections.is_empty()
+            && self.confirmed.is_empty()
+            && self.benches.is_empty()
+            && self.events.is_empty()
+            && self.attributes.is_empty()
+            && self.keys.is_empty()
+            && self.rejudged.history.is_empty()
+            && self.alerts.is_empty()
+            && self.alert_steps.is_empty()
+            && self.silences.is_empty()
+            && self.hooks.is_empty()
+            && self.models.is_empty()
+            && self.hypotheses.is_empty()
+            && self.diagnoses.is_empty()
+            && self.diagnosis_jobs.is_empty()
+            && self.outbox.is_empty()
+            && self.access.is_empty()
+    }
+
+    /// Whether others want to hear of it.
+    pub(super) fn brings(&self, news: News) -> bool {
+        let (outbox, access) = (&self.outbox, &self.access);
+        match news {
+            News::Names => self.new_names().iter().any(|names| !names.is_empty()),
+            News::Settings => {
+                let of_no_gyro = self.alerts.iter().any(|alert| alert.of.gyro().is_none());
+                of_no_gyro || !self.hooks.is_empty() || !self.silences.is_empty()
+            }
+            News::Outbox => {
+                let moved = [outbox.queued.len(), outbox.replayed.len(), outbox.dropped.len(), outbox.hastened.len()];
+                moved != [0; 4] || !self.hooks.is_empty()
+            }
+            News::Models => !self.models.is_empty() || !self.hypotheses.is_empty(),
+            News::Diagnoses => {
+                !(self.models.is_empty() && self.diagnosis_jobs.started.is_empty())
+                    || self.records.iter().any(|record| record.kind == Kind::Campaign)
+            }
+            News::Access => [access.tokens.len(), access.sessions.len(), access.ended.len()] != [0; 3],
+        }
+    }
+}

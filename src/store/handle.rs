@@ -1,0 +1,120 @@
+//! The reading side of a database, and where that database is.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::db::{Readers, on};
+use super::error::StoreError;
+use super::name_tables::Names;
+use super::postgres::hosts::without_password;
+use super::postgres::{Duty, Moves, Neighbours};
+use super::secrets::Secrets;
+use super::sqlite::lock;
+use super::sqlite::write_behind::Unplaced;
+
+/// Where the database is, and how it is held open.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// `sqlite://path` or `postgres://user@host/database`.
+    pub url: String,
+    /// Connections that read at the same time.
+    pub readers: u32,
+    /// How long a statement waits for a lock of another process.
+    pub busy_timeout: Duration,
+    /// Page cache of each connection, KiB.
+    pub cache_kib: u32,
+    /// Pages in the write-ahead log from which on they are copied into the database.
+    pub checkpoint_pages: u32,
+    /// How long work in the background is a server's own before others may take it over.
+    pub lease: Duration,
+}
+
+/// The reading side. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Store {
+    pub(in crate::store) readers: Readers,
+    pub(in crate::store) names: Names,
+    pub(in crate::store) unplaced: Unplaced,
+    pub(in crate::store) place: Place,
+    pub(in crate::store) secrets: Secrets,
+}
+
+/// Where the database lies.
+#[derive(Debug, Clone)]
+pub(crate) enum Place {
+    File(PathBuf),
+    /// Other servers may use it too.
+    Server(Neighbours),
+}
+
+impl Options {
+    /// Whether the address is of a database server.
+    pub fn is_server(&self) -> bool {
+        self.url.starts_with("postgres://") || self.url.starts_with("postgresql://")
+    }
+
+    /// The address without the password, for people to read.
+    pub fn shown(&self) -> String {
+        without_password(&self.url)
+    }
+}
+
+impl Store {
+    pub fn names(&self) -> &Names {
+        &self.names
+    }
+
+    /// Whether the database answers.
+    pub async fn ping(&self) -> Result<(), StoreError> {
+        let _one: i32 = on!(self.readers, db => sqlx::query_scalar("SELECT 1").fetch_one(db).await?);
+        Ok(())
+    }
+
+    /// Bytes on disk: the database, and the write-ahead log beside it where that is a file of its own.
+    ///
+    /// # Errors
+    /// [`StoreError`], where a database server does not say.
+    pub async fn sizes(&self) -> Result<(u64, u64), StoreError> {
+        match (&self.place, &self.readers) {
+            (Place::File(file), _) => {
+                let size = |path: &Path| std::fs::metadata(path).map_or(0, |found| found.len());
+                Ok((size(file), size(&lock::beside(file, "-wal"))))
+            }
+            (Place::Server(_), readers) => {
+                let sql = "SELECT pg_database_size(current_database())";
+                let size: i64 = on!(*readers, db => sqlx::query_scalar(sql).fetch_one(db).await?);
+                Ok((size.unsigned_abs(), 0))
+            }
+        }
+    }
+
+    /// Whether something that one server does for all is this one's to do now. Alone on a file, everything is.
+    pub fn is_on_duty(&self, duty: Duty) -> bool {
+        match &self.place {
+            Place::File(_) => true,
+            Place::Server(neighbours) => neighbours.is_on_duty(duty),
+        }
+    }
+
+    /// What is written by any server from now on; none where there can be no other.
+    pub fn moves(&self) -> Option<Moves> {
+        match &self.place {
+            Place::File(_) => None,
+            Place::Server(neighbours) => Some(neighbours.moves()),
+        }
+    }
+
+    /// With the key of the hooks' secrets.
+    #[must_use]
+    pub fn with(self, secrets: Secrets) -> Self {
+        Self { secrets, ..self }
+    }
+
+    /// Waits for reads under way and closes the readers.
+    pub async fn close(&self) {
+        if let (Place::Server(neighbours), Readers::Postgres(readers)) = (&self.place, &self.readers) {
+            neighbours.part(readers).await;
+        }
+        self.readers.close().await;
+    }
+}

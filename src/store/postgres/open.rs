@@ -1,0 +1,217 @@
+//! Opening a database on a server: migrations, homes of names, the names in memory.
+
+use std::time::{Duration, Instant};
+
+use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
+use sqlx::postgres::PgPoolOptions;
+use sqlx::{PgConnection, Row as _, SqlSafeStr};
+
+use super::bounded::{BREATH, COMES_UP, PgReaders};
+use super::cell_writer::CellWriter;
+use super::hosts::Hosts;
+use super::other_servers::Neighbours;
+use super::{homes, names};
+use crate::store::db::Readers;
+use crate::store::error::StoreError;
+use crate::store::handle::{Options, Place, Store};
+use crate::store::name_tables::{Names, Tables};
+use crate::store::secrets::Secrets;
+use crate::store::sqlite::write_behind::Unplaced;
+use crate::store::writer::Writer;
+
+/// Every migration ever shipped, oldest first; a shipped one is never edited.
+const MIGRATIONS: [(i64, &str, &str); 18] = [
+    (1, "schema", include_str!("../../../migrations/postgres/0001_schema.sql")),
+    (2, "claims", include_str!("../../../migrations/postgres/0002_claims.sql")),
+    (3, "shared_limits", include_str!("../../../migrations/postgres/0003_shared_limits.sql")),
+    (4, "alerts_found_late", include_str!("../../../migrations/postgres/0004_alerts_found_late.sql")),
+    (5, "notes", include_str!("../../../migrations/postgres/0005_notes.sql")),
+    (6, "environmental_tests", include_str!("../../../migrations/postgres/0006_environmental_tests.sql")),
+    (7, "senders", include_str!("../../../migrations/postgres/0007_senders.sql")),
+    (8, "commit_stamps", include_str!("../../../migrations/postgres/0008_commit_stamps.sql")),
+    (9, "head", include_str!("../../../migrations/postgres/0009_head.sql")),
+    (10, "cells", include_str!("../../../migrations/postgres/0010_cells.sql")),
+    (11, "outlook", include_str!("../../../migrations/postgres/0011_outlook.sql")),
+    (12, "gyro_attributes", include_str!("../../../migrations/postgres/0012_gyro_attributes.sql")),
+    (13, "record_temperature", include_str!("../../../migrations/postgres/0013_record_temperature.sql")),
+    (14, "station_alerts", include_str!("../../../migrations/postgres/0014_station_alerts.sql")),
+    (15, "hypotheses", include_str!("../../../migrations/postgres/0015_hypotheses.sql")),
+    (16, "packed_texts", include_str!("../../../migrations/postgres/0016_packed_texts.sql")),
+    (17, "imu_alerts", include_str!("../../../migrations/postgres/0017_imu_alerts.sql")),
+    (18, "gyro_history", include_str!("../../../migrations/postgres/0018_gyro_history.sql")),
+];
+
+/// How long who reads everything waits for the next row.
+const TO_READ_ALL: Duration = Duration::from_secs(600);
+
+/// Opens the database and brings its schema up to date.
+///
+/// # Errors
+/// [`StoreError`] where it cannot be reached within seconds, or holds a schema newer than this program.
+pub(in crate::store) async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
+    let (readers, names, writer) = ready(options).await?;
+    let (hosts, number) = (Hosts::of(&options.url)?, rand::random_range(1..i64::MAX));
+    let neighbours = Neighbours::watch(readers.clone(), hosts, names.clone(), number, options.lease);
+    Ok(opened(readers, names, writer, neighbours))
+}
+
+/// As [`open`], to write a row beside the servers: nothing in the background becomes this process's.
+pub(in crate::store) async fn open_beside(options: &Options) -> Result<(Store, Writer), StoreError> {
+    let (readers, names, writer) = ready(options).await?;
+    Ok(opened(readers, names, writer, Neighbours::none()))
+}
+
+fn opened(readers: PgReaders, names: Names, writer: CellWriter, neighbours: Neighbours) -> (Store, Writer) {
+    let place = Place::Server(neighbours);
+    let store = Store {
+        readers: Readers::Postgres(readers),
+        names,
+        unplaced: Unplaced::default(),
+        place,
+        secrets: Secrets::default(),
+    };
+    (store, Writer::of_server(writer))
+}
+
+async fn ready(options: &Options) -> Result<(PgReaders, Names, CellWriter), StoreError> {
+    let hosts = Hosts::of(&options.url)?;
+    patiently(async || {
+        let mut connection = hosts.reach(options.busy_timeout).await?;
+        refuse_shared(&mut connection, &hosts, options.busy_timeout).await?;
+        migrate(&mut connection).await?;
+        homes::give(&mut connection).await
+    })
+    .await?;
+    let readers = pool(&hosts, options, options.readers, options.lease).await?;
+    check_copied(&readers).await?;
+    let names = Names::new(Tables::default());
+    names::learn_all(&readers, &names).await?;
+    let writer = CellWriter::new(hosts, options, readers.clone(), names.clone()).await?;
+    Ok((readers, names, writer))
+}
+
+/// A pooler between that hands its connections out by the transaction mixes up what is prepared on them.
+async fn refuse_shared(one: &mut PgConnection, hosts: &Hosts, patience: Duration) -> Result<(), StoreError> {
+    // Not prepared: a pooler that mixes up what is would answer that.
+    let process = async |connection: &mut PgConnection| -> Result<i32, StoreError> {
+        let row = sqlx::raw_sql("SELECT pg_backend_pid()").fetch_one(connection).await?;
+        Ok(row.try_get(0)?)
+    };
+    let mut other = hosts.reach(patience).await?;
+    for _ in 0..3 {
+        let of_one = process(one).await?;
+        sqlx::raw_sql("BEGIN").execute(&mut other).await?;
+        let of_other = process(&mut other).await?;
+        sqlx::raw_sql("ROLLBACK").execute(&mut other).await?;
+        if of_one == of_other {
+            let why = "the pooler before the database hands out connections by the transaction: \
+                       set pool_mode = session for this database, or name the database itself in database.url";
+            return Err(StoreError::File(why.to_owned()));
+        }
+    }
+    Ok(())
+}
+
+/// Opens the database for reading alone, as it stands now: what is written meanwhile is not seen.
+///
+/// # Errors
+/// [`StoreError::File`] where its schema is not of this version of the program.
+pub(in crate::store) async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
+    let readers = pool(&Hosts::of(&options.url)?, options, 1, TO_READ_ALL).await?;
+    let names = Names::new(Tables::default());
+    {
+        let mut connection = readers.pool().acquire().await?;
+        // One connection, inside one transaction for as long as it lives.
+        sqlx::query("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY").execute(&mut *connection).await?;
+        check_schema(&mut connection, options).await?;
+    }
+    names::learn_all(&readers, &names).await?;
+    let place = Place::Server(Neighbours::none());
+    Ok(Store {
+        readers: Readers::Postgres(readers),
+        names,
+        unplaced: Unplaced::default(),
+        place,
+        secrets: Secrets::default(),
+    })
+}
+
+/// Opens the database to be copied into: its schema as of this program, no service made ready on it.
+pub(in crate::store) async fn open_to_copy(options: &Options) -> Result<PgConnection, StoreError> {
+    let mut connection = Hosts::of(&options.url)?.reach(options.busy_timeout).await?;
+    migrate(&mut connection).await?;
+    Ok(connection)
+}
+
+/// A database that is being copied into is nobody's yet.
+async fn check_copied(readers: &PgReaders) -> Result<(), StoreError> {
+    let sql = "SELECT count(*) FROM information_schema.tables
+               WHERE table_schema = current_schema() AND table_name = 'copying'";
+    if sqlx::query_scalar::<_, i64>(sql).fetch_one(readers).await? > 0 {
+        return Err(StoreError::File(
+            "a copy into the database has not come to its end: run gyrowatch copy again".to_owned(),
+        ));
+    }
+    Ok(())
+}
+
+async fn check_schema(connection: &mut PgConnection, options: &Options) -> Result<(), StoreError> {
+    let wrong = |why: &str| Err(StoreError::File(format!("{}: {why}", options.shown())));
+    let ours = "SELECT count(*) FROM information_schema.tables WHERE table_schema = current_schema()
+                AND table_name IN ('_sqlx_migrations', 'record', 'cell')";
+    if sqlx::query_scalar::<_, i64>(ours).fetch_one(&mut *connection).await? != 3 {
+        return wrong("no database of gyrowatch");
+    }
+    let found: Option<i64> =
+        sqlx::query_scalar("SELECT max(version) FROM _sqlx_migrations").fetch_one(connection).await?;
+    let newest = MIGRATIONS.last().map(|(version, ..)| *version);
+    match found.cmp(&newest) {
+        std::cmp::Ordering::Greater => wrong("written by a newer version of gyrowatch"),
+        std::cmp::Ordering::Less => wrong("written by an older version of gyrowatch: start the service on it once"),
+        std::cmp::Ordering::Equal => Ok(()),
+    }
+}
+
+async fn pool(hosts: &Hosts, options: &Options, connections: u32, limit: Duration) -> Result<PgReaders, StoreError> {
+    let pool = PgPoolOptions::new()
+        .max_connections(connections.max(1))
+        .acquire_timeout(options.busy_timeout)
+        .idle_timeout(None)
+        .max_lifetime(None);
+    // Which of them answers is known since the schema was looked at.
+    hosts.reach(options.busy_timeout).await?;
+    Ok(PgReaders::connect(pool, hosts.last().clone(), limit, hosts.silence.clone()).await?)
+}
+
+/// Tries again while the database is coming up, or another server is at the same.
+async fn patiently<T>(work: impl AsyncFn() -> Result<T, StoreError>) -> Result<T, StoreError> {
+    let end = Instant::now() + COMES_UP;
+    loop {
+        match work().await {
+            Err(error @ (StoreError::Unreachable(_) | StoreError::Overtaken(_))) if Instant::now() < end => {
+                tracing::info!(%error, "the database does not answer yet; trying again");
+                tokio::time::sleep(BREATH).await;
+            }
+            done => return done,
+        }
+    }
+}
+
+/// Brings the schema up to date. Two servers at it at once hinder each other, and whoever comes second tries again.
+async fn migrate(connection: &mut PgConnection) -> Result<(), StoreError> {
+    let migrations = MIGRATIONS.map(|(version, name, sql)| {
+        Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
+    });
+    let mut migrator = Migrator::with_migrations(migrations.into());
+    // A lock of PostgreSQL's own, which others that speak as it does have not.
+    migrator.set_locking(false);
+    // What is to be made is there already, or what is to be changed is not any more (class 42): another server's work.
+    let is_made = |error: &sqlx::Error| {
+        error.as_database_error().and_then(|said| said.code()).is_some_and(|code| code.starts_with("42"))
+    };
+    migrator.run(connection).await.map_err(|error| match error {
+        MigrateError::ExecuteMigration(error, _) if is_made(&error) => StoreError::Overtaken(error.to_string()),
+        MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _) => error.into(),
+        other => StoreError::Other(other.into()),
+    })
+}

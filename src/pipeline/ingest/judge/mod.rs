@@ -1,9 +1,10 @@
 //! Judging a group in its end state: each gyro that it touches, once.
 
 pub(crate) mod gyro_window;
+mod judged;
 pub(crate) mod older_summary;
 pub(crate) mod out_of_order;
-pub(crate) mod withdrawal;
+mod withdrawal;
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -11,14 +12,16 @@ use crate::config::Judging;
 use crate::core::alert_decision::Policy;
 use crate::core::figures::Figures;
 use crate::core::figures::States;
-use crate::core::id::Id;
 use crate::core::judge::history::Need;
-use crate::core::judge::{Coefficient, Limit, Limits, Mark, Older, Outlook, Rule, Severity, Verdict};
+use crate::core::judge::{Coefficient, Limit, Limits, Mark, Older, Outlook, Rule, Verdict};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::Naming;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, read_ahead, sample_of};
+use crate::pipeline::ingest::judge::withdrawal::Replay;
 use crate::store::{Changes, Store, StoreError, StoredVerdict};
+
+pub(crate) use judged::{Judged, Newest, Undone, Verdicts};
 
 /// A gyro with more than this part of the records that are remembered is remembered shortened from the first.
 const LARGE_PART: usize = 100;
@@ -33,40 +36,6 @@ pub(crate) struct Judge {
     judging: Judging,
     policy: Policy,
     lines: HashMap<u32, GyroWindow>,
-}
-
-/// Verdicts by record and gyro number.
-pub(crate) type Verdicts = HashMap<(Id, u32), Vec<Verdict>>;
-
-/// What judging a group has found.
-#[derive(Debug, Default)]
-pub(crate) struct Judged {
-    /// On every new record, and on the newest of a gyro where that was judged again.
-    pub verdicts: Verdicts,
-    /// What was the newest of its gyro, in the order of time: each new record that came in order, else the newest
-    /// after all.
-    pub newest: Vec<Newest>,
-    /// Gyros of which something counts no more.
-    pub undone: BTreeMap<u32, Undone>,
-}
-
-/// What fires, and how grave it is.
-pub(crate) type Firing = HashMap<(Coefficient, Rule), Severity>;
-
-/// What has become of a gyro's alerts now that something counts no more, and who said so, and why.
-#[derive(Debug)]
-pub(crate) struct Undone {
-    /// What would fire if nothing but what counts now had ever come; none where only a bench result was voided.
-    pub fires: Option<Firing>,
-    pub author: String,
-    pub reason: String,
-}
-
-/// A gyro's newest calibration.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Newest {
-    pub gyro: u32,
-    pub figures: Figures,
 }
 
 impl Judge {
@@ -107,8 +76,8 @@ impl Judge {
         changes.rejudged.sheets = sheets.into_iter().collect();
         enter(&judged.verdicts, changes);
         changes.heads.outlooks = judged.verdicts.iter().map(|(of, verdicts)| (*of, Outlook::of(verdicts))).collect();
-        self.undo(changes, &mut judged).await?;
-        Self::mark(changes);
+        Replay { store: &self.store, policy: &self.policy }.undo(changes, &mut judged).await?;
+        withdrawal::mark(changes);
         Ok(judged)
     }
 

@@ -2,9 +2,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Firing, Judge, Judged, Undone};
+use super::judged::{Firing, Judged, Undone};
 use crate::core::alert_decision;
-use crate::core::alert_decision::{Alert, Status};
+use crate::core::alert_decision::{Alert, Policy, Status};
 use crate::core::correction::CorrectionItem;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
@@ -12,12 +12,18 @@ use crate::core::judge::{Coefficient, Rule};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::store;
-use crate::store::{Changes, HistoryRow, StoreError, VerdictSheet};
+use crate::store::{Changes, HistoryRow, Store, StoreError, VerdictSheet};
 
-impl Judge {
+/// Follows the alerts of a gyro again over what is left of its history.
+pub(super) struct Replay<'a> {
+    pub store: &'a Store,
+    pub policy: &'a Policy,
+}
+
+impl Replay<'_> {
     /// Notes for each gyro of which something counts no more, or is stated anew, what fires now. To be asked once the
     /// new verdicts have been entered.
-    pub(super) async fn undo(&self, changes: &Changes, judged: &mut Judged) -> Result<(), StoreError> {
+    pub async fn undo(&self, changes: &Changes, judged: &mut Judged) -> Result<(), StoreError> {
         for gyro in changes.withdrawn.gyros() {
             let fires = self.replay(gyro, changes).await?;
             let rows = changes.withdrawn.history.iter().filter(|row| row.gyro == gyro);
@@ -45,26 +51,15 @@ impl Judge {
         Ok(())
     }
 
-    /// Marks the rows that count no more, but where another has come in their place.
-    pub(super) fn mark(changes: &mut Changes) {
-        for HistoryRow { gyro, figures } in &changes.withdrawn.history {
-            let is_there = |row: &HistoryRow| row.gyro == *gyro && row.figures.at == figures.at;
-            if !changes.history.iter().any(is_there) {
-                let figures = Figures { voided: true, ..*figures };
-                changes.rejudged.history.push(HistoryRow { gyro: *gyro, figures });
-            }
-        }
-    }
-
     async fn replay(&self, gyro: u32, changes: &Changes) -> Result<Firing, StoreError> {
         let gone: HashSet<Id> = changes.withdrawn.records.iter().copied().collect();
-        let stored = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
+        let stored = store::history::oldest(self.store, gyro, Span::EVER, usize::MAX).await?;
         let new = changes.history.iter().filter(|row| row.gyro == gyro).map(|row| row.figures);
         let left = stored.into_iter().filter(|figures| !gone.contains(&figures.record)).chain(new);
         let mut records: Vec<(UtcMicros, Id)> = left.map(|figures| (figures.at, figures.record)).collect();
         records.sort_unstable();
         let mut sheets: HashMap<Id, VerdictSheet> =
-            store::record::verdict_sheets(&self.store, records.iter().map(|(_, id)| *id)).await?.into_iter().collect();
+            store::record::verdict_sheets(self.store, records.iter().map(|(_, id)| *id)).await?.into_iter().collect();
         sheets.extend(changes.rejudged.sheets.iter().map(|(record, again)| (*record, again.sheet.clone())));
         sheets.extend(changes.records.iter().map(|record| (record.id, record.verdicts.clone())));
         let mut alerts: HashMap<(Coefficient, Rule), Alert> = HashMap::new();
@@ -72,12 +67,23 @@ impl Judge {
             let sheet = sheets.get(&id).and_then(|sheet| sheet.0.iter().find(|(number, _)| *number == gyro));
             for verdict in sheet.into_iter().flat_map(|(_, verdicts)| verdicts) {
                 let key = (verdict.coefficient, verdict.rule);
-                let decision = alert_decision::follow(alerts.get(&key), &verdict.without_words(), at, at, &self.policy);
+                let decision = alert_decision::follow(alerts.get(&key), &verdict.without_words(), at, at, self.policy);
                 alerts.extend(decision.alert.map(|alert| (key, alert)));
             }
         }
         let firing = alerts.into_iter().filter(|(_, alert)| alert.status == Status::Firing);
         Ok(firing.map(|(key, alert)| (key, alert.severity)).collect())
+    }
+}
+
+/// Marks the rows that count no more, but where another has come in their place.
+pub(super) fn mark(changes: &mut Changes) {
+    for HistoryRow { gyro, figures } in &changes.withdrawn.history {
+        let is_there = |row: &HistoryRow| row.gyro == *gyro && row.figures.at == figures.at;
+        if !changes.history.iter().any(is_there) {
+            let figures = Figures { voided: true, ..*figures };
+            changes.rejudged.history.push(HistoryRow { gyro: *gyro, figures });
+        }
     }
 }
 

@@ -1,0 +1,41 @@
+//! What judging a group has found.
+
+use std::collections::{BTreeMap, HashMap};
+
+use crate::core::figures::Figures;
+use crate::core::id::Id;
+use crate::core::judge::{Coefficient, Rule, Severity, Verdict};
+
+/// Verdicts by record and gyro number.
+pub(crate) type Verdicts = HashMap<(Id, u32), Vec<Verdict>>;
+
+/// What judging a group has found.
+#[derive(Debug, Default)]
+pub(crate) struct Judged {
+    /// On every new record, and on the newest of a gyro where that was judged again.
+    pub verdicts: Verdicts,
+    /// What was the newest of its gyro, in the order of time: each new record that came in order, else the newest
+    /// after all.
+    pub newest: Vec<Newest>,
+    /// Gyros of which something counts no more.
+    pub undone: BTreeMap<u32, Undone>,
+}
+
+/// What fires, and how grave it is.
+pub(crate) type Firing = HashMap<(Coefficient, Rule), Severity>;
+
+/// What has become of a gyro's alerts now that something counts no more, and who said so, and why.
+#[derive(Debug)]
+pub(crate) struct Undone {
+    /// What would fire if nothing but what counts now had ever come; none where only a bench result was voided.
+    pub fires: Option<Firing>,
+    pub author: String,
+    pub reason: String,
+}
+
+/// A gyro's newest calibration.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Newest {
+    pub gyro: u32,
+    pub figures: Figures,
+}

@@ -1,4 +1,5 @@
-//! What somebody says of a stored item: it does not count, or another record stands in its place.
+//! What somebody says of a stored item: it does not count, another record stands in its place, it is set aside, or what
+//! was set aside counts from now on.
 
 use std::sync::Arc;
 
@@ -7,21 +8,20 @@ use serde_json::json;
 use super::context::Admission;
 use super::group::Group;
 use crate::core::correction::CorrectionItem;
+use crate::core::history_note::HistoryNote;
 use crate::core::id::Id;
-use crate::core::kind::Kind;
 use crate::core::note::Note;
 use crate::core::time::Span;
-use crate::core::time::UtcMicros;
-use crate::pipeline::ingest::same_content::says_the_same;
-use crate::pipeline::ingest::submission::{Calibration, Corrected, Correction};
+use crate::pipeline::ingest::submission::{Calibration, Confirmation, Corrected, Correction, Doubt};
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{HistoryRow, NamesOf, RecordRow, StoreError};
+use crate::store::{ConfirmationRow, HistoryRow, NamesOf, RecordRow, StoreError, StoredAside};
+use crate::wire::history_note;
 
 impl Admission<'_> {
     pub(super) async fn correction(&mut self, sent: &Correction, group: &mut Group) -> Result<Accepted, Refused> {
         let id = sent.item.id();
-        let said = self.said_before(id, group).await?;
+        let said = self.lookup(group).said_before(id).await?;
         if let Some(there) = self.repeated(sent, &said, group).await? {
             return Ok(there);
         }
@@ -90,21 +90,13 @@ impl Admission<'_> {
         new: &Calibration,
         group: &mut Group,
     ) -> Result<(Id, Arc<[Note]>), Refused> {
-        if self.number(NamesOf::Imus, new.imu.as_str(), group) != Some(old.imu) {
+        if self.lookup(group).number(NamesOf::Imus, new.imu.as_str()) != Some(old.imu) {
             return Err(Refused::AnotherImu);
         }
-        if let Some((existing, _)) = self.counting_at(Some(old.imu), new.calibrated_at, group).await? {
+        if let Some((existing, _)) = self.lookup(group).counting_at(Some(old.imu), new.calibrated_at).await? {
             return Err(Refused::TimeTaken { existing, kind: new.kind });
         }
         self.enter(new, group).await
-    }
-
-    /// What was said of an item as it stands, this group included.
-    pub(super) async fn said_before(&self, item: Id, group: &Group) -> Result<Vec<CorrectionItem>, StoreError> {
-        let mut said = store::correction::of_item(self.store, item).await?;
-        said.extend(group.changes.corrections.iter().cloned());
-        said.retain(|row| row.item == item);
-        Ok(said)
     }
 
     /// The answer where the same was said before. A record that was voided can still be revised, so that what was
@@ -126,64 +118,73 @@ impl Admission<'_> {
             }
             (Some(_), None) => Ok(None),
             (Some(new), Some(standing)) => {
-                let same = same_words(&last) && self.has_content(standing, new, group).await?;
+                let same = same_words(&last) && self.lookup(group).has_content(standing, new).await?;
                 if same { Ok(Some(Accepted::There { id: standing, same_bytes: true })) } else { Err(differs) }
             }
         }
     }
 
-    /// Whether a record, stored or of this group, says the same as another.
-    async fn has_content(&self, id: Id, other: &Calibration, group: &Group) -> Result<bool, StoreError> {
-        let says = |kind: Kind, body: &str| kind == other.kind && says_the_same(kind, body, &other.body);
-        if let Some(record) = group.changes.records.iter().find(|record| record.id == id) {
-            return Ok(says(record.kind, &record.body));
+    pub(super) async fn confirmation(&mut self, sent: &Confirmation, group: &mut Group) -> Result<Accepted, Refused> {
+        let id = sent.id;
+        let record = store::record::get(self.store, id).await?.ok_or(Refused::UnknownRecord { id })?;
+        let before = group.changes.confirmed.iter().any(|row| row.record == id);
+        if before || store::set_aside::confirmation(self.store, id).await?.is_some() {
+            return Ok(Accepted::There { id, same_bytes: true });
         }
-        Ok(store::record::get(self.store, id).await?.is_some_and(|record| says(record.kind, &record.body)))
-    }
-
-    /// The record of an IMU that counts at an instant, and the hash of its body.
-    pub(super) async fn counting_at(
-        &self,
-        imu: Option<u32>,
-        at: UtcMicros,
-        group: &Group,
-    ) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
-        let Some(imu) = imu else { return Ok(None) };
-        if let Some((id, hash)) = group.records.get(&(imu, at)) {
-            return Ok(Some((*id, hash.to_vec())));
+        if !self.lookup(group).said_before(id).await?.is_empty() {
+            return Err(Refused::AlreadyCorrected { id, existing: id });
         }
-        let mut stored = self.ahead.records_at(imu, at, self.store).await?.into_iter();
-        let counts = stored.find(|record| !record.voided && !group.withdraws(record.id));
-        Ok(counts.map(|record| (record.id, record.hash)))
-    }
-
-    /// The record that was sent before with the same content, and does not count any more: sent again it stays as it
-    /// is, because the sender does not know. Another may stand in its place, of the same time; where that says the
-    /// same, it is meant.
-    pub(super) async fn voided_alike(
-        &self,
-        imu: Option<u32>,
-        sent: &Calibration,
-        standing: Option<Id>,
-        group: &Group,
-    ) -> Result<Option<Id>, StoreError> {
-        let Some(imu) = imu else { return Ok(None) };
-        let mut others = self.ahead.records_at(imu, sent.calibrated_at, self.store).await?;
-        others.retain(|record| Some(record.id) != standing);
-        if let Some(same) = others.iter().find(|record| record.hash == sent.body_sha256) {
-            return Ok(Some(same.id));
+        if !record.voided {
+            return Err(Refused::NotSetAside { id });
         }
-        // What is read only to be compared keeps everybody waiting: not where nothing was withdrawn.
-        if let Some(standing) = standing.filter(|_| !others.is_empty())
-            && self.has_content(standing, sent, group).await?
-        {
-            return Ok(None);
+        let at = record.calibrated_at;
+        if let Some((existing, _)) = self.lookup(group).counting_at(Some(record.imu), at).await? {
+            return Err(Refused::TimeTaken { existing, kind: record.kind });
         }
-        for record in others {
-            if self.has_content(record.id, sent, group).await? {
-                return Ok(Some(record.id));
+        let mut rows = Vec::new();
+        for (index, &(gyro, _)) in record.verdicts.0.iter().enumerate() {
+            if let Some(existing) = self.lookup(group).row_at(Some(gyro), at).await? {
+                let serial = self.lookup(group).name_of(NamesOf::Gyros, gyro);
+                return Err(Refused::GyroElsewhere { existing, index, serial });
             }
+            let aside = store::history::voided(self.store, gyro, Span { from: at, to: at }).await?;
+            rows.extend(aside.into_iter().filter(|row| row.record == id).map(|figures| HistoryRow { gyro, figures }));
         }
-        Ok(None)
+        for row in &rows {
+            group.rows.insert((row.gyro, at), id);
+        }
+        group.records.insert((record.imu, at), (id, record.body_sha256));
+        self.memory.forget_of(rows.iter().map(|row| row.gyro));
+        group.changes.history.extend(rows);
+        let (author, reason) = (sent.author.clone(), sent.reason.clone());
+        let audited = json!({ "author": author, "reason": reason });
+        let line = self.ids.next(self.now);
+        let what = ("confirm", format!("records/{id}"));
+        group.changes.access.audit.push(sent.by.line(line, self.now, what, None::<&()>, Some(&audited)));
+        group.changes.confirmed.push(ConfirmationRow { record: id, at: self.now, author, reason });
+        Ok(Accepted::stored(id))
+    }
+
+    pub(super) async fn suspicion(&mut self, sent: &Doubt, group: &mut Group) -> Result<Accepted, Refused> {
+        let id = sent.id;
+        let record = store::record::get(self.store, id).await?.ok_or(Refused::UnknownRecord { id })?;
+        let said = self.lookup(group).said_before(id).await?;
+        if !said.is_empty() || group.changes.confirmed.iter().any(|row| row.record == id) {
+            return Err(Refused::AlreadyCorrected { id, existing: id });
+        }
+        if record.voided || group.withdraws(id) {
+            return Ok(Accepted::There { id, same_bytes: true });
+        }
+        self.withdraw(&record, group).await?;
+        let (author, reason) = (sent.author.clone(), sent.reason.clone());
+        let station = self.lookup(group).name_of(NamesOf::Stations, record.station);
+        let note = HistoryNote::Suspect { station, author: author.clone(), reason: reason.clone() };
+        group.changes.rejudged.notes.push((id, history_note::with(record.notes.as_deref(), &note)));
+        let audited = json!({ "author": author, "reason": reason });
+        let line = self.ids.next(self.now);
+        let what = ("suspect", format!("records/{id}"));
+        group.changes.access.audit.push(sent.by.line(line, self.now, what, None::<&()>, Some(&audited)));
+        group.changes.set_aside.stored.push(StoredAside { record: id, author, reason });
+        Ok(Accepted::stored(id))
     }
 }

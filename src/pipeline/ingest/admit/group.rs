@@ -26,19 +26,19 @@ pub(crate) struct Group {
     pub(super) keys: HashMap<String, (Id, [u8; 32])>,
     /// New names by what they look like.
     pub(super) looks: HashMap<(NamesOf, String), String>,
-    pub(super) sendings: Vec<Sending>,
+    sendings: Vec<Sending>,
 }
 
 /// What one sender has in a group.
 #[derive(Debug)]
-pub(super) struct Sending {
-    pub(super) by: Actor,
-    pub(super) line: Id,
+struct Sending {
+    by: Actor,
+    line: Id,
     /// The first of it, as the audit trail names it.
-    pub(super) subject: String,
-    pub(super) first: Id,
-    pub(super) last: Id,
-    pub(super) count: usize,
+    subject: String,
+    first: Id,
+    last: Id,
+    count: usize,
 }
 
 impl Group {
@@ -59,6 +59,18 @@ impl Group {
 
     pub(super) fn withdraws(&self, record: Id) -> bool {
         self.changes.withdrawn.records.contains(&record)
+    }
+
+    /// Takes down that an item under `place` is `by`'s; gives the line of the audit trail that will say so, one for all
+    /// that one sender has in a group.
+    pub(super) fn note_sending(&mut self, by: &Actor, place: &str, id: Id, new_line: impl FnOnce() -> Id) -> Id {
+        if let Some(known) = self.sendings.iter_mut().find(|sending| sending.by == *by) {
+            (known.last, known.count) = (id, known.count + 1);
+            return known.line;
+        }
+        let (by, line, subject) = (by.clone(), new_line(), format!("{place}/{id}"));
+        self.sendings.push(Sending { by, line, subject, first: id, last: id, count: 1 });
+        line
     }
 
     /// As for a stored record, of one of this group.

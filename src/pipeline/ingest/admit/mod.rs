@@ -1,14 +1,12 @@
 //! Is it new, the same again, or in conflict? And the numbers and identifiers of what is new.
 
 mod ahead;
-pub(crate) mod bench;
 mod checking;
-mod confirming;
 mod context;
-pub(crate) mod correction;
+mod correction;
 mod group;
+mod lookup;
 mod memory;
-mod sending;
 
 use std::sync::Arc;
 
@@ -24,17 +22,20 @@ use crate::core::name::look_keys;
 use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
-use crate::pipeline::ingest::submission::{AttributesOrder, Calibration, GyroEvent, Submission};
+use crate::pipeline::ingest::same_content::benches_agree;
+use crate::pipeline::ingest::submission::{AttributesOrder, BenchTest, Calibration, GyroEvent, Submission};
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
 use crate::store::{
-    EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, StoreError, StoredVerdict, VerdictSheet,
+    BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, Store, StoreError, StoredVerdict,
+    VerdictSheet,
 };
 use crate::wire::{history_note, time};
 pub(crate) use ahead::Ahead;
-use checking::Checked;
+use checking::{Check, Checked};
 pub(crate) use context::Admission;
 pub(crate) use group::Group;
+use lookup::Lookup;
 pub(crate) use memory::Memory;
 use memory::Remembered;
 
@@ -53,18 +54,18 @@ impl Admission<'_> {
     }
 
     async fn calibration(&mut self, sent: &Calibration, group: &mut Group) -> Result<Accepted, Refused> {
-        if let Some(there) = self.by_key(sent.idempotency_key.as_deref(), &sent.body_sha256, group).await? {
+        if let Some(there) = self.lookup(group).by_key(sent.idempotency_key.as_deref(), &sent.body_sha256).await? {
             return Ok(there);
         }
-        let imu = self.number(NamesOf::Imus, sent.imu.as_str(), group);
-        let standing = self.counting_at(imu, sent.calibrated_at, group).await?;
+        let imu = self.lookup(group).number(NamesOf::Imus, sent.imu.as_str());
+        let standing = self.lookup(group).counting_at(imu, sent.calibrated_at).await?;
         if let Some((id, hash)) = &standing
             && *hash == sent.body_sha256
         {
             return Ok(Accepted::There { id: *id, same_bytes: true });
         }
         let stands = standing.as_ref().map(|(id, _)| *id);
-        if let Some(id) = self.voided_alike(imu, sent, stands, group).await? {
+        if let Some(id) = self.lookup(group).voided_alike(imu, sent, stands).await? {
             return Ok(Accepted::There { id, same_bytes: true });
         }
         if let Some(id) = stands {
@@ -78,13 +79,13 @@ impl Admission<'_> {
     async fn enter(&mut self, sent: &Calibration, group: &mut Group) -> Result<(Id, Arc<[Note]>), Refused> {
         let at = sent.calibrated_at;
         for gyro in &sent.gyros {
-            let known = self.number(NamesOf::Gyros, gyro.serial.as_str(), group);
-            if let Some(existing) = self.row_at(known, at, group).await? {
+            let known = self.lookup(group).number(NamesOf::Gyros, gyro.serial.as_str());
+            if let Some(existing) = self.lookup(group).row_at(known, at).await? {
                 let (index, serial) = (gyro.place, gyro.serial.to_string());
                 return Err(Refused::GyroElsewhere { existing, index, serial });
             }
         }
-        let Checked { notes, set_aside } = self.check(sent, group).await?;
+        let Checked { notes, set_aside } = Check::of(sent, self, group).await?;
         let id = self.ids.next(self.now);
         let home = store::names::cell_of_imu(self.store, sent.imu.as_str());
         let imu = self.take_number(NamesOf::Imus, sent.imu.as_str(), home, group);
@@ -103,7 +104,7 @@ impl Admission<'_> {
             sheet.0.push((number, gyro.requirements.iter().flatten().map(StoredVerdict::from).collect()));
         }
         let place = if sent.kind == Kind::Campaign { "campaigns" } else { "records" };
-        let sent_by = Some(self.sent(place, id, group));
+        let sent_by = Some(self.note_sending(place, id, group));
         group.records.insert((imu, at), (id, sent.body_sha256));
         group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
         group.changes.models_used.extend(sent.model.map(|model| (id, model)));
@@ -125,9 +126,60 @@ impl Admission<'_> {
         Ok((id, notes.into()))
     }
 
+    async fn bench(&mut self, sent: &BenchTest, group: &mut Group) -> Result<Accepted, Refused> {
+        if let Some(there) = self.lookup(group).by_key(sent.idempotency_key.as_deref(), &sent.body_sha256).await? {
+            return Ok(there);
+        }
+        let result = &sent.result;
+        let (at, method) = (result.measured_at, result.method);
+        if let Some(gyro) = self.lookup(group).number(NamesOf::Gyros, result.serial.as_str()) {
+            let mut counting = None;
+            if let Some((id, hash)) = group.benches.get(&(gyro, at, method)) {
+                if *hash == sent.body_sha256 {
+                    return Ok(Accepted::There { id: *id, same_bytes: true });
+                }
+                counting = Some(*id);
+            }
+            for there in store::bench::at(self.store, gyro, at, method).await? {
+                let same_bytes = there.hash == sent.body_sha256;
+                let counts = !there.voided && !group.changes.withdrawn.benches.contains(&(there.id, gyro));
+                // What was voided and is sent again stays as it is: the sender does not know.
+                if same_bytes || is_alike(there.id, &sent.body, self.store).await? {
+                    return Ok(Accepted::There { id: there.id, same_bytes: same_bytes || !counts });
+                }
+                counting = counting.or(counts.then_some(there.id));
+            }
+            if let Some(id) = counting {
+                return Ok(Accepted::There { id, same_bytes: false });
+            }
+        }
+        let id = self.ids.next(self.now);
+        let home = store::names::cell_of_gyro(self.store, result.serial.as_str());
+        let gyro = self.take_number(NamesOf::Gyros, result.serial.as_str(), home, group);
+        let station = self.take_number(NamesOf::Stations, result.station.as_str(), home, group);
+        let sent_by = Some(self.note_sending("bench-results", id, group));
+        group.benches.insert((gyro, at, method), (id, sent.body_sha256));
+        group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
+        group.changes.benches.push(BenchRow {
+            id,
+            gyro,
+            station,
+            measured_at: at,
+            method,
+            d: [result.d_i, result.d_s],
+            sd: [result.d_i_sd, result.d_s_sd],
+            voided: false,
+            received_at: self.now,
+            body: Arc::clone(&sent.body),
+            body_sha256: sent.body_sha256,
+            sent_by,
+        });
+        Ok(Accepted::stored(id))
+    }
+
     async fn event(&mut self, sent: &GyroEvent, group: &mut Group) -> Result<Accepted, Refused> {
         let unknown = || Refused::UnknownGyro { serial: sent.serial.to_string() };
-        let gyro = self.number(NamesOf::Gyros, sent.serial.as_str(), group).ok_or_else(unknown)?;
+        let gyro = self.lookup(group).number(NamesOf::Gyros, sent.serial.as_str()).ok_or_else(unknown)?;
         let stored = store::event::of_gyro(self.store, gyro).await?;
         let there = stored
             .iter()
@@ -163,7 +215,7 @@ impl Admission<'_> {
 
     async fn attributes(&mut self, sent: &AttributesOrder, group: &mut Group) -> Result<Accepted, Refused> {
         let unknown = || Refused::UnknownGyro { serial: sent.serial.to_string() };
-        let gyro = self.number(NamesOf::Gyros, sent.serial.as_str(), group).ok_or_else(unknown)?;
+        let gyro = self.lookup(group).number(NamesOf::Gyros, sent.serial.as_str()).ok_or_else(unknown)?;
         let before = match group.changes.attributes.iter().rfind(|row| row.gyro == gyro) {
             Some(row) => row.attributes.clone(),
             None => store::gyro_attribute::of(self.store, &[gyro]).await?.remove(&gyro).unwrap_or_default(),
@@ -181,39 +233,19 @@ impl Admission<'_> {
         Ok(Accepted::stored(line))
     }
 
-    async fn by_key(&self, key: Option<&str>, hash: &[u8; 32], group: &Group) -> Result<Option<Accepted>, Refused> {
-        let Some(key) = key else { return Ok(None) };
-        let used = match group.keys.get(key) {
-            Some((id, hash)) => Some((*id, hash.to_vec())),
-            None => self.ahead.key(key, self.store).await?,
-        };
-        match used {
-            None => Ok(None),
-            Some((id, used_for)) if used_for == hash => Ok(Some(Accepted::There { id, same_bytes: true })),
-            Some((existing, _)) => Err(Refused::KeyReused { existing }),
-        }
+    /// What stands, this group included.
+    fn lookup<'b>(&'b self, group: &'b Group) -> Lookup<'b> {
+        Lookup { store: self.store, memory: self.memory, ahead: self.ahead, group }
     }
 
-    /// The record that holds a row of the gyro at that very instant.
-    async fn row_at(&self, gyro: Option<u32>, at: UtcMicros, group: &Group) -> Result<Option<Id>, StoreError> {
-        let Some(gyro) = gyro else { return Ok(None) };
-        if let Some(id) = group.rows.get(&(gyro, at)) {
-            return Ok(Some(*id));
-        }
-        if self.memory.is_newer(gyro, at) {
-            return Ok(None);
-        }
-        let held = self.ahead.row_at(gyro, at, self.store).await?;
-        Ok(held.filter(|record| !group.withdraws(*record)))
-    }
-
-    fn number(&self, table: NamesOf, name: &str, group: &Group) -> Option<u32> {
-        self.store.names().read().of(table).number(name).or_else(|| group.names(table).get(name).copied())
+    /// Takes down that an item under `place` is its sender's; gives the line that will say so.
+    fn note_sending(&mut self, place: &str, id: Id, group: &mut Group) -> Id {
+        group.note_sending(self.by, place, id, || self.ids.next(self.now))
     }
 
     /// The name's number; a new one, at home in `cell`, where it has none yet.
     fn take_number(&self, table: NamesOf, name: &str, cell: u8, group: &mut Group) -> u32 {
-        if let Some(number) = self.number(table, name, group) {
+        if let Some(number) = self.lookup(group).number(table, name) {
             return number;
         }
         let (new, is_new) = (group.names(table).len(), |number| group.numbers.contains(&(table, number)));
@@ -226,6 +258,10 @@ impl Admission<'_> {
         group.changes.names_mut(table).push(NewName { number, cell, name: name.to_owned() });
         number
     }
+}
+
+async fn is_alike(bench: Id, body: &str, store: &Store) -> Result<bool, StoreError> {
+    Ok(store::bench::get(store, bench).await?.is_some_and(|stored| benches_agree(&stored.body, body)))
 }
 
 pub(crate) fn figures_of(separation: &Separation, record: Id, at: UtcMicros, imu: u32, station: u32) -> Figures {

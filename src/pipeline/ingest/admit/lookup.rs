@@ -1,0 +1,158 @@
+//! What stands where an item is about to go: what is stored, and what its group already holds.
+
+use super::ahead::Ahead;
+use super::group::Group;
+use super::memory::Memory;
+use crate::core::correction::CorrectionItem;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
+use crate::core::mounting::Slot;
+use crate::core::name::{distance, look_keys};
+use crate::core::time::{Span, UtcMicros};
+use crate::pipeline::ingest::same_content::says_the_same;
+use crate::pipeline::ingest::submission::Calibration;
+use crate::pipeline::{Accepted, Refused};
+use crate::store;
+use crate::store::{NamesOf, Store, StoreError};
+
+/// A serial is near to another where so many slips of the pen part them.
+const SLIPS: usize = 2;
+
+pub(super) struct Lookup<'a> {
+    pub store: &'a Store,
+    pub memory: &'a Memory,
+    pub ahead: &'a Ahead,
+    pub group: &'a Group,
+}
+
+impl Lookup<'_> {
+    pub async fn by_key(&self, key: Option<&str>, hash: &[u8; 32]) -> Result<Option<Accepted>, Refused> {
+        let Some(key) = key else { return Ok(None) };
+        let used = match self.group.keys.get(key) {
+            Some((id, hash)) => Some((*id, hash.to_vec())),
+            None => self.ahead.key(key, self.store).await?,
+        };
+        match used {
+            None => Ok(None),
+            Some((id, used_for)) if used_for == hash => Ok(Some(Accepted::There { id, same_bytes: true })),
+            Some((existing, _)) => Err(Refused::KeyReused { existing }),
+        }
+    }
+
+    /// The record that holds a row of the gyro at that very instant.
+    pub async fn row_at(&self, gyro: Option<u32>, at: UtcMicros) -> Result<Option<Id>, StoreError> {
+        let Some(gyro) = gyro else { return Ok(None) };
+        if let Some(id) = self.group.rows.get(&(gyro, at)) {
+            return Ok(Some(*id));
+        }
+        if self.memory.is_newer(gyro, at) {
+            return Ok(None);
+        }
+        let held = self.ahead.row_at(gyro, at, self.store).await?;
+        Ok(held.filter(|record| !self.group.withdraws(*record)))
+    }
+
+    pub fn number(&self, table: NamesOf, name: &str) -> Option<u32> {
+        self.store.names().read().of(table).number(name).or_else(|| self.group.names(table).get(name).copied())
+    }
+
+    /// What was said of an item as it stands, this group included.
+    pub async fn said_before(&self, item: Id) -> Result<Vec<CorrectionItem>, StoreError> {
+        let mut said = store::correction::of_item(self.store, item).await?;
+        said.extend(self.group.changes.corrections.iter().cloned());
+        said.retain(|row| row.item == item);
+        Ok(said)
+    }
+
+    /// Whether a record, stored or of this group, says the same as another.
+    pub async fn has_content(&self, id: Id, other: &Calibration) -> Result<bool, StoreError> {
+        let says = |kind: Kind, body: &str| kind == other.kind && says_the_same(kind, body, &other.body);
+        if let Some(record) = self.group.changes.records.iter().find(|record| record.id == id) {
+            return Ok(says(record.kind, &record.body));
+        }
+        Ok(store::record::get(self.store, id).await?.is_some_and(|record| says(record.kind, &record.body)))
+    }
+
+    /// The record of an IMU that counts at an instant, and the hash of its body.
+    pub async fn counting_at(&self, imu: Option<u32>, at: UtcMicros) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
+        let Some(imu) = imu else { return Ok(None) };
+        if let Some((id, hash)) = self.group.records.get(&(imu, at)) {
+            return Ok(Some((*id, hash.to_vec())));
+        }
+        let mut stored = self.ahead.records_at(imu, at, self.store).await?.into_iter();
+        let counts = stored.find(|record| !record.voided && !self.group.withdraws(record.id));
+        Ok(counts.map(|record| (record.id, record.hash)))
+    }
+
+    /// The record that was sent before with the same content, and does not count any more: sent again it stays as it
+    /// is, because the sender does not know. Another may stand in its place, of the same time; where that says the
+    /// same, it is meant.
+    pub async fn voided_alike(
+        &self,
+        imu: Option<u32>,
+        sent: &Calibration,
+        standing: Option<Id>,
+    ) -> Result<Option<Id>, StoreError> {
+        let Some(imu) = imu else { return Ok(None) };
+        let mut others = self.ahead.records_at(imu, sent.calibrated_at, self.store).await?;
+        others.retain(|record| Some(record.id) != standing);
+        if let Some(same) = others.iter().find(|record| record.hash == sent.body_sha256) {
+            return Ok(Some(same.id));
+        }
+        // What is read only to be compared keeps everybody waiting: not where nothing was withdrawn.
+        if let Some(standing) = standing.filter(|_| !others.is_empty())
+            && self.has_content(standing, sent).await?
+        {
+            return Ok(None);
+        }
+        for record in others {
+            if self.has_content(record.id, sent).await? {
+                return Ok(Some(record.id));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The gyro that was in a slot of an IMU before `at`.
+    pub async fn occupant(&self, imu: u32, slot: Slot, at: UtcMicros) -> Result<Option<u32>, StoreError> {
+        let here = self.group.changes.history.iter().map(|row| (row.figures.at, row.gyro, &row.figures));
+        let here = here.filter(|(then, _, figures)| (figures.imu, figures.slot) == (imu, slot) && *then < at);
+        if let Some((_, gyro, _)) = here.max_by_key(|(then, ..)| *then) {
+            return Ok(Some(gyro));
+        }
+        for head in store::record::of_imu(self.store, imu, 3).await? {
+            let (then, sheet) = (head.calibrated_at, store::record::verdict_sheet(self.store, head.id).await?);
+            for (gyro, _) in sheet.filter(|_| then < at).into_iter().flat_map(|sheet| sheet.0) {
+                let rows = store::history::oldest(self.store, gyro, Span { from: then, to: then }, 1).await?;
+                if rows.iter().any(|row| row.record == head.id && row.slot == slot) {
+                    return Ok(Some(gyro));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    pub fn look_alike(&self, table: NamesOf, name: &str) -> Option<String> {
+        let stored = self.store.names().read().of(table).look_alike(name).map(ToString::to_string);
+        stored.or_else(|| {
+            let known = look_keys(name).into_iter().find_map(|key| self.group.looks.get(&(table, key)));
+            known.filter(|known| *known != name).cloned()
+        })
+    }
+
+    /// The known serial that is nearest to a new one; of several that of the slot.
+    pub fn nearest(&self, serial: &str, had: &str) -> Option<String> {
+        let tables = self.store.names().read();
+        let stored = tables.gyros.iter().map(|(_, known)| &**known);
+        let all = std::iter::once(had).chain(stored).chain(self.group.names(NamesOf::Gyros).keys().map(String::as_str));
+        let most = SLIPS.min(serial.chars().count() / 3);
+        let near = all.filter_map(|known| Some((distance(serial, known, most)?, known)));
+        near.min_by_key(|(slips, _)| *slips).map(|(_, known)| known.to_owned())
+    }
+
+    pub fn name_of(&self, table: NamesOf, number: u32) -> String {
+        let stored = self.store.names().read().of(table).name(number).map(ToString::to_string);
+        let new = || self.group.names(table).iter().find(|(_, other)| **other == number).map(|(name, _)| name.clone());
+        stored.or_else(new).unwrap_or_default()
+    }
+}

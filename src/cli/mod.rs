@@ -3,10 +3,8 @@
 //! A subcommand is a `clap::Args` struct with `fn run(self) -> anyhow::Result<()>`: it prints its result on standard
 //! output and returns an error that names the file and the field. Exit status: 0 done, 1 an error, 2 wrong usage
 //! (clap's own, and [`Usage`]). To add one: a file here, a `mod` line, a variant of `Command` and its arm in
-//! `Command::run` (`commands`; `agent` is what is left of it without the service).
+//! `Command::run` (`service`; in `commands` where a station's agent has it too).
 
-#[cfg(not(feature = "server"))]
-mod agent;
 #[cfg(feature = "server")]
 mod backup;
 #[cfg(feature = "server")]
@@ -19,7 +17,6 @@ mod blindcheck_service;
 mod calibrate;
 mod client;
 mod codes;
-#[cfg(feature = "server")]
 mod commands;
 mod common;
 mod completions;
@@ -69,6 +66,8 @@ mod separate;
 #[cfg(feature = "server")]
 mod serve;
 #[cfg(feature = "server")]
+mod service;
+#[cfg(feature = "server")]
 mod settings;
 #[cfg(feature = "server")]
 mod simulate;
@@ -93,9 +92,6 @@ use crate::core::imu_model::{NoForecast, NotIdentified};
 use crate::logs::error::LogError;
 use crate::system;
 use crate::words;
-#[cfg(not(feature = "server"))]
-use agent::Command;
-#[cfg(feature = "server")]
 use commands::Command;
 use common::{Usage, block_on};
 

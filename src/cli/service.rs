@@ -1,0 +1,62 @@
+//! The subcommands that a station's agent goes without: they need the service or its configuration.
+
+use clap::Subcommand;
+
+use super::{
+    backup, blindcheck, calibrate, config, copy, demo, diagnose, export, fleet_noise, gap, healthcheck, model_fit,
+    predict, restore, separate, serve, simulate, token, verify,
+};
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    Serve(serve::Serve),
+    Demo(demo::Demo),
+    Separate(separate::Separate),
+    Calibrate(calibrate::Calibrate),
+    Diagnose(diagnose::Diagnose),
+    Model(model_fit::Model),
+    Predict(predict::Predict),
+    Gap(gap::Gap),
+    Export(export::Export),
+    FleetNoise(fleet_noise::FleetNoise),
+    Simulate(simulate::Simulate),
+    Blindcheck(blindcheck::Blindcheck),
+    Backup(backup::Backup),
+    Restore(restore::Restore),
+    Copy(copy::Copy),
+    Token(token::Token),
+    Verify(verify::Verify),
+    Config(config::Show),
+    Healthcheck(healthcheck::Healthcheck),
+}
+
+impl Command {
+    pub fn run(self) -> anyhow::Result<()> {
+        match self {
+            Self::Serve(serve) => serve.run(),
+            Self::Demo(demo) => demo.run(),
+            Self::Separate(separate) => separate.run(),
+            Self::Calibrate(calibrate) => calibrate.run(),
+            Self::Diagnose(diagnose) => diagnose.run(),
+            Self::Model(model) => model.run(),
+            Self::Predict(predict) => predict.run(),
+            Self::Gap(gap) => gap.run(),
+            Self::Export(export) => export.run(),
+            Self::FleetNoise(fleet_noise) => fleet_noise.run(),
+            Self::Simulate(simulate) => simulate.run(),
+            Self::Blindcheck(blindcheck) => blindcheck.run(),
+            Self::Backup(backup) => backup.run(),
+            Self::Restore(restore) => restore.run(),
+            Self::Copy(copy) => copy.run(),
+            Self::Token(token) => token.run(),
+            Self::Verify(verify) => verify.run(),
+            Self::Config(show) => show.run(),
+            Self::Healthcheck(healthcheck) => healthcheck.run(),
+        }
+    }
+
+    /// Whether it runs on and answers others, each in a language of their own.
+    pub fn is_service(&self) -> bool {
+        matches!(self, Self::Serve(_) | Self::Demo(_))
+    }
+}

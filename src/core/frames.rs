@@ -14,9 +14,6 @@ pub struct Body;
 /// Local level: East, North, Up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Nav;
-/// Axes of one gyro in the paper's order: input I, spin (motor) S, output O = I x S.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Gyro;
 
 /// Three coordinates in frame `F`.
 #[derive(Debug)]

@@ -23,7 +23,6 @@ pub mod fleet_order;
 pub mod frames;
 pub mod gyro_attributes;
 pub mod history_note;
-pub mod hook_filter;
 pub mod id;
 pub mod imu_model;
 pub mod judge;

@@ -37,11 +37,6 @@ pub fn arcsec(radians: f64) -> f64 {
     3600.0 * radians.to_degrees()
 }
 
-/// Drift rate in deg/h of a gyro whose output is `pulse_per_s`, for a scale factor in pulse/arcsec.
-pub fn deg_per_h(pulse_per_s: f64, scale_pulse_per_arcsec: f64) -> f64 {
-    pulse_per_s / scale_pulse_per_arcsec
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

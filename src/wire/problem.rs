@@ -95,10 +95,6 @@ impl Problem {
         Self { places: faults.0, ..Self::new(status, title, message!("faults_in_document")) }
     }
 
-    pub fn internal(message: Message) -> Self {
-        Self::new(500, "title_internal_error", message)
-    }
-
     pub fn with_existing(mut self, id: impl ToString) -> Self {
         self.existing = Some(id.to_string());
         self

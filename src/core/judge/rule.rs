@@ -308,13 +308,6 @@ pub enum Source {
 }
 
 impl Source {
-    pub fn name(self) -> &'static str {
-        match self {
-            Source::Separation => "separation",
-            Source::Bench(method) => method.name(),
-        }
-    }
-
     pub fn word(self) -> Message {
         match self {
             Source::Separation => message!("method_separation"),

@@ -286,11 +286,12 @@ fn a_diagnosis_for_people_says_how_sure_a_name_is_and_what_it_does_to_each_gyro(
         let (slot, coefficient) = (one["slot"].as_str().unwrap(), one["coefficient"].as_str().unwrap());
         let mut rows = table.lines().filter(|line| line.contains(slot) && line.contains(coefficient));
         assert!(rows.any(|row| row.contains(&format!("{before:+.6}")) && row.contains(&format!("{after:+.6}"))));
-        // To two digits of the standard deviation.
-        let sd = one["augmented_sd"].as_f64().unwrap();
-        let places = (1.0 - sd.log10().floor()) as usize;
-        let shown = |value: f64| page.contains(&format!("{value:.places$} ± {sd:.places$}"));
-        assert!(shown(before) && shown(after), "{one}");
+        for (value, sd) in [(before, "plain_sd"), (after, "augmented_sd")] {
+            // To two digits of the standard deviation.
+            let sd = one[sd].as_f64().unwrap();
+            let places = (1.0 - sd.log10().floor()) as usize;
+            assert!(page.contains(&format!("{value:.places$} ± {sd:.places$}")), "{one}");
+        }
     }
     for text in [&table, &page] {
         assert!(text.contains("bias, g_linear, g_squared, scale"), "the model in use is not in\n{text}");

@@ -60,7 +60,11 @@ fn compared(campaign: &Campaign) -> usize {
         let j = plain.gyros.iter().position(|gyro| gyro.slot == impact.slot).expect("a gyro of the campaign");
         let i = ["D_I", "D_S"].iter().position(|name| *name == impact.coefficient).expect("one of both");
         match &before[j] {
-            Ok(before) => same(impact.plain, [before.rigid.d_i, before.rigid.d_s][i], "before"),
+            Ok(before) => {
+                same(impact.plain, [before.rigid.d_i, before.rigid.d_s][i], "before");
+                let sd = impact.plain_sd.expect("a noise");
+                same(sd, before.rigid.sd().expect("a noise")[i], "its standard deviation");
+            }
             // G was not in the model.
             Err(why) => assert!(matches!(why, NotSeparated::NoDrift) && impact.plain == 0.0, "{why}"),
         }

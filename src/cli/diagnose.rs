@@ -303,8 +303,12 @@ fn lines(words: &[String]) -> String {
 fn impact(d: &DiagnosisBody) -> Option<String> {
     let mut rows = table(["gyro", "coefficient", "before", "after", "shift", "of the budget", "moved"], 2..6);
     for (i, moved) in d.drift_before_and_after() {
-        let augmented = format!("{:+.6} ± {:.6}", i.augmented, i.augmented_sd);
-        let (plain, shift) = (format!("{:+.6}", i.plain), format!("{:+.6}", i.shift));
+        let figure = |value: f64, sd: Option<f64>| match sd {
+            Some(sd) => format!("{value:+.6} ± {sd:.6}"),
+            None => format!("{value:+.6}"),
+        };
+        let (plain, augmented) = (figure(i.plain, i.plain_sd), figure(i.augmented, Some(i.augmented_sd)));
+        let shift = format!("{:+.6}", i.shift);
         rows.add_row([
             i.slot.clone(),
             i.coefficient.clone(),

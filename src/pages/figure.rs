@@ -47,6 +47,11 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
     if lost { format!("{value:.2e}") } else { unsigned_zero(text) }
 }
 
+/// A number of so many decimals with its sign.
+pub(super) fn signed(value: f64, decimals: usize) -> String {
+    unsigned_zero(format!("{value:+.decimals$}"))
+}
+
 /// What rounds to nothing has no sign.
 fn unsigned_zero(text: String) -> String {
     match text.strip_prefix(['-', '+']) {

@@ -345,6 +345,9 @@ pub struct ImpactBody {
     pub slot: String,
     pub coefficient: String,
     pub plain: f64,
+    /// As the campaign itself states it; none in diagnoses of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plain_sd: Option<f64>,
     pub augmented: f64,
     pub augmented_sd: f64,
     pub shift: f64,
@@ -590,6 +593,7 @@ impl From<&core::Impact> for ImpactBody {
             slot: i.slot.name().to_owned(),
             coefficient: i.coefficient.to_owned(),
             plain: i.plain,
+            plain_sd: i.plain_sd,
             augmented: i.augmented,
             augmented_sd: i.augmented_sd,
             shift: i.shift,

@@ -225,6 +225,8 @@ pub struct Impact {
     pub slot: Slot,
     pub coefficient: &'static str,
     pub plain: f64,
+    /// None where G was not in the model.
+    pub plain_sd: Option<f64>,
     pub augmented: f64,
     pub augmented_sd: f64,
     pub shift: f64,

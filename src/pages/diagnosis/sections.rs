@@ -332,8 +332,8 @@ fn impact(t: &Text, d: &DiagnosisBody) -> Markup {
                         @let sd = Some(one.augmented_sd);
                         tr {
                             td { (one.slot) } td { (layout::symbol(&one.coefficient)) }
-                            td.n { (figure::with_sd(one.plain, sd, 6)) } td.n { (figure::with_sd(one.augmented, sd, 6)) }
-                            td.n { (format!("{:+.*}", figure::places_beside(sd, 6), one.shift)) }
+                            td.n { (figure::with_sd(one.plain, one.plain_sd, 6)) } td.n { (figure::with_sd(one.augmented, sd, 6)) }
+                            td.n { (figure::signed(one.shift, figure::places_beside(sd, 6))) }
                             td.n { @if moved { (percent(one.of_budget)) } @else { (t.within_noise) } }
                         }
                     } }

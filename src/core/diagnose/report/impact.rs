@@ -16,13 +16,14 @@ pub(crate) fn impact(fits: &Calibrated, geometry: &Geometry) -> Vec<Impact> {
     let (plain, augmented) = (drift(&fits.plain, geometry), drift(named, geometry));
     let mut all = Vec::new();
     for ((gyro, plain), augmented) in named.gyros.iter().zip(plain).zip(augmented) {
-        let before = if g_in_model { plain.map(|d| [d.d_i, d.d_s]) } else { Some([0.0; 2]) };
+        let before = if g_in_model { plain.map(|d| ([d.d_i, d.d_s], d.sd())) } else { Some(([0.0; 2], None)) };
         let after = augmented.and_then(|d| Some(([d.d_i, d.d_s], d.sd()?)));
-        let (Some(before), Some((after, sd))) = (before, after) else { continue };
+        let (Some((before, before_sd)), Some((after, sd))) = (before, after) else { continue };
         all.extend(["D_I", "D_S"].into_iter().enumerate().map(|(i, coefficient)| Impact {
             slot: gyro.slot,
             coefficient,
             plain: before[i],
+            plain_sd: before_sd.map(|sd| sd[i]),
             augmented: after[i],
             augmented_sd: sd[i],
             shift: after[i] - before[i],

@@ -275,6 +275,21 @@ async fn an_operator_sees_what_is_wrong_with_a_file_before_anything_is_stored() 
         browser.sees(there).await;
     }
     assert_eq!(server.holdings().await, before, "a preview stores nothing");
+    // A table that may have been cut inside its last number says so before it is stored.
+    let table = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/examples/march.csv")).unwrap();
+    let (whole, cut) = (server.dir().join("whole.csv"), server.dir().join("cut.csv"));
+    std::fs::write(&whole, format!("{}\n", table.trim_end())).unwrap();
+    std::fs::write(&cut, table.trim_end()).unwrap();
+    let said = "document.querySelector('.preview').innerText.includes('does not end with a line break')";
+    for (path, is_cut) in [(cut, true), (whole, false)] {
+        browser.goto("/import").await;
+        browser.type_into("input[type=file]", path.to_str().unwrap()).await;
+        browser.wait("document.querySelector('form.confirm')").await;
+        assert_eq!(browser.eval(said).await, is_cut, "{}", path.display());
+    }
+    browser.goto("/import").await;
+    browser.type_into("input[type=file]", file.to_str().unwrap()).await;
+    browser.wait("document.querySelector('.preview')").await;
     browser.click("form.confirm button").await;
     browser.wait("document.querySelector('.preview a[href^=\"/records/\"]')").await;
     browser.sees("Line 1: stored:").await;

@@ -90,6 +90,25 @@ async fn workbooks_and_foreign_files_are_read_or_named_as_what_they_are() {
     }
 }
 
+/// Whether the table is of a campaign or of records, and however it comes.
+#[tokio::test]
+async fn a_table_that_may_have_been_cut_says_so_before_it_is_stored() {
+    let server = Server::start().await;
+    let campaign = fs::read_to_string("docs/examples/march.csv").unwrap();
+    let results = "serial,measured_at,station,method,d_i_deg_per_h_g0,d_s_deg_per_h_g0\n\
+        A-1,2026-03-01T08:00:00Z,ST-1,torque_feedback,1.5,-2.25\nA-2,2026-03-01T09:00:00Z,ST-1,torque_feedback,1.5,-2.2";
+    for (table, last) in [(campaign.trim_end(), ""), (results, "its last number is not -2.2")] {
+        let sent = |text: &str| format!("text={}\r\n", text.replace('\n', "\r\n"));
+        let cut = previewed(&server, sent(table)).await;
+        assert!(cut.contains("does not end with a line break") && cut.contains(last), "{cut}");
+        assert!(cut.contains("can be stored"), "{cut}");
+        let binary = previewed(&server, as_base64("t.csv", table.as_bytes())).await;
+        assert!(binary.contains("does not end with a line break"), "{binary}");
+        let whole = previewed(&server, sent(&format!("{table}\n"))).await;
+        assert!(!whole.contains("does not end with a line break") && whole.contains("can be stored"), "{whole}");
+    }
+}
+
 #[tokio::test]
 async fn empty_files_and_lone_headers_are_told_apart_wherever_they_are_sent() {
     let server = Server::start().await;

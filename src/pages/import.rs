@@ -41,9 +41,11 @@ use crate::pipeline::{
     StorageError, Submission,
 };
 use crate::wire::campaign::Form;
+use crate::wire::document::is_csv;
 use crate::wire::json::from_line;
 use crate::wire::note::NoteBody;
 use crate::wire::record_table::{TableMap, documents, is_table};
+use crate::wire::table::open_end;
 use located::Place;
 use logs::{Looked, Sent};
 
@@ -88,7 +90,8 @@ pub(super) async fn preview(
             }
         }
         let places = places(&text, &read);
-        Ok((Source { sent, text, made, places }, read))
+        let open = open_end(text.as_bytes()).filter(|_| is_csv(text.as_bytes()));
+        Ok((Source { sent, text, made, places, open }, read))
     })
     .await;
     let (source, read) = match looked {
@@ -113,6 +116,8 @@ struct Source {
     made: Option<Box<Made>>,
     /// What is faulty in the text.
     places: Vec<Place>,
+    /// That a table may have been cut.
+    open: Option<Note>,
 }
 
 /// A log that needs a map, or a file that is none.
@@ -236,6 +241,7 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
                 @if faulty > 0 { " · " strong { (faulty) " " (t.cannot_be_stored) } }
                 @if doubtful > 0 { " · " strong.doubt { (doubtful) " " (t.to_be_checked) } }
             }
+            @if let Some(open) = source.open.as_ref().filter(|_| sound > 0) { p.doubt { strong { (t.check_first) } " " (NoteBody::of(open).detail) } }
             (numbered::shown(t, &source.text, &source.places))
             @if read > MOST_SHOWN { p.note { (t.first_foreseen) " " (MOST_SHOWN) } }
             @let unsound = prospects.iter().enumerate().filter(|(_, one)| !is_sound(one));

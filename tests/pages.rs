@@ -394,7 +394,22 @@ async fn the_diagnoses_of_a_record_and_of_a_gyro_are_found_from_their_pages() {
         let shown = page(&server, &format!("/records/{id}"), &[]).await;
         let address = format!("/v1/records/{id}/diagnosis");
         assert!(shown.contains(said) && shown.contains(&format!("href=\"{address}\"")), "{shown}");
-        assert_eq!(server.get(&address).await.json()["verdict"], verdict);
+        let answer = server.get(&address).await.json();
+        assert_eq!(answer["verdict"], verdict);
+        // The page says what the answer does: D_O, the angle that would explain it, D_S then, what to measure.
+        let closure = part(&shown, "id=\"closure\"", "</section>");
+        let d_o = answer["where"]["gyros"][0]["d_o"].as_f64().unwrap();
+        let impact = &answer["impact"][0];
+        assert_eq!(closure.contains("seat it again"), impact.is_object(), "{closure}");
+        if impact.is_object() {
+            assert!(closure.contains(&format!("{d_o:+.6}")), "{d_o}: {closure}");
+            let then = impact["augmented"].as_f64().unwrap();
+            let turn = answer["effects"][0]["estimates"][1]["value"].as_f64().unwrap().to_degrees() * 60.0;
+            assert!(
+                closure.contains(&format!(" → {then:.6}")) && closure.contains(&format!("{turn:+.1}")),
+                "{closure}"
+            );
+        }
     }
     let address = "/v1/gyros/TURNED%2F1/diagnosis";
     let gyro = page(&server, "/gyros/TURNED%2F1", &[("accept-language", "zh")]).await;

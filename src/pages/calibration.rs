@@ -1,5 +1,7 @@
 //! `/records/{id}` and `/campaigns/{id}`: one calibration of an IMU, from its verdicts down to its residuals.
 
+use std::borrow::Cow;
+
 use axum::extract::{Path, State as Held};
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
@@ -15,7 +17,7 @@ use super::separation;
 use super::text::Text;
 use super::verdicts::{self, Said};
 use super::viewer::Viewer;
-use crate::core::diagnose::ClosureDiagnosis;
+use crate::core::diagnose::{ClosureDiagnosis, GyroClosure};
 use crate::core::id::Id;
 use crate::core::judge::Verdict;
 use crate::core::kind::Kind;
@@ -81,7 +83,7 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
         (noted(t, &answer.notes))
         (judged(viewer, serials.iter().map(|(slot, serial)| (*slot, &**serial)), (&answer.verdicts, seen), standing.counts))
         section { h2 { (t.separated) } (separation::tables(t, &answer.separations)) }
-        (closure(t, item.id, closures))
+        (closure(t, item.id, closures, &serials))
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }
     };
     Ok(Page { title, section: Section::Fleet, body: markup })
@@ -96,8 +98,12 @@ fn sent_by(t: &Text, sender: Option<&SenderBody>) -> Markup {
 }
 
 /// What D_O says by itself.
-fn closure(t: &Text, id: Id, closures: &ClosureDiagnosis) -> Markup {
-    let slots: Vec<&str> = closures.gyros.iter().filter(|gyro| gyro.stands_out).map(|gyro| gyro.slot.name()).collect();
+fn closure(t: &Text, id: Id, closures: &ClosureDiagnosis, serials: &[(Slot, Cow<'_, str>)]) -> Markup {
+    let out: Vec<&GyroClosure> = closures.gyros.iter().filter(|gyro| gyro.stands_out).collect();
+    let slots: Vec<&str> = out.iter().map(|gyro| gyro.slot.name()).collect();
+    let serial = |slot: Slot| serials.iter().find(|(own, _)| *own == slot).map_or("", |(_, serial)| &**serial);
+    let change = |gyro: &&GyroClosure| Some(format!("{} {:.2}", gyro.slot.name(), gyro.telling_change?));
+    let changes: Vec<String> = out.iter().filter_map(change).collect();
     html! {
         section #closure {
             h2 { (t.closure_diagnosis) }
@@ -105,6 +111,35 @@ fn closure(t: &Text, id: Id, closures: &ClosureDiagnosis) -> Markup {
                 @if slots.is_empty() { (t.closure_within) }
                 @else { strong { (slots.join(", ")) } ": " (t.closure_stands_out) }
                 " " a href={ "/v1/records/" (id) "/diagnosis" } { "JSON" }
+            }
+            div.scroll tabindex="0" { table.cards {
+                thead { tr {
+                    th { (t.serial) } th.n { (symbol("D_O")) } th.n { (t.of_budget) } th.n { (t.adjusted_p) }
+                    th.n { (t.if_clocked) ", ′" } th.n { (t.if_clocked) ", " (symbol("D_S")) }
+                } }
+                tbody { @for gyro in &closures.gyros {
+                    tr {
+                        th scope="row" { (gyro.slot.name()) " " (serial(gyro.slot)) }
+                        td.n data-label="D_O" { (figure::signed_drift(gyro.d_o, gyro.sd)) }
+                        td.n data-label=(t.of_budget) { (figure::percent(gyro.of_budget)) }
+                        td.n data-label=(t.adjusted_p) { @if let Some(p) = gyro.p_value { (figure::short(p)) } @else { "–" } }
+                        td.n data-label={ (t.if_clocked) ", ′" } {
+                            @if gyro.stands_out { (figure::signed(60.0 * gyro.clocking.to_degrees(), 1)) } @else { "–" }
+                        }
+                        td.n data-label={ (t.if_clocked) ", D_S" } {
+                            @if gyro.stands_out { (figure::drift(gyro.d_s, gyro.sd)) " → " (figure::drift(gyro.d_s + gyro.d_s_shift, gyro.sd)) } @else { "–" }
+                        }
+                    }
+                } }
+            } }
+            p.note { (t.unit) }
+            @if !out.is_empty() {
+                h3 { (t.measure_next) }
+                ol {
+                    @if !changes.is_empty() { li { (t.tell_by_history) " " (changes.join(", ")) " " (t.unit) (t.stop) } }
+                    li { (t.tell_by_seat) }
+                    li { (t.tell_by_bench) }
+                }
             }
         }
     }

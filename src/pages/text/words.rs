@@ -67,7 +67,7 @@ words_of_pages! {
 
     // One calibration.
     record campaign measured received sent_by identifier operator dwells dwell diagnose verdicts_of_record
-    uncounted_note not_judged separated closure_diagnosis closure_within closure_stands_out published_by as_printed
+    uncounted_note not_judged separated closure_diagnosis closure_within closure_stands_out if_clocked tell_by_history tell_by_seat tell_by_bench published_by as_printed
     as_printed_note closure_rms mounting misalignment clocking parameters requirement_note not_determined pass fail
     uncertainty_budget uncertainty_note combined discrepancy fit_quality rank freedom lack_of_fit noise sem_factor noise_from not_seen fixed_by residuals_by_dwell
     residuals_note no_noise every_residual

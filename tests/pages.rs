@@ -761,6 +761,25 @@ async fn what_a_gyro_violates_stands_together_and_many_are_acknowledged_at_once(
     sends_form(&server, "/alerts/bulk", &silence).await;
     let silenced = page(&server, "/alerts?state=silenced", &[]).await;
     assert!(silenced.contains("STEADY") && !silenced.contains("JUMP%2F1"), "{silenced}");
+    // What the next page says was done can be taken back from there; also on the start page.
+    let from_today = |deed| {
+        [("gyro", "STEADY"), ("deed", deed), ("by", "Li Wei"), ("reason", "moved"), ("days", "2"), ("back", "/")]
+    };
+    for (deed, back, state) in [("silence", "unsilence", "silenced"), ("acknowledge", "unacknowledge", "acknowledged")]
+    {
+        let address = format!("/v1/alerts?state={state}&serial=STEADY");
+        let done = sends_form(&server, "/alerts/bulk", &from_today(deed)).await;
+        let said = page(&server, goes_on_at(&done), &[]).await;
+        let form = part(&said, "class=\"done\"", "</form>");
+        assert!(form.contains(&format!("{state}: ")) && form.contains(&format!("value=\"{back}\"")), "{form}");
+        let held = server.get(&address).await.json()["alerts"].as_array().unwrap().clone();
+        let ids: Vec<&str> = held.iter().map(|alert| alert["id"].as_str().unwrap()).collect();
+        assert!(!ids.is_empty() && ids.iter().all(|id| form.contains(id)), "{form}");
+        let mut undo = vec![("deed", back), ("by", "Li Wei"), ("reason", "too soon")];
+        undo.extend(ids.iter().map(|id| ("alert", *id)));
+        goes_on_at(&sends_form(&server, "/alerts/bulk", &undo).await);
+        assert_eq!(server.get(&address).await.json()["alerts"], json!([]), "{back}");
+    }
 }
 
 #[tokio::test]

@@ -46,7 +46,8 @@ pub(super) struct Filters {
     rule: String,
     severity: String,
     page: usize,
-    /// Alerts that have just been acknowledged, parted by commas: that can be taken back.
+    /// What has just been done, and to which alerts, parted by commas: that can be taken back.
+    deed: String,
     done: String,
 }
 
@@ -107,7 +108,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let may = viewer.may(Role::Engineer) && wanted != Some(Standing::Resolved);
     let body = html! {
         h1 { (t.alerts) }
-        (bulk::done(viewer, &filters.done, &here))
+        (bulk::done(viewer, &filters.deed, &filters.done, &here))
         nav.tabs aria-label=(t.state) {
             @for (name, word, count) in tabs {
                 a href=(filters.address(name, 0)) aria-current=[(name == filters.state()).then_some("true")] {
@@ -319,7 +320,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
     }
 }
 
-pub(super) use bulk::{act as act_bulk, ask as ask_bulk};
+pub(super) use bulk::{act as act_bulk, ask as ask_bulk, done as done_to_alerts};
 pub(super) use one::page as one;
 
 #[derive(Debug, Default, Deserialize)]
@@ -344,7 +345,7 @@ impl Doing {
     fn of(deed: &str) -> Result<Self, Problem> {
         let unknown =
             || Problem::new(404, "title_no_such_page", message!("not_done_to_alerts", action = deed.to_owned()));
-        [Self::Acknowledge, Self::Unacknowledge, Self::Silence]
+        [Self::Acknowledge, Self::Unacknowledge, Self::Silence, Self::Unsilence]
             .into_iter()
             .find(|one| one.name() == deed)
             .ok_or_else(unknown)
@@ -360,6 +361,7 @@ impl Doing {
 }
 
 async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
+    Unsilence,
     let unknown = || Problem::unknown_alert(id);
     let number = id.parse::<Id>().map_err(|_| unknown())?;
     Ok((number, pages.pipeline.alerts.get(number).await?.ok_or_else(unknown)?.alert))
@@ -378,6 +380,7 @@ pub(super) async fn ask(
     };
     let said = Said { word, ..Said::default() };
     viewer.show(found.map(|(doing, alert)| form(&viewer, &alert, doing, &said).fresh(&viewer, &said.word)))
+            Self::Unsilence => "unsilence",
 }
 
 pub(super) async fn act(
@@ -421,9 +424,11 @@ fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said) -> Deed {
         title: title.into(),
         what,
         fields,
+        Doing::Unsilence => AlertChange::Unsilence,
         action: format!("/alerts/{}/{}", alert.id, doing.name()),
         button,
         back: said.word.back_or("/alerts").to_owned(),
         reasoned: true,
     }
 }
+        Doing::Unsilence => (t.unsilence_title, t.end_silence_what, t.unsilence),

@@ -10,7 +10,7 @@ use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::alerts::open_ones;
+use super::alerts::{done_to_alerts, open_ones};
 use super::fleet::{Filters, as_day, bad_parameter, tiles, trend, violated};
 use super::layout::{DRIFTS, Page, Section, day, encoded, symbol, written_day};
 use super::text::Text;
@@ -36,6 +36,9 @@ const OF_FLEET: [&str; 5] = ["q", "status", "state", "station", "page"];
 pub(super) struct Asked {
     /// A day, or a time.
     since: String,
+    /// What has just been done, and to which alerts, parted by commas: that can be taken back.
+    deed: String,
+    done: String,
 }
 
 pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, uri: Uri, Query(asked): Query<Asked>) -> Response {
@@ -64,6 +67,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
         h1 { (t.today_title) }
         (tiles(viewer, &fleet, &Filters::default()))
         div.blocks {
+        (done_to_alerts(viewer, &asked.deed, &asked.done, "/"))
             (worse(viewer, &today.worse, since, &dealt, &names))
             (still_out(viewer, &fleet, &today.worse, &dealt, &names))
             (approaching(t, &today.approaching, &names))

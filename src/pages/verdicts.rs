@@ -206,7 +206,8 @@ pub(super) fn actions(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) ->
             " " span.actions.no-print {
                 @if alert.acknowledged.is_none() { a href=(deed("acknowledge", here)) { (t.acknowledge) } }
                 @else { a href=(deed("unacknowledge", here)) { (t.unacknowledge) } }
-                a href=(deed("silence", here)) { (t.silence) }
+                @if alert.silenced.is_none() { a href=(deed("silence", here)) { (t.silence) } }
+                @else { a href=(deed("unsilence", here)) { (t.unsilence) } }
             }
         }
     }

@@ -22,7 +22,7 @@ use crate::wire::text;
 
 /// Alerts of one form, and gyros that are looked through for them.
 const MOST: usize = 500;
-/// Alerts of which an address says that they have just been acknowledged.
+/// Alerts of which an address says what has just been done to them.
 const MOST_DONE: usize = 60;
 
 /// What is said of alerts, and of which.
@@ -102,10 +102,11 @@ async fn done_of(pages: &Pages, viewer: &Viewer, said: &Said) -> Result<Response
     let change = match said.deed.as_str() {
         "unacknowledge" => AlertChange::Unacknowledge,
         "comment" => AlertChange::Comment,
+        "unsilence" => AlertChange::Unsilence,
         "silence" => AlertChange::Silence { until: silent_until(pages, &said.days, &mut faults) },
         _ => AlertChange::Acknowledge,
     };
-    let is_brief = matches!(change, AlertChange::Acknowledge | AlertChange::Unacknowledge);
+    let is_brief = !matches!(change, AlertChange::Silence { .. } | AlertChange::Comment);
     // Whoever has signed in is known; that they know of it needs no reason.
     if !(is_brief && viewer.signed_in.is_some() && said.reason.trim().is_empty()) {
         text::required_note("reason", said.reason.clone(), &mut faults);
@@ -128,10 +129,10 @@ async fn done_of(pages: &Pages, viewer: &Viewer, said: &Said) -> Result<Response
         done.push(alert.id.clone());
     }
     let back = said.back();
-    let is_list = back == "/alerts" || back.starts_with("/alerts?");
-    if change == AlertChange::Acknowledge && is_list && (1..=MOST_DONE).contains(&done.len()) {
+    let is_list = back == "/" || back == "/alerts" || back.starts_with("/alerts?");
+    if Undo::of(change.name()).is_some() && is_list && (1..=MOST_DONE).contains(&done.len()) {
         let joint = if back.contains('?') { '&' } else { '?' };
-        return Ok(see_other(&format!("{back}{joint}done={}", done.join(","))));
+        return Ok(see_other(&format!("{back}{joint}deed={}&done={}", change.name(), done.join(","))));
     }
     Ok(see_other(back))
 }
@@ -145,6 +146,7 @@ fn form(viewer: &Viewer, said: &Said, found: &[AlertBody], faults: &Faults) -> P
         ("silence", t.silence),
         ("comment", t.comment),
         ("unacknowledge", t.unacknowledge),
+        ("unsilence", t.unsilence),
     ];
     let chosen = deeds.iter().position(|(name, _)| *name == said.deed).unwrap_or(0);
     let body = html! {
@@ -199,16 +201,33 @@ pub(super) fn acknowledge(viewer: &Viewer, serial: &str, here: &str) -> Markup {
     }
 }
 
-/// That alerts have just been acknowledged, and the way to take that back.
-pub(super) fn done(viewer: &Viewer, done: &str, here: &str) -> Markup {
+/// How alerts stand after a deed, and the deed that takes it back.
+struct Undo {
+    standing: Standing,
+    deed: &'static str,
+}
+
+impl Undo {
+    fn of(deed: &str) -> Option<Self> {
+        match deed {
+            "acknowledge" => Some(Self { standing: Standing::Acknowledged, deed: "unacknowledge" }),
+            "silence" => Some(Self { standing: Standing::Silenced, deed: "unsilence" }),
+            _ => None,
+        }
+    }
+}
+
+/// What has just been done to alerts, parted by commas, and the way to take that back.
+pub(in crate::pages) fn done(viewer: &Viewer, deed: &str, alerts: &str, here: &str) -> Markup {
     let t = viewer.text();
-    let ids: Vec<&str> = done.split(',').filter(|id| id.parse::<Id>().is_ok()).take(MOST_DONE).collect();
+    let Some(undo) = Undo::of(deed) else { return html! {} };
+    let ids: Vec<&str> = alerts.split(',').filter(|id| id.parse::<Id>().is_ok()).take(MOST_DONE).collect();
     let method = if viewer.signed_in.is_some() { "post" } else { "get" };
     html! {
         @if !ids.is_empty() {
             form.done role="status" action="/alerts/bulk" method=(method) {
-                span { (t.standing(Standing::Acknowledged.name())) ": " (ids.len()) }
-                input type="hidden" name="deed" value="unacknowledge";
+                span { (t.standing(undo.standing.name())) (t.colon) (ids.len()) }
+                input type="hidden" name="deed" value=(undo.deed);
                 input type="hidden" name="back" value=(here);
                 @for id in ids { input type="hidden" name="alert" value=(id); }
                 button { (t.undo) }

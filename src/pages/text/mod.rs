@@ -71,6 +71,7 @@ impl Text {
             "acknowledge" => self.alert_acknowledged,
             "unacknowledge" => self.unacknowledge,
             "silence" => self.alert_silenced,
+            "unsilence" => self.unsilence,
             "comment" => self.comment,
             "inhibit" => self.alert_inhibited,
             other => other,

@@ -30,6 +30,8 @@ pub enum AlertChange {
     Unacknowledge,
     /// Nobody is to be told before a time.
     Silence { until: UtcMicros },
+    /// It is over.
+    Unsilence,
     /// Something is said of it, and nothing changes.
     Comment,
 }
@@ -40,6 +42,7 @@ impl AlertChange {
             Self::Acknowledge => "acknowledge",
             Self::Unacknowledge => "unacknowledge",
             Self::Silence { .. } => "silence",
+            Self::Unsilence => "unsilence",
             Self::Comment => "comment",
         }
     }
@@ -64,6 +67,7 @@ impl AlertCache {
             }
             // There is nothing to take back.
             AlertChange::Unacknowledge if !row.alert.acknowledged => return Ok(row.clone()),
+            AlertChange::Unsilence if row.alert.silenced_until.is_none() => return Ok(row.clone()),
             _ => {}
         }
         let change = |row: &mut AlertRow| match order.change {
@@ -79,6 +83,10 @@ impl AlertCache {
             AlertChange::Silence { until } => {
                 row.alert = alert_decision::silence(&row.alert, Some(until));
                 row.silenced = Some(remark.clone());
+            }
+            AlertChange::Unsilence => {
+                row.alert = alert_decision::silence(&row.alert, None);
+                row.silenced = None;
             }
         };
         self.say(order.alert, order.change.name(), &remark, change, pen).ok_or_else(unknown)

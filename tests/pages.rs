@@ -805,6 +805,33 @@ async fn gyros_that_one_record_has_shown_stand_under_their_imu() {
 }
 
 #[tokio::test]
+async fn gyros_that_are_overdue_with_their_imu_are_one_job() {
+    let server =
+        Server::start_with(&[("GYROWATCH_JUDGING__INTERVAL_DAYS", "60"), ("GYROWATCH_ALERTS__TICK_S", "1")]).await;
+    for (imu, gyros) in [("IMU-T", 3), ("IMU-S", 1)] {
+        let mut body = record(imu, "ST-1", &format!("{imu}-1"), 0, [1.5, 2.0]);
+        let first = body["gyros"][0].clone();
+        for k in 2..=gyros {
+            let mut gyro = first.clone();
+            (gyro["slot"], gyro["serial"]) = (format!("G{k}").into(), format!("{imu}-{k}").into());
+            body["gyros"].as_array_mut().unwrap().push(gyro);
+            body["geometry"][format!("G{k}")] = body["geometry"]["G1"].clone();
+        }
+        assert_eq!(server.post_json("/v1/records", &body).await.status, 201);
+    }
+    let mut alerts = String::new();
+    for _ in 0..200 {
+        alerts = page(&server, "/alerts", &[]).await;
+        if alerts.matches("<article").count() == 4 {
+            break;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+    }
+    let together = part(&alerts, "class=\"together\"", "</section>");
+    assert!(together.matches("<article").count() == 3 && together.contains("3 gyros · overdue"), "{alerts}");
+}
+
+#[tokio::test]
 async fn what_was_done_to_a_gyro_is_noted_on_its_page() {
     let server = a_small_fleet().await;
     let path = "/gyros/STEADY/events/new";

@@ -34,7 +34,8 @@ use crate::wire::problem::Problem;
 const ROWS: usize = 30;
 /// Alerts of one gyro, one for each coefficient and rule: never more than so many.
 const MOST_OF_A_GYRO: u32 = 200;
-/// Gyros of an IMU whose alerts rest on one record: more likely the file or the station than each of them.
+/// Gyros of an IMU with one cause: of one record more likely the file or the station than each of them; overdue, one
+/// job for a station.
 const TOGETHER: usize = 3;
 
 #[derive(Debug, Default, Deserialize)]
@@ -160,25 +161,41 @@ struct Group {
     /// Where there are several.
     imu: Option<String>,
     gyros: Vec<Vec<AlertBody>>,
+    /// Whether none of them has been calibrated in time.
+    overdue: bool,
 }
 
-/// The record that an alert rests on.
-fn record_of(alerts: &[AlertBody]) -> Option<&str> {
-    alerts.first().and_then(|alert| alert.finding.record.as_deref())
+/// What gyros have in common that fire together.
+#[derive(Debug, Clone, PartialEq)]
+enum Cause {
+    Record(String),
+    /// No record of this IMU.
+    Overdue(String),
 }
 
-/// Gyros of one record stand together where there are [`TOGETHER`] of them, where the first of them does.
+impl Cause {
+    fn of(alerts: &[AlertBody]) -> Option<Self> {
+        let first = alerts.first()?;
+        if first.rule == Rule::Overdue.name() {
+            return first.finding.imu.clone().map(Self::Overdue);
+        }
+        first.finding.record.clone().map(Self::Record)
+    }
+}
+
+/// Gyros of one cause stand together where there are [`TOGETHER`] of them, where the first of them does.
 fn together(found: Vec<Vec<AlertBody>>) -> Vec<Group> {
-    let many = |record: &str| found.iter().filter(|alerts| record_of(alerts) == Some(record)).count() >= TOGETHER;
-    let records: Vec<Option<String>> =
-        found.iter().map(|alerts| record_of(alerts).filter(|record| many(record)).map(str::to_owned)).collect();
-    let mut groups: Vec<(Option<String>, Group)> = Vec::new();
-    for (alerts, record) in found.into_iter().zip(records) {
-        match groups.iter_mut().find(|(of, _)| record.is_some() && *of == record) {
+    let causes: Vec<Option<Cause>> = found.iter().map(|alerts| Cause::of(alerts)).collect();
+    let is_common = |cause: &&Cause| causes.iter().flatten().filter(|one| one == cause).count() >= TOGETHER;
+    let mut groups: Vec<(Option<&Cause>, Group)> = Vec::new();
+    for (alerts, cause) in found.into_iter().zip(&causes) {
+        let cause = cause.as_ref().filter(is_common);
+        match groups.iter_mut().find(|(of, _)| cause.is_some() && *of == cause) {
             Some((_, group)) => group.gyros.push(alerts),
             None => {
-                let imu = alerts.first().and_then(|alert| alert.finding.imu.clone()).filter(|_| record.is_some());
-                groups.push((record, Group { imu, gyros: vec![alerts] }));
+                let imu = alerts.first().and_then(|alert| alert.finding.imu.clone()).filter(|_| cause.is_some());
+                let overdue = matches!(cause, Some(Cause::Overdue(_)));
+                groups.push((cause, Group { imu, overdue, gyros: vec![alerts] }));
             }
         }
     }
@@ -193,7 +210,11 @@ impl Group {
             @if let Some(imu) = &self.imu {
                 section.together {
                     h2 {
-                        a.id href={ "/imus/" (encoded(imu)) } { (imu) } " " span.note { (self.gyros.len()) " " (t.gyros_of_one_record) }
+                        a.id href={ "/imus/" (encoded(imu)) } { (imu) } " "
+                        span.note {
+                            @if self.overdue { (t.count_of_gyros(self.gyros.len())) " · " (t.status(Status::Overdue)) }
+                            @else { (self.gyros.len()) " " (t.gyros_of_one_record) }
+                        }
                     }
                     (gyros)
                 }

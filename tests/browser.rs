@@ -424,7 +424,15 @@ async fn times_stand_in_the_viewers_zone_with_utc_beside_them() {
         return;
     }
     let server = Server::start().await;
-    assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
+    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    for month in 1..=4 {
+        record["calibrated_at"] = format!("2026-0{month}-01T08:00:00Z").into();
+        if month == 4 {
+            let g = &mut record["gyros"][0]["g_pulse_per_s_g0"][0];
+            *g = (1.01 * g.as_f64().unwrap()).into();
+        }
+        assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
+    }
     let browser = Browser::open(&server.url(""), server.dir()).await;
     browser.cdp("Emulation.setTimezoneOverride", serde_json::json!({"timezoneId": "Asia/Shanghai"})).await;
     browser.goto("/gyros/LFG-0101").await;
@@ -432,6 +440,54 @@ async fn times_stand_in_the_viewers_zone_with_utc_beside_them() {
     let time = "document.querySelector('time[datetime=\"2026-03-01T08:00:00Z\"]')";
     assert_eq!(browser.eval(&format!("{time}.textContent")).await, "2026-03-01 16:00 UTC+8");
     assert_eq!(browser.eval(&format!("{time}.title")).await, "2026-03-01 08:00 UTC");
+    // A day in a sentence says that it is one of UTC.
+    browser.goto("/gyros/LFG-0101/diagnosis").await;
+    let sentences = "document.querySelector('main').textContent.match(/[0-9]{4}-[0-9]{2}-[0-9]{2}(?! UTC| [0-9]{2}:)/)";
+    assert_eq!(browser.eval(sentences).await, Value::Null);
+    browser.goto("/gyros/LFG-0101").await;
+    browser.wait("document.querySelector('#verdicts').textContent.includes('from 2026-01-01 UTC')").await;
+    browser.has_behaved().await;
+}
+
+/// With the keyboard alone, from the start page on: what is pressed.
+#[tokio::test]
+async fn a_keyboard_leads_to_the_worst_gyro_and_its_first_alert_in_few_keys() {
+    if !chromium::is_installed() {
+        return;
+    }
+    let demo = Demo::start();
+    let browser = Browser::open(&demo.base, demo.dir.path()).await;
+    browser.look(1280, 1000, false).await;
+    let focused = "document.activeElement.textContent";
+    let to_worst = ["Tab", "Enter", "Tab", "Enter"];
+    for page in ["/", "/fleet", "/alerts"] {
+        browser.goto(page).await;
+        for key in to_worst {
+            browser.press(key).await;
+        }
+        assert_eq!(browser.eval(focused).await, "LFG-0008", "{page}");
+        // On to the next line.
+        browser.press("ArrowDown").await;
+        assert_eq!(browser.eval(focused).await, "LFG-0004", "{page}");
+    }
+    browser.press("Enter").await;
+    browser.wait("location.pathname == '/gyros/LFG-0004'").await;
+    for key in to_worst {
+        browser.press(key).await;
+    }
+    let mut tabs = 0;
+    while browser
+        .eval("document.activeElement.pathname || ''")
+        .await
+        .as_str()
+        .is_none_or(|to| !to.starts_with("/alerts/"))
+    {
+        assert!(tabs < 4, "the first alert is {tabs} links behind the skip");
+        browser.press("Tab").await;
+        tabs += 1;
+    }
+    browser.press("Enter").await;
+    browser.wait("location.pathname.startsWith('/alerts/')").await;
     browser.has_behaved().await;
 }
 

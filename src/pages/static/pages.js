@@ -33,6 +33,18 @@
   };
   localTimes(document);
 
+  // Days in sentences are counted in UTC; where the viewer's are not, they say so.
+  const utcDays = (root) => {
+    if (!new Date().getTimezoneOffset()) return;
+    const walker = document.createTreeWalker(root, NodeFilter.SHOW_TEXT);
+    while (walker.nextNode()) {
+      const node = walker.currentNode;
+      if (node.parentElement.closest("time, code, pre, textarea, script, option, svg, [translate=no]")) continue;
+      node.data = node.data.replace(/\b\d{4}-\d\d-\d\d\b(?!T| \d\d:| UTC)/g, "$& UTC");
+    }
+  };
+  utcDays(document.querySelector("main"));
+
   // Pictures: which point is meant, by pointer or by keyboard, and which stretch of time is asked for.
   const SVG = "http://www.w3.org/2000/svg";
   const pick = (picture) => {
@@ -126,6 +138,7 @@
     document.querySelector("#history").replaceWith(found);
     if (keep) history.pushState(null, "", url);
     localTimes(found);
+    utcDays(found);
     draw(found);
   };
 

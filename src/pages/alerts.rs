@@ -108,6 +108,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let tabs = tabs.into_iter().chain([("all", t.alert_all, all)]);
     let may = viewer.may(Role::Engineer) && wanted != Some(Standing::Resolved);
     let body = html! {
+        @if !groups.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
         h1 { (t.alerts) }
         (bulk::done(viewer, &filters.deed, &filters.done, &here))
         nav.tabs aria-label=(t.state) {
@@ -129,7 +130,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         }
         @if groups.is_empty() { @if stations.is_empty() && imus.is_empty() { p.lead { (t.no_alerts) } } }
         @else {
-            @for group in &groups { (group.shown(viewer, may, &here)) }
+            @for (k, group) in groups.iter().enumerate() { (group.shown(viewer, k == 0, may, &here)) }
             @if may { (bulk::bar(viewer, &here)) }
         }
         @if more || filters.page > 0 {
@@ -160,9 +161,9 @@ fn search(viewer: &Viewer, filters: &Filters) -> Markup {
 struct Group {
     /// Where there are several.
     imu: Option<String>,
-    gyros: Vec<Vec<AlertBody>>,
     /// Whether none of them has been calibrated in time.
     overdue: bool,
+    gyros: Vec<Vec<AlertBody>>,
 }
 
 /// What gyros have in common that fire together.
@@ -203,9 +204,10 @@ fn together(found: Vec<Vec<AlertBody>>) -> Vec<Group> {
 }
 
 impl Group {
-    fn shown(&self, viewer: &Viewer, may: bool, here: &str) -> Markup {
+    /// `first`: whether it is the first of the page, which the keyboard skips to.
+    fn shown(&self, viewer: &Viewer, first: bool, may: bool, here: &str) -> Markup {
         let t = viewer.text();
-        let gyros = html! { @for alerts in &self.gyros { (of_gyro(viewer, alerts, may, here)) } };
+        let gyros = html! { @for (k, alerts) in self.gyros.iter().enumerate() { (of_gyro(viewer, alerts, first && k == 0, may, here)) } };
         html! {
             @if let Some(imu) = &self.imu {
                 section.together {
@@ -224,7 +226,7 @@ impl Group {
 }
 
 /// A gyro on one line, what it is told of folded under it.
-fn of_gyro(viewer: &Viewer, alerts: &[AlertBody], may: bool, here: &str) -> Markup {
+fn of_gyro(viewer: &Viewer, alerts: &[AlertBody], first_of_page: bool, may: bool, here: &str) -> Markup {
     let t = viewer.text();
     let Some(first) = alerts.first() else { return html! {} };
     let (serial, finding) = (&first.serial, &first.finding);
@@ -246,7 +248,7 @@ fn of_gyro(viewer: &Viewer, alerts: &[AlertBody], may: bool, here: &str) -> Mark
             header {
                 @if may { input type="checkbox" name="gyro" value=(serial) form="bulk" aria-label=(serial); }
                 (status::badge(t, worst))
-                strong { a.id href={ "/gyros/" (encoded(serial)) } { (serial) } }
+                strong { a.id id=[first_of_page.then_some("first")] href={ "/gyros/" (encoded(serial)) } { (serial) } }
                 @if let Some(imu) = &finding.imu {
                     span { a.id href={ "/imus/" (encoded(imu)) } { (imu) } @if let Some(slot) = &finding.slot { " " span.quiet { (slot) } } }
                 }
@@ -359,6 +361,7 @@ enum Doing {
     Acknowledge,
     Unacknowledge,
     Silence,
+    Unsilence,
 }
 
 impl Doing {
@@ -377,12 +380,12 @@ impl Doing {
             Self::Acknowledge => "acknowledge",
             Self::Unacknowledge => "unacknowledge",
             Self::Silence => "silence",
+            Self::Unsilence => "unsilence",
         }
     }
 }
 
 async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
-    Unsilence,
     let unknown = || Problem::unknown_alert(id);
     let number = id.parse::<Id>().map_err(|_| unknown())?;
     Ok((number, pages.pipeline.alerts.get(number).await?.ok_or_else(unknown)?.alert))
@@ -401,7 +404,6 @@ pub(super) async fn ask(
     };
     let said = Said { word, ..Said::default() };
     viewer.show(found.map(|(doing, alert)| form(&viewer, &alert, doing, &said).fresh(&viewer, &said.word)))
-            Self::Unsilence => "unsilence",
 }
 
 pub(super) async fn act(
@@ -422,6 +424,7 @@ async fn done(pages: &Pages, viewer: &Viewer, (id, deed): (&str, &str), said: &S
         Doing::Acknowledge => AlertChange::Acknowledge,
         Doing::Unacknowledge => AlertChange::Unacknowledge,
         Doing::Silence => AlertChange::Silence { until: silent_until(pages, &said.days, &mut faults) },
+        Doing::Unsilence => AlertChange::Unsilence,
     };
     if !faults.is_empty() {
         return Ok(form(viewer, &alert, doing, said).again(viewer, &said.word, &faults));
@@ -437,6 +440,7 @@ fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said) -> Deed {
         Doing::Acknowledge => (t.acknowledge_title, t.acknowledge_what, t.acknowledge),
         Doing::Unacknowledge => (t.unacknowledge_title, t.unacknowledge_what, t.unacknowledge),
         Doing::Silence => (t.silence_title, t.silence_what, t.silence),
+        Doing::Unsilence => (t.unsilence_title, t.end_silence_what, t.unsilence),
     };
     let what = html! { (table(viewer, std::iter::once(alert), true, None)) p.lead { (does) } };
     let fields = html! { @if doing == Doing::Silence { (days_field(t, &said.days, true)) } };
@@ -445,11 +449,9 @@ fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said) -> Deed {
         title: title.into(),
         what,
         fields,
-        Doing::Unsilence => AlertChange::Unsilence,
         action: format!("/alerts/{}/{}", alert.id, doing.name()),
         button,
         back: said.word.back_or("/alerts").to_owned(),
         reasoned: true,
     }
 }
-        Doing::Unsilence => (t.unsilence_title, t.end_silence_what, t.unsilence),

@@ -48,6 +48,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         html! { (table(viewer, pages, filters, &rows.collect::<Vec<_>>(), now)) }
     };
     let body = html! {
+        @if !gyros.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
         h1 { (t.fleet) }
         (tiles(viewer, &found, filters))
         (filters.form(viewer, &found))
@@ -121,13 +122,14 @@ fn table(viewer: &Viewer, pages: &Pages, filters: &Filters, rows: &[Row<'_>], no
                     th { (t.since) }
                     (head("age", html! { (t.calibrated) }))
                 } }
-                tbody { @for row in rows { (line(viewer, pages, row, now)) } }
+                tbody { @for (k, row) in rows.iter().enumerate() { (line(viewer, pages, row, k == 0, now)) } }
             }
         }
     }
 }
 
-fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, now: UtcMicros) -> Markup {
+/// `first`: whether it is the first of the page, which the keyboard skips to.
+fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicros) -> Markup {
     let (t, standing) = (viewer.text(), row.standing);
     let newest = standing.newest.as_ref().map(|figures| sample_of(figures, pages.config.judging.method));
     let is_worse = standing.status.is_some_and(|status| status >= Status::Drifting);
@@ -137,7 +139,7 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, now: UtcMicros) -> Markup
                 input type="checkbox" name="gyro" value=(standing.serial) form="selection" aria-label=(standing.serial);
             }
             td { (badges::badge(t, standing.status)) (badges::out_of_use(t, standing.out_of_use)) }
-            th scope="row" { a.id href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
+            th scope="row" { a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
             td {
                 @if let Some(figures) = &standing.newest {
                     a.id href={ "/imus/" (encoded(&row.imu)) } { (row.imu) } " " span.quiet { (figures.slot.name()) }

@@ -123,10 +123,12 @@ async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> R
     let facts = Facts::of(pages, number, serial, &view, skip).await?;
     let explained = explained(pages, number, serial, &facts).await?;
     let names = pages.pipeline.queries.names();
+    let judges = !facts.verdicts.is_empty() || !facts.alerts.is_empty();
     let body = html! {
+        @if judges { a.skip href="#verdicts" { (viewer.text().skip_to_verdicts) } }
         (gyro_head::head(viewer, serial, &facts, judged, explained.as_ref(), &names))
         (history(viewer, serial, &view, &facts, &names))
-        (verdict_section(viewer, &facts))
+        @if judges { (verdict_section(viewer, &facts)) }
         (before_after::section(viewer, &facts.course, judged))
         (agreement(viewer, serial, &facts.comparison))
         (history::happenings(viewer, &facts.course, &names))
@@ -161,11 +163,9 @@ async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result
 
 fn verdict_section(viewer: &Viewer, facts: &Facts) -> Markup {
     html! {
-        @if !facts.verdicts.is_empty() || !facts.alerts.is_empty() {
-            section #verdicts {
-                h2 { (viewer.text().verdicts) }
-                (verdicts::table(viewer, &facts.verdicts, &facts.alerts, Some(&viewer.here)))
-            }
+        section #verdicts {
+            h2 { (viewer.text().verdicts) }
+            (verdicts::table(viewer, &facts.verdicts, &facts.alerts, Some(&viewer.here)))
         }
     }
 }

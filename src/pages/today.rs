@@ -63,13 +63,15 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
     let dealt = dealt_with(pages, viewer, shown).await?;
     let gone = no_longer_in_it(pages, &today.overdue.first).await?;
     let names = queries.names();
+    let out = still(&fleet, &today.worse);
     let body = html! {
+        @if !today.worse.first.is_empty() || !out.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
         h1 { (t.today_title) }
+        (done_to_alerts(viewer, &asked.deed, &asked.done, "/"))
         (tiles(viewer, &fleet, &Filters::default()))
         div.blocks {
-        (done_to_alerts(viewer, &asked.deed, &asked.done, "/"))
             (worse(viewer, &today.worse, since, &dealt, &names))
-            (still_out(viewer, &fleet, &today.worse, &dealt, &names))
+            (still_out(viewer, &fleet, (&today.worse, &out), &dealt, &names))
             (approaching(t, &today.approaching, &names))
             (due(t, &today, &gone, now))
             (several(t, &today))
@@ -137,9 +139,10 @@ fn all_of<'a, T>(t: &'a Text, list: &FirstOf<T>, address: impl FnOnce() -> Strin
     (list.of > list.first.len()).then(|| (t.all_of_them, address()))
 }
 
-fn gyro(standing: &Standing, names: &Names<'_>) -> Markup {
+/// `first`: whether it is the first of the page, which the keyboard skips to.
+fn gyro(standing: &Standing, first: bool, names: &Names<'_>) -> Markup {
     html! {
-        th scope="row" { a.id href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
+        th scope="row" { a.id id=[first.then_some("first")] href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
         td {
             @if let Some(newest) = &standing.newest {
                 @let imu = names.imu(newest.imu);
@@ -173,7 +176,7 @@ fn worse(
     let t = viewer.text();
     let from = as_day(since);
     let title = html! { (t.worse_since) " " (day(since)) };
-    let rows = violating(viewer, list.first.iter(), dealt, names);
+    let rows = violating(viewer, list.first.iter(), true, dealt, names);
     let form = html! {
         form.search.no-print action="/" method="get" {
             label { (t.since_day) " " input type="date" name="since" value=(from); }
@@ -185,42 +188,47 @@ fn worse(
     html! { div { (shown) (form) } }
 }
 
+const OUT: [Status; 4] = [Status::Drifting, Status::Unconfirmed, Status::OutOfTolerance, Status::Confirmed];
+
 /// What is out of tolerance or drifting and has not changed since: the worst of the fleet, without those in `worse`.
-fn still_out(
-    viewer: &Viewer,
-    fleet: &FleetPage,
-    worse: &FirstOf<Standing>,
-    dealt: &HashMap<u32, Markup>,
-    names: &Names<'_>,
-) -> Markup {
-    const OUT: [Status; 4] = [Status::Drifting, Status::Unconfirmed, Status::OutOfTolerance, Status::Confirmed];
-    let t = viewer.text();
+fn still<'a>(fleet: &'a FleetPage, worse: &FirstOf<Standing>) -> Vec<&'a Standing> {
     let is_out = |standing: &&Standing| {
         let is_above = worse.first.iter().any(|above| above.serial == standing.serial);
         standing.status.is_some_and(|status| OUT.contains(&status)) && !is_above
     };
-    let out: Vec<&Standing> = fleet.gyros.iter().filter(is_out).collect();
+    fleet.gyros.iter().filter(is_out).collect()
+}
+
+fn still_out(
+    viewer: &Viewer,
+    fleet: &FleetPage,
+    (worse, out): (&FirstOf<Standing>, &[&Standing]),
+    dealt: &HashMap<u32, Markup>,
+    names: &Names<'_>,
+) -> Markup {
+    let t = viewer.text();
     let count: usize = OUT.map(|status| fleet.of_status[status as usize]).iter().sum();
     let above = worse.first.iter().filter(|one| one.status.is_some_and(|status| OUT.contains(&status))).count();
-    let rows = violating(viewer, out.iter().copied(), dealt, names);
+    let rows = violating(viewer, out.iter().copied(), worse.first.is_empty(), dealt, names);
     let all = (count > out.len() + above).then(|| (t.all_of_them, "/fleet".to_owned()));
     block(&html! { (t.still_out) }, count.saturating_sub(above), t.nothing_else_out, &rows, all)
 }
 
-/// Gyros with what they violate, one a line.
+/// Gyros with what they violate, one a line. `first`: whether they are the first of the page.
 fn violating<'a>(
     viewer: &Viewer,
     gyros: impl Iterator<Item = &'a Standing>,
+    first: bool,
     dealt: &HashMap<u32, Markup>,
     names: &Names<'_>,
 ) -> Markup {
     let t = viewer.text();
     let ack = |serial: &str| format!("/alerts/bulk?gyro={}&back=%2F", encoded(serial));
     html! {
-        div.scroll tabindex="0" { table.lines { tbody { @for standing in gyros {
+        div.scroll tabindex="0" { table.lines { tbody { @for (k, standing) in gyros.enumerate() {
             tr {
                 td { (badges::badge(t, standing.status)) }
-                (gyro(standing, names))
+                (gyro(standing, first && k == 0, names))
                 td.nowrap { @if let Some((column, largest)) = largest(standing) { (load(t, column, largest, standing.drift[column])) } }
                 td { (violated(t, &standing.violations)) }
                 td.nowrap { @if let Some(at) = standing.since { span.quiet { (t.since) " " } (day(at)) } }
@@ -240,7 +248,7 @@ fn approaching(t: &Text, list: &FirstOf<Standing>, names: &Names<'_>) -> Markup 
             @if let Some(reach) = standing.outlook.reach {
                 tr {
                     td.nowrap { strong { (day(reach.at)) } @if reach.provisional { " ?" } }
-                    (gyro(standing, names))
+                    (gyro(standing, false, names))
                     td.nowrap {
                         @let column = of_reach(reach.coefficient);
                         @if let Some(now) = standing.outlook.load[column] { (load(t, column, now, standing.drift[column])) }

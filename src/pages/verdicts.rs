@@ -184,7 +184,7 @@ fn certainty(probability: f64) -> String {
 /// How the alert stands, and what can be done about it.
 fn told(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
     let t = viewer.text();
-    html! { (t.standing(&alert.state)) (remarks(t, alert)) (actions(viewer, alert, here)) }
+    html! { a href={ "/alerts/" (alert.id) } { (t.standing(&alert.state)) } (remarks(t, alert)) (actions(viewer, alert, here)) }
 }
 
 /// Who knows of an alert, and who wants nobody to be told, until when.

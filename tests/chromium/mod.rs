@@ -161,6 +161,8 @@ impl Browser {
         let code = match key {
             "ArrowLeft" => '\u{e012}',
             "ArrowRight" => '\u{e014}',
+            "ArrowDown" => '\u{e015}',
+            "Tab" => '\u{e004}',
             "Enter" => '\u{e007}',
             _ => panic!("{key} is not among the keys that tests press"),
         };

@@ -45,6 +45,16 @@
   };
   utcDays(document.querySelector("main"));
 
+  // Up and down among the links that head the lines of a list, once one of them has the focus.
+  document.addEventListener("keydown", (event) => {
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    const heads = [...document.querySelectorAll("main tbody th a, .alerted header strong a")];
+    const here = heads.indexOf(event.target);
+    if (!step || here < 0 || event.ctrlKey || event.metaKey || event.altKey || event.shiftKey) return;
+    event.preventDefault();
+    heads[Math.min(Math.max(here + step, 0), heads.length - 1)].focus();
+  });
+
   // Pictures: which point is meant, by pointer or by keyboard, and which stretch of time is asked for.
   const SVG = "http://www.w3.org/2000/svg";
   const pick = (picture) => {

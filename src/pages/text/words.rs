@@ -35,7 +35,7 @@ impl Language {
 
 words_of_pages! {
     // The frame of every page.
-    fleet stations api book contents other_language dark light skip navigation error_title error_back
+    fleet stations api book contents other_language dark light skip skip_to_first skip_to_verdicts navigation error_title error_back
 
     // Quantities.
     unit serial imu station state calibrated method date range meaning_d_i meaning_d_s meaning_d_o meaning_e

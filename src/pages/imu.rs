@@ -8,6 +8,7 @@ use maud::{Markup, html};
 
 use super::Pages;
 use super::alerts;
+use super::bullet;
 use super::figure;
 use super::forecast;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
@@ -150,15 +151,20 @@ fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup 
                         td { (newest.slot.name()) }
                         th scope="row" { a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
                         td { (status::badge(t, gyro.status)) " " (status::out_of_use(t, gyro.out_of_use)) }
-                        @for (measured, name) in sample_of(newest, pages.config.judging.method).d.into_iter().zip(DRIFTS) {
-                            td.n data-label=(name) { (figure::drift(measured.value, measured.sd)) }
+                        @for (column, measured) in sample_of(newest, pages.config.judging.method).d.into_iter().enumerate() {
+                            td.n data-label=(DRIFTS[column]) {
+                                @if let Some(load) = gyro.outlook.load[column] {
+                                    strong { (bullet::percent(load)) (t.percent_sign) } br;
+                                    span.quiet { (figure::drift(measured.value, measured.sd)) }
+                                } @else { (figure::drift(measured.value, measured.sd)) }
+                            }
                         }
                         td { (instant(newest.at)) }
                     }
                 }
             } }
         } }
-        p.note { (t.unit) }
+        p.note { (t.load_word) ". " (t.unit) }
     }
 }
 

@@ -407,9 +407,10 @@ impl Chart {
         let newest = self.levels.last();
         html! {
             @if let Some((level, control)) = newest.and_then(|level| Some((level, level.control?))) {
-                @for (name, limit) in [("UCL", level.at + control), ("LCL", level.at - control)] {
+                // Outside of the limits, where fewer points stand.
+                @for (name, limit, beside) in [("UCL", level.at + control, -3.0), ("LCL", level.at - control, 10.0)] {
                     @if (scale.y.0..=scale.y.1).contains(&limit) {
-                        text.halo x="100%" dx="-3" y=(place(scale.y(limit) - 3.0)) text-anchor="end" { (name) }
+                        text.halo x="100%" dx="-3" y=(place(scale.y(limit) + beside)) text-anchor="end" { (name) }
                     }
                 }
             }
@@ -458,13 +459,12 @@ impl Chart {
                 },
                 Across::Figure(name) => {
                     @let (figures, decimals) = round_steps(self.x, 6.0);
-                    // What the name leaves of the narrowest picture.
-                    @let free = (0.9 - 0.016 * name.chars().count() as f64).max(0.62);
+                    @let free = 1.0 - (wide(name) + HALF_A_FIGURE) / NARROWEST;
                     @for x in figures {
                         @let share = (x - self.x.0) / (self.x.1 - self.x.0);
                         line.tick x1=(scale.x(x)) x2=(scale.x(x)) y1=(self.height) y2=(self.height + 3.0) {}
-                        @if share < free {
-                            text.date x=(scale.x(x)) y=(foot) text-anchor="middle" { (format!("{x:.decimals$}")) }
+                        @if share < free.max(0.5) {
+                            text x=(scale.x(x)) y=(foot) text-anchor="middle" { (format!("{x:.decimals$}")) }
                         }
                     }
                     text x="100%" y=(foot) text-anchor="end" { (name) }
@@ -527,6 +527,15 @@ impl Scale {
         let share = (y - self.y.0) / (self.y.1 - self.y.0);
         self.height * (1.0 - share.clamp(0.0, 1.0))
     }
+}
+
+/// Area of the narrowest picture, and half of a figure under it, pixels.
+const NARROWEST: f64 = 225.0;
+const HALF_A_FIGURE: f64 = 18.0;
+
+/// Pixels that a text under an axis takes, roughly: Chinese letters are twice as wide.
+fn wide(text: &str) -> f64 {
+    text.chars().map(|c| if c.is_ascii() { 6.2 } else { 11.0 }).sum()
 }
 
 /// Corners of a line in a part that is stretched to the picture's width.

@@ -175,7 +175,7 @@ fn parameter(line: &Line) -> Markup {
             th scope="row" { (symbol(&line.name)) }
             td.n data-label="A" { (figure::with_sd(a, sd_a, 6)) }
             td.n data-label="B" { (figure::with_sd(b, sd_b, 6)) }
-            td.n data-label="B - A" { (figure::with_sd(b - a, sd, 6)) }
+            td.n data-label="B - A" { (figure::signed_drift(b - a, sd)) }
             td.n class=[class.filter(|class| !class.is_empty())] data-label="(B - A)/σ" {
                 @if let Some(over) = over { (format!("{over:+.1}")) } @else { "–" }
             }

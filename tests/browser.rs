@@ -885,13 +885,14 @@ async fn a_report_prints_on_a_few_sheets_with_its_plots_and_without_what_is_for_
                     "signature"
                 ])
             );
-            // The newest points are on paper.
-            let newest = "[...document.querySelectorAll('section.decide svg.area')] \
-                .map((area) => area.querySelector('g.record').lastElementChild)";
-            let there =
-                format!("{newest}.every((e) => e.getBoundingClientRect().right < innerWidth && e.checkVisibility())");
-            assert_eq!(browser.eval(&there).await, true);
         }
+        // The newest points are on paper.
+        let newest = "[...document.querySelectorAll('svg.area')].filter((area) => area.checkVisibility() \
+            && area.querySelector('g.record')).map((area) => area.querySelector('g.record').lastElementChild)";
+        let there = format!(
+            "{newest}.length >= 2 && {newest}.every((e) => e.getBoundingClientRect().right < innerWidth && e.checkVisibility())"
+        );
+        assert_eq!(browser.eval(&there).await, true, "{path}");
         if name != "page" {
             let foot = "[...document.querySelectorAll('head style')].map((e) => e.textContent).join()";
             let foot = browser.eval(foot).await;

@@ -455,6 +455,11 @@ async fn the_description_says_what_is_read_as_a_time_a_name_or_a_choice() {
     assert_eq!(member("CampaignBody", "model")["uniqueItems"], true);
     let latitude = member("SiteBody", "latitude_deg");
     assert_eq!((latitude["minimum"].as_f64(), latitude["maximum"].as_f64()), (Some(-90.0), Some(90.0)));
+    let version = member("AdoptionBody", "version");
+    assert_eq!((&version["minimum"], &version["maximum"]), (&json!(1), &json!(2)), "whole numbers as such");
+    // 24 to 64 bytes in base64, behind `whsec_`.
+    let secret = member("HookPatchBody", "secret");
+    assert_eq!((&secret["minLength"], &secret["maxLength"]), (&json!(6 + 32), &json!(6 + 88)));
     // What an answer always has is required, though it may be null.
     let required = document["components"]["schemas"]["Gyros"]["required"].clone();
     assert_eq!(required, json!(["gyros", "next"]));

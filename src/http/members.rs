@@ -118,7 +118,8 @@ impl What {
             SchemaType::Array(of) => of.contains(wanted),
             SchemaType::AnyValue => false,
         };
-        let (text, number, nullable) = (is(&Type::String), is(&Type::Number) || is(&Type::Integer), is(&Type::Null));
+        let (text, whole, nullable) = (is(&Type::String), is(&Type::Integer), is(&Type::Null));
+        let number = whole || is(&Type::Number);
         match self {
             Self::Time if text => object.format = Some(SchemaFormat::KnownFormat(KnownFormat::DateTime)),
             Self::Text(pattern, least, most) if text => {
@@ -130,8 +131,12 @@ impl What {
                 object.enum_values = Some(names.into_iter().map(Into::into).chain(null).collect());
             }
             Self::Number(least, most) if number => {
-                (object.minimum, object.maximum) =
-                    (Some(utoipa::Number::Float(least)), Some(utoipa::Number::Float(most)));
+                // A client that draws values from the limits sends them as they stand, and `1.0` is no count.
+                let limit = |value: f64| match whole {
+                    true => utoipa::Number::Int(value as isize),
+                    false => utoipa::Number::Float(value),
+                };
+                (object.minimum, object.maximum) = (Some(limit(least)), Some(limit(most)));
             }
             Self::Positive(most) if number => {
                 (object.exclusive_minimum, object.maximum) =
@@ -191,7 +196,7 @@ fn of_member((schema, member): (&str, &str), sent: bool) -> Option<What> {
         ("HypothesisBody", "words") => Text(SPOKEN_LINE, 1, 200),
         ("HypothesisBody", "cause") => Text(LINE, 0, 200),
         ("NewHookBody" | "HookPatchBody", "name") | ("FilterBody", "gyros") => name(),
-        ("NewHookBody" | "HookPatchBody", "secret") => Text(SECRET, 46, 94),
+        ("NewHookBody" | "HookPatchBody", "secret") => Text(SECRET, 38, 94),
         ("NewHookBody" | "HookPatchBody", "authorization") => Text(AUTHORIZATION, 1, 4096),
         ("NewHookBody" | "HookPatchBody", "url") => Text(URL, 8, 8192),
         ("AttributesPatchBody", _) | (_, "imu" | "station" | "serial") => name(),

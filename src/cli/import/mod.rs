@@ -150,7 +150,7 @@ async fn import(
                     Event::Noted { line, note } => bar.suspend(|| eprintln!("{name}:{line}: note: {note}")),
                 };
                 let carried = Courier::new(service, pauses, &mut tell).carry(content).await;
-                carried.with_context(|| format!("{name}: stopped; import it again to go on"))?
+                carried.with_context(|| format!("{name}: interrupted; run the same command again to resume"))?
             }
             Err(unreadable) => {
                 bar.suspend(|| eprintln!("{name}: {}", unreadable.why));

@@ -15,7 +15,8 @@ pub enum BenchMethod("method_") {
 }
 }
 
-/// Drift coefficients in deg/(h g0), with standard deviations where the bench states them.
+/// D_I and D_S of equation (5), deg/(h g0), as a bench found them for one gyro alone; with standard deviations in the
+/// same unit where it states them. `temperature_c` is in degrees Celsius.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BenchResult {
     pub serial: Name,

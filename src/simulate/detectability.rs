@@ -16,7 +16,9 @@ pub struct Sight {
 }
 
 impl Sight {
-    /// `commanded` holds each dwell's specific force (g0) and inertial rate (arcsec/s), `sd` its true noise.
+    /// What a design with these `terms` can see of a response. `commanded` holds each dwell's specific force (g0) and
+    /// inertial rate (arcsec/s) in body axes, `sd` the true standard deviation of its mean output (pulse/s); both are
+    /// of the same length.
     pub fn new(terms: Terms, commanded: &[(Vector3<f64>, Vector3<f64>)], sd: &[f64]) -> Self {
         let rows: Vec<Vec<f64>> = commanded.iter().map(|(a, w)| terms_of(terms, a, w)).collect();
         let columns = rows.first().map_or(0, Vec::len);

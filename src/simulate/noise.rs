@@ -68,8 +68,10 @@ impl Noise {
     }
 }
 
-/// White noise of one mean without the grain (which [`Noise::counted`] makes), pulse/s; `shared` is the deviate that
-/// all gyros have in common.
+/// White noise of the mean over a dwell of `duration_s` seconds, pulse/s, without the grain (which [`Noise::counted`]
+/// makes): sd (sqrt(r) shared + sqrt(1 - r) own), with r the correlation between gyros, `shared` the standard normal
+/// deviate that all of them have in common, and sd that of [`Noise::white_sd_pulse_s`] at the rate `w_input` about the
+/// input axis.
 pub fn white(
     noise: &Noise,
     duration_s: f64,

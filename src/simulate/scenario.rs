@@ -16,7 +16,8 @@ use crate::core::message::sent;
 use crate::core::named::named;
 use crate::message;
 
-/// One simulated campaign, whole.
+/// All that makes one simulated campaign: the same scenario gives the same campaign, bit for bit. What is left out is
+/// drawn from `seed`, as `population` says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scenario {

@@ -118,7 +118,7 @@ pub fn weights_sd(campaign: &Campaign, j: usize) -> Vec<f64> {
 }
 
 impl Calibration {
-    /// How the figures came about.
+    /// The notes of the fit, and what its noise is found to be: nothing that is said of it anywhere else is missing.
     pub fn all_notes(&self) -> Vec<CampaignNote> {
         let mut notes = self.notes.clone();
         notes.extend((!self.has_sem).then_some(CampaignNote::NoStandardErrors));

@@ -185,6 +185,7 @@ impl GyroFit {
         });
     }
 
+    /// The factor of the whitened design that this gyro shares with those of the same weights.
     pub fn factor<'a>(&self, shared: &'a SharedFactors) -> &'a Factor {
         &shared.0[self.factor].2
     }
@@ -201,7 +202,8 @@ impl GyroFit {
         self.net = Some((net.component_div(self.factor(shared).weights()), dof));
     }
 
-    /// E, held or determined, and G (zero where it is not fitted).
+    /// E (pulse/arcsec), held or determined, and G (pulse/(s g0); zero where it is not fitted), both in body axes. None
+    /// where the design does not determine E.
     pub fn e_and_g(&self, shared: &SharedFactors) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let (design, _, factor) = &shared.0[self.factor];
         let values = &design.expand * &self.fit.estimate;
@@ -216,10 +218,12 @@ impl GyroFit {
         Some((e, of(Term::GLinear).unwrap_or_default()))
     }
 
+    /// Residuals (pulse/s) with their leverages, for what the noise may depend on.
     pub fn unweighted<'a>(&'a self, dwells: &'a Exposure) -> Unweighted<'a> {
         Unweighted { residuals: self.left().0, leverage: &self.fit.leverage, dwells }
     }
 
+    /// Durations of the dwells and their rates about this gyro's input axis.
     pub fn exposure(&self, campaign: &Campaign) -> Exposure {
         let input = self.fitted_e().map(|e| e.normalize());
         let rates: Vec<Vector3<f64>> = campaign.dwells.iter().map(|d| d.rate_arcsec_s).collect();

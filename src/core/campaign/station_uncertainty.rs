@@ -15,7 +15,7 @@ pub struct StationUncertainty {
 }
 
 named! {
-/// Which of them.
+/// One of the parts of [`StationUncertainty`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StationPart {
     Levelling = "levelling",
@@ -25,6 +25,7 @@ pub enum StationPart {
 }
 
 impl StationUncertainty {
+    /// The standard uncertainty of a part, arcsec; none where the station does not state it.
     pub fn of(&self, part: StationPart) -> Option<f64> {
         match part {
             StationPart::Levelling => self.levelling,

@@ -297,6 +297,7 @@ pub enum HistoryVerdict {
 }
 
 impl HistoryVerdict {
+    /// As answers have it.
     pub fn name(self) -> &'static str {
         match self {
             Self::TooFew => "too_few",

@@ -113,17 +113,18 @@ impl Noise {
         octaves.iter().map(of).sum()
     }
 
-    /// The Allan variance at tau.
+    /// The Allan variance at tau (s): the sum over the parts of quantisation, white noise, flicker and random walk
+    /// (IEEE Std 952, annex C), in the squared unit of the samples.
     pub fn allan(&self, tau_s: f64) -> f64 {
         powers(tau_s).iter().zip(&self.parts).map(|(power, part)| power * part).sum()
     }
 
-    /// Standard deviation of white noise in a mean over one second, N.
+    /// Standard deviation of white noise in a mean over one second, N: unit of the samples times sqrt(s).
     pub fn white(&self) -> f64 {
         self.parts[1].sqrt()
     }
 
-    /// Floor of the Allan deviation of flicker, sqrt(2 ln 2 h).
+    /// Floor of the Allan deviation of flicker, sqrt(2 ln 2 h), in the unit of the samples.
     pub fn flicker(&self) -> f64 {
         self.parts[2].sqrt()
     }

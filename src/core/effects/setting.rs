@@ -65,6 +65,8 @@ pub struct Setting {
 }
 
 impl Setting {
+    /// The commanded dwells of a campaign, in the order of time. Without a site the Earth's rate is the mean of what
+    /// the static dwells say at their attitudes, zero where they have none.
     pub fn of(campaign: &Campaign, gyros: Vec<GyroAxes>) -> Self {
         let dwells = &campaign.dwells;
         let nav_to_body: Option<Vec<_>> = dwells.iter().map(|d| d.attitude.map(|c| *c.matrix())).collect();

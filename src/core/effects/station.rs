@@ -76,6 +76,7 @@ pub const MAGNETIC: Entry = Entry {
     ..PLAIN
 };
 
+/// Of the table: its vertical tilts by d = (d_E, d_N, 0), rad, at the instant t_0.
 pub const RELEVELLING: Entry = Entry {
     effect: Effect::Relevelling,
     id: "relevelling",

@@ -178,7 +178,8 @@ pub(crate) fn of_single_dwells(state: &State) -> f64 {
 }
 
 impl Component {
-    /// ln B over all gyros beside what was fitted, and of each gyro.
+    /// ln of the Bayes factor for this component of variance beside what was fitted; each gyro has it or not, with one
+    /// half each.
     pub fn evidence(&self, frame: &Frame, state: &State) -> f64 {
         let of_gyro = |j: usize| {
             let (gyro, left) = (&frame.gyros[j], &state[j]);

@@ -85,7 +85,7 @@ impl Shared {
         free - independent
     }
 
-    /// Whether the residuals are about as large as noise.
+    /// Whether no gyro's whitened residuals have a square sum beyond `NO_NOISE` times what noise would give them.
     pub fn is_of_noise(&self) -> bool {
         self.products.diagonal().max() < NO_NOISE * self.nu
     }

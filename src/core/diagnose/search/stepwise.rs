@@ -332,7 +332,7 @@ impl Search<'_> {
         self.earned(&without(choices, i), choices[i].kind)
     }
 
-    /// Evidence of `kind` given `choices`.
+    /// Evidence (ln of the Bayes factor) of the best hypothesis of `kind`, given that `choices` are in the model.
     pub fn evidence(&self, choices: &[Choice], kind: Effect) -> f64 {
         evidence_of(&self.scores(choices), kind)
     }

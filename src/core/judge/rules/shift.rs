@@ -10,7 +10,7 @@ use crate::core::judge::{Finding, Rule, State, Verdict};
 use crate::core::numerics::median::median;
 use crate::core::numerics::normal::SD_OF_MEDIAN;
 
-/// Cells before it says anything.
+/// Cells (weekly means) that there must be before the rule says anything.
 pub const SHIFT_MIN_CELLS: usize = 8;
 /// Newest cells whose median is the level now.
 const NEWEST: usize = 3;

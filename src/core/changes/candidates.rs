@@ -3,16 +3,20 @@
 use std::sync::Arc;
 
 use crate::core::judge::{Coefficient, Event, Mark};
+use crate::core::time::UtcMicros;
 
 use super::answer::{StationForm, Tie, YEAR_DAYS};
 use super::series::{Row, Series};
-use super::station::Part;
+use super::station::{Course, Part};
 
 /// A candidate is only tried where so many records stand on either side of its change.
 const FEWEST_ON_A_SIDE: usize = 2;
 
 /// A slope that begins is only tried where so many records come after its beginning.
 const FEWEST_OF_A_SLOPE: usize = 4;
+
+/// Other IMUs that were at a station before an instant and after it, from which on they say whether it stepped.
+const TELL_A_STEP: usize = 2;
 
 /// Temperatures that vary less than this (standard deviation, K) explain nothing.
 const LEAST_TEMPERATURE_SD: f64 = 0.05;
@@ -37,20 +41,20 @@ pub(super) struct Candidate {
     pub spread: f64,
 }
 
-/// Every candidate that the records can tell from a constant. Offsets count from station `reference`; `alone` are the
-/// stations at which no other IMU was.
+/// Every candidate that the records can tell from a constant. Offsets count from station `reference`; a station steps at
+/// instants at which `course` does not say whether it does.
 pub(super) fn all(
     series: &Series,
     marks: &[Mark],
     coefficient: Coefficient,
     reference: usize,
-    alone: &[usize],
+    course: &Course,
 ) -> Vec<Candidate> {
     let mut found = ageing(series, marks);
     found.extend(steps_at_events(series, marks));
     found.extend(re_mountings(series));
     found.extend(temperature(series));
-    found.extend(stations(series, reference, alone));
+    found.extend(stations(series, reference, course));
     if coefficient == Coefficient::DO {
         found.extend(clocking(series));
     }
@@ -121,7 +125,7 @@ fn temperature(series: &Series) -> Option<Candidate> {
     })
 }
 
-fn stations(series: &Series, reference: usize, alone: &[usize]) -> Vec<Candidate> {
+fn stations(series: &Series, reference: usize, course: &Course) -> Vec<Candidate> {
     let mut found = Vec::new();
     for station in 0..series.stations.len() {
         let there = series.rows.iter().filter(|row| row.station == station).count();
@@ -132,14 +136,17 @@ fn stations(series: &Series, reference: usize, alone: &[usize]) -> Vec<Candidate
         if there >= 2 * FEWEST_ON_A_SIDE {
             found.extend(of_station(series, reference, station, StationForm::Drift));
         }
-        if alone.contains(&station) {
-            let cuts = (FEWEST_ON_A_SIDE..series.len().saturating_sub(FEWEST_ON_A_SIDE - 1)).map(|k| series.rows[k].at);
-            let steps = cuts.flat_map(|at| of_station(series, reference, station, StationForm::Step(at)));
-            found.extend(steps.filter(|step| {
-                let after = step.column.iter().filter(|value| **value > 0.0).count();
-                (FEWEST_ON_A_SIDE..=there.saturating_sub(FEWEST_ON_A_SIDE)).contains(&after)
-            }));
-        }
+        let stays = course.stays_at(station);
+        let is_told =
+            |at: UtcMicros| stays.iter().filter(|[first, last]| *first < at && at <= *last).count() >= TELL_A_STEP;
+        let cuts = (FEWEST_ON_A_SIDE..series.len().saturating_sub(FEWEST_ON_A_SIDE - 1)).map(|k| series.rows[k].at);
+        let steps = cuts
+            .filter(|at| !is_told(*at))
+            .flat_map(|at| of_station(series, reference, station, StationForm::Step(at)));
+        found.extend(steps.filter(|step| {
+            let after = step.column.iter().filter(|value| **value > 0.0).count();
+            (FEWEST_ON_A_SIDE..=there.saturating_sub(FEWEST_ON_A_SIDE)).contains(&after)
+        }));
     }
     found
 }

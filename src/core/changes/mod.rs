@@ -29,6 +29,7 @@ mod reproducibility;
 mod search;
 mod series;
 mod station;
+mod station_scatter;
 
 use crate::core::numerics::median::median_of;
 use std::collections::HashSet;
@@ -58,6 +59,16 @@ pub fn diagnose_history(
     others: &[&GyroHistory],
     budgets: [Option<Budget>; 3],
 ) -> Vec<HistoryDiagnosis> {
+    let all: Vec<&GyroHistory> = std::iter::once(gyro).chain(others.iter().copied()).collect();
+    let uneven = [0, 1, 2].map(|column| station_scatter::of_stations(&all, column));
+    if uneven.iter().all(|factors| factors.is_empty()) {
+        return of_weighed(gyro, others, budgets);
+    }
+    let weighed: Vec<GyroHistory> = all.iter().map(|history| station_scatter::weighed(history, &uneven)).collect();
+    of_weighed(&weighed[0], &weighed[1..].iter().collect::<Vec<_>>(), budgets)
+}
+
+fn of_weighed(gyro: &GyroHistory, others: &[&GyroHistory], budgets: [Option<Budget>; 3]) -> Vec<HistoryDiagnosis> {
     let seats: HashSet<(UtcMicros, &str)> = gyro.entries.iter().map(|entry| (entry.at, &*entry.imu)).collect();
     let is_mate = |other: &GyroHistory| other.entries.iter().any(|entry| seats.contains(&(entry.at, &*entry.imu)));
     let (mates, peers): (Vec<&GyroHistory>, Vec<&GyroHistory>) = others.iter().partition(|other| is_mate(other));

@@ -19,7 +19,7 @@ use super::station::{Common, Course, CoursePoint, OF_SCALE, Part, TAKEN};
 /// Points of a station's course, at most.
 const POINTS: usize = 24;
 /// As [`OF_SCALE`]; successive differences share a record each.
-const OF_SUCCESSIVE: f64 = 1.43;
+pub(super) const OF_SUCCESSIVE: f64 = 1.43;
 
 /// A standard deviation with its 95 % interval, deg/(h g0).
 #[derive(Debug, Clone, Copy, PartialEq)]

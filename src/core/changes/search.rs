@@ -160,8 +160,7 @@ impl Question<'_> {
         let scale = series.unit * series.scatter.of_stated;
         let known: Vec<(Vec<f64>, f64)> =
             (self.course.taken.iter()).map(|(part, common)| (self.column(part), (common.sd / scale).powi(2))).collect();
-        let alone: Vec<usize> = (0..series.stations.len()).filter(|s| self.course.imus_at(*s) == 0).collect();
-        let mut pool = candidates::all(series, self.marks, self.coefficient, self.reference, &alone);
+        let mut pool = candidates::all(series, self.marks, self.coefficient, self.reference, self.course);
         let kinds = kinds(&pool);
         let mut taken: Vec<Candidate> = Vec::new();
         let mut named: Vec<NamedCause> = Vec::new();

@@ -82,7 +82,7 @@ pub(super) struct Series {
     /// Standard deviation of a record of variance 1, as stated (or, where nothing is, as they scatter).
     pub unit: f64,
     pub scatter: Scatter,
-    /// Largest stated standard deviation of D_S.
+    /// Largest stated standard deviation of D_S; where none is stated, that of its scatter.
     pub d_s_sd: f64,
 }
 
@@ -110,7 +110,8 @@ impl Series {
             d_s: entry.d[1].value,
         };
         let rows = entries.iter().map(row).collect();
-        let d_s_sd = entries.iter().filter_map(|entry| entry.d[1].sd).fold(0.0, f64::max);
+        let stated_of_d_s = entries.iter().filter_map(|entry| entry.d[1].sd).reduce(f64::max);
+        let d_s_sd = stated_of_d_s.unwrap_or_else(|| scatter_of(entries, 1).absolute);
         Self { rows, stations, origin, mean, unit, scatter, d_s_sd }
     }
 

@@ -7,6 +7,8 @@
 //! that ages or steps by itself makes its station do so. Parts are taken one by one, the most significant first, and
 //! estimated again beside one another.
 
+use std::collections::BTreeMap;
+
 use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
 use super::series::{Scatter, scatter_of};
 use crate::core::numerics::median::median_of;
@@ -150,6 +152,18 @@ impl Course {
         imus.sort_unstable();
         imus.dedup();
         imus.len()
+    }
+
+    /// First and last instant of every IMU at a station.
+    pub fn stays_at(&self, station: usize) -> Vec<[UtcMicros; 2]> {
+        let mut stays: BTreeMap<usize, [UtcMicros; 2]> = BTreeMap::new();
+        for peer in &self.peers {
+            for row in peer.rows.iter().filter(|row| row.station == station) {
+                let stay = stays.entry(peer.imu).or_insert([row.at; 2]);
+                *stay = [stay[0].min(row.at), stay[1].max(row.at)];
+            }
+        }
+        stays.into_values().collect()
     }
 
     /// Each peer's own estimate of a part beside what is taken, and 1/variance.

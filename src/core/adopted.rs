@@ -3,6 +3,16 @@
 use super::effects::{Effect, Shape};
 use super::mounting::Slot;
 
+/// What a model says of one coefficient of an effect in one gyro.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Known {
+    pub slot: Slot,
+    pub effect: Effect,
+    pub name: &'static str,
+    pub value: f64,
+    pub sd: f64,
+}
+
 /// An effect that has entered the model: its regressors are fitted with model (6), its shape is held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adopted {

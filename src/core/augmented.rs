@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-pub use super::adopted::Adopted;
+pub use super::adopted::{Adopted, Known};
 use super::campaign::Campaign;
 use super::effects::{Effect, Estimate};
 use super::imu_model::Identified;
@@ -23,6 +23,8 @@ pub struct Options {
     pub terms: Option<Terms>,
     /// Effects that the model in use holds already.
     pub adopted: Vec<Adopted>,
+    /// What the model of the very gyros says of these.
+    pub known: Vec<Known>,
     /// Temperature at which the coefficients are stated, deg C; the campaign's mean where none is given.
     pub reference_c: Option<f64>,
     /// Hypotheses of one's own, which compete with the catalogue.
@@ -103,6 +105,24 @@ impl AugmentedModel {
         self.options_with(campaign, campaign.model.or(self.terms).unwrap_or_default())
     }
 
+    /// What is known of the effects of the very gyros of `campaign`.
+    fn known(&self, campaign: &Campaign) -> Vec<Known> {
+        let identified = self.identified.as_ref().filter(|identified| identified.imu == campaign.imu);
+        let is_same = |slot| {
+            let own = identified.and_then(|identified| identified.gyro(slot));
+            own.is_some_and(|own| campaign.gyros.iter().any(|gyro| gyro.slot == slot && gyro.serial == own.serial))
+        };
+        let of = |known: &KnownEffect| {
+            let effect = known.adopted.effect;
+            let one = |estimate: &Estimate| {
+                let Estimate { slot, name, value, sd, .. } = *estimate;
+                Some(Known { slot: slot.filter(|slot| is_same(*slot))?, effect, name, value, sd })
+            };
+            known.estimates.iter().filter_map(one).collect::<Vec<Known>>()
+        };
+        self.effects.iter().flat_map(of).collect()
+    }
+
     fn options_with(&self, campaign: &Campaign, terms: Terms) -> Options {
         let of_model_6 = self.effects.iter().filter_map(|known| known.adopted.effect.term());
         let terms: Vec<Term> = terms.iter().chain(of_model_6).collect();
@@ -113,7 +133,13 @@ impl AugmentedModel {
         let adopted = self.effects.iter().map(|known| &known.adopted);
         let adopted = adopted.filter(|a| a.effect.term().is_none() && (here || !a.effect.entry().one_occasion));
         let reference_c = self.identified.as_ref().and_then(|identified| identified.reference_c);
-        let (terms, adopted) = (Some(Terms::of(&terms)), adopted.cloned().collect());
-        Options { terms, adopted, reference_c, hypotheses: Vec::new(), plausible_sizes: self.plausible_sizes.clone() }
+        Options {
+            terms: Some(Terms::of(&terms)),
+            adopted: adopted.cloned().collect(),
+            known: self.known(campaign),
+            reference_c,
+            hypotheses: Vec::new(),
+            plausible_sizes: self.plausible_sizes.clone(),
+        }
     }
 }

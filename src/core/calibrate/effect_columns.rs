@@ -4,12 +4,17 @@ use nalgebra::{DMatrix, DVector};
 
 use super::design::Design;
 use super::regressor::{Regressor, adding, told_apart};
-use crate::core::augmented::Adopted;
+use crate::core::augmented::{Adopted, Known};
 use crate::core::calibrate::shared_coefficients::Shared;
 use crate::core::campaign::{Campaign, CampaignNote, LeftOut};
 use crate::core::effects::{Effect, Scope, axes};
 use crate::core::numerics::basis::Basis;
-use crate::core::numerics::least_squares::Factor;
+use crate::core::numerics::least_squares::{Factor, Fit};
+
+/// A coefficient is held where the campaign's standard deviation of it is so many times the model's,
+const KNOWN_BETTER: f64 = 1.5;
+/// unless the two are so many standard deviations apart.
+const CONTRADICTED: f64 = 3.5;
 
 /// The regressors of the adopted effects.
 pub(super) struct Regressors {
@@ -63,6 +68,45 @@ pub(super) fn visible(base: &Factor, regressors: Vec<Regressor>) -> (Vec<Regress
     let whitened = regressors.iter().map(|regressor| regressor.column.component_mul(base.weights()));
     let (adds, _) = adding(Basis::of_orthonormal(base.basis()), whitened.map(|column| (column.norm_squared(), column)));
     told_apart(regressors, &adds, |regressor| Some(regressor.effect))
+}
+
+/// Those regressors that are fitted, and those that are held with what is known of them: of an effect that the model
+/// knows so much better than these dwells tell it, or that they do not tell, and that they do not contradict.
+pub(super) fn to_hold<'a>(
+    (design, sd, base): &(Design, Vec<f64>, Factor),
+    y: &DVector<f64>,
+    regressors: Vec<Regressor>,
+    known: &[&'a Known],
+    variance: impl Fn(&Fit) -> f64,
+) -> (Vec<Regressor>, Vec<(Regressor, &'a Known)>) {
+    let known_of = |one: &Regressor| {
+        known.iter().copied().find(|known| known.effect == one.effect && known.name == one.coefficient.name)
+    };
+    let (kept, hidden) = visible(base, regressors.clone());
+    let fit = Factor::new(extended(design, &kept).reduced, sd).fit(y);
+    let first = fit.estimate.len() - kept.len();
+    let variance = variance(&fit);
+    let (mut worse, mut denied) = (hidden, Vec::new());
+    for (m, one) in kept.iter().enumerate() {
+        let Some(known) = known_of(one) else { continue };
+        let place = first + m;
+        let sd = (fit.covariance[(place, place)] * variance).sqrt();
+        if sd > KNOWN_BETTER * known.sd {
+            worse.push(one.effect);
+        }
+        if (fit.estimate[place] - known.value).abs() > CONTRADICTED * sd.hypot(known.sd) {
+            denied.push(one.effect);
+        }
+    }
+    let is_held = |one: &Regressor| worse.contains(&one.effect) && !denied.contains(&one.effect);
+    let (mut fitted, mut held) = (Vec::new(), Vec::new());
+    for one in regressors {
+        match known_of(&one).filter(|_| is_held(&one)) {
+            Some(known) => held.push((one, known)),
+            None => fitted.push(one),
+        }
+    }
+    (fitted, held)
 }
 
 /// The design with the regressors after model (6)'s columns.

@@ -8,6 +8,7 @@ use super::growth::{Exposure, Unweighted};
 use super::memory::{self, Fitted};
 use super::noise::{Evidence, Noise};
 use super::uncertainty::{Response, Uncertainty};
+use crate::core::augmented::Known;
 use crate::core::calibrate::effect_columns;
 use crate::core::calibrate::regressor::Regressor;
 use crate::core::calibrate::shared_coefficients::{CommonFit, Own};
@@ -60,6 +61,8 @@ pub(super) struct GyroFit {
     /// Fitted effects, after model (6)'s columns; and those that could not be.
     regressors: Vec<Regressor>,
     pub hidden: Vec<Effect>,
+    /// Those held as the model has them.
+    held: Option<Held>,
     /// What this gyro shares with the others.
     common: Option<OfCommon>,
     /// Variances over those of the weights; and the same without a growth with rate.
@@ -70,6 +73,15 @@ pub(super) struct GyroFit {
     pub station: Vec<Response>,
     /// Residuals that speak of the noise, and their degrees of freedom, where those of the fit hold more than that.
     net: Option<(DVector<f64>, usize)>,
+}
+
+/// Coefficients held at what a model says of them.
+struct Held {
+    effects: Vec<Regressor>,
+    values: DVector<f64>,
+    variances: DVector<f64>,
+    /// What the gyro's own columns make of their regressors, q x m.
+    into: DMatrix<f64>,
 }
 
 /// The shared coefficients as one gyro sees them.
@@ -86,25 +98,47 @@ pub(super) fn fit_gyro(
     c: &Campaign,
     j: usize,
     terms: Terms,
-    regressors: Vec<Regressor>,
+    (regressors, known): (Vec<Regressor>, &[Known]),
     repeats: &[Vec<usize>],
     shared: &mut SharedFactors,
 ) -> GyroFit {
     let known_e = c.gyros[j].known_e;
     let fitted =
         if known_e.is_some() && terms != Terms::of(&[Term::Scale]) { terms.without(Term::Scale) } else { terms };
-    let y = DVector::from_iterator(
+    let mut y = DVector::from_iterator(
         c.dwells.len(),
         c.dwells.iter().map(|d| d.output_pulse_s[j] - known_e.map_or(0.0, |e| e.dot(&d.rate_arcsec_s))),
     );
     let sd = weights_sd(c, j);
     let plain = shared.index(&c.dwells, fitted, &sd);
-    let (regressors, hidden) = effect_columns::visible(&shared.0[plain].2, regressors);
+    let known: Vec<&Known> = known.iter().filter(|known| known.slot == c.gyros[j].slot).collect();
+    let (mut regressors, to_hold) = match known.is_empty() {
+        true => (regressors, Vec::new()),
+        false => {
+            let variance = |fit: &Fit| if c.states_errors() { 1.0 } else { fit.chi2 / fit.dof.max(1) as f64 };
+            effect_columns::to_hold(&shared.0[plain], &y, regressors, &known, variance)
+        }
+    };
+    for (regressor, known) in &to_hold {
+        y.axpy(-known.value, &regressor.column, 1.0);
+    }
+    let hidden;
+    (regressors, hidden) = effect_columns::visible(&shared.0[plain].2, regressors);
     let factor = match regressors.as_slice() {
         [] => plain,
         some => shared.add(effect_columns::extended(&shared.0[plain].0, some), &sd),
     };
     let fit = shared.0[factor].2.fit(&y);
+    let held = (!to_hold.is_empty()).then(|| {
+        let into: Vec<DVector<f64>> =
+            to_hold.iter().map(|(regressor, _)| shared.0[factor].2.fit(&regressor.column).estimate).collect();
+        Held {
+            values: DVector::from_iterator(to_hold.len(), to_hold.iter().map(|(_, known)| known.value)),
+            variances: DVector::from_iterator(to_hold.len(), to_hold.iter().map(|(_, known)| known.sd * known.sd)),
+            into: DMatrix::from_columns(&into),
+            effects: to_hold.into_iter().map(|(regressor, _)| regressor).collect(),
+        }
+    });
     let further = fit.estimate.len() - regressors.len();
     let explained = regressors.iter().zip(fit.estimate.iter().skip(further)).map(|(r, k)| &r.column * *k);
     let of_position = explained.fold(y, |y, part| y - part);
@@ -125,6 +159,7 @@ pub(super) fn fit_gyro(
         of_position,
         regressors,
         hidden,
+        held,
         common: None,
         variances,
         even,
@@ -135,6 +170,13 @@ pub(super) fn fit_gyro(
 }
 
 impl GyroFit {
+    /// The effects that are held as a model has them.
+    pub fn held_effects(&self) -> Vec<Effect> {
+        let mut effects: Vec<Effect> = self.held.iter().flat_map(|held| &held.effects).map(|one| one.effect).collect();
+        effects.dedup();
+        effects
+    }
+
     /// The gyro as its own columns leave it; without standard errors its residuals say how it weighs against the
     /// others.
     pub fn own<'a>(&'a self, has_sem: bool, shared: &'a SharedFactors) -> Own<'a> {
@@ -266,12 +308,14 @@ impl GyroFit {
         shared: &SharedFactors,
     ) -> GyroCalibration {
         let (design, sd, factor) = &shared.0[self.factor];
-        let Self { scale_source, known_e, fit, variances, evidence, regressors, common, station, .. } = self;
+        let Self { scale_source, known_e, fit, variances, evidence, regressors, held, common, station, .. } = self;
         let values = &design.expand * &fit.estimate;
         let covariance = coordinates.zip(noise.covariance_scale()).map(|(coordinates, scale)| {
             let own = factor.covariance_of(&coordinates);
             let shared = common.as_ref().map(|common| &common.into * &common.covariance * common.into.transpose());
             let reduced = shared.into_iter().fold(own, |own, shared| own + shared * scale);
+            let of_held = |held: &Held| &held.into * DMatrix::from_diagonal(&held.variances) * held.into.transpose();
+            let reduced = held.iter().map(of_held).fold(reduced, |reduced, held| reduced + held);
             &design.expand * reduced * design.expand.transpose()
         });
         let determined: Vec<bool> = design.expand.row_iter().map(|row| factor.determines(&row.transpose())).collect();
@@ -292,7 +336,15 @@ impl GyroFit {
                 sd: scale.map(|scale| (common.covariance[(m, m)] * scale).max(0.0).sqrt()),
             })
         });
-        let effects = effects.chain(of_common).collect();
+        let of_model = held.iter().flat_map(|held| {
+            held.effects.iter().enumerate().map(|(m, r)| EffectParameter {
+                effect: r.effect,
+                coefficient: r.coefficient,
+                value: held.values[m],
+                sd: Some(held.variances[m].sqrt()),
+            })
+        });
+        let effects = effects.chain(of_model).chain(of_common).collect();
         let of_part = |part: StationPart| {
             let responses = || station.iter().filter(move |response| response.part == part);
             let is_there = responses().next().is_some();

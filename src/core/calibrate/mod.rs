@@ -31,7 +31,7 @@ pub use calibration::{
 
 use nalgebra::DMatrix;
 
-use super::augmented::Adopted;
+use super::augmented::{Adopted, Known, Options};
 use super::campaign::{Campaign, CampaignNote, Dwell, LeftOut, Phase, StationUncertainty};
 use super::effects::Effect;
 use super::model::Terms;
@@ -68,7 +68,7 @@ pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
 /// the laws and memories that [`memory`] weighs. Where something may be wrong with the commanded vectors, what they
 /// leave must not pass for noise that wanders.
 pub fn calibrate_in_white_noise(campaign: &Campaign, terms: Terms) -> Calibration {
-    calibrate_in(Kinds::White, campaign, terms, &[], None, &StationUncertainty::default())
+    calibrate_in(Kinds::White, campaign, terms, (&[], &[]), None, &StationUncertainty::default())
 }
 
 /// As [`calibrate`], with the effects of an augmented model fitted beside the terms: each gyro for itself, and those
@@ -87,17 +87,19 @@ pub fn calibrate_referred(
     adopted: &[Adopted],
     reference_c: Option<f64>,
 ) -> Calibration {
-    calibrate_in(Kinds::All, campaign, terms, adopted, reference_c, &StationUncertainty::default())
+    calibrate_in(Kinds::All, campaign, terms, (adopted, &[]), reference_c, &StationUncertainty::default())
 }
 
-/// As [`calibrate_referred`], with what the campaign states of its station in the covariances: [`station`].
+/// As [`calibrate_referred`], with what the campaign states of its station in the covariances: [`station`]. An effect
+/// that the model knows clearly better than these dwells tell it is held at the model's value, with its uncertainty.
 pub fn calibrate_at_station(
     campaign: &Campaign,
     terms: Terms,
-    adopted: &[Adopted],
+    model: &Options,
     reference_c: Option<f64>,
 ) -> Calibration {
-    calibrate_in(Kinds::All, campaign, terms, adopted, reference_c, &campaign.station_uncertainty)
+    let effects = (&*model.adopted, &*model.known);
+    calibrate_in(Kinds::All, campaign, terms, effects, reference_c, &campaign.station_uncertainty)
 }
 
 /// Which kinds of noise are weighed.
@@ -111,7 +113,7 @@ fn calibrate_in(
     kinds: Kinds,
     campaign: &Campaign,
     terms: Terms,
-    adopted: &[Adopted],
+    (adopted, known): (&[Adopted], &[Known]),
     reference_c: Option<f64>,
     stated: &StationUncertainty,
 ) -> Calibration {
@@ -120,14 +122,15 @@ fn calibrate_in(
     let has_sem = campaign.states_errors();
     let repeats = crate::core::campaign::repeats::repeats(dwells);
     let mut shared = SharedFactors::default();
-    let mut fits: Vec<GyroFit> =
-        own.into_iter().enumerate().map(|(j, r)| fit_gyro(campaign, j, terms, r, &repeats, &mut shared)).collect();
+    let mut fits: Vec<GyroFit> = own
+        .into_iter()
+        .enumerate()
+        .map(|(j, r)| fit_gyro(campaign, j, terms, (r, known), &repeats, &mut shared))
+        .collect();
     for (fit, gyro) in fits.iter().zip(&campaign.gyros) {
-        notes.extend(fit.hidden.iter().map(|effect| CampaignNote::EffectLeftOut {
-            slot: Some(gyro.slot),
-            effect: *effect,
-            why: LeftOut::NotTold,
-        }));
+        let note = |effect: &Effect, why| CampaignNote::EffectLeftOut { slot: Some(gyro.slot), effect: *effect, why };
+        notes.extend(fit.hidden.iter().map(|effect| note(effect, LeftOut::NotTold)));
+        notes.extend(fit.held_effects().iter().map(|effect| note(effect, LeftOut::Held)));
     }
     let common = (!of_all.is_empty()).then(|| fit_common(of_all, &mut fits, has_sem, &repeats, &shared));
     let told = |effect: &Effect| CampaignNote::EffectLeftOut { slot: None, effect: *effect, why: LeftOut::NotTold };

@@ -53,7 +53,7 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
         });
     }
     let terms = model.terms.unwrap_or_else(|| campaign.terms());
-    let calibration = calibrate_at_station(campaign, terms, &model.adopted, model.reference_c);
+    let calibration = calibrate_at_station(campaign, terms, model, model.reference_c);
     let separations = calibration.separate(&campaign.geometry, limits);
     let as_measured = as_measured(campaign, terms, model, limits);
     for (i, separation) in separations.iter().enumerate() {
@@ -69,7 +69,7 @@ fn as_measured(campaign: &Campaign, terms: Terms, model: &Options, limits: &Plau
     model.reference_c?;
     model.adopted.iter().find(|adopted| adopted.effect.entry().of_temperature)?;
     let filled = Temperatures::of(campaign).filled?;
-    let own = calibrate_at_station(campaign, terms, &model.adopted, None);
+    let own = calibrate_at_station(campaign, terms, model, None);
     Some(AsMeasured {
         temperature_c: filled.iter().sum::<f64>() / filled.len() as f64,
         separations: own.separate(&campaign.geometry, limits),

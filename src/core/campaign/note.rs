@@ -98,6 +98,8 @@ pub enum LeftOut {
     Lacks(Lack),
     /// It and the other terms are one to these dwells.
     NotTold,
+    /// The model knows it better than these dwells tell it.
+    Held,
 }
 
 impl CampaignNote {

@@ -63,6 +63,7 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             let why = match why {
                 LeftOut::Lacks(what) => what.message(),
                 LeftOut::NotTold => message!("not_told_apart"),
+                LeftOut::Held => message!("held_as_in_model"),
             };
             match slot {
                 None => message!("effect_left_out", effect = effect.id(), why = why),

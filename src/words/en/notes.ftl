@@ -30,6 +30,7 @@ station_left_out = the stated uncertainty of { $parts } is not in the sigmas: { 
 station_needs_scale = { $slot } has no E that is held or determined
 station_not_of_bench = it is computed for campaigns of an IMU, not for bench tests
 effects_left_out = the effects of the model are left out: { $why }
+held_as_in_model = it is taken as in the model, which knows it better than these dwells tell it
 not_told_apart = these dwells cannot tell it from the other terms
 nominal_axis = { $slot }: the campaign does not determine E; the nominal input axis and { $scale } pulse/arcsec are used
 

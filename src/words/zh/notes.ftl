@@ -28,6 +28,7 @@ station_left_out = 标准差未计入给定的测试站不确定度（{ $parts }
 station_needs_scale = { $slot }的E既未给定也不能确定
 station_not_of_bench = 只对惯组试验计算，不适用于单表试验
 effects_left_out = 模型中的附加效应未计入：{ $why }
+held_as_in_model = 取模型中的值，这些测点不能更准确地确定它
 not_told_apart = 这些测点不能将其与其他项区分
 nominal_axis = { $slot }：本次试验不能确定E；采用标称输入轴与{ $scale } pulse/arcsec
 

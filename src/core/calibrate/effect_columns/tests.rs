@@ -3,11 +3,12 @@
 use nalgebra::{Rotation3, Vector3};
 
 use super::*;
-use crate::core::calibrate::{EffectParameter, calibrate_augmented};
+use crate::core::augmented::Options;
+use crate::core::calibrate::{Calibration, EffectParameter, calibrate_at_station, calibrate_augmented};
 use crate::core::campaign::{CampaignGyro, Dwell, Phase, StationUncertainty, TestKind};
 use crate::core::effects::{Lack, Refusal, Shape};
 use crate::core::frames::Rotation;
-use crate::core::model::Terms;
+use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
@@ -167,4 +168,51 @@ fn further_columns_are_parameters_of_their_own_that_no_gauge_touches() {
     let gauge = more.gauge.expect("|a| is 1");
     assert_eq!((gauge.len(), gauge.rows(0, 4).into_owned()), (6, plain.gauge.expect("|a| is 1")));
     assert_eq!((gauge[4], gauge[5]), (0.0, 0.0));
+}
+
+#[test]
+fn what_the_model_knows_better_is_held_and_states_the_bias_at_its_temperature() {
+    let both = [Slot::G1, Slot::G2];
+    let adopted = vec![
+        adopted(Effect::Azimuth, Shape::Linear, &both),
+        adopted(Effect::TimeRamp, Shape::Linear, &both[..1]),
+        adopted(Effect::TemperatureBias, Shape::Linear, &both),
+    ];
+    let known = |sd: f64| -> Vec<Known> {
+        let one = |(slot, value): (Slot, f64)| Known { slot, effect: Effect::TemperatureBias, name: "k", value, sd };
+        both.into_iter().zip(BY_TEMPERATURE).map(one).collect()
+    };
+    let mut campaign = campaign();
+    let mean = campaign.dwells.iter().filter_map(|dwell| dwell.temperature_c).sum::<f64>() / 30.0;
+    let fit = |campaign: &Campaign, known: Vec<Known>| {
+        let model = Options { adopted: adopted.clone(), known, ..Options::default() };
+        calibrate_at_station(campaign, Terms::MODEL_6, &model, Some(mean))
+    };
+    let bias = |found: &Calibration, j: usize| {
+        let bias = found.gyros[j].parameters.iter().find(|one| one.term == Term::Bias).expect("fitted");
+        (bias.value / SCALES[j], bias.sd.expect("stated") / SCALES[j])
+    };
+    // What these dwells tell as well is fitted, and what they contradict.
+    for known in [known(1.0), known(1e-6).into_iter().map(|one| Known { value: one.value + 0.1, ..one }).collect()] {
+        let found = fit(&campaign, known);
+        assert!(found.notes.is_empty() && (bias(&found, 1).0 - 0.3).abs() < 1e-8, "{:?}", found.notes);
+    }
+    // 3 K warmer without any change they do not tell it.
+    for dwell in &mut campaign.dwells {
+        let before = dwell.temperature_c.replace(mean + 3.0).expect("stated") - mean;
+        for (j, output) in dwell.output_pulse_s.iter_mut().enumerate() {
+            *output += SCALES[j] * BY_TEMPERATURE[j] * (3.0 - before);
+        }
+    }
+    let found = fit(&campaign, known(0.01));
+    let note = |slot| {
+        let (slot, effect) = (Some(slot), Effect::TemperatureBias);
+        CampaignNote::EffectLeftOut { slot, effect, why: LeftOut::Held }
+    };
+    assert_eq!(found.notes, both.map(note));
+    for j in 0..2 {
+        let (value, sd) = bias(&found, j);
+        assert!((value - 0.3).abs() < 1e-8 && (sd - 0.03).abs() < 1e-3, "{value} +- {sd}");
+    }
+    assert!((bias(&fit(&campaign, Vec::new()), 1).0 - 0.09).abs() < 1e-8, "without it the bias steps");
 }

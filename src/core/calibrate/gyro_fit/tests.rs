@@ -115,7 +115,7 @@ fn gyros_with_effects_of_their_own_and_shared_ones_are_those_of_one_fit() {
         let mut fits: Vec<GyroFit> = own
             .into_iter()
             .enumerate()
-            .map(|(j, own)| fit_gyro(&campaign, j, Terms::MODEL_6, own, &groups, &mut factors))
+            .map(|(j, own)| fit_gyro(&campaign, j, Terms::MODEL_6, (own, &[]), &groups, &mut factors))
             .collect();
         assert_eq!(fits[0].hidden, [Effect::CubicG]);
         assert!(fits[1].hidden.is_empty() && fits[2].hidden.is_empty());
@@ -246,12 +246,12 @@ fn one_factorisation_serves_gyros_of_the_same_terms_and_errors() {
     let used: Vec<usize> = own
         .into_iter()
         .enumerate()
-        .map(|(j, own)| fit_gyro(&campaign, j, Terms::MODEL_6, own, &[], &mut factors).factor)
+        .map(|(j, own)| fit_gyro(&campaign, j, Terms::MODEL_6, (own, &[]), &[], &mut factors).factor)
         .collect();
     // Plain with G1's errors, extended for G1, plain with G2's; G3 has G1's errors and finds the first.
     assert_eq!((used, factors.0.len()), (vec![1, 2, 0], 3));
     // E alone is never taken off: there would be nothing left to fit.
-    let alone = fit_gyro(&campaign, 0, Terms::of(&[Term::Scale]), vec![], &[], &mut factors);
+    let alone = fit_gyro(&campaign, 0, Terms::of(&[Term::Scale]), (vec![], &[]), &[], &mut factors);
     assert_eq!((alone.fit.estimate.len(), factors.0.len()), (3, 4));
 }
 

@@ -25,6 +25,7 @@ mod candidates;
 mod closure;
 mod due;
 mod noise;
+mod offsets;
 mod reproducibility;
 mod search;
 mod series;
@@ -131,7 +132,7 @@ fn diagnose(
         reference,
         course: &course,
         mates: &mates,
-        prior: prior(&series, &course, entries, column),
+        prior: prior(&series, [&course, &mates], entries, column),
     };
     let Some(found) = question.answer() else { return answer };
     let may_wander = found.named.iter().any(|cause| cause.class.contains(&search::WANDERING));
@@ -166,14 +167,20 @@ fn baseline_part(series: &Series, course: &Course, entries: &[Entry], since: Utc
     median_of(first.map(part)).unwrap_or(0.0)
 }
 
-/// The scale of the noise as the fleet shows it; without a fleet, as it is stated.
-fn prior(series: &Series, course: &Course, entries: &[Entry], column: usize) -> search::Prior {
+/// The scale of the noise as the fleet shows it, or one or two other gyros do; without any, as it is stated.
+fn prior(series: &Series, [peers, mates]: [&Course; 2], entries: &[Entry], column: usize) -> search::Prior {
     let stated = entries.iter().any(|entry| entry.d[column].sd.is_some_and(|sd| sd > 0.0));
     let of_stated = series.scatter.of_stated;
-    let fleet = course.scatter.filter(|_| course.gyros() >= 3);
+    let fleet = peers.scatter.filter(|_| peers.gyros() >= 3);
+    let few = if peers.gyros() > 0 { peers } else { mates };
+    let of_few = 8_f64.min(few.records() as f64 / 4.0);
     let (freedom, sd): (f64, f64) = match fleet {
         Some(fleet) if stated => (40.0, series.unit * fleet.of_stated),
         Some(fleet) => (20.0, fleet.absolute),
+        None if few.scatter.is_some() => {
+            let scatter = few.scatter.unwrap_or(series.scatter);
+            (of_few, if stated { series.unit * scatter.of_stated } else { scatter.absolute })
+        }
         None if stated => (4.0, series.unit * if of_stated > DISBELIEVED { of_stated } else { 1.0 }),
         None => (0.0, 0.0),
     };

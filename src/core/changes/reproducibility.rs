@@ -142,11 +142,20 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
     for (column, reproducibility) in reproducibility.iter_mut().enumerate() {
         let raw = Course::of(&gyros, &names, origin, column);
         let mut course = raw.clone();
+        for (station, offset) in raw.offsets(reference, &compared).iter().enumerate() {
+            let Some(offset) = offset else { continue };
+            course.subtract(&Part { station, form: StationForm::Offset }, offset.value);
+        }
         course.take(reference, |_, common, _| common.imus >= 2);
+        let mut levels = raw.clone();
+        for (part, common) in course.taken.iter().filter(|(part, _)| part.form != StationForm::Offset) {
+            levels.subtract(part, common.value);
+        }
+        let offsets = levels.offsets(reference, &compared);
         for (station, figures) in stations.iter_mut().enumerate() {
             figures.imus = raw.imus_at(station);
             figures.columns[column] =
-                of_station(&raw, &course, station, &compared, repeatability(fleet, &figures.name, column));
+                of_station([&raw, &course], station, offsets[station], repeatability(fleet, &figures.name, column));
         }
         *reproducibility = among(&stations, column);
     }
@@ -170,28 +179,14 @@ fn compared(fleet: &[GyroHistory], names: &[&str], reference: usize) -> Vec<bool
 }
 
 fn of_station(
-    raw: &Course,
-    course: &Course,
+    [raw, course]: [&Course; 2],
     station: usize,
-    compared: &[bool],
+    offset: Option<Common>,
     repeatability: Option<Spread>,
 ) -> StationColumn {
-    let whole = |course: &Course, form: StationForm| {
-        let part = Part { station, form };
-        let taken = course.taken.iter().find(|(taken, _)| *taken == part).map(|(_, common)| *common);
-        let common = taken.or_else(|| course.estimate(&part))?;
-        Some((Shared::from(&common), taken.is_some()))
-    };
-    let offset = whole(course, StationForm::Offset);
-    let drift = match offset {
-        // An offset that too few tell is not taken, and is no drift all the same.
-        Some((offset, false)) if offset.is_beyond_chance() => {
-            let mut course = course.clone();
-            course.subtract(&Part { station, form: StationForm::Offset }, offset.value);
-            whole(&course, StationForm::Drift)
-        }
-        _ => whole(course, StationForm::Drift),
-    };
+    let part = Part { station, form: StationForm::Drift };
+    let taken = course.taken.iter().find(|(taken, _)| *taken == part).map(|(_, common)| *common);
+    let drift = taken.or_else(|| course.estimate(&part));
     let (mut steps, mut windows) = (Vec::new(), Vec::new());
     for (part, common) in course.taken.iter().filter(|(part, _)| part.station == station) {
         let shared = Shared::from(common);
@@ -203,15 +198,14 @@ fn of_station(
     }
     steps.sort_by_key(|(at, _)| *at);
     windows.sort_by_key(|(between, _)| *between);
-    let offset = offset.filter(|_| compared[station]);
     StationColumn {
         repeatability,
-        offset: offset.map(|(shared, _)| shared),
-        drift: drift.map(|(shared, _)| shared),
-        drifts: drift.is_some_and(|(_, taken)| taken),
+        offset: offset.as_ref().map(Shared::from),
+        drift: drift.as_ref().map(Shared::from),
+        drifts: taken.is_some(),
         steps,
         windows,
-        by_gyro: compared[station].then(|| by_gyro(course, station)).flatten(),
+        by_gyro: offset.and_then(|_| by_gyro(course, station)),
         course: raw.course_of(station, POINTS),
     }
 }

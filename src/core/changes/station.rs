@@ -10,6 +10,7 @@
 use std::collections::BTreeMap;
 
 use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
+use super::offsets::{self, Cell};
 use super::series::{Scatter, scatter_of};
 use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::SD_OF_MEDIAN;
@@ -31,7 +32,7 @@ const SEARCHED_WINDOWS: f64 = 18.0;
 /// Relative standard deviation of a robust scale, times the root of the number of figures: 0.6745^-1 sqrt(pi/8)/phi.
 pub(super) const OF_SCALE: f64 = 1.167;
 /// Huber's constant.
-const HUBER: f64 = 1.5;
+pub(super) const HUBER: f64 = 1.5;
 /// A gyro's own records agree with one or two IMUs within so many standard deviations, and show something themselves
 /// from as many on; of more IMUs they are only denied so far apart from them.
 const AGREES: f64 = 3.5;
@@ -64,7 +65,7 @@ pub(super) struct Common {
     /// How the gyros differ beyond their noise at the least (95 %), standard deviation.
     pub between: f64,
     /// By how much the sum of squares falls.
-    gain: f64,
+    pub(super) gain: f64,
 }
 
 impl Common {
@@ -145,6 +146,10 @@ impl Course {
         self.peers.len()
     }
 
+    pub fn records(&self) -> usize {
+        self.peers.iter().map(|peer| peer.rows.len()).sum()
+    }
+
     /// How many IMUs have been at a station.
     pub fn imus_at(&self, station: usize) -> usize {
         let there = self.peers.iter().filter(|peer| peer.rows.iter().any(|row| row.station == station));
@@ -152,6 +157,21 @@ impl Course {
         imus.sort_unstable();
         imus.dedup();
         imus.len()
+    }
+
+    /// Offsets of all stations together, against `reference`.
+    pub fn offsets(&self, reference: usize, compared: &[bool]) -> Vec<Option<Common>> {
+        let mut cells: Vec<Cell> = Vec::new();
+        for (gyro, peer) in self.peers.iter().enumerate() {
+            for station in 0..self.stations {
+                let here = peer.rows.iter().filter(|row| row.station == station);
+                let (weight, sum) = here.fold((0.0, 0.0), |(w, sum), row| (w + row.weight, sum + row.weight * row.y));
+                if weight > 0.0 {
+                    cells.push(Cell { gyro, imu: peer.imu, station, mean: sum / weight, weight });
+                }
+            }
+        }
+        offsets::offsets(&cells, reference, compared)
     }
 
     /// First and last instant of every IMU at a station.

@@ -303,6 +303,49 @@ fn stated_standard_deviations_weigh_the_records() {
 }
 
 #[test]
+fn a_noisy_station_that_does_not_say_so_weighs_as_it_scatters() {
+    let mut fleet = Fleet::seeded(311);
+    let mut noise = Fleet::seeded(312);
+    let mut all = peers(&mut fleet, 5, 30);
+    let mut gyro = fleet.gyro(30);
+    in_imu(&mut gyro, 0);
+    all.push(gyro);
+    for one in &mut all {
+        for (k, entry) in one.entries.iter_mut().enumerate() {
+            for d in &mut entry.d {
+                d.sd = None;
+                d.value += if k % 3 == 2 { 6.0 * noise.noise() } else { 0.0 };
+            }
+        }
+    }
+    let named = |all: &[GyroHistory], k: usize| -> usize {
+        let others: Vec<&GyroHistory> = all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, one)| one).collect();
+        diagnose_history(&all[k], &others, [None; 3]).iter().filter(|one| !one.causes.is_empty()).count()
+    };
+    let falsely: usize = (0..all.len()).map(|k| named(&all, k)).sum();
+    assert!(falsely <= 1, "{falsely} causes where nothing is");
+    let mut gyro = all.pop().expect("pushed");
+    change(&mut gyro, 0, |k, _| 1e-4 * k as f64);
+    let answer = of(&gyro, &all, Coefficient::DI);
+    assert_eq!(answer.causes.first().map(|cause| cause.cause), Some("ageing"), "{answer:?}");
+}
+
+#[test]
+fn a_step_after_which_no_other_imu_was_there_may_be_the_stations() {
+    let mut fleet = Fleet::seeded(313);
+    let mut others = peers(&mut fleet, 5, 24);
+    let mut gyro = fleet.gyro(24);
+    in_imu(&mut gyro, 0);
+    for one in others.iter_mut().chain([&mut gyro]) {
+        one.entries.iter_mut().for_each(|entry| entry.station = "ST-1".into());
+    }
+    change(&mut gyro, 0, |k, _| if k >= 16 { 6e-3 } else { 0.0 });
+    assert_eq!(of(&gyro, &others, Coefficient::DI).causes[0].class, ["step"], "the others stand still");
+    others.iter_mut().for_each(|one| one.entries.truncate(14));
+    assert_eq!(of(&gyro, &others, Coefficient::DI).causes[0].class, ["station", "step"], "nobody else was there");
+}
+
+#[test]
 fn records_without_a_temperature_stay_in_with_what_they_have() {
     let mut gyro = Fleet::seeded(33).gyro(24);
     change(&mut gyro, 0, |_, e| 0.002 * (e.temperature_c.expect("recorded") - 47.0));

@@ -1,19 +1,16 @@
-//! The writer's part in alerts: they follow what a group's judging finds, the clock, and what people say.
+//! The writer's part in alerts: they follow what a group's judging finds, and what people say.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
-use std::time::Duration;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
-use tokio::time::{Interval, MissedTickBehavior, interval};
-
-use super::state::Task;
-use crate::core::alert_decision::{Late, Status};
-use crate::core::figures::Figures;
+use super::heads::{Heads, touched};
+use super::state::WriterState;
+use super::stations::StationShifts;
+use crate::core::alert_decision::Late;
 use crate::core::id::Id;
-use crate::core::judge::Rule;
-use crate::core::time::{Span, UtcMicros};
+use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
 use crate::pipeline::alerts::{
-    AlertError, AlertOrder, Causes, Naming, Pen, SilenceOrder, StationVerdict, follow_clock, follow_group,
+    AlertError, AlertOrder, Causes, Naming, Pen, SilenceOrder, StationVerdict, follow_group,
 };
 use crate::pipeline::error::WriteError;
 use crate::pipeline::hooks::{OutboxContext, Standing};
@@ -21,19 +18,13 @@ use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
 use crate::store;
-use crate::store::{AlertOf, AlertRow, Cells, Changes, Duty, StoreError};
+use crate::store::{AlertOf, AlertRow, Changes, StoreError};
 use crate::wire::alert::AlertBody;
 
-/// Gyros that the clock may have something to do with, in one place.
-#[derive(Debug, Default)]
-struct OfClock {
-    /// With alerts of which it changes something.
-    alerted: BTreeSet<AlertOf>,
-    /// Those that may begin or end to be overdue.
-    overdue: BTreeSet<u32>,
-}
+/// Stations with gyros that are remembered.
+const MOST_SEEN: usize = 1_000_000;
 
-impl Task {
+impl WriterState {
     /// How the methods agree on the gyros of a group that benches have measured.
     pub(super) async fn agreements(&mut self, changes: &Changes) -> Result<Vec<Agreement>, StoreError> {
         let withdrawn = changes.withdrawn.benches.iter().map(|(_, gyro)| *gyro);
@@ -63,7 +54,8 @@ impl Task {
         causes: &Causes,
         now: UtcMicros,
     ) -> Result<(), StoreError> {
-        let shifts = self.shifts_of_group(found, changes, now).await?;
+        let shifts =
+            if self.writer.is_one_of_many() { Vec::new() } else { self.stations(now).of_group(found, changes).await? };
         {
             let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
             let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: causes.late() };
@@ -85,6 +77,38 @@ impl Task {
         self.hooks.tell(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
+    /// Enters into a transaction how the gyros will stand that it touches: the last thing before it is committed. The
+    /// alerts are those in memory, which are as they will be stored.
+    pub(super) async fn enter_heads(&mut self, changes: &mut Changes) -> Result<(), StoreError> {
+        let gyros: Vec<u32> = touched(changes).into_iter().collect();
+        if gyros.is_empty() {
+            return Ok(());
+        }
+        self.alerts.recall(&self.store, gyros.iter().copied(), self.clock.now()).await?;
+        changes.heads.rows = self.heads().rows(&gyros, changes).await?;
+        self.enter_stations(changes);
+        Ok(())
+    }
+
+    /// Enters which stations have calibrated gyros, where that may be new.
+    fn enter_stations(&mut self, changes: &mut Changes) {
+        if self.seen_at.len() > MOST_SEEN {
+            self.seen_at.clear();
+        }
+        let pairs: BTreeSet<[u32; 2]> = changes.history.iter().map(|row| [row.figures.station, row.gyro]).collect();
+        changes.heads.seen = pairs.into_iter().filter(|pair| self.seen_at.insert(*pair)).collect();
+    }
+
+    pub(super) fn heads(&self) -> Heads<'_> {
+        let Self { store, config, judge, alerts, .. } = self;
+        Heads { store, judging: &config.judging, judge, alerts }
+    }
+
+    pub(super) fn stations(&self, now: UtcMicros) -> StationShifts<'_> {
+        let Self { store, config, alerts, .. } = self;
+        StationShifts { store, config, alerts, now }
+    }
+
     /// Every alert as it stands.
     pub(super) async fn standings(&self, now: UtcMicros) -> Result<Vec<Standing>, StoreError> {
         let rows = store::alerts::all(&self.store).await?;
@@ -95,114 +119,6 @@ impl Task {
         Ok(rows.iter().filter_map(standing).collect())
     }
 
-    /// Commits, and wakes the worker where that gave it something to do.
-    pub(super) async fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
-        self.writer.commit(changes).await?;
-        self.wake(changes);
-        Ok(())
-    }
-
-    /// Wakes the worker where what has been committed gives it something to do.
-    pub(super) fn wake(&self, changes: &Changes) {
-        if !changes.outbox.queued.is_empty() {
-            self.after.wake.send_modify(|moved| *moved += 1);
-        }
-    }
-
-    pub(super) fn ticks(&self) -> Interval {
-        let mut ticks = interval(Duration::from_secs_f64(self.config.alerts.tick_s));
-        ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        ticks
-    }
-
-    /// Lets the alerts follow the clock.
-    pub(super) async fn tick(&mut self) {
-        if !self.store.is_on_duty(Duty::Clock) {
-            return;
-        }
-        let followed = self.try_tick().await;
-        self.writer.give_back().await;
-        if let Err(error) = followed {
-            self.start_over();
-            tracing::error!(%error, "alerts could not follow the clock; the next tick tries again");
-        }
-    }
-
-    /// A transaction for each cell in which the clock changes something; in a file, one.
-    async fn try_tick(&mut self) -> Result<(), StoreError> {
-        let now = self.clock.now();
-        let mut rows = store::alerts::of_clock(&self.store).await?;
-        if self.follow_stations(&rows, now).await? {
-            rows = store::alerts::of_clock(&self.store).await?;
-        }
-        let mut by_cell: BTreeMap<u8, OfClock> = BTreeMap::new();
-        let overdue = self.may_be_overdue(&rows, now).await?;
-        let alerted: BTreeSet<AlertOf> =
-            rows.iter().filter(|row| self.alerts.is_moved_by_clock(row, now)).map(|row| row.of).collect();
-        store::names::look_up_gyros(&self.store, overdue.iter().copied().chain(gyros_of(&alerted)).collect()).await?;
-        {
-            let tables = self.store.names().read();
-            let home = |gyro: &u32| tables.gyros.cell(*gyro).unwrap_or_default();
-            overdue.iter().for_each(|gyro| _ = by_cell.entry(home(gyro)).or_default().overdue.insert(*gyro));
-            let home_of = |of: &AlertOf| of.gyro().map_or(0, |gyro| home(&gyro));
-            alerted.iter().for_each(|of| _ = by_cell.entry(home_of(of)).or_default().alerted.insert(*of));
-        }
-        for (cell, found) in by_cell {
-            self.begin(&Cells::one(cell)).await?;
-            self.tick_in_turn(&found, now).await?;
-            self.writer.give_back().await;
-        }
-        let digest =
-            rows.iter().filter_map(|row| row.alert.hushed.filter(|hushed| hushed.digest)).map(|it| it.at).max();
-        if digest.is_some_and(|since| is_over(since, now)) {
-            self.begin(&Cells::all()).await?;
-            let mut changes = Changes::default();
-            self.digest(&mut changes, now).await?;
-            self.enter_heads(&mut changes).await?;
-            if !changes.is_empty() {
-                self.commit(&changes).await?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Gyros of which the clock may begin or end that they are overdue.
-    async fn may_be_overdue(&self, rows: &[AlertRow], now: UtcMicros) -> Result<BTreeSet<u32>, StoreError> {
-        if !self.judge.has_intervals() {
-            return Ok(BTreeSet::new());
-        }
-        let is_firing = |row: &&AlertRow| row.rule == Rule::Overdue && row.alert.status == Status::Firing;
-        let firing: BTreeSet<u32> = rows.iter().filter(is_firing).filter_map(|row| row.of.gyro()).collect();
-        let overdue: BTreeSet<u32> = store::head::overdue(&self.store, now).await?.into_iter().collect();
-        Ok(&firing ^ &overdue)
-    }
-
-    async fn tick_in_turn(&mut self, found: &OfClock, now: UtcMicros) -> Result<(), StoreError> {
-        let mut changes = Changes::default();
-        self.alerts.recall(&self.store, gyros_of(&found.alerted).chain(found.overdue.iter().copied()), now).await?;
-        let gyros: Vec<u32> = found.overdue.iter().copied().collect();
-        let out_of_use = self.out_of_use(&gyros).await?;
-        let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-        let newest = store::histories::newest(&self.store, &ever, 1).await?;
-        {
-            let naming = Naming { tables: &self.store.names().read(), new: None };
-            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
-            for (gyro, newest) in gyros.into_iter().zip(newest) {
-                let in_use = |newest: &&Figures| out_of_use.get(&gyro).is_none_or(|(at, _)| *at < newest.at);
-                match newest.last().filter(in_use) {
-                    Some(newest) => {
-                        follow_clock(&mut self.alerts, &self.judge, gyro, newest.at, newest.imu, &mut pen);
-                    }
-                    None => self.alerts.reset(gyro, |row| row.rule == Rule::Overdue, &mut pen),
-                }
-            }
-            self.alerts.tick(&found.alerted, &mut pen);
-        }
-        self.note(&mut changes, now).await?;
-        self.enter_heads(&mut changes).await?;
-        if changes.is_empty() { Ok(()) } else { self.commit(&changes).await }
-    }
-
     /// An import has come to its end: what waits for its digest is told.
     pub(super) async fn tell_digest(&mut self) -> Result<(), WriteError> {
         let (now, mut changes) = (self.clock.now(), Changes::default());
@@ -210,7 +126,7 @@ impl Task {
         self.commit_or_forget(told, &mut changes).await
     }
 
-    async fn digest(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
+    pub(super) async fn digest(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
         let waiting = store::alerts::of_clock(&self.store).await?;
         let waiting = waiting.iter().filter(|row| row.alert.hushed.is_some_and(|hushed| hushed.digest));
         let waiting: BTreeSet<AlertOf> = waiting.map(|row| row.of).collect();
@@ -268,12 +184,6 @@ impl Task {
         Ok(id)
     }
 
-    /// The cells of an alert, which may not exist.
-    pub(super) async fn cells_of_alert(&self, alert: Id) -> Cells {
-        let row = store::alerts::get(&self.store, alert).await.ok().flatten();
-        self.cells_of_alerts(row.and_then(|row| row.of.gyro()).into_iter().collect()).await.unwrap_or(Cells::one(0))
-    }
-
     /// Does what somebody has said of an alert.
     pub(super) async fn obey(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, AlertError> {
         let now = self.clock.now();
@@ -296,13 +206,6 @@ impl Task {
     }
 }
 
-fn gyros_of(alerts: &BTreeSet<AlertOf>) -> impl Iterator<Item = u32> {
+pub(super) fn gyros_of(alerts: &BTreeSet<AlertOf>) -> impl Iterator<Item = u32> {
     alerts.iter().filter_map(|of| of.gyro())
-}
-
-/// An import of which nothing has come for so long was broken off: what it has found is told.
-const BROKEN_OFF: f64 = 15.0 / (24.0 * 60.0);
-
-fn is_over(since: UtcMicros, now: UtcMicros) -> bool {
-    now.days_since(since).abs() > BROKEN_OFF
 }

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use super::state::Task;
+use super::state::WriterState;
 use crate::core::alert_decision::Late;
 use crate::core::judge::{Finding, Verdict};
 use crate::core::time::UtcMicros;
@@ -16,75 +16,75 @@ use crate::store;
 use crate::store::{AlertOf, Changes, RecordHead, StoreError};
 use crate::telemetry;
 
-impl Task {
+pub(super) struct ForecastAlerts<'a> {
+    pub state: &'a mut WriterState,
+    pub now: UtcMicros,
+}
+
+impl ForecastAlerts<'_> {
     /// Keeps a diagnosis, and lets the alert of its IMU follow the forecast that is kept with it.
-    pub(super) async fn keep(&mut self, made: &Made) -> Result<(), WriteError> {
-        let Some(mut changes) = made.changes(&self.after.models) else { return Ok(()) };
+    pub async fn keep(&mut self, made: &Made) -> Result<(), WriteError> {
+        let Some(mut changes) = made.changes(&self.state.after.models) else { return Ok(()) };
         let followed = self.follow_forecast(made, &mut changes).await;
-        self.commit_or_forget(followed, &mut changes).await
+        self.state.commit_or_forget(followed, &mut changes).await
     }
 
     async fn follow_forecast(&mut self, made: &Made, changes: &mut Changes) -> Result<(), StoreError> {
         let Some((campaign, imu, point)) = made.foretold() else { return Ok(()) };
-        let in_force = self.after.models.of(Some(imu));
-        let found = newest_verdict(&self.store, (imu, &in_force), &[], Some((campaign, point))).await?;
+        let in_force = self.state.after.models.of(Some(imu));
+        let found = newest_verdict(&self.state.store, (imu, &in_force), &[], Some((campaign, point))).await?;
         let Some((head, verdict)) = found else { return Ok(()) };
         if head.id == campaign {
             let (rule, state) = (verdict.rule.name(), verdict.state.name());
             metrics::counter!(telemetry::VERDICTS, "rule" => rule, "state" => state).increment(1);
             metrics::counter!(telemetry::STATUSES, "rule" => rule, "status" => verdict.status().name()).increment(1);
         }
-        let now = self.clock.now();
-        self.alerts.recall(&self.store, [], now).await?;
+        self.state.alerts.recall(&self.state.store, [], self.now).await?;
         {
-            let naming = Naming { tables: &self.store.names().read(), new: None };
+            let naming = Naming { tables: &self.state.store.names().read(), new: None };
             let (cause, late) = (Some(head.id), Late::Quiet);
-            let mut pen = Pen { now, writer: &mut self.writer, naming, cause, late };
-            self.alerts.follow(AlertOf::Imu(imu), &verdict, &origin(imu, &head, &verdict), &mut pen);
+            let mut pen = Pen { now: self.now, writer: &mut self.state.writer, naming, cause, late };
+            self.state.alerts.follow(AlertOf::Imu(imu), &verdict, &origin(imu, &head, &verdict), &mut pen);
         }
-        self.note(changes, now).await
+        self.state.note(changes, self.now).await
     }
 
     /// Another model comes into force: what the one before had foretold is over.
-    pub(super) async fn end_forecast(
-        &mut self,
-        (imu, adoption): (u32, &Adoption),
-        now: UtcMicros,
-    ) -> Result<(), StoreError> {
-        self.alerts.recall(&self.store, [], now).await?;
+    pub async fn end(&mut self, imu: u32, adoption: &Adoption) -> Result<(), StoreError> {
+        self.state.alerts.recall(&self.state.store, [], self.now).await?;
         let undone = Undone { fires: None, author: adoption.author.clone(), reason: adoption.reason.clone() };
-        self.undo_forecast((imu, None), &undone, now);
+        self.undo((imu, None), &undone);
         Ok(())
     }
 
     /// Campaigns of a group count no more: alerts that fire by them end, or are lowered to what is left.
-    pub(super) async fn withdraw_forecasts(&mut self, changes: &Changes, now: UtcMicros) -> Result<(), StoreError> {
+    pub async fn withdraw(&mut self, changes: &Changes) -> Result<(), StoreError> {
         let gone = &changes.withdrawn.records;
         let mut imus: BTreeMap<u32, Undone> = BTreeMap::new();
         for record in gone {
             let said = changes.corrections.iter().find(|said| said.item == *record);
-            let (Some(said), Some((imu, _))) = (said, store::record::whose(&self.store, *record).await?) else {
+            let (Some(said), Some((imu, _))) = (said, store::record::whose(&self.state.store, *record).await?) else {
                 continue;
             };
             let (author, reason) = (said.author.clone(), said.reason.clone());
             imus.insert(imu, Undone { fires: None, author, reason });
         }
         for (imu, undone) in &imus {
-            self.alerts.recall(&self.store, [], now).await?;
-            if !self.alerts.fires_of_imu(*imu) {
+            self.state.alerts.recall(&self.state.store, [], self.now).await?;
+            if !self.state.alerts.fires_of_imu(*imu) {
                 continue;
             }
-            let in_force = self.after.models.of(Some(*imu));
-            let left = newest_verdict(&self.store, (*imu, &in_force), gone, None).await?;
-            self.undo_forecast((*imu, left.map(|(_, verdict)| verdict)), undone, now);
+            let in_force = self.state.after.models.of(Some(*imu));
+            let left = newest_verdict(&self.state.store, (*imu, &in_force), gone, None).await?;
+            self.undo((*imu, left.map(|(_, verdict)| verdict)), undone);
         }
         Ok(())
     }
 
-    fn undo_forecast(&mut self, (imu, left): (u32, Option<Verdict>), undone: &Undone, now: UtcMicros) {
-        let naming = Naming { tables: &self.store.names().read(), new: None };
-        let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Quiet };
-        self.alerts.undo(AlertOf::Imu(imu), |_| left.and_then(|verdict| verdict.severity()), undone, &mut pen);
+    fn undo(&mut self, (imu, left): (u32, Option<Verdict>), undone: &Undone) {
+        let naming = Naming { tables: &self.state.store.names().read(), new: None };
+        let mut pen = Pen { now: self.now, writer: &mut self.state.writer, naming, cause: None, late: Late::Quiet };
+        self.state.alerts.undo(AlertOf::Imu(imu), |_| left.and_then(|verdict| verdict.severity()), undone, &mut pen);
     }
 }
 

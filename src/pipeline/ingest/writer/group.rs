@@ -3,7 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::time::Instant;
 
-use super::state::{Item, Prepared, StoreJob, Tally, Task, items_of};
+use tokio::sync::watch;
+
+use super::forecasts::ForecastAlerts;
+use super::state::{Item, Prepared, StoreJob, Tally, WriterState, items_of};
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
@@ -17,22 +20,29 @@ use crate::store;
 use crate::store::{Changes, StoreError};
 use crate::telemetry;
 
-impl Task {
+/// A group that is made ready.
+pub(super) struct Preparation<'a> {
+    pub state: &'a mut WriterState,
+    pub items: &'a [Item<'a>],
+}
+
+impl Preparation<'_> {
     /// Admits and judges a group, and lets the alerts follow. What is remembered of its gyros is then ahead of what
     /// is stored.
-    pub(super) async fn prepare(&mut self, items: &[Item<'_>]) -> Result<Prepared, StoreError> {
+    pub async fn prepare(&mut self) -> Result<Prepared, StoreError> {
+        let items = self.items;
         let mut group = Group::default();
         let mut replies = Vec::with_capacity(items.len());
-        let (now, service) = (self.clock.now(), Actor::by_caller());
-        self.read_histories(items).await?;
-        let ahead = Ahead::read(&self.store, &self.memory, items.iter().map(|item| item.sent)).await?;
+        let (now, service) = (self.state.clock.now(), Actor::by_caller());
+        self.read_histories().await?;
+        let ahead = Ahead::read(&self.state.store, &self.state.memory, items.iter().map(|item| item.sent)).await?;
         let mut admission = Admission {
-            store: &self.store,
-            ids: self.writer.ids(),
-            memory: &mut self.memory,
+            store: &self.state.store,
+            ids: self.state.writer.ids(),
+            memory: &mut self.state.memory,
             ahead: &ahead,
-            judging: &self.config.judging,
-            epochs: &self.config.plausibility.clock_epochs,
+            judging: &self.state.config.judging,
+            epochs: &self.state.config.plausibility.clock_epochs,
             now,
             by: &service,
         };
@@ -43,44 +53,44 @@ impl Task {
         let judging = Instant::now();
         group.audit_sendings(now);
         let mut changes = group.changes;
-        let found = self.judge.judge(&mut changes).await?;
-        let agreements = self.agreements(&changes).await?;
+        let found = self.state.judge.judge(&mut changes).await?;
+        let agreements = self.state.agreements(&changes).await?;
         let touched = found.newest.iter().map(|newest| newest.gyro).chain(found.undone.keys().copied());
         let touched = touched.chain(agreements.iter().map(|agreement| agreement.gyro));
-        self.alerts.recall(&self.store, touched, now).await?;
+        self.state.alerts.recall(&self.state.store, touched, now).await?;
         let sent = sent(items, &replies);
-        self.withdraw_forecasts(&changes, now).await?;
+        ForecastAlerts { state: self.state, now }.withdraw(&changes).await?;
         let causes = Causes::of(stored(items, &replies), &changes);
-        self.follow(&sent, &mut changes, (&found, &agreements), &causes, now).await?;
+        self.state.follow(&sent, &mut changes, (&found, &agreements), &causes, now).await?;
         metrics::histogram!(telemetry::JUDGING).record(judging.elapsed());
         let tally = Tally::of(&sent, &changes, &found.verdicts);
         if items.iter().any(|item| item.with_verdicts) {
-            self.enter_verdicts(items, &mut replies, &found.verdicts, &changes);
+            self.enter_verdicts(&mut replies, &found.verdicts, &changes);
         }
-        self.enter_heads(&mut changes).await?;
+        self.state.enter_heads(&mut changes).await?;
         Ok(Prepared { changes, replies, tally })
     }
 
     /// Reads ahead what is stored of the gyros of a group that are not remembered.
-    async fn read_histories(&mut self, items: &[Item<'_>]) -> Result<(), StoreError> {
+    async fn read_histories(&mut self) -> Result<(), StoreError> {
         let gyros: BTreeSet<u32> = {
-            let tables = self.store.names().read();
-            let sent = items.iter().filter_map(|item| item.sent.calibration()).flat_map(|sent| &sent.gyros);
+            let tables = self.state.store.names().read();
+            let sent = self.items.iter().filter_map(|item| item.sent.calibration()).flat_map(|sent| &sent.gyros);
             let known = sent.filter_map(|gyro| tables.gyros.number(gyro.serial.as_str()));
-            known.filter(|gyro| !self.judge.knows(*gyro) || !self.memory.knows(*gyro)).collect()
+            known.filter(|gyro| !self.state.judge.knows(*gyro) || !self.state.memory.knows(*gyro)).collect()
         };
         let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-        let most = self.judge.read_ahead();
-        let rows = store::histories::newest(&self.store, &ever, most).await?;
+        let most = self.state.judge.read_ahead();
+        let rows = store::histories::newest(&self.state.store, &ever, most).await?;
         let read: Vec<_> = gyros.into_iter().zip(rows).collect();
-        self.memory.take_in(read.iter().map(|(gyro, rows)| (*gyro, rows.as_slice(), rows.len() < most)));
-        let unknown: Vec<_> = read.into_iter().filter(|(gyro, _)| !self.judge.knows(*gyro)).collect();
-        self.judge.take_in(&unknown).await
+        self.state.memory.take_in(read.iter().map(|(gyro, rows)| (*gyro, rows.as_slice(), rows.len() < most)));
+        let unknown: Vec<_> = read.into_iter().filter(|(gyro, _)| !self.state.judge.knows(*gyro)).collect();
+        self.state.judge.take_in(&unknown).await
     }
 
     /// Enters the verdicts into the replies that are to hold them.
-    fn enter_verdicts(&self, items: &[Item<'_>], replies: &mut [Reply], verdicts: &Verdicts, changes: &Changes) {
-        let tables = self.store.names().read();
+    fn enter_verdicts(&self, replies: &mut [Reply], verdicts: &Verdicts, changes: &Changes) {
+        let tables = self.state.store.names().read();
         // Names that nobody can look up before this group is stored.
         let new: HashMap<&str, u32> = changes.gyros.iter().map(|new| (new.name.as_str(), new.number)).collect();
         let number = |serial: &str| tables.gyros.number(serial).or_else(|| new.get(serial).copied());
@@ -89,27 +99,27 @@ impl Task {
             let verdicts = by_history.into_iter().flatten().chain(gyro.requirements.iter().flatten());
             Judged { serial: gyro.serial.as_str().into(), verdicts: verdicts.copied().collect() }
         };
-        for (item, reply) in items.iter().zip(replies).filter(|(item, _)| item.with_verdicts) {
+        for (item, reply) in self.items.iter().zip(replies).filter(|(item, _)| item.with_verdicts) {
             if let (Some(sent), Ok(Accepted::Stored { id, judged: entered, .. })) = (item.sent.calibration(), reply) {
                 *entered = sent.gyros.iter().map(|gyro| judged(*id, gyro)).collect();
             }
         }
     }
+}
 
-    /// The answers to a group that has been written.
-    pub(super) fn settle(&self, items: &[Item<'_>], prepared: Prepared) -> Vec<Reply> {
-        let Prepared { changes, replies, tally, .. } = prepared;
-        if !changes.is_empty() {
-            metrics::histogram!(telemetry::GROUP).record(items.len() as f64);
-        }
-        let is_campaign = |item: &Item<'_>| item.sent.calibration().is_some_and(|sent| sent.kind == Kind::Campaign);
-        let is_new = |reply: &Reply| matches!(reply, Ok(Accepted::Stored { .. }));
-        if items.iter().zip(&replies).any(|(item, reply)| is_campaign(item) && is_new(reply)) {
-            self.after.due.send_modify(|moved| *moved += 1);
-        }
-        tally.count();
-        replies
+/// The answers to a group that has been written. `due` moves when diagnoses have become due.
+pub(super) fn settle(items: &[Item<'_>], prepared: Prepared, due: &watch::Sender<u64>) -> Vec<Reply> {
+    let Prepared { changes, replies, tally, .. } = prepared;
+    if !changes.is_empty() {
+        metrics::histogram!(telemetry::GROUP).record(items.len() as f64);
     }
+    let is_campaign = |item: &Item<'_>| item.sent.calibration().is_some_and(|sent| sent.kind == Kind::Campaign);
+    let is_new = |reply: &Reply| matches!(reply, Ok(Accepted::Stored { .. }));
+    if items.iter().zip(&replies).any(|(item, reply)| is_campaign(item) && is_new(reply)) {
+        due.send_modify(|moved| *moved += 1);
+    }
+    tally.count();
+    replies
 }
 
 /// Sends everyone their part of a group's answers.

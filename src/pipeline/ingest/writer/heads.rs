@@ -2,12 +2,13 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use super::state::Task;
-use crate::config::Config;
+use crate::config::{Config, Judging};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::{Event, Outlook};
 use crate::core::time::{Span, UtcMicros};
+use crate::pipeline::alerts::AlertCache;
+use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::queries::heads::{HeadNames, checksum, stations_of, stored_outlooks, stored_rows};
 use crate::pipeline::queries::standing::{Alerted, Facts, verdicts_on};
@@ -18,19 +19,20 @@ use crate::store::{
 
 /// Rows of one transaction where all are made.
 const AT_ONCE: u32 = 1000;
-/// Stations with gyros that are remembered.
-const MOST_SEEN: usize = 1_000_000;
 
-impl Task {
-    /// Enters into a transaction how the gyros will stand that it touches: the last thing before it is committed. The
-    /// alerts are those in memory, which are as they will be stored.
-    pub(super) async fn enter_heads(&mut self, changes: &mut Changes) -> Result<(), StoreError> {
-        let gyros: Vec<u32> = touched(changes).into_iter().collect();
-        if gyros.is_empty() {
-            return Ok(());
-        }
-        self.alerts.recall(&self.store, gyros.iter().copied(), self.clock.now()).await?;
-        let newest = self.newest_after(&gyros, changes).await?;
+/// How gyros will stand: by what a transaction changes, what is remembered and what is stored.
+pub(super) struct Heads<'a> {
+    pub store: &'a Store,
+    pub judging: &'a Judging,
+    pub judge: &'a Judge,
+    /// As they will be stored.
+    pub alerts: &'a AlertCache,
+}
+
+impl Heads<'_> {
+    /// How these gyros will stand once `changes` are stored.
+    pub async fn rows(&self, gyros: &[u32], changes: &Changes) -> Result<Vec<HeadRow>, StoreError> {
+        let newest = self.newest_after(gyros, changes).await?;
         let mut sheets: HashMap<Id, &VerdictSheet> =
             changes.records.iter().map(|record| (record.id, &record.verdicts)).collect();
         sheets.extend(changes.rejudged.sheets.iter().map(|(record, again)| (*record, &again.sheet)));
@@ -39,32 +41,27 @@ impl Task {
         let stored = if records.is_empty() {
             Vec::new()
         } else {
-            store::record::verdict_sheets(&self.store, records.into_iter()).await?
+            store::record::verdict_sheets(self.store, records.into_iter()).await?
         };
         sheets.extend(stored.iter().map(|(record, sheet)| (*record, sheet)));
-        let out_of_use = self.out_of_use(&gyros).await?;
+        let out_of_use = self.out_of_use(gyros).await?;
         let outlooks = self.outlooks(&newest, changes).await?;
-        let rows = {
-            let tables = self.store.names().read();
-            let names = HeadNames::new(&tables, changes);
-            let row = |gyro: &u32| {
-                let newest = newest.get(gyro).copied();
-                let facts = Facts {
-                    number: *gyro,
-                    serial: names.gyro(*gyro),
-                    newest,
-                    verdicts: newest.map_or(&[], |figures| verdicts_on(sheets.get(&figures.record).copied(), *gyro)),
-                    alerted: &Alerted::of(self.alerts.firing(*gyro))?,
-                    out_of_use: out_of_use.get(gyro).copied(),
-                    outlook: outlooks.get(gyro).copied().unwrap_or_default(),
-                };
-                Ok(names.row(&facts, &self.config.judging))
+        let tables = self.store.names().read();
+        let names = HeadNames::new(&tables, changes);
+        let row = |gyro: &u32| {
+            let newest = newest.get(gyro).copied();
+            let facts = Facts {
+                number: *gyro,
+                serial: names.gyro(*gyro),
+                newest,
+                verdicts: newest.map_or(&[], |figures| verdicts_on(sheets.get(&figures.record).copied(), *gyro)),
+                alerted: &Alerted::of(self.alerts.firing(*gyro))?,
+                out_of_use: out_of_use.get(gyro).copied(),
+                outlook: outlooks.get(gyro).copied().unwrap_or_default(),
             };
-            gyros.iter().map(row).collect::<Result<Vec<HeadRow>, StoreError>>()?
+            Ok(names.row(&facts, self.judging))
         };
-        changes.heads.rows = rows;
-        self.enter_stations(changes);
-        Ok(())
+        gyros.iter().map(row).collect()
     }
 
     /// How gyros with these newest calibrations lie to their budgets and where they go: by the verdicts of this
@@ -86,24 +83,15 @@ impl Task {
             return Ok(outlooks);
         }
         let gyros: Vec<u32> = unknown.iter().map(|(gyro, _)| *gyro).collect();
-        for row in store::head::of_gyros(&self.store, &gyros).await? {
+        for row in store::head::of_gyros(self.store, &gyros).await? {
             let same = row.newest.map(|newest| newest.record) == newest.get(&row.gyro).map(|figures| figures.record);
             if same {
                 outlooks.insert(row.gyro, row.outlook);
             }
         }
         unknown.retain(|(gyro, _)| !outlooks.contains_key(gyro));
-        outlooks.extend(stored_outlooks(&self.store, &self.config.judging, &unknown).await?);
+        outlooks.extend(stored_outlooks(self.store, self.judging, &unknown).await?);
         Ok(outlooks)
-    }
-
-    /// Enters which stations have calibrated gyros, where that may be new.
-    fn enter_stations(&mut self, changes: &mut Changes) {
-        if self.seen_at.len() > MOST_SEEN {
-            self.seen_at.clear();
-        }
-        let pairs: BTreeSet<[u32; 2]> = changes.history.iter().map(|row| [row.figures.station, row.gyro]).collect();
-        changes.heads.seen = pairs.into_iter().filter(|pair| self.seen_at.insert(*pair)).collect();
     }
 
     /// The newest calibration of each of these gyros once `changes` are stored. Nearly always it is one of them.
@@ -129,7 +117,7 @@ impl Task {
         // So many of them may count no more.
         let gone: usize = changes.withdrawn.history.len();
         let ever: Vec<_> = asked.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-        for (gyro, rows) in asked.iter().zip(store::histories::newest(&self.store, &ever, 1 + gone).await?) {
+        for (gyro, rows) in asked.iter().zip(store::histories::newest(self.store, &ever, 1 + gone).await?) {
             let counts = |figures: &&Figures| {
                 let is_it = |row: &HistoryRow| row.gyro == *gyro && row.figures.record == figures.record;
                 !changes.withdrawn.history.iter().any(is_it)
@@ -142,13 +130,10 @@ impl Task {
     }
 
     /// When gyros were taken out of use last, by what has been judged or else by what is stored.
-    pub(super) async fn out_of_use(&self, gyros: &[u32]) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
+    pub async fn out_of_use(&self, gyros: &[u32]) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
         let unknown: Vec<u32> = gyros.iter().copied().filter(|gyro| self.judge.window(*gyro).is_none()).collect();
-        let mut all = if unknown.is_empty() {
-            HashMap::new()
-        } else {
-            store::event::out_of_use_of(&self.store, &unknown).await?
-        };
+        let mut all =
+            if unknown.is_empty() { HashMap::new() } else { store::event::out_of_use_of(self.store, &unknown).await? };
         let ended = |gyro: &u32| {
             let ended = self.judge.window(*gyro)?.marks().iter().rfind(|mark| mark.event.ends_calibrations())?;
             Some((*gyro, (ended.at, ended.event)))
@@ -159,7 +144,7 @@ impl Task {
 }
 
 /// The gyros of which something becomes different.
-fn touched(changes: &Changes) -> BTreeSet<u32> {
+pub(super) fn touched(changes: &Changes) -> BTreeSet<u32> {
     let rows = changes.history.iter().chain(&changes.rejudged.history).chain(&changes.withdrawn.history);
     let benches = changes.withdrawn.benches.iter().map(|(_, gyro)| *gyro);
     rows.map(|row| row.gyro)

@@ -2,9 +2,11 @@
 //! database server a process has several, and one of them carries out orders and follows the clock.
 
 pub(crate) mod alerts;
+mod clock;
 mod forecasts;
 mod group;
 mod heads;
+mod homes;
 pub(crate) mod overlapped;
 mod restate;
 mod state;
@@ -17,6 +19,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use tokio::sync::mpsc;
+use tokio::time::{Interval, MissedTickBehavior, interval};
 
 use super::admit::Memory;
 use crate::config::Config;
@@ -34,8 +37,11 @@ use crate::store;
 use crate::store::{Cells, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
-use group::answer;
-use state::{Item, StoreJob, items_of};
+use clock::ClockTick;
+use forecasts::ForecastAlerts;
+use group::{Preparation, answer, settle};
+use restate::Restating;
+use state::{Item, StoreJob, WriterState, items_of};
 use turn::in_turn;
 
 pub(crate) use heads::make_missing;
@@ -59,7 +65,7 @@ impl Task {
         }
         let judge = Judge::new(store.clone(), judging, config.alerts.policy());
         let alerts = AlertCache::new(config.alerts.policy(), config.judging.confidence);
-        Self {
+        let state = WriterState {
             store,
             writer,
             clock,
@@ -71,20 +77,18 @@ impl Task {
             seen_at: HashSet::new(),
             hooks: HookCache::default(),
             after,
-            duties,
-            under_way: None,
-            items_at_once: 1024,
             behind: false,
-        }
+        };
+        Self { state, duties, under_way: None, items_at_once: 1024 }
     }
 
     /// Works until every sender is gone and the queue is empty; gives back what it has written with.
     pub async fn run(mut self, mut queue: mpsc::Receiver<Job>) -> Writer {
-        let max_group = self.config.database.max_group;
+        let max_group = self.state.config.database.max_group;
         let mut jobs = Vec::with_capacity(max_group);
         let mut ticks = self.ticks();
         let is_for_orders = self.duties == Duties::Orders;
-        let mut moves = if is_for_orders { self.store.moves() } else { None };
+        let mut moves = if is_for_orders { self.state.store.moves() } else { None };
         loop {
             let room = max_group.saturating_sub(jobs.len()).max(1);
             tokio::select! {
@@ -97,9 +101,10 @@ impl Task {
                 () = overlapped::written(&mut self.under_way), if self.under_way.is_some() => self.finish().await,
                 _ = ticks.tick(), if is_for_orders => {
                     self.finish().await;
-                    self.tick().await;
+                    let now = self.state.clock.now();
+                    ClockTick { state: &mut self.state, now }.tick().await;
                 }
-                Some(missed) = turn::next_of(&mut moves) => self.hear_of(&missed).await,
+                Some(missed) = turn::next_of(&mut moves) => self.state.hear_of(&missed).await,
             }
             if self.is_to_wait(&jobs) {
                 continue;
@@ -110,7 +115,7 @@ impl Task {
                 self.finish().await;
             }
             let (mut group, mut items) = (Vec::new(), 0);
-            let most = if self.writer.committer().is_some() { overlapped::MAX_ITEMS } else { self.items_at_once };
+            let most = if self.state.writer.committer().is_some() { overlapped::MAX_ITEMS } else { self.items_at_once };
             let (mut orders, mut findings, mut digests) = (Orders::new(), Findings::new(), Vec::new());
             for job in jobs.drain(..) {
                 let job = match job {
@@ -127,34 +132,34 @@ impl Task {
                     }
                     Job::Model { adoption, by, reply } => {
                         // Its gyros may have come from anywhere.
-                        let adopted = in_turn!(self, Cells::all(), self.adopt(&adoption, &by));
+                        let adopted = in_turn!(self.state, Cells::all(), self.restating().adopt(&adoption, &by));
                         let _gone = reply.send(adopted);
-                        self.after.due.send_modify(|moved| *moved += 1);
+                        self.state.after.due.send_modify(|moved| *moved += 1);
                         continue;
                     }
                     Job::Hypothesis { order, by, reply } => {
-                        let done = in_turn!(self, Cells::one(0), self.order_hypothesis(&order, &by));
+                        let done = in_turn!(self.state, Cells::one(0), self.order_hypothesis(&order, &by));
                         let _gone = reply.send(done);
                         continue;
                     }
                     Job::Diagnoses { order, by, reply } => {
-                        let done = in_turn!(self, Cells::one(0), self.order_diagnoses(&order, &by));
+                        let done = in_turn!(self.state, Cells::one(0), self.order_diagnoses(&order, &by));
                         let _gone = reply.send(done);
                         continue;
                     }
                     Job::Diagnosed { made, reply } => {
-                        let kept = in_turn!(self, Cells::one(0), self.keep(&made));
+                        let kept = in_turn!(self.state, Cells::one(0), self.forecasts().keep(&made));
                         let _gone = reply.send(kept);
                         continue;
                     }
                     Job::Alert { order, by, reply } => {
-                        let cells = self.cells_of_alert(order.alert).await;
-                        let done = in_turn!(self, cells, self.obey(&order, &by));
+                        let cells = self.state.homes().of_alert(order.alert).await;
+                        let done = in_turn!(self.state, cells, self.state.obey(&order, &by));
                         let _gone = reply.send(done);
                         continue;
                     }
                     Job::Silence { order, by, reply } => {
-                        let done = in_turn!(self, Cells::all(), self.order_silence(&order, &by));
+                        let done = in_turn!(self.state, Cells::all(), self.state.order_silence(&order, &by));
                         let _gone = reply.send(done);
                         continue;
                     }
@@ -163,12 +168,12 @@ impl Task {
                         continue;
                     }
                     Job::Access { order, by, reply } => {
-                        let done = in_turn!(self, Cells::one(0), self.register(&order, &by));
+                        let done = in_turn!(self.state, Cells::one(0), self.register(&order, &by));
                         let _gone = reply.send(done);
                         continue;
                     }
                     Job::Probe(reply) => {
-                        let _gone = reply.send(self.writer.probe().await.map_err(WriteError::from));
+                        let _gone = reply.send(self.state.writer.probe().await.map_err(WriteError::from));
                         continue;
                     }
                 };
@@ -190,12 +195,28 @@ impl Task {
             }
             // After what was queued before.
             for reply in digests {
-                let told = in_turn!(self, Cells::all(), self.tell_digest());
+                let told = in_turn!(self.state, Cells::all(), self.state.tell_digest());
                 let _gone = reply.send(told);
             }
             self.carry_out(orders, findings).await;
         }
-        self.writer
+        self.state.writer
+    }
+
+    fn ticks(&self) -> Interval {
+        let mut ticks = interval(Duration::from_secs_f64(self.state.config.alerts.tick_s));
+        ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        ticks
+    }
+
+    fn restating(&mut self) -> Restating<'_> {
+        let now = self.state.clock.now();
+        Restating { state: &mut self.state, now }
+    }
+
+    fn forecasts(&mut self) -> ForecastAlerts<'_> {
+        let now = self.state.clock.now();
+        ForecastAlerts { state: &mut self.state, now }
     }
 
     async fn process(&mut self, jobs: Vec<StoreJob>) {
@@ -211,14 +232,14 @@ impl Task {
         let any_changes = findings.iter().any(|(found, _)| changes_the_hook(found));
         let changed = !orders.is_empty() || any_changes;
         for (order, by, reply) in orders {
-            let done = in_turn!(self, Cells::all(), self.order_hook(&order, &by));
+            let done = in_turn!(self.state, Cells::all(), self.order_hook(&order, &by));
             let _gone = reply.send(done);
         }
         if !findings.is_empty() {
             let found: Vec<&Found> = findings.iter().map(|(found, _)| found).collect();
-            let cells = if any_changes { Ok(Cells::all()) } else { self.cells_of_findings(&found).await };
+            let cells = if any_changes { Ok(Cells::all()) } else { self.state.homes().of_findings(&found).await };
             let written = match cells {
-                Ok(cells) => in_turn!(self, cells, self.write_down(&found)),
+                Ok(cells) => in_turn!(self.state, cells, self.write_down(&found)),
                 Err(error) => Err(error.into()),
             };
             for (_, reply) in findings {
@@ -226,60 +247,54 @@ impl Task {
             }
         }
         if changed {
-            self.look_at_hooks();
+            self.state.look_at_hooks();
         }
     }
 
     async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, HookError> {
-        let now = self.clock.now();
+        let now = self.state.clock.now();
         let (alerts, heard) = match order {
-            Order::Create(_) => (self.standings(now).await?, HashMap::new()),
-            Order::Change(hook, _) => (self.standings(now).await?, heard_by(&self.store, *hook).await?),
+            Order::Create(_) => (self.state.standings(now).await?, HashMap::new()),
+            Order::Change(hook, _) => (self.state.standings(now).await?, heard_by(&self.state.store, *hook).await?),
             Order::Delete(_) | Order::Test(_) | Order::Redeliver(_) => Default::default(),
         };
-        let old_secret_until = self.config.hooks.old_secret_until(now);
-        let (store, writer) = (&self.store, &mut self.writer);
+        let old_secret_until = self.state.config.hooks.old_secret_until(now);
+        let (store, writer) = (&self.state.store, &mut self.state.writer);
         HookHandler { store, writer, now, old_secret_until, alerts, heard }.carry_out(order, by).await
     }
 
     async fn write_down(&mut self, found: &[&Found]) -> Result<(), WriteError> {
-        let now = self.clock.now();
-        let old_secret_until = self.config.hooks.old_secret_until(now);
+        let now = self.state.clock.now();
+        let old_secret_until = self.state.config.hooks.old_secret_until(now);
         let tells_anew = |found: &&Found| matches!(found, Found::Attempted(attempted) if attempted.tell_anew);
-        let alerts = if found.iter().any(tells_anew) { self.standings(now).await? } else { Vec::new() };
-        let (store, writer, heard) = (&self.store, &mut self.writer, HashMap::new());
+        let alerts = if found.iter().any(tells_anew) { self.state.standings(now).await? } else { Vec::new() };
+        let (store, writer, heard) = (&self.state.store, &mut self.state.writer, HashMap::new());
         let mut handler = HookHandler { store, writer, now, old_secret_until, alerts, heard };
         handler.write_down(found.iter().copied()).await
     }
 
     /// Begins or cancels an order of diagnoses, and has what is new worked off.
     async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
-        let (now, program) = (self.clock.now(), self.after.models.competing().program.clone());
-        let mut admission = DiagnosisHandler { store: &self.store, writer: &mut self.writer, now, program };
+        let (now, program) = (self.state.clock.now(), self.state.after.models.competing().program.clone());
+        let mut admission = DiagnosisHandler { store: &self.state.store, writer: &mut self.state.writer, now, program };
         let done = admission.carry_out(order, by).await;
-        self.after.due.send_modify(|moved| *moved += 1);
+        self.state.after.due.send_modify(|moved| *moved += 1);
         done
     }
 
     async fn order_hypothesis(&mut self, order: &HypothesisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
-        let (store, now, cache) = (&self.store, self.clock.now(), &self.after.models);
-        let done = HypothesisHandler { store, writer: &mut self.writer, now, cache }.carry_out(order, by).await;
+        let (store, now, cache) = (&self.state.store, self.state.clock.now(), &self.state.after.models);
+        let done = HypothesisHandler { store, writer: &mut self.state.writer, now, cache }.carry_out(order, by).await;
         // One that was being made meanwhile is not kept, and is due again.
-        self.after.due.send_modify(|moved| *moved += 1);
+        self.state.after.due.send_modify(|moved| *moved += 1);
         done
     }
 
     /// Changes who may use the service.
     async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, AccessError> {
-        let known = store::access::tokens(&self.store).await?;
-        let (guard, writer, now) = (&self.after.guard, &mut self.writer, self.clock.now());
+        let known = store::access::tokens(&self.state.store).await?;
+        let (guard, writer, now) = (&self.state.after.guard, &mut self.state.writer, self.state.clock.now());
         AccessHandler { guard, writer, now }.carry_out(order, by, &known).await
-    }
-
-    /// Hooks have changed, or have something new to be told.
-    fn look_at_hooks(&mut self) {
-        self.hooks.forget();
-        self.after.wake.send_modify(|moved| *moved += 1);
     }
 
     /// One transaction for all; where the database refuses it, one for each, so that only the culprit is refused.
@@ -311,18 +326,18 @@ impl Task {
     async fn store_group(&mut self, items: &[Item<'_>]) -> Result<Vec<Reply>, StoreError> {
         let mut tries = 0;
         loop {
-            let stored = match self.begin_group(items).await {
+            let stored = match self.state.begin_group(items).await {
                 Ok(()) => self.try_group(items).await,
                 Err(error) => Err(error),
             };
-            self.writer.give_back().await;
+            self.state.writer.give_back().await;
             match stored {
                 Ok(replies) => {
-                    self.tidy();
+                    self.state.tidy();
                     return Ok(replies);
                 }
                 Err(error) => {
-                    self.start_over();
+                    self.state.start_over();
                     if !turn::another_try(&error, &mut tries).await {
                         return Err(error);
                     }
@@ -331,26 +346,15 @@ impl Task {
         }
     }
 
-    /// Keeps what is remembered within its bounds; when all of it is stored.
-    fn tidy(&mut self) {
-        self.judge.tidy();
-        self.alerts.tidy();
-        self.hooks.tidy();
-        if self.memory.is_full() {
-            self.memory.forget();
-            self.benched.clear();
-        }
-    }
-
     async fn try_group(&mut self, items: &[Item<'_>]) -> Result<Vec<Reply>, StoreError> {
-        let prepared = self.prepare(items).await?;
+        let prepared = Preparation { state: &mut self.state, items }.prepare().await?;
         let changes = &prepared.changes;
         if !changes.is_empty() {
             let committing = Instant::now();
-            self.commit(changes).await?;
+            self.state.commit(changes).await?;
             metrics::histogram!(telemetry::COMMIT).record(committing.elapsed());
-            self.benched.extend(changes.benches.iter().map(|bench| (bench.gyro, true)));
+            self.state.benched.extend(changes.benches.iter().map(|bench| (bench.gyro, true)));
         }
-        Ok(self.settle(items, prepared))
+        Ok(settle(items, prepared, &self.state.after.due))
     }
 }

@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 
-use super::group::answer;
+use super::group::{Preparation, answer, settle};
 use super::state::{Item, Prepared, StoreJob, Task, UnderWay, items_of};
 use crate::core::history_note::FAR_DAYS;
 use crate::pipeline::ingest::submission::Submission;
@@ -42,7 +42,7 @@ impl Task {
             _ => None,
         };
         let waiting = jobs.iter().map(to_store).sum::<Option<usize>>();
-        let may_wait = self.under_way.is_some() && jobs.len() < self.config.database.max_group;
+        let may_wait = self.under_way.is_some() && jobs.len() < self.state.config.database.max_group;
         may_wait && waiting.is_some_and(|items| items < ENOUGH)
     }
 
@@ -53,17 +53,17 @@ impl Task {
             self.finish().await;
             return Some(jobs);
         }
-        let prepared = self.prepare(&items).await;
+        let prepared = Preparation { state: &mut self.state, items: &items }.prepare().await;
         written(&mut self.under_way).await;
         let before = self.under_way.take();
         let holds = before.as_ref().is_none_or(UnderWay::is_stored);
-        if let (Ok(prepared), true, Some(committer)) = (prepared, holds, self.writer.committer()) {
+        if let (Ok(prepared), true, Some(committer)) = (prepared, holds, self.state.writer.committer()) {
             self.under_way = Some(self.begin_beside(jobs, prepared, committer));
             self.conclude(before).await;
             return None;
         }
         self.conclude(before).await;
-        self.start_over();
+        self.state.start_over();
         Some(jobs)
     }
 
@@ -79,8 +79,11 @@ impl Task {
     }
 
     fn can_go_beside(&self, items: &[Item<'_>]) -> bool {
-        let tables = self.store.names().read();
-        let room = !self.behind && !self.judge.is_full() && !self.memory.is_full() && self.writer.committer().is_some();
+        let tables = self.state.store.names().read();
+        let room = !self.state.behind
+            && !self.state.judge.is_full()
+            && !self.state.memory.is_full()
+            && self.state.writer.committer().is_some();
         room && items.len() >= MANY && items.iter().all(|item| self.asks_nothing(item, &tables))
     }
 
@@ -91,12 +94,12 @@ impl Task {
         let at = sent.calibrated_at;
         let newest_of_imu = |imu: u32| {
             let under_way = self.under_way.as_ref().and_then(|group| group.newest.get(&imu)).copied();
-            under_way.max(store::record::newest_in_file(&self.store, imu))
+            under_way.max(store::record::newest_in_file(&self.state.store, imu))
         };
         let follows = |gyro: u32| {
-            let newest = self.memory.newest_of(gyro);
+            let newest = self.state.memory.newest_of(gyro);
             newest.is_some_and(|newest| newest < at && at.days_since(newest) <= FAR_DAYS)
-                && self.benched.get(&gyro) == Some(&false)
+                && self.state.benched.get(&gyro) == Some(&false)
         };
         sent.idempotency_key.is_none()
             && tables.stations.number(sent.station.as_str()).is_some()
@@ -118,26 +121,16 @@ impl Task {
         match written {
             Some(Written { changes, outcome: Ok(()), took }) => {
                 metrics::histogram!(telemetry::COMMIT).record(took);
-                self.wake(&changes);
+                self.state.wake(&changes);
                 prepared.changes = changes;
                 let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
-                let replies = self.settle(&items, prepared);
+                let replies = settle(&items, prepared, &self.state.after.due);
                 answer(jobs, replies);
             }
             _ => {
-                self.start_over();
+                self.state.start_over();
                 self.store_all(jobs).await;
             }
         }
-    }
-
-    /// Forgets what is remembered of gyros and alerts: it is ahead of what is stored.
-    pub(super) fn start_over(&mut self) {
-        self.judge.forget();
-        self.memory.forget();
-        self.alerts.forget();
-        self.benched.clear();
-        self.seen_at.clear();
-        self.hooks.forget();
     }
 }

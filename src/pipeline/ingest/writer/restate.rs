@@ -3,8 +3,10 @@
 
 use std::collections::HashMap;
 
-use super::state::Task;
+use super::forecasts::ForecastAlerts;
+use super::state::WriterState;
 use crate::core::id::Id;
+use crate::core::time::UtcMicros;
 use crate::pipeline::Accepted;
 use crate::pipeline::access::Actor;
 use crate::pipeline::alerts::Causes;
@@ -17,43 +19,48 @@ use crate::pipeline::ingest::submission::Calibration;
 use crate::store;
 use crate::store::{Changes, HistoryRow, RestatedRow, StoreError, StoredVerdict};
 
-impl Task {
+pub(super) struct Restating<'a> {
+    pub state: &'a mut WriterState,
+    pub now: UtcMicros,
+}
+
+impl Restating<'_> {
     /// Puts a model in force; `restated`: the campaigns of its IMU as far as they have been fitted with it.
-    pub(super) async fn adopt(
+    pub async fn adopt(
         &mut self,
         (adoption, restated): &(Adoption, Restated),
         by: &Actor,
     ) -> Result<Accepted, DiagnosisError> {
-        let (store, models) = (&self.store, &self.after.models);
-        let changes = adopted(store, &mut self.writer, &self.clock, models, adoption, by).await?;
+        let (store, models) = (&self.state.store, &self.state.after.models);
+        let changes = adopted(store, &mut self.state.writer, &self.state.clock, models, adoption, by).await?;
         let mut changes = match changes {
             Ok(changes) => changes,
             Err(there) => return Ok(there),
         };
         let reader = Reader {
-            store: self.store.clone(),
-            config: self.config.clone(),
-            clock: self.clock.clone(),
-            models: self.after.models.clone(),
+            store: self.state.store.clone(),
+            config: self.state.config.clone(),
+            clock: self.state.clock.clone(),
+            models: self.state.after.models.clone(),
         };
         let restated = reader.restated(&adoption.imu, &adoption.model, restated.clone()).await?;
         let imu = changes.models[0].imu;
-        let done = match self.end_forecast((imu, adoption), self.clock.now()).await {
+        let done = match (ForecastAlerts { state: self.state, now: self.now }).end(imu, adoption).await {
             Ok(()) => self.restate(&mut changes, &restated).await,
             Err(error) => Err(error),
         };
         if let Err(error) = done {
             // What is remembered is ahead of what is stored.
-            self.start_over();
+            self.state.start_over();
             return Err(error.into());
         }
         let row = &changes.models[0];
-        self.after.models.note(row)?;
+        self.state.after.models.note(row)?;
         Ok(Accepted::stored(row.id))
     }
 
     async fn restate(&mut self, changes: &mut Changes, restated: &Restated) -> Result<(), StoreError> {
-        let now = self.clock.now();
+        let now = self.now;
         let mut sent: HashMap<Id, &Calibration> = HashMap::new();
         for (id, calibration) in restated {
             let rows = match calibration {
@@ -68,22 +75,22 @@ impl Task {
             changes.rejudged.restated.extend(rows);
             changes.models_used.extend(changes.models.last().map(|model| (*id, model.id)));
         }
-        let found = self.judge.judge(changes).await?;
-        let agreements = self.agreements(changes).await?;
+        let found = self.state.judge.judge(changes).await?;
+        let agreements = self.state.agreements(changes).await?;
         let gyros = changes.rejudged.gyros_restated();
-        self.alerts.recall(&self.store, gyros.iter().copied(), now).await?;
-        self.follow(&sent, changes, (&found, &agreements), &Causes::default(), now).await?;
-        self.enter_heads(changes).await?;
-        self.commit(changes).await?;
-        self.memory.forget_of(gyros);
+        self.state.alerts.recall(&self.state.store, gyros.iter().copied(), now).await?;
+        self.state.follow(&sent, changes, (&found, &agreements), &Causes::default(), now).await?;
+        self.state.enter_heads(changes).await?;
+        self.state.commit(changes).await?;
+        self.state.memory.forget_of(gyros);
         Ok(())
     }
 
     /// The rows of a campaign as it is fitted now; none where those are of other gyros than the rows that are stored.
     async fn rows_of(&self, id: Id, calibration: &Calibration) -> Result<Option<Vec<RestatedRow>>, StoreError> {
-        let Some(stored) = store::record::get(&self.store, id).await? else { return Ok(None) };
+        let Some(stored) = store::record::get(&self.state.store, id).await? else { return Ok(None) };
         let (imu, station, at) = (stored.imu, stored.station, stored.calibrated_at);
-        let tables = self.store.names().read();
+        let tables = self.state.store.names().read();
         let row = |gyro: &crate::pipeline::CalibratedGyro| {
             let number = tables.gyros.number(gyro.serial.as_str())?;
             let figures = figures_of(&gyro.separation, id, at, imu, station);

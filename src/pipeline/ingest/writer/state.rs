@@ -23,7 +23,18 @@ use crate::store::{Changes, Store, Writer, Written};
 use crate::system::Clock;
 use crate::telemetry;
 
+/// Takes what has queued up and has it stored.
 pub(crate) struct Task {
+    pub(super) state: WriterState,
+    pub(super) duties: Duties,
+    /// A group that is being written while the next is made ready.
+    pub(super) under_way: Option<UnderWay>,
+    /// Items from which on no more are added to a transaction among other writers.
+    pub(super) items_at_once: usize,
+}
+
+/// What a writer writes with, and what it remembers of gyros and their alerts.
+pub(super) struct WriterState {
     pub(super) store: Store,
     pub(super) writer: Writer,
     pub(super) clock: Clock,
@@ -37,11 +48,6 @@ pub(crate) struct Task {
     pub(super) seen_at: HashSet<[u32; 2]>,
     pub(super) hooks: HookCache,
     pub(super) after: After,
-    pub(super) duties: Duties,
-    /// A group that is being written while the next is made ready.
-    pub(super) under_way: Option<UnderWay>,
-    /// Items from which on no more are added to a transaction among other writers.
-    pub(super) items_at_once: usize,
     /// What others have written could not be read: everything is read again.
     pub(super) behind: bool,
 }

@@ -5,29 +5,28 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::state::Task;
-use crate::core::alert_decision::Late;
+use crate::config::Config;
 use crate::core::judge::{Calibrated, Measured, Rule, ShiftQuestion, State, Verdict, station_shift};
 use crate::core::time::UtcMicros;
-use crate::pipeline::alerts::{Naming, Origin, Pen, StationVerdict};
+use crate::pipeline::alerts::{AlertCache, Naming, Origin, StationVerdict};
 use crate::pipeline::ingest::judge::{Judged, Newest};
 use crate::store;
-use crate::store::{AlertOf, AlertRow, Cells, Changes, StoreError};
+use crate::store::{AlertRow, Changes, Store, StoreError};
 
 /// Calibrations that count for the comparison of stations, days.
 const LATELY: f64 = 60.0;
 
-impl Task {
+/// What stations do to what they calibrate.
+pub(super) struct StationShifts<'a> {
+    pub store: &'a Store,
+    pub config: &'a Config,
+    pub alerts: &'a AlertCache,
+    pub now: UtcMicros,
+}
+
+impl StationShifts<'_> {
     /// What stations have done to a group, where one of its gyros begins to exceed a limit.
-    pub(super) async fn shifts_of_group(
-        &self,
-        found: &Judged,
-        changes: &Changes,
-        now: UtcMicros,
-    ) -> Result<Vec<StationVerdict>, StoreError> {
-        if self.writer.is_one_of_many() {
-            return Ok(Vec::new());
-        }
+    pub async fn of_group(&self, found: &Judged, changes: &Changes) -> Result<Vec<StationVerdict>, StoreError> {
         let begins = |newest: &Newest, verdict: &Verdict| {
             let fires = |row: &AlertRow| (row.coefficient, row.rule) == (verdict.coefficient, verdict.rule);
             verdict.severity().is_some()
@@ -43,14 +42,14 @@ impl Task {
         // Whether a station has shifted its own newest calibrations tell; the fleet's are only asked whether it alone has.
         let mut near = Vec::new();
         for station in &stations {
-            near.extend(self.calibrated(Some(*station), now).await?);
+            near.extend(self.calibrated(Some(*station)).await?);
         }
-        let judged = self.judged(&self.with_group(near, found, changes), &stations, now);
+        let judged = self.judged(&self.with_group(near, found, changes), &stations);
         if judged.iter().all(|one| one.verdict.state != State::Exceeded) {
             return Ok(judged);
         }
-        let all = self.calibrated(None, now).await?;
-        Ok(self.judged(&self.with_group(all, found, changes), &stations, now))
+        let all = self.calibrated(None).await?;
+        Ok(self.judged(&self.with_group(all, found, changes), &stations))
     }
 
     /// Stored calibrations with those of a group in their place.
@@ -69,63 +68,16 @@ impl Task {
         newest.into_values().collect()
     }
 
-    /// Lets the alerts of stations follow the clock, and those of gyros that they explain. `rows`: every alert that the
-    /// clock may change. False where nothing was to be changed.
-    pub(super) async fn follow_stations(&mut self, rows: &[AlertRow], now: UtcMicros) -> Result<bool, StoreError> {
-        self.alerts.recall(&self.store, [], now).await?;
-        let found = self.shifts(now).await?;
-        let is_anything = {
-            let tables = self.store.names().read();
-            let naming = Naming { tables: &tables, new: None };
-            let is_off = self.is_switched_off() && self.alerts.stations().firing().next().is_some();
-            is_off
-                || found.iter().any(|one| self.alerts.stations().is_moved_by(one, &naming))
-                || !self.alerts.stations().explained_anew(rows, &naming).is_empty()
-        };
-        if !is_anything {
-            return Ok(false);
-        }
-        self.begin(&Cells::all()).await?;
-        let done = self.follow_stations_in_turn(now).await;
-        self.writer.give_back().await;
-        done.map(|()| true)
-    }
-
-    async fn follow_stations_in_turn(&mut self, now: UtcMicros) -> Result<(), StoreError> {
-        let rows = store::alerts::of_clock(&self.store).await?;
-        let gyros: BTreeSet<u32> = rows.iter().filter_map(|row| row.of.gyro()).collect();
-        self.alerts.recall(&self.store, gyros, now).await?;
-        let (found, mut changes) = (self.shifts(now).await?, Changes::default());
-        let off = self.is_switched_off();
-        {
-            let naming = Naming { tables: &self.store.names().read(), new: None };
-            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
-            if off {
-                let firing: Vec<u32> = self.alerts.stations().firing().map(|(station, _)| station).collect();
-                let ends = |row: &AlertRow| row.rule == Rule::StationShift;
-                firing.into_iter().for_each(|one| self.alerts.reset(AlertOf::Station(one), ends, &mut pen));
-            }
-            for StationVerdict { station, verdict, origin } in &found {
-                self.alerts.follow(AlertOf::Station(*station), verdict, origin, &mut pen);
-            }
-            let anew = self.alerts.stations().explained_anew(&rows, &naming);
-            self.alerts.explain(&anew, &mut pen);
-        }
-        self.note(&mut changes, now).await?;
-        self.enter_heads(&mut changes).await?;
-        if changes.is_empty() { Ok(()) } else { self.commit(&changes).await }
-    }
-
     /// What every station has done lately, and those that have an alert.
-    async fn shifts(&self, now: UtcMicros) -> Result<Vec<StationVerdict>, StoreError> {
-        let newest = self.calibrated(None, now).await?;
-        let recent = now.plus_days(-self.config.alerts.backfill_days);
+    pub async fn all(&self) -> Result<Vec<StationVerdict>, StoreError> {
+        let newest = self.calibrated(None).await?;
+        let recent = self.now.plus_days(-self.config.alerts.backfill_days);
         let stations = newest.iter().filter(|one| one.at >= recent).map(|one| one.station);
         let stations: BTreeSet<u32> = stations.chain(self.alerts.stations().firing().map(|(one, _)| one)).collect();
-        Ok(self.judged(&newest, &stations, now))
+        Ok(self.judged(&newest, &stations))
     }
 
-    fn judged(&self, newest: &[Calibrated], stations: &BTreeSet<u32>, now: UtcMicros) -> Vec<StationVerdict> {
+    fn judged(&self, newest: &[Calibrated], stations: &BTreeSet<u32>) -> Vec<StationVerdict> {
         let limits = self.config.judging.limits("", "");
         let budgets = self.budgets("", "");
         let mut found = Vec::new();
@@ -137,21 +89,23 @@ impl Task {
             let asked = ShiftQuestion { limit, budget, confidence: limits.confidence, fires };
             let verdict = station_shift(newest, station, column, &asked);
             let last = newest.iter().filter(|one| one.station == station).map(|one| one.at).max();
-            let origin = Origin { at: last.unwrap_or(now), item: None, imu: None, slot: None, station: Some(station) };
+            let origin =
+                Origin { at: last.unwrap_or(self.now), item: None, imu: None, slot: None, station: Some(station) };
             found.push(StationVerdict { station, verdict, origin });
         }
         found
     }
 
-    fn is_switched_off(&self) -> bool {
+    /// Whether no rule compares stations.
+    pub fn are_switched_off(&self) -> bool {
         let limits = self.config.judging.limits("", "");
         [limits.d_i, limits.d_s].iter().all(|drift| drift.of(Rule::StationShift).is_none())
     }
 
     /// The newest calibrations of the fleet, or of one station; where a station's alert fires, those since it does.
-    async fn calibrated(&self, station: Option<u32>, now: UtcMicros) -> Result<Vec<Calibrated>, StoreError> {
-        let began = self.alerts.stations().firing().map(|(_, row)| row.alert.since).min().unwrap_or(now);
-        let rows = store::head::calibrated_since(&self.store, now.plus_days(-LATELY).min(began), station).await?;
+    async fn calibrated(&self, station: Option<u32>) -> Result<Vec<Calibrated>, StoreError> {
+        let began = self.alerts.stations().firing().map(|(_, row)| row.alert.since).min().unwrap_or(self.now);
+        let rows = store::head::calibrated_since(self.store, self.now.plus_days(-LATELY).min(began), station).await?;
         let mut budgets: BTreeMap<(String, String), [Option<f64>; 2]> = BTreeMap::new();
         let calibrated = rows.into_iter().map(|row| {
             let of = (row.imu_name, row.serial);

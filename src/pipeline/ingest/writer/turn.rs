@@ -4,31 +4,30 @@
 use std::collections::HashSet;
 use std::time::Duration;
 
-use super::state::{Item, Task};
-use crate::core::id::Id;
+use super::homes::Homes;
+use super::state::{Item, WriterState};
 use crate::pipeline::error::Unwritten;
-use crate::pipeline::hooks::Found;
-use crate::pipeline::ingest::submission::{Calibration, Corrected, Submission};
+use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::store;
-use crate::store::{Cells, Missed, Moves, StoreError};
+use crate::store::{Cells, Changes, Missed, Moves, StoreError};
 
 const MOST_TRIES: u32 = 4;
 const FIRST_PAUSE: Duration = Duration::from_millis(30);
 
 /// Does `$work` while `$cells` are held; tries again where the database has broken it off.
 macro_rules! in_turn {
-    ($task:ident, $cells:expr, $work:expr) => {{
+    ($state:expr, $cells:expr, $work:expr) => {{
         let mut tries = 0;
         loop {
-            let done = match $task.begin(&$cells).await {
+            let done = match $state.begin(&$cells).await {
                 Ok(()) => $work.await,
                 Err(error) => Err(error.into()),
             };
-            $task.writer.give_back().await;
+            $state.writer.give_back().await;
             if !$crate::pipeline::ingest::writer::turn::to_be_tried_again(&done, &mut tries).await {
                 break done;
             }
-            $task.start_over();
+            $state.start_over();
         }
     }};
 }
@@ -62,7 +61,7 @@ pub(super) async fn next_of(moves: &mut Option<Moves>) -> Option<Missed> {
     }
 }
 
-impl Task {
+impl WriterState {
     /// Holds `cells` and catches up with what others have written in them.
     pub(super) async fn begin(&mut self, cells: &Cells) -> Result<(), StoreError> {
         let missed = self.writer.take_turn(cells).await?;
@@ -102,16 +101,16 @@ impl Task {
         self.hooks.forget_heard();
     }
 
-    /// As [`Task::begin`], of what `items` are about, whose names are known then.
+    /// As [`WriterState::begin`], of what `items` are about, whose names are known then.
     pub(super) async fn begin_group(&mut self, items: &[Item<'_>]) -> Result<(), StoreError> {
         if !self.writer.is_one_of_many() {
             return self.begin(&Cells::default()).await;
         }
-        let mut cells = self.cells_of(items).await?;
+        let mut cells = self.homes().of_items(items).await?;
         loop {
             self.begin(&cells).await?;
             store::names::look_up(&self.store, names_of(items)).await?;
-            let wanted = self.cells_of(items).await?;
+            let wanted = self.homes().of_items(items).await?;
             if cells.contains(&wanted) {
                 return Ok(());
             }
@@ -121,84 +120,49 @@ impl Task {
         }
     }
 
-    /// Where everything is at home that `items` are about.
-    async fn cells_of(&self, items: &[Item<'_>]) -> Result<Cells, StoreError> {
-        let mut cells = Cells::default();
-        for item in items {
-            match item.sent {
-                Submission::Calibration(sent) => self.cells_of_calibration(sent, &mut cells),
-                Submission::Bench(sent) => {
-                    cells.insert(store::names::cell_of_gyro(&self.store, sent.result.serial.as_str()));
-                }
-                Submission::Event(sent) => cells.insert(store::names::cell_of_gyro(&self.store, sent.serial.as_str())),
-                Submission::Correction(sent) => {
-                    // The alert of an IMU is there.
-                    cells.insert(0);
-                    sent.replacement.iter().for_each(|new| self.cells_of_calibration(new, &mut cells));
-                    match sent.item {
-                        Corrected::Calibration { id, .. } => self.cells_of_record(id, &mut cells).await?,
-                        Corrected::Bench(id) => {
-                            let bench = store::bench::get(&self.store, id).await?;
-                            self.cells_of_gyros(bench.map(|bench| bench.gyro).into_iter().collect(), &mut cells)
-                                .await?;
-                        }
-                    }
-                }
-                Submission::Attributes(sent) => {
-                    cells.insert(store::names::cell_of_gyro(&self.store, sent.serial.as_str()));
-                }
-                Submission::Doubt(sent) => self.cells_of_record(sent.id, &mut cells).await?,
-                Submission::Confirmation(sent) => self.cells_of_record(sent.id, &mut cells).await?,
-            }
-        }
-        // What is about nothing that is stored is refused under any.
-        if cells.iter().next().is_none() {
-            cells.insert(0);
-        }
-        Ok(cells)
-    }
-
-    fn cells_of_calibration(&self, sent: &Calibration, cells: &mut Cells) {
-        let home = store::names::cell_of_imu(&self.store, sent.imu.as_str());
-        let tables = self.store.names().read();
-        let known = |serial: &str| tables.gyros.number(serial).and_then(|gyro| tables.gyros.cell(gyro));
-        cells.insert(home);
-        cells.extend(sent.gyros.iter().map(|gyro| known(gyro.serial.as_str()).unwrap_or(home)));
-    }
-
-    async fn cells_of_record(&self, id: Id, cells: &mut Cells) -> Result<(), StoreError> {
-        let Some((imu, gyros)) = store::record::whose(&self.store, id).await? else { return Ok(()) };
-        cells.extend(self.store.names().read().imus.cell(imu));
-        self.cells_of_gyros(gyros, cells).await
-    }
-
-    async fn cells_of_gyros(&self, gyros: Vec<u32>, cells: &mut Cells) -> Result<(), StoreError> {
-        store::names::look_up_gyros(&self.store, gyros.clone()).await?;
-        let tables = self.store.names().read();
-        cells.extend(gyros.into_iter().filter_map(|gyro| tables.gyros.cell(gyro)));
+    /// Commits, and wakes the worker where that gave it something to do.
+    pub(super) async fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
+        self.writer.commit(changes).await?;
+        self.wake(changes);
         Ok(())
     }
 
-    /// Where the gyros of alerts are at home.
-    pub(super) async fn cells_of_alerts(&self, gyros: Vec<u32>) -> Result<Cells, StoreError> {
-        let mut cells = Cells::one(0);
-        if self.writer.is_one_of_many() {
-            self.cells_of_gyros(gyros, &mut cells).await?;
+    /// Wakes the worker where what has been committed gives it something to do.
+    pub(super) fn wake(&self, changes: &Changes) {
+        if !changes.outbox.queued.is_empty() {
+            self.after.wake.send_modify(|moved| *moved += 1);
         }
-        Ok(cells)
     }
 
-    /// What delivery queues have found out is about the alerts that were told.
-    pub(super) async fn cells_of_findings(&self, found: &[&Found]) -> Result<Cells, StoreError> {
-        if !self.writer.is_one_of_many() {
-            return Ok(Cells::default());
+    /// Keeps what is remembered within its bounds; when all of it is stored.
+    pub(super) fn tidy(&mut self) {
+        self.judge.tidy();
+        self.alerts.tidy();
+        self.hooks.tidy();
+        if self.memory.is_full() {
+            self.memory.forget();
+            self.benched.clear();
         }
-        let attempted = |found: &&&Found| match found {
-            Found::Attempted(attempted) => Some(attempted.delivery),
-            Found::Back(_) => None,
-        };
-        let deliveries: Vec<Id> = found.iter().filter_map(|found| attempted(&found)).collect();
-        self.cells_of_alerts(store::outbox::gyros_of(&self.store, &deliveries).await?).await
+    }
+
+    /// Forgets what is remembered of gyros and alerts: it is ahead of what is stored.
+    pub(super) fn start_over(&mut self) {
+        self.judge.forget();
+        self.memory.forget();
+        self.alerts.forget();
+        self.benched.clear();
+        self.seen_at.clear();
+        self.hooks.forget();
+    }
+
+    /// Hooks have changed, or have something new to be told.
+    pub(super) fn look_at_hooks(&mut self) {
+        self.hooks.forget();
+        self.after.wake.send_modify(|moved| *moved += 1);
+    }
+
+    pub(super) fn homes(&self) -> Homes<'_> {
+        Homes { store: &self.store, among_others: self.writer.is_one_of_many() }
     }
 
     /// Tells those who read and those who work in the background of what was written, by whomever.

@@ -1,6 +1,7 @@
 //! What tables have in common: their delimiter, the comments above them, cells, and names of columns.
 
 use crate::core::message::{Message, sent};
+use crate::core::name::distance;
 use crate::core::note::Note;
 use crate::message;
 
@@ -57,24 +58,8 @@ pub(super) fn unknown(name: &str, known: impl Iterator<Item = String>) -> Messag
 /// one and one in each `length`.
 pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>, length: usize) -> Option<&'a str> {
     let name = name.to_lowercase();
-    let (distance, known) = known.map(|known| (edits(&name, &known.to_lowercase()), known)).min()?;
-    (distance <= 1 + known.len() / length).then_some(known)
-}
-
-/// Levenshtein distance: insertions, deletions and replacements that turn one word into the other.
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().take(80).collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().take(80).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
+    let near = |known: &'a str| Some((distance(&name, &known.to_lowercase(), 1 + known.len() / length)?, known));
+    known.filter_map(near).min().map(|(_, known)| known)
 }
 
 /// A number with a decimal point.

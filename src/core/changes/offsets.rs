@@ -10,17 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::series::robust;
-use super::station::{Common, HUBER};
-
-/// The records of one gyro at one station.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Cell {
-    pub gyro: usize,
-    pub imu: usize,
-    pub station: usize,
-    pub mean: f64,
-    pub weight: f64,
-}
+use super::station::{Cell, Common, HUBER};
 
 /// The fit with one set of weights.
 struct Fitted {

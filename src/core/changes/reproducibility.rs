@@ -13,6 +13,7 @@ use crate::core::numerics::tails;
 use crate::core::time::UtcMicros;
 
 use super::answer::{Entry, GyroHistory, StationForm};
+use super::offsets::offsets;
 use super::series::robust;
 use super::station::{Common, Course, CoursePoint, OF_SCALE, Part, TAKEN};
 
@@ -142,7 +143,7 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
     for (column, reproducibility) in reproducibility.iter_mut().enumerate() {
         let raw = Course::of(&gyros, &names, origin, column);
         let mut course = raw.clone();
-        for (station, offset) in raw.offsets(reference, &compared).iter().enumerate() {
+        for (station, offset) in offsets(&raw.cells(), reference, &compared).iter().enumerate() {
             let Some(offset) = offset else { continue };
             course.subtract(&Part { station, form: StationForm::Offset }, offset.value);
         }
@@ -151,7 +152,7 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
         for (part, common) in course.taken.iter().filter(|(part, _)| part.form != StationForm::Offset) {
             levels.subtract(part, common.value);
         }
-        let offsets = levels.offsets(reference, &compared);
+        let offsets = offsets(&levels.cells(), reference, &compared);
         for (station, figures) in stations.iter_mut().enumerate() {
             figures.imus = raw.imus_at(station);
             figures.columns[column] =

@@ -10,7 +10,6 @@
 use std::collections::BTreeMap;
 
 use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
-use super::offsets::{self, Cell};
 use super::series::{Scatter, scatter_of};
 use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::SD_OF_MEDIAN;
@@ -81,6 +80,16 @@ pub struct CoursePoint {
     pub value: f64,
     pub sd: f64,
     pub records: usize,
+}
+
+/// The records of one gyro at one station.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cell {
+    pub gyro: usize,
+    pub imu: usize,
+    pub station: usize,
+    pub mean: f64,
+    pub weight: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -159,8 +168,8 @@ impl Course {
         imus.len()
     }
 
-    /// Offsets of all stations together, against `reference`.
-    pub fn offsets(&self, reference: usize, compared: &[bool]) -> Vec<Option<Common>> {
+    /// Means of the records of every gyro at every station.
+    pub fn cells(&self) -> Vec<Cell> {
         let mut cells: Vec<Cell> = Vec::new();
         for (gyro, peer) in self.peers.iter().enumerate() {
             for station in 0..self.stations {
@@ -171,7 +180,7 @@ impl Course {
                 }
             }
         }
-        offsets::offsets(&cells, reference, compared)
+        cells
     }
 
     /// First and last instant of every IMU at a station.

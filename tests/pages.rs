@@ -330,9 +330,13 @@ async fn an_imu_shows_its_models_and_how_its_campaigns_came_out_as_foretold() {
         while server.get(&diagnosis).await.status == 202 {}
     }
     let imu = page(&server, "/imus/IMU-9002", &[]).await;
-    for there in
-        ["id=\"forecasts\"", "as foretold", "<strong>outside its forecast</strong>", "Error model, eq. (6)", "no earlier campaign"]
-    {
+    for there in [
+        "id=\"forecasts\"",
+        "as foretold",
+        "<strong>outside its forecast</strong>",
+        "Error model, eq. (6)",
+        "no earlier campaign",
+    ] {
         assert!(imu.contains(there), "{there} is not in {imu}");
     }
     assert_eq!(imu.matches("<figure class=\"chart\"").count(), 1, "the forecast error over time");

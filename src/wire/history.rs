@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::core::changes::{Due, HistoryDiagnosis, NamedCause, Outlier, Rejected, Wander};
+use crate::core::changes::{Due, Excess, HistoryDiagnosis, NamedCause, Outlier, Rejected, Wander};
 use crate::core::time::UtcMicros;
 use crate::wire::time;
 use crate::words::Language;
@@ -40,6 +40,9 @@ pub struct CoefficientBody {
     /// How the coefficient wanders without a cause; null where it does not.
     #[schema(required)]
     pub wander: Option<WanderBody>,
+    /// That what is left is more than scatter; left out where it is not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub excess: Option<ExcessBody>,
     /// Significance of what follows in time after all that was named.
     pub remaining_p_value: f64,
     /// When it leaves its budget, where it ages; null where it does not.
@@ -106,6 +109,15 @@ pub struct WanderBody {
     pub p_value: f64,
 }
 
+/// What is left varies far more than calibrations scatter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ExcessBody {
+    /// Standard deviation of what is left, and that expected of calibrations.
+    pub sd: f64,
+    pub expected: f64,
+    pub p_value: f64,
+}
+
 /// When the coefficient leaves its budget; an end of an interval is null where it may never come.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DueBody {
@@ -147,6 +159,7 @@ impl CoefficientBody {
             candidates: answer.rejected.iter().map(|rejected| RejectedBody::new(rejected, language)).collect(),
             outliers: answer.outliers.iter().map(OutlierBody::from).collect(),
             wander: answer.wander.as_ref().map(WanderBody::from),
+            excess: answer.excess.as_ref().map(ExcessBody::from),
             remaining_p_value: answer.remaining_p_value,
             due: due.map(|(newest, due)| DueBody::new(due, newest)),
             said: answer.sentences(records, newest).iter().map(|said| language.words(said)).collect(),
@@ -194,6 +207,12 @@ impl From<&Outlier> for OutlierBody {
 impl From<&Wander> for WanderBody {
     fn from(wander: &Wander) -> Self {
         Self { process: wander.process.into(), size: wander.size, p_value: wander.p_value }
+    }
+}
+
+impl From<&Excess> for ExcessBody {
+    fn from(&Excess { sd, expected, p_value }: &Excess) -> Self {
+        Self { sd, expected, p_value }
     }
 }
 

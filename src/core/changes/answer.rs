@@ -273,6 +273,15 @@ pub struct Wander {
     pub p_value: f64,
 }
 
+/// What is left varies far more than calibrations of such gyros scatter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Excess {
+    /// Standard deviation of what is left, and that expected of calibrations, deg/(h g0).
+    pub sd: f64,
+    pub expected: f64,
+    pub p_value: f64,
+}
+
 /// When a coefficient that ages is out of tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Due {
@@ -325,6 +334,7 @@ pub struct HistoryDiagnosis {
     /// Whether there are records enough, and all of one day: too few, for they tell nothing of time.
     pub is_of_a_day: bool,
     pub wander: Option<Wander>,
+    pub excess: Option<Excess>,
     /// Significance of what is left beyond the scatter.
     pub remaining_p_value: f64,
     /// Where it ages and its budget is known.
@@ -365,7 +375,7 @@ impl HistoryDiagnosis {
         (self.records < records).then(|| message!("history_looked_at", looked_at = self.records, records = records))
     }
 
-    /// What is said besides the causes: how it wanders, what lies off, when it reaches its budget.
+    /// What is said besides the causes: how it wanders, what is left, what lies off, when it reaches its budget.
     pub fn besides(&self, newest: Option<UtcMicros>) -> Vec<Message> {
         let mut all = Vec::new();
         let size = |wander: &Wander| figure(wander.size, 5);
@@ -373,6 +383,9 @@ impl HistoryDiagnosis {
             "random_walk" => message!("history_wander_random_walk", size = size(wander)),
             "walk_by_record" => message!("history_wander_walk_by_record", size = size(wander)),
             _ => message!("history_wander_flicker", size = size(wander)),
+        }));
+        all.extend(self.excess.iter().map(|excess| {
+            message!("history_excess", sd = figure(excess.sd, 5), expected = figure(excess.expected, 5))
         }));
         let outlier = |outlier: &Outlier| {
             message!("history_outlier", day = text(outlier.at.date()), deviation = signed(outlier.deviation, 4))

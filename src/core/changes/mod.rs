@@ -41,8 +41,8 @@ use series::Series;
 use station::{Course, Part};
 
 pub use answer::{
-    Drawn, Due, Entry, Estimate, FEWEST_RECORDS, GyroHistory, HeldOut, HistoryDiagnosis, HistoryVerdict, NamedCause,
-    Outlier, Rejected, StationForm, Tie, Wander, WhyNot, cause_word,
+    Drawn, Due, Entry, Estimate, Excess, FEWEST_RECORDS, GyroHistory, HeldOut, HistoryDiagnosis, HistoryVerdict,
+    NamedCause, Outlier, Rejected, StationForm, Tie, Wander, WhyNot, cause_word,
 };
 pub use due::Budget;
 pub use reproducibility::{FleetStations, Shared, Spread, StationColumn, StationFigures, stations};
@@ -99,6 +99,7 @@ fn diagnose(
         outliers: Vec::new(),
         is_of_a_day: false,
         wander: None,
+        excess: None,
         remaining_p_value: 1.0,
         due: None,
         course: Vec::new(),
@@ -136,7 +137,8 @@ fn diagnose(
     };
     let Some(found) = question.answer() else { return answer };
     let may_wander = found.named.iter().any(|cause| cause.class.contains(&search::WANDERING));
-    answer.verdict = match (found.named.is_empty(), found.wander.is_some() || may_wander) {
+    let remains = found.wander.is_some() || may_wander || found.excess.is_some();
+    answer.verdict = match (found.named.is_empty(), remains) {
         (true, false) => HistoryVerdict::NoChange,
         (true, true) => HistoryVerdict::Unexplained,
         (false, false) => HistoryVerdict::Explained,
@@ -151,6 +153,7 @@ fn diagnose(
     answer.causes = found.named;
     answer.rejected = found.rejected;
     answer.wander = found.wander;
+    answer.excess = found.excess;
     answer.remaining_p_value = found.remaining_p_value;
     answer.course = drawn(entries, &answer, column, series.origin);
     answer

@@ -8,7 +8,7 @@ use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::normal::normal_cdf;
 use crate::core::numerics::tails::{chi2_tail, f_tail};
 
-use super::answer::{Estimate, NamedCause, Rejected, StationForm, Tie, Wander, WhyNot};
+use super::answer::{Estimate, Excess, NamedCause, Rejected, StationForm, Tie, Wander, WhyNot};
 use super::candidates::{self, Candidate};
 use super::closure;
 use super::noise::{self, Noise, Process};
@@ -27,6 +27,10 @@ const NOT_WANDERING: f64 = 1.5e-4;
 pub(super) const WANDERING: &str = "wandering";
 /// Significance below which something is said to remain.
 const REMAINS: f64 = 0.01;
+/// What is left is more than scatter where it is so many times as large as expected,
+const EXCESSIVE: f64 = 3.0;
+/// at this significance.
+const EXCESS_REMAINS: f64 = 1e-4;
 /// Two candidates explain a change equally well where 2 ln L differs by less than this (the 1 % point of chi-square
 /// with one degree of freedom).
 const EQUALLY_GOOD: f64 = 6.635;
@@ -97,6 +101,15 @@ impl Fitted {
         (squares + self.prior.freedom * self.prior.variance) / self.freedom()
     }
 
+    /// White noise against what is known of its scale beforehand: F of the two variances.
+    fn excess(&self) -> Option<Excess> {
+        let freedom = self.n.checked_sub(self.parameters()).filter(|freedom| *freedom > 0)? as f64;
+        let variance = self.squares[0] / freedom;
+        let (sd, expected) = (variance.sqrt(), self.prior.variance.sqrt());
+        let p_value = f_tail(variance / self.prior.variance, freedom, self.prior.freedom);
+        (sd > EXCESSIVE * expected && p_value < EXCESS_REMAINS).then_some(Excess { sd, expected, p_value })
+    }
+
     fn white(&self) -> f64 {
         self.ln_likelihood(0, self.squares[0])
     }
@@ -126,6 +139,7 @@ pub(super) struct Found {
     pub named: Vec<NamedCause>,
     pub rejected: Vec<Rejected>,
     pub wander: Option<Wander>,
+    pub excess: Option<Excess>,
     pub remaining_p_value: f64,
     pub level: Level,
 }
@@ -216,7 +230,7 @@ impl Question<'_> {
         let wander = (remaining_p_value < REMAINS).then(|| self.wander(&fitted, model, remaining_p_value));
         let mut stations = self.stations_named(&y, &stated, &columns);
         stations.append(&mut named);
-        Some(Found { named: stations, rejected, wander, remaining_p_value, level })
+        Some(Found { named: stations, rejected, wander, excess: fitted.excess(), remaining_p_value, level })
     }
 
     fn column(&self, part: &Part) -> Vec<f64> {

@@ -517,6 +517,26 @@ fn gyros_that_age_each_by_itself_do_not_make_the_station_drift() {
 }
 
 #[test]
+fn what_varies_far_more_than_other_gyros_do_is_not_called_scatter() {
+    for seed in 0..40 {
+        let mut fleet = Fleet::seeded(7000 + seed);
+        let others = peers(&mut fleet, 8, 24);
+        let answer_of = |times: f64| {
+            let mut gyro = Fleet::seeded(8000 + seed).gyro(24);
+            in_imu(&mut gyro, 0);
+            gyro.entries.iter_mut().for_each(|entry| entry.d[0].value = 3.0 + times * (entry.d[0].value - 3.0));
+            of(&gyro, &others, Coefficient::DI)
+        };
+        let answer = answer_of(17.0);
+        assert_ne!(answer.verdict, HistoryVerdict::NoChange, "{seed}: {answer:?}");
+        assert!(answer.excess.is_some() || !answer.causes.is_empty() || answer.wander.is_some(), "{seed}: {answer:?}");
+        for times in [1.0, 2.0] {
+            assert_eq!(answer_of(times).excess, None, "{seed}, {times}");
+        }
+    }
+}
+
+#[test]
 fn scatter_beyond_what_is_stated_is_no_wandering() {
     let wanders = (0..60).filter(|&seed| {
         let mut gyro = Fleet::seeded(2000 + seed).gyro(24);

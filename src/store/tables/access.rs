@@ -40,7 +40,7 @@ pub struct SessionRow {
     pub expires_at: UtcMicros,
 }
 
-/// What changes about access; see [`Changes`].
+/// What changes about access; see [`crate::store::Changes`].
 #[derive(Debug, Default)]
 pub struct AccessChanges {
     /// New ones, and those that were revoked.

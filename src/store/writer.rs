@@ -131,7 +131,7 @@ impl Writer {
     pub async fn close(self) -> Result<(), StoreError> {
         match self.engine {
             Engine::File(writer) => {
-                let writer = Arc::into_inner(writer).expect("whoever commits beside has been waited for");
+                let writer = Arc::into_inner(writer).expect("commits beside have been waited for");
                 waiting_for_disk(|| writer.into_inner().close())
             }
             Engine::Server(writer) => writer.close().await,

@@ -6,7 +6,7 @@ use crate::core::judge::{Coefficient, Mark};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::normal::normal_cdf;
-use crate::core::numerics::tails::{chi2_tail, f_tail};
+use crate::core::numerics::tails::{chi2_tail, f_tail, squares_tail};
 
 use super::answer::{Estimate, Excess, NamedCause, Rejected, StationForm, Tie, Wander, WhyNot};
 use super::candidates::{self, Candidate};
@@ -103,10 +103,9 @@ impl Fitted {
 
     /// White noise against what is known of its scale beforehand: F of the two variances.
     fn excess(&self) -> Option<Excess> {
-        let freedom = self.n.checked_sub(self.parameters()).filter(|freedom| *freedom > 0)? as f64;
-        let variance = self.squares[0] / freedom;
-        let (sd, expected) = (variance.sqrt(), self.prior.variance.sqrt());
-        let p_value = f_tail(variance / self.prior.variance, freedom, self.prior.freedom);
+        let freedom = self.n.checked_sub(self.parameters()).filter(|freedom| *freedom > 0)?;
+        let (sd, expected) = ((self.squares[0] / freedom as f64).sqrt(), self.prior.variance.sqrt());
+        let p_value = squares_tail(self.squares[0] / self.prior.variance, freedom, self.prior.freedom);
         (sd > EXCESSIVE * expected && p_value < EXCESS_REMAINS).then_some(Excess { sd, expected, p_value })
     }
 

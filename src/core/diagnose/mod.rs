@@ -38,7 +38,7 @@ use super::message::{Message, figure};
 use super::note::Note;
 use crate::message;
 
-/// Raised by whoever changes what a diagnosis finds: one that was kept is then made again. A new entry of the
+/// Raised with every change of what a diagnosis finds: one that was kept is then made again. A new entry of the
 /// catalogue raises it by itself: there were 48 when it was 8.
 pub const METHOD: u32 = 10 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 

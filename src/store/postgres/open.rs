@@ -197,7 +197,7 @@ async fn patiently<T>(work: impl AsyncFn() -> Result<T, StoreError>) -> Result<T
     }
 }
 
-/// Brings the schema up to date. Two servers at it at once hinder each other, and whoever comes second tries again.
+/// Brings the schema up to date. Two servers at it at once hinder each other, and the second tries again.
 async fn migrate(connection: &mut PgConnection) -> Result<(), StoreError> {
     let migrations = MIGRATIONS.map(|(version, name, sql)| {
         Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)

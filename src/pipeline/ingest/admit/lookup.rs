@@ -15,7 +15,7 @@ use crate::pipeline::{Accepted, Refused};
 use crate::store;
 use crate::store::{NamesOf, Store, StoreError};
 
-/// A serial is near to another where so many slips of the pen part them.
+/// A serial is near to another that differs by so many slips of the pen.
 const SLIPS: usize = 2;
 
 pub(super) struct Lookup<'a> {

@@ -5,6 +5,8 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
+use hashbrown::HashTable;
+
 use crate::core::name::{look_keys, normal_form};
 use crate::store::cells::CELLS;
 use crate::store::error::StoreError;
@@ -30,21 +32,61 @@ pub struct NewName {
     pub name: String,
 }
 
+/// Numbers by hashes of texts, which in full would take as much room as everything else here.
+#[derive(Debug, Default)]
+struct Hashes(HashTable<(u32, u32)>);
+
+impl Hashes {
+    /// A number that was entered with `text` or one of the same hash, and is the right one.
+    fn find(&self, text: &str, is_it: impl Fn(u32) -> bool) -> Option<u32> {
+        let hash = hash(text);
+        let found = self.0.find(spread(hash), |(known, number)| *known == hash && is_it(*number));
+        found.map(|(_, number)| *number)
+    }
+
+    fn enter(&mut self, text: &str, number: u32) {
+        let hash = hash(text);
+        self.0.insert_unique(spread(hash), (hash, number), |(hash, _)| spread(*hash));
+    }
+
+    fn remove(&mut self, text: &str, number: u32) {
+        let entry = (hash(text), number);
+        if let Ok(found) = self.0.find_entry(spread(entry.0), |known| *known == entry) {
+            found.remove();
+        }
+    }
+}
+
+fn hash(text: &str) -> u32 {
+    BuildHasherDefault::<DefaultHasher>::default().hash_one(text) as u32
+}
+
+/// The table looks at the first bits and at the last.
+fn spread(hash: u32) -> u64 {
+    u64::from(hash).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+}
+
 /// Names of one kind.
 #[derive(Debug, Default)]
 pub struct Table {
     by_number: BTreeMap<u32, (Arc<str>, u8)>,
     /// Also by the normal form of a name that an earlier version stored otherwise.
-    by_name: HashMap<Arc<str>, u32>,
-    /// By hashes of its [`look_keys`], which in full would take as much room as everything else here.
-    by_look: HashMap<u64, u32>,
+    by_name: Hashes,
+    /// By its [`look_keys`].
+    by_look: Hashes,
     by_cell: HashMap<u8, HashSet<u32>>,
 }
 
 impl Table {
     /// Of the name as it is stored, letter for letter, or else of its normal form.
     pub fn number(&self, name: &str) -> Option<u32> {
-        self.by_name.get(name).or_else(|| self.by_name.get(&*normal_form(name))).copied()
+        let normal = normal_form(name);
+        let has_form = |number| self.name(number).is_some_and(|known| normal_form(known) == normal);
+        self.stored_as(name).or_else(|| self.stored_as(&normal)).or_else(|| self.by_name.find(&normal, has_form))
+    }
+
+    fn stored_as(&self, name: &str) -> Option<u32> {
+        self.by_name.find(name, |number| self.name(number).is_some_and(|known| **known == *name))
     }
 
     pub fn all(&self) -> impl Iterator<Item = &str> {
@@ -54,9 +96,10 @@ impl Table {
     /// A known name that looks like `name` and is another.
     pub fn look_alike(&self, name: &str) -> Option<&Arc<str>> {
         let keys = look_keys(name);
-        let known = keys.iter().find_map(|key| self.by_look.get(&hash(key)))?;
-        let looks_like = |known: &&Arc<str>| look_keys(known).iter().any(|key| keys.contains(key));
-        self.name(*known).filter(|known| ***known != *name).filter(looks_like)
+        let looks_like = |known: &Arc<str>| **known != *name && look_keys(known).iter().any(|key| keys.contains(key));
+        let known =
+            keys.iter().find_map(|key| self.by_look.find(key, |known| self.name(known).is_some_and(looks_like)))?;
+        self.name(known)
     }
 
     /// The name of a number that a row refers to; a number that was never given out has none.
@@ -96,34 +139,29 @@ impl Table {
         if let Some(known) = self.name(number) {
             return **known == *name;
         }
-        if self.by_name.get(name).is_some_and(|known| self.name(*known).is_some_and(|known| **known == *name)) {
+        if self.stored_as(name).is_some() {
             return false;
         }
         let name: Arc<str> = name.into();
-        self.by_number.insert(number, (name.clone(), cell));
-        self.by_cell.entry(cell).or_default().insert(number);
         if let Cow::Owned(normal) = normal_form(&name) {
-            self.by_name.entry(normal.into()).or_insert(number);
+            self.by_name.enter(&normal, number);
         }
-        look_keys(&name).iter().for_each(|key| _ = self.by_look.entry(hash(key)).or_insert(number));
-        self.by_name.insert(name, number);
+        look_keys(&name).iter().for_each(|key| self.by_look.enter(key, number));
+        self.by_name.enter(&name, number);
+        self.by_cell.entry(cell).or_default().insert(number);
+        self.by_number.insert(number, (name, cell));
         true
     }
 
     fn remove(&mut self, number: u32) {
         let Some((name, cell)) = self.by_number.remove(&number) else { return };
         self.by_cell.entry(cell).or_default().remove(&number);
-        self.by_name.retain(|_, known| *known != number);
-        for key in look_keys(&name).iter().map(|key| hash(key)) {
-            if self.by_look.get(&key) == Some(&number) {
-                self.by_look.remove(&key);
-            }
+        if let Cow::Owned(normal) = normal_form(&name) {
+            self.by_name.remove(&normal, number);
         }
+        look_keys(&name).iter().for_each(|key| self.by_look.remove(key, number));
+        self.by_name.remove(&name, number);
     }
-}
-
-fn hash(key: &str) -> u64 {
-    BuildHasherDefault::<DefaultHasher>::default().hash_one(key)
 }
 
 #[derive(Debug)]
@@ -164,8 +202,7 @@ impl Tables {
     /// [`StoreError::Damaged`] where the number is another name's.
     pub(crate) fn learn(&mut self, kind: NamesOf, number: u32, cell: u8, name: &str) -> Result<(), StoreError> {
         let table = self.of_mut(kind);
-        let lost = table.by_name.get(name).copied().filter(|known| *known != number);
-        if let Some(lost) = lost.filter(|lost| table.name(*lost).is_some_and(|known| **known == *name)) {
+        if let Some(lost) = table.stored_as(name).filter(|known| *known != number) {
             table.remove(lost);
         }
         let wrong = || StoreError::Damaged(format!("`{name}` has more than one number"));
@@ -213,5 +250,40 @@ impl Names {
                 }
             }
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two names whose hashes are the same.
+    fn twins() -> [String; 2] {
+        let mut seen = HashMap::new();
+        (0..).map(|k| format!("IMU-{k}")).find_map(|name| Some([seen.insert(hash(&name), name.clone())?, name])).unwrap()
+    }
+
+    #[test]
+    fn names_of_one_hash_are_two_names() {
+        let ([one, other], mut table) = (twins(), Table::default());
+        assert!(table.add(7, 0, &one));
+        assert_eq!((table.number(&one), table.number(&other)), (Some(7), None));
+        assert!(table.add(8, 0, &other));
+        assert!(!table.add(9, 0, &one) && !table.add(7, 0, &other), "a name or a number is another's");
+        table.remove(7);
+        assert_eq!((table.number(&one), table.number(&other)), (None, Some(8)));
+    }
+
+    #[test]
+    fn a_name_is_found_by_its_normal_form_and_by_its_looks() {
+        let mut table = Table::default();
+        // As an earlier version stored it: e and an accent.
+        assert!(table.add(1, 0, "Le\u{301}on"));
+        assert_eq!((table.number("Le\u{301}on"), table.number("L\u{e9}on")), (Some(1), Some(1)));
+        assert!(table.add(2, 0, "IMU-O1"));
+        assert_eq!(table.look_alike("IMU-01").map(|name| &**name), Some("IMU-O1"));
+        assert_eq!(table.look_alike("IMU-O1"), None);
+        table.remove(2);
+        assert_eq!(table.look_alike("IMU-01"), None);
     }
 }

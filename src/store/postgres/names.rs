@@ -1,5 +1,7 @@
 //! Names that other servers have given numbers to.
 
+use futures::TryStreamExt as _;
+
 use super::cell_rows::{AllCells, CellRow, News};
 use crate::store::db::PgReaders;
 use crate::store::error::StoreError;
@@ -15,14 +17,15 @@ const OF_CELLS: &str = "SELECT 0, id, cell, name FROM imu WHERE cell = ANY($1)
                         UNION ALL SELECT 2, id, cell, serial FROM gyro WHERE cell = ANY($1)";
 
 pub(in crate::store) fn read(found: Vec<Found>) -> Result<Vec<(NamesOf, u32, u8, String)>, StoreError> {
-    let one = |(kind, number, cell, name): Found| {
-        let kind = usize::try_from(kind).ok().and_then(|kind| NamesOf::ALL.get(kind)).copied();
-        let wrong = || StoreError::Damaged(format!("`{name}` has the number {number} in cell {cell}"));
-        let known = kind.zip(u32::try_from(number).ok()).zip(u8::try_from(cell).ok());
-        let ((kind, number), cell) = known.ok_or_else(wrong)?;
-        Ok((kind, number, cell, name))
-    };
-    found.into_iter().map(one).collect()
+    found.into_iter().map(read_one).collect()
+}
+
+fn read_one((kind, number, cell, name): Found) -> Result<(NamesOf, u32, u8, String), StoreError> {
+    let kind = usize::try_from(kind).ok().and_then(|kind| NamesOf::ALL.get(kind)).copied();
+    let wrong = || StoreError::Damaged(format!("`{name}` has the number {number} in cell {cell}"));
+    let known = kind.zip(u32::try_from(number).ok()).zip(u8::try_from(cell).ok());
+    let ((kind, number), cell) = known.ok_or_else(wrong)?;
+    Ok((kind, number, cell, name))
 }
 
 /// Every name there is, in place of those that were known.
@@ -33,9 +36,12 @@ pub(super) async fn learn_all(readers: &PgReaders, names: &Names) -> Result<(), 
     // What comes after this look is newer, and is read again.
     let seen = AllCells::look(readers).await?.0.map(|row| row.stamp_of(News::Names));
     let mut tables = Tables { seen, ..Tables::default() };
-    for (kind, number, cell, name) in read(sqlx::query_as(ALL).fetch_all(readers).await?)? {
+    let mut rows = sqlx::query_as(ALL).fetch(readers);
+    while let Some(found) = rows.try_next().await? {
+        let (kind, number, cell, name) = read_one(found)?;
         tables.learn(kind, number, cell, &name)?;
     }
+    drop(rows);
     names.change(|known| *known = tables);
     Ok(())
 }

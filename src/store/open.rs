@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::str::FromStr;
 
+use futures::TryStreamExt as _;
 use rusqlite::OpenFlags;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions};
@@ -28,7 +29,7 @@ use crate::store::sqlite::writer::{FileWriter, waiting_for_disk};
 use crate::store::tables::hook;
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 25] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 26] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -54,6 +55,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 25] = [
     (23, "packed_texts", include_str!("../../migrations/sqlite/0023_packed_texts.sql")),
     (24, "imu_alerts", include_str!("../../migrations/sqlite/0024_imu_alerts.sql")),
     (25, "gyro_history", include_str!("../../migrations/sqlite/0025_gyro_history.sql")),
+    (26, "scale", include_str!("../../migrations/sqlite/0026_scale.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.
@@ -233,9 +235,8 @@ pub(super) async fn load_names(connection: &mut SqliteConnection) -> Result<Tabl
 }
 
 async fn load_table(connection: &mut SqliteConnection, sql: &'static str) -> Result<Table, StoreError> {
-    let rows: Vec<(u32, String)> = sqlx::query_as(sql).fetch_all(connection).await?;
-    let mut table = Table::default();
-    for (number, name) in rows {
+    let (mut rows, mut table) = (sqlx::query_as::<_, (u32, String)>(sql).fetch(connection), Table::default());
+    while let Some((number, name)) = rows.try_next().await? {
         if !table.add(number, 0, &name) {
             return Err(StoreError::Damaged(format!("`{name}` has more than one number")));
         }

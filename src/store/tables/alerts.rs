@@ -222,15 +222,25 @@ const STANDING: &str = "CASE WHEN alert.status = 'resolved' THEN 'resolved'
                              WHEN alert.acknowledged_at IS NOT NULL THEN 'acknowledged'
                              ELSE 'firing' END";
 
-/// What a filter lets through: seven parameters, see the macro `bound`.
-fn conditions(store: &Store) -> String {
+/// What a filter lets through: seven parameters, see the macro `bound`. Each condition by itself, so that it finds its
+/// index; one that is not asked for is no condition.
+fn conditions(store: &Store, filter: &AlertFilter) -> String {
     let imu =
         store.readers.words(Sql { sqlite: "alert.finding->>'imu'", postgres: "CAST(alert.finding AS JSONB)->>'imu'" });
-    format!(
-        "($1 IS NULL OR alert.gyro = $1) AND ($2 IS NULL OR alert.coefficient = $2) AND ($3 IS NULL OR alert.rule = $3)
-             AND ($4 IS NULL OR alert.severity = $4) AND ($5 IS NULL OR {imu} = $5)
-             AND ($6 IS NULL OR $6 = {STANDING})"
-    )
+    let asked = [
+        (filter.gyro.is_some(), "alert.gyro = $1".to_owned()),
+        (filter.coefficient.is_some(), "alert.coefficient = $2".to_owned()),
+        (filter.rule.is_some(), "alert.rule = $3".to_owned()),
+        (filter.severity.is_some(), "alert.severity = $4".to_owned()),
+        (filter.imu.is_some(), format!("{imu} = $5")),
+        (filter.standing.is_some(), format!("$6 = {STANDING}")),
+    ];
+    let condition = |(place, (is_asked, words)): (usize, (bool, String))| match is_asked {
+        true => words,
+        false => format!("${} IS NULL", place + 1),
+    };
+    // The time is a parameter even where no standing is asked for.
+    asked.into_iter().enumerate().map(condition).chain(["$7 = $7".to_owned()]).collect::<Vec<_>>().join(" AND ")
 }
 
 macro_rules! bound {
@@ -254,7 +264,7 @@ pub async fn find(
     before: Option<Id>,
     limit: u32,
 ) -> Result<Vec<AlertRow>, StoreError> {
-    let conditions = conditions(store);
+    let conditions = conditions(store, filter);
     let sql =
         sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE {conditions} AND alert.id < $8 ORDER BY alert.id DESC LIMIT $9"));
     on!(store.readers, db => bound!(sqlx::query(sql), filter, now)
@@ -273,7 +283,7 @@ pub async fn gyros_found(
     newest: bool,
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>, StoreError> {
-    let conditions = conditions(store);
+    let conditions = conditions(store, filter);
     let order = match newest {
         true => "max(alert.id) DESC",
         false => "max(head.rank) DESC, max(head.load) DESC, max(head.serial)",
@@ -297,7 +307,7 @@ pub async fn found_of(
     now: UtcMicros,
     gyros: &[u32],
 ) -> Result<Vec<AlertRow>, StoreError> {
-    let conditions = conditions(store);
+    let conditions = conditions(store, filter);
     let those = store.readers.words(LISTED).replace("$1", "$8");
     let sql =
         sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE {conditions} AND alert.gyro IN ({those}) ORDER BY alert.id"));
@@ -314,7 +324,7 @@ pub async fn standings(
     filter: &AlertFilter,
     now: UtcMicros,
 ) -> Result<Vec<(Standing, [usize; 2])>, StoreError> {
-    let conditions = conditions(store);
+    let conditions = conditions(store, filter);
     let sql = sqlx::AssertSqlSafe(format!(
         "SELECT {STANDING}, count(*), count(DISTINCT alert.gyro) FROM alert WHERE {conditions} GROUP BY 1"
     ));
@@ -326,12 +336,50 @@ pub async fn standings(
     Ok(rows.into_iter().filter_map(known).collect())
 }
 
-/// Alerts that may change with the clock alone: that fire, or of which somebody is still to be told something.
-pub async fn of_clock(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
+/// Alerts that may change at `now` with the clock alone: of which somebody is to be told, that are silenced, or that were
+/// told no later than `repeated`. Each part stands as its index has it.
+pub async fn due(store: &Store, now: UtcMicros, repeated: UtcMicros) -> Result<Vec<AlertRow>, StoreError> {
+    let sql = "SELECT id FROM alert WHERE status = 'firing' AND acknowledged_at IS NULL AND told_at <= $2
+               UNION ALL SELECT id FROM alert WHERE status = 'firing' AND acknowledged_at IS NULL AND told_at > $1
+               UNION ALL SELECT id FROM alert WHERE (silenced_until IS NOT NULL OR muted_until IS NOT NULL)
+                   AND (silenced_until <= $1 OR muted_until <= $1)
+               UNION ALL SELECT id FROM alert WHERE hushed_at IS NULL AND inhibited_by IS NULL AND CASE
+                   WHEN status = 'firing' THEN told_at IS NULL OR severity <> told_severity ELSE told_at IS NOT NULL END";
+    let ids: Vec<i64> =
+        on!(store.readers, db => sqlx::query_scalar(sql).bind(now.0).bind(repeated.0).fetch_all(db).await?);
+    if ids.is_empty() {
+        return Ok(Vec::new());
+    }
+    of_ids(store, &ids.into_iter().map(Id).collect::<Vec<_>>()).await
+}
+
+/// Alerts that wait for the digest of an import.
+pub async fn for_digest(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE digest <> 0 ORDER BY alert.id"));
+    on!(store.readers, db => each(sqlx::query(sql).fetch(db), alert).await)
+}
+
+/// When the last of them began to wait.
+pub async fn digest_began(store: &Store) -> Result<Option<UtcMicros>, StoreError> {
+    let sql = "SELECT max(hushed_at) FROM alert WHERE digest <> 0";
+    let at: Option<i64> = on!(store.readers, db => sqlx::query_scalar(sql).fetch_one(db).await?);
+    Ok(at.map(UtcMicros))
+}
+
+/// Alerts that fire by rules of which a station can be the cause.
+pub async fn firing_by_station_rules(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
+    let rules = Rule::ALL.into_iter().filter(|rule| rule.is_explained_by_station());
+    let rules: Vec<String> = rules.map(|rule| format!("'{}'", rule.name())).collect();
     let sql = sqlx::AssertSqlSafe(format!(
-        "{COLUMNS} WHERE status = 'firing' OR told_at IS NOT NULL OR silenced_until IS NOT NULL
-             OR muted_until IS NOT NULL ORDER BY alert.id"
+        "{COLUMNS} WHERE status = 'firing' AND alert.rule IN ({}) ORDER BY alert.id",
+        rules.join(", ")
     ));
+    on!(store.readers, db => each(sqlx::query(sql).fetch(db), alert).await)
+}
+
+/// Alerts that the alert of a station explains.
+pub async fn inhibited(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE inhibited_by IS NOT NULL ORDER BY alert.id"));
     on!(store.readers, db => each(sqlx::query(sql).fetch(db), alert).await)
 }
 

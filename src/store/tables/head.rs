@@ -274,92 +274,64 @@ pub struct StationTally {
     pub last_calibrated: Option<UtcMicros>,
 }
 
-/// Counts the whole fleet as it stands at `now`, in two indices from end to end.
+/// Counts the whole fleet as it stands at `now`, in one index from end to end.
 pub async fn counts(store: &Store, now: UtcMicros) -> Result<(Vec<Tally>, Vec<StationTally>), StoreError> {
-    let sql = "SELECT station, rank, CAST(0 AS BIGINT), count(*), max(calibrated_at) FROM head GROUP BY station, rank
-               UNION ALL
-               SELECT station, rank, CAST(1 AS BIGINT), count(*), max(calibrated_at) FROM head
-               WHERE overdue_at < $1 GROUP BY station, rank";
+    let sql = "SELECT station, rank, count(*), count(*) FILTER (WHERE overdue_at < $1), max(calibrated_at) FROM head
+               GROUP BY station, rank";
     type Row = (Option<Whole<u32>>, i64, i64, i64, Option<i64>);
     let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(now.0).fetch_all(db).await?);
     let (mut of_ranks, mut of_stations) = (BTreeMap::<i64, [usize; 2]>::new(), Vec::new());
-    // In no order.
-    for (station, rank, is_overdue, gyros, last) in rows {
-        let gyros = gyros.unsigned_abs() as usize;
-        let [all, overdue] = of_ranks.entry(rank).or_default();
+    for (station, rank, gyros, overdue, last) in rows {
+        let [gyros, overdue] = [gyros, overdue].map(|count| count.unsigned_abs() as usize);
+        let [all, of_them] = of_ranks.entry(rank).or_default();
+        (*all, *of_them) = (*all + gyros, *of_them + overdue);
         let (station, last_calibrated) = (station.map(|Whole(station)| station), last.map(UtcMicros));
-        if is_overdue == 1 {
-            *overdue += gyros;
-            of_stations.push(StationTally { station, rank, gyros: 0, overdue: gyros, last_calibrated });
-        } else {
-            *all += gyros;
-            of_stations.push(StationTally { station, rank, gyros, overdue: 0, last_calibrated });
-        }
+        of_stations.push(StationTally { station, rank, gyros, overdue, last_calibrated });
     }
-    let both = |(rank, [all, overdue]): (i64, [usize; 2])| {
-        [(false, all.saturating_sub(overdue)), (true, overdue)].map(|(is_overdue, gyros)| Tally {
-            rank,
-            is_overdue,
-            gyros,
-        })
-    };
-    Ok((of_ranks.into_iter().flat_map(both).filter(|tally| tally.gyros > 0).collect(), of_stations))
+    Ok((of_ranks.into_iter().flat_map(tallies_of).collect(), of_stations))
+}
+
+/// Of all gyros of a rank and those of them that are overdue.
+fn tallies_of((rank, [all, overdue]): (i64, [usize; 2])) -> impl Iterator<Item = Tally> {
+    let both = [(false, all - overdue), (true, overdue)].map(|(is_overdue, gyros)| Tally { rank, is_overdue, gyros });
+    both.into_iter().filter(|tally| tally.gyros > 0)
 }
 
 /// Counts what is left of the fleet where it is narrowed down.
 pub async fn tallies(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Result<Vec<Tally>, StoreError> {
-    let Words { rank, conditions } = Words::of(store, narrowed, "$1", 2);
+    let conditions = conditions(store, narrowed, "$1", 2);
     let sql = sqlx::AssertSqlSafe(format!(
-        "SELECT rank, CAST(CASE WHEN overdue_at < $1 THEN 1 ELSE 0 END AS BIGINT), count(*) FROM head
-         WHERE {conditions} GROUP BY {rank}, 2"
+        "SELECT rank + 0, count(*), count(*) FILTER (WHERE overdue_at < $1) FROM head WHERE {conditions} GROUP BY 1"
     ));
     let rows: Vec<(i64, i64, i64)> =
         on!(store.readers, db => bound!(sqlx::query_as(sql).bind(now.0), narrowed).fetch_all(db).await?);
-    let tally = |(rank, is_overdue, gyros): (i64, i64, i64)| Tally {
-        rank,
-        is_overdue: is_overdue == 1,
-        gyros: gyros.unsigned_abs() as usize,
+    let count = |(rank, all, overdue): (i64, i64, i64)| (rank, [all, overdue].map(|n| n.unsigned_abs() as usize));
+    Ok(rows.into_iter().map(count).flat_map(tallies_of).collect())
+}
+
+/// How a fleet is narrowed down. The time is the parameter `now`; those of [`bound`] stand from place `first` on.
+fn conditions(store: &Store, narrowed: &Narrowed, now: &str, first: usize) -> String {
+    let has = store.readers.words(Sql { sqlite: "instr", postgres: "strpos" });
+    // Each condition by itself, so that it finds its index; one that is not asked for is no condition.
+    let asked = [
+        (narrowed.sought.is_some(), format!("{has}(sought, $) > 0")),
+        (narrowed.station.is_some(), "station = $".to_owned()),
+        (narrowed.ever.is_some(), "gyro IN (SELECT gyro FROM gyro_station WHERE station = $)".to_owned()),
+        (narrowed.imu.is_some(), "imu = $".to_owned()),
+        (narrowed.rule.is_some(), "gyro IN (SELECT gyro FROM alert WHERE status = 'firing' AND rule = $)".to_owned()),
+        (
+            narrowed.calibrated_since.is_some(),
+            // As the index has it; who was never calibrated has the last instant of all.
+            "coalesce(calibrated_at, 9223372036854775807) BETWEEN $ AND 9223372036854775806".to_owned(),
+        ),
+        (narrowed.changed_since.is_some(), "(changed_at >= $ OR overdue_at >= $ AND overdue_at < NOW)".to_owned()),
+        (narrowed.batch.is_some(), "gyro IN (SELECT gyro FROM gyro_attribute WHERE batch = $)".to_owned()),
+    ];
+    let condition = |(place, (is_asked, words)): (usize, &(bool, String))| match is_asked {
+        true => words.replace('$', &format!("${}", first + place)).replace("NOW", now),
+        false => format!("${} IS NULL", first + place),
     };
-    Ok(rows.into_iter().map(tally).collect())
-}
-
-/// How a question is put about a fleet that is narrowed down.
-struct Words {
-    rank: &'static str,
-    conditions: String,
-}
-
-impl Words {
-    /// The time is the parameter `now`; those of [`bound`] stand from place `first` on. Who narrows the fleet down reads
-    /// it through: in the order of an index each row would be looked up by itself.
-    fn of(store: &Store, narrowed: &Narrowed, now: &str, first: usize) -> Self {
-        let all = *narrowed == Narrowed::default();
-        let rank = if all { "rank" } else { store.readers.words(Sql { sqlite: "+rank", postgres: "rank" }) };
-        let has = store.readers.words(Sql { sqlite: "instr", postgres: "strpos" });
-        // Each condition by itself, so that it finds its index; one that is not asked for is no condition.
-        let asked = [
-            (narrowed.sought.is_some(), format!("{has}(sought, $) > 0")),
-            (narrowed.station.is_some(), "station = $".to_owned()),
-            (narrowed.ever.is_some(), "gyro IN (SELECT gyro FROM gyro_station WHERE station = $)".to_owned()),
-            (narrowed.imu.is_some(), "imu = $".to_owned()),
-            (
-                narrowed.rule.is_some(),
-                "gyro IN (SELECT gyro FROM alert WHERE status = 'firing' AND rule = $)".to_owned(),
-            ),
-            (
-                narrowed.calibrated_since.is_some(),
-                // As the index has it; who was never calibrated has the last instant of all.
-                "coalesce(calibrated_at, 9223372036854775807) BETWEEN $ AND 9223372036854775806".to_owned(),
-            ),
-            (narrowed.changed_since.is_some(), "(changed_at >= $ OR overdue_at >= $ AND overdue_at < NOW)".to_owned()),
-            (narrowed.batch.is_some(), "gyro IN (SELECT gyro FROM gyro_attribute WHERE batch = $)".to_owned()),
-        ];
-        let condition = |(place, (is_asked, words)): (usize, &(bool, String))| match is_asked {
-            true => words.replace('$', &format!("${}", first + place)).replace("NOW", now),
-            false => format!("${} IS NULL", first + place),
-        };
-        Self { rank, conditions: asked.iter().enumerate().map(condition).collect::<Vec<_>>().join(" AND ") }
-    }
+    asked.iter().enumerate().map(condition).collect::<Vec<_>>().join(" AND ")
 }
 
 /// Gyros that stand beside one another in the order of the fleet: those of some ranks that are overdue, or are not.
@@ -379,17 +351,25 @@ pub async fn of_ranks(
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>, StoreError> {
     let Ranks { lowest, highest, is_overdue } = ranks;
-    let Words { rank, conditions } = Words::of(store, narrowed, "$3", 4);
-    // Of one rank the index has the order.
-    let ranks =
-        if lowest == highest { format!("{rank} = $1 AND {rank} = $2") } else { format!("{rank} BETWEEN $1 AND $2") };
-    let overdue = if is_overdue { "overdue_at < $3" } else { "(overdue_at IS NULL OR overdue_at >= $3)" };
+    let conditions = conditions(store, narrowed, "$1", 2);
+    let overdue = if is_overdue { "overdue_at < $1" } else { "(overdue_at IS NULL OR overdue_at >= $1)" };
+    // Of one rank the index has the order. Who narrows the fleet down reads it through: in the order of an index each row
+    // would be looked up by itself.
+    let parts: Vec<String> = match *narrowed == Narrowed::default() {
+        true => (lowest..=highest).map(|rank| format!("rank = {rank}")).collect(),
+        false => vec![format!("rank + 0 BETWEEN {lowest} AND {highest}")],
+    };
+    let part = |ranks: &String| {
+        format!(
+            "SELECT * FROM (SELECT gyro, load, serial FROM head WHERE {ranks} AND {overdue} AND {conditions}
+             ORDER BY load DESC, serial LIMIT $10 + $11) AS part"
+        )
+    };
     let sql = sqlx::AssertSqlSafe(format!(
-        "SELECT gyro FROM head WHERE {ranks} AND {overdue} AND {conditions}
-         ORDER BY load DESC, serial LIMIT $12 OFFSET $13"
+        "SELECT gyro FROM ({}) AS parts ORDER BY load DESC, serial LIMIT $10 OFFSET $11",
+        parts.iter().map(part).collect::<Vec<_>>().join(" UNION ALL ")
     ));
-    let rows: Vec<(Whole<u32>,)> = on!(store.readers, db =>
-        bound!(sqlx::query_as(sql).bind(lowest).bind(highest).bind(now.0), narrowed)
+    let rows: Vec<(Whole<u32>,)> = on!(store.readers, db => bound!(sqlx::query_as(sql).bind(now.0), narrowed)
         .bind(i64::try_from(limit).unwrap_or(i64::MAX))
         .bind(i64::try_from(skip).unwrap_or(i64::MAX))
         .fetch_all(db)
@@ -427,7 +407,7 @@ pub async fn listed(
     now: UtcMicros,
     limit: u32,
 ) -> Result<Vec<u32>, StoreError> {
-    let Words { conditions, .. } = Words::of(store, narrowed, "$4", 7);
+    let conditions = conditions(store, narrowed, "$4", 7);
     let (key, by_serial) = (key(order), order == FleetOrder::Serial);
     let after_it = match by_serial {
         true => "serial > coalesce((SELECT serial FROM gyro WHERE id = $1), '')".to_owned(),
@@ -472,7 +452,7 @@ pub async fn in_order(
     now: UtcMicros,
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>, StoreError> {
-    let Words { conditions, .. } = Words::of(store, narrowed, "$1", 2);
+    let conditions = conditions(store, narrowed, "$1", 2);
     let ranks = among_ranks(of_ranks);
     // As the indices have them.
     let by = match order {
@@ -641,7 +621,7 @@ pub async fn imus(
     now: UtcMicros,
     [skip, limit]: [usize; 2],
 ) -> Result<(Vec<u32>, usize), StoreError> {
-    let Words { conditions, .. } = Words::of(store, narrowed, "$1", 2);
+    let conditions = conditions(store, narrowed, "$1", 2);
     let ranks = among_ranks(of_ranks);
     let sql = sqlx::AssertSqlSafe(format!(
         "SELECT imu FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}
@@ -674,9 +654,13 @@ pub async fn of_imu(store: &Store, imu: u32) -> Result<Vec<u32>, StoreError> {
     Ok(rows.into_iter().map(|(Whole(gyro),)| gyro).collect())
 }
 
-/// The gyros whose calibration is due no later than `now`.
-pub async fn overdue(store: &Store, now: UtcMicros) -> Result<Vec<u32>, StoreError> {
-    let sql = "SELECT gyro FROM head WHERE overdue_at <= $1";
+/// The gyros whose calibration is due no later than `now` and of which no alert says so, or of which an alert says so
+/// and it is not.
+pub async fn newly_overdue_or_not(store: &Store, now: UtcMicros) -> Result<Vec<u32>, StoreError> {
+    let sql = "SELECT gyro FROM head WHERE overdue_at <= $1 AND NOT EXISTS (
+                   SELECT 1 FROM alert WHERE status = 'firing' AND rule = 'overdue' AND alert.gyro = head.gyro)
+               UNION ALL SELECT gyro FROM alert WHERE status = 'firing' AND rule = 'overdue' AND NOT EXISTS (
+                   SELECT 1 FROM head WHERE head.gyro = alert.gyro AND overdue_at <= $1)";
     let rows: Vec<Whole<u32>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(now.0).fetch_all(db).await?);
     Ok(rows.into_iter().map(|Whole(gyro)| gyro).collect())
 }

@@ -127,9 +127,8 @@ impl WriterState {
     }
 
     pub(super) async fn digest(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
-        let waiting = store::alerts::of_clock(&self.store).await?;
-        let waiting = waiting.iter().filter(|row| row.alert.hushed.is_some_and(|hushed| hushed.digest));
-        let waiting: BTreeSet<AlertOf> = waiting.map(|row| row.of).collect();
+        let waiting = store::alerts::for_digest(&self.store).await?;
+        let waiting: BTreeSet<AlertOf> = waiting.iter().map(|row| row.of).collect();
         self.alerts.recall(&self.store, gyros_of(&waiting), now).await?;
         let any = {
             let naming = Naming { tables: &self.store.names().read(), new: None };

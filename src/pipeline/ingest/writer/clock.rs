@@ -1,11 +1,11 @@
 //! Alerts follow the clock: what becomes overdue, is to be repeated or told of as one, and what stations do.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use super::alerts::gyros_of;
 use super::state::WriterState;
 use super::stations::StationShifts;
-use crate::core::alert_decision::{Late, Status};
+use crate::core::alert_decision::Late;
 use crate::core::figures::Figures;
 use crate::core::judge::Rule;
 use crate::core::time::{Span, UtcMicros};
@@ -13,14 +13,8 @@ use crate::pipeline::alerts::{Naming, Pen, StationVerdict, follow_clock};
 use crate::store;
 use crate::store::{AlertOf, AlertRow, Cells, Changes, Duty, StoreError};
 
-/// Gyros that the clock may have something to do with, in one place.
-#[derive(Debug, Default)]
-struct OfClock {
-    /// With alerts of which it changes something.
-    alerted: BTreeSet<AlertOf>,
-    /// Those that may begin or end to be overdue.
-    overdue: BTreeSet<u32>,
-}
+/// Gyros, stations and IMUs that one transaction of the clock is about.
+const AT_ONCE: usize = 1000;
 
 /// One look at the clock.
 pub(super) struct ClockTick<'a> {
@@ -42,34 +36,30 @@ impl ClockTick<'_> {
         }
     }
 
-    /// A transaction for each cell in which the clock changes something; in a file, one.
+    /// Transactions of each cell in which the clock changes something; in a file all is one cell.
     async fn try_tick(&mut self) -> Result<(), StoreError> {
         let now = self.now;
-        let mut rows = store::alerts::of_clock(&self.state.store).await?;
-        if self.follow_stations(&rows).await? {
-            rows = store::alerts::of_clock(&self.state.store).await?;
-        }
-        let mut by_cell: BTreeMap<u8, OfClock> = BTreeMap::new();
-        let overdue = self.may_be_overdue(&rows).await?;
-        let alerted: BTreeSet<AlertOf> =
-            rows.iter().filter(|row| self.state.alerts.is_moved_by_clock(row, now)).map(|row| row.of).collect();
-        store::names::look_up_gyros(&self.state.store, overdue.iter().copied().chain(gyros_of(&alerted)).collect())
-            .await?;
-        {
+        self.follow_stations().await?;
+        let overdue = self.may_be_overdue().await?;
+        let repeated = now.plus_days(-self.state.config.alerts.repeat_days);
+        let due = store::alerts::due(&self.state.store, now, repeated).await?;
+        let moved = due.iter().filter(|row| self.state.alerts.is_moved_by_clock(row, now)).map(|row| row.of);
+        let found: BTreeSet<AlertOf> = moved.chain(overdue.iter().map(|gyro| AlertOf::Gyro(*gyro))).collect();
+        store::names::look_up_gyros(&self.state.store, gyros_of(&found).collect()).await?;
+        let found = {
             let tables = self.state.store.names().read();
-            let home = |gyro: &u32| tables.gyros.cell(*gyro).unwrap_or_default();
-            overdue.iter().for_each(|gyro| _ = by_cell.entry(home(gyro)).or_default().overdue.insert(*gyro));
-            let home_of = |of: &AlertOf| of.gyro().map_or(0, |gyro| home(&gyro));
-            alerted.iter().for_each(|of| _ = by_cell.entry(home_of(of)).or_default().alerted.insert(*of));
-        }
-        for (cell, found) in by_cell {
-            self.state.begin(&Cells::one(cell)).await?;
-            self.tick_in_turn(&found).await?;
+            let cell = |of: &AlertOf| of.gyro().and_then(|gyro| tables.gyros.cell(gyro)).unwrap_or_default();
+            let mut found: Vec<(u8, AlertOf)> = found.iter().map(|of| (cell(of), *of)).collect();
+            found.sort_unstable();
+            found
+        };
+        for some in found.chunk_by(|(a, _), (b, _)| a == b).flat_map(|of_cell| of_cell.chunks(AT_ONCE)) {
+            self.state.begin(&Cells::one(some[0].0)).await?;
+            self.tick_in_turn(&some.iter().map(|(_, of)| *of).collect(), &overdue).await?;
             self.state.writer.give_back().await;
+            self.state.tidy();
         }
-        let digest =
-            rows.iter().filter_map(|row| row.alert.hushed.filter(|hushed| hushed.digest)).map(|it| it.at).max();
-        if digest.is_some_and(|since| is_over(since, now)) {
+        if store::alerts::digest_began(&self.state.store).await?.is_some_and(|since| is_over(since, now)) {
             self.state.begin(&Cells::all()).await?;
             let mut changes = Changes::default();
             self.state.digest(&mut changes, now).await?;
@@ -82,25 +72,18 @@ impl ClockTick<'_> {
     }
 
     /// Gyros of which the clock may begin or end that they are overdue.
-    async fn may_be_overdue(&self, rows: &[AlertRow]) -> Result<BTreeSet<u32>, StoreError> {
-        let now = self.now;
+    async fn may_be_overdue(&self) -> Result<BTreeSet<u32>, StoreError> {
         if !self.state.judge.has_intervals() {
             return Ok(BTreeSet::new());
         }
-        let is_firing = |row: &&AlertRow| row.rule == Rule::Overdue && row.alert.status == Status::Firing;
-        let firing: BTreeSet<u32> = rows.iter().filter(is_firing).filter_map(|row| row.of.gyro()).collect();
-        let overdue: BTreeSet<u32> = store::head::overdue(&self.state.store, now).await?.into_iter().collect();
-        Ok(&firing ^ &overdue)
+        Ok(store::head::newly_overdue_or_not(&self.state.store, self.now).await?.into_iter().collect())
     }
 
-    async fn tick_in_turn(&mut self, found: &OfClock) -> Result<(), StoreError> {
+    async fn tick_in_turn(&mut self, found: &BTreeSet<AlertOf>, overdue: &BTreeSet<u32>) -> Result<(), StoreError> {
         let now = self.now;
         let mut changes = Changes::default();
-        self.state
-            .alerts
-            .recall(&self.state.store, gyros_of(&found.alerted).chain(found.overdue.iter().copied()), now)
-            .await?;
-        let gyros: Vec<u32> = found.overdue.iter().copied().collect();
+        self.state.alerts.recall(&self.state.store, gyros_of(found), now).await?;
+        let gyros: Vec<u32> = gyros_of(found).filter(|gyro| overdue.contains(gyro)).collect();
         let out_of_use = self.state.heads().out_of_use(&gyros).await?;
         let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
         let newest = store::histories::newest(&self.state.store, &ever, 1).await?;
@@ -116,39 +99,46 @@ impl ClockTick<'_> {
                     None => self.state.alerts.reset(gyro, |row| row.rule == Rule::Overdue, &mut pen),
                 }
             }
-            self.state.alerts.tick(&found.alerted, &mut pen);
+            self.state.alerts.tick(found, &mut pen);
         }
         self.state.note(&mut changes, now).await?;
         self.state.enter_heads(&mut changes).await?;
         if changes.is_empty() { Ok(()) } else { self.state.commit(&changes).await }
     }
 
-    /// Lets the alerts of stations follow the clock, and those of gyros that they explain. `rows`: every alert that the
-    /// clock may change. False where nothing was to be changed.
-    async fn follow_stations(&mut self, rows: &[AlertRow]) -> Result<bool, StoreError> {
+    /// Lets the alerts of stations follow the clock, and those of gyros that they explain.
+    async fn follow_stations(&mut self) -> Result<(), StoreError> {
         let now = self.now;
         self.state.alerts.recall(&self.state.store, [], now).await?;
-        let found = self.stations().all().await?;
+        let (found, rows) = (self.stations().all().await?, self.may_be_explained().await?);
         let is_anything = {
             let tables = self.state.store.names().read();
             let naming = Naming { tables: &tables, new: None };
             let is_off = self.stations().are_switched_off() && self.state.alerts.stations().firing().next().is_some();
             is_off
                 || found.iter().any(|one| self.state.alerts.stations().is_moved_by(one, &naming))
-                || !self.state.alerts.stations().explained_anew(rows, &naming).is_empty()
+                || !self.state.alerts.stations().explained_anew(&rows, &naming).is_empty()
         };
         if !is_anything {
-            return Ok(false);
+            return Ok(());
         }
         self.state.begin(&Cells::all()).await?;
         let done = self.follow_stations_in_turn().await;
         self.state.writer.give_back().await;
-        done.map(|()| true)
+        done
+    }
+
+    /// Alerts that stations may explain, or did.
+    async fn may_be_explained(&self) -> Result<Vec<AlertRow>, StoreError> {
+        match self.state.alerts.stations().firing().next() {
+            Some(_) => store::alerts::firing_by_station_rules(&self.state.store).await,
+            None => store::alerts::inhibited(&self.state.store).await,
+        }
     }
 
     async fn follow_stations_in_turn(&mut self) -> Result<(), StoreError> {
         let now = self.now;
-        let rows = store::alerts::of_clock(&self.state.store).await?;
+        let rows = store::alerts::firing_by_station_rules(&self.state.store).await?;
         let gyros: BTreeSet<u32> = rows.iter().filter_map(|row| row.of.gyro()).collect();
         self.state.alerts.recall(&self.state.store, gyros, now).await?;
         let (found, mut changes) = (self.stations().all().await?, Changes::default());

@@ -218,6 +218,29 @@ async fn a_silenced_alert_is_followed_without_telling_and_tells_at_its_end_what_
 }
 
 #[tokio::test]
+async fn what_fires_is_told_again_in_a_week_unless_somebody_knows() {
+    let lab = Lab::with(|config| config.alerts.tick_s = 0.02).await;
+    station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
+    let known = alert_of(&lab, "step").await["id"].as_str().unwrap().to_owned();
+    let order = json!({"by": "Li Wei", "reason": "turntable under repair"});
+    lab.post(&format!("/v1/alerts/{known}/acknowledge"), &order).await.ok();
+    lab.clock_shows("2026-11-28T11:59:59Z");
+    tokio::time::sleep(std::time::Duration::from_millis(200)).await;
+    assert_eq!(story_of(&lab, "baseline").await, ["fire"]);
+    lab.clock_shows("2026-11-28T12:00:00Z");
+    let mut story = Vec::new();
+    for _ in 0..200 {
+        story = story_of(&lab, "baseline").await;
+        if story.len() > 1 {
+            break;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(20)).await;
+    }
+    assert_eq!(story, ["fire", "repeat"]);
+    assert_eq!(story_of(&lab, "step").await, ["fire", "acknowledge (untold)"]);
+}
+
+#[tokio::test]
 async fn an_acknowledgement_is_taken_back_with_who_and_why() {
     let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
     let id = alert_of(&lab, "baseline").await["id"].as_str().unwrap().to_owned();

@@ -260,7 +260,10 @@ mod tests {
     /// Two names whose hashes are the same.
     fn twins() -> [String; 2] {
         let mut seen = HashMap::new();
-        (0..).map(|k| format!("IMU-{k}")).find_map(|name| Some([seen.insert(hash(&name), name.clone())?, name])).unwrap()
+        (0..)
+            .map(|k| format!("IMU-{k}"))
+            .find_map(|name| Some([seen.insert(hash(&name), name.clone())?, name]))
+            .unwrap()
     }
 
     #[test]

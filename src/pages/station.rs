@@ -74,7 +74,7 @@ fn section(viewer: &Viewer, name: &str, coefficient: &str, column: &StationColum
         name,
         points: column.course.iter().map(|point| (point.at, point.value, Some(point.sd))).collect(),
         lines: Vec::new(),
-        marks: changes(column).into_iter().map(|(at, ..)| (at, t.step_found.to_owned())).collect(),
+        marks: changes(column).into_iter().map(|(from, until, _)| (from, found(t, until).to_owned())).collect(),
     };
     html! {
         section {
@@ -93,7 +93,7 @@ fn section(viewer: &Viewer, name: &str, coefficient: &str, column: &StationColum
                 }
                 @for (from, until, size) in changes(column) {
                     dt {
-                        (if until.is_some() { t.off_found } else { t.step_found }) " " (instant(from))
+                        (found(t, until)) " " (instant(from))
                         @if let Some(until) = until { " … " (instant(until)) }
                     }
                     dd { (shared(size)) @if viewer.may(Role::Engineer) {
@@ -107,6 +107,11 @@ fn section(viewer: &Viewer, name: &str, coefficient: &str, column: &StationColum
             }
         }
     }
+}
+
+/// What a change is called: a window where it ended.
+fn found(t: &Text, until: Option<UtcMicros>) -> &'static str {
+    if until.is_some() { t.off_found } else { t.step_found }
 }
 
 /// Of a drift that is not said to be the station's.

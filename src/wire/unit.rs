@@ -1,4 +1,4 @@
-//! Units as machines and as people read them: `deg/(h*g0)` and `deg/(h g0)`.
+//! Units as machines and as people read them: `deg/(h*g0^2)` and `deg/(h g0²)`.
 
 /// As every format for machines has it; both spellings are read.
 pub fn of_machines(unit: &str) -> String {
@@ -11,7 +11,7 @@ pub fn of_machines(unit: &str) -> String {
 }
 
 pub fn of_people(unit: &str) -> String {
-    unit.replace('*', " ")
+    unit.replace('*', " ").replace("^2", "²").replace("^3", "³")
 }
 
 #[cfg(test)]
@@ -20,14 +20,14 @@ mod tests {
 
     #[test]
     fn only_products_in_a_denominator_are_spelled_twice() {
-        for (people, machines) in [
-            ("deg/(h g0)", "deg/(h*g0)"),
-            ("deg/(h g0^2 K)", "deg/(h*g0^2*K)"),
-            ("deg/h/(deg/h)^2", "deg/h/(deg/h)^2"),
-            ("standard deviations", "standard deviations"),
-            ("deg/(h g0) per campaign", "deg/(h*g0) per campaign"),
+        for (plain, machines, people) in [
+            ("deg/(h g0)", "deg/(h*g0)", "deg/(h g0)"),
+            ("deg/(h g0^2 K)", "deg/(h*g0^2*K)", "deg/(h g0² K)"),
+            ("deg/h/(deg/h)^3", "deg/h/(deg/h)^3", "deg/h/(deg/h)³"),
+            ("standard deviations", "standard deviations", "standard deviations"),
+            ("deg/(h g0) per campaign", "deg/(h*g0) per campaign", "deg/(h g0) per campaign"),
         ] {
-            assert_eq!((of_machines(people).as_str(), of_people(machines).as_str()), (machines, people));
+            assert_eq!((of_machines(plain).as_str(), of_people(machines).as_str()), (machines, people));
             assert_eq!(of_machines(machines), machines);
         }
     }

@@ -2,82 +2,22 @@
 //!
 //! A subcommand is a `clap::Args` struct with `fn run(self) -> anyhow::Result<()>`: it prints its result on standard
 //! output and returns an error that names the file and the field. Exit status: 0 done, 1 an error, 2 wrong usage
-//! (clap's own, and [`Usage`]). To add one: a file here, a `mod` line, a variant of `Command` and its arm in
-//! `Command::run` (`service`; in `commands` where a station's agent has it too).
+//! (clap's own, and [`Usage`]). To add one: a file, a `mod` line, a variant of `Command` and its arm in `Command::run`, in
+//! `service`, or here and in `commands` where a station's agent has it too.
 
-#[cfg(feature = "server")]
-mod backup;
-#[cfg(feature = "server")]
-mod blindcheck;
-#[cfg(feature = "server")]
-mod blindcheck_history;
-#[cfg(feature = "server")]
-mod blindcheck_service;
-#[cfg(feature = "server")]
-mod calibrate;
 mod client;
 mod codes;
 mod commands;
 mod common;
 mod completions;
-#[cfg(feature = "server")]
-mod config;
-#[cfg(feature = "server")]
-mod copy;
 mod correct;
-#[cfg(feature = "server")]
-mod demo;
-#[cfg(feature = "server")]
-mod diagnose;
-#[cfg(feature = "server")]
-mod diagnose_all;
-#[cfg(feature = "server")]
-mod diagnose_gyro;
-#[cfg(feature = "server")]
-mod diagnose_record;
 mod document;
 mod dwells;
-#[cfg(feature = "server")]
-mod experiment;
-#[cfg(feature = "server")]
-mod export;
 mod faults;
-#[cfg(feature = "server")]
-mod fleet_noise;
-#[cfg(feature = "server")]
-mod gap;
-#[cfg(feature = "server")]
-mod healthcheck;
-#[cfg(feature = "server")]
-mod hypothesis;
 mod import;
 #[cfg(feature = "server")]
-mod model;
-#[cfg(feature = "server")]
-mod model_fit;
-#[cfg(feature = "server")]
-mod notify;
-#[cfg(feature = "server")]
-mod predict;
-#[cfg(feature = "server")]
-mod restore;
-#[cfg(feature = "server")]
-mod separate;
-#[cfg(feature = "server")]
-mod serve;
-#[cfg(feature = "server")]
 mod service;
-#[cfg(feature = "server")]
-mod settings;
-#[cfg(feature = "server")]
-mod simulate;
-#[cfg(feature = "server")]
-mod tallies;
 mod template;
-#[cfg(feature = "server")]
-mod token;
-#[cfg(feature = "server")]
-mod verify;
 
 use std::error::Error;
 use std::io;

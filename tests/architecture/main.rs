@@ -301,7 +301,7 @@ fn wire_formats_know_the_core_alone_and_the_store_does_not_know_them() {
 #[test]
 fn anyhow_is_for_main_and_the_subcommands() {
     assert_eq!(anyhow_stays_outside("src/store/mod.rs", "use anyhow::Result;").len(), 1);
-    assert!(anyhow_stays_outside("src/cli/serve.rs", "use anyhow::Result;").is_empty());
+    assert!(anyhow_stays_outside("src/cli/service/serve.rs", "use anyhow::Result;").is_empty());
     keep("src", anyhow_stays_outside);
 }
 
@@ -427,7 +427,7 @@ fn nothing_but_the_catalogue_lists_effects() {
         name.starts_with("src/core/effects/")
             // Its own, independent definitions; stories that are told with some; the words.
             || name.starts_with("src/simulate/")
-            || name == "src/cli/demo/campaigns.rs"
+            || name == "src/cli/service/demo/campaigns.rs"
             // The two readings of one number, in a record: the physics of this pair and of no other.
             || name == "src/core/diagnose/record_closure.rs"
             // The rotations that a station states an uncertainty of, and what they do: the columns of their effects.
@@ -470,10 +470,12 @@ fn no_file_names_a_path_of_somebodys_machine() {
 
 #[test]
 fn every_subcommand_file_is_wired_in() {
-    let frame = fs::read_to_string(root().join("src/cli/mod.rs")).unwrap();
-    for path in files_below(&root().join("src/cli")) {
-        let name = path.strip_prefix(root().join("src/cli")).unwrap().with_extension("").display().to_string();
-        let part_of_another = name.contains('/') || name == "mod";
-        assert!(part_of_another || frame.contains(&format!("mod {name};")), "src/cli/{name}.rs is not compiled");
+    for folder in ["src/cli", "src/cli/service"].map(|folder| root().join(folder)) {
+        let frame = fs::read_to_string(folder.join("mod.rs")).unwrap();
+        for path in files_below(&folder) {
+            let name = path.strip_prefix(&folder).unwrap().with_extension("").display().to_string();
+            let part_of_another = name.contains('/') || name == "mod";
+            assert!(part_of_another || frame.contains(&format!("mod {name};")), "{} is not compiled", path.display());
+        }
     }
 }

@@ -193,7 +193,7 @@ mod tests {
             format!("| {} | `{}` | {role} |\n", rule.method, rule.path)
         });
         let expected: String = rows.collect();
-        let (_, documented) = include_str!("../../docs/routes.md").split_once("|---|---|---|\n").unwrap();
+        let (_, documented) = include_str!("../../../docs/routes.md").split_once("|---|---|---|\n").unwrap();
         assert!(documented == expected, "docs/routes.md has to say\n{expected}");
     }
 }

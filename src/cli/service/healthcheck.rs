@@ -7,7 +7,7 @@ use std::time::Duration;
 use anyhow::{Context, ensure};
 use clap::Args;
 
-use super::block_on;
+use crate::cli::common::block_on;
 use crate::config::{Config, Server};
 use crate::system;
 

@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 
-use super::common::positive;
-use super::{Usage, document, experiment, hypothesis, model};
+use super::{experiment, hypothesis, model};
+use crate::cli::common::Usage;
+use crate::cli::common::positive;
+use crate::cli::document;
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;

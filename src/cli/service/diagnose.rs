@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use super::document::{self, Format, table};
 use super::predict::against_model;
 use super::{diagnose_all, diagnose_gyro, diagnose_record, hypothesis, model, settings};
+use crate::cli::document::{self, Format, table};
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, may_be_split, split};

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use super::document::{self, Format, table};
 use super::separate::{BENCH_RESULT, Method, drift_and_mounting, figure};
 use super::{model, settings};
+use crate::cli::document::{self, Format, table};
 use crate::config::Config;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::calibrate::repeats_between::repeated;

@@ -6,7 +6,7 @@ use anyhow::Context;
 use clap::Args;
 
 use super::backup::in_words;
-use super::block_on;
+use crate::cli::common::block_on;
 use crate::config::Config;
 use crate::store;
 

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::document::table;
+use crate::cli::document::table;
 use crate::experiment::{Comparison, HEADLINE, compare_many};
 
 /// Runs `count` experiments and prints the ranges of Table 5 by both methods, or every result as CSV.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::document;
+use crate::cli::document;
 use crate::config::Config;
 
 /// Check the configuration and print what is in force, as one file

@@ -11,8 +11,8 @@ use bytes::Bytes;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::de::DeserializeOwned;
 
-use super::client::{Connection, JSON, Sent, Service, Trouble};
-use super::document::{Format, table};
+use crate::cli::client::{Connection, JSON, Sent, Service, Trouble};
+use crate::cli::document::{Format, table};
 use crate::wire::diagnoses::{CoverageBody, DoubtBody, FindingBody, JobDetailBody, SummaryBody, WhichBody};
 
 /// How often progress is asked for.
@@ -82,7 +82,7 @@ impl Fleet {
 
 pub fn run(fleet: &Fleet, format: Format) -> anyhow::Result<()> {
     let service = fleet.service()?;
-    super::block_on(all(fleet, &service, format))
+    crate::cli::common::block_on(all(fleet, &service, format))
 }
 
 async fn all(fleet: &Fleet, service: &Service, format: Format) -> anyhow::Result<()> {

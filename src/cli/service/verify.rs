@@ -6,7 +6,8 @@ use std::sync::Arc;
 use anyhow::{Context, bail};
 use clap::Args;
 
-use super::{block_on, document};
+use crate::cli::common::block_on;
+use crate::cli::document;
 use crate::config::Config;
 use crate::pipeline::{Pipeline, Verified};
 use crate::store;

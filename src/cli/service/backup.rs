@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 
-use super::block_on;
+use crate::cli::common::block_on;
 use crate::config::Config;
 use crate::store::{self, Holdings};
 

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use anyhow::{Context, anyhow, bail};
 use comfy_table::Table;
 
-use super::document::{self, Format, table};
 use super::settings;
+use crate::cli::document::{self, Format, table};
 use crate::config::Judging;
 use crate::core::judge::{State, Verdict};
 use crate::core::record::{GyroParameters, Record};

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 
-use super::document::{self, Format, table};
 use super::{model, settings};
+use crate::cli::document::{self, Format, table};
 use crate::core::campaign::Campaign;
 use crate::core::imu_model::{Identified, changed, compare, forecast, ladder, most_telling, promised};
 use crate::core::judge::Limits;

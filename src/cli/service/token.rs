@@ -6,8 +6,9 @@ use std::path::PathBuf;
 use anyhow::{anyhow, bail};
 use clap::{Args, Subcommand};
 
-use super::common::instant;
-use super::{block_on, document};
+use crate::cli::common::block_on;
+use crate::cli::common::instant;
+use crate::cli::document;
 use crate::config::Config;
 use crate::core::access::Role;
 use crate::core::fault::Faults;

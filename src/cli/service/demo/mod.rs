@@ -13,8 +13,8 @@ use bytes::Bytes;
 use clap::Args;
 use indicatif::ProgressBar;
 
-use super::client::{JSON, Sent, Service};
 use super::serve;
+use crate::cli::client::{JSON, Sent, Service};
 use happening::Happening;
 
 use crate::config::Config;

@@ -1,11 +1,37 @@
 //! The subcommands that a station's agent goes without: they need the service or its configuration.
 
-use clap::Subcommand;
+mod backup;
+mod blindcheck;
+mod blindcheck_history;
+mod blindcheck_service;
+mod calibrate;
+mod config;
+mod copy;
+mod demo;
+mod diagnose;
+mod diagnose_all;
+mod diagnose_gyro;
+mod diagnose_record;
+mod experiment;
+mod export;
+mod fleet_noise;
+mod gap;
+mod healthcheck;
+mod hypothesis;
+mod model;
+mod model_fit;
+mod notify;
+mod predict;
+mod restore;
+mod separate;
+mod serve;
+mod settings;
+mod simulate;
+mod tallies;
+mod token;
+mod verify;
 
-use super::{
-    backup, blindcheck, calibrate, config, copy, demo, diagnose, export, fleet_noise, gap, healthcheck, model_fit,
-    predict, restore, separate, serve, simulate, token, verify,
-};
+use clap::Subcommand;
 
 #[derive(Debug, Subcommand)]
 pub enum Command {

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 
-use super::document::{self, Format, table};
 use super::{hypothesis, model, settings};
+use crate::cli::document::{self, Format, table};
 use crate::core::augmented::{Adopted, AugmentedModel};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::Verdict;

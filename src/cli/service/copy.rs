@@ -4,7 +4,8 @@ use anyhow::{Context, bail};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{block_on, document};
+use crate::cli::common::block_on;
+use crate::cli::document;
 use crate::config::Config;
 use crate::store::{self, Copied, Options};
 

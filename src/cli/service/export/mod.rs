@@ -17,8 +17,8 @@ use self::columns::Row;
 use self::csv::Csv;
 #[cfg(feature = "parquet")]
 use self::parquet::Parquet;
-use super::common::instant;
-use super::{Usage, block_on};
+use crate::cli::common::instant;
+use crate::cli::common::{Usage, block_on};
 use crate::config::Config;
 use crate::core::figures::Figures;
 use crate::core::time::Span;

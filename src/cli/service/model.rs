@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use super::document;
+use crate::cli::document;
 use crate::core::augmented::AugmentedModel;
 use crate::core::model::Terms;
 use crate::wire::campaign::terms_from_names;

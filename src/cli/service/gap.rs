@@ -6,10 +6,10 @@ use anyhow::Context;
 use clap::Args;
 use serde::Serialize;
 
-use super::client::Connection;
-use super::document::{self, Format, table};
 use super::predict::{NOTHING_TO_CLOSE, identified, measured, state};
-use super::{Usage, block_on};
+use crate::cli::client::Connection;
+use crate::cli::common::{Usage, block_on};
+use crate::cli::document::{self, Format, table};
 use crate::core::imu_model::{compare, ladder};
 use crate::core::judge::Limits;
 use crate::wire::forecast::{ClosingBody, ComparedBody, ForecastBody, ForecastPointBody, ForecastSeriesBody, RungBody};

@@ -3,14 +3,14 @@
 use anyhow::Context;
 
 use super::diagnose_all::Fleet;
-use super::document::{Format, table};
+use crate::cli::document::{Format, table};
 use crate::wire::history::{CoefficientBody, HistoryDiagnosisBody};
 use crate::wire::text::encoded;
 
 pub fn run(serial: &str, fleet: &Fleet, format: Format) -> anyhow::Result<()> {
     let service = fleet.service()?;
     let route = format!("/v1/gyros/{}/diagnosis", encoded(serial));
-    let answer = super::block_on(async { service.get(&route).await })?;
+    let answer = crate::cli::common::block_on(async { service.get(&route).await })?;
     let answer: HistoryDiagnosisBody = serde_json::from_value(answer).context("the answer is not one of gyrowatch")?;
     format.show(&answer, || tables(&answer))
 }

@@ -1,7 +1,7 @@
 //! `diagnose RECORD`: what the closure of a calibration record says, where there are no dwells to ask.
 
-use super::document::{Format, table};
 use super::settings;
+use crate::cli::document::{Format, table};
 use crate::core::diagnose::closures;
 use crate::core::separate::{separate, stated_covariance};
 use crate::wire::closure::ClosureBody;

@@ -10,10 +10,10 @@ use serde_json::json;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 
-use super::client::{JSON, Sent, Service};
 use crate::blindcheck::history::draw::Fleet;
 use crate::blindcheck::history::score::Answers;
 use crate::blindcheck::history::sent::{records, serial};
+use crate::cli::client::{JSON, Sent, Service};
 use crate::config::Config;
 use crate::core::judge::Mark;
 use crate::http::{self, App};

@@ -6,12 +6,12 @@ use anyhow::{Context, Error, bail};
 use clap::Args;
 
 use super::blindcheck_service::ask;
-use super::document::{Format, print, print_json, table};
 use super::tallies::{figures, percent, progress};
 use crate::blindcheck::history::draw::{Fleet, Kind};
 use crate::blindcheck::history::report::{Report, Row};
 use crate::blindcheck::history::run;
 use crate::blindcheck::history::speed::{Speed, measure};
+use crate::cli::document::{Format, print, print_json, table};
 
 /// Draw fleets with a hidden cause, send each to a service of its own, score what it answers of every gyro
 ///

@@ -8,8 +8,6 @@ use anyhow::{Context, bail};
 use clap::Args;
 use comfy_table::Table;
 
-use super::common::positive;
-use super::document::{Format, table, write, write_all};
 use super::hypothesis;
 use super::tallies::{figures, percent, progress};
 use crate::blindcheck;
@@ -22,6 +20,8 @@ use crate::blindcheck::run::{Foreign, drawn, file_name, foreign, key, key_text};
 use crate::blindcheck::score::Score;
 use crate::blindcheck::seal;
 use crate::blindcheck::tally::Tally;
+use crate::cli::common::positive;
+use crate::cli::document::{Format, table, write, write_all};
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::diagnose::diagnose;
 use crate::core::effects::Effect;

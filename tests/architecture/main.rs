@@ -320,14 +320,14 @@ fn spread_types(house: &House) -> Vec<String> {
 const KNOW_THE_STORE: [&str; 10] = [
     "pipeline/",
     "config/mod.rs",
-    "cli/serve.rs",
-    "cli/backup.rs",
-    "cli/copy.rs",
-    "cli/export/mod.rs",
-    "cli/fleet_noise.rs",
-    "cli/restore.rs",
-    "cli/token.rs",
-    "cli/verify.rs",
+    "cli/service/serve.rs",
+    "cli/service/backup.rs",
+    "cli/service/copy.rs",
+    "cli/service/export/mod.rs",
+    "cli/service/fleet_noise.rs",
+    "cli/service/restore.rs",
+    "cli/service/token.rs",
+    "cli/service/verify.rs",
 ];
 
 fn takes_from_the_store(house: &House) -> Vec<String> {
@@ -359,7 +359,7 @@ fn nothing_but_the_pipeline_and_whoever_keeps_the_database_takes_from_the_store(
     let broken = [
         ("pages/a.rs", "use crate::pipeline::{Row, store};\nfn f(row: &Row) { store::g() }"),
         ("pipeline/mod.rs", "pub use crate::store;\npub use crate::store::Row;"),
-        ("cli/copy.rs", "use crate::store::Row;"),
+        ("cli/service/copy.rs", "use crate::store::Row;"),
         ("http.rs", "use crate::store::{open, Kept};"),
         ("store/mod.rs", "mod open;\npub use open::{open, Kept};\npub struct Row;\npub fn g() {}"),
         ("store/open.rs", "pub struct Kept;\npub fn open() {}"),

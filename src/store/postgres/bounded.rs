@@ -80,9 +80,10 @@ impl PgReaders {
         silence: LastSilence,
     ) -> Result<Self, sqlx::Error> {
         let (lent, released) = (silence.clone(), silence.clone());
-        let options = options.before_acquire(move |_, its| {
+        // The pool's own test asks a connection before anything else, and so each silent one in turn.
+        let options = options.test_before_acquire(false).before_acquire(move |connection, its| {
             let answers = lent.is_before(its.age);
-            Box::pin(async move { Ok(answers) })
+            Box::pin(async move { Ok(answers && connection.ping().await.is_ok()) })
         });
         // A connection on which a question was given up is closed, not handed to the next.
         let options = options.after_release(move |connection, its| {

@@ -11,6 +11,7 @@ use axum::response::{IntoResponse, Response};
 use futures::FutureExt;
 
 use super::access::{self, Gate};
+use super::gzip::unpacked;
 use super::metrics::Counted;
 use super::problem;
 use crate::cookies;
@@ -37,7 +38,7 @@ async fn passed(gate: Gate, request: Request, next: Next) -> Response {
         return doubt;
     }
     let longest_body = gate.app.config.server.max_body_bytes;
-    answered(counted, longest_body, access::admit(&gate, request, next)).await
+    answered(counted, longest_body, access::admit(&gate, unpacked(request), next)).await
 }
 
 /// A panic, of the admission as of a handler, is answered and counted like any other failure; the connection would

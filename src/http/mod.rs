@@ -24,6 +24,7 @@ mod events;
 mod examples;
 mod gyro_diagnosis;
 mod gyros;
+mod gzip;
 mod health;
 mod hooks;
 mod hypotheses;
@@ -58,7 +59,6 @@ use axum::http::StatusCode;
 use axum::middleware::from_fn_with_state;
 use tower::ServiceBuilder;
 use tower_http::compression::CompressionLayer;
-use tower_http::decompression::RequestDecompressionLayer;
 use tower_http::timeout::{RequestBodyTimeoutLayer, TimeoutLayer};
 use utoipa_axum::routes;
 
@@ -80,9 +80,7 @@ pub fn router(app: App, pages: Routes) -> Router {
             .layer(CompressionLayer::new())
             .layer(from_fn_with_state(gate, middleware::pass))
             .layer(RequestBodyTimeoutLayer::new(Duration::from_secs_f64(server.body_timeout_s)))
-            // Another coding than gzip is passed through: the handlers say what they accept. The limit is over what was
-            // unpacked.
-            .layer(RequestDecompressionLayer::new().pass_through_unaccepted(true))
+            // The limit is over what was unpacked.
             .layer(DefaultBodyLimit::max(server.max_body_bytes)),
     )
 }

@@ -77,6 +77,11 @@ async fn serve(stream: TcpStream, mails: Arc<Mutex<Vec<String>>>, refused: Arc<M
                     "250 taken"
                 }
             }
+            "RCPT" if line.contains("gone@") => "550 no such user",
+            "RSET" => {
+                mail.clear();
+                "250 ok"
+            }
             "QUIT" => "221 bye",
             _ => {
                 mail.push_str(&line);
@@ -125,26 +130,53 @@ async fn an_alert_is_mailed_to_every_recipient_after_the_server_refused_it_once(
     let id = made.json()["id"].as_str().unwrap().to_owned();
     let test = server.post_json(&format!("/v1/hooks/{id}/test"), &json!({})).await;
     assert!(test.status < 300, "{}", test.text());
-    let test = &mail.received(1).await[0];
+    let test = &mail.received(2).await[0];
     assert!(test.contains("Subject: Test of the hook email"), "{test}");
 
+    // The first recipient's mail is refused for now: everybody's is sent again.
     *mail.refused.lock().unwrap() = 1;
     violates(&server).await;
-    let alert = &mail.received(2).await[1];
-    for part in [
-        "MAIL FROM:<gyrowatch@lab.example>",
-        "RCPT TO:<wei.li@lab.example>",
-        "RCPT TO:<weber@lab.example>",
-        "Message-ID: <",
-        "https://gyros.example/gyros/",
-        "D_I",
-    ] {
-        assert!(alert.contains(part), "{part} in {alert}");
+    let mails = mail.received(5).await;
+    for recipient in ["RCPT TO:<wei.li@lab.example>", "RCPT TO:<weber@lab.example>"] {
+        let alert = mails[2..].iter().find(|mail| mail.contains(recipient)).unwrap();
+        for part in ["MAIL FROM:<gyrowatch@lab.example>", "Message-ID: <", "https://gyros.example/gyros/", "D_I"] {
+            assert!(alert.contains(part), "{part} in {alert}");
+        }
     }
     let deliveries = server.get(&format!("/v1/hooks/{id}/deliveries")).await.json();
     let states: Vec<&str> =
         deliveries["deliveries"].as_array().unwrap().iter().map(|one| one["state"].as_str().unwrap()).collect();
     assert!(states.contains(&"delivered"), "{deliveries}");
+}
+
+#[tokio::test]
+async fn a_recipient_whom_the_server_does_not_know_keeps_the_mail_from_nobody_else() {
+    let mail = MailServer::start().await;
+    let server = with(&mail).await;
+    let hook = async |url: &str| {
+        let made = server.post_json("/v1/hooks", &json!({ "kind": "email", "url": url, "name": url })).await;
+        assert_eq!(made.status, 201, "{}", made.text());
+        made.json()["id"].as_str().unwrap().to_owned()
+    };
+    let ended = async |id: &str| {
+        assert!(server.post_json(&format!("/v1/hooks/{id}/test"), &json!({})).await.status < 300);
+        let began = Instant::now();
+        loop {
+            let listed = server.get(&format!("/v1/hooks/{id}/deliveries")).await.json();
+            let one = listed["deliveries"][0].clone();
+            if ["delivered", "dead"].contains(&one["state"].as_str().unwrap_or_default()) {
+                return one;
+            }
+            assert!(began.elapsed() < Duration::from_secs(20), "{listed}");
+            tokio::time::sleep(Duration::from_millis(50)).await;
+        }
+    };
+    let both = hook("mailto:gone@lab.example,weber@lab.example").await;
+    assert_eq!(ended(&both).await["state"], "delivered");
+    assert!(mail.received(1).await[0].contains("RCPT TO:<weber@lab.example>"));
+    let alone = hook("mailto:gone@lab.example").await;
+    let dead = ended(&alone).await;
+    assert!(dead["state"] == "dead" && dead.to_string().contains("gone@lab.example"), "{dead}");
 }
 
 #[tokio::test]

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use lettre::address::Envelope;
 use lettre::message::header::ContentType;
 use lettre::message::{Mailbox, Mailboxes};
 use lettre::transport::smtp::client::{Certificate, Tls, TlsParameters};
@@ -52,10 +53,11 @@ impl Mailer {
         Ok(Self { transport: builder.timeout(Some(timeout)).build(), from })
     }
 
-    /// Hands one message over. Its `Message-ID` is the same at every attempt, so that a repetition is recognised.
+    /// Hands one message over, for each recipient by itself: one whom the server refuses for good keeps it from nobody
+    /// else. Its `Message-ID` is the same at every attempt, so that a repetition is recognised.
     ///
     /// # Errors
-    /// What the server, or the way to it, said.
+    /// What the server, or the way to it, said: of any recipient who may still get it, or of all.
     pub async fn send(&self, to: Mailboxes, id: &str, payload: &Payload) -> Result<u16, Message> {
         let said = String::from_utf8_lossy(&payload.body);
         let (subject, body) = said.split_once("\n\n").unwrap_or((&said, ""));
@@ -67,10 +69,28 @@ impl Mailer {
         for recipient in to {
             mail = mail.to(recipient);
         }
-        let unsendable = |error: &dyn std::error::Error| message!("mail_failed", why = text(error));
-        let mail = mail.body(body.to_owned()).map_err(|error| unsendable(&error))?;
-        let answer = self.transport.send(mail).await.map_err(|error| unsendable(&error))?;
-        Ok(answer.code().into())
+        let unsendable = |why: &str| message!("mail_failed", why = text(why));
+        let mail = mail.body(body.to_owned()).map_err(|error| unsendable(&error.to_string()))?;
+        let (envelope, mail) = (mail.envelope(), mail.formatted());
+        let (mut accepted, mut refused, mut later) = (None, Vec::new(), Vec::new());
+        for recipient in envelope.to() {
+            let alone = Envelope::new(envelope.from().cloned(), vec![recipient.clone()])
+                .map_err(|error| unsendable(&error.to_string()))?;
+            match self.transport.send_raw(&alone, &mail).await {
+                Ok(answer) => accepted = Some(answer.code().into()),
+                Err(error) => {
+                    let list = if error.is_permanent() { &mut refused } else { &mut later };
+                    list.push(format!("{recipient}: {error}"));
+                }
+            }
+        }
+        match accepted {
+            Some(code) if later.is_empty() => {
+                refused.iter().for_each(|why| tracing::warn!(id, %why, "a recipient of an alert was refused"));
+                Ok(code)
+            }
+            _ => Err(unsendable(&later.into_iter().chain(refused).collect::<Vec<_>>().join("; "))),
+        }
     }
 }
 

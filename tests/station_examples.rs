@@ -85,6 +85,22 @@ async fn a_wrong_campaign_is_revised_from_csv_and_voided_by_commands() {
     assert_eq!(answer["state"], "voided");
     let (voided, said) = command(&[&["void", "r999"][..], &who[..]].concat());
     assert!(!voided && said.contains("404"), "{said}");
+    // A record from a table; of two, neither.
+    template("record", "csv", &at("record.csv"));
+    assert!(command(&["import", "record.csv"]).0);
+    let text = std::fs::read_to_string(at("record.csv")).unwrap().replace("45.0", "45.5");
+    std::fs::write(at("record.csv"), &text).unwrap();
+    let (revised, said) = command(&[&["revise", "record.csv"][..], &who[..]].concat());
+    assert!(revised && said.contains("stands in the place of"), "{said}");
+    let rows = text.lines().filter(|line| line.starts_with("IMU-07"));
+    let other: String = rows.map(|row| row.replace("2026-03-08", "2026-03-09") + "\n").collect();
+    std::fs::write(at("two.csv"), text.clone() + &other).unwrap();
+    let (revised, said) = command(&[&["revise", "two.csv"][..], &who[..]].concat());
+    assert!(!revised && said.contains("holds 2 documents"), "{said}");
+    // What is wrong with it is said in words.
+    std::fs::write(at("wrong.csv"), "# imu: IMU-08\nphase;start_s\nstatic;0\n").unwrap();
+    let (revised, said) = command(&[&["revise", "wrong.csv"][..], &who[..]].concat());
+    assert!(!revised && !said.contains("at_line") && !said.contains("fault:"), "{said}");
 }
 
 #[test]

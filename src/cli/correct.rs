@@ -7,9 +7,9 @@ use bytes::Bytes;
 use serde_json::{Value, json};
 
 use super::client::{Connection, JSON, Sent, Service, Trouble};
+use super::import::source;
 use super::{block_on, document, faults};
 use crate::wire::campaign_csv::parse_csv_as_sent;
-use crate::wire::document::{DocumentKind, is_csv};
 use crate::wire::problem::ProblemBody;
 use crate::words;
 
@@ -31,7 +31,7 @@ pub struct Void {
 /// Without --of it takes the place of what is stored for the same IMU and time.
 #[derive(Debug, clap::Args)]
 pub struct Revise {
-    /// The right one, in JSON, CSV or xlsx
+    /// The right one alone: a record or a campaign in JSON, CSV or xlsx
     file: PathBuf,
 
     /// Identifier of the wrong one
@@ -114,7 +114,7 @@ pub(super) async fn replace(
 ) -> Result<Result<String, String>, Trouble> {
     let (kind, member, new) = match read(bytes) {
         Ok(read) => read,
-        Err(error) => return Ok(Err(format!("{error:#}"))),
+        Err(why) => return Ok(Err(why)),
     };
     let id = match of {
         Some(id) => id.to_owned(),
@@ -140,19 +140,20 @@ pub(super) async fn replace(
     })
 }
 
-/// Where a document belongs, what a revision calls it, and the document as JSON.
-fn read(bytes: &[u8]) -> anyhow::Result<(&'static str, &'static str, Value)> {
-    if is_csv(bytes) {
-        let (body, _) = parse_csv_as_sent(bytes)?;
-        return Ok(("campaigns", "campaign", serde_json::to_value(&body)?));
-    }
-    let document = serde_json::from_slice(bytes)?;
-    if DocumentKind::is_campaign(bytes) {
-        Ok(("campaigns", "campaign", document))
-    } else if DocumentKind::is_record(bytes) {
-        Ok(("records", "record", document))
+/// Where a document belongs, what a revision calls it, and the document as JSON; or why there is none.
+fn read(bytes: &[u8]) -> Result<(&'static str, &'static str, Value), String> {
+    let document = source::single(bytes.to_vec()).map_err(|unreadable| unreadable.why)?;
+    let new = if document.content_type == JSON {
+        serde_json::from_slice(&document.body).map_err(|error| format!("is not JSON: {error}"))?
     } else {
-        bail!("is neither a record nor a campaign; a bench result is voided, and the right one is sent")
+        let (campaign, _) =
+            parse_csv_as_sent(&document.body).map_err(|found| faults::in_words(&found.0, words::asked()))?;
+        json!(campaign)
+    };
+    match document.route {
+        "/v1/campaigns" => Ok(("campaigns", "campaign", new)),
+        "/v1/records" => Ok(("records", "record", new)),
+        _ => Err("is a bench result: void the wrong one, and send the right one".to_owned()),
     }
 }
 

@@ -126,7 +126,8 @@ mod tests {
     fn a_nested_message_has_its_words_beside_it() {
         let said = message!("at_line", line = 7_usize, fault = message!("not_utf8_text"));
         let body = serde_json::to_value(MessageBody::of(&said, Language::English)).unwrap();
-        let fault = json!({ "code": "not_utf8_text", "parameters": {}, "text": "not UTF-8 text" });
+        let words = Language::English.words(&message!("not_utf8_text"));
+        let fault = json!({ "code": "not_utf8_text", "parameters": {}, "text": words });
         assert_eq!(body, json!({ "code": "at_line", "parameters": { "line": 7, "fault": fault } }));
     }
 }

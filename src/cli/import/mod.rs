@@ -8,7 +8,7 @@ mod folder;
 mod gist;
 mod revise;
 mod send;
-mod source;
+pub(super) mod source;
 mod watch;
 
 #[cfg(test)]

@@ -12,7 +12,9 @@ use super::source::MAX_DOCUMENT_BYTES;
 use crate::cli::client::Service;
 use crate::cli::correct::{Said, replace};
 use crate::logs::sheet::readable;
+use crate::logs::text::{decoded, of_utf16};
 use crate::system::Clock;
+use crate::wire::file_kind::{FileKind, file_kind};
 use crate::words;
 
 pub const REVISE: &str = "revise";
@@ -45,7 +47,7 @@ pub async fn deliver(dir: &Dir, name: &OsStr, settle: Duration, service: &Servic
         let changed = dir.stamp(name).and_then(|(_, changed)| changed);
         changed.and_then(|at| now.duration_since(at).ok()).is_some_and(|age| age >= settle)
     };
-    let Some((author, reason)) = remark(&String::from_utf8_lossy(&said)) else {
+    let Some((author, reason)) = remark(&as_typed(&said)) else {
         return Ok(Some(Fate::Asked { now: false }));
     };
     if !still(name) || !still(&why) {
@@ -80,6 +82,14 @@ fn text(dir: &Dir, name: &OsStr) -> std::io::Result<Option<Vec<u8>>> {
     Ok(Some(bytes))
 }
 
+/// The text that somebody typed into an editor of Windows or another.
+fn as_typed(bytes: &[u8]) -> String {
+    match file_kind(bytes) {
+        Ok(FileKind::Utf16 { big_endian }) => of_utf16(bytes, big_endian),
+        _ => decoded(bytes),
+    }
+}
+
 /// Author and reason; none where one is not said.
 fn remark(text: &str) -> Option<(String, String)> {
     let value = |key: &str| {
@@ -102,5 +112,16 @@ mod tests {
         assert_eq!(remark("author: Li Wei\r\nReason: wrong latitude: 34\r\n"), both);
         assert_eq!(remark(ASKED), None);
         assert_eq!(remark("author: Li Wei\n"), None);
+    }
+
+    #[test]
+    fn who_and_why_are_read_as_notepad_saves_them() {
+        const TYPED: &str = "author: 李伟\r\nreason: 纬度错误\r\n";
+        let said = Some(("李伟".to_owned(), "纬度错误".to_owned()));
+        let gbk = encoding_rs::GBK.encode(TYPED).0;
+        let little: Vec<u8> = [0xfeff].into_iter().chain(TYPED.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+        for bytes in [TYPED.as_bytes(), &gbk, &little] {
+            assert_eq!(remark(&as_typed(bytes)), said);
+        }
     }
 }

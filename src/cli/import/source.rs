@@ -106,6 +106,21 @@ fn read(
     Ok(classify(head, map, patience))
 }
 
+/// The one document that a file holds.
+pub fn single(text: Vec<u8>) -> Result<Document, Unreadable> {
+    match classify(text, &TableMap::default(), Patience::TakesAsItIs)? {
+        Content::One(document) => Ok(document),
+        Content::Members(mut all) | Content::Table(mut all, _) => match (all.pop(), all.len()) {
+            (Some((_, body)), 0) => Ok(Document { route: route_of(&body)?, content_type: JSON, body }),
+            (_, others) => {
+                let why = format!("holds {} documents: take one at a time, in a file of its own", others + 1);
+                Err(unreadable(&why, false))
+            }
+        },
+        Content::Lines(_) => Err(unreadable("holds a document a line: take one at a time", false)),
+    }
+}
+
 /// Like `read_until`, but a line without end cannot fill the memory.
 pub fn read_line(reader: &mut (impl BufRead + ?Sized), line: &mut Vec<u8>) -> std::io::Result<usize> {
     reader.take(MAX_DOCUMENT_BYTES).read_until(b'\n', line)

@@ -4,6 +4,8 @@ use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use rust_xlsxwriter::{Format, Workbook};
 
 use super::{Usage, document};
@@ -86,7 +88,9 @@ impl Template {
             (Of::Programme, As::Xlsx) => return self.sheet(&programme()),
             (Of::Map, As::Toml) => MAP.to_owned(),
             (of, wanted) => {
-                return Err(Usage(format!("there is no {of:?} as {wanted:?}: see `gyrowatch template --help`")).into());
+                let name = |value: Option<PossibleValue>| value.map_or_else(String::new, |v| v.get_name().to_owned());
+                let (of, wanted) = (name(of.to_possible_value()), name(wanted.to_possible_value()));
+                return Err(Usage(format!("there is no {of} as {wanted}: see `gyrowatch template --help`")).into());
             }
         };
         match &self.out {

@@ -3,18 +3,29 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
+use serde_json::Value;
+
 use crate::core::campaign::Campaign;
 use crate::wire::campaign::{CampaignBody, DwellBody};
 use crate::wire::numbers::Numbers;
 
-/// The campaign as CSV that [`super::parse_csv`] reads back: head matter in JSON values, then one row a dwell.
+/// The campaign as CSV that [`super::parse_csv`] reads back: head matter by lines, then one row a dwell.
 pub fn to_csv(campaign: &Campaign) -> String {
     let body = CampaignBody::from(campaign);
     let mut text = String::new();
     let head = serde_json::to_value(&body).expect("strings and finite numbers always serialise");
+    let mut line = |key: &str, value: &str| writeln!(text, "# {key}: {value}").expect("a string takes everything");
     for (key, value) in head.as_object().into_iter().flatten().filter(|(key, _)| *key != "dwells") {
-        let value = value.as_str().filter(|s| is_plain(s)).map_or_else(|| value.to_string(), str::to_owned);
-        writeln!(text, "# {key}: {value}").expect("a string takes everything");
+        match value {
+            Value::String(words) if is_plain(words) => line(key, words),
+            Value::Object(site) if key == "site" => {
+                site.iter().for_each(|(name, value)| line(&format!("site.{name}"), &value.to_string()));
+            }
+            Value::Array(gyros) if key == "gyros" => {
+                line(key, &in_words(gyros).unwrap_or_else(|| value.to_string()));
+            }
+            _ => line(key, &value.to_string()),
+        }
     }
     // Whichever dwell states most has all the columns; the others leave cells empty.
     let mut names: Vec<String> = Vec::new();
@@ -32,6 +43,16 @@ pub fn to_csv(campaign: &Campaign) -> String {
         text.push('\n');
     }
     text
+}
+
+/// Gyros as `G1 LFG-0101, G2 LFG-0102`, where each is its slot and a serial number that such a list can hold.
+fn in_words(gyros: &[Value]) -> Option<String> {
+    let one = |gyro: &Value| {
+        let (slot, serial) = (gyro["slot"].as_str()?, gyro["serial"].as_str()?);
+        let is_word = serial.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c));
+        (is_word && gyro.as_object()?.len() == 2).then(|| format!("{slot} {serial}"))
+    };
+    Some(gyros.iter().map(one).collect::<Option<Vec<_>>>()?.join(", "))
 }
 
 /// Whether a head value can stand without quotes: one line that is not taken for JSON or padding.

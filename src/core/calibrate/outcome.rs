@@ -68,10 +68,10 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
 fn as_measured(campaign: &Campaign, terms: Terms, model: &Options, limits: &Plausibility) -> Option<AsMeasured> {
     model.reference_c?;
     model.adopted.iter().find(|adopted| adopted.effect.entry().of_temperature)?;
-    let filled = Temperatures::of(campaign).filled?;
+    let stated = Temperatures::stated(campaign)?;
     let own = calibrate_at_station(campaign, terms, model, None);
     Some(AsMeasured {
-        temperature_c: filled.iter().sum::<f64>() / filled.len() as f64,
+        temperature_c: stated.iter().sum::<f64>() / stated.len() as f64,
         separations: own.separate(&campaign.geometry, limits),
     })
 }

@@ -46,6 +46,12 @@ impl Temperatures {
         let median = median_of(known.iter().copied().flatten()).unwrap_or(0.0);
         Self { filled: filled(&times, &known), outliers, median }
     }
+
+    /// By dwell, deg C; of the whole campaign where its dwells state none. What varies within it is not to be had then.
+    pub fn stated(campaign: &Campaign) -> Option<Vec<f64>> {
+        let of_all = || campaign.temperature_c.map(|t| vec![t; campaign.dwells.len()]);
+        Self::of(campaign).filled.or_else(of_all)
+    }
 }
 
 fn outliers(stated: &[Option<f64>]) -> Vec<(usize, f64)> {

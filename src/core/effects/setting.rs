@@ -94,8 +94,8 @@ impl Setting {
 
     /// The same with temperatures counted from `reference_c`, deg C, and not from the campaign's mean.
     pub fn referred_to(mut self, campaign: &Campaign, reference_c: Option<f64>) -> Self {
-        if let (Some(reference), Some(filled)) = (reference_c, Temperatures::of(campaign).filled) {
-            self.temperature = Some(filled.into_iter().map(|t| t - reference).collect());
+        if let (Some(reference), Some(stated)) = (reference_c, Temperatures::stated(campaign)) {
+            self.temperature = Some(stated.into_iter().map(|t| t - reference).collect());
         }
         self
     }

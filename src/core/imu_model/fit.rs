@@ -166,7 +166,7 @@ pub fn of_one_imu(campaigns: &[&Campaign]) -> Result<(), NotIdentified> {
 }
 
 fn mean_temperature(samples: &[Sample]) -> Option<f64> {
-    let known: Vec<f64> = samples.iter().filter_map(|s| Temperatures::of(s.campaign).filled).flatten().collect();
+    let known: Vec<f64> = samples.iter().filter_map(|s| Temperatures::stated(s.campaign)).flatten().collect();
     (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
 }
 
@@ -482,7 +482,7 @@ fn fitted(sample: &Sample) -> FittedCampaign {
 }
 
 fn validity(parts: &[Part]) -> Validity {
-    let temperatures = || parts.iter().filter_map(|p| Temperatures::of(p.sample.campaign).filled).flatten();
+    let temperatures = || parts.iter().filter_map(|p| Temperatures::stated(p.sample.campaign)).flatten();
     let (low, high) = (temperatures().fold(f64::INFINITY, f64::min), temperatures().fold(f64::NEG_INFINITY, f64::max));
     let mut directions: Vec<Vector3<f64>> = Vec::new();
     for force in parts.iter().flat_map(|part| &part.setting.force).filter(|force| force.norm() > 0.0) {

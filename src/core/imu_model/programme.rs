@@ -192,7 +192,7 @@ fn known<'a>(model: &'a Identified, campaign: &Campaign, notes: &mut Vec<Message
 /// Notes what the model's campaigns have not shown; whether they have, dwell by dwell.
 fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &mut Vec<Message>) -> Vec<bool> {
     let mut seen = vec![true; setting.dwells()];
-    if let (Some([low, high]), Some(now)) = (model.validity.temperature_c, Temperatures::of(campaign).filled) {
+    if let (Some([low, high]), Some(now)) = (model.validity.temperature_c, Temperatures::stated(campaign)) {
         let room = WARMER_K + 0.1 * (high - low);
         seen.iter_mut().zip(&now).for_each(|(seen, t)| *seen &= (low - room..=high + room).contains(t));
         let (least, most) = now.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), t| (l.min(*t), m.max(*t)));

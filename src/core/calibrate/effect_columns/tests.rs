@@ -215,4 +215,8 @@ fn what_the_model_knows_better_is_held_and_states_the_bias_at_its_temperature() 
         assert!((value - 0.3).abs() < 1e-8 && (sd - 0.03).abs() < 1e-3, "{value} +- {sd}");
     }
     assert!((bias(&fit(&campaign, Vec::new()), 1).0 - 0.09).abs() < 1e-8, "without it the bias steps");
+    // The same where the temperature is stated of the whole campaign alone.
+    campaign.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None);
+    campaign.temperature_c = Some(mean + 3.0);
+    assert!((bias(&fit(&campaign, known(0.01)), 1).0 - 0.3).abs() < 1e-8, "{:?}", fit(&campaign, known(0.01)).notes);
 }

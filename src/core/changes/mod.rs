@@ -235,8 +235,8 @@ fn place_steps(series: &Series, course: &mut Course) {
     }
 }
 
-/// Weighted squares of what is left of a gyro's records about their level, beside what the stations do, the `k`th part
-/// in another form.
+/// Weighted squares of how what is left of a gyro's records differs from one to the next, beside what the stations do,
+/// the `k`th part in another form. A gyro that ages or steps by itself hardly alters them.
 fn misfit(series: &Series, course: &Course, k: usize, form: StationForm) -> f64 {
     let left = |row: &series::Row| {
         let of_part = |(i, (part, common)): (usize, &(Part, station::Common))| {
@@ -245,9 +245,8 @@ fn misfit(series: &Series, course: &Course, k: usize, form: StationForm) -> f64 
         };
         row.y - course.taken.iter().enumerate().map(of_part).sum::<f64>()
     };
-    let weight: f64 = series.rows.iter().map(|row| 1.0 / row.variance).sum();
-    let mean = series.rows.iter().map(|row| left(row) / row.variance).sum::<f64>() / weight;
-    series.rows.iter().map(|row| (left(row) - mean).powi(2) / row.variance).sum()
+    let pairs = series.rows.windows(2);
+    pairs.map(|pair| (left(&pair[1]) - left(&pair[0])).powi(2) / (pair[0].variance + pair[1].variance)).sum()
 }
 
 /// What the gyro's own records say of a part, beside a level: estimate and standard deviation.

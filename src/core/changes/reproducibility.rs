@@ -18,7 +18,7 @@ use super::series::robust;
 use super::station::{Common, Course, CoursePoint, OF_SCALE, Part, TAKEN};
 
 /// Points of a station's course, at most.
-const POINTS: usize = 24;
+const POINTS: usize = 60;
 /// As [`OF_SCALE`]; successive differences share a record each.
 pub(super) const OF_SUCCESSIVE: f64 = 1.43;
 
@@ -88,7 +88,7 @@ pub struct StationFigures {
 pub struct FleetStations {
     /// By name.
     pub stations: Vec<StationFigures>,
-    /// The station that offsets count from: most records.
+    /// The station that offsets count from: of those that gyros compare with most others, that with most records.
     pub against: Arc<str>,
     /// Spread of the stations' offsets, D_I and D_S.
     pub reproducibility: [Option<Spread>; 2],
@@ -132,12 +132,12 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
             }
         }
     }
-    let against = found.values().max_by_key(|figures| figures.records)?.name.clone();
     let names: Vec<&str> = found.keys().map(|name| &**name).collect();
-    let reference = names.iter().position(|name| **name == *against)?;
+    let records: Vec<usize> = found.values().map(|figures| figures.records).collect();
+    let (reference, compared) = reference(fleet, &names, &records)?;
+    let against = names[reference].into();
     let origin = found.values().map(|figures| figures.first).min()?;
     let gyros: Vec<&GyroHistory> = fleet.iter().collect();
-    let compared = compared(fleet, &names, reference);
     let mut reproducibility = [None; 2];
     let mut stations: Vec<StationFigures> = found.values().cloned().collect();
     for (column, reproducibility) in reproducibility.iter_mut().enumerate() {
@@ -161,6 +161,20 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
         *reproducibility = among(&stations, column);
     }
     Some(FleetStations { stations, against, reproducibility })
+}
+
+/// The station that offsets count from, and which others are compared with it.
+fn reference(fleet: &[GyroHistory], names: &[&str], records: &[usize]) -> Option<(usize, Vec<bool>)> {
+    let mut busiest: Vec<usize> = (0..names.len()).collect();
+    busiest.sort_by_key(|station| records[*station]);
+    let mut groups: Vec<(usize, Vec<bool>)> = Vec::new();
+    for station in busiest.into_iter().rev() {
+        if !groups.iter().any(|(_, compared)| compared[station]) {
+            groups.push((station, compared(fleet, names, station)));
+        }
+    }
+    // Of equals the busiest, which is the last here.
+    groups.into_iter().rev().max_by_key(|(_, compared)| compared.iter().filter(|reached| **reached).count())
 }
 
 /// Stations other than `reference` that gyros compare with it: those of one gyro, and through its stations those of others.

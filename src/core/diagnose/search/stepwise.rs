@@ -181,8 +181,12 @@ impl Search<'_> {
     pub fn run(&self) -> Vec<Choice> {
         let mut found = self.grown(Vec::new());
         if !found.is_empty()
-            && let Some(pair) = self.better_pair(&found)
+            && let Some(pair) = self.better_pair(&found, &[])
         {
+            found = self.grown(pair);
+        }
+        for _ in 0..MOST {
+            let Some(pair) = self.pair_for_a_competitor(&found) else { break };
             found = self.grown(pair);
         }
         let found = self.fewest(self.prune(found));
@@ -254,24 +258,29 @@ impl Search<'_> {
     }
 
     /// Two entries can hide each other, or together pass for a third: each of the stronger contract entries with its
-    /// best companion, against what is held.
-    fn better_pair(&self, held: &[Choice]) -> Option<Vec<Choice>> {
+    /// best companion, beside `beside`, against what is held.
+    fn better_pair(&self, held: &[Choice], beside: &[Choice]) -> Option<Vec<Choice>> {
         let mut best: Option<Vec<Choice>> = None;
         let mut to_beat =
             self.worth(held) - if held.iter().any(Choice::is_competitor) { CONTRACT_FIRST } else { -CLEARLY };
-        let alone = self.scores(&[]);
+        let alone = self.scores(beside);
         let starts = |score: &&Score| score.kind.is_nameable() && score.log_evidence > PAIR_START;
         let mut firsts: Vec<&Score> = alone.iter().filter(starts).collect();
         firsts.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
+        let worth_beside = self.worth(beside);
         for score in firsts.iter().take(PAIR_STARTS) {
             let first = self.choice(score);
-            let Some(second) = self.best_given(std::slice::from_ref(&first), true) else { continue };
-            if first.evidence + second.evidence - 2.0 * PER_CAUSE < to_beat - POLISH {
+            let mut pair = beside.to_vec();
+            pair.push(first);
+            let Some(second) = self.best_given(&pair, true) else { continue };
+            if worth_beside + score.log_evidence + second.evidence - 2.0 * PER_CAUSE < to_beat - POLISH {
                 continue;
             }
-            let mut pair = vec![first, second];
+            pair.push(second);
             self.polish_contract(&mut pair);
-            let each = (0..2).all(|i| self.earned_beside_others(&pair, i) > self.needed(&without(&pair, i)));
+            let named = (0..pair.len()).filter(|&i| !pair[i].is_competitor());
+            let each =
+                named.into_iter().all(|i| self.earned_beside_others(&pair, i) > self.needed(&without(&pair, i)));
             let worth = self.worth(&pair);
             if each && worth > to_beat {
                 to_beat = worth;
@@ -279,6 +288,14 @@ impl Search<'_> {
             }
         }
         best
+    }
+
+    /// A pair of entries that, beside the other choices, explains what a competitor is held for: two laws of one
+    /// variable are a smooth function of it, which leads each of them alone.
+    fn pair_for_a_competitor(&self, held: &[Choice]) -> Option<Vec<Choice>> {
+        let competitors = (0..held.len()).filter(|&i| held.len() < MOST && held[i].is_competitor());
+        let beside = competitors.map(|i| without(held, i)).filter(|beside| !beside.is_empty());
+        beside.into_iter().find_map(|beside| self.better_pair(held, &beside))
     }
 
     /// A contract entry stands for a competitor that is hardly better; that the competitor explains it as well is

@@ -267,12 +267,20 @@ async fn what_is_no_record_at_all_is_refused_in_the_common_form() {
     let mut torn = gzip(&text);
     torn.truncate(torn.len() / 2);
     coded("gzip", torn).await.refused(400);
+    coded("gzip", [gzip(&text), b"junk".to_vec()].concat()).await.refused(400);
     lab.get("/v1/nothing").await.refused(404);
+    let no_text = lab.get("/v1/gyros/%ff").await;
+    no_text.refused(400);
+    assert_eq!(no_text.json()["code"], "path_not_utf8");
     let wrong_method = Answer::of(lab.request(Method::DELETE, "/v1/records")).await;
     wrong_method.refused(405);
     assert!(wrong_method.header("allow").contains("POST"));
     lab.post_text("/v1/records", "application/json; charset=utf-8", text.clone()).await.created();
-    assert_eq!(coded("gzip", gzip(&text)).await.status, 200, "the same record");
+    let (begin, end) = text.split_at(text.len() / 2);
+    for (coding, body) in [("gzip", gzip(&text)), ("x-gzip", gzip(&text)), ("GZIP", [gzip(begin), gzip(end)].concat())]
+    {
+        assert_eq!(coded(coding, body).await.status, 200, "{coding}: the same record");
+    }
 }
 
 fn gzip(text: &str) -> Vec<u8> {

@@ -1576,7 +1576,7 @@ async fn a_window_is_marked_as_suspect_and_trusted_and_a_gyro_gets_its_batch_on_
     assert!(page(&server, "/stations/ST-1", &[]).await.contains("href=\"/stations/ST-1/suspect\""));
     assert!(page(&server, "/stations/ST-1/suspect", &[]).await.contains("Mark a window as suspect"));
     let wrong = sends_form(&server, "/stations/ST-1/suspect", &[said[0], said[1], said[2], said[3]]).await;
-    assert!(wrong.status == 422 && wrong.text().contains("To (RFC 3339)"), "{}", wrong.text());
+    assert!(wrong.status == 422 && wrong.text().contains("<li>To: "), "{}", wrong.text());
     assert_eq!(goes_on_at(&sends_form(&server, "/stations/ST-1/suspect", &said).await), "/stations/ST-1");
     let of_instant = before.iter().filter(|record| record["calibrated_at"] == *at).count();
     assert_eq!(records().await.len(), before.len() - of_instant);

@@ -75,6 +75,7 @@ fn problem_of(status: StatusCode, text: String, longest_body: usize) -> Problem 
     let title = status.canonical_reason().unwrap_or("Error");
     // What failed inside is for the log, not for the client.
     let message = match (text.is_empty() || status == StatusCode::INTERNAL_SERVER_ERROR, status) {
+        (false, StatusCode::BAD_REQUEST) if text.starts_with("Invalid URL") => message!("path_not_utf8"),
         (false, _) => Message::verbatim(text),
         (true, StatusCode::METHOD_NOT_ALLOWED) => message!("wrong_method"),
         (true, StatusCode::INTERNAL_SERVER_ERROR) => message!("service_failed"),

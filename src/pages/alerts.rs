@@ -278,9 +278,14 @@ pub(super) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>
     Ok(open)
 }
 
+/// Whether it has not been resolved.
+pub(super) fn is_open(alert: &AlertBody) -> bool {
+    alert.state != Standing::Resolved.name()
+}
+
 /// Whether this alert of a station has not been resolved.
 pub(super) fn is_open_of(alert: &AlertBody, station: &str) -> bool {
-    alert.is_of_station() && alert.name() == station && alert.state != Standing::Resolved.name()
+    alert.is_of_station() && alert.name() == station && is_open(alert)
 }
 
 fn violated(t: &Text, alert: &AlertBody) -> Markup {

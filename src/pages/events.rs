@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, Word, answered, see_other};
+use super::form::{Deed, Word, answered, see_other, typed_time};
 use super::gyro;
 use super::layout::{Section, encoded};
 use super::text::Text;
@@ -101,13 +101,15 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
     let mut of_time = Faults::default();
     let at = match said.at.trim() {
         "" => pages.clock.now(),
-        at => text::instant("at", at, &mut of_time),
+        at => text::instant("at", &typed_time(at), &mut of_time),
     };
     // What cannot be read is no time that could be impossible.
     let of_time = of_time.or(()).and_then(|()| pages.pipeline.reader.check_time("at", at));
     of_time.unwrap_or_else(|of_time| faults.absorb("", of_time));
     let filled = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
-    let test = event.map(|event| read_test(event, at, (filled(&said.to), filled(&said.kind)), &mut faults));
+    let test = event.map(|event| {
+        read_test(event, at, (filled(&said.to).map(|to| typed_time(&to)), filled(&said.kind)), &mut faults)
+    });
     let Some((event, (until, test))) = event.zip(test).filter(|_| faults.is_empty()) else {
         return Ok(form(viewer, &name, said).again(viewer, &said.word, &faults));
     };
@@ -139,10 +141,10 @@ fn form(viewer: &Viewer, serial: &Name, said: &Said) -> Deed {
                 }
             } }
         }
-        label { (t.event_at) input name="at" value=(said.at) placeholder="2026-03-01T08:00:00Z"; }
+        label { (t.event_at) input name="at" value=(said.at) data-time placeholder="2026-03-01 16:00"; }
         @if about == About::Other {
             label { (t.event_test_kind) input name="kind" value=(said.kind); }
-            label { (t.event_test_to) input name="to" value=(said.to) placeholder="2026-03-03T16:00:00Z"; }
+            label { (t.event_test_to) input name="to" value=(said.to) data-time placeholder="2026-03-03 16:00"; }
         }
     };
     Deed {

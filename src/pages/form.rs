@@ -14,7 +14,7 @@ use crate::core::fault::Faults;
 use crate::core::judge::{Rule, Severity};
 use crate::core::message::Message;
 use crate::wire::problem::Problem;
-use crate::wire::text;
+use crate::wire::{text, time};
 
 /// What has come of a form: where its sender is to go on, or the page that says why not.
 pub(super) fn answered(viewer: &Viewer, done: Result<Response, Problem>) -> Response {
@@ -140,6 +140,14 @@ pub(super) fn severity_choice(t: &Text, label: &str, name: &str, chosen: &str) -
     choice(t, label, name, Severity::ALL.map(|one| (one.name(), t.severity(one))), chosen)
 }
 
+/// A time as somebody types it, `2026-03-01 16:00`, for what reads RFC 3339. Without a zone it is of UTC, as the pages
+/// are where no script has made it the viewer's.
+pub(super) fn typed_time(text: &str) -> String {
+    let text = text.trim().replacen(' ', "T", 1);
+    let whole = ["T00:00:00Z", ":00Z", "Z"].map(|rest| format!("{text}{rest}"));
+    whole.into_iter().find(|whole| time::parse(whole).is_ok()).unwrap_or(text)
+}
+
 /// What is missing or wrong on a form.
 pub(super) fn fault_list(t: &Text, faults: &Faults) -> Markup {
     html! {
@@ -183,6 +191,19 @@ fn field(t: &Text, pointer: &str) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_time_is_typed_with_or_without_its_zone() {
+        for (typed, read) in [
+            ("2026-03-01", "2026-03-01T00:00:00Z"),
+            (" 2026-03-01 16:00", "2026-03-01T16:00:00Z"),
+            ("2026-03-01T16:00:30", "2026-03-01T16:00:30Z"),
+            ("2026-03-01T16:00:00+08:00", "2026-03-01T16:00:00+08:00"),
+            ("1.3.2026", "1.3.2026"),
+        ] {
+            assert_eq!(typed_time(typed), read);
+        }
+    }
 
     #[test]
     fn nobody_is_sent_elsewhere_afterwards() {

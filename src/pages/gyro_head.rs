@@ -228,6 +228,9 @@ pub(super) fn causes(t: &Text, facts: &Facts, explained: Option<&ExplainedHistor
                         (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) " "
                         (drift_unit(t, cause.estimate.unit))
                     }
+                    @for other in cause.class.iter().filter(|id| **id != cause.cause) {
+                        ", " (t.or_as_well) " " (t.words(&cause_word(other)))
+                    }
                     "; "
                 }
                 (t.words(&answer.opening()))

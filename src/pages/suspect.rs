@@ -8,7 +8,7 @@ use maud::html;
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, Word, answered, see_other};
+use super::form::{Deed, Word, answered, see_other, typed_time};
 use super::layout::{Section, encoded};
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
@@ -82,7 +82,7 @@ async fn done(pages: &Pages, viewer: &Viewer, name: &str, said: &Window, doing: 
     known(pages, name).await?;
     let mut faults = Faults::default();
     said.word.check(viewer, &mut faults);
-    let span = text::span(("from", said.from.trim()), ("to", said.to.trim()), &mut faults);
+    let span = text::span(("from", &typed_time(&said.from)), ("to", &typed_time(&said.to)), &mut faults);
     if !faults.is_empty() {
         return Ok(form(viewer, name, said, doing).again(viewer, &said.word, &faults));
     }
@@ -110,8 +110,8 @@ fn form(viewer: &Viewer, name: &str, said: &Window, doing: Doing) -> Deed {
         title: title.into(),
         what: html! { p.lead { (t.station) " " span translate="no" { (name) } } p { (what) } },
         fields: html! {
-            label { (t.window_from) input name="from" value=(said.from) required placeholder="2026-06-01T00:00:00+08:00"; }
-            label { (t.window_to) input name="to" value=(said.to) required placeholder="2026-06-08T00:00:00+08:00"; }
+            label { (t.window_from) input name="from" value=(said.from) required data-time placeholder="2026-06-01 08:00"; }
+            label { (t.window_to) input name="to" value=(said.to) required data-time placeholder="2026-06-08 18:00"; }
         },
         action: format!("{home}/{path}"),
         button: title,

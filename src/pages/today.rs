@@ -10,17 +10,19 @@ use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::alerts::{done_to_alerts, open_ones};
+use super::alerts::{self, done_to_alerts, is_open, open_ones};
 use super::fleet::{Filters, as_day, bad_parameter, tiles, trend, violated};
 use super::layout::{DRIFTS, Page, Section, day, encoded, symbol, written_day};
 use super::text::Text;
 use super::viewer::Viewer;
 use super::{Pages, bullet, figure};
 use crate::core::access::Role;
+use crate::core::alert_filter::AlertFilter;
 use crate::core::judge::{Coefficient, Measured, Status};
 use crate::core::time::UtcMicros;
 use crate::pages::status as badges;
 use crate::pipeline::{DueImu, FirstOf, FleetFilter, FleetPage, Names, Standing, Today, Together, today};
+use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
@@ -62,8 +64,10 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
     let shown = fleet.gyros.iter().chain(&today.worse.first);
     let dealt = dealt_with(pages, viewer, shown).await?;
     let gone = no_longer_in_it(pages, &today.overdue.first).await?;
+    let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
     let names = queries.names();
     let out = still(&fleet, &today.worse);
+    let of_stations: Vec<&AlertBody> = told.iter().filter(|alert| alert.is_of_station() && is_open(alert)).collect();
     let body = html! {
         @if !today.worse.first.is_empty() || !out.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
         h1 { (t.today_title) }
@@ -74,7 +78,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
             (still_out(viewer, &fleet, (&today.worse, &out), &dealt, &names))
             (approaching(t, &today.approaching, &names))
             (due(t, &today, &gone, now))
-            (several(t, &today))
+            (several(viewer, &today, &of_stations))
             @if today.outside.of > 0 { (outside(t, &today)) }
         }
     };
@@ -304,8 +308,10 @@ fn days_to(t: &Text, at: UtcMicros, now: UtcMicros) -> Markup {
 }
 
 /// Where gyros moved together: the station, or the file, before the gyros.
-fn several(t: &Text, today: &Today) -> Markup {
+fn several(viewer: &Viewer, today: &Today, of_stations: &[&AlertBody]) -> Markup {
+    let t = viewer.text();
     let rows = html! {
+        @if !of_stations.is_empty() { (alerts::table(viewer, of_stations.iter().copied(), false, None)) }
         ul.findings {
             @for moved in &today.moved {
                 li {
@@ -330,7 +336,7 @@ fn several(t: &Text, today: &Today) -> Markup {
         }
         p.note { (t.several_note) }
     };
-    let count = today.moved.len() + today.shifts.len();
+    let count = of_stations.len() + today.moved.len() + today.shifts.len();
     block(&html! { (t.several_at_once) }, count, t.nothing_together, &rows, None)
 }
 

@@ -45,6 +45,15 @@
   };
   utcDays(document.querySelector("main"));
 
+  // A time that is typed without its zone is of the viewer's.
+  document.addEventListener("submit", ({ target }) => {
+    for (const input of target.querySelectorAll("input[data-time]")) {
+      const [, day, clock = "00:00"] = /^\s*(\d{4}-\d\d-\d\d)(?:[ T](\d\d:\d\d(?::\d\d)?))?\s*$/.exec(input.value) || [];
+      const at = new Date(`${day}T${clock}`);
+      if (day && !isNaN(at)) input.value = at.toISOString();
+    }
+  });
+
   // Up and down among the links that head the lines of a list, once one of them has the focus.
   document.addEventListener("keydown", (event) => {
     const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];

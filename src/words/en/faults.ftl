@@ -9,7 +9,7 @@ decimal_comma = "{ $value }" has a decimal comma; write decimals with a point
 not_finite = must be a finite number, is "{ $value }"
 not_slot_and_serial = "{ $text }" is not a slot and a serial, such as G1 LFG-0101
 utf16 = the file is UTF-16; save it as UTF-8 ("CSV UTF-8" in a spreadsheet)
-not_utf8_text = not UTF-8 text
+not_utf8_text = not UTF-8 text: save it as UTF-8 ("CSV UTF-8" in a spreadsheet)
 not_utf8_from = not UTF-8 from byte { $byte } on
 not_utf8 = is not UTF-8: { $why }
 

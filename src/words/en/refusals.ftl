@@ -141,6 +141,7 @@ answer_took_too_long = the answer took too long; try again later
 ## Requests
 
 wrong_method = this path does not take that method; see Allow
+path_not_utf8 = the path is not UTF-8: write each byte of a name in UTF-8 that is no letter or digit as %XX
 too_long_body = a body may have { $most } bytes, the limit that { $key } sets
 too_long_import = an import may have { $most } bytes, the limit that { $key } sets; what came before this line is answered
 too_long_line = a line may have { $most } bytes, the limit that { $key } sets

@@ -9,7 +9,7 @@ decimal_comma = “{ $value }”用逗号作小数点；小数点请用“.”
 not_finite = 应为有限数，实为“{ $value }”
 not_slot_and_serial = “{ $text }”不是“位置 编号”的形式，例如 G1 LFG-0101
 utf16 = 文件为UTF-16；请另存为UTF-8（表格软件中的“CSV UTF-8”）
-not_utf8_text = 不是UTF-8文本
+not_utf8_text = 不是UTF-8文本：请另存为UTF-8（表格软件中的“CSV UTF-8”）
 not_utf8_from = 从第{ $byte }字节起不是UTF-8
 not_utf8 = 不是UTF-8：{ $why }
 

@@ -141,6 +141,7 @@ answer_took_too_long = 答复用时过长，请稍后重试
 ## Requests
 
 wrong_method = 该路径不接受此方法，见Allow
+path_not_utf8 = 路径不是UTF-8：名称按UTF-8编码，字母和数字以外的每个字节写作%XX
 too_long_body = 请求体最多{ $most }字节（由{ $key }规定）
 too_long_import = 一次导入最多{ $most }字节（由{ $key }规定）；此行之前的内容已有答复
 too_long_line = 一行最多{ $most }字节（由{ $key }规定）

@@ -352,8 +352,8 @@ fn on_a_table() -> String {
             add(between(*outer, next.0), between(*inner, next.1), 40.0, &mut text);
         }
     }
-    // A turn about the vertical, two degrees a second.
-    for k in 0..1800 {
+    // A turn about the vertical and a quarter more, two degrees a second.
+    for k in 0..2250 {
         add(0.0, f64::from(k) * 0.2 % 360.0, 60.0, &mut text);
     }
     text
@@ -424,7 +424,16 @@ fn raw(campaign: &Campaign, hz: f64, seed: u64) -> String {
 #[test]
 fn a_programme_says_what_was_commanded_and_the_campaign_is_the_one_that_was_measured() {
     let dir = tempfile::tempdir().unwrap();
-    let truth = simulate(&preset("24-position").unwrap()).unwrap().campaign;
+    let mut truth = simulate(&preset("24-position").unwrap()).unwrap().campaign;
+    // A quarter longer: of a turn whose edges are cut no whole one is left.
+    let mut later = 0.0;
+    for d in &mut truth.dwells {
+        d.start_s += later;
+        if d.phase == Phase::Rate {
+            later += 0.25 * d.duration_s;
+            d.duration_s *= 1.25;
+        }
+    }
     fs::write(dir.path().join("log.csv"), raw(&truth, 5.0, 9)).unwrap();
     let mut programme = String::from("attitude_w,attitude_x,attitude_y,attitude_z,rate_arcsec_s,start_s,duration_s\n");
     let vertical = truth.site.unwrap().earth_rate().0.z;
@@ -447,7 +456,7 @@ fn a_programme_says_what_was_commanded_and_the_campaign_is_the_one_that_was_meas
     let output = dwells(dir.path(), &["log.csv", "--map", "map.toml", "--programme", "programme.csv"]);
     let made = campaign(&output);
     let dwells_made = made["dwells"].as_array().unwrap();
-    // Less than a turn, at an unknown heading, is left out; with the edges cut, a whole one may be less.
+    // Less than a turn, at an unknown heading, is left out.
     let turned = |d: &Dwell| d.rate_arcsec_s.norm() * d.duration_s / 3600.0;
     let start = |made: &Value| made["start_s"].as_f64().unwrap();
     let of = |made: &Value| truth.dwells.iter().find(|d| (start(made) - d.start_s).abs() < 10.0).unwrap();
@@ -561,6 +570,24 @@ fn what_is_wrong_with_a_log_is_said() {
         ("an unknown key", clean.clone(), map.replace("time =", "tme ="), "unknown field `tme`"),
         ("half the rows broken", clean.replace(".5", ".x"), same(map), "rows cannot be read"),
         ("unanswered", clean.clone(), map.replace("imu = \"A\"", "imu = \"?\""), "line 1: \"?\" must be answered"),
+        (
+            "frozen",
+            text(&|k, r| {
+                if (1000..1200).contains(&k) {
+                    (r.1, r.2) = (rows[1000].1, rows[1000].2);
+                }
+            }),
+            same(map),
+            "for up to 199 samples in a row, which is left out (10.0–12.0 s)",
+        ),
+        (
+            "one gyro frozen",
+            text(&|k, r| r.2[1] = if (900..1100).contains(&k) { 0.3 } else { r.2[1] }),
+            same(map),
+            "199",
+        ),
+        ("a dead gyro", text(&|_, r| r.2[1] = 0.0), same(map), "output 2 reads 0 all the while"),
+        ("a clipped gyro", text(&|_, r| r.2[1] = r.2[1].max(-0.2)), same(map), "intervals are clipped"),
         ("clipped", text(&|_, r| r.1 = r.1.map(|f| f.clamp(-0.95, 0.95))), same(map), "intervals are clipped"),
     ];
     for (name, log, map, expected) in cases {

@@ -58,6 +58,13 @@ enum Told {
 
 const ALL: [Told; 3] = [Told::Force, Told::Clock, Told::Rate];
 
+/// What the gyros' columns are: rates, or whole pulses since the row before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Logged {
+    Rates,
+    Pulses,
+}
+
 /// A position or a turn, and what is true of it.
 struct Done {
     up: &'static str,
@@ -128,7 +135,7 @@ fn programme(rng: &mut ChaCha8Rng, rates: [f64; 6], e: &[V; 3], g: &[V; 3], bias
 }
 
 /// Writes log, programme and map into a folder.
-fn write(dir: &Path, seed: u64, told: Told, rates: [f64; 6]) -> Vec<Done> {
+fn write(dir: &Path, seed: u64, (told, logged): (Told, Logged), rates: [f64; 6]) -> Vec<Done> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let normal = |rng: &mut ChaCha8Rng, sd: f64| sd * rng.sample::<f64, _>(StandardNormal);
     let mut e = [[0.85, -0.6, 1.04], [0.85, -0.6, -1.04], [0.85, 1.2, 0.0]];
@@ -149,6 +156,7 @@ fn write(dir: &Path, seed: u64, told: Told, rates: [f64; 6]) -> Vec<Done> {
         Told::Rate => ",table\n",
     });
     let mut before = done[0].output;
+    let mut counted = [0.0_f64; 3];
     let peaks: Vec<V> = done.iter().map(|_| [0; 3].map(|_| rng.random_range(-2e4..2e4))).collect();
     for row in 0..(log_s * HZ) as usize {
         let time = (row as f64 + 0.5) / HZ;
@@ -175,11 +183,22 @@ fn write(dir: &Path, seed: u64, told: Told, rates: [f64; 6]) -> Vec<Done> {
         };
         let output = [0, 1, 2].map(|c| felt[c] + normal(&mut rng, white) + flickers[c].at(row, &mut rng));
         let force = up.map(|c| GRAVITY_G0 * c * share + normal(&mut rng, 2e-4));
-        let stamp = time + rng.random_range(-0.1..0.1) / HZ;
+        let counts = [0, 1, 2].map(|c| {
+            let before = counted[c].floor();
+            counted[c] += output[c] / HZ;
+            counted[c].floor() - before
+        });
+        // A counter's clock is as good as what it counts by.
+        let jitter = if logged == Logged::Pulses { 0.0 } else { 0.1 };
+        let stamp = time + jitter * rng.random_range(-1.0..1.0) / HZ;
         if rng.random_range(0.0..1.0) < 1e-3 {
             continue;
         }
-        write!(text, "{stamp:.4},{:.4},{:.4},{:.4}", output[0], output[1], output[2]).unwrap();
+        match logged {
+            Logged::Rates => write!(text, "{stamp:.4},{:.4},{:.4},{:.4}", output[0], output[1], output[2]),
+            Logged::Pulses => write!(text, "{stamp:.4},{},{},{}", counts[0], counts[1], counts[2]),
+        }
+        .unwrap();
         match told {
             Told::Force => writeln!(text, ",{:.5},{:.5},{:.5}", force[0], force[1], force[2]),
             Told::Clock => writeln!(text),
@@ -200,7 +219,8 @@ fn write(dir: &Path, seed: u64, told: Told, rates: [f64; 6]) -> Vec<Done> {
         "imu = \"IMU-1\"\nstation = \"ST-1\"\nmeasured_at = \"2026-03-01T08:00:00Z\"\ngeometry = \"skewed\"\n\
         site = {{ latitude_deg = {LATITUDE_DEG}, gravity_g0 = {GRAVITY_G0} }}\n\
         gyros = [\"G1 A-1\", \"G2 A-2\", \"G3 A-3\"]\ntime = {{ column = \"t\", unit = \"s\" }}\n\
-        output = {{ columns = [\"g1\", \"g2\", \"g3\"], unit = \"pulse/s\" }}\n{}",
+        output = {{ columns = [\"g1\", \"g2\", \"g3\"], unit = \"{}\" }}\n{}",
+        if logged == Logged::Pulses { "pulse" } else { "pulse/s" },
         match told {
             Told::Force => "force = { columns = [\"ax\", \"ay\", \"az\"], unit = \"g0\" }\n",
             Told::Clock => "",
@@ -257,7 +277,7 @@ fn dwells(dir: &Path) -> Output {
 #[test]
 fn parts_of_a_turn_are_left_out_where_they_would_move_the_fit() {
     let dir = tempfile::tempdir().unwrap();
-    write(dir.path(), 5, Told::Rate, [2.0, -2.0, 10.0, -10.0, 20.0, -20.0]);
+    write(dir.path(), 5, (Told::Rate, Logged::Rates), [2.0, -2.0, 10.0, -10.0, 20.0, -20.0]);
     let output = dwells(dir.path());
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("12 turning intervals are left out. They are shorter than one turn"), "{said}");
@@ -268,17 +288,27 @@ fn parts_of_a_turn_are_left_out_where_they_would_move_the_fit() {
 
 #[test]
 fn a_hundred_rows_a_second_on_a_table_become_the_dwells_that_were_done() {
+    judge(Logged::Rates);
+}
+
+/// A count of a hundredth of a second is a hundred pulses a second coarse, a mean over the dwell right to a pulse.
+#[test]
+fn whole_pulses_a_hundred_times_a_second_are_as_well_known_as_they_say() {
+    judge(Logged::Pulses);
+}
+
+fn judge(logged: Logged) {
     let number = |name: &str, default: u64| std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(default);
     let (logs, first) = (number("GYROWATCH_LOGS", 3), number("GYROWATCH_FIRST", 0));
     let dir = tempfile::tempdir().unwrap();
     let (mut wrong, mut errors) = (0, Vec::new());
     for seed in first..first + logs {
         let told = ALL[seed as usize % ALL.len()];
-        let done = write(dir.path(), seed, told, WHOLE_TURNS);
+        let done = write(dir.path(), seed, (told, logged), WHOLE_TURNS);
         match judged(&dwells(dir.path()), &done) {
             Ok(own) => errors.extend(own),
             Err(why) => {
-                println!("seed {seed}, {told:?}: {why}");
+                println!("seed {seed}, {told:?}, {logged:?}: {why}");
                 wrong += 1;
             }
         }
@@ -286,7 +316,9 @@ fn a_hundred_rows_a_second_on_a_table_become_the_dwells_that_were_done() {
     let n = errors.len() as f64;
     let mean = errors.iter().sum::<f64>() / n;
     let rms = (errors.iter().map(|error| error * error).sum::<f64>() / n).sqrt();
-    println!("logs {logs}, with a dwell missed or invented {wrong}; error/sd: mean {mean:+.3}, rms {rms:.3}");
+    println!(
+        "{logged:?}: logs {logs}, with a dwell missed or invented {wrong}; error/sd: mean {mean:+.3}, rms {rms:.3}"
+    );
     assert!(100 * wrong <= logs);
     assert!(mean.abs() < 0.25, "{mean}");
     assert!((0.85..1.15).contains(&rms), "{rms}");

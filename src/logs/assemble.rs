@@ -13,7 +13,10 @@ use crate::core::dwells::averages::{noise, settled, standard_error, without_edge
 use crate::core::dwells::blocks::Track;
 use crate::core::dwells::intervals::{Found, Interval, Search, find};
 use crate::core::dwells::noise::Noise;
-use crate::core::dwells::programme::{Clock, Position, REST_ARCSEC_S, Seen, Table, align, attitude, clock_offset};
+use crate::core::dwells::programme::{
+    Clock, Position, REST_ARCSEC_S, Seen, Table, align, attitude, clock_offset, exchanged,
+};
+use crate::core::dwells::turns::WHOLE;
 use crate::core::frames::{Body, Nav, Rotation, Vector};
 use crate::core::message::{Message, figure, list, text};
 use crate::core::units::EARTH_RATE_DEG_H;
@@ -55,8 +58,6 @@ const WHOLE_TURN_ARCSEC: f64 = 1_296_000.0;
 /// Part of a usual dwell from which a turn without dwell is said, and part of it that dwells must cover.
 const SHORT_TURN: f64 = 0.3;
 const COVERED: f64 = 0.3;
-/// Angle below which a turn is no whole one, rad: one turn, but for a block at its ends.
-const PART_OF_TURN: f64 = 0.97 * std::f64::consts::TAU;
 /// Part of a turn that may be about what is level.
 const LEVEL_TURN: f64 = 0.05;
 /// Cosine below which two verticals are different orientations (10 deg).
@@ -100,6 +101,7 @@ pub fn assemble(
     let (breaks, keep_short) = (log.breaks.clone(), programme.is_some());
     let search = Search { min_s: map.min_s, breaks, keep_short, room: Vec::new() };
     let found = find(&mut log.series, &watched, &search);
+    log.by_own_time();
     let mut work = Work { map, log, site, table: table(map)?, turns, remarks: log.remarks.clone() };
     work.assemble(found, programme).map_err(|fault| LogError::new("log", fault))
 }
@@ -194,9 +196,7 @@ impl Work<'_> {
     }
 
     fn not_clipped(&mut self, intervals: Vec<Interval>) -> Result<Vec<Interval>, Message> {
-        // Counts since the sample before are few and equal by nature.
-        let counted = matches!(self.log.counts, Counts::Increment | Counts::Total);
-        let measured = |role: &&Role| matches!(role, Role::Force(_)) || matches!(role, Role::Raw(_)) && !counted;
+        let measured = |role: &&Role| matches!(role, Role::Force(_) | Role::Raw(_));
         let roles: Vec<Role> = self.log.roles.iter().filter(measured).copied().collect();
         let clips =
             |i: &Interval| roles.iter().any(|r| self.track(*r).is_some_and(|t| t.clipped(i.from, i.to) > CLIPPED));
@@ -383,6 +383,11 @@ impl Work<'_> {
             if blind && seen.len() != programme.len() {
                 return Err(message!("programme_count", intervals = seen.len(), rows = programme.len()));
             }
+            let others = exchanged(&seen, programme);
+            if !others.is_empty() {
+                let rows = list(others.iter().map(|row| text(row + 1)));
+                return Err(message!("programme_exchanged", count = seen.len(), rows = rows));
+            }
             let matched = align(&seen, programme);
             let taken = matched.iter().flatten().count();
             if taken == 0 || 5 * taken < 4 * seen.len() {
@@ -469,26 +474,31 @@ impl Work<'_> {
         let gone = before - candidates.len();
         let phase = |c: &Candidate| c.position.map_or(Phase::Static, |p| p.phase());
         let outputs: Vec<&Track> = (0..self.outputs()).filter_map(|k| self.track(Role::Output(k))).collect();
-        let of_phase = |candidates: &[Candidate], wanted: Phase| {
-            let own: Vec<Interval> = candidates.iter().filter(|c| phase(c) == wanted).map(|c| c.interval).collect();
-            outputs.iter().map(|track| noise(series, track, &own)).collect::<Vec<Noise>>()
+        // By output, at rest and in turns.
+        let noise_of = |candidates: &[Candidate]| -> Vec<[Noise; 2]> {
+            let of_phase = |wanted: Phase| -> Vec<Interval> {
+                candidates.iter().filter(|c| phase(c) == wanted).map(|c| c.interval).collect()
+            };
+            let (still, turning) = (of_phase(Phase::Static), of_phase(Phase::Rate));
+            outputs.iter().map(|track| noise(series, track, &still, &turning)).collect()
         };
-        let rough = [Phase::Static, Phase::Rate].map(|p| of_phase(&candidates, p));
-        let of = |noise: &[Vec<Noise>; 2], c: &Candidate| noise[usize::from(phase(c) == Phase::Rate)].clone();
+        let of = |noise: &[[Noise; 2]], c: &Candidate| -> Vec<Noise> {
+            noise.iter().map(|both| both[usize::from(phase(c) == Phase::Rate)]).collect()
+        };
+        let rough = noise_of(&candidates);
         for candidate in &mut candidates {
-            let noise = of(&rough, candidate);
-            let channels: Vec<(&Track, Noise)> = outputs.iter().copied().zip(noise).collect();
+            let channels: Vec<(&Track, Noise)> = outputs.iter().copied().zip(of(&rough, candidate)).collect();
             candidate.interval = settled(series, &channels, candidate.interval);
             self.whole_turns(candidate);
         }
-        let fine = [Phase::Static, Phase::Rate].map(|p| of_phase(&candidates, p));
+        let fine = noise_of(&candidates);
         let dwells = candidates.iter().map(|c| self.dwell(c, &of(&fine, c))).collect::<Result<Vec<_>, _>>()?;
         if gone > 0 {
             self.remarks.push(message!("intervals_all_edge", count = gone));
         }
         let dwells = self.without_parts_of_turns(&candidates, dwells)?;
-        let [still, turning] = fine;
-        let noise = if candidates.iter().any(|c| phase(c) == Phase::Static) { still } else { turning };
+        let first = candidates.iter().find(|c| phase(c) == Phase::Static).or(candidates.first());
+        let noise = first.map_or_else(Vec::new, |c| of(&fine, c));
         Ok(Assembled { dwells, remarks: std::mem::take(&mut self.remarks), noise })
     }
 
@@ -553,15 +563,13 @@ impl Work<'_> {
         let i = candidate.interval;
         let series = &self.log.series;
         let Commanded { phase, attitude, force_g0, rate_arcsec_s } = self.commanded(candidate)?;
-        // Increments are divided by the time that they were counted in, as the clock says it.
-        let scale = self.mean(Role::Interval, i).map_or(1.0, |step| self.log.sample_s / step);
         let is_part = candidate.position.is_some_and(|p| self.is_part_of_turn(candidate, &p));
         let (mut output, mut output_sem) = (Vec::new(), Vec::new());
         for (k, noise) in noise.iter().enumerate() {
             let Some(track) = self.track(Role::Output(k)) else { continue };
             // Of less than a turn the swing is in the mean.
             let averaged = self.track(Role::Raw(k)).filter(|_| is_part).unwrap_or(track);
-            output.push(scale * averaged.mean_of(i.from, i.to));
+            output.push(averaged.mean_of(i.from, i.to));
             output_sem.push(standard_error(series, track, noise, i, self.log.sample_s));
         }
         let (start, end) = (series.start_s(i.from), series.end_s(i.to));
@@ -595,8 +603,10 @@ impl Work<'_> {
         let is_of = |turn: &&Turned| {
             turn.from_s < series.start_s(i.from) + series.block_s && series.end_s(i.to) - series.block_s < turn.to_s
         };
-        let is_out = self.turns.stretches.iter().filter(is_of).any(|turn| turn.turns >= 1.0);
-        0.0 < turned && turned < PART_OF_TURN && !is_out
+        let is_out = self.turns.stretches.iter().filter(is_of).any(|turn| turn.turns >= WHOLE);
+        // A whole one is cut to its blocks.
+        let two_blocks = (position.turn_arcsec_s.abs() * 2.0 * series.block_s / 3600.0).to_radians();
+        0.0 < turned && turned < std::f64::consts::TAU - two_blocks && !is_out
     }
 
     /// Angle of a turn, rad; zero in a position.

@@ -44,6 +44,21 @@ pub struct Gathered {
     pub remarks: Vec<Message>,
 }
 
+impl Gathered {
+    /// Counts as rates by the time in which they were counted: so that a mean over many blocks is their sum by its time.
+    pub fn by_own_time(&mut self) {
+        let Some(place) = self.roles.iter().position(|role| *role == Role::Interval) else { return };
+        let times: Vec<f64> = self.series.tracks[place].mean.iter().map(|own| own / self.sample_s).collect();
+        let is_output = |role: &Role| matches!(role, Role::Output(_) | Role::Raw(_));
+        for (_, track) in self.roles.iter().zip(&mut self.series.tracks).filter(|(role, _)| is_output(role)) {
+            for ((mean, weight), times) in track.mean.iter_mut().zip(&mut track.weight).zip(&times) {
+                *mean /= times;
+                *weight *= times;
+            }
+        }
+    }
+}
+
 /// What is made of a row.
 struct Channel {
     role: Role,
@@ -54,8 +69,14 @@ struct Channel {
 const FIRST_ROWS: usize = 256;
 /// A pause between logs that follow one another, s.
 const BETWEEN_LOGS_S: f64 = 1.0;
-/// Longest run of equal rows that is no frozen logger, where rows differ otherwise.
+/// Values in a row that are the same by no chance, where no more than such a share of the others is so: a sensor or a
+/// logger that hangs. Where more of the log is so, its readings stand still by nature.
 const FROZEN: u64 = 50;
+const SAME: f64 = 0.2;
+const MOST_FROZEN: f64 = 0.1;
+/// Runs that are kept, and said.
+const RUNS: usize = 1000;
+const RUNS_SAID: usize = 5;
 
 /// Reads all logs: those that run beside one another, or, where the map knows one, those that follow one another.
 ///
@@ -92,7 +113,7 @@ pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered,
     }
     let blocks: Vec<Blocks> = logs.into_iter().map(Room::into_blocks).collect();
     let series = Series::join(blocks);
-    reader.into_gathered(series, roles)
+    reader.into_gathered(&sources[0].0, series, roles)
 }
 
 pub fn same_layout(first: &(String, Source), other: &(String, Source)) -> Result<(), LogError> {
@@ -293,6 +314,59 @@ fn period(before: f64, now: f64, factor: f64, back: f64, interval: f64) -> Optio
         .find(|period| (period - back).abs() <= room && now.abs() * factor <= 0.01 * period)
 }
 
+/// How often a channel reads what it read before.
+struct Held {
+    role: Role,
+    last: f64,
+    began_s: f64,
+    least: f64,
+    most: f64,
+    whole: bool,
+    same: u64,
+    run: u64,
+    /// Runs of [`FROZEN`] and more: the value, from and to, s, and the samples.
+    runs: Vec<(f64, f64, f64, u64)>,
+}
+
+impl Held {
+    fn new(role: Role) -> Self {
+        let (least, most) = (f64::INFINITY, f64::NEG_INFINITY);
+        Self { role, last: f64::NAN, began_s: 0.0, least, most, whole: true, same: 0, run: 0, runs: Vec::new() }
+    }
+
+    fn see(&mut self, value: f64, at: f64) {
+        self.whole &= value.fract() == 0.0;
+        (self.least, self.most) = (self.least.min(value), self.most.max(value));
+        if value != self.last {
+            (self.last, self.began_s, self.run) = (value, at, 0);
+            return;
+        }
+        self.same += 1;
+        self.run += 1;
+        if self.run == FROZEN && self.runs.len() < RUNS {
+            self.runs.push((value, self.began_s, at, self.run));
+        } else if self.run > FROZEN
+            && let Some(run) = self.runs.last_mut().filter(|run| run.1 == self.began_s)
+        {
+            (run.2, run.3) = (at, self.run);
+        }
+    }
+
+    /// Runs in which the channel hung. Whole numbers, counts above all, are the same by nature; at an end of its range
+    /// a channel is clipped.
+    fn frozen(&self, rows: u64) -> Vec<(f64, f64, u64)> {
+        let is_clipped = |run: &&(f64, f64, f64, u64)| run.0 == self.least || run.0 == self.most;
+        let frozen: Vec<_> = self.runs.iter().filter(|run| !is_clipped(run)).collect();
+        let in_runs: u64 = self.runs.iter().map(|run| run.3).sum();
+        let others = rows.saturating_sub(in_runs) as f64;
+        let by_nature = self.whole
+            || self.runs.len() == RUNS
+            || self.same.saturating_sub(in_runs) as f64 > SAME * others
+            || frozen.iter().map(|run| run.3).sum::<u64>() as f64 > MOST_FROZEN * rows as f64;
+        if by_nature { Vec::new() } else { frozen.iter().map(|run| (run.1, run.2, run.3)).collect() }
+    }
+}
+
 struct Reader {
     clock: Clock,
     counts: Counts,
@@ -303,9 +377,7 @@ struct Reader {
     rows: u64,
     missing: u64,
     bad: usize,
-    equal: u64,
-    run: u64,
-    longest_run: (u64, f64),
+    held: Vec<Held>,
     remarks: Vec<Message>,
 }
 
@@ -321,9 +393,7 @@ impl Reader {
             rows: 0,
             missing: 0,
             bad: 0,
-            equal: 0,
-            run: 0,
-            longest_run: (0, 0.0),
+            held: Vec::new(),
             remarks,
         }
     }
@@ -381,7 +451,7 @@ impl Reader {
             numbers.clear();
             numbers.extend(channels.iter().zip(values).map(|(c, v)| c.reading.factor * v + c.reading.offset));
             align(&attitude, &mut numbers, &mut quaternion);
-            self.note_equal(has_output, &numbers, before.as_ref().map(|b| b.1.as_slice()), at);
+            channels.iter().zip(&numbers).for_each(|(channel, value)| self.note_held(channel.role, *value, at));
             if needs_before {
                 let now = (at, numbers.clone());
                 if let Some((earlier, old)) = before.replace(now)
@@ -391,9 +461,6 @@ impl Reader {
                     room.push(at, &row);
                 }
             } else {
-                if has_output {
-                    before = Some((at, numbers.clone()));
-                }
                 room.push(at, &numbers);
             }
             Ok(())
@@ -419,19 +486,38 @@ impl Reader {
         self.clock.last = None;
     }
 
-    fn note_equal(&mut self, has_output: bool, now: &[f64], before: Option<&[f64]>, at: f64) {
-        if !has_output {
+    fn note_held(&mut self, role: Role, value: f64, at: f64) {
+        if !matches!(role, Role::Output(_) | Role::Force(_)) {
             return;
         }
-        if before == Some(now) {
-            self.equal += 1;
-            self.run += 1;
-            if self.run > self.longest_run.0 {
-                self.longest_run = (self.run, at);
+        match self.held.iter_mut().find(|held| held.role == role) {
+            Some(held) => held.see(value, at),
+            None => {
+                let mut held = Held::new(role);
+                held.see(value, at);
+                self.held.push(held);
             }
-        } else {
-            self.run = 0;
         }
+    }
+
+    /// Takes out what was read while a channel hung.
+    fn without_frozen(&mut self, series: &mut Series) {
+        let frozen: Vec<(f64, f64, u64)> = self.held.iter().flat_map(|held| held.frozen(self.rows)).collect();
+        let Some(count) = frozen.iter().map(|run| run.2).max() else { return };
+        let mut spans: Vec<(f64, f64)> = frozen.iter().map(|run| (run.0, run.1)).collect();
+        spans.sort_by(|a, b| a.0.total_cmp(&b.0));
+        spans.dedup_by(|next, run| {
+            let overlap = next.0 <= run.1;
+            if overlap {
+                run.1 = run.1.max(next.1);
+            }
+            overlap
+        });
+        let hung = |k: usize| spans.iter().any(|&(from, to)| series.end_s(k + 1) > from && series.start_s(k) <= to);
+        let marked: Vec<bool> = (0..series.number.len()).map(|k| !hung(k)).collect();
+        series.keep(&marked);
+        let said = spans.iter().take(RUNS_SAID).map(|(from, to)| text(format_args!("{from:.1}–{to:.1}")));
+        self.remarks.push(message!("samples_frozen", runs = spans.len(), count = count, spans = list(said)));
     }
 
     fn time_column(&mut self, map: &Map, place: &str, source: &Source) -> Result<Option<usize>, LogError> {
@@ -458,7 +544,13 @@ impl Reader {
         Ok(Some(column))
     }
 
-    fn into_gathered(mut self, mut series: Series, roles: Vec<Role>) -> Result<Gathered, LogError> {
+    fn into_gathered(mut self, place: &str, mut series: Series, roles: Vec<Role>) -> Result<Gathered, LogError> {
+        self.without_frozen(&mut series);
+        if let Some(dead) = self.held.iter().find(|held| held.least == held.most && self.rows > FROZEN)
+            && let Role::Output(gyro) = dead.role
+        {
+            return Err(LogError::new(place, message!("output_dead", output = gyro + 1, value = text(dead.least))));
+        }
         let clock = &self.clock;
         let mut say = |count: u64, message: Message| {
             if count > 0 {
@@ -473,17 +565,16 @@ impl Reader {
         say(self.missing, message!("rows_incomplete", count = self.missing));
         say(self.bad as u64, message!("rows_left_out", count = self.bad));
         let counted = matches!(self.counts, Counts::Increment | Counts::Total);
-        // Counts of a second are equal by nature.
-        let frozen = !counted && self.longest_run.0 >= FROZEN && self.equal * 50 < self.rows;
-        let (length, end) = self.longest_run;
-        say(u64::from(frozen), message!("samples_frozen", count = length, end = figure(end, 2)));
         if series.number.is_empty() {
             return Err(LogError::new("map", message!("logs_apart")));
         }
         if counted {
             // By the usual time between samples; a dwell's mean is brought to its own time afterwards.
             let outputs = roles.iter().zip(&mut series.tracks).filter(|(role, _)| matches!(role, Role::Output(_)));
-            outputs.for_each(|(_, track)| track.scale(interval.recip()));
+            outputs.for_each(|(_, track)| {
+                track.pulse = if track.whole { track.step } else { 0.0 };
+                track.scale(interval.recip());
+            });
         }
         let unix_s = self.clock.origin.filter(|_| self.absolute);
         Ok(Gathered {

@@ -27,13 +27,16 @@ pub fn without_edges(series: &Series, interval: Interval, cut_s: Option<f64>) ->
     (blocks > 2 * cut + 1).then(|| Interval { from: interval.from + cut, to: interval.to - cut })
 }
 
-/// Noise of one channel over intervals, their first fifth left out.
-pub fn noise(series: &Series, track: &Track, intervals: &[Interval]) -> Noise {
-    let pooled = intervals.iter().flat_map(|i| {
-        let from = i.from + (i.to - i.from) / SETTLING;
-        octaves(&track.mean[from..i.to], series.block_s)
-    });
-    Noise::fit(&pooled.collect::<Vec<Octave>>())
+/// Noise of one channel at rest and in turns, the first fifth of each interval left out.
+pub fn noise(series: &Series, track: &Track, still: &[Interval], turning: &[Interval]) -> [Noise; 2] {
+    let pooled = |intervals: &[Interval]| -> Vec<Octave> {
+        let of = |i: &Interval| {
+            let from = i.from + (i.to - i.from) / SETTLING;
+            octaves(&track.mean[from..i.to], &track.weight[from..i.to], series.block_s)
+        };
+        intervals.iter().flat_map(of).collect()
+    };
+    Noise::fit_both(&pooled(still), &pooled(turning), track.pulse)
 }
 
 /// The interval without what has not settled: ends whose mean differs from that of the rest by more than noise does.
@@ -65,25 +68,26 @@ pub fn settled(series: &Series, channels: &[(&Track, Noise)], interval: Interval
     kept
 }
 
-/// Standard error of a channel's mean over an interval. Where this dwell scatters otherwise than those that the noise
-/// is of, its white part is its own. Of a converter that reads the same all the while it is that of one reading,
+/// Standard error of a channel's mean over an interval. Where white noise is plainly other in this dwell than in those
+/// that the noise is of, it is its own. Of a converter that reads the same all the while it is that of one reading,
 /// count/sqrt(12): no noise rounds it sometimes up and sometimes down.
 pub fn standard_error(series: &Series, track: &Track, noise: &Noise, interval: Interval, sample_s: f64) -> f64 {
     let dwell_s = series.end_s(interval.to) - series.start_s(interval.from);
-    let samples: f64 = track.count[interval.from..interval.to].iter().map(|&n| f64::from(n)).sum();
+    let samples: f64 = track.weight[interval.from..interval.to].iter().sum();
     let log_s = series.end_s(series.number.len()) - series.start_s(0);
     let own = own_noise(series, track, noise, interval).unwrap_or(*noise);
     let of_noise = own.standard_error(dwell_s, (samples * sample_s).min(dwell_s), log_s);
     let first = track.mean[interval.from];
     let reads_the_same = (interval.from..interval.to).all(|k| track.spread[k] == 0.0 && track.mean[k] == first);
-    let of_rounding = if reads_the_same && track.step.is_finite() { track.step / 12_f64.sqrt() } else { 0.0 };
+    let of_rounding = if reads_the_same && track.pulse == 0.0 { track.step / 12_f64.sqrt() } else { 0.0 };
     of_noise.max(of_rounding)
 }
 
 fn own_noise(series: &Series, track: &Track, noise: &Noise, interval: Interval) -> Option<Noise> {
-    let own = octaves(&track.mean[interval.from..interval.to], series.block_s);
+    let blocks = interval.from..interval.to;
+    let own = octaves(&track.mean[blocks.clone()], &track.weight[blocks], series.block_s);
     let longest = own.last()?.tau_s;
-    let told = own.iter().filter(|o| o.tau_s > longest / 128.0 && o.pairs >= 4.0);
+    let told = own.iter().filter(|o| o.tau_s > longest / 128.0 && o.pairs >= 4.0 && noise.is_white(o.tau_s));
     let (mut ratio, mut pairs) = (0.0, 0.0);
     for octave in told {
         ratio += octave.pairs * octave.variance / noise.allan(octave.tau_s).max(1e-300);

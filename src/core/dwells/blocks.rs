@@ -3,8 +3,11 @@
 /// Most blocks that are kept. Where a log has more, two and two become one.
 pub const MOST_BLOCKS: usize = 1 << 18;
 
-/// Blocks at the end of a range that are no chance.
+/// Blocks at the end of a range that are no chance; of whole numbers, the part of an interval that is none.
 const IN_A_ROW: usize = 8;
+const PART_IN_A_ROW: usize = 8;
+/// Steps in the range of a scale on which no two samples fall on the end by chance.
+const FINE: f64 = 1000.0;
 
 /// Sums over blocks of 2^level seconds, which begin at whole multiples of their length.
 #[derive(Debug, Clone)]
@@ -23,12 +26,20 @@ struct Sums {
     origin: f64,
     sum: Vec<f64>,
     square: Vec<f64>,
-    least: f64,
-    most: f64,
+    least: Limit,
+    most: Limit,
     last: f64,
     step: f64,
     samples: u64,
     changes: u64,
+    whole: bool,
+}
+
+/// An end of a channel's range, and how many samples of which block stand there.
+#[derive(Debug, Clone)]
+struct Limit {
+    value: f64,
+    at: Vec<(usize, u32)>,
 }
 
 /// One channel over the blocks of a log.
@@ -37,13 +48,20 @@ pub struct Track {
     pub mean: Vec<f64>,
     /// Standard deviation of the samples within a block; zero where there is one.
     pub spread: Vec<f64>,
-    pub count: Vec<u32>,
+    /// What a block counts for in a mean: its samples, or of counts the time in which they were counted.
+    pub weight: Vec<f64>,
+    /// Share of a block's samples at the ends of the channel's range.
+    pub at_end: Vec<f64>,
     pub least: f64,
     pub most: f64,
     /// Smallest difference between samples one after the other: one count of a converter.
     pub step: f64,
     /// Share of the samples that differ from the one before.
     pub changes: f64,
+    /// Whether all samples are whole numbers.
+    pub whole: bool,
+    /// One pulse of a counter, unit times s: sums over any time are right to a pulse. Zero where nothing is counted.
+    pub pulse: f64,
 }
 
 /// All channels over the same blocks. Block k covers `number[k] * block_s` to `(number[k] + 1) * block_s`.
@@ -67,12 +85,13 @@ impl Blocks {
             origin: f64::NAN,
             sum: Vec::new(),
             square: Vec::new(),
-            least: f64::INFINITY,
-            most: f64::NEG_INFINITY,
+            least: Limit { value: f64::INFINITY, at: Vec::new() },
+            most: Limit { value: f64::NEG_INFINITY, at: Vec::new() },
             last: f64::NAN,
             step: f64::INFINITY,
             samples: 0,
             changes: 0,
+            whole: true,
         };
         let level = interval_s.log2().ceil().clamp(-40.0, 40.0) as i32;
         Self { level, most, number: Vec::new(), count: Vec::new(), time: Vec::new(), channels: vec![sums; channels] }
@@ -104,8 +123,9 @@ impl Blocks {
             let off = value - channel.origin;
             channel.sum[last] += off;
             channel.square[last] += off * off;
-            channel.least = channel.least.min(value);
-            channel.most = channel.most.max(value);
+            channel.least.see(value, last, value < channel.least.value);
+            channel.most.see(value, last, value > channel.most.value);
+            channel.whole &= value.fract() == 0.0;
             let step = (value - channel.last).abs();
             channel.samples += 1;
             if step > 0.0 {
@@ -124,6 +144,7 @@ impl Blocks {
     fn halve(&mut self) {
         self.level += 1;
         let mut kept = 0;
+        let mut places = Vec::with_capacity(self.number.len());
         for k in 0..self.number.len() {
             let number = self.number[k].div_euclid(2);
             if kept > 0 && self.number[kept - 1] == number {
@@ -133,8 +154,10 @@ impl Blocks {
                     channel.sum[kept - 1] += channel.sum[k];
                     channel.square[kept - 1] += channel.square[k];
                 }
+                places.push(kept - 1);
                 continue;
             }
+            places.push(kept);
             self.number[kept] = number;
             self.count[kept] = self.count[k];
             self.time[kept] = self.time[k];
@@ -150,6 +173,9 @@ impl Blocks {
         for channel in &mut self.channels {
             channel.sum.truncate(kept);
             channel.square.truncate(kept);
+            for (block, _) in channel.least.at.iter_mut().chain(&mut channel.most.at) {
+                *block = places[*block];
+            }
         }
     }
 
@@ -161,10 +187,31 @@ impl Blocks {
             (channel.origin + mean, variance.sqrt())
         });
         let (mean, spread) = moments.unzip();
-        let count = kept.iter().map(|&k| self.count[k]).collect();
+        let weight: Vec<f64> = kept.iter().map(|&k| f64::from(self.count[k])).collect();
+        let mut ends = vec![0.0; self.number.len()];
+        for &(block, count) in channel.least.at.iter().chain(&channel.most.at) {
+            ends[block] += f64::from(count) / f64::from(self.count[block]);
+        }
+        let at_end = kept.iter().map(|&k| ends[k]).collect();
         let step = if channel.step.is_finite() { channel.step } else { 0.0 };
         let changes = channel.changes as f64 / channel.samples.max(1) as f64;
-        Track { mean, spread, count, least: channel.least, most: channel.most, step, changes }
+        let (least, most, whole) = (channel.least.value, channel.most.value, channel.whole);
+        Track { mean, spread, weight, at_end, least, most, step, changes, whole, pulse: 0.0 }
+    }
+}
+
+impl Limit {
+    fn see(&mut self, value: f64, block: usize, is_beyond: bool) {
+        if is_beyond {
+            *self = Self { value, at: Vec::new() };
+        }
+        if value != self.value {
+            return;
+        }
+        match self.at.last_mut() {
+            Some((last, count)) if *last == block => *count += 1,
+            _ => self.at.push((block, 1)),
+        }
     }
 }
 
@@ -209,7 +256,8 @@ impl Series {
         for track in &mut self.tracks {
             only(&mut track.mean, marked);
             only(&mut track.spread, marked);
-            only(&mut track.count, marked);
+            only(&mut track.weight, marked);
+            only(&mut track.at_end, marked);
         }
     }
 
@@ -227,25 +275,32 @@ impl Track {
     /// Mean of all samples of the blocks `from..to`.
     pub fn mean_of(&self, from: usize, to: usize) -> f64 {
         let first = self.mean[from];
-        let (mut sum, mut count) = (0.0, 0.0);
+        let (mut sum, mut weight) = (0.0, 0.0);
         for k in from..to {
-            let n = f64::from(self.count[k]);
-            sum += n * (self.mean[k] - first);
-            count += n;
+            sum += self.weight[k] * (self.mean[k] - first);
+            weight += self.weight[k];
         }
-        first + sum / count
+        first + sum / weight
     }
 
-    /// Share of the blocks `from..to` that stand at the end of the channel's range, several in a row.
+    /// Share of the samples in the blocks `from..to` that stand at the ends of the channel's range by more than chance.
+    ///
+    /// Of a fine scale one sample reaches the end. Of a coarse one blocks in a row are no chance; of counts, which are
+    /// equal by nature where nothing but the rate is in them, a good part of the interval in a row.
     pub fn clipped(&self, from: usize, to: usize) -> f64 {
         if self.most <= self.least {
             return 0.0;
         }
-        let room = 1e-12 * (self.most - self.least);
-        let at_end = |mean: &f64| mean - self.least <= room || self.most - mean <= room;
-        let runs = self.mean[from..to].chunk_by(|a, b| at_end(a) == at_end(b));
-        let clipped: usize = runs.filter(|run| at_end(&run[0]) && run.len() >= IN_A_ROW).map(<[f64]>::len).sum();
-        clipped as f64 / (to - from) as f64
+        let at_end = &self.at_end[from..to];
+        let is_fine = !self.whole && FINE * self.step < self.most - self.least;
+        let in_a_row = if self.whole { IN_A_ROW.max((to - from) / PART_IN_A_ROW) } else { IN_A_ROW };
+        let runs = at_end.chunk_by(|a, b| (*a == 1.0) == (*b == 1.0));
+        let counted: f64 = if is_fine {
+            at_end.iter().sum()
+        } else {
+            runs.filter(|run| run[0] == 1.0 && run.len() >= in_a_row).map(|run| run.len() as f64).sum()
+        };
+        counted / (to - from) as f64
     }
 
     /// The same channel in another unit.

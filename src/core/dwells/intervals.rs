@@ -49,8 +49,10 @@ const GROWTH: f64 = 1.2;
 const LONGEST_WINDOW: f64 = 12.0;
 /// Change over an interval against the noise of short means that is a slow motion.
 const DRIFT: f64 = 15.0;
-/// Disturbances up to this share of an interval are cut out of it.
+/// Disturbances up to this share of an interval, and so long, are cut out of it: a table that goes to another position
+/// and stops there takes longer.
 const DISTURBANCE: f64 = 0.05;
+const DISTURBANCE_S: f64 = 10.0;
 /// Intervals so many times shorter than the next longer one may be pauses of the table: where they are between most
 /// others, few in a row, and take little of the time, or where they are hardly any.
 const SHORTER: f64 = 2.5;
@@ -195,7 +197,7 @@ fn changes(track: &Track, (from, to): (usize, usize), half: usize) -> Vec<(usize
     let origin = track.mean[from];
     let (mut sums, mut counts) = (vec![0.0], vec![0.0]);
     for k in from..to {
-        let n = f64::from(track.count[k]);
+        let n = track.weight[k];
         sums.push(sums[k - from] + n * (track.mean[k] - origin));
         counts.push(counts[k - from] + n);
     }
@@ -234,7 +236,7 @@ fn merged(series: &Series, channels: &[(&Track, f64)], runs: Vec<Interval>) -> V
                 let difference = track.mean_of(before.from, before.to) - track.mean_of(run.from, run.to);
                 difference.abs() <= CHANGE * noise
             };
-            if between <= DISTURBANCE * whole && channels.iter().all(alike) {
+            if between <= DISTURBANCE_S.min(DISTURBANCE * whole) && channels.iter().all(alike) {
                 before.to = run.to;
                 continue;
             }

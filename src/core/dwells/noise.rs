@@ -31,14 +31,22 @@ const OCTAVES: usize = 8;
 const ROUNDS: usize = 1000;
 /// What quantisation and walk must gain in minus twice the logarithm of the likelihood.
 const FURTHER: f64 = 3.0;
+/// What slow noise of their own must gain in it for turns.
+const OTHER_NOISE: f64 = 9.0;
 const EULER: f64 = 0.577_215_664_901_532_9;
+
+fn used(octaves: &[Octave]) -> Vec<&Octave> {
+    let longest = octaves.iter().map(|o| o.tau_s).fold(0.0, f64::max);
+    let least = longest / 2f64.powi(OCTAVES as i32);
+    octaves.iter().filter(|o| o.tau_s > least && o.pairs > 0.0).collect()
+}
 
 fn powers(tau: f64) -> [f64; 4] {
     [tau.powi(-2), tau.recip(), 1.0, tau]
 }
 
-/// The parts at the likelihood's top, from a start; a part that is zero stays so.
-fn climbed(octaves: &[&Octave], mut parts: [f64; 4]) -> Noise {
+/// The free parts at the likelihood's top, from a start; a part that is zero stays so.
+fn climbed(octaves: &[&Octave], mut parts: [f64; 4], free: [bool; 4]) -> Noise {
     for _ in 0..ROUNDS {
         let (mut up, mut down) = ([0.0; 4], [0.0; 4]);
         for octave in octaves {
@@ -49,19 +57,21 @@ fn climbed(octaves: &[&Octave], mut parts: [f64; 4]) -> Noise {
                 down[k] += octave.pairs * at[k] / model;
             }
         }
-        for k in 0..4 {
+        for k in (0..4).filter(|&k| free[k]) {
             parts[k] *= (up[k] / down[k]).sqrt();
         }
     }
     Noise { parts }
 }
 
-/// Allan variances of means `values` that stand for `step_s` seconds each, over octaves and over half of the whole.
-pub fn octaves(values: &[f64], step_s: f64) -> Vec<Octave> {
-    let mut sums = vec![0.0];
+/// Allan variances of means `values` over `step_s` seconds each, over octaves and over half of the whole. Each counts
+/// by its weight, so that of counts the mean over any window is right to a pulse.
+pub fn octaves(values: &[f64], weights: &[f64], step_s: f64) -> Vec<Octave> {
+    let (mut sums, mut weight) = (vec![0.0], vec![0.0]);
     let origin = values.first().copied().unwrap_or_default();
-    for value in values {
-        sums.push(sums[sums.len() - 1] + (value - origin));
+    for (k, (value, own)) in values.iter().zip(weights).enumerate() {
+        sums.push(sums[k] + own * (value - origin));
+        weight.push(weight[k] + own);
     }
     let half = values.len() / 2;
     let mut widths: Vec<usize> = std::iter::successors(Some(1), |m| Some(2 * m)).take_while(|&m| m <= half).collect();
@@ -69,7 +79,7 @@ pub fn octaves(values: &[f64], step_s: f64) -> Vec<Octave> {
         widths.push(half);
     }
     let octave = |m: usize| {
-        let mean = |k: usize| (sums[(k + 1) * m] - sums[k * m]) / m as f64;
+        let mean = |k: usize| (sums[(k + 1) * m] - sums[k * m]) / (weight[(k + 1) * m] - weight[k * m]);
         let pairs = values.len() / (2 * m);
         let squares: f64 = (0..pairs).map(|k| (mean(2 * k + 1) - mean(2 * k)).powi(2)).sum();
         Octave { tau_s: m as f64 * step_s, pairs: pairs as f64, variance: 0.5 * squares / pairs as f64 }
@@ -82,26 +92,72 @@ impl Noise {
     ///
     /// Each octave's variance is a mean of squares of normal values, so the likelihood is that of a chi-squared
     /// variance; the parts stay positive (multiplicative steps, which never lower it). Quantisation and walk are taken
-    /// in only where the likelihood asks for them: of few dwells the long octaves are mere chance.
-    pub fn fit(octaves: &[Octave]) -> Self {
-        let longest = octaves.iter().map(|o| o.tau_s).fold(0.0, f64::max);
-        let least = longest / 2f64.powi(OCTAVES as i32);
-        let used: Vec<&Octave> = octaves.iter().filter(|o| o.tau_s > least && o.pairs > 0.0).collect();
-        let level = used.iter().map(|o| o.variance).fold(0.0, f64::max);
-        if level <= 0.0 {
-            return Self::default();
+    /// in only where the likelihood asks for them: of few dwells the long octaves are mere chance. A counter rounds to
+    /// a `pulse`, 3 Q^2 = pulse^2/4, also where a steady rate does not show it.
+    pub fn fit(octaves: &[Octave], pulse: f64) -> Self {
+        let used = used(octaves);
+        if used.iter().all(|o| o.variance <= 0.0) {
+            return Self { parts: [0.25 * pulse * pulse, 0.0, 0.0, 0.0] };
         }
+        let mut fit = Self::likeliest(&used);
+        fit.parts[0] = fit.parts[0].max(0.25 * pulse * pulse);
+        fit.parts[2] = fit.expected_flicker(&used);
+        fit
+    }
+
+    /// Noise at rest and in turns. What is taken out of a turn takes slow noise with it: that of rest holds for turns
+    /// too, unless they plainly have more.
+    pub fn fit_both(still: &[Octave], turning: &[Octave], pulse: f64) -> [Self; 2] {
+        let [one, own] = [still, turning].map(|octaves| Self::fit(octaves, pulse));
+        if still.is_empty() || turning.is_empty() {
+            return [one, own];
+        }
+        let [q, n, ..] = own.parts;
+        let [.., h, k] = one.parts;
+        let used = used(turning);
+        let start = [q.max(f64::MIN_POSITIVE), n.max(f64::MIN_POSITIVE), h, k];
+        let mut of_rest = climbed(&used, start, [true, true, false, false]);
+        of_rest.parts[0] = of_rest.parts[0].max(0.25 * pulse * pulse);
+        if of_rest.misfit(&used) - own.misfit(&used) <= OTHER_NOISE {
+            return [one, of_rest];
+        }
+        [one, Self { parts: [q, n, h.max(own.parts[2]), k.max(own.parts[3])] }]
+    }
+
+    fn likeliest(used: &[&Octave]) -> Self {
+        let longest = used.iter().map(|o| o.tau_s).fold(0.0, f64::max);
+        let least = longest / 2f64.powi(OCTAVES as i32);
+        let level = used.iter().map(|o| o.variance).fold(0.0, f64::max);
         // A start at which every part matters somewhere.
         let middle = (longest * least).sqrt();
         let start = powers(middle).map(|p| 0.25 * level / p);
-        let models = [[0.0, 1.0, 1.0, 0.0], [1.0; 4]];
-        let fits = models.iter().zip([0.0, 1.0]).map(|(model, further)| {
+        let models = [[0.0, 1.0, 1.0, 0.0], [1.0, 1.0, 1.0, 0.0], [1.0; 4]];
+        let fits = models.iter().zip([0.0, 1.0, 2.0]).map(|(model, further)| {
             let mut parts = start;
             parts.iter_mut().zip(model).for_each(|(part, there)| *part *= there);
-            let fit = climbed(&used, parts);
-            (fit.misfit(&used) + FURTHER * further, fit)
+            let fit = climbed(used, parts, [true; 4]);
+            (fit.misfit(used) + FURTHER * further, fit)
         });
         fits.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Self::default, |(_, fit)| fit)
+    }
+
+    /// The mean of flicker by its likelihood, the other parts held. Quantisation hides flicker of a dwell's own size:
+    /// the likeliest would be none in one log and twice too much in the next.
+    fn expected_flicker(&self, octaves: &[&Octave]) -> f64 {
+        const POINTS: usize = 200;
+        const UNLIKELY: f64 = 20.0;
+        let [q, n, likeliest, k] = self.parts;
+        let misfit = |h: f64| Self { parts: [q, n, h, k] }.misfit(octaves);
+        let level = octaves.iter().map(|o| o.variance).fold(0.0, f64::max);
+        let (mut top, most) = (likeliest.max(1e-12 * level), misfit(likeliest) + UNLIKELY);
+        while misfit(top) < most && top < level {
+            top *= 2.0;
+        }
+        let points: Vec<f64> = (0..POINTS).map(|k| top * (k as f64 + 0.5) / POINTS as f64).collect();
+        let misfits: Vec<f64> = points.iter().map(|&h| misfit(h)).collect();
+        let least = misfits.iter().copied().fold(f64::INFINITY, f64::min);
+        let weights: Vec<f64> = misfits.iter().map(|misfit| (0.5 * (least - misfit)).exp()).collect();
+        points.iter().zip(&weights).map(|(h, weight)| h * weight).sum::<f64>() / weights.iter().sum::<f64>()
     }
 
     /// Minus twice the logarithm of the likelihood.
@@ -129,10 +185,15 @@ impl Noise {
         self.parts[2].sqrt()
     }
 
-    /// The same with white noise and quantisation of `times` the variance.
+    /// Whether white noise is most of the Allan variance at tau (s).
+    pub fn is_white(&self, tau_s: f64) -> bool {
+        self.parts[1] / tau_s > 0.5 * self.allan(tau_s)
+    }
+
+    /// The same with white noise of `times` the variance.
     pub fn with_white(&self, times: f64) -> Self {
         let [q, n, h, k] = self.parts;
-        Self { parts: [q * times, n * times, h, k] }
+        Self { parts: [q, n * times, h, k] }
     }
 
     /// Standard error of a mean over `dwell_s` of which `observed_s` were sampled, in a log of `log_s`.

@@ -160,6 +160,15 @@ pub fn align(seen: &[Seen], programme: &[Position]) -> Vec<Option<usize>> {
     found
 }
 
+/// Rows of a programme, of as many intervals as rows, that contradict their own interval where most others agree. Laid
+/// over one another otherwise, all between them would be taken for their neighbours.
+pub fn exchanged(seen: &[Seen], programme: &[Position]) -> Vec<usize> {
+    let pairs = seen.iter().zip(programme).enumerate();
+    let wrong: Vec<usize> = pairs.filter(|(_, (s, p))| disagreement(s, p).is_infinite()).map(|(row, _)| row).collect();
+    let is_few = seen.len() == programme.len() && 4 * wrong.len() <= seen.len();
+    if is_few { wrong } else { Vec::new() }
+}
+
 fn disagreement(seen: &Seen, position: &Position) -> f64 {
     let mut cost = 0.0;
     if let Some(up) = seen.up.and_then(|up| up.try_normalize(0.0)) {

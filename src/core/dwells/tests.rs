@@ -9,7 +9,7 @@ use super::averages::{noise, settled, standard_error, without_edges};
 use super::blocks::{Blocks, Series};
 use super::intervals::{Found, Interval, Search, find};
 use super::noise::{Noise, octaves};
-use super::programme::{Position, Seen, Table, align, attitude, clock_offset, twenty_four};
+use super::programme::{Position, Seen, Table, align, attitude, clock_offset, exchanged, twenty_four};
 use crate::core::campaign::Site;
 use crate::core::frames::Vector;
 
@@ -108,7 +108,7 @@ fn measure(seeds: std::ops::Range<u64>, hz: f64) -> (usize, Vec<f64>) {
         }
         let cut: Vec<Interval> = found.intervals.iter().filter_map(|i| without_edges(&series, *i, None)).collect();
         for (c, track) in series.tracks.iter().enumerate() {
-            let of = noise(&series, track, &cut);
+            let [of, _] = noise(&series, track, &cut, &[]);
             for (k, interval) in cut.iter().enumerate() {
                 let interval = settled(&series, &[(track, of)], *interval);
                 let sem = standard_error(&series, track, &of, interval, hz.recip());
@@ -174,9 +174,9 @@ fn the_noise_of_known_parts_is_found_again() {
         for seed in 0..60 {
             let mut source = Source::new(100 + seed, step, 7200.0, (1.0 / step).sqrt(), h);
             let values: Vec<f64> = (0..2000).map(|_| source.next()).collect();
-            all.extend(octaves(&values, step));
+            all.extend(octaves(&values, &vec![1.0; values.len()], step));
         }
-        Noise::fit(&all)
+        Noise::fit(&all, 0.0)
     };
     let white = pooled(0.0);
     assert!((white.white() - 1.0).abs() < 0.03, "{}", white.white());
@@ -251,7 +251,7 @@ fn what_has_not_settled_is_cut_off() {
     let series = Series::join(vec![blocks]);
     let whole = Interval { from: 0, to: series.number.len() };
     let track = &series.tracks[0];
-    let kept = settled(&series, &[(track, noise(&series, track, &[whole]))], whole);
+    let kept = settled(&series, &[(track, noise(&series, track, &[whole], &[])[0])], whole);
     assert!(series.start_s(kept.from) > 12.0 && kept.to == whole.to, "{kept:?}");
     assert!((track.mean_of(kept.from, kept.to) - 10.0).abs() < 0.008);
 }
@@ -336,9 +336,81 @@ fn a_converter_that_reads_the_same_all_the_while_is_known_to_its_rounding() {
     let series = Series::join(vec![blocks]);
     let track = &series.tracks[0];
     let first = Interval { from: 2, to: 90 };
-    let of = noise(&series, track, &[first, Interval { from: 110, to: 190 }]);
+    let [of, _] = noise(&series, track, &[first, Interval { from: 110, to: 190 }], &[]);
     // The smallest difference that was seen is four.
     assert!((standard_error(&series, track, &of, first, 1.0) - 4.0 / 12f64.sqrt()).abs() < 1e-12);
     let both = Interval { from: 2, to: 190 };
     assert!(standard_error(&series, track, &of, both, 1.0) < 1e-6, "it does not read the same");
+}
+
+/// Rates counted in whole pulses: a mean over T is off by a pulse at both ends, pulse/(T sqrt 6), whether the counts
+/// scatter or not.
+#[test]
+fn a_mean_of_counts_is_known_to_a_pulse_at_both_ends() {
+    const HZ: f64 = 100.0;
+    const SAMPLES: usize = 6000;
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    // At rest, turning, and a rate that is counted without any scatter.
+    let mut rates: Vec<f64> = (0..20).map(|_| rng.random_range(-40.0..40.0)).collect();
+    rates.extend((0..20).map(|_| rng.random_range(-20_000.0..20_000.0)));
+    rates.push(10_800.0);
+    let (mut blocks, mut total) = (Blocks::new(1, 1.0 / HZ), rng.random_range(0.0..1.0));
+    for k in 0..rates.len() * SAMPLES {
+        let before = f64::floor(total);
+        total += rates[k / SAMPLES] / HZ + 1e-4 * rng.sample::<f64, _>(StandardNormal);
+        blocks.push(k as f64 / HZ, &[total.floor() - before]);
+    }
+    let mut series = Series::join(vec![blocks]);
+    let track = &mut series.tracks[0];
+    assert!(track.whole && track.step == 1.0, "{}", track.step);
+    track.pulse = track.step;
+    track.scale(HZ);
+    let block = |time: f64| series.number.partition_point(|&n| (n as f64) * series.block_s < time);
+    let dwell = |k: usize| Interval { from: block(60.0 * k as f64 + 1.0), to: block(60.0 * k as f64 + 59.0) };
+    let (still, turning): (Vec<Interval>, Vec<Interval>) =
+        ((0..20).map(dwell).collect(), (20..41).map(dwell).collect());
+    let track = &series.tracks[0];
+    let of = noise(&series, track, &still, &turning);
+    let pulse = 1.0 / 58.0 / 6_f64.sqrt();
+    let mut squares = Vec::new();
+    for (k, interval) in still.iter().chain(&turning).enumerate() {
+        let sem = standard_error(&series, track, &of[usize::from(k >= 20)], *interval, 1.0 / HZ);
+        assert!((0.95..2.5).contains(&(sem / pulse)), "{}: {sem} {pulse}", rates[k]);
+        squares.push(((track.mean_of(interval.from, interval.to) - rates[k]) / sem).powi(2));
+    }
+    let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    assert!((0.4..1.2).contains(&rms), "{rms}");
+}
+
+#[test]
+fn samples_at_the_end_of_the_range_are_clipped_unless_counts_stand_there_by_nature() {
+    let mut rng = ChaCha8Rng::seed_from_u64(13);
+    let mut clipped = |limit: f64, whole: bool| {
+        let mut blocks = Blocks::new(1, 0.01);
+        for k in 0..4000 {
+            let value = 100.4 + 0.3 * rng.sample::<f64, _>(StandardNormal) - if k < 2000 { 50.0 } else { 0.0 };
+            let value = value.min(limit);
+            blocks.push(f64::from(k) * 0.01, &[if whole { value.floor() } else { value }]);
+        }
+        let series = Series::join(vec![blocks]);
+        let middle = series.number.len() / 2;
+        (series.tracks[0].clipped(2, middle - 2), series.tracks[0].clipped(middle + 2, 2 * middle - 2))
+    };
+    for (limit, whole) in [(1e9, false), (1e9, true)] {
+        let (low, high) = clipped(limit, whole);
+        assert!(low < 0.01 && high < 0.01, "{limit} {whole}: {low} {high}");
+    }
+    assert!(clipped(100.4, false).1 > 0.4, "half of the noise");
+    let (low, high) = clipped(90.0, true);
+    assert!(low < 0.01 && high > 0.99, "{low} {high}");
+}
+
+#[test]
+fn rows_that_are_exchanged_are_named() {
+    let mut programme = twenty_four();
+    let seen: Vec<Seen> = programme.iter().map(|p| Seen { up: Some(p.up()), turn_arcsec_s: None }).collect();
+    assert!(exchanged(&seen, &programme).is_empty());
+    programme.swap(0, 4);
+    assert_eq!(exchanged(&seen, &programme), [0, 4]);
+    assert!(exchanged(&seen[1..], &programme).is_empty(), "fewer intervals than rows");
 }

@@ -156,7 +156,8 @@ fn programme() -> String {
     for up in AXES {
         let north = if up.ends_with('Z') { "+X" } else { "+Z" };
         for rate in ["1", "-1"] {
-            row(up, north, rate, 360);
+            // A quarter more than a turn: its edges are cut off.
+            row(up, north, rate, 450);
         }
     }
     text

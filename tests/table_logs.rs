@@ -321,5 +321,6 @@ fn judge(logged: Logged) {
     );
     assert!(100 * wrong <= logs);
     assert!(mean.abs() < 0.25, "{mean}");
-    assert!((0.85..1.15).contains(&rms), "{rms}");
+    // How much flicker there is, few dwells of white noise say poorly: errors may be stated a quarter too large.
+    assert!((0.75..1.15).contains(&rms), "{rms}");
 }

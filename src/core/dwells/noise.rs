@@ -101,7 +101,11 @@ impl Noise {
         }
         let mut fit = Self::likeliest(&used);
         fit.parts[0] = fit.parts[0].max(0.25 * pulse * pulse);
-        fit.parts[2] = fit.expected_flicker(&used);
+        let longest = used.iter().map(|o| o.tau_s).fold(0.0, f64::max);
+        // Of counts, where rounding hides what else there is.
+        if pulse > 0.0 && fit.parts[0] > longest * fit.parts[1] {
+            fit.parts[2] = fit.expected_flicker(&used);
+        }
         fit
     }
 

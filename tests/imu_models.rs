@@ -5,6 +5,9 @@ mod lab;
 
 use serde_json::{Value, json};
 
+use gyrowatch::core::alert_decision::Late;
+use gyrowatch::pipeline::{Accepted, Submission};
+use gyrowatch::wire::campaign::Form;
 use lab::{Answer, Lab};
 use reqwest::Method;
 
@@ -90,6 +93,66 @@ async fn an_adopted_model_is_used_by_the_later_campaigns_and_undone_by_an_empty_
     let third = lab.post("/v1/campaigns", &at(sent, "2026-06-01T08:00:00Z")).await.created();
     assert_eq!(third["separations"], first["separations"]);
     assert_eq!(third["calibration"]["effects"], Value::Null);
+}
+
+/// Read and fitted, as it waits to be stored.
+fn fitted(lab: &Lab, campaign: &Value, measured_at: &str) -> Submission {
+    let body = at(campaign.clone(), measured_at).to_string();
+    lab.pipeline().reader.campaign_document(body.as_bytes(), Form::Json).unwrap().submission
+}
+
+async fn stored(lab: &Lab, items: Vec<Submission>) -> Vec<Value> {
+    let replies = lab.pipeline().ingest.enqueue(items, Late::Quiet).await.await;
+    let mut campaigns = Vec::new();
+    for reply in replies {
+        let Accepted::Stored { id, .. } = reply.unwrap() else { panic!("it is new") };
+        campaigns.push(lab.get(&format!("/v1/campaigns/{id}")).await.ok());
+    }
+    campaigns
+}
+
+#[tokio::test]
+async fn a_campaign_is_stated_by_the_model_in_force_when_it_is_stored_whichever_it_was_fitted_with() {
+    let lab = Lab::open().await;
+    let sent = campaign();
+    let path = model_path(&sent);
+    let first = lab.post("/v1/campaigns", &sent).await.created();
+
+    let waiting = vec![fitted(&lab, &sent, "2026-05-01T08:00:00Z")];
+    let adopted = lab.post(&path, &adoption(temperature_bias())).await.created();
+    let restated = lab.get(&format!("/v1/campaigns/{}", first["id"].as_str().unwrap())).await.ok();
+    let late = stored(&lab, waiting).await;
+    assert_eq!(late[0]["imu_model"], adopted["id"]);
+    assert_eq!(late[0]["separations"], restated["separations"], "the same dwells, the same model");
+
+    // So many that they are judged while others are written.
+    let many = (0..200).map(|k| fitted(&lab, &sent, &format!("2026-05-02T{:02}:{:02}:00Z", k / 60, k % 60)));
+    let waiting = many.collect();
+    let undone = lab.post(&path, &adoption(json!([]))).await.created();
+    for late in stored(&lab, waiting).await {
+        assert_eq!(late["imu_model"], undone["id"]);
+        assert_eq!(late["separations"], first["separations"]);
+    }
+    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+}
+
+/// Another server on the same database.
+#[tokio::test]
+async fn a_campaign_is_stated_by_the_model_that_another_server_has_put_in_force() {
+    if !lab::cluster::is_wanted() {
+        return;
+    }
+    let here = Lab::open().await;
+    let there = Lab::with(|config| config.database.url.clone_from(&here.config.database.url)).await;
+    let sent = campaign();
+    let path = model_path(&sent);
+    here.post("/v1/campaigns", &sent).await.created();
+    for (day, effects) in [(1, temperature_bias()), (2, json!([])), (3, temperature_bias())] {
+        let waiting = vec![fitted(&here, &sent, &format!("2026-05-{day:02}T08:00:00Z"))];
+        let adopted = there.post(&path, &adoption(effects)).await.created();
+        assert_eq!(stored(&here, waiting).await[0]["imu_model"], adopted["id"], "day {day}");
+    }
+    assert_eq!(here.verified().await.faults, Vec::<String>::new());
 }
 
 #[tokio::test]

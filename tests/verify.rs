@@ -130,6 +130,18 @@ async fn a_flipped_bit_is_found_and_its_record_named() {
 }
 
 #[tokio::test]
+async fn a_campaign_that_the_model_in_force_does_not_state_is_named() {
+    let server = a_database().await;
+    let adopt = "INSERT INTO imu_model (id, imu, adopted_at, author, reason, body)
+                 SELECT id + 1, imu, received_at, 'M. Adopter', 'fewer terms',
+                     '{\"version\": 1, \"terms\": [\"bias\", \"g_linear\", \"scale\"], \"effects\": []}'
+                 FROM record WHERE kind = 1";
+    run(&server, adopt).await;
+    let (code, said) = verify(&server, &[]);
+    assert!(code == Some(1) && said.contains("not stated by the model in force"), "{said}");
+}
+
+#[tokio::test]
 async fn a_change_that_fits_its_checksums_is_found_by_computing_again() {
     let server = a_database().await;
     let whole = std::fs::read(server.dir().join("gyrowatch.db")).unwrap();

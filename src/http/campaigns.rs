@@ -88,7 +88,8 @@ pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwe
         (Sent::Calibration(Kind::Campaign, &body), "campaigns")
     };
     let whole = |id: Id, notes: Vec<NoteBody>| {
-        let mut answer = CampaignAnswer { id: Some(id.to_string()), ..app.pipeline.reader.campaign_answer(&fit) };
+        let stored = app.pipeline.reader.answer_as_stored(&fit, &body);
+        let mut answer = CampaignAnswer { id: Some(id.to_string()), ..stored };
         answer.notes.extend(notes);
         answer
     };

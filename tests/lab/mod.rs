@@ -46,6 +46,7 @@ pub struct Lab {
 
 struct Running {
     address: SocketAddr,
+    pipeline: Arc<Pipeline>,
     stop: oneshot::Sender<()>,
     served: JoinHandle<()>,
     written: JoinHandle<()>,
@@ -89,7 +90,8 @@ impl Lab {
         let outbox = Outbox::start(&pipeline.hooks).expect("the delivery worker starts");
         let listener = TcpListener::bind(config.server.listen).await.expect("a free port");
         let address = listener.local_addr().expect("an address");
-        let app = App { config: config.clone(), clock: self.clock.clone(), pipeline: Arc::new(pipeline) };
+        let pipeline = Arc::new(pipeline);
+        let app = App { config: config.clone(), clock: self.clock.clone(), pipeline: Arc::clone(&pipeline) };
         let router = http::router(app, Routes::default());
         let (stop, stopped) = oneshot::channel::<()>();
         let served = tokio::spawn(async move {
@@ -98,7 +100,7 @@ impl Lab {
             })
             .await;
         });
-        self.running = Some(Running { address, stop, served, written, outbox });
+        self.running = Some(Running { address, pipeline, stop, served, written, outbox });
     }
 
     /// As SIGTERM does: requests in flight are finished, the database is closed.
@@ -131,6 +133,11 @@ impl Lab {
 
     pub fn address(&self) -> SocketAddr {
         self.running.as_ref().expect("it runs").address
+    }
+
+    /// What HTTP asks: for what happens between two of its steps.
+    pub fn pipeline(&self) -> &Pipeline {
+        &self.running.as_ref().expect("it runs").pipeline
     }
 
     pub fn url(&self, path: &str) -> String {

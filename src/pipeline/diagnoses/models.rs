@@ -59,9 +59,13 @@ impl ModelCache {
         imu.and_then(|imu| cache.get(&imu)).cloned().unwrap_or_default()
     }
 
+    /// A model that was read before a newer one was noted changes nothing.
     pub fn note(&self, row: &ModelRow) -> Result<(), StoreError> {
         let in_force = read(row)?;
-        self.0.write().unwrap_or_else(PoisonError::into_inner).insert(row.imu, in_force);
+        let mut cache = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        if cache.get(&row.imu).is_none_or(|known| known.id < in_force.id) {
+            cache.insert(row.imu, in_force);
+        }
         Ok(())
     }
 }

@@ -15,7 +15,9 @@ use crate::message;
 use crate::pipeline::diagnoses::models;
 use crate::pipeline::diagnoses::models::InForce;
 use crate::pipeline::ingest::fitted::{CampaignFit, Fitted, ReadCampaign};
-use crate::pipeline::ingest::submission::{BenchTest, CalibratedGyro, Calibration, anything, check_names, kept};
+use crate::pipeline::ingest::submission::{
+    BenchTest, CalibratedGyro, Calibration, Correction, Submission, anything, check_names, kept,
+};
 use crate::store;
 use crate::store::{RecordRow, StoreError};
 use crate::wire::bench::BenchBody;
@@ -61,6 +63,50 @@ impl Reader {
             })),
         };
         Ok(ReadCampaign { fitted, fit: CampaignFit { campaign, outcome, model: in_force.id }, body })
+    }
+
+    /// A campaign that was fitted before another model came into force, fitted with the one in force; none where that
+    /// cannot be, or is not needed.
+    pub(in crate::pipeline) fn fitted_anew(&self, sent: &Calibration) -> Option<Calibration> {
+        if !self.is_outdated(sent) {
+            return None;
+        }
+        let anew = self.fitted_with_model_in_force(sent.imu.as_str(), &sent.body)?;
+        let kept = (Arc::clone(&sent.body), sent.body_sha256);
+        let calibration = self.calibration_of(&anew.campaign, &anew.outcome, anew.model, kept);
+        Some(Calibration { idempotency_key: sent.idempotency_key.clone(), ..calibration })
+    }
+
+    /// As [`Self::fitted_anew`], of what brings a campaign.
+    pub(super) fn read_anew(&self, sent: &Submission) -> Option<Submission> {
+        let anew = self.fitted_anew(sent.calibration()?)?;
+        Some(match sent {
+            Submission::Correction(correction) => Submission::Correction(Box::new(Correction {
+                replacement: Some(anew),
+                ..Correction::clone(correction)
+            })),
+            _ => Submission::Calibration(Box::new(anew)),
+        })
+    }
+
+    /// Whether a campaign was fitted with another model than the one in force.
+    pub(super) fn is_outdated(&self, sent: &Calibration) -> bool {
+        sent.kind == Kind::Campaign && sent.model != self.in_force(sent.imu.as_str()).id
+    }
+
+    /// None where it cannot be fitted with that model.
+    fn fitted_with_model_in_force(&self, imu: &str, body: &str) -> Option<CampaignFit> {
+        let in_force = self.in_force(imu);
+        let (campaign, outcome) = evaluated(&self.config.stations, body, &in_force).ok()?;
+        Some(CampaignFit { campaign, outcome, model: in_force.id })
+    }
+
+    /// What is answered to a campaign that was just stored: another model may have come into force since it was read.
+    pub fn answer_as_stored(&self, fit: &CampaignFit, body: &str) -> CampaignAnswer {
+        let imu = fit.campaign.imu.as_str();
+        let outdated = fit.model != self.in_force(imu).id;
+        let anew = outdated.then(|| self.fitted_with_model_in_force(imu, body)).flatten();
+        self.campaign_answer(anew.as_ref().unwrap_or(fit))
     }
 
     /// What is answered to a campaign, but for its id and verdicts.

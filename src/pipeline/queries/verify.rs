@@ -14,6 +14,7 @@ use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::queries::heads::{checksum, stored_rows};
 use crate::pipeline::queries::record::{Records, Reread};
+use crate::pipeline::{CalibratedGyro, Calibration};
 use crate::store;
 use crate::store::{StoreError, StoredVerdict, Table};
 use crate::wire::bench::parse_bench_result;
@@ -100,6 +101,17 @@ impl Records {
         }
         if row.calibrated_at != again.calibrated_at {
             verified.faults.push(format!("record {id}: is stored under another time than its text says"));
+        }
+        // A campaign that cannot be fitted with the model in force, or has other gyros by it, stays as it came.
+        let by_model_in_force = self.reader.fitted_anew(again).filter(|anew| counts && same_gyros(anew, again));
+        for gyro in by_model_in_force.iter().flat_map(|anew| &anew.gyros) {
+            let figures = |of: &CalibratedGyro| figures_of(&of.separation, id, row.calibrated_at, row.imu, row.station);
+            let was = again.gyros.iter().find(|was| was.place == gyro.place);
+            if was.is_some_and(|was| difference(&figures(was), &figures(gyro)).is_some()) {
+                verified
+                    .faults
+                    .push(format!("record {id}: gyro {}: is not stated by the model in force of its IMU", gyro.serial));
+            }
         }
         for gyro in &again.gyros {
             let serial = gyro.serial.as_str();
@@ -196,6 +208,10 @@ impl Records {
 
 fn name(table: &Table, number: u32) -> String {
     table.name(number).map_or_else(|| format!("number {number}"), ToString::to_string)
+}
+
+fn same_gyros(a: &Calibration, b: &Calibration) -> bool {
+    a.gyros.iter().map(|gyro| gyro.place).eq(b.gyros.iter().map(|gyro| gyro.place))
 }
 
 /// What of the stored figures is not as computed, but for the states, which are the verdicts'.

@@ -30,6 +30,7 @@ use crate::pipeline::diagnoses::{DiagnosisHandler, DiagnosisOrder, HypothesisHan
 use crate::pipeline::error::StorageError;
 use crate::pipeline::hooks::{Found, HookCache, HookHandler, Order, heard_by};
 use crate::pipeline::ingest::judge::Judge;
+use crate::pipeline::ingest::submission::Submission;
 use crate::pipeline::write_queue;
 use crate::pipeline::write_queue::Job;
 use crate::pipeline::{Accepted, AccessError, DiagnosisError, HookError, Reply, WriteError};
@@ -347,6 +348,14 @@ impl Task {
     }
 
     async fn try_group(&mut self, items: &[Item<'_>]) -> Result<Vec<Reply>, StoreError> {
+        // The model in force cannot change from here to the commit: an adoption needs this turn.
+        let reader = self.state.reader();
+        let anew: Vec<Option<Submission>> = items.iter().map(|item| reader.read_anew(item.sent)).collect();
+        let mut items: Vec<Item<'_>> = items.to_vec();
+        for (item, anew) in items.iter_mut().zip(&anew) {
+            item.sent = anew.as_ref().unwrap_or(item.sent);
+        }
+        let items = &items;
         let prepared = Preparation { state: &mut self.state, items }.prepare().await?;
         let changes = &prepared.changes;
         if !changes.is_empty() {

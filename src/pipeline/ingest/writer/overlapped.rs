@@ -79,6 +79,10 @@ impl Task {
     }
 
     fn can_go_beside(&self, items: &[Item<'_>]) -> bool {
+        let reader = self.state.reader();
+        if items.iter().filter_map(|item| item.sent.calibration()).any(|sent| reader.is_outdated(sent)) {
+            return false;
+        }
         let tables = self.state.store.names().read();
         let room = !self.state.behind
             && !self.state.judge.is_full()

@@ -14,7 +14,6 @@ use crate::pipeline::diagnoses::models::adopted;
 use crate::pipeline::diagnoses::{Adoption, DiagnosisError};
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::campaign::Restated;
-use crate::pipeline::ingest::reader::Reader;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::store;
 use crate::store::{Changes, HistoryRow, RestatedRow, StoreError, StoredVerdict};
@@ -37,13 +36,7 @@ impl Restating<'_> {
             Ok(changes) => changes,
             Err(there) => return Ok(there),
         };
-        let reader = Reader {
-            store: self.state.store.clone(),
-            config: self.state.config.clone(),
-            clock: self.state.clock.clone(),
-            models: self.state.after.models.clone(),
-        };
-        let restated = reader.restated(&adoption.imu, &adoption.model, restated.clone()).await?;
+        let restated = self.state.reader().restated(&adoption.imu, &adoption.model, restated.clone()).await?;
         let imu = changes.models[0].imu;
         let done = match (ForecastAlerts { state: self.state, now: self.now }).end(imu, adoption).await {
             Ok(()) => self.restate(&mut changes, &restated).await,

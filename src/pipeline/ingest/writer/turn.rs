@@ -7,6 +7,7 @@ use std::time::Duration;
 use super::homes::Homes;
 use super::state::{Item, WriterState};
 use crate::pipeline::error::Unwritten;
+use crate::pipeline::ingest::reader::Reader;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::store;
 use crate::store::{Cells, Changes, Missed, Moves, StoreError};
@@ -159,6 +160,15 @@ impl WriterState {
     pub(super) fn look_at_hooks(&mut self) {
         self.hooks.forget();
         self.after.wake.send_modify(|moved| *moved += 1);
+    }
+
+    pub(super) fn reader(&self) -> Reader {
+        Reader {
+            store: self.store.clone(),
+            config: self.config.clone(),
+            clock: self.clock.clone(),
+            models: self.after.models.clone(),
+        }
     }
 
     pub(super) fn homes(&self) -> Homes<'_> {

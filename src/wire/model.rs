@@ -157,6 +157,14 @@ pub struct ProvenanceBody {
 /// # Errors
 /// Of a document with the wrong shape, the first fault; otherwise all, by JSON pointer.
 pub fn parse(bytes: &[u8]) -> Result<AugmentedModel, Faults> {
+    json::parse::<ModelBody>(bytes)?.checked()
+}
+
+/// Reads a stored model, adopted when less may have been checked.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_stored(bytes: &[u8]) -> Result<AugmentedModel, Faults> {
     json::parse::<ModelBody>(bytes)?.to_core()
 }
 
@@ -204,6 +212,24 @@ impl ModelBody {
         faults.or(AugmentedModel { terms, effects, found_in, identified: identified.map(Arc::new), plausible_sizes })
     }
 
+    /// As [`Self::to_core`], of a file that agrees with itself.
+    fn checked(&self) -> Result<AugmentedModel, Faults> {
+        let model = self.to_core()?;
+        let mut faults = Faults::default();
+        if let Some(identified) = &self.identified {
+            identified.check_agreement(&mut faults);
+            for (i, effect) in self.effects.iter().enumerate() {
+                for (k, estimate) in effect.estimates.iter().enumerate() {
+                    if !identified.agrees(&estimate.slot, &effect.effect, &estimate.name, estimate.value) {
+                        let place = format!("/effects/{i}/estimates/{k}/value");
+                        faults.push(place, message!("is_not_the_coefficient", name = text(&estimate.name)));
+                    }
+                }
+            }
+        }
+        faults.or(model)
+    }
+
     fn plausible_sizes(&self, faults: &mut Faults) -> PlausibleSizes {
         let size = |(id, &size): (&String, &f64)| {
             let place = format!("/plausible_sizes/{id}");
@@ -246,7 +272,7 @@ impl AdoptionBody {
         let (author, reason) = text::signed("/author", self.author, self.reason, &mut faults);
         let Self { version, terms, effects, provenance, identified, plausible_sizes, .. } = self;
         let file = ModelBody { version, terms, effects, provenance, identified, plausible_sizes };
-        match file.to_core() {
+        match file.checked() {
             Ok(model) => faults.or((model, author, reason)),
             Err(part) => {
                 faults.absorb("", part);

@@ -8,7 +8,7 @@ use crate::core::augmented::Adopted;
 use crate::core::calibrate::design;
 use crate::core::fault::Faults;
 use crate::core::imu_model::{FittedCampaign, Identified, ModelCoefficient, ModelGyro, NoiseLaw, Of, Validity};
-use crate::core::message::{list, sent};
+use crate::core::message::{list, sent, text};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
 use crate::message;
@@ -22,6 +22,10 @@ use crate::wire::{text, time};
 const MOST: usize = 400;
 /// Share of the largest eigenvalue of the correlations by which one may be negative from rounding.
 const ROUNDING: f64 = 1e-6;
+/// How far outside the temperatures seen the reference may be, K.
+const NEAR_K: f64 = 1.0;
+/// Share of |E| by which the E that effects are resolved on may differ from the fitted one.
+const E_AGREES: f64 = 0.01;
 
 /// The coefficients of one IMU, fitted to its campaigns.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -239,6 +243,43 @@ impl IdentifiedBody {
             },
         };
         (faults.0.len() == before).then_some(model)
+    }
+
+    /// What the file says in two places is to agree, and the reference temperature to be one that was seen.
+    pub(super) fn check_agreement(&self, faults: &mut Faults) {
+        if let Some([low, high]) = self.validity.temperature_c {
+            if low > high {
+                let message = message!("span_is_reversed", low = text(low), high = text(high));
+                faults.push("/identified/validity/temperature_c", message);
+            } else if let Some(reference) = self.reference_temperature_c
+                && !(low - NEAR_K..=high + NEAR_K).contains(&reference)
+            {
+                let message = message!("reference_was_not_seen", low = text(low), high = text(high));
+                faults.push("/identified/reference_temperature_c", message);
+            }
+        } else if self.reference_temperature_c.is_some() {
+            faults.push("/identified/reference_temperature_c", message!("reference_without_temperatures"));
+        }
+        for (i, gyro) in self.gyros.iter().enumerate() {
+            let e = gyro.e_pulse_per_arcsec.vector();
+            for (part, name) in TERM_NAMES[Term::Scale as usize].1.iter().enumerate() {
+                let found = self.coefficient(&gyro.slot, None, name);
+                if found.is_some_and(|c| (c.value - e[part]).abs() > E_AGREES * e.norm() + c.sd) {
+                    let place = format!("/identified/gyros/{i}/e_pulse_per_arcsec");
+                    faults.push(place, message!("is_not_the_coefficient", name = text(name)));
+                }
+            }
+        }
+    }
+
+    /// Whether the coefficient of an effect, where there is one, may have this value.
+    pub(super) fn agrees(&self, slot: &str, effect: &str, name: &str, value: f64) -> bool {
+        let found = self.coefficient(slot, Some(effect), name);
+        found.is_none_or(|c| (c.value - value).abs() <= c.sd + c.between_campaigns_sd)
+    }
+
+    fn coefficient(&self, slot: &str, effect: Option<&str>, name: &str) -> Option<&ModelCoefficientBody> {
+        self.coefficients.iter().find(|c| c.slot == slot && c.effect.as_deref() == effect && c.name == name)
     }
 
     /// Whether any coefficient is of this effect of the file.

@@ -218,6 +218,10 @@ covariance_is_no_triangle = must be a lower triangle of { $need } rows, has { $h
 covariance_is_not_positive = is no covariance: it has a negative eigenvalue
 sd_is_not_of_covariance = is not the root of its place in the covariance
 gyro_without_noise_or_scale = E and the noise must be larger than zero
+span_is_reversed = its first value { $low } is larger than its second { $high }: give the lowest and the highest
+reference_was_not_seen = is outside the temperatures of its campaigns ({ $low } to { $high } deg C): fit the model again with gyrowatch model fit
+reference_without_temperatures = its campaigns have no temperatures (/identified/validity/temperature_c): leave it out
+is_not_the_coefficient = does not agree with the coefficient { $name } under /identified/coefficients: fit the model again with gyrowatch model fit
 
 ## What noise is known from
 

@@ -218,6 +218,10 @@ covariance_is_no_triangle = 应为{ $need }行的下三角，实为{ $have }行�
 covariance_is_not_positive = 不是协方差：存在负特征值
 sd_is_not_of_covariance = 与协方差中相应位置的平方根不符
 gyro_without_noise_or_scale = E与噪声应大于零
+span_is_reversed = 第一个值{ $low }大于第二个值{ $high }：应依次给出最低值与最高值
+reference_was_not_seen = 超出其标定的温度范围（{ $low }至{ $high } °C）：应以gyrowatch model fit重新拟合模型
+reference_without_temperatures = 其标定没有温度（/identified/validity/temperature_c）：应删去
+is_not_the_coefficient = 与/identified/coefficients中的系数{ $name }不一致：应以gyrowatch model fit重新拟合模型
 
 ## What noise is known from
 

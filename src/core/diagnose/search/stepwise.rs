@@ -278,9 +278,8 @@ impl Search<'_> {
             }
             pair.push(second);
             self.polish_contract(&mut pair);
-            let named = (0..pair.len()).filter(|&i| !pair[i].is_competitor());
-            let each =
-                named.into_iter().all(|i| self.earned_beside_others(&pair, i) > self.needed(&without(&pair, i)));
+            let mut named = (0..pair.len()).filter(|&i| !pair[i].is_competitor());
+            let each = named.all(|i| self.earned_beside_others(&pair, i) > self.needed(&without(&pair, i)));
             let worth = self.worth(&pair);
             if each && worth > to_beat {
                 to_beat = worth;

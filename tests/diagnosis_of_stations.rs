@@ -63,6 +63,12 @@ fn what_acts_for_a_part_of_the_time_is_not_explained_as_a_whole() {
 }
 
 #[test]
+fn three_causes_get_their_names_also_where_two_follow_one_variable() {
+    let row = of("three");
+    assert!(row.found.hits == COUNT && wrong(&row) == 0, "{row:?}");
+}
+
+#[test]
 fn one_cause_gets_one_name_however_strong_it_is_and_whenever_it_sets_in() {
     // A seat turned by 1.5 degrees left a field beside it, and one that turned between two instants of the grid a
     // dwell set aside.

@@ -231,7 +231,10 @@ fn campaigns_that_are_not_of_one_imu_make_no_model_and_other_campaigns_have_no_f
     let earlier = with(&|c| c.measured_at = first.measured_at.plus_days(-40.0));
     let notes = compare(&model, &earlier).unwrap().forecast.notes;
     assert!(notes.iter().any(|note| note.code == "campaign_before_model"), "{notes:?}");
-    let blind = with(&|c| c.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None));
+    let blind = with(&|c| {
+        c.temperature_c = None;
+        c.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None);
+    });
     let notes = compare(&model, &blind).unwrap().forecast.notes;
     assert!(notes.iter().any(|note| note.code == "effect_not_foretold"), "{notes:?}");
     let warm = compare(&model, &campaign(3, 3, 49.0, 1.0)).unwrap().forecast.notes;

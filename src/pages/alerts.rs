@@ -10,7 +10,7 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::figure;
+use super::bullet;
 use super::form::{Deed, Word, answered, rule_choice, see_other, severity_choice};
 use super::layout::{Page, Section, encoded, symbol, written, written_day};
 use super::silences;
@@ -26,7 +26,7 @@ use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity, Status};
 use crate::message;
 use crate::pages::status;
-use crate::pipeline::{AlertChange, AlertOrder, BEYOND};
+use crate::pipeline::{self, AlertChange, AlertOrder, BEYOND};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 
@@ -100,7 +100,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         if filters.page > 0 || nobody { Vec::new() } else { pages.pipeline.alerts.of_no_gyro(&filter).await? };
     let (stations, imus): (Vec<AlertBody>, Vec<AlertBody>) = of_no_gyro.into_iter().partition(AlertBody::is_of_station);
     let more = found.len() > ROWS;
-    let groups = together(found.into_iter().take(ROWS).collect());
+    let groups = together(standing_with_alerts(pages, found.into_iter().take(ROWS)).await?);
     let silences = silences::list(pages, viewer).await?;
     let here = filters.address(filters.state(), filters.page);
     let all: usize = Standing::ALL.iter().map(|standing| of(*standing)[0]).sum();
@@ -157,13 +157,38 @@ fn search(viewer: &Viewer, filters: &Filters) -> Markup {
     }
 }
 
+/// A gyro and its alerts.
+struct Alerted {
+    /// None for one that has just been removed.
+    standing: Option<pipeline::Standing>,
+    alerts: Vec<AlertBody>,
+}
+
+async fn standing_with_alerts(
+    pages: &Pages,
+    found: impl Iterator<Item = Vec<AlertBody>>,
+) -> Result<Vec<Alerted>, Problem> {
+    let found: Vec<Vec<AlertBody>> = found.collect();
+    let queries = &pages.pipeline.queries;
+    let serial_of = |alerts: &[AlertBody]| alerts.first().map(|alert| alert.serial.clone());
+    let serials = found.iter().filter_map(|alerts| serial_of(alerts));
+    let gyros: Vec<u32> = serials.filter_map(|serial| queries.names().gyro_number(&serial)).collect();
+    let mut standings = queries.fleet.standings_of(&gyros).await?.into_iter().peekable();
+    let with_standing = |alerts: Vec<AlertBody>| {
+        let standing =
+            standings.next_if(|standing| serial_of(&alerts).is_some_and(|serial| *standing.serial == *serial));
+        Alerted { standing, alerts }
+    };
+    Ok(found.into_iter().map(with_standing).collect())
+}
+
 /// Gyros whose alerts stand together: one, or those of an IMU that one record has shown.
 struct Group {
     /// Where there are several.
     imu: Option<String>,
     /// Whether none of them has been calibrated in time.
     overdue: bool,
-    gyros: Vec<Vec<AlertBody>>,
+    gyros: Vec<Alerted>,
 }
 
 /// What gyros have in common that fire together.
@@ -185,18 +210,18 @@ impl Cause {
 }
 
 /// Gyros of one cause stand together where there are [`TOGETHER`] of them, where the first of them does.
-fn together(found: Vec<Vec<AlertBody>>) -> Vec<Group> {
-    let causes: Vec<Option<Cause>> = found.iter().map(|alerts| Cause::of(alerts)).collect();
+fn together(found: Vec<Alerted>) -> Vec<Group> {
+    let causes: Vec<Option<Cause>> = found.iter().map(|gyro| Cause::of(&gyro.alerts)).collect();
     let is_common = |cause: &&Cause| causes.iter().flatten().filter(|one| one == cause).count() >= TOGETHER;
     let mut groups: Vec<(Option<&Cause>, Group)> = Vec::new();
-    for (alerts, cause) in found.into_iter().zip(&causes) {
+    for (gyro, cause) in found.into_iter().zip(&causes) {
         let cause = cause.as_ref().filter(is_common);
         match groups.iter_mut().find(|(of, _)| cause.is_some() && *of == cause) {
-            Some((_, group)) => group.gyros.push(alerts),
+            Some((_, group)) => group.gyros.push(gyro),
             None => {
-                let imu = alerts.first().and_then(|alert| alert.finding.imu.clone()).filter(|_| cause.is_some());
+                let imu = gyro.alerts.first().and_then(|alert| alert.finding.imu.clone()).filter(|_| cause.is_some());
                 let overdue = matches!(cause, Some(Cause::Overdue(_)));
-                groups.push((cause, Group { imu, overdue, gyros: vec![alerts] }));
+                groups.push((cause, Group { imu, overdue, gyros: vec![gyro] }));
             }
         }
     }
@@ -207,7 +232,7 @@ impl Group {
     /// `first`: whether it is the first of the page, which the keyboard skips to.
     fn shown(&self, viewer: &Viewer, first: bool, may: bool, here: &str) -> Markup {
         let t = viewer.text();
-        let gyros = html! { @for (k, alerts) in self.gyros.iter().enumerate() { (of_gyro(viewer, alerts, first && k == 0, may, here)) } };
+        let gyros = html! { @for (k, gyro) in self.gyros.iter().enumerate() { (of_gyro(viewer, gyro, first && k == 0, may, here)) } };
         html! {
             @if let Some(imu) = &self.imu {
                 section.together {
@@ -226,8 +251,9 @@ impl Group {
 }
 
 /// A gyro on one line, what it is told of folded under it.
-fn of_gyro(viewer: &Viewer, alerts: &[AlertBody], first_of_page: bool, may: bool, here: &str) -> Markup {
+fn of_gyro(viewer: &Viewer, gyro: &Alerted, first_of_page: bool, may: bool, here: &str) -> Markup {
     let t = viewer.text();
+    let Alerted { standing, alerts } = gyro;
     let Some(first) = alerts.first() else { return html! {} };
     let (serial, finding) = (&first.serial, &first.finding);
     let worst = alerts.iter().filter_map(|alert| alert.status.as_deref().and_then(Status::from_name)).max();
@@ -238,10 +264,6 @@ fn of_gyro(viewer: &Viewer, alerts: &[AlertBody], first_of_page: bool, may: bool
     let has_worse = alerts.iter().any(is_beyond);
     let of_worst = alerts.iter().filter(|alert| !has_worse || is_beyond(alert));
     let since = of_worst.filter_map(|alert| alert.since.as_deref()).min();
-    let of_limit = |alert: &AlertBody| {
-        alert.finding.value.filter(|_| alert.rule != Rule::Overdue.name()).map(|v| v.abs() / alert.finding.limit)
-    };
-    let largest = alerts.iter().filter_map(of_limit).filter(|load| load.is_finite()).max_by(f64::total_cmp);
     let is_known = |alert: &AlertBody| alert.state != Standing::Firing.name();
     html! {
         article.alerted {
@@ -252,7 +274,7 @@ fn of_gyro(viewer: &Viewer, alerts: &[AlertBody], first_of_page: bool, may: bool
                 @if let Some(imu) = &finding.imu {
                     span { a.id href={ "/imus/" (encoded(imu)) } { (imu) } @if let Some(slot) = &finding.slot { " " span.quiet { (slot) } } }
                 }
-                @if let Some(largest) = largest { span.n title=(t.of_limit) { (figure::percent(largest)) } }
+                @if let Some(standing) = standing { span.nowrap title=(t.load) { (bullet::largest(t, standing)) } }
                 @if let Some(since) = since { span.quiet { (t.since) " " (written_day(since)) } }
                 @if may && !alerts.iter().all(is_known) { (bulk::acknowledge(viewer, serial, here)) }
             }

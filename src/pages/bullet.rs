@@ -2,7 +2,10 @@
 
 use maud::{Markup, html};
 
+use super::layout::{DRIFTS, symbol};
+use super::text::Text;
 use crate::core::judge::{Measured, Status};
+use crate::pipeline::Standing;
 
 /// Loads beyond this stand at the edge, as an arrow.
 const EDGE: f64 = 1.5;
@@ -31,6 +34,24 @@ pub(super) fn percent(load: Measured) -> String {
 /// `+251`, %: where there is room for no more.
 pub(super) fn rounded(load: Measured) -> String {
     percent(Measured { value: (100.0 * load.value).round() / 100.0, sd: Some(0.01) }).replace(" ± 1", "")
+}
+
+/// The load of D_I, D_S or D_O, by its column, as a bar and in figures.
+pub(super) fn of_coefficient(t: &Text, standing: &Standing, column: usize) -> Markup {
+    html! {
+        @if let Some(load) = standing.outlook.load[column] {
+            (symbol(DRIFTS[column])) " " (bar(load, standing.drift[column])) " " span.n { (percent(load)) (t.percent_sign) }
+        }
+    }
+}
+
+/// The largest load of what a gyro violates; of D_I and D_S where that has none.
+pub(super) fn largest(t: &Text, standing: &Standing) -> Markup {
+    let out: Vec<usize> = standing.violations.iter().filter_map(|one| one.coefficient.column()).collect();
+    let columns = if out.is_empty() { vec![0, 1] } else { out };
+    let size = |column: usize| standing.outlook.load[column].map_or(0.0, |load| load.value.abs());
+    let largest = columns.into_iter().max_by(|a, b| size(*a).total_cmp(&size(*b)));
+    html! { @if let Some(column) = largest { (of_coefficient(t, standing, column)) } }
 }
 
 /// The budget as a tint, zero as a line, the load as a dot with one standard deviation to either side, beside its

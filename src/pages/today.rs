@@ -156,20 +156,6 @@ fn gyro(standing: &Standing, first: bool, names: &Names<'_>) -> Markup {
     }
 }
 
-/// The largest load of what is violated; of D_I and D_S where that has none.
-fn largest(standing: &Standing) -> Option<(usize, Measured)> {
-    let out: Vec<usize> = standing.violations.iter().filter_map(|one| one.coefficient.column()).collect();
-    let columns = if out.is_empty() { vec![0, 1] } else { out };
-    let known = columns.into_iter().filter_map(|column| Some((column, standing.outlook.load[column]?)));
-    known.max_by(|(_, a), (_, b)| a.value.abs().total_cmp(&b.value.abs()))
-}
-
-fn load(t: &Text, column: usize, load: Measured, status: Status) -> Markup {
-    html! {
-        (symbol(DRIFTS[column])) " " (bullet::bar(load, status)) " " span.n { (bullet::percent(load)) (t.percent_sign) }
-    }
-}
-
 fn worse(
     viewer: &Viewer,
     list: &FirstOf<Standing>,
@@ -233,7 +219,7 @@ fn violating<'a>(
             tr {
                 td { (badges::badge(t, standing.status)) }
                 (gyro(standing, first && k == 0, names))
-                td.nowrap { @if let Some((column, largest)) = largest(standing) { (load(t, column, largest, standing.drift[column])) } }
+                td.nowrap { (bullet::largest(t, standing)) }
                 td { (violated(t, &standing.violations)) }
                 td.nowrap { @if let Some(at) = standing.since { span.quiet { (t.since) " " } (day(at)) } }
                 td {
@@ -255,7 +241,7 @@ fn approaching(t: &Text, list: &FirstOf<Standing>, names: &Names<'_>) -> Markup 
                     (gyro(standing, false, names))
                     td.nowrap {
                         @let column = of_reach(reach.coefficient);
-                        @if let Some(now) = standing.outlook.load[column] { (load(t, column, now, standing.drift[column])) }
+                        (bullet::of_coefficient(t, standing, column))
                     }
                     td.nowrap { (trend(t, &Standing { status: Some(Status::Confirmed), ..standing.clone() })) }
                     td.nowrap.quiet {

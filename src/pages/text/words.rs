@@ -145,7 +145,7 @@ words_of_pages! {
     by_imu imus_worst_first all_of_them
 
     // Many alerts at once, and one by itself.
-    alert alerts_of_gyro gyros_of_one_record of_limit bulk_title action_word comment undo confirm_short what_became
+    alert alerts_of_gyro gyros_of_one_record bulk_title action_word comment undo confirm_short what_became
     what_word told_word told_yes step_fires step_escalates step_lowered step_repeats step_silent
 
     // The head of every page, and how the service is set up.

@@ -293,7 +293,10 @@ impl Fleet {
     }
 
     /// How these gyros stand, in their order.
-    pub(super) async fn standings_of(&self, gyros: &[u32]) -> Result<Vec<Standing>, StorageError> {
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn standings_of(&self, gyros: &[u32]) -> Result<Vec<Standing>, StorageError> {
         self.standings(self.newest_of(gyros).await?).await
     }
 

@@ -638,7 +638,6 @@ page_all_of_them = All
 page_alert = Alert
 page_alerts_of_gyro = All alerts of this gyro
 page_gyros_of_one_record = gyros by one record
-page_of_limit = Largest figure, in % of its limit
 page_bulk_title = Acknowledge, silence or comment on alerts
 page_action_word = What to do
 page_comment = Comment

@@ -638,7 +638,6 @@ page_all_of_them = 全部
 page_alert = 告警
 page_alerts_of_gyro = 该陀螺的全部告警
 page_gyros_of_one_record = 个陀螺由同一记录触发
-page_of_limit = 最大值占限值的百分比
 page_bulk_title = 确认、静默或评注告警
 page_action_word = 操作
 page_comment = 评注

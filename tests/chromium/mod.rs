@@ -126,7 +126,9 @@ impl Browser {
         }
     }
 
+    /// As soon as the page has it: a form's answer may still be on its way.
     async fn element(&self, selector: &str) -> String {
+        self.wait(&format!("document.querySelector({selector:?})")).await;
         let found = self.post("element", &json!({"using": "css selector", "value": selector})).await;
         found[ELEMENT].as_str().unwrap_or_else(|| panic!("nothing fits {selector}: {found}")).to_owned()
     }

@@ -332,6 +332,12 @@ fn the_command_line_fits_foretells_climbs_the_ladder_and_simulates_this_imu() {
     let asked = ran(&["model", "fit", first, "--effects", "temperature_g"]);
     let asked: Value = serde_json::from_str(&asked).unwrap();
     assert_eq!(asked["effects"][0]["gyros"], json!(["G1", "G2", "G3"]));
+    let mut cold = campaign(3, 3, NOMINAL_C, 1.0);
+    cold.temperature_c = None;
+    cold.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None);
+    let cold = written(dir.path(), "cold.json", &cold);
+    let (status, out, said) = run(&["model", "fit", cold.to_str().unwrap(), "--effects", "temperature_g"]);
+    assert!(status == 0 && !out.contains("temperature_g") && said.contains("temperature_g is left out"), "{said}");
 
     let told: Value = serde_json::from_str(&ran(&["predict", &model, next, "--format", "json"])).unwrap();
     // Three kelvin warmer than the model has seen: every place says so, and none that it is as foretold.

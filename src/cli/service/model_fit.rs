@@ -119,6 +119,11 @@ impl Fit {
                 eprintln!("{at}: {}; forecasts will miss by what is left", verdict.name().replace('_', " "));
             }
         }
+        for id in self.asked().filter(|id| identified.effects.iter().all(|adopted| adopted.effect.id() != *id)) {
+            eprintln!(
+                "--effects: {id} is left out: these campaigns do not tell it; docs/diagnosis.md says what each effect needs"
+            );
+        }
         let shown = tables(&identified);
         let file = identified.into_model(&chosen.model);
         let text = wire::model::to_json(&file);
@@ -131,6 +136,12 @@ impl Fit {
         }
     }
 
+    /// Effects by their ids, where they are asked for so.
+    fn asked(&self) -> impl Iterator<Item = &str> {
+        let ids = if matches!(self.effects.as_str(), "auto" | "none") { None } else { Some(self.effects.split(',')) };
+        ids.into_iter().flatten().map(str::trim)
+    }
+
     fn chosen(&self, campaigns: &[&Campaign]) -> anyhow::Result<Chosen> {
         if !self.hypothesis.is_empty() && matches!(self.effects.as_str(), "auto" | "none") {
             bail!("--hypothesis: name its id in --effects; `diagnose --hypothesis` says whether the campaign shows it");
@@ -139,9 +150,9 @@ impl Fit {
         match self.effects.as_str() {
             "auto" => Ok(named(campaigns, self.terms)?),
             "none" => Ok(none(AugmentedModel { terms: self.terms, ..AugmentedModel::default() })),
-            ids => {
+            _ => {
                 let own = hypothesis::files(&self.hypothesis, &AugmentedModel::default())?;
-                let effects = ids.split(',').map(|id| lasting(id.trim(), &own)).collect::<anyhow::Result<Vec<_>>>()?;
+                let effects = self.asked().map(|id| lasting(id, &own)).collect::<anyhow::Result<Vec<_>>>()?;
                 let newest = campaigns[campaigns.len() - 1];
                 hypothesis::defined_in(&own, newest)?;
                 Ok(none(asked_for(&effects, newest, self.terms)?))

@@ -30,7 +30,8 @@ pub struct Predict {
     /// A model file with the coefficients of an IMU (gyrowatch model fit)
     model: PathBuf,
 
-    /// A measured campaign in JSON or CSV, or what is still to be measured: a scenario in TOML as `simulate` takes it
+    /// A measured campaign in JSON or CSV, or what is still to be measured: a scenario in TOML as `simulate` takes it, of
+    /// which the programme counts; IMU and gyros are the model's
     campaign: PathBuf,
 
     #[arg(long, value_enum, default_value_t)]

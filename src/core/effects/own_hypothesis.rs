@@ -149,6 +149,10 @@ impl OwnHypothesis {
                 if let Err(message) = is_drift(&equation, &names.iter().map(known).collect::<Vec<_>>(), dimension) {
                     faults.push("/equation", message);
                 }
+                if let Some(range) = written.range.as_ref().filter(|range| spans_a_pole(&equation, &names, range)) {
+                    let (from, to) = (text(range.from), text(range.to));
+                    faults.push(format!("/range/{}", range.name), message!("range_through_zero", from = from, to = to));
+                }
                 return faults.or(Self { written, equation, names, coefficients, coefficient, parameter });
             }
         }
@@ -318,6 +322,18 @@ fn is_drift(equation: &Equation, names: &[Quantity], coefficient: Dimension) -> 
     Err(message!("equation_no_drift", unit = text(whole.dimension), needed = text(needed)))
 }
 
+/// Whether the range holds zero, where the equation has no value: it divides by the parameter, say. The values tried
+/// lie on either side of it and show nothing.
+fn spans_a_pole(equation: &Equation, names: &[Input], range: &Range) -> bool {
+    let at = |zero: f64| {
+        // Other quantities differ from one another, so that no difference of theirs vanishes.
+        let other = |place: usize| 1.0 + 0.37 * place as f64;
+        let values = names.iter().zip(0..).map(|(name, i)| if *name == Input::Parameter { zero } else { other(i) });
+        equation.value(&values.collect::<Vec<_>>())
+    };
+    range.from <= 0.0 && range.to >= 0.0 && !(at(0.0).is_finite() && at(-0.0).is_finite())
+}
+
 /// The dimension of a parameter, and its unit in base units.
 fn checked_range(range: &Range, faults: &mut Faults) -> Option<(Dimension, f64)> {
     let place = format!("/range/{}", range.name);
@@ -454,6 +470,15 @@ mod tests {
             assert_eq!(refused[0].0, pointer, "{refused:?}");
             assert!(refused[0].1.starts_with(expected), "{refused:?}");
         }
+        for (equation, unit) in [("k * exp(-t/tau) * a_S", "deg/(h g0)"), ("k * t / tau", "deg/h")] {
+            for (from, to) in [(-1.0, 1.0), (0.0, 1.0)] {
+                let refused = refused(Written { range: range("tau", from, to), ..written(equation, unit) });
+                assert_eq!(refused[0].0, "/range/tau", "{refused:?}");
+                assert!(refused[0].1.starts_with("range_through_zero"), "{refused:?}");
+            }
+        }
+        let shifted = Written { range: range("t0", -1.0, 1.0), ..written("k * (t - t0)", "deg/h/h") };
+        OwnHypothesis::of(shifted).unwrap();
         let sizes = refused(Written { plausible: f64::NAN, ..written("k * T", "deg/h/K") });
         assert_eq!(sizes, [("/plausible".to_owned(), "hypothesis_sizes".to_owned())]);
     }

@@ -323,6 +323,7 @@ equation_no_drift = comes to { $unit }, and drift is in deg/h: the coefficients 
 equation_not_finite = the equation has no finite value in dwell { $dwell }
 unknown_unit = "{ $value }" is no unit; units are made of { $known }, as in deg/(h g0 K)
 range_empty = runs from { $from } to { $to }: both must be finite, the second greater
+range_through_zero = runs from { $from } to { $to }, through zero, where the equation has no value: give a range above zero
 range_name = "{ $name }" is a quantity of a dwell, a coefficient or no name: give the parameter another name
 hypothesis_sizes = plausible and typical must be positive and finite, typical from small to large and below plausible
 hypothesis_id = "{ $value }" must be small letters, digits and underscores, a letter first, at most { $most }

@@ -323,6 +323,7 @@ equation_no_drift = 结果的单位是 { $unit }，而漂移的单位是 deg/h�
 equation_not_finite = 方程在驻留段 { $dwell } 没有有限的值
 unknown_unit = “{ $value }”不是单位；单位由 { $known } 组成，如 deg/(h g0 K)
 range_empty = 从 { $from } 到 { $to }：两端须为有限的数，且后者较大
+range_through_zero = 从 { $from } 到 { $to } 经过零，方程在零处无值：请给出大于零的范围
 range_name = “{ $name }”是驻留段的量、系数或不是名称：请给参数另取名称
 hypothesis_sizes = plausible 与 typical 须为正的有限数，typical 由小到大且不超过 plausible
 hypothesis_id = “{ $value }”须由小写字母、数字和下划线组成，以字母开头，最多 { $most } 个

@@ -1,10 +1,13 @@
 """Runs against the service at GYROWATCH_URL, which must be empty: python3 -m unittest discover -s tests"""
 
 import copy
+import datetime
 import json
 import os
 import pathlib
+import socket
 import sys
+import threading
 import time
 import unittest
 
@@ -41,14 +44,44 @@ class Client(unittest.TestCase):
             import pandas  # noqa: F401
         except ImportError:
             self.skipTest("pandas is not installed")
-        frame = self.watch.trend_frame(self.record["gyros"][0]["serial"], "D_S")
+        serial = self.record["gyros"][0]["serial"]
+        frame = self.watch.trend_frame(serial, "D_S")
         self.assertEqual(len(frame), 3)
         self.assertTrue((frame["method"] == "rigid").all())
+        from_ = datetime.datetime(2026, 3, 2, tzinfo=datetime.timezone.utc)
+        self.assertEqual(len(self.watch.trend_frame(serial, "D_S", from_=from_)), 2)
+        nothing = self.watch.trend_frame(serial, "D_S", from_=datetime.date(2036, 1, 1))
+        self.assertEqual((len(nothing), list(nothing.columns)), (0, list(frame.columns)))
+        self.assertEqual((str(nothing.index.tz), nothing["value"].dtype), (str(frame.index.tz), frame["value"].dtype))
 
     def test_a_refusal_names_the_place(self) -> None:
         with self.assertRaises(Problem) as caught:
             self.watch.post_record({**self.record, "imu": 7})
         self.assertEqual((caught.exception.status, caught.exception.errors[0]["pointer"]), (422, "/imu"))
+        with self.assertRaises(Problem) as caught:
+            self.watch.gyro("nobody's")
+        self.assertEqual((caught.exception.code, caught.exception.parameters), ("unknown_gyro", {"serial": "nobody's"}))
+
+    def test_a_token_is_not_shown_and_may_come_from_a_file(self) -> None:
+        watch = Gyrowatch("http://127.0.0.1:9", token="gw_secret\n")
+        self.assertEqual(watch.token, "gw_secret")
+        self.assertNotIn("secret", repr(watch))
+        for wrong in ["gw_one two", "gw_one\ntwo", "gw_\u00fc"]:
+            with self.assertRaises(ValueError):
+                Gyrowatch("http://127.0.0.1:9", token=wrong)
+
+    def test_an_answer_that_broke_off_is_asked_for_again(self) -> None:
+        answers = [b"HTTP/1.1 200 OK\r\nContent-Length: 90\r\n\r\n{", b"HTTP/1.1 200 OK\r\nContent-Length: 9\r\n\r\n{\"on\": 1}"]
+        with socket.create_server(("127.0.0.1", 0)) as listener:
+            def serve() -> None:
+                for answer in answers:
+                    with listener.accept()[0] as connection:
+                        connection.recv(4096)
+                        connection.sendall(answer)
+
+            threading.Thread(target=serve, daemon=True).start()
+            watch = Gyrowatch(f"http://127.0.0.1:{listener.getsockname()[1]}", patience=10)
+            self.assertEqual(watch.gyro("LFG-0101"), {"on": 1})
 
     def test_a_campaign_is_diagnosed(self) -> None:
         campaign = json.loads((DATA / "practice" / "campaign-00.json").read_text())

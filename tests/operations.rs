@@ -236,7 +236,12 @@ async fn the_dashboard_asks_for_what_the_metrics_hold() {
     let target = Receiver::start().await;
     let hook = server.post_json("/v1/hooks", &json!({ "kind": "standard-webhooks", "url": target.url() })).await;
     assert_eq!(hook.status, 201, "{}", hook.text());
-    assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
+    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    // So many that there is a baseline.
+    for day in 1..=5 {
+        record["calibrated_at"] = json!(format!("2026-03-0{day}T08:00:00Z"));
+        assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
+    }
     let test = format!("/v1/hooks/{}/test", hook.json()["id"].as_str().unwrap());
     assert!(server.post_json(&test, &json!({})).await.status < 300);
     let campaign = server.post("/v1/campaigns", "application/json", data("practice/campaign-00.json")).await;

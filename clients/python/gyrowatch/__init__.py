@@ -95,9 +95,9 @@ class Gyrowatch:
         return self._pages("/v1/alerts", "alerts", filters)
 
     def trend(self, serial: str, coefficient: str = "D_I", **filters: Filter) -> list[Json]:
-        """The history of a coefficient, deg/(h g0), oldest first: `method`, `from_`, `to`, `last`, `every`, `voided`."""
-        if filters.keys() & {"columns", "format"}:
-            raise ValueError("a trend is read as points: columns and format are for other programs")
+        """The history of a coefficient, deg/(h g0), oldest first: `method`, `from_`, `to`, `last`, `voided`."""
+        if filters.keys() & {"columns", "every", "format"}:
+            raise ValueError("a trend is read as points: columns, every and format are for other programs")
         path, filters = f"/v1/gyros/{_quoted(serial)}/trend", {"coefficient": coefficient, **filters}
         return list(self._pages(path, "points", filters))
 

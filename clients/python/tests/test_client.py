@@ -39,6 +39,11 @@ class Client(unittest.TestCase):
         self.assertIn(self.record["imu"], [imu["imu"] for imu in self.watch.imus()])
         self.assertEqual(list(self.watch.alerts(state="firing")), [])
 
+    def test_a_trend_that_would_have_no_points_is_refused(self) -> None:
+        for name in ["columns", "every", "format"]:
+            with self.assertRaises(ValueError):
+                self.watch.trend("LFG-0101", **{name: "month"})
+
     def test_a_trend_is_a_table(self) -> None:
         try:
             import pandas  # noqa: F401

@@ -49,9 +49,9 @@ pub(super) fn of_coefficient(t: &Text, standing: &Standing, column: usize) -> Ma
 pub(super) fn largest(t: &Text, standing: &Standing) -> Markup {
     let out: Vec<usize> = standing.violations.iter().filter_map(|one| one.coefficient.column()).collect();
     let columns = if out.is_empty() { vec![0, 1] } else { out };
-    let size = |column: usize| standing.outlook.load[column].map_or(0.0, |load| load.value.abs());
-    let largest = columns.into_iter().max_by(|a, b| size(*a).total_cmp(&size(*b)));
-    html! { @if let Some(column) = largest { (of_coefficient(t, standing, column)) } }
+    let known = columns.into_iter().filter_map(|column| Some((column, standing.outlook.load[column]?.value.abs())));
+    let largest = known.max_by(|(_, a), (_, b)| a.total_cmp(b));
+    html! { @if let Some((column, _)) = largest { (of_coefficient(t, standing, column)) } }
 }
 
 /// The budget as a tint, zero as a line, the load as a dot with one standard deviation to either side, beside its

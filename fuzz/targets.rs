@@ -28,9 +28,10 @@ use gyrowatch::system::Clock;
 use gyrowatch::wire::bench::{BenchBody, parse_bench_result};
 use gyrowatch::wire::campaign::{parse_json, to_json};
 use gyrowatch::wire::campaign_csv::{parse_csv, to_csv};
+use gyrowatch::wire::cursor::{self, List};
 use gyrowatch::wire::numbers::LARGEST;
 use gyrowatch::wire::record::{RecordBody, parse_record};
-use gyrowatch::wire::{cursor, model, time};
+use gyrowatch::wire::{model, time};
 use nalgebra::Vector3;
 use tower::ServiceExt;
 
@@ -94,8 +95,8 @@ pub fn model_file(bytes: &[u8]) {
 /// Cursors and instants: the texts of queries.
 pub fn cursors(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    if let Some(position) = cursor::decode(text) {
-        assert_eq!(cursor::decode(&cursor::encode(position)), Some(position));
+    if let Ok(position) = cursor::decode(List::Records, text) {
+        assert_eq!(cursor::encode(List::Records, position), text);
     }
     if let Ok(at) = time::parse(text) {
         assert_eq!(time::parse(&time::format(at)), Ok(at), "{text:?}");

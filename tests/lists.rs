@@ -101,6 +101,36 @@ async fn imus_are_listed_with_the_gyros_in_them() {
 }
 
 #[tokio::test]
+async fn a_cursor_leads_on_in_its_own_list_and_order_only() {
+    let (server, _) = filled().await;
+    let serial = server.get("/v1/gyros").await.json()["gyros"][0]["serial"].as_str().unwrap().to_owned();
+    let lists = [
+        "/v1/records?",
+        "/v1/campaigns?",
+        "/v1/imus?",
+        "/v1/gyros?",
+        "/v1/gyros?sort=load&",
+        "/v1/gyros?sort=age&",
+        "/v1/gyros?sort=eta&",
+        &format!("/v1/gyros/{serial}/trend?"),
+        &format!("/v1/gyros/{serial}/trend?every=day&"),
+        &format!("/v1/gyros/{serial}/trend?every=month&"),
+    ];
+    for list in lists {
+        let first = server.get(&format!("{list}limit=1")).await.json();
+        let Some(next) = first["next"].as_str() else { continue };
+        for other in lists {
+            let answer = server.get(&format!("{other}cursor={next}")).await;
+            let code = answer.json()["code"].clone();
+            let wanted = if list == other { Value::Null } else { "cursor_of_other_list".into() };
+            assert_eq!(code, wanted, "a cursor of {list} in {other}");
+        }
+    }
+    let by_serial = server.get("/v1/gyros?limit=1").await.json()["next"].as_str().unwrap().to_owned();
+    assert_eq!(server.get(&format!("/v1/gyros?sort=serial&cursor={by_serial}")).await.status, 200);
+}
+
+#[tokio::test]
 async fn gyros_are_found_by_their_batch_and_what_is_said_of_them_is_audited() {
     let (server, _) = filled().await;
     let all = pages(&server, "/v1/gyros", "gyros").await;

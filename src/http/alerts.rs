@@ -20,6 +20,7 @@ use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::{AlertChange, AlertOrder, AlertStep};
 use crate::wire::alert::AlertBody;
+use crate::wire::cursor::List;
 use crate::wire::problem::Problem;
 use crate::wire::{alert_csv, json, text, time};
 
@@ -84,10 +85,10 @@ pub async fn get_alerts(
 ) -> Result<Response, Problem> {
     let csv = query::wants_csv(asked.format.as_deref(), &headers)?;
     let limit = query::limit(asked.limit, if csv { MOST_ALERTS } else { DEFAULT_ALERTS }, MOST_ALERTS)?;
-    let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
+    let before = query::position(List::Alerts, asked.cursor.as_deref())?.map(Id);
     let filter = filter(&app, &asked)?;
     let found = app.pipeline.alerts.find(&filter, before, limit as u32 + 1).await?;
-    let (found, next) = query::page(found, limit, |(id, _)| Some(*id));
+    let (found, next) = query::page(List::Alerts, found, limit, |(id, _)| Some(*id));
     let alerts: Vec<AlertBody> = found.into_iter().map(|(_, alert)| alert).collect();
     let link = next.as_deref().and_then(|next| HeaderValue::from_str(&query::link_to(&uri, next)).ok());
     let mut response = if csv {

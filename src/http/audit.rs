@@ -14,6 +14,7 @@ use super::query::{self, Parameters};
 use crate::core::access::{AuditEntry, AuditFilter};
 use crate::core::id::Id;
 use crate::message;
+use crate::wire::cursor::List;
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
@@ -89,12 +90,12 @@ pub async fn get_audit(
 ) -> Result<Response, Problem> {
     let csv = query::wants_csv(asked.format.as_deref(), &headers)?;
     let limit = query::limit(asked.limit, 100, MOST_LINES)?;
-    let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
+    let before = query::position(List::Audit, asked.cursor.as_deref())?.map(Id);
     let span = query::span(asked.from.as_deref(), asked.to.as_deref())?;
     let AuditQuery { who, action, subject, .. } = asked;
     let filter = AuditFilter { from: Some(span.from), to: Some(span.to), who, action, subject };
     let rows = app.pipeline.access.audit(&filter, before, limit as u32 + 1).await?;
-    let (rows, next) = query::page(rows, limit, |last| Some(last.id));
+    let (rows, next) = query::page(List::Audit, rows, limit, |last| Some(last.id));
     let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
     if csv {
         let text = as_csv(&rows).ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;

@@ -17,6 +17,7 @@ use crate::core::id::Id;
 use crate::core::message::list;
 use crate::message;
 use crate::pipeline::{Accepted, DiagnosisOrder};
+use crate::wire::cursor::List;
 use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
 use crate::wire::diagnoses_csv;
 use crate::wire::problem::Problem;
@@ -54,8 +55,8 @@ pub struct PageQuery {
 }
 
 impl PageQuery {
-    fn position(&self) -> Result<Option<Id>, Problem> {
-        Ok(self.cursor.as_deref().map(query::position).transpose()?.map(Id))
+    fn position(&self, list: List) -> Result<Option<Id>, Problem> {
+        Ok(query::position(list, self.cursor.as_deref())?.map(Id))
     }
 }
 
@@ -70,8 +71,8 @@ pub async fn get_diagnoses(
     Parameters(asked): Parameters<PageQuery>,
 ) -> Result<Response, Problem> {
     let limit = query::limit(asked.limit, 20, MOST_ORDERS)?;
-    let diagnoses = app.pipeline.diagnoses.jobs(asked.position()?, limit as u32 + 1).await?;
-    let (diagnoses, next) = query::page(diagnoses, limit, |last| last.id.parse().ok());
+    let diagnoses = app.pipeline.diagnoses.jobs(asked.position(List::DiagnosisOrders)?, limit as u32 + 1).await?;
+    let (diagnoses, next) = query::page(List::DiagnosisOrders, diagnoses, limit, |last| last.id.parse().ok());
     let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
     Ok((link, Json(JobsBody { diagnoses, next })).into_response())
 }
@@ -88,7 +89,7 @@ pub async fn get_one(
     Parameters(asked): Parameters<PageQuery>,
 ) -> Result<Response, Problem> {
     let limit = query::limit(asked.limit, 100, MOST_FAILURES)?;
-    let job = one(&app, number(&id)?, asked.position()?, limit).await?;
+    let job = one(&app, number(&id)?, asked.position(List::DiagnosisFailures)?, limit).await?;
     let link = job.next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
     Ok((link, Json(job)).into_response())
 }

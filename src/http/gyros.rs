@@ -28,11 +28,12 @@ use crate::pipeline::{
     Accepted, Actor, AttributesOrder, FleetFilter, Names, Queries, Standing, StandingFilter, Submission, sample_of,
 };
 use crate::wire::answer::{FigureBody, VerdictBody};
+use crate::wire::cursor::{self, List};
 use crate::wire::gyro_table;
 use crate::wire::gyro_table::GyroRow;
 use crate::wire::json::present;
 use crate::wire::problem::Problem;
-use crate::wire::{cursor, json, text, time};
+use crate::wire::{json, text, time};
 
 const MOST_GYROS: usize = 10_000;
 
@@ -293,11 +294,11 @@ pub async fn get_gyros(
     uri: Uri,
 ) -> Result<Response, Problem> {
     let limit = query::limit(asked.limit, 1000, MOST_GYROS)?;
-    let after = asked.cursor.as_deref().map_or(Ok(0), query::position)?;
-    let after = u32::try_from(after).map_err(|_| query::bad(message!("invalid_cursor")))?;
     let (of_status, of_fleet) = (filter_of(&asked)?, fleet_filter(&asked)?);
+    let list = List::Gyros(of_fleet.order.unwrap_or(FleetOrder::Serial));
+    let after = query::number_before(list, asked.cursor.as_deref())?;
     let (standings, more) = app.pipeline.queries.fleet.listed(after, limit as u32, of_status, &of_fleet).await?;
-    let next = standings.last().filter(|_| more).map(|standing| cursor::encode(i64::from(standing.number)));
+    let next = standings.last().filter(|_| more).map(|standing| cursor::encode(list, i64::from(standing.number)));
     let names = app.pipeline.queries.names();
     let gyros = standings.iter().map(|standing| Gyro::of(standing, app.config.judging.method, &names));
     let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);

@@ -14,6 +14,7 @@ use super::query::{self, Parameters};
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::pipeline::{DeliveryPage, Order};
+use crate::wire::cursor::List;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use crate::wire::problem::Problem;
 
@@ -124,13 +125,13 @@ pub async fn get_deliveries(
     let hook = hook_id(&id)?;
     let state = asked.state.as_deref().map(delivery_state).transpose()?;
     let limit = query::limit(asked.limit, 100, MOST_DELIVERIES)?;
-    let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
+    let before = query::position(List::Deliveries, asked.cursor.as_deref())?.map(Id);
     if app.pipeline.hooks.get(hook, None).await?.is_none() {
         return Err(Problem::no_such_hook(&id));
     }
     let page = DeliveryPage { state, before, limit: limit as u32 + 1 };
     let deliveries = app.pipeline.hooks.deliveries(hook, page).await?;
-    let (deliveries, next) = query::page(deliveries, limit, |last| last.id.parse().ok());
+    let (deliveries, next) = query::page(List::Deliveries, deliveries, limit, |last| last.id.parse().ok());
     Ok(Json(Deliveries { deliveries, next }))
 }
 

@@ -12,10 +12,10 @@ use super::app::App;
 use super::gyros::Gyro;
 use super::query::{self, Parameters};
 use crate::core::judge::Status;
-use crate::message;
 use crate::pipeline::{Seats, Standing};
+use crate::wire::cursor::{self, List};
 use crate::wire::problem::Problem;
-use crate::wire::{cursor, time};
+use crate::wire::time;
 
 const DEFAULT_IMUS: usize = 100;
 const MOST_IMUS: usize = 1000;
@@ -77,10 +77,9 @@ pub async fn get_imus(
     uri: Uri,
 ) -> Result<Response, Problem> {
     let limit = query::limit(asked.limit, DEFAULT_IMUS, MOST_IMUS)?;
-    let after = asked.cursor.as_deref().map_or(Ok(0), query::position)?;
-    let after = u32::try_from(after).map_err(|_| query::bad(message!("invalid_cursor")))?;
+    let after = query::number_before(List::Imus, asked.cursor.as_deref())?;
     let (found, more) = app.pipeline.queries.fleet.imus(after, limit as u32).await?;
-    let next = found.last().filter(|_| more).map(|last| cursor::encode(i64::from(last.number)));
+    let next = found.last().filter(|_| more).map(|last| cursor::encode(List::Imus, i64::from(last.number)));
     let imus = found.into_iter().map(|found| ListedImuBody {
         imu: found.name,
         status: worst(&found.seats),

@@ -34,8 +34,8 @@ const SPOKEN_NOTE: &str = concat!(
     r"^[^\u0000-\u0008\u000b\u000c\u000e-\u001f\u007f-\u009f]*[^\s\u0000-\u001f\u007f-\u009f]",
     r"[^\u0000-\u0008\u000b\u000c\u000e-\u001f\u007f-\u009f]*$"
 );
-/// Nine bytes in base64, the first of which is 1 ([`crate::wire::cursor`]).
-const CURSOR: &str = "^A[Q-Za-f][A-Za-z0-9_-]{10}$";
+/// Nine bytes in base64 ([`crate::wire::cursor`]).
+const CURSOR: &str = "^[A-Za-z0-9_-]{12}$";
 /// 24 to 64 bytes in base64 ([`crate::alert::sign`]).
 const SECRET: &str = "^whsec_([A-Za-z0-9+/]{4}){8,21}([A-Za-z0-9+/][AQgw]==)?$|\
                       ^whsec_([A-Za-z0-9+/]{4}){8,20}[A-Za-z0-9+/]{2}[AEIMQUYcgkosw048]=$";

@@ -14,7 +14,7 @@ use crate::core::message::{Message, list, text};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::wire::cursor;
+use crate::wire::cursor::{self, List};
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
@@ -113,16 +113,27 @@ pub fn with_sign(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The position that a cursor stands for.
-pub fn position(cursor: &str) -> Result<i64, Problem> {
-    cursor::decode(cursor).ok_or_else(|| bad(message!("invalid_cursor")))
+/// The position that a cursor of a list stands for, where one is given.
+pub fn position(list: List, cursor: Option<&str>) -> Result<Option<i64>, Problem> {
+    cursor.map(|cursor| cursor::decode(list, cursor).map_err(bad)).transpose()
+}
+
+/// The number after which a page of a list by numbers begins.
+pub fn number_before(list: List, cursor: Option<&str>) -> Result<u32, Problem> {
+    let after = position(list, cursor)?.unwrap_or_default();
+    u32::try_from(after).map_err(|_| bad(message!("invalid_cursor")))
 }
 
 /// The first `limit` of what was asked for with one more, and the cursor of the page after them where there is one.
-pub fn page<T>(mut found: Vec<T>, limit: usize, id: impl FnOnce(&T) -> Option<Id>) -> (Vec<T>, Option<String>) {
+pub fn page<T>(
+    list: List,
+    mut found: Vec<T>,
+    limit: usize,
+    id: impl FnOnce(&T) -> Option<Id>,
+) -> (Vec<T>, Option<String>) {
     let more = found.len() > limit;
     found.truncate(limit);
-    let next = found.last().filter(|_| more).and_then(id).map(|last| cursor::encode(last.0));
+    let next = found.last().filter(|_| more).and_then(id).map(|last| cursor::encode(list, last.0));
     (found, next)
 }
 

@@ -13,8 +13,9 @@ use super::query::{self, Parameters};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::pipeline::{ListFilter, ListedRecord};
+use crate::wire::cursor::{self, List};
 use crate::wire::problem::Problem;
-use crate::wire::{cursor, time};
+use crate::wire::time;
 
 const DEFAULT_RECORDS: usize = 100;
 const MOST_RECORDS: usize = 1000;
@@ -116,10 +117,11 @@ async fn listed(
     kind: Option<Kind>,
 ) -> Result<(Vec<ListedRecordBody>, Option<String>), Problem> {
     let limit = query::limit(asked.limit, DEFAULT_RECORDS, MOST_RECORDS)?;
-    let before = asked.cursor.as_deref().map_or(Ok(i64::MAX), query::position).map(Id)?;
+    let list = kind.map_or(List::Records, |_| List::Campaigns);
+    let before = Id(query::position(list, asked.cursor.as_deref())?.unwrap_or(i64::MAX));
     let calibrated = query::span(asked.from.as_deref(), asked.to.as_deref())?;
     let filter = ListFilter { kind, imu: asked.imu.as_deref(), station: asked.station.as_deref(), calibrated };
     let (found, more) = app.pipeline.queries.records.listed(&filter, before, limit as u32).await?;
-    let next = found.last().filter(|_| more).map(|last| cursor::encode(last.id.0));
+    let next = found.last().filter(|_| more).map(|last| cursor::encode(list, last.id.0));
     Ok((found.into_iter().map(ListedRecordBody::from).collect(), next))
 }

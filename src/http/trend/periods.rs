@@ -3,7 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::request::{Method, Request, Written, cut};
+use super::request::{Method, Request, Written};
 use crate::config::JudgedMethod;
 use crate::core::period::{Gatherer, Period, Summary};
 use crate::core::time::Span;
@@ -77,7 +77,7 @@ impl Request {
         }
         // A page ends with a period; the next begins with whatever comes after it.
         let ends = |summary: &Summary| UtcMicros(period.next(summary.begins).0 - 1);
-        let next = cut(&mut summaries, self.limit, ends);
+        let next = self.cut(&mut summaries, ends);
         Ok((summaries, next))
     }
 

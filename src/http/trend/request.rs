@@ -17,7 +17,7 @@ use crate::http::App;
 use crate::http::query::{self, bad, not_one_of};
 use crate::message;
 use crate::pipeline::BenchItem;
-use crate::wire::cursor;
+use crate::wire::cursor::{self, List};
 use crate::wire::problem::Problem;
 
 /// Points of one JSON answer unless `limit` says otherwise, and at the most.
@@ -119,10 +119,10 @@ impl Request {
         let default = if csv { MOST_POINTS } else { DEFAULT_POINTS };
         let limit = query::limit(asked.last.or(asked.limit), default, MOST_POINTS)?;
         let mut span = query::span(asked.from.as_deref(), asked.to.as_deref())?;
-        if let Some(cursor) = &asked.cursor {
-            span.from = span.from.max(UtcMicros(query::position(cursor)?.saturating_add(1)));
-        }
         let every = Self::period(asked.every.as_deref(), voided)?;
+        if let Some(last) = query::position(List::Trend(every), asked.cursor.as_deref())? {
+            span.from = span.from.max(UtcMicros(last.saturating_add(1)));
+        }
         let columns = asked.columns.as_deref().map(PointColumn::read).transpose()?;
         if columns.is_some() && (csv || every.is_some()) {
             return Err(bad(message!("columns_of_json")));
@@ -175,7 +175,7 @@ impl Request {
             rows.drain(..rows.len().saturating_sub(self.limit));
             return None;
         }
-        cut(rows, self.limit, at)
+        self.cut(rows, at)
     }
 
     pub async fn benches(
@@ -189,17 +189,18 @@ impl Request {
         let next = self.page(&mut rows, |row| row.measured_at);
         Ok((rows, next))
     }
-}
 
-/// Cuts one page off; the cursor of the next, where something is left.
-pub(super) fn cut<T>(rows: &mut Vec<T>, limit: usize, at: impl Fn(&T) -> UtcMicros) -> Option<String> {
-    let (last, first_left) = (rows.get(limit.checked_sub(1)?)?, rows.get(limit)?);
-    // The next page begins after an instant: what is of the same instant stays together.
-    let end = match at(last) == at(first_left) {
-        true => rows.iter().skip(limit).position(|row| at(row) != at(last)).map_or(rows.len(), |more| limit + more),
-        false => limit,
-    };
-    let next = (end < rows.len()).then(|| cursor::encode(at(last).0));
-    rows.truncate(end);
-    next
+    /// Cuts one page off; the cursor of the next, where something is left.
+    pub(super) fn cut<T>(&self, rows: &mut Vec<T>, at: impl Fn(&T) -> UtcMicros) -> Option<String> {
+        let limit = self.limit;
+        let (last, first_left) = (rows.get(limit.checked_sub(1)?)?, rows.get(limit)?);
+        // The next page begins after an instant: what is of the same instant stays together.
+        let end = match at(last) == at(first_left) {
+            true => rows.iter().skip(limit).position(|row| at(row) != at(last)).map_or(rows.len(), |more| limit + more),
+            false => limit,
+        };
+        let next = (end < rows.len()).then(|| cursor::encode(List::Trend(self.every), at(last).0));
+        rows.truncate(end);
+        next
+    }
 }

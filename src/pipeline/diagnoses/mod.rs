@@ -51,12 +51,13 @@ use crate::pipeline::ingest::submission::anything;
 use crate::store;
 use crate::store::{CampaignFilter, FailedTask, JobRow, ModelRow, Store, StoreError, TaskCounts};
 use crate::wire::campaign;
+use crate::wire::cursor::{self, List};
 use crate::wire::diagnoses::{CountsBody, FailureBody, JobBody, JobDetailBody, SummaryBody, WhichBody};
 use crate::wire::diagnosis::{DiagnosisBody, residuals};
 use crate::wire::message::from_stored;
 use crate::wire::record::parse_record;
 use crate::wire::split::SplitBody;
-use crate::wire::{cursor, json, text, time};
+use crate::wire::{json, text, time};
 use crate::words;
 
 pub(super) use diagnoser::Diagnoser;
@@ -284,7 +285,7 @@ impl Diagnoses {
         let mut failed = store::diagnosis_job::failed_tasks(&self.store, id, after, limit + 1).await?;
         let more = failed.len() > limit as usize;
         failed.truncate(limit as usize);
-        let next = failed.last().filter(|_| more).map(|last| cursor::encode(last.record.0));
+        let next = failed.last().filter(|_| more).map(|last| cursor::encode(List::DiagnosisFailures, last.record.0));
         let tables = self.store.names().read();
         let failure = |task: FailedTask| FailureBody {
             campaign: task.record.to_string(),

@@ -168,6 +168,7 @@ columns_of_json = columns cannot be used with format=csv or every
 last_alone = last cannot be used with limit or cursor
 from_after_to = from is after to
 invalid_cursor = invalid cursor
+cursor_of_other_list = this cursor belongs to another list or another order; take `next` of the page before
 transfer_coding = Transfer-Encoding must be chunked, once, where there is one
 one_host = there must be one Host
 host_needed = HTTP/1.1 needs a Host

@@ -168,6 +168,7 @@ columns_of_json = columns不能与format=csv或every同用
 last_alone = last不能与limit或cursor同用
 from_after_to = from晚于to
 invalid_cursor = cursor无效
+cursor_of_other_list = 该cursor属于另一列表或另一排序；请取上一页的`next`
 transfer_coding = 如有Transfer-Encoding，应为chunked且仅一次
 one_host = 应只有一个Host
 host_needed = HTTP/1.1需要Host

@@ -7,8 +7,8 @@ use axum::Router;
 use axum::handler::Handler;
 use axum::http::Method;
 use axum::routing::{self, MethodRouter};
-use utoipa::openapi::OpenApi;
-use utoipa::openapi::path::{Operation, PathItem};
+use utoipa::openapi::path::{Operation, ParameterIn, PathItem};
+use utoipa::openapi::{OpenApi, RefOr};
 use utoipa_axum::router::{OpenApiRouter, UtoipaMethodRouter};
 
 use crate::core::access::Role;
@@ -22,12 +22,34 @@ pub const STATION: Least = Some(Role::Station);
 pub const ENGINEER: Least = Some(Role::Engineer);
 pub const ADMIN: Least = Some(Role::Admin);
 
+/// What a request to the API may say beside its path and body, as it is described.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Takes {
+    pub parameters: Vec<String>,
+    pub headers: Vec<String>,
+}
+
+impl Takes {
+    fn of(operation: &Operation) -> Self {
+        let names = |place: ParameterIn| {
+            let described = operation.parameters.iter().flatten().filter_map(|one| match one {
+                RefOr::T(one) if one.parameter_in == place => Some(one.name.clone()),
+                _ => None,
+            });
+            described.collect()
+        };
+        Self { parameters: names(ParameterIn::Query), headers: names(ParameterIn::Header) }
+    }
+}
+
 /// Who may use a method of a path.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rule {
     pub method: Method,
     pub path: String,
     pub least: Least,
+    /// None of a page, which reads what it needs.
+    pub takes: Option<Takes>,
 }
 
 /// A router that knows who may use it.
@@ -47,7 +69,13 @@ impl<S: Clone + Send + Sync + 'static> Routes<S> {
     #[must_use]
     pub fn api(mut self, least: Least, mut handler: UtoipaMethodRouter<S>) -> Self {
         for (path, item) in &mut handler.1.paths {
-            self.rules.extend(operations(item).map(|(method, _)| Rule { method, path: path.clone(), least }));
+            let rule = |(method, operation): (Method, &mut Operation)| Rule {
+                method,
+                path: path.clone(),
+                least,
+                takes: Some(Takes::of(operation)),
+            };
+            self.rules.extend(operations(item).map(rule));
         }
         self.map(|router| router.routes(handler))
     }
@@ -65,14 +93,14 @@ impl<S: Clone + Send + Sync + 'static> Routes<S> {
     }
 
     fn page(mut self, method: Method, path: &str, least: Least, handler: MethodRouter<S>) -> Self {
-        self.rules.push(Rule { method, path: path.to_owned(), least });
+        self.rules.push(Rule { method, path: path.to_owned(), least, takes: None });
         self.map(|router| router.route(path, handler))
     }
 
     /// A router made elsewhere, which has these paths to be read.
     #[must_use]
     pub fn reader<const N: usize>(mut self, least: Least, paths: [&str; N], router: Router<S>) -> Self {
-        self.rules.extend(paths.map(|path| Rule { method: Method::GET, path: path.to_owned(), least }));
+        self.rules.extend(paths.map(|path| Rule { method: Method::GET, path: path.to_owned(), least, takes: None }));
         self.map(|routes| routes.merge(router.into()))
     }
 
@@ -119,20 +147,29 @@ pub fn operations(item: &mut PathItem) -> impl Iterator<Item = (Method, &mut Ope
 
 /// The rules by path and method.
 #[derive(Debug)]
-pub struct Rules(HashMap<String, HashMap<Method, Least>>);
+pub struct Rules(HashMap<String, HashMap<Method, (Least, Option<Takes>)>>);
 
 impl Rules {
     pub fn of(rules: &[Rule]) -> Self {
-        let mut by_path: HashMap<String, HashMap<Method, Least>> = HashMap::new();
-        for Rule { method, path, least } in rules.iter().cloned() {
-            by_path.entry(path).or_default().insert(method, least);
+        let mut by_path: HashMap<_, HashMap<_, _>> = HashMap::new();
+        for Rule { method, path, least, takes } in rules.iter().cloned() {
+            by_path.entry(path).or_default().insert(method, (least, takes));
         }
         Self(by_path)
     }
 
     /// Who may use a method of a path; none where it does not take the method.
     pub fn get(&self, method: &Method, path: &str) -> Option<Least> {
+        Some(self.rule(method, path)?.0)
+    }
+
+    /// What a method of a path of the API takes.
+    pub fn takes(&self, method: &Method, path: &str) -> Option<&Takes> {
+        self.rule(method, path)?.1.as_ref()
+    }
+
+    fn rule(&self, method: &Method, path: &str) -> Option<&(Least, Option<Takes>)> {
         let method = if *method == Method::HEAD { &Method::GET } else { method };
-        self.0.get(path)?.get(method).copied()
+        self.0.get(path)?.get(method)
     }
 }

@@ -207,3 +207,31 @@ async fn a_table_says_the_batches_of_many_gyros_all_of_it_or_nothing() {
     let lines = audit["lines"].as_array().unwrap().iter().filter(|line| line["action"] == "set attributes");
     assert_eq!(lines.count(), 3, "{audit}");
 }
+
+#[tokio::test]
+async fn what_an_operation_does_not_take_is_refused_and_not_ignored() {
+    let server = Server::start().await;
+    let description = server.get("/openapi.json").await.json();
+    let (mut refused_parameters, mut refused_keys) = (0, 0);
+    for (path, item) in description["paths"].as_object().unwrap().iter().filter(|(path, _)| path.starts_with("/v1/")) {
+        let at = path.replace(['{', '}'], "");
+        for (method, operation) in item.as_object().unwrap().iter().filter(|(_, one)| one["responses"].is_object()) {
+            let (method, named) = (method.to_uppercase(), operation["parameters"].to_string());
+            let answer = server.call(&method, &format!("{at}?page=2"), &[], "").await;
+            let code = answer.json()["code"].as_str().unwrap_or_default().to_owned();
+            if code == "first_token_needed" {
+                continue;
+            }
+            let takes_some = named.contains("\"in\":\"query\"");
+            let wanted = if takes_some { "unknown_parameter" } else { "no_parameters" };
+            assert_eq!((answer.status, &*code), (400, wanted), "{method} {path}");
+            refused_parameters += 1;
+            let takes_key = named.contains("Idempotency-Key");
+            let answer = server.call(&method, &at, &[("idempotency-key", "k-1")], "").await;
+            let is_refused = answer.text().contains("idempotency_key_not_taken");
+            assert_eq!(is_refused, method == "POST" && !takes_key, "{method} {path}: {}", answer.text());
+            refused_keys += usize::from(is_refused);
+        }
+    }
+    assert!(refused_parameters > 40 && refused_keys > 10, "{refused_parameters} {refused_keys}");
+}

@@ -15,6 +15,7 @@ use axum::response::{IntoResponse, Response};
 
 use super::app::App;
 use super::edge::{Forwarded, NO_STORE};
+use super::query;
 use crate::cookies;
 use crate::core::access::Role;
 use crate::message;
@@ -29,7 +30,7 @@ pub struct Gate {
     pub rules: Arc<Rules>,
 }
 
-/// Lets a request through to its handler as its caller, or answers it 401, 403, 421 or 429.
+/// Lets a request through to its handler as its caller, or answers it 400, 401, 403, 421 or 429.
 pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next) -> Response {
     let Some(route) = request.extensions().get::<MatchedPath>().cloned() else {
         return next.run(request).await; // Nothing is there: the fallback says so.
@@ -72,6 +73,11 @@ pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next)
         }
         let detail = message!("role_needed", needed = role.name(), role = caller.role.name());
         return challenged(Problem::new(403, "title_not_allowed", detail), "Bearer error=\"insufficient_scope\"");
+    }
+    if let Some(takes) = rules.takes(request.method(), route.as_str()).filter(|_| route.as_str().starts_with("/v1/"))
+        && let Some(refused) = query::not_taken(takes, &request)
+    {
+        return refused.into_response();
     }
     request.extensions_mut().insert(caller.clone());
     let mut response = caller.during(next.run(request)).await;

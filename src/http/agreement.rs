@@ -13,7 +13,6 @@ use crate::wire::problem::Problem;
 use crate::wire::time;
 
 #[derive(Debug, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct AgreementQuery {
     /// Oldest instant, RFC 3339, itself included. With `from` or `to`, all results in between are compared.

@@ -28,7 +28,6 @@ const DEFAULT_ALERTS: usize = 100;
 const MOST_ALERTS: usize = 10_000;
 
 #[derive(Debug, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct AlertsQuery {
     /// `firing`, `acknowledged`, `silenced`, `inhibited` or `resolved`.

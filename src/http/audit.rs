@@ -21,7 +21,6 @@ use crate::wire::time;
 const MOST_LINES: usize = 10_000;
 
 #[derive(Debug, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct AuditQuery {
     /// Not before this time, RFC 3339.

@@ -186,7 +186,6 @@ const PATIENCE_S: u64 = 10;
 /// What a diagnosis is asked for with.
 #[derive(Debug, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
-#[serde(deny_unknown_fields)]
 pub struct DiagnosisQuery {
     /// Identifier of an earlier campaign or record of the IMU: the gap is then also split into parameters, structure
     /// and noise.

@@ -45,7 +45,6 @@ pub async fn post_diagnoses(State(app): State<App>, body: Document) -> Result<Re
 }
 
 #[derive(Debug, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct PageQuery {
     /// At most so many; 20 orders or 100 failures unless it is given.
@@ -103,7 +102,6 @@ pub async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Resul
 }
 
 #[derive(Debug, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct SummaryQuery {
     /// Of this IMU alone.

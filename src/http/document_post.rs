@@ -13,6 +13,7 @@ use super::answer::{Answer, JustJudged};
 use super::app::App;
 use super::corrections::{Standing, StandingBody};
 use super::prefer_header::{AsWanted, MinimalAnswer, Wanted};
+use super::query::IDEMPOTENCY_KEY;
 use super::telling::Telling;
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
@@ -120,7 +121,7 @@ pub struct IdempotencyKey(
 
 impl IdempotencyKey {
     fn of(parts: &Parts) -> Result<Self, Problem> {
-        let Some(value) = parts.headers.get("idempotency-key") else { return Ok(Self(None)) };
+        let Some(value) = parts.headers.get(IDEMPOTENCY_KEY) else { return Ok(Self(None)) };
         let key = value.to_str().ok().filter(|key| (1..=255).contains(&key.len()));
         let key =
             key.ok_or_else(|| Problem::new(400, "title_bad_idempotency_key", message!("idempotency_key_form")))?;

@@ -38,7 +38,6 @@ use crate::wire::{json, text, time};
 const MOST_GYROS: usize = 10_000;
 
 #[derive(Debug, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct GyrosQuery {
     /// At most so many; 1000 unless it is given.

@@ -2,8 +2,8 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::StatusCode;
-use axum::http::header::LOCATION;
+use axum::http::header::{LINK, LOCATION};
+use axum::http::{StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -93,7 +93,6 @@ pub async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Result
 }
 
 #[derive(Debug, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct DeliveriesQuery {
     /// Only those that are `behind`, `waiting`, `delivered`, `dead` or `dropped`.
@@ -116,12 +115,14 @@ pub struct Deliveries {
 /// What a hook was told and is to be told, newest first, with every attempt; `state=dead` lists the dead letters.
 #[utoipa::path(get, path = "/v1/hooks/{id}/deliveries", tag = "hooks",
     params(DeliveriesQuery),
-    responses((status = 200, description = "the deliveries", body = Deliveries)))]
+    responses((status = 200, description = "the deliveries", body = Deliveries,
+        headers(("Link" = Option<String>, description = "the next page")))))]
 pub async fn get_deliveries(
     State(app): State<App>,
+    uri: Uri,
     Path(id): Path<String>,
     Parameters(asked): Parameters<DeliveriesQuery>,
-) -> Result<Json<Deliveries>, Problem> {
+) -> Result<Response, Problem> {
     let hook = hook_id(&id)?;
     let state = asked.state.as_deref().map(delivery_state).transpose()?;
     let limit = query::limit(asked.limit, 100, MOST_DELIVERIES)?;
@@ -132,7 +133,8 @@ pub async fn get_deliveries(
     let page = DeliveryPage { state, before, limit: limit as u32 + 1 };
     let deliveries = app.pipeline.hooks.deliveries(hook, page).await?;
     let (deliveries, next) = query::page(List::Deliveries, deliveries, limit, |last| last.id.parse().ok());
-    Ok(Json(Deliveries { deliveries, next }))
+    let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
+    Ok((link, Json(Deliveries { deliveries, next })).into_response())
 }
 
 /// One delivery with every attempt.

@@ -21,7 +21,6 @@ const DEFAULT_IMUS: usize = 100;
 const MOST_IMUS: usize = 1000;
 
 #[derive(Debug, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct ImusQuery {
     /// At most so many; 100 unless it is given.

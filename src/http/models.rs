@@ -96,7 +96,6 @@ const MOST_FORECASTS: usize = 100;
 
 /// How many forecasts.
 #[derive(Debug, Default, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct ForecastQuery {
     /// The newest so many campaigns; 20 by default, at most 100.

@@ -1,6 +1,7 @@
 //! What operations have in common, described once: the parameter of a path, what a request may be refused for, and
 //! which answers name what other operations are about. What a handler says itself stays.
 
+use axum::http::Method;
 use utoipa::openapi::link::Link;
 use utoipa::openapi::path::{Operation, Parameter, ParameterIn};
 use utoipa::openapi::security::SecurityRequirement;
@@ -67,7 +68,7 @@ pub fn complete(openapi: &mut OpenApi, rules: &Rules) {
             if least.is_some() {
                 operation.security = Some(vec![SecurityRequirement::new(TOKEN, [""; 0])]);
             }
-            for (status, why) in refusals(operation, !method.is_safe(), thing, least) {
+            for (status, why) in refusals(operation, (&method, path), thing, least) {
                 operation.responses.responses.entry(status.to_owned()).or_insert_with(|| Response::new(why).into());
             }
             for (status, response) in &mut operation.responses.responses {
@@ -99,20 +100,23 @@ fn name_parameter(operation: &mut Operation, thing: &Thing) {
 }
 
 /// What any request like this one may be refused for.
-fn refusals(operation: &Operation, writes: bool, thing: Option<&Thing>, least: Least) -> Vec<(&'static str, String)> {
+fn refusals(
+    operation: &Operation,
+    (method, path): (&Method, &str),
+    thing: Option<&Thing>,
+    least: Least,
+) -> Vec<(&'static str, String)> {
+    let writes = !method.is_safe();
     let taken: Vec<&str> = match &operation.request_body {
         Some(RefOr::T(body)) => body.content.keys().map(String::as_str).collect(),
         _ => Vec::new(),
     };
     let (json, no_body) = (taken.contains(&"application/json"), taken.is_empty());
     let document = json || taken.contains(&"text/csv");
-    let mut parameters = operation.parameters.iter().flatten();
-    let optional = parameters.any(|one| matches!(one, RefOr::T(one) if one.parameter_in != ParameterIn::Path));
-    let bad = match (json, optional) {
+    let bad = match (path.starts_with("/v1/"), json) {
         (true, true) => Some("not JSON, or a parameter that cannot be used"),
-        (true, false) => Some("not JSON"),
-        (false, true) => Some("a parameter that cannot be used"),
-        (false, false) => None,
+        (true, false) => Some("a parameter that cannot be used"),
+        (false, _) => None,
     };
     let found = [
         bad.map(|why| ("400", why.to_owned())),

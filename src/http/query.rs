@@ -2,11 +2,12 @@
 
 use std::borrow::Cow;
 
-use axum::extract::{FromRequestParts, Query};
+use axum::extract::{FromRequestParts, Query, Request};
 use axum::http::header::ACCEPT;
 use axum::http::request::Parts;
-use axum::http::{HeaderMap, Uri};
+use axum::http::{HeaderMap, Method, Uri};
 use serde::de::DeserializeOwned;
+use url::form_urlencoded;
 
 use super::app::App;
 use crate::core::id::Id;
@@ -14,9 +15,12 @@ use crate::core::message::{Message, list, text};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::message;
+use crate::routes::Takes;
 use crate::wire::cursor::{self, List};
 use crate::wire::problem::Problem;
 use crate::wire::time;
+
+pub const IDEMPOTENCY_KEY: &str = "idempotency-key";
 
 /// Query parameters whose faults are answered 400 in the common form.
 pub struct Parameters<T>(pub T);
@@ -34,15 +38,6 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Parameters<T> 
 /// What axum says of a query that it cannot read, in words of ours.
 fn of_form(said: &str) -> Message {
     let what = said.strip_prefix("Failed to deserialize query string: ").unwrap_or(said);
-    if let Some((_, names)) = what.split_once("unknown field `") {
-        let mut names = names.split('`').step_by(2).map(str::to_owned);
-        let parameter = names.next().unwrap_or_default();
-        return message!(
-            "unknown_parameter",
-            parameter = parameter,
-            known = list(names.filter(|name| !name.is_empty()))
-        );
-    }
     let quoted = |before: &str| Some(text(what.split_once(before)?.1.split('`').next()?));
     if let Some(parameter) = quoted("duplicate field `") {
         return message!("parameter_twice", parameter = parameter);
@@ -58,6 +53,23 @@ fn of_form(said: &str) -> Message {
         Some((parameter, why)) if why.contains("`true`") => message!("parameter_flag", parameter = text(parameter)),
         _ => message!("query_unreadable"),
     }
+}
+
+/// The refusal of a parameter that an operation does not take, or of a promise that it does not keep: what is ignored
+/// would be taken for granted.
+pub fn not_taken(takes: &Takes, request: &Request) -> Option<Problem> {
+    let sent = form_urlencoded::parse(request.uri().query().unwrap_or_default().as_bytes());
+    let mut unknown = sent.filter(|(name, _)| !takes.parameters.iter().any(|known| known == name));
+    if let Some((name, _)) = unknown.next() {
+        let (parameter, known) = (name.into_owned(), takes.parameters.clone());
+        return Some(bad(match known.is_empty() {
+            true => message!("no_parameters", parameter = parameter),
+            false => message!("unknown_parameter", parameter = parameter, known = list(known)),
+        }));
+    }
+    let bears_key = request.method() == Method::POST && request.headers().contains_key(IDEMPOTENCY_KEY);
+    let unkept = bears_key && !takes.headers.iter().any(|known| known.eq_ignore_ascii_case(IDEMPOTENCY_KEY));
+    unkept.then(|| Problem::new(400, "title_bad_idempotency_key", message!("idempotency_key_not_taken")))
 }
 
 /// The answer to a parameter that cannot be used.
@@ -164,7 +176,6 @@ mod tests {
     use crate::words::Language;
 
     #[derive(Debug, Deserialize)]
-    #[serde(deny_unknown_fields)]
     struct Asked {
         #[serde(rename = "limit")]
         _limit: Option<usize>,

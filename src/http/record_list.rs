@@ -21,7 +21,6 @@ const DEFAULT_RECORDS: usize = 100;
 const MOST_RECORDS: usize = 1000;
 
 #[derive(Debug, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct RecordsQuery {
     /// Of one IMU.

@@ -25,7 +25,6 @@ use crate::wire::silence::{MatchersBody, MatchingSilenceBody, NewSilenceBody};
 use crate::wire::{json, text};
 
 #[derive(Debug, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct SilencesQuery {
     /// `active`, or `all` that there ever were; those that hold, where it is left out.

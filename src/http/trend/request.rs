@@ -25,7 +25,6 @@ const DEFAULT_POINTS: usize = 1000;
 const MOST_POINTS: usize = 100_000;
 
 #[derive(Debug, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct TrendQuery {
     /// `D_I` (the default), `D_S` or `D_O`, the closure.

@@ -69,6 +69,11 @@ async fn a_list_is_narrowed_down_by_imu_station_and_time() {
     let (at, station) = (record["calibrated_at"].as_str().unwrap(), record["station"].as_str().unwrap());
     let then = pages(&server, &format!("/v1/records?from={at}&to={at}&station={station}"), "records").await;
     assert_eq!(then, std::slice::from_ref(record));
+    let day = &at[..10];
+    let of_day = pages(&server, &format!("/v1/records?from={day}&to={day}"), "records").await;
+    let on_it = |item: &&Value| item["calibrated_at"].as_str().unwrap().starts_with(day);
+    assert_eq!(of_day, all.iter().filter(on_it).cloned().collect::<Vec<_>>());
+    assert!(!of_day.is_empty() && at[10..] != *"T00:00:00Z", "{at}");
     for none in ["imu=nowhere", "station=nowhere", "to=1999-01-01T00:00:00Z"] {
         assert!(pages(&server, &format!("/v1/records?{none}"), "records").await.is_empty(), "{none}");
     }
@@ -95,7 +100,13 @@ async fn imus_are_listed_with_the_gyros_in_them() {
         assert_eq!(serials.len(), 3);
     }
     assert_eq!(server.get("/v1/imus/nowhere").await.status, 404);
-    for bad in ["/v1/imus?cursor=x", "/v1/records?limit=0", "/v1/records?from=x", "/v1/campaigns?kind=record"] {
+    for bad in [
+        "/v1/imus?cursor=x",
+        "/v1/records?limit=0",
+        "/v1/records?from=x",
+        "/v1/records?to=2026-02-30",
+        "/v1/campaigns?kind=record",
+    ] {
         assert_eq!(server.get(bad).await.status, 400, "{bad}");
     }
 }

@@ -22,6 +22,16 @@ pub(super) fn instant(text: &str) -> Result<UtcMicros, String> {
     time::parse(text).map_err(|why| words::asked().words(&why))
 }
 
+/// Where a stretch of time begins; a day begins at midnight UTC.
+pub(super) fn start(text: &str) -> Result<UtcMicros, String> {
+    time::parse_start(text).map_err(|why| words::asked().words(&why))
+}
+
+/// Where a stretch of time ends; a day (UTC) belongs to it.
+pub(super) fn end(text: &str) -> Result<UtcMicros, String> {
+    time::parse_end(text).map_err(|why| words::asked().words(&why))
+}
+
 /// Arguments that do not go together in a way that clap cannot be told.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]

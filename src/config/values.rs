@@ -41,7 +41,7 @@ pub(super) fn instants<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec
 }
 
 fn parsed<E: de::Error>(text: String) -> Result<UtcMicros, E> {
-    time::parse(&text).or_else(|_| time::parse(&format!("{text}T00:00:00Z"))).map_err(|_| {
+    time::parse_start(&text).map_err(|_| {
         E::custom(format!(
             "must be a date or an RFC 3339 time, such as \"1950-01-01\" or \"1950-01-01T00:00:00Z\", is {text:?}"
         ))

@@ -15,7 +15,8 @@ use crate::wire::time;
 #[derive(Debug, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct AgreementQuery {
-    /// Oldest instant, RFC 3339, itself included. With `from` or `to`, all results in between are compared.
+    /// Oldest instant, a day (UTC) or an RFC 3339 time, itself included. With `from` or `to`, all results in between are
+    /// compared.
     from: Option<String>,
     /// Newest instant, itself included.
     to: Option<String>,

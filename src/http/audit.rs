@@ -23,9 +23,9 @@ const MOST_LINES: usize = 10_000;
 #[derive(Debug, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct AuditQuery {
-    /// Not before this time, RFC 3339.
+    /// Not before this time: a day (UTC) or an RFC 3339 time.
     from: Option<String>,
-    /// Not after this time, RFC 3339.
+    /// Not after this time: a day (UTC) or an RFC 3339 time.
     to: Option<String>,
     /// Only what the holder of the token of this name did.
     who: Option<String>,

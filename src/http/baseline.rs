@@ -25,7 +25,7 @@ struct BaselineBody {
     /// What was done to the gyro, in words.
     #[schema(min_length = 1, max_length = 4096)]
     reason: String,
-    /// From when on, RFC 3339; now, where it is left out.
+    /// From when on, a day (UTC) or an RFC 3339 time; now, where it is left out.
     #[serde(default)]
     at: Option<String>,
     #[serde(default)]

@@ -110,9 +110,9 @@ pub struct SummaryQuery {
     station: Option<String>,
     /// Of this effect alone, by its catalogue name.
     effect: Option<String>,
-    /// Of campaigns measured from this time on, RFC 3339.
+    /// Of campaigns measured from this time on: a day (UTC) or an RFC 3339 time.
     since: Option<String>,
-    /// Of campaigns measured up to this time, RFC 3339.
+    /// Of campaigns measured up to this time: a day (UTC) or an RFC 3339 time.
     until: Option<String>,
     /// `json` or `csv`; without it, `Accept` decides.
     format: Option<String>,

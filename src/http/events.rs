@@ -86,7 +86,7 @@ struct NewEvent {
     /// In words.
     #[schema(min_length = 1, max_length = 4096)]
     reason: String,
-    /// When, RFC 3339; now, where it is left out.
+    /// When, a day (UTC) or an RFC 3339 time; now, where it is left out.
     #[serde(default, alias = "from")]
     at: Option<String>,
     /// Of an environmental test: when it was over.

@@ -71,13 +71,7 @@ pub struct GyrosQuery {
 
 /// What a list is narrowed down to besides.
 fn fleet_filter(asked: &GyrosQuery) -> Result<FleetFilter<'_>, Problem> {
-    let start = |name: &'static str, said: &Option<String>| {
-        let read = |said: &String| {
-            let fault = |fault| query::bad(message!("parameter_fault", parameter = name, fault = fault));
-            time::parse_start(&query::with_sign(said)).map_err(fault)
-        };
-        said.as_ref().map(read).transpose()
-    };
+    let start = |name: &'static str, said: &Option<String>| query::instant(name, said.as_deref(), time::parse_start);
     let rule =
         |said: &String| Rule::from_name(said).ok_or_else(|| query::not_one_of("rule", Rule::ALL.map(Rule::name), said));
     let order = |said: &String| {

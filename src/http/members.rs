@@ -174,6 +174,10 @@ fn of_member((schema, member): (&str, &str), sent: bool) -> Option<What> {
         ("ShapeBody", "axes") => one_of(["input_spin"]),
         ("ShapeBody", "product") => Number(0.0, 2.0),
         ("AdoptionBody" | "ModelBody", "version") => Number(1.0, 2.0),
+        ("WindowOrder", "from" | "to")
+        | ("WhichBody", "since" | "until")
+        | ("NewEvent", "at" | "to")
+        | ("BaselineBody", "at") => Text(DAY_OR_TIME, 10, 35),
         ("ReachBody", "earliest" | "latest") | (_, "at" | "until" | "since" | "from" | "to") => Time,
         (_, member) if member.ends_with("_at") => Time,
         _ if !sent => return None,
@@ -214,7 +218,7 @@ fn of_member((schema, member): (&str, &str), sent: bool) -> Option<What> {
 }
 
 fn of_parameter(operation: &str, parameter: &str) -> Option<What> {
-    use What::{Number, Text, Time};
+    use What::{Number, Text};
     Some(match (operation, parameter) {
         ("get_alerts", "state") => one_of(Standing::ALL.map(Standing::name)),
         ("get_gyros", "state") => one_of(State::ALL.map(State::name)),
@@ -234,8 +238,7 @@ fn of_parameter(operation: &str, parameter: &str) -> Option<What> {
         (_, "format") => one_of(["json", "csv"]),
         (_, "columns") => Text(COLUMNS, 2, 1000),
         (_, "cursor") => Text(CURSOR, 12, 12),
-        (_, "from" | "to" | "since" | "until") => Time,
-        (_, "calibrated_since" | "changed_since") => Text(DAY_OR_TIME, 10, 35),
+        (_, "from" | "to" | "since" | "until" | "calibrated_since" | "changed_since") => Text(DAY_OR_TIME, 10, 35),
         (_, "wait") => Number(0.0, 10.0),
         ("get_diagnosis_orders", "limit") => Number(1.0, 100.0),
         ("get_diagnosis_order" | "get_deliveries", "limit") => Number(1.0, 1000.0),

@@ -102,15 +102,21 @@ pub fn limit(asked: Option<usize>, default: usize, most: usize) -> Result<usize,
     }
 }
 
+/// The time that a parameter says, as `read` takes it.
+pub fn instant(
+    name: &'static str,
+    text: Option<&str>,
+    read: fn(&str) -> Result<UtcMicros, Message>,
+) -> Result<Option<UtcMicros>, Problem> {
+    let fault = |fault| bad(message!("parameter_fault", parameter = name, fault = fault));
+    text.map(|text| read(&with_sign(text)).map_err(fault)).transpose()
+}
+
 /// `from` and `to`: a stretch of time, both ends included.
 pub fn span(from: Option<&str>, to: Option<&str>) -> Result<Span, Problem> {
-    let instant = |name: &'static str, text: Option<&str>, or: UtcMicros| match text {
-        None => Ok(or),
-        Some(text) => {
-            time::parse(&with_sign(text)).map_err(|why| bad(message!("parameter_fault", parameter = name, fault = why)))
-        }
-    };
-    let span = Span { from: instant("from", from, Span::EVER.from)?, to: instant("to", to, Span::EVER.to)? };
+    let from = instant("from", from, time::parse_start)?.unwrap_or(Span::EVER.from);
+    let to = instant("to", to, time::parse_end)?.unwrap_or(Span::EVER.to);
+    let span = Span { from, to };
     if span.from > span.to {
         return Err(bad(message!("from_after_to")));
     }

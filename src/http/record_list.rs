@@ -27,9 +27,9 @@ pub struct RecordsQuery {
     imu: Option<String>,
     /// Of one station.
     station: Option<String>,
-    /// Calibrated then or later, RFC 3339.
+    /// Calibrated then or later: a day (UTC) or an RFC 3339 time.
     from: Option<String>,
-    /// Calibrated then or earlier, RFC 3339.
+    /// Calibrated then or earlier: a day (UTC) or an RFC 3339 time.
     to: Option<String>,
     /// At most so many; 100 unless it is given.
     #[param(minimum = 1, maximum = 1000)]

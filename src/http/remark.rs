@@ -27,7 +27,7 @@ impl Said {
             faults.push("/reason", blank);
         }
         let reason = text::note("/reason", &Some(self.reason), faults).unwrap_or_default();
-        let at = self.at.map_or_else(|| app.clock.now(), |at| text::instant("/at", &at, faults));
+        let at = self.at.map_or_else(|| app.clock.now(), |at| text::start("/at", &at, faults));
         let author = text::short("/author", &self.author, faults);
         if faults.is_empty()
             && let Err(impossible) = app.pipeline.reader.check_time("/at", at)

@@ -38,7 +38,7 @@ pub async fn get_station(State(app): State<App>, Path(name): Path<String>) -> Re
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 struct WindowOrder {
-    /// Calibrated then or later, RFC 3339.
+    /// Calibrated then or later: a day (UTC) or an RFC 3339 time.
     from: String,
     /// Calibrated then or earlier.
     to: String,

@@ -101,7 +101,7 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
     let mut of_time = Faults::default();
     let at = match said.at.trim() {
         "" => pages.clock.now(),
-        at => text::instant("at", &typed_time(at), &mut of_time),
+        at => text::start("at", &typed_time(at), &mut of_time),
     };
     // What cannot be read is no time that could be impossible.
     let of_time = of_time.or(()).and_then(|()| pages.pipeline.reader.check_time("at", at));

@@ -140,11 +140,11 @@ pub(super) fn severity_choice(t: &Text, label: &str, name: &str, chosen: &str) -
     choice(t, label, name, Severity::ALL.map(|one| (one.name(), t.severity(one))), chosen)
 }
 
-/// A time as somebody types it, `2026-03-01 16:00`, for what reads RFC 3339. Without a zone it is of UTC, as the pages
-/// are where no script has made it the viewer's.
+/// A time as somebody types it, `2026-03-01 16:00`, for what reads RFC 3339 or a day. Without a zone it is of UTC, as the
+/// pages are where no script has made it the viewer's.
 pub(super) fn typed_time(text: &str) -> String {
     let text = text.trim().replacen(' ', "T", 1);
-    let whole = ["T00:00:00Z", ":00Z", "Z"].map(|rest| format!("{text}{rest}"));
+    let whole = [":00Z", "Z"].map(|rest| format!("{text}{rest}"));
     whole.into_iter().find(|whole| time::parse(whole).is_ok()).unwrap_or(text)
 }
 
@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn a_time_is_typed_with_or_without_its_zone() {
         for (typed, read) in [
-            ("2026-03-01", "2026-03-01T00:00:00Z"),
+            ("2026-03-01", "2026-03-01"),
             (" 2026-03-01 16:00", "2026-03-01T16:00:00Z"),
             ("2026-03-01T16:00:30", "2026-03-01T16:00:30Z"),
             ("2026-03-01T16:00:00+08:00", "2026-03-01T16:00:00+08:00"),

@@ -85,11 +85,8 @@ impl View {
     }
 
     pub fn asked(asked: &AskedView, judged: JudgedMethod) -> Self {
-        let at = |text: &Option<String>, end: &str| {
-            let text = text.as_deref().filter(|text| !text.is_empty())?;
-            time::parse(text).or_else(|_| time::parse(&format!("{text}{end}"))).ok()
-        };
-        let (from, to) = (at(&asked.from, "T00:00:00Z"), at(&asked.to, "T23:59:59Z"));
+        let from = asked.from.as_deref().and_then(|from| time::parse_start(from).ok());
+        let to = asked.to.as_deref().and_then(|to| time::parse_end(to).ok());
         let in_order = from.zip(to).is_none_or(|(from, to)| from < to);
         Self {
             shown: Shown::asked(asked.method.as_deref(), judged),
@@ -115,7 +112,8 @@ impl View {
         // Days where the ends are those of days.
         let day = |at: UtcMicros| {
             let text = time::format(at);
-            let day = ["T00:00:00Z", "T23:59:59Z"].iter().find_map(|end| text.strip_suffix(end).map(str::to_owned));
+            let day =
+                ["T00:00:00Z", "T23:59:59.999999Z"].iter().find_map(|end| text.strip_suffix(end).map(str::to_owned));
             day.unwrap_or(text)
         };
         let method = (!self.is_judged()).then(|| ("method", self.shown.name().to_owned()));

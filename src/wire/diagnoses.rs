@@ -13,10 +13,10 @@ pub struct WhichBody {
     /// Those measured at this station.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub station: Option<String>,
-    /// Those measured from this time on, RFC 3339.
+    /// Those measured from this time on: a day (UTC) or an RFC 3339 time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub since: Option<String>,
-    /// Those measured up to this time, RFC 3339.
+    /// Those measured up to this time: a day (UTC) or an RFC 3339 time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub until: Option<String>,
     /// Also those whose diagnosis is of this version of the program and the model in force.

@@ -30,7 +30,7 @@ pub fn read_test(
         faults.push("/to", message!("test_end"));
         return (None, test);
     };
-    let until = text::instant("/to", &to, faults);
+    let until = text::end("/to", &to, faults);
     if until < from && faults.is_empty() {
         faults.push("/to", message!("end_before_begin"));
     }

@@ -13,7 +13,7 @@ use utoipa::{PartialSchema, ToSchema};
 use super::time;
 use super::triple::Triple;
 use crate::core::fault::Faults;
-use crate::core::message::text;
+use crate::core::message::{Message, text};
 use crate::core::record::{MAX_NAME_CHARS, MAX_NOTE_CHARS, Name};
 use crate::core::time::{Span, UtcMicros};
 use crate::message;
@@ -60,7 +60,21 @@ fn stand_in(pointer: &str) -> Name {
 }
 
 pub fn instant(pointer: &str, text: &str, faults: &mut Faults) -> UtcMicros {
-    time::parse(text).unwrap_or_else(|detail| {
+    read(time::parse(text), pointer, faults)
+}
+
+/// Where a stretch of time begins; a day begins at midnight UTC.
+pub fn start(pointer: &str, text: &str, faults: &mut Faults) -> UtcMicros {
+    read(time::parse_start(text), pointer, faults)
+}
+
+/// Where a stretch of time ends; a day (UTC) belongs to it.
+pub fn end(pointer: &str, text: &str, faults: &mut Faults) -> UtcMicros {
+    read(time::parse_end(text), pointer, faults)
+}
+
+fn read(instant: Result<UtcMicros, Message>, pointer: &str, faults: &mut Faults) -> UtcMicros {
+    instant.unwrap_or_else(|detail| {
         faults.push(pointer, detail);
         UtcMicros(0)
     })
@@ -79,7 +93,7 @@ pub fn note(pointer: &str, text: &Option<String>, faults: &mut Faults) -> Option
 /// Two instants, the second not before the first.
 pub fn span((from_at, from): (&str, &str), (to_at, to): (&str, &str), faults: &mut Faults) -> Span {
     let before = faults.0.len();
-    let span = Span { from: instant(from_at, from, faults), to: instant(to_at, to, faults) };
+    let span = Span { from: start(from_at, from, faults), to: end(to_at, to, faults) };
     if faults.0.len() == before && span.to < span.from {
         faults.push(to_at, message!("to_before_from"));
     }

@@ -27,8 +27,20 @@ pub fn parse(text: &str) -> Result<UtcMicros, Message> {
 
 /// Reads the beginning of a stretch of time: an RFC 3339 time, or a day, which begins at midnight UTC.
 pub fn parse_start(text: &str) -> Result<UtcMicros, Message> {
-    let is_day = text.len() == 10 && text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-');
-    if is_day { parse(&format!("{text}T00:00:00Z")) } else { parse(text) }
+    if is_day(text) { parse(&format!("{text}T00:00:00Z")) } else { parse(text).map_err(or_day) }
+}
+
+/// Reads the end of a stretch of time, itself included: an RFC 3339 time, or a day (UTC), which is in it as a whole.
+pub fn parse_end(text: &str) -> Result<UtcMicros, Message> {
+    if is_day(text) { Ok(UtcMicros(parse_start(text)?.0 + UtcMicros::DAY - 1)) } else { parse(text).map_err(or_day) }
+}
+
+fn or_day(fault: Message) -> Message {
+    if fault.code == "not_rfc3339" { message!("not_day_or_rfc3339") } else { fault }
+}
+
+fn is_day(text: &str) -> bool {
+    text.len() == 10 && text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-')
 }
 
 /// Writes an instant in UTC with as many digits as it needs.
@@ -195,6 +207,23 @@ mod tests {
             ("0000-01-01T08:00:00+08:01", "before_year_0"),
         ] {
             assert_eq!(parse(text).unwrap_err().code, code, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_stretch_has_the_whole_of_its_first_and_last_day() {
+        let ends = |from, to| [parse_start(from), parse_end(to)].map(|end| format(end.unwrap()));
+        assert_eq!(ends("2026-03-01", "2026-03-02"), ["2026-03-01T00:00:00Z", "2026-03-02T23:59:59.999999Z"]);
+        assert_eq!(
+            ends("2026-03-01T08:00:00+08:00", "2026-03-02T08:00:00Z"),
+            ["2026-03-01T00:00:00Z", "2026-03-02T08:00:00Z"]
+        );
+        for (text, code) in [
+            ("2026-02-30", "not_in_calendar"),
+            ("2026-3-1", "not_day_or_rfc3339"),
+            ("01.03.2026", "not_day_or_rfc3339"),
+        ] {
+            assert_eq!([parse_start(text), parse_end(text)].map(|end| end.unwrap_err().code), [code; 2], "{text}");
         }
     }
 

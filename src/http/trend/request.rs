@@ -31,7 +31,7 @@ pub struct TrendQuery {
     coefficient: Option<String>,
     /// `rigid`, `published`, `torque_feedback` or `turntable_servo`; the judged method, where it is left out.
     method: Option<String>,
-    /// Oldest instant, RFC 3339, itself included.
+    /// Oldest instant, a day (UTC) or an RFC 3339 time, itself included.
     from: Option<String>,
     /// Newest instant, itself included.
     to: Option<String>,

@@ -241,11 +241,9 @@ impl Diagnoses {
             let station = asked.station.as_deref().and_then(|name| tables.stations.number(name));
             (known("imu", &asked.imu, imu), known("station", &asked.station, station))
         };
-        let mut instant = |place: &str, at: &Option<String>, otherwise| {
-            at.as_deref().map_or(otherwise, |at| text::instant(place, at, faults))
-        };
-        let from = instant("/since", &asked.since, Span::EVER.from);
-        let to = instant("/until", &asked.until, Span::EVER.to);
+        let (since, until) = (asked.since.as_deref(), asked.until.as_deref());
+        let from = since.map_or(Span::EVER.from, |since| text::start("/since", since, faults));
+        let to = until.map_or(Span::EVER.to, |until| text::end("/until", until, faults));
         if faults.is_empty() && from > to {
             faults.push("/until", message!("until_before_since"));
         }

@@ -19,6 +19,7 @@ empty_text = must not be empty
 too_many_characters = must have at most { $most } characters, has { $have }
 control_character = must not contain the control character { $character }
 invisible_character = must not contain the invisible character { $character }; type the name again
+not_day_or_rfc3339 = must be a day (UTC) such as 2026-03-01, or an RFC 3339 time such as 2026-03-01T16:00:00+08:00
 not_rfc3339 = must be an RFC 3339 time such as 2026-03-01T08:00:00Z or 2026-03-01T16:00:00+08:00
 no_utc_offset = must have an offset from UTC: Z, or for example +08:00
 utc_offset_range = its offset from UTC must be between -23:59 and +23:59

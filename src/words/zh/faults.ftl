@@ -19,6 +19,7 @@ empty_text = 不能为空
 too_many_characters = 最多{ $most }个字符，实有{ $have }个
 control_character = 不能含有控制字符{ $character }
 invisible_character = 不能含有不可见字符{ $character }；请重新输入名称
+not_day_or_rfc3339 = 应为日期（UTC），例如 2026-03-01，或RFC 3339时间，例如 2026-03-01T16:00:00+08:00
 not_rfc3339 = 应为RFC 3339时间，例如 2026-03-01T08:00:00Z 或 2026-03-01T16:00:00+08:00
 no_utc_offset = 应注明与UTC的时差：Z，或例如 +08:00
 utc_offset_range = 与UTC的时差应在-23:59与+23:59之间

@@ -17,8 +17,8 @@ use self::columns::Row;
 use self::csv::Csv;
 #[cfg(feature = "parquet")]
 use self::parquet::Parquet;
-use crate::cli::common::instant;
 use crate::cli::common::{Usage, block_on};
+use crate::cli::common::{end, start};
 use crate::config::Config;
 use crate::core::figures::Figures;
 use crate::core::time::Span;
@@ -37,11 +37,11 @@ pub struct Export {
     /// Only this gyro; repeat for several
     #[arg(long = "serial", value_name = "SERIAL")]
     serials: Vec<String>,
-    /// Oldest instant, RFC 3339, itself included
-    #[arg(long, value_name = "TIME", value_parser = instant)]
+    /// Oldest instant, RFC 3339 or a day (UTC), itself included
+    #[arg(long, value_name = "TIME", value_parser = start)]
     from: Option<UtcMicros>,
     /// Newest instant, itself included
-    #[arg(long, value_name = "TIME", value_parser = instant)]
+    #[arg(long, value_name = "TIME", value_parser = end)]
     to: Option<UtcMicros>,
     /// Also what was voided or revised, flagged in the column `voided`
     #[arg(long)]

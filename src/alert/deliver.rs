@@ -2,7 +2,6 @@
 //! and says how it went: what is decided from that is the caller's.
 
 use std::error::Error;
-use std::io::ErrorKind;
 use std::time::{Duration, Instant};
 
 use reqwest::header::{AUTHORIZATION, CONTENT_TYPE, HeaderMap, HeaderValue, LOCATION, RETRY_AFTER};
@@ -18,6 +17,7 @@ use crate::core::message::{Message, Parameter, text};
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::system::{self, Proxies};
+use crate::wire::cause;
 use crate::wire::hook::ExpectBody;
 
 /// How long a target may take, and how much of its answer is read.
@@ -242,7 +242,8 @@ impl Courier {
         if let Some(refused) = causes.iter().find_map(|cause| cause.downcast_ref::<ResolveError>()) {
             return refused.message();
         }
-        let root = causes.last().map(|cause| cause_of(*cause)).unwrap_or_else(|| "".into());
+        let root = causes.last().map_or_else(|| Message::verbatim(""), |cause| cause::root_of(*cause));
+        let root = shortened(&root);
         match (error.is_timeout(), error.is_connect()) {
             (true, true) => message!("no_connection_within", seconds = seconds(self.limits.connect)),
             (true, false) => message!("no_answer_within", seconds = seconds(self.limits.whole)),
@@ -250,17 +251,6 @@ impl Courier {
             (false, true) => message!("no_connection", why = root),
             (false, false) => message!("no_http_answer", why = root),
         }
-    }
-}
-
-/// What the system says of a connection, in the reader's language where it is one of the usual answers.
-fn cause_of(error: &(dyn Error + 'static)) -> Parameter {
-    let system = error.downcast_ref::<std::io::Error>();
-    match system.and_then(|error| Some((error.kind(), text(error.raw_os_error()?)))) {
-        Some((ErrorKind::ConnectionRefused, number)) => message!("connection_refused", number = number).into(),
-        Some((ErrorKind::ConnectionReset, number)) => message!("connection_reset", number = number).into(),
-        Some((ErrorKind::HostUnreachable, number)) => message!("no_route_to_host", number = number).into(),
-        _ => printable(&error.to_string(), MOST_OF_A_LINE).into(),
     }
 }
 

@@ -8,8 +8,9 @@ use std::sync::Arc;
 use reqwest::dns::{Addrs, Name, Resolve, Resolving};
 
 use super::target::TargetPolicy;
-use crate::core::message::{Message, text};
+use crate::core::message::Message;
 use crate::message;
+use crate::wire::cause;
 
 type Lookup = Pin<Box<dyn Future<Output = io::Result<Vec<IpAddr>>> + Send>>;
 
@@ -36,7 +37,9 @@ pub enum ResolveError {
 impl ResolveError {
     pub fn message(&self) -> Message {
         match self {
-            Self::Unknown { name, source } => message!("name_unknown", name = name.clone(), why = text(source)),
+            Self::Unknown { name, source } => {
+                message!("name_unknown", name = name.clone(), why = cause::of_lookup(source))
+            }
             Self::Empty { name } => message!("name_empty", name = name.clone()),
             Self::Forbidden { name, why } => message!("name_forbidden", name = name.clone(), why = why.clone()),
         }

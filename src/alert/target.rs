@@ -3,7 +3,7 @@
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
 
 use ipnet::IpNet;
-use url::{Host, Url};
+use url::{Host, ParseError, Url};
 
 use crate::core::message::Message;
 use crate::message;
@@ -59,7 +59,7 @@ impl TargetPolicy {
         if text.chars().count() > MAX_URL_CHARS {
             return Err(message!("url_too_long", most = MAX_URL_CHARS));
         }
-        let url = Url::parse(text).map_err(|error| message!("not_a_url", why = format_args!("{error}")))?;
+        let url = Url::parse(text).map_err(|error| message!("not_a_url", why = fault_of_url(error)))?;
         if !matches!(url.scheme(), "http" | "https") {
             return Err(message!("url_scheme", scheme = format_args!("{}", url.scheme())));
         }
@@ -95,6 +95,17 @@ impl TargetPolicy {
             Some(Host::Domain(_)) => Ok(()),
             None => Err(message!("url_no_host")),
         }
+    }
+}
+
+/// What is wrong with a URL.
+fn fault_of_url(error: ParseError) -> Message {
+    match error {
+        ParseError::RelativeUrlWithoutBase | ParseError::RelativeUrlWithCannotBeABaseBase => message!("url_no_scheme"),
+        ParseError::EmptyHost => message!("url_no_host"),
+        ParseError::InvalidPort => message!("url_port_range"),
+        ParseError::InvalidIpv4Address | ParseError::InvalidIpv6Address => message!("url_ip_address"),
+        _ => message!("url_host_name"),
     }
 }
 
@@ -250,6 +261,21 @@ mod tests {
             ("http://x.example:99999/", "not_a_url"),
         ] {
             assert_eq!(policy(true, &[]).check_url(url).unwrap_err().code, code, "{url}");
+        }
+        for (url, why) in [
+            ("alerts.example.org/hook", "url_no_scheme"),
+            ("http://", "url_no_host"),
+            ("http://[::1/", "url_ip_address"),
+            ("http://256.1.1.1/", "url_ip_address"),
+            ("http://x.example:99999/", "url_port_range"),
+            ("http://a b/", "url_host_name"),
+        ] {
+            let said = policy(true, &[]).check_url(url).unwrap_err();
+            assert_eq!(
+                said,
+                message!("not_a_url", why = Message { code: why.into(), parameters: Vec::new() }),
+                "{url}"
+            );
         }
         let long = format!("http://x.example/{}", "a".repeat(MAX_URL_CHARS));
         assert!(policy(true, &[]).check_url(&long).unwrap_err().to_string().contains("2048"));

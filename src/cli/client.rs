@@ -14,7 +14,9 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::common::service_address;
+use crate::message;
 use crate::system::{self, Proxies};
+use crate::wire::cause;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::ProblemBody;
 use crate::words;
@@ -144,8 +146,15 @@ impl Service {
         token: Option<String>,
         authorities: Vec<Certificate>,
     ) -> anyhow::Result<Self> {
-        let base = if address.contains("://") { address.to_owned() } else { format!("http://{address}") };
-        let url = reqwest::Url::parse(&base).with_context(|| format!("{address} is not an address"))?;
+        let with_port = address.rsplit_once(':').is_some_and(|(_, port)| port.parse::<u16>().is_ok());
+        let base = match address.contains("://") {
+            false if with_port => format!("http://{address}"),
+            _ => address.to_owned(),
+        };
+        let known = reqwest::Url::parse(&base).ok().filter(|url| url.has_host());
+        let Some(url) = known else {
+            anyhow::bail!("{address:?} is not the address of a service, such as http://127.0.0.1:8080");
+        };
         anyhow::ensure!(matches!(url.scheme(), "http" | "https"), "{address}: the scheme must be http or https");
         let client = system::http_client_through(proxies, CONNECT_TIMEOUT, ANSWER_TIMEOUT);
         let client = client.context("the proxy cannot be used")?;
@@ -236,22 +245,16 @@ impl Service {
     }
 
     async fn answer(&self, request: reqwest::RequestBuilder) -> Result<(StatusCode, Option<Duration>, Bytes), Trouble> {
-        let away = |e: reqwest::Error| Trouble::Away(format!("cannot reach {}: {}", self.base, root_cause(&e)));
+        let away = |error: reqwest::Error| {
+            let why = if error.is_timeout() { message!("no_answer_in_time") } else { cause::root_of(&error) };
+            Trouble::Away(format!("cannot reach {}: {}", self.base, words::asked().words(&why)))
+        };
         let answer = request.send().await.map_err(away)?;
         let status = answer.status();
         let after = answer.headers().get(RETRY_AFTER).and_then(|v| v.to_str().ok()).and_then(|v| v.parse().ok());
         let body = answer.bytes().await.map_err(away)?;
         Ok((status, after.map(Duration::from_secs), body))
     }
-}
-
-/// The innermost error says what a person can act on ("Connection refused").
-fn root_cause(error: &dyn std::error::Error) -> String {
-    let mut cause = error;
-    while let Some(inner) = cause.source() {
-        cause = inner;
-    }
-    cause.to_string()
 }
 
 /// A 2xx counts only with the JSON of the service in it, so that a proxy's "200 OK" page acknowledges nothing; and
@@ -326,6 +329,9 @@ mod tests {
         assert_eq!(Service::at("127.0.0.1:8080", None).unwrap().base(), "http://127.0.0.1:8080");
         assert_eq!(Service::at("https://host/", None).unwrap().base(), "https://host");
         assert!(Service::at("ftp://host", None).is_err());
-        assert!(Service::at("http://", None).is_err());
+        for no_address in ["foo", "http://", "http:8080", ":8080", "/tmp/x", ""] {
+            let said = Service::at(no_address, None).unwrap_err().to_string();
+            assert!(said.contains("such as http://127.0.0.1:8080"), "{said}");
+        }
     }
 }

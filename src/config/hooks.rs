@@ -7,7 +7,7 @@ use ipnet::IpNet;
 use serde::Deserialize;
 
 use super::ConfigError;
-use super::values::list;
+use super::values::{networks, numbers};
 use crate::alert::deliver::AttemptLimits;
 use crate::alert::ladder::{LONGEST_WAIT, Ladder};
 use crate::alert::mail::{MailError, Mailer};
@@ -17,14 +17,14 @@ use crate::system::Proxies;
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hooks {
-    #[serde(deserialize_with = "list")]
+    #[serde(deserialize_with = "networks")]
     pub allow: Vec<IpNet>,
     pub external_url: String,
     pub proxy: String,
     pub connect_timeout_s: f64,
     pub attempt_timeout_s: f64,
     pub attempts_at_once: usize,
-    #[serde(deserialize_with = "list")]
+    #[serde(deserialize_with = "numbers")]
     pub retry_waits_s: Vec<f64>,
     pub resend_s: f64,
     pub old_secret_hours: f64,

@@ -65,7 +65,7 @@ pub struct Server {
     pub tls_certificate: Option<PathBuf>,
     pub tls_key: Option<PathBuf>,
     pub plain_http: String,
-    #[serde(deserialize_with = "values::list")]
+    #[serde(deserialize_with = "values::networks")]
     pub trusted_proxies: Vec<IpNet>,
     pub base_path: String,
     pub max_body_bytes: usize,

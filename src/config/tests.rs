@@ -60,8 +60,9 @@ fn a_value_that_is_written_as_text_says_what_is_wanted() {
 fn proxies_and_the_prefix_are_checked() {
     let server = |name: &str, value: &str| with(&[(name, value)]).map(|config| config.server);
     let (proxies, prefix) = ("GYROWATCH_SERVER__TRUSTED_PROXIES", "GYROWATCH_SERVER__BASE_PATH");
-    let trusted = server(proxies, "127.0.0.1/32, fd00::/8").unwrap();
-    assert!(trusted.trusted_proxies.len() == 2 && trusted.is_behind_proxy());
+    let trusted = server(proxies, "127.0.0.1, fd00::/8,10.0.0.0/8").unwrap();
+    assert!(trusted.trusted_proxies.len() == 3 && trusted.is_behind_proxy());
+    assert_eq!(trusted.trusted_proxies[0], "127.0.0.1/32".parse().unwrap());
     assert!(!Config::defaults().server.is_behind_proxy());
     for path in ["/gyrowatch", "/a/b.c~d"] {
         assert!(server(prefix, path).unwrap().is_behind_proxy(), "{path}");
@@ -70,7 +71,7 @@ fn proxies_and_the_prefix_are_checked() {
         let error = server(prefix, path).unwrap_err().to_string();
         assert!(error.contains("server.base_path") && error.contains("like /gyrowatch"), "{error}");
     }
-    for network in ["nowhere", "127.0.0.1", "10.0.0.0/33"] {
+    for network in ["nowhere", "10.0.0.1;10.0.0.2", "10.0.0.0/33"] {
         let error = server(proxies, network).unwrap_err().to_string();
         assert!(error.contains("server.trusted_proxies") && error.contains(network), "{error}");
     }

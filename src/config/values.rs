@@ -1,9 +1,8 @@
 //! Values that are written as text: read with words that say what is wanted.
 
-use std::fmt::Display;
-use std::net::SocketAddr;
-use std::str::FromStr;
+use std::net::{IpAddr, SocketAddr};
 
+use ipnet::IpNet;
 use serde::{Deserialize, Deserializer, de};
 use serde_json::Value;
 
@@ -36,8 +35,28 @@ pub(super) fn instant<'de, D: Deserializer<'de>>(deserializer: D) -> Result<UtcM
 
 /// A list of them.
 pub(super) fn instants<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<UtcMicros>, D::Error> {
-    let texts = Vec::<String>::deserialize(deserializer)?;
-    texts.into_iter().map(parsed).collect()
+    items(deserializer)?.into_iter().map(parsed).collect()
+}
+
+/// A list of networks; an address is a network of its own.
+pub(super) fn networks<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<IpNet>, D::Error> {
+    let network = |item: String| {
+        let found = item.parse::<IpNet>().ok().or_else(|| Some(item.parse::<IpAddr>().ok()?.into()));
+        found.ok_or_else(|| {
+            de::Error::custom(format!(
+                "must be networks or addresses, such as 10.0.0.0/8,192.168.1.5,fd12::/16, is {item:?}"
+            ))
+        })
+    };
+    items(deserializer)?.into_iter().map(network).collect()
+}
+
+/// A list of numbers.
+pub(super) fn numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
+    let number = |item: String| {
+        item.parse().map_err(|_| de::Error::custom(format!("must be numbers, such as 5,30,120, is {item:?}")))
+    };
+    items(deserializer)?.into_iter().map(number).collect()
 }
 
 fn parsed<E: de::Error>(text: String) -> Result<UtcMicros, E> {
@@ -49,15 +68,10 @@ fn parsed<E: de::Error>(text: String) -> Result<UtcMicros, E> {
 }
 
 /// A list, or its items in one text with commas between: an environment variable holds no list.
-pub(super) fn list<'de, T, D>(deserializer: D) -> Result<Vec<T>, D::Error>
-where
-    T: FromStr<Err: Display>,
-    D: Deserializer<'de>,
-{
+fn items<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
     let text = |item: &Value| item.as_str().map_or_else(|| item.to_string(), str::to_owned);
-    let items: Vec<String> = match Value::deserialize(deserializer)? {
+    Ok(match Value::deserialize(deserializer)? {
         Value::Array(items) => items.iter().map(text).collect(),
         one => text(&one).split(',').map(|item| item.trim().to_owned()).filter(|item| !item.is_empty()).collect(),
-    };
-    items.iter().map(|item| item.parse().map_err(|why| de::Error::custom(format!("{item}: {why}")))).collect()
+    })
 }

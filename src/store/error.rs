@@ -1,5 +1,7 @@
 //! What can go wrong with the database, sorted by what a caller can do about it.
 
+use std::io::ErrorKind;
+
 use sqlx::postgres::PgDatabaseError;
 
 /// A failure of the store. `Display` is for the log; clients are told only what concerns them.
@@ -51,8 +53,16 @@ const FSYNC_FAILED: [i32; 2] = [1034, 1290];
 impl From<sqlx::Error> for StoreError {
     fn from(error: sqlx::Error) -> Self {
         use sqlx::Error::{Io, PoolTimedOut, Protocol, Tls};
-        if matches!(error, Io(_) | Tls(_) | Protocol(_) | PoolTimedOut) {
-            return Self::Unreachable(error.to_string());
+        match &error {
+            Io(why) if why.kind() == ErrorKind::ConnectionRefused => {
+                let asked = "nothing listens there; does PostgreSQL run at the host and port of database.url?";
+                return Self::Unreachable(format!("{asked} ({why})"));
+            }
+            Io(why) => return Self::Unreachable(why.to_string()),
+            Tls(why) => return Self::Unreachable(format!("TLS failed: {why}")),
+            Protocol(why) => return Self::Unreachable(format!("what answers does not speak as PostgreSQL: {why}")),
+            PoolTimedOut => return Self::Unreachable("no connection to it became free in time".to_owned()),
+            _ => {}
         }
         let Some(said) = error.as_database_error() else { return Self::Other(error.into()) };
         let known = match said.try_downcast_ref::<PgDatabaseError>() {

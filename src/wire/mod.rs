@@ -11,6 +11,7 @@ pub mod bench;
 pub mod calibration;
 pub mod campaign;
 pub mod campaign_csv;
+pub mod cause;
 pub mod closure;
 pub mod cursor;
 pub mod diagnoses;

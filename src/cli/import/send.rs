@@ -256,11 +256,18 @@ fn skip_line(reader: &mut dyn BufRead) -> std::io::Result<()> {
 
 /// Asks again after each of `pauses` while that can help; the service's own Retry-After goes before them.
 async fn patiently<T>(pauses: &[Duration], mut attempt: impl AsyncFnMut() -> Result<T, Trouble>) -> Result<T, Trouble> {
+    let mut said = false;
     for &pause in pauses {
-        let pause = match attempt().await {
-            Err(Trouble::Again { after, .. }) => after.map_or(pause, |after| after.min(LONGEST_PAUSE)),
-            Err(Trouble::Away(_)) => pause,
+        let trouble = match attempt().await {
+            Err(trouble @ (Trouble::Again { .. } | Trouble::Away(_))) => trouble,
             decided => return decided,
+        };
+        if !std::mem::replace(&mut said, true) {
+            eprintln!("{trouble}; trying again for half a minute");
+        }
+        let pause = match trouble {
+            Trouble::Again { after: Some(after), .. } => after.min(LONGEST_PAUSE),
+            _ => pause,
         };
         tokio::time::sleep(pause).await;
     }

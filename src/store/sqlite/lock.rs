@@ -4,6 +4,7 @@
 //! the process ends, however it ends. Programs that only read, or write a row by themselves, do not take it.
 
 use std::fs::{File, TryLockError};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::private;
@@ -21,7 +22,16 @@ pub(crate) fn take(file: &Path) -> Result<Lock, StoreError> {
         return Ok(None);
     }
     let path = beside(file, ".lock");
-    let failed = |error: std::io::Error| StoreError::ReadOnly(format!("{}: {error}", path.display()));
+    let failed = |error: std::io::Error| match (error.kind(), path.parent()) {
+        (ErrorKind::NotFound, Some(directory)) => {
+            StoreError::File(format!("there is no directory {}: make it first", directory.display()))
+        }
+        (ErrorKind::PermissionDenied, Some(directory)) => StoreError::File(format!(
+            "this account may not write in {}, where the database and its lock are kept",
+            directory.display()
+        )),
+        _ => StoreError::ReadOnly(format!("{}: {error}", path.display())),
+    };
     let lock = private::open(&path).map_err(failed)?;
     match lock.try_lock() {
         Ok(()) => Ok(Some(lock)),

@@ -133,6 +133,10 @@ url_credentials = must not contain a user name or password, because everyone who
 url_fragment = must not have a fragment (#…): it is never sent
 url_port_0 = must not name port 0
 url_no_host = must name a host
+url_no_scheme = it must begin with http:// or https://
+url_port_range = its port must be 1 to 65535
+url_ip_address = its IP address does not exist; an IPv6 address stands in brackets, as in http://[::1]:9093/
+url_host_name = its host cannot be a name: letters, digits, hyphens and dots
 
 ## The simulator
 

@@ -133,6 +133,10 @@ url_credentials = 不能含有用户名或密码：凡能列出通知目标者�
 url_fragment = 不能有片段（#…）：它不会被发送
 url_port_0 = 不能使用端口0
 url_no_host = 应写明主机
+url_no_scheme = 应以 http:// 或 https:// 开头
+url_port_range = 端口应为1至65535
+url_ip_address = IP地址不存在；IPv6地址应写在方括号中，例如 http://[::1]:9093/
+url_host_name = 主机名无效：只能使用字母、数字、连字符和点
 
 ## The simulator
 

@@ -74,7 +74,7 @@ fn base_client(connect_timeout: Duration, timeout: Duration) -> reqwest::ClientB
         .user_agent(concat!("gyrowatch/", env!("CARGO_PKG_VERSION")))
 }
 
-/// The version, and the commit it was built from where the build was told it (`GYROWATCH_COMMIT`).
+/// The version, and the commit it was built from where the build knows it (`build.rs`).
 pub fn version() -> &'static str {
     static VERSION: LazyLock<String> = LazyLock::new(|| match option_env!("GYROWATCH_COMMIT") {
         Some(commit) => format!("{} ({commit})", env!("CARGO_PKG_VERSION")),

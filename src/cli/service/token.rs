@@ -73,12 +73,15 @@ impl Token {
             bail!("there is no database {}", options.shown());
         }
         let work = async {
-            let mut beside = Beside::open(&options).await?;
-            order.carry_out(&mut beside, Clock::System.now()).await?;
             if is_new {
-                eprintln!("there was no database {}: it has been made", options.shown());
+                eprintln!(
+                    "there is no database {}: making it. A service that has another one does not know this token: name \
+                     that one in GYROWATCH_DATABASE_URL or --config",
+                    options.shown()
+                );
             }
-            Ok(())
+            let mut beside = Beside::open(&options).await?;
+            order.carry_out(&mut beside, Clock::System.now()).await
         };
         block_on(work).map_err(|error| match is_of_the_database(&error) {
             true => in_words(error).context(format!("the database {}", database.options().shown())),

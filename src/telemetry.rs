@@ -6,7 +6,7 @@
 use std::sync::OnceLock;
 use std::time::Duration;
 
-use metrics::{Unit, counter, describe_counter, describe_gauge, describe_histogram, gauge};
+use metrics::{Unit, counter, describe_counter, describe_gauge, describe_histogram, gauge, histogram};
 use metrics_exporter_prometheus::{BuildError, Matcher, PrometheusBuilder, PrometheusHandle};
 use metrics_process::Collector;
 
@@ -42,7 +42,7 @@ const BUILD: &str = "gyrowatch_build_info";
 pub const ITEM_KINDS: [&str; 7] =
     ["calibration", "bench_result", "event", "correction", "confirmation", "doubt", "attributes"];
 pub const ITEM_OUTCOMES: [&str; 4] = ["stored", "there", "refused", "failed"];
-pub const ATTEMPT_OUTCOMES: [&str; 4] = ["delivered", "failed", "dead", "gone"];
+pub const ATTEMPT_OUTCOMES: [&str; 5] = ["delivered", "failed", "dead", "gone", "needless"];
 pub const DIAGNOSIS_OUTCOMES: [&str; 3] = ["made", "refused", "failed"];
 
 /// Upper bounds of the buckets of durations, seconds.
@@ -89,7 +89,8 @@ pub fn render() -> String {
     exporter.render()
 }
 
-/// Every counter whose labels are known beforehand: `rate` and `increase` see nothing of a counter that begins at 1.
+/// Every counter and histogram whose labels are known beforehand: `rate` and `increase` see nothing of one that begins
+/// at 1. A histogram is there from when it is named.
 fn begin_at_zero() {
     for (kind, outcome) in pairs(ITEM_KINDS, ITEM_OUTCOMES) {
         counter!(ITEMS, "kind" => kind, "outcome" => outcome).absolute(0);
@@ -104,6 +105,12 @@ fn begin_at_zero() {
     }
     for (kind, outcome) in pairs(HookKind::ALL.map(HookKind::name), ATTEMPT_OUTCOMES) {
         counter!(ATTEMPTS, "kind" => kind, "outcome" => outcome).absolute(0);
+    }
+    for kind in HookKind::ALL.map(HookKind::name) {
+        let _begun = histogram!(ATTEMPT_TIME, "kind" => kind);
+    }
+    for unlabelled in [JUDGING, COMMIT, GROUP, DIAGNOSIS_TIME, FORECAST_RMS] {
+        let _begun = histogram!(unlabelled);
     }
     for outcome in DIAGNOSIS_OUTCOMES {
         counter!(DIAGNOSES, "outcome" => outcome).absolute(0);
@@ -132,7 +139,10 @@ fn describe() {
     describe_gauge!(WAITING, "Writes that wait for the writer.");
     describe_gauge!(DATABASE, Unit::Bytes, "Size of the database file.");
     describe_gauge!(LOG, Unit::Bytes, "Size of the write-ahead log beside it.");
-    describe_counter!(ATTEMPTS, "Attempts to tell hooks, by kind and outcome: delivered, failed, dead, gone.");
+    describe_counter!(
+        ATTEMPTS,
+        "Attempts to tell hooks, by kind and outcome: delivered, failed, dead, gone, needless."
+    );
     describe_histogram!(ATTEMPT_TIME, Unit::Seconds, "One attempt to tell a hook, by kind.");
     describe_gauge!(OUTBOX_AGE, Unit::Seconds, "Age of the oldest delivery that enabled hooks are still to be told.");
     describe_gauge!(OUTBOX, "Deliveries, by state: open, dead.");

@@ -148,15 +148,18 @@ async fn a_healthcheck_asks_the_service_where_the_configuration_says() {
 /// The counters among the series, but for those of requests, whose routes come as they are asked for.
 fn counters(text: &str) -> std::collections::BTreeSet<&str> {
     let series = text.lines().filter_map(|line| line.rsplit_once(' ').map(|(series, _)| series));
-    series.filter(|series| series.contains("_total{") && !series.starts_with("gyrowatch_http")).collect()
+    let counts =
+        |series: &&str| series.contains("_total{") || series.contains("_seconds_count") || series.ends_with("_count");
+    series.filter(|series| counts(series) && !series.starts_with("gyrowatch_http")).collect()
 }
 
 #[tokio::test]
-async fn every_counter_begins_at_zero() {
+async fn every_counter_and_histogram_begins_at_zero() {
     let server = Server::start().await;
     let before = server.get("/metrics").await.text();
     assert_eq!(metric(&before, r#"gyrowatch_items_total{kind="calibration",outcome="failed"}"#), 0.0);
     assert_eq!(metric(&before, r#"gyrowatch_delivery_attempts_total{kind="alertmanager",outcome="dead"}"#), 0.0);
+    assert_eq!(metric(&before, r#"gyrowatch_delivery_attempt_duration_seconds_count{kind="email"}"#), 0.0);
     assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
     assert_eq!(server.post("/v1/campaigns", "application/json", data("practice/campaign-00.json")).await.status, 201);
     let bench = data("paper-bench.ndjson").lines().next().unwrap().to_owned();

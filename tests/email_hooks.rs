@@ -177,6 +177,7 @@ async fn a_recipient_whom_the_server_does_not_know_keeps_the_mail_from_nobody_el
     let alone = hook("mailto:gone@lab.example").await;
     let dead = ended(&alone).await;
     assert!(dead["state"] == "dead" && dead.to_string().contains("gone@lab.example"), "{dead}");
+    assert_eq!(dead["attempts"].as_array().unwrap().len(), 1, "no other answer can come: {dead}");
 }
 
 #[tokio::test]

@@ -8,7 +8,7 @@ use reqwest::header::{AUTHORIZATION, CONTENT_TYPE, HeaderMap, HeaderValue, LOCAT
 use reqwest::{Certificate, Client, Response, StatusCode};
 use url::Url;
 
-use super::mail::{Mailer, recipients};
+use super::mail::{Mailer, Unsent, recipients};
 use super::message::HookKind;
 use super::payload::Payload;
 use super::resolver::{GuardedResolver, ResolveError};
@@ -72,6 +72,8 @@ pub enum Outcome {
     Failed {
         retry_after: Option<Duration>,
     },
+    /// The target refuses the message for good, whatever it is told later.
+    Refused,
     /// 410: the target wants to hear no more.
     Gone,
     /// There is nothing to say: all that it tells is the end of what the target was never told.
@@ -128,14 +130,17 @@ impl Courier {
     pub async fn mail(&self, to: Destination<'_>, id: &str, payload: &Payload) -> Attempt {
         let started = Instant::now();
         let sending = async {
-            let mailer = self.mailer.as_ref().ok_or_else(|| message!("no_mail_server"))?;
-            mailer.send(recipients(to.url)?, id, payload).await
+            let later = |why| Unsent { why, for_good: false };
+            let mailer = self.mailer.as_ref().ok_or_else(|| later(message!("no_mail_server")))?;
+            mailer.send(recipients(to.url).map_err(later)?, id, payload).await
         };
         let sent = tokio::time::timeout(self.limits.whole, sending).await;
-        let sent = sent.unwrap_or_else(|_| Err(message!("no_answer_within", seconds = seconds(self.limits.whole))));
+        let in_vain = || message!("no_answer_within", seconds = seconds(self.limits.whole));
+        let sent = sent.unwrap_or_else(|_| Err(Unsent { why: in_vain(), for_good: false }));
         let (outcome, status, detail) = match sent {
             Ok(code) => (Outcome::Delivered, Some(code), None),
-            Err(why) => (Outcome::Failed { retry_after: None }, None, Some(why)),
+            Err(Unsent { why, for_good: true }) => (Outcome::Refused, None, Some(why)),
+            Err(Unsent { why, for_good: false }) => (Outcome::Failed { retry_after: None }, None, Some(why)),
         };
         Attempt { outcome, status, detail, answer: None, took: started.elapsed() }
     }

@@ -36,6 +36,15 @@ pub enum MailError {
     Authority(Error),
 }
 
+/// Why an e-mail was not handed over.
+#[derive(Debug)]
+pub struct Unsent {
+    pub why: Message,
+    /// Every recipient was refused as one who does not exist or takes no mail; what is wrong with the server or the
+    /// account (535, 421) may be mended.
+    pub for_good: bool,
+}
+
 impl Mailer {
     /// `url`: `smtps://user:password@host:465`, `smtp://host:587?tls=required`, or `smtp://host:25` in the open;
     /// `roots`: certificates in PEM that are trusted beside the system's.
@@ -58,7 +67,7 @@ impl Mailer {
     ///
     /// # Errors
     /// What the server, or the way to it, said: of any recipient who may still get it, or of all.
-    pub async fn send(&self, to: Mailboxes, id: &str, payload: &Payload) -> Result<u16, Message> {
+    pub async fn send(&self, to: Mailboxes, id: &str, payload: &Payload) -> Result<u16, Unsent> {
         let said = String::from_utf8_lossy(&payload.body);
         let (subject, body) = said.split_once("\n\n").unwrap_or((&said, ""));
         let mut mail = lettre::Message::builder()
@@ -69,7 +78,7 @@ impl Mailer {
         for recipient in to {
             mail = mail.to(recipient);
         }
-        let unsendable = |why: &str| message!("mail_failed", why = text(why));
+        let unsendable = |why: &str| Unsent { why: message!("mail_failed", why = text(why)), for_good: false };
         let mail = mail.body(body.to_owned()).map_err(|error| unsendable(&error.to_string()))?;
         let (envelope, mail) = (mail.envelope(), mail.formatted());
         let (mut accepted, mut refused, mut later) = (None, Vec::new(), Vec::new());
@@ -79,7 +88,7 @@ impl Mailer {
             match self.transport.send_raw(&alone, &mail).await {
                 Ok(answer) => accepted = Some(answer.code().into()),
                 Err(error) => {
-                    let list = if error.is_permanent() { &mut refused } else { &mut later };
+                    let list = if is_for_good(&error) { &mut refused } else { &mut later };
                     list.push(format!("{recipient}: {error}"));
                 }
             }
@@ -89,9 +98,19 @@ impl Mailer {
                 refused.iter().for_each(|why| tracing::warn!(id, %why, "a recipient of an alert was refused"));
                 Ok(code)
             }
-            _ => Err(unsendable(&later.into_iter().chain(refused).collect::<Vec<_>>().join("; "))),
+            _ => {
+                let for_good = later.is_empty();
+                let why = later.into_iter().chain(refused).collect::<Vec<_>>().join("; ");
+                Err(Unsent { for_good, ..unsendable(&why) })
+            }
         }
     }
+}
+
+/// 55x: what the server says of a mailbox (RFC 5321, 4.2.1), not of the account or the conversation.
+fn is_for_good(error: &Error) -> bool {
+    let said = error.status().map(u16::from);
+    error.is_permanent() && said.is_some_and(|code| matches!(code, 550..560))
 }
 
 fn trusting(

@@ -133,7 +133,7 @@ pub(super) fn report(
 ) -> Attempted {
     let progress = match attempt.outcome {
         Outcome::Delivered => Progress::Done(DeliveryState::Delivered),
-        Outcome::Gone => Progress::Done(DeliveryState::Dead),
+        Outcome::Refused | Outcome::Gone => Progress::Done(DeliveryState::Dead),
         Outcome::Needless => Progress::Done(DeliveryState::Dropped),
         Outcome::Failed { retry_after } => {
             let first = due.first_attempt_at.unwrap_or(at);

@@ -358,7 +358,7 @@ async fn what_campaigns_are_asked(s: &mut Scenario) {
     let adoption = json!({ "effects": [{ "effect": "temperature_bias", "gyros": ["G1", "G2", "G3"], "estimates": [] }],
         "author": "B. Li", "reason": "held-out dwells agree" });
     let hypothesis = json!({ "hypothesis": { "id": "unbalance_creep", "words": "mass unbalance that settles after power-up",
-        "equation": "k * exp(-t/tau) * a_S", "unit": "deg/(h g0)", "plausible": 10.0,
+        "equation": "k * exp(-t/tau) * a_S", "unit": "deg/(h*g0)", "plausible": 10.0,
         "range": { "tau": { "from": 0.2, "to": 4.0, "unit": "h" } } }, "author": "B. Li", "reason": "three campaigns after a cold night" });
     s.call("post_hypothesis", "/v1/hypotheses", sent(&hypothesis)).await.created();
     s.call("post_hypothesis", "/v1/hypotheses", sent(&hypothesis)).await.ok();

@@ -36,7 +36,7 @@ struct BaselineBody {
     fixed: Option<FixedBody>,
 }
 
-/// Levels that are stated instead of measured, deg/(h g0), and their standard deviations where they are known.
+/// Levels that are stated instead of measured, deg/(h*g0), and their standard deviations where they are known.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(min_properties = 1)]

@@ -196,7 +196,7 @@ impl AttributesPatchBody {
     }
 }
 
-/// The newest calibration, deg/(h g0).
+/// The newest calibration, deg/(h*g0).
 #[derive(Serialize, ToSchema)]
 struct Latest {
     calibrated_at: String,

@@ -15,7 +15,7 @@ use crate::message;
 use crate::pipeline::{Accepted, HypothesisOrder, StoredHypothesis};
 use crate::wire::hypothesis::HypothesisBody;
 use crate::wire::problem::Problem;
-use crate::wire::{json, text, time};
+use crate::wire::{json, text, time, unit};
 
 /// A hypothesis that is to compete, who says so, and why.
 #[derive(Deserialize, ToSchema)]
@@ -46,7 +46,8 @@ pub struct HypothesesBody {
 impl StoredHypothesisBody {
     fn of(stored: StoredHypothesis) -> Option<Self> {
         let StoredHypothesis { effect, author, reason, added_at, .. } = stored;
-        let hypothesis = HypothesisBody::of(&effect.hypothesis()?.written);
+        let mut hypothesis = HypothesisBody::of(&effect.hypothesis()?.written);
+        hypothesis.unit = unit::of_machines(&hypothesis.unit);
         Some(Self { hypothesis, author, reason, added_at: time::format(added_at) })
     }
 }

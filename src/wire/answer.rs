@@ -43,7 +43,7 @@ pub enum MethodBody {
     Published,
 }
 
-/// A figure in deg/(h g0), and its standard deviation where the station's are known.
+/// A figure in deg/(h*g0), and its standard deviation where the station's are known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct FigureBody {
     pub value: f64,

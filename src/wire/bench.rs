@@ -58,7 +58,7 @@ impl From<BenchMethod> for BenchMethodBody {
     }
 }
 
-/// Reads and checks a bench result; `max_drift` is the largest accepted |D|, deg/(h g0).
+/// Reads and checks a bench result; `max_drift` is the largest accepted |D|, deg/(h*g0).
 pub fn parse_bench_result(bytes: &[u8], max_drift: f64) -> Result<BenchResult, Faults> {
     json::parse::<BenchBody>(bytes)?.to_core(max_drift)
 }

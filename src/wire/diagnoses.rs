@@ -195,7 +195,7 @@ pub struct ClosuresBody {
 pub struct LargestShiftBody {
     /// `D_I` or `D_S`.
     pub coefficient: String,
-    /// Of all named effects of that campaign together, deg/(h g0).
+    /// Of all named effects of that campaign together, deg/(h*g0).
     pub shift: f64,
     pub of_budget: f64,
     pub campaign: String,

@@ -243,7 +243,7 @@ pub struct ForecastVerdictBody {
     /// The dwell that is furthest from its forecast, and its error in standard deviations.
     pub dwell: Option<usize>,
     pub z: Option<f64>,
-    /// Of D_I or D_S, the smallest that would show in every gyro in 95 %, deg/(h g0); none where none would.
+    /// Of D_I or D_S, the smallest that would show in every gyro in 95 %, deg/(h*g0); none where none would.
     pub smallest_step: Option<f64>,
     /// What of the campaign the model has not seen, as a note of the forecast says it.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 use utoipa::ToSchema;
 
 use crate::core::message::{Message, Parameter};
+use crate::wire::unit;
 use crate::words::Language;
 
 /// The version of the stored form.
@@ -54,7 +55,11 @@ fn value(parameter: &Parameter, language: Option<Language>) -> Value {
         Parameter::Message(message) => {
             let mut nested = json!({ "code": message.code, "parameters": object(message, language) });
             if let Some(language) = language {
-                nested["text"] = json!(language.words(message));
+                nested["text"] = json!(match message.code.starts_with("unit_") && message.parameters.is_empty() {
+                    // Spelled as in every format for machines, in every language.
+                    true => unit::of_machines(&Language::English.words(message)),
+                    false => language.words(message),
+                });
             }
             nested
         }
@@ -129,5 +134,14 @@ mod tests {
         let words = Language::English.words(&message!("not_utf8_text"));
         let fault = json!({ "code": "not_utf8_text", "parameters": {}, "text": words });
         assert_eq!(body, json!({ "code": "at_line", "parameters": { "line": 7, "fault": fault } }));
+    }
+
+    #[test]
+    fn a_nested_unit_is_spelled_for_machines_in_every_language() {
+        let said = message!("of_unit", unit = message!("unit_drift"));
+        for language in [Language::English, Language::Chinese] {
+            let body = serde_json::to_value(MessageBody::of(&said, language)).unwrap();
+            assert_eq!(body["parameters"]["unit"]["text"], "deg/(h*g0)");
+        }
     }
 }

@@ -156,7 +156,7 @@ impl GyroBody {
         }
     }
 
-    /// G in pulse/(s g0), and the factor that turns the stated unit of G into that one.
+    /// G in pulse/(s*g0), and the factor that turns the stated unit of G into that one.
     fn g_in_pulses(&self, index: usize, faults: &mut Faults) -> (Vector3<f64>, f64) {
         match (self.g_pulse_per_s_g0, self.g_deg_per_h_g0) {
             (Some(g), None) => (g.vector(), 1.0),

@@ -42,7 +42,7 @@ pub struct BothBody<T> {
     pub d_s: T,
 }
 
-/// One coefficient at a station, deg/(h g0).
+/// One coefficient at a station, deg/(h*g0).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StationColumnBody {
     /// Standard deviation of one record; null with too few.

@@ -532,6 +532,62 @@ async fn a_suspect_window_of_a_station_does_not_count_until_it_is_trusted_again(
 }
 
 #[tokio::test]
+async fn what_comes_later_into_a_suspect_window_does_not_count_either() {
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0)]).await;
+    let path = |deed: &str| format!("/v1/stations/ST-1/{deed}");
+    // The window has not ended, and holds nothing yet: until somebody has tightened the fixture.
+    assert_eq!(lab.post(&path("suspect"), &of_window(100, 200)).await.ok()["records"], json!([]));
+    let windows = async || lab.get("/v1/stations/ST-1").await.ok()["suspect_windows"].clone();
+    let marked = json!({"from": day(100), "to": day(200), "by": "Li Wei", "reason": "the fixture was loose"});
+    assert_eq!(windows().await, json!([marked]));
+
+    let [inside, also, after] = [120, 140, 201].map(|days| of_a(days, 1.5));
+    let posted = lab.posts(&inside).await;
+    assert_eq!((&posted["notes"][0]["code"], &posted["notes"][0]["author"]), (&json!("suspect"), &json!("Li Wei")));
+    let inside = posted["id"].as_str().unwrap().to_owned();
+    let also = id_of(&lab.posts(&also).await);
+    let state = async |id: &str| lab.get(&format!("/v1/records/{id}")).await.ok()["state"].clone();
+    assert_eq!((state(&inside).await, state(&ids[2]).await), (json!("set_aside"), json!("valid")));
+    let counting = async || trend(&lab, "").await.into_iter().map(|(_, d_i)| d_i).collect::<Vec<f64>>();
+    assert_eq!(counting().await, [1.0; 3], "a half more, and nobody is told");
+    assert_eq!(lab.get("/v1/alerts?state=firing&serial=A").await.ok()["alerts"], json!([]));
+
+    // What is confirmed by itself counts, and a part that is trusted ends there.
+    let confirmed = json!({"by": "Li Wei", "reason": "measured on the granite block"});
+    lab.post(&format!("/v1/records/{also}/confirm"), &confirmed).await.ok();
+    assert_eq!(counting().await, [1.0, 1.0, 1.0, 1.5]);
+    assert_eq!(lab.post(&path("trust"), &of_window(100, 130)).await.ok()["records"], json!([inside]));
+    let left = windows().await;
+    assert_eq!(left.as_array().map(Vec::len), Some(1), "{left}");
+    assert!(left[0]["from"].as_str().unwrap().starts_with(day(130).trim_end_matches('Z')), "{left}");
+    let free = id_of(&lab.posts(&of_a(125, 1.5)).await);
+    let held = id_of(&lab.posts(&of_a(150, 1.5)).await);
+    let after = id_of(&lab.posts(&after).await);
+    let states = (state(&free).await, state(&held).await, state(&after).await);
+    assert_eq!(states, (json!("valid"), json!("set_aside"), json!("valid")));
+    assert_eq!(lab.post(&path("trust"), &of_window(100, 200)).await.ok()["records"], json!([held]));
+    assert_eq!(windows().await, json!([]));
+}
+
+#[tokio::test]
+async fn a_window_that_is_trusted_again_does_not_vouch_for_a_time_in_doubt() {
+    let lab = Lab::open().await;
+    station_posts(&lab, &[(0, 1.0), (40, 1.0)]).await;
+    let path = |deed: &str| format!("/v1/stations/ST-1/{deed}");
+    let long_ago = json!({"from": "1999-01-01T00:00:00Z", "to": "2003-01-01T00:00:00Z", "by": "Li Wei", "reason": "x"});
+    lab.post(&path("suspect"), &long_ago).await.ok();
+    let mut unset = of_a(0, 1.0);
+    unset["calibrated_at"] = json!("2001-05-05T08:00:00Z");
+    let posted = lab.posts(&unset).await;
+    let codes: Vec<&str> = posted["notes"].as_array().unwrap().iter().filter_map(|it| it["code"].as_str()).collect();
+    assert!(codes.contains(&"time_in_doubt") && codes.contains(&"suspect"), "{codes:?}");
+    assert_eq!(lab.post(&path("trust"), &long_ago).await.ok()["records"], json!([]));
+    let id = posted["id"].as_str().unwrap();
+    assert_eq!(lab.get(&format!("/v1/records/{id}")).await.ok()["state"], "set_aside");
+}
+
+#[tokio::test]
 async fn a_window_leaves_other_stations_and_times_alone_and_what_was_voided_voided() {
     let lab = Lab::open().await;
     let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0)]).await;

@@ -1582,7 +1582,18 @@ async fn a_window_is_marked_as_suspect_and_trusted_and_a_gyro_gets_its_batch_on_
     assert_eq!(records().await.len(), before.len() - of_instant);
     let shown = page(&server, &format!("/records/{}", before[0]["id"].as_str().unwrap()), &[]).await;
     assert!(shown.contains("what ST-1 measured at that time is suspect (Li Wei: loose fixture)"), "{shown}");
-    goes_on_at(&sends_form(&server, "/stations/ST-1/trust", &said).await);
+    let station = page(&server, "/stations/ST-1", &[]).await;
+    let link = format!("href=\"/stations/ST-1/trust?from={at}&amp;to={at}\"");
+    assert!(station.contains("Suspect windows") && station.contains(&link), "{station}");
+    let ever = [said[0], said[1], said[2], ("from", "2000-01-01 00:00"), ("to", "2100-01-01 00:00")];
+    goes_on_at(&sends_form(&server, "/stations/ST-1/suspect", &ever).await);
+    let station = page(&server, "/stations/ST-1", &[]).await;
+    assert!(
+        station.contains("No calibration of this station counts.") && station.contains("/trust?from="),
+        "{station}"
+    );
+    goes_on_at(&sends_form(&server, "/stations/ST-1/trust", &ever).await);
+    assert!(!page(&server, "/stations/ST-1", &[]).await.contains("Suspect windows"));
     assert_eq!(records().await.len(), before.len());
     assert_eq!(server.get("/stations/NOWHERE/suspect").await.status, 404);
 

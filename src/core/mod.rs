@@ -38,5 +38,6 @@ pub mod own_history;
 pub mod period;
 pub mod record;
 pub mod separate;
+pub mod suspect_window;
 pub mod time;
 pub mod units;

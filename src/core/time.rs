@@ -91,6 +91,10 @@ pub struct Span {
 
 impl Span {
     pub const EVER: Span = Span { from: UtcMicros(i64::MIN), to: UtcMicros(i64::MAX) };
+
+    pub fn contains(&self, at: UtcMicros) -> bool {
+        (self.from..=self.to).contains(&at)
+    }
 }
 
 #[cfg(test)]

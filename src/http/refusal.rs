@@ -37,6 +37,7 @@ impl From<Refused> for Problem {
                 Self::new(409, "title_time_taken", detail).with_existing(existing).with_place(pointer, place)
             }
             Refused::UnknownGyro { serial } => Self::unknown_gyro(&serial),
+            Refused::UnknownStation { name } => Self::no_such_station(&name),
             Refused::OtherStation { .. } => Self::new(403, "title_other_station", detail),
             Refused::Write(error) => error.into(),
         }

@@ -8,9 +8,10 @@ use utoipa::ToSchema;
 use super::app::App;
 use super::document::Document;
 use crate::core::fault::Faults;
-use crate::pipeline::{Refused, SuspectWindow, WindowOutcome};
+use crate::core::suspect_window::{Mark, SuspectWindow};
+use crate::pipeline::{Actor, Refused, WindowMark, WindowOutcome};
 use crate::wire::problem::Problem;
-use crate::wire::stations::{StationBody, StationsBody};
+use crate::wire::stations::{StationBody, StationsBody, SuspectWindowBody};
 use crate::wire::{json, text};
 
 /// Every station: repeatability, offset, drift and steps as the gyros of the fleet share them, gyro x station, and how
@@ -31,7 +32,9 @@ pub async fn get_station(State(app): State<App>, Path(name): Path<String>) -> Re
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
     let stations = found.map(|found| found.stations).unwrap_or_default();
     let station = stations.iter().find(|station| *station.name == *name);
-    Ok(Json(StationBody::of(station.ok_or_else(|| Problem::no_such_station(&name))?, &overdue)))
+    let body = StationBody::of(station.ok_or_else(|| Problem::no_such_station(&name))?, &overdue);
+    let windows = app.pipeline.queries.suspect_windows(&name).await?;
+    Ok(Json(StationBody { suspect_windows: Some(windows.iter().map(SuspectWindowBody::from).collect()), ..body }))
 }
 
 /// A window of time at a station, and who says what of it.
@@ -64,8 +67,8 @@ struct RefusedBody {
     detail: String,
 }
 
-/// What a station measured in a window of time is suspect: its records are set aside, and what depends on them is
-/// judged again. Nothing is deleted.
+/// What a station measured in a window of time is suspect: its records are set aside, those that come later too, and
+/// what depends on them is judged again. Nothing is deleted. Windows that are suspect are members of the station.
 #[utoipa::path(post, path = "/v1/stations/{name}/suspect", tag = "stations", request_body = WindowOrder,
     responses((status = 200, description = "the records that were set aside", body = WindowBody)))]
 pub async fn suspect_window(
@@ -73,9 +76,7 @@ pub async fn suspect_window(
     Path(name): Path<String>,
     body: Document,
 ) -> Result<Json<WindowBody>, Problem> {
-    let window = window(&app, name, &body).await?;
-    let outcome = app.pipeline.suspect(&window).await?;
-    Ok(Json(WindowBody::of(window.station, outcome)))
+    marked(&app, name, &body, false).await
 }
 
 /// What was marked as suspect in a window of time counts again.
@@ -86,22 +87,19 @@ pub async fn trust_window(
     Path(name): Path<String>,
     body: Document,
 ) -> Result<Json<WindowBody>, Problem> {
-    let window = window(&app, name, &body).await?;
-    let outcome = app.pipeline.trust(&window).await?;
-    Ok(Json(WindowBody::of(window.station, outcome)))
+    marked(&app, name, &body, true).await
 }
 
-async fn window(app: &App, station: String, body: &Document) -> Result<SuspectWindow, Problem> {
+async fn marked(app: &App, station: String, body: &Document, trusted: bool) -> Result<Json<WindowBody>, Problem> {
     let WindowOrder { from, to, by, reason } =
         json::parse(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let mut faults = Faults::default();
     let span = text::span(("/from", &from), ("/to", &to), &mut faults);
     let (author, reason) = text::signed("/by", by, reason, &mut faults);
     faults.or(()).map_err(|faults| Document::problem(&body.0, faults))?;
-    if !app.pipeline.queries.is_station(&station).await? {
-        return Err(Problem::no_such_station(&station));
-    }
-    Ok(SuspectWindow { station, span, author, reason })
+    let mark = Mark { window: SuspectWindow { span, author, reason }, trusted };
+    let mark = WindowMark { station: station.clone(), mark, by: Actor::by_caller() };
+    Ok(Json(WindowBody::of(station, app.pipeline.mark_window(mark).await?)))
 }
 
 impl WindowBody {

@@ -14,7 +14,8 @@ use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::alert_filter::AlertFilter;
-use crate::core::changes::{Shared, Spread, StationColumn};
+use crate::core::changes::{FleetStations, Shared, Spread, StationColumn, StationFigures};
+use crate::core::suspect_window::SuspectWindow;
 use crate::core::time::UtcMicros;
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
@@ -32,16 +33,20 @@ async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Probl
     let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
     let open: Vec<&AlertBody> = told.iter().filter(|alert| is_open_of(alert, name)).collect();
     let figures = found.as_ref().and_then(|found| found.stations.iter().find(|station| *station.name == *name));
-    let (found, figures) = found.as_ref().zip(figures).ok_or_else(|| Problem::no_such_station(name))?;
+    let windows = pages.pipeline.queries.suspect_windows(name).await?;
+    let known = found.as_ref().zip(figures);
+    if known.is_none() && !pages.pipeline.queries.is_station(name).await? {
+        return Err(Problem::no_such_station(name));
+    }
     let body = html! {
         h1 { (t.station) " " (name) }
-        p.lead {
+        @if let Some((_, figures)) = known { p.lead {
             (t.last_seen) " " (instant(figures.last)) " · " (figures.records) " " (t.calibrations_seen)
             " · " a href={ "/fleet?station=" (encoded(name)) "&station_when=ever" } { (t.count_of_gyros(figures.gyros)) }
             @if figures.imus > 0 { " · " (figures.imus) " " (t.imu) }
             " · " (overdue) " " (t.overdue_gyros)
             " · " a href={ "/v1/stations/" (encoded(name)) } { "JSON" }
-        }
+        } } @else { p.lead { (t.nothing_counts) } }
         @if !open.is_empty() { (alerts::table(viewer, open.into_iter(), false, None)) }
         @if viewer.may(Role::Engineer) {
             p {
@@ -49,6 +54,16 @@ async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Probl
                 a.action href={ "/stations/" (encoded(name)) "/trust" } { (t.trust_window) }
             }
         }
+        @if !windows.is_empty() { (suspect(viewer, name, &windows)) }
+        @if let Some((found, figures)) = known { (compared(viewer, name, found, figures)) }
+    };
+    Ok(Page { title: format!("{} {name}", t.station), section: Section::Stations, body })
+}
+
+/// What it does beside the other stations, coefficient by coefficient.
+fn compared(viewer: &Viewer, name: &str, found: &FleetStations, figures: &StationFigures) -> Markup {
+    let t = viewer.text();
+    html! {
         p.note { (t.station_figures_note) " " (t.unit) }
         @for (column, coefficient) in figures.columns.iter().zip(DRIFTS) {
             (section(viewer, name, coefficient, column, &found.against))
@@ -62,8 +77,28 @@ async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Probl
                 } }
             }
         }
-    };
-    Ok(Page { title: format!("{} {name}", t.station), section: Section::Stations, body })
+    }
+}
+
+/// The windows in which what it measures does not count.
+fn suspect(viewer: &Viewer, name: &str, windows: &[SuspectWindow]) -> Markup {
+    let t = viewer.text();
+    html! {
+        section {
+            h2 { (t.suspect_windows) }
+            dl { @for SuspectWindow { span, author, reason } in windows {
+                dt { (instant(span.from)) " … " (instant(span.to)) }
+                dd {
+                    (reason) " (" span translate="no" { (author) } ")"
+                    @if viewer.may(Role::Engineer) {
+                        " " a.action href={
+                            "/stations/" (encoded(name)) "/trust?from=" (time::format(span.from)) "&to=" (time::format(span.to))
+                        } { (t.trust_this_window) }
+                    }
+                }
+            } }
+        }
+    }
 }
 
 fn section(viewer: &Viewer, name: &str, coefficient: &str, column: &StationColumn, against: &str) -> Markup {

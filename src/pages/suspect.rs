@@ -12,7 +12,8 @@ use super::form::{Deed, Word, answered, see_other, typed_time};
 use super::layout::{Section, encoded};
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
-use crate::pipeline::SuspectWindow;
+use crate::core::suspect_window::{Mark, SuspectWindow};
+use crate::pipeline::{Actor, WindowMark};
 use crate::wire::problem::Problem;
 use crate::wire::text;
 
@@ -25,20 +26,13 @@ pub(super) struct Window {
     to: String,
 }
 
-/// What is done about a window.
-#[derive(Clone, Copy)]
-enum Doing {
-    Suspect,
-    Trust,
-}
-
 pub(super) async fn ask_suspect(
     pages: Held<Pages>,
     viewer: Viewer,
     name: Path<String>,
     window: Query<Window>,
 ) -> Response {
-    ask(&pages, &viewer, &name, &window, Doing::Suspect).await
+    ask(&pages, &viewer, &name, &window, false).await
 }
 
 pub(super) async fn ask_trust(
@@ -47,7 +41,7 @@ pub(super) async fn ask_trust(
     name: Path<String>,
     window: Query<Window>,
 ) -> Response {
-    ask(&pages, &viewer, &name, &window, Doing::Trust).await
+    ask(&pages, &viewer, &name, &window, true).await
 }
 
 pub(super) async fn suspect(
@@ -56,7 +50,7 @@ pub(super) async fn suspect(
     Path(name): Path<String>,
     Form(window): Form<Window>,
 ) -> Response {
-    answered(&viewer, done(&pages, &viewer, &name, &window, Doing::Suspect).await)
+    answered(&viewer, done(&pages, &viewer, &name, &window, false).await)
 }
 
 pub(super) async fn trust(
@@ -65,12 +59,12 @@ pub(super) async fn trust(
     Path(name): Path<String>,
     Form(window): Form<Window>,
 ) -> Response {
-    answered(&viewer, done(&pages, &viewer, &name, &window, Doing::Trust).await)
+    answered(&viewer, done(&pages, &viewer, &name, &window, true).await)
 }
 
-async fn ask(pages: &Pages, viewer: &Viewer, name: &str, window: &Window, doing: Doing) -> Response {
+async fn ask(pages: &Pages, viewer: &Viewer, name: &str, window: &Window, trusted: bool) -> Response {
     let known = known(pages, name).await;
-    viewer.show(known.map(|()| form(viewer, name, window, doing).fresh(viewer, &window.word)))
+    viewer.show(known.map(|()| form(viewer, name, window, trusted).fresh(viewer, &window.word)))
 }
 
 async fn known(pages: &Pages, name: &str) -> Result<(), Problem> {
@@ -78,32 +72,27 @@ async fn known(pages: &Pages, name: &str) -> Result<(), Problem> {
     is_known.then_some(()).ok_or_else(|| Problem::no_such_station(name))
 }
 
-async fn done(pages: &Pages, viewer: &Viewer, name: &str, said: &Window, doing: Doing) -> Result<Response, Problem> {
+async fn done(pages: &Pages, viewer: &Viewer, name: &str, said: &Window, trusted: bool) -> Result<Response, Problem> {
     known(pages, name).await?;
     let mut faults = Faults::default();
     said.word.check(viewer, &mut faults);
     let span = text::span(("from", &typed_time(&said.from)), ("to", &typed_time(&said.to)), &mut faults);
     if !faults.is_empty() {
-        return Ok(form(viewer, name, said, doing).again(viewer, &said.word, &faults));
+        return Ok(form(viewer, name, said, trusted).again(viewer, &said.word, &faults));
     }
     let Word { by: author, reason, .. } = said.word.clone();
-    let window = SuspectWindow { station: name.to_owned(), span, author, reason };
-    let outcome = match doing {
-        Doing::Suspect => pages.pipeline.suspect(&window).await?,
-        Doing::Trust => pages.pipeline.trust(&window).await?,
-    };
-    match outcome.refused.into_iter().next() {
+    let mark = Mark { window: SuspectWindow { span, author, reason }, trusted };
+    let mark = WindowMark { station: name.to_owned(), mark, by: Actor::by_caller() };
+    match pages.pipeline.mark_window(mark).await?.refused.into_iter().next() {
         Some((_, why)) => Err(why.into()),
         None => Ok(see_other(&format!("/stations/{}", encoded(name)))),
     }
 }
 
-fn form(viewer: &Viewer, name: &str, said: &Window, doing: Doing) -> Deed {
+fn form(viewer: &Viewer, name: &str, said: &Window, trusted: bool) -> Deed {
     let t = viewer.text();
-    let (title, what, path) = match doing {
-        Doing::Suspect => (t.suspect_window, t.suspect_what, "suspect"),
-        Doing::Trust => (t.trust_window, t.trust_what, "trust"),
-    };
+    let (title, what, path) =
+        if trusted { (t.trust_window, t.trust_what, "trust") } else { (t.suspect_window, t.suspect_what, "suspect") };
     let home = format!("/stations/{}", encoded(name));
     Deed {
         section: Section::Stations,

@@ -57,7 +57,7 @@ pub use hooks::{DeliveryPage, HookError, HookPatch, Hooks, NewHook, Order, Outbo
 pub use ingest::{
     Accepted, AttributesOrder, BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt,
     Fitted, GyroEvent, Ingest, Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Sent,
-    Submission,
+    Submission, WindowMark,
 };
 pub use queries::{
     BEYOND, Baseline, BenchItem, Compared, Comparison, Course, DUE_DAYS, DueImu, EventItem, ExplainedHistory, FirstOf,
@@ -66,7 +66,7 @@ pub use queries::{
     StoredCampaign, StoredRecord, Tested, Today, Together, Verified, Violation, WallPage, sample_of, today,
 };
 
-pub use suspect::{SuspectWindow, WindowOutcome};
+pub use suspect::WindowOutcome;
 
 /// The rooms: each with its own types and errors. Cheap to clone.
 #[derive(Debug, Clone)]

@@ -2,22 +2,14 @@
 
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
+use crate::core::suspect_window::{Mark, SuspectWindow};
 use crate::core::time::Span;
 use crate::pipeline::error::WriteError;
-use crate::pipeline::{Accepted, Actor, Confirmation, Doubt, ListFilter, Pipeline, Refused, Submission};
+use crate::pipeline::{Accepted, Confirmation, Doubt, ListFilter, Pipeline, Refused, Submission, WindowMark};
 use crate::wire::note;
 
 /// Records that are asked for, and submitted, at a time.
 const PAGE: u32 = 500;
-
-/// What somebody says of a station's records in a window.
-#[derive(Debug, Clone)]
-pub struct SuspectWindow {
-    pub station: String,
-    pub span: Span,
-    pub author: String,
-    pub reason: String,
-}
 
 /// What has come of it.
 #[derive(Debug, Default)]
@@ -28,46 +20,48 @@ pub struct WindowOutcome {
 }
 
 impl Pipeline {
-    /// Sets aside every record and campaign of the window that counts; what depends on them is judged again.
+    /// Marks a window of a station. Suspect: every record and campaign of it that counts is set aside, and so is what
+    /// comes later. Trusted again: what was set aside for it counts. What depends on them is judged again.
     ///
     /// # Errors
-    /// [`Refused`], where nothing can be read or stored.
-    pub async fn suspect(&self, window: &SuspectWindow) -> Result<WindowOutcome, Refused> {
-        let counting = self.of_window(window, true).await?;
-        let doubt = |id| {
-            let (author, reason) = (window.author.clone(), window.reason.clone());
-            Submission::Doubt(Doubt { id, author, reason, by: Actor::by_caller() })
-        };
-        self.submit_window(counting, doubt).await
+    /// [`Refused`], where there is no such station, or nothing can be read or stored.
+    pub async fn mark_window(&self, mark: WindowMark) -> Result<WindowOutcome, Refused> {
+        // First: what comes while the stored ones are gone through is held against it.
+        self.ingest.submit(Submission::Window(mark.clone())).await?;
+        let WindowMark { station, mark: Mark { window, trusted }, by } = mark;
+        let SuspectWindow { span, author, reason } = window;
+        let (author, reason, by) = (|| author.clone(), || reason.clone(), || by.clone());
+        if trusted {
+            let confirm =
+                |id| Submission::Confirmation(Confirmation { id, author: author(), reason: reason(), by: by() });
+            self.submit_window(self.suspect_in(&station, span).await?, confirm).await
+        } else {
+            let doubt = |id| Submission::Doubt(Doubt { id, author: author(), reason: reason(), by: by() });
+            self.submit_window(self.of_window(&station, span, true).await?, doubt).await
+        }
     }
 
-    /// What [`Pipeline::suspect`] has set aside in the window counts again.
-    ///
-    /// # Errors
-    /// As [`Pipeline::suspect`].
-    pub async fn trust(&self, window: &SuspectWindow) -> Result<WindowOutcome, Refused> {
+    /// What is set aside in a window for no other reason than that it is suspect, oldest first.
+    async fn suspect_in(&self, station: &str, span: Span) -> Result<Vec<Id>, Refused> {
         let mut suspect = Vec::new();
-        for id in self.of_window(window, false).await? {
+        for id in self.of_window(station, span, false).await? {
             let is_aside = self.queries.records.status(id).await.map_err(WriteError::from)?.set_aside;
             let Some(record) = self.queries.records.sent(id).await.map_err(WriteError::from)?.filter(|_| is_aside)
             else {
                 continue;
             };
-            if note::read(record.notes.as_deref()).iter().any(|note| note.code == "suspect") {
+            let noted = note::read(record.notes.as_deref());
+            let is_noted = |code: &str| noted.iter().any(|note| note.code == code);
+            if is_noted("suspect") && !is_noted("time_in_doubt") {
                 suspect.push(id);
             }
         }
-        let confirm = |id| {
-            let (author, reason) = (window.author.clone(), window.reason.clone());
-            Submission::Confirmation(Confirmation { id, author, reason, by: Actor::by_caller() })
-        };
-        self.submit_window(suspect, confirm).await
+        Ok(suspect)
     }
 
     /// Records and campaigns of the window, those that count or those that do not, oldest first.
-    async fn of_window(&self, window: &SuspectWindow, counting: bool) -> Result<Vec<Id>, Refused> {
-        let station = Some(window.station.as_str());
-        let filter = ListFilter { kind: None, imu: None, station, calibrated: window.span };
+    async fn of_window(&self, station: &str, span: Span, counting: bool) -> Result<Vec<Id>, Refused> {
+        let filter = ListFilter { kind: None, imu: None, station: Some(station), calibrated: span };
         let (mut found, mut before) = (Vec::new(), Id(i64::MAX));
         loop {
             let (page, more) = self.queries.records.listed(&filter, before, PAGE).await.map_err(WriteError::from)?;

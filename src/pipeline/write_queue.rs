@@ -101,7 +101,7 @@ impl WriteQueue {
             Submission::Bench(sent) => store::names::cell_of_gyro(store, sent.result.serial.as_str()),
             Submission::Event(sent) => store::names::cell_of_gyro(store, sent.serial.as_str()),
             Submission::Attributes(sent) => store::names::cell_of_gyro(store, sent.serial.as_str()),
-            Submission::Correction(_) | Submission::Confirmation(_) | Submission::Doubt(_) => 0,
+            Submission::Correction(_) | Submission::Confirmation(_) | Submission::Doubt(_) | Submission::Window(_) => 0,
         };
         usize::from(cell) % self.lanes.len()
     }

@@ -26,6 +26,7 @@ use crate::store::tables::model::ModelRow;
 use crate::store::tables::record::{RecordRow, RejudgedSheet};
 use crate::store::tables::set_aside::{ConfirmationRow, SetAside};
 use crate::store::tables::silence::SilenceRow;
+use crate::store::tables::suspect_window::WindowMarkRow;
 
 /// Everything that one transaction writes. Rows may refer to names of the same group.
 #[derive(Debug, Default)]
@@ -47,6 +48,7 @@ pub struct Changes {
     pub benches: Vec<BenchRow>,
     pub events: Vec<EventRow>,
     pub attributes: Vec<GyroAttributeRow>,
+    pub window_marks: Vec<WindowMarkRow>,
     pub keys: Vec<KeyRow>,
     pub alerts: Vec<AlertRow>,
     pub alert_steps: Vec<StepRow>,
@@ -118,6 +120,7 @@ impl Changes {
             && self.benches.is_empty()
             && self.events.is_empty()
             && self.attributes.is_empty()
+            && self.window_marks.is_empty()
             && self.keys.is_empty()
             && self.rejudged.history.is_empty()
             && self.alerts.is_empty()

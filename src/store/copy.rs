@@ -48,7 +48,7 @@ struct Table {
 }
 
 /// Those that are referred to before those that refer to them.
-const TABLES: [&str; 30] = [
+const TABLES: [&str; 31] = [
     "imu",
     "station",
     "gyro",
@@ -58,6 +58,7 @@ const TABLES: [&str; 30] = [
     "voided_history",
     "bench_result",
     "event",
+    "suspect_window",
     "idempotency_key",
     "correction",
     "confirmation",

@@ -51,6 +51,7 @@ pub use crate::store::tables::model::ModelRow;
 pub use crate::store::tables::record::{RecordAt, RecordEntry, RecordFilter, RecordHead, RecordRow, RejudgedSheet};
 pub use crate::store::tables::set_aside::{ConfirmationRow, SetAside, StoredAside};
 pub use crate::store::tables::silence::SilenceRow;
+pub use crate::store::tables::suspect_window::WindowMarkRow;
 pub use cells::{Cells, cell_of};
 pub use changes::{Changes, Rejudged, RestatedRow};
 pub use copy::{Copied, copy};
@@ -66,7 +67,7 @@ pub use writer::{Committer, Writer, Written};
 pub use postgres::claim;
 pub use tables::{
     access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, gyro_attribute, head,
-    histories, history, hook, hypothesis, keys, model, names, outbox, record, set_aside, silence,
+    histories, history, hook, hypothesis, keys, model, names, outbox, record, set_aside, silence, suspect_window,
 };
 
 #[cfg(test)]

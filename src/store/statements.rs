@@ -6,7 +6,7 @@ use super::db::{Sql, cell, insert};
 use super::name_tables::NewName;
 use super::tables::{
     access, alerts, bench, correction, delivery, diagnosis, diagnosis_digest, diagnosis_job, event, gyro_attribute,
-    head, hook, hypothesis, keys, model, record, set_aside, silence,
+    head, hook, hypothesis, keys, model, record, set_aside, silence, suspect_window,
 };
 
 pub(super) fn batch_of(changes: &Changes) -> Batch {
@@ -45,6 +45,7 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
     bench::insert(&changes.benches, &mut batch);
     event::insert(&changes.events, &mut batch);
     gyro_attribute::upsert(&changes.attributes, &mut batch);
+    suspect_window::insert(&changes.window_marks, &mut batch);
     keys::insert(&changes.keys, &mut batch);
     silence::upsert(&changes.silences, &mut batch);
     alerts::upsert(&changes.alerts, &mut batch);

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::core::changes::{FleetStations, Shared, Spread, StationColumn, StationFigures};
+use crate::core::suspect_window::SuspectWindow;
 use crate::wire::time;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -32,6 +33,18 @@ pub struct StationBody {
     pub overdue: usize,
     #[serde(flatten)]
     pub coefficients: BothBody<StationColumnBody>,
+    /// Windows in which what it measures does not count, oldest first; only where one station is asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub suspect_windows: Option<Vec<SuspectWindowBody>>,
+}
+
+/// What was calibrated from then to then does not count.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SuspectWindowBody {
+    pub from: String,
+    pub to: String,
+    pub by: String,
+    pub reason: String,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -139,6 +152,7 @@ impl StationBody {
             last: time::format(figures.last),
             overdue: overdue.get(&*figures.name).copied().unwrap_or_default(),
             coefficients: BothBody { d_i, d_s },
+            suspect_windows: None,
         }
     }
 }
@@ -167,6 +181,13 @@ impl From<&StationColumn> for StationColumnBody {
             gyro_by_station: column.by_gyro.as_ref().map(SpreadBody::from),
             course: course.collect(),
         }
+    }
+}
+
+impl From<&SuspectWindow> for SuspectWindowBody {
+    fn from(SuspectWindow { span, author, reason }: &SuspectWindow) -> Self {
+        let (from, to) = (time::format(span.from), time::format(span.to));
+        Self { from, to, by: author.clone(), reason: reason.clone() }
     }
 }
 

@@ -112,7 +112,7 @@ words_of_pages! {
 
     // What counts no more.
     void void_record void_campaign void_bench void_what voided set_aside was_set_aside was_confirmed confirm_time
-    suspect_window suspect_what trust_window trust_what window_from window_to confirm_what revised was_voided
+    suspect_window suspect_windows trust_this_window nothing_counts suspect_what trust_window trust_what window_from window_to confirm_what revised was_voided
     was_revised stands_for replacement calibration_of bench_result bench_results
 
     // Hooks.

@@ -38,7 +38,7 @@ pub use refused::Refused;
 pub use same_content::Sent;
 pub use submission::{
     AttributesOrder, BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, GyroEvent,
-    Submission,
+    Submission, WindowMark,
 };
 
 /// The way in. Cheap to clone.

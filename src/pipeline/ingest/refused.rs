@@ -43,6 +43,9 @@ pub enum Refused {
     UnknownGyro {
         serial: String,
     },
+    UnknownStation {
+        name: String,
+    },
     OtherStation {
         station: String,
     },
@@ -65,6 +68,7 @@ impl Refused {
             Self::AnotherImu => message!("another_imu"),
             Self::TimeTaken { existing, .. } => message!("time_taken", id = text(existing)),
             Self::UnknownGyro { serial } => message!("unknown_gyro", serial = serial.clone()),
+            Self::UnknownStation { name } => message!("no_such_station", name = name.clone()),
             Self::OtherStation { station } => message!("other_station", station = station.clone()),
             Self::Write(error) => error.message(),
         }

@@ -13,6 +13,7 @@ use crate::core::mounting::Slot;
 use crate::core::name::normal_form;
 use crate::core::record::{Name, Plausibility};
 use crate::core::separate::Separation;
+use crate::core::suspect_window::Mark;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::access::{Actor, Caller};
@@ -29,6 +30,7 @@ pub enum Submission {
     Correction(Box<Correction>),
     Confirmation(Confirmation),
     Doubt(Doubt),
+    Window(WindowMark),
     Attributes(AttributesOrder),
 }
 
@@ -38,7 +40,12 @@ impl Submission {
         match self {
             Self::Calibration(calibration) => Some(calibration),
             Self::Correction(correction) => correction.replacement.as_ref(),
-            Self::Bench(_) | Self::Event(_) | Self::Confirmation(_) | Self::Doubt(_) | Self::Attributes(_) => None,
+            Self::Bench(_)
+            | Self::Event(_)
+            | Self::Confirmation(_)
+            | Self::Doubt(_)
+            | Self::Window(_)
+            | Self::Attributes(_) => None,
         }
     }
 
@@ -48,7 +55,7 @@ impl Submission {
             Self::Calibration(calibration) => Some(calibration.station.as_str()),
             Self::Bench(bench) => Some(bench.result.station.as_str()),
             Self::Correction(correction) => correction.replacement.as_ref().map(|new| new.station.as_str()),
-            Self::Event(_) | Self::Confirmation(_) | Self::Doubt(_) | Self::Attributes(_) => None,
+            Self::Event(_) | Self::Confirmation(_) | Self::Doubt(_) | Self::Window(_) | Self::Attributes(_) => None,
         }
     }
 
@@ -91,6 +98,14 @@ pub struct Doubt {
     pub id: Id,
     pub author: String,
     pub reason: String,
+    pub by: Actor,
+}
+
+/// A window of a station is suspect, or to be trusted again: that holds for what is yet to come of it.
+#[derive(Debug, Clone)]
+pub struct WindowMark {
+    pub station: String,
+    pub mark: Mark,
     pub by: Actor,
 }
 

@@ -20,6 +20,7 @@ use std::sync::Arc;
 use super::error::StorageError;
 use super::ingest::Reader;
 use crate::config::Config;
+use crate::core::suspect_window::{SuspectWindow, in_force};
 use crate::store;
 use crate::store::Store;
 use crate::system::Clock;
@@ -62,6 +63,16 @@ impl Queries {
     pub async fn is_station(&self, name: &str) -> Result<bool, StorageError> {
         store::names::look_up(&self.store, [Vec::new(), vec![name], Vec::new()]).await?;
         Ok(self.names().station_number(name).is_some())
+    }
+
+    /// The windows of a station in which what it measures does not count, oldest first.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn suspect_windows(&self, name: &str) -> Result<Vec<SuspectWindow>, StorageError> {
+        let station: Vec<u32> = self.names().station_number(name).into_iter().collect();
+        let rows = store::suspect_window::of_stations(&self.store, &station).await?;
+        Ok(in_force(rows.iter().map(|row| &row.mark)))
     }
 
     /// The names of what is stored. Not to be held for long: new names wait for it.

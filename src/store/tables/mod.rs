@@ -25,3 +25,4 @@ pub(super) mod outbox_tests;
 pub mod record;
 pub mod set_aside;
 pub mod silence;
+pub mod suspect_window;

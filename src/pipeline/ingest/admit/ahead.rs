@@ -1,11 +1,12 @@
 //! What a group will be asked about, read ahead in a handful of questions: one by one, each takes its own way to the
 //! database and back.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::memory::Memory;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
+use crate::core::suspect_window::Mark;
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
@@ -20,6 +21,8 @@ pub(crate) struct Ahead {
     records: HashMap<(u32, UtcMicros), Vec<RecordAt>>,
     /// The record that holds a gyro's row at an instant.
     rows: HashMap<(u32, UtcMicros), Option<Id>>,
+    /// How the windows of the group's stations are marked.
+    marks: HashMap<u32, Vec<Mark>>,
 }
 
 impl Ahead {
@@ -31,12 +34,13 @@ impl Ahead {
         let sent: Vec<&Calibration> = items.filter_map(Submission::calibration).collect();
         let mut ahead = Self::default();
         let keys: HashSet<&str> = sent.iter().filter_map(|sent| sent.idempotency_key.as_deref()).collect();
-        let (mut at_imus, mut at_gyros) = (HashSet::new(), HashSet::new());
+        let (mut at_imus, mut at_gyros, mut stations) = (HashSet::new(), HashSet::new(), BTreeSet::new());
         {
             let tables = store.names().read();
             for sent in &sent {
                 let at = sent.calibrated_at;
                 at_imus.extend(tables.imus.number(sent.imu.as_str()).map(|imu| (imu, at)));
+                stations.extend(tables.stations.number(sent.station.as_str()));
                 let gyros = sent.gyros.iter().filter_map(|gyro| tables.gyros.number(gyro.serial.as_str()));
                 at_gyros.extend(gyros.filter(|gyro| !memory.is_newer(*gyro, at)).map(|gyro| (gyro, at)));
             }
@@ -55,7 +59,16 @@ impl Ahead {
         let rows = store::histories::oldest(store, &spans, 1).await?;
         let held = |rows: Vec<Figures>| rows.first().map(|figures| figures.record);
         ahead.rows = at_gyros.into_iter().zip(rows.into_iter().map(held)).collect();
+        let stations: Vec<u32> = stations.into_iter().collect();
+        for row in store::suspect_window::of_stations(store, &stations).await? {
+            ahead.marks.entry(row.station).or_default().push(row.mark);
+        }
         Ok(ahead)
+    }
+
+    /// How the windows of a station of the group are marked, oldest mark first.
+    pub(super) fn marks(&self, station: u32) -> &[Mark] {
+        self.marks.get(&station).map_or(&[], Vec::as_slice)
     }
 
     /// What a key was used for.

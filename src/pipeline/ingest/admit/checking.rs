@@ -11,6 +11,7 @@ use crate::core::history_note::{FAR_DAYS, HistoryNote, NameKind, Named, Seat, Ti
 use crate::core::id::Id;
 use crate::core::note::Note;
 use crate::core::own_history::{Looked, Shown, against_histories};
+use crate::core::suspect_window::SuspectWindow;
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::store;
@@ -30,7 +31,7 @@ const FALSE_DAYS: f64 = 400.0;
 #[derive(Debug, Default)]
 pub(super) struct Checked {
     pub notes: Vec<Note>,
-    /// Its time is in doubt: it is not to count before somebody confirms it.
+    /// Its time is in doubt, or its station was suspect then: it is not to count before somebody confirms it.
     pub set_aside: bool,
 }
 
@@ -101,11 +102,12 @@ impl<'c> Check<'c> {
         }
         let imu = admission.lookup(group).number(NamesOf::Imus, sent.imu.as_str());
         let mut check = Self { sent, imu, gyros, notes: Vec::new() };
-        let in_doubt = check.check_times(admission, group).await?;
+        let in_doubt = check.check_times(admission, group).await?.is_some();
+        let is_suspect = check.check_window(&admission.lookup(group));
         check.check_names(&admission.lookup(group)).await?;
         check.check_figures(&admission.lookup(group)).await?;
         let notes = check.notes.into_iter().map(Note::History).collect();
-        Ok(Checked { notes, set_aside: in_doubt.is_some() })
+        Ok(Checked { notes, set_aside: in_doubt || is_suspect })
     }
 
     /// Whether its own time is in doubt, or those of earlier records are.
@@ -129,6 +131,17 @@ impl<'c> Check<'c> {
             self.notes.push(HistoryNote::AheadOfNow { hours: at.days_since(admission.now) * 24.0 });
         }
         Ok(in_doubt)
+    }
+
+    /// Whether it lies in a window in which its station is suspect.
+    fn check_window(&mut self, lookup: &Lookup<'_>) -> bool {
+        let Some(station) = lookup.number(NamesOf::Stations, self.sent.station.as_str()) else { return false };
+        let window = lookup.suspect_windows(station).into_iter().find(|it| it.span.contains(self.sent.calibrated_at));
+        self.notes.extend(window.as_ref().map(|SuspectWindow { author, reason, .. }| {
+            let (author, reason) = (author.clone(), reason.clone());
+            HistoryNote::Suspect { station: self.sent.station.to_string(), author, reason }
+        }));
+        window.is_some()
     }
 
     async fn doubt(

@@ -11,12 +11,13 @@ use crate::core::correction::CorrectionItem;
 use crate::core::history_note::HistoryNote;
 use crate::core::id::Id;
 use crate::core::note::Note;
+use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
 use crate::core::time::Span;
-use crate::pipeline::ingest::submission::{Calibration, Confirmation, Corrected, Correction, Doubt};
+use crate::pipeline::ingest::submission::{Calibration, Confirmation, Corrected, Correction, Doubt, WindowMark};
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{ConfirmationRow, HistoryRow, NamesOf, RecordRow, StoreError, StoredAside};
-use crate::wire::history_note;
+use crate::store::{ConfirmationRow, HistoryRow, NamesOf, RecordRow, StoreError, StoredAside, WindowMarkRow};
+use crate::wire::{history_note, time};
 
 impl Admission<'_> {
     pub(super) async fn correction(&mut self, sent: &Correction, group: &mut Group) -> Result<Accepted, Refused> {
@@ -185,6 +186,29 @@ impl Admission<'_> {
         let what = ("suspect", format!("records/{id}"));
         group.changes.access.audit.push(sent.by.line(line, self.now, what, None::<&()>, Some(&audited)));
         group.changes.set_aside.stored.push(StoredAside { record: id, author, reason });
+        Ok(Accepted::stored(id))
+    }
+
+    /// Marks a window of a station. What is stored of it is set aside, or confirmed, item by item after it.
+    pub(super) async fn window(&mut self, sent: &WindowMark, group: &mut Group) -> Result<Accepted, Refused> {
+        let id = self.ids.next(self.now);
+        let unknown = || Refused::UnknownStation { name: sent.station.clone() };
+        let station = self.lookup(group).number(NamesOf::Stations, &sent.station).ok_or_else(unknown)?;
+        let new = group.changes.window_marks.iter().filter(|row| row.station == station).map(|row| row.mark.clone());
+        let stored = store::suspect_window::of_stations(self.store, &[station]).await?.into_iter().map(|row| row.mark);
+        let mut marks: Vec<Mark> = stored.chain(new).collect();
+        let before = in_force(&marks);
+        marks.push(sent.mark.clone());
+        if in_force(&marks) == before {
+            return Ok(Accepted::There { id, same_bytes: true });
+        }
+        let Mark { window: SuspectWindow { span, author, reason }, trusted } = &sent.mark;
+        let audited = json!({
+            "from": time::format(span.from), "to": time::format(span.to), "author": author, "reason": reason,
+        });
+        let what = (if *trusted { "trust window" } else { "suspect window" }, format!("stations/{}", sent.station));
+        group.changes.access.audit.push(sent.by.line(id, self.now, what, None::<&()>, Some(&audited)));
+        group.changes.window_marks.push(WindowMarkRow { id, station, mark: sent.mark.clone() });
         Ok(Accepted::stored(id))
     }
 }

@@ -8,6 +8,7 @@ use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::mounting::Slot;
 use crate::core::name::{distance, look_keys};
+use crate::core::suspect_window::{SuspectWindow, in_force};
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::ingest::submission::Calibration;
@@ -62,6 +63,12 @@ impl Lookup<'_> {
         said.extend(self.group.changes.corrections.iter().cloned());
         said.retain(|row| row.item == item);
         Ok(said)
+    }
+
+    /// The windows of a station that are suspect, this group's marks included.
+    pub fn suspect_windows(&self, station: u32) -> Vec<SuspectWindow> {
+        let new = self.group.changes.window_marks.iter().filter(|row| row.station == station).map(|row| &row.mark);
+        in_force(self.ahead.marks(station).iter().chain(new))
     }
 
     /// Whether a record, stored or of this group, says the same as another.

@@ -49,6 +49,7 @@ impl Admission<'_> {
             Submission::Correction(correction) => self.correction(correction, group).await,
             Submission::Confirmation(confirmation) => self.confirmation(confirmation, group).await,
             Submission::Doubt(doubt) => self.suspicion(doubt, group).await,
+            Submission::Window(window) => self.window(window, group).await,
             Submission::Attributes(order) => self.attributes(order, group).await,
         }
     }

@@ -161,6 +161,7 @@ fn count<'a>(items: impl Iterator<Item = Item<'a>>, replies: &[Reply]) {
             Submission::Correction(_) => "correction",
             Submission::Confirmation(_) => "confirmation",
             Submission::Doubt(_) => "doubt",
+            Submission::Window(_) => "window",
             Submission::Attributes(_) => "attributes",
         };
         let outcome = match reply {

@@ -39,6 +39,8 @@ impl Homes<'_> {
                 Submission::Attributes(sent) => {
                     cells.insert(store::names::cell_of_gyro(self.store, sent.serial.as_str()));
                 }
+                // What others are storing meanwhile may lie in the window.
+                Submission::Window(_) => cells.extend(Cells::all().iter()),
                 Submission::Doubt(sent) => self.of_record(sent.id, &mut cells).await?,
                 Submission::Confirmation(sent) => self.of_record(sent.id, &mut cells).await?,
             }

@@ -211,6 +211,10 @@ fn names_of<'a>(items: &[Item<'a>]) -> [Vec<&'a str>; 3] {
                 gyros.push(sent.serial.as_str());
                 None
             }
+            Submission::Window(sent) => {
+                stations.push(sent.station.as_str());
+                None
+            }
             Submission::Confirmation(_) | Submission::Doubt(_) => None,
         };
         if let Some(sent) = calibration {

@@ -4,7 +4,7 @@
 //! The newest calibrations of [`IMUS`] IMUs tell what the station does now; what it did before says nothing of that.
 //! d_g = x_g - b_g is the deviation of gyro g from its own baseline in its newest calibration. What n gyros of m IMUs
 //! share is the median M of d_g. Its standard error is sqrt(pi/2) s / sqrt(m): gyros of an IMU are calibrated together
-//! and move together, so that m and not n counts. s is the scatter about M, 1.4826 median |d_g - M|, and no smaller
+//! and move together, so that m and not n counts. Those that have moved by half of M at least are told of. s is the scatter about M, 1.4826 median |d_g - M|, and no smaller
 //! than what is stated of the d_g. A few gyros that moved by themselves do not move M.
 //!
 //! It is the station's only where others do not share it: neither what other stations calibrated last, nor is it that
@@ -65,8 +65,12 @@ pub fn station_shift(newest: &[Calibrated], station: u32, column: usize, asked: 
     let enough = if asked.fires { gyros >= GYROS_TO_STAY } else { gyros >= GYROS && imus >= IMUS };
     let Some(shift) = shared(&here, column).filter(|_| enough) else { return few(gyros, GYROS) };
     let outcome = beyond(shift, asked.limit.value, asked.confidence);
-    let is_stations = outcome.state != State::Exceeded || is_of_station(newest, &here, station, column, shift);
-    let times = || here.iter().map(|one| one.at);
+    let exceeds = outcome.state == State::Exceeded;
+    let counted: Vec<&Calibrated> =
+        here.iter().filter(|one| !exceeds || has_moved(one, column, shift)).copied().collect();
+    let (gyros, imus) = (counted.len(), imus_of(&counted));
+    let is_stations = !exceeds || (imus > 1 && is_of_station(newest, &here, station, column, shift));
+    let times = || counted.iter().map(|one| one.at);
     Verdict {
         state: if is_stations { outcome.state } else { State::Indeterminate },
         value: Some(shift.value.abs()),
@@ -122,18 +126,28 @@ pub fn in_common(values: &[f64], independent: usize, least: f64) -> Option<Measu
     Some(Measured { value: centre, sd: Some(MEDIAN_ERROR * scatter / (independent as f64).sqrt()) })
 }
 
+/// Whether a gyro has moved by at least half of the shift.
+fn has_moved(one: &Calibrated, column: usize, shift: Measured) -> bool {
+    one.deviation[column].is_some_and(|of| is_half_of(of, shift))
+}
+
+fn is_half_of(of: Measured, shift: Measured) -> bool {
+    of.value * shift.value.signum() >= 0.5 * shift.value.abs()
+}
+
 /// Whether neither the gyros of other stations nor one batch alone have moved alike.
 fn is_of_station(newest: &[Calibrated], here: &[&Calibrated], station: u32, column: usize, shift: Measured) -> bool {
-    let half = |of: &Measured| of.value * shift.value.signum() >= 0.5 * shift.value.abs();
     let elsewhere: Vec<&Calibrated> =
         newest.iter().filter(|one| one.station != station && one.deviation[column].is_some()).collect();
-    let moved_everywhere = elsewhere.len() >= GYROS && shared(&elsewhere, column).is_some_and(|of| half(&of));
+    let moved_everywhere =
+        elsewhere.len() >= GYROS && shared(&elsewhere, column).is_some_and(|of| is_half_of(of, shift));
     let largest = here
         .iter()
         .filter_map(|one| one.batch.as_ref())
         .max_by_key(|batch| here.iter().filter(|one| one.batch.as_ref() == Some(batch)).count());
     let others: Vec<&Calibrated> = here.iter().filter(|one| one.batch.as_ref() != largest).copied().collect();
-    let only_a_batch = others.len() >= GYROS_TO_STAY && shared(&others, column).is_some_and(|of| !half(&of));
+    let only_a_batch =
+        others.len() >= GYROS_TO_STAY && shared(&others, column).is_some_and(|of| !is_half_of(of, shift));
     !moved_everywhere && !only_a_batch
 }
 
@@ -239,10 +253,24 @@ mod tests {
     #[test]
     fn what_a_station_does_now_is_told_whatever_it_did_before() {
         let mut fleet = imus(1, 0, 3, 0.0);
-        fleet.extend(imus(1, 3, 3, 0.015));
-        assert_eq!(state(&fleet), State::Exceeded, "it has begun");
+        fleet.extend(imus(1, 3, 2, 0.015));
+        let told = station_shift(&fleet, 1, 0, &asked(false));
+        let Finding::StationShift { gyros, imus: of, since, .. } = told.finding else { panic!("{told:?}") };
+        assert_eq!((told.state, gyros, of), (State::Exceeded, 6, 2), "it has begun: the third IMU has not moved");
+        assert_eq!(since, UtcMicros(0).plus_days(3.0));
+        fleet.extend(imus(1, 5, 1, 0.015));
+        assert_eq!(state(&fleet), State::Exceeded);
         fleet.extend(imus(1, 6, 3, 0.0));
         assert_eq!(station_shift(&fleet, 1, 0, &asked(true)).state, State::Within, "it is over");
+    }
+
+    #[test]
+    fn one_imu_of_many_gyros_is_not_a_station() {
+        let mut fleet = imus(1, 0, 4, 0.015);
+        fleet.iter_mut().filter(|one| one.imu < 2).for_each(|one| one.imu = 3);
+        fleet.iter_mut().filter(|one| one.imu == 2).for_each(|one| one.deviation[0].as_mut().unwrap().value -= 0.015);
+        fleet.extend(imus(1, 4, 1, 0.0));
+        assert_eq!(station_shift(&fleet, 1, 0, &asked(false)).state, State::Indeterminate, "nine gyros of one IMU");
     }
 
     #[test]

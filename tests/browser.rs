@@ -108,7 +108,6 @@ async fn an_engineer_finds_a_gyro_zooms_switches_the_method_and_exports() {
     browser.wait("document.querySelector('form.deed')").await;
     browser.type_into("input[name=by]", "Li Wei").await;
     browser.type_into("textarea[name=reason]", "ordered a bench test").await;
-    browser.click("input[name=confirm]").await;
     browser.click("form.deed button").await;
     browser.wait("location.pathname == '/gyros/LFG-0004' && document.querySelector('#history')").await;
     browser.sees("by Li Wei: ordered a bench test").await;
@@ -305,12 +304,11 @@ async fn an_operator_sees_what_is_wrong_with_a_file_before_anything_is_stored() 
     browser.has_behaved().await;
 }
 
-/// Fills in who, why and that it is meant, and sends the form.
-async fn means_it(browser: &Browser, by: &str, reason: &str) {
+/// Fills in who and why, and sends the form.
+async fn says_why(browser: &Browser, by: &str, reason: &str) {
     browser.wait("document.querySelector('form.deed')").await;
     browser.type_into("input[name=by]", by).await;
     browser.type_into("textarea[name=reason]", reason).await;
-    browser.click("input[name=confirm]").await;
     browser.click("form.deed button").await;
 }
 
@@ -354,12 +352,12 @@ async fn an_engineer_voids_a_calibration_notes_a_repair_and_starts_a_baseline() 
     browser.click("a.action[href$='/events/new']").await;
     browser.wait("document.querySelector('select[name=event]')").await;
     browser.eval("(document.querySelector('select[name=event]').value = 'repair')").await;
-    means_it(&browser, "Zhao Min", "bearing replaced").await;
+    says_why(&browser, "Zhao Min", "bearing replaced").await;
     browser.wait(drawn).await;
     browser.sees("bearing replaced (Zhao Min)").await;
 
     browser.click("a.action[href*='event=baseline']").await;
-    means_it(&browser, "Zhao Min", "as it left the workshop").await;
+    says_why(&browser, "Zhao Min", "as it left the workshop").await;
     browser.wait(drawn).await;
     browser.sees("as it left the workshop (Zhao Min)").await;
     let marks = "document.querySelector('ol.flags').innerText";
@@ -382,7 +380,6 @@ async fn an_integrator_sets_up_a_hook_tries_it_and_sends_a_message_again() {
     browser.wait("document.querySelector('form.deed')").await;
     browser.type_into("input[name=name]", "chat").await;
     browser.type_into("input[name=url]", &target.url()).await;
-    browser.click("input[name=confirm]").await;
     browser.click("form.deed button").await;
     browser.wait("document.querySelector('main code')").await;
     browser.sees("whsec_").await;
@@ -610,7 +607,6 @@ async fn the_jobs(width: u32, slower: u32) {
                 browser.click("a.action[href='/hooks/new']").await;
                 browser.type_into("input[name=name]", "chat").await;
                 browser.type_into("input[name=url]", "http://127.0.0.1:9/").await;
-                browser.click("input[name=confirm]").await;
                 browser.click("form.deed button").await;
                 browser.click("main a[href^='/hooks/']").await;
                 browser.click("form[action$='/test'] button").await;

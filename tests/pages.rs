@@ -684,27 +684,26 @@ async fn an_alert_is_found_acknowledged_and_silenced_on_its_pages() {
     let link = of_gyro.split('"').find(|part| part.starts_with("/alerts/") && part.contains("/acknowledge")).unwrap();
     let path = link.split('?').next().unwrap();
     let alert = format!("/v1{}", path.strip_suffix("/acknowledge").unwrap());
-    assert!(page(&server, &link.replace("&amp;", "&"), &[]).await.contains("Stops the repeats of this alert"));
+    let asked = page(&server, &link.replace("&amp;", "&"), &[]).await;
+    assert!(asked.contains("Stops the repeats of this alert") && !asked.contains("checkbox"), "{asked}");
 
     let said = [("by", "Li Wei"), ("reason", "the station was moved"), ("back", "/gyros/JUMP%2F1")];
-    let meant = [said[0], said[1], said[2], ("confirm", "yes")];
-    let unmeant = sends_form(&server, path, &said).await;
-    assert_eq!(unmeant.status, 422);
-    assert!(unmeant.text().contains("tick that you mean it") && unmeant.text().contains("the station was moved"));
-    assert_eq!(sends_form(&server, path, &[meant[0], meant[3]]).await.status, 422, "without a reason");
-    assert_eq!(sends_form_from(&server, "https://evil.example", path, &meant).await.status, 403);
+    let nobody = sends_form(&server, path, &said[1..]).await;
+    assert!(nobody.status == 422 && nobody.text().contains("the station was moved"), "{}", nobody.text());
+    assert_eq!(sends_form(&server, path, &[said[0], said[2]]).await.status, 422, "without a reason");
+    assert_eq!(sends_form_from(&server, "https://evil.example", path, &said).await.status, 403);
     assert!(server.get(&alert).await.json()["acknowledged"].is_null());
 
-    assert_eq!(goes_on_at(&sends_form(&server, path, &meant).await), "/gyros/JUMP%2F1");
+    assert_eq!(goes_on_at(&sends_form(&server, path, &said).await), "/gyros/JUMP%2F1");
     assert_eq!(server.get(&alert).await.json()["acknowledged"]["by"], "Li Wei");
     assert!(page(&server, "/alerts?state=acknowledged", &[]).await.contains("the station was moved"));
 
     let silence = path.replace("acknowledge", "silence");
     for days in ["", "0", "-1", "NaN", "1000"] {
-        let fields = [meant[0], meant[1], meant[2], meant[3], ("days", days)];
+        let fields = [said[0], said[1], said[2], ("days", days)];
         assert_eq!(sends_form(&server, &silence, &fields).await.status, 422, "{days:?} days");
     }
-    let away = [meant[0], meant[1], meant[3], ("days", "3"), ("back", "//evil.example")];
+    let away = [said[0], said[1], ("days", "3"), ("back", "//evil.example")];
     assert_eq!(goes_on_at(&sends_form(&server, &silence, &away).await), "/alerts", "nobody is sent elsewhere");
     assert_eq!(server.get(&alert).await.json()["state"], "silenced");
     assert_eq!(server.get("/alerts/0000000000000/acknowledge").await.status, 404);
@@ -840,9 +839,9 @@ async fn what_was_done_to_a_gyro_is_noted_on_its_page() {
     let server = a_small_fleet().await;
     let path = "/gyros/STEADY/events/new";
     assert!(page(&server, &format!("{path}?event=baseline"), &[]).await.contains("distance from baseline"));
-    let fields = [("event", "repair"), ("by", "Zhao Min"), ("reason", "bearing replaced"), ("confirm", "yes")];
-    let future = [fields[0], fields[1], fields[2], fields[3], ("at", "2999-01-01T00:00:00Z")];
-    for wrong in [&future[..], &fields[..3], &fields[1..]] {
+    let fields = [("event", "repair"), ("by", "Zhao Min"), ("reason", "bearing replaced")];
+    let future = [fields[0], fields[1], fields[2], ("at", "2999-01-01T00:00:00Z")];
+    for wrong in [&future[..], &fields[..2], &fields[1..]] {
         assert_eq!(sends_form(&server, path, wrong).await.status, 422, "{wrong:?}");
     }
     assert_eq!(sends_form_from(&server, "null", path, &fields).await.status, 403);
@@ -884,7 +883,9 @@ async fn a_calibration_is_voided_on_its_page_and_counts_no_more() {
     let said = [("by", "Li Wei"), ("reason", "table was not level"), ("back", "/gyros/JUMP%2F1")];
     let meant = [said[0], said[1], said[2], ("confirm", "yes")];
     let unmeant = sends_form(&server, path, &said).await;
-    assert!(unmeant.status == 422 && unmeant.text().contains("table was not level"), "{}", unmeant.text());
+    let shown = unmeant.text();
+    assert!(unmeant.status == 422 && shown.contains("table was not level"), "{shown}");
+    assert!(shown.contains("tick that you mean it"), "what cannot be undone is to be meant: {shown}");
     assert_eq!(sends_form(&server, path, &[meant[0], meant[3]]).await.status, 422, "without a reason");
     assert_eq!(sends_form_from(&server, "https://evil.example", path, &meant).await.status, 403);
     assert_eq!(server.get(&format!("/v1/records/{id}")).await.json()["state"], "valid");
@@ -994,21 +995,18 @@ async fn a_form_of_another_site_voids_nothing() {
 async fn a_hook_is_set_up_tried_switched_off_and_deleted_on_its_pages() {
     let (server, target) = (Server::start().await, Receiver::start().await);
     let (url, meant) = (target.url(), ("confirm", "yes"));
-    let fields = [("name", "chat"), ("kind", "standard-webhooks"), ("url", &*url), ("rules", "step, baseline"), meant];
-    assert_eq!(sends_form(&server, "/hooks/new", &fields[..4]).await.status, 422, "unmeant");
-    let wrong =
-        sends_form(&server, "/hooks/new", &[fields[0], fields[1], ("url", "ftp://x"), ("rules", "stpe"), meant]).await;
+    let fields = [("name", "chat"), ("kind", "standard-webhooks"), ("url", &*url), ("rules", "step, baseline")];
+    let wrong = sends_form(&server, "/hooks/new", &[fields[0], fields[1], ("url", "ftp://x"), ("rules", "stpe")]).await;
     assert!(
         wrong.status == 422
             && wrong.text().contains("Address: must begin with http")
             && wrong.text().contains("/filter/rules/0")
     );
-    let wrong =
-        sends_form(&server, "/hooks/new", &[fields[0], fields[1], fields[2], meant, ("expect", "errcode")]).await;
+    let wrong = sends_form(&server, "/hooks/new", &[fields[0], fields[1], fields[2], ("expect", "errcode")]).await;
     assert!(wrong.status == 422 && wrong.text().contains("errcode = 0"), "{}", wrong.text());
     assert!(page(&server, "/hooks", &[]).await.contains("No hook is set up"));
     let robot = [("batch", "true"), ("expect", "errcode = 0, result=ok")];
-    let robot = [("name", "robot"), fields[1], fields[2], meant, robot[0], robot[1]];
+    let robot = [("name", "robot"), fields[1], fields[2], robot[0], robot[1]];
     assert_eq!(sends_form(&server, "/hooks/new", &robot).await.status, 201);
     let robot = server.get("/v1/hooks").await.json()["hooks"][0].clone();
     assert_eq!((&robot["batch"], &robot["expect"]), (&json!(true), &json!({"json": {"errcode": 0, "result": "ok"}})));
@@ -1231,7 +1229,7 @@ async fn a_decision_is_recorded_with_name_and_reason_and_stands_in_plot_report_a
     );
     assert!(!asked.contains("value=\"repair\""), "{asked}");
     assert!(!page(&server, path, &[]).await.contains("decision_release"), "a decision has a form of its own");
-    let fields = [("event", "decision_remove"), ("by", "Li Wei"), ("reason", "D_I ages"), ("confirm", "yes")];
+    let fields = [("event", "decision_remove"), ("by", "Li Wei"), ("reason", "D_I ages")];
     assert_eq!(goes_on_at(&sends_form(&server, path, &fields).await), "/gyros/JUMP%2F1#happenings");
     let event = &server.get("/v1/gyros/JUMP%2F1/events").await.json()["events"][0];
     assert_eq!((&event["event"], &event["resets"]), (&json!("decision_remove"), &json!([])));
@@ -1551,8 +1549,8 @@ async fn notes_are_shown_before_and_after_storing_and_a_doubtful_time_is_confirm
     let ask = link(&shown, "/records/", "/confirm");
     let path = ask.split('?').next().unwrap();
     assert!(page(&server, &ask, &[]).await.contains(words));
-    let fields = [("by", "Zhao Min"), ("reason", "the log book says so"), ("confirm", "yes")];
-    for wrong in [&fields[..2], &fields[1..]] {
+    let fields = [("by", "Zhao Min"), ("reason", "the log book says so")];
+    for wrong in [&fields[..1], &fields[1..]] {
         assert_eq!(sends_form(&server, path, wrong).await.status, 422, "{wrong:?}");
     }
     goes_on_at(&sends_form(&server, path, &fields).await);
@@ -1572,10 +1570,10 @@ async fn a_window_is_marked_as_suspect_and_trusted_and_a_gyro_gets_its_batch_on_
     };
     let before = records().await;
     let at = before[0]["calibrated_at"].as_str().unwrap().to_owned();
-    let said = [("by", "Li Wei"), ("reason", "loose fixture"), ("confirm", "yes"), ("from", &at), ("to", &at)];
+    let said = [("by", "Li Wei"), ("reason", "loose fixture"), ("from", &at), ("to", &at)];
     assert!(page(&server, "/stations/ST-1", &[]).await.contains("href=\"/stations/ST-1/suspect\""));
     assert!(page(&server, "/stations/ST-1/suspect", &[]).await.contains("Mark a window as suspect"));
-    let wrong = sends_form(&server, "/stations/ST-1/suspect", &[said[0], said[1], said[2], said[3]]).await;
+    let wrong = sends_form(&server, "/stations/ST-1/suspect", &said[..3]).await;
     assert!(wrong.status == 422 && wrong.text().contains("<li>To: "), "{}", wrong.text());
     assert_eq!(goes_on_at(&sends_form(&server, "/stations/ST-1/suspect", &said).await), "/stations/ST-1");
     let of_instant = before.iter().filter(|record| record["calibrated_at"] == *at).count();
@@ -1597,7 +1595,7 @@ async fn a_window_is_marked_as_suspect_and_trusted_and_a_gyro_gets_its_batch_on_
     assert_eq!(records().await.len(), before.len());
     assert_eq!(server.get("/stations/NOWHERE/suspect").await.status, 404);
 
-    let fields = [("batch", "2024-B"), ("type", ""), ("unit", "vehicle 3"), ("confirm", "yes")];
+    let fields = [("batch", "2024-B"), ("type", ""), ("unit", "vehicle 3")];
     assert_eq!(goes_on_at(&sends_form(&server, "/gyros/JUMP%2F1/attributes", &fields).await), "/gyros/JUMP%2F1");
     let gyro = page(&server, "/gyros/JUMP%2F1", &[]).await;
     assert!(gyro.contains("href=\"/fleet?batch=2024-B\"") && gyro.contains("vehicle 3"), "{gyro}");

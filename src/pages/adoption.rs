@@ -77,6 +77,7 @@ async fn named(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<
         button: t.adopt,
         back: word.back_or(&format!("/campaigns/{number}/diagnosis")).to_owned(),
         reasoned: true,
+        is_final: false,
     };
     Ok((number, form))
 }
@@ -147,6 +148,7 @@ async fn before(
         button: t.undo_model,
         back: word.back_or(&format!("/imus/{}#models", encoded(imu))).to_owned(),
         reasoned: true,
+        is_final: false,
     };
     Ok((model, form))
 }

@@ -446,7 +446,7 @@ async fn done(pages: &Pages, viewer: &Viewer, (id, deed): (&str, &str), said: &S
     let doing = Doing::of(deed)?;
     let (number, alert) = known(pages, id).await?;
     let mut faults = Faults::default();
-    said.word.check(viewer, &mut faults);
+    said.word.check(&mut faults);
     let change = match doing {
         Doing::Acknowledge => AlertChange::Acknowledge,
         Doing::Unacknowledge => AlertChange::Unacknowledge,
@@ -480,5 +480,6 @@ fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said) -> Deed {
         button,
         back: said.word.back_or("/alerts").to_owned(),
         reasoned: true,
+        is_final: false,
     }
 }

@@ -74,6 +74,7 @@ async fn set_aside(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Res
         button: t.confirm_time,
         back: word.back_or(&format!("/records/{number}")).to_owned(),
         reasoned: true,
+        is_final: false,
     };
     Ok((number, form))
 }

@@ -154,6 +154,7 @@ fn form(t: &Text, title: &'static str, shown: &Markup, (action, back): (&str, &s
         button: t.void,
         back: back.to_owned(),
         reasoned: true,
+        is_final: true,
     }
 }
 

@@ -93,7 +93,7 @@ fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
 async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Result<Response, Problem> {
     let name = known(pages, serial)?;
     let mut faults = Faults::default();
-    said.word.check(viewer, &mut faults);
+    said.word.check(&mut faults);
     let event = Event::from_name(&said.event);
     if event.is_none() {
         faults.push("event", message!("event_needed"));
@@ -156,6 +156,7 @@ fn form(viewer: &Viewer, serial: &Name, said: &Said) -> Deed {
         button: title,
         back: path,
         reasoned: true,
+        is_final: false,
     }
 }
 

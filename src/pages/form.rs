@@ -1,4 +1,4 @@
-//! Forms for whatever changes something: with who, why, and that it is meant. That they come from this site's own
+//! Forms for whatever changes something: with who and why, and that it is meant where it cannot be undone. That they come from this site's own
 //! pages is seen to where every request is admitted.
 
 use axum::http::header::LOCATION;
@@ -38,11 +38,10 @@ pub(super) struct Word {
 }
 
 impl Word {
-    /// Notes what is missing.
-    pub fn check(&self, viewer: &Viewer, faults: &mut Faults) {
+    /// Notes what is missing of who and why.
+    pub fn check(&self, faults: &mut Faults) {
         text::required_short("by", self.by.clone(), faults);
         text::required_note("reason", self.reason.clone(), faults);
-        self.check_meant(viewer, faults);
     }
 
     pub fn check_meant(&self, viewer: &Viewer, faults: &mut Faults) {
@@ -57,7 +56,8 @@ impl Word {
     }
 }
 
-/// Something that changes what is stored, on a page of its own: what it does, who does it, why, and that it is meant.
+/// Something that changes what is stored, on a page of its own: what it does, who does it and why; and that it is
+/// meant, where it cannot be undone.
 pub(super) struct Deed {
     pub section: Section,
     pub title: String,
@@ -71,6 +71,8 @@ pub(super) struct Deed {
     pub back: String,
     /// Whether it asks who and why.
     pub reasoned: bool,
+    /// Whether it cannot be undone.
+    pub is_final: bool,
 }
 
 impl Deed {
@@ -94,17 +96,24 @@ impl Deed {
                     label { (t.who) input name="by" value=(by) required maxlength="128" autocomplete="name"; }
                     label { (t.reason_word) textarea name="reason" rows="3" required maxlength="4096" { (word.reason) } }
                 }
-                label.sure { input type="checkbox" name="confirm" value="yes" required; span { (t.confirm_word) } }
+                @if self.is_final {
+                    label.sure { input type="checkbox" name="confirm" value="yes" required; span { (t.confirm_word) } }
+                }
                 p { button.primary { (self.button) } " " a href=(self.back) { (t.go_back) } }
             }
         };
         Page { title: self.title.clone(), section: self.section, body }
     }
 
-    /// The form again where who, why or that it is meant is missing; none where all of it was sent.
+    /// The form again where something that it asks for is missing; none where all of it was sent.
     pub fn incomplete(&self, viewer: &Viewer, word: &Word) -> Option<Response> {
         let mut faults = Faults::default();
-        word.check(viewer, &mut faults);
+        if self.reasoned {
+            word.check(&mut faults);
+        }
+        if self.is_final {
+            word.check_meant(viewer, &mut faults);
+        }
         (!faults.is_empty()).then(|| self.again(viewer, word, &faults))
     }
 

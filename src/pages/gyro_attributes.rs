@@ -82,7 +82,6 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Attributes) -
     gyro::known(pages, serial)?;
     let name = Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))?;
     let mut faults = Faults::default();
-    said.word.check_meant(viewer, &mut faults);
     let mut word = |pointer: &str, word: &str| match word.trim() {
         "" => Some(None),
         word => Some(text::matched(pointer, word, &mut faults)),
@@ -114,5 +113,6 @@ fn form(viewer: &Viewer, serial: &str, said: &Attributes) -> Deed {
         button: t.edit_attributes,
         back: home,
         reasoned: false,
+        is_final: false,
     }
 }

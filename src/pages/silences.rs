@@ -103,7 +103,7 @@ pub(super) async fn begin(Held(pages): Held<Pages>, viewer: Viewer, Form(new): F
 
 async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Response, Problem> {
     let mut faults = Faults::default();
-    new.word.check(viewer, &mut faults);
+    new.word.check(&mut faults);
     let until = silent_until(pages, &new.days, &mut faults);
     let mut name = |field: &str, text: &str| {
         let text = Some(text.trim()).filter(|text| !text.is_empty())?;
@@ -143,6 +143,7 @@ fn form(viewer: &Viewer, new: &NewSilence) -> Deed {
         button: t.silence,
         back: "/alerts".into(),
         reasoned: true,
+        is_final: false,
     }
 }
 
@@ -187,5 +188,6 @@ fn end_form(viewer: &Viewer, silence: &MatchingSilenceBody) -> Deed {
         button: t.end_silence,
         back: "/alerts".into(),
         reasoned: true,
+        is_final: false,
     }
 }

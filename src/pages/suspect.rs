@@ -75,7 +75,7 @@ async fn known(pages: &Pages, name: &str) -> Result<(), Problem> {
 async fn done(pages: &Pages, viewer: &Viewer, name: &str, said: &Window, trusted: bool) -> Result<Response, Problem> {
     known(pages, name).await?;
     let mut faults = Faults::default();
-    said.word.check(viewer, &mut faults);
+    said.word.check(&mut faults);
     let span = text::span(("from", &typed_time(&said.from)), ("to", &typed_time(&said.to)), &mut faults);
     if !faults.is_empty() {
         return Ok(form(viewer, name, said, trusted).again(viewer, &said.word, &faults));
@@ -106,5 +106,6 @@ fn form(viewer: &Viewer, name: &str, said: &Window, trusted: bool) -> Deed {
         button: title,
         back: home,
         reasoned: true,
+        is_final: false,
     }
 }

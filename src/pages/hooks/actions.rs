@@ -95,7 +95,6 @@ pub(crate) async fn add(Held(pages): Held<Pages>, viewer: Viewer, Form(new): For
 
 async fn added(pages: &Pages, viewer: &Viewer, new: &NewHook) -> Result<Response, Problem> {
     let mut faults = Faults::default();
-    new.word.check_meant(viewer, &mut faults);
     let read = new.document().and_then(|hook| pages.pipeline.hooks.read(hook.to_string().as_bytes()));
     let read = read.map_err(|wrong| faults.absorb("", wrong)).ok().filter(|_| faults.is_empty());
     let Some(hook) = read else {
@@ -148,6 +147,7 @@ fn form(viewer: &Viewer, new: &NewHook) -> Deed {
         button: t.add_hook,
         back: "/hooks".into(),
         reasoned: false,
+        is_final: false,
     }
 }
 
@@ -165,10 +165,8 @@ pub(crate) async fn delete(
 ) -> Response {
     let deleted = async {
         let (id, hook) = known(&pages, &id).await?;
-        let mut faults = Faults::default();
-        word.check_meant(&viewer, &mut faults);
-        if !faults.is_empty() {
-            return Ok(delete_form(&viewer, id, &hook.url).again(&viewer, &word, &faults));
+        if let Some(again) = delete_form(&viewer, id, &hook.url).incomplete(&viewer, &word) {
+            return Ok(again);
         }
         pages.pipeline.hooks.order(Order::Delete(id)).await?;
         Ok(see_other("/hooks"))
@@ -187,6 +185,7 @@ fn delete_form(viewer: &Viewer, id: Id, url: &str) -> Deed {
         button: t.delete_hook,
         back: "/hooks".into(),
         reasoned: false,
+        is_final: true,
     }
 }
 

@@ -37,7 +37,8 @@ pub(in crate::pages) async fn act(
 
 async fn replace(pages: &Pages, viewer: &Viewer, caller: Caller, order: Order) -> Result<Response, Problem> {
     let mut faults = Faults::default();
-    order.word.check(viewer, &mut faults);
+    order.word.check(&mut faults);
+    order.word.check_meant(viewer, &mut faults);
     let (pipeline, text) = (pages.pipeline.clone(), order.text.clone());
     let read = off_the_loop(move || read_all(&pipeline, &caller, &text)).await;
     let mut read = read.into_iter().map(|(_, read)| read);

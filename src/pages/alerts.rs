@@ -11,7 +11,7 @@ use serde::Deserialize;
 
 use super::Pages;
 use super::bullet;
-use super::form::{Deed, Word, answered, rule_choice, see_other, severity_choice};
+use super::form::{Deed, Word, answered, choice, rule_choice, see_other};
 use super::layout::{Page, Section, encoded, symbol, written, written_day};
 use super::silences;
 use super::silences::{days_field, silent_until};
@@ -23,10 +23,10 @@ use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
-use crate::core::judge::{Rule, Severity, Status};
+use crate::core::judge::{Coefficient, Rule, Severity, Status};
 use crate::message;
 use crate::pages::status;
-use crate::pipeline::{self, AlertChange, AlertOrder, BEYOND};
+use crate::pipeline::{self, AlertChange, AlertOrder, BEYOND, Violation};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 
@@ -91,7 +91,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let of = |standing: Standing| counts.iter().find(|(one, _)| *one == standing).map_or([0, 0], |(_, counts)| *counts);
     let wanted = Standing::from_name(filters.state());
     let filter = AlertFilter { standing: wanted, ..any };
-    let found = if nobody {
+    let mut found = if nobody {
         Vec::new()
     } else {
         pages.pipeline.alerts.by_gyro(&filter, filters.page.saturating_mul(ROWS), ROWS + 1).await?
@@ -100,7 +100,8 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         if filters.page > 0 || nobody { Vec::new() } else { pages.pipeline.alerts.of_no_gyro(&filter).await? };
     let (stations, imus): (Vec<AlertBody>, Vec<AlertBody>) = of_no_gyro.into_iter().partition(AlertBody::is_of_station);
     let more = found.len() > ROWS;
-    let groups = together(standing_with_alerts(pages, found.into_iter().take(ROWS)).await?);
+    found.truncate(ROWS);
+    let groups = together(standing_with_alerts(pages, found).await?);
     let silences = silences::list(pages, viewer).await?;
     let here = filters.address(filters.state(), filters.page);
     let all: usize = Standing::ALL.iter().map(|standing| of(*standing)[0]).sum();
@@ -111,7 +112,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         @if !groups.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
         h1 { (t.alerts) }
         (bulk::done(viewer, &filters.deed, &filters.done, &here))
-        nav.tabs aria-label=(t.state) {
+        nav.tabs aria-label=(t.handling) {
             @for (name, word, count) in tabs {
                 a href=(filters.address(name, 0)) aria-current=[(name == filters.state()).then_some("true")] {
                     (word) " " span.count { (count) }
@@ -151,7 +152,7 @@ fn search(viewer: &Viewer, filters: &Filters) -> Markup {
             input type="hidden" name="state" value=(filters.state());
             input type="search" name="serial" value=(filters.serial) placeholder=(t.serial) aria-label=(t.serial);
             (rule_choice(t, &filters.rule))
-            (severity_choice(t, t.severity, "severity", &filters.severity))
+            (choice(t, t.status(Status::Confirmed), "severity", [(Severity::Critical.name(), t.yes), (Severity::Warning.name(), t.no)], &filters.severity))
             button { (t.search) }
         }
     }
@@ -164,21 +165,10 @@ struct Alerted {
     alerts: Vec<AlertBody>,
 }
 
-async fn standing_with_alerts(
-    pages: &Pages,
-    found: impl Iterator<Item = Vec<AlertBody>>,
-) -> Result<Vec<Alerted>, Problem> {
-    let found: Vec<Vec<AlertBody>> = found.collect();
-    let queries = &pages.pipeline.queries;
-    let serial_of = |alerts: &[AlertBody]| alerts.first().map(|alert| alert.serial.clone());
-    let serials = found.iter().filter_map(|alerts| serial_of(alerts));
-    let gyros: Vec<u32> = serials.filter_map(|serial| queries.names().gyro_number(&serial)).collect();
-    let mut standings = queries.fleet.standings_of(&gyros).await?.into_iter().peekable();
-    let with_standing = |alerts: Vec<AlertBody>| {
-        let standing =
-            standings.next_if(|standing| serial_of(&alerts).is_some_and(|serial| *standing.serial == *serial));
-        Alerted { standing, alerts }
-    };
+async fn standing_with_alerts(pages: &Pages, found: Vec<(u32, Vec<AlertBody>)>) -> Result<Vec<Alerted>, Problem> {
+    let gyros: Vec<u32> = found.iter().map(|(gyro, _)| *gyro).collect();
+    let mut standings = pages.pipeline.queries.fleet.standings_of(&gyros).await?.into_iter().peekable();
+    let with_standing = |(gyro, alerts)| Alerted { standing: standings.next_if(|one| one.number == gyro), alerts };
     Ok(found.into_iter().map(with_standing).collect())
 }
 
@@ -264,6 +254,7 @@ fn of_gyro(viewer: &Viewer, gyro: &Alerted, first_of_page: bool, may: bool, here
     let has_worse = alerts.iter().any(is_beyond);
     let of_worst = alerts.iter().filter(|alert| !has_worse || is_beyond(alert));
     let since = of_worst.filter_map(|alert| alert.since.as_deref()).min();
+    let open: Vec<Violation> = alerts.iter().filter(|alert| is_open(alert)).filter_map(violation).collect();
     let is_known = |alert: &AlertBody| alert.state != Standing::Firing.name();
     html! {
         article.alerted {
@@ -274,7 +265,7 @@ fn of_gyro(viewer: &Viewer, gyro: &Alerted, first_of_page: bool, may: bool, here
                 @if let Some(imu) = &finding.imu {
                     span { a.id href={ "/imus/" (encoded(imu)) } { (imu) } @if let Some(slot) = &finding.slot { " " span.quiet { (slot) } } }
                 }
-                @if let Some(standing) = standing { span.nowrap title=(t.load) { (bullet::largest(t, standing)) } }
+                @if let Some(standing) = standing { span.nowrap { (bullet::leading(t, standing, &open)) } }
                 @if let Some(since) = since { span.quiet { (t.since) " " (written_day(since)) } }
                 @if may && !alerts.iter().all(is_known) { (bulk::acknowledge(viewer, serial, here)) }
             }
@@ -310,6 +301,16 @@ pub(super) fn is_open_of(alert: &AlertBody, station: &str) -> bool {
     alert.is_of_station() && alert.name() == station && is_open(alert)
 }
 
+/// None where it names what this version does not know.
+fn violation(alert: &AlertBody) -> Option<Violation> {
+    Some(Violation {
+        coefficient: Coefficient::from_name(&alert.coefficient)?,
+        rule: Rule::from_name(&alert.rule)?,
+        status: Status::from_name(alert.status.as_deref()?)?,
+        load: alert.finding.value.map(|value| value / alert.finding.limit),
+    })
+}
+
 fn violated(t: &Text, alert: &AlertBody) -> Markup {
     html! { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
 }
@@ -320,7 +321,7 @@ fn heading(viewer: &Viewer, gyros: bool) -> Markup {
         thead { tr {
             th { (t.status_word) }
             @if gyros { th { (t.serial) } }
-            th { (t.violates) } th { (t.reason_word) } th { (t.since) } th { (t.fired) } th { (t.state) }
+            th { (t.violates) } th { (t.reason_word) } th { (t.since) } th { (t.fired) } th { (t.handling) }
         } }
     }
 }

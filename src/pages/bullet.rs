@@ -4,8 +4,9 @@ use maud::{Markup, html};
 
 use super::layout::{DRIFTS, symbol};
 use super::text::Text;
-use crate::core::judge::{Measured, Status};
-use crate::pipeline::Standing;
+use crate::core::judge::{Measured, Rule, Status};
+use crate::message;
+use crate::pipeline::{Standing, Violation};
 
 /// Loads beyond this stand at the edge, as an arrow.
 const EDGE: f64 = 1.5;
@@ -45,13 +46,28 @@ pub(super) fn of_coefficient(t: &Text, standing: &Standing, column: usize) -> Ma
     }
 }
 
-/// The largest load of what a gyro violates; of D_I and D_S where that has none.
-pub(super) fn largest(t: &Text, standing: &Standing) -> Markup {
-    let out: Vec<usize> = standing.violations.iter().filter_map(|one| one.coefficient.column()).collect();
-    let columns = if out.is_empty() { vec![0, 1] } else { out };
-    let known = columns.into_iter().filter_map(|column| Some((column, standing.outlook.load[column]?.value.abs())));
-    let largest = known.max_by(|(_, a), (_, b)| a.total_cmp(b));
-    html! { @if let Some((column, _)) = largest { (of_coefficient(t, standing, column)) } }
+/// Rules on how far D_I, D_S and D_O are from a level of theirs: what they find is a load.
+const OF_LEVEL: [Rule; 5] = [Rule::Baseline, Rule::Trend, Rule::Cusum, Rule::Shift, Rule::Closure];
+
+/// The largest figure of the gravest of these: a load where it is about the level, else what its rule compares.
+pub(super) fn leading(t: &Text, standing: &Standing, of: &[Violation]) -> Markup {
+    let gravest = of.iter().map(|one| one.status).max();
+    let of_gravest = of.iter().filter(|one| Some(one.status) == gravest);
+    let of_level = of_gravest.clone().filter(|one| OF_LEVEL.contains(&one.rule));
+    let columns = of_level.filter_map(|one| one.coefficient.column());
+    let known = columns.filter_map(|column| Some((column, standing.outlook.load[column]?.value.abs())));
+    if let Some((column, _)) = known.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
+        return of_coefficient(t, standing, column);
+    }
+    if let Some(days) = standing.overdue_days.filter(|_| gravest == Some(Status::Overdue)) {
+        return html! { (t.calibrated) " " (format!("{days:.0}")) " " (t.days_ago) };
+    }
+    let largest = of_gravest.filter_map(|one| Some((one, one.load?))).max_by(|(_, a), (_, b)| a.total_cmp(b));
+    html! {
+        @if let Some((one, load)) = largest {
+            (symbol(one.coefficient.name())) " " (t.words(&message!("share_of_limit", percent = format!("{:.0}", 100.0 * load))))
+        }
+    }
 }
 
 /// The budget as a tint, zero as a line, the load as a dot with one standard deviation to either side, beside its

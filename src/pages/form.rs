@@ -11,7 +11,7 @@ use super::layout::{Page, Section};
 use super::text::Text;
 use super::viewer::{Viewer, is_local};
 use crate::core::fault::Faults;
-use crate::core::judge::{Rule, Severity};
+use crate::core::judge::Rule;
 use crate::core::message::Message;
 use crate::wire::problem::Problem;
 use crate::wire::{text, time};
@@ -142,11 +142,6 @@ pub(super) fn choice<'a>(
 /// Of which rule.
 pub(super) fn rule_choice(t: &Text, chosen: &str) -> Markup {
     choice(t, t.rule_word, "rule", Rule::ALL.map(|rule| (rule.name(), t.rule(rule))), chosen)
-}
-
-/// Of which severity.
-pub(super) fn severity_choice(t: &Text, label: &str, name: &str, chosen: &str) -> Markup {
-    choice(t, label, name, Severity::ALL.map(|one| (one.name(), t.severity(one))), chosen)
 }
 
 /// A time as somebody types it, `2026-03-01 16:00`, for what reads RFC 3339 or a day. Without a zone it is of UTC, as the

@@ -13,7 +13,7 @@ use super::layout::{Page, Section};
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::id::Id;
-use crate::core::judge::{Rule, Severity};
+use crate::core::judge::{Rule, Severity, Status};
 use crate::wire::hook::{FilterBody, HookBody};
 use crate::wire::problem::Problem;
 
@@ -36,7 +36,7 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
         @if hooks.is_empty() { p.lead { (t.no_hooks) } } @else {
             div.scroll tabindex="0" { table.cards {
                 thead { tr {
-                    th { (t.hook) } th { (t.kind) } th { (t.hook_url) } th { (t.state) }
+                    th { (t.hook) } th { (t.kind) } th { (t.hook_url) } th { (t.status_word) }
                     th.n { (t.open_deliveries) } th.n { (t.dead_letters) } th { (t.actions_word) }
                 } }
                 tbody { @for hook in &hooks { (line(viewer, hook)) } }
@@ -76,11 +76,11 @@ fn filter(viewer: &Viewer, filter: &FilterBody) -> Markup {
     let t = viewer.text();
     let rules: Vec<&str> =
         filter.rules.iter().map(|name| Rule::from_name(name).map_or(name.as_str(), |rule| t.rule(rule))).collect();
-    let least = filter.min_severity.as_deref().and_then(Severity::from_name);
+    let is_of_confirmed = filter.min_severity.as_deref() == Some(Severity::Critical.name());
     html! {
         @if !rules.is_empty() { br; span.quiet { (t.rule_word) ": " (rules.join(", ")) } }
         @if !filter.gyros.is_empty() { br; span.quiet { (t.serial) ": " (filter.gyros.join(", ")) } }
-        @if let Some(least) = least { br; span.quiet { (t.hook_severity) ": " (t.severity(least)) } }
+        @if is_of_confirmed { br; span.quiet { (t.alerts) ": " (t.status(Status::Confirmed)) } }
     }
 }
 

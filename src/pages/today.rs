@@ -219,7 +219,7 @@ fn violating<'a>(
             tr {
                 td { (badges::badge(t, standing.status)) }
                 (gyro(standing, first && k == 0, names))
-                td.nowrap { (bullet::largest(t, standing)) }
+                td.nowrap { (bullet::leading(t, standing, &standing.violations)) }
                 td { (violated(t, &standing.violations)) }
                 td.nowrap { @if let Some(at) = standing.since { span.quiet { (t.since) " " } (day(at)) } }
                 td {

@@ -72,7 +72,7 @@ pub(super) async fn section(pages: &Pages, viewer: &Viewer) -> Result<Markup, Pr
             @if orders.is_empty() { p { (t.no_orders) } } @else {
                 div.scroll tabindex="0" { table {
                     thead { tr {
-                        th { (t.ordered) } th { (t.which_campaigns) } th { (t.state) } th { (t.progress) } th.n { (t.failed_word) }
+                        th { (t.ordered) } th { (t.which_campaigns) } th { (t.status_word) } th { (t.progress) } th.n { (t.failed_word) }
                         th { (t.ended) } th { (t.actions_word) }
                     } }
                     tbody { @for order in &orders { (line(viewer, order)) } }

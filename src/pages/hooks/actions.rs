@@ -12,10 +12,11 @@ use super::known;
 use crate::core::delivery::DeliveryState;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
+use crate::core::judge::{Severity, Status};
 use crate::core::message::text;
 use crate::message;
 use crate::pages::Pages;
-use crate::pages::form::{Deed, Word, answered, see_other, severity_choice};
+use crate::pages::form::{Deed, Word, answered, choice, see_other};
 use crate::pages::layout::{Page, Section};
 use crate::pages::viewer::Viewer;
 use crate::pipeline::{DeliveryPage, HookKind, Order};
@@ -132,7 +133,7 @@ fn form(viewer: &Viewer, new: &NewHook) -> Deed {
         label { (t.hook_authorization) input name="authorization" value=(new.authorization) autocomplete="off" placeholder="Bearer …"; }
         label { (t.hook_rules) input name="rules" value=(new.rules) placeholder="step, baseline" translate="no"; }
         label { (t.hook_gyros) input name="gyros" value=(new.gyros); }
-        (severity_choice(t, t.hook_severity, "min_severity", &new.min_severity))
+        (choice(t, t.alerts, "min_severity", [(Severity::Critical.name(), t.status(Status::Confirmed))], &new.min_severity))
         label.sure {
             input type="checkbox" name="batch" value="true" checked[new.batch == "true"]; span { (t.hook_batch) }
         }

@@ -69,7 +69,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, filters: &Filters) -> R
         p { (hook.kind) " · " code { (hook.url) } (filter(viewer, &hook.filter)) }
         (buttons(viewer, &hook))
         h2 { (t.deliveries) }
-        nav.tabs aria-label=(t.state) {
+        nav.tabs aria-label=(t.status_word) {
             a href={ "/hooks/" (id) } aria-current=[filters.state.is_empty().then_some("true")] { (t.all_states) }
             @for state in [DeliveryState::Waiting, DeliveryState::Delivered, DeliveryState::Dead].map(DeliveryState::name) {
                 a href=(to(state, "")) aria-current=[(filters.state == state).then_some("true")] { (t.delivery(state)) }
@@ -98,7 +98,7 @@ fn table(viewer: &Viewer, hook: &str, deliveries: &[DeliveryBody], alerts: &[Ale
     html! {
         div.scroll tabindex="0" { table.cards {
             thead { tr {
-                th { (t.message) } th { (t.serial) } th { (t.queued) } th { (t.state) } th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
+                th { (t.message) } th { (t.serial) } th { (t.queued) } th { (t.status_word) } th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
             } }
             tbody { @for delivery in deliveries {
                 @let alert = alerts.iter().find(|alert| Some(&alert.id) == delivery.alert.as_ref());

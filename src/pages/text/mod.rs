@@ -7,7 +7,7 @@ pub(super) use words::Text;
 use crate::core::access::Role;
 use crate::core::bench::BenchMethod;
 use crate::core::effects::Effect;
-use crate::core::judge::{Coefficient, Event, Rule, Severity, Status};
+use crate::core::judge::{Coefficient, Event, Rule, Status};
 use crate::core::message::Message;
 use crate::message;
 
@@ -18,7 +18,7 @@ impl Text {
         self.language().words(message)
     }
 
-    /// A rule, an event, a status, a severity, a method: words without parameters.
+    /// A rule, an event, a status, a method: words without parameters.
     pub fn word(&self, message: &Message) -> &'static str {
         self.language().word(&message.code)
     }
@@ -42,10 +42,6 @@ impl Text {
 
     pub fn status(&self, status: Status) -> &'static str {
         self.word(&status.word())
-    }
-
-    pub fn severity(&self, severity: Severity) -> &'static str {
-        self.word(&severity.word())
     }
 
     /// How an alert stands, by its name on the wire.

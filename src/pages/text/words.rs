@@ -38,7 +38,7 @@ words_of_pages! {
     fleet stations api book contents other_language dark light skip skip_to_first skip_to_verdicts navigation error_title error_back
 
     // Quantities.
-    unit serial imu station state calibrated method date range meaning_d_i meaning_d_s meaning_d_o meaning_e
+    unit serial imu station calibrated method date range meaning_d_i meaning_d_s meaning_d_o meaning_e
     meaning_g meaning_all
 
     // How things stand.
@@ -101,7 +101,7 @@ words_of_pages! {
 
     // Alerts.
     alerts alerts_note no_alerts alert_all alert_firing alert_acknowledged alert_silenced alert_resolved
-    overdue_gyros alert_inhibited explained_by_station stations_alerts imus_alerts inhibited_by_it severity
+    overdue_gyros alert_inhibited explained_by_station stations_alerts imus_alerts inhibited_by_it handling
     rule_word any since fired said_by until acknowledge acknowledge_title acknowledge_what unacknowledge
     unacknowledge_title unacknowledge_what unsilence unsilence_title silence silence_title silence_what silence_days silences silence_of
     silence_many silence_many_what silence_of_nothing end_silence end_silence_title end_silence_what
@@ -117,7 +117,7 @@ words_of_pages! {
 
     // Hooks.
     hooks hooks_note no_hooks hook add_hook add_hook_what delete_hook delete_hook_title delete_hook_what hook_name
-    hook_url hook_secret hook_secret_shown hook_authorization hook_rules hook_gyros hook_severity batch gyro_type
+    hook_url hook_secret hook_secret_shown hook_authorization hook_rules hook_gyros batch gyro_type
     gyro_unit edit_attributes edit_attributes_what hook_batch hook_expect hook_set_up enabled disabled enable
     disable test_hook open_deliveries dead_letters deliveries no_deliveries message queued attempts last_attempt
     redeliver redeliver_dead delivery_behind delivery_waiting delivery_delivered delivery_dead delivery_dropped

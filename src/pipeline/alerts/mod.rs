@@ -93,7 +93,7 @@ impl Alerts {
         Ok(rows.into_iter().map(|row| naming.alert(row, now)).collect::<Result<_, StoreError>>()?)
     }
 
-    /// Alerts that a filter lets through, gyro by gyro: those that stand worst first, of what is resolved those whose
+    /// Gyros with their alerts that a filter lets through: those that stand worst first, of what is resolved those whose
     /// alert is the newest; from the gyro of place `skip` on, as many as `most`.
     ///
     /// # Errors
@@ -103,14 +103,15 @@ impl Alerts {
         filter: &AlertFilter,
         skip: usize,
         most: usize,
-    ) -> Result<Vec<Vec<AlertBody>>, StorageError> {
+    ) -> Result<Vec<(u32, Vec<AlertBody>)>, StorageError> {
         let (now, is_newest_first) = (self.clock.now(), filter.standing == Some(Standing::Resolved));
         let gyros = store::alerts::gyros_found(&self.store, filter, now, is_newest_first, [skip, most]).await?;
         let rows = store::alerts::found_of(&self.store, filter, now, &gyros).await?;
         let naming = Naming { tables: &self.store.names().read(), new: None };
         let of_gyro = |gyro: &u32| {
             let of_it = rows.iter().filter(|row| row.of.gyro() == Some(*gyro));
-            of_it.map(|row| naming.alert(row, now)).collect::<Result<Vec<AlertBody>, StoreError>>()
+            let alerts = of_it.map(|row| naming.alert(row, now)).collect::<Result<_, _>>()?;
+            Ok((*gyro, alerts))
         };
         Ok(gyros.iter().map(of_gyro).collect::<Result<_, StoreError>>()?)
     }

@@ -53,6 +53,8 @@ pub struct Violation {
     pub coefficient: Coefficient,
     pub rule: Rule,
     pub status: Status,
+    /// The figure over its limit, where it is a measure.
+    pub load: Option<f64>,
 }
 
 /// What an alert knows of a gyro that the verdicts on its newest record do not: that the methods disagree, or that a
@@ -246,14 +248,14 @@ fn violations(verdicts: &[StoredVerdict], told: &[AlertFinding]) -> impl Iterato
         let StoredVerdict { coefficient, rule, .. } = *verdict;
         let same = told.iter().find(|told| (told.coefficient, told.rule) == (coefficient, rule));
         let status = same.map_or(verdict.status(), |told| told.status.max(verdict.status()));
-        Violation { coefficient, rule, status }
+        Violation { coefficient, rule, status, load: load(verdict) }
     })
 }
 
 impl Violation {
     fn of(told: &AlertFinding) -> Self {
-        let AlertFinding { coefficient, rule, status, .. } = *told;
-        Self { coefficient, rule, status }
+        let AlertFinding { coefficient, rule, status, load } = *told;
+        Self { coefficient, rule, status, load: Some(load) }
     }
 }
 

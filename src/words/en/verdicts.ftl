@@ -119,6 +119,9 @@ alert_fires = { $serial }: { $coefficient } { $rule } fires ({ $severity })
 mail_test = Test of the hook { $hook }: nothing is wrong
 alert_is_resolved = { $serial }: { $coefficient } { $rule } is resolved
 
+# The figure that leads a line.
+share_of_limit = { $percent } % of the limit
+
 # What the verdicts suggest. A person decides.
 suggestion_release = Release: in tolerance by every rule that could judge.
 suggestion_more_records = Calibrate again: there are too few records to judge by.

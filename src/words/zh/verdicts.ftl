@@ -111,6 +111,9 @@ alert_fires = { $serial }：{ $coefficient } { $rule } 告警（{ $severity }）
 mail_test = 钩子{ $hook }的测试：一切正常
 alert_is_resolved = { $serial }：{ $coefficient } { $rule } 已恢复
 
+# 行首的数值。
+share_of_limit = 限值的{ $percent } %
+
 # 由判定得出的建议，由人决定。
 suggestion_release = 放行：凡可判定的规则均合格。
 suggestion_more_records = 再次标定：记录过少，无法判定。

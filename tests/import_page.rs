@@ -22,6 +22,18 @@ fn as_base64(name: &str, bytes: &[u8]) -> String {
     format!("file={name}\r\nmap=\r\nprogramme=\r\ntext=data:application/octet-stream;base64,{text}\r\n")
 }
 
+/// As a browser sends the form with a file, with or without a script.
+async fn uploaded(server: &Server, name: &str, file: &[u8]) -> String {
+    let head = format!("Content-Disposition: form-data; name=\"document\"; filename=\"{name}\"\r\n\r\n");
+    let fields = ["map", "programme", "text"]
+        .map(|field| format!("--edge\r\nContent-Disposition: form-data; name=\"{field}\"\r\n\r\n\r\n"));
+    let form = [b"--edge\r\n", head.as_bytes(), file, b"\r\n", fields.concat().as_bytes(), b"--edge--\r\n"].concat();
+    let kind = [("content-type", "multipart/form-data; boundary=edge")];
+    let answer = server.call("POST", "/import/preview", &kind, form).await;
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    answer.text()
+}
+
 fn with_map(map: &str, programme: &str, log: &str) -> String {
     let lines = |text: &str| text.trim_end().replace('\n', "\r\n");
     format!("file=table.csv\r\nmap={}\r\nprogramme={}\r\ntext={}\r\n", lines(map), lines(programme), lines(log))
@@ -88,6 +100,26 @@ async fn workbooks_and_foreign_files_are_read_or_named_as_what_they_are() {
         assert!(shown.contains(expected), "{name}: {shown}");
         assert!(!shown.contains("1 can be stored"), "{name}: {shown}");
     }
+}
+
+#[tokio::test]
+async fn a_file_is_sent_without_a_script_and_gyros_that_are_not_stored_lead_nowhere() {
+    let server = Server::start().await;
+    assert!(server.get("/import").await.text().contains("<input type=\"file\" name=\"document\""));
+    let march = fs::read("docs/examples/march.csv").unwrap();
+    let shown = uploaded(&server, "march \u{53f0}.csv", &march).await;
+    assert!(shown.contains("1 can be stored") && shown.contains("march \u{53f0}.csv"), "{shown}");
+    assert!(shown.contains(">LFG-3002<") && !shown.contains("/gyros/LFG-3002"), "{shown}");
+    // E of G2 is outside its requirement, which says nothing of its drift.
+    assert!(!shown.contains("badge unconfirmed") && shown.matches("badge not_enough_data").count() == 12, "{shown}");
+    assert!(shown.contains("requirement</span>"), "{shown}");
+    let stored = format!("text={}\r\n", field(&shown, "text"));
+    let stored = server.call("POST", "/import/store", &[("content-type", "text/plain")], stored).await.text();
+    assert!(stored.contains("href=\"/records/"), "{stored}");
+    let again = uploaded(&server, "march.csv", &march).await;
+    assert!(again.contains("href=\"/gyros/LFG-3002\""), "{again}");
+    let binary = uploaded(&server, "px4.ulg", b"ULog\x01\x12\x35\x01\x00\x00").await;
+    assert!(binary.contains("px4.ulg: is a ULog of PX4"), "{binary}");
 }
 
 /// Whether the table is of a campaign or of records, and however it comes.

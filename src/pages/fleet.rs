@@ -209,7 +209,7 @@ fn besides(violations: &[Violation]) -> Vec<Violation> {
 pub(super) fn violated(t: &Text, violations: &[Violation]) -> Markup {
     let gravest = violations.iter().max_by_key(|violation| violation.status);
     html! {
-        @if let Some(Violation { coefficient, rule, status }) = gravest {
+        @if let Some(Violation { coefficient, rule, status, .. }) = gravest {
             span.broken.(status.name()) title=(t.status(*status)) { (symbol(coefficient.name())) " " (t.rule(*rule)) }
             @if violations.len() > 1 {
                 @let all: Vec<String> =

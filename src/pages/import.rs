@@ -1,24 +1,28 @@
 //! `/import`: what a file says, and by line everything that is wrong with it or stands in its way, before anything is
 //! stored; then storing it.
 //!
-//! The form is sent as `text/plain`, which is the text as it stands: it works without a script, and a file is no
-//! larger on the way than it is.
+//! A file is sent with the form as it stands, with or without a script. What was looked at is stored as `text/plain`,
+//! which is the text as it stands.
 
 pub(super) mod in_place;
 mod located;
 mod logs;
+mod multipart;
 mod numbered;
 mod replace;
 
 use std::sync::Arc;
 
 use axum::Extension;
+use axum::body::Bytes;
 use axum::extract::State as Held;
-use axum::extract::rejection::StringRejection;
-use axum::http::StatusCode;
+use axum::extract::rejection::BytesRejection;
+use axum::http::header::CONTENT_TYPE;
+use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 
+use super::fleet::violated;
 use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
 use super::notes::noted;
 use super::off_the_loop;
@@ -63,7 +67,8 @@ pub(super) async fn preview(
     Held(pages): Held<Pages>,
     viewer: Viewer,
     Extension(caller): Extension<Caller>,
-    form: Result<String, StringRejection>,
+    headers: HeaderMap,
+    form: Result<Bytes, BytesRejection>,
 ) -> Response {
     let form = match form {
         Ok(form) => form,
@@ -74,9 +79,10 @@ pub(super) async fn preview(
         }
         Err(refused) => return refused.into_response(),
     };
+    let content_type = headers.get(CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default().to_owned();
     let pipeline = pages.pipeline.clone();
     let looked = off_the_loop(move || {
-        let sent = Sent::of(&form);
+        let sent = Sent::of_form(&content_type, &form);
         let (text, made) = match logs::look(&sent) {
             Looked::Text(text) => (text, None),
             Looked::Made(made, text) => (text, Some(made)),
@@ -366,15 +372,14 @@ fn framed(viewer: &Viewer, sent: &Sent, after: Markup) -> Page {
     let body = html! {
         h1 { (t.import) }
         p.lead { (t.import_note) }
-        form.import action="/import/preview#preview" method="post" enctype="text/plain" data-drop {
-            input type="hidden" name="file" disabled;
-            p hidden { label { (t.choose_file) " " input type="file" accept=".json,.ndjson,.jsonl,.csv,.txt,.log,.xlsx,.mat"; } }
+        form.import action="/import/preview#preview" method="post" enctype="multipart/form-data" data-drop {
+            p { label { (t.choose_file) " " input type="file" name="document" accept=".json,.ndjson,.jsonl,.csv,.txt,.log,.xlsx,.mat"; } }
             details open[!sent.map.is_empty()] {
                 summary { (t.of_a_log) }
                 label { (t.map_of_log) textarea name="map" rows="14" spellcheck="false" { (sent.map) } }
                 label { (t.programme_of_log) textarea name="programme" rows="3" spellcheck="false" { (sent.programme) } }
             }
-            label { (t.or_paste) textarea name="text" rows="10" spellcheck="false" required { (sent.text) } }
+            label { (t.or_paste) textarea name="text" rows="10" spellcheck="false" { (sent.text) } }
             button.primary { (t.preview) }
         }
         (after)
@@ -534,7 +539,12 @@ fn foreseen(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup 
                     tr {
                         @if column == 0 {
                             td rowspan="3" { (gyro.slot.name()) }
-                            th scope="rowgroup" rowspan="3" { a href={ "/gyros/" (encoded(gyro.serial.as_str())) } { (gyro.serial) } br; (status::badge(t, Some(foreseen.status))) }
+                            th scope="rowgroup" rowspan="3" {
+                                @if foreseen.is_known { a href={ "/gyros/" (encoded(gyro.serial.as_str())) } { (gyro.serial) } }
+                                @else { span translate="no" { (gyro.serial) } }
+                                br; (status::badge(t, Some(foreseen.status)))
+                                @for one in &foreseen.unmet { br; (violated(t, std::slice::from_ref(one))) " " span.quiet { (t.status(one.status)) } }
+                            }
                         }
                         td { (symbol(name)) }
                         td.n { (figure::drift(foreseen.d[column].value, foreseen.d[column].sd)) }

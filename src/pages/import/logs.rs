@@ -6,6 +6,7 @@ use std::io::Cursor;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
+use super::multipart::{Part, boundary, parts};
 use crate::core::fault::Faults;
 use crate::core::message::{Message, Parameter};
 use crate::logs::campaign::{Made, campaign_from};
@@ -27,7 +28,7 @@ const CAMPAIGN_HEAD: usize = 60;
 /// The fields of the form as text/plain has them, with line ends as files have them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Sent {
-    /// Name of the file, which the script sends.
+    /// Name of the file.
     pub file: String,
     pub map: String,
     pub programme: String,
@@ -44,6 +45,29 @@ impl Sent {
         let text = rest.strip_prefix("text=").unwrap_or(rest);
         let text = text.strip_suffix("\r\n").unwrap_or(text).replace("\r\n", "\n");
         Self { file, map, programme, text }
+    }
+
+    /// Of a form with a file, which counts before the text; else as `text/plain`.
+    pub fn of_form(content_type: &str, body: &[u8]) -> Self {
+        let Some(boundary) = boundary(content_type) else { return Self::of(&String::from_utf8_lossy(body)) };
+        let mut sent = Self::default();
+        for Part { name, file, content } in parts(body, boundary) {
+            let text = || String::from_utf8_lossy(content).replace("\r\n", "\n");
+            match name {
+                "map" => sent.map = text(),
+                "programme" => sent.programme = text(),
+                "document" if !file.is_empty() => {
+                    sent.file = file.to_owned();
+                    sent.text = match str::from_utf8(content) {
+                        Ok(_) if !content.contains(&0) => text().trim_start_matches('\u{feff}').to_owned(),
+                        _ => format!("data:application/octet-stream;base64,{}", STANDARD.encode(content)),
+                    };
+                }
+                "text" if sent.file.is_empty() => sent.text = text(),
+                _ => {}
+            }
+        }
+        sent
     }
 
     fn bytes(&self) -> Vec<u8> {

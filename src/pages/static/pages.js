@@ -230,33 +230,17 @@
     });
   }
 
-  // A file that is dropped or chosen becomes the text of the form, and is previewed at once.
-  const text = async (file) => {
-    try {
-      const read = new TextDecoder("utf-8", { fatal: true }).decode(await file.arrayBuffer());
-      if (!read.includes("\0")) return read;
-    } catch { /* A workbook, or another encoding: as base64. */ }
-    return new Promise((resolve, reject) => {
-      const reader = new FileReader();
-      reader.onload = () => resolve(reader.result);
-      reader.onerror = () => reject(reader.error);
-      reader.readAsDataURL(file);
-    });
-  };
+  // A file that is chosen or dropped is previewed at once.
   for (const form of document.querySelectorAll("form[data-drop]")) {
     const input = form.querySelector("input[type=file]");
-    const take = async (file) => {
-      if (!file) return;
-      form.querySelector("textarea[name=text]").value = await text(file);
-      const name = form.querySelector("input[name=file]");
-      [name.disabled, name.value] = [false, file.name];
-      form.requestSubmit();
-    };
-    input.closest("[hidden]").hidden = false;
-    input.addEventListener("change", () => take(input.files[0]));
+    input.addEventListener("change", () => { if (input.files.length) form.requestSubmit(); });
     form.addEventListener("dragover", (event) => { event.preventDefault(); form.classList.add("over"); });
     form.addEventListener("dragleave", () => form.classList.remove("over"));
-    form.addEventListener("drop", (event) => { event.preventDefault(); take(event.dataTransfer.files[0]); });
+    form.addEventListener("drop", (event) => {
+      event.preventDefault();
+      input.files = event.dataTransfer.files;
+      if (input.files.length) form.requestSubmit();
+    });
   }
 
   for (const picture of document.querySelectorAll(".picture")) if (!picture.closest("#history")) pick(picture);

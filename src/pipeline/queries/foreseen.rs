@@ -1,6 +1,7 @@
 //! What a calibration that is not stored would be judged to be, beside the last that is.
 
 use super::Queries;
+use super::standing::{Violation, violations};
 use super::status;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
@@ -31,8 +32,10 @@ pub struct Foreseen {
     pub outlook: Outlook,
     /// Of D_I, D_S and D_O.
     pub drift: [Status; 3],
-    /// The worst of all.
+    /// The worst of these.
     pub status: Status,
+    /// Requirements on E and G that it does not meet.
+    pub unmet: Vec<Violation>,
 }
 
 /// What a calibration would come to.
@@ -73,10 +76,10 @@ impl Queries {
             let figures = Figures { slot: gyro.slot, ..figures_of(&gyro.separation, Id(0), at, place.0, place.1) };
             let sample = sample_of(&figures, judging.method);
             window.append(sample);
-            let mut verdicts: Vec<Verdict> = window.judge_newest(&limits, Older::NONE);
+            let verdicts: Vec<Verdict> = window.judge_newest(&limits, Older::NONE);
             let outlook = Outlook::of(&verdicts);
-            verdicts.extend(gyro.requirements.iter().flatten());
             let stored: Vec<StoredVerdict> = verdicts.iter().map(StoredVerdict::from).collect();
+            let required: Vec<StoredVerdict> = gyro.requirements.iter().flatten().map(StoredVerdict::from).collect();
             let last = last.map(|figures| (figures.at, sample_of(&figures, judging.method).d));
             let budgets = [limits.d_i.of(Rule::Baseline), limits.d_s.of(Rule::Baseline), limits.closure];
             let change = |column: usize| {
@@ -93,6 +96,7 @@ impl Queries {
                 outlook,
                 drift: status::of_drift(&stored),
                 status: status::of_gyro(&stored),
+                unmet: violations(&required, &[]).collect(),
             });
         }
         let station_is_known = station.is_some() || !has_stations;

@@ -242,7 +242,7 @@ fn worst(figures: &Figures, verdicts: &[StoredVerdict]) -> State {
     judged.map(|verdict| verdict.state).fold(of_drift, State::max)
 }
 
-fn violations(verdicts: &[StoredVerdict], told: &[AlertFinding]) -> impl Iterator<Item = Violation> {
+pub(super) fn violations(verdicts: &[StoredVerdict], told: &[AlertFinding]) -> impl Iterator<Item = Violation> {
     let beyond = verdicts.iter().filter(|verdict| verdict.state == State::Exceeded);
     beyond.map(|verdict| {
         let StoredVerdict { coefficient, rule, .. } = *verdict;

@@ -227,7 +227,7 @@ fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
         div.scroll tabindex="0" { table.cards {
             thead { tr {
                 th { (t.serial) } th.n { (t.rank) } th.n { (t.freedom) } th.n { "χ²/" (t.freedom) } th.n { "p, " (t.lack_of_fit) }
-                th.n { (t.noise) ", deg/h" } th.n { (t.sem_factor) } th { (t.noise_from) }
+                th.n { (t.noise) ", " (t.rate_unit) } th.n { (t.sem_factor) } th { (t.noise_from) }
             } }
             tbody { @for gyro in fits {
                 tr {
@@ -236,7 +236,7 @@ fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
                     td.n data-label=(t.freedom) { (gyro.dof) }
                     td.n data-label="χ²/ν" { (short(gyro.reduced_chi2)) }
                     td.n data-label={ "p, " (t.lack_of_fit) } { (short(gyro.p_value)) }
-                    td.n data-label={ (t.noise) ", deg/h" } { (short(gyro.noise.rms_deg_per_h)) }
+                    td.n data-label={ (t.noise) ", " (t.rate_unit) } { (short(gyro.noise.rms_deg_per_h)) }
                     td.n data-label=(t.sem_factor) { (short(gyro.noise.sem_factor)) }
                     td data-label=(t.noise_from) { (t.noise_source(&gyro.noise.source)) }
                 }
@@ -268,7 +268,7 @@ fn residual_table(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
         details {
             summary { (t.every_residual) }
             div.scroll.tall tabindex="0" { table {
-                thead { tr { th.n { (t.dwell) } @for gyro in fits { th.n { (gyro.serial) ", deg/h" } th.n { "σ" } } } }
+                thead { tr { th.n { (t.dwell) } @for gyro in fits { th.n { (gyro.serial) ", " (t.rate_unit) } th.n { "σ" } } } }
                 tbody { @for dwell in 0..dwells {
                     tr {
                         td.n { (dwell) }

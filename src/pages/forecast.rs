@@ -17,7 +17,6 @@ use crate::wire::diagnosis::{InUseBody, InUseEffectBody};
 use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastPointBody, ThenNowBody};
 use crate::wire::model::ModelBody;
 use crate::wire::time;
-use crate::wire::unit;
 
 /// The forecasts of an IMU's campaigns, oldest first; nothing where there are none.
 pub(super) fn series(t: &Text, points: &[ForecastPointBody]) -> Markup {
@@ -157,17 +156,17 @@ fn picture(t: &Text, points: &[ForecastPointBody]) -> Markup {
     };
     let with = told.iter().map(|(x, at, point, c)| {
         let (error, state) = (short(c.rms_deg_per_h), state_word(t, c));
-        let said = format!("{} · {error} deg/h, {} sd · {state}", at.date(), short(c.rms_over_sd));
+        let said = format!("{} · {error} {}, {} sd · {state}", at.date(), t.rate_unit, short(c.rms_over_sd));
         dot(*x, c.rms_deg_per_h, c.is_outside(), said, &point.campaign)
     });
     let without = told.iter().filter_map(|(x, at, point, c)| {
         let plain = c.ladder.first().filter(|_| c.ladder.len() > 1)?;
-        let said = format!("{} · {} {} deg/h", at.date(), t.without_effects, short(plain.rms_deg_per_h));
+        let said = format!("{} · {} {} {}", at.date(), t.without_effects, short(plain.rms_deg_per_h), t.rate_unit);
         Some(dot(*x, plain.rms_deg_per_h, false, said, &point.campaign))
     });
     let track = |class: &str, dots: Vec<Dot>| Track { class: class.into(), dots, joined: true, ..Track::default() };
     let noise = told.iter().map(|(x, .., c)| (*x, c.noise_deg_per_h)).collect();
-    let caption = html! { span { (t.forecast_error) ", deg/h" } };
+    let caption = html! { span { (t.forecast_error) ", " (t.rate_unit) } };
     let chart = Chart {
         tracks: vec![track("k1", without.collect()), track("k0", with.collect())],
         lines: vec![("station", noise)],
@@ -202,7 +201,7 @@ pub(super) fn rungs(t: &Text, caption: &str, steps: &[(String, f64)], floor: f64
                             rect x="0" y="3" height="12" width=(width(*size)) {}
                             line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
                         } }
-                        td.n { (short(*size)) " deg/h" }
+                        td.n { (short(*size)) " " (t.rate_unit) }
                     }
                 }
                 tr {
@@ -212,7 +211,7 @@ pub(super) fn rungs(t: &Text, caption: &str, steps: &[(String, f64)], floor: f64
                             line x1=(width(floor)) x2=(width(floor)) y1="0" y2="18" {}
                         }
                     }
-                    td.n { (short(floor)) " deg/h" }
+                    td.n { (short(floor)) " " (t.rate_unit) }
                 }
             }
         }
@@ -258,7 +257,7 @@ fn against_model(t: &Text, changed: &ChangedBody) -> Markup {
     let with = |c: &ThenNowBody, value: f64, sd: f64| {
         html! {
             (figure::with_sd(value, Some(sd), 6))
-            @if c.unit != "1" { " " (unit::of_people(&c.unit)) }
+            @if c.unit != "1" { " " (t.unit_of(&c.unit)) }
         }
     };
     html! {

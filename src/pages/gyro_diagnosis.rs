@@ -9,7 +9,7 @@ use super::Pages;
 use super::course::Course;
 use super::figure;
 use super::gyro::known;
-use super::gyro_head::{drift_unit, own_first};
+use super::gyro_head::own_first;
 use super::layout::{Page, Section, encoded, symbol};
 use super::viewer::Viewer;
 use crate::core::changes::{HeldOut, HistoryDiagnosis, cause_word};
@@ -60,7 +60,7 @@ fn section(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, explained: 
                                 @if let Some(others) = cause.others() { ". " (t.words(&others)) }
                             }
                             td.n { (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) }
-                            td { (drift_unit(t, cause.estimate.unit)) }
+                            td { (t.unit_of(cause.estimate.unit)) }
                             td.n { @if let Some(held_out) = cause.held_out { (closure(held_out)) } }
                             td.n { (format!("{:.1e}", cause.p_value_adjusted)) }
                         }

@@ -226,7 +226,7 @@ pub(super) fn causes(t: &Text, facts: &Facts, explained: Option<&ExplainedHistor
                     (t.words(&cause.tie.message())) ") "
                     span.nowrap {
                         (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) " "
-                        (drift_unit(t, cause.estimate.unit))
+                        (t.unit_of(cause.estimate.unit))
                     }
                     @for other in cause.class.iter().filter(|id| **id != cause.cause) {
                         ", " (t.or_as_well) " " (t.words(&cause_word(other)))
@@ -244,11 +244,6 @@ pub(super) fn own_first(answer: &HistoryDiagnosis) -> impl Iterator<Item = &Name
     let of_station = |cause: &&NamedCause| cause.cause == "station";
     let own = answer.causes.iter().filter(move |cause| !of_station(cause));
     own.chain(answer.causes.iter().filter(of_station))
-}
-
-/// A unit of the diagnosis of histories as people read it.
-pub(super) fn drift_unit(t: &Text, unit: &str) -> String {
-    unit.replace("deg/(h*g0)", t.unit).replace("/year", t.a_year)
 }
 
 /// What the verdicts suggest, what was decided, and what can be done.

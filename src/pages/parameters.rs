@@ -78,14 +78,14 @@ pub(super) fn tables(t: &Text, gyros: &[Parameters], required: impl Fn(Slot, &st
     let required = |gyro: &Parameters| required(gyro.slot, &gyro.serial);
     let norm = |three: &Three| three.values.iter().map(|v| v * v).sum::<f64>().sqrt();
     html! {
-        (table(t, ("E", "pulse/arcsec"), gyros, |gyro| {
+        (table(t, ("E", &t.unit_of("pulse/arcsec")), gyros, |gyro| {
             let e = gyro.e?;
             let required = required(gyro);
             Some((e, required.e, Some((norm(&e), required.e_norm))))
         }))
-        (table(t, ("G", "pulse/(s g0)"), gyros, |gyro| Some((gyro.g?, required(gyro).g, None))))
+        (table(t, ("G", &t.unit_of("pulse/(s*g0)")), gyros, |gyro| Some((gyro.g?, required(gyro).g, None))))
         @if gyros.iter().any(|gyro| gyro.p.is_some()) {
-            (table(t, ("P", "pulse/(s g0²)"), gyros, |gyro| Some((gyro.p?, [None; 3], None))))
+            (table(t, ("P", &t.unit_of("pulse/(s*g0^2)")), gyros, |gyro| Some((gyro.p?, [None; 3], None))))
         }
         @let keys = keys(gyros.iter().map(required));
         @if !keys.is_empty() { p.note { (t.requirement_note) @for key in keys { " " code { (key) } } (t.stop) } }

@@ -16,7 +16,6 @@ use crate::pipeline::{NotSplit, RecordSummary, StoredCampaign};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::problem::Problem;
 use crate::wire::split::{MovedBody, PartsBody, SplitBody};
-use crate::wire::unit;
 
 /// Calibrations of the IMU that are offered.
 const OFFERED: u32 = 60;
@@ -122,7 +121,7 @@ pub(super) fn parts(t: &Text, split: &SplitBody) -> Markup {
             thead { tr {
                 th { (t.serial) } th {} th.n { (t.reference) } th.n { (t.now) } th.n { (t.shift) } th.n { "1 σ" } th { (t.unit_word) }
             } }
-            tbody { @for moved in &split.moved { (moved_row(moved)) } }
+            tbody { @for moved in &split.moved { (moved_row(t, moved)) } }
         } }
         @if !split.notes.is_empty() { ul { @for note in &split.notes { li { (note) } } } }
     }
@@ -134,7 +133,7 @@ fn part_row(slot: &str, p: &PartsBody) -> Markup {
 }
 
 /// Every figure to the place of its uncertainty.
-fn moved_row(moved: &MovedBody) -> Markup {
+fn moved_row(t: &Text, moved: &MovedBody) -> Markup {
     let places = figure::places_beside(moved.sd, 6);
     html! {
         tr {
@@ -142,7 +141,7 @@ fn moved_row(moved: &MovedBody) -> Markup {
             td.n { (format!("{:.places$}", moved.reference)) } td.n { (format!("{:.places$}", moved.now)) }
             td.n { (format!("{:+.places$}", moved.shift)) }
             td.n { @if let Some(sd) = moved.sd { (format!("{sd:.places$}")) } @else { "–" } }
-            td { (unit::of_people(&moved.unit)) }
+            td { (t.unit_of(&moved.unit)) }
         }
     }
 }

@@ -40,16 +40,18 @@ pub(super) fn strip(t: &Text, standardised: &[f64], extent: f64) -> Markup {
 
 /// Residuals of one gyro in one campaign, deg/h.
 pub(super) fn in_rate(t: &Text, name: &str, residuals: &[f64], extent: f64) -> Markup {
-    picture(t, name, "deg/h", vec![track("dot", residuals.iter().copied().enumerate(), "deg/h", t)], None, extent)
+    let unit = t.rate_unit;
+    picture(t, name, unit, vec![track("dot", residuals.iter().copied().enumerate(), unit, t)], None, extent)
 }
 
 /// One gyro of a diagnosis, deg/h: hollow before, filled with the named effects added.
 pub(super) fn before_and_after(t: &Text, all: &[ResidualBody], slot: &str, extent: f64) -> Markup {
+    let unit = t.rate_unit;
     let own = || all.iter().filter(|residual| residual.slot == slot);
-    let before = track("hollow", own().map(|r| (r.index, r.before_deg_per_h)), "deg/h", t);
-    let after = track("dot", own().map(|r| (r.index, r.after_deg_per_h)), "deg/h", t);
+    let before = track("hollow", own().map(|r| (r.index, r.before_deg_per_h)), unit, t);
+    let after = track("dot", own().map(|r| (r.index, r.after_deg_per_h)), unit, t);
     let sd = own().map(|r| r.sd_deg_per_h).sum::<f64>() / own().count().max(1) as f64;
-    picture(t, "", "deg/h", vec![before, after], Some(2.0 * sd), extent)
+    picture(t, "", unit, vec![before, after], Some(2.0 * sd), extent)
 }
 
 fn track(class: &str, values: impl Iterator<Item = (usize, f64)>, unit: &str, t: &Text) -> Track {
@@ -102,12 +104,13 @@ pub(super) fn evidence(t: &Text, all: &[Evidence]) -> Markup {
     let reach = 1.08 * extent(points().map(|point| &point.y)).max(f64::MIN_POSITIVE);
     let Some(x) = bounds(points().map(|point| point.x)) else { return html! {} };
     let x = widened(x, 0.05, 1.0);
+    let unit = t.rate_unit;
     let chart = |one: &Evidence| {
         let dot = |point: &Point| Dot {
             x: point.x,
             y: point.y,
             sd: Some(point.sd),
-            said: format!("{} {}: {} deg/h", t.dwell, point.dwell, short(point.y)),
+            said: format!("{} {}: {} {unit}", t.dwell, point.dwell, short(point.y)),
             ..Dot::default()
         };
         Chart {
@@ -117,7 +120,7 @@ pub(super) fn evidence(t: &Text, all: &[Evidence]) -> Markup {
             lines: vec![("fit", [x.0, x.1].map(|x| (x, one.slope * x)).to_vec())],
             ..Chart::new(
                 format!("{}: {}", one.name, t.evidence_note),
-                html! { span { (one.name) ", deg/h" } },
+                html! { span { (one.name) ", " (unit) } },
                 Across::Figure(format!("{}, {}", t.regressor, one.unit)),
                 x,
             )
@@ -157,7 +160,7 @@ impl Setting {
     fn said(&self, t: &Text) -> String {
         match self.deg_per_s {
             None => format!("{} {}", t.up_axis, self.axis()),
-            Some(rate) => format!("{} {}, {rate:.3} deg/s", t.table_rate, self.axis()),
+            Some(rate) => format!("{} {}, {rate:.3} {}", t.table_rate, self.axis(), t.unit_of("deg/s")),
         }
     }
 }
@@ -241,7 +244,7 @@ fn signed_map(t: &Text, all: &[ResidualBody], slots: &[String], settings: &[Sett
             }
             @if fastest > 0.0 {
                 @let base = foot + LANE - 2.0;
-                text x=(LEFT - 6.0) y=(tenth(base)) text-anchor="end" { (format!("{fastest:.*} deg/s", usize::from(fastest < 1.0))) }
+                text x=(LEFT - 6.0) y=(tenth(base)) text-anchor="end" { (format!("{fastest:.*} {}", usize::from(fastest < 1.0), t.unit_of("deg/s"))) }
                 @for (dwell, rate) in settings.iter().enumerate().filter_map(|(dwell, one)| Some((dwell, one.deg_per_s?))) {
                     @let size = (LANE - 4.0) * rate / fastest;
                     rect.set x=(x(dwell)) y=(tenth(base - size)) width=(wide) height=(tenth(size)) {}

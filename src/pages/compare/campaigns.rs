@@ -15,7 +15,6 @@ use crate::pages::{Pages, figure, residuals};
 use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
 use crate::wire::calibration::GyroFitBody;
 use crate::wire::problem::Problem;
-use crate::wire::unit;
 
 /// How long the page waits for a diagnosis that is being made.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -152,12 +151,12 @@ fn parameters(t: &Text, both: &[StoredCampaign; 2], slot: Slot, a: &GyroFitBody,
                     th { (t.unit_word) }
                 }
             }
-            tbody { @for line in lines(both, slot, a, b) { (parameter(&line)) } }
+            tbody { @for line in lines(both, slot, a, b) { (parameter(t, &line)) } }
         } }
     }
 }
 
-fn parameter(line: &Line) -> Markup {
+fn parameter(t: &Text, line: &Line) -> Markup {
     let [(a, sd_a), (b, sd_b)] = line.of;
     let sd = sd_a.zip(sd_b).map(|(a, b)| a.hypot(b));
     let over = line.over_sd();
@@ -179,7 +178,7 @@ fn parameter(line: &Line) -> Markup {
             td.n class=[class.filter(|class| !class.is_empty())] data-label="(B - A)/σ" {
                 @if let Some(over) = over { (format!("{over:+.1}")) } @else { "–" }
             }
-            td translate="no" { (unit::of_people(&line.unit)) }
+            td translate="no" { (t.unit_of(&line.unit)) }
         }
     }
 }

@@ -11,7 +11,6 @@ use crate::pages::{figure, forecast, layout, residuals};
 use crate::wire::diagnosis::{
     CandidateBody, DiagnosisBody, EffectBody, EstimateBody, HeldOutBody, ImpactBody, TableBody,
 };
-use crate::wire::unit;
 
 /// Slot and serial of each gyro in `gyros`; how each dwell was set; `against`: the gap against a reference.
 pub(super) fn of(
@@ -43,7 +42,7 @@ fn summary(t: &Text, d: &DiagnosisBody) -> Markup {
         p.lead { (consequence(t, d)) }
         (ladder(t, d))
         p.note {
-            (t.noise_floor) " " (short(d.noise_floor.deg_per_h)) " deg/h, " (t.noise_source(&d.noise_floor.source))
+            (t.noise_floor) " " (short(d.noise_floor.deg_per_h)) " " (t.rate_unit) ", " (t.noise_source(&d.noise_floor.source))
             " · χ²/ν " (short(d.gap.reduced_chi2)) " → " (short(d.remaining.reduced_chi2))
             " · " (t.adjusted_p) " " (short(d.gap.p_value)) " → " (short(d.remaining.p_value))
             " · " (t.model_in_use) " " code translate="no" { (d.model.listed()) }
@@ -78,7 +77,7 @@ fn sizes(t: &Text, effect: &EffectBody) -> String {
         let slot = if estimate.slot == "all" { String::new() } else { format!("{} ", estimate.slot) };
         let name = if estimate.name == "k" { String::new() } else { format!("{} = ", estimate.name) };
         let value = figure::with_sd(factor * estimate.value, Some(factor * estimate.sd).filter(|sd| *sd > 0.0), 3);
-        format!("{slot}{name}{value} {}", unit::of_people(unit)).trim_end().to_owned()
+        format!("{slot}{name}{value} {}", t.unit_of(unit)).trim_end().to_owned()
     };
     effect.estimates.iter().map(size).collect::<Vec<_>>().join(t.semicolon)
 }
@@ -153,8 +152,8 @@ fn evidence(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String, 
         let own: Vec<&EstimateBody> =
             effect.estimates.iter().filter(|one| !is_shape(one) && (one.slot == slot || one.slot == "all")).collect();
         match own.as_slice() {
-            [one] if one.value != 0.0 => (one.value, regressor_unit(&one.unit)),
-            _ => (1.0, "deg/h".to_owned()),
+            [one] if one.value != 0.0 => (one.value, t.unit_of(&regressor_unit(&one.unit))),
+            _ => (1.0, t.rate_unit.to_owned()),
         }
     };
     let after = |slot: &str, dwell: usize| {
@@ -205,7 +204,7 @@ fn one_effect(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String
                 tbody { @for estimate in &effect.estimates {
                     tr {
                         td { (if estimate.slot == "all" { t.all_gyros } else { &estimate.slot }) } td { (estimate.name) }
-                        td.n { (figure::with_sd(estimate.value, Some(estimate.sd), 6)) } td { (unit::of_people(&estimate.unit)) }
+                        td.n { (figure::with_sd(estimate.value, Some(estimate.sd), 6)) } td { (t.unit_of(&estimate.unit)) }
                     }
                 } }
             } }
@@ -226,7 +225,7 @@ fn closure(t: &Text, held_out: &HeldOutBody) -> Markup {
         p {
             (residuals::closure_bar(held_out.closure, Some(held_out.interval)))
             strong { (percent(held_out.closure)) } " (" (percent(low)) " – " (percent(high)) ") "
-            (t.held_out) " " (short(held_out.before_deg_per_h)) " → " (short(held_out.after_deg_per_h)) " deg/h"
+            (t.held_out) " " (short(held_out.before_deg_per_h)) " → " (short(held_out.after_deg_per_h)) " " (t.rate_unit)
         }
     }
 }
@@ -246,7 +245,7 @@ fn located(t: &Text, d: &DiagnosisBody, slots: &[(String, String)], settings: &[
                     @for phase in &d.located.phases { tr { td { (t.phase(&phase.phase)) } td.n { (percent(phase.share)) } } }
                     @for dwell in &d.located.dwells {
                         tr {
-                            td { (t.dwell) " " (dwell.index) ", " (dwell.slot) ": " (short(dwell.residual_deg_per_h)) " deg/h" }
+                            td { (t.dwell) " " (dwell.index) ", " (dwell.slot) ": " (short(dwell.residual_deg_per_h)) " " (t.rate_unit) }
                             td.n { (percent(dwell.share)) }
                         }
                     }
@@ -393,7 +392,7 @@ fn next(t: &Text, d: &DiagnosisBody) -> Markup {
             section {
                 h2 { (t.measure_next) }
                 div.scroll tabindex="0" { table {
-                    thead { tr { th { (t.up_axis) } th { (t.north_axis) } th.n { (t.table_rate) ", deg/s" } th { (t.separates) } } }
+                    thead { tr { th { (t.up_axis) } th { (t.north_axis) } th.n { (t.table_rate) ", " (t.unit_of("deg/s")) } th { (t.separates) } } }
                     tbody { @for (table, separates) in &settings {
                         tr {
                             td { (TableBody::direction(table.up)) } td { (TableBody::direction(table.north)) }

@@ -10,6 +10,7 @@ use crate::core::effects::Effect;
 use crate::core::judge::{Coefficient, Event, Rule, Status};
 use crate::core::message::Message;
 use crate::message;
+use crate::wire::unit;
 
 pub(super) use crate::words::Language;
 
@@ -30,6 +31,15 @@ impl Text {
             (_, 1) => format!("{count} {}", self.gyro_word),
             _ => format!("{count} {}", self.gyros),
         }
+    }
+
+    /// A unit of an answer as people write it: `deg/(h g0)`, `(°)/(h·g0)`.
+    pub fn unit_of(&self, unit: &str) -> String {
+        let of_people = unit::of_people(&match self.language() {
+            Language::Chinese => unit::of_machines(unit).replace("deg", "(°)").replace('*', "·"),
+            Language::English => unit.to_owned(),
+        });
+        of_people.replace("/year", self.a_year)
     }
 
     pub fn rule(&self, rule: Rule) -> &'static str {
@@ -141,6 +151,24 @@ impl Text {
 mod tests {
     use super::*;
     use crate::core::effects::CATALOGUE;
+
+    #[test]
+    fn units_are_spelled_one_way_in_a_language() {
+        let of_both = |unit: &str| [Language::English, Language::Chinese].map(|one| one.text().unit_of(unit));
+        for (unit, english, chinese) in [
+            ("deg/(h*g0)", "deg/(h g0)", "(°)/(h·g0)"),
+            ("deg/(h*g0)/year", "deg/(h g0) a year", "(°)/(h·g0)/年"),
+            ("deg/h/K", "deg/h/K", "(°)/h/K"),
+            ("deg/(h g0^2)", "deg/(h g0²)", "(°)/(h·g0²)"),
+            ("pulse/(s*g0)", "pulse/(s g0)", "pulse/(s·g0)"),
+            ("ppm", "ppm", "ppm"),
+        ] {
+            assert_eq!(of_both(unit), [english, chinese], "{unit}");
+        }
+        for language in [Language::English, Language::Chinese] {
+            assert_eq!(language.text().unit_of("deg/(h*g0)"), language.text().unit);
+        }
+    }
 
     #[test]
     fn every_effect_has_a_name_in_both_languages() {

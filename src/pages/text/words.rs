@@ -38,7 +38,7 @@ words_of_pages! {
     fleet stations api book contents other_language dark light skip skip_to_first skip_to_verdicts navigation error_title error_back
 
     // Quantities.
-    unit serial imu station calibrated method date range meaning_d_i meaning_d_s meaning_d_o meaning_e
+    unit rate_unit serial imu station calibrated method date range meaning_d_i meaning_d_s meaning_d_o meaning_e
     meaning_g meaning_all
 
     // How things stand.

@@ -18,6 +18,7 @@ page_error_back = Back to the fleet
 
 ## Quantities.
 page_unit = deg/(h g0)
+page_rate_unit = deg/h
 page_serial = Gyro
 page_imu = IMU
 page_station = Station

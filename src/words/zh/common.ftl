@@ -8,7 +8,7 @@ unit_drift = (°)/(h·g0)
 unit_days = 天
 unit_standard_deviations = 倍标准差
 unit_pulse_per_arcsec = pulse/arcsec
-unit_pulse_per_second = pulse/(s g0)
+unit_pulse_per_second = pulse/(s·g0)
 
 status_in_tolerance = 合格
 status_not_enough_data = 数据不足

@@ -18,6 +18,7 @@ page_error_back = 返回陀螺总览
 
 ## Quantities.
 page_unit = (°)/(h·g0)
+page_rate_unit = (°)/h
 page_serial = 陀螺编号
 page_imu = 惯性组合
 page_station = 测试站
@@ -295,7 +296,7 @@ page_by_attitude = 按姿态和转速排列
 page_place = 位置
 page_share = 所占差异
 page_against = 与以往标定比较
-page_against_note = 各测点的均方根，°/h；三部分的平方和等于总差异的平方。
+page_against_note = 各测点的均方根，(°)/h；三部分的平方和等于总差异的平方。
 page_none_before = 该惯性组合没有更早的标定，可以选择较晚的标定。
 page_hold_against = 比较
 page_reference = 参照标定

@@ -152,7 +152,7 @@ fn search(viewer: &Viewer, filters: &Filters) -> Markup {
             input type="hidden" name="state" value=(filters.state());
             input type="search" name="serial" value=(filters.serial) placeholder=(t.serial) aria-label=(t.serial);
             (rule_choice(t, &filters.rule))
-            (choice(t, t.status(Status::Confirmed), "severity", [(Severity::Critical.name(), t.yes), (Severity::Warning.name(), t.no)], &filters.severity))
+            (choice(t, t.is_confirmed, "severity", [(Severity::Critical.name(), t.yes), (Severity::Warning.name(), t.no)], &filters.severity))
             button { (t.search) }
         }
     }

@@ -135,7 +135,7 @@ fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody, alert: Option<&Ale
                 @if let Some(last) = delivery.attempts.last() {
                     (written(&last.at)) " " @if let Some(status) = last.status { (status) " " }
                     span.quiet { (last.detail) " " (format!("{:.0} ms", last.took_ms)) }
-                    @if let Some(answer) = &last.answer { br; code translate="no" { (answer) } }
+                    @if let Some(answer) = &last.answer { details { summary { (t.answer) } code translate="no" { (answer) } } }
                 }
             }
             td {

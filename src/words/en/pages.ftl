@@ -392,6 +392,7 @@ page_stations_alerts = Stations
 page_imus_alerts = IMUs
 page_inhibited_by_it = Alerts of gyros that it explains
 page_handling = Handling
+page_is_confirmed = Confirmed
 page_rule_word = Rule
 page_any = any
 page_since = Since
@@ -511,6 +512,7 @@ page_delivery_waiting = waiting
 page_delivery_delivered = delivered
 page_delivery_dead = dead letter
 page_delivery_dropped = dropped
+page_answer = Answer
 
 ## A report to print.
 page_report = Report to print

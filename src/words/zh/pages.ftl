@@ -392,6 +392,7 @@ page_stations_alerts = 测试站
 page_imus_alerts = 惯组
 page_inhibited_by_it = 由其解释的陀螺告警
 page_handling = 处理情况
+page_is_confirmed = 已证实
 page_rule_word = 规则
 page_any = 不限
 page_since = 起始时间
@@ -511,6 +512,7 @@ page_delivery_waiting = 等待
 page_delivery_delivered = 已送达
 page_delivery_dead = 死信
 page_delivery_dropped = 已丢弃
+page_answer = 应答
 
 ## A report to print.
 page_report = 打印报告

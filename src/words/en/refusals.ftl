@@ -49,7 +49,7 @@ title_not_json = Not JSON
 title_unsupported_media_type = Unsupported media type
 title_bad_idempotency_key = Bad Idempotency-Key
 title_bad_query = Bad query
-compare_what = compare 2 to { $most } gyros (gyro=A&gyro=B) or two campaigns (campaign=A&campaign=B)
+compare_what = select 2 to { $most } gyros in the fleet, or two campaigns on the page of their IMU
 title_too_large = Too large
 title_broken_off = Broken off
 title_foreign_page = Foreign page

@@ -49,7 +49,7 @@ title_not_json = 不是JSON
 title_unsupported_media_type = 不支持的媒体类型
 title_bad_idempotency_key = Idempotency-Key有误
 title_bad_query = 查询参数有误
-compare_what = 可对比 2 至 { $most } 个陀螺（gyro=A&gyro=B）或两次标定试验（campaign=A&campaign=B）
+compare_what = 请在陀螺一览中选择2至{ $most }个陀螺，或在惯组页面选择两次标定试验
 title_too_large = 过大
 title_broken_off = 中断
 title_foreign_page = 来自其他网站的页面

@@ -53,7 +53,7 @@ impl Facts {
         let records = pages.pipeline.queries.records.of_imu(number, RECORDS).await?;
         let seats = pages.pipeline.queries.fleet.seated_in(number).await?;
         let parameters = match records.first() {
-            Some(head) => Some(newest_parameters(pages, viewer.text(), head).await?),
+            Some(head) => parameters_of(pages, viewer.text(), head.id, None).await?,
             None => None,
         };
         Ok(Self { seats, records, parameters })
@@ -96,27 +96,31 @@ async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Proble
     Ok(Page { title: imu.to_owned(), section: Section::Fleet, body })
 }
 
-async fn newest_parameters(pages: &Pages, t: &Text, head: &RecordSummary) -> Result<Markup, Problem> {
-    let judging = &pages.config.judging;
-    let tables = match head.kind {
+/// E, G and P of a record, with what is required of them: of one gyro, or of all.
+pub(super) async fn parameters_of(
+    pages: &Pages,
+    t: &Text,
+    record: Id,
+    serial: Option<&str>,
+) -> Result<Option<Markup>, Problem> {
+    let records = &pages.pipeline.queries.records;
+    let Some(sent) = records.sent(record).await? else { return Ok(None) };
+    let (imu, geometry, mut gyros) = match sent.kind {
         Kind::Campaign => {
-            let stored = pages.pipeline.queries.records.campaign(head.id).await?;
-            stored.and_then(|stored| {
-                let gyros: Vec<_> = stored.answer.calibration.gyros.iter().map(Parameters::fitted).collect();
-                let body = serde_json::from_str::<CampaignBody>(&stored.item.body).ok()?;
-                Some(parameters::tables(t, &gyros, parameters::required(judging, &body.imu, &body.geometry)))
-            })
+            let stored = records.campaign(record).await?;
+            let body = serde_json::from_str::<CampaignBody>(&sent.body).ok();
+            let Some((stored, body)) = stored.zip(body) else { return Ok(None) };
+            let gyros: Vec<_> = stored.answer.calibration.gyros.iter().map(Parameters::fitted).collect();
+            (body.imu, body.geometry, gyros)
         }
         Kind::Record => {
-            let stored = pages.pipeline.queries.records.sent(head.id).await?;
-            let body = stored.and_then(|item| serde_json::from_str::<RecordBody>(&item.body).ok());
-            body.map(|body| {
-                let gyros: Vec<_> = body.gyros.iter().map(Parameters::stated).collect();
-                parameters::tables(t, &gyros, parameters::required(judging, &body.imu, &body.geometry))
-            })
+            let Ok(body) = serde_json::from_str::<RecordBody>(&sent.body) else { return Ok(None) };
+            let gyros = body.gyros.iter().map(Parameters::stated).collect();
+            (body.imu, body.geometry, gyros)
         }
     };
-    Ok(tables.unwrap_or_default())
+    gyros.retain(|gyro| serial.is_none_or(|serial| gyro.serial == serial));
+    Ok(Some(parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &imu, &geometry))))
 }
 
 /// The gyros that are in it, and apart from them those that another one has replaced.

@@ -18,7 +18,7 @@ use crate::wire::record::GyroBody;
 /// One gyro's parameters of model (6).
 pub(super) struct Parameters {
     slot: Slot,
-    serial: String,
+    pub serial: String,
     /// Pulse/arcsec, pulse/(s g0) and pulse/(s g0^2), body axes.
     e: Option<Three>,
     g: Option<Three>,

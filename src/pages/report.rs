@@ -40,6 +40,10 @@ pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Res
     let facts = Facts::of(pages, number, serial, &view, 0).await?;
     let explained = explained(pages, number, serial, &facts).await?;
     let rested_on = rested_on(pages, &facts).await?;
+    let parameters = match facts.course.figures.last() {
+        Some(newest) => imu::parameters_of(pages, t, newest.record, Some(serial)).await?,
+        None => None,
+    };
     let names = pages.pipeline.queries.names();
     let plots = history_plot::plots(viewer, serial, view, facts.seen(), &names, "");
     let count = facts.course.figures.len();
@@ -57,6 +61,7 @@ pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Res
                 (boxes(t))
             }
             (plots.signs(t))
+            @if let Some(parameters) = parameters { section { h2 { (t.newest_parameters) } (parameters) } }
             section { h2 { (t.verdicts) } (verdicts::table(viewer, &facts.verdicts, &facts.alerts, None)) }
             section { h2 { (symbol("D_O")) ": " (t.meaning_d_o) } (plots.of(&[2])) }
             (before_after::section(viewer, &facts.course, view.judged))
@@ -137,11 +142,7 @@ fn limits(t: &Text, limits: &Limits) -> Markup {
         let closure = limits.closure.filter(|_| rule == Rule::Closure);
         [limits.d_i.stated(rule), limits.d_s.stated(rule), closure]
     };
-    // Of a station, and of no gyro.
-    let rules = Rule::ALL
-        .into_iter()
-        .filter(|rule| !matches!(rule, Rule::StationShift | Rule::Forecast))
-        .map(|rule| (rule, of_rule(rule)));
+    let rules = Rule::ALL.map(|rule| (rule, of_rule(rule))).into_iter();
     html! { div {
         div.scroll tabindex="0" { table.small {
             thead { tr {
@@ -211,6 +212,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
                     h2 { (t.serial) " " (serial) " " (facts.badge(t)) }
                     (gyro_head::loads(t, &facts.stands(view.judged)))
                     (conclusion(t, facts))
+                    (limits(t, &facts.course.limits))
                     (verdicts::table(viewer, &facts.verdicts, &facts.alerts, None))
                     @let plots = history_plot::plots(viewer, serial, view, facts.seen(), &names, &format!("-{serial}"));
                     (plots.of(&[0, 1, 2])) (plots.signs(t))

@@ -65,7 +65,7 @@ page_last_seen = Last seen
 
 ## One gyro.
 page_history = History
-page_plot_note = Bars: one standard deviation. Drag across a plot to zoom, double-click for all; click a point to open its record.
+page_plot_note = Bars, and ± of a point: one standard deviation of its record; the table above adds that of the baseline. Drag across a plot to zoom, double-click for all; click a point to open its record.
 page_since_baseline = Since the last baseline
 page_whole_history = All
 page_save_picture = Save picture
@@ -565,7 +565,7 @@ page_in_days = in
 page_days_word = days
 page_several_at_once = Several gyros at once
 page_nothing_together = Since that day no station's gyros lie to one side together.
-page_several_note = Newest calibrations since that day. The median load of a station's gyros is shown where it is four standard errors from zero. Check the station before the gyros.
+page_several_note = Newest calibrations since that day, of gyros with a baseline. The median load of a station's gyros is shown where it is four standard errors from zero. Check the station before the gyros.
 page_outside_forecast_title = Outside their forecast
 page_outside_note = Campaigns since that day that the rule forecast finds outside what the model in force before them foretold. Gyro and error: the furthest.
 page_forecast = Forecast

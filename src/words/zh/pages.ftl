@@ -65,7 +65,7 @@ page_last_seen = 最近上报
 
 ## One gyro.
 page_history = 历史
-page_plot_note = 误差棒：一倍标准差。在图上拖动放大，双击还原；点击数据点打开其记录。
+page_plot_note = 误差棒与数据点的±：其记录的一倍标准差；上表另计基线的标准差。在图上拖动放大，双击还原；点击数据点打开其记录。
 page_since_baseline = 自最近基线起
 page_whole_history = 全部
 page_save_picture = 保存图片
@@ -565,7 +565,7 @@ page_in_days = 还有
 page_days_word = 天
 page_several_at_once = 多个陀螺同时变化
 page_nothing_together = 该日以来没有测试站的陀螺同时偏向一侧。
-page_several_note = 取该日以来的最新标定；某测试站各陀螺负荷的中位数偏离零超过四倍标准误差时列出。请先检查测试站，再检查陀螺。
+page_several_note = 取已有基线的陀螺自该日以来的最新标定；某测试站各陀螺负荷的中位数偏离零超过四倍标准误差时列出。请先检查测试站，再检查陀螺。
 page_outside_forecast_title = 超出预报的试验
 page_outside_note = 该日以来按预报规则超出此前现用模型预报的试验；所列为偏离最大的陀螺及其误差。
 page_forecast = 预报

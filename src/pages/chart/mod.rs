@@ -402,6 +402,20 @@ impl Chart {
         }
     }
 
+    /// At the foot of the budget, or under its head where points are in the way.
+    fn place_of_label(&self, level: &Level, scale: &Scale) -> f64 {
+        let within = |y: f64| y.clamp(LINE, self.height - 2.0);
+        let Some(budget) = level.budget else { return self.height - 4.0 };
+        let foot = within(scale.y(level.at - budget) - 4.0);
+        let head = within(scale.y(level.at + budget) + LINE);
+        let dots = || self.tracks.iter().flat_map(|track| &track.dots);
+        let is_free = |label: f64| {
+            let is_near = |dot: &Dot| (label - LINE / 2.0 - scale.y(dot.y)).abs() < LINE;
+            !dots().any(|dot| (level.from..=level.until).contains(&dot.x) && is_near(dot))
+        };
+        if is_free(foot) || !is_free(head) { foot } else { head }
+    }
+
     /// What stands over the points: names of the lines, flags.
     fn above(&self, scale: &Scale) -> Markup {
         let newest = self.levels.last();
@@ -417,9 +431,10 @@ impl Chart {
             @for level in &self.levels {
                 @let wide = (level.until - level.from) / (self.x.1 - self.x.0);
                 @if !level.label.is_empty() && wide > 0.012 * level.label.chars().count() as f64 {
-                    @let foot = |budget: f64| (scale.y(level.at - budget) - 4.0).clamp(LINE, self.height - 2.0);
-                    @let y = level.budget.map_or(self.height - 4.0, foot);
-                    text.halo x=(scale.x(level.from)) dx="3" y=(place(y)) { (level.label) }
+                    @let y = place(self.place_of_label(level, scale));
+                    // To the left of the end where it would run over the axis.
+                    @if scale.share(level.from) > 0.5 { text.halo x="100%" dx="-3" y=(y) text-anchor="end" { (level.label) } }
+                    @else { text.halo x=(scale.x(level.from)) dx="3" y=(y) { (level.label) } }
                 }
             }
             @for flag in &self.flags {

@@ -132,3 +132,19 @@ fn what_took_time_is_shaded_and_lanes_say_where_a_gyro_was() {
         assert!(drawn.contains(there), "{there} is not in {drawn}");
     }
 }
+
+#[test]
+fn the_name_of_a_level_is_in_the_way_of_no_point_and_of_no_axis() {
+    let place = |values: &[f64], from: f64| {
+        let mut all = chart(values);
+        let from = all.x.0 + from * (all.x.1 - all.x.0);
+        all.levels[0] = Level { from, label: "level 1".into(), ..all.levels[0].clone() };
+        let drawn = all.markup().into_string();
+        let text = drawn.split("<text").find(|text| text.contains(">level 1<")).unwrap().to_owned();
+        (numbers(&text, " y=\"")[0], text.contains("text-anchor=\"end\""))
+    };
+    let ((foot, is_at_end), (head, _)) = (place(&[0.0, 0.0, 0.0], 0.0), place(&[-0.009, -0.009, -0.009], 0.0));
+    assert!(head < 60.0 && foot > 100.0 && !is_at_end, "{head} {foot}");
+    assert_eq!(place(&[-0.009, 0.009, 0.009], 0.0).0, foot, "where points are at both");
+    assert!(place(&[0.0, 0.0, 0.0], 0.6).1, "a level that begins late ends at the end");
+}

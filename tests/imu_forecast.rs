@@ -630,6 +630,115 @@ async fn an_adoption_states_the_stored_campaigns_at_its_temperature_and_its_undo
     assert_eq!((&history[0]["campaigns"], &history[1]["campaigns"]), (&json!(5), &json!(0)));
 }
 
+/// What a station would state that had fitted the campaign itself; at its mean temperature, or at none.
+fn finished(campaign: &Campaign, states_temperature: bool) -> Value {
+    let plain = AugmentedModel::default().options(campaign);
+    let Outcome::Imu { calibration, .. } = evaluate_with(campaign, &plain, &Plausibility::ever()).unwrap() else {
+        panic!("a campaign of an IMU")
+    };
+    let gyros = calibration.gyros.iter().zip(&campaign.gyros).map(|(fitted, gyro)| {
+        let sd = fitted.covariance_eg().unwrap().diagonal().map(f64::sqrt);
+        let [e, g] = [fitted.e().unwrap(), fitted.g().unwrap()].map(<[f64; 3]>::from);
+        json!({
+            "slot": gyro.slot.name(), "serial": gyro.serial.as_str(), "e_pulse_per_arcsec": e, "g_pulse_per_s_g0": g,
+            "e_sd": [sd[0], sd[1], sd[2]], "g_sd": [sd[3], sd[4], sd[5]],
+        })
+    });
+    let measured_at = document(campaign)["measured_at"].clone();
+    let mut record = json!({
+        "imu": "IMU-07", "station": "station-2", "calibrated_at": measured_at, "geometry": "skewed",
+        "gyros": gyros.collect::<Vec<Value>>(),
+    });
+    if states_temperature {
+        let temperatures = campaign.dwells.iter().map(|dwell| dwell.temperature_c.unwrap());
+        record["temperature_c"] = json!(temperatures.sum::<f64>() / campaign.dwells.len() as f64);
+    }
+    record
+}
+
+fn without_temperatures(campaign: &Campaign) -> Value {
+    let mut document = document(campaign);
+    document.as_object_mut().unwrap().remove("temperature_c");
+    for dwell in document["dwells"].as_array_mut().unwrap() {
+        dwell.as_object_mut().unwrap().remove("temperature_c");
+    }
+    document
+}
+
+#[tokio::test]
+async fn records_are_restated_as_campaigns_are_and_what_states_no_temperature_is_held_against_nothing() {
+    let mut lab = Lab::open().await;
+    let exceeded = async |lab: &Lab, path: &str| -> Vec<Value> {
+        let verdicts = lab.get(path).await.ok()["verdicts"].as_array().unwrap().clone();
+        let of_g1 = |verdict: &Value| verdict["serial"] == "LFG-0" && verdict["state"] == "exceeded";
+        verdicts.into_iter().filter(of_g1).map(|verdict| verdict["rule"].clone()).collect()
+    };
+    let warm = |month: u32| campaign(u64::from(month), month, NOMINAL_C + 6.0, 1.0);
+    let first = campaign(1, 1, NOMINAL_C, 1.0);
+    let mut paths = Vec::new();
+    for (kind, sent) in [
+        ("campaigns", document(&first)),
+        ("records", finished(&campaign(2, 2, NOMINAL_C, 1.0), true)),
+        ("campaigns", document(&campaign(3, 3, NOMINAL_C, 1.0))),
+        ("records", finished(&warm(4), true)),
+        ("campaigns", without_temperatures(&warm(5))),
+        ("records", finished(&warm(6), false)),
+    ] {
+        let stored = lab.post(&format!("/v1/{kind}"), &sent).await.created();
+        paths.push(format!("/v1/{kind}/{}", stored["id"].as_str().unwrap()));
+    }
+    let before = d_i(&lab, "LFG-0").await;
+    for k in 3..6 {
+        assert!(step(before[k], before[2]) > 5.0, "{before:?}");
+        assert!(!exceeded(&lab, &paths[k]).await.is_empty(), "as measured {} steps", paths[k]);
+    }
+    let unmoved = d_i(&lab, "LFG-1").await;
+
+    adopts(&lab, &model(&[&first]).into_model(&temperature_g())).await;
+    let now = d_i(&lab, "LFG-0").await;
+    assert!(step(now[3], now[2]) < 3.0 && now[3][1] < 0.005, "{now:?}");
+    assert!(now[3][1] > before[3][1], "what is known of the effect is not known exactly: {now:?} {before:?}");
+    assert!(step(now[1], now[0]) < 3.0 && step(now[1], now[2]) < 3.0, "{now:?}");
+    for k in 4..6 {
+        let [value, sd] = now[k];
+        assert!((value - before[k][0]).abs() < 1e-3 && (0.05..0.5).contains(&sd), "{now:?}");
+    }
+    for path in &paths {
+        assert_eq!(exceeded(&lab, path).await, [] as [Value; 0], "{path}");
+    }
+    assert_eq!(d_i(&lab, "LFG-1").await[3..4], unmoved[3..4], "G2 has no effect of its own");
+    let record = lab.get(&paths[3]).await.ok();
+    let own = &record["separations"][0]["as_measured"];
+    assert!((own["d_i"]["value"].as_f64().unwrap() - before[3][0]).abs() < 1e-12, "{own}");
+    assert!((own["temperature_c"].as_f64().unwrap() - 51.0).abs() < 1.0, "{own}");
+    assert!(record["separations"][1].get("as_measured").is_none_or(Value::is_null), "{record}");
+    for (path, code) in [(&paths[4], "effect_left_out"), (&paths[5], "any_temperature_of_record")] {
+        let notes = lab.get(path).await.ok()["notes"].clone();
+        let note = notes.as_array().unwrap().iter().find(|note| note["code"] == code);
+        assert!(note.is_some_and(|note| note["detail"].as_str().unwrap().contains("no temperature")), "{notes}");
+    }
+    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+
+    // What comes now is stated so from the start, and read so after a restart.
+    let stored = lab.post("/v1/records", &finished(&warm(7), true)).await.created();
+    let path = format!("/v1/records/{}", stored["id"].as_str().unwrap());
+    lab.restart().await;
+    assert_eq!(lab.get(&path).await.ok()["separations"], stored["separations"]);
+    let all = d_i(&lab, "LFG-0").await;
+    assert!(step(all[6], all[2]) < 3.0, "{all:?}");
+    let late = lab.post("/v1/records", &finished(&warm(8), false)).await.created();
+    assert!(late["notes"].to_string().contains("any_temperature_of_record"), "{late}");
+    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+
+    let plain = json!({"terms": [], "effects": [], "author": "M. Adopter", "reason": "no more"});
+    lab.post("/v1/imus/IMU-07/model", &plain).await.created();
+    assert_eq!(d_i(&lab, "LFG-0").await[..6], before[..], "to the last bit");
+    let record = lab.get(&paths[3]).await.ok();
+    assert!(record["separations"][0].get("as_measured").is_none_or(Value::is_null), "{record}");
+    assert!(!lab.get(&paths[5]).await.ok()["notes"].to_string().contains("any_temperature"));
+    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+}
+
 fn at(mut campaign: Value, measured_at: &str) -> Value {
     campaign["measured_at"] = measured_at.into();
     campaign

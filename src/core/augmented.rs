@@ -12,6 +12,7 @@ use super::effects::{Effect, Estimate};
 use super::imu_model::Identified;
 use super::message::{Message, text};
 use super::model::{Term, Terms};
+use super::mounting::Slot;
 use super::record::Name;
 use super::time::UtcMicros;
 use crate::message;
@@ -105,12 +106,18 @@ impl AugmentedModel {
         self.options_with(campaign, campaign.model.or(self.terms).unwrap_or_default())
     }
 
-    /// What is known of the effects of the very gyros of `campaign`.
-    fn known(&self, campaign: &Campaign) -> Vec<Known> {
-        let identified = self.identified.as_ref().filter(|identified| identified.imu == campaign.imu);
+    /// Temperature at which D_I and D_S are stated where effects of temperature are known, deg C.
+    pub fn restates_at(&self) -> Option<f64> {
+        let reference_c = self.identified.as_ref()?.reference_c?;
+        self.effects.iter().any(|known| known.adopted.effect.entry().of_temperature).then_some(reference_c)
+    }
+
+    /// What is known of the effects of the very gyros of `imu`.
+    pub fn known(&self, imu: &Name, gyros: &[(Slot, &Name)]) -> Vec<Known> {
+        let identified = self.identified.as_ref().filter(|identified| identified.imu == *imu);
         let is_same = |slot| {
             let own = identified.and_then(|identified| identified.gyro(slot));
-            own.is_some_and(|own| campaign.gyros.iter().any(|gyro| gyro.slot == slot && gyro.serial == own.serial))
+            own.is_some_and(|own| gyros.contains(&(slot, &own.serial)))
         };
         let of = |known: &KnownEffect| {
             let effect = known.adopted.effect;
@@ -133,10 +140,11 @@ impl AugmentedModel {
         let adopted = self.effects.iter().map(|known| &known.adopted);
         let adopted = adopted.filter(|a| a.effect.term().is_none() && (here || !a.effect.entry().one_occasion));
         let reference_c = self.identified.as_ref().and_then(|identified| identified.reference_c);
+        let gyros: Vec<(Slot, &Name)> = campaign.gyros.iter().map(|gyro| (gyro.slot, &gyro.serial)).collect();
         Options {
             terms: Some(Terms::of(&terms)),
             adopted: adopted.cloned().collect(),
-            known: self.known(campaign),
+            known: self.known(&campaign.imu, &gyros),
             reference_c,
             hypotheses: Vec::new(),
             plausible_sizes: self.plausible_sizes.clone(),

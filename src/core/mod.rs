@@ -7,6 +7,7 @@ pub mod access;
 pub mod adopted;
 pub mod alert_decision;
 pub mod alert_filter;
+pub mod at_reference;
 pub mod augmented;
 pub mod bench;
 pub mod calibrate;

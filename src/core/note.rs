@@ -13,6 +13,8 @@ pub enum Note {
     NoSite,
     /// Effects of temperature cannot be seen.
     NoTemperatures,
+    /// The model of the IMU states D_I and D_S at one temperature, and this record states none.
+    AnyTemperature,
     /// The last line of its table has no end: where the file was cut, so was its last number.
     NoLineEnd { line: usize, value: String },
     /// Of a campaign's dwells and their fit.
@@ -28,6 +30,7 @@ impl Note {
             Note::NoAttitudes => "no_attitudes",
             Note::NoSite => "no_site",
             Note::NoTemperatures => "no_temperatures",
+            Note::AnyTemperature => "any_temperature_of_record",
             Note::NoLineEnd { .. } => "no_line_end",
             Note::Campaign(note) => note.code(),
             Note::History(note) => note.code(),

@@ -21,6 +21,7 @@ use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
 use crate::wire::document::DocumentKind;
 use crate::wire::note;
+use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::sender::SenderBody;
@@ -56,8 +57,10 @@ pub async fn post_record(
     calibration.idempotency_key = post.key()?;
     let (body, kind) = (calibration.body.clone(), Kind::Record);
     let separations = (post.wanted == Wanted::Whole).then(|| app.pipeline.reader.separations(&calibration.gyros));
-    let whole = |id: Id, notes| {
+    let of_model = app.pipeline.reader.notes_of_model(&calibration);
+    let whole = |id: Id, notes: Vec<NoteBody>| {
         let separations = separations.clone().unwrap_or_default();
+        let notes = of_model.iter().cloned().chain(notes).collect();
         RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts: Vec::new() }
     };
     let item = (Submission::Calibration(Box::new(calibration)), Sent::Calibration(kind, &body));

@@ -6,8 +6,9 @@ use super::design::Design;
 use super::regressor::{Regressor, adding, told_apart};
 use crate::core::augmented::{Adopted, Known};
 use crate::core::calibrate::shared_coefficients::Shared;
-use crate::core::campaign::{Campaign, CampaignNote, LeftOut};
-use crate::core::effects::{Effect, Scope, axes};
+use crate::core::campaign::{Campaign, CampaignNote, LeftOut, Temperatures, unknown_kelvin};
+use crate::core::effects::{Effect, Scope, Setting, axes};
+use crate::core::mounting::Slot;
 use crate::core::numerics::basis::Basis;
 use crate::core::numerics::least_squares::{Factor, Fit};
 
@@ -22,12 +23,27 @@ pub(super) struct Regressors {
     pub own: Vec<Vec<Regressor>>,
     /// Of coefficients that all gyros share.
     pub shared: Vec<Shared>,
+    /// What the model says of them.
+    pub known: Vec<Known>,
+    /// Effects of temperature where nobody states one. Their regressors are those of one kelvin in all dwells, to be
+    /// held at zero with what any temperature would do as the standard deviation.
+    pub any_temperature: Vec<Effect>,
     /// Why some cannot be formed.
     pub notes: Vec<CampaignNote>,
 }
 
-pub(super) fn regressors(campaign: &Campaign, adopted: &[Adopted], reference_c: Option<f64>) -> Regressors {
-    let none = |notes| Regressors { own: vec![Vec::new(); campaign.gyros.len()], shared: Vec::new(), notes };
+pub(super) fn regressors(
+    campaign: &Campaign,
+    (adopted, known): (&[Adopted], &[Known]),
+    reference_c: Option<f64>,
+) -> Regressors {
+    let none = |notes| Regressors {
+        own: vec![Vec::new(); campaign.gyros.len()],
+        shared: Vec::new(),
+        known: known.to_vec(),
+        any_temperature: Vec::new(),
+        notes,
+    };
     if adopted.is_empty() {
         return none(Vec::new());
     }
@@ -36,20 +52,33 @@ pub(super) fn regressors(campaign: &Campaign, adopted: &[Adopted], reference_c: 
         Err(why) => return none(vec![CampaignNote::EffectsLeftOut { why }]),
     };
     let mut all = none(notes);
+    let unknown_kelvin = reference_c.filter(|_| Temperatures::stated(campaign).is_none()).map(unknown_kelvin);
+    let at_one_kelvin = Setting { temperature: Some(vec![1.0; setting.dwells()]), ..setting.clone() };
     for adopted in adopted {
         let entry = adopted.effect.entry();
-        if let Some(missing) = (entry.missing)(&setting) {
+        let is_known = |slot: Slot| known.iter().any(|one| (one.effect, one.slot) == (adopted.effect, slot));
+        let of_any =
+            unknown_kelvin.filter(|_| entry.of_temperature && adopted.slots.iter().any(|slot| is_known(*slot)));
+        let setting = if of_any.is_some() { &at_one_kelvin } else { &setting };
+        if let Some(missing) = (entry.missing)(setting) {
             let (effect, why) = (adopted.effect, LeftOut::Lacks(missing));
             all.notes.push(CampaignNote::EffectLeftOut { slot: None, effect, why });
             continue;
+        }
+        if let Some(kelvin) = of_any {
+            all.any_temperature.push(adopted.effect);
+            for one in all.known.iter_mut().filter(|one| one.effect == adopted.effect) {
+                (one.value, one.sd) = (0.0, kelvin * one.value.hypot(one.sd));
+            }
         }
         let coefficients = entry.coefficients(adopted.shape);
         let first = all.shared.len();
         if entry.scope == Scope::Common {
             all.shared.resize_with(first + coefficients.len(), || vec![None; campaign.gyros.len()]);
         }
-        for (j, axes) in setting.gyros.iter().enumerate().filter(|(_, axes)| adopted.slots.contains(&axes.slot)) {
-            let columns = (entry.columns)(&setting, j, adopted.shape);
+        let acts_in = |slot: Slot| adopted.slots.contains(&slot) && (of_any.is_none() || is_known(slot));
+        for (j, axes) in setting.gyros.iter().enumerate().filter(|(_, axes)| acts_in(axes.slot)) {
+            let columns = (entry.columns)(setting, j, adopted.shape);
             for (c, (column, coefficient)) in columns.into_iter().zip(&coefficients).enumerate() {
                 let column = axes.scale * DVector::from_vec(column);
                 let regressor = Regressor { effect: adopted.effect, coefficient: *coefficient, column };

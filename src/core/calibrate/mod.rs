@@ -117,7 +117,8 @@ fn calibrate_in(
     reference_c: Option<f64>,
     stated: &StationUncertainty,
 ) -> Calibration {
-    let Regressors { own, shared: of_all, mut notes } = effect_columns::regressors(campaign, adopted, reference_c);
+    let Regressors { own, shared: of_all, known, any_temperature, mut notes } =
+        effect_columns::regressors(campaign, (adopted, known), reference_c);
     let dwells = &campaign.dwells;
     let has_sem = campaign.states_errors();
     let repeats = crate::core::campaign::repeats::repeats(dwells);
@@ -125,12 +126,13 @@ fn calibrate_in(
     let mut fits: Vec<GyroFit> = own
         .into_iter()
         .enumerate()
-        .map(|(j, r)| fit_gyro(campaign, j, terms, (r, known), &repeats, &mut shared))
+        .map(|(j, r)| fit_gyro(campaign, j, terms, (r, &known), &repeats, &mut shared))
         .collect();
     for (fit, gyro) in fits.iter().zip(&campaign.gyros) {
         let note = |effect: &Effect, why| CampaignNote::EffectLeftOut { slot: Some(gyro.slot), effect: *effect, why };
         notes.extend(fit.hidden.iter().map(|effect| note(effect, LeftOut::NotTold)));
-        notes.extend(fit.held_effects().iter().map(|effect| note(effect, LeftOut::Held)));
+        let held = |effect| if any_temperature.contains(effect) { LeftOut::AnyTemperature } else { LeftOut::Held };
+        notes.extend(fit.held_effects().iter().map(|effect| note(effect, held(effect))));
     }
     let common = (!of_all.is_empty()).then(|| fit_common(of_all, &mut fits, has_sem, &repeats, &shared));
     let told = |effect: &Effect| CampaignNote::EffectLeftOut { slot: None, effect: *effect, why: LeftOut::NotTold };
@@ -146,13 +148,16 @@ fn calibrate_in(
         fits.iter().zip(&noises).map(|(fit, noise)| fit.coordinates(noise, &shared)).collect();
     let found = (kinds == Kinds::All).then(|| weigh(dwells, has_sem, &fits, &mut coordinates, &shared));
     let is_other_noise = found.as_ref().is_some_and(noise_report::is_other);
-    let gyros: Vec<GyroCalibration> = fits
+    let mut gyros: Vec<GyroCalibration> = fits
         .into_iter()
         .zip(noises)
         .zip(coordinates)
         .zip(&campaign.gyros)
         .map(|(((fit, noise), coordinates), gyro)| fit.finish(gyro, noise, coordinates, is_other_noise, &shared))
         .collect();
+    for gyro in &mut gyros {
+        gyro.effects.retain(|one| !any_temperature.contains(&one.effect));
+    }
     let noise_found = found.map(|found| noise_report::report(&found, &gyros)).unwrap_or_default();
     Calibration { terms, has_sem, repeats, growth, gyros, notes, noise_found }
 }

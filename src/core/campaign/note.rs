@@ -100,6 +100,8 @@ pub enum LeftOut {
     NotTold,
     /// The model knows it better than these dwells tell it.
     Held,
+    /// Nobody states the temperature: standard deviations hold what any would do.
+    AnyTemperature,
 }
 
 impl CampaignNote {

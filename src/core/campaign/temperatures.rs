@@ -23,6 +23,16 @@ const FAULT_VALUES: [f64; 10] = [-999.0, -273.15, -273.0, -127.0, -55.0, 0.0, 85
 /// Share of dwells with a temperature below which none is believed in between.
 const LEAST_SHARE: f64 = 0.5;
 
+/// Temperatures of which a calibration that states none may have had any, deg C: those that IMUs are specified for.
+const ANY_TEMPERATURE: [f64; 2] = [-40.0, 85.0];
+
+/// Root mean square of a temperature that nobody states less `reference_c`, K: a rectangular distribution (GUM 2008,
+/// 4.3.7) of which the mean is not taken off.
+pub fn unknown_kelvin(reference_c: f64) -> f64 {
+    let [low, high] = ANY_TEMPERATURE;
+    ((high - low) / 12.0_f64.sqrt()).hypot((low + high) / 2.0 - reference_c)
+}
+
 /// The temperatures of a campaign.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Temperatures {
@@ -130,6 +140,12 @@ mod tests {
         for (name, course) in courses {
             assert_eq!(found(&course), [0; 0], "{name}");
         }
+    }
+
+    #[test]
+    fn a_temperature_that_nobody_states_is_anywhere_between_the_ends_alike() {
+        // 125 K wide, its mean 22.5 deg C: 36.084 K about it, 42.524 K about 45 deg C.
+        assert!((unknown_kelvin(22.5) - 36.084).abs() < 1e-3 && (unknown_kelvin(45.0) - 42.524).abs() < 1e-3);
     }
 
     #[test]

@@ -84,7 +84,7 @@ pub struct AdoptedModel {
     pub author: String,
     pub reason: String,
     pub model: Arc<AugmentedModel>,
-    /// Stored campaigns that are stated with it.
+    /// Stored campaigns, and records with effects of temperature, that are stated with it.
     pub campaigns: u64,
 }
 

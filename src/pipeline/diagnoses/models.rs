@@ -31,6 +31,13 @@ pub struct InForce {
     pub model: Arc<AugmentedModel>,
 }
 
+impl InForce {
+    /// The model that records are stated by: one that knows effects of temperature.
+    pub fn of_records(&self) -> Option<Id> {
+        self.id.filter(|_| self.model.restates_at().is_some())
+    }
+}
+
 /// The newest model of each IMU, by its number, and the hypotheses that compete in all diagnoses.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ModelCache(Arc<RwLock<HashMap<u32, InForce>>>, Arc<RwLock<Arc<Competing>>>);

@@ -65,21 +65,26 @@ impl Reader {
         Ok(ReadCampaign { fitted, fit: CampaignFit { campaign, outcome, model: in_force.id }, body })
     }
 
-    /// A campaign that was fitted before another model came into force, fitted with the one in force; none where that
-    /// cannot be, or is not needed.
-    pub(in crate::pipeline) fn fitted_anew(&self, sent: &Calibration) -> Option<Calibration> {
+    /// A calibration that was read before another model came into force, as the one in force states it; none where
+    /// that cannot be, or is not needed.
+    pub(in crate::pipeline) fn restated_anew(&self, sent: &Calibration) -> Option<Calibration> {
         if !self.is_outdated(sent) {
             return None;
         }
-        let anew = self.fitted_with_model_in_force(sent.imu.as_str(), &sent.body)?;
-        let kept = (Arc::clone(&sent.body), sent.body_sha256);
-        let calibration = self.calibration_of(&anew.campaign, &anew.outcome, anew.model, kept);
+        let calibration = match sent.kind {
+            Kind::Record => self.reread_record(&sent.body, &self.in_force(sent.imu.as_str())).ok()?,
+            Kind::Campaign => {
+                let anew = self.fitted_with_model_in_force(sent.imu.as_str(), &sent.body)?;
+                let kept = (Arc::clone(&sent.body), sent.body_sha256);
+                self.calibration_of(&anew.campaign, &anew.outcome, anew.model, kept)
+            }
+        };
         Some(Calibration { idempotency_key: sent.idempotency_key.clone(), ..calibration })
     }
 
-    /// As [`Self::fitted_anew`], of what brings a campaign.
+    /// As [`Self::restated_anew`], of what brings a calibration.
     pub(super) fn read_anew(&self, sent: &Submission) -> Option<Submission> {
-        let anew = self.fitted_anew(sent.calibration()?)?;
+        let anew = self.restated_anew(sent.calibration()?)?;
         Some(match sent {
             Submission::Correction(correction) => Submission::Correction(Box::new(Correction {
                 replacement: Some(anew),
@@ -89,9 +94,13 @@ impl Reader {
         })
     }
 
-    /// Whether a campaign was fitted with another model than the one in force.
+    /// Whether a calibration is stated by another model than the one in force.
     pub(super) fn is_outdated(&self, sent: &Calibration) -> bool {
-        sent.kind == Kind::Campaign && sent.model != self.in_force(sent.imu.as_str()).id
+        let in_force = self.in_force(sent.imu.as_str());
+        match sent.kind {
+            Kind::Record => sent.model != in_force.of_records(),
+            Kind::Campaign => sent.model != in_force.id,
+        }
     }
 
     /// None where it cannot be fitted with that model.
@@ -127,6 +136,11 @@ impl Reader {
         work.await.map_err(|error| StoreError::Damaged(format!("campaign {} could not be fitted: {error}", row.id)))
     }
 
+    /// A stored record, as the model states it that it was stored by.
+    pub(crate) async fn record_again(&self, row: &RecordRow) -> Result<Result<Calibration, Faults>, StoreError> {
+        Ok(self.reread_record(&row.body, &self.fitted_with(row.id).await?))
+    }
+
     pub(crate) fn calibration_again(&self, row: &RecordRow, fitted: &CampaignFit) -> Calibration {
         let kept = (Arc::clone(&row.body), row.body_sha256);
         self.calibration_of(&fitted.campaign, &fitted.outcome, fitted.model, kept)
@@ -155,6 +169,7 @@ impl Reader {
                         slot: gyro.slot,
                         serial: gyro.serial.clone(),
                         separation: separation.clone(),
+                        as_measured: None,
                         requirements,
                     })
                 });
@@ -180,7 +195,8 @@ impl Reader {
         }
     }
 
-    /// The campaigns of an IMU that count, fitted with a model; those of `known` as they are there.
+    /// The campaigns of an IMU that count, fitted with a model, and its records, where that or the one in force states
+    /// them at a temperature; those of `known` as they are there.
     pub(crate) async fn restated(
         &self,
         imu: &str,
@@ -189,8 +205,10 @@ impl Reader {
     ) -> Result<Restated, StoreError> {
         let mut restated = Restated::new();
         let Some(number) = self.store.names().read().imus.number(imu) else { return Ok(restated) };
+        let models = [&self.in_force(imu).model, model];
+        let of_records = models.iter().any(|model| model.restates_at().is_some());
         for head in store::record::of_imu(&self.store, number, u32::MAX).await? {
-            if head.kind != Kind::Campaign {
+            if head.kind == Kind::Record && !of_records {
                 continue;
             }
             if let Some(known) = known.get(&head.id) {
@@ -199,6 +217,10 @@ impl Reader {
             }
             let Some(row) = store::record::get(&self.store, head.id).await? else { continue };
             let model = InForce { id: None, model: Arc::clone(model) };
+            if head.kind == Kind::Record {
+                restated.insert(head.id, self.reread_record(&row.body, &model).ok());
+                continue;
+            }
             let config = Arc::clone(&self.config);
             let work = words::spawn_blocking(move || (evaluated(&config.stations, &row.body, &model), row));
             let (fitted, row) = work
@@ -225,14 +247,14 @@ impl Reader {
         }
     }
 
-    /// The model that a stored campaign was fitted with.
+    /// The model that a stored campaign was fitted with, or a record restated by.
     async fn fitted_with(&self, id: Id) -> Result<InForce, StoreError> {
         let row = store::model::of_campaign(&self.store, id).await?;
         row.as_ref().map_or_else(|| Ok(InForce::default()), models::read)
     }
 }
 
-/// Stored campaigns fitted with another model than they were; none where one cannot be fitted with it.
+/// Stored calibrations stated by another model than they were; none where one cannot be.
 pub(crate) type Restated = HashMap<Id, Option<Calibration>>;
 
 /// Fitted as it was when it came: it was plausible once, whatever today's limits are. What the station left unsaid of

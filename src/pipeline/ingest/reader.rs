@@ -3,10 +3,13 @@
 use std::sync::Arc;
 
 use crate::config::{Config, JudgedMethod, PlausibilityKeys};
+use crate::core::at_reference::{AtReference, at_reference};
+use crate::core::augmented::AugmentedModel;
 use crate::core::fault::{Fault, Faults};
 use crate::core::history_note::is_unset;
 use crate::core::kind::Kind;
 use crate::core::message::text;
+use crate::core::note::Note;
 use crate::core::record::{GyroParameters, Record};
 use crate::core::separate::{CovarianceEg, Unseparable, separate, stated_covariance};
 use crate::core::time::UtcMicros;
@@ -23,6 +26,7 @@ use crate::wire::answer::{MethodBody, SeparationBody};
 use crate::wire::bench::parse_bench_result;
 use crate::wire::campaign::Form;
 use crate::wire::document::DocumentKind;
+use crate::wire::note::NoteBody;
 use crate::wire::record::parse_record;
 use crate::wire::time;
 
@@ -45,18 +49,18 @@ impl Reader {
         let serials = record.gyros.iter().map(|gyro| &gyro.serial);
         check_names(&[("/imu", &record.imu), ("/station", &record.station)], serials)?;
         self.check_time("/calibrated_at", record.calibrated_at)?;
-        self.separated(record, bytes)
+        let in_force = self.in_force(record.imu.as_str());
+        self.separated(record, bytes, &in_force)
     }
 
-    /// Reads a stored record: it was plausible once, whatever today's limits are.
-    pub(crate) fn reread_record(&self, body: &str) -> Result<Calibration, Faults> {
-        self.separated(parse_record(body.as_bytes(), &anything())?, body.as_bytes())
+    /// Reads a stored record as a model states it: it was plausible once, whatever today's limits are.
+    pub(super) fn reread_record(&self, body: &str, by: &InForce) -> Result<Calibration, Faults> {
+        self.separated(parse_record(body.as_bytes(), &anything())?, body.as_bytes(), by)
     }
 
-    fn separated(&self, record: Record, bytes: &[u8]) -> Result<Calibration, Faults> {
+    fn separated(&self, record: Record, bytes: &[u8], by: &InForce) -> Result<Calibration, Faults> {
         let gyros = record.gyros.iter().enumerate().map(|(i, gyro)| {
-            let covariance = stated_covariance(gyro);
-            self.calibrated(&record, (i, gyro), covariance.as_ref()).map_err(|why| {
+            self.at_reference(&record, (i, gyro), &by.model).map_err(|why| {
                 Fault { pointer: format!("/gyros/{i}/e_pulse_per_arcsec"), message: why.message() }.into()
             })
         });
@@ -68,7 +72,7 @@ impl Reader {
             imu,
             station,
             calibrated_at,
-            model: None,
+            model: by.of_records(),
             gyros,
             temperature_c,
             body,
@@ -77,11 +81,27 @@ impl Reader {
         })
     }
 
+    /// One gyro of a record at the temperature of the model, and as measured where that is another.
+    fn at_reference(
+        &self,
+        record: &Record,
+        (place, gyro): (usize, &GyroParameters),
+        model: &AugmentedModel,
+    ) -> Result<CalibratedGyro, Unseparable> {
+        let stated = stated_covariance(gyro);
+        let measured = self.calibrated(record, (place, gyro), stated.as_ref())?;
+        match at_reference(model, record, gyro, stated.as_ref()) {
+            None => Ok(measured),
+            Some(AtReference { gyro, covariance }) => {
+                let restated = self.calibrated(record, (place, &gyro), covariance.as_ref())?;
+                let as_measured = record.temperature_c.map(|celsius| Box::new((celsius, measured.separation)));
+                Ok(CalibratedGyro { as_measured, ..restated })
+            }
+        }
+    }
+
     /// Separates one gyro and holds it to the requirements.
-    ///
-    /// # Errors
-    /// Why E and G cannot be separated.
-    pub fn calibrated(
+    fn calibrated(
         &self,
         Record { geometry, imu, .. }: &Record,
         (place, gyro): (usize, &GyroParameters),
@@ -90,7 +110,8 @@ impl Reader {
         let separation = separate(geometry, gyro.slot, &gyro.e, &gyro.g, covariance)?;
         let (whose, sds) = ((gyro.slot, imu, &gyro.serial), (gyro.e_sd.as_ref(), gyro.g_sd.as_ref()));
         let requirements = self.config.judging.of_parameters(geometry, whose, (&gyro.e, &gyro.g), sds);
-        Ok(CalibratedGyro { place, slot: gyro.slot, serial: gyro.serial.clone(), separation, requirements })
+        let (slot, serial) = (gyro.slot, gyro.serial.clone());
+        Ok(CalibratedGyro { place, slot, serial, separation, as_measured: None, requirements })
     }
 
     /// Reads and checks a bench result.
@@ -166,7 +187,20 @@ impl Reader {
     /// The separations that a calibration is answered with.
     pub fn separations(&self, gyros: &[CalibratedGyro]) -> Vec<SeparationBody> {
         let method = self.method();
-        gyros.iter().map(|gyro| SeparationBody::of(gyro.serial.as_str(), &gyro.separation, method)).collect()
+        let body = |gyro: &CalibratedGyro| {
+            let body = SeparationBody::of(gyro.serial.as_str(), &gyro.separation, method);
+            match gyro.as_measured.as_deref() {
+                Some((celsius, measured)) => body.measured_at(*celsius, measured),
+                None => body,
+            }
+        };
+        gyros.iter().map(body).collect()
+    }
+
+    /// What is to be noted of a record beside the model that it is stated by.
+    pub fn notes_of_model(&self, record: &Calibration) -> Vec<NoteBody> {
+        let is_unknown = record.model.is_some() && record.temperature_c.is_none();
+        is_unknown.then(|| NoteBody::of(&Note::AnyTemperature)).into_iter().collect()
     }
 
     /// The model that the next campaign of an IMU is fitted with.

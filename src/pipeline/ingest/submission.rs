@@ -143,7 +143,7 @@ pub struct Calibration {
     pub imu: Name,
     pub station: Name,
     pub calibrated_at: UtcMicros,
-    /// The adopted model that it was fitted with, if it was one.
+    /// The adopted model that it was fitted with, or a record restated by, if it was one.
     pub model: Option<Id>,
     pub gyros: Vec<CalibratedGyro>,
     /// As the record states it; of a campaign, the mean of what its dwells state and can be relied on, deg C.
@@ -160,6 +160,9 @@ pub struct CalibratedGyro {
     pub slot: Slot,
     pub serial: Name,
     pub separation: Separation,
+    /// Of a record that is stated at the temperature of its IMU's model: its own temperature, deg C, and what it is
+    /// there.
+    pub as_measured: Option<Box<(f64, Separation)>>,
     /// On E and G, which need no history.
     pub requirements: [Option<Verdict>; 2],
 }

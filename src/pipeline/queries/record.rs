@@ -86,7 +86,8 @@ impl Records {
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let closures = closures_of(&calibration);
         let separations = self.reader.separations(&calibration.gyros);
-        let notes = note::read(row.notes.as_deref());
+        let mut notes = self.reader.notes_of_model(&calibration);
+        notes.extend(note::read(row.notes.as_deref()));
         let answer = RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts };
         Ok(Some(StoredRecord { item: self.item(row), answer, seen, closures }))
     }
@@ -140,7 +141,7 @@ impl Records {
         let unreadable =
             |faults: Faults| StoreError::Damaged(format!("the body of record {id} cannot be read: {faults}"));
         let (calibration, fitted) = match row.kind {
-            Kind::Record => (self.reader.reread_record(&row.body).map_err(unreadable)?, None),
+            Kind::Record => (self.reader.record_again(&row).await?.map_err(unreadable)?, None),
             Kind::Campaign => {
                 let fitted = self.reader.fitted_again(&row).await?.map_err(unreadable)?;
                 (self.reader.calibration_again(&row, &fitted), Some(fitted))

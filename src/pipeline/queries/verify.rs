@@ -103,7 +103,7 @@ impl Records {
             verified.faults.push(format!("record {id}: is stored under another time than its text says"));
         }
         // A campaign that cannot be fitted with the model in force, or has other gyros by it, stays as it came.
-        let by_model_in_force = self.reader.fitted_anew(again).filter(|anew| counts && same_gyros(anew, again));
+        let by_model_in_force = self.reader.restated_anew(again).filter(|anew| counts && same_gyros(anew, again));
         for gyro in by_model_in_force.iter().flat_map(|anew| &anew.gyros) {
             let figures = |of: &CalibratedGyro| figures_of(&of.separation, id, row.calibrated_at, row.imu, row.station);
             let was = again.gyros.iter().find(|was| was.place == gyro.place);

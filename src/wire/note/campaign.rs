@@ -64,6 +64,7 @@ pub(super) fn message(note: &CampaignNote) -> Message {
                 LeftOut::Lacks(what) => what.message(),
                 LeftOut::NotTold => message!("not_told_apart"),
                 LeftOut::Held => message!("held_as_in_model"),
+                LeftOut::AnyTemperature => message!("any_temperature"),
             };
             match slot {
                 None => message!("effect_left_out", effect = effect.id(), why = why),

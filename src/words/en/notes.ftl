@@ -31,6 +31,8 @@ station_needs_scale = { $slot } has no E that is held or determined
 station_not_of_bench = it is computed for campaigns of an IMU, not for bench tests
 effects_left_out = the effects of the model are left out: { $why }
 held_as_in_model = it is taken as in the model, which knows it better than these dwells tell it
+any_temperature = no temperature is stated, and the model knows what it does: the sigmas hold what any from -40 to 85 deg C would do. State temperature_c
+any_temperature_of_record = no temperature is stated, and the IMU's model states D_I and D_S at one: the sigmas hold what any from -40 to 85 deg C would do. State temperature_c
 not_told_apart = these dwells cannot tell it from the other terms
 nominal_axis = { $slot }: the campaign does not determine E; the nominal input axis and { $scale } pulse/arcsec are used
 

@@ -140,7 +140,7 @@ fn a_column_adds_where_it_leaves_more_than_a_millionth_of_its_power() {
 fn an_effect_of_several_shared_coefficients_comes_back_beside_another() {
     let both = [Slot::G1, Slot::G2];
     let model = [Effect::Azimuth, Effect::Levelling].map(|effect| adopted(effect, Shape::Linear, &both));
-    let shared = regressors(&campaign(), &model, None).shared;
+    let shared = regressors(&campaign(), (&model, &[]), None).shared;
     let names: Vec<&str> = shared.iter().map(|gyros| gyros[0].as_ref().expect("G1 has it").coefficient.name).collect();
     let of = |effect: Effect| effect.entry().coefficients(Shape::Linear);
     let expected = [of(Effect::Azimuth), of(Effect::Levelling)].concat();
@@ -219,4 +219,18 @@ fn what_the_model_knows_better_is_held_and_states_the_bias_at_its_temperature() 
     campaign.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None);
     campaign.temperature_c = Some(mean + 3.0);
     assert!((bias(&fit(&campaign, known(0.01)), 1).0 - 0.3).abs() < 1e-8, "{:?}", fit(&campaign, known(0.01)).notes);
+    // Nobody states one: the bias is as measured, and any temperature (36 K about 20 deg C) may have made it.
+    campaign.temperature_c = None;
+    let found = fit(&campaign, known(0.01));
+    for (j, by_temperature) in BY_TEMPERATURE.into_iter().enumerate() {
+        let (value, sd) = bias(&found, j);
+        let expected = by_temperature.hypot(0.01) * crate::core::campaign::unknown_kelvin(mean);
+        assert!(
+            (value - 0.3 - 3.0 * by_temperature).abs() < 1e-8 && (sd / expected - 1.0).abs() < 1e-3,
+            "{value} {sd}"
+        );
+        assert!(found.gyros[j].effects.iter().all(|one| one.effect != Effect::TemperatureBias));
+    }
+    let any = |note: &CampaignNote| matches!(note, CampaignNote::EffectLeftOut { why: LeftOut::AnyTemperature, .. });
+    assert!(found.notes.len() == 2 && found.notes.iter().all(any), "{:?}", found.notes);
 }

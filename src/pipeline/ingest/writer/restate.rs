@@ -1,4 +1,4 @@
-//! A model comes into force: the stored campaigns of its IMU are stated by it and judged again in the same transaction,
+//! A model comes into force: the stored calibrations of its IMU are stated by it and judged again in the same transaction,
 //! so that an adoption is no step in D_I and D_S.
 
 use std::collections::HashMap;
@@ -24,7 +24,7 @@ pub(super) struct Restating<'a> {
 }
 
 impl Restating<'_> {
-    /// Puts a model in force; `restated`: the campaigns of its IMU as far as they have been fitted with it.
+    /// Puts a model in force; `restated`: the calibrations of its IMU as far as they have been stated by it.
     pub async fn adopt(
         &mut self,
         (adoption, restated): &(Adoption, Restated),
@@ -61,7 +61,7 @@ impl Restating<'_> {
                 None => None,
             };
             let (Some(calibration), Some(rows)) = (calibration, rows) else {
-                tracing::warn!(campaign = %id, "cannot be fitted with the model that is adopted, and stays as it is");
+                tracing::warn!(calibration = %id, "cannot be stated by the model that is adopted, and stays as it is");
                 continue;
             };
             sent.insert(*id, calibration);

@@ -210,6 +210,18 @@ fn campaigns_that_are_not_of_one_imu_make_no_model_and_other_campaigns_have_no_f
     assert!(matches!(of_both(&exchanged), NotIdentified::GyroExchanged { slot: Slot::G2, .. }));
     assert!(matches!(of_both(&with(&|c| c.imu = name("IMU-X"))), NotIdentified::OtherImu { .. }));
     assert_eq!(of_both(&first), NotIdentified::SameInstant);
+    let held = with(&|c| c.gyros[2].known_e = Some(nalgebra::Vector3::x()));
+    assert_eq!(of_both(&held), NotIdentified::OtherHeld(Slot::G3));
+    // The same gyros in another order are the same gyros.
+    let turned = with(&|c| {
+        c.gyros.reverse();
+        for dwell in &mut c.dwells {
+            dwell.output_pulse_s.reverse();
+            dwell.output_sem_pulse_s.iter_mut().for_each(|sem| sem.reverse());
+        }
+    });
+    let fitted = |other: &Campaign| identify(&[sample(&first), sample(other)], &temperature_g()).unwrap();
+    assert_eq!(fitted(&turned), fitted(&next));
 
     let model = model(&[&first]);
     assert_eq!(compare(&model, &first).unwrap_err(), NoForecast::FittedTo);
@@ -392,7 +404,7 @@ fn the_command_line_fits_foretells_climbs_the_ladder_and_simulates_this_imu() {
         (&["predict", &model, first], "fitted to this campaign"),
         (&["predict", &model, practice.to_str().unwrap()], "the model is of IMU"),
         (&["model", "fit", first, practice.to_str().unwrap()], "the campaigns are of IMU"),
-        (&["model", "fit", first, first], "two campaigns have the same time"),
+        (&["model", "fit", first, first], "first.json: two campaigns have the same time: leave one out"),
         (&["model", "fit", first, "--effects", "ghost"], "ghost"),
         (&["model", "fit", first, "-o", next], "holds no model"),
     ];

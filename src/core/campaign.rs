@@ -1,5 +1,7 @@
 //! A validated campaign: raw dwells of an IMU on a two-axis table, or of one gyro on a test fixture.
 
+use std::borrow::Cow;
+
 use crate::core::numerics::median::median_of;
 use nalgebra::Vector3;
 
@@ -126,6 +128,25 @@ impl Campaign {
     /// Whether the output of gyro `j` is the same in every dwell: nothing can be said of it.
     pub fn is_silent(&self, j: usize) -> bool {
         self.dwells.windows(2).all(|pair| pair[0].output_pulse_s[j] == pair[1].output_pulse_s[j])
+    }
+
+    /// The same with gyros in the order of `slots`, as far as those name them all.
+    pub fn in_order_of(&self, slots: &[Slot]) -> Cow<'_, Self> {
+        let places = slots.iter().map(|slot| self.gyros.iter().position(|gyro| gyro.slot == *slot));
+        let Some(places) = places.collect::<Option<Vec<usize>>>().filter(|p| p.len() == self.gyros.len()) else {
+            return Cow::Borrowed(self);
+        };
+        if places.is_sorted() {
+            return Cow::Borrowed(self);
+        }
+        let ordered = |values: &[f64]| places.iter().map(|place| values[*place]).collect();
+        let mut campaign = self.clone();
+        campaign.gyros = places.iter().map(|place| self.gyros[*place].clone()).collect();
+        for dwell in &mut campaign.dwells {
+            dwell.output_pulse_s = ordered(&dwell.output_pulse_s);
+            dwell.output_sem_pulse_s = dwell.output_sem_pulse_s.as_deref().map(ordered);
+        }
+        Cow::Owned(campaign)
     }
 
     /// The terms to fit: those asked for, else model (6).

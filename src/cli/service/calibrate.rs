@@ -11,7 +11,7 @@ use crate::config::Config;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::calibrate::repeats_between::repeated;
 use crate::core::campaign::{Campaign, StationPart, TestKind};
-use crate::core::imu_model::{NotIdentified, of_one_imu};
+use crate::core::imu_model::of_one_imu;
 use crate::core::mounting::Slot;
 use crate::wire::calibration::{CampaignAnswer, CampaignsAnswer, GyroFitBody, RepeatedBody};
 use crate::wire::document::DocumentKind;
@@ -50,6 +50,16 @@ struct Fitted {
     answer: CampaignAnswer,
 }
 
+/// Refuses campaigns, in the order of time, that are not of one IMU, by the names of their files.
+pub(super) fn files_of_one_imu(files: &[(&str, &Campaign)]) -> anyhow::Result<()> {
+    for (i, (file, one)) in files.iter().enumerate() {
+        for (beside, other) in &files[..i] {
+            of_one_imu(&[other, one]).with_context(|| format!("{file} beside {beside}"))?;
+        }
+    }
+    Ok(())
+}
+
 impl Calibrate {
     pub fn run(self) -> anyhow::Result<()> {
         let config = settings::config()?;
@@ -59,15 +69,8 @@ impl Calibrate {
             return self.format.show(&one.answer, || tables(&one.campaign, &one.outcome, &one.answer));
         }
         fitted.sort_by_key(|one| one.campaign.measured_at);
-        for (i, one) in fitted.iter().enumerate() {
-            for other in &fitted[..i] {
-                let named = |why: NotIdentified| {
-                    let why = words::asked().words(&why.message());
-                    anyhow::anyhow!("{} beside {}: {why}", one.file, other.file)
-                };
-                of_one_imu(&[&other.campaign, &one.campaign]).map_err(named)?;
-            }
-        }
+        let files: Vec<_> = fitted.iter().map(|one| (one.file.as_str(), &one.campaign)).collect();
+        files_of_one_imu(&files)?;
         let pairs: Vec<_> = fitted.iter().map(|one| (&one.campaign, &one.outcome)).collect();
         let between: Vec<RepeatedBody> = repeated(&pairs).iter().map(RepeatedBody::from).collect();
         match self.format {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 
+use super::calibrate::files_of_one_imu;
 use super::{hypothesis, model, settings};
 use crate::cli::document::{self, Format, table};
 use crate::core::augmented::{Adopted, AugmentedModel};
@@ -103,9 +104,14 @@ impl Fit {
         if let Some(path) = &self.out {
             model::may_be_replaced(path)?;
         }
-        let mut read = self.campaigns.iter().map(|path| read(path)).collect::<anyhow::Result<Vec<_>>>()?;
-        read.sort_by_key(|(campaign, _)| campaign.measured_at);
+        let mut paths: Vec<_> =
+            self.campaigns.iter().map(|path| Ok((path, read(path)?))).collect::<anyhow::Result<_>>()?;
+        paths.sort_by_key(|(_, (campaign, _))| campaign.measured_at);
+        let (names, read): (Vec<String>, Vec<_>) =
+            paths.into_iter().map(|(path, read)| (document::name(path), read)).unzip();
         let campaigns: Vec<&Campaign> = read.iter().map(|(campaign, _)| campaign).collect();
+        let files: Vec<_> = names.iter().map(String::as_str).zip(campaigns.iter().copied()).collect();
+        files_of_one_imu(&files)?;
         // What does not fit together is said before anything is diagnosed.
         let plain = AugmentedModel { terms: self.terms, ..AugmentedModel::default() };
         let nothing = vec![Vec::new(); read.len()];

@@ -158,7 +158,8 @@ impl Simulate {
         let effect = hypothesis::files(&files, &model)?.first().copied();
         let amount = self.size.map(Amount::Size).or(self.detectability.map(Amount::Detectability));
         let hypothesis = effect.zip(amount).map(|(effect, amount)| (effect, amount, self.gyros.clone()));
-        Ok(PutIn { model, hypothesis })
+        let model_file = self.model.as_deref().map(document::name).unwrap_or_default();
+        Ok(PutIn { model, model_file, hypothesis })
     }
 
     fn paper_experiment(&self) -> anyhow::Result<()> {
@@ -213,6 +214,7 @@ impl Simulate {
 #[derive(Default)]
 struct PutIn {
     model: AugmentedModel,
+    model_file: String,
     hypothesis: Option<(Effect, Amount, Vec<Slot>)>,
 }
 
@@ -220,7 +222,7 @@ fn made(scenario: &Scenario, put_in: &PutIn) -> anyhow::Result<Simulated> {
     let refused = |faults| anyhow::anyhow!("scenario: {faults}");
     let (scenario, model) = drawn_from(scenario, &put_in.model).map_err(refused)?;
     let mut simulated = simulate(&scenario).map_err(refused)?;
-    augment(&mut simulated, &model).context("--model")?;
+    augment(&mut simulated, &model).with_context(|| format!("--model {}", put_in.model_file))?;
     if let Some((effect, amount, slots)) = &put_in.hypothesis {
         hypothesis::defined_in(&[*effect], &simulated.campaign)?;
         let mut rng = random(scenario.seed, Stream::Hypothesis);

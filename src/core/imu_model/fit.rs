@@ -9,6 +9,7 @@
 //! campaigns' own fits (DerSimonian and Laird 1986) and is zero where their scatter is within their noise. The weights
 //! are the noise that each campaign's own calibration finds.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -52,8 +53,10 @@ pub enum NotIdentified {
     OtherGeometry,
     #[error("{} was {first} and is {other}", .slot.name())]
     GyroExchanged { slot: Slot, first: Name, other: Name },
-    #[error("the campaigns have different gyros, or hold another E")]
+    #[error("the campaigns have different gyros")]
     OtherGyros,
+    #[error("the campaigns hold different E of {}", .0.name())]
+    OtherHeld(Slot),
     #[error("two campaigns of one instant")]
     SameInstant,
     #[error("nothing gives the noise of {}", .0.name())]
@@ -75,6 +78,7 @@ impl NotIdentified {
                 message!("campaigns_of_other_gyro", slot = slot.name(), first = text(first), other = text(other))
             }
             Self::OtherGyros => message!("campaigns_of_other_gyros"),
+            Self::OtherHeld(slot) => message!("campaigns_of_other_held", slot = slot.name()),
             Self::SameInstant => message!("campaigns_of_one_instant"),
             Self::NoNoise(slot) => message!("model_without_noise", slot = slot.name()),
             Self::Refused(why) => why.message(),
@@ -106,7 +110,11 @@ pub fn identify_at(
     model: &AugmentedModel,
     reference_c: Option<f64>,
 ) -> Result<Identified, NotIdentified> {
-    let mut samples = samples.to_vec();
+    let slots: Vec<Slot> =
+        samples.iter().take(1).flat_map(|sample| &sample.campaign.gyros).map(|gyro| gyro.slot).collect();
+    let ordered: Vec<Cow<Campaign>> = samples.iter().map(|sample| sample.campaign.in_order_of(&slots)).collect();
+    let with_gyros = |(sample, campaign)| Sample { campaign, ..Sample::clone(sample) };
+    let mut samples: Vec<Sample> = samples.iter().zip(ordered.iter().map(Cow::as_ref)).map(with_gyros).collect();
     samples.sort_by_key(|sample| sample.campaign.measured_at);
     check(&samples)?;
     let newest = samples.last().ok_or(NotIdentified::NoCampaign)?.campaign;
@@ -155,9 +163,11 @@ pub fn of_one_imu(campaigns: &[&Campaign]) -> Result<(), NotIdentified> {
                 let (first, other) = (other.serial.clone(), gyro.serial.clone());
                 return Err(NotIdentified::GyroExchanged { slot: gyro.slot, first, other });
             }
+            if other.known_e != gyro.known_e {
+                return Err(NotIdentified::OtherHeld(gyro.slot));
+            }
         }
-        let held = |c: &Campaign| c.gyros.iter().map(|g| (g.slot, g.known_e)).collect::<Vec<_>>();
-        if held(c) != held(first) {
+        if c.gyros.len() != first.gyros.len() {
             return Err(NotIdentified::OtherGyros);
         }
     }

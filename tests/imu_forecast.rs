@@ -435,6 +435,7 @@ fn a_model_file_that_contradicts_itself_is_refused_by_the_place_of_its_fault() {
         ("/identified/campaigns", json!([]), "/identified/campaigns"),
         ("/identified/reference_temperature_c", json!(450.0), "/identified/reference_temperature_c"),
         ("/identified/validity/temperature_c", json!([50.0, 40.0]), "/identified/validity/temperature_c"),
+        ("/identified/validity/temperature_c", json!([20.0, 1e9]), "/identified/validity/temperature_c"),
         ("/identified/validity/temperature_c", json!(null), "/identified/reference_temperature_c"),
         ("/identified/gyros/0/e_pulse_per_arcsec", json!([1.0, -1.0, 0.0]), "/identified/gyros/0/e_pulse_per_arcsec"),
         ("/effects/0/estimates/0/value", json!(100.0), "/effects/0/estimates/0/value"),

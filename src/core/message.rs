@@ -72,6 +72,11 @@ pub fn figure(value: f64, decimals: usize) -> Parameter {
     Parameter::Text(format!("{value:.decimals$}").into())
 }
 
+/// A p value: 0.004, 3e-6.
+pub fn p_value(p: f64) -> Parameter {
+    if p > 0.0 && p < 1e-4 { Parameter::Text(format!("{p:.0e}").into()) } else { significant(p, 1) }
+}
+
 /// A figure with so many significant digits, as far as they are decimals.
 pub fn significant(value: f64, digits: i32) -> Parameter {
     let first = value.abs().max(1e-9).log10().floor() as i32;

@@ -184,6 +184,7 @@ pub struct GyroFitBody {
     /// Covariance of the parameters, row by row in their order; none where nothing gives the noise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub covariance: Option<Vec<Vec<f64>>>,
+    /// Of the parameters, without effects.
     pub rank: usize,
     /// Directions of the parameters that no dwell can see.
     pub null_directions: Vec<NullDirectionBody>,

@@ -13,7 +13,7 @@ use crate::core::imu_model::{
 };
 use crate::core::judge;
 use crate::core::judge::{Coefficient, Finding, Limit, LimitKey, Limits, Rule, State, Unseen, Verdict};
-use crate::core::message::{Message, figure, significant, text};
+use crate::core::message::{Message, figure, p_value as probability, text};
 use crate::core::mounting::Slot;
 use crate::message;
 use crate::wire::unit;
@@ -132,7 +132,7 @@ impl ForecastPointBody {
         let compared = self.outside()?;
         let Furthest { slot, rms_over_sd, p_value } = compared.furthest()?;
         let effects = &self.effects_changed;
-        let (slot, rms, p) = (text(slot), figure(rms_over_sd, 2), significant(p_value, 1));
+        let (slot, rms, p) = (text(slot), figure(rms_over_sd, 2), probability(p_value));
         Some(match effects.as_slice() {
             [] => message!("campaign_outside_forecast", slot = slot, rms = rms, p = p),
             _ => {

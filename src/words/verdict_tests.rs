@@ -213,20 +213,20 @@ fn each_finding_is_said_in_both_languages() {
             "6个惯组16个陀螺的D_I中位数比各自基线低0.0251 ± 0.0007 (°)/(h·g0)（2026-01-01至2026-01-10）。原因在测试站，或在这些陀螺的共同之处。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。偏移超出整个允许范围。超差概率> 99.9 %。",
         ],
         [
-            "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 0.00003 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. The model is of one campaign: what usually changes between campaigns may be all of it. Confirmed by a second campaign.",
-            "G2与已采用模型的预报相差最大，均方根为1.47 倍标准差（全部陀螺 p = 0.00003）。偏离最大的是第41个测点，-4.4倍标准差。限值为1.23 倍标准差：0.2 %的标定因偶然超出。模型仅来自一次标定：差异可能只是各次标定之间的通常变化。第二次标定已证实。",
+            "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 3e-5 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. The model is of one campaign: what usually changes between campaigns may be all of it. Confirmed by a second campaign.",
+            "G2与已采用模型的预报相差最大，均方根为1.47 倍标准差（全部陀螺 p = 3e-5）。偏离最大的是第41个测点，-4.4倍标准差。限值为1.23 倍标准差：0.2 %的标定因偶然超出。模型仅来自一次标定：差异可能只是各次标定之间的通常变化。第二次标定已证实。",
         ],
         [
-            "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 0.00003 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. It says nothing: the model has not seen such temperatures.",
-            "G2与已采用模型的预报相差最大，均方根为1.47 倍标准差（全部陀螺 p = 0.00003）。偏离最大的是第41个测点，-4.4倍标准差。限值为1.23 倍标准差：0.2 %的标定因偶然超出。无法判断：模型未见过这样的温度。",
+            "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 3e-5 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. It says nothing: the model has not seen such temperatures.",
+            "G2与已采用模型的预报相差最大，均方根为1.47 倍标准差（全部陀螺 p = 3e-5）。偏离最大的是第41个测点，-4.4倍标准差。限值为1.23 倍标准差：0.2 %的标定因偶然超出。无法判断：模型未见过这样的温度。",
         ],
         [
-            "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 0.00003 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. It says nothing: only a step of D_I and D_S of 0.015 deg/(h g0) or more is sure to show.",
-            "G2与已采用模型的预报相差最大，均方根为1.47 倍标准差（全部陀螺 p = 0.00003）。偏离最大的是第41个测点，-4.4倍标准差。限值为1.23 倍标准差：0.2 %的标定因偶然超出。无法判断：D_I、D_S的阶跃达到0.015 (°)/(h·g0)才必然可见。",
+            "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 3e-5 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. It says nothing: only a step of D_I and D_S of 0.015 deg/(h g0) or more is sure to show.",
+            "G2与已采用模型的预报相差最大，均方根为1.47 倍标准差（全部陀螺 p = 3e-5）。偏离最大的是第41个测点，-4.4倍标准差。限值为1.23 倍标准差：0.2 %的标定因偶然超出。无法判断：D_I、D_S的阶跃达到0.015 (°)/(h·g0)才必然可见。",
         ],
         [
-            "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 0.00003 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. It says nothing: no step of D_I and D_S would show.",
-            "G2与已采用模型的预报相差最大，均方根为1.47 倍标准差（全部陀螺 p = 0.00003）。偏离最大的是第41个测点，-4.4倍标准差。限值为1.23 倍标准差：0.2 %的标定因偶然超出。无法判断：D_I、D_S的任何阶跃都不可见。",
+            "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 3e-5 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. It says nothing: no step of D_I and D_S would show.",
+            "G2与已采用模型的预报相差最大，均方根为1.47 倍标准差（全部陀螺 p = 3e-5）。偏离最大的是第41个测点，-4.4倍标准差。限值为1.23 倍标准差：0.2 %的标定因偶然超出。无法判断：D_I、D_S的任何阶跃都不可见。",
         ],
         [
             "D_I spans 0.0251 +- 0.0007 deg/(h g0) over 3 results: 4.1926 (torque feedback on 2026-01-02) and 4.2177 (separation on 2026-01-03). Limit 0.0100 deg/(h g0) (judging.budget): 251 %. Not due to a single result. P(out of tolerance) > 99.9 %.",

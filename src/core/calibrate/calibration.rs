@@ -75,6 +75,7 @@ pub struct GyroCalibration {
     pub covariance: Option<DMatrix<f64>>,
     /// What that is made of.
     pub uncertainty: Option<Uncertainty>,
+    /// Of the parameters.
     pub rank: usize,
     pub null_directions: Vec<NullDirection>,
     /// Sum of squared residuals over the standard errors as given (over 1 pulse/s without any).

@@ -385,7 +385,7 @@ impl GyroFit {
             effects,
             covariance,
             uncertainty,
-            rank: fit.rank,
+            rank: fit.rank.saturating_sub(regressors.len()),
             null_directions: gauge.chain(cut).collect(),
             chi2: fit.chi2,
             dof: fit.dof,

@@ -6,7 +6,7 @@ use super::rule::Rule;
 use super::rule::{Finding, Source, Unit, Unseen};
 use super::rules::FALSE_ALARMS;
 use super::verdict::{State, Status, Verdict};
-use crate::core::message::{Message, Parameter, figure, list, signed, significant, text};
+use crate::core::message::{Message, Parameter, figure, list, p_value, signed, significant, text};
 use crate::core::time::UtcMicros;
 use crate::core::units::degrees;
 use crate::message;
@@ -269,7 +269,7 @@ impl Verdict {
                 until = day(until),
             )],
             Finding::Forecast { slot, furthest, p, .. } => {
-                let p = if p < 1e-6 { text("< 1e-6") } else { text(format!("= {}", significant(p, 1))) };
+                let p = if p < 1e-6 { text("< 1e-6") } else { text(format!("= {}", p_value(p))) };
                 let slot = slot.name();
                 let mut said = vec![message!("forecast", slot = slot, value = value(), p = p)];
                 said.extend(furthest.map(|(dwell, z)| message!("forecast_dwell", dwell = dwell, z = signed(z, 1))));

@@ -221,8 +221,11 @@ impl IdentifiedBody {
         });
         let terms: Vec<Term> = of_terms.collect();
         let directions: Vec<Vector3<f64>> = self.validity.directions.iter().map(|d| d.vector()).collect();
-        let temperatures = self.validity.temperature_c.iter().flatten().chain(&self.reference_temperature_c);
-        for value in temperatures.chain([&self.validity.rate_arcsec_s]).chain(directions.iter().flatten()) {
+        text::temperature("/identified/reference_temperature_c", self.reference_temperature_c, faults);
+        for celsius in self.validity.temperature_c.into_iter().flatten() {
+            text::temperature("/identified/validity/temperature_c", Some(celsius), faults);
+        }
+        for value in std::iter::once(&self.validity.rate_arcsec_s).chain(directions.iter().flatten()) {
             in_range(*value, "/identified/validity", faults);
         }
         let model = Identified {

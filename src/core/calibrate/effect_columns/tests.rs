@@ -219,6 +219,10 @@ fn what_the_model_knows_better_is_held_and_states_the_bias_at_its_temperature() 
     campaign.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None);
     campaign.temperature_c = Some(mean + 3.0);
     assert!((bias(&fit(&campaign, known(0.01)), 1).0 - 0.3).abs() < 1e-8, "{:?}", fit(&campaign, known(0.01)).notes);
+    // The rank is that of model (6), whatever is fitted beside it.
+    let plain = calibrate_at_station(&campaign, Terms::MODEL_6, &Options::default(), None);
+    let ranks = |found: &Calibration| found.gyros.iter().map(|gyro| gyro.rank).collect::<Vec<usize>>();
+    assert_eq!(ranks(&fit(&campaign, known(0.01))), ranks(&plain));
     // Nobody states one: the bias is as measured, and any temperature (36 K about 20 deg C) may have made it.
     campaign.temperature_c = None;
     let found = fit(&campaign, known(0.01));

@@ -643,6 +643,41 @@ async fn an_adoption_states_the_stored_campaigns_at_its_temperature_and_its_undo
     assert_eq!((&history[0]["campaigns"], &history[1]["campaigns"]), (&json!(5), &json!(0)));
 }
 
+/// A window of a station is set aside, a model comes into force or goes, and the window counts again.
+#[tokio::test]
+async fn what_was_set_aside_counts_as_the_model_in_force_states_it() {
+    let lab = Lab::open().await;
+    let first = campaign(1, 1, NOMINAL_C, 1.0);
+    let mut record = finished(&campaign(3, 3, NOMINAL_C + 6.0, 1.0), true);
+    let station = document(&first)["station"].as_str().unwrap().to_owned();
+    record["station"] = station.as_str().into();
+    lab.post("/v1/campaigns", &document(&first)).await.created();
+    let warm = lab.post("/v1/campaigns", &document(&campaign(2, 2, NOMINAL_C + 6.0, 1.0))).await.created();
+    let warm = format!("/v1/campaigns/{}", warm["id"].as_str().unwrap());
+    lab.post("/v1/records", &record).await.created();
+    let plain = d_i(&lab, "LFG-0").await;
+    assert!(step(plain[1], plain[0]) > 5.0 && step(plain[2], plain[0]) > 5.0, "{plain:?}");
+
+    let window = json!({
+        "from": "2026-01-20T00:00:00Z", "to": "2026-04-01T00:00:00Z", "by": "Li Wei", "reason": "the table was open",
+    });
+    let says = async |deed: &str| lab.post(&format!("/v1/stations/{station}/{deed}"), &window).await.ok();
+    assert_eq!(says("suspect").await["records"].as_array().unwrap().len(), 2);
+    let adopted = adopts(&lab, &model(&[&first]).into_model(&temperature_g())).await;
+    says("trust").await;
+    let now = d_i(&lab, "LFG-0").await;
+    assert!(step(now[1], now[0]) < 3.0 && step(now[2], now[0]) < 3.0, "{now:?}");
+    assert_eq!(lab.get(&warm).await.ok()["imu_model"], adopted["id"]);
+    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+
+    says("suspect").await;
+    let none = json!({"terms": [], "effects": [], "author": "M. Adopter", "reason": "no more"});
+    lab.post("/v1/imus/IMU-07/model", &none).await.created();
+    says("trust").await;
+    assert_eq!(d_i(&lab, "LFG-0").await, plain, "to the last bit");
+    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+}
+
 /// What a station would state that had fitted the campaign itself; at its mean temperature, or at none.
 fn finished(campaign: &Campaign, states_temperature: bool) -> Value {
     let plain = AugmentedModel::default().options(campaign);

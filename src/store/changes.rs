@@ -79,6 +79,12 @@ pub struct Rejudged {
 }
 
 impl Rejudged {
+    /// Verdicts that need no history, where a calibration of a gyro is stated anew.
+    pub fn requirements_of(&self, gyro: u32, record: Id) -> Option<&[StoredVerdict]> {
+        let of_it = |restated: &&RestatedRow| (restated.row.gyro, restated.row.figures.record) == (gyro, record);
+        self.restated.iter().find(of_it).map(|restated| restated.requirements.as_slice())
+    }
+
     /// The gyros of which something is stated anew, in order.
     pub fn gyros_restated(&self) -> BTreeSet<u32> {
         self.restated.iter().map(|restated| restated.row.gyro).collect()

@@ -16,7 +16,7 @@ use crate::pipeline::diagnoses::models;
 use crate::pipeline::diagnoses::models::InForce;
 use crate::pipeline::ingest::fitted::{CampaignFit, Fitted, ReadCampaign};
 use crate::pipeline::ingest::submission::{
-    BenchTest, CalibratedGyro, Calibration, Correction, Submission, anything, check_names, kept,
+    BenchTest, CalibratedGyro, Calibration, Confirmation, Correction, Submission, anything, check_names, kept,
 };
 use crate::store;
 use crate::store::{RecordRow, StoreError};
@@ -82,16 +82,34 @@ impl Reader {
         Some(Calibration { idempotency_key: sent.idempotency_key.clone(), ..calibration })
     }
 
-    /// As [`Self::restated_anew`], of what brings a calibration.
-    pub(super) fn read_anew(&self, sent: &Submission) -> Option<Submission> {
-        let anew = self.restated_anew(sent.calibration()?)?;
-        Some(match sent {
+    /// As [`Self::restated_anew`], of what brings a calibration, or lets one count.
+    pub(super) async fn read_anew(&self, sent: &Submission) -> Result<Option<Submission>, StoreError> {
+        if let Submission::Confirmation(confirmation) = sent {
+            let restated = self.stored_anew(confirmation.id).await?.map(Box::new);
+            return Ok(Some(Submission::Confirmation(Confirmation { restated, ..confirmation.clone() })));
+        }
+        let Some(anew) = sent.calibration().and_then(|sent| self.restated_anew(sent)) else { return Ok(None) };
+        Ok(Some(match sent {
             Submission::Correction(correction) => Submission::Correction(Box::new(Correction {
                 replacement: Some(anew),
                 ..Correction::clone(correction)
             })),
             _ => Submission::Calibration(Box::new(anew)),
-        })
+        }))
+    }
+
+    /// A stored calibration as the model in force states it, and that model; none where it is stored so.
+    async fn stored_anew(&self, id: Id) -> Result<Option<(Calibration, Id)>, StoreError> {
+        let Some(row) = store::record::get(&self.store, id).await? else { return Ok(None) };
+        let stated = match row.kind {
+            Kind::Record => self.record_again(&row).await?,
+            Kind::Campaign => self.fitted_again(&row).await?.map(|fitted| self.calibration_again(&row, &fitted)),
+        };
+        let Ok(stated) = stated else { return Ok(None) };
+        let gyros = stated.gyros.iter().map(|gyro| gyro.serial.as_str()).collect();
+        store::names::look_up(&self.store, [vec![stated.imu.as_str()], Vec::new(), gyros]).await?;
+        let model = self.in_force(stated.imu.as_str()).id;
+        Ok(self.restated_anew(&stated).zip(model))
     }
 
     /// Whether a calibration is stated by another model than the one in force.

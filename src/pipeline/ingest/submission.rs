@@ -90,6 +90,9 @@ pub struct Confirmation {
     pub author: String,
     pub reason: String,
     pub by: Actor,
+    /// The record as the model states it that has come into force since it was stored, and that model: the writer
+    /// fills it in.
+    pub restated: Option<Box<(Calibration, Id)>>,
 }
 
 /// What a station measured is suspect: the stored record is set aside until somebody confirms it.

@@ -7,6 +7,7 @@ use serde_json::json;
 
 use super::context::Admission;
 use super::group::Group;
+use super::rows_as_stated;
 use crate::core::correction::CorrectionItem;
 use crate::core::history_note::HistoryNote;
 use crate::core::id::Id;
@@ -150,6 +151,13 @@ impl Admission<'_> {
             }
             let aside = store::history::voided(self.store, gyro, Span { from: at, to: at }).await?;
             rows.extend(aside.into_iter().filter(|row| row.record == id).map(|figures| HistoryRow { gyro, figures }));
+        }
+        if let Some((now, model)) = sent.restated.as_deref()
+            && let Some(restated) = rows_as_stated(self.store, &record, now)
+        {
+            rows = restated.iter().map(|restated| restated.row.clone()).collect();
+            group.changes.rejudged.restated.extend(restated);
+            group.changes.models_used.push((id, *model));
         }
         for row in &rows {
             group.rows.insert((row.gyro, at), id);

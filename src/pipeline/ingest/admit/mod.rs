@@ -23,12 +23,14 @@ use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::same_content::benches_agree;
-use crate::pipeline::ingest::submission::{AttributesOrder, BenchTest, Calibration, GyroEvent, Submission};
+use crate::pipeline::ingest::submission::{
+    AttributesOrder, BenchTest, CalibratedGyro, Calibration, GyroEvent, Submission,
+};
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
 use crate::store::{
-    BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, Store, StoreError, StoredVerdict,
-    VerdictSheet,
+    BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RestatedRow, Store, StoreError,
+    StoredVerdict, VerdictSheet,
 };
 use crate::wire::{history_note, time};
 pub(crate) use ahead::Ahead;
@@ -263,6 +265,21 @@ impl Admission<'_> {
 
 async fn is_alike(bench: Id, body: &str, store: &Store) -> Result<bool, StoreError> {
     Ok(store::bench::get(store, bench).await?.is_some_and(|stored| benches_agree(&stored.body, body)))
+}
+
+/// The rows of a stored calibration as it is stated now; none where those are of other gyros than the rows that are
+/// stored.
+pub(crate) fn rows_as_stated(store: &Store, stored: &RecordRow, now: &Calibration) -> Option<Vec<RestatedRow>> {
+    let tables = store.names().read();
+    let row = |gyro: &CalibratedGyro| {
+        let number = tables.gyros.number(gyro.serial.as_str())?;
+        let figures = figures_of(&gyro.separation, stored.id, stored.calibrated_at, stored.imu, stored.station);
+        let requirements = gyro.requirements.iter().flatten().map(StoredVerdict::from).collect();
+        Some(RestatedRow { row: HistoryRow { gyro: number, figures }, requirements })
+    };
+    let rows = now.gyros.iter().map(row).collect::<Option<Vec<_>>>()?;
+    let is_stored = |row: &RestatedRow| stored.verdicts.0.iter().any(|(gyro, _)| *gyro == row.row.gyro);
+    (rows.len() == stored.verdicts.0.len() && rows.iter().all(is_stored)).then_some(rows)
 }
 
 pub(crate) fn figures_of(separation: &Separation, record: Id, at: UtcMicros, imu: u32, station: u32) -> Figures {

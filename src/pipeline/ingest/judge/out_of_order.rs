@@ -168,10 +168,7 @@ impl Judge {
                 } else if let Ok(i) = stored.binary_search_by_key(&at, |figures| figures.at) {
                     let mut figures = stored[i];
                     judge(&history, k, &self.limits(Some((gyro, figures.imu, changes))), &mut judged);
-                    let of_it = |restated: &&RestatedRow| {
-                        (restated.row.gyro, restated.row.figures.record) == (gyro, figures.record)
-                    };
-                    let restated = changes.rejudged.restated.iter().find(of_it).map(|it| it.requirements.as_slice());
+                    let restated = changes.rejudged.requirements_of(gyro, figures.record);
                     self.correct_sheet((gyro, figures.record), &judged, restated, sheets).await?;
                     figures.states = states(&judged);
                     if figures.states != stored[i].states || restated.is_some() {
@@ -257,7 +254,8 @@ impl Judge {
         let is_confirmed = |id: Id| changes.confirmed.iter().any(|confirmed| confirmed.record == id);
         for HistoryRow { gyro, figures } in changes.history.iter().filter(|row| is_confirmed(row.figures.record)) {
             if let Some(judged) = verdicts.get(&(figures.record, *gyro)) {
-                self.correct_sheet((*gyro, figures.record), judged, None, sheets).await?;
+                let requirements = changes.rejudged.requirements_of(*gyro, figures.record);
+                self.correct_sheet((*gyro, figures.record), judged, requirements, sheets).await?;
             }
         }
         Ok(())

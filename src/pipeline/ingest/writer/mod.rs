@@ -30,7 +30,6 @@ use crate::pipeline::diagnoses::{DiagnosisHandler, DiagnosisOrder, HypothesisHan
 use crate::pipeline::error::StorageError;
 use crate::pipeline::hooks::{Found, HookCache, HookHandler, Order, heard_by};
 use crate::pipeline::ingest::judge::Judge;
-use crate::pipeline::ingest::submission::Submission;
 use crate::pipeline::write_queue;
 use crate::pipeline::write_queue::Job;
 use crate::pipeline::{Accepted, AccessError, DiagnosisError, HookError, Reply, WriteError};
@@ -350,7 +349,10 @@ impl Task {
     async fn try_group(&mut self, items: &[Item<'_>]) -> Result<Vec<Reply>, StoreError> {
         // The model in force cannot change from here to the commit: an adoption needs this turn.
         let reader = self.state.reader();
-        let anew: Vec<Option<Submission>> = items.iter().map(|item| reader.read_anew(item.sent)).collect();
+        let mut anew = Vec::with_capacity(items.len());
+        for item in items {
+            anew.push(reader.read_anew(item.sent).await?);
+        }
         let mut items: Vec<Item<'_>> = items.to_vec();
         for (item, anew) in items.iter_mut().zip(&anew) {
             item.sent = anew.as_ref().unwrap_or(item.sent);

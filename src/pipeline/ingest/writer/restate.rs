@@ -12,11 +12,11 @@ use crate::pipeline::access::Actor;
 use crate::pipeline::alerts::Causes;
 use crate::pipeline::diagnoses::models::adopted;
 use crate::pipeline::diagnoses::{Adoption, DiagnosisError};
-use crate::pipeline::ingest::admit::figures_of;
+use crate::pipeline::ingest::admit::rows_as_stated;
 use crate::pipeline::ingest::campaign::Restated;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::store;
-use crate::store::{Changes, HistoryRow, RestatedRow, StoreError, StoredVerdict};
+use crate::store::{Changes, StoreError};
 
 pub(super) struct Restating<'a> {
     pub state: &'a mut WriterState,
@@ -57,7 +57,10 @@ impl Restating<'_> {
         let mut sent: HashMap<Id, &Calibration> = HashMap::new();
         for (id, calibration) in restated {
             let rows = match calibration {
-                Some(calibration) => self.rows_of(*id, calibration).await?,
+                Some(calibration) => match store::record::get(&self.state.store, *id).await? {
+                    Some(stored) => rows_as_stated(&self.state.store, &stored, calibration),
+                    None => None,
+                },
                 None => None,
             };
             let (Some(calibration), Some(rows)) = (calibration, rows) else {
@@ -77,21 +80,5 @@ impl Restating<'_> {
         self.state.commit(changes).await?;
         self.state.memory.forget_of(gyros);
         Ok(())
-    }
-
-    /// The rows of a campaign as it is fitted now; none where those are of other gyros than the rows that are stored.
-    async fn rows_of(&self, id: Id, calibration: &Calibration) -> Result<Option<Vec<RestatedRow>>, StoreError> {
-        let Some(stored) = store::record::get(&self.state.store, id).await? else { return Ok(None) };
-        let (imu, station, at) = (stored.imu, stored.station, stored.calibrated_at);
-        let tables = self.state.store.names().read();
-        let row = |gyro: &crate::pipeline::CalibratedGyro| {
-            let number = tables.gyros.number(gyro.serial.as_str())?;
-            let figures = figures_of(&gyro.separation, id, at, imu, station);
-            let requirements = gyro.requirements.iter().flatten().map(StoredVerdict::from).collect();
-            Some(RestatedRow { row: HistoryRow { gyro: number, figures }, requirements })
-        };
-        let rows = calibration.gyros.iter().map(row).collect::<Option<Vec<_>>>();
-        let there = |row: &RestatedRow| stored.verdicts.0.iter().any(|(gyro, _)| *gyro == row.row.gyro);
-        Ok(rows.filter(|rows| rows.len() == stored.verdicts.0.len() && rows.iter().all(there)))
     }
 }

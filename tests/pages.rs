@@ -832,6 +832,8 @@ async fn gyros_that_are_overdue_with_their_imu_are_one_job() {
     }
     let together = part(&alerts, "class=\"together\"", "</section>");
     assert!(together.matches("<article").count() == 3 && together.contains("3 gyros · overdue"), "{alerts}");
+    // What fires is the time since each was calibrated, and no load.
+    assert!(together.matches(" days ago</span>").count() == 3 && !together.contains("class=\"bullet\""), "{together}");
 }
 
 #[tokio::test]

@@ -32,8 +32,15 @@ impl Pipeline {
         let SuspectWindow { span, author, reason } = window;
         let (author, reason, by) = (|| author.clone(), || reason.clone(), || by.clone());
         if trusted {
-            let confirm =
-                |id| Submission::Confirmation(Confirmation { id, author: author(), reason: reason(), by: by(), restated: None });
+            let confirm = |id| {
+                Submission::Confirmation(Confirmation {
+                    id,
+                    author: author(),
+                    reason: reason(),
+                    by: by(),
+                    restated: None,
+                })
+            };
             self.submit_window(self.suspect_in(&station, span).await?, confirm).await
         } else {
             let doubt = |id| Submission::Doubt(Doubt { id, author: author(), reason: reason(), by: by() });

@@ -261,7 +261,7 @@ async fn what_cannot_be_meant_is_refused_at_its_place() {
     lab.post("/v1/campaigns", &campaign("FINE", 1, "ST-1", None)).await.created();
     for (body, places) in [
         (json!({"imu": "NOBODY", "station": "NOWHERE"}), &["/imu", "/station"][..]),
-        (json!({"since": "yesterday", "until": "2026-05-01"}), &["/since", "/until"]),
+        (json!({"since": "yesterday", "until": "2026-05-32"}), &["/since", "/until"]),
         (json!({"since": "2026-05-02T00:00:00Z", "until": "2026-05-01T00:00:00Z"}), &["/until"]),
         (json!({"gyro": "FINE-1"}), &["/gyro"]),
         (json!({"again": "yes"}), &["/again"]),
@@ -273,7 +273,7 @@ async fn what_cannot_be_meant_is_refused_at_its_place() {
     for (query, said) in [
         ("imu=NOBODY", "imu: no IMU is named NOBODY"),
         ("effect=gremlins", "effect: unknown effect \\\"gremlins\\\"; the catalogue has g_linear"),
-        ("since=2026", "since: must be an RFC 3339 time"),
+        ("since=2026", "since: must be a day (UTC) such as"),
         ("format=xml", "format must be one of json, csv"),
         ("gyro=x", "unknown parameter `gyro`"),
     ] {

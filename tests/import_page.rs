@@ -104,7 +104,7 @@ async fn workbooks_and_foreign_files_are_read_or_named_as_what_they_are() {
 
 #[tokio::test]
 async fn a_file_is_sent_without_a_script_and_gyros_that_are_not_stored_lead_nowhere() {
-    let server = Server::start().await;
+    let server = Server::start_with(&[("GYROWATCH_JUDGING__REQUIREMENTS", "true")]).await;
     assert!(server.get("/import").await.text().contains("<input type=\"file\" name=\"document\""));
     let march = fs::read("docs/examples/march.csv").unwrap();
     let shown = uploaded(&server, "march \u{53f0}.csv", &march).await;

@@ -103,6 +103,18 @@ async fn workbooks_and_foreign_files_are_read_or_named_as_what_they_are() {
 }
 
 #[tokio::test]
+async fn a_form_that_breaks_off_or_is_too_large_is_refused_in_words() {
+    let server = Server::start_with(&[("GYROWATCH_SERVER__MAX_BODY_BYTES", "20000")]).await;
+    let kind = [("content-type", "multipart/form-data; boundary=edge")];
+    let head = "--edge\r\nContent-Disposition: form-data; name=\"document\"; filename=\"a.csv\"\r\n\r\n";
+    let broken = server.call("POST", "/import/preview", &kind, format!("{head}t,g")).await;
+    assert!(broken.status == 400 && broken.text().contains("did not arrive whole"), "{}", broken.text());
+    let large = format!("{head}{}\r\n--edge--\r\n", "1,2\r\n".repeat(5000));
+    let large = server.call("POST", "/import/preview", &kind, large).await;
+    assert!(large.status == 413 && large.text().contains("server.max_body_bytes"), "{}", large.text());
+}
+
+#[tokio::test]
 async fn a_file_is_sent_without_a_script_and_gyros_that_are_not_stored_lead_nowhere() {
     let server = Server::start_with(&[("GYROWATCH_JUDGING__REQUIREMENTS", "true")]).await;
     assert!(server.get("/import").await.text().contains("<input type=\"file\" name=\"document\""));

@@ -14,14 +14,12 @@ mod replace;
 use std::sync::Arc;
 
 use axum::Extension;
-use axum::body::Bytes;
-use axum::extract::State as Held;
-use axum::extract::rejection::BytesRejection;
-use axum::http::header::CONTENT_TYPE;
-use axum::http::{HeaderMap, StatusCode};
-use axum::response::{IntoResponse, Response};
+use axum::extract::{Request, State as Held};
+use axum::http::StatusCode;
+use axum::response::Response;
 use maud::{Markup, html};
 
+use self::multipart::Upload;
 use super::fleet::violated;
 use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
 use super::notes::noted;
@@ -48,6 +46,7 @@ use crate::wire::campaign::Form;
 use crate::wire::document::is_csv;
 use crate::wire::json::from_line;
 use crate::wire::note::NoteBody;
+use crate::wire::problem::Problem;
 use crate::wire::record_table::{TableMap, documents, is_table};
 use crate::wire::table::open_end;
 use located::Place;
@@ -67,22 +66,22 @@ pub(super) async fn preview(
     Held(pages): Held<Pages>,
     viewer: Viewer,
     Extension(caller): Extension<Caller>,
-    headers: HeaderMap,
-    form: Result<Bytes, BytesRejection>,
+    request: Request,
 ) -> Response {
-    let form = match form {
+    let form = match Upload::of(request).await {
         Ok(form) => form,
-        Err(refused) if refused.status() == StatusCode::PAYLOAD_TOO_LARGE => {
+        Err(status) if status == StatusCode::PAYLOAD_TOO_LARGE => {
             let most = pages.config.server.max_body_bytes;
             let fault = message!("log_too_large", most = most, key = "server.max_body_bytes");
-            return viewer.respond(refused.status(), &unread(&viewer, Sent::default(), &Looked::Faulty(fault)));
+            return viewer.respond(status, &unread(&viewer, Sent::default(), &Looked::Faulty(fault)));
         }
-        Err(refused) => return refused.into_response(),
+        Err(_) => {
+            return viewer.show(Err(Problem::new(400, "title_broken_off", message!("body_broke_off"))));
+        }
     };
-    let content_type = headers.get(CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default().to_owned();
     let pipeline = pages.pipeline.clone();
     let looked = off_the_loop(move || {
-        let sent = Sent::of_form(&content_type, &form);
+        let sent = Sent::of_form(&form);
         let (text, made) = match logs::look(&sent) {
             Looked::Text(text) => (text, None),
             Looked::Made(made, text) => (text, Some(made)),

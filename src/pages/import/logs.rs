@@ -6,7 +6,7 @@ use std::io::Cursor;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use super::multipart::{Part, boundary, parts};
+use super::multipart::{Field, Upload};
 use crate::core::fault::Faults;
 use crate::core::message::{Message, Parameter};
 use crate::logs::campaign::{Made, campaign_from};
@@ -47,17 +47,20 @@ impl Sent {
         Self { file, map, programme, text }
     }
 
-    /// Of a form with a file, which counts before the text; else as `text/plain`.
-    pub fn of_form(content_type: &str, body: &[u8]) -> Self {
-        let Some(boundary) = boundary(content_type) else { return Self::of(&String::from_utf8_lossy(body)) };
+    /// A file counts before the text.
+    pub fn of_form(form: &Upload) -> Self {
+        let fields = match form {
+            Upload::Plain(text) => return Self::of(text),
+            Upload::Fields(fields) => fields,
+        };
         let mut sent = Self::default();
-        for Part { name, file, content } in parts(body, boundary) {
+        for Field { name, file, content } in fields {
             let text = || String::from_utf8_lossy(content).replace("\r\n", "\n");
-            match name {
+            match name.as_str() {
                 "map" => sent.map = text(),
                 "programme" => sent.programme = text(),
                 "document" if !file.is_empty() => {
-                    sent.file = file.to_owned();
+                    sent.file.clone_from(file);
                     sent.text = match str::from_utf8(content) {
                         Ok(_) if !content.contains(&0) => text().trim_start_matches('\u{feff}').to_owned(),
                         _ => format!("data:application/octet-stream;base64,{}", STANDARD.encode(content)),

@@ -329,7 +329,7 @@ mod tests {
         assert_eq!(Service::at("127.0.0.1:8080", None).unwrap().base(), "http://127.0.0.1:8080");
         assert_eq!(Service::at("https://host/", None).unwrap().base(), "https://host");
         assert!(Service::at("ftp://host", None).is_err());
-        for no_address in ["foo", "http://", "http:8080", ":8080", "/tmp/x", ""] {
+        for no_address in ["foo", "http://", ":8080", "/tmp/x", ""] {
             let said = Service::at(no_address, None).unwrap_err().to_string();
             assert!(said.contains("such as http://127.0.0.1:8080"), "{said}");
         }

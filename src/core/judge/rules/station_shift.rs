@@ -10,6 +10,7 @@
 //! It is the station's only where others do not share it: neither what other stations calibrated last, nor is it that
 //! of one batch of gyros alone.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::core::judge::decide::beyond;
@@ -69,7 +70,8 @@ pub fn station_shift(newest: &[Calibrated], station: u32, column: usize, asked: 
     let counted: Vec<&Calibrated> =
         here.iter().filter(|one| !exceeds || has_moved(one, column, shift)).copied().collect();
     let (gyros, imus) = (counted.len(), imus_of(&counted));
-    let is_stations = !exceeds || (imus > 1 && is_of_station(newest, &here, station, column, shift));
+    let alone = || imus_that_moved(&here, column, shift) < 2;
+    let is_stations = !exceeds || (!alone() && is_of_station(newest, &here, station, column, shift));
     let times = || counted.iter().map(|one| one.at);
     Verdict {
         state: if is_stations { outcome.state } else { State::Indeterminate },
@@ -129,6 +131,16 @@ pub fn in_common(values: &[f64], independent: usize, least: f64) -> Option<Measu
 /// Whether a gyro has moved by at least half of the shift.
 fn has_moved(one: &Calibrated, column: usize, shift: Measured) -> bool {
     one.deviation[column].is_some_and(|of| is_half_of(of, shift))
+}
+
+/// IMUs of which most gyros have: one of them may have by chance.
+fn imus_that_moved(here: &[&Calibrated], column: usize, shift: Measured) -> usize {
+    let imus: BTreeSet<u32> = here.iter().map(|one| one.imu).collect();
+    let has_moved = |imu: &u32| {
+        let of_imu: Vec<&Calibrated> = here.iter().filter(|one| one.imu == *imu).copied().collect();
+        shared(&of_imu, column).is_some_and(|of| is_half_of(of, shift))
+    };
+    imus.into_iter().filter(has_moved).count()
 }
 
 fn is_half_of(of: Measured, shift: Measured) -> bool {
@@ -270,7 +282,10 @@ mod tests {
         fleet.iter_mut().filter(|one| one.imu < 2).for_each(|one| one.imu = 3);
         fleet.iter_mut().filter(|one| one.imu == 2).for_each(|one| one.deviation[0].as_mut().unwrap().value -= 0.015);
         fleet.extend(imus(1, 4, 1, 0.0));
-        assert_eq!(station_shift(&fleet, 1, 0, &asked(false)).state, State::Indeterminate, "nine gyros of one IMU");
+        assert_eq!(state(&fleet), State::Indeterminate, "nine gyros of one IMU");
+        let chance = fleet.iter_mut().find(|one| one.imu == 2).expect("the last IMU");
+        chance.deviation[0].as_mut().expect("known").value += 0.01;
+        assert_eq!(state(&fleet), State::Indeterminate, "and one of another by chance");
     }
 
     #[test]

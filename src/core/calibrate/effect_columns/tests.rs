@@ -238,3 +238,31 @@ fn what_the_model_knows_better_is_held_and_states_the_bias_at_its_temperature() 
     let any = |note: &CampaignNote| matches!(note, CampaignNote::EffectLeftOut { why: LeftOut::AnyTemperature, .. });
     assert!(found.notes.len() == 2 && found.notes.iter().all(any), "{:?}", found.notes);
 }
+
+/// A torquer's scale factor follows temperature: it multiplies all that the gyro senses, D_I and D_S alike.
+#[test]
+fn a_scale_factor_at_another_temperature_leaves_the_drift_as_it_is() {
+    const BY_KELVIN: f64 = 5e-4;
+    let both = [Slot::G1, Slot::G2];
+    let known = both.map(|slot| {
+        let (effect, value, sd) = (Effect::TemperatureScale, BY_KELVIN, 1e-6);
+        Known { slot, effect, name: "k", value, sd }
+    });
+    let mut campaign = campaign();
+    for dwell in &mut campaign.dwells {
+        dwell.temperature_c = Some(26.0);
+        let (rate, force) = (dwell.rate_arcsec_s, dwell.specific_force_g0);
+        for (j, output) in dwell.output_pulse_s.iter_mut().enumerate() {
+            *output = SCALES[j] * (1.0 + 6.0 * BY_KELVIN) * (rate[j] + 0.3 + 2.0 * force.x - force.y);
+        }
+    }
+    campaign.gyros.iter_mut().for_each(|gyro| gyro.known_e = None);
+    let adopted = vec![adopted(Effect::TemperatureScale, Shape::Linear, &both)];
+    let model = Options { adopted, known: known.to_vec(), ..Options::default() };
+    let found = calibrate_at_station(&campaign, Terms::MODEL_6, &model, Some(20.0));
+    for (gyro, scale) in found.gyros.iter().zip(SCALES) {
+        let (e, g) = (gyro.e().expect("fitted").norm(), gyro.g().expect("fitted"));
+        assert!((e / scale - 1.0).abs() < 1e-5, "{e} {scale}: {:?}", found.notes);
+        assert!((g / e - Vector3::new(2.0, -1.0, 0.0)).norm() < 1e-4, "{g} {e}");
+    }
+}

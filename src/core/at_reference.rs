@@ -5,9 +5,9 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::augmented::AugmentedModel;
 use super::campaign::{Phase, unknown_kelvin};
-use super::effects::{GyroAxes, Setting};
+use super::effects::{Effect, GyroAxes, Setting};
 use super::record::{GyroParameters, Record};
-use super::separate::CovarianceEg;
+use super::separate::{CovarianceEg, diagonal_covariance};
 
 /// A gyro's parameters at the model's temperature, and the covariance of its E and G.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +36,7 @@ pub fn at_reference(
     let (mut moved, mut spread) = (Vector3::zeros(), Matrix3::zeros());
     for adopted in model.effects.iter().map(|known| &known.adopted) {
         let entry = adopted.effect.entry();
-        if !entry.of_temperature || (entry.missing)(&setting).is_some() {
+        if !entry.of_temperature || is_of_course(adopted.effect) || (entry.missing)(&setting).is_some() {
             continue;
         }
         let columns = (entry.columns)(&setting, 0, adopted.shape);
@@ -57,16 +57,22 @@ pub fn at_reference(
     }
     let wider = |stated: Vector3<f64>| stated.zip_map(&spread.diagonal(), |sd, variance| sd.hypot(variance.sqrt()));
     // Without standard deviations a record is taken at its word, but not at any temperature.
-    let at_its_word = kelvin.is_none().then(Vector3::zeros);
-    let covariance = covariance.copied().or_else(|| kelvin.is_none().then(CovarianceEg::zeros));
+    let at_its_word = |sd: Option<Vector3<f64>>| sd.or_else(|| kelvin.is_none().then(Vector3::zeros));
+    let (e_sd, g_sd) = (at_its_word(gyro.e_sd), at_its_word(gyro.g_sd));
+    let covariance = covariance.copied().or_else(|| diagonal_covariance(e_sd.as_ref(), g_sd.as_ref()));
     Some(AtReference {
-        gyro: GyroParameters { g: gyro.g - moved, g_sd: gyro.g_sd.or(at_its_word).map(wider), ..gyro.clone() },
+        gyro: GyroParameters { g: gyro.g - moved, g_sd: g_sd.map(wider), ..gyro.clone() },
         covariance: covariance.map(|mut covariance| {
             let mut of_g = covariance.fixed_view_mut::<3, 3>(3, 3);
             of_g += spread;
             covariance
         }),
     })
+}
+
+/// Whether an effect asks when a dwell was, or what came before it, which a record does not tell.
+fn is_of_course(effect: Effect) -> bool {
+    matches!(effect, Effect::Own(own) if own.hypothesis().is_of_course())
 }
 
 /// +1 and -1 g0 along each body axis, at a temperature `kelvin` above the reference.

@@ -181,6 +181,12 @@ impl OwnHypothesis {
         !self.holds(|of| !slow(of)) && self.holds(|of| of != Of::HalfTurn)
     }
 
+    /// Whether it asks when a dwell was, or what came before it.
+    pub fn is_of_course(&self) -> bool {
+        let of_course = |of| matches!(of, Of::Time | Of::ForceBefore(_) | Of::RateBefore(_) | Of::TemperatureSlope);
+        self.holds(of_course)
+    }
+
     pub fn is_course_in_time(&self) -> bool {
         self.follows_time() && !self.is_of_temperature()
     }

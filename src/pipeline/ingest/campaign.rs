@@ -101,6 +101,10 @@ impl Reader {
     /// A stored calibration as the model in force states it, and that model; none where it is stored so.
     async fn stored_anew(&self, id: Id) -> Result<Option<(Calibration, Id)>, StoreError> {
         let Some(row) = store::record::get(&self.store, id).await? else { return Ok(None) };
+        let stored_with = store::model::of_campaign(&self.store, id).await?.map(|model| model.id);
+        if stored_with == self.models.of(Some(row.imu)).id {
+            return Ok(None);
+        }
         let stated = match row.kind {
             Kind::Record => self.record_again(&row).await?,
             Kind::Campaign => self.fitted_again(&row).await?.map(|fitted| self.calibration_again(&row, &fitted)),
@@ -188,6 +192,7 @@ impl Reader {
                         serial: gyro.serial.clone(),
                         separation: separation.clone(),
                         as_measured: None,
+                        at_any_temperature: false,
                         requirements,
                     })
                 });

@@ -95,7 +95,8 @@ impl Reader {
             Some(AtReference { gyro, covariance }) => {
                 let restated = self.calibrated(record, (place, &gyro), covariance.as_ref())?;
                 let as_measured = record.temperature_c.map(|celsius| Box::new((celsius, measured.separation)));
-                Ok(CalibratedGyro { as_measured, ..restated })
+                let at_any_temperature = record.temperature_c.is_none();
+                Ok(CalibratedGyro { as_measured, at_any_temperature, ..restated })
             }
         }
     }
@@ -111,7 +112,15 @@ impl Reader {
         let (whose, sds) = ((gyro.slot, imu, &gyro.serial), (gyro.e_sd.as_ref(), gyro.g_sd.as_ref()));
         let requirements = self.config.judging.of_parameters(geometry, whose, (&gyro.e, &gyro.g), sds);
         let (slot, serial) = (gyro.slot, gyro.serial.clone());
-        Ok(CalibratedGyro { place, slot, serial, separation, as_measured: None, requirements })
+        Ok(CalibratedGyro {
+            place,
+            slot,
+            serial,
+            separation,
+            as_measured: None,
+            at_any_temperature: false,
+            requirements,
+        })
     }
 
     /// Reads and checks a bench result.
@@ -199,7 +208,7 @@ impl Reader {
 
     /// What is to be noted of a record beside the model that it is stated by.
     pub fn notes_of_model(&self, record: &Calibration) -> Vec<NoteBody> {
-        let is_unknown = record.model.is_some() && record.temperature_c.is_none();
+        let is_unknown = record.gyros.iter().any(|gyro| gyro.at_any_temperature);
         is_unknown.then(|| NoteBody::of(&Note::AnyTemperature)).into_iter().collect()
     }
 

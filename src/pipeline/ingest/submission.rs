@@ -166,6 +166,8 @@ pub struct CalibratedGyro {
     /// Of a record that is stated at the temperature of its IMU's model: its own temperature, deg C, and what it is
     /// there.
     pub as_measured: Option<Box<(f64, Separation)>>,
+    /// Of a record that states no temperature, whether its standard deviations hold what any would do.
+    pub at_any_temperature: bool,
     /// On E and G, which need no history.
     pub requirements: [Option<Verdict>; 2],
 }

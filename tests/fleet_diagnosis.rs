@@ -460,9 +460,9 @@ async fn what_a_diagnosis_names_is_adopted_and_undone_on_the_pages() {
         }
     };
     let models = || async { server.get("/v1/imus/WARM/model").await.json() };
-    assert_eq!(send(&form, "by=M&reason=held+out").await.status, 422, "not confirmed");
+    assert_eq!(send(&form, "by=M&reason=").await.status, 422, "without a reason");
     assert_eq!(models().await["history"], json!([]));
-    let adopted = send(&form, "by=M.+Adopter&reason=held+out&confirm=yes").await;
+    let adopted = send(&form, "by=M.+Adopter&reason=held+out").await;
     assert_eq!((adopted.status, &adopted.headers["location"]), (303, &"/imus/WARM#models".parse().unwrap()));
     let in_force = models().await;
     assert_eq!(in_force["model"]["effects"][0]["effect"], named[0]["effect"], "{in_force}");
@@ -473,7 +473,7 @@ async fn what_a_diagnosis_names_is_adopted_and_undone_on_the_pages() {
     let undo = "/imus/WARM/model/undo";
     assert!(server.get("/imus/WARM").await.text().contains(&format!("href=\"{undo}\"")));
     assert!(server.get(undo).await.text().contains("temperature_bias"));
-    assert_eq!(send(undo, "by=M.+Adopter&reason=too+early&confirm=yes").await.status, 303);
+    assert_eq!(send(undo, "by=M.+Adopter&reason=too+early").await.status, 303);
     let in_force = models().await;
     assert_eq!((&in_force["model"]["effects"], in_force["history"].as_array().unwrap().len()), (&json!([]), 2));
     assert_eq!(diagnosed().await["effects"][0]["effect"], named[0]["effect"]);

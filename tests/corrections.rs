@@ -587,6 +587,57 @@ async fn a_window_that_is_trusted_again_does_not_vouch_for_a_time_in_doubt() {
     assert_eq!(lab.get(&format!("/v1/records/{id}")).await.ok()["state"], "set_aside");
 }
 
+/// In doubt, confirmed, suspect, trusted: what somebody has vouched for comes back.
+#[tokio::test]
+async fn a_time_that_was_confirmed_comes_back_with_its_window() {
+    let lab = Lab::open().await;
+    station_posts(&lab, &[(0, 1.0), (40, 1.0)]).await;
+    let mut unset = of_a(0, 1.0);
+    unset["calibrated_at"] = json!("2001-05-05T08:00:00Z");
+    let id = id_of(&lab.posts(&unset).await);
+    let sure = json!({"by": "Li Wei", "reason": "from the paper log"});
+    lab.post(&format!("/v1/records/{id}/confirm"), &sure).await.ok();
+    let window = json!({"from": "2001-01-01T00:00:00Z", "to": "2002-01-01T00:00:00Z", "by": "Li Wei", "reason": "x"});
+    for deed in ["suspect", "trust", "suspect", "trust"] {
+        let marked = lab.post(&format!("/v1/stations/ST-1/{deed}"), &window).await.ok();
+        assert_eq!(marked["records"], json!([id]), "{deed}");
+    }
+    assert_eq!(lab.get(&format!("/v1/records/{id}")).await.ok()["state"], "valid");
+}
+
+/// Of two of one instant that a window set aside the right one is confirmed, and the wrong one voided.
+#[tokio::test]
+async fn what_is_voided_takes_nothing_from_what_counts_at_its_instant() {
+    let lab = Lab::open().await;
+    station_posts(&lab, &[(0, 1.0), (40, 1.0)]).await;
+    lab.post("/v1/stations/ST-1/suspect", &of_window(50, 90)).await.ok();
+    let [wrong, right] = [1.5, 1.0];
+    let mut ids = Vec::new();
+    for d_i in [wrong, right] {
+        ids.push(id_of(&lab.posts(&of_a(60, d_i)).await));
+    }
+    let sure = json!({"by": "Li Wei", "reason": "after the repair"});
+    lab.post(&format!("/v1/records/{}/confirm", ids[1]), &sure).await.ok();
+    engineer_voids(&lab, &ids[0]).await;
+    let counting: Vec<f64> = trend(&lab, "").await.into_iter().map(|(_, d_i)| d_i).collect();
+    assert_eq!(counting, [1.0; 3]);
+    let states = [&ids[0], &ids[1]].map(|id| format!("/v1/records/{id}"));
+    assert_eq!(lab.get(&states[0]).await.ok()["state"], "voided");
+    assert_eq!(lab.get(&states[1]).await.ok()["state"], "valid");
+}
+
+#[tokio::test]
+async fn a_station_of_which_nothing_counts_still_tells_its_windows() {
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0)]).await;
+    lab.post("/v1/stations/ST-1/suspect", &of_window(-10, 300)).await.ok();
+    let station = lab.get("/v1/stations/ST-1").await.ok();
+    assert_eq!((&station["records"], &station["first"]), (&json!(0), &Value::Null));
+    assert_eq!(station["suspect_windows"].as_array().map(Vec::len), Some(1), "{station}");
+    assert_eq!(lab.get(&format!("/v1/records/{}", ids[0])).await.ok()["state"], "set_aside");
+    lab.get("/v1/stations/NOWHERE").await.refused(404);
+}
+
 #[tokio::test]
 async fn a_window_leaves_other_stations_and_times_alone_and_what_was_voided_voided() {
     let lab = Lab::open().await;

@@ -29,12 +29,15 @@ pub async fn get_stations(State(app): State<App>) -> Result<Json<StationsBody>, 
     responses((status = 200, description = "the station", body = StationBody)))]
 pub async fn get_station(State(app): State<App>, Path(name): Path<String>) -> Result<Json<StationBody>, Problem> {
     let fleet = &app.pipeline.queries.fleet;
+    let windows = app.pipeline.queries.suspect_windows(&name).await?.ok_or_else(|| Problem::no_such_station(&name))?;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
     let stations = found.map(|found| found.stations).unwrap_or_default();
-    let station = stations.iter().find(|station| *station.name == *name);
-    let body = StationBody::of(station.ok_or_else(|| Problem::no_such_station(&name))?, &overdue);
-    let windows = app.pipeline.queries.suspect_windows(&name).await?;
-    Ok(Json(StationBody { suspect_windows: Some(windows.iter().map(SuspectWindowBody::from).collect()), ..body }))
+    let suspect_windows = Some(windows.iter().map(SuspectWindowBody::from).collect());
+    let body = match stations.iter().find(|station| *station.name == *name) {
+        Some(station) => StationBody::of(station, &overdue),
+        None => StationBody::of_none(name),
+    };
+    Ok(Json(StationBody { suspect_windows, ..body }))
 }
 
 /// A window of time at a station, and who says what of it.

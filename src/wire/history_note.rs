@@ -181,6 +181,14 @@ pub fn with(kept: Option<&str>, note: &HistoryNote) -> String {
     serde_json::json!({ "version": VERSION, "notes": notes }).to_string()
 }
 
+/// What is kept of a record less the notes of one code.
+pub fn without(kept: &str, code: &str) -> String {
+    let document: Value = serde_json::from_str(kept).unwrap_or_default();
+    let mut notes = document.get("notes").and_then(Value::as_array).cloned().unwrap_or_default();
+    notes.retain(|note| note.get("code").and_then(Value::as_str) != Some(code));
+    serde_json::json!({ "version": VERSION, "notes": notes }).to_string()
+}
+
 /// What a reader is told of a kept note; nothing of one that only a later version knows.
 pub(super) fn kept_words(note: &Value) -> Option<String> {
     let coded = serde_json::from_value::<Coded>(note.clone()).ok()?;

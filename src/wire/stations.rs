@@ -27,8 +27,11 @@ pub struct StationBody {
     pub records: usize,
     pub gyros: usize,
     pub imus: usize,
-    pub first: String,
-    pub last: String,
+    /// Times of the records; null where none counts.
+    #[schema(required)]
+    pub first: Option<String>,
+    #[schema(required)]
+    pub last: Option<String>,
     /// Gyros that it calibrated last and that were not calibrated in their interval.
     pub overdue: usize,
     #[serde(flatten)]
@@ -148,10 +151,26 @@ impl StationBody {
             records: figures.records,
             gyros: figures.gyros,
             imus: figures.imus,
-            first: time::format(figures.first),
-            last: time::format(figures.last),
+            first: Some(time::format(figures.first)),
+            last: Some(time::format(figures.last)),
             overdue: overdue.get(&*figures.name).copied().unwrap_or_default(),
             coefficients: BothBody { d_i, d_s },
+            suspect_windows: None,
+        }
+    }
+
+    /// Of a station of which no record counts.
+    pub fn of_none(name: String) -> Self {
+        let column = || StationColumnBody::from(&StationColumn::default());
+        Self {
+            name,
+            records: 0,
+            gyros: 0,
+            imus: 0,
+            first: None,
+            last: None,
+            overdue: 0,
+            coefficients: BothBody { d_i: column(), d_s: column() },
             suspect_windows: None,
         }
     }

@@ -61,18 +61,22 @@ impl Queries {
     /// # Errors
     /// [`StorageError`].
     pub async fn is_station(&self, name: &str) -> Result<bool, StorageError> {
-        store::names::look_up(&self.store, [Vec::new(), vec![name], Vec::new()]).await?;
-        Ok(self.names().station_number(name).is_some())
+        Ok(self.station_number(name).await?.is_some())
     }
 
-    /// The windows of a station in which what it measures does not count, oldest first.
+    /// The windows of a station in which what it measures does not count, oldest first; none of an unknown station.
     ///
     /// # Errors
     /// [`StorageError`].
-    pub async fn suspect_windows(&self, name: &str) -> Result<Vec<SuspectWindow>, StorageError> {
-        let station: Vec<u32> = self.names().station_number(name).into_iter().collect();
-        let rows = store::suspect_window::of_stations(&self.store, &station).await?;
-        Ok(in_force(rows.iter().map(|row| &row.mark)))
+    pub async fn suspect_windows(&self, name: &str) -> Result<Option<Vec<SuspectWindow>>, StorageError> {
+        let Some(station) = self.station_number(name).await? else { return Ok(None) };
+        let rows = store::suspect_window::of_stations(&self.store, &[station]).await?;
+        Ok(Some(in_force(rows.iter().map(|row| &row.mark))))
+    }
+
+    async fn station_number(&self, name: &str) -> Result<Option<u32>, StorageError> {
+        store::names::look_up(&self.store, [Vec::new(), vec![name], Vec::new()]).await?;
+        Ok(self.names().station_number(name))
     }
 
     /// The names of what is stored. Not to be held for long: new names wait for it.

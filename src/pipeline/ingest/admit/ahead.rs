@@ -60,6 +60,7 @@ impl Ahead {
         let held = |rows: Vec<Figures>| rows.first().map(|figures| figures.record);
         ahead.rows = at_gyros.into_iter().zip(rows.into_iter().map(held)).collect();
         let stations: Vec<u32> = stations.into_iter().collect();
+        ahead.marks = stations.iter().map(|station| (*station, Vec::new())).collect();
         for row in store::suspect_window::of_stations(store, &stations).await? {
             ahead.marks.entry(row.station).or_default().push(row.mark);
         }
@@ -67,8 +68,14 @@ impl Ahead {
     }
 
     /// How the windows of a station of the group are marked, oldest mark first.
-    pub(super) fn marks(&self, station: u32) -> &[Mark] {
-        self.marks.get(&station).map_or(&[], Vec::as_slice)
+    pub(super) async fn marks(&self, station: u32, store: &Store) -> Result<Vec<Mark>, StoreError> {
+        match self.marks.get(&station) {
+            Some(known) => Ok(known.clone()),
+            None => {
+                let rows = store::suspect_window::of_stations(store, &[station]).await?;
+                Ok(rows.into_iter().map(|row| row.mark).collect())
+            }
+        }
     }
 
     /// What a key was used for.

@@ -11,7 +11,7 @@ use crate::core::history_note::{FAR_DAYS, HistoryNote, NameKind, Named, Seat, Ti
 use crate::core::id::Id;
 use crate::core::note::Note;
 use crate::core::own_history::{Looked, Shown, against_histories};
-use crate::core::suspect_window::SuspectWindow;
+use crate::core::suspect_window::{SuspectWindow, in_force};
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::store;
@@ -103,7 +103,7 @@ impl<'c> Check<'c> {
         let imu = admission.lookup(group).number(NamesOf::Imus, sent.imu.as_str());
         let mut check = Self { sent, imu, gyros, notes: Vec::new() };
         let in_doubt = check.check_times(admission, group).await?.is_some();
-        let is_suspect = check.check_window(&admission.lookup(group));
+        let is_suspect = check.check_window(&admission.lookup(group)).await?;
         check.check_names(&admission.lookup(group)).await?;
         check.check_figures(&admission.lookup(group)).await?;
         let notes = check.notes.into_iter().map(Note::History).collect();
@@ -134,14 +134,15 @@ impl<'c> Check<'c> {
     }
 
     /// Whether it lies in a window in which its station is suspect.
-    fn check_window(&mut self, lookup: &Lookup<'_>) -> bool {
-        let Some(station) = lookup.number(NamesOf::Stations, self.sent.station.as_str()) else { return false };
-        let window = lookup.suspect_windows(station).into_iter().find(|it| it.span.contains(self.sent.calibrated_at));
-        self.notes.extend(window.as_ref().map(|SuspectWindow { author, reason, .. }| {
+    async fn check_window(&mut self, lookup: &Lookup<'_>) -> Result<bool, StoreError> {
+        let Some(station) = lookup.number(NamesOf::Stations, self.sent.station.as_str()) else { return Ok(false) };
+        let windows = in_force(&lookup.window_marks(station).await?);
+        let window = windows.iter().find(|window| window.span.contains(self.sent.calibrated_at));
+        self.notes.extend(window.map(|SuspectWindow { author, reason, .. }| {
             let (author, reason) = (author.clone(), reason.clone());
             HistoryNote::Suspect { station: self.sent.station.to_string(), author, reason }
         }));
-        window.is_some()
+        Ok(window.is_some())
     }
 
     async fn doubt(

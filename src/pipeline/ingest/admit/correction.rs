@@ -77,7 +77,8 @@ impl Admission<'_> {
         let at = record.calibrated_at;
         for &(gyro, _) in &record.verdicts.0 {
             let rows = store::history::oldest(self.store, gyro, Span { from: at, to: at }, 1).await?;
-            let withdrawn = rows.into_iter().map(|figures| HistoryRow { gyro, figures });
+            let own = rows.into_iter().filter(|figures| figures.record == record.id);
+            let withdrawn = own.map(|figures| HistoryRow { gyro, figures });
             group.changes.withdrawn.history.extend(withdrawn);
         }
         self.memory.forget_of(record.verdicts.0.iter().map(|(gyro, _)| *gyro));
@@ -188,7 +189,13 @@ impl Admission<'_> {
         let (author, reason) = (sent.author.clone(), sent.reason.clone());
         let station = self.lookup(group).name_of(NamesOf::Stations, record.station);
         let note = HistoryNote::Suspect { station, author: author.clone(), reason: reason.clone() };
-        group.changes.rejudged.notes.push((id, history_note::with(record.notes.as_deref(), &note)));
+        // A time that somebody has confirmed is in doubt no more, whatever the station did.
+        let is_confirmed = store::set_aside::confirmation(self.store, id).await?.is_some();
+        let before = record.notes.as_deref().map(|kept| match is_confirmed {
+            true => history_note::without(kept, "time_in_doubt"),
+            false => kept.to_owned(),
+        });
+        group.changes.rejudged.notes.push((id, history_note::with(before.as_deref(), &note)));
         let audited = json!({ "author": author, "reason": reason });
         let line = self.ids.next(self.now);
         let what = ("suspect", format!("records/{id}"));
@@ -202,9 +209,7 @@ impl Admission<'_> {
         let id = self.ids.next(self.now);
         let unknown = || Refused::UnknownStation { name: sent.station.clone() };
         let station = self.lookup(group).number(NamesOf::Stations, &sent.station).ok_or_else(unknown)?;
-        let new = group.changes.window_marks.iter().filter(|row| row.station == station).map(|row| row.mark.clone());
-        let stored = store::suspect_window::of_stations(self.store, &[station]).await?.into_iter().map(|row| row.mark);
-        let mut marks: Vec<Mark> = stored.chain(new).collect();
+        let mut marks = self.lookup(group).window_marks(station).await?;
         let before = in_force(&marks);
         marks.push(sent.mark.clone());
         if in_force(&marks) == before {

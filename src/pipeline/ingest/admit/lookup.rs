@@ -8,7 +8,7 @@ use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::mounting::Slot;
 use crate::core::name::{distance, look_keys};
-use crate::core::suspect_window::{SuspectWindow, in_force};
+use crate::core::suspect_window::Mark;
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::ingest::submission::Calibration;
@@ -65,10 +65,12 @@ impl Lookup<'_> {
         Ok(said)
     }
 
-    /// The windows of a station that are suspect, this group's marks included.
-    pub fn suspect_windows(&self, station: u32) -> Vec<SuspectWindow> {
-        let new = self.group.changes.window_marks.iter().filter(|row| row.station == station).map(|row| &row.mark);
-        in_force(self.ahead.marks(station).iter().chain(new))
+    /// How the windows of a station are marked, this group's marks included, oldest mark first.
+    pub async fn window_marks(&self, station: u32) -> Result<Vec<Mark>, StoreError> {
+        let mut marks = self.ahead.marks(station, self.store).await?;
+        let new = self.group.changes.window_marks.iter().filter(|row| row.station == station);
+        marks.extend(new.map(|row| row.mark.clone()));
+        Ok(marks)
     }
 
     /// Whether a record, stored or of this group, says the same as another.

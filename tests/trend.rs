@@ -192,7 +192,7 @@ async fn bad_queries_are_refused_in_words() {
         ("coefficient=D_X", "D_X"),
         ("from=yesterday", "from"),
         ("to=2026-01-01T00:00:00", "offset"),
-        ("to=2026-01-01+00:00:00Z", "to: must be an RFC 3339 time"),
+        ("to=2026-01-01+00:00:00Z", "to: must be a day (UTC) such as"),
         ("limit=0", "limit"),
         ("limit=many", "limit"),
         ("limit=100001", "limit"),

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::augmented::AugmentedModel;
 use super::campaign::{Phase, unknown_kelvin};
-use super::effects::{Effect, GyroAxes, Setting};
+use super::effects::{GyroAxes, Setting};
 use super::record::{GyroParameters, Record};
 use super::separate::{CovarianceEg, diagonal_covariance};
 
@@ -36,7 +36,7 @@ pub fn at_reference(
     let (mut moved, mut spread) = (Vector3::zeros(), Matrix3::zeros());
     for adopted in model.effects.iter().map(|known| &known.adopted) {
         let entry = adopted.effect.entry();
-        if !entry.of_temperature || is_of_course(adopted.effect) || (entry.missing)(&setting).is_some() {
+        if !entry.of_temperature || entry.of_order || (entry.missing)(&setting).is_some() {
             continue;
         }
         let columns = (entry.columns)(&setting, 0, adopted.shape);
@@ -68,11 +68,6 @@ pub fn at_reference(
             covariance
         }),
     })
-}
-
-/// Whether an effect asks when a dwell was, or what came before it, which a record does not tell.
-fn is_of_course(effect: Effect) -> bool {
-    matches!(effect, Effect::Own(own) if own.hypothesis().is_of_course())
 }
 
 /// +1 and -1 g0 along each body axis, at a temperature `kelvin` above the reference.

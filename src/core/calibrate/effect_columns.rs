@@ -79,7 +79,7 @@ pub(super) fn regressors(
         let acts_in = |slot: Slot| adopted.slots.contains(&slot) && (of_any.is_none() || is_known(slot));
         for (j, axes) in setting.gyros.iter().enumerate().filter(|(_, axes)| acts_in(axes.slot)) {
             let mut columns = (entry.columns)(setting, j, adopted.shape);
-            if let (Effect::TemperatureScale, Some(beyond)) = (adopted.effect, entry.beyond) {
+            if let Some(beyond) = entry.beyond.filter(|_| entry.beyond_is_linear) {
                 // A torquer's scale factor multiplies drift as it does rate: held at the reference, G/|E| stays.
                 let of_drift = beyond(setting, j, adopted.shape, &[1.0]);
                 columns[0].iter_mut().zip(of_drift).for_each(|(column, more)| *column += more);

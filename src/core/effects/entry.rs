@@ -227,6 +227,8 @@ pub struct Entry {
     /// Changes slowly from dwell to dwell: it is held out in blocks of time.
     pub follows_time: bool,
     pub of_temperature: bool,
+    /// Asks when a dwell was, or what came before it: a finished calibration does not tell.
+    pub of_order: bool,
     /// Belongs to the campaign in which it happened and to no other.
     pub one_occasion: bool,
     /// Asked only where something would be named: too many shapes to look for in every campaign.
@@ -246,6 +248,8 @@ pub struct Entry {
     /// What coefficients of this size in gyro `j` add beyond their regressors, deg/h: rotations are linear while they are
     /// small, and a scale factor's change is that of drift, too. Nothing where the effect is linear.
     pub beyond: Option<fn(&Setting, usize, Shape, &[f64]) -> Vec<f64>>,
+    /// Whether that is linear in the coefficients: it is part of the regressors once a gyro's drift is known.
+    pub beyond_is_linear: bool,
 }
 
 impl Debug for Entry {
@@ -306,6 +310,7 @@ impl Own {
             course_in_time: own.is_course_in_time(),
             follows_time: own.follows_time(),
             of_temperature: own.is_of_temperature(),
+            of_order: own.is_of_order(),
             names: Box::leak(Box::new(move |_| names.clone())),
             missing: Box::leak(Box::new(move |s: &Setting| lacking(own, s))),
             shapes: Box::leak(Box::new(move |_: &Setting| match own.grid() {
@@ -379,6 +384,7 @@ pub(super) const PLAIN: Entry = Entry {
     wanders: false,
     follows_time: false,
     of_temperature: false,
+    of_order: false,
     one_occasion: false,
     only_closer: false,
     standing: 1,
@@ -388,6 +394,7 @@ pub(super) const PLAIN: Entry = Entry {
     shapes: &|_| vec![(Shape::Linear, 1.0)],
     columns: &|_, _, _| Vec::new(),
     beyond: None,
+    beyond_is_linear: false,
 };
 
 /// What competing hypotheses have in common.

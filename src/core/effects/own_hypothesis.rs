@@ -182,9 +182,8 @@ impl OwnHypothesis {
     }
 
     /// Whether it asks when a dwell was, or what came before it.
-    pub fn is_of_course(&self) -> bool {
-        let of_course = |of| matches!(of, Of::Time | Of::ForceBefore(_) | Of::RateBefore(_) | Of::TemperatureSlope);
-        self.holds(of_course)
+    pub fn is_of_order(&self) -> bool {
+        self.holds(|of| matches!(of, Of::Time | Of::ForceBefore(_) | Of::RateBefore(_) | Of::TemperatureSlope))
     }
 
     pub fn is_course_in_time(&self) -> bool {

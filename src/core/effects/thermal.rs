@@ -64,6 +64,7 @@ pub const TEMPERATURE_SCALE: Entry = Entry {
     missing: &no_temperature,
     columns: &|s, j, _| vec![temperature_times(s, |k| s.rate[k].dot(&s.gyros[j].input))],
     beyond: Some(|s, j, _, size| temperature_times(s, |k| size[0] * s.drift(j, k))),
+    beyond_is_linear: true,
     of_temperature: true,
     ..PLAIN
 };

@@ -431,6 +431,12 @@ mod tests {
     }
 
     #[test]
+    fn an_equation_asks_for_an_order_of_dwells_where_it_holds_what_came_before() {
+        let asks = |equation| OwnHypothesis::of(written(equation, "deg/(h g0 K)")).unwrap().is_of_order();
+        assert!(!asks("k1 * T * a_I") && asks("k1 * T * a_I_before"));
+    }
+
+    #[test]
     fn attitude_slope_and_units_of_coefficients_are_what_they_say() {
         let setting = setting();
         let field = OwnHypothesis::of(written("k1 * I_N + k2 * S_U * pi", "arcsec/h")).unwrap();

@@ -289,7 +289,7 @@ async fn the_dashboard_asks_for_what_the_metrics_hold() {
     }
     let targets: Vec<&Value> = panels.iter().flat_map(|panel| panel["targets"].as_array().unwrap()).collect();
     let of_the_api: Vec<&&Value> = targets.iter().filter(|target| target["url"].is_string()).collect();
-    assert_eq!(of_the_api.len(), 4);
+    assert_eq!(of_the_api.len(), 5);
     for target in of_the_api {
         let path = target["url"].as_str().unwrap().replace("${serial}", "LFG-0101");
         let path = path.replace("${__from:date:iso}", "2000-01-01T00:00:00.000Z");

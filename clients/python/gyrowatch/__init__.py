@@ -170,13 +170,10 @@ _TREND = {
 def _written(value: Filter) -> str:
     if isinstance(value, bool):
         return str(value).lower()
-    if isinstance(value, datetime.datetime):
-        if value.tzinfo is None:
-            raise ValueError(f"{value} has no time zone")
-        return value.isoformat()
-    if isinstance(value, datetime.date):
-        return f"{value.isoformat()}T00:00:00Z"
-    return str(value)
+    if isinstance(value, datetime.datetime) and value.tzinfo is None:
+        raise ValueError(f"{value} has no time zone")
+    # A day is taken as it is: as the last one it counts as a whole.
+    return value.isoformat() if isinstance(value, datetime.date) else str(value)
 
 
 def _quoted(segment: str) -> str:

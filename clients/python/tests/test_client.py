@@ -55,6 +55,8 @@ class Client(unittest.TestCase):
         self.assertTrue((frame["method"] == "rigid").all())
         from_ = datetime.datetime(2026, 3, 2, tzinfo=datetime.timezone.utc)
         self.assertEqual(len(self.watch.trend_frame(serial, "D_S", from_=from_)), 2)
+        last = self.watch.trend_frame(serial, "D_S", to=datetime.date(2026, 3, 2))
+        self.assertEqual(len(last), 2)
         nothing = self.watch.trend_frame(serial, "D_S", from_=datetime.date(2036, 1, 1))
         self.assertEqual((len(nothing), list(nothing.columns)), (0, list(frame.columns)))
         self.assertEqual((str(nothing.index.tz), nothing["value"].dtype), (str(frame.index.tz), frame["value"].dtype))

@@ -130,6 +130,11 @@ async fn a_file_is_sent_without_a_script_and_gyros_that_are_not_stored_lead_nowh
     assert!(stored.contains("href=\"/records/"), "{stored}");
     let again = uploaded(&server, "march.csv", &march).await;
     assert!(again.contains("href=\"/gyros/LFG-3002\""), "{again}");
+    let window = json!({"from": "2026-03-01", "to": "2026-03-31", "by": "Li Wei", "reason": "loose fixture"});
+    assert_eq!(server.post_json("/v1/stations/ST-2/suspect", &window).await.status, 200);
+    let later = String::from_utf8(march).unwrap().replacen("2026-03-02", "2026-03-05", 1);
+    let suspect = uploaded(&server, "march.csv", later.as_bytes()).await;
+    assert!(suspect.contains("what ST-2 measured at that time is suspect (Li Wei: loose fixture)"), "{suspect}");
     let binary = uploaded(&server, "px4.ulg", b"ULog\x01\x12\x35\x01\x00\x00").await;
     assert!(binary.contains("px4.ulg: is a ULog of PX4"), "{binary}");
 }

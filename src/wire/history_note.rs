@@ -175,18 +175,21 @@ pub fn kept(notes: &[Note]) -> Option<String> {
 
 /// What is kept of a record, with one note more.
 pub fn with(kept: Option<&str>, note: &HistoryNote) -> String {
-    let document: Value = kept.and_then(|kept| serde_json::from_str(kept).ok()).unwrap_or_default();
-    let mut notes = document.get("notes").and_then(Value::as_array).cloned().unwrap_or_default();
+    let mut notes = kept.map(notes_of).unwrap_or_default();
     notes.push(Value::Object(coded(note)));
     serde_json::json!({ "version": VERSION, "notes": notes }).to_string()
 }
 
 /// What is kept of a record less the notes of one code.
 pub fn without(kept: &str, code: &str) -> String {
-    let document: Value = serde_json::from_str(kept).unwrap_or_default();
-    let mut notes = document.get("notes").and_then(Value::as_array).cloned().unwrap_or_default();
+    let mut notes = notes_of(kept);
     notes.retain(|note| note.get("code").and_then(Value::as_str) != Some(code));
     serde_json::json!({ "version": VERSION, "notes": notes }).to_string()
+}
+
+fn notes_of(kept: &str) -> Vec<Value> {
+    let document: Value = serde_json::from_str(kept).unwrap_or_default();
+    document.get("notes").and_then(Value::as_array).cloned().unwrap_or_default()
 }
 
 /// What a reader is told of a kept note; nothing of one that only a later version knows.

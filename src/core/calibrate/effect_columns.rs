@@ -52,20 +52,22 @@ pub(super) fn regressors(
         Err(why) => return none(vec![CampaignNote::EffectsLeftOut { why }]),
     };
     let mut all = none(notes);
-    let unknown_kelvin = reference_c.filter(|_| Temperatures::stated(campaign).is_none()).map(unknown_kelvin);
-    let at_one_kelvin = Setting { temperature: Some(vec![1.0; setting.dwells()]), ..setting.clone() };
+    let unknown = reference_c.filter(|_| Temperatures::stated(campaign).is_none()).map(|reference_c| {
+        let at_one_kelvin = Setting { temperature: Some(vec![1.0; setting.dwells()]), ..setting.clone() };
+        (unknown_kelvin(reference_c), at_one_kelvin)
+    });
     for adopted in adopted {
         let entry = adopted.effect.entry();
         let is_known = |slot: Slot| known.iter().any(|one| (one.effect, one.slot) == (adopted.effect, slot));
         let of_any =
-            unknown_kelvin.filter(|_| entry.of_temperature && adopted.slots.iter().any(|slot| is_known(*slot)));
-        let setting = if of_any.is_some() { &at_one_kelvin } else { &setting };
+            unknown.as_ref().filter(|_| entry.of_temperature && adopted.slots.iter().any(|slot| is_known(*slot)));
+        let setting = of_any.map_or(&setting, |(_, at_one_kelvin)| at_one_kelvin);
         if let Some(missing) = (entry.missing)(setting) {
             let (effect, why) = (adopted.effect, LeftOut::Lacks(missing));
             all.notes.push(CampaignNote::EffectLeftOut { slot: None, effect, why });
             continue;
         }
-        if let Some(kelvin) = of_any {
+        if let Some((kelvin, _)) = of_any {
             all.any_temperature.push(adopted.effect);
             for one in all.known.iter_mut().filter(|one| one.effect == adopted.effect) {
                 (one.value, one.sd) = (0.0, kelvin * one.value.hypot(one.sd));

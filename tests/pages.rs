@@ -801,8 +801,11 @@ async fn gyros_that_one_record_has_shown_stand_under_their_imu() {
         assert_eq!(server.post_json("/v1/records", &body).await.status, 201);
     }
     let firing = page(&server, "/alerts", &[]).await;
-    let together = &firing[place(&firing, "class=\"together\"")..];
-    assert!(together.matches("<article").count() == 3 && together.contains("3 gyros by one record"), "{firing}");
+    let of_imu = part(&firing, "class=\"together\"", "</section>");
+    assert!(of_imu.contains("All 3 gyros of the IMU") && !firing.contains("/gyros/T-1"), "{firing}");
+    let inhibited = page(&server, "/alerts?state=inhibited", &[]).await;
+    let together = &inhibited[place(&inhibited, "class=\"together\"")..];
+    assert!(together.matches("<article").count() == 3 && together.contains("3 gyros by one record"), "{inhibited}");
     let today = page(&server, "/?since=2026-01-01", &[]).await;
     assert!(today.contains("Wrong file or wrong serials?") && today.contains("/imus/IMU-T"), "{today}");
 }

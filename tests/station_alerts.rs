@@ -1,4 +1,4 @@
-//! Gyros that moved together because their station did: one alert of the station, and none of what it explains.
+//! Gyros that moved together because their station or IMU did: one alert of that, and none of what it explains.
 
 mod lab;
 mod receiver;
@@ -109,9 +109,13 @@ async fn hook(lab: &Lab, target: &Receiver, filter: Value) {
     lab.post("/v1/hooks", &hook).await.created();
 }
 
-/// What has been told of: serials and stations.
+fn name(data: &Value) -> String {
+    let of = data["subject"].as_str().unwrap_or("serial");
+    data[of].as_str().unwrap().to_owned()
+}
+
+/// What has been told of: serials, stations and IMUs.
 fn heard(told: &[Told]) -> Vec<(String, String)> {
-    let name = |data: &Value| data["serial"].as_str().or(data["station"].as_str()).unwrap().to_owned();
     told.iter().map(Told::json).map(|body| (body["type"].as_str().unwrap().to_owned(), name(&body["data"]))).collect()
 }
 
@@ -186,7 +190,7 @@ async fn pages_show_the_station_and_what_its_alert_explains() {
     let id = station["id"].as_str().unwrap();
     for (page, shows) in [
         ("/alerts".to_owned(), ["href=\"/stations/ST-2\"", "shift of a station"]),
-        ("/alerts?state=inhibited".to_owned(), ["GYRO-04", "explained by a station"]),
+        ("/alerts?state=inhibited".to_owned(), ["GYRO-04", "explained by another alert"]),
         (format!("/alerts/{id}"), ["GYRO-04", "inhibited"]),
         ("/stations/ST-2".to_owned(), ["The median D_I of", "overdue"]),
         ("/stations".to_owned(), ["overdue", "ST-2"]),
@@ -207,9 +211,10 @@ async fn what_was_held_back_is_told_when_it_is_not_the_stations_after_all() {
     if !lab::cluster::is_wanted() {
         assert_eq!(heard(&target.has_been_told(1).await), [("alert.fired".to_owned(), "ST-2".to_owned())]);
     }
-    // All but that gyro's IMU are found to be in order.
+    // All but that gyro are found to be in order.
     lab.clock_shows(&day(41));
-    let back: Vec<Value> = (1..6).map(|imu| calibrated(imu, 35 + imu, "ST-2", |_| 0.0)).collect();
+    let stays = |imu: i64| move |slot: i64| if (imu, slot) == (0, 0) { SHIFT } else { 0.0 };
+    let back: Vec<Value> = (0..6).map(|imu| calibrated(imu, 35 + imu, "ST-2", stays(imu))).collect();
     sent(&lab, &back).await;
     let found =
         become_so(&lab, |alerts| station_is(alerts, "resolved") && of_gyros(alerts, "inhibited").count() == 0).await;
@@ -253,7 +258,13 @@ async fn imus_that_come_one_by_one_are_told_until_there_are_enough_and_the_alert
     tokio::time::sleep(Duration::from_millis(300)).await;
     let told = heard(&target.told());
     let names: Vec<&str> = told.iter().map(|(_, name)| name.as_str()).collect();
-    assert!(names.contains(&"GYRO-00") && !names.contains(&"GYRO-09") && !names.contains(&"GYRO-14"), "{told:?}");
+    assert!(
+        names.contains(&"IMU-0")
+            && !names.contains(&"GYRO-00")
+            && !names.contains(&"GYRO-09")
+            && !names.contains(&"GYRO-14"),
+        "{told:?}"
+    );
     // Somebody knows: an alert of a station is an alert.
     let id = of_station(&found).unwrap()["id"].as_str().unwrap().to_owned();
     let said = json!({"by": "Li Wei", "reason": "the mason comes on Monday"});
@@ -262,4 +273,70 @@ async fn imus_that_come_one_by_one_are_told_until_there_are_enough_and_the_alert
     let csv = lab.request(Method::GET, "/v1/alerts?format=csv&state=acknowledged").send().await.unwrap();
     let csv = csv.text().await.unwrap();
     assert!(csv.lines().nth(1).unwrap().ends_with(",station,"), "{csv}");
+}
+
+#[tokio::test]
+async fn an_imu_of_which_every_gyro_moves_is_one_alert_and_what_one_does_later_another() {
+    let (lab, target) = (lab().await, Receiver::start().await);
+    hook(&lab, &target, json!({})).await;
+    // Dropped: each of its gyros has moved by another amount.
+    let dropped = |slot: i64| [0.02, -0.03, 0.045][slot as usize];
+    lab.clock_shows(&day(29));
+    sent(
+        &lab,
+        &[calibrated(1, 28, "ST-2", dropped), calibrated(2, 28, "ST-2", |slot| if slot < 2 { 0.03 } else { 0.0 })],
+    )
+    .await;
+    let of_imu = |alert: &&Value| alert["subject"] == "imu";
+    let is_told = |alerts: &[Value]| {
+        let is_held = |k: i64| {
+            let its = |state: &str| alerts.iter().any(|alert| alert["serial"] == serial(k) && alert["state"] == state);
+            its("inhibited") && !its("firing")
+        };
+        alerts.iter().any(|alert| of_imu(&alert) && alert["state"] == "firing") && (3..6).all(is_held)
+    };
+    let found = become_so(&lab, is_told).await;
+    let shifts: Vec<&Value> = found.iter().filter(of_imu).collect();
+    let [shift] = shifts[..] else { panic!("{shifts:#?}") };
+    assert_eq!(
+        [&shift["imu"], &shift["rule"], &shift["coefficient"], &shift["severity"], &shift["status"]],
+        ["IMU-1", "imu_shift", "D_I", "warning", "unconfirmed"]
+    );
+    lab::assert_close(&shift["value"], 0.02, 1e-3);
+    assert!(of_gyros(&found, "inhibited").all(|alert| alert["inhibited_by"] == shift["id"]), "{found:#?}");
+    // Two of three gyros of the other have moved by themselves.
+    let by_themselves: Vec<&Value> = of_gyros(&found, "firing").map(|alert| &alert["serial"]).collect();
+    assert!((6..8).all(|k| by_themselves.contains(&&json!(serial(k)))), "{by_themselves:?}");
+    let told = heard(&target.has_been_told(1 + by_themselves.len()).await);
+    assert!(told.contains(&("alert.fired".to_owned(), "IMU-1".to_owned())), "{told:?}");
+    if !lab::cluster::is_wanted() {
+        assert!((3..6).all(|k| told.iter().all(|(_, name)| *name != serial(k))), "{told:?}");
+    }
+
+    // A second campaign confirms it: told as graver, of the IMU alone.
+    lab.clock_shows(&day(36));
+    sent(&lab, &[calibrated(1, 35, "ST-2", dropped)]).await;
+    let confirmed = |alerts: &[Value]| {
+        is_told(alerts) && alerts.iter().any(|alert| of_imu(&alert) && alert["severity"] == "critical")
+    };
+    become_so(&lab, confirmed).await;
+
+    // One of them moves again: that is its own.
+    for (at, again) in [(42, 0.0), (49, 0.1)] {
+        lab.clock_shows(&day(at + 1));
+        sent(&lab, &[calibrated(1, at, "ST-2", |slot| dropped(slot) + if slot == 1 { again } else { 0.0 })]).await;
+    }
+    let moves_again = |alert: &Value| {
+        (&alert["serial"], &alert["rule"]) == (&json!(serial(4)), &json!("step")) && alert["state"] == "firing"
+    };
+    become_so(&lab, |alerts| alerts.iter().any(moves_again)).await;
+
+    // Its seat is mended.
+    for back in [56, 63] {
+        lab.clock_shows(&day(back + 1));
+        sent(&lab, &[calibrated(1, back, "ST-2", |_| 0.0)]).await;
+    }
+    let is_over = |alert: &&Value| of_imu(alert) && alert["state"] == "resolved";
+    become_so(&lab, |alerts| alerts.iter().any(|alert| is_over(&alert))).await;
+    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
 }

@@ -60,7 +60,7 @@ pub enum Standing {
     Acknowledged = "acknowledged",
     /// Firing, and nobody is told before a time.
     Silenced = "silenced",
-    /// Firing, and a station's alert explains it: nobody is told while that fires.
+    /// Firing, and the alert of a station or an IMU explains it: nobody is told while that fires.
     Inhibited = "inhibited",
     Resolved = "resolved",
 }
@@ -84,7 +84,7 @@ pub struct Alert {
     pub silenced_until: Option<UtcMicros>,
     /// Until when a silence of many alerts holds for this one.
     pub muted_until: Option<UtcMicros>,
-    /// The alert of a station explains it.
+    /// Another alert explains it.
     pub inhibited: bool,
     /// Nobody is told that it fires, or that it has become worse: it was found late.
     pub hushed: Option<Hushed>,
@@ -121,7 +121,7 @@ pub struct Arrival {
     pub late: Late,
     /// Until when a silence of many alerts holds for this one.
     pub muted_until: Option<UtcMicros>,
-    /// Whether the alert of a station explains what is beyond a limit.
+    /// Whether another alert explains what is beyond a limit.
     pub inhibited: bool,
 }
 
@@ -237,7 +237,7 @@ pub fn digest(alert: &Alert, now: UtcMicros) -> Option<Decision> {
     Some(announce(Alert { hushed: None, ..*alert }, now))
 }
 
-/// Nobody is told while the alert of a station explains this one; what is then still untold is told at its end.
+/// Nobody is told while another alert explains this one; what is then still untold is told at its end.
 pub fn inhibit(alert: &Alert, inhibited: bool, now: UtcMicros) -> Decision {
     announce(Alert { inhibited: inhibited && alert.status == Status::Firing, ..*alert }, now)
 }

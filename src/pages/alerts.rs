@@ -362,7 +362,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
             td data-label=(t.fired) { a href={ "/alerts/" (alert.id) } { (written(&alert.fired_at)) } }
             td.words {
                 (t.standing(&alert.state))
-                @if let Some(station) = &alert.inhibited_by { " " a href={ "/alerts/" (station) } { (t.explained_by_station) } }
+                @if let Some(station) = &alert.inhibited_by { " " a href={ "/alerts/" (station) } { (t.explained_by_another) } }
                 (remarks(t, alert))
                 @if let Some(at) = &alert.resolved_at { " " (written(at)) }
                 (actions(viewer, alert, here.filter(|_| open)))

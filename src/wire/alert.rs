@@ -7,6 +7,7 @@ use serde_json::Value;
 use utoipa::ToSchema;
 
 use super::reason::Reason;
+use crate::core::judge::Rule;
 
 /// The alert of one gyro, station or IMU, coefficient and rule. Its identity lasts: when it fires again it is the same alert.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -21,7 +22,7 @@ pub struct AlertBody {
     pub coefficient: Cow<'static, str>,
     pub rule: Cow<'static, str>,
     /// `firing`, `acknowledged` (firing, and somebody knows), `silenced` (firing, and told to nobody until a time),
-    /// `inhibited` (firing, and explained by the alert of a station) or `resolved`.
+    /// `inhibited` (firing, and explained by the alert of a station or an IMU) or `resolved`.
     pub state: Cow<'static, str>,
     /// What the gyro is by it: `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting` or `overdue`;
     /// `in_tolerance` once it is resolved. None where an earlier version wrote this.
@@ -44,7 +45,7 @@ pub struct AlertBody {
     pub acknowledged: Option<AcknowledgementBody>,
     #[schema(required)]
     pub silenced: Option<SilenceBody>,
-    /// The alert of the station that explains it; left out where there is none.
+    /// The alert of the station or IMU that explains it; left out where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inhibited_by: Option<String>,
 }
@@ -68,6 +69,11 @@ impl AlertBody {
 
     pub fn is_of_station(&self) -> bool {
         self.subject == Self::OF_STATION
+    }
+
+    /// Whether it may stand for alerts of gyros.
+    pub fn explains_others(&self) -> bool {
+        Rule::from_name(&self.rule).is_some_and(Rule::explains_others)
     }
 
     /// Serial of the gyro, or name of the station or IMU.

@@ -160,10 +160,9 @@ impl FilterBody {
 
     pub fn wants(&self, alert: &AlertBody) -> bool {
         let severity = |name: &str| Severity::from_name(name);
-        // The alert of a station stands for those of gyros that it explains.
+        // The alert of a station or an IMU stands for those of gyros that it explains.
         let of_rule = |rule: &String| {
-            *rule == alert.rule
-                || alert.is_of_station() && Rule::from_name(rule).is_some_and(Rule::is_explained_by_station)
+            *rule == alert.rule || alert.explains_others() && Rule::from_name(rule).is_some_and(Rule::can_be_shared)
         };
         let of_gyro = |gyro: &String| !alert.is_of_gyro() || normal_form(gyro) == normal_form(&alert.serial);
         (self.rules.is_empty() || self.rules.iter().any(of_rule))

@@ -59,7 +59,7 @@ impl Event {
     pub fn resets(self, rule: Rule) -> bool {
         match self {
             // What a station or an IMU does is no gyro's.
-            Event::Repair => !matches!(rule, Rule::StationShift | Rule::Forecast),
+            Event::Repair => !matches!(rule, Rule::StationShift | Rule::ImuShift | Rule::Forecast),
             Event::Baseline | Event::Reinstallation => matches!(
                 rule,
                 Rule::Baseline | Rule::Closure | Rule::Trend | Rule::Shift | Rule::Cusum | Rule::BeforeAfter

@@ -45,6 +45,7 @@ impl Verdict {
             said.push(match self.rule {
                 Rule::Range | Rule::Agreement => message!("not_a_single_result"),
                 Rule::StationShift => message!("whole_budget"),
+                Rule::ImuShift => message!("second_campaign_of_one"),
                 _ => message!("second_campaign"),
             });
         }
@@ -268,6 +269,7 @@ impl Verdict {
                 since = day(since),
                 until = day(until),
             )],
+            Finding::ImuShift { gyros } => vec![message!("imu_shift", name = name, value = value(), gyros = gyros)],
             Finding::Forecast { slot, furthest, p, .. } => {
                 let p = if p < 1e-6 { text("< 1e-6") } else { text(format!("= {}", p_value(p))) };
                 let slot = slot.name();

@@ -41,6 +41,8 @@ pub enum Rule("rule_", letter) {
     StationShift = "station_shift" 'G',
     /// A campaign of an IMU against what its adopted model has foretold.
     Forecast = "forecast" 'K',
+    /// Every gyro of an IMU has moved at once, judged as [`Rule::StationShift`] is.
+    ImuShift = "imu_shift" 'I',
 }
 }
 
@@ -99,9 +101,8 @@ impl Rule {
     /// steps stays below half of it in the root mean square of successive differences.
     pub fn share_of_budget(self) -> Option<f64> {
         match self {
-            Rule::Step | Rule::Range | Rule::Baseline | Rule::Agreement | Rule::BeforeAfter | Rule::Forecast => {
-                Some(1.0)
-            }
+            Rule::Step | Rule::Range | Rule::Baseline | Rule::Agreement | Rule::BeforeAfter => Some(1.0),
+            Rule::Forecast | Rule::ImuShift => Some(1.0),
             Rule::RmsSuccessive => Some(0.5),
             Rule::StationShift => Some(0.25),
             _ => None,
@@ -119,8 +120,8 @@ impl Rule {
         }
     }
 
-    /// Whether what a station does to all its gyros can make a gyro exceed it.
-    pub fn is_explained_by_station(self) -> bool {
+    /// Whether what a station or an IMU does to all its gyros can make a gyro exceed it.
+    pub fn can_be_shared(self) -> bool {
         matches!(
             self,
             Rule::Step
@@ -131,6 +132,11 @@ impl Rule {
                 | Rule::RmsSuccessive
                 | Rule::BeforeAfter
         )
+    }
+
+    /// Whether it tells what several gyros share, and stands for what is told of each.
+    pub fn explains_others(self) -> bool {
+        matches!(self, Rule::StationShift | Rule::ImuShift)
     }
 
     /// Whether a second campaign can confirm what the rule says.
@@ -246,6 +252,10 @@ pub enum Finding {
         until: UtcMicros,
         /// The median.
         shift: f64,
+    },
+    /// Gyros of an IMU, all of which have moved.
+    ImuShift {
+        gyros: usize,
     },
     /// The gyro of the campaign that is furthest from its forecast.
     Forecast {

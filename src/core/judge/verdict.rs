@@ -4,6 +4,7 @@ use super::coefficient::Coefficient;
 use super::limits::{Limit, LimitKey};
 use super::rule::Finding;
 use super::rule::{LimitKind, Rule, Unit};
+use super::sample::Measured;
 use crate::core::named::named;
 
 named! {
@@ -143,6 +144,16 @@ impl Verdict {
     /// What of the standard deviation comes from different stations.
     pub(super) fn between_stations(self, between: Option<f64>) -> Self {
         Self { between, ..self }
+    }
+
+    /// What a station does to all, where that exceeds its limit.
+    pub fn station_shift(&self) -> Option<Measured> {
+        match self.finding {
+            Finding::StationShift { shift, .. } if self.state == State::Exceeded => {
+                Some(Measured { value: shift, sd: self.sd })
+            }
+            _ => None,
+        }
     }
 
     /// What does not exceed has nothing to be confirmed.

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::body::{Naming, Origin};
+use super::shared::SharedAlerts;
 use super::silences::Silences;
-use super::stations::StationAlerts;
 use crate::core::alert_decision;
 use crate::core::alert_decision::{Action, Arrival, Decision, Late, Policy, Status};
 use crate::core::id::Id;
@@ -155,7 +155,8 @@ impl AlertCache {
         let naming = pen.naming;
         let muting = self.silences.of(of, verdict, origin, &naming, pen.now);
         let (muted, muted_until) = muting.map(|(muted, until)| (Some(muted), Some(until))).unwrap_or_default();
-        let inhibited_by = self.stations().explaining(of, verdict, origin);
+        let since = earlier.filter(|row| row.alert.status == Status::Firing).map_or(origin.at, |row| row.alert.since);
+        let inhibited_by = of.gyro().and_then(|_| self.shared().explaining(verdict, origin, since));
         let inhibited = inhibited_by.is_some();
         let arrival = Arrival { record_at: origin.at, now: pen.now, late: pen.late, muted_until, inhibited };
         let decision = alert_decision::hear(earlier.map(|row| &row.alert), verdict, &arrival, &self.policy);
@@ -166,8 +167,8 @@ impl AlertCache {
                 // How long a calibration is overdue changes by itself: that is no news.
                 let same_finding =
                     || alert.status == Status::Resolved || verdict.rule == Rule::Overdue || row.finding == finding();
-                let same_station = !alert.inhibited || inhibited_by.is_none() || row.inhibited_by == inhibited_by;
-                if row.alert == alert && decision.action == Action::Silent && same_station && same_finding() {
+                let same_cause = !alert.inhibited || inhibited_by.is_none() || row.inhibited_by == inhibited_by;
+                if row.alert == alert && decision.action == Action::Silent && same_cause && same_finding() {
                     return;
                 }
                 (place, false)
@@ -235,23 +236,23 @@ impl AlertCache {
         }
     }
 
-    /// Whether an alert of an IMU fires.
-    pub fn fires_of_imu(&self, imu: u32) -> bool {
+    /// Whether the newest campaign of an IMU is told to be off its forecast.
+    pub fn is_off_forecast(&self, imu: u32) -> bool {
         let rows = self.alerts.get(&AlertOf::Imu(imu)).into_iter().flatten();
-        rows.into_iter().any(|row| row.alert.status == Status::Firing)
+        rows.into_iter().any(|row| row.rule == Rule::Forecast && row.alert.status == Status::Firing)
     }
 
-    /// Those of stations among them.
-    pub fn stations(&self) -> StationAlerts<'_> {
-        StationAlerts { alerts: &self.alerts, confidence: self.confidence }
+    /// Those of what gyros share among them.
+    pub fn shared(&self) -> SharedAlerts<'_> {
+        SharedAlerts { alerts: &self.alerts, confidence: self.confidence }
     }
 
-    /// Lets the alerts of these gyros follow those of their stations: of what is explained nobody is told; of what is
+    /// Lets the alerts of these gyros follow those of what they share: of what is explained nobody is told; of what is
     /// not any more everybody is told what was held back.
     pub fn explain(&mut self, gyros: &BTreeSet<u32>, pen: &mut Pen<'_>) {
         for at in self.places(&gyros.iter().map(|gyro| AlertOf::Gyro(*gyro)).collect()) {
             let row = &self.alerts[&at.0][at.1];
-            let by = self.stations().explaining_row(row, &pen.naming);
+            let by = self.shared().explaining_row(row, &pen.naming);
             if by == row.inhibited_by {
                 continue;
             }

@@ -9,9 +9,9 @@ mod body;
 mod book;
 mod error;
 mod orders;
+mod shared;
 mod silences;
 mod sources;
-mod stations;
 
 use super::access::Actor;
 use super::error::StorageError;
@@ -33,8 +33,8 @@ pub use orders::{AlertChange, AlertOrder, SilenceOrder};
 
 pub(super) use body::{Naming, Origin, finding_of, status_of};
 pub(super) use book::{AlertCache, News, Pen};
+pub(super) use shared::SharedVerdict;
 pub(super) use sources::{Causes, follow_clock, follow_group};
-pub(super) use stations::StationVerdict;
 
 /// An alert with what became of it.
 #[derive(Debug, Clone, PartialEq)]

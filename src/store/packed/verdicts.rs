@@ -329,6 +329,7 @@ mod tests {
             "before_after",
             "station_shift",
             "forecast",
+            "imu_shift",
         ];
         assert_eq!(names[..known.len()], known);
         assert_eq!(Coefficient::ALL.map(Coefficient::name)[..6], ["D_I", "D_S", "D_O", "E", "G", "all"]);

@@ -60,7 +60,7 @@ pub struct AlertRow {
     pub silenced: Option<Remark>,
     /// Of [`Alert::muted_until`]: the silence, and what was said of it.
     pub muted: Option<(Id, Remark)>,
-    /// Of [`Alert::inhibited`]: the alert of the station that explains it.
+    /// Of [`Alert::inhibited`]: the alert of the station or IMU that explains it.
     pub inhibited_by: Option<Id>,
     /// The last verdict as clients read it, JSON.
     pub finding: String,
@@ -366,20 +366,14 @@ pub async fn digest_began(store: &Store) -> Result<Option<UtcMicros>, StoreError
     Ok(at.map(UtcMicros))
 }
 
-/// Alerts that fire by rules of which a station can be the cause.
-pub async fn firing_by_station_rules(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
-    let rules = Rule::ALL.into_iter().filter(|rule| rule.is_explained_by_station());
+/// Alerts that fire by rules of which a station or an IMU can be the cause.
+pub async fn firing_that_may_be_shared(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
+    let rules = Rule::ALL.into_iter().filter(|rule| rule.can_be_shared());
     let rules: Vec<String> = rules.map(|rule| format!("'{}'", rule.name())).collect();
     let sql = sqlx::AssertSqlSafe(format!(
         "{COLUMNS} WHERE status = 'firing' AND alert.rule IN ({}) ORDER BY alert.id",
         rules.join(", ")
     ));
-    on!(store.readers, db => each(sqlx::query(sql).fetch(db), alert).await)
-}
-
-/// Alerts that the alert of a station explains.
-pub async fn inhibited(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE inhibited_by IS NOT NULL ORDER BY alert.id"));
     on!(store.readers, db => each(sqlx::query(sql).fetch(db), alert).await)
 }
 
@@ -395,10 +389,10 @@ pub async fn of_no_gyro(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
     on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
 }
 
-/// Alerts of gyros that the alert of a station explains.
-pub async fn inhibited_by(store: &Store, station: Id) -> Result<Vec<AlertRow>, StoreError> {
+/// Alerts of gyros that this one explains.
+pub async fn inhibited_by(store: &Store, by: Id) -> Result<Vec<AlertRow>, StoreError> {
     let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.inhibited_by = $1 ORDER BY alert.id"));
-    on!(store.readers, db => sqlx::query(sql).bind(station.0).fetch_all(db).await?.iter().map(alert).collect())
+    on!(store.readers, db => sqlx::query(sql).bind(by.0).fetch_all(db).await?.iter().map(alert).collect())
 }
 
 /// Every alert of several gyros, in the order in which they first fired.

@@ -54,6 +54,7 @@ station_shift = The median { $name } of { $gyros } gyros of { $imus } IMUs is { 
     [below] below
    *[above] above
 } their baselines ({ $since } to { $until }). It is the station, or what these gyros share.
+imu_shift = All { $gyros } gyros of the IMU have moved at once from their baselines in { $name }, by { $value } or more. It is the IMU, its mounting or that calibration, rather than one gyro.
 forecast = { $slot } is furthest from the forecast of the adopted model, by an rms of { $value } (p { $p } over all gyros).
 forecast_dwell = Dwell { $dwell } is furthest, by { $z } standard deviations.
 between_stations = { $sd } of its standard deviation is the reproducibility of stations.
@@ -87,6 +88,7 @@ unseen_campaign_before_model = what was before it
 unseen_effect_not_foretold = what one of its effects needs
 unseen_effect_of_other_station = this station
 second_campaign = Confirmed by a second campaign.
+second_campaign_of_one = A second campaign has confirmed it of one of them.
 not_a_single_result = Not due to a single result.
 too_uncertain = Too uncertain to judge: standard deviation { $sd } against a limit of { $limit }.
 too_uncertain_for_shift = Too uncertain to judge: three standard deviations are more than the budget.
@@ -113,6 +115,7 @@ rule_shift = shift of level
 rule_before_after = before and after a test
 rule_station_shift = shift of a station
 rule_forecast = forecast
+rule_imu_shift = shift of an IMU
 
 # A line of a hook.
 alert_fires = { $serial }: { $coefficient } { $rule } fires ({ $severity })

@@ -51,6 +51,7 @@ station_shift = { $imus }个惯组{ $gyros }个陀螺的{ $name }中位数比各
     [below] 低
    *[above] 高
 }{ $value }（{ $since }至{ $until }）。原因在测试站，或在这些陀螺的共同之处。
+imu_shift = 惯组的全部{ $gyros }个陀螺的{ $name }同时偏离各自基线，至少{ $value }。原因在惯组、其安装或该次标定，而不在某一个陀螺。
 forecast = { $slot }与已采用模型的预报相差最大，均方根为{ $value }（全部陀螺 p { $p }）。
 forecast_dwell = 偏离最大的是第{ $dwell }个测点，{ $z }倍标准差。
 between_stations = 其标准差中{ $sd }为测试站之间的复现性。
@@ -71,6 +72,7 @@ limits_from = 限值来自{ $from }。
 limit_of_forecast = 限值为{ $limit }：{ $percent } %的标定因偶然超出。
 
 second_campaign = 第二次标定已证实。
+second_campaign_of_one = 其中一个陀螺已由第二次标定证实。
 not_a_single_result = 并非由单个结果造成。
 too_uncertain = 不确定度过大，无法判断：标准差{ $sd }，限值{ $limit }。
 too_uncertain_for_shift = 不确定度过大，无法判断：三倍标准差大于允许范围。
@@ -105,6 +107,7 @@ rule_shift = 持续偏移
 rule_before_after = 试验前后
 rule_station_shift = 测试站偏移
 rule_forecast = 预报
+rule_imu_shift = 惯组偏移
 
 # 推送的一行。
 alert_fires = { $serial }：{ $coefficient } { $rule } 告警（{ $severity }）

@@ -6,6 +6,7 @@ mod before_after;
 mod case;
 mod closure;
 mod forecast;
+mod imu_shift;
 mod overdue;
 mod range;
 mod requirement;
@@ -17,6 +18,7 @@ mod trend;
 
 pub use agreement::{SourcedResult, agreement};
 pub use forecast::{FALSE_ALARMS, Foretold, ForetoldGyro, forecast};
+pub use imu_shift::{ImuQuestion, imu_shift};
 pub use overdue::overdue;
 pub use requirement::requirement;
 pub use station_shift::{Calibrated, ShiftQuestion, Suspected, in_common, is_explained, station_shift};

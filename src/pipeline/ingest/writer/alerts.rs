@@ -3,15 +3,13 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::heads::{Heads, touched};
+use super::shared_shifts::SharedShifts;
 use super::state::WriterState;
-use super::stations::StationShifts;
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
-use crate::pipeline::alerts::{
-    AlertError, AlertOrder, Causes, Naming, Pen, SilenceOrder, StationVerdict, follow_group,
-};
+use crate::pipeline::alerts::{AlertError, AlertOrder, Causes, Naming, Pen, SharedVerdict, SilenceOrder, follow_group};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::hooks::{OutboxContext, Standing};
 use crate::pipeline::ingest::judge::Judged;
@@ -54,13 +52,16 @@ impl WriterState {
         causes: &Causes,
         now: UtcMicros,
     ) -> Result<(), StoreError> {
-        let shifts =
-            if self.writer.is_one_of_many() { Vec::new() } else { self.stations(now).of_group(found, changes).await? };
+        let shifts = if self.writer.is_one_of_many() {
+            Vec::new()
+        } else {
+            self.shared_shifts(now).of_group(found, changes).await?
+        };
         {
             let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
             let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: causes.late() };
-            for StationVerdict { station, verdict, origin } in &shifts {
-                self.alerts.follow(AlertOf::Station(*station), verdict, origin, &mut pen);
+            for SharedVerdict { of, verdict, origin } in &shifts {
+                self.alerts.follow(*of, verdict, origin, &mut pen);
             }
             follow_group(&mut self.alerts, &self.judge, found, sent, agreements, causes, &mut pen);
         }
@@ -104,9 +105,9 @@ impl WriterState {
         Heads { store, judging: &config.judging, judge, alerts }
     }
 
-    pub(super) fn stations(&self, now: UtcMicros) -> StationShifts<'_> {
+    pub(super) fn shared_shifts(&self, now: UtcMicros) -> SharedShifts<'_> {
         let Self { store, config, alerts, .. } = self;
-        StationShifts { store, config, alerts, now }
+        SharedShifts { store, config, alerts, now }
     }
 
     /// Every alert as it stands.

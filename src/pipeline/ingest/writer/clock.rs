@@ -1,15 +1,15 @@
-//! Alerts follow the clock: what becomes overdue, is to be repeated or told of as one, and what stations do.
+//! Alerts follow the clock: what becomes overdue, is to be repeated or told of as one, and what gyros share.
 
 use std::collections::BTreeSet;
 
 use super::alerts::gyros_of;
+use super::shared_shifts::SharedShifts;
 use super::state::WriterState;
-use super::stations::StationShifts;
 use crate::core::alert_decision::Late;
 use crate::core::figures::Figures;
 use crate::core::judge::Rule;
 use crate::core::time::{Span, UtcMicros};
-use crate::pipeline::alerts::{Naming, Pen, StationVerdict, follow_clock};
+use crate::pipeline::alerts::{Naming, Pen, SharedVerdict, follow_clock};
 use crate::store;
 use crate::store::{AlertOf, AlertRow, Cells, Changes, Duty, StoreError};
 
@@ -39,7 +39,7 @@ impl ClockTick<'_> {
     /// Transactions of each cell in which the clock changes something; in a file all is one cell.
     async fn try_tick(&mut self) -> Result<(), StoreError> {
         let now = self.now;
-        self.follow_stations().await?;
+        self.follow_shared().await?;
         let overdue = self.may_be_overdue().await?;
         let repeated = now.plus_days(-self.state.config.alerts.repeat_days);
         let due = store::alerts::due(&self.state.store, now, repeated).await?;
@@ -106,55 +106,47 @@ impl ClockTick<'_> {
         if changes.is_empty() { Ok(()) } else { self.state.commit(&changes).await }
     }
 
-    /// Lets the alerts of stations follow the clock, and those of gyros that they explain.
-    async fn follow_stations(&mut self) -> Result<(), StoreError> {
+    /// Lets the alerts of stations and IMUs follow the clock, and those of gyros that they explain.
+    async fn follow_shared(&mut self) -> Result<(), StoreError> {
         let now = self.now;
         self.state.alerts.recall(&self.state.store, [], now).await?;
-        let (found, rows) = (self.stations().all().await?, self.may_be_explained().await?);
+        let rows = store::alerts::firing_that_may_be_shared(&self.state.store).await?;
+        let found = self.shared_shifts().all(&rows).await?;
         let is_anything = {
             let tables = self.state.store.names().read();
             let naming = Naming { tables: &tables, new: None };
-            let is_off = self.stations().are_switched_off() && self.state.alerts.stations().firing().next().is_some();
-            is_off
-                || found.iter().any(|one| self.state.alerts.stations().is_moved_by(one, &naming))
-                || !self.state.alerts.stations().explained_anew(&rows, &naming).is_empty()
+            let shared = self.state.alerts.shared();
+            shared.firing().any(|row| self.shared_shifts().is_switched_off(row.rule))
+                || found.iter().any(|one| shared.is_moved_by(one, &naming))
+                || !shared.explained_anew(&rows, &naming).is_empty()
         };
         if !is_anything {
             return Ok(());
         }
         self.state.begin(&Cells::all()).await?;
-        let done = self.follow_stations_in_turn().await;
+        let done = self.follow_shared_in_turn().await;
         self.state.writer.give_back().await;
         done
     }
 
-    /// Alerts that stations may explain, or did.
-    async fn may_be_explained(&self) -> Result<Vec<AlertRow>, StoreError> {
-        match self.state.alerts.stations().firing().next() {
-            Some(_) => store::alerts::firing_by_station_rules(&self.state.store).await,
-            None => store::alerts::inhibited(&self.state.store).await,
-        }
-    }
-
-    async fn follow_stations_in_turn(&mut self) -> Result<(), StoreError> {
+    async fn follow_shared_in_turn(&mut self) -> Result<(), StoreError> {
         let now = self.now;
-        let rows = store::alerts::firing_by_station_rules(&self.state.store).await?;
+        let rows = store::alerts::firing_that_may_be_shared(&self.state.store).await?;
         let gyros: BTreeSet<u32> = rows.iter().filter_map(|row| row.of.gyro()).collect();
         self.state.alerts.recall(&self.state.store, gyros, now).await?;
-        let (found, mut changes) = (self.stations().all().await?, Changes::default());
-        let off = self.stations().are_switched_off();
+        let (found, mut changes) = (self.shared_shifts().all(&rows).await?, Changes::default());
+        let off = Rule::ALL.into_iter().filter(|rule| rule.explains_others());
+        let off: Vec<Rule> = off.filter(|rule| self.shared_shifts().is_switched_off(*rule)).collect();
         {
             let naming = Naming { tables: &self.state.store.names().read(), new: None };
             let mut pen = Pen { now, writer: &mut self.state.writer, naming, cause: None, late: Late::Clock };
-            if off {
-                let firing: Vec<u32> = self.state.alerts.stations().firing().map(|(station, _)| station).collect();
-                let ends = |row: &AlertRow| row.rule == Rule::StationShift;
-                firing.into_iter().for_each(|one| self.state.alerts.reset(AlertOf::Station(one), ends, &mut pen));
+            let firing: BTreeSet<AlertOf> = self.state.alerts.shared().firing().map(|row| row.of).collect();
+            let ends = |row: &AlertRow| off.contains(&row.rule);
+            firing.into_iter().for_each(|of| self.state.alerts.reset(of, ends, &mut pen));
+            for SharedVerdict { of, verdict, origin } in &found {
+                self.state.alerts.follow(*of, verdict, origin, &mut pen);
             }
-            for StationVerdict { station, verdict, origin } in &found {
-                self.state.alerts.follow(AlertOf::Station(*station), verdict, origin, &mut pen);
-            }
-            let anew = self.state.alerts.stations().explained_anew(&rows, &naming);
+            let anew = self.state.alerts.shared().explained_anew(&rows, &naming);
             self.state.alerts.explain(&anew, &mut pen);
         }
         self.state.note(&mut changes, now).await?;
@@ -162,8 +154,8 @@ impl ClockTick<'_> {
         if changes.is_empty() { Ok(()) } else { self.state.commit(&changes).await }
     }
 
-    fn stations(&self) -> StationShifts<'_> {
-        self.state.stations(self.now)
+    fn shared_shifts(&self) -> SharedShifts<'_> {
+        self.state.shared_shifts(self.now)
     }
 }
 

@@ -6,14 +6,14 @@ use std::collections::BTreeMap;
 
 use super::state::WriterState;
 use crate::core::alert_decision::Late;
-use crate::core::judge::{Finding, Verdict};
+use crate::core::judge::{Finding, Rule, Verdict};
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{Naming, Origin, Pen};
 use crate::pipeline::diagnoses::{Adoption, Made, newest_verdict};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::ingest::judge::Undone;
 use crate::store;
-use crate::store::{AlertOf, Changes, RecordHead, StoreError};
+use crate::store::{AlertOf, AlertRow, Changes, RecordHead, StoreError};
 use crate::telemetry;
 
 pub(super) struct ForecastAlerts<'a> {
@@ -71,7 +71,7 @@ impl ForecastAlerts<'_> {
         }
         for (imu, undone) in &imus {
             self.state.alerts.recall(&self.state.store, [], self.now).await?;
-            if !self.state.alerts.fires_of_imu(*imu) {
+            if !self.state.alerts.is_off_forecast(*imu) {
                 continue;
             }
             let in_force = self.state.after.models.of(Some(*imu));
@@ -84,7 +84,11 @@ impl ForecastAlerts<'_> {
     fn undo(&mut self, (imu, left): (u32, Option<Verdict>), undone: &Undone) {
         let naming = Naming { tables: &self.state.store.names().read(), new: None };
         let mut pen = Pen { now: self.now, writer: &mut self.state.writer, naming, cause: None, late: Late::Quiet };
-        self.state.alerts.undo(AlertOf::Imu(imu), |_| left.and_then(|verdict| verdict.severity()), undone, &mut pen);
+        let still = |row: &AlertRow| match row.rule {
+            Rule::Forecast => left.and_then(|verdict| verdict.severity()),
+            _ => Some(row.alert.severity),
+        };
+        self.state.alerts.undo(AlertOf::Imu(imu), still, undone, &mut pen);
     }
 }
 

@@ -9,8 +9,8 @@ mod heads;
 mod homes;
 pub(crate) mod overlapped;
 mod restate;
+mod shared_shifts;
 mod state;
-mod stations;
 pub(crate) mod turn;
 
 use std::collections::{HashMap, HashSet};

@@ -1,0 +1,125 @@
+//! `imu_shift`: an IMU of which every gyro has moved in its newest calibration. Judged by the clock, over the fleet, and
+//! not by one record.
+//!
+//! d_g = x_g - b_g - M is the deviation of gyro g from its own baseline, beside what its station has done to all (M, of
+//! [`station_shift`](super::station_shift)). Gyros drift by themselves, and do not all do so on one day: where the
+//! smallest |d_g| of [`GYROS`] or more exceeds the limit, the IMU, its mounting or that calibration is to be looked at
+//! first. Signs and sizes may differ: each gyro has its own place in the IMU.
+
+use super::station_shift::Calibrated;
+use crate::core::judge::decide::beyond;
+use crate::core::judge::limits::Limit;
+use crate::core::judge::{Coefficient, Finding, Measured, Rule, State, Verdict};
+
+/// Fewer gyros may have moved on one day by themselves.
+const GYROS: usize = 3;
+
+/// What is asked of an IMU: the limit, deg/(h g0), what its station has done (M), and whether a second campaign has
+/// confirmed what one of its gyros exceeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImuQuestion {
+    pub limit: Limit,
+    pub confidence: f64,
+    pub station: Option<Measured>,
+    pub confirmed: bool,
+}
+
+/// Judges the gyros of one IMU in its newest calibration (column 0: D_I, 1: D_S); `newest` are theirs. Those without a
+/// baseline have nothing to be compared with.
+pub fn imu_shift(newest: &[&Calibrated], column: usize, asked: &ImuQuestion) -> Verdict {
+    let coefficient = [Coefficient::DI, Coefficient::DS][column];
+    let few = |have: usize| {
+        Verdict::undecided(coefficient, Rule::ImuShift, asked.limit, Finding::TooFew { have, need: GYROS })
+    };
+    let last = newest.iter().map(|one| one.at).max();
+    let together = newest.iter().filter(|one| Some(one.at) == last);
+    let beside_station = |of: Measured| match asked.station {
+        None => of,
+        Some(shift) => {
+            let sd = of.sd.map(|sd| sd.hypot(shift.sd.unwrap_or(0.0)));
+            Measured { value: of.value - shift.value, sd }
+        }
+    };
+    let moved: Vec<Measured> = together.filter_map(|one| one.deviation[column]).map(beside_station).collect();
+    let least = moved.iter().min_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
+    let Some(least) = least.filter(|_| moved.len() >= GYROS) else { return few(moved.len()) };
+    let states = moved.iter().map(|of| beyond(*of, asked.limit.value, asked.confidence).state);
+    let all = states.clone().all(|state| state == State::Exceeded);
+    let outcome = beyond(*least, asked.limit.value, asked.confidence);
+    Verdict {
+        state: if outcome.state == State::Exceeded && !all { State::Indeterminate } else { outcome.state },
+        value: Some(least.value.abs()),
+        sd: least.sd,
+        probability: outcome.probability,
+        finding: Finding::ImuShift { gyros: moved.len() },
+        ..few(moved.len())
+    }
+    .confirmed_if(asked.confirmed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::judge::LimitKey;
+    use crate::core::time::UtcMicros;
+
+    const LIMIT: f64 = 0.01;
+    const SD: f64 = 5e-4;
+
+    fn gyros(deviations: &[Option<f64>]) -> Vec<Calibrated> {
+        let of = |(k, d_s): (usize, &Option<f64>)| Calibrated {
+            gyro: k as u32,
+            imu: 1,
+            station: 1,
+            at: UtcMicros(0),
+            deviation: [None, d_s.map(|value| Measured { value, sd: Some(SD) })],
+            batch: None,
+        };
+        deviations.iter().enumerate().map(of).collect()
+    }
+
+    fn told(newest: &[Calibrated], station: Option<Measured>, confirmed: bool) -> Verdict {
+        let limit = Limit { value: LIMIT, from: LimitKey::BUDGET };
+        let asked = ImuQuestion { limit, confidence: 0.95, station, confirmed };
+        imu_shift(&newest.iter().collect::<Vec<_>>(), 1, &asked)
+    }
+
+    #[test]
+    fn an_imu_of_which_every_gyro_has_moved_is_told_by_the_one_that_moved_least() {
+        let all = gyros(&[Some(0.05), Some(-0.02), Some(0.03)]);
+        let verdict = told(&all, None, false);
+        assert_eq!((verdict.state, verdict.coefficient, verdict.confirmed), (State::Exceeded, Coefficient::DS, false));
+        assert_eq!((verdict.value, verdict.finding), (Some(0.02), Finding::ImuShift { gyros: 3 }));
+        assert!(told(&all, None, true).confirmed);
+    }
+
+    #[test]
+    fn one_that_stays_or_is_not_sure_to_have_moved_keeps_the_others_by_themselves() {
+        assert_eq!(told(&gyros(&[Some(0.05), Some(0.001), Some(0.03)]), None, true).state, State::Within);
+        let unsure = told(&gyros(&[Some(0.05), Some(0.0102), Some(0.03)]), None, true);
+        assert_eq!((unsure.state, unsure.confirmed), (State::Indeterminate, false));
+        // The largest of them is uncertain, though the least is not.
+        let mut uncertain = gyros(&[Some(0.05), Some(0.02), Some(0.03)]);
+        uncertain[0].deviation[1] = Some(Measured { value: 0.05, sd: Some(0.05) });
+        assert_eq!(told(&uncertain, None, false).state, State::Indeterminate);
+    }
+
+    #[test]
+    fn two_gyros_or_three_of_two_days_are_too_few() {
+        let two = told(&gyros(&[Some(0.05), None, Some(0.03)]), None, false);
+        assert_eq!((two.value, two.finding), (None, Finding::TooFew { have: 2, need: 3 }));
+        let mut apart = gyros(&[Some(0.05), Some(0.02), Some(0.03)]);
+        apart[1].at = UtcMicros(0).plus_days(-1.0);
+        assert_eq!(told(&apart, None, false).value, None);
+        assert_eq!(told(&[], None, false).value, None);
+    }
+
+    #[test]
+    fn what_the_station_has_done_is_not_the_imus() {
+        let station = Some(Measured { value: 0.02, sd: Some(SD) });
+        assert_eq!(told(&gyros(&[Some(0.021), Some(0.0195), Some(0.02)]), station, false).state, State::Within);
+        let besides = told(&gyros(&[Some(0.05), Some(0.0), Some(0.05)]), station, false);
+        assert_eq!(besides.state, State::Exceeded);
+        assert!((besides.sd.unwrap() - SD * 2f64.sqrt()).abs() < 1e-12);
+    }
+}

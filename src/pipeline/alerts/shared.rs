@@ -1,0 +1,120 @@
+//! Alerts of what gyros of a station or an IMU share, and alerts of gyros that these explain: told as one, and not as
+//! one of each gyro.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::body::{Naming, Origin, finding_of};
+use crate::core::alert_decision::Status;
+use crate::core::id::Id;
+use crate::core::judge::{Coefficient, Measured, State, Suspected, Verdict, is_explained};
+use crate::core::message::{Message, Parameter};
+use crate::core::time::UtcMicros;
+use crate::store::{AlertOf, AlertRow};
+use crate::wire::alert::FindingBody;
+
+/// What gyros of a station or an IMU share, judged by the clock.
+#[derive(Debug, Clone)]
+pub(crate) struct SharedVerdict {
+    pub of: AlertOf,
+    pub verdict: Verdict,
+    /// The newest calibration by the station, or of the IMU.
+    pub origin: Origin,
+}
+
+/// The alerts of what is shared, among all that are known.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SharedAlerts<'a> {
+    pub(super) alerts: &'a BTreeMap<AlertOf, Vec<AlertRow>>,
+    /// With which something exceeds its limit.
+    pub(super) confidence: f64,
+}
+
+impl<'a> SharedAlerts<'a> {
+    /// Those that fire.
+    pub fn firing(&self) -> impl Iterator<Item = &'a AlertRow> + use<'a> {
+        let not_gyros = self.alerts.iter().filter(|(of, _)| of.gyro().is_none());
+        not_gyros.flat_map(|(_, rows)| rows).filter(|row| fires(row))
+    }
+
+    fn firing_of(&self, of: AlertOf, coefficient: Coefficient) -> Option<&'a AlertRow> {
+        self.alerts.get(&of)?.iter().find(|row| row.coefficient == coefficient && fires(row))
+    }
+
+    /// The alert of a station that fires, and the shift that it tells of.
+    fn shift(&self, station: u32, coefficient: Coefficient) -> Option<(&'a AlertRow, Measured)> {
+        let row = self.firing_of(AlertOf::Station(station), coefficient)?;
+        let FindingBody { value, sd, reason, .. } = finding_of(row).ok()?;
+        let sign = if is_above(&reason.0)? { 1.0 } else { -1.0 };
+        Some((row, Measured { value: sign * value?, sd }))
+    }
+
+    /// The alert of an IMU that explains what its gyros have done since one instant.
+    fn of_imu(&self, imu: u32, coefficient: Coefficient, since: UtcMicros) -> Option<&'a AlertRow> {
+        // What a gyro does before or after is its own.
+        self.firing_of(AlertOf::Imu(imu), coefficient).filter(|row| row.alert.since == since)
+    }
+
+    /// The alert of the station or IMU by which a gyro exceeds a limit since an instant, where that is no less severe.
+    pub(super) fn explaining(&self, verdict: &Verdict, origin: &Origin, since: UtcMicros) -> Option<Id> {
+        let (severity, coefficient) = (verdict.severity()?, verdict.coefficient);
+        let suspected = Suspected::of(verdict);
+        let by_station = || {
+            let (row, shift) = self.shift(origin.station?, coefficient)?;
+            is_explained(suspected.as_ref()?, shift, self.confidence).then_some(row)
+        };
+        let by_imu = || self.of_imu(origin.imu?, coefficient, since).filter(|_| verdict.rule.can_be_shared());
+        let no_less_severe = |row: &&AlertRow| row.alert.severity >= severity;
+        let row = by_station().filter(no_less_severe).or_else(|| by_imu().filter(no_less_severe))?;
+        Some(row.id)
+    }
+
+    /// As [`SharedAlerts::explaining`], of an alert by the last verdict that it has followed.
+    pub(super) fn explaining_row(&self, row: &AlertRow, naming: &Naming<'_>) -> Option<Id> {
+        let fires = row.alert.status == Status::Firing && row.rule.can_be_shared();
+        row.of.gyro().filter(|_| fires)?;
+        let FindingBody { value, limit, sd, reason, station, imu, .. } = finding_of(row).ok()?;
+        let by_station = || {
+            let station = naming.tables.stations.number(station.as_deref()?)?;
+            let (by, shift) = self.shift(station, row.coefficient)?;
+            let suspected = Suspected { rule: row.rule, value: value?, limit, sd, above: is_above(&reason.0) };
+            is_explained(&suspected, shift, self.confidence).then_some(by)
+        };
+        let by_imu = || self.of_imu(naming.tables.imus.number(imu.as_deref()?)?, row.coefficient, row.alert.since);
+        let no_less_severe = |by: &&AlertRow| by.alert.severity >= row.alert.severity;
+        let by = by_station().filter(no_less_severe).or_else(|| by_imu().filter(no_less_severe))?;
+        Some(by.id)
+    }
+
+    /// Whether a verdict changes the alert of its station or IMU.
+    pub fn is_moved_by(&self, found: &SharedVerdict, naming: &Naming<'_>) -> bool {
+        let SharedVerdict { of, verdict, origin } = found;
+        match self.firing_of(*of, verdict.coefficient) {
+            None => verdict.severity().is_some(),
+            Some(_) if verdict.value.is_none() || verdict.state == State::Within => true,
+            Some(row) => verdict.state == State::Exceeded && row.finding != naming.finding(verdict, origin).kept(),
+        }
+    }
+
+    /// Gyros among these alerts that another explains, and did not, or do not any more.
+    pub fn explained_anew(&self, rows: &[AlertRow], naming: &Naming<'_>) -> BTreeSet<u32> {
+        // Where none fires there is nothing to be read from findings.
+        let explains = self.firing().next().is_some();
+        let anew = rows.iter().filter(|row| explains || row.inhibited_by.is_some());
+        let anew = anew.filter(|row| self.explaining_row(row, naming) != row.inhibited_by);
+        anew.filter_map(|row| row.of.gyro()).collect()
+    }
+}
+
+fn fires(row: &AlertRow) -> bool {
+    row.alert.status == Status::Firing && row.rule.explains_others()
+}
+
+/// On which side of its level a finding says that a figure is.
+fn is_above(said: &[Message]) -> Option<bool> {
+    let of = |name: &str| said.iter().find_map(|message| message.parameter(name));
+    match (of("side"), of("deviation")) {
+        (Some(side), _) => Some(*side == Parameter::from("above")),
+        (None, Some(deviation)) => Some(!deviation.to_string().starts_with('-')),
+        (None, None) => None,
+    }
+}

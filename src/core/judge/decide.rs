@@ -39,11 +39,13 @@ pub(crate) fn outside(figure: Measured, low: f64, high: f64, confidence: f64) ->
 pub(crate) struct Pair<T> {
     pub low: (T, Measured),
     pub high: (T, Measured),
+    /// Standard deviation of what their stations differ by.
+    pub between: f64,
 }
 
 impl<T> Pair<T> {
     pub fn difference(&self) -> Measured {
-        self.high.1.minus(self.low.1)
+        self.high.1.minus(self.low.1).beside(self.between)
     }
 
     /// Judges their difference, which is the widest among `n` figures.
@@ -66,11 +68,18 @@ impl<T> Pair<T> {
 }
 
 /// The pair that exceeds the limit with the largest probability, and the smaller of the two ranges that are left
-/// without the lowest or the highest figure. None of fewer than two figures.
-pub(crate) fn widest<T: Copy>(figures: &[(T, Measured)], limit: f64) -> Option<(Pair<T>, f64)> {
+/// without the lowest or the highest figure. None of fewer than two figures. `between`: what the stations of two differ
+/// by, a standard deviation.
+pub(crate) fn widest<T: Copy>(
+    figures: &[(T, Measured)],
+    between: impl Fn(&T, &T) -> f64,
+    limit: f64,
+) -> Option<(Pair<T>, f64)> {
     let pairs = figures.iter().enumerate().flat_map(|(i, a)| figures[..i].iter().map(move |b| (*b, *a)));
-    let ordered =
-        pairs.map(|(a, b)| if a.1.value <= b.1.value { Pair { low: a, high: b } } else { Pair { low: b, high: a } });
+    let ordered = pairs.map(|(a, b)| {
+        let (low, high) = if a.1.value <= b.1.value { (a, b) } else { (b, a) };
+        Pair { low, high, between: between(&a.0, &b.0) }
+    });
     let before = |a: &Pair<T>, b: &Pair<T>| {
         let (a, b) = (a.rank(limit), b.rank(limit));
         a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
@@ -139,6 +148,7 @@ mod tests {
         let pair = |value: f64, sd: Option<f64>| Pair {
             low: ((), Measured { value: 0.0, sd: sd.map(|_| 0.0) }),
             high: ((), Measured { value, sd }),
+            between: 0.0,
         };
         let rank = |value, sd| pair(value, sd).rank(0.01).0;
         assert!((rank(0.02, Some(0.002)) - 25.0).abs() < 1e-9);

@@ -27,6 +27,12 @@ impl Measured {
         Self { value: self.value / of, sd: self.sd.map(|sd| sd / of) }
     }
 
+    /// With another standard deviation beside its own.
+    #[must_use]
+    pub(crate) fn beside(self, sd: f64) -> Self {
+        if sd == 0.0 { self } else { Self { sd: Some(self.sd.unwrap_or(0.0).hypot(sd)), ..self } }
+    }
+
     /// `self - earlier`, the two taken as independent campaigns.
     pub(crate) fn minus(self, earlier: Self) -> Self {
         let sd = self.sd.zip(earlier.sd).map(|(a, b)| (a * a + b * b).sqrt());

@@ -47,6 +47,25 @@ fn a_step_beyond_the_budget_is_exceeded_and_names_the_limit_and_its_key() {
     assert_eq!(latest(&[(0.0, 3.0), (14.0, 2.9877)], Rule::Step).state, State::Exceeded);
 }
 
+/// A gyro that stands still between two stations that differ by 0.014, where stations are known to differ by as much.
+#[test]
+fn a_still_gyro_between_two_stations_is_neither_restless_nor_out_of_tolerance() {
+    let points: Vec<(f64, f64)> = (0..12).map(|k| (7.0 * k as f64, 3.0 + 0.014 * f64::from(k % 2))).collect();
+    for sd in [Some(2e-4), None] {
+        let mut samples = samples(sd, &points);
+        samples.iter_mut().enumerate().for_each(|(k, sample)| sample.station = k as u32 % 2);
+        let exceeded = |limits: &Limits| -> Vec<Rule> {
+            let all = all_verdicts(&samples, &[], 11, limits);
+            all.iter().filter(|v| v.state == State::Exceeded && v.confirmed).map(|v| v.rule).collect()
+        };
+        let known = Limits { between_stations: [0.01; 2], ..Limits::default() };
+        assert_eq!(exceeded(&known), [], "{sd:?}");
+        assert!(exceeded(&Limits::default()).contains(&Rule::Range));
+        let restless = |limits| verdict(&samples, &[], 11, Rule::RmsSuccessive, limits).state;
+        assert_eq!([restless(&known), restless(&Limits::default())], [State::Indeterminate, State::Exceeded]);
+    }
+}
+
 #[test]
 fn what_stations_differ_by_counts_where_records_of_different_stations_are_compared() {
     const BETWEEN: f64 = 1.5e-3;
@@ -73,6 +92,13 @@ fn what_stations_differ_by_counts_where_records_of_different_stations_are_compar
             assert!(v.messages().iter().any(|said| said.code == "between_stations"), "{v}");
         }
     }
+    // The extremes are of two stations: neither exceeded nor confirmed; of one they are.
+    let of = |stations, limits: &Limits| verdict(&at_stations(stations), &[], 3, Rule::Range, limits);
+    let (alone, apart) = (of([1; 4], &Limits::default()), of([1, 1, 1, 2], &limits));
+    assert_eq!((alone.state, of([1; 4], &limits)), (State::Exceeded, alone));
+    let between = BETWEEN * std::f64::consts::SQRT_2;
+    assert!((apart.between.unwrap() / between - 1.0).abs() < 1e-12, "{apart:?}");
+    assert_eq!((apart.state, apart.confirmed), (State::Indeterminate, false), "{apart:?}");
     let other = at_stations([1, 1, 1, 2]);
     let d_s = all_verdicts(&other, &[], 3, &limits);
     assert!(d_s.iter().all(|v| v.between.is_none() || v.coefficient == Coefficient::DI));

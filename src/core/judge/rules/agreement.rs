@@ -33,7 +33,7 @@ pub fn agreement(
         None => Finding::TooFew { have: results.len(), need: 2 },
     };
     let undecided = Verdict::undecided(coefficient, Rule::Agreement, limit, too_few);
-    let Some((pair, without_one)) = widest(&figures, limit.value) else { return undecided };
+    let Some((pair, without_one)) = widest(&figures, |_, _| 0.0, limit.value) else { return undecided };
     let range = pair.difference();
     let outcome = pair.outcome(results.len(), limit.value, confidence);
     let of = |(result, measured): (&SourcedResult, Measured)| (result.source, result.at, measured.value);

@@ -1,5 +1,7 @@
 //! What every rule is given.
 
+use std::f64::consts::SQRT_2;
+
 use crate::core::judge::cells::{Points, Window};
 use crate::core::judge::coefficient::Coefficient;
 use crate::core::judge::decide::{Outcome, beyond};
@@ -46,7 +48,7 @@ impl<'a> Case<'a> {
     /// by counts beside their own standard deviations, and is answered: a station s has the weight w_s = [s is the
     /// sample's] - its share of the records, and their offsets bring in sigma_b sqrt(sum w_s^2).
     pub fn apart(&self, difference: Measured, sample: &Sample, level: &[Sample]) -> (Measured, Option<f64>) {
-        let sigma = self.limits.between_stations.get(self.column).copied().unwrap_or(0.0);
+        let sigma = self.between_stations();
         let share =
             |station: u32| level.iter().filter(|one| one.station == station).count() as f64 / level.len().max(1) as f64;
         let is_first = |k: usize| level[..k].iter().all(|earlier| earlier.station != level[k].station);
@@ -56,8 +58,17 @@ impl<'a> Case<'a> {
         if level.is_empty() || between == 0.0 {
             return (difference, None);
         }
-        let sd = difference.sd.unwrap_or(0.0).hypot(between);
-        (Measured { sd: Some(sd), ..difference }, Some(between))
+        (difference.beside(between), Some(between))
+    }
+
+    /// Standard deviation of what one station adds to the column.
+    fn between_stations(&self) -> f64 {
+        self.limits.between_stations.get(self.column).copied().unwrap_or(0.0)
+    }
+
+    /// Standard deviation of what two stations differ by.
+    pub fn between_two_stations(&self) -> f64 {
+        SQRT_2 * self.between_stations()
     }
 
     pub fn beyond(&self, difference: Measured, limit: f64) -> Outcome {

@@ -16,7 +16,8 @@ const PAIRWISE: usize = 64;
 ///
 /// A single record that both of its neighbours contradict (farther than the limit from either, on the same side,
 /// while they agree) is an outlier from which the gyro has returned: it is left out. `confirmed` when no single
-/// record is to blame: leave out the highest or the lowest, and what remains still exceeds.
+/// record is to blame: leave out the highest or the lowest, and what remains still exceeds, beside what stations differ
+/// by.
 pub(crate) fn range(case: &Case<'_>, limit: Limit) -> Verdict {
     let (samples, now) = (&case.history.samples[..=case.k], case.now().at);
     let first = case.history.first_since_reset(case.k, Rule::Range);
@@ -37,7 +38,11 @@ pub(crate) fn range(case: &Case<'_>, limit: Limit) -> Verdict {
     let since = if older.records > 0 { pair.low.0.min(pair.high.0) } else { samples[start].at };
     let of = |(at, measured): (UtcMicros, Measured)| (at, measured.value);
     let finding = Finding::Range { records, since, lowest: of(pair.low), highest: of(pair.high) };
-    case.verdict(Rule::Range, limit, pair.difference(), outcome, finding).confirmed_if(without_one > limit.value)
+    let between = Some(pair.between).filter(|between| *between > 0.0);
+    let without_one = Measured { value: without_one, sd: between };
+    case.verdict(Rule::Range, limit, pair.difference(), outcome, finding)
+        .between_stations(between)
+        .confirmed_if(case.exceeds(without_one, limit.value))
 }
 
 struct Found {
@@ -61,16 +66,21 @@ fn of_few(case: &Case<'_>, samples: &[Sample], start: usize, limit: f64) -> Opti
         let (off_before, off_after) = (value(k).value - before, value(k).value - after);
         off_before * off_after > 0.0 && off_before.abs().min(off_after.abs()) > limit && (after - before).abs() <= limit
     };
-    let kept: Vec<(UtcMicros, Measured)> =
-        (start..samples.len()).filter(|k| !is_outlier(*k)).map(|k| (samples[k].at, value(k))).collect();
-    let (pair, without_one) = widest(&kept, limit)?;
-    Some(Found { pair, records: kept.len(), without_one })
+    let kept: Vec<(&Sample, Measured)> =
+        (start..samples.len()).filter(|k| !is_outlier(*k)).map(|k| (&samples[k], value(k))).collect();
+    let between = |a: &&Sample, b: &&Sample| if a.station == b.station { 0.0 } else { case.between_two_stations() };
+    let (Pair { low, high, between }, without_one) = widest(&kept, between, limit)?;
+    let of = |(sample, measured): (&Sample, Measured)| (sample.at, measured);
+    Some(Found { pair: Pair { low: of(low), high: of(high), between }, records: kept.len(), without_one })
 }
 
 fn of_many(case: &Case<'_>, older: Older, start: usize, records: usize) -> Option<Found> {
     let samples = case.history.samples;
     let here = samples.extremes(case.column, start..case.k + 1);
     let extremes = older.extremes[case.column].and(here.at(|place| (samples[place].at, case.value(&samples[place]))));
-    let (lowest, highest) = extremes.lowest.zip(extremes.highest)?;
-    Some(Found { pair: Pair { low: lowest, high: highest }, records, without_one: extremes.range_without_one() })
+    let (low, high) = extremes.lowest.zip(extremes.highest)?;
+    // Of many records the stations of the extremes are not kept: they may be two where there are two at all.
+    let is_of_one = samples[start..=case.k].iter().all(|sample| sample.station == case.now().station);
+    let between = if is_of_one { 0.0 } else { case.between_two_stations() };
+    Some(Found { pair: Pair { low, high, between }, records, without_one: extremes.range_without_one() })
 }

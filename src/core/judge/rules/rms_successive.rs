@@ -14,7 +14,8 @@ const FACTOR: f64 = 1.2;
 /// leaves the least: one bad record makes two large differences, and says nothing of the gyro.
 ///
 /// Slow drift hardly enters it: it tells a restless gyro (bearing, suspension) from one that ages. Where standard
-/// deviations are known, what they explain of the mean square is taken off before the limit is asked.
+/// deviations are known, what they explain of the mean square is taken off before the limit is asked, and so is what
+/// stations differ by: 2 sigma_b^2 of each difference of two, known no better than the square of one normal figure.
 /// `confirmed` is never set: ten campaigns have spoken already.
 pub(crate) fn rms_successive(case: &Case<'_>, limit: Limit) -> Verdict {
     let samples = case.since_reset(Rule::RmsSuccessive);
@@ -29,7 +30,9 @@ pub(crate) fn rms_successive(case: &Case<'_>, limit: Limit) -> Verdict {
     let scale = differences.largest().max(limit.value);
     let differences = differences.divided_by(scale);
     let rms = differences.mean_square().sqrt();
-    let noise = differences.noise();
+    let between = (differences.of_two_stations.sqrt() * case.between_two_stations() / scale).powi(2);
+    let noise = differences.noise().map(|noise| noise.and(between));
+    let noise = noise.or_else(|| (between > 0.0).then(|| Noise::NONE.and(between)));
     let (outcome, sd) = match noise {
         Some(noise) if noise.variance > 0.0 => {
             let excess = rms * rms - noise.explained - (limit.value / (FACTOR * scale)).powi(2);
@@ -56,6 +59,8 @@ struct Differences {
     d: [f64; KEPT - 1],
     /// Variances of the records themselves.
     variance: Option<[f64; KEPT]>,
+    /// The share of them that are of two stations.
+    of_two_stations: f64,
 }
 
 /// What measurement noise does to the mean square m = d.d/n, to second order in the noise.
@@ -67,13 +72,24 @@ struct Noise {
     variance: f64,
 }
 
+impl Noise {
+    const NONE: Self = Self { explained: 0.0, variance: 0.0 };
+
+    /// Beside a part that a normal figure makes, squared, of which only the mean is known.
+    fn and(self, part: f64) -> Self {
+        Self { explained: self.explained + part, variance: self.variance + 2.0 * part * part }
+    }
+}
+
 impl Differences {
     fn of(case: &Case<'_>, window: &[Sample], left_out: usize) -> Self {
         let value = |i: usize| case.value(&window[if i < left_out { i } else { i + 1 }]);
         let d = std::array::from_fn(|i| value(i + 1).value - value(i).value);
         let known = (0..KEPT).all(|i| value(i).sd.is_some());
         let variance = known.then(|| std::array::from_fn(|i| value(i).sd.map_or(0.0, |sd| sd * sd)));
-        Self { d, variance }
+        let station = |i: usize| window[if i < left_out { i } else { i + 1 }].station;
+        let of_two = (1..KEPT).filter(|i| station(*i) != station(i - 1)).count();
+        Self { d, variance, of_two_stations: of_two as f64 / (KEPT - 1) as f64 }
     }
 
     fn largest(&self) -> f64 {
@@ -83,7 +99,8 @@ impl Differences {
 
     fn divided_by(&self, scale: f64) -> Self {
         let square = scale * scale;
-        Self { d: self.d.map(|d| d / scale), variance: self.variance.map(|variances| variances.map(|v| v / square)) }
+        let variance = self.variance.map(|variances| variances.map(|v| v / square));
+        Self { d: self.d.map(|d| d / scale), variance, ..*self }
     }
 
     fn mean_square(&self) -> f64 {

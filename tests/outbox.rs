@@ -313,6 +313,13 @@ struct Alertmanager {
     _dir: tempfile::TempDir,
 }
 
+/// As an installation has them.
+fn inhibit_rules() -> String {
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus/alertmanager.yml");
+    let text = std::fs::read_to_string(file).unwrap();
+    text[text.find("inhibit_rules:").unwrap()..].to_owned()
+}
+
 impl Alertmanager {
     /// None where no such program is installed.
     async fn start(tells: &Receiver) -> Option<Self> {
@@ -327,8 +334,9 @@ impl Alertmanager {
         let dir = tempfile::tempdir().unwrap();
         let config = format!(
             "route: {{ receiver: recorder, group_by: [serial], group_wait: 0s, group_interval: 1s }}\n\
-             receivers: [{{ name: recorder, webhook_configs: [{{ url: 'http://{}/' }}] }}]\n",
-            tells.address
+             receivers: [{{ name: recorder, webhook_configs: [{{ url: 'http://{}/' }}] }}]\n{}",
+            tells.address,
+            inhibit_rules()
         );
         std::fs::write(dir.path().join("config.yml"), config).unwrap();
         let port = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
@@ -353,6 +361,15 @@ impl Alertmanager {
     async fn shows(&self) -> Vec<Value> {
         let answer = self.http.get(format!("{}/api/v2/alerts", self.url)).send().await.unwrap();
         answer.json().await.unwrap()
+    }
+
+    /// As Prometheus tells it that an alert fires, or does no more.
+    async fn is_told(&self, alert: &str, fires: bool) {
+        let now = gyrowatch::system::Clock::System.now();
+        let end = gyrowatch::wire::time::format(now.plus_days(if fires { 1.0 } else { -1e-5 }));
+        let told = json!([{ "labels": { "alertname": alert, "severity": "critical" }, "endsAt": end }]);
+        let answer = self.http.post(format!("{}/api/v2/alerts", self.url)).json(&told).send().await.unwrap();
+        assert!(answer.status().is_success(), "{answer:?}");
     }
 
     /// Waits until what it shows is as `wanted`.
@@ -403,6 +420,19 @@ async fn a_real_alertmanager_receives_shows_and_resolves_an_alert() {
     let later = alertmanager.comes_to_show(|shown| shown.len() == 1).await.remove(0);
     assert!(later["endsAt"].as_str().unwrap() > first, "{first}: {later:#}");
     assert_eq!(recorder.has_been_told(1).await[0].json()["status"], "firing");
+
+    // One server of several that is down mutes nothing; where none answers nobody knows how gyros stand.
+    let of_gyro = |shown: &[Value], state: &str| {
+        shown.iter().any(|alert| alert["labels"]["serial"] == "LFG-0101" && alert["status"]["state"] == state)
+    };
+    alertmanager.is_told("GyrowatchDown", true).await;
+    alertmanager.comes_to_show(|shown| shown.len() == 2 && of_gyro(shown, "active")).await;
+    alertmanager.is_told("GyrowatchAllDown", true).await;
+    alertmanager.comes_to_show(|shown| of_gyro(shown, "suppressed")).await;
+    for alert in ["GyrowatchDown", "GyrowatchAllDown"] {
+        alertmanager.is_told(alert, false).await;
+    }
+    alertmanager.comes_to_show(|shown| shown.len() == 1 && of_gyro(shown, "active")).await;
 
     station_posts(120, 1.03).await;
     let critical = |shown: &[Value]| shown.len() == 1 && shown[0]["labels"]["severity"] == "critical";

@@ -101,13 +101,21 @@ pub struct Fleet {
     pub class: Vec<&'static str>,
     /// What they did to each record of the asked gyro, deg/(h g0).
     pub signal: Vec<f64>,
-    /// Level before, and slope a year, where it ages.
-    pub ageing: Option<(f64, f64)>,
+    /// How the asked coefficient ages, where its date is asked for.
+    pub ageing: Option<Ageing>,
     /// Whether every gyro shows the asked column's cause too.
     pub shared: bool,
 }
 
 pub(super) const YEAR_DAYS: f64 = 365.25;
+
+/// A level, and a slope a year from so many years after the first record on.
+#[derive(Debug, Clone, Copy)]
+pub struct Ageing {
+    pub level: f64,
+    pub slope: f64,
+    pub begins: f64,
+}
 
 /// How far the asked coefficient may be from where it began, and when it will be there.
 #[derive(Debug, Clone, Copy)]
@@ -119,11 +127,11 @@ pub struct HiddenBudget {
 }
 
 impl Fleet {
-    /// Half as far again as the coefficient has aged by the newest record, where it ages from the beginning on.
+    /// Half as far again as the coefficient has aged by the newest record.
     pub fn budget(&self) -> Option<HiddenBudget> {
-        let (baseline, slope) = self.ageing?;
-        let limit = 1.5 * slope.abs() * self.years(self.signal.len() - 1);
-        Some(HiddenBudget { baseline, limit, years_from_first: limit / slope.abs() })
+        let Ageing { level, slope, begins } = self.ageing?;
+        let limit = 1.5 * slope.abs() * (self.years(self.signal.len() - 1) - begins);
+        Some(HiddenBudget { baseline: level, limit, years_from_first: begins + limit / slope.abs() })
     }
 
     pub(super) fn entries(&self) -> &[Entry] {
@@ -200,7 +208,8 @@ impl Draw {
 
         let mut gyros = Vec::new();
         let mut signal = Vec::new();
-        let mut level_asked = 0.0;
+        let mut ageing = None;
+        let late_slope = slope * span / (span - instant);
         for (imu, occasions) in occasions.iter().enumerate() {
             for (slot, seat) in Slot::ALL.into_iter().enumerate() {
                 let asked = imu == asked_imu && slot == asked_slot;
@@ -229,7 +238,7 @@ impl Draw {
                         Kind::Clocking => own * clocking * spin,
                         Kind::AgeingAndStation => own * slope * occasion.years + offset * there,
                         Kind::Wanders => own * walk[k],
-                        Kind::AgeingLate => own * slope * span / (span - instant) * (occasion.years - instant).max(0.0),
+                        Kind::AgeingLate => own * late_slope * (occasion.years - instant).max(0.0),
                     };
                     let more = if occasion.station == 1 { noisy } else { 1.0 };
                     let mut d = [0, 1, 2].map(|c| level[c] + sigma * more * self.normal());
@@ -239,7 +248,14 @@ impl Draw {
                     }
                     if asked {
                         signal.push(change);
-                        level_asked = level[column] + slope * occasions[0].years;
+                        let (level, first) = (level[column], occasions[0].years);
+                        ageing = match kind {
+                            Kind::Ageing | Kind::NoisyStation => {
+                                Some(Ageing { level: level + slope * first, slope, begins: 0.0 })
+                            }
+                            Kind::AgeingLate => Some(Ageing { level, slope: late_slope, begins: instant - first }),
+                            _ => None,
+                        };
                     }
                     entries.push(Entry {
                         at: at(occasion.years),
@@ -266,9 +282,7 @@ impl Draw {
             _ => vec!["station"],
         };
         let class = if lone { vec!["station", "step"] } else { truth.clone() };
-        let ageing = matches!(kind, Kind::Ageing | Kind::NoisyStation);
         let shared = truth.contains(&"station");
-        let ageing = ageing.then_some((level_asked, slope));
         Fleet { kind, gyros, asked, column, truth, class, signal, ageing, shared }
     }
 

@@ -221,3 +221,50 @@ async fn what_a_station_did_before_the_newest_hundred_records_of_its_gyros_is_st
     let causes: Vec<&Value> = answer["causes"].as_array().unwrap().iter().map(|cause| &cause["cause"]).collect();
     assert_eq!(causes, ["station"], "{answer}");
 }
+
+/// Records of one gyro in an IMU of its own, four weeks apart, each by the station and of the D_I that are given.
+fn by_stations(serial: &str, records: i64, of: impl Fn(i64) -> (&'static str, f64)) -> Vec<Value> {
+    let shift = serial.bytes().map(i64::from).sum::<i64>();
+    let one = |k: i64| {
+        let (station, d_i) = of(k);
+        let d_i = 3.0 + scatter(k + shift) + d_i;
+        let mut sent = record(&format!("IMU-{serial}"), &day(28 * k), &[("G1", serial, d_i, 4.0 + scatter(k))]);
+        sent["station"] = station.into();
+        sent
+    };
+    (0..records).map(one).collect()
+}
+
+#[tokio::test]
+async fn gyros_of_a_busy_station_do_not_crowd_out_those_of_another() {
+    let lab = Lab::open().await;
+    let drifts = |k: i64| ("QB", 8e-4 * k as f64);
+    let mut records = by_stations("MOVED", 24, |k| if k < 10 { ("QA", 0.0) } else { drifts(k) });
+    records.extend((0..70).flat_map(|gyro| by_stations(&format!("A{gyro}"), 6, |_| ("QA", 0.0))));
+    records.extend((0..8).flat_map(|gyro| by_stations(&format!("B{gyro}"), 24, drifts)));
+    for answer in lab.imports(&records).await {
+        assert_eq!(answer["status"], 201, "{answer}");
+    }
+    let moved = diagnosis(&lab, "MOVED", "D_I").await;
+    let causes: Vec<&Value> = moved["causes"].as_array().unwrap().iter().map(|cause| &cause["cause"]).collect();
+    assert!(!causes.is_empty() && causes.iter().all(|cause| **cause == "station"), "{moved}");
+    assert!(moved["said"].to_string().contains("QB"), "{moved}");
+}
+
+#[tokio::test]
+async fn a_station_of_one_gyro_in_a_large_fleet_is_among_the_stations() {
+    let lab = Lab::open().await;
+    let mut records: Vec<Value> =
+        (0..610).flat_map(|gyro| by_stations(&format!("A{gyro}"), 1, |_| ("BUSY", 0.0))).collect();
+    records.extend(by_stations("R1", 6, |_| ("RARE-1", 0.0)));
+    records.extend(by_stations("R2", 6, |_| ("RARE-2", 0.0)));
+    for answer in lab.imports(&records).await {
+        assert_eq!(answer["status"], 201, "{answer}");
+    }
+    let stations = lab.get("/v1/stations").await.ok()["stations"].as_array().unwrap().clone();
+    let seen: Vec<(&str, &Value)> =
+        stations.iter().map(|one| (one["name"].as_str().unwrap(), &one["records"])).collect();
+    assert_eq!(seen.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["BUSY", "RARE-1", "RARE-2"]);
+    assert!(*seen[1].1 == 6 && *seen[2].1 == 6 && seen[0].1.as_u64().unwrap() >= 100, "{seen:?}");
+    assert_eq!(lab.get("/v1/stations/RARE-2").await.ok()["records"], 6);
+}

@@ -21,12 +21,5 @@ pub async fn get_gyro_diagnosis(
     let number = query::gyro(&app, &serial)?;
     let explained = app.pipeline.queries.histories.explain(number, &serial).await?;
     let coefficients = &explained.coefficients;
-    Ok(Json(HistoryDiagnosisBody::new(
-        &serial,
-        explained.peers,
-        explained.records,
-        explained.newest,
-        coefficients,
-        asked(),
-    )))
+    Ok(Json(HistoryDiagnosisBody::new(&serial, explained.peers, explained.as_of, coefficients, asked())))
 }

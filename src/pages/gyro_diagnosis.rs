@@ -44,7 +44,7 @@ fn section(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, explained: 
         section id=(name) {
             h2 { (symbol(name)) }
             p { (t.words(&answer.opening())) }
-            @for said in answer.besides(explained.newest).into_iter().chain(answer.looked_at(explained.records)) { p { (t.words(&said)) } }
+            @for said in answer.besides(explained.as_of).into_iter().chain(answer.looked_at(explained.as_of.records)) { p { (t.words(&said)) } }
             (drawn(viewer, serial, answer))
             @if !answer.causes.is_empty() {
                 div.scroll tabindex="0" { table.cards {

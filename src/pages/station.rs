@@ -64,7 +64,7 @@ fn compared(viewer: &Viewer, name: &str, found: &FleetStations, figures: &Statio
     html! {
         p.note { (t.station_figures_note) " " (t.unit) }
         @for (column, coefficient) in figures.columns.iter().zip(DRIFTS) {
-            (section(viewer, name, coefficient, column, &found.against))
+            (section(viewer, name, coefficient, column, figures.against.as_ref().unwrap_or(&found.against)))
         }
         @if found.reproducibility.iter().any(Option::is_some) {
             section {
@@ -132,7 +132,7 @@ fn section(viewer: &Viewer, name: &str, coefficient: &str, column: &StationColum
                     dd { (shared(size)) @if viewer.may(Role::Engineer) {
                         " " a.action href={
                             "/stations/" (encoded(name)) "/suspect?from=" (time::format(from))
-                            @if let Some(until) = until { "&to=" (time::format(until)) }
+                            @if let Some(until) = until { "&to=" (time::format(UtcMicros(until.0 - 1))) }
                         } { (t.suspect_from_here) }
                     } }
                 }

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::core::changes::{Due, Excess, HistoryDiagnosis, NamedCause, Outlier, Rejected, Wander};
+use crate::core::changes::{AsOf, Due, Excess, HistoryDiagnosis, NamedCause, Outlier, Rejected, Wander};
 use crate::core::time::UtcMicros;
 use crate::wire::time;
 use crate::words::Language;
@@ -130,24 +130,15 @@ pub struct DueBody {
 }
 
 impl HistoryDiagnosisBody {
-    /// `records`: how many count. `newest`: the newest record, from which dates count.
-    pub fn new(
-        serial: &str,
-        peers: usize,
-        records: usize,
-        newest: Option<UtcMicros>,
-        answers: &[HistoryDiagnosis],
-        language: Language,
-    ) -> Self {
-        let coefficients =
-            answers.iter().map(|answer| CoefficientBody::new(answer, records, newest, language)).collect();
-        Self { serial: serial.to_owned(), peers, records, coefficients }
+    pub fn new(serial: &str, peers: usize, as_of: AsOf, answers: &[HistoryDiagnosis], language: Language) -> Self {
+        let coefficients = answers.iter().map(|answer| CoefficientBody::new(answer, as_of, language)).collect();
+        Self { serial: serial.to_owned(), peers, records: as_of.records, coefficients }
     }
 }
 
 impl CoefficientBody {
-    fn new(answer: &HistoryDiagnosis, records: usize, newest: Option<UtcMicros>, language: Language) -> Self {
-        let due = newest.zip(answer.due.as_ref());
+    fn new(answer: &HistoryDiagnosis, as_of: AsOf, language: Language) -> Self {
+        let due = as_of.newest.zip(answer.due.as_ref());
         Self {
             coefficient: answer.coefficient.name().into(),
             verdict: answer.verdict.name().into(),
@@ -162,7 +153,7 @@ impl CoefficientBody {
             excess: answer.excess.as_ref().map(ExcessBody::from),
             remaining_p_value: answer.remaining_p_value,
             due: due.map(|(newest, due)| DueBody::new(due, newest)),
-            said: answer.sentences(records, newest).iter().map(|said| language.words(said)).collect(),
+            said: answer.sentences(as_of).iter().map(|said| language.words(said)).collect(),
         }
     }
 }

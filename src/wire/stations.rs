@@ -12,7 +12,7 @@ use crate::wire::time;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StationsBody {
     pub unit: String,
-    /// The station that offsets count from: the one with most records.
+    /// The station that most offsets count from.
     #[schema(required)]
     pub against: Option<String>,
     pub stations: Vec<StationBody>,
@@ -23,7 +23,7 @@ pub struct StationsBody {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StationBody {
     pub name: String,
-    /// The newest hundred of each gyro count.
+    /// The newest hundred of each gyro count; of a fleet of more than 600 gyros those of some at every station.
     pub records: usize,
     pub gyros: usize,
     pub imus: usize,
@@ -32,6 +32,9 @@ pub struct StationBody {
     pub first: Option<String>,
     #[schema(required)]
     pub last: Option<String>,
+    /// The station that its offsets count from; left out of that one, and where no gyros lead to another.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub against: Option<String>,
     /// Gyros that it calibrated last and that were not calibrated in their interval.
     pub overdue: usize,
     #[serde(flatten)]
@@ -153,6 +156,7 @@ impl StationBody {
             imus: figures.imus,
             first: Some(time::format(figures.first)),
             last: Some(time::format(figures.last)),
+            against: figures.against.as_ref().map(ToString::to_string),
             overdue: overdue.get(&*figures.name).copied().unwrap_or_default(),
             coefficients: BothBody { d_i, d_s },
             suspect_windows: None,
@@ -169,6 +173,7 @@ impl StationBody {
             imus: 0,
             first: None,
             last: None,
+            against: None,
             overdue: 0,
             coefficients: BothBody { d_i: column(), d_s: column() },
             suspect_windows: None,

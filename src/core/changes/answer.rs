@@ -70,10 +70,8 @@ pub enum Tie {
     SlopeAfter(UtcMicros),
     /// It began after this record.
     SlopeSince(UtcMicros),
-    Event {
-        event: Event,
-        at: UtcMicros,
-    },
+    /// Every event between two records that follow one another: none of them is told from another.
+    Events(Vec<(Event, UtcMicros)>),
     Moved {
         from: String,
         to: String,
@@ -105,7 +103,8 @@ impl Tie {
             Self::Slope => years,
             Self::SlopeUntil(repair) => years_after(*repair).min(0.0),
             Self::SlopeAfter(began) | Self::SlopeSince(began) => years_after(*began).max(0.0),
-            Self::Event { at, .. } | Self::Moved { at, .. } | Self::Instant { before: at, .. } => since(*at),
+            Self::Events(events) => events.last().map_or(0.0, |(_, at)| since(*at)),
+            Self::Moved { at, .. } | Self::Instant { before: at, .. } => since(*at),
             Self::Temperature { mean_c, .. } => entry.temperature_c.map_or(0.0, |t| t - mean_c),
             Self::Station { name, .. } if *name != entry.station => 0.0,
             Self::Station { form, .. } => form.at(entry.at, years),
@@ -121,7 +120,15 @@ impl Tie {
             Self::SlopeUntil(repair) => message!("change_slope_until", day = text(repair.date())),
             Self::SlopeAfter(repair) => message!("change_slope_after", day = text(repair.date())),
             Self::SlopeSince(began) => message!("change_slope_since", day = text(began.date())),
-            Self::Event { event, at } => message!("change_event", event = event.word(), day = text(at.date())),
+            Self::Events(events) => {
+                let event = |(event, at): &(Event, UtcMicros)| {
+                    message!("change_event", event = event.word(), day = text(at.date()))
+                };
+                match &events[..] {
+                    [one] => event(one),
+                    all => message!("change_events", events = list(all.iter().map(event))),
+                }
+            }
             Self::Moved { from, to, .. } => message!("change_moved", from = text(from), to = text(to)),
             Self::Temperature { mean_c, missing: 0 } => message!("change_temperature", mean = figure(*mean_c, 2)),
             Self::Temperature { mean_c, missing } => {
@@ -294,6 +301,16 @@ pub struct Due {
     pub calibrate_by: Option<f64>,
 }
 
+/// What an answer rests on, and when it is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AsOf {
+    /// How many records count.
+    pub records: usize,
+    /// The newest of them, from which dates count.
+    pub newest: Option<UtcMicros>,
+    pub now: UtcMicros,
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HistoryVerdict {
     /// Too few records, or too short a time, to tell a change from scatter.
@@ -347,14 +364,13 @@ pub struct HistoryDiagnosis {
 pub const FEWEST_RECORDS: usize = 6;
 
 impl HistoryDiagnosis {
-    /// What is said of the coefficient, sentence by sentence, of so many records that count; `newest` is the newest one,
-    /// from which dates count.
-    pub fn sentences(&self, records: usize, newest: Option<UtcMicros>) -> Vec<Message> {
+    /// What is said of the coefficient, sentence by sentence.
+    pub fn sentences(&self, as_of: AsOf) -> Vec<Message> {
         let of_causes = self.causes.iter().flat_map(NamedCause::sentences);
         std::iter::once(self.opening())
             .chain(of_causes)
-            .chain(self.besides(newest))
-            .chain(self.looked_at(records))
+            .chain(self.besides(as_of))
+            .chain(self.looked_at(as_of.records))
             .collect()
     }
 
@@ -376,7 +392,7 @@ impl HistoryDiagnosis {
     }
 
     /// What is said besides the causes: how it wanders, what is left, what lies off, when it reaches its budget.
-    pub fn besides(&self, newest: Option<UtcMicros>) -> Vec<Message> {
+    pub fn besides(&self, AsOf { newest, now, .. }: AsOf) -> Vec<Message> {
         let mut all = Vec::new();
         let size = |wander: &Wander| figure(wander.size, 5);
         all.extend(self.wander.iter().map(|wander| match wander.process {
@@ -393,8 +409,9 @@ impl HistoryDiagnosis {
         all.extend(self.outliers.iter().map(outlier));
         if let Some((newest, due)) = newest.zip(self.due.as_ref()) {
             let day = |days: f64| text(newest.plus_days(days).date());
+            let is_past = |days: f64| newest.plus_days(days) < now;
             all.push(match due.p80 {
-                _ if due.days < 0.0 => message!("history_due_past", day = day(due.days)),
+                _ if is_past(due.days) => message!("history_due_past", day = day(due.days)),
                 [Some(early), Some(late)] => {
                     message!("history_due", day = day(due.days), early = day(early), late = day(late))
                 }
@@ -402,8 +419,10 @@ impl HistoryDiagnosis {
                     message!("history_due_open", day = day(due.days), early = day(early.unwrap_or(0.0)))
                 }
             });
-            let by = due.calibrate_by.filter(|days| *days > 0.0);
-            all.extend(by.map(|days| message!("history_calibrate_by", day = day(days))));
+            all.extend(due.calibrate_by.map(|days| match is_past(days) {
+                true => message!("history_calibrate_now", day = day(days)),
+                false => message!("history_calibrate_by", day = day(days)),
+            }));
         }
         all
     }

@@ -1,5 +1,6 @@
 //! The columns that may explain a history, each tied to something that was recorded of it.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::core::judge::{Coefficient, Event, Mark};
@@ -85,16 +86,20 @@ fn ageing(series: &Series, marks: &[Mark]) -> Vec<Candidate> {
 }
 
 fn steps_at_events(series: &Series, marks: &[Mark]) -> Vec<Candidate> {
-    // What was written down or decided does nothing to a gyro.
-    let counts = |event: Event| !matches!(event, Event::Note | Event::Baseline) && !event.is_decision();
-    let marks = marks.iter().filter(|mark| counts(mark.event));
-    marks
-        .filter_map(|mark| {
-            let cut = series.rows.partition_point(|row| row.at < mark.at);
-            let tie = Tie::Event { event: mark.event, at: mark.at };
-            step_column(series, cut).map(|column| candidate("step_at_event", tie, "deg/(h*g0)", column))
-        })
-        .collect()
+    let mut gaps: BTreeMap<usize, Vec<(Event, UtcMicros)>> = BTreeMap::new();
+    for mark in marks.iter().filter(|mark| may_move(mark.event)) {
+        gaps.entry(series.rows.partition_point(|row| row.at < mark.at)).or_default().push((mark.event, mark.at));
+    }
+    let step = |(cut, events): (usize, Vec<(Event, UtcMicros)>)| {
+        let column = step_column(series, cut)?;
+        Some(candidate("step_at_event", Tie::Events(events), "deg/(h*g0)", column))
+    };
+    gaps.into_iter().filter_map(step).collect()
+}
+
+/// Whether an event may change a gyro: what was written down or decided does nothing to it.
+pub(super) fn may_move(event: Event) -> bool {
+    !matches!(event, Event::Note | Event::Baseline) && !event.is_decision()
 }
 
 fn re_mountings(series: &Series) -> Vec<Candidate> {

@@ -71,11 +71,11 @@ fn summed(
     let scatter = (2.0 * count).sqrt();
     let over = after - floor;
     let significant = over > LEFT * scatter;
-    let left = if significant { over } else { 1.0 };
+    // What is left is known to one degree of freedom at best.
+    let left = over.max(1.0);
     let over_scatter = (2.0 * count + 4.0 * over.max(0.0)).sqrt();
     let low_gain = (gain.sqrt() - 2.0).max(0.0).powi(2);
-    let high_left =
-        if significant { over + 2.0 * over_scatter } else { 1.0 + over.max(0.0).min(scatter) + 0.5 * scatter };
+    let high_left = if significant { over + 2.0 * over_scatter } else { left + 0.5 * scatter };
     let high_left = high_left.max(gain * open);
     let high_gain = (gain.sqrt() + 2.0).powi(2);
     let low_left = if significant { (over - 2.0 * over_scatter).max(0.0) } else { 0.0 };

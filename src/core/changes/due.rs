@@ -2,6 +2,7 @@
 //!
 //! With level a and slope b at the newest record and their covariance, the chance that it has left the budget L by t is
 //! P(T <= (a + b t - L)/sd(a + b t)) (Fieller 1954); the ends of an interval are the times at which that is its tails.
+//! Where it is not known when the ageing began, that is the mean over the instants, weighted by their likelihoods.
 
 use super::answer::{Due, YEAR_DAYS};
 use super::search::{Level, student};
@@ -19,18 +20,20 @@ pub struct Budget {
 /// Years beyond which no date is given.
 const FARTHEST: f64 = 200.0;
 
-/// The newest record is so many days younger than the row at which `level` stands.
-pub(super) fn due(level: &Level, younger: f64, budget: Budget) -> Option<Due> {
-    if !level.ages || level.slope == 0.0 {
-        return None;
-    }
-    let sign = level.slope.signum();
-    let beyond = sign * (level.value - budget.baseline) - budget.limit;
-    let slope = level.slope.abs();
-    let [v, w, c] = level.covariance;
+/// `levels` with their weights, the likeliest first. The newest record is so many days younger than the row at which
+/// they stand.
+pub(super) fn due(levels: &[(f64, Level)], younger: f64, budget: Budget) -> Option<Due> {
+    let (_, first) = levels.first().filter(|(_, first)| first.ages && first.slope != 0.0)?;
+    let sign = first.slope.signum();
+    let whole: f64 = levels.iter().map(|(weight, _)| weight).sum();
     let chance = |t: f64| {
-        let sd = (v + t * t * w + 2.0 * t * c).max(f64::MIN_POSITIVE).sqrt();
-        student((beyond + slope * t) / sd, level.freedom)
+        let of = |(weight, level): &(f64, Level)| {
+            let [v, w, c] = level.covariance;
+            let sd = (v + t * t * w + 2.0 * t * c).max(f64::MIN_POSITIVE).sqrt();
+            let beyond = sign * (level.value + level.slope * t - budget.baseline) - budget.limit;
+            weight * student(beyond / sd, level.freedom)
+        };
+        levels.iter().map(of).sum::<f64>() / whole
     };
     let when = |p: f64| {
         let (mut early, mut late) = (-FARTHEST, FARTHEST);
@@ -43,11 +46,6 @@ pub(super) fn due(level: &Level, younger: f64, budget: Budget) -> Option<Due> {
         }
         Some(late * YEAR_DAYS - younger)
     };
-    let days = -beyond / slope * YEAR_DAYS - younger;
-    (days.abs() < FARTHEST * YEAR_DAYS).then(|| Due {
-        days,
-        p80: [when(0.1), when(0.9)],
-        p95: [when(0.025), when(0.975)],
-        calibrate_by: when(0.05),
-    })
+    let days = when(0.5)?;
+    Some(Due { days, p80: [when(0.1), when(0.9)], p95: [when(0.025), when(0.975)], calibrate_by: when(0.05) })
 }

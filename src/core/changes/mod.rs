@@ -41,7 +41,7 @@ use series::Series;
 use station::{Course, Part};
 
 pub use answer::{
-    Drawn, Due, Entry, Estimate, Excess, FEWEST_RECORDS, GyroHistory, HeldOut, HistoryDiagnosis, HistoryVerdict,
+    AsOf, Drawn, Due, Entry, Estimate, Excess, FEWEST_RECORDS, GyroHistory, HeldOut, HistoryDiagnosis, HistoryVerdict,
     NamedCause, Outlier, Rejected, StationForm, Tie, Wander, WhyNot, cause_word,
 };
 pub use due::Budget;
@@ -70,12 +70,16 @@ pub fn diagnose_history(
 }
 
 fn of_weighed(gyro: &GyroHistory, others: &[&GyroHistory], budgets: [Option<Budget>; 3]) -> Vec<HistoryDiagnosis> {
-    let seats: HashSet<(UtcMicros, &str)> = gyro.entries.iter().map(|entry| (entry.at, &*entry.imu)).collect();
-    let is_mate = |other: &GyroHistory| other.entries.iter().any(|entry| seats.contains(&(entry.at, &*entry.imu)));
-    let (mates, peers): (Vec<&GyroHistory>, Vec<&GyroHistory>) = others.iter().partition(|other| is_mate(other));
+    let (mates, peers): (Vec<&GyroHistory>, Vec<&GyroHistory>) = others.iter().partition(|other| is_mate(gyro, other));
     let entries = series::distinct(&gyro.entries);
     let of = |(column, coefficient)| diagnose(gyro, &entries, &mates, &peers, coefficient, column, budgets[column]);
     [Coefficient::DI, Coefficient::DS, Coefficient::DO].into_iter().enumerate().map(of).collect()
+}
+
+/// Whether another gyro was in the same IMU at the same time: it shares the record and tells nothing of the station.
+pub fn is_mate(gyro: &GyroHistory, other: &GyroHistory) -> bool {
+    let seats: HashSet<(UtcMicros, &str)> = gyro.entries.iter().map(|entry| (entry.at, &*entry.imu)).collect();
+    other.entries.iter().any(|entry| seats.contains(&(entry.at, &*entry.imu)))
 }
 
 fn diagnose(
@@ -148,7 +152,7 @@ fn diagnose(
         |budget: &Budget| budget.measured_since.map_or(0.0, |since| baseline_part(&series, &course, entries, since));
     answer.due = budget.and_then(|budget| {
         let since = entries.last()?.at.days_since(series.rows.last()?.at);
-        due::due(&found.level, since, Budget { baseline: budget.baseline - of_station(&budget), ..budget })
+        due::due(&found.levels, since, Budget { baseline: budget.baseline - of_station(&budget), ..budget })
     });
     answer.causes = found.named;
     answer.rejected = found.rejected;
@@ -192,16 +196,17 @@ fn prior(series: &Series, [peers, mates]: [&Course; 2], entries: &[Entry], colum
     search::Prior { freedom: freedom.max(0.1), variance: sd.max(rounding).powi(2) }
 }
 
-/// The records with what is named of them. Both courses stand about the mean of what is measured.
+/// The records with what is named of them. What stations did stands about its mean, what is explained about the level of
+/// the records.
 fn drawn(entries: &[Entry], answer: &HistoryDiagnosis, column: usize, origin: UtcMicros) -> Vec<Drawn> {
     let of = |entry: &Entry, station: bool| -> f64 {
         let causes = answer.causes.iter().filter(|cause| !station || cause.cause == "station");
         causes.map(|cause| cause.estimate.value * cause.tie.regressor(entry, origin)).sum()
     };
     let n = entries.len() as f64;
-    let mean = |of: &dyn Fn(&Entry) -> f64| entries.iter().map(of).sum::<f64>() / n;
-    let station = mean(&|entry| of(entry, true));
-    let level = mean(&|entry| entry.d[column].value - of(entry, false));
+    let station = entries.iter().map(|entry| of(entry, true)).sum::<f64>() / n;
+    // An outlier moves the median of what is left by nothing.
+    let level = median_of(entries.iter().map(|entry| entry.d[column].value - of(entry, false))).unwrap_or(0.0);
     let one = |entry: &Entry| Drawn {
         at: entry.at,
         measured: entry.d[column],

@@ -20,19 +20,31 @@ struct Fitted {
     residuals: Vec<f64>,
 }
 
-/// By station; none of `reference`, and of those that `compared` does not hold.
-pub(super) fn offsets(cells: &[Cell], reference: usize, compared: &[bool]) -> Vec<Option<Common>> {
+/// Of one group of stations.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Offsets {
+    /// By station, against `reference`.
+    pub by_station: BTreeMap<usize, Common>,
+    /// What their own uncertainty adds to their variance about their mean, that of the reference included.
+    pub of_spread: f64,
+}
+
+/// Of those that `compared` holds, against `reference`.
+pub(super) fn offsets(cells: &[Cell], reference: usize, compared: &[bool]) -> Offsets {
     let places: BTreeMap<usize, usize> =
         (0..compared.len()).filter(|station| compared[*station]).enumerate().map(|(k, station)| (station, k)).collect();
     let counts = |cell: &&Cell| cell.station == reference || places.contains_key(&cell.station);
     let cells: Vec<Cell> = cells.iter().filter(counts).copied().collect();
-    let mut none = vec![None; compared.len()];
+    let mut found = Offsets::default();
+    if places.is_empty() {
+        return found;
+    }
     let gyros: BTreeSet<usize> = cells.iter().map(|cell| cell.gyro).collect();
     let freedom = cells.len().saturating_sub(gyros.len() + places.len());
     let mut weights: Vec<f64> = cells.iter().map(|cell| cell.weight).collect();
     let mut excess = 1.0;
     for _ in 0..8 {
-        let Some(fitted) = fit(&cells, &weights, &places) else { return none };
+        let Some(fitted) = fit(&cells, &weights, &places) else { return found };
         let pulls: Vec<f64> =
             fitted.residuals.iter().zip(&cells).map(|(r, cell)| r.abs() * cell.weight.sqrt()).collect();
         let of_fit = (cells.len() as f64 / freedom.max(1) as f64).sqrt();
@@ -41,7 +53,7 @@ pub(super) fn offsets(cells: &[Cell], reference: usize, compared: &[bool]) -> Ve
             *weight = cell.weight * (HUBER * excess / pull.max(f64::MIN_POSITIVE)).min(1.0);
         }
     }
-    let Some(fitted) = fit(&cells, &weights, &places) else { return none };
+    let Some(fitted) = fit(&cells, &weights, &places) else { return found };
     let mut scores: BTreeMap<usize, DVector<f64>> = BTreeMap::new();
     for ((cell, weight), residual) in cells.iter().zip(&weights).zip(&fitted.residuals) {
         let score = scores.entry(cell.imu).or_insert_with(|| DVector::zeros(places.len()));
@@ -57,16 +69,23 @@ pub(super) fn offsets(cells: &[Cell], reference: usize, compared: &[bool]) -> Ve
     for (station, place) in &places {
         let here: Vec<&Cell> = cells.iter().filter(|cell| cell.station == *station).collect();
         let noise = excess * excess * fitted.inverse[(*place, *place)];
-        none[*station] = Some(Common {
+        let common = Common {
             value: fitted.offsets[*place],
             sd: noise.max(sandwich[(*place, *place)]).sqrt(),
             gyros: here.len(),
             imus: here.iter().map(|cell| cell.imu).collect::<BTreeSet<_>>().len(),
             between: 0.0,
             gain: 0.0,
-        });
+        };
+        found.by_station.insert(*station, common);
     }
-    none
+    // Of offsets x with covariance V and a zero among them: E[sum (x - mean)^2] = tr V - 1'V 1/(m + 1).
+    let sd = DVector::from_iterator(places.len(), found.by_station.values().map(|offset| offset.sd));
+    let scale = DVector::from_fn(places.len(), |k, _| sd[k] / fitted.inverse[(k, k)].sqrt());
+    let covariance = DMatrix::from_fn(places.len(), places.len(), |i, j| scale[i] * fitted.inverse[(i, j)] * scale[j]);
+    let m = places.len() as f64;
+    found.of_spread = (covariance.trace() - covariance.sum() / (m + 1.0)) / m;
+    found
 }
 
 fn fit(cells: &[Cell], weights: &[f64], places: &BTreeMap<usize, usize>) -> Option<Fitted> {

@@ -13,7 +13,7 @@ use crate::core::numerics::tails;
 use crate::core::time::UtcMicros;
 
 use super::answer::{Entry, GyroHistory, StationForm};
-use super::offsets::offsets;
+use super::offsets::{Offsets, offsets};
 use super::series::robust;
 use super::station::{Common, Course, CoursePoint, OF_SCALE, Part, TAKEN};
 
@@ -27,8 +27,6 @@ pub(super) const OF_SUCCESSIVE: f64 = 1.43;
 pub struct Spread {
     pub sd: f64,
     pub interval: [f64; 2],
-    /// From so many figures.
-    pub count: usize,
 }
 
 /// An estimate and its standard deviation.
@@ -79,6 +77,8 @@ pub struct StationFigures {
     pub imus: usize,
     pub first: UtcMicros,
     pub last: UtcMicros,
+    /// The station that its offsets count from; none of itself, and where no gyros lead to another.
+    pub against: Option<Arc<str>>,
     /// D_I and D_S.
     pub columns: [StationColumn; 2],
 }
@@ -88,9 +88,9 @@ pub struct StationFigures {
 pub struct FleetStations {
     /// By name.
     pub stations: Vec<StationFigures>,
-    /// The station that offsets count from: of those that gyros compare with most others, that with most records.
+    /// The station that most offsets count from.
     pub against: Arc<str>,
-    /// Spread of the stations' offsets, D_I and D_S.
+    /// Spread of the offsets of those, D_I and D_S.
     pub reproducibility: [Option<Spread>; 2],
 }
 
@@ -121,6 +121,7 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
                 imus: 0,
                 first: entry.at,
                 last: entry.at,
+                against: None,
                 columns: Default::default(),
             });
             figures.records += 1;
@@ -134,47 +135,61 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
     }
     let names: Vec<&str> = found.keys().map(|name| &**name).collect();
     let records: Vec<usize> = found.values().map(|figures| figures.records).collect();
-    let (reference, compared) = reference(fleet, &names, &records)?;
+    let groups = groups(fleet, &names, &records);
+    let reference = groups.first()?.0;
     let against = names[reference].into();
     let origin = found.values().map(|figures| figures.first).min()?;
     let gyros: Vec<&GyroHistory> = fleet.iter().collect();
     let mut reproducibility = [None; 2];
     let mut stations: Vec<StationFigures> = found.values().cloned().collect();
+    for (reference, compared) in &groups {
+        let of_group = stations.iter_mut().zip(compared).filter(|(_, compared)| **compared);
+        of_group.for_each(|(figures, _)| figures.against = Some(names[*reference].into()));
+    }
     for (column, reproducibility) in reproducibility.iter_mut().enumerate() {
         let raw = Course::of(&gyros, &names, origin, column);
         let mut course = raw.clone();
-        for (station, offset) in offsets(&raw.cells(), reference, &compared).iter().enumerate() {
-            let Some(offset) = offset else { continue };
-            course.subtract(&Part { station, form: StationForm::Offset }, offset.value);
+        for (reference, compared) in &groups {
+            for (station, offset) in offsets(&raw.cells(), *reference, compared).by_station {
+                course.subtract(&Part { station, form: StationForm::Offset }, offset.value);
+            }
         }
         course.take(reference, |_, common, _| common.imus >= 2);
         let mut levels = raw.clone();
         for (part, common) in course.taken.iter().filter(|(part, _)| part.form != StationForm::Offset) {
             levels.subtract(part, common.value);
         }
-        let offsets = offsets(&levels.cells(), reference, &compared);
+        let cells = levels.cells();
+        let mut known = BTreeMap::new();
+        for (reference, compared) in groups.iter().rev() {
+            let mut of_group = offsets(&cells, *reference, compared);
+            // That of the largest group is left.
+            *reproducibility = among(&of_group);
+            known.append(&mut of_group.by_station);
+        }
         for (station, figures) in stations.iter_mut().enumerate() {
             figures.imus = raw.imus_at(station);
+            let offset = known.get(&station).copied();
             figures.columns[column] =
-                of_station([&raw, &course], station, offsets[station], repeatability(fleet, &figures.name, column));
+                of_station([&raw, &course], station, offset, repeatability(fleet, &figures.name, column));
         }
-        *reproducibility = among(&stations, column);
     }
     Some(FleetStations { stations, against, reproducibility })
 }
 
-/// The station that offsets count from, and which others are compared with it.
-fn reference(fleet: &[GyroHistory], names: &[&str], records: &[usize]) -> Option<(usize, Vec<bool>)> {
+/// Stations that gyros compare, the most first: of each group the busiest, which offsets count from, and which others are
+/// compared with it.
+fn groups(fleet: &[GyroHistory], names: &[&str], records: &[usize]) -> Vec<(usize, Vec<bool>)> {
     let mut busiest: Vec<usize> = (0..names.len()).collect();
     busiest.sort_by_key(|station| records[*station]);
     let mut groups: Vec<(usize, Vec<bool>)> = Vec::new();
     for station in busiest.into_iter().rev() {
-        if !groups.iter().any(|(_, compared)| compared[station]) {
+        if !groups.iter().any(|(_, compared): &(usize, Vec<bool>)| compared[station]) {
             groups.push((station, compared(fleet, names, station)));
         }
     }
-    // Of equals the busiest, which is the last here.
-    groups.into_iter().rev().max_by_key(|(_, compared)| compared.iter().filter(|reached| **reached).count())
+    groups.sort_by_key(|(_, compared)| std::cmp::Reverse(compared.iter().filter(|reached| **reached).count()));
+    groups
 }
 
 /// Stations other than `reference` that gyros compare with it: those of one gyro, and through its stations those of others.
@@ -220,26 +235,27 @@ fn of_station(
         drifts: taken.is_some(),
         steps,
         windows,
-        by_gyro: offset.and_then(|_| by_gyro(course, station)),
+        by_gyro: by_gyro(course, station),
         course: raw.course_of(station, POINTS),
     }
 }
 
-/// Spread of what single gyros show beyond the common offset, their records' noise taken off.
+/// Spread of what single gyros show beyond the common offset, their records' noise taken off. A gyro's offset is against
+/// the mean of its other stations, which share it too: of k alike its variance is that of noise and (1 + 1/k) times that
+/// of gyro x station.
 fn by_gyro(course: &Course, station: usize) -> Option<Spread> {
-    let part = Part { station, form: StationForm::Offset };
-    let (each, common) = (course.each(&part), course.estimate(&part)?.value);
+    let common = course.estimate(&Part { station, form: StationForm::Offset })?.value;
+    let each = course.offsets_of_gyros(station);
     let count = each.len();
     if count < 3 {
         return None;
     }
-    let mut pulls: Vec<f64> =
-        each.iter().map(|(value, information)| (value - common).abs() * information.sqrt()).collect();
+    let mut pulls: Vec<f64> = each.iter().map(|one| (one.value - common).abs() * one.information.sqrt()).collect();
     let scale = robust(&mut pulls)?;
-    let information = each.iter().map(|(_, information)| information).sum::<f64>() / count as f64;
-    let beyond = |scale: f64| ((scale * scale - 1.0).max(0.0) / information).sqrt();
+    let power = each.iter().map(|one| one.information * (1.0 + one.shares)).sum::<f64>() / count as f64;
+    let beyond = |scale: f64| ((scale * scale - 1.0).max(0.0) / power).sqrt();
     let factor = (1.96 * OF_SCALE / (count as f64).sqrt()).exp();
-    Some(Spread { sd: beyond(scale), interval: [beyond(scale / factor), beyond(scale * factor)], count })
+    Some(Spread { sd: beyond(scale), interval: [beyond(scale / factor), beyond(scale * factor)] })
 }
 
 /// Of one record, from successive records of one gyro there.
@@ -253,22 +269,21 @@ fn repeatability(fleet: &[GyroHistory], station: &str, column: usize) -> Option<
     let count = differences.len();
     let sd = robust(&mut differences).filter(|_| count > 2)?;
     let factor = (1.96 * OF_SUCCESSIVE / (count as f64).sqrt()).exp();
-    Some(Spread { sd, interval: [sd / factor, sd * factor], count })
+    Some(Spread { sd, interval: [sd / factor, sd * factor] })
 }
 
 /// Spread of the offsets of all stations, that of reference included (zero), their own uncertainty taken off; the
 /// interval is that of a variance with one degree of freedom fewer than stations.
-fn among(stations: &[StationFigures], column: usize) -> Option<Spread> {
-    let offsets: Vec<Shared> = stations.iter().filter_map(|figures| figures.columns[column].offset).collect();
-    if offsets.is_empty() {
+fn among(offsets: &Offsets) -> Option<Spread> {
+    let values: Vec<f64> = offsets.by_station.values().map(|offset| offset.value).collect();
+    if values.is_empty() {
         return None;
     }
-    let count = offsets.len() + 1;
-    let mean = offsets.iter().map(|offset| offset.value).sum::<f64>() / count as f64;
-    let squares = offsets.iter().map(|offset| (offset.value - mean).powi(2)).sum::<f64>() + mean * mean;
-    let own = offsets.iter().map(|offset| offset.sd.powi(2)).sum::<f64>() / count as f64;
+    let count = values.len() + 1;
+    let mean = values.iter().sum::<f64>() / count as f64;
+    let squares = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() + mean * mean;
     let dof = (count - 1) as f64;
     let [low, high] = [0.975, 0.025].map(|p| squares / tails::chi2_quantile(p, dof));
-    let sd = |variance: f64| (variance - own).max(0.0).sqrt();
-    Some(Spread { sd: sd(squares / dof), interval: [sd(low), sd(high)], count })
+    let sd = |variance: f64| (variance - offsets.of_spread).max(0.0).sqrt();
+    Some(Spread { sd: sd(squares / dof), interval: [sd(low), sd(high)] })
 }

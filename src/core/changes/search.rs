@@ -140,7 +140,8 @@ pub(super) struct Found {
     pub wander: Option<Wander>,
     pub excess: Option<Excess>,
     pub remaining_p_value: f64,
-    pub level: Level,
+    /// By the instants at which ageing may have begun, with their likelihoods over that of the likeliest, which is the first.
+    pub levels: Vec<(f64, Level)>,
 }
 
 /// Level and slope as they are believed at the newest row.
@@ -215,6 +216,7 @@ impl Question<'_> {
         }
         let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
         let (estimates, level) = self.together(&fitted, &y, &taken);
+        let levels = self.levels((&fitted, level), &y, &taken, &pool);
         for (cause, (value, sd)) in named.iter_mut().zip(estimates) {
             cause.estimate = Estimate { value, sd, ..cause.estimate.clone() };
         }
@@ -229,7 +231,7 @@ impl Question<'_> {
         let wander = (remaining_p_value < REMAINS).then(|| self.wander(&fitted, model, remaining_p_value));
         let mut stations = self.stations_named(&y, &stated, &columns);
         stations.append(&mut named);
-        Some(Found { named: stations, rejected, wander, excess: fitted.excess(), remaining_p_value, level })
+        Some(Found { named: stations, rejected, wander, excess: fitted.excess(), remaining_p_value, levels })
     }
 
     fn column(&self, part: &Part) -> Vec<f64> {
@@ -350,7 +352,8 @@ impl Question<'_> {
     }
 
     fn rejected(&self, pool: &[Candidate], trials: &[Option<Trial>]) -> Vec<Rejected> {
-        let mut best: Option<(f64, Rejected)> = None;
+        // Of what was searched for the best of its kind.
+        let mut best: Vec<(f64, Option<Part>, Rejected)> = Vec::new();
         let mut out = Vec::new();
         for (candidate, trial) in pool.iter().zip(trials) {
             let searched = rank_of_searched(candidate).is_some();
@@ -369,17 +372,28 @@ impl Question<'_> {
             };
             let one = Rejected { cause: candidate.cause, tie: candidate.tie.clone(), why };
             match trial {
-                Some(trial) if searched && candidate.cause == "step" => {
-                    if best.as_ref().is_none_or(|(l, _)| trial.best > *l) {
-                        best = Some((trial.best, one));
+                _ if !searched => out.push(one),
+                Some(trial) if candidate.cause != "ageing" && !self.is_taken(candidate) => {
+                    let is_kind = |(_, part, known): &(f64, Option<Part>, Rejected)| {
+                        known.cause == one.cause && is_alike(part.as_ref(), candidate.part.as_ref())
+                    };
+                    match best.iter_mut().find(|known| is_kind(known)) {
+                        None => best.push((trial.best, candidate.part, one)),
+                        Some(known) if trial.best > known.0 => *known = (trial.best, candidate.part, one),
+                        Some(_) => {}
                     }
                 }
-                _ if searched => {}
-                _ => out.push(one),
+                _ => {}
             }
         }
-        out.extend(best.map(|(_, one)| one));
+        out.extend(best.into_iter().map(|(.., one)| one));
         out
+    }
+
+    /// Whether the like of it is known of its station already.
+    fn is_taken(&self, candidate: &Candidate) -> bool {
+        let Some(part) = candidate.part else { return false };
+        self.course.taken.iter().any(|(taken, _)| is_alike(Some(taken), Some(&part)))
     }
 
     /// Estimates of all named causes from one fit of them together, and level and slope at the newest row.
@@ -424,6 +438,30 @@ impl Question<'_> {
         (estimates, level)
     }
 
+    /// Levels with another record as the beginning of what ages, where that explains as much.
+    fn levels(
+        &self,
+        (fitted, level): (&Fitted, Level),
+        y: &[f64],
+        taken: &[Candidate],
+        pool: &[Candidate],
+    ) -> Vec<(f64, Level)> {
+        let is_onset = |candidate: &Candidate| matches!(candidate.tie, Tie::SlopeSince(_));
+        let mut levels = vec![(1.0, level)];
+        let Some(place) = taken.iter().position(is_onset) else { return levels };
+        for other in pool.iter().filter(|candidate| is_onset(candidate)) {
+            let mut taken = taken.to_vec();
+            taken[place] = other.clone();
+            let columns: Vec<&[f64]> = taken.iter().map(|candidate| &*candidate.column).collect();
+            let another = Fitted::of(fitted.models.clone(), y, &columns, self.prior);
+            let gain = another.best().0 - fitted.best().0;
+            if -2.0 * gain <= EQUALLY_GOOD {
+                levels.push((gain.exp(), self.together(&another, y, &taken).1));
+            }
+        }
+        levels
+    }
+
     fn wander(&self, fitted: &Fitted, model: usize, p_value: f64) -> Wander {
         let noise = &fitted.models[model];
         let variance = fitted.variance(fitted.squares[model]) * noise.power;
@@ -435,6 +473,13 @@ impl Question<'_> {
             Process::White | Process::Flicker => 1.0,
         };
         Wander { process: noise.process.name(), size: (variance / per).sqrt(), p_value }
+    }
+
+    /// Whether the gyros that share a station's drift do not go on alike where they are elsewhere: then they do not all age
+    /// so. Where none of them is, that is not known.
+    fn is_parted_from_ageing(&self, station: usize, drift: &Common) -> bool {
+        let elsewhere = self.course.slope_elsewhere(station, self.series);
+        elsewhere.is_some_and(|slope| (drift.value - slope.value).abs() > SEEN * slope.sd.hypot(drift.sd))
     }
 
     /// What the station did, where it moves this gyro's records by more than they scatter.
@@ -450,9 +495,10 @@ impl Question<'_> {
             }
             let unit = if part.form == StationForm::Drift { "deg/(h*g0)/year" } else { "deg/(h*g0)" };
             let tie: Tie = candidates::tie(self.series, self.reference, part);
+            let may_age = part.form == StationForm::Drift && !self.is_parted_from_ageing(part.station, common);
             out.push(NamedCause {
                 cause: "station",
-                class: vec!["station"],
+                class: if may_age { vec!["ageing", "station"] } else { vec!["station"] },
                 tie,
                 estimate: Estimate { name: "k", value: common.value, sd: common.sd, unit },
                 held_out: closure::held_out_known(y, variance, columns, &column, common.value),
@@ -499,8 +545,16 @@ fn rank_of_searched(candidate: &Candidate) -> Option<u8> {
     }
 }
 
+/// Whether two parts are of one station and form, whatever their instants.
+fn is_alike(a: Option<&Part>, b: Option<&Part>) -> bool {
+    let kind = |part: &Part| (part.station, std::mem::discriminant(&part.form));
+    a.map(kind) == b.map(kind)
+}
+
 fn kinds(pool: &[Candidate]) -> usize {
-    pool.iter().filter(|candidate| rank_of_searched(candidate).is_none()).count() + 2
+    let recorded: Vec<&Candidate> = pool.iter().filter(|candidate| rank_of_searched(candidate).is_none()).collect();
+    let is_new = |(k, one): &(usize, &&Candidate)| recorded[..*k].iter().all(|other| other.column != one.column);
+    recorded.iter().enumerate().filter(is_new).count() + 2
 }
 
 /// P(T <= t) of Student's distribution.

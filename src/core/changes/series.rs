@@ -10,6 +10,7 @@ use crate::core::numerics::normal::SD_OF_MEDIAN;
 use crate::core::time::UtcMicros;
 
 use super::answer::{Entry, Outlier, YEAR_DAYS};
+use super::candidates::may_move;
 
 /// Of more records than this, neighbours of one station and seat are averaged.
 const MOST_ROWS: usize = 72;
@@ -176,14 +177,16 @@ impl Series {
         outliers
     }
 
-    /// Averages neighbours of one station and seat between two events, where there are too many rows.
+    /// Averages neighbours of one station and seat between two events that may move a gyro, where there are too many
+    /// rows; of very many events, between the newest.
     pub fn condense(&mut self, marks: &[Mark]) {
-        let n = self.len();
+        let marks: Vec<UtcMicros> = marks.iter().filter(|mark| may_move(mark.event)).map(|mark| mark.at).collect();
+        let marks = &marks[marks.len().saturating_sub(MOST_ROWS / 4)..];
         let mut bins = MOST_ROWS;
         while self.len() > MOST_ROWS && bins >= 4 {
             let mut groups: BTreeMap<_, Vec<usize>> = BTreeMap::new();
             for (k, row) in self.rows.iter().enumerate() {
-                let since = marks.iter().filter(|mark| mark.at <= row.at).count();
+                let since = marks.iter().filter(|at| **at <= row.at).count();
                 let bin = k * bins / self.len();
                 groups.entry((bin, since, row.station, row.seat.clone())).or_default().push(k);
             }
@@ -196,7 +199,6 @@ impl Series {
             }
             bins /= 2;
         }
-        debug_assert!(self.len() <= n);
     }
 
     /// A group in two, where it steps within: an average over a step would be two steps.

@@ -10,7 +10,7 @@
 use std::collections::BTreeMap;
 
 use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
-use super::series::{Scatter, scatter_of};
+use super::series::{Scatter, Series, scatter_of};
 use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::SD_OF_MEDIAN;
 use crate::core::time::UtcMicros;
@@ -92,6 +92,15 @@ pub(super) struct Cell {
     pub weight: f64,
 }
 
+/// A gyro's offset at a station against its others, one over the variance of its noise, and the sum of squares of the
+/// others' shares in what it is held against.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OffsetOfGyro {
+    pub value: f64,
+    pub information: f64,
+    pub shares: f64,
+}
+
 #[derive(Debug, Clone, Copy)]
 struct Row {
     at: UtcMicros,
@@ -105,6 +114,16 @@ struct Row {
 struct Peer {
     imu: usize,
     rows: Vec<Row>,
+    slopes: Vec<SlopeThere>,
+}
+
+/// What a gyro does in a year at one station, and one over its variance.
+#[derive(Debug, Clone, Copy)]
+struct SlopeThere {
+    /// None where the gyro in question has not been.
+    station: Option<usize>,
+    value: f64,
+    information: f64,
 }
 
 /// Courses of the stations that one gyro has been to, for one coefficient.
@@ -130,19 +149,30 @@ impl Course {
                 imus.len() - 1
             });
             let scatter = scatter_of(&peer.entries, column);
-            let rows: Vec<Row> = (peer.entries.iter())
-                .filter_map(|entry| {
-                    let station = stations.iter().position(|name| **name == *entry.station)?;
-                    let sd = entry.d[column].sd.filter(|sd| *sd > 0.0);
-                    let sd = sd.map_or(scatter.absolute, |sd| sd * scatter.of_stated);
-                    let years = entry.at.days_since(origin) / YEAR_DAYS;
-                    Some(Row { at: entry.at, years, station, y: entry.d[column].value, weight: sd.powi(-2) })
-                })
-                .filter(|row| row.weight.is_finite() && row.weight > 0.0)
-                .collect();
+            let place = |name: &str| stations.iter().position(|known| *known == name);
+            let mut there: BTreeMap<&str, Vec<Row>> = BTreeMap::new();
+            for entry in &peer.entries {
+                let sd = entry.d[column].sd.filter(|sd| *sd > 0.0);
+                let weight = sd.map_or(scatter.absolute, |sd| sd * scatter.of_stated).powi(-2);
+                let (station, years) = (place(&entry.station), entry.at.days_since(origin) / YEAR_DAYS);
+                if weight.is_finite() && weight > 0.0 {
+                    let station = station.unwrap_or(stations.len());
+                    let row = Row { at: entry.at, years, station, y: entry.d[column].value, weight };
+                    there.entry(&entry.station).or_default().push(row);
+                }
+            }
+            let slope = |(name, rows): (&&str, &Vec<Row>)| {
+                let (value, information) = slope_of(rows, rows[0].station)?;
+                Some(SlopeThere { station: place(name), value, information })
+            };
+            let slopes = there.iter().filter_map(slope).collect();
+            let mut rows: Vec<Row> = there.into_values().flatten().filter(|row| row.station < stations.len()).collect();
+            rows.sort_by_key(|row| row.at);
             if rows.len() >= 3 {
                 scatters.push(scatter);
-                out.push(Peer { imu, rows: about_their_mean(rows) });
+            }
+            if rows.len() >= 2 {
+                out.push(Peer { imu, rows: about_their_mean(rows), slopes });
             }
         }
         let of = |of: fn(&Scatter) -> f64| median_of(scatters.iter().map(of));
@@ -157,6 +187,30 @@ impl Course {
 
     pub fn records(&self) -> usize {
         self.peers.iter().map(|peer| peer.rows.len()).sum()
+    }
+
+    /// What the peers and the gyro itself do in a year at other stations than one.
+    pub fn slope_elsewhere(&self, station: usize, own: &Series) -> Option<Common> {
+        let of_peers = self.peers.iter().flat_map(|peer| peer.slopes.iter().map(|slope| (peer.imu, slope)));
+        let mut each: Vec<(usize, f64, f64)> = of_peers
+            .filter(|(_, slope)| slope.station != Some(station))
+            .map(|(imu, slope)| (imu, slope.value, slope.information))
+            .collect();
+        let sd = own.unit * own.scatter.of_stated;
+        for other in (0..self.stations).filter(|other| *other != station) {
+            let here = own.rows.iter().filter(|row| row.station == other);
+            let rows: Vec<Row> = here
+                .map(|row| Row {
+                    at: row.at,
+                    years: row.years,
+                    station: other,
+                    y: row.y,
+                    weight: 1.0 / (row.variance * sd * sd),
+                })
+                .collect();
+            each.extend(slope_of(&rows, other).map(|(value, information)| (usize::MAX, value, information)));
+        }
+        combined(&each)
     }
 
     /// How many IMUs have been at a station.
@@ -195,9 +249,19 @@ impl Course {
         stays.into_values().collect()
     }
 
-    /// Each peer's own estimate of a part beside what is taken, and 1/variance.
-    pub fn each(&self, part: &Part) -> Vec<(f64, f64)> {
-        self.peers.iter().filter_map(|peer| own(part, &peer.rows)).collect()
+    /// What each gyro says of a station's offset against its others.
+    pub fn offsets_of_gyros(&self, station: usize) -> Vec<OffsetOfGyro> {
+        let part = Part { station, form: StationForm::Offset };
+        let of = |peer: &Peer| {
+            let (value, information) = own(&part, &peer.rows)?;
+            let mut others = vec![0.0; self.stations];
+            let elsewhere = peer.rows.iter().filter(|row| row.station != station);
+            elsewhere.for_each(|row| others[row.station] += row.weight);
+            let whole: f64 = others.iter().sum();
+            let shares = others.iter().map(|weight| (weight / whole).powi(2)).sum();
+            Some(OffsetOfGyro { value, information, shares })
+        };
+        self.peers.iter().filter_map(of).collect()
     }
 
     /// What the peers read at a station about their levels, in so many bins of records.
@@ -451,6 +515,11 @@ fn own(part: &Part, rows: &[Row]) -> Option<(f64, f64)> {
     let few = if matches!(part.form, StationForm::Drift) { with < 3 } else { with < 1 || without < 1 };
     let information = wcc - wc * wc / w;
     (!few && information > 1e-9 * wcc).then(|| ((wcy - wc * wy / w) / information, information))
+}
+
+/// The slope of rows of one station, a year, and one over its variance.
+fn slope_of(rows: &[Row], station: usize) -> Option<(f64, f64)> {
+    own(&Part { station, form: StationForm::Drift }, rows)
 }
 
 /// The robust mean of estimates (IMU, estimate, 1/variance).

@@ -115,8 +115,90 @@ fn a_jump_at_a_transport_is_tied_to_it_and_one_without_an_event_is_only_a_step()
     assert_eq!(unknown.causes[0].cause, "step");
     gyro.marks.push(Mark::of(UtcMicros(11 * 30 * UtcMicros::DAY - 5), Event::Transport));
     let answer = of(&gyro, &[], Coefficient::DS);
-    assert!(matches!(answer.causes[0].tie, Tie::Event { event: Event::Transport, .. }), "{answer:?}");
+    assert!(matches!(answer.causes[0].tie, Tie::Events(ref events) if events[0].0 == Event::Transport), "{answer:?}");
     assert!(answer.causes[0].held_out.is_some_and(|held_out| held_out.closure > 0.9), "{answer:?}");
+}
+
+#[test]
+fn events_between_two_records_are_named_together_and_a_note_is_none() {
+    let mut gyro = Fleet::seeded(2).gyro(24);
+    change(&mut gyro, 1, |k, _| if k >= 11 { 0.02 } else { 0.0 });
+    let day = |days: f64| UtcMicros(10 * 30 * UtcMicros::DAY).plus_days(days);
+    let events = [(Event::Repair, day(3.0)), (Event::Transport, day(9.0))];
+    gyro.marks.extend(events.map(|(event, at)| Mark::of(at, event)));
+    gyro.marks.extend([5.0, 5.5, 6.0].map(|days| Mark::of(day(days), Event::Note)));
+    let answer = of(&gyro, &[], Coefficient::DS);
+    assert_eq!(answer.causes[0].tie, Tie::Events(events.to_vec()), "{answer:?}");
+    let said = answer.causes[0].tie.message().to_string();
+    assert!(said.contains("repair") && said.contains("transport"), "{said}");
+}
+
+#[test]
+fn notes_do_not_keep_a_long_history_from_being_averaged() {
+    let mut gyro = Fleet::seeded(9).gyro(1000);
+    let plain = of(&gyro, &[], Coefficient::DI);
+    gyro.marks = gyro.entries.iter().map(|entry| Mark::of(entry.at, Event::Note)).collect();
+    assert_eq!(of(&gyro, &[], Coefficient::DI), plain);
+    let entries = series::distinct(&gyro.entries);
+    let mut series = Series::of(&entries, 0);
+    let transports: Vec<Mark> = gyro.entries.iter().map(|entry| Mark::of(entry.at, Event::Transport)).collect();
+    series.condense(&transports);
+    assert!(series.len() < 200, "{} rows", series.len());
+}
+
+/// Where all that a station measures is measured nowhere else, its drift and their ageing alike are one.
+#[test]
+fn a_station_of_gyros_that_were_never_elsewhere_is_not_told_from_gyros_that_age_alike() {
+    let drift = |_: usize, k: usize| 3e-4 * k as f64;
+    let mut gyros = small_fleet(95, 6, drift);
+    let class = |gyros: &[GyroHistory]| {
+        let answer = of(&gyros[0], &gyros[3..], Coefficient::DI);
+        let [cause] = &answer.causes[..] else { panic!("{answer:?}") };
+        cause.class.clone()
+    };
+    assert_eq!(class(&gyros), ["ageing", "station"]);
+    // One IMU that is elsewhere every other time, where it stands still.
+    for gyro in &mut gyros[15..] {
+        for (k, entry) in gyro.entries.iter_mut().enumerate().filter(|(k, _)| k % 2 == 0) {
+            entry.station = "ST-2".into();
+            entry.d[0].value -= drift(0, k);
+        }
+    }
+    assert_eq!(class(&gyros), ["station"]);
+}
+
+/// How often the intervals of a date hold the true one, where a slope begins at a month of `onset`.
+fn dates(seeds: std::ops::Range<u64>, onset: impl Fn(u64) -> f64) -> [usize; 4] {
+    let [mut all, mut in_80, mut in_95, mut in_time] = [0; 4];
+    for seed in seeds {
+        let (onset, slope) = (onset(seed), 1.2e-3);
+        let mut gyro = Fleet::seeded(seed).gyro(24);
+        change(&mut gyro, 0, |k, _| slope * (k as f64 - onset).max(0.0));
+        let limit = 1.5 * slope * (23.0 - onset);
+        let budget = Budget { baseline: 3.0, limit, measured_since: None };
+        let Some(due) = diagnose_history(&gyro, &[], [Some(budget), None, None])[0].due else { continue };
+        let truth = 30.0 * (limit / slope - (23.0 - onset));
+        let holds = |[early, late]: [Option<f64>; 2]| {
+            early.is_none_or(|early| early <= truth) && late.is_none_or(|late| truth <= late)
+        };
+        all += 1;
+        in_80 += usize::from(holds(due.p80));
+        in_95 += usize::from(holds(due.p95));
+        in_time += usize::from(due.calibrate_by.is_none_or(|by| by <= truth));
+    }
+    [all, in_80, in_95, in_time]
+}
+
+#[test]
+fn the_date_of_what_begins_to_age_late_counts_that_its_beginning_is_not_known() {
+    let late = dates(8000..8200, |seed| 6.0 + (seed % 10) as f64);
+    let early = dates(8200..8300, |_| 0.0);
+    eprintln!("of, in 80 %, in 95 %, in time: late {late:?}, early {early:?}");
+    for [all, in_80, in_95, in_time] in [late, early] {
+        assert!(10 * all >= 900, "{all}");
+        assert!(100 * in_80 >= 70 * all && 100 * in_80 <= 92 * all, "{in_80} of {all}");
+        assert!(100 * in_95 >= 89 * all && 100 * in_time >= 89 * all, "{in_95}, {in_time} of {all}");
+    }
 }
 
 #[test]
@@ -404,6 +486,8 @@ fn an_outlier_is_named_and_left_out() {
     let answer = of(&gyro, &[], Coefficient::DI);
     assert_eq!(answer.outliers.iter().map(|one| one.at).collect::<Vec<_>>(), [gyro.entries[9].at]);
     assert_eq!(answer.verdict, HistoryVerdict::NoChange, "{answer:?}");
+    // It does not move the line that is drawn of what is explained.
+    assert!(answer.course.iter().all(|drawn| (drawn.explained - 3.0).abs() < 3.0 * SCATTER), "{:?}", answer.course);
 }
 
 #[test]
@@ -462,8 +546,8 @@ fn a_fleet_of_stations_has_repeatability_offset_and_gyro_by_station() {
     let mut gyros = peers(&mut fleet, 10, 30);
     let mut own = Fleet::seeded(39);
     for gyro in &mut gyros {
-        let extra = 2.0 * own.noise();
-        change(gyro, 0, |_, e| if &*e.station == "ST-2" { 0.006 + extra } else { 0.0 });
+        let [first, second] = [(); 2].map(|()| 2.0 * own.noise());
+        change(gyro, 0, |_, e| if &*e.station == "ST-2" { 0.006 + second } else { first });
     }
     let found = stations(&gyros).expect("there are records");
     assert_eq!((&*found.against, found.stations.len()), ("ST-1", 2));
@@ -476,6 +560,7 @@ fn a_fleet_of_stations_has_repeatability_offset_and_gyro_by_station() {
     let holds = |[low, high]: [f64; 2], truth: f64| low <= truth && truth <= high && high < 2.0 * truth;
     assert!(holds(of(column.repeatability), SCATTER), "{column:?}");
     assert!(holds(of(column.by_gyro), 2.0 * SCATTER), "{column:?}");
+    assert!(holds(of(found.stations[0].columns[0].by_gyro), 2.0 * SCATTER), "of the reference too");
     let [low, high] = of(second.columns[1].by_gyro);
     assert!(low == 0.0 && high < SCATTER, "D_S has none: {low} to {high}");
     assert!(!column.drifts && column.steps.is_empty(), "{column:?}");
@@ -605,7 +690,7 @@ fn days_count_from_the_newest_record_of_a_long_history() {
 }
 
 #[test]
-fn stations_that_no_gyro_compares_have_no_offset() {
+fn stations_are_compared_where_gyros_lead_from_one_to_the_other_and_each_group_has_its_own_reference() {
     let mut fleet = Fleet::seeded(81);
     let mut gyros = peers(&mut fleet, 4, 24);
     for entry in gyros[6..].iter_mut().flat_map(|gyro| &mut gyro.entries) {
@@ -613,13 +698,16 @@ fn stations_that_no_gyro_compares_have_no_offset() {
     }
     let found = stations(&gyros).expect("there are records");
     let known: Vec<bool> = found.stations.iter().map(|one| one.columns[0].offset.is_some()).collect();
-    assert_eq!((&*found.against, &known[..]), ("ST-3", &[false, false, false, true][..]));
+    assert_eq!((&*found.against, &known[..]), ("ST-3", &[false, true, false, true][..]));
+    let against = |k: usize| found.stations[k].against.as_deref();
+    assert_eq!([0, 1, 2, 3].map(against), [None, Some("ST-1"), None, Some("ST-3")]);
     // Nor is it what offsets count from, however busy.
     let mut alone = fleet.gyro(400);
     alone.entries.iter_mut().for_each(|entry| entry.station = "ST-9".into());
     gyros.push(alone);
     let found = stations(&gyros).expect("there are records");
-    assert!(&*found.against == "ST-3" && found.stations[3].columns[0].offset.is_some(), "{}", found.against);
+    assert!(&*found.against == "ST-3" && found.stations[4].columns[0].offset.is_none(), "{}", found.against);
+    assert!(found.stations[1].columns[0].offset.is_some() && found.stations[3].columns[0].offset.is_some());
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! A gyro's history as the diagnosis of change needs it, with the fleet beside it.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::entries::{PEER_RECORDS, entries};
 use super::fleet::level;
-use crate::core::changes::{Budget, GyroHistory, HistoryDiagnosis, diagnose_history};
+use crate::core::changes::{AsOf, Budget, GyroHistory, HistoryDiagnosis, diagnose_history, is_mate};
 use crate::core::figures::Figures;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
 use crate::core::judge::{Limits, Mark, Measured, Rule, Sample, baseline_since, stated_level};
@@ -20,20 +20,18 @@ use crate::words;
 const OWN_RECORDS: usize = 1000;
 /// Records of a peer are taken from so many parts of the gyro's time.
 const PARTS: usize = 20;
-/// Most peers that count, and most gyros that are asked whether they are one: those with the nearest numbers, which
-/// came to the service at the same time.
+/// Most peers that count, and most gyros that are asked whether they are one: of every station as many, those with the
+/// nearest numbers, which came to the service at the same time.
 const PEERS: usize = 40;
 const ASKED: usize = 200;
 
 /// Why a gyro's coefficients changed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExplainedHistory {
-    /// Other gyros that met the same stations.
+    /// Gyros of other IMUs that met the same stations.
     pub peers: usize,
-    /// Records that count. Of many, some are looked at, spread over their time.
-    pub records: usize,
-    /// The newest record.
-    pub newest: Option<UtcMicros>,
+    /// Of many records some are looked at, spread over their time.
+    pub as_of: AsOf,
     /// D_I, D_S, D_O.
     pub coefficients: Vec<HistoryDiagnosis>,
 }
@@ -48,18 +46,19 @@ impl Histories {
         let marks = load_marks(&self.store, gyro).await?;
         let method = self.config.judging.method;
         let budgets = self.budgets(serial, &all, &marks);
-        let (records, newest) = (all.len(), all.last().map(|figures| figures.at));
+        let as_of = AsOf { records: all.len(), newest: all.last().map(|figures| figures.at), now: self.clock.now() };
         let own = spread(&all, OWN_RECORDS);
-        let stations: HashSet<u32> = own.iter().map(|figures| figures.station).collect();
         let of_own = own.iter().map(|figures| figures.record);
         let temperatures = store::history::temperatures(&self.store, of_own).await?.into_iter().collect();
         let history = GyroHistory { entries: entries(&self.store, method, &own, &temperatures), marks };
-        let rows = self.peers(gyro, &own, &stations).await?;
+        let rows = self.peers(gyro, &own).await?;
         let peers = rows.iter().map(|rows| entries(&self.store, method, rows, &HashMap::new()));
         let peers: Vec<GyroHistory> = peers.map(|entries| GyroHistory { entries, marks: Vec::new() }).collect();
         let explained = words::spawn_blocking(move || {
-            let coefficients = diagnose_history(&history, &peers.iter().collect::<Vec<_>>(), budgets);
-            ExplainedHistory { peers: peers.len(), records, newest, coefficients }
+            let peers: Vec<&GyroHistory> = peers.iter().collect();
+            let coefficients = diagnose_history(&history, &peers, budgets);
+            let peers = peers.iter().filter(|peer| !is_mate(&history, peer)).count();
+            ExplainedHistory { peers, as_of, coefficients }
         });
         let failed =
             |error| StoreError::Damaged(format!("the history of gyro number {gyro} could not be diagnosed: {error}"));
@@ -68,21 +67,11 @@ impl Histories {
 
     /// Records of gyros that met one of these stations: the newest, or where there are more within the time of `own`,
     /// some from each part of it.
-    async fn peers(
-        &self,
-        gyro: u32,
-        own: &[Figures],
-        stations: &HashSet<u32>,
-    ) -> Result<Vec<Vec<Figures>>, StoreError> {
+    async fn peers(&self, gyro: u32, own: &[Figures]) -> Result<Vec<Vec<Figures>>, StoreError> {
         let Some([first, last]) = own.first().zip(own.last()).map(|(first, last)| [first.at, last.at]) else {
             return Ok(Vec::new());
         };
-        let others = self.neighbours(gyro);
-        let ever: Vec<Stretch> = others.iter().map(|other| (*other, Span::EVER)).collect();
-        let rows = store::histories::newest(&self.store, &ever, PEER_RECORDS).await?;
-        let met = |rows: &Vec<Figures>| rows.iter().any(|figures| stations.contains(&figures.station));
-        let mut peers: Vec<(u32, Vec<Figures>)> =
-            others.into_iter().zip(rows).filter(|(_, rows)| met(rows)).take(PEERS).collect();
+        let mut peers = self.neighbours(gyro, own).await?;
         let is_more = |rows: &[Figures]| rows.len() == PEER_RECORDS && rows[0].at > first;
         let more: Vec<usize> = (0..peers.len()).filter(|k| is_more(&peers[*k].1)).collect();
         let days = last.days_since(first) / PARTS as f64;
@@ -99,13 +88,32 @@ impl Histories {
         Ok(peers.into_iter().map(|(_, rows)| rows).collect())
     }
 
-    /// Other gyros, nearest number first.
-    fn neighbours(&self, gyro: u32) -> Vec<u32> {
-        let mut others: Vec<u32> = self.store.names().read().gyros.iter().map(|(number, _)| number).collect();
-        others.retain(|&number| number != gyro);
-        others.sort_by_key(|number| number.abs_diff(gyro));
-        others.truncate(ASKED);
-        others
+    /// Gyros that met a station of `own`, and their newest records: of each station as many, first of the one that the
+    /// fewest have met. None of a station is crowded out by those of another.
+    async fn neighbours(&self, gyro: u32, own: &[Figures]) -> Result<Vec<(u32, Vec<Figures>)>, StoreError> {
+        let stations: BTreeSet<u32> = own.iter().map(|figures| figures.station).collect();
+        let each = (ASKED / stations.len().max(1)).max(1);
+        let mut near: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for station in stations {
+            near.insert(station, store::head::near(&self.store, station, gyro, each).await?);
+        }
+        let asked: BTreeSet<u32> = near.values().flatten().copied().collect();
+        let ever: Vec<Stretch> = asked.iter().map(|other| (*other, Span::EVER)).collect();
+        let rows = store::histories::newest(&self.store, &ever, PEER_RECORDS).await?;
+        let mut rows: HashMap<u32, Vec<Figures>> = asked.into_iter().zip(rows).collect();
+        for (station, gyros) in &mut near {
+            gyros.retain(|other| rows[other].iter().any(|figures| figures.station == *station));
+        }
+        let mut near: Vec<Vec<u32>> = near.into_values().collect();
+        near.sort_by_key(Vec::len);
+        let mut peers: Vec<u32> = Vec::new();
+        let longest = near.last().map_or(0, Vec::len);
+        for other in (0..longest).flat_map(|k| near.iter().filter_map(move |gyros| gyros.get(k))) {
+            if peers.len() < PEERS && !peers.contains(other) {
+                peers.push(*other);
+            }
+        }
+        Ok(peers.into_iter().filter_map(|other| Some((other, rows.remove(&other)?))).collect())
     }
 
     /// How far D_I, D_S and D_O may be from their baselines, where these are known.

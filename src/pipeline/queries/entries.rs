@@ -1,6 +1,6 @@
 //! Rows of the history as the diagnosis of change takes them.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 use crate::config::JudgedMethod;
@@ -14,14 +14,32 @@ use crate::store::{Store, StoreError, Stretch};
 
 /// Newest records of each gyro that tell what stations do.
 pub(super) const PEER_RECORDS: usize = 100;
-/// Most gyros by which stations are compared.
+/// Most gyros by which stations are compared, and fewest of each station where it has so many.
 const FLEET: usize = 600;
+const FEWEST: usize = 20;
+/// They are taken from so many parts of the fleet.
+const PARTS: u32 = 4;
 
-/// Records of the fleet's gyros, without their temperatures and events; of a large fleet, of gyros spread over it.
+/// Records of the fleet's gyros, without their temperatures and events; of a large fleet, of as many gyros of every
+/// station, spread over it.
 pub(super) async fn fleet_histories(store: &Store, method: JudgedMethod) -> Result<Vec<GyroHistory>, StoreError> {
-    let gyros: Vec<u32> = store.names().read().gyros.iter().map(|(number, _)| number).collect();
-    let every = gyros.len().div_ceil(FLEET).max(1);
-    let ever: Vec<Stretch> = gyros.iter().step_by(every).map(|gyro| (*gyro, Span::EVER)).collect();
+    let (mut gyros, stations): (Vec<u32>, Vec<u32>) = {
+        let tables = store.names().read();
+        (
+            tables.gyros.iter().map(|(number, _)| number).collect(),
+            tables.stations.iter().map(|(number, _)| number).collect(),
+        )
+    };
+    if gyros.len() > FLEET {
+        let each = (FLEET / stations.len().max(1)).max(FEWEST).div_ceil(PARTS as usize);
+        let last = gyros.iter().max().copied().unwrap_or_default();
+        let mut some = BTreeSet::new();
+        for (station, part) in stations.iter().flat_map(|station| (0..PARTS).map(move |part| (*station, part))) {
+            some.extend(store::head::near(store, station, last / (PARTS - 1) * part, each).await?);
+        }
+        gyros = some.into_iter().collect();
+    }
+    let ever: Vec<Stretch> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
     let rows = store::histories::newest(store, &ever, PEER_RECORDS).await?;
     let history =
         |rows: &Vec<Figures>| GyroHistory { entries: entries(store, method, rows, &HashMap::new()), marks: Vec::new() };

@@ -20,6 +20,7 @@ use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, mark_of, sample_of};
 use crate::store;
 use crate::store::{BenchRow, Store, StoreError, StoredVerdict};
+use crate::system::Clock;
 
 /// Everything about one gyro, oldest first.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,6 +80,7 @@ fn end_of(event: &EventItem) -> UtcMicros {
 pub struct Histories {
     pub(super) store: Store,
     pub(super) config: Arc<Config>,
+    pub(super) clock: Clock,
 }
 
 impl Histories {

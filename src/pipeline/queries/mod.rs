@@ -50,7 +50,7 @@ pub struct Queries {
 impl Queries {
     pub(super) fn new(store: &Store, config: &Arc<Config>, clock: &Clock, reader: &Reader) -> Self {
         let (store, config, clock, reader) = (store.clone(), config.clone(), clock.clone(), reader.clone());
-        let histories = Histories { store: store.clone(), config: config.clone() };
+        let histories = Histories { store: store.clone(), config: config.clone(), clock: clock.clone() };
         let records = Records { store: store.clone(), config: config.clone(), reader };
         let fleet = Fleet { store: store.clone(), config, clock, records: records.clone() };
         Self { store, records, fleet, histories }

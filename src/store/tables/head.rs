@@ -580,6 +580,25 @@ pub async fn calibrated_since(
     Ok(rows.into_iter().map(row).collect())
 }
 
+/// Gyros that a station has ever calibrated, without `gyro`: as many as `most`, the nearest numbers first.
+pub async fn near(store: &Store, station: u32, gyro: u32, most: usize) -> Result<Vec<u32>, StoreError> {
+    let below = "SELECT gyro FROM gyro_station WHERE station = $1 AND gyro < $2 ORDER BY gyro DESC LIMIT $3";
+    let above = "SELECT gyro FROM gyro_station WHERE station = $1 AND gyro > $2 ORDER BY gyro LIMIT $3";
+    let mut found: Vec<u32> = Vec::new();
+    for sql in [below, above] {
+        let rows: Vec<Whole<u32>> = on!(store.readers, db => sqlx::query_scalar(sql)
+            .bind(Whole(station))
+            .bind(Whole(gyro))
+            .bind(most as i64)
+            .fetch_all(db)
+            .await?);
+        found.extend(rows.into_iter().map(|row| row.0));
+    }
+    found.sort_by_key(|other| other.abs_diff(gyro));
+    found.truncate(most);
+    Ok(found)
+}
+
 /// A record of which every gyro lies far from its baseline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MovedRow {

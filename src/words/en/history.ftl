@@ -18,6 +18,7 @@ change_slope_until = a steady slope until the repair on { $day }
 change_slope_after = a steady slope since the repair on { $day }
 change_slope_since = a steady slope since { $day }
 change_event = { $event } on { $day }
+change_events = { $events }, which no record parts
 change_moved = from { $from } to { $to }
 change_temperature = about { $mean } degrees Celsius
 change_temperature_gaps = about { $mean } degrees Celsius; { $missing ->
@@ -65,7 +66,8 @@ history_wander_flicker = It wanders by { $size } deg/(h g0) in all (1/f noise).
 history_due = It reaches its budget on { $day } (80 %: { $early } to { $late }).
 history_due_open = It reaches its budget on { $day } (80 %: from { $early }; the end is open).
 history_calibrate_by = Calibrate it by { $day }: until then it is within its budget with 95 %.
-history_due_past = It reached its budget on { $day }.
+history_calibrate_now = Calibrate it now: since { $day } it is no longer within its budget with 95 %.
+history_due_past = By its course it reached its budget on { $day }.
 
 ## Stations
 

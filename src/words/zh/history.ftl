@@ -18,6 +18,7 @@ change_slope_until = { $day }修理之前的持续斜率
 change_slope_after = { $day }修理之后的持续斜率
 change_slope_since = { $day }起的持续斜率
 change_event = { $day }的{ $event }
+change_events = { $events }（其间没有记录，无法区分）
 change_moved = 由{ $from }移至{ $to }
 change_temperature = 以{ $mean }摄氏度为中心
 change_temperature_gaps = 以{ $mean }摄氏度为中心；{ $missing }条记录无温度
@@ -55,7 +56,8 @@ history_wander_flicker = 游走（1/f噪声）：共{ $size } (°)/(h·g0)。
 history_due = 将于{ $day }达到允许范围（80 %：{ $early }至{ $late }）。
 history_due_open = 将于{ $day }达到允许范围（80 %：{ $early }起，上限不定）。
 history_calibrate_by = 请在{ $day }之前标定：此前以95 %的概率在允许范围内。
-history_due_past = 已于{ $day }达到允许范围。
+history_calibrate_now = 请立即标定：自{ $day }起不再以95 %的概率处于允许范围内。
+history_due_past = 按其变化，已于{ $day }达到允许范围。
 
 ## 测试站
 

@@ -17,6 +17,8 @@ pub enum Note {
     AnyTemperature,
     /// The last line of its table has no end: where the file was cut, so was its last number.
     NoLineEnd { line: usize, value: String },
+    /// It was stored before, and was voided, set aside or replaced since.
+    Withdrawn,
     /// Of a campaign's dwells and their fit.
     Campaign(CampaignNote),
     /// Beside what is known of its IMU and gyros.
@@ -32,6 +34,7 @@ impl Note {
             Note::NoTemperatures => "no_temperatures",
             Note::AnyTemperature => "any_temperature_of_record",
             Note::NoLineEnd { .. } => "no_line_end",
+            Note::Withdrawn => "withdrawn",
             Note::Campaign(note) => note.code(),
             Note::History(note) => note.code(),
         }

@@ -31,6 +31,7 @@ use super::edge::Forwarded;
 use super::telling::Telling;
 use crate::core::alert_decision::Late;
 use crate::core::fault::Faults;
+use crate::core::note::Note;
 use crate::message;
 use crate::pipeline::{Accepted, Caller, Origin, Pipeline, ReadDocument, Reply, Submission};
 use crate::wire::json::on_a_line;
@@ -253,5 +254,6 @@ async fn settled(reply: Reply, origin: &Origin, pipeline: &Pipeline) -> Result<(
         return Ok((201, id.to_string(), notes.iter().map(NoteBody::of).collect()));
     }
     let id = pipeline.ingest.settle_document(&accepted, origin).await?;
-    Ok((200, id.to_string(), Vec::new()))
+    let withdrawn = matches!(accepted, Accepted::There { counts: false, .. }).then(|| NoteBody::of(&Note::Withdrawn));
+    Ok((200, id.to_string(), withdrawn.into_iter().collect()))
 }

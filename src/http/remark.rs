@@ -51,7 +51,7 @@ pub async fn post(
     let event = read(app, serial, bytes).map_err(|faults| Document::problem(bytes, faults))?;
     match app.pipeline.ingest.submit(Submission::Event(event.clone())).await? {
         Accepted::Stored { id, .. } => Ok((StatusCode::CREATED, id, event)),
-        Accepted::There { id, same_bytes: true } => Ok((StatusCode::OK, id, event)),
+        Accepted::There { id, same_bytes: true, .. } => Ok((StatusCode::OK, id, event)),
         Accepted::There { id, .. } => Err(Problem::new(409, "title_differs", otherwise).with_existing(id)),
     }
 }

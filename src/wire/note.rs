@@ -68,6 +68,7 @@ pub(super) fn message(note: &Note) -> Message {
         Note::NoTemperatures => message!("no_temperatures"),
         Note::AnyTemperature => message!("any_temperature_of_record"),
         Note::NoLineEnd { line, value } => message!("no_line_end", line = *line, value = sent(value)),
+        Note::Withdrawn => message!("withdrawn"),
         Note::Campaign(note) => campaign::message(note),
         Note::History(note) => history_note::message(note),
     }

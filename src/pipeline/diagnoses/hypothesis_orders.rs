@@ -45,7 +45,7 @@ impl HypothesisHandler<'_> {
                 let name = effect.id().to_owned();
                 match named(&name) {
                     Some((same, _)) if same.effect == *effect => {
-                        return Ok(Accepted::There { id: same.id, same_bytes: true });
+                        return Ok(Accepted::There { id: same.id, same_bytes: true, counts: true });
                     }
                     Some(_) => return Err(DiagnosisError::HypothesisTaken { name }),
                     None if known.len() >= MOST => return Err(DiagnosisError::TooManyHypotheses { most: MOST }),

@@ -47,7 +47,7 @@ impl DiagnosisHandler<'_> {
     async fn start(&mut self, wanted: &WantedDiagnoses, by: &Actor) -> Result<Accepted, DiagnosisError> {
         let asked = text(&wanted.asked);
         if let Some(id) = store::diagnosis_job::open_as_asked(self.store, &asked).await? {
-            return Ok(Accepted::There { id, same_bytes: true });
+            return Ok(Accepted::There { id, same_bytes: true, counts: true });
         }
         let (now, id) = (self.now, self.writer.next_id(self.now));
         let job = NewJob {
@@ -67,7 +67,7 @@ impl DiagnosisHandler<'_> {
     async fn cancel(&mut self, id: Id, by: &Actor) -> Result<Accepted, DiagnosisError> {
         let row = store::diagnosis_job::get(self.store, id).await?.ok_or(DiagnosisError::NoSuchDiagnoses { id })?;
         match (row.canceled, row.ended_at) {
-            (true, _) => return Ok(Accepted::There { id, same_bytes: true }),
+            (true, _) => return Ok(Accepted::There { id, same_bytes: true, counts: true }),
             (false, Some(_)) => return Err(DiagnosisError::DiagnosesEnded { id }),
             (false, None) => {}
         }

@@ -99,7 +99,7 @@ pub(crate) async fn adopted(
     if let Some(newest) = store::model::of_imu(store, imu).await?.first()
         && (&newest.body, &newest.author, &newest.reason) == (&body, &adoption.author, &adoption.reason)
     {
-        return Ok(Err(Accepted::There { id: newest.id, same_bytes: true }));
+        return Ok(Err(Accepted::There { id: newest.id, same_bytes: true, counts: true }));
     }
     let now = clock.now();
     let id = writer.next_id(now);

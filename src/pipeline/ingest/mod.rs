@@ -121,7 +121,7 @@ impl Ingest {
     pub async fn settle(&self, accepted: &Accepted, sent: Sent<'_>) -> Result<Id, Refused> {
         let (existing, same_bytes) = match accepted {
             Accepted::Stored { id, .. } => (*id, true),
-            Accepted::There { id, same_bytes } => (*id, *same_bytes),
+            Accepted::There { id, same_bytes, .. } => (*id, *same_bytes),
         };
         if same_bytes {
             return Ok(existing);

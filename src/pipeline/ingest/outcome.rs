@@ -17,7 +17,8 @@ pub enum Accepted {
     Stored { id: Id, judged: Arc<[Judged]>, notes: Arc<[Note]> },
     /// An item with the same key has been there before; whether it says the same is for
     /// [`Ingest::settle`](super::Ingest::settle) to find out.
-    There { id: Id, same_bytes: bool },
+    /// `counts`: it was not voided or set aside, and no other stands in its place, as far as was looked.
+    There { id: Id, same_bytes: bool, counts: bool },
 }
 
 impl Accepted {

@@ -67,7 +67,8 @@ impl Ingest {
     ) -> Preview {
         match admitted {
             Ok(Accepted::Stored { notes, .. }) => Preview::Taken { notes },
-            Ok(there @ Accepted::There { id, same_bytes }) => match new.get(&id) {
+            Ok(Accepted::There { counts: false, .. }) => Preview::Taken { notes: [Note::Withdrawn].into() },
+            Ok(there @ Accepted::There { id, same_bytes, .. }) => match new.get(&id) {
                 Some(&first) if same_bytes || documents[first].origin.says_the_same_as(&document.origin) => {
                     Preview::Taken { notes: [].into() }
                 }

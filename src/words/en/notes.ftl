@@ -4,6 +4,7 @@ no_attitudes = no attitude column: specific force and rate were not checked agai
 no_site = no site: the specific force of static dwells was checked against standard gravity
 no_line_end = line { $line }, the last, does not end with a line break: if the file was cut there, its last number is not { $value }; compare it with the station's
 no_temperatures = no temperature column: effects of temperature cannot be seen
+withdrawn = is stored and counts no more: it was voided or set aside, or another stands in its place
 
 ## Of a campaign's dwells and their fit
 

@@ -4,6 +4,7 @@ no_attitudes = 没有姿态列：比力与角速度未与姿态核对
 no_site = 未给出测试站位置：静态测点的比力按标准重力核对
 no_line_end = 末行（第{ $line }行）没有换行符：若文件在此被截断，则最后一个数不是{ $value }；请与测试站核对
 no_temperatures = 没有温度列：看不到温度效应
+withdrawn = 已存储，但不再计入：已作废、被搁置，或已被另一份替代
 
 some_attitudes_missing = { $of }个测点中有{ $count }个没有姿态（{ $dwells }）：这些测点未与姿态核对，且看不到测试站的效应
 temperatures_missing = { $of }个测点中有{ $count }个没有温度（{ $dwells }）：取自相邻测点

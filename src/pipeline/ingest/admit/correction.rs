@@ -117,12 +117,16 @@ impl Admission<'_> {
         match (&sent.replacement, last.replaced_by) {
             (None, _) => {
                 let same = said.iter().filter(|row| row.replaced_by.is_none()).find(same_words);
-                same.map(|_| Some(Accepted::There { id, same_bytes: true })).ok_or(differs)
+                same.map(|_| Some(Accepted::There { id, same_bytes: true, counts: true })).ok_or(differs)
             }
             (Some(_), None) => Ok(None),
             (Some(new), Some(standing)) => {
                 let same = same_words(&last) && self.lookup(group).has_content(standing, new).await?;
-                if same { Ok(Some(Accepted::There { id: standing, same_bytes: true })) } else { Err(differs) }
+                if same {
+                    Ok(Some(Accepted::There { id: standing, same_bytes: true, counts: true }))
+                } else {
+                    Err(differs)
+                }
             }
         }
     }
@@ -132,7 +136,7 @@ impl Admission<'_> {
         let record = store::record::get(self.store, id).await?.ok_or(Refused::UnknownRecord { id })?;
         let before = group.changes.confirmed.iter().any(|row| row.record == id);
         if before || store::set_aside::confirmation(self.store, id).await?.is_some() {
-            return Ok(Accepted::There { id, same_bytes: true });
+            return Ok(Accepted::There { id, same_bytes: true, counts: true });
         }
         if !self.lookup(group).said_before(id).await?.is_empty() {
             return Err(Refused::AlreadyCorrected { id, existing: id });
@@ -183,7 +187,7 @@ impl Admission<'_> {
             return Err(Refused::AlreadyCorrected { id, existing: id });
         }
         if record.voided || group.withdraws(id) {
-            return Ok(Accepted::There { id, same_bytes: true });
+            return Ok(Accepted::There { id, same_bytes: true, counts: true });
         }
         self.withdraw(&record, group).await?;
         let (author, reason) = (sent.author.clone(), sent.reason.clone());
@@ -213,7 +217,7 @@ impl Admission<'_> {
         let before = in_force(&marks);
         marks.push(sent.mark.clone());
         if in_force(&marks) == before {
-            return Ok(Accepted::There { id, same_bytes: true });
+            return Ok(Accepted::There { id, same_bytes: true, counts: true });
         }
         let Mark { window: SuspectWindow { span, author, reason }, trusted } = &sent.mark;
         let audited = json!({

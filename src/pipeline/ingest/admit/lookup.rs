@@ -35,7 +35,9 @@ impl Lookup<'_> {
         };
         match used {
             None => Ok(None),
-            Some((id, used_for)) if used_for == hash => Ok(Some(Accepted::There { id, same_bytes: true })),
+            Some((id, used_for)) if used_for == hash => {
+                Ok(Some(Accepted::There { id, same_bytes: true, counts: true }))
+            }
             Some((existing, _)) => Err(Refused::KeyReused { existing }),
         }
     }

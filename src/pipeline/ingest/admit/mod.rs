@@ -65,14 +65,14 @@ impl Admission<'_> {
         if let Some((id, hash)) = &standing
             && *hash == sent.body_sha256
         {
-            return Ok(Accepted::There { id: *id, same_bytes: true });
+            return Ok(Accepted::There { id: *id, same_bytes: true, counts: true });
         }
         let stands = standing.as_ref().map(|(id, _)| *id);
         if let Some(id) = self.lookup(group).voided_alike(imu, sent, stands).await? {
-            return Ok(Accepted::There { id, same_bytes: true });
+            return Ok(Accepted::There { id, same_bytes: true, counts: false });
         }
         if let Some(id) = stands {
-            return Ok(Accepted::There { id, same_bytes: false });
+            return Ok(Accepted::There { id, same_bytes: false, counts: true });
         }
         let (id, notes) = self.enter(sent, group).await?;
         Ok(Accepted::Stored { id, judged: [].into(), notes })
@@ -139,7 +139,7 @@ impl Admission<'_> {
             let mut counting = None;
             if let Some((id, hash)) = group.benches.get(&(gyro, at, method)) {
                 if *hash == sent.body_sha256 {
-                    return Ok(Accepted::There { id: *id, same_bytes: true });
+                    return Ok(Accepted::There { id: *id, same_bytes: true, counts: true });
                 }
                 counting = Some(*id);
             }
@@ -148,12 +148,12 @@ impl Admission<'_> {
                 let counts = !there.voided && !group.changes.withdrawn.benches.contains(&(there.id, gyro));
                 // What was voided and is sent again stays as it is: the sender does not know.
                 if same_bytes || is_alike(there.id, &sent.body, self.store).await? {
-                    return Ok(Accepted::There { id: there.id, same_bytes: same_bytes || !counts });
+                    return Ok(Accepted::There { id: there.id, same_bytes: same_bytes || !counts, counts });
                 }
                 counting = counting.or(counts.then_some(there.id));
             }
             if let Some(id) = counting {
-                return Ok(Accepted::There { id, same_bytes: false });
+                return Ok(Accepted::There { id, same_bytes: false, counts: true });
             }
         }
         let id = self.ids.next(self.now);
@@ -192,7 +192,7 @@ impl Admission<'_> {
             let same_words = event.reason == sent.reason && event.author == sent.author;
             let same_bytes =
                 same_words && event.fixed == sent.fixed && (event.until, &event.test) == (sent.until, &sent.test);
-            return Ok(Accepted::There { id: event.id, same_bytes });
+            return Ok(Accepted::There { id: event.id, same_bytes, counts: true });
         }
         let id = self.ids.next(self.now);
         let audited = json!({
@@ -226,7 +226,7 @@ impl Admission<'_> {
         let attributes = before.patched(&sent.patch);
         let line = self.ids.next(self.now);
         if attributes == before {
-            return Ok(Accepted::There { id: line, same_bytes: true });
+            return Ok(Accepted::There { id: line, same_bytes: true, counts: true });
         }
         let audited = |of: &GyroAttributes| json!({ "batch": of.batch, "type": of.r#type, "unit": of.unit });
         let (was, is) = (audited(&before), audited(&attributes));

@@ -213,6 +213,20 @@ async fn a_table_says_the_batches_of_many_gyros_all_of_it_or_nothing() {
     let refused = send("serial,batch\nLFG-0101,2030-Z\nNOBODY,2030-Z\n").await;
     assert_eq!(refused.status, 422);
     assert!(refused.text().contains("line 3") && refused.text().contains("NOBODY"), "{}", refused.text());
+    for (text, expected) in [
+        (
+            "serial,batch\nLFG-0101,2030-Z\nLFG-0101,2031-Z\n",
+            "line 3, column 1 (serial): LFG-0101 is in line 2 already",
+        ),
+        ("serial,batch\nLFG-0101,2030-Z,Kestrel\n", "line 2, column 3: 3 cells under 2 columns"),
+        ("serial,batch\nLFG-0101,\"2030-Z\nLFG-0102,2030-Z\n", "line 2, column 2: a quotation mark opens here"),
+    ] {
+        let refused = send(text).await;
+        assert!(refused.status == 422 && refused.text().contains(expected), "{expected}: {}", refused.text());
+    }
+    let cut = b"serial,batch\nLFG-0101,20\xff\n".to_vec();
+    let refused = server.call("PATCH", "/v1/gyros", &[("content-type", "text/csv")], cut).await;
+    assert!(refused.text().contains("line 2, column 2: not UTF-8 text"), "{}", refused.text());
     assert_eq!(server.get("/v1/gyros/LFG-0101").await.json()["attributes"]["batch"], "2024-B");
     let audit = server.get("/v1/audit").await.json();
     let lines = audit["lines"].as_array().unwrap().iter().filter(|line| line["action"] == "set attributes");

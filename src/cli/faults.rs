@@ -81,7 +81,11 @@ fn together(faults: &[Fault]) -> Vec<Message> {
         done.push(code);
         let lines = || alike.iter().map(|message| count(message, "line"));
         let (from, to) = (lines().min().unwrap_or(0), lines().max().unwrap_or(0));
-        said.push(message!("cells_alike", count = alike.len(), from = from, to = to, fault = fault.message.clone()));
+        let (count, first) = (alike.len(), fault.message.clone());
+        said.push(match from == to {
+            true => message!("cells_alike_of_line", count = count, line = from, fault = first),
+            false => message!("cells_alike", count = count, from = from, to = to, fault = first),
+        });
     }
     said
 }

@@ -9,11 +9,10 @@ use clap::builder::PossibleValue;
 use rust_xlsxwriter::{Format, Workbook};
 
 use super::{Usage, document};
-use crate::core::campaign::Campaign;
 use crate::simulate::presets::preset;
 use crate::simulate::{Scenario, simulate};
-use crate::wire::campaign::to_json;
-use crate::wire::campaign_csv::to_csv;
+use crate::wire::campaign::CampaignBody;
+use crate::wire::campaign_csv::body_to_csv;
 
 const RECORD: &str = include_str!("../../examples/templates/record.json");
 const BENCH: &str = include_str!("../../examples/templates/bench.json");
@@ -75,9 +74,9 @@ impl Template {
             Of::Map => As::Toml,
         };
         let text = match (self.of, self.format.or(of_name).unwrap_or(usual)) {
-            (Of::Campaign, As::Json) => to_json(&example()) + "\n",
-            (Of::Campaign, As::Csv) => to_csv(&example()),
-            (Of::Campaign, As::Xlsx) => return self.sheet(&to_csv(&example())),
+            (Of::Campaign, As::Json) => serde_json::to_string(&example())? + "\n",
+            (Of::Campaign, As::Csv) => body_to_csv(&example()),
+            (Of::Campaign, As::Xlsx) => return self.sheet(&body_to_csv(&example())),
             (Of::Record, As::Json) => RECORD.to_owned(),
             (Of::Bench, As::Json) => BENCH.to_owned(),
             (Of::Record, As::Csv) => RECORD_TABLE.to_owned(),
@@ -127,12 +126,23 @@ impl Template {
     }
 }
 
-/// A simulated campaign of the usual programme, always the same.
-fn example() -> Campaign {
+/// A simulated campaign of the usual programme, always the same, in figures as a station writes them.
+fn example() -> CampaignBody {
     let scenario = preset("24-position").expect("the preset is one of the list");
     // Beside the record's example and not in its place.
     let scenario = Scenario { imu: "IMU-08".to_owned(), measured_at: "2026-03-02T08:00:00Z".to_owned(), ..scenario };
-    simulate(&scenario).expect("the preset's scenario is sound").campaign
+    let mut body = CampaignBody::from(&simulate(&scenario).expect("the preset's scenario is sound").campaign);
+    let written = |value: f64| (value * 1e9).round() / 1e9 + 0.0;
+    if let Some(site) = &mut body.site {
+        site.gravity_g0 = written(site.gravity_g0);
+    }
+    for dwell in &mut body.dwells {
+        let lists = [&mut dwell.specific_force_g0, &mut dwell.rate_arcsec_s, &mut dwell.output_pulse_s];
+        let optional = [&mut dwell.attitude, &mut dwell.output_sem_pulse_s].into_iter().filter_map(Option::as_mut);
+        lists.into_iter().chain(optional).for_each(|list| *list = list.map(written));
+        dwell.temperature_c = dwell.temperature_c.map(|t| (t * 1e3).round() / 1e3);
+    }
+    body
 }
 
 /// 24 positions, then each axis up, turned both ways by a whole turn of a degree a second.

@@ -370,8 +370,7 @@ pub async fn patch_gyros(
 ) -> Result<Json<AttributesChanged>, Problem> {
     check_media_type(&headers, &["text/csv"])?;
     let of_faults = |faults| Problem::of_faults(422, "title_cannot_be_stored", faults);
-    let text = String::from_utf8_lossy(&body);
-    let rows = gyro_table::parse(&text).map_err(of_faults)?;
+    let rows = gyro_table::parse(&body).map_err(of_faults)?;
     let mut faults = Faults::default();
     for GyroRow { line, serial, .. } in &rows {
         if app.pipeline.queries.names().gyro_number(serial.as_str()).is_none() {

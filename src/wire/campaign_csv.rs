@@ -18,17 +18,16 @@ mod cells;
 mod head;
 mod write;
 
-pub use write::to_csv;
+pub use write::{body_to_csv, to_csv};
 
 use cells::{Columns, Row};
 use head::Head;
 
 use super::campaign::{CampaignBody, commanded};
-use super::file_kind::{FileKind, HEAD, file_kind};
 use super::json;
-use super::table::at_cell;
+use super::table::{at_cell, text_of};
 use crate::core::campaign::Campaign;
-use crate::core::fault::{Fault, Faults};
+use crate::core::fault::Faults;
 use crate::core::message::Message;
 use crate::message;
 
@@ -78,34 +77,6 @@ pub fn parse_csv_as_sent(bytes: &[u8]) -> Result<(CampaignBody, Campaign), Fault
             Err(faults)
         }
     }
-}
-
-fn text_of(bytes: &[u8]) -> Result<&str, Faults> {
-    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return Err(fault("", message!("utf16")));
-    }
-    let bytes = json::without_mark(bytes);
-    match file_kind(&bytes[..bytes.len().min(HEAD)]) {
-        Ok(FileKind::Text) => {}
-        Ok(FileKind::Utf16 { .. }) => return Err(fault("", message!("utf16"))),
-        Ok(kind) => return Err(fault("", message!("file_is_no_text", name = kind.name()))),
-        // What is text is said by line and column.
-        Err(what) if what.code == "file_is_json" || std::str::from_utf8(bytes).is_ok() => {}
-        Err(what) => return Err(fault("", what)),
-    }
-    let written = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
-    if written < bytes.len() {
-        let line = 1 + memchr::memchr_iter(b'\n', &bytes[..written]).count();
-        return Err(fault("", message!("at_line", line = line, fault = message!("zeros_from_here"))));
-    }
-    std::str::from_utf8(bytes).map_err(|e| {
-        let line = 1 + bytes[..e.valid_up_to()].iter().filter(|&&b| b == b'\n').count();
-        fault("", message!("at_line", line = line, fault = message!("not_utf8_text")))
-    })
-}
-
-fn fault(pointer: &str, message: Message) -> Faults {
-    Fault { pointer: pointer.to_owned(), message }.into()
 }
 
 /// Adds the line and column to faults that only know their JSON pointer.

@@ -1,9 +1,9 @@
 //! Batch, type and unit of many gyros as a table: `serial`, and any of `batch`, `type`, `unit`. What is left empty
 //! stays.
 
-use super::table::{at_cell, comment, reader, unknown};
+use super::table::{at_cell, check_quotes, comment, reader, text_of, unknown};
 use super::text;
-use crate::core::fault::Faults;
+use crate::core::fault::{Fault, Faults};
 use crate::core::gyro_attributes::GyroAttributesPatch;
 use crate::core::record::Name;
 use crate::message;
@@ -21,10 +21,11 @@ const COLUMNS: [&str; 4] = ["serial", "batch", "type", "unit"];
 
 /// # Errors
 /// Every fault, with line and column.
-pub fn parse(text: &str) -> Result<Vec<GyroRow>, Faults> {
-    let text = text.trim_start_matches('\u{feff}');
+pub fn parse(bytes: &[u8]) -> Result<Vec<GyroRow>, Faults> {
+    let text = text_of(bytes)?;
     let mut faults = Faults::default();
     let first = text.lines().position(|line| !line.trim().is_empty() && comment(line).is_none()).unwrap_or(0);
+    check_quotes(text, first).map_err(|message| Faults::from(Fault { pointer: String::new(), message }))?;
     let mut reader = reader(text, first);
     let mut records = reader.records();
     let Some(Ok(header)) = records.next() else {
@@ -46,7 +47,7 @@ pub fn parse(text: &str) -> Result<Vec<GyroRow>, Faults> {
         let missing = message!("missing_columns", names = crate::core::message::list(["serial"]));
         faults.push("", message!("at_line", line = first + 1, fault = missing));
     }
-    let mut rows = Vec::new();
+    let mut rows: Vec<GyroRow> = Vec::new();
     for record in records.filter(|_| faults.is_empty()).collect::<Vec<_>>() {
         let record = match record {
             Ok(record) if record.iter().all(str::is_empty) => continue,
@@ -57,6 +58,11 @@ pub fn parse(text: &str) -> Result<Vec<GyroRow>, Faults> {
             }
         };
         let line = first + record.position().map_or(0, |position| position.line() as usize);
+        if record.iter().skip(header.len()).any(|cell| !cell.is_empty()) {
+            let fault = message!("cells_under_columns", cells = record.len(), columns = header.len());
+            faults.push("", message!("at_column", line = line, column = header.len() + 1, fault = fault));
+            continue;
+        }
         let cell = |place: usize| places[place].and_then(|column| record.get(column)).unwrap_or_default();
         let at = |place: usize| (line, places[place].unwrap_or_default() + 1);
         let mut word = |place: usize| {
@@ -68,7 +74,13 @@ pub fn parse(text: &str) -> Result<Vec<GyroRow>, Faults> {
         };
         let patch = GyroAttributesPatch { batch: word(1), r#type: word(2), unit: word(3) };
         match Name::parse(cell(0)) {
-            Ok(serial) => rows.push(GyroRow { line, serial, patch }),
+            Ok(serial) => match rows.iter().find(|row| row.serial == serial) {
+                Some(GyroRow { line: first, .. }) => {
+                    let fault = message!("serial_twice", serial = serial.to_string(), first = *first);
+                    faults.push("", at_cell(at(0), COLUMNS[0], fault));
+                }
+                None => rows.push(GyroRow { line, serial, patch }),
+            },
             Err(fault) => faults.push("", at_cell(at(0), COLUMNS[0], fault)),
         }
     }
@@ -84,7 +96,7 @@ mod tests {
 
     #[test]
     fn what_is_left_empty_stays_and_what_is_wrong_is_named_by_line_and_column() {
-        let rows = parse("# from the shop\nserial;batch;unit\nA-1;B-7;\nA-2;;Kestrel\n\n").unwrap();
+        let rows = parse(b"# from the shop\nserial;batch;unit\nA-1;B-7;\nA-2;;Kestrel\n\n").unwrap();
         assert_eq!((rows[0].line, rows[0].serial.as_str(), rows[1].line), (3, "A-1", 4));
         let said = |word: &str| Some(Some(word.to_owned()));
         assert_eq!(rows[0].patch, GyroAttributesPatch { batch: said("B-7"), ..Default::default() });
@@ -96,11 +108,14 @@ mod tests {
             ("serial,bach\nA-1,B-7\n", "at_column"),
             ("serial,batch,batch\nA-1,B-7,B-8\n", "at_column"),
             ("serial,batch\nA\u{7}1,B-7\n", "at_cell"),
+            ("serial,batch\nA-1,B-7\nA-1,B-8\n", "at_cell"),
+            ("serial,batch\nA-1,B-7,x\n", "at_column"),
+            ("serial,batch\nA-1,\"B-7\nA-2,B-8\n", "at_column"),
         ] {
-            let faults = parse(text).unwrap_err();
+            let faults = parse(text.as_bytes()).unwrap_err();
             assert_eq!(faults.0[0].message.code, fault, "{text}: {faults:?}");
         }
         let long = format!("serial,batch\nA-1,{}\n", "x".repeat(65));
-        assert_eq!(parse(&long).unwrap_err().0[0].message.code, "at_cell");
+        assert_eq!(parse(long.as_bytes()).unwrap_err().0[0].message.code, "at_cell");
     }
 }

@@ -42,6 +42,11 @@ impl Numbers {
         &self.values[..self.length.min(KEPT)]
     }
 
+    /// Each number as `of` makes it.
+    pub fn map(self, of: impl Fn(f64) -> f64) -> Self {
+        Self { values: self.values.map(of), ..self }
+    }
+
     pub fn vector(&self, pointer: impl Display, faults: &mut Faults) -> Option<Vector3<f64>> {
         self.exactly::<3>(pointer, faults).map(Vector3::from)
     }

@@ -17,8 +17,8 @@ use jiff::fmt::strtime::BrokenDownTime;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use super::table::{at_cell, comment, number, reader, unknown};
-use crate::core::fault::Faults;
+use super::table::{at_cell, check_quotes, comment, meant, number, reader, unknown};
+use crate::core::fault::{Fault, Faults};
 use crate::core::message::{Message, list, sent};
 use crate::message;
 
@@ -155,6 +155,9 @@ impl Field {
 pub fn documents(text: &str, map: &TableMap) -> Option<Result<Vec<(usize, Value)>, Faults>> {
     let text = text.trim_start_matches('\u{feff}');
     let (first, kind) = found(text, map)?;
+    if let Err(fault) = check_quotes(text, first) {
+        return Some(Err(Faults::from(Fault { pointer: String::new(), message: fault })));
+    }
     let mut reader = reader(text, first);
     let mut rows = reader.records();
     let header = rows.next()?.ok()?;
@@ -245,11 +248,13 @@ impl<'a> Table<'a> {
         let known: Vec<String> = kind.columns().collect();
         let at = |fault: Message, column: usize| message!("at_column", line = line, column = column + 1, fault = fault);
         let mut places = HashMap::new();
+        let mut otherwise = Vec::new();
         for (column, theirs) in header.iter().enumerate() {
             let Some(name) = map.ours(theirs).filter(|name| !name.is_empty()) else { continue };
             if !known.contains(&name) {
                 if !map.leaves_aside() {
                     faults.push("", at(unknown(&name, known.iter().cloned()), column));
+                    otherwise.extend(meant(&name, known.iter().cloned()));
                 }
             } else if places.insert(name, column).is_some() {
                 faults.push("", at(message!("second_column", name = sent(theirs)), column));
@@ -298,7 +303,8 @@ impl<'a> Table<'a> {
         let given = |name: &String| table.places.contains_key(name) || table.values.contains_key(name);
         let is_there = |field: &Field| field.columns().any(|name| given(&name));
         for field in kind.fields().iter().filter(|field| field.is_required || is_there(field)) {
-            let missing: Vec<String> = field.columns().filter(|name| !given(name)).collect();
+            let is_missing = |name: &String| !given(name) && !otherwise.contains(name);
+            let missing: Vec<String> = field.columns().filter(is_missing).collect();
             if !missing.is_empty() {
                 let missing = message!("missing_columns", names = list(missing));
                 faults.push(format!("/{}", field.name), message!("at_line", line = line, fault = missing));

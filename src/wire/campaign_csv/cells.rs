@@ -1,12 +1,13 @@
 //! The table: a header that names columns, and rows whose cells are read by it.
 
+use super::head::is_key;
 use crate::core::fault::Faults;
 use crate::core::message::{Message, Parameter, list, sent};
 use crate::message;
 use crate::wire::campaign::DwellBody;
 use crate::wire::numbers::Numbers;
-use crate::wire::record_table::is_of_record;
-use crate::wire::table::{at_cell, number, reader, unknown};
+use crate::wire::record_table::{TableMap, is_of_record, is_table};
+use crate::wire::table::{at_cell, check_quotes, meant, number, reader, unknown};
 
 /// Fields of a dwell, the suffixes of their columns, and whether every table has them.
 pub(super) const FIELDS: &[(&str, &[&str], bool)] = &[
@@ -43,10 +44,14 @@ pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option
         faults.push("/dwells", message!("no_table"));
         return None;
     }
+    if let Err(fault) = check_quotes(text, first_line) {
+        faults.push("/dwells", fault);
+        return None;
+    }
     let mut reader = reader(text, first_line);
     let mut records = reader.records();
     let header = records.next()?.ok()?;
-    if let Some(foreign) = foreign(&header) {
+    if let Some(foreign) = of_head(&header).or_else(|| of_records(text)).or_else(|| foreign(&header)) {
         faults.push("", message!("at_line", line = first_line + 1, fault = foreign));
         return None;
     }
@@ -67,6 +72,18 @@ pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option
         }
     }
     Some((columns, rows))
+}
+
+/// Head matter whose `#` is missing.
+fn of_head(header: &csv::StringRecord) -> Option<Message> {
+    let line = header.get(0)?;
+    let is_key = is_key(line.split_once(':')?.0.trim());
+    is_key.then(|| message!("head_without_mark", text = sent(line)))
+}
+
+/// A table of records or bench results in our own words.
+fn of_records(text: &str) -> Option<Message> {
+    is_table(text, &TableMap::default()).then(|| message!("table_is_of_records"))
 }
 
 /// A header that is no campaign's: of records, of bench results, of samples, or of a station's own.
@@ -101,25 +118,29 @@ impl Columns {
             }
         }
         let columns = Self { names, places, line };
-        columns.check_complete(faults);
+        let unknown = columns.names.iter().filter(|name| field_and_part(name).is_none());
+        columns.check_complete(&unknown.filter_map(|name| meant(name, known_columns())).collect::<Vec<_>>(), faults);
         columns
     }
 
-    /// A vector has all its columns or none, and some fields must be there.
-    fn check_complete(&self, faults: &mut Faults) {
+    /// A vector has all its columns or none, and some fields must be there, unless they are named `otherwise`.
+    fn check_complete(&self, otherwise: &[String], faults: &mut Faults) {
         for ((field, parts, required), places) in FIELDS.iter().zip(&self.places) {
             let given = places.iter().flatten().count();
             let is_output = field.starts_with("output");
             if given == 0 && !required || given == parts.len() {
                 continue;
             }
-            // How many outputs there must be only the head knows: see `check_outputs`.
+            // How many outputs there must be only the head knows: see `check_outputs`. What was said of a column that
+            // stands for one is not said again.
             let missing: Vec<Parameter> = parts
                 .iter()
                 .zip(places)
                 .take(if is_output { last_given(places).max(1) } else { parts.len() })
                 .filter(|(_, place)| place.is_none())
-                .map(|(part, _)| format_args!("{field}{part}").into())
+                .map(|(part, _)| format!("{field}{part}"))
+                .filter(|name| !otherwise.contains(name))
+                .map(Parameter::from)
                 .collect();
             if !missing.is_empty() {
                 let missing = message!("missing_columns", names = list(missing));
@@ -174,23 +195,24 @@ impl Columns {
         }
         let phase = self.places[0][0].and_then(|c| record.get(c)).unwrap_or_default().to_owned();
         if faults.0.len() == before {
-            self.check_filled(&numbers, dwell, line, faults);
+            self.check_filled(&numbers, record.len(), (dwell, line), faults);
         }
         (faults.0.len() == before).then_some(Row { line, phase, numbers })
     }
 
     /// Empty cells: a vector has all its cells or none, and a required field all.
-    fn check_filled(&self, numbers: &[Option<f64>], dwell: usize, line: usize, faults: &mut Faults) {
+    fn check_filled(&self, numbers: &[Option<f64>], cells: usize, (dwell, line): (usize, usize), faults: &mut Faults) {
         for ((field, _, required), places) in FIELDS.iter().zip(&self.places).skip(1) {
             let given: Vec<usize> = places.iter().flatten().copied().collect();
             let empty = || given.iter().filter(|&&column| numbers[column].is_none());
             if !*required && empty().count() == given.len() {
                 continue;
             }
+            let why = |column: usize| if column < cells { message!("empty_cell") } else { message!("cell_missing") };
             for column in empty() {
                 faults.push(
                     format!("/dwells/{dwell}/{field}"),
-                    at_cell((line, column + 1), &self.names[*column], message!("empty_cell")),
+                    at_cell((line, column + 1), &self.names[*column], why(*column)),
                 );
             }
         }

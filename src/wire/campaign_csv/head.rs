@@ -127,6 +127,10 @@ fn meaning(key: &str) -> Option<(String, Kind)> {
     })
 }
 
+pub(super) fn is_key(name: &str) -> bool {
+    meaning(name).is_some()
+}
+
 fn read_value(text: &str, kind: Kind) -> Result<Value, Message> {
     if text.starts_with(['{', '[', '"']) {
         return serde_json::from_str(text)

@@ -11,9 +11,13 @@ use crate::wire::numbers::Numbers;
 
 /// The campaign as CSV that [`super::parse_csv`] reads back: head matter by lines, then one row a dwell.
 pub fn to_csv(campaign: &Campaign) -> String {
-    let body = CampaignBody::from(campaign);
+    body_to_csv(&CampaignBody::from(campaign))
+}
+
+/// As [`to_csv`], of the document with its own figures.
+pub fn body_to_csv(body: &CampaignBody) -> String {
     let mut text = String::new();
-    let head = serde_json::to_value(&body).expect("strings and finite numbers always serialise");
+    let head = serde_json::to_value(body).expect("strings and finite numbers always serialise");
     let mut line = |key: &str, value: &str| writeln!(text, "# {key}: {value}").expect("a string takes everything");
     for (key, value) in head.as_object().into_iter().flatten().filter(|(key, _)| *key != "dwells") {
         match value {
@@ -67,9 +71,10 @@ fn columns(dwell: &DwellBody) -> Vec<(String, String)> {
         ("start_s".to_owned(), dwell.start_s.to_string()),
         ("duration_s".to_owned(), dwell.duration_s.to_string()),
     ];
+    // A negative zero is a zero.
     let mut list = |name: &str, suffixes: &[&str], numbers: Option<&Numbers>| {
         let values = numbers.into_iter().flat_map(Numbers::values);
-        columns.extend(suffixes.iter().zip(values).map(|(s, v)| (format!("{name}{s}"), v.to_string())));
+        columns.extend(suffixes.iter().zip(values).map(|(s, v)| (format!("{name}{s}"), (v + 0.0).to_string())));
     };
     list("attitude", &["_w", "_x", "_y", "_z"], dwell.attitude.as_ref());
     list("specific_force_g0", XYZ, Some(&dwell.specific_force_g0));

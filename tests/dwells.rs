@@ -747,3 +747,173 @@ fn averages_in_pulses_with_their_errors_and_rates_are_the_campaign() {
     let said = refused(&dwells(dir.path(), &["t.csv", "--map", "m.toml"]));
     assert!(said.contains("`averaged = true` is missing"), "{said}");
 }
+
+/// A log of `rows` rows by a header and what each row holds.
+fn rows_of(header: &str, rows: usize, row: impl Fn(usize) -> String) -> String {
+    let rows: Vec<String> = (0..rows).map(row).collect();
+    format!("{header}\n{}\n", rows.join("\n"))
+}
+
+#[test]
+fn a_first_map_is_right_or_says_why_it_cannot_tell() {
+    let pulses = |k: usize| format!("{},{},{}", 780 + k % 5, 100 + k % 3, 5 + k % 4);
+    let xsens = |step: u64| {
+        let sensors = |k: usize| format!("0.0{},0.01,9.81,0.002,0.00{},0.001,0.4,0.4,0.4", k % 7, k % 5);
+        // Both counters begin anew within the log.
+        rows_of(
+            "// Update Rate: 100.0Hz\nPacketCounter,SampleTimeFine,Acc_X,Acc_Y,Acc_Z,Gyr_X,Gyr_Y,Gyr_Z,Mag_X,Mag_Y,Mag_Z",
+            900,
+            |k| {
+                let time = (4_294_967_295 - 50 * step + step * k as u64) % 4_294_967_296;
+                format!("{},{time},{}", (65_000 + k) % 65_536, sensors(k))
+            },
+        )
+    };
+    let cases = [
+        (xsens(100), "time = { column = \"SampleTimeFine\", unit = \"us\", scale = 100 }"),
+        (xsens(10_000), "time = { column = \"SampleTimeFine\", unit = \"us\" }"),
+        (xsens(100), "force = { columns = [\"Acc_X\", \"Acc_Y\", \"Acc_Z\"], unit = \"m/s^2\" }"),
+        (xsens(100), "output = { columns = [\"Gyr_X\", \"Gyr_Y\", \"Gyr_Z\"], unit = \"?\" }"),
+        (
+            rows_of("PacketCounter,g1,g2,g3", 300, |k| format!("{k},{}", pulses(k))),
+            "# column \"PacketCounter\" counts rows and is no time: say how many samples a second\nrate_hz = \"?\"",
+        ),
+        (
+            rows_of("[s],[pulse],[pulse],[pulse],[degC]", 300, |k| format!("{k},{},20.{k}", pulses(k))),
+            "time = { column = 1, unit = \"s\" }",
+        ),
+        (
+            rows_of("[s],[pulse],[pulse],[pulse],[degC]", 300, |k| format!("{k},{},20.{k}", pulses(k))),
+            "output = { columns = [2, 3, 4], unit = \"pulse\" }",
+        ),
+        (
+            rows_of("temperature,p1,p2,p3", 300, |k| format!("{},{}", 20.0 + 0.001 * k as f64, pulses(k))),
+            "# no column rises steadily: say how many samples a second\nrate_hz = \"?\"",
+        ),
+        (
+            rows_of("temperature,p1,p2,p3", 300, |k| format!("{},{}", 20.0 + 0.001 * k as f64, pulses(k))),
+            "output = { columns = [\"p1\", \"p2\", \"p3\"], unit = \"?\" }",
+        ),
+        (
+            rows_of("T,p1,p2,p3", 300, |k| format!("{},{}", 20.0 + 0.001 * k as f64, pulses(k))),
+            "# column \"T\" rises, but may be a temperature",
+        ),
+        (
+            rows_of("t,T,p1,p2,p3", 300, |k| format!("{},20.5,{}", 0.01 * k as f64, pulses(k))),
+            "temperature = { column = \"T\", unit = \"C\" }",
+        ),
+        (
+            rows_of("time,p1,p2,p3", 300, |k| format!("{k},{}", pulses(k))),
+            "# rises by 1 from row to row, in a unit that nothing says: s gives 1.0 samples a second, ms 1000.0\n\
+             time = { column = \"time\", unit = \"?\" }",
+        ),
+        (
+            rows_of("time_ms,p1,p2,p3", 300, |k| format!("{k},{}", pulses(k))),
+            "time = { column = \"time_ms\", unit = \"ms\" }",
+        ),
+        (
+            rows_of("Date,p1,p2,p3", 300, |k| format!("{:.8},{}", 46_350.0 + k as f64 / 86_400.0, pulses(k))),
+            "time = { column = \"Date\", unit = \"h\", scale = 24 }",
+        ),
+        (
+            rows_of("time,p1,p2,p3", 300, |k| format!("03/04/2026 08:{:02}:{:02},{}", k / 60, k % 60, pulses(k))),
+            "# column \"time\" holds neither numbers nor times with a plain date",
+        ),
+    ];
+    let dir = tempfile::tempdir().unwrap();
+    for (log, expected) in cases {
+        fs::write(dir.path().join("log.csv"), &log).unwrap();
+        let output = dwells(dir.path(), &["log.csv", "--guess"]);
+        let map = String::from_utf8_lossy(&output.stdout);
+        assert!(map.contains(expected), "{}\n{expected}\n{map}", log.lines().nth(1).unwrap());
+    }
+}
+
+#[test]
+fn names_units_and_dates_that_are_not_plain_are_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let pulses = |k: usize| format!("{},{},{}", 780 + k % 5, 100 + k % 3, 5 + k % 4);
+    let log = |header: &str| rows_of(header, 300, |k| format!("{k},20.5,{}", pulses(k)));
+    let map = |time: &str, unit: &str| {
+        format!(
+            "time = {{ column = \"{time}\", unit = \"s\" }}\n\
+             output = {{ columns = [\"p1\", \"p2\", \"p3\"]{unit} }}\ntemperature = {{ column = \"T\", unit = \"C\" }}\n"
+        )
+    };
+    let pulse = ", unit = \"pulse\"";
+    let dated = |k: usize| format!("03/04/2026 08:{:02}:{:02},20.5,{}", k / 60, k % 60, pulses(k));
+    let cases = [
+        // `t` and `T` are two columns; of longer names the case does not matter.
+        (log("t,T,p1,p2,p3"), map("t", pulse), "one interval"),
+        (log("TIME,T,P1,P2,P3"), map("time", pulse), "one interval"),
+        (log("clock,T,p1,p2,p3"), map("t", pulse), "no column is named \"t\"; did you mean \"T\"?"),
+        (log("t,T,gyro_1,p2,p3"), map("t", pulse).replace("p1", "gyro1"), "did you mean \"gyro_1\"?"),
+        (log("t,T,p1,p2,p3"), map("clock", pulse), "no column is named \"clock\"; there are: t, T, p1, p2, p3"),
+        (log("t,T,p1 [furlong],p2,p3"), map("t", ""), "the header says \"furlong\", which is no unit of this"),
+        (
+            log("t [fortnight],T,p1,p2,p3"),
+            map("t", pulse).replace(", unit = \"s\"", ""),
+            "the header says \"fortnight\"",
+        ),
+        (log("t [ms],T,p1,p2,p3"), map("t", pulse), "the map says s, the header of the log says ms"),
+        (rows_of("t,T,p1,p2,p3", 300, dated), map("t", pulse), "\"03/04/2026 08:00:00\" is a date whose day and month"),
+        // Counts are of what was read.
+        (rows_of("t,T,p1,p2,p3", 300, dated), map("t", pulse), "21 of 21 rows cannot be read"),
+        (
+            rows_of("t,T,p1,p2,p3", 2000, |k| format!("{},20.5,{}", k / 100, pulses(k))),
+            map("t", pulse),
+            "1980 of 2000 samples repeat the time before",
+        ),
+        (log("t,T,p1,p2,p3"), "time = 5 =\n".to_owned(), "map.toml: line 1: the map cannot be read"),
+    ];
+    for (log, map, expected) in cases {
+        fs::write(dir.path().join("log.csv"), log).unwrap();
+        fs::write(dir.path().join("map.toml"), &map).unwrap();
+        let output = dwells(dir.path(), &["log.csv", "--map", "map.toml"]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains(expected), "{expected}: {said}");
+        assert!(said.lines().filter(|line| line.starts_with("gyrowatch:")).count() <= 1, "{said}");
+    }
+}
+
+#[test]
+fn a_programme_may_be_a_workbook_or_of_another_encoding() {
+    let logs = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/logs");
+    let dir = tempfile::tempdir().unwrap();
+    let table = fs::read_to_string(logs.join("programme.csv")).unwrap();
+    let mut book = rust_xlsxwriter::Workbook::new();
+    let sheet = book.add_worksheet();
+    for (row, line) in (0_u32..).zip(table.lines()) {
+        for (column, cell) in (0_u16..).zip(line.split(',')) {
+            match cell.parse::<f64>() {
+                Ok(number) if !cell.starts_with('+') => sheet.write_number(row, column, number).unwrap(),
+                _ => sheet.write_string(row, column, cell).unwrap(),
+            };
+        }
+    }
+    book.save(dir.path().join("programme.xlsx")).unwrap();
+    let wide = table.replace("up,north,rate_deg_s", "Up,North,Rate deg s");
+    let wide: Vec<u8> = std::iter::once(0xfeff).chain(wide.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    fs::write(dir.path().join("programme.txt"), wide).unwrap();
+    let made = |programme: &Path| {
+        let programme = programme.to_str().unwrap();
+        campaign(&dwells(&logs, &["table.csv", "--map", "map.toml", "--programme", programme]))
+    };
+    let plain = made(Path::new("programme.csv"));
+    // A unit that nobody knows is not passed over.
+    let odd = fs::read_to_string(logs.join("table.csv")).unwrap().replace("gyro_1 [pulse]", "gyro_1 [furlong]");
+    fs::write(dir.path().join("odd.csv"), odd).unwrap();
+    let map =
+        fs::read_to_string(logs.join("map.toml")).unwrap().replace("\"gyro_3\"]", "\"gyro_3\"], unit = \"pulse\"");
+    fs::write(dir.path().join("map.toml"), map).unwrap();
+    let output = dwells(dir.path(), &["odd.csv", "--map", "map.toml", "--programme", "programme.txt"]);
+    assert_eq!(campaign(&output)["dwells"], plain["dwells"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("the header says \"furlong\", which is no unit known here"), "{said}");
+    assert_eq!(made(&dir.path().join("programme.xlsx")), plain);
+    assert_eq!(made(&dir.path().join("programme.txt")), plain);
+    fs::write(dir.path().join("broken.xlsx"), b"PK\x03\x04....[Content_Types].xml").unwrap();
+    let broken = dir.path().join("broken.xlsx");
+    let said = refused(&dwells(&logs, &["table.csv", "--map", "map.toml", "--programme", broken.to_str().unwrap()]));
+    assert!(said.contains("broken.xlsx: cannot be read as xlsx"), "{said}");
+}

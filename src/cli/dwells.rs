@@ -2,17 +2,20 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context;
+use anyhow::bail;
 
 use super::{Usage, document};
 use crate::core::campaign::Campaign;
+use crate::core::fault::{Fault, Faults};
 use crate::logs::campaign::{Made, campaign_of};
 use crate::logs::error::LogError;
 use crate::logs::guess::{answered, guess};
 use crate::logs::map::Map;
 use crate::logs::report::report;
-use crate::wire::campaign::{commanded, to_json};
+use crate::logs::text::of_any;
+use crate::wire::campaign::to_json;
 use crate::wire::campaign_csv::to_csv;
+use crate::wire::differences::counted;
 use crate::words;
 
 /// Make a campaign from raw logs: find what is still and what turns, average it, and say how far the means are known
@@ -29,7 +32,7 @@ pub struct Dwells {
     #[arg(long, value_name = "FILE", required_unless_present = "guess")]
     map: Option<PathBuf>,
 
-    /// What the table was told: 24 (six faces in four headings), or a CSV of positions and turns
+    /// What the table was told: 24 (six faces in four headings), or a table (CSV, xlsx) of positions and turns
     #[arg(long, value_name = "24|FILE")]
     programme: Option<String>,
 
@@ -78,15 +81,16 @@ impl Dwells {
             document::write(path, &report(&made, &names.join(", "), words::asked()))?;
         }
         say(&made);
-        let campaign = made.body.to_core().and_then(|c| commanded::check(&c).map(|()| c));
-        let campaign = campaign.with_context(|| document::name(&self.logs[0]))?;
-        self.write(&campaign)
+        match made.campaign() {
+            Ok(campaign) => self.write(&campaign),
+            Err(faults) => bail!("{}: {}", document::name(&self.logs[0]), said(&faults)),
+        }
     }
 
     fn map(&self) -> anyhow::Result<Map> {
         let Some(path) = &self.map else { return Err(Usage("--map is missing".to_owned()).into()) };
         let fail = |fault| LogError::new(document::name(path), fault);
-        let text = String::from_utf8(document::read(path)?).with_context(|| document::name(path))?;
+        let text = of_any(&document::read(path)?);
         answered(&text).map_err(fail)?;
         let mut map = Map::parse(&text).map_err(fail)?;
         map.imu = self.imu.clone().or(map.imu);
@@ -105,12 +109,20 @@ impl Dwells {
     }
 }
 
+/// Faults of a document that nobody wrote, by dwell and figure.
+fn said(faults: &Faults) -> String {
+    let one = |fault: &Fault| match counted(&fault.pointer).as_str() {
+        "" => words::asked().words(&fault.message),
+        place => format!("{place}: {}", words::asked().words(&fault.message)),
+    };
+    faults.0.iter().map(one).collect::<Vec<_>>().join("\n  ")
+}
+
 /// What was found, on standard error: the campaign may be on standard output.
 fn say(made: &Made) {
     let rounded =
         |values: &[f64], digits: usize| values.iter().map(|v| format!("{v:.digits$}")).collect::<Vec<_>>().join(" ");
-    let mut table =
-        document::table(["dwell", "phase", "start s", "length s", "force g0", "output pulse/s", "± pulse/s"], 0..7);
+    let mut table = document::table_of("terminal_dwells_head", 0..7);
     for (k, d) in made.dwells.iter().enumerate() {
         table.add_row([
             (k + 1).to_string(),
@@ -124,6 +136,6 @@ fn say(made: &Made) {
     }
     eprintln!("{table}");
     for remark in &made.remarks {
-        eprintln!("note: {}", words::asked().words(remark));
+        eprintln!("{}", document::note(&words::asked().words(remark)));
     }
 }

@@ -10,15 +10,16 @@ use super::map::Map;
 use super::programme;
 use super::source::Source;
 use super::units::Counts;
-use crate::core::campaign::{Phase, Site};
+use crate::core::campaign::{Campaign, Phase, Site};
 use crate::core::dwells::noise::Noise;
 use crate::core::dwells::programme::Position;
+use crate::core::fault::{Fault, Faults};
 use crate::core::message::{Message, sent};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::core::units::radians;
 use crate::message;
-use crate::wire::campaign::{CampaignBody, CampaignGyroBody, DwellBody};
+use crate::wire::campaign::{CampaignBody, CampaignGyroBody, DwellBody, commanded};
 use crate::wire::time;
 
 /// A campaign with what it was made from.
@@ -29,6 +30,26 @@ pub struct Made {
     pub remarks: Vec<Message>,
     /// None of a log of averages.
     pub gathered: Option<Gathered>,
+}
+
+impl Made {
+    /// The campaign, held against the Earth.
+    ///
+    /// # Errors
+    /// What is wrong with it. Of gyros that are quiet enough to see the Earth's horizontal rate the headings must be
+    /// known: the fault that their lack makes is not the rates'.
+    pub fn campaign(&self) -> Result<Campaign, Faults> {
+        let campaign = self.body.to_core()?;
+        let has_headings = self.dwells.iter().any(|dwell| dwell.attitude.is_some());
+        let of_rates = |faults: &Faults| faults.0.iter().all(|fault| fault.pointer.ends_with("/rate_arcsec_s"));
+        match commanded::check(&campaign) {
+            Ok(()) => Ok(campaign),
+            Err(faults) if !has_headings && of_rates(&faults) => {
+                Err(Fault { pointer: String::new(), message: message!("commanded_heading_seen") }.into())
+            }
+            Err(faults) => Err(faults),
+        }
+    }
 }
 
 /// Reads the logs once and makes their campaign.

@@ -38,6 +38,20 @@ fn offset(time: &str) -> Option<(&str, Option<f64>)> {
     Some((time[..at].trim_end(), Some(if time[at..].starts_with('-') { -seconds } else { seconds })))
 }
 
+/// Whether a text begins with what looks like a date and is none whose order is plain: `03/04/2026`.
+pub fn is_unclear_date(text: &str) -> bool {
+    let date = text.split(['T', ' ']).next().unwrap_or_default();
+    let parts: Vec<&str> = date.split(['/', '-', '.']).collect();
+    let is_part = |part: &&str| (1..=4).contains(&part.len()) && part.bytes().all(|b| b.is_ascii_digit());
+    parts.len() == 3 && parts.iter().all(is_part) && days(date).is_none()
+}
+
+/// A moment as a spreadsheet keeps it, in days since 1899-12-30; below one day it is a time of day.
+pub fn of_sheet(days: f64) -> f64 {
+    const EPOCH_OF_SHEETS: f64 = 43_831.0;
+    DAY * if days < 1.0 { days } else { days - EPOCH_OF_SHEETS }
+}
+
 /// Days since 1970 of a date whose order is plain: the year first, or points between day, month and year.
 fn days(date: &str) -> Option<i64> {
     let mark = ['-', '/', '.'].into_iter().find(|mark| date.contains(*mark))?;
@@ -88,5 +102,23 @@ mod tests {
         ] {
             assert_eq!(seconds(text), expected, "{text}");
         }
+    }
+
+    #[test]
+    fn dates_whose_order_is_not_plain_are_known_as_such() {
+        for text in ["11/10/2026 08:15:00", "03/04/2026", "13/02/2026T08:15", "1/2/26", "2026-13-24 08:15:00"] {
+            assert!(is_unclear_date(text), "{text}");
+        }
+        for text in ["2026-11-24", "24.11.2026 08:15", "1.2.3.4", "a/b/c", "-0.5", "8:15:00", "1e-5"] {
+            assert!(!is_unclear_date(text), "{text}");
+        }
+    }
+
+    #[test]
+    fn spreadsheets_and_texts_have_one_clock() {
+        // 2026-11-24 is day 46350 of a spreadsheet.
+        let days = 46_350.0 + 29_700.0 / DAY;
+        assert!((of_sheet(days) - seconds("2026-11-24 08:15:00").unwrap()).abs() < 1e-4);
+        assert_eq!(of_sheet(0.5), 43_200.0);
     }
 }

@@ -1,5 +1,7 @@
 //! Columns as logs name them, and rows of their numbers.
 
+use super::units::QUANTITIES;
+
 /// A column as the log names it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Column {
@@ -21,7 +23,8 @@ impl Column {
     pub fn named(heading: &str) -> Self {
         let heading = heading.trim().replace(['（', '［'], "(").replace(['）', '］'], ")");
         let heading = heading.as_str();
-        let open = heading.rfind(['(', '[']).filter(|&at| at > 0 && heading.ends_with([')', ']']));
+        let is_unit = |at: usize| at > 0 || QUANTITIES.iter().any(|q| q.unit(&heading[1..heading.len() - 1]).is_some());
+        let open = heading.rfind(['(', '[']).filter(|&at| heading.ends_with([')', ']']) && is_unit(at));
         match open {
             Some(at) => {
                 let unit = heading[at + 1..heading.len() - 1].trim();
@@ -48,7 +51,8 @@ mod tests {
             ("a(1) [g]", "a(1)", Some("g")),
             ("a(2)", "a(2)", None),
             ("gyro_x", "gyro_x", None),
-            ("(deg/s)", "(deg/s)", None),
+            ("[pulse]", "", Some("pulse")),
+            ("(left)", "(left)", None),
             ("t []", "t", None),
             ("时间（秒）", "时间", Some("秒")),
         ] {

@@ -1,11 +1,11 @@
 //! Logs read from first to last, once: every sample brought to the campaign's units and gathered into blocks.
 
 use super::error::LogError;
-use super::map::{Columns, Found, Map, Reading};
+use super::map::{Columns, Found, Header, Map, Reading};
 use super::source::Source;
 use super::units::{Counts, Quantity};
 use crate::core::dwells::blocks::{Blocks, Series};
-use crate::core::message::{Message, figure, list, text};
+use crate::core::message::{Message, figure, list, sent, text};
 use crate::message;
 
 /// What a track of the series is.
@@ -136,10 +136,13 @@ fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Co
     let mut channels = Vec::new();
     let mut remarks = Vec::new();
     let mut add = |key: &'static str, found: &Found, role: fn(usize) -> Role| {
-        let taken = (found.unit_name.clone(), found.of_header);
-        remarks.push(match taken {
-            (unit, true) => message!("unit_of_header", key = key, unit = unit),
-            (unit, false) => message!("unit_of_map", key = key, unit = unit),
+        let unit = found.unit_name.clone();
+        remarks.push(match &found.header {
+            Header::Says => message!("unit_of_header", key = key, unit = unit),
+            Header::Silent => message!("unit_of_map", key = key, unit = unit),
+            Header::Unknown(header) => {
+                message!("unit_of_map_alone", key = key, unit = unit, header = sent(header))
+            }
         });
         let own = found.readings.iter().enumerate();
         channels.extend(own.map(|(k, reading)| Channel { role: role(k), reading: *reading }));
@@ -251,6 +254,7 @@ struct Clock {
     last: Option<f64>,
     interval: f64,
     steps: Vec<f64>,
+    seen: u64,
     repeated: u64,
     disordered: u64,
     lost: u64,
@@ -261,6 +265,7 @@ struct Clock {
 impl Clock {
     /// Time of a sample; none where it repeats the time of the one before.
     fn at(&mut self, number: f64, factor: f64) -> Result<Option<f64>, Message> {
+        self.seen += 1;
         let seconds = number * factor;
         let origin = *self.origin.get_or_insert(seconds);
         let Some(last) = self.last else {
@@ -466,8 +471,8 @@ impl Reader {
             Ok(())
         })?;
         self.bad += bad;
-        if self.clock.repeated > 100 && self.clock.repeated * 5 > self.rows {
-            let fault = message!("time_coarse", repeated = self.clock.repeated, rows = self.rows);
+        if self.clock.repeated > 100 && self.clock.repeated * 6 > self.clock.seen {
+            let fault = message!("time_coarse", repeated = self.clock.repeated, rows = self.clock.seen);
             return Err(LogError::new(place, fault));
         }
         if self.rows == 0 {
@@ -532,13 +537,7 @@ impl Reader {
         let own = Columns { log: None, ..time.clone() };
         let name = own.columns.first().ok_or_else(|| fail(message!("map_no_columns")))?;
         let (column, _) = name.find(source).map_err(fail)?;
-        let heading = source.columns()[column].unit.clone();
-        let unit = own.unit.clone().or(heading);
-        let known = || list(Quantity::Time.units().iter().copied());
-        let Some(unit) = unit else { return Err(fail(message!("map_unit_missing", known = known()))) };
-        let Some(found) = Quantity::Time.unit(&unit) else {
-            return Err(fail(message!("map_unit_unknown", unit = unit, known = known())));
-        };
+        let (found, unit, _) = own.unit(Quantity::Time, source).map_err(fail)?;
         self.time_factor = found.factor * own.scale.first().unwrap_or(&1.0);
         self.absolute = unit.trim().to_lowercase().starts_with("unix_");
         Ok(Some(column))

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use super::column::Column;
 use super::error::LogError;
 use super::source::Source;
-use super::units::Quantity;
+use super::units::{Counts, Quantity};
 use crate::core::message::Message;
 use crate::core::units::STANDARD_GRAVITY_M_S2;
 use crate::message;
@@ -20,6 +20,8 @@ const ROOM: f64 = 0.12;
 const SELDOM: usize = 20;
 const UNKNOWN: &str = "?";
 const HALF_A_DAY_S: f64 = 43_200.0;
+/// Counts after which a counter of 16, 24 or 32 bits begins anew.
+const COUNTERS: [f64; 3] = [65_536.0, 16_777_216.0, 4_294_967_296.0];
 /// Rows up to which a log may be a table of averages.
 const FEW_ROWS: usize = 500;
 
@@ -28,6 +30,13 @@ struct Looked {
     values: Vec<Vec<f64>>,
     /// Columns of times of day or dates, which are read as seconds.
     clocks: Vec<usize>,
+}
+
+/// What a time column is taken for.
+struct TimeUnit {
+    unit: String,
+    scale: Option<f64>,
+    reason: String,
 }
 
 /// One line of the map: what it says, and why.
@@ -85,7 +94,7 @@ fn look(name: &str, mut source: Source) -> Result<Looked, LogError> {
 
 /// What one log has of a map.
 struct Parts {
-    time: Option<Line>,
+    time: Line,
     /// With their number.
     output: Option<(usize, Line)>,
     force: Option<Line>,
@@ -111,10 +120,7 @@ fn map(logs: &[Looked], name: &str) -> String {
     };
     let unknown = |text: &str, reason: &str| Some(Line { text: text.to_owned(), reason: reason.to_owned() });
     let lines = [
-        parts[0]
-            .time
-            .clone()
-            .or_else(|| unknown("rate_hz = \"?\"", "no column rises steadily: say how many samples a second")),
+        Some(parts[0].time.clone()),
         first(|part| Some(part.output.clone()?.1))
             .or_else(|| unknown("output = { columns = [], unit = \"?\" }", "no column looks like a gyro's")),
         first(|part| part.force.clone()),
@@ -139,10 +145,10 @@ impl Looked {
     fn parts(&self) -> Parts {
         let time = self.time();
         let force = self.triple(&["acc", "accel", "force", "beschl", "加速度", "加表", "加计"], &["a", "f"]);
-        let (force, output) = self.by_numbers(time.as_ref().map(|t| t.0), force, self.output_triple());
+        let (force, output) = self.by_numbers(time.0, force, self.output_triple());
         let taken: Vec<usize> = [output.clone(), force.clone()].into_iter().flatten().flatten().collect();
         Parts {
-            time: time.map(|time| time.1),
+            time: time.1,
             output: output.map(|places| (places.len(), self.output(&places))),
             force: force.map(|places| self.force(&places)),
             rate: self.rate(&taken),
@@ -165,7 +171,9 @@ impl Looked {
         let values = &self.values[place];
         // A time of day begins anew at midnight.
         let is_clock = self.clocks.contains(&place);
-        let goes_on = |p: &[f64]| p[1] >= p[0] || is_clock && p[0] - p[1] > HALF_A_DAY_S;
+        // A counter begins anew when it is full.
+        let is_full = |fall: f64| COUNTERS.iter().any(|most| (0.99 * most..*most).contains(&fall));
+        let goes_on = |p: &[f64]| p[1] >= p[0] || is_clock && p[0] - p[1] > HALF_A_DAY_S || is_full(p[0] - p[1]);
         values.len() > 2 && values.windows(2).all(goes_on) && values[values.len() - 1] != values[0]
     }
 
@@ -175,39 +183,128 @@ impl Looked {
         steps.get(steps.len() / 2).copied().unwrap_or(0.0)
     }
 
-    fn time(&self) -> Option<(usize, Line)> {
-        let lower = |k: &usize| self.columns[*k].name.to_lowercase();
-        let rising: Vec<usize> = (0..self.columns.len()).filter(|&k| self.rises(k) && self.step(k) > 0.0).collect();
-        let says =
-            |k: &&usize| ["time", "zeit", "stamp", "时间"].iter().any(|w| lower(k).contains(w)) || lower(k) == "t";
-        let named = rising.iter().find(says);
-        let place = *named.or(rising.first().filter(|_| rising.len() == 1 || self.columns[0].name.is_empty()))?;
-        let step = self.step(place);
-        if self.clocks.contains(&place) {
-            let reason = format!("times of day or dates: read as seconds, {step:.4} from row to row");
-            return Some((
-                place,
-                Line { text: format!("time = {{ column = {}, unit = \"s\" }}", self.named(place)), reason },
-            ));
-        }
-        let (first, stated) = (self.values[place][0], self.columns[place].unit.clone());
-        let absolute = [("unix_s", 1.0), ("unix_ms", 1e3), ("unix_us", 1e6), ("unix_ns", 1e9)];
-        let since_1970 = absolute.iter().find(|(_, factor)| (8e8..4e9).contains(&(first / factor)));
-        let unit = match (stated.filter(|u| Quantity::Time.unit(u).is_some()), since_1970) {
-            (Some(unit), None) => unit,
-            (_, Some((unit, _))) => (*unit).to_owned(),
-            (None, None) if step < 0.5 => "s".to_owned(),
-            (None, None) if step < 500.0 => "ms".to_owned(),
-            (None, None) if step < 5e5 => "us".to_owned(),
-            (None, None) => "ns".to_owned(),
+    /// The time column, where one can be told, and its line; else the line that asks for the rate.
+    fn time(&self) -> (Option<usize>, Line) {
+        let is_time = |k: &usize| self.rises(*k) && self.step(*k) > 0.0 && !self.is_temperature(*k);
+        let (counts, rising): (Vec<usize>, Vec<usize>) =
+            (0..self.columns.len()).filter(is_time).partition(|&k| self.counts_rows(k));
+        let alone = || rising.first().filter(|_| rising.len() == 1 || self.columns[0].name.is_empty());
+        let told = rising.iter().find(|&&k| self.is_called_time(k)).or_else(alone).copied();
+        let unsaid = |reason: String| (None, Line { text: format!("rate_hz = \"{UNKNOWN}\""), reason });
+        let Some(place) = told else {
+            let named = (0..self.columns.len()).find(|&k| self.is_called_time(k));
+            return unsaid(match (named, counts.first()) {
+                (Some(k), _) if self.values[k].iter().all(|v| v.is_nan()) => format!(
+                    "column {} holds neither numbers nor times with a plain date (2026-11-24 08:15:00): write it so, or \
+                     say how many samples a second",
+                    self.named(k)
+                ),
+                (Some(k), _) => format!(
+                    "column {} is named as a time and does not rise steadily: say how many samples a second",
+                    self.named(k)
+                ),
+                (None, Some(&k)) => {
+                    format!("column {} counts rows and is no time: say how many samples a second", self.named(k))
+                }
+                (None, None) => "no column rises steadily: say how many samples a second".to_owned(),
+            });
         };
-        let reason =
-            format!("rises by {step} from row to row; {unit} gives {:.1} samples a second", self.hz(step, &unit));
-        Some((place, Line { text: format!("time = {{ column = {}, unit = \"{unit}\" }}", self.named(place)), reason }))
+        if self.columns[place].name == "T" && self.columns[place].unit.is_none() && !self.begins_at_zero(place) {
+            return unsaid(
+                "column \"T\" rises, but may be a temperature: name it as `time` or as `temperature`, and say the rate \
+                 if it is no time"
+                    .to_owned(),
+            );
+        }
+        let TimeUnit { unit, scale, reason } = self.time_unit(place);
+        let scale = scale.map_or_else(String::new, |scale| format!(", scale = {scale}"));
+        let text = format!("time = {{ column = {}, unit = \"{unit}\"{scale} }}", self.named(place));
+        (Some(place), Line { text, reason })
     }
 
-    fn hz(&self, step: f64, unit: &str) -> f64 {
-        Quantity::Time.unit(unit).map_or(0.0, |u| (step * u.factor).recip())
+    fn time_unit(&self, place: usize) -> TimeUnit {
+        let step = self.step(place);
+        let hz = |unit: &str, scale: f64| Quantity::Time.unit(unit).map_or(0.0, |u| (step * scale * u.factor).recip());
+        let taken = |unit: &str, scale: Option<f64>| {
+            let (hz, plain) = (hz(unit, scale.unwrap_or(1.0)), short(step));
+            let ticks = scale.map_or_else(|| unit.to_owned(), |scale| format!("{scale} {unit} a count"));
+            let reason = format!("rises by {plain} from row to row; {ticks} gives {hz:.1} samples a second");
+            TimeUnit { unit: unit.to_owned(), scale, reason }
+        };
+        if self.clocks.contains(&place) {
+            let reason = format!("times of day or dates: read as seconds, {step:.4} from row to row");
+            return TimeUnit { unit: "s".to_owned(), scale: None, reason };
+        }
+        let (first, name) = (self.values[place][0], self.columns[place].name.to_lowercase());
+        let absolute = [("unix_s", 1.0), ("unix_ms", 1e3), ("unix_us", 1e6), ("unix_ns", 1e9)];
+        if let Some((unit, _)) = absolute.iter().find(|(_, factor)| (8e8..4e9).contains(&(first / factor))) {
+            return taken(unit, None);
+        }
+        if let Some(unit) = self.columns[place].unit.as_deref().filter(|unit| Quantity::Time.unit(unit).is_some()) {
+            return taken(unit, None);
+        }
+        // `time_ms`, `t_s`.
+        let last = name.rsplit(['_', ' ', '.', '-']).next().filter(|last| last.len() < name.len());
+        if let Some(unit) = ["s", "sec", "ms", "us", "ns"].into_iter().find(|unit| last == Some(unit)) {
+            return taken(unit, None);
+        }
+        // A spreadsheet's days since 1900.
+        if (30_000.0..80_000.0).contains(&first) && step < 0.1 {
+            return taken("h", Some(24.0));
+        }
+        // Xsens: of some models in us, of others in ticks of 100 us.
+        if name == "sampletimefine" {
+            return taken("us", (hz("us", 1.0) > 4000.0).then_some(100.0));
+        }
+        match step {
+            ..0.5 => taken("s", None),
+            // Slow loggers keep seconds, fast ones milliseconds.
+            ..5.0 => TimeUnit {
+                unit: UNKNOWN.to_owned(),
+                scale: None,
+                reason: format!(
+                    "rises by {} from row to row, in a unit that nothing says: s gives {:.1} samples a second, ms {:.1}",
+                    short(step),
+                    hz("s", 1.0),
+                    hz("ms", 1.0)
+                ),
+            },
+            ..500.0 => taken("ms", None),
+            ..5e5 => taken("us", None),
+            _ => taken("ns", None),
+        }
+    }
+
+    fn is_called_time(&self, place: usize) -> bool {
+        const WORDS: [&str; 9] = ["time", "zeit", "stamp", "epoch", "date", "datum", "时间", "时刻", "日期"];
+        let Column { name: letter, unit } = &self.columns[place];
+        let name = letter.to_lowercase();
+        let of_unit = unit.as_deref().is_some_and(|unit| Quantity::Time.unit(unit).is_some());
+        let is_letter = *letter == "t" || ["t_s", "t_ms", "t_us", "t_ns", "sec", "tow"].contains(&name.as_str());
+        (WORDS.iter().any(|word| name.contains(word)) || is_letter || of_unit) && !self.is_temperature(place)
+    }
+
+    fn is_temperature(&self, place: usize) -> bool {
+        let Column { name, unit } = &self.columns[place];
+        let of = |quantity: Quantity| unit.as_deref().is_some_and(|unit| quantity.unit(unit).is_some());
+        let lower = name.to_lowercase();
+        let named = lower.contains("temp") || name.contains("温度") || lower == "t_c" || lower == "tmp";
+        // `T` beside a time.
+        let beside = || name == "T" && (0..self.columns.len()).any(|k| k != place && self.is_called_time(k));
+        !of(Quantity::Time) && (named || of(Quantity::Temperature) || beside())
+    }
+
+    /// A number of the row or the packet.
+    fn counts_rows(&self, place: usize) -> bool {
+        let name = self.columns[place].name.to_lowercase();
+        let named = ["packet", "counter", "index", "sequence", "序号"].iter().any(|word| name.contains(word));
+        named
+            || ["n", "no", "no.", "nr", "nr.", "#", "seq", "sample", "samples", "row", "line", "id"]
+                .contains(&name.as_str())
+    }
+
+    fn begins_at_zero(&self, place: usize) -> bool {
+        self.values[place][0].abs() < 10.0 * self.step(place)
     }
 
     /// The gyros: columns named for what they count before those named for a rate, which the table may have.
@@ -215,7 +312,17 @@ impl Looked {
         let plain = self
             .triple(&["gyr", "pulse", "puls", "imp", "count", "kreisel", "output", "ausgang", "陀螺", "脉冲"], &["g"]);
         let rates = || self.triple(&["omega", "rate", "dreh", "角速度"], &["w"]);
-        plain.or_else(|| rates().filter(|places| !places.iter().any(|&p| self.is_command(p))))
+        plain
+            .or_else(|| self.in_pulses())
+            .or_else(|| rates().filter(|places| !places.iter().any(|&p| self.is_command(p))))
+    }
+
+    /// Columns whose headings say pulses, whatever their names.
+    fn in_pulses(&self) -> Option<Vec<usize>> {
+        let unit = |k: &usize| Quantity::Output.unit(self.columns[*k].unit.as_deref()?);
+        let is_pulse = |k: &usize| unit(k).is_some_and(|unit| unit.counts != Counts::Angular);
+        Some((0..self.columns.len()).filter(is_pulse).collect::<Vec<_>>())
+            .filter(|found| (1..=3).contains(&found.len()))
     }
 
     /// A value that stands for long and has no noise: what was told, not what was measured.
@@ -269,7 +376,9 @@ impl Looked {
         if force.is_some() || output.is_some() {
             return (force, output);
         }
-        let free = |places: &[usize]| places.iter().all(|&p| p < self.columns.len() && Some(p) != time);
+        let is_other =
+            |p: usize| Some(p) == time || self.is_temperature(p) || self.counts_rows(p) || self.is_called_time(p);
+        let free = |places: &[usize]| places.iter().all(|&p| p < self.columns.len() && !is_other(p));
         let numeric = |places: &[usize]| {
             places
                 .iter()
@@ -325,14 +434,7 @@ impl Looked {
     }
 
     fn temperature(&self) -> Option<Line> {
-        let is = |c: &Column| {
-            let name = c.name.to_lowercase();
-            name.contains("temp")
-                || name.contains("温度")
-                || name == "t_c"
-                || c.unit.as_deref().is_some_and(|u| Quantity::Temperature.unit(u).is_some())
-        };
-        let place = self.columns.iter().position(is)?;
+        let place = (0..self.columns.len()).find(|&k| self.is_temperature(k))?;
         let unit = self.columns[place].unit.clone().filter(|u| Quantity::Temperature.unit(u).is_some());
         let (unit, reason) = match unit {
             Some(unit) => (unit.clone(), format!("the header says {unit}")),
@@ -340,6 +442,11 @@ impl Looked {
         };
         Some(Line { text: format!("temperature = {{ column = {}, unit = \"{unit}\" }}", self.named(place)), reason })
     }
+}
+
+/// A number without the noise of its last digits.
+fn short(value: f64) -> f64 {
+    format!("{value:.6e}").parse().unwrap_or(value)
 }
 
 /// Whether a map still has question marks in it.

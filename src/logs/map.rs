@@ -9,6 +9,7 @@ use crate::core::message::{Message, list, sent};
 use crate::message;
 use crate::wire::campaign::SiteBody;
 use crate::wire::geometry::GeometryBody;
+use crate::wire::text::toml_fault;
 
 /// A map, in TOML.
 #[derive(Debug, Clone, Deserialize)]
@@ -141,9 +142,18 @@ pub struct Reading {
 pub struct Found {
     pub readings: Vec<Reading>,
     pub unit: Unit,
-    /// The unit's name, and whether the header says it.
     pub unit_name: String,
-    pub of_header: bool,
+    pub header: Header,
+}
+
+/// What the header says of a unit.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Header {
+    Says,
+    /// Nothing, or the map's unit too, or that of numbers before they are scaled.
+    Silent,
+    /// What is no unit here.
+    Unknown(String),
 }
 
 impl std::fmt::Display for ColumnName {
@@ -159,8 +169,7 @@ impl Map {
     /// # Errors
     /// What the TOML is not, with its line.
     pub fn parse(text: &str) -> Result<Self, Message> {
-        toml::from_str(text)
-            .map_err(|error| message!("map_unreadable", why = format_args!("{}", error.to_string().trim())))
+        toml::from_str(text).map_err(|error| toml_fault(&error, text))
     }
 
     /// How many logs run beside one another.
@@ -245,7 +254,7 @@ impl Columns {
                 return Err(fail(message!("map_each", name = name, have = list.len(), columns = count)));
             }
         }
-        let (unit, unit_name, of_header) = self.unit(of, source).map_err(fail)?;
+        let (unit, unit_name, header) = self.unit(of, source).map_err(fail)?;
         let each = |list: &[f64], k: usize, default: f64| *list.get(k).or(list.first()).unwrap_or(&default);
         let reading = |(k, name): (usize, &ColumnName)| {
             let (column, sign) = name.find(source).map_err(fail)?;
@@ -259,28 +268,36 @@ impl Columns {
             let name = self.columns[k].to_string();
             return Err(fail(message!("map_column_again", name = sent(&name))));
         }
-        Ok(Found { readings, unit, unit_name, of_header })
+        Ok(Found { readings, unit, unit_name, header })
     }
 
-    fn unit(&self, of: Quantity, source: &Source) -> Result<(Unit, String, bool), Message> {
+    /// The unit that the numbers are in, its name, and what the header says of it.
+    ///
+    /// # Errors
+    /// As [`Columns::find`].
+    pub fn unit(&self, of: Quantity, source: &Source) -> Result<(Unit, String, Header), Message> {
         let (first, _) = match self.columns.first() {
             Some(name) => name.find(source)?,
             None => return Err(message!("map_no_columns")),
         };
-        let heading = source.columns()[first].unit.as_deref();
+        // What is scaled is not in the unit of its header any more.
+        let heading = source.columns()[first].unit.as_deref().filter(|_| self.scale.is_empty());
+        let of_header = heading.map(|name| (name, of.unit(name)));
         let units = || list(of.units().iter().copied());
         let Some(stated) = &self.unit else {
-            // What is scaled is not in the unit of its header any more.
-            let heading =
-                heading.filter(|_| self.scale.is_empty()).and_then(|u| Some((of.unit(u)?, u.to_owned(), true)));
-            return heading.ok_or_else(|| message!("map_unit_missing", known = units()));
+            return match of_header {
+                Some((name, Some(unit))) => Ok((unit, name.to_owned(), Header::Says)),
+                Some((name, None)) => Err(message!("map_unit_of_header_alone", header = sent(name), known = units())),
+                None => Err(message!("map_unit_missing", known = units())),
+            };
         };
         let unit = of.unit(stated).ok_or_else(|| message!("map_unit_unknown", unit = sent(stated), known = units()))?;
-        match heading.filter(|_| self.scale.is_empty()).and_then(|u| Some((of.unit(u)?, u))) {
-            Some((other, name)) if other.factor != unit.factor => {
+        match of_header {
+            Some((name, Some(other))) if other.factor != unit.factor => {
                 Err(message!("map_unit_of_header", unit = sent(stated), header = sent(name)))
             }
-            _ => Ok((unit, stated.clone(), false)),
+            Some((name, None)) => Ok((unit, stated.clone(), Header::Unknown(name.to_owned()))),
+            _ => Ok((unit, stated.clone(), Header::Silent)),
         }
     }
 }
@@ -321,6 +338,6 @@ mod tests {
         );
         assert_eq!(map.time.unwrap().columns.len(), 1);
         let unknown = Map::parse("outputs = 1").unwrap_err();
-        assert_eq!(unknown.code, "map_unreadable");
+        assert_eq!(unknown.code, "at_line");
     }
 }

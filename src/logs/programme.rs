@@ -1,12 +1,13 @@
-//! A table's programme as CSV: a row per position or turn, in the order in which the table went through them.
+//! A table's programme as CSV or xlsx: a row per position or turn, in the order in which the table went through them.
 
 use nalgebra::Vector3;
 
 use super::error::LogError;
-use super::text::decoded;
+use super::sheet::readable_table;
+use super::source::log_column_unknown;
 use crate::core::dwells::programme::{Position, attitude, twenty_four};
 use crate::core::frames::Rotation;
-use crate::core::message::{Message, list, sent};
+use crate::core::message::{Message, sent};
 use crate::message;
 
 /// The name of the built-in programme.
@@ -35,7 +36,7 @@ pub fn read(choice: &str) -> Result<Vec<Position>, LogError> {
     }
     let fail = super::error::unreadable(choice);
     let bytes = std::fs::read(choice).map_err(fail)?;
-    parse(&decoded(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes))).map_err(|fault| LogError::new(choice, fault))
+    readable_table(bytes).and_then(|text| parse(&text)).map_err(|fault| LogError::new(choice, fault))
 }
 
 /// As [`read`], of its text in place of a file's name.
@@ -55,10 +56,10 @@ fn parse(text: &str) -> Result<Vec<Position>, Message> {
         .flexible(true)
         .trim(csv::Trim::All)
         .from_reader(text.as_bytes());
-    let names = reader.headers().map_err(Message::verbatim)?.clone();
-    if let Some(name) = names.iter().find(|name| !name.is_empty() && !COLUMNS.contains(name)) {
-        let known = list(COLUMNS);
-        return Err(message!("log_column_unknown", name = sent(name), known = known));
+    let names: Vec<&str> = reader.headers().map_err(Message::verbatim)?.iter().map(named).collect::<Result<_, _>>()?;
+    let again = |(k, name): (usize, &&str)| !name.is_empty() && names[..k].contains(name);
+    if let Some((_, name)) = names.iter().enumerate().find(|column| again(*column)) {
+        return Err(message!("second_column", name = sent(name)));
     }
     let mut found = Vec::new();
     for record in reader.records() {
@@ -73,9 +74,19 @@ fn parse(text: &str) -> Result<Vec<Position>, Message> {
     if found.is_empty() { Err(message!("programme_empty")) } else { Ok(found) }
 }
 
-fn position(names: &csv::StringRecord, record: &csv::StringRecord) -> Result<Position, Message> {
+/// The column of a heading, in whichever case and with blanks or lines between its words.
+fn named(heading: &str) -> Result<&'static str, Message> {
+    let plain = heading.to_lowercase().replace([' ', '-'], "_");
+    match COLUMNS.iter().find(|column| **column == plain) {
+        Some(column) => Ok(column),
+        None if heading.is_empty() => Ok(""),
+        None => Err(log_column_unknown(heading, COLUMNS.iter().copied())),
+    }
+}
+
+fn position(names: &[&str], record: &csv::StringRecord) -> Result<Position, Message> {
     let cell = |name: &str| {
-        let place = names.iter().position(|own| own == name)?;
+        let place = names.iter().position(|own| *own == name)?;
         record.get(place).filter(|cell| !cell.is_empty())
     };
     let number = |name: &'static str| cell(name).map(|cell| value(name, cell)).transpose();
@@ -151,6 +162,8 @@ mod tests {
         assert!((rows[1].up() + Vector3::x()).norm() < 1e-12);
         let same = parse("attitude_w;attitude_x;attitude_y;attitude_z\n0,5;0,5;0,5;0,5\n").unwrap();
         assert_eq!(same.len(), 1);
+        let loud = parse("Up,NORTH,Rate deg-s\n+Z,+Y,0.1\n").unwrap();
+        assert_eq!(loud[0].turn_arcsec_s, 360.0);
     }
 
     #[test]
@@ -159,7 +172,10 @@ mod tests {
             fault if fault.code == "at_line" => format!("{:?}", fault.parameter("fault").unwrap()),
             fault => fault.code.into_owned(),
         };
-        assert_eq!(code("up,south\n"), "log_column_unknown");
+        assert_eq!(code("up,colour\n"), "log_column_unknown");
+        let like = parse("up,north,rate [deg/s]\n+Z,+Y,0\n").unwrap_err();
+        assert_eq!((like.code.as_ref(), like.parameter("like")), ("log_column_like", Some(&"rate_deg_s".into())));
+        assert_eq!(code("up,Up,north\n"), "second_column");
         assert_eq!(code("up,north\n"), "programme_empty");
         assert!(code("up,north\n+Z,-Z\n").contains("programme_parallel"));
         assert!(code("up,north\n+Z,\n").contains("programme_attitude"));

@@ -4,6 +4,7 @@ use std::io::Cursor;
 
 use calamine::{Data, Reader, Xlsx};
 
+use super::text::{of_any, of_utf16, with_line_feeds};
 use crate::core::message::Message;
 use crate::message;
 use crate::wire::document::is_csv;
@@ -44,7 +45,16 @@ fn cell(cell: &Data) -> String {
     }
 }
 
-/// The bytes of a document; of a workbook the CSV that it would be saved as.
+/// The text of a table of any encoding, or of a workbook.
+///
+/// # Errors
+/// What the file is, where it is none of these.
+pub fn readable_table(bytes: Vec<u8>) -> Result<String, Message> {
+    file_kind(&bytes[..bytes.len().min(HEAD)])?;
+    readable(bytes).map(|bytes| of_any(&bytes))
+}
+
+/// The bytes of a document; of UTF-16 those of UTF-8, of a workbook the CSV that it would be saved as.
 ///
 /// # Errors
 /// What the file is, where it is none of these.
@@ -56,18 +66,19 @@ pub fn readable(bytes: Vec<u8>) -> Result<Vec<u8>, Message> {
         return Ok(bytes);
     }
     match file_kind(&bytes[..bytes.len().min(HEAD)])? {
-        FileKind::Xlsx => return to_csv(&bytes).map(String::into_bytes),
+        FileKind::Xlsx => to_csv(&bytes).map(String::into_bytes),
         FileKind::Text => {
+            let bytes = with_line_feeds(bytes);
             let text = bytes.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1);
             if text < bytes.len() {
                 let line = 1 + bytes[..text].iter().filter(|&&b| b == b'\n').count();
                 return Err(message!("at_line", line = line, fault = message!("zeros_from_here")));
             }
+            Ok(bytes)
         }
-        FileKind::Utf16 { .. } => {}
+        FileKind::Utf16 { big_endian } => Ok(of_utf16(&bytes, big_endian).into_bytes()),
         log @ (FileKind::Mat5 | FileKind::Npy | FileKind::Npz | FileKind::Parquet) => {
-            return Err(message!("file_is_log", name = log.name()));
+            Err(message!("file_is_log", name = log.name()))
         }
     }
-    Ok(bytes)
 }

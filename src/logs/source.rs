@@ -9,18 +9,27 @@ use calamine::{Data, Reader, Xlsx};
 use super::column::{Column, Sample};
 use super::error::{LogError, unreadable};
 use super::text::TextLog;
-use super::{mat, npy};
+use super::{clock, mat, npy};
 use crate::core::message::{Message, list, sent};
 use crate::message;
 use crate::wire::file_kind::{FileKind, HEAD, file_kind};
+use crate::wire::table::nearest;
 
 pub enum Source {
     Text(TextLog),
-    Whole { columns: Vec<Column>, first_line: u64, values: Vec<Vec<f64>> },
+    Whole { columns: Vec<Column>, first_line: u64, values: Vec<Vec<f64>>, clocks: Vec<usize> },
 }
 
-/// A named column of whole numbers in memory.
+/// A named column in memory.
 type Named = (Column, Vec<f64>);
+
+/// The table of a workbook.
+struct Sheet {
+    named: Vec<Named>,
+    first_line: u64,
+    /// Columns of dates or times of day.
+    clocks: Vec<usize>,
+}
 
 impl Source {
     /// Opens a log and looks at its layout.
@@ -55,25 +64,24 @@ impl Source {
         }
         let mut bytes = Vec::new();
         from.read_to_end(&mut bytes).map_err(&fail)?;
-        let from_first = |columns| (columns, 1);
-        let (columns, first_line) = match kind {
+        let from_first = |named| Sheet { named, first_line: 1, clocks: Vec::new() };
+        let sheet = match kind {
             FileKind::Mat5 => mat::arrays(&bytes).map(of_arrays).map(from_first),
             FileKind::Npy => npy::columns(&bytes).map(from_first),
             FileKind::Npz => npy::columns_of_archive(&bytes).map(from_first),
             FileKind::Parquet => of_parquet(bytes).map(from_first),
             FileKind::Xlsx | FileKind::Text | FileKind::Utf16 { .. } => of_workbook(&bytes),
-        }
-        .map_err(of_file)?;
-        Self::of_columns(columns, first_line).map_err(of_file)
+        };
+        sheet.and_then(Self::of_sheet).map_err(of_file)
     }
 
-    fn of_columns(named: Vec<Named>, first_line: u64) -> Result<Self, Message> {
+    fn of_sheet(Sheet { named, first_line, clocks }: Sheet) -> Result<Self, Message> {
         let rows = named.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
         let (columns, values): (Vec<_>, Vec<_>) = named.into_iter().filter(|(_, v)| v.len() == rows).unzip();
         if columns.is_empty() || rows < 2 {
             return Err(message!("no_numbers", lines = rows));
         }
-        Ok(Self::Whole { columns, first_line, values })
+        Ok(Self::Whole { columns, first_line, values, clocks })
     }
 
     /// Takes what is no number for an empty cell, where nobody has said yet which columns are numbers.
@@ -87,7 +95,7 @@ impl Source {
     pub fn clocks(&self) -> &[usize] {
         match self {
             Self::Text(log) => &log.clocks,
-            Self::Whole { .. } => &[],
+            Self::Whole { clocks, .. } => clocks,
         }
     }
 
@@ -133,9 +141,14 @@ impl Source {
     pub fn column(&self, name: &str) -> Result<usize, Message> {
         let columns = self.columns();
         let wanted = Column::named(name);
-        let is = |c: &&Column| c.name == wanted.name || c.name.eq_ignore_ascii_case(&wanted.name);
-        let named = columns.iter().enumerate().filter(|(_, c)| is(c) && !c.name.is_empty());
-        let mut found: Vec<(usize, &Column)> = named.collect();
+        let named = |is: &dyn Fn(&str) -> bool| -> Vec<(usize, &Column)> {
+            columns.iter().enumerate().filter(|(_, c)| is(&c.name) && !c.name.is_empty()).collect()
+        };
+        // A single letter in the other case is another: `t` the time, `T` the temperature.
+        let mut found = named(&|own| own == wanted.name);
+        if found.is_empty() && wanted.name.chars().count() > 1 {
+            found = named(&|own| own.to_lowercase() == wanted.name.to_lowercase());
+        }
         // `s(K1)` and `s(K2)` differ in what looks like a unit.
         if found.len() > 1 && wanted.unit.is_some() {
             found.retain(|(_, c)| c.unit == wanted.unit);
@@ -155,7 +168,23 @@ impl Source {
         if names.is_empty() {
             return Err(message!("log_columns_unnamed", name = sent(name), columns = columns.len()));
         }
-        Err(message!("log_column_unknown", name = sent(name), known = list(names.into_iter().map(|n| sent(&n)))))
+        Err(log_column_unknown(name, names.iter().map(String::as_str)))
+    }
+}
+
+/// No column of a name, with those that there are, and the one that was meant where one is alike but for marks between
+/// its words, its unit, or a letter or two.
+pub fn log_column_unknown<'a>(name: &str, known: impl Iterator<Item = &'a str> + Clone) -> Message {
+    const LEAST: usize = 3;
+    let wanted = Column::named(name).name;
+    let letters = |text: &str| text.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");
+    let alike = known.clone().find(|own| letters(own) == letters(&wanted));
+    let begins = || known.clone().find(|own| wanted.len() > LEAST && own.starts_with(wanted.as_str()));
+    let near = || nearest(&wanted, known.clone().filter(|own| own.len() > LEAST), LEAST);
+    let all = list(known.clone().map(sent));
+    match alike.or_else(begins).or_else(near) {
+        Some(like) => message!("log_column_like", name = sent(name), like = sent(like), known = all),
+        None => message!("log_column_unknown", name = sent(name), known = all),
     }
 }
 
@@ -180,8 +209,8 @@ fn of_parquet(_: Vec<u8>) -> Result<Vec<Named>, Message> {
     Err(message!("file_is_parquet"))
 }
 
-/// The first sheet of a workbook that holds a table: its columns, and the line of its first row of numbers.
-fn of_workbook(bytes: &[u8]) -> Result<(Vec<Named>, u64), Message> {
+/// The first sheet of a workbook that holds a table.
+fn of_workbook(bytes: &[u8]) -> Result<Sheet, Message> {
     let broken = |error: calamine::XlsxError| message!("xlsx_broken", why = format_args!("{error}"));
     let mut book: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).map_err(broken)?;
     for name in book.sheet_names() {
@@ -200,7 +229,12 @@ fn of_workbook(bytes: &[u8]) -> Result<(Vec<Named>, u64), Message> {
         let columns = super::text::columns(heads, &[], width, None);
         let values = (0..width).map(|k| rows[first..].iter().map(|row| row.get(k).map_or(f64::NAN, number)).collect());
         let start = range.start().map_or(0, |(row, _)| u64::from(row));
-        return Ok((columns.into_iter().zip(values).collect(), start + first as u64 + 1));
+        let clocks = (0..width).filter(|&k| rows[first].get(k).is_some_and(is_clock)).collect();
+        return Ok(Sheet {
+            named: columns.into_iter().zip(values).collect(),
+            first_line: start + first as u64 + 1,
+            clocks,
+        });
     }
     Err(message!("xlsx_no_table"))
 }
@@ -209,8 +243,20 @@ fn number(cell: &Data) -> f64 {
     match cell {
         Data::Float(value) => *value,
         Data::Int(value) => *value as f64,
-        Data::DateTime(days) => days.as_f64() * 86_400.0,
-        Data::String(text) => text.trim().replacen(',', ".", 1).parse().unwrap_or(f64::NAN),
+        Data::DateTime(days) => clock::of_sheet(days.as_f64()),
+        Data::DateTimeIso(text) => clock::seconds(text).unwrap_or(f64::NAN),
+        Data::String(text) => {
+            let plain = text.trim().replacen(',', ".", 1).parse().ok();
+            plain.or_else(|| clock::seconds(text.trim())).unwrap_or(f64::NAN)
+        }
         _ => f64::NAN,
+    }
+}
+
+fn is_clock(cell: &Data) -> bool {
+    match cell {
+        Data::DateTime(_) | Data::DateTimeIso(_) => true,
+        Data::String(text) => clock::seconds(text.trim()).is_some(),
+        _ => false,
     }
 }

@@ -8,7 +8,7 @@ use super::error::{LogError, unreadable};
 use super::units::QUANTITIES;
 use crate::core::message::{Message, sent};
 use crate::message;
-use crate::wire::file_kind::{FileKind, HEAD};
+use crate::wire::file_kind::{FileKind, HEAD, file_kind};
 
 /// Longest line that is a row of a table.
 const LONGEST_LINE: u64 = 1 << 20;
@@ -48,10 +48,15 @@ impl TextLog {
         let fail = unreadable(place);
         let mut head = Vec::new();
         reader_of(&mut from, kind).take(HEAD as u64).read_to_end(&mut head).map_err(&fail)?;
-        let whole = head.len() < HEAD;
-        let layout = Layout::of(&head, whole).map_err(|fault| LogError::new(place, fault))?;
         from.rewind().map_err(&fail)?;
-        let reader = Box::new(BufReader::with_capacity(1 << 18, reader_of(from, kind)));
+        let whole = head.len() < HEAD;
+        let reader: Box<dyn Read> = match of_carriage_returns(&head) {
+            true => Box::new(CarriageReturns(reader_of(from, kind))),
+            false => reader_of(from, kind),
+        };
+        let head = with_line_feeds(head);
+        let layout = Layout::of(&head, whole).map_err(|fault| LogError::new(place, fault))?;
+        let reader = Box::new(BufReader::with_capacity(1 << 18, reader));
         Ok(Self { place: place.to_owned(), reader, layout, lenient: false, clocks: Vec::new() })
     }
 
@@ -121,7 +126,8 @@ impl TextLog {
             let name = self.layout.columns.get(*column).map_or(String::new(), |c| c.name.clone());
             let fault =
                 message!("at_cell", line = *first as usize, column = column + 1, name = name, fault = why.clone());
-            let fault = message!("rows_unreadable", count = serious.len(), rows = rows as usize, fault = fault);
+            let seen = rows as usize + serious.len();
+            let fault = message!("rows_unreadable", count = serious.len(), rows = seen, fault = fault);
             return Err(LogError::new(&place, fault));
         }
         Ok(bad.len())
@@ -142,6 +148,34 @@ fn reader_of<'r>(from: impl Read + 'r, kind: FileKind) -> Box<dyn Read + 'r> {
             Box::new(Utf16 { from: BufReader::with_capacity(1 << 18, from), big_endian, ready: Vec::new(), given: 0 })
         }
         _ => Box::new(from),
+    }
+}
+
+/// Whether lines end in carriage returns alone, as those of old Macintosh programs do.
+fn of_carriage_returns(head: &[u8]) -> bool {
+    !head.contains(&b'\n') && head.contains(&b'\r')
+}
+
+/// Text whose lines end in line feeds.
+pub fn with_line_feeds(mut text: Vec<u8>) -> Vec<u8> {
+    if of_carriage_returns(&text) {
+        in_lines(&mut text);
+    }
+    text
+}
+
+fn in_lines(bytes: &mut [u8]) {
+    bytes.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+}
+
+/// Text with line feeds in place of its carriage returns.
+struct CarriageReturns<R>(R);
+
+impl<R: Read> Read for CarriageReturns<R> {
+    fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.0.read(out)?;
+        in_lines(&mut out[..count]);
+        Ok(count)
     }
 }
 
@@ -263,7 +297,11 @@ impl Cells {
             }
             return Ok(seconds);
         }
-        if is_empty(text) { Ok(f64::NAN) } else { Err(message!("not_a_number", value = sent(text))) }
+        match text {
+            _ if is_empty(text) => Ok(f64::NAN),
+            _ if clock::is_unclear_date(text) => Err(message!("date_unclear", value = sent(text))),
+            _ => Err(message!("not_a_number", value = sent(text))),
+        }
     }
 }
 
@@ -295,7 +333,8 @@ impl Layout {
         let best = candidates
             .into_iter()
             .flat_map(|delimiter| [false, true].map(|comma| (delimiter, comma)))
-            .filter(|&(delimiter, comma)| !(comma && delimiter == Some(b',')))
+            // Between commas, decimal commas stand in quotation marks.
+            .filter(|&(delimiter, comma)| !comma || delimiter != Some(b',') || text.contains('"'))
             .map(|(delimiter, comma)| (numbers(&sampled, delimiter, comma), delimiter, comma))
             // The first of equals: a decimal comma only where it makes more numbers.
             .fold((0.0, None, false), |best, next| if next.0 > best.0 + 1e-9 { next } else { best });
@@ -315,8 +354,24 @@ impl Layout {
         };
         let width = rows[first..].iter().take(SAMPLED).map(|(_, line)| fields(line).len()).max().unwrap_or(0);
         let above: Vec<Vec<String>> = rows[..first].iter().map(|(_, line)| fields(line)).collect();
+        let named = above.last().map_or(0, |cells| cells.iter().filter(|cell| !cell.is_empty()).count());
+        let is_whole = |cell: &String| cell.bytes().all(|b| b.is_ascii_digit() || b == b'-');
+        if delimiter == Some(b',') && named > 1 && width > named + 1 && width <= 2 * named {
+            let cells = rows[first..].iter().take(SAMPLED).flat_map(|(_, line)| fields(line)).collect::<Vec<_>>();
+            if cells.iter().all(is_whole) {
+                return Err(message!("commas_of_two_kinds", columns = named, cells = width));
+            }
+        }
         let columns = columns(above, &lines[..rows[first].0], width, delimiter);
         Ok(Self { delimiter, decimal_comma, skipped: rows[first].0 as u64, columns })
+    }
+}
+
+/// The text of a file that somebody typed or saved with whichever program, without its mark.
+pub fn of_any(bytes: &[u8]) -> String {
+    match file_kind(&bytes[..bytes.len().min(HEAD)]) {
+        Ok(FileKind::Utf16 { big_endian }) => of_utf16(bytes, big_endian),
+        _ => decoded(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)),
     }
 }
 
@@ -374,12 +429,13 @@ pub fn columns(mut above: Vec<Vec<String>>, lines: &[&str], width: usize, delimi
         above.extend(named.filter(|cells| cells.len() == width && width > 1).take(1));
     }
     let mut last = above.pop().unwrap_or_default();
-    let units = if above.is_empty() || !last.iter().any(|cell| is_unit(cell)) {
+    let mut units = if above.is_empty() || !last.iter().any(|cell| is_unit(cell)) {
         Vec::new()
     } else {
         std::mem::replace(&mut last, above.pop().unwrap_or_default())
     };
-    let names = last;
+    let mut names = last;
+    split_headings(&mut names, &mut units);
     (0..width)
         .map(|k| {
             let column = Column::named(names.get(k).map_or("", String::as_str));
@@ -387,6 +443,21 @@ pub fn columns(mut above: Vec<Vec<String>>, lines: &[&str], width: usize, delimi
             Column { unit: column.unit.or(below.filter(|u| !u.is_empty())), ..column }
         })
         .collect()
+}
+
+/// Headings over several columns, as merged cells are saved: `Rate,,` above `x,y,z` are `Rate x`, `Rate y`, `Rate z`.
+fn split_headings(names: &mut [String], below: &mut [String]) {
+    let wide: Vec<bool> =
+        (0..names.len()).map(|k| names[k].is_empty() || names.get(k + 1).is_some_and(String::is_empty)).collect();
+    let mut above = String::new();
+    for (k, part) in below.iter_mut().enumerate().take(wide.len()) {
+        if !names[k].is_empty() {
+            above.clone_from(&names[k]);
+        }
+        if wide[k] && !part.is_empty() && !is_unit(part) {
+            names[k] = format!("{above} {}", std::mem::take(part));
+        }
+    }
 }
 
 /// Whether a cell of a second header row is a unit.
@@ -424,6 +495,16 @@ mod tests {
         assert_eq!((tabs.delimiter, tabs.decimal_comma), (Some(b'\t'), true));
         assert_eq!(heads(&tabs), [("t", None), ("ax", None)]);
 
+        let merged = layout("Time,Rate,,,T\ns,x,y,z,degC\n0,1,2,3,20\n1,1,2,3,20\n");
+        let expected = [("Time", Some("s")), ("Rate x", None), ("Rate y", None), ("Rate z", None), ("T", Some("degC"))];
+        assert_eq!(heads(&merged), expected);
+
+        let quoted = layout("\"t\",\"a\"\n\"0,5\",\"1,5\"\n\"1,5\",\"1,25\"\n");
+        assert_eq!((quoted.delimiter, quoted.decimal_comma), (Some(b','), true));
+
+        assert_eq!(with_line_feeds(b"a\rb\r".to_vec()), b"a\nb\n");
+        assert_eq!(with_line_feeds(b"a\r\nb".to_vec()), b"a\r\nb");
+
         let tagged = layout("LOG:  9,   1.38, 19674, -0.1\nLOG: 10,   3.23, 81550, -0.2\n");
         assert_eq!((tagged.delimiter, tagged.columns.len()), (Some(b','), 4));
     }
@@ -431,5 +512,7 @@ mod tests {
     #[test]
     fn what_has_no_numbers_is_no_table() {
         assert_eq!(Layout::of(b"dear all,\nplease find\n", true).unwrap_err().code, "no_numbers");
+        let two_kinds = Layout::of(b"t,a,b\n0,5,1,25,2,5\n0,6,1,26,2,5\n", true).unwrap_err();
+        assert_eq!(two_kinds.code, "commas_of_two_kinds");
     }
 }

@@ -108,8 +108,10 @@ fn text_of(head: &[u8]) -> Option<FileKind> {
         return Some(FileKind::Utf16 { big_endian: true });
     }
     let text = &head[..head.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1)];
-    let odd = |b: &&u8| **b < 0x20 && !matches!(**b, b'\t' | b'\n' | b'\r' | 0x0c | 0x1a);
-    let controls = text.iter().filter(odd).count();
+    let odd = |b: &&u8| **b < 0x20 && !matches!(**b, 0 | b'\t' | b'\n' | b'\r' | 0x0c | 0x1a);
+    // A logger that lost power leaves many zeros on end, and may have gone on behind them.
+    let lone = text.windows(3).filter(|three| three[1] == 0 && three[0] != 0 && three[2] != 0).count();
+    let controls = text.iter().filter(odd).count() + lone;
     (!text.is_empty() && controls * 1000 <= text.len()).then_some(FileKind::Text)
 }
 
@@ -140,6 +142,7 @@ mod tests {
         assert_eq!(code(b"ULog\x01\x12\x35\x01...."), refused("file_is_ulog"));
         assert_eq!(code(b"#ROSBAG V2.0\n"), refused("file_is_rosbag"));
         assert_eq!(code(&[0; 64]), refused("file_is_zeros"));
+        assert_eq!(code(&[&b"t,ax\n0,1\n"[..], &[0; 40], b"\n1,2\n"].concat()), Ok(FileKind::Text));
         assert_eq!(code(&[1, 2, 3, 4, 5, 6, 7, 250, 0, 1, 2, 3]), refused("file_is_binary"));
     }
 }

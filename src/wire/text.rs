@@ -18,6 +18,12 @@ use crate::core::record::{MAX_NAME_CHARS, MAX_NOTE_CHARS, Name};
 use crate::core::time::{Span, UtcMicros};
 use crate::message;
 
+/// What is wrong with a map in TOML, at its line.
+pub fn toml_fault(error: &toml::de::Error, text: &str) -> Message {
+    let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+    message!("at_line", line = line, fault = message!("map_unreadable", why = error.message().to_owned()))
+}
+
 /// A name as one segment of a path, or a value within a query: every byte but RFC 3986's unreserved ones as %XX.
 pub fn encoded(text: &str) -> String {
     let mut encoded = String::with_capacity(text.len());

@@ -12,9 +12,8 @@ use super::source::MAX_DOCUMENT_BYTES;
 use crate::cli::client::Service;
 use crate::cli::correct::{Said, replace};
 use crate::logs::sheet::readable;
-use crate::logs::text::{decoded, of_utf16};
+use crate::logs::text::of_any;
 use crate::system::Clock;
-use crate::wire::file_kind::{FileKind, file_kind};
 use crate::words;
 
 pub const REVISE: &str = "revise";
@@ -47,7 +46,7 @@ pub async fn deliver(dir: &Dir, name: &OsStr, settle: Duration, service: &Servic
         let changed = dir.stamp(name).and_then(|(_, changed)| changed);
         changed.and_then(|at| now.duration_since(at).ok()).is_some_and(|age| age >= settle)
     };
-    let Some((author, reason)) = remark(&as_typed(&said)) else {
+    let Some((author, reason)) = remark(&of_any(&said)) else {
         return Ok(Some(Fate::Asked { now: false }));
     };
     if !still(name) || !still(&why) {
@@ -82,14 +81,6 @@ fn text(dir: &Dir, name: &OsStr) -> std::io::Result<Option<Vec<u8>>> {
     Ok(Some(bytes))
 }
 
-/// The text that somebody typed into an editor of Windows or another.
-fn as_typed(bytes: &[u8]) -> String {
-    match file_kind(bytes) {
-        Ok(FileKind::Utf16 { big_endian }) => of_utf16(bytes, big_endian),
-        _ => decoded(bytes),
-    }
-}
-
 /// Author and reason; none where one is not said.
 fn remark(text: &str) -> Option<(String, String)> {
     let value = |key: &str| {
@@ -97,7 +88,7 @@ fn remark(text: &str) -> Option<(String, String)> {
             let (name, value) = line.split_once(':')?;
             (name.trim().eq_ignore_ascii_case(key) && !value.trim().is_empty()).then(|| value.trim().to_owned())
         };
-        text.trim_start_matches('\u{feff}').lines().find_map(of_key)
+        text.lines().find_map(of_key)
     };
     Some((value("author")?, value("reason")?))
 }
@@ -121,7 +112,7 @@ mod tests {
         let gbk = encoding_rs::GBK.encode(TYPED).0;
         let little: Vec<u8> = [0xfeff].into_iter().chain(TYPED.encode_utf16()).flat_map(u16::to_le_bytes).collect();
         for bytes in [TYPED.as_bytes(), &gbk, &little] {
-            assert_eq!(remark(&as_typed(bytes)), said);
+            assert_eq!(remark(&of_any(bytes)), said);
         }
     }
 }

@@ -165,7 +165,7 @@ fn made(sent: &Sent, bytes: Vec<u8>) -> Result<(Made, String), LogError> {
         let first = faults.0.into_iter().next().map(|fault| fault.message);
         LogError::new(sent.name(), first.unwrap_or_else(|| Message::verbatim("")))
     };
-    let campaign = made.body.to_core().map_err(faults)?;
+    let campaign = made.campaign().map_err(faults)?;
     let text = to_csv(&campaign);
     Ok((made, text))
 }

@@ -445,3 +445,29 @@ fn an_address_of_a_database_without_a_known_scheme_is_refused() {
         assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 0, "{url}");
     }
 }
+
+/// What people read of a diagnosis is in the language of the environment, headings of tables as well.
+#[test]
+fn a_diagnosis_is_printed_in_the_language_of_the_environment() {
+    let said = |language: &str| {
+        let output = gyrowatch(&["diagnose", "docs/examples/march.csv"]).env("LC_ALL", language).assert().success();
+        String::from_utf8(output.get_output().stdout.clone()).unwrap()
+    };
+    let (english, chinese) = (said("C"), said("zh_CN.UTF-8"));
+    for (words, same) in [
+        ("IMU-30, measured by ST-2 at 2026-03-02T08:00:00Z: explained", "IMU-30，ST-2，2026-03-02T08:00:00Z：已解释"),
+        ("Named effects", "指出的效应"),
+        ("Blind spots", "盲区"),
+        ("closes: of the reducible gap", "解释比例：占可消除差异"),
+        ("Drift coefficients before and after", "计入所指效应前后的一次项漂移系数"),
+        ("Worth measuring next", "建议下一步测量"),
+    ] {
+        assert!(english.contains(words) && !chinese.contains(words), "{words}: {english}{chinese}");
+        assert!(chinese.contains(same), "{same}: {chinese}");
+    }
+    // Names of effects and units stay as they are.
+    let is_word = |word: &&str| word.len() > 3 && word.chars().all(char::is_alphabetic);
+    let is_prose = |line: &&str| !line.contains(", ") && line.split(' ').filter(is_word).count() > 4;
+    let left: Vec<&str> = chinese.lines().filter(|line| line.is_ascii()).filter(is_prose).collect();
+    assert!(left.is_empty(), "{left:?}");
+}

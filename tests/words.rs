@@ -179,6 +179,18 @@ fn both_languages_say_the_same_with_the_same_parameters() {
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
 }
 
+/// A head of a table has as many columns in both languages.
+#[test]
+fn heads_of_tables_have_the_same_columns() {
+    let [english, chinese] = ["en", "zh"].map(messages);
+    let heads: Vec<&String> = english.keys().filter(|code| code.ends_with("_head")).collect();
+    assert!(heads.len() > 5, "{heads:?}");
+    for code in heads {
+        let columns = |said: &Said| said.text.split(" | ").count();
+        assert_eq!(columns(&english[code]), columns(&chinese[code]), "{code}");
+    }
+}
+
 /// The codes of what has a name: rules, statuses, severities, events and methods (`core/named.rs`), and effects.
 fn named() -> BTreeSet<String> {
     let codes = [

@@ -8,7 +8,10 @@ use serde_json::{Value, json};
 
 use super::client::{Connection, JSON, Sent, Service, Trouble};
 use super::import::source;
+use super::import::withdrawn;
 use super::{block_on, document, faults};
+use crate::core::message::Message;
+use crate::message;
 use crate::wire::campaign_csv::parse_csv_as_sent;
 use crate::wire::problem::ProblemBody;
 use crate::words;
@@ -74,7 +77,8 @@ impl Void {
                 other => other?,
             };
             let standing = accepted(sent)?;
-            document::print(&format!("{} is voided", standing["id"].as_str().unwrap_or(&self.id)))
+            let id = standing["id"].as_str().unwrap_or(&self.id).to_owned();
+            document::print(&said_of(message!("terminal_is_voided", id = id)))
         })
     }
 }
@@ -121,23 +125,36 @@ pub(super) async fn replace(
         None => match post(service, format!("/v1/{kind}"), new.to_string()).await? {
             Sent::Refused(ProblemBody { status: 409, existing: Some(id), .. }) => id,
             Sent::Refused(problem) => return Ok(Err(in_words(&problem))),
-            Sent::Known(answer) => return Ok(Err(format!("is what is stored already, as {}", answer["id"]))),
-            Sent::Stored(answer) => {
-                let id = answer["id"].as_str().unwrap_or_default();
-                return Ok(Ok(format!(
-                    "nothing was stored for this IMU and time; it is stored as {id}. If it replaces one of another \
-                     time, void that one"
-                )));
-            }
+            Sent::Known(answer) => return Ok(Err(known(&answer))),
+            Sent::Stored(answer) => return Ok(Ok(said_of(message!("terminal_was_new", id = id_of(&answer))))),
         },
     };
     let order = json!({ "author": said.author, "reason": said.reason, member: new }).to_string();
     Ok(match post(service, format!("/v1/{kind}/{id}/revise"), order).await? {
         Sent::Refused(problem) => Err(in_words(&problem)),
         Sent::Stored(answer) | Sent::Known(answer) => {
-            Ok(format!("stands in the place of {id}, as {}", answer["id"].as_str().unwrap_or("?")))
+            Ok(said_of(message!("terminal_stands", old = id, new = id_of(&answer))))
         }
     })
+}
+
+fn said_of(message: Message) -> String {
+    words::asked().words(&message)
+}
+
+fn id_of(answer: &Value) -> String {
+    answer["id"].as_str().unwrap_or("?").to_owned()
+}
+
+/// That a document is stored already; where it counts no more, why, and how it counts again.
+fn known(answer: &Value) -> String {
+    let id = id_of(answer);
+    let Some(standing) = withdrawn(answer) else { return said_of(message!("terminal_is_stored", id = id)) };
+    let stored = said_of(message!("terminal_is_withdrawn", id = id, standing = standing));
+    match answer["revised_by"]["record"].as_str() {
+        Some(other) => format!("{stored}; {}", said_of(message!("terminal_put_back", id = other.to_owned()))),
+        None => stored,
+    }
 }
 
 /// Where a document belongs, what a revision calls it, and the document as JSON; or why there is none.
@@ -153,7 +170,7 @@ fn read(bytes: &[u8]) -> Result<(&'static str, &'static str, Value), String> {
     match document.route {
         "/v1/campaigns" => Ok(("campaigns", "campaign", new)),
         "/v1/records" => Ok(("records", "record", new)),
-        _ => Err("is a bench result: void the wrong one, and send the right one".to_owned()),
+        _ => Err(said_of(message!("terminal_bench_revise"))),
     }
 }
 

@@ -8,8 +8,11 @@ use anyhow::{Context, ensure};
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
 
+use crate::core::message::Message;
 use crate::logs::error::LogError;
 use crate::logs::sheet::readable;
+use crate::message;
+use crate::words::asked;
 
 /// Largest document that is read: far above any campaign, far below memory.
 const MAX_BYTES: u64 = 16 << 20;
@@ -125,8 +128,33 @@ pub fn print(text: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// A note below a result.
+pub fn note(words: &str) -> String {
+    asked().words(&message!("terminal_note", note = words.to_owned()))
+}
+
+/// The verdict of a diagnosis as a heading says it.
+pub fn verdict(code: &str) -> Message {
+    match code {
+        "no_gap" => message!("terminal_no_gap"),
+        "explained" => message!("terminal_explained"),
+        "partly_explained" => message!("terminal_partly_explained"),
+        "unexplained" => message!("terminal_unexplained"),
+        other => Message::verbatim(other.replace('_', " ")),
+    }
+}
+
+/// As [`table`], with the head that a message names, in the reader's language.
+pub fn table_of(head: &str, figures: std::ops::Range<usize>) -> Table {
+    headed(asked().word(head).split(" | "), figures)
+}
+
 /// A table with a rule under its head; the columns `figures` are set to the right.
 pub fn table<const N: usize>(head: [&str; N], figures: std::ops::Range<usize>) -> Table {
+    headed(head.into_iter(), figures)
+}
+
+fn headed<'a>(head: impl Iterator<Item = &'a str>, figures: std::ops::Range<usize>) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_FULL_CONDENSED).set_header(head);
     for column in figures {

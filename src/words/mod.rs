@@ -69,10 +69,8 @@ macro_rules! sources {
     };
 }
 
-const ENGLISH: &[&str] =
-    sources!("en": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history", "stations", "pages");
-const CHINESE: &[&str] =
-    sources!("zh": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history", "stations", "pages");
+const ENGLISH: &[&str] = sources!("en": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history", "stations", "pages", "terminal");
+const CHINESE: &[&str] = sources!("zh": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history", "stations", "pages", "terminal");
 
 static BUNDLES: LazyLock<[FluentBundle<FluentResource>; 2]> =
     LazyLock::new(|| [Language::English, Language::Chinese].map(Language::bundle));

@@ -4,7 +4,10 @@ use std::fmt;
 
 use serde_json::Value;
 
+use crate::cli::document::note;
 use crate::core::judge::Status;
+use crate::core::message::list;
+use crate::message;
 use crate::words;
 
 /// Displays D_I and D_S of each gyro or why there are none, how many verdicts there are of each status, what was
@@ -13,6 +16,10 @@ pub struct Gist<'a>(pub &'a Value);
 
 impl fmt::Display for Gist<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // The figures of what counts no more would be read as those in force.
+        if let Some(standing) = withdrawn(self.0) {
+            return writeln!(f, "  {}", note(&standing));
+        }
         for separation in members(self.0, "separations") {
             let value = |name: &str| separation[name]["value"].as_f64().unwrap_or(f64::NAN);
             let (slot, serial) = (text(separation, "slot"), text(separation, "serial"));
@@ -20,7 +27,8 @@ impl fmt::Display for Gist<'_> {
         }
         for gyro in members(self.0, "not_separated") {
             let (slot, serial, reason) = (text(gyro, "slot"), text(gyro, "serial"), text(gyro, "reason"));
-            writeln!(f, "  {slot} {serial}  no D_I and D_S: {reason}")?;
+            let none = message!("terminal_no_coefficients", reason = reason.to_owned());
+            writeln!(f, "  {slot} {serial}  {}", words::asked().words(&none))?;
         }
         let verdicts: Vec<(Status, &Value)> = members(self.0, "verdicts")
             .filter_map(|verdict| Some((Status::from_name(text(verdict, "status"))?, verdict)))
@@ -31,10 +39,13 @@ impl fmt::Display for Gist<'_> {
             .rev()
             .map(|status| (status, verdicts.iter().filter(|(other, _)| *other == status).count()))
             .filter(|(_, count)| *count > 0)
-            .map(|(status, count)| format!("{count} {}", word(status)))
+            .map(|(status, count)| {
+                let count = count.to_string();
+                words::asked().words(&message!("terminal_counted", count = count, status = word(status)))
+            })
             .collect();
         if !counts.is_empty() {
-            writeln!(f, "  verdicts: {}", counts.join(", "))?;
+            writeln!(f, "  {}", words::asked().words(&message!("terminal_verdicts", counts = list(counts))))?;
         }
         for (status, verdict) in verdicts.iter().filter(|(_, verdict)| text(verdict, "state") == "exceeded") {
             let (serial, coefficient) = (text(verdict, "serial"), text(verdict, "coefficient"));
@@ -51,10 +62,25 @@ pub struct Notes<'a>(pub &'a Value);
 impl fmt::Display for Notes<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for note in members(self.0, "notes").filter_map(|note| note["detail"].as_str()) {
-            writeln!(f, "  note: {note}")?;
+            writeln!(f, "  {}", self::note(note))?;
         }
         Ok(())
     }
+}
+
+/// Why what is stored counts no more; none where it counts.
+pub fn withdrawn(answer: &Value) -> Option<String> {
+    let of = |member: &str, name: &str| text(&answer[member], name).to_owned();
+    let why = match text(answer, "state") {
+        "revised" => {
+            let (record, author) = (of("revised_by", "record"), of("revised_by", "author"));
+            message!("terminal_replaced", record = record, author = author, reason = of("revised_by", "reason"))
+        }
+        "voided" => message!("terminal_voided", author = of("voided", "author"), reason = of("voided", "reason")),
+        "set_aside" => message!("terminal_set_aside"),
+        _ => return None,
+    };
+    Some(words::asked().words(&why))
 }
 
 fn members<'a>(answer: &'a Value, name: &str) -> impl Iterator<Item = &'a Value> {

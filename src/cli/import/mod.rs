@@ -22,8 +22,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::client::{Connection, Service};
 use super::document;
+use crate::logs::error::LogError;
+use crate::logs::text::of_any;
+use crate::message;
 use crate::wire::record_table::TableMap;
+use crate::wire::text::toml_fault;
+use crate::words;
 use gist::Gist;
+pub(super) use gist::withdrawn;
 use send::{Courier, Event, PATIENCE, Tally, end};
 use source::Content;
 
@@ -112,8 +118,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 fn table_map(path: &Path) -> anyhow::Result<TableMap> {
-    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    toml::from_str(&text).with_context(|| path.display().to_string())
+    let text = of_any(&std::fs::read(path).with_context(|| path.display().to_string())?);
+    toml::from_str(&text).map_err(|error| LogError::new(path.display().to_string(), toml_fault(&error, &text)).into())
 }
 
 fn print(path: &Path, map: &TableMap) -> anyhow::Result<()> {
@@ -147,10 +153,12 @@ async fn import(
                         bar.suspend(|| eprintln!("{name}:{}{refusal}", if refusal.line.is_some() { "" } else { " " }))
                     }
                     Event::Answered(answer) => gist = Gist(answer).to_string(),
-                    Event::Noted { line, note } => bar.suspend(|| eprintln!("{name}:{line}: note: {note}")),
+                    Event::Noted { line, note } => {
+                        bar.suspend(|| eprintln!("{name}:{line}: {}", document::note(note)));
+                    }
                 };
                 let carried = Courier::new(service, pauses, &mut tell).carry(content).await;
-                carried.with_context(|| format!("{name}: interrupted; run the same command again to resume"))?
+                carried.with_context(|| format!("{name}: {}", words::asked().word("terminal_interrupted")))?
             }
             Err(unreadable) => {
                 bar.suspend(|| eprintln!("{name}: {}", unreadable.why));
@@ -165,10 +173,10 @@ async fn import(
         end(service).await;
     }
     if files.len() > 1 {
-        document::print(&format!("together: {total}"))?;
+        document::print(&words::asked().words(&message!("terminal_together", tally = total.to_string())))?;
     }
     if total.refused > 0 {
-        bail!("{} refused", total.refused);
+        bail!(words::asked().words(&message!("terminal_refused", count = total.refused.to_string())));
     }
     Ok(())
 }

@@ -15,6 +15,7 @@ use crate::core::message::list;
 use crate::core::note::Note;
 use crate::message;
 use crate::wire::differences::counted;
+use crate::wire::document::DocumentKind;
 use crate::wire::note;
 use crate::wire::problem::ProblemBody;
 use crate::words;
@@ -48,9 +49,19 @@ impl AddAssign for Tally {
     }
 }
 
+fn count(of: u64) -> String {
+    of.to_string()
+}
+
 impl std::fmt::Display for Tally {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} stored, {} already known, {} refused", self.stored, self.known, self.refused)
+        let Self { stored, known, refused } = *self;
+        f.write_str(&words::asked().words(&message!(
+            "terminal_tally",
+            stored = count(stored),
+            known = count(known),
+            refused = count(refused)
+        )))
     }
 }
 
@@ -91,12 +102,14 @@ pub struct Courier<'a> {
     tell: &'a mut dyn FnMut(Event<'_>),
     /// Pauses between tries, before giving up.
     pauses: &'a [Duration],
+    /// Rows of a table are being sent: nobody wrote the documents that they come to, nor their pointers.
+    of_table: bool,
     tally: Tally,
 }
 
 impl<'a> Courier<'a> {
     pub fn new(service: &'a Service, pauses: &'a [Duration], tell: &'a mut dyn FnMut(Event<'_>)) -> Self {
-        Self { service, tell, pauses, tally: Tally::default() }
+        Self { service, tell, pauses, of_table: false, tally: Tally::default() }
     }
 
     /// Stops at the first document of which nothing can be said (service gone, token wrong); what went before is
@@ -116,6 +129,7 @@ impl<'a> Courier<'a> {
                     let note = note::words(open, words::asked());
                     (self.tell)(Event::Noted { line: *line as u64, note: &note });
                 }
+                self.of_table = true;
                 self.carry_members(&members).await?;
             }
         }
@@ -144,7 +158,7 @@ impl<'a> Courier<'a> {
                 (self.tell)(Event::Answered(&answer));
             }
             Sent::Refused(problem) => {
-                self.refuse(None, of_document(&problem, &body).unwrap_or_else(|| in_words(&problem)))
+                self.refuse(None, of_document(&problem, &body).unwrap_or_else(|| in_words(&problem, &body, false)))
             }
         }
         (self.tell)(Event::Carried { bytes });
@@ -158,9 +172,9 @@ impl<'a> Courier<'a> {
             let answers = self.service.import(batch.body(), batch.lines.len()).await?;
             let mut busy = None;
             let mut answers = answers.into_iter();
-            batch.lines.retain(|(number, _)| {
+            batch.lines.retain(|(number, text)| {
                 let answer = answers.next().unwrap_or(LineAnswer { status: 503, error: None, notes: Vec::new() });
-                match self.decide(*number, answer) {
+                match self.decide(*number, text, answer) {
                     Ok(()) => false,
                     Err(trouble) => {
                         busy.get_or_insert(trouble);
@@ -175,16 +189,20 @@ impl<'a> Courier<'a> {
         Ok(())
     }
 
-    fn decide(&mut self, line: u64, answer: LineAnswer) -> Result<(), Trouble> {
-        let why = || answer.error.as_ref().map_or_else(|| format!("status {}", answer.status), in_words);
+    fn decide(&mut self, line: u64, text: &[u8], answer: LineAnswer) -> Result<(), Trouble> {
+        let why = || {
+            answer
+                .error
+                .as_ref()
+                .map_or_else(|| format!("status {}", answer.status), |p| in_words(p, text, self.of_table))
+        };
         match answer.status {
-            201 => {
-                self.tally.stored += 1;
+            200 | 201 => {
+                *(if answer.status == 201 { &mut self.tally.stored } else { &mut self.tally.known }) += 1;
                 for note in &answer.notes {
                     (self.tell)(Event::Noted { line, note: &note.detail });
                 }
             }
-            200 => self.tally.known += 1,
             401 | 403 => return Err(Trouble::stop(StatusCode::from_u16(answer.status).ok(), why())),
             408 | 425 | 429 | 500.. => {
                 return Err(Trouble::Again { why: format!("line {line}: {}", why()), after: None });
@@ -276,10 +294,9 @@ async fn patiently<T>(pauses: &[Duration], mut attempt: impl AsyncFnMut() -> Res
 
 /// The places at fault, or the detail where the problem names none. Of a conflict the detail too: it alone names what
 /// stands in the way, and how the two differ.
-fn in_words(problem: &ProblemBody) -> String {
+fn in_words(problem: &ProblemBody, body: &[u8], of_table: bool) -> String {
     if let (true, Some(id)) = (problem.message.code.starts_with("differs"), &problem.existing) {
-        let way_out = words::asked().words(&message!("replace_it", id = id.clone()));
-        return format!("{}; {way_out}", problem.detail);
+        return format!("{}; {}", problem.detail, way_out(id, body));
     }
     if problem.errors.is_empty() || problem.status == 409 {
         return problem.detail.clone();
@@ -287,7 +304,11 @@ fn in_words(problem: &ProblemBody) -> String {
     if let Some(words) = faults::of_problem(problem, words::asked()) {
         return words;
     }
-    let place = |pointer: &str| if pointer.is_empty() { "document".to_owned() } else { pointer.to_owned() };
+    let place = |pointer: &str| match pointer {
+        "" => "document".to_owned(),
+        pointer if of_table => counted(pointer),
+        pointer => pointer.to_owned(),
+    };
     let places = problem.errors.iter().map(|e| format!("{}: {}", place(&e.pointer), e.detail));
     places.collect::<Vec<_>>().join("; ")
 }
@@ -303,8 +324,16 @@ fn of_document(problem: &ProblemBody, body: &[u8]) -> Option<String> {
         true => message!("stored_otherwise", what = what, at = at, id = existing.clone()),
         false => message!("stored_otherwise_at", what = what, at = at, id = existing.clone(), places = list(places)),
     };
-    let way_out = message!("replace_it", id = existing.clone());
-    Some(format!("{}; {}", words::asked().words(&differs), words::asked().words(&way_out)))
+    Some(format!("{}; {}", words::asked().words(&differs), way_out(existing, body)))
+}
+
+/// What takes a stored item out of the way of a right one; a bench result cannot be revised.
+fn way_out(existing: &str, body: &[u8]) -> String {
+    let id = existing.to_owned();
+    words::asked().words(&match DocumentKind::of(body) {
+        DocumentKind::Bench => message!("replace_bench", id = id),
+        _ => message!("replace_it", id = id),
+    })
 }
 
 /// IMU or gyro, and time.

@@ -19,6 +19,7 @@ use super::revise::{self, REVISE, WHY};
 use super::send::{Courier, Event, Refusal, Tally, end};
 use super::source::{self, Patience};
 use crate::cli::client::{Service, Trouble};
+use crate::cli::document;
 use crate::core::time::UtcMicros;
 use crate::system::Clock;
 use crate::wire::record_table::TableMap;
@@ -231,7 +232,7 @@ impl Folder {
         let mut tell = |event: Event<'_>| match event {
             Event::Refused(refusal) => refusals.push(refusal),
             Event::Answered(answer) => gist = Gist(answer).to_string(),
-            Event::Noted { line, note } => say(&format!("{}:{line}: note: {note}", path.display())),
+            Event::Noted { line, note } => say(&format!("{}:{line}: {}", path.display(), document::note(note))),
             Event::Carried { .. } => {}
         };
         let tally = Courier::new(service, &[], &mut tell).carry(content).await?;

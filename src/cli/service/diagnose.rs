@@ -6,11 +6,13 @@ use anyhow::{Context, bail};
 
 use super::predict::against_model;
 use super::{diagnose_all, diagnose_gyro, diagnose_record, hypothesis, model, settings};
-use crate::cli::document::{self, Format, table};
+use crate::cli::document::{self, Format, table_of, verdict};
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, may_be_split, split};
 use crate::core::imu_model::changed_since;
+use crate::core::message::list;
+use crate::message;
 use crate::pages::{Subject, diagnosis_report};
 use crate::wire::campaign::parse_json;
 use crate::wire::diagnosis::{DiagnosisBody, TableBody};
@@ -147,28 +149,32 @@ fn is_record(bytes: &[u8]) -> bool {
 fn adopt(path: &Path, in_use: &AugmentedModel, campaign: &Campaign, diagnosed: &Diagnosis) -> anyhow::Result<()> {
     document::write(path, &(wire::model::to_json(&in_use.adopting(campaign, diagnosed)) + "\n"))?;
     let named: Vec<&str> = diagnosed.effects.iter().map(|e| e.effect.id()).collect();
-    let what = if named.is_empty() { "nothing was named: the model in use".to_owned() } else { named.join(", ") };
+    let what = if named.is_empty() { asked().word("terminal_nothing_adopted").to_owned() } else { named.join(", ") };
     eprintln!("{}: {what}", path.display());
     Ok(())
 }
 
 fn tables(campaign: &Campaign, d: &DiagnosisBody) -> String {
-    let mut out = format!(
-        "{}, measured by {} at {}: {}\n{}\n\nnoise floor {:.3e} deg/h ({}); gap {:.3e} deg/h, where noise alone would leave {:.3e}: reduced \
-         chi-square {:.2}, adjusted p of all tests {:.1e}\n",
-        campaign.imu,
-        campaign.station,
-        time::format(campaign.measured_at),
-        d.verdict.replace('_', " "),
-        d.verdict_in_words(asked()),
-        d.noise_floor.deg_per_h,
-        d.noise_floor.source,
-        d.gap.rms_deg_per_h,
-        d.gap.noise_alone_deg_per_h,
-        d.gap.reduced_chi2,
-        d.gap.p_value
+    let measured = message!(
+        "terminal_measured_by",
+        imu = campaign.imu.to_string(),
+        station = campaign.station.to_string(),
+        at = time::format(campaign.measured_at),
+        verdict = verdict(&d.verdict)
     );
-    out.push_str(&format!("model: {}\n", d.model.listed()));
+    let figure = |value: f64| format!("{value:.3e}");
+    let gap = message!(
+        "terminal_gap",
+        floor = figure(d.noise_floor.deg_per_h),
+        source = d.noise_floor.source.to_string(),
+        gap = figure(d.gap.rms_deg_per_h),
+        noise = figure(d.gap.noise_alone_deg_per_h),
+        chi2 = format!("{:.2}", d.gap.reduced_chi2),
+        p = format!("{:.1e}", d.gap.p_value)
+    );
+    let model = message!("terminal_model", terms = d.model.listed());
+    let [measured, gap, model] = [measured, gap, model].map(|message| asked().words(&message));
+    let mut out = format!("{measured}\n{}\n\n{gap}\n{model}\n", d.verdict_in_words(asked()));
     let against = d.effects_against_model.as_ref().map(|changed| against_model(changed).trim().to_owned());
     let sections = [
         reference_parts(d),
@@ -187,21 +193,21 @@ fn tables(campaign: &Campaign, d: &DiagnosisBody) -> String {
         out.push('\n');
     }
     for note in &d.notes {
-        out.push_str(&format!("\nnote: {note}"));
+        out.push_str(&format!("\n{}", document::note(note)));
     }
     out
 }
 
 fn reference_parts(d: &DiagnosisBody) -> Option<String> {
     let split = d.reference.as_ref()?;
-    let mut parts = table(["gyro", "gap, deg/h", "parameters", "structure", "noise", "p, parameters"], 1..6);
-    let all = [("all", &split.all)].into_iter();
+    let mut parts = table_of("terminal_split_head", 1..6);
+    let all = [(asked().word("terminal_all"), &split.all)].into_iter();
     for (slot, p) in all.chain(split.gyros.iter().map(|gyro| (gyro.slot.as_str(), &gyro.parts))) {
         let rms = [p.whole_deg_per_h, p.parameters_deg_per_h, p.structure_deg_per_h, p.noise_deg_per_h];
         let [whole, parameters, structure, noise] = rms.map(|x| format!("{x:.3e}"));
         parts.add_row([slot.to_owned(), whole, parameters, structure, noise, format!("{:.1e}", p.p_value)]);
     }
-    let mut moved = table(["gyro", "coefficient", "reference", "now", "shift", "unit"], 2..5);
+    let mut moved = table_of("terminal_moved_head", 2..5);
     for m in &split.moved {
         let shift = match m.sd {
             Some(sd) => format!("{:+.3e} ± {sd:.1e}", m.shift),
@@ -210,30 +216,23 @@ fn reference_parts(d: &DiagnosisBody) -> Option<String> {
         let [reference, now] = [m.reference, m.now].map(|x| format!("{x:+.6}"));
         moved.add_row([m.slot.clone(), m.coefficient.clone(), reference, now, shift, unit::of_people(&m.unit)]);
     }
-    let notes: String = split.notes.iter().map(|note| format!("\nnote: {note}")).collect();
-    let head = format!("Against {}, measured by {} at {}", split.imu, split.station, split.measured_at);
-    Some(format!("{head}\n{parts}\n\nThen and now\n{moved}{notes}"))
+    let notes: String = split.notes.iter().map(|note| format!("\n{}", document::note(note))).collect();
+    let (imu, station, at) = (split.imu.clone(), split.station.clone(), split.measured_at.clone());
+    let against = asked().words(&message!("terminal_split", imu = imu, station = station, at = at));
+    Some(format!("{against}\n{parts}\n\n{}\n{moved}{notes}", asked().word("terminal_moved")))
 }
 
-const EFFECTS_KEY: &str = "closes: of the reducible gap (what the error on held-out dwells exceeds the noise floor by), with its 95 % \
-                           interval; of several\neffects each of what those above it have left: their closures do not compare, their d \
-                           do\np: that noise alone shows as much, adjusted for everything that was tried; d: detectability, the root \
-                           of the whitened power that\nthe effect takes from the residuals (8 is named nearly always, 5 in two \
-                           campaigns of three)";
-
 fn effects(d: &DiagnosisBody) -> Option<String> {
-    let mut rows =
-        table(["effect", "gyros", "parameter", "value", "unit", "closes", "p", "d", "or just as well"], 3..4);
+    let mut rows = table_of("terminal_effects_head", 3..4);
     for effect in &d.effects {
         let h = &effect.held_out;
         let others: Vec<&str> = effect.class.iter().map(String::as_str).filter(|id| *id != effect.effect).collect();
         let alone = effect.wider_in.iter().map(|wider| {
-            let more: Vec<&str> =
-                wider.class.iter().filter(|id| !effect.class.contains(id)).map(String::as_str).collect();
-            format!("{} alone: {}", wider.slot, more.join(", "))
+            let more = wider.class.iter().filter(|id| !effect.class.contains(id)).cloned();
+            asked().words(&message!("terminal_alone", slot = wider.slot.clone(), effects = list(more)))
         });
         let others: Vec<String> = (!others.is_empty()).then(|| others.join(", ")).into_iter().chain(alone).collect();
-        let mut head = [
+        let mut first = [
             effect.effect.clone(),
             effect.gyros.join(" "),
             format!("{:.2} ({:.2} to {:.2})", h.closure, h.interval[0], h.interval[1]),
@@ -242,7 +241,7 @@ fn effects(d: &DiagnosisBody) -> Option<String> {
             others.join("; "),
         ];
         for e in &effect.estimates {
-            let [name, gyros, closure, p, detectability, class] = std::mem::take(&mut head);
+            let [name, gyros, closure, p, detectability, class] = std::mem::take(&mut first);
             let parameter = format!("{} {}", e.slot, e.name);
             rows.add_row([
                 name,
@@ -257,19 +256,21 @@ fn effects(d: &DiagnosisBody) -> Option<String> {
             ]);
         }
     }
-    (!d.effects.is_empty()).then(|| format!("Named effects\n{rows}\n{EFFECTS_KEY}"))
+    let [title, key] =
+        [message!("terminal_effects"), message!("terminal_effects_key")].map(|said| asked().words(&said));
+    (!d.effects.is_empty()).then(|| format!("{title}\n{rows}\n{key}"))
 }
 
 fn signs(d: &DiagnosisBody) -> Option<String> {
-    let mut rows = table(["sign of something more", "gyros", "p"], 2..3);
+    let mut rows = table_of("terminal_signs_head", 2..3);
     for sign in &d.remaining.signs {
         rows.add_row([sign.kind.clone(), sign.gyros.join(" "), format!("{:.1e}", sign.p_value)]);
     }
-    (!d.remaining.signs.is_empty()).then(|| format!("What remains\n{rows}"))
+    (!d.remaining.signs.is_empty()).then(|| format!("{}\n{rows}", asked().word("terminal_signs")))
 }
 
 fn candidates(d: &DiagnosisBody) -> Option<String> {
-    let mut rows = table(["candidate", "gyros", "closes alone", "adjusted p", "not taken because"], 2..4);
+    let mut rows = table_of("terminal_candidates_head", 2..4);
     for c in d.candidates.iter().filter(|c| !c.within_noise) {
         let Some(closure) = c.closure else { continue };
         rows.add_row([
@@ -280,7 +281,7 @@ fn candidates(d: &DiagnosisBody) -> Option<String> {
             c.why_not.clone(),
         ]);
     }
-    (!rows.is_empty()).then(|| format!("Also beyond the noise\n{rows}"))
+    (!rows.is_empty()).then(|| format!("{}\n{rows}", asked().word("terminal_candidates")))
 }
 
 /// What was tried and is no finding, in a few lines.
@@ -288,10 +289,8 @@ fn within_noise(d: &DiagnosisBody) -> Option<String> {
     let tried = d.candidates.iter().filter(|c| c.within_noise && c.closure.is_some());
     let tried: Vec<String> = tried.map(|c| format!("{} {:.2}", c.effect, c.p_value_adjusted)).collect();
     (!tried.is_empty()).then(|| {
-        format!(
-            "Tried and within the noise: no finding (beside each its adjusted p; a name needs < {FALSE_ALARM})\n{}",
-            lines(&tried)
-        )
+        let title = message!("terminal_tried", level = FALSE_ALARM.to_string());
+        format!("{}\n{}", asked().words(&title), lines(&tried))
     })
 }
 
@@ -301,7 +300,7 @@ fn lines(words: &[String]) -> String {
 }
 
 fn impact(d: &DiagnosisBody) -> Option<String> {
-    let mut rows = table(["gyro", "coefficient", "before", "after", "shift", "of the budget", "moved"], 2..6);
+    let mut rows = table_of("terminal_impact_head", 2..6);
     for (i, moved) in d.drift_before_and_after() {
         let figure = |value: f64, sd: Option<f64>| match sd {
             Some(sd) => format!("{value:+.6} ± {sd:.6}"),
@@ -316,28 +315,28 @@ fn impact(d: &DiagnosisBody) -> Option<String> {
             augmented,
             shift,
             format!("{:.0} %", 100.0 * i.of_budget),
-            if moved { "yes" } else { "no: within its noise" }.to_owned(),
+            asked().word(if moved { "terminal_yes" } else { "terminal_within_noise" }).to_owned(),
         ]);
     }
     let told = !(d.impact.is_empty() && d.impact_within_noise.is_empty());
-    told.then(|| format!("Drift coefficients before and after the named effects entered the model, deg/(h g0)\n{rows}"))
+    told.then(|| format!("{}\n{rows}", asked().word("terminal_impact")))
 }
 
 fn blind_spots(d: &DiagnosisBody) -> Option<String> {
-    let mut rows = table(["cannot be told here", "visible", "because", "needs"], 1..2);
+    let mut rows = table_of("terminal_blind_head", 1..2);
     for n in &d.not_identifiable {
         let visible = format!("{:.0} %", 100.0 * n.visible_fraction);
         rows.add_row([n.effect.clone(), visible, n.reason.clone(), n.needs.clone()]);
     }
-    (!d.not_identifiable.is_empty()).then(|| format!("Blind spots\n{rows}"))
+    (!d.not_identifiable.is_empty()).then(|| format!("{}\n{rows}", asked().word("terminal_blind")))
 }
 
 fn next(d: &DiagnosisBody) -> Option<String> {
-    let mut rows = table(["up", "north", "table rate, deg/s", "separates"], 2..3);
+    let mut rows = table_of("terminal_next_head", 2..3);
     for n in &d.next_dwells {
         let Some(TableBody { up, north, rate_deg_s }) = &n.table else { continue };
         let (up, north) = (TableBody::direction(*up), TableBody::direction(*north));
         rows.add_row([up, north, format!("{rate_deg_s:.3}"), n.separates.join(", ")]);
     }
-    (!d.next_dwells.is_empty()).then(|| format!("Worth measuring next\n{rows}"))
+    (!d.next_dwells.is_empty()).then(|| format!("{}\n{rows}", asked().word("terminal_next")))
 }

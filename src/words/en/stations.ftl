@@ -38,6 +38,7 @@ xlsx_broken = cannot be read as xlsx: { $why }
 xlsx_no_table = is a workbook without a table of numbers
 no_numbers = is text without a table of numbers ({ $lines } lines were looked at): a header alone, or no log
 no_rows = no row has a number in every column that the map names; { $count } rows have empty cells or nan
+commas_of_two_kinds = decimal commas between commas: { $cells } cells under { $columns } columns, and nothing tells the two apart; let the program write semicolons between the columns, or decimal points
 zeros_from_here = only zero bytes from here on: the logger lost power while it wrote; cut the file off here
 rows_unreadable = { $count } of { $rows } rows cannot be read; the first: { $fault }
 cell_missing = the row ends before this column
@@ -45,6 +46,7 @@ cell_missing = the row ends before this column
 ## Columns
 
 log_column_unknown = no column is named "{ $name }"; there are: { $known }
+log_column_like = no column is named "{ $name }"; did you mean "{ $like }"? There are: { $known }
 log_column_number = there is no column { $number }; the log has { $columns }
 log_column_twice = several columns are named "{ $name }"; give the number of the one that is meant
 log_columns_unnamed = the log has no header, so no column is named "{ $name }"; name columns by number, 1 to { $columns }
@@ -68,12 +70,15 @@ map_no_time = neither `time` nor `rate_hz` is given: how many samples a second a
 map_unit_missing = the unit is missing, and the header does not say it; one of { $known }
 map_unit_unknown = "{ $unit }" is no unit of this; one of { $known }. Raw counts need `scale` and `offset`, and the unit that these lead to
 map_unit_of_header = the map says { $unit }, the header of the log says { $header }; which is right?
+map_unit_of_header_alone = the header says "{ $header }", which is no unit of this; say in the map what the numbers are in: `unit`, one of { $known }
 map_site_missing = `site` is missing: without latitude and gravity nobody knows what was commanded
 unit_of_header = { $key } is taken for { $unit }, as the header says
 unit_of_map = { $key } is taken for { $unit }, as the map says
+unit_of_map_alone = { $key } is taken for { $unit }, as the map says; the header says "{ $header }", which is no unit known here
 
 ## Time
 
+date_unclear = "{ $value }" is a date whose day and month cannot be told apart; write it as 2026-11-24 (yyyy-mm-dd), or name `rate_hz` in place of `time`
 time_back = time jumps back by { $seconds } s, from { $from } to { $to }: two logs in one file, or a clock that was set; cut the file here and name both parts
 time_coarse = { $repeated } of { $rows } samples repeat the time before: the clock is too coarse; leave `time` out and give `rate_hz`
 time_wrapped = the clock began anew { $count } times (midnight, or a full counter) and was carried on
@@ -122,6 +127,7 @@ map_column_again = column "{ $name }" is named twice
 
 commanded_unknown = nothing says what was commanded: give --programme, or name `table`, `attitude` or `force` in the map
 commanded_heading = the heading of each position is not known, and gyros in pulses see the Earth's horizontal rate: give --programme, or name `table` or `attitude` in the map
+commanded_heading_seen = the gyros are quiet enough to see the Earth's horizontal rate, and the heading of each position is not known: give --programme, or name `table` or `attitude` in the map
 force_other_unit = the force is { $length } g0 long in the usual interval: it looks like { $unit }, and the map says otherwise
 force_no_unit = the force is { $length } g0 long in the usual interval, which is gravity in no unit: are these the columns of the accelerometers?
 force_varies = the force is { $least } to { $most } g0 long while nothing moves: is one of its columns that of another sensor, or is the scale of one wrong?
@@ -145,6 +151,7 @@ programme_ambiguous = the programme's times fit the log as well from { $one } s 
 programme_rates = in { $count } of { $of } dwells the rate in the log contradicts the programme; the first at { $start } s: is it another programme, or a sign?
 programme_contradicted = in { $count } of { $of } dwells the accelerometers contradict the programme; the first at { $start } s, by { $degrees } deg: axes, signs or order are wrong
 cells_alike = { $count } cells in lines { $from } to { $to } have the same fault; the first: { $fault }
+cells_alike_of_line = { $count } cells in line { $line } have the same fault; the first: { $fault }
 dwells_told = the head says { $told } dwells, the table has { $have }: it is not finished, or breaks off
 stored_otherwise = { $what } of { $at } is stored already, as { $id }, and is quite another document
 stored_otherwise_at = { $what } of { $at } is stored already, as { $id }, with other figures: they differ at { $places }

@@ -38,6 +38,7 @@ xlsx_broken = 不能作为xlsx读取：{ $why }
 xlsx_no_table = 工作簿中没有数值表
 no_numbers = 是没有数值表的文本（看过{ $lines }行）：仅有表头，或不是日志
 no_rows = 没有一行在映射所列各列中都有数值；{ $count }行有空单元格或nan
+commas_of_two_kinds = 逗号既作小数点又作分隔：{ $columns }列下有{ $cells }个单元格，无法区分；请让程序用分号分隔各列，或用小数点
 zeros_from_here = 此后全为零字节：记录仪写入时断电；请在此处截断文件
 rows_unreadable = { $rows }行中有{ $count }行不能读取；第一处：{ $fault }
 cell_missing = 该行在此列之前结束
@@ -45,6 +46,7 @@ cell_missing = 该行在此列之前结束
 ## 列
 
 log_column_unknown = 没有名为"{ $name }"的列；现有：{ $known }
+log_column_like = 没有名为"{ $name }"的列；是否应为"{ $like }"？现有：{ $known }
 log_column_number = 没有第{ $number }列；记录有{ $columns }列
 log_column_twice = 有多列名为"{ $name }"；请用列号指明
 log_columns_unnamed = 记录没有表头，没有名为"{ $name }"的列；请用列号1至{ $columns }
@@ -68,12 +70,15 @@ map_no_time = `time`与`rate_hz`都没有给出：每秒多少个采样？
 map_unit_missing = 缺少单位，表头也没有说明；可用：{ $known }
 map_unit_unknown = "{ $unit }"不是此量的单位；可用：{ $known }。原始码值须给出`scale`与`offset`，以及换算后的单位
 map_unit_of_header = 映射写{ $unit }，记录表头写{ $header }；哪个正确？
+map_unit_of_header_alone = 表头写“{ $header }”，不是此量的单位；请在映射中用`unit`说明数值的单位：{ $known }
 map_site_missing = 缺少`site`：没有纬度与重力就不知道给定的输入
 unit_of_header = { $key }按表头取为{ $unit }
 unit_of_map = { $key }按映射取为{ $unit }
+unit_of_map_alone = { $key }按映射取为{ $unit }；表头写“{ $header }”，不是已知的单位
 
 ## 时间
 
+date_unclear = “{ $value }”中分不清日与月；请写作2026-11-24（yyyy-mm-dd），或用`rate_hz`代替`time`
 time_back = 时间倒退{ $seconds } s，从{ $from }到{ $to }：一个文件中有两个记录，或时钟被重设；请在此处分为两个文件
 time_coarse = { $rows }个采样中有{ $repeated }个与前一时刻相同：时钟分辨率不足；请去掉`time`，给出`rate_hz`
 time_wrapped = 时钟重新开始{ $count }次（午夜或计数器溢出），已接续
@@ -122,6 +127,7 @@ map_column_again = 列"{ $name }"被指定两次
 
 commanded_unknown = 不知道给定的输入：请给出--programme，或在映射中给出`table`、`attitude`或`force`
 commanded_heading = 各位置的方位未知，而脉冲输出的陀螺敏感地球自转的水平分量：请给出--programme，或在映射中给出`table`或`attitude`
+commanded_heading_seen = 陀螺噪声小，足以看到地球自转的水平分量，而各位置的方位未知：请给出--programme，或在映射中给出`table`或`attitude`
 force_other_unit = 比力在一般测点中长{ $length } g0：像是{ $unit }，与映射不符
 force_no_unit = 比力在一般测点中长{ $length } g0，不是任何单位的重力：这些是加速度计的列吗？
 force_varies = 静止时比力长度为{ $least }至{ $most } g0：是否有一列属于其他传感器，或某列的标度有误？
@@ -145,6 +151,7 @@ programme_ambiguous = 程序的时刻从日志的{ $one } s起算与从{ $other 
 programme_rates = { $of }个测点中有{ $count }个，日志中的转速与程序矛盾；第一个在{ $start } s：是否为另一程序，或符号有误？
 programme_contradicted = { $of }个测点中有{ $count }个加速度计与测试程序不符；第一处在{ $start } s，相差{ $degrees }°：轴、符号或次序有误
 cells_alike = 第{ $from }至{ $to }行有{ $count }个单元格错误相同；第一处：{ $fault }
+cells_alike_of_line = 第{ $line }行有{ $count }个单元格错误相同；第一处：{ $fault }
 dwells_told = 表头写有{ $told }个测点，表中有{ $have }个：尚未写完，或被截断
 stored_otherwise = { $what }在{ $at }已有存储（编号{ $id }），且完全不同
 stored_otherwise_at = { $what }在{ $at }已有存储（编号{ $id }），数值不同：差异在{ $places }

@@ -3,14 +3,19 @@
 
     GYROWATCH_URL=http://127.0.0.1:8080 GYROWATCH_TOKEN=... python3 post.py campaign.json
 
-Ends with 0 where the service has it (sending twice is harmless), with 1 where the file is at fault.
+Ends with 0 where the service has it (sending twice is harmless), with 1 where the file is at fault, with 2 where the
+service was not reached or never took it. What is wrong is one line on standard error.
 """
+import http.client
 import json
 import os
 import sys
 import time
 import urllib.error
 import urllib.request
+
+
+PAUSES = [1, 2, 5, 10, 30, 60, 60]  # s, before it is sent again
 
 
 def kind_of(text):
@@ -22,35 +27,44 @@ def kind_of(text):
     return "/v1/" + path, "application/json"
 
 
-def send(url, token, body):
+def send(url, token, body, path, content_type):
     """Status, answer, and for how many seconds the service asks to wait."""
-    path, content_type = kind_of(body.decode("utf-8-sig"))
     request = urllib.request.Request(url + path, data=body, headers={"Content-Type": content_type})
     if token:
         request.add_header("Authorization", "Bearer " + token)
     try:
         with urllib.request.urlopen(request, timeout=120) as answer:
-            return answer.status, json.load(answer), 0
+            stored = json.load(answer)
+            if "id" not in stored:
+                raise ValueError("another program answers there")
+            return answer.status, stored, 0
     except urllib.error.HTTPError as refused:
         text = refused.read()
         try:
-            problem = json.loads(text)
-        except ValueError:
-            problem = {"detail": text.decode(errors="replace")[:200]}
+            problem = {"detail": json.loads(text)["detail"]}
+        except (ValueError, KeyError, TypeError):
+            problem = {"detail": " ".join(text.decode(errors="replace").split())[:200]}
         return refused.code, problem, float(refused.headers.get("Retry-After") or 0)
 
 
 def main():
+    if len(sys.argv) != 2:
+        sys.exit("usage: post.py FILE")
     url = os.environ.get("GYROWATCH_URL", "http://127.0.0.1:8080").rstrip("/")
     token = os.environ.get("GYROWATCH_TOKEN")
-    with open(sys.argv[1], "rb") as file:
-        body = file.read()
-    pause = 1.0
-    while True:
+    if not url.startswith(("http://", "https://")):
+        sys.exit(f"GYROWATCH_URL: {url} is no address such as http://127.0.0.1:8080")
+    try:
+        with open(sys.argv[1], "rb") as file:
+            body = file.read()
+        path, content_type = kind_of(body.decode("utf-8-sig"))
+    except (OSError, ValueError) as error:
+        sys.exit(f"{sys.argv[1]}: cannot be sent: {error}")
+    for pause in PAUSES + [None]:
         try:
-            status, answer, asked = send(url, token, body)
-        except OSError as error:
-            status, answer, asked = 503, {"detail": str(error)}, 0
+            status, answer, asked = send(url, token, body, path, content_type)
+        except (OSError, ValueError, http.client.HTTPException) as error:
+            status, answer, asked = 503, {"detail": f"no answer of gyrowatch at {url}: {error}"}, 0
         if status in (200, 201, 202):
             print("stored as" if status != 200 else "was there, as", answer["id"])
             for verdict in answer.get("verdicts", []):
@@ -58,11 +72,13 @@ def main():
                     print(verdict["serial"], verdict["coefficient"], verdict["state"], verdict["reason"])
             return 0
         if status not in (408, 425, 429) and status < 500:
-            print("refused:", answer.get("detail", status), file=sys.stderr)
+            print(f"refused ({status}):", answer.get("detail", status), file=sys.stderr)
             return 1
+        if pause is None:
+            print("given up:", answer.get("detail", status), file=sys.stderr)
+            return 2
         print("try again:", answer.get("detail", status), file=sys.stderr)
         time.sleep(max(asked, pause))
-        pause = min(2 * pause, 60.0)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 #   GYROWATCH_URL=http://127.0.0.1:8080 GYROWATCH_TOKEN=... sh post.sh campaign.csv campaigns text/csv
 file=$1 kind=${2:-campaigns} type=${3:-application/json}
 url=${GYROWATCH_URL:-http://127.0.0.1:8080}/v1/$kind
+[ -r "$file" ] || { echo "$file: cannot be read" >&2; exit 1; }
 answer=$(mktemp) || exit 1
 trap 'rm -f "$answer"' EXIT
 # --retry waits as Retry-After says, on 408, 429 and 5xx; --data-binary sends the file byte for byte.
@@ -11,5 +12,6 @@ status=$(curl --silent --show-error --retry 5 --retry-connrefused --max-time 120
     --header "Content-Type: $type" --data-binary "@$file" --output "$answer" --write-out '%{http_code}' "$url")
 case $status in
 200 | 201 | 202) cat "$answer"; echo; exit 0 ;;
-*) echo "refused ($status):" >&2; cat "$answer" >&2; echo >&2; exit 1 ;;
+000) echo "no answer at $url" >&2; exit 2 ;;
+*) echo "refused ($status): $(cat "$answer")" >&2; exit 1 ;;
 esac

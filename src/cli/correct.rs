@@ -125,17 +125,25 @@ pub(super) async fn replace(
         None => match post(service, format!("/v1/{kind}"), new.to_string()).await? {
             Sent::Refused(ProblemBody { status: 409, existing: Some(id), .. }) => id,
             Sent::Refused(problem) => return Ok(Err(in_words(&problem))),
-            Sent::Known(answer) => return Ok(Err(known(&answer))),
+            Sent::Known(answer) => {
+                // The answer to an earlier try may have been lost.
+                return Ok(match revised_by(service, (kind, &id_of(&answer)), said).await? {
+                    Some(of) => Ok(in_place_of(&of, &answer)),
+                    None => Err(known(&answer)),
+                });
+            }
             Sent::Stored(answer) => return Ok(Ok(said_of(message!("terminal_was_new", id = id_of(&answer))))),
         },
     };
     let order = json!({ "author": said.author, "reason": said.reason, member: new }).to_string();
     Ok(match post(service, format!("/v1/{kind}/{id}/revise"), order).await? {
         Sent::Refused(problem) => Err(in_words(&problem)),
-        Sent::Stored(answer) | Sent::Known(answer) => {
-            Ok(said_of(message!("terminal_stands", old = id, new = id_of(&answer))))
-        }
+        Sent::Stored(answer) | Sent::Known(answer) => Ok(in_place_of(&id, &answer)),
     })
+}
+
+fn in_place_of(old: &str, answer: &Value) -> String {
+    said_of(message!("terminal_stands", old = old.to_owned(), new = id_of(answer)))
 }
 
 fn said_of(message: Message) -> String {
@@ -155,6 +163,14 @@ fn known(answer: &Value) -> String {
         Some(other) => format!("{stored}; {}", said_of(message!("terminal_put_back", id = other.to_owned()))),
         None => stored,
     }
+}
+
+/// What a stored item stands in the place of, where the same person said so in the same words.
+async fn revised_by(service: &Service, (kind, id): (&str, &str), said: Said<'_>) -> Result<Option<String>, Trouble> {
+    let stored = service.ask(&format!("/v1/{kind}/{id}")).await?;
+    let revises = &stored["revises"];
+    let same = revises["author"] == said.author && revises["reason"] == said.reason;
+    Ok(revises["record"].as_str().filter(|_| same).map(str::to_owned))
 }
 
 /// Where a document belongs, what a revision calls it, and the document as JSON; or why there is none.

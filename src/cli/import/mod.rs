@@ -48,8 +48,8 @@ pub struct Import {
     #[arg(long, conflicts_with = "watch")]
     no_retry: bool,
 
-    /// With --watch: seconds for which a file must not change before it is sent [default: 1, of CSV 30, since nothing
-    /// else says when a table is whole but a head line `# dwells: N`]
+    /// With --watch: seconds for which a file must not change before it is sent [default: 1 of *.json, else 30, since
+    /// nothing else says when a table or a file of lines is whole but a head line `# dwells: N`]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     settle: Option<f64>,
 

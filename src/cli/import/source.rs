@@ -3,7 +3,7 @@
 //! The content decides, not the name: stations call their files what they like. A single document goes to its own
 //! endpoint, byte for byte, so that the service's complaints name places in the file as it is.
 
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use anyhow::Context;
@@ -36,7 +36,7 @@ pub enum Content {
     Table(Vec<(u64, Vec<u8>)>, Option<Note>),
 }
 
-/// Whether somebody may still be writing a table whose last line has no end.
+/// Whether somebody may still be writing a text whose last line has no end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Patience {
     Waits,
@@ -74,11 +74,25 @@ pub fn open(path: &Path, map: &TableMap) -> anyhow::Result<Result<Content, Unrea
 
 /// As [`open`], of a file that is open.
 pub fn read_file(
-    file: std::fs::File,
+    mut file: std::fs::File,
     map: &TableMap,
     patience: Patience,
 ) -> anyhow::Result<Result<Content, Unreadable>> {
-    read(BufReader::with_capacity(1 << 20, file), map, patience)
+    let ends = patience == Patience::TakesAsItIs || ends_with_a_line(&mut file)?;
+    Ok(match read(BufReader::with_capacity(1 << 20, file), map, patience)? {
+        Ok(Content::Lines(_)) if !ends => Err(unreadable("its last line has no end", true)),
+        read => read,
+    })
+}
+
+/// Whether the last byte is a line break; what is no file to seek in is taken to end.
+fn ends_with_a_line(file: &mut std::fs::File) -> std::io::Result<bool> {
+    let mut last = [b'\n'];
+    if file.seek(SeekFrom::End(-1)).is_ok() {
+        file.read_exact(&mut last)?;
+        file.rewind()?;
+    }
+    Ok(last == [b'\n'])
 }
 
 /// Reads the first line; when that alone is a JSON document and more follows, the rest is lines of such.

@@ -192,3 +192,56 @@ async fn a_wrong_token_or_address_moves_no_file() {
         assert!(dir.path().join("run.json").exists(), "{status}");
     }
 }
+
+const SAID: &str = "author: Li Wei\nreason: wrong latitude\n";
+
+#[tokio::test]
+async fn a_revision_whose_answer_was_lost_is_done_and_another_of_the_same_content_is_refused() {
+    let stands = |author: &str| {
+        format!(r#"{{"id":"r2","revises":{{"record":"r1","author":"{author}","reason":"wrong latitude"}}}}"#)
+    };
+    for (author, moved_to) in [("Li Wei", "sent"), ("Weber", "refused")] {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir(dir.path().join("revise")).unwrap();
+        fs::write(dir.path().join("revise/run.json"), RECORD).unwrap();
+        fs::write(dir.path().join("revise/run.json.why.txt"), SAID).unwrap();
+        let script = Script::new(&[(200, r#"{"id":"r2"}"#)], (200, &stands(author)));
+        let service = script.serve().await;
+        let moved = dir.path().join(moved_to).join("run.json");
+        watch_until(dir.path(), &service, || moved.exists()).await;
+    }
+}
+
+#[tokio::test]
+async fn a_revision_that_cannot_be_handled_holds_up_no_other() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = |name: &str| dir.path().join("revise").join(name);
+    fs::create_dir(dir.path().join("revise")).unwrap();
+    fs::write(file("a.json"), RECORD).unwrap();
+    fs::create_dir(file("a.json.why.txt")).unwrap();
+    fs::write(file("b.json"), RECORD).unwrap();
+    fs::write(file("b.json.why.txt"), SAID).unwrap();
+    let script = Script::new(&[], (201, STORED));
+    let service = script.serve().await;
+    watch_until(dir.path(), &service, || dir.path().join("sent/b.json").exists()).await;
+    assert!(file("a.json").exists(), "it stays");
+}
+
+#[tokio::test]
+async fn a_file_whose_lines_a_broken_try_has_stored_ends_its_import_too() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("run.ndjson"), format!("{RECORD}{RECORD}")).unwrap();
+    let known = "{\"status\":200}\n{\"status\":200}\n";
+    let script = Script::new(&[(200, known)], (200, ""));
+    let service = script.clone().serve().await;
+    let finished = async {
+        while !dir.path().join("sent/run.ndjson").exists() {
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    };
+    tokio::select! {
+        stopped = watch(dir.path(), TableMap::default(), Some(Duration::ZERO), &service, true) => stopped.unwrap(),
+        waited = tokio::time::timeout(Duration::from_secs(10), finished) => waited.expect("it is sent"),
+    }
+    assert_eq!(script.heard(), [format!("{RECORD}{RECORD}"), String::new()], "the end of the import");
+}

@@ -17,7 +17,7 @@ use super::folder::{Dir, Stamp};
 use super::gist::Gist;
 use super::revise::{self, REVISE, WHY};
 use super::send::{Courier, Event, Refusal, Tally, end};
-use super::source::{self, Patience};
+use super::source::{self, Content, Patience};
 use crate::cli::client::{Service, Trouble};
 use crate::cli::document;
 use crate::core::time::UtcMicros;
@@ -28,9 +28,9 @@ use crate::wire::time;
 const POLL: Duration = Duration::from_millis(200);
 /// How long a text that breaks off may still be somebody's unfinished writing.
 const CUT_SHORT_GRACE: Duration = Duration::from_secs(60);
-/// How long a file must not change before it is sent: JSON, and what has no end of its own.
+/// How long a file must not change before it is sent: one document in JSON, and what has no end of its own.
 const SETTLE: Duration = Duration::from_secs(1);
-const SETTLE_TABLE: Duration = Duration::from_secs(30);
+const SETTLE_OPEN: Duration = Duration::from_secs(30);
 const FIRST_PAUSE: Duration = Duration::from_millis(500);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 /// Where files go whose fate is known.
@@ -72,8 +72,9 @@ struct Folder {
     links: HashSet<OsString>,
     /// Trouble that concerns every file: the folder cannot be read, or no service answers.
     trouble: Trials,
-    /// Trouble with what waits in `revise`.
+    /// Trouble with `revise` as a whole, and with each file that waits in it.
     revising: Trials,
+    revisions: HashMap<OsString, Trials>,
 }
 
 fn is_left_alone(name: &str) -> bool {
@@ -83,10 +84,9 @@ fn is_left_alone(name: &str) -> bool {
     hidden || UNFINISHED.iter().any(|ending| name.ends_with(ending))
 }
 
-/// JSON says itself where it ends.
+/// A JSON document says itself where it ends; a table and lines of JSON may go on.
 fn usual_settle(name: &OsStr) -> Duration {
-    let ends = |ending: &&str| name.to_string_lossy().to_lowercase().ends_with(*ending);
-    if [".json", ".ndjson", ".jsonl"].iter().any(ends) { SETTLE } else { SETTLE_TABLE }
+    if name.to_string_lossy().to_lowercase().ends_with(".json") { SETTLE } else { SETTLE_OPEN }
 }
 
 struct Waiting {
@@ -120,6 +120,7 @@ impl Folder {
             links: HashSet::new(),
             trouble: Trials::default(),
             revising: Trials::default(),
+            revisions: HashMap::new(),
         })
     }
 
@@ -161,32 +162,51 @@ impl Folder {
         }
     }
 
-    async fn revise_all(&self, service: &Service) -> anyhow::Result<()> {
+    async fn revise_all(&mut self, service: &Service) -> anyhow::Result<()> {
         let dir = self.within(REVISE)?;
-        for name in dir.names()? {
+        let mut before = std::mem::take(&mut self.revisions);
+        let mut names = dir.names()?;
+        names.sort();
+        for name in names {
             let shown = name.to_string_lossy().into_owned();
             if is_left_alone(&shown) || shown.ends_with(WHY) || dir.stamp(&name).is_none() {
                 continue;
             }
-            let settle = self.settle.unwrap_or_else(|| usual_settle(&name));
-            let (to, words) = match revise::deliver(&dir, &name, settle, service).await? {
-                None | Some(revise::Fate::Asked { now: false }) => continue,
-                Some(revise::Fate::Asked { now: true }) => {
-                    say(&format!("{REVISE}/{shown}: say in {shown}{WHY} who replaces what is stored, and why"));
-                    continue;
+            let mut trials = before.remove(&name).unwrap_or_default();
+            if trials.due() {
+                match self.revise_one(&dir, &name, service).await {
+                    Ok(()) => trials.over(),
+                    Err(error) => match error.downcast_ref::<Trouble>() {
+                        Some(Trouble::Away(_)) => return Err(error),
+                        _ => trials.again(&format!("{REVISE}/{shown}: {error:#}; it stays and is tried again"), None),
+                    },
                 }
-                Some(revise::Fate::Done(words)) => (SENT, words),
-                Some(revise::Fate::Refused(words)) => (REFUSED, words),
-            };
-            let target = self.within(to)?;
-            let new_name = free_name(&target, &name);
-            if to == REFUSED {
-                target.write(&with(&new_name, ".reason.txt"), format!("{words}\n").as_bytes())?;
             }
-            dir.move_to(&name, &target, &new_name)?;
-            dir.move_to(&revise::beside(&name), &target, &free_name(&target, &revise::beside(&new_name)))?;
-            say(&format!("{REVISE}/{shown}: {words}"));
+            self.revisions.insert(name, trials);
         }
+        Ok(())
+    }
+
+    async fn revise_one(&self, dir: &Dir, name: &OsStr, service: &Service) -> anyhow::Result<()> {
+        let shown = name.to_string_lossy();
+        let settle = self.settle.unwrap_or_else(|| usual_settle(name));
+        let (to, words) = match revise::deliver(dir, name, settle, service).await? {
+            None | Some(revise::Fate::Asked { now: false }) => return Ok(()),
+            Some(revise::Fate::Asked { now: true }) => {
+                say(&format!("{REVISE}/{shown}: say in {shown}{WHY} who replaces what is stored, and why"));
+                return Ok(());
+            }
+            Some(revise::Fate::Done(words)) => (SENT, words),
+            Some(revise::Fate::Refused(words)) => (REFUSED, words),
+        };
+        let target = self.within(to)?;
+        let new_name = free_name(&target, name);
+        if to == REFUSED {
+            target.write(&with(&new_name, ".reason.txt"), format!("{words}\n").as_bytes())?;
+        }
+        dir.move_to(name, &target, &new_name)?;
+        dir.move_to(&revise::beside(name), &target, &free_name(&target, &revise::beside(&new_name)))?;
+        say(&format!("{REVISE}/{shown}: {words}"));
         Ok(())
     }
 
@@ -221,9 +241,17 @@ impl Folder {
         let path = self.path.join(name);
         // What is no plain file any more is left out from the next look on.
         let Some(file) = self.dir.file(name)? else { return Ok(Fate::Unfinished) };
-        let young = self.age(name) < CUT_SHORT_GRACE;
+        let age = self.age(name);
+        let young = age < CUT_SHORT_GRACE;
         let patience = if young { Patience::Waits } else { Patience::TakesAsItIs };
-        let content = match source::read_file(file, &self.map, patience)? {
+        let read = source::read_file(file, &self.map, patience)?;
+        // Since it was found due, others have been sent, which takes time.
+        if self.dir.stamp(name) != self.waiting.get(name).map(|w| w.stamp) {
+            return Ok(Fate::Unfinished);
+        }
+        let content = match read {
+            // Whatever the file is called, more lines may follow.
+            Ok(Content::Lines(_)) if age < self.settle.unwrap_or(SETTLE_OPEN) => return Ok(Fate::Unfinished),
             Ok(content) => content,
             Err(unreadable) if unreadable.cut_short && young => return Ok(Fate::Unfinished),
             Err(unreadable) => return Ok(Fate::Refused(vec![Refusal { line: None, why: unreadable.why }])),
@@ -236,7 +264,8 @@ impl Folder {
             Event::Carried { .. } => {}
         };
         let tally = Courier::new(service, &[], &mut tell).carry(content).await?;
-        if self.digest && tally.stored > 0 {
+        // What is known may have been stored by a try that broke off.
+        if self.digest && tally.stored + tally.known > 0 {
             end(service).await;
         }
         if !gist.is_empty() {
@@ -384,6 +413,41 @@ mod tests {
         let nobody = Service::at("127.0.0.1:1", None).unwrap();
         let fate = folder.deliver(OsStr::new("run.json"), &nobody).await.unwrap();
         assert!(matches!(fate, Fate::Unfinished));
+    }
+
+    #[tokio::test]
+    async fn a_file_that_is_written_on_after_it_was_found_due_is_not_sent_yet() {
+        crate::system::install_crypto();
+        let at = tempfile::tempdir().unwrap();
+        let mut folder = Folder::open(at.path(), Some(Duration::ZERO)).unwrap();
+        let nobody = Service::at("127.0.0.1:1", None).unwrap();
+        let name = OsStr::new("run.json");
+        std::fs::write(at.path().join(name), "{\"gyros\": []}").unwrap();
+        folder.look().unwrap();
+        std::fs::write(at.path().join(name), "{\"gyros\": [], \"dwells\": []}").unwrap();
+        assert!(matches!(folder.deliver(name, &nobody).await.unwrap(), Fate::Unfinished));
+        folder.look().unwrap();
+        assert!(folder.deliver(name, &nobody).await.is_err(), "it is sent when it has not changed");
+    }
+
+    #[tokio::test]
+    async fn lines_that_may_go_on_wait_as_long_as_a_table_whatever_the_file_is_called() {
+        crate::system::install_crypto();
+        assert_eq!(usual_settle(OsStr::new("run.JSON")), SETTLE);
+        for open in ["run.ndjson", "run.jsonl", "run.csv"] {
+            assert_eq!(usual_settle(OsStr::new(open)), SETTLE_OPEN, "{open}");
+        }
+        let at = tempfile::tempdir().unwrap();
+        let (name, nobody) = (OsStr::new("run.json"), Service::at("127.0.0.1:1", None).unwrap());
+        std::fs::write(at.path().join(name), "{\"gyros\": []}\n{\"gyros\": []}\n").unwrap();
+        let mut folder = Folder::open(at.path(), None).unwrap();
+        folder.look().unwrap();
+        assert!(matches!(folder.deliver(name, &nobody).await.unwrap(), Fate::Unfinished));
+        folder.settle = Some(Duration::ZERO);
+        assert!(folder.deliver(name, &nobody).await.is_err(), "lines are sent");
+        std::fs::write(at.path().join(name), "{\"gyros\": []}\n{\"gyros\": []}").unwrap();
+        folder.look().unwrap();
+        assert!(matches!(folder.deliver(name, &nobody).await.unwrap(), Fate::Unfinished), "its last line has no end");
     }
 
     #[test]

@@ -54,6 +54,8 @@ async fn an_adopted_model_is_used_by_the_later_campaigns_and_undone_by_an_empty_
     let plain = diagnosis(&lab, &first).await;
     assert_eq!(named(&plain), ["temperature_bias"]);
     assert_eq!(lab.get(&path).await.ok()["history"], json!([]));
+    let trend = format!("/v1/gyros/{}/trend", sent["gyros"][0]["serial"].as_str().unwrap());
+    let before = lab.get(&trend).await;
 
     let adopted = lab.post(&path, &adoption(temperature_bias())).await.created();
     assert_eq!(adopted["author"], "M. Adopter");
@@ -63,6 +65,9 @@ async fn an_adopted_model_is_used_by_the_later_campaigns_and_undone_by_an_empty_
     let again = lab.get(&format!("/v1/campaigns/{}", first["id"].as_str().unwrap())).await.ok();
     assert_eq!(again["imu_model"], adopted["id"]);
     assert_ne!(again["separations"], first["separations"]);
+    let known = lab.request(Method::GET, &trend).header("if-none-match", before.header("etag"));
+    let restated = Answer::of(known).await.ok();
+    assert_ne!(restated["points"][0]["value"], before.ok()["points"][0]["value"], "a tag tells them apart");
     let against = diagnosis(&lab, &first).await;
     assert_eq!(against["model"]["effects"][0]["effect"], "temperature_bias");
     assert_eq!(against["verdict"], "no_gap", "{against}");

@@ -16,7 +16,7 @@ use utoipa::ToSchema;
 use self::answer::{answer, etag, is_known, not_modified};
 use self::body::{ColumnTrend, Point, Trend};
 use self::periods::PeriodTrend;
-use self::point::{Seen, bench_point, separated_point};
+use self::point::{Seen, bench_point, seen_bench, separated_point};
 use self::request::{Method, Request, TrendQuery, Written};
 use super::app::App;
 use super::events::EventBody;
@@ -74,7 +74,7 @@ pub async fn get_trend(
             let (rows, next) = request.history(&app, gyro).await?;
             let (column, figures) = (request.column(), rows.iter().map(|row| &row.figures));
             let statuses = app.pipeline.queries.histories.statuses(gyro, figures, &[column]).await?;
-            tag = etag(&request, &seen(&mut rows.iter().map(|row| row.seen(&statuses, column))), &next);
+            tag = etag(&request, &seen(&mut rows.iter().map(|row| row.seen(&statuses, column, method))), &next);
             if is_known(&headers, &tag) {
                 return Ok(not_modified(&tag));
             }
@@ -84,7 +84,7 @@ pub async fn get_trend(
         }
         Method::Bench(method) => {
             let (rows, next) = request.benches(&app, gyro, method).await?;
-            tag = etag(&request, &seen(&mut rows.iter().map(|row| (row.id.0, row.voided.then_some("voided")))), &next);
+            tag = etag(&request, &seen(&mut rows.iter().map(seen_bench)), &next);
             if is_known(&headers, &tag) {
                 return Ok(not_modified(&tag));
             }

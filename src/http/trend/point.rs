@@ -6,8 +6,11 @@ use crate::core::figures::Figures;
 use crate::core::judge::{Coefficient, State as Judgement};
 use crate::pipeline::{BenchItem, Names, Statuses, sample_of};
 
-/// A record or an event that an answer holds, and the status of the record.
-pub(super) type Seen = (i64, Option<&'static str>);
+/// A record or an event that an answer holds, and what is shown of the record: another model in force restates it.
+pub(super) type Seen = (i64, Option<Shown>);
+
+/// Value and standard deviation, bit by bit; state and status; whether it is set aside.
+pub(super) type Shown = ([Option<u64>; 2], [&'static str; 2], bool);
 
 /// A record of the gyro; whether it does not count any more, where that is asked for.
 pub(super) struct Row {
@@ -17,10 +20,22 @@ pub(super) struct Row {
 }
 
 impl Row {
-    pub fn seen(&self, statuses: &Statuses, column: usize) -> Seen {
+    pub fn seen(&self, statuses: &Statuses, column: usize, method: JudgedMethod) -> Seen {
+        let measured = sample_of(&self.figures, method).d[column];
         let judged = statuses.get(&self.figures, column).name();
-        (self.figures.record.0, Some(if self.voided == Some(true) { "voided" } else { judged }))
+        let status = if self.voided == Some(true) { "voided" } else { judged };
+        let shown = [Some(measured.value), measured.sd].map(|figure| figure.map(f64::to_bits));
+        (self.figures.record.0, Some((shown, [state_of(&self.figures, column), status], self.set_aside)))
     }
+}
+
+/// A bench result: its figures never change.
+pub(super) fn seen_bench(row: &BenchItem) -> Seen {
+    (row.id.0, row.voided.then_some(([None; 2], ["", "voided"], false)))
+}
+
+fn state_of(figures: &Figures, column: usize) -> &'static str {
+    figures.states.0[column].unwrap_or(Judgement::Indeterminate).name()
 }
 
 pub(super) fn separated_point<'t>(
@@ -39,7 +54,7 @@ pub(super) fn separated_point<'t>(
         slot: Some(figures.slot.name()),
         station: names.station(figures.station),
         record: figures.record,
-        state: Some(figures.states.0[column].unwrap_or(Judgement::Indeterminate).name()),
+        state: Some(state_of(figures, column)),
         status: Some(statuses.get(figures, column).name()),
         voided: *voided,
         set_aside: set_aside.then_some(true),

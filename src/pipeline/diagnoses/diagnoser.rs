@@ -158,6 +158,8 @@ impl Diagnoser {
             let foretelling = foretelling.inspect_err(|error| {
                 tracing::warn!(%error, campaign = %key.0, "what foretells a campaign cannot be read");
             });
+            // Without what foretells it, it is an answer for now: it is still due.
+            let is_whole = !matches!(&foretelling, Err(error) if !matches!(error, StoreError::Damaged(_)));
             let asked = (campaign, foretelling.ok());
             let (begun_at, made) = diagnoser.compute(asked, (&in_force, &competing), awaited).await;
             let (campaign, model, program) = key.clone();
@@ -169,7 +171,11 @@ impl Diagnoser {
                 }
                 None => Outcome::Failed(to_stored(&message!("computation_broke_off"))),
             };
-            diagnoser.have_kept(Made { campaign, begun_at, ended_at: diagnoser.clock.now(), outcome }).await;
+            let ended_at = diagnoser.clock.now();
+            let made_so = Made { campaign, begun_at, ended_at, outcome };
+            if !is_whole || !diagnoser.have_kept(made_so).await {
+                diagnoser.forget(campaign);
+            }
             if made.is_some() {
                 ended.send_replace(made);
             }
@@ -228,24 +234,30 @@ impl Diagnoser {
         Ok(model.map(|model| (row.imu, model)))
     }
 
-    /// Puts it on disk. Where that fails it is made again after the next start, or for the orders that wait for it.
-    pub(super) async fn have_kept(&self, made: Made) {
-        let Some(queue) = self.queue.upgrade() else { return };
+    /// Puts it on disk; false where that fails: it is still due, and is made again.
+    pub(super) async fn have_kept(&self, made: Made) -> bool {
+        let Some(queue) = self.queue.upgrade() else { return false };
         let campaign = made.campaign;
         let (reply, answer) = oneshot::channel();
         if queue.send(Job::Diagnosed { made, reply }).await.is_err() {
-            return;
+            return false;
         }
         drop(queue);
-        if let Ok(Err(error)) = answer.await {
+        let kept = answer.await;
+        if let Ok(Err(error)) = &kept {
             tracing::warn!(%error, %campaign, "a diagnosis could not be kept");
         }
+        matches!(kept, Ok(Ok(())))
     }
 
-    fn recall(&self, id: Id) -> Option<Diagnosed> {
+    pub(super) fn recall(&self, id: Id) -> Option<Diagnosed> {
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let found = known.iter().find(|known| known.campaign == id)?;
         found.is_of_now(&self.models).then(|| Arc::clone(&found.diagnosed))
+    }
+
+    fn forget(&self, campaign: Id) {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner).retain(|known| known.campaign != campaign);
     }
 
     fn remember(&self, new: Known) {

@@ -58,7 +58,7 @@ impl Diagnoser {
         }
     }
 
-    /// One pass over all campaigns that are due; what cannot be diagnosed is told once and left alone.
+    /// One pass over all campaigns that are due; what can never be read is told once and left alone.
     async fn make_due(&self, due: &watch::Receiver<u64>, hopeless: &mut HashSet<Id>) -> Result<Left, StoreError> {
         let (mut before, mut left) = (Id(i64::MAX), Left::Nothing);
         loop {
@@ -83,9 +83,17 @@ impl Diagnoser {
                     .collect();
                 let made: Vec<_> = store::claim::while_claimed(&self.store, &claimed, made).await;
                 for (id, made) in made {
-                    if let Err(error) = made {
-                        tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it will be when it is asked for");
-                        hopeless.insert(id);
+                    match made {
+                        Ok(_) if self.recall(id).is_some() => {}
+                        Ok(_) => left = Left::Something,
+                        Err(error @ StoreError::Damaged(_)) => {
+                            tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it will be when it is asked for");
+                            hopeless.insert(id);
+                        }
+                        Err(error) => {
+                            tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it is tried again");
+                            left = Left::Something;
+                        }
                     }
                 }
                 if due.has_changed().is_err() {

@@ -78,6 +78,11 @@ async fn serve(stream: TcpStream, mails: Arc<Mutex<Vec<String>>>, refused: Arc<M
                 }
             }
             "RCPT" if line.contains("gone@") => "550 no such user",
+            "RCPT" if line.contains("new@") => "450 greylisted",
+            "RCPT" if line.contains("slow@") => {
+                tokio::time::sleep(Duration::from_secs(60)).await;
+                "250 ok"
+            }
             "RSET" => {
                 mail.clear();
                 "250 ok"
@@ -101,6 +106,8 @@ async fn with(mail: &MailServer) -> Server {
         ("GYROWATCH_HOOKS__SMTP_URL", &url),
         ("GYROWATCH_HOOKS__MAIL_FROM", "gyrowatch@lab.example"),
         ("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.2,0.2"),
+        ("GYROWATCH_HOOKS__CONNECT_TIMEOUT_S", "1"),
+        ("GYROWATCH_HOOKS__ATTEMPT_TIMEOUT_S", "2"),
         ("GYROWATCH_HOOKS__EXTERNAL_URL", "https://gyros.example"),
     ])
     .await
@@ -133,7 +140,7 @@ async fn an_alert_is_mailed_to_every_recipient_after_the_server_refused_it_once(
     let test = &mail.received(2).await[0];
     assert!(test.contains("Subject: Test of the hook email"), "{test}");
 
-    // The first recipient's mail is refused for now: everybody's is sent again.
+    // The first recipient's mail is refused for now: it is sent again.
     *mail.refused.lock().unwrap() = 1;
     violates(&server).await;
     let mails = mail.received(5).await;
@@ -178,6 +185,31 @@ async fn a_recipient_whom_the_server_does_not_know_keeps_the_mail_from_nobody_el
     let dead = ended(&alone).await;
     assert!(dead["state"] == "dead" && dead.to_string().contains("gone@lab.example"), "{dead}");
     assert_eq!(dead["attempts"].as_array().unwrap().len(), 1, "no other answer can come: {dead}");
+}
+
+#[tokio::test]
+async fn who_has_taken_a_mail_is_not_sent_it_again_while_another_is_put_off_or_slow() {
+    let mail = MailServer::start().await;
+    let server = with(&mail).await;
+    let url = "mailto:new@lab.example,slow@lab.example,weber@lab.example";
+    let made = server.post_json("/v1/hooks", &json!({ "kind": "email", "url": url })).await;
+    let id = made.json()["id"].as_str().unwrap().to_owned();
+    let audit = server.get("/v1/audit").await.text();
+    assert!(audit.contains(url), "{audit}");
+    assert!(server.post_json(&format!("/v1/hooks/{id}/test"), &json!({})).await.status < 300);
+    let began = Instant::now();
+    let attempts = loop {
+        let one = server.get(&format!("/v1/hooks/{id}/deliveries")).await.json()["deliveries"][0].clone();
+        if one["state"] == "dead" {
+            break one["attempts"].as_array().unwrap().clone();
+        }
+        assert!(began.elapsed() < Duration::from_secs(30), "{one}");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    };
+    assert_eq!(attempts.len(), 3);
+    assert_eq!(attempts[0]["status"], 450, "that is of the message, the server is there: {}", attempts[0]);
+    let mails = mail.received(1).await;
+    assert!(mails.len() == 1 && mails[0].contains("RCPT TO:<weber@lab.example>"), "{mails:?}");
 }
 
 #[tokio::test]

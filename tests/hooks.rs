@@ -572,6 +572,13 @@ async fn a_deleted_hooks_queue_is_thrown_away() {
     let delivery = server.tests(&hook).await;
     server.sees_attempts(&delivery, 1).await;
     let path = format!("/v1/hooks/{}", hook["id"].as_str().unwrap());
+    server.changes(&hook, json!({ "enabled": false })).await;
+    server.changes(&hook, json!({ "enabled": true })).await;
+    server.sees(&delivery, &["dropped"]).await;
+    let redeliver = format!("/v1/deliveries/{}/redeliver", delivery["id"].as_str().unwrap());
+    let refused = server.call("POST", &redeliver, &[], "").await;
+    assert!(refused.status == 409 && refused.text().contains("was dropped"), "{}", refused.text());
+    let delivery = server.tests(&hook).await;
     assert_eq!(server.call("DELETE", &path, &[], "").await.status, 204);
     server.sees(&delivery, &["dropped"]).await;
     let path = format!("/v1/deliveries/{}/redeliver", delivery["id"].as_str().unwrap());

@@ -126,21 +126,17 @@ impl Courier {
         Self { mailer, ..self }
     }
 
-    /// One e-mail, under the identifier of the message.
+    /// One e-mail, under the identifier of the message. The limits hold for each recipient.
     pub async fn mail(&self, to: Destination<'_>, id: &str, payload: &Payload) -> Attempt {
         let started = Instant::now();
         let sending = async {
-            let later = |why| Unsent { why, for_good: false };
-            let mailer = self.mailer.as_ref().ok_or_else(|| later(message!("no_mail_server")))?;
-            mailer.send(recipients(to.url).map_err(later)?, id, payload).await
+            let mailer = self.mailer.as_ref().ok_or_else(|| Unsent::later(message!("no_mail_server")))?;
+            mailer.send(recipients(to.url).map_err(Unsent::later)?, id, payload).await
         };
-        let sent = tokio::time::timeout(self.limits.whole, sending).await;
-        let in_vain = || message!("no_answer_within", seconds = seconds(self.limits.whole));
-        let sent = sent.unwrap_or_else(|_| Err(Unsent { why: in_vain(), for_good: false }));
-        let (outcome, status, detail) = match sent {
+        let (outcome, status, detail) = match sending.await {
             Ok(code) => (Outcome::Delivered, Some(code), None),
-            Err(Unsent { why, for_good: true }) => (Outcome::Refused, None, Some(why)),
-            Err(Unsent { why, for_good: false }) => (Outcome::Failed { retry_after: None }, None, Some(why)),
+            Err(Unsent { why, for_good: true, .. }) => (Outcome::Refused, None, Some(why)),
+            Err(Unsent { why, status, .. }) => (Outcome::Failed { retry_after: None }, status, Some(why)),
         };
         Attempt { outcome, status, detail, answer: None, took: started.elapsed() }
     }

@@ -1,13 +1,16 @@
-//! Alerts by e-mail, for laboratories that have nothing else: one message to all recipients of a hook.
+//! Alerts by e-mail, for laboratories that have nothing else: one message, handed over for each recipient of a hook.
 
+use std::collections::{HashMap, HashSet};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use futures::{StreamExt, stream};
 use lettre::address::Envelope;
 use lettre::message::header::ContentType;
 use lettre::message::{Mailbox, Mailboxes};
 use lettre::transport::smtp::client::{Certificate, Tls, TlsParameters};
 use lettre::transport::smtp::{AsyncSmtpTransportBuilder, Error};
-use lettre::{AsyncSmtpTransport, AsyncTransport, Tokio1Executor};
+use lettre::{Address, AsyncSmtpTransport, AsyncTransport, Tokio1Executor};
 use url::Url;
 
 use super::payload::Payload;
@@ -17,11 +20,21 @@ use crate::message;
 /// Recipients that a hook may have.
 const MOST_RECIPIENTS: usize = 50;
 
+/// Recipients that are served at the same time: mail servers take few connections from one client.
+const AT_ONCE: usize = 5;
+
+/// Messages from which on it is forgotten who has taken them.
+const MOST_MESSAGES: usize = 1000;
+
 /// Where e-mail is handed over, and who it is from.
 #[derive(Debug, Clone)]
 pub struct Mailer {
     transport: AsyncSmtpTransport<Tokio1Executor>,
     from: Mailbox,
+    /// How long it may take to serve one recipient.
+    limit: Duration,
+    /// Who has taken the messages, by identifier, that others have not taken yet. Forgotten with the process.
+    taken: Arc<Mutex<HashMap<String, HashSet<Address>>>>,
 }
 
 /// Why no e-mail can be sent.
@@ -40,6 +53,8 @@ pub enum MailError {
 #[derive(Debug)]
 pub struct Unsent {
     pub why: Message,
+    /// What the server says of this message, where it answers: of a recipient who may take it later.
+    pub status: Option<u16>,
     /// Every recipient was refused as one who does not exist or takes no mail; what is wrong with the server or the
     /// account (535, 421) may be mended.
     pub for_good: bool,
@@ -59,11 +74,12 @@ impl Mailer {
         if let Some(roots) = roots {
             builder = trusting(builder, &parsed, host, roots).map_err(MailError::Authority)?;
         }
-        Ok(Self { transport: builder.timeout(Some(timeout)).build(), from })
+        Ok(Self { transport: builder.timeout(Some(timeout)).build(), from, limit: timeout, taken: Arc::default() })
     }
 
-    /// Hands one message over, for each recipient by itself: one whom the server refuses for good keeps it from nobody
-    /// else. Its `Message-ID` is the same at every attempt, so that a repetition is recognised.
+    /// Hands one message over, for each recipient by itself: one whom the server refuses, or whom it serves slowly,
+    /// keeps it from nobody else, and who has taken it is not sent it again. Its `Message-ID` is the same at every
+    /// attempt, so that a repetition is recognised.
     ///
     /// # Errors
     /// What the server, or the way to it, said: of any recipient who may still get it, or of all.
@@ -78,32 +94,93 @@ impl Mailer {
         for recipient in to {
             mail = mail.to(recipient);
         }
-        let unsendable = |why: &str| Unsent { why: message!("mail_failed", why = text(why)), for_good: false };
+        let unsendable = |why: &str| Unsent::later(message!("mail_failed", why = text(why)));
         let mail = mail.body(body.to_owned()).map_err(|error| unsendable(&error.to_string()))?;
         let (envelope, mail) = (mail.envelope(), mail.formatted());
-        let (mut accepted, mut refused, mut later) = (None, Vec::new(), Vec::new());
-        for recipient in envelope.to() {
-            let alone = Envelope::new(envelope.from().cloned(), vec![recipient.clone()])
-                .map_err(|error| unsendable(&error.to_string()))?;
-            match self.transport.send_raw(&alone, &mail).await {
-                Ok(answer) => accepted = Some(answer.code().into()),
-                Err(error) => {
-                    let list = if is_for_good(&error) { &mut refused } else { &mut later };
-                    list.push(format!("{recipient}: {error}"));
+        let taken = self.taken_of(id);
+        let left = envelope.to().iter().filter(|recipient| !taken.contains(recipient));
+        let serving: Vec<_> = left.map(|recipient| self.hand_over(recipient.clone(), &mail)).collect();
+        let mut served = stream::iter(serving).buffer_unordered(AT_ONCE);
+        let (mut accepted, mut status) = (None, None);
+        let (mut refused, mut later) = (Vec::new(), Vec::new());
+        while let Some((recipient, served)) = served.next().await {
+            match served {
+                Ok(code) => {
+                    accepted = Some(code);
+                    self.note(id, recipient);
+                }
+                Err(NotTaken { why, for_good: true, .. }) => refused.push(format!("{recipient}: {why}")),
+                Err(NotTaken { why, said, .. }) => {
+                    status = status.or(said);
+                    later.push(format!("{recipient}: {why}"));
                 }
             }
         }
-        match accepted {
-            Some(code) if later.is_empty() => {
+        if later.is_empty() {
+            self.forget(id);
+            if accepted.is_some() || !taken.is_empty() {
                 refused.iter().for_each(|why| tracing::warn!(id, %why, "a recipient of an alert was refused"));
-                Ok(code)
-            }
-            _ => {
-                let for_good = later.is_empty();
-                let why = later.into_iter().chain(refused).collect::<Vec<_>>().join("; ");
-                Err(Unsent { for_good, ..unsendable(&why) })
+                return Ok(accepted.unwrap_or(TAKEN));
             }
         }
+        let for_good = later.is_empty();
+        let why = later.into_iter().chain(refused).collect::<Vec<_>>().join("; ");
+        // A server that has served one recipient is there.
+        Err(Unsent { for_good, status: status.or(accepted), ..unsendable(&why) })
+    }
+
+    async fn hand_over(&self, recipient: Address, mail: &[u8]) -> (Address, Result<u16, NotTaken>) {
+        let sending = async {
+            let alone = Envelope::new(Some(self.from.email.clone()), vec![recipient.clone()])
+                .map_err(|error| NotTaken { why: error.to_string(), said: None, for_good: false })?;
+            self.transport.send_raw(&alone, mail).await.map_err(|error| NotTaken::of(&error))
+        };
+        let sent = tokio::time::timeout(self.limit, sending).await;
+        let in_vain = || NotTaken { why: "no answer in time".to_owned(), said: None, for_good: false };
+        (recipient, sent.unwrap_or_else(|_| Err(in_vain())).map(|answer| answer.code().into()))
+    }
+
+    fn taken_of(&self, id: &str) -> HashSet<Address> {
+        self.taken.lock().unwrap_or_else(PoisonError::into_inner).get(id).cloned().unwrap_or_default()
+    }
+
+    fn note(&self, id: &str, recipient: Address) {
+        let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        if taken.len() >= MOST_MESSAGES {
+            taken.clear();
+        }
+        taken.entry(id.to_owned()).or_default().insert(recipient);
+    }
+
+    fn forget(&self, id: &str) {
+        self.taken.lock().unwrap_or_else(PoisonError::into_inner).remove(id);
+    }
+}
+
+/// The answer to a message that was taken.
+const TAKEN: u16 = 250;
+/// The server is closing down: that is not of the message.
+const CLOSING: u16 = 421;
+
+impl Unsent {
+    /// It may be sent later.
+    pub fn later(why: Message) -> Self {
+        Self { why, status: None, for_good: false }
+    }
+}
+
+/// Why one recipient was not served.
+struct NotTaken {
+    why: String,
+    /// What the server says of the message.
+    said: Option<u16>,
+    for_good: bool,
+}
+
+impl NotTaken {
+    fn of(error: &Error) -> Self {
+        let said = error.status().map(u16::from).filter(|code| *code != CLOSING);
+        Self { why: error.to_string(), said, for_good: is_for_good(error) }
     }
 }
 

@@ -149,7 +149,7 @@ pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Res
 #[utoipa::path(post, path = "/v1/deliveries/{id}/redeliver", tag = "hooks",
     responses(
         (status = 202, description = "queued again", body = DeliveryBody, headers(("Location" = String, description = "the delivery"))),
-        (status = 409, description = "an earlier one comes first, or the hook is disabled")))]
+        (status = 409, description = "an earlier one comes first, it was dropped, or the hook is disabled")))]
 pub async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
     let delivery = app.pipeline.hooks.order(Order::Redeliver(delivery_id(&id)?)).await?;
     queued(&app, delivery).await

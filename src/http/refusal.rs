@@ -64,6 +64,7 @@ impl From<HookError> for Problem {
             HookError::NoSuchDelivery { .. } => Self::new(404, "title_no_such_delivery", detail),
             HookError::HookDisabled { .. } => Self::new(409, "title_hook_disabled", detail),
             HookError::StillBehind { .. } => Self::new(409, "title_not_its_turn", detail),
+            HookError::Dropped { .. } => Self::new(409, "title_delivery_dropped", detail),
             HookError::TooManyHooks { .. } => Self::new(409, "title_too_many_hooks", detail),
             HookError::SecretNeeded => {
                 let (pointer, place) = ("/secret", detail.clone());

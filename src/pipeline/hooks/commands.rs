@@ -41,7 +41,7 @@ pub enum Order {
 }
 
 /// A hook as the audit trail has it. Of what is secret it says whether it is there; the address may hold a token, so
-/// that only where it leads is said.
+/// that only where it leads is said: of e-mail, to whom.
 #[derive(Serialize)]
 struct Audited<'a> {
     name: &'a str,
@@ -57,8 +57,11 @@ struct Audited<'a> {
 
 impl<'a> From<&'a HookRow> for Audited<'a> {
     fn from(hook: &'a HookRow) -> Self {
-        let origin =
-            url::Url::parse(&hook.url).map_or_else(|_| String::new(), |url| url.origin().ascii_serialization());
+        let origin = match url::Url::parse(&hook.url) {
+            Ok(url) if url.scheme() == "mailto" => hook.url.clone(),
+            Ok(url) => url.origin().ascii_serialization(),
+            Err(_) => String::new(),
+        };
         Self {
             name: &hook.name,
             kind: &hook.kind,
@@ -307,7 +310,7 @@ impl HookHandler<'_> {
         self.enabled_hook(delivery.hook).await?;
         match delivery.state {
             DeliveryState::Behind => Err(HookError::StillBehind { id }),
-            DeliveryState::Dropped => Err(HookError::NoSuchHook { id: delivery.hook }),
+            DeliveryState::Dropped => Err(HookError::Dropped { id }),
             DeliveryState::Waiting | DeliveryState::Delivered | DeliveryState::Dead => {
                 outbox.replayed.push((id, self.now));
                 Ok(id)

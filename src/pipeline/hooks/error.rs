@@ -20,6 +20,9 @@ pub enum HookError {
     StillBehind {
         id: Id,
     },
+    Dropped {
+        id: Id,
+    },
     SecretNeeded,
     /// A `mailto:` address for a hook that is no e-mail, or another for one that is.
     OtherKind,
@@ -37,6 +40,7 @@ impl HookError {
             Self::NoSuchDelivery { id } => message!("no_such_delivery", id = text(id)),
             Self::HookDisabled { id } => message!("hook_disabled", id = text(id)),
             Self::StillBehind { id } => message!("still_behind", id = text(id)),
+            Self::Dropped { id } => message!("delivery_dropped", id = text(id)),
             Self::SecretNeeded => message!("secret_needed"),
             Self::OtherKind => message!("target_of_other_kind"),
             Self::TooManyHooks { most } => message!("too_many_hooks", most = *most),

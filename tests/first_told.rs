@@ -182,6 +182,40 @@ async fn what_a_silence_has_held_back_is_told_at_its_end_to_hooks_that_came_duri
     assert_eq!(told(&lab, &first, &early).await.len(), 2, "it knows already");
 }
 
+#[tokio::test]
+async fn a_silence_that_is_taken_off_one_alert_is_told_to_hooks_that_came_during_it() {
+    let lab = Lab::open().await;
+    let (early, late) = (Receiver::start().await, Receiver::start().await);
+    let first = hook(&lab, &early, json!({"filter": {"rules": ["step"]}})).await;
+    steps(&lab, "A").await;
+    assert_eq!(told(&lab, &first, &early).await, [["A step alert.fired"]]);
+    let alert = lab.get("/v1/alerts?serial=A&rule=step").await.ok()["alerts"][0]["id"].as_str().unwrap().to_owned();
+    let said = |until: Option<&str>| json!({"until": until, "by": "Li", "reason": "known"});
+    let path = format!("/v1/alerts/{alert}/silence");
+    lab.post(&path, &said(Some("2026-11-30T00:00:00Z"))).await.ok();
+    let second = hook(&lab, &late, json!({"filter": {"rules": ["step"]}})).await;
+    assert!(told(&lab, &second, &late).await.is_empty(), "it is silenced");
+    assert_eq!(lab.post(&path, &said(None)).await.ok()["state"], "firing");
+    assert_eq!(told(&lab, &second, &late).await, [["A step alert.fired"]]);
+    assert_eq!(told(&lab, &first, &early).await.len(), 1, "it knows already");
+}
+
+#[tokio::test]
+async fn who_has_heard_that_an_alert_is_grave_hears_that_it_is_less_so() {
+    let lab = Lab::open().await;
+    let target = Receiver::start().await;
+    let id = hook(&lab, &target, json!({"filter": {"min_severity": "critical", "rules": ["baseline"]}})).await;
+    steps(&lab, "A").await;
+    let confirms = record("IMU-A", &day(160), &[("G1", "A", 1.05, 2.0)]);
+    let confirms = lab.posts(&confirms).await["id"].as_str().unwrap().to_owned();
+    assert_eq!(told(&lab, &id, &target).await, [["A baseline alert.fired"]]);
+    let void = json!({"author": "Li", "reason": "the table was not level"});
+    lab.post(&format!("/v1/records/{confirms}/void"), &void).await.ok();
+    assert_eq!(told(&lab, &id, &target).await[1..], [["A baseline alert.lowered"]]);
+    recovers(&lab, "A").await;
+    assert_eq!(told(&lab, &id, &target).await[2..], [["A baseline alert.resolved"]]);
+}
+
 /// A target that takes nothing while the flag is up.
 async fn refusing(status: StatusCode) -> (Receiver, Arc<AtomicBool>) {
     let refuses = Arc::new(AtomicBool::new(true));

@@ -56,7 +56,8 @@ pub enum SilenceOrder {
 }
 
 impl AlertCache {
-    /// Does what somebody has said; returns the alert as it then is.
+    /// Does what somebody has said; returns the alert as it then is. What a silence that ends has left untold is told
+    /// at once.
     pub fn obey(&mut self, order: &AlertOrder, pen: &mut Pen<'_>) -> Result<AlertRow, AlertError> {
         let unknown = || AlertError::UnknownAlert { id: order.alert };
         let row = self.alert(order.alert).ok_or_else(unknown)?;
@@ -70,6 +71,7 @@ impl AlertCache {
             AlertChange::Unsilence if row.alert.silenced_until.is_none() => return Ok(row.clone()),
             _ => {}
         }
+        let now = pen.now;
         let change = |row: &mut AlertRow| match order.change {
             AlertChange::Unacknowledge => {
                 row.alert = alert_decision::unacknowledge(&row.alert);
@@ -85,11 +87,16 @@ impl AlertCache {
                 row.silenced = Some(remark.clone());
             }
             AlertChange::Unsilence => {
-                row.alert = alert_decision::silence(&row.alert, None);
+                // It is over with the tick that follows.
+                row.alert = alert_decision::silence(&row.alert, Some(now));
                 row.silenced = None;
             }
         };
-        self.say(order.alert, order.change.name(), &remark, change, pen).ok_or_else(unknown)
+        let of = self.say(order.alert, order.change.name(), &remark, change, pen).ok_or_else(unknown)?.of;
+        if order.change == AlertChange::Unsilence {
+            self.tick(&BTreeSet::from([of]), pen);
+        }
+        self.alert(order.alert).cloned().ok_or_else(unknown)
     }
 
     /// Begins or ends a silence. What is untold at the end is told at once.

@@ -167,8 +167,7 @@ impl HookCache {
         let heard = self.heard.entry(news.id).or_default();
         let action =
             alert_decision::for_hook(&news.alert, heard.get(&subscription.hook).copied(), news.action, context.now)?;
-        // Whoever was told that it fires is told that it ends, whatever the filter has become.
-        if action != Action::Resolve && !subscription.filter.wants(body) {
+        if !is_owed(action) && !subscription.filter.wants(body) {
             return None;
         }
         let hears = (action != Action::Resolve).then_some(news.alert.severity);
@@ -208,7 +207,7 @@ pub(crate) fn introduce<'a>(
             continue;
         };
         let ends = action == Action::Resolve;
-        if ends || subscription.filter.wants(body) {
+        if is_owed(action) || subscription.filter.wants(body) {
             let body = body.kept();
             let part = Part { alert: *id, action: action.name(), step: None, body: Some(body) };
             told.push(Notification { severity: alert.severity, action, part });
@@ -220,6 +219,11 @@ pub(crate) fn introduce<'a>(
     } else {
         told.into_iter().for_each(|one| queue(subscription.hook, vec![one], context));
     }
+}
+
+/// Whoever was told that an alert fires is told that it is less grave, or ends, whatever the filter lets through.
+fn is_owed(action: Action) -> bool {
+    matches!(action, Action::Lower | Action::Resolve)
 }
 
 /// An alert of a message under construction.

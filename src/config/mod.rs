@@ -22,7 +22,7 @@ use serde_json::Value;
 use crate::alert::target::TargetPolicy;
 use crate::core::record::Plausibility;
 use crate::core::time::UtcMicros;
-use crate::store::{Options, Secrets};
+use crate::store::{Options, Secrets, without_password};
 
 pub use access::Access;
 pub use alerts::Alerts;
@@ -240,13 +240,9 @@ impl Config {
         let _checked = secrets(&environment)?;
         let mut merged = merged(&files_or_found(files), environment)?;
         Self::read(merged.clone())?;
-        for key in ["/hooks/external_url", "/database/url"] {
-            if let Some(Value::String(address)) = merged.pointer_mut(key)
-                && let Ok(mut url) = url::Url::parse(address)
-                && url.password().is_some()
-                && url.set_password(Some("hidden")).is_ok()
-            {
-                *address = url.into();
+        for key in ["/hooks/external_url", "/hooks/proxy", "/hooks/smtp_url", "/database/url"] {
+            if let Some(Value::String(address)) = merged.pointer_mut(key) {
+                *address = without_password(address);
             }
         }
         toml::to_string(&merged).map_err(|error| ConfigError::Key { key: String::new(), detail: error.to_string() })

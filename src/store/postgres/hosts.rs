@@ -104,7 +104,7 @@ impl Hosts {
 }
 
 /// An address for people to read.
-pub(in crate::store) fn without_password(url: &str) -> String {
+pub(crate) fn without_password(url: &str) -> String {
     let Some((scheme, rest)) = url.split_once("://") else { return url.to_owned() };
     let (authority, path) = rest.split_at(rest.find(['/', '?']).unwrap_or(rest.len()));
     let shown = match authority.rsplit_once('@').map(|(user, hosts)| (user.split_once(':'), hosts)) {

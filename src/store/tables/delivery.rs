@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::delivery_line::{instants, move_up};
+use super::delivery_line::{fall_back, instants, move_up};
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::core::judge::Severity;
@@ -168,6 +168,7 @@ pub(crate) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
         &changes.replayed,
         batch,
     );
+    fall_back(&changes.replayed, batch);
     instants(
         Sql {
             sqlite: "UPDATE delivery SET due_at = $C1 WHERE hook = $C0 AND state = 'waiting' AND due_at > $C1",
@@ -289,18 +290,18 @@ fn attempted(attempts: &[(AttemptRow, Progress)], batch: &mut Batch) {
         ),
         history,
     );
-    // A delivery that was dropped meanwhile stays dropped.
+    // A delivery that was dropped meanwhile stays dropped; one that fell back is done all the same.
     batch.add(
         Sql {
             sqlite: "UPDATE delivery SET state = $C1, due_at = coalesce($C2, due_at), finished_at = $C3,
                          attempts = attempts + 1, first_attempt_at = coalesce(first_attempt_at, $C4)
-                     WHERE id = $C0 AND state = 'waiting'",
+                     WHERE id = $C0 AND state IN ('behind', 'waiting')",
             postgres: "UPDATE delivery SET state = j.value->>1,
                            due_at = coalesce(CAST(j.value->>2 AS BIGINT), due_at),
                            finished_at = CAST(j.value->>3 AS BIGINT), attempts = attempts + 1,
                            first_attempt_at = coalesce(first_attempt_at, CAST(j.value->>4 AS BIGINT))
                        FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
-                       WHERE delivery.id = CAST(j.value->>0 AS BIGINT) AND delivery.state = 'waiting'",
+                       WHERE delivery.id = CAST(j.value->>0 AS BIGINT) AND delivery.state IN ('behind', 'waiting')",
         },
         rows,
     );

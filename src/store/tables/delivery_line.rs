@@ -83,6 +83,27 @@ pub(crate) fn move_up(lines: impl Iterator<Item = (Id, UtcMicros)>, batch: &mut 
     );
 }
 
+/// After deliveries that are sent again, what waits of their hooks and stands behind another waits for its turn.
+pub(crate) fn fall_back(again: &[(Id, UtcMicros)], batch: &mut Batch) {
+    batch.add(
+        Sql {
+            sqlite: concat!(
+                "UPDATE delivery SET state = 'behind' WHERE state = 'waiting'
+                     AND hook = (SELECT again.hook FROM delivery AS again WHERE again.id = $C0) AND ",
+                stands_behind!()
+            ),
+            postgres: concat!(
+                "UPDATE delivery SET state = 'behind' WHERE state = 'waiting'
+                     AND hook IN (SELECT again.hook FROM delivery AS again WHERE again.id IN
+                         (SELECT CAST(j.value->>0 AS BIGINT) FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)))
+                     AND ",
+                stands_behind!()
+            ),
+        },
+        Rows::of(again.iter().map(|(id, _)| id.0)),
+    );
+}
+
 pub(crate) fn instants(sql: Sql, pairs: &[(Id, UtcMicros)], batch: &mut Batch) {
     let mut rows = Rows::default();
     for (id, at) in pairs {

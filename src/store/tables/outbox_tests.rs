@@ -366,7 +366,8 @@ async fn replayed_deliveries_start_anew_and_a_deleted_hooks_queue_is_dropped() {
     assert_eq!(bench.states().await, [Dead, Waiting, Waiting, Behind, Behind, Behind]);
     let replayed = vec![(Id(40), UtcMicros(700)), (Id(43), UtcMicros(700))];
     bench.change(OutboxChanges { replayed, ..OutboxChanges::default() }).await;
-    assert_eq!(bench.states().await, [Waiting, Waiting, Waiting, Behind, Behind, Behind], "43 is not done yet");
+    let states = [Waiting, Waiting, Behind, Behind, Behind, Behind];
+    assert_eq!(bench.states().await, states, "42 has its turn after 40; 43 is not done yet");
     assert_eq!(store::outbox::queue_state(&bench.store, HOOK).await.unwrap().open, 6);
     let totals = store::outbox::outbox_totals(&bench.store).await.unwrap();
     assert_eq!((totals.open, totals.dead, totals.oldest_open), (6, 0, Some(UtcMicros(100))));
@@ -378,6 +379,27 @@ async fn replayed_deliveries_start_anew_and_a_deleted_hooks_queue_is_dropped() {
     bench.attempt(41, 801, DONE).await;
     assert_eq!(bench.states().await, [Delivered, Dropped, Dropped, Dropped, Dropped, Dropped]);
     assert_eq!(store::outbox::queue_state(&bench.store, HOOK).await.unwrap(), QueueState::default());
+}
+
+#[tokio::test]
+async fn dead_letters_that_are_sent_again_come_one_after_another() {
+    use DeliveryState::{Behind, Dead, Delivered, Waiting};
+    let mut bench = Bench::new().await;
+    bench.queue().await;
+    bench.change(OutboxChanges { queued: vec![many(60, &[1, 2])], ..OutboxChanges::default() }).await;
+    for delivery in [40, 41, 42, 43, 44, 45, 60] {
+        bench.attempt(delivery, 100 + delivery, Progress::Done(Dead)).await;
+    }
+    let replayed = [40, 42, 43, 60].map(|id| (Id(id), UtcMicros(700))).to_vec();
+    bench.change(OutboxChanges { replayed, ..OutboxChanges::default() }).await;
+    assert_eq!(bench.states().await, [Waiting, Dead, Behind, Waiting, Dead, Dead, Behind]);
+    bench.attempt(40, 701, DONE).await;
+    assert_eq!(bench.due(702).await, [43, 42]);
+    // What was under way when an earlier one was sent again is done all the same.
+    bench.change(OutboxChanges { replayed: vec![(Id(40), UtcMicros(703))], ..OutboxChanges::default() }).await;
+    bench.attempt(42, 704, DONE).await;
+    bench.attempt(43, 705, DONE).await;
+    assert_eq!(bench.states().await, [Waiting, Dead, Delivered, Delivered, Dead, Dead, Behind]);
 }
 
 #[tokio::test]

@@ -213,6 +213,21 @@ async fn what_does_not_exist_is_said_on_a_page() {
 }
 
 #[tokio::test]
+async fn an_address_or_a_form_that_cannot_be_read_is_said_on_a_page_in_words_of_this_service() {
+    let server = Server::start().await;
+    for (path, words) in
+        [("/fleet?page=x", "page must be a whole number"), ("/fleet?page=1&page=2", "page is given twice")]
+    {
+        let answer = server.call("GET", path, &[("accept", "text/html")], "").await;
+        assert_eq!((answer.status, answer.content_type.as_str()), (400, "text/html; charset=utf-8"), "{path}");
+        assert!(answer.text().contains(words) && !answer.text().contains("deserialize"), "{path}: {}", answer.text());
+    }
+    let answer = sends_form(&server, "/diagnoses", &[("imu", "A"), ("imu", "B")]).await;
+    assert_eq!((answer.status, answer.content_type.as_str()), (400, "text/html; charset=utf-8"), "{}", answer.text());
+    assert!(answer.text().contains("imu is given twice"), "{}", answer.text());
+}
+
+#[tokio::test]
 async fn nothing_is_loaded_from_elsewhere_and_nothing_inline_runs() {
     let server = a_small_fleet().await;
     for path in ["/", "/fleet", "/fleet?view=imu", "/gyros/STEADY"] {

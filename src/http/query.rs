@@ -11,7 +11,7 @@ use url::form_urlencoded;
 
 use super::app::App;
 use crate::core::id::Id;
-use crate::core::message::{Message, list, text};
+use crate::core::message::{Message, list};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::message;
@@ -19,6 +19,7 @@ use crate::routes::Takes;
 use crate::wire::cursor::{self, List};
 use crate::wire::problem::Problem;
 use crate::wire::time;
+use crate::wire::unreadable;
 
 pub const IDEMPOTENCY_KEY: &str = "idempotency-key";
 
@@ -29,29 +30,10 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Parameters<T> 
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
-        let Query(parameters) =
-            Query::from_request_parts(parts, state).await.map_err(|rejection| bad(of_form(&rejection.body_text())))?;
+        let Query(parameters) = Query::from_request_parts(parts, state)
+            .await
+            .map_err(|rejection| bad(unreadable::in_words(&rejection.body_text())))?;
         Ok(Self(parameters))
-    }
-}
-
-/// What axum says of a query that it cannot read, in words of ours.
-fn of_form(said: &str) -> Message {
-    let what = said.strip_prefix("Failed to deserialize query string: ").unwrap_or(said);
-    let quoted = |before: &str| Some(text(what.split_once(before)?.1.split('`').next()?));
-    if let Some(parameter) = quoted("duplicate field `") {
-        return message!("parameter_twice", parameter = parameter);
-    }
-    if let Some(parameter) = quoted("missing field `") {
-        return message!("parameter_missing", parameter = parameter);
-    }
-    match what.split_once(": ") {
-        Some((parameter, why)) if why.contains("digit") || why.contains("number too") || why.contains("integer") => {
-            message!("parameter_whole", parameter = text(parameter))
-        }
-        Some((parameter, why)) if why.contains("float") => message!("parameter_number", parameter = text(parameter)),
-        Some((parameter, why)) if why.contains("`true`") => message!("parameter_flag", parameter = text(parameter)),
-        _ => message!("query_unreadable"),
     }
 }
 

@@ -3,8 +3,7 @@
 
 use std::sync::Arc;
 
-use axum::Form;
-use axum::extract::{Path, Query, State as Held};
+use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::html;
 
@@ -20,6 +19,7 @@ use crate::core::augmented::AugmentedModel;
 use crate::core::id::Id;
 use crate::core::message::text;
 use crate::message;
+use crate::pages::sent::{Form, Query};
 use crate::pipeline::{Adoption, DiagnosisAnswer};
 use crate::wire::problem::Problem;
 use crate::words;

@@ -3,8 +3,7 @@
 mod bulk;
 mod one;
 
-use axum::Form;
-use axum::extract::{Path, Query, State as Held};
+use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -25,6 +24,7 @@ use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity, Status};
 use crate::message;
+use crate::pages::sent::{Form, Query};
 use crate::pages::status;
 use crate::pipeline::{self, AlertChange, AlertOrder, BEYOND, Violation};
 use crate::wire::alert::AlertBody;

@@ -1,8 +1,7 @@
 //! `/records/{id}/confirm`: the time of a record that was set aside is right, said on a page that shows what it is
 //! about.
 
-use axum::Form;
-use axum::extract::{Path, Query, State as Held};
+use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::html;
 
@@ -14,6 +13,7 @@ use super::viewer::Viewer;
 use crate::core::id::Id;
 use crate::core::message::text;
 use crate::message;
+use crate::pages::sent::{Form, Query};
 use crate::pipeline::{Actor, Confirmation, Submission};
 use crate::wire::note;
 use crate::wire::problem::Problem;

@@ -1,8 +1,7 @@
 //! `…/void`: a record, a campaign or a bench result counts no more, said on a page that tells what that changes; and
 //! how an item stands that was voided or revised.
 
-use axum::Form;
-use axum::extract::{Path, Query, State as Held};
+use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
 
@@ -20,6 +19,7 @@ use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::message;
+use crate::pages::sent::{Form, Query};
 use crate::pipeline::{Actor, Corrected, Correction, Submission};
 use crate::wire::problem::Problem;
 

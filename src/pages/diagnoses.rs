@@ -3,8 +3,7 @@
 mod fields;
 mod orders;
 
-use axum::Form;
-use axum::extract::{Query, State as Held};
+use axum::extract::State as Held;
 use axum::http::StatusCode;
 use axum::response::Response;
 use maud::{Markup, html};
@@ -20,6 +19,7 @@ use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::effects::CATALOGUE;
 use crate::core::fault::Faults;
+use crate::pages::sent::{Form, Query};
 use crate::pipeline::DiagnosisOrder;
 use crate::wire::diagnoses::{
     AtStationBody, DoubtBody, FindingBody, OverviewBody, SightingBody, SummaryBody, WhichBody,

@@ -1,7 +1,6 @@
 //! `/gyros/{serial}/events/new`: what was done to a gyro, or a new baseline, on a page that says what that changes.
 
-use axum::Form;
-use axum::extract::{Path, Query, State as Held};
+use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -16,6 +15,7 @@ use crate::core::fault::Faults;
 use crate::core::judge::Event;
 use crate::core::record::Name;
 use crate::message;
+use crate::pages::sent::{Form, Query};
 use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
 use crate::wire::event::read_test;
 use crate::wire::problem::Problem;

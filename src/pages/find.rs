@@ -1,6 +1,6 @@
 //! `/find`: what a name or an identifier is of. Where that is one thing, its page; else the fleet, searched.
 
-use axum::extract::{Query, State as Held};
+use axum::extract::State as Held;
 use axum::response::Response;
 use serde::Deserialize;
 
@@ -9,6 +9,7 @@ use super::form::see_other;
 use super::layout::encoded;
 use super::viewer::Viewer;
 use crate::core::id::Id;
+use crate::pages::sent::Query;
 use crate::pipeline::FleetFilter;
 use crate::wire::problem::Problem;
 

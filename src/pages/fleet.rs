@@ -3,7 +3,7 @@
 mod filters;
 mod wall;
 
-use axum::extract::{Query, State as Held};
+use axum::extract::State as Held;
 use axum::response::Response;
 use maud::{Markup, html};
 
@@ -17,6 +17,7 @@ use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::judge::{Coefficient, Measured, Outlook, Rule, Status};
 use crate::core::time::{Span, UtcMicros};
+use crate::pages::sent::Query;
 use crate::pages::status as badges;
 use crate::pipeline::{BEYOND, FleetPage, Names, RecentValues, Standing, Violation, sample_of};
 use crate::wire::problem::Problem;

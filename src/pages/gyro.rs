@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use axum::extract::{Path, Query, State as Held};
+use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -21,6 +21,7 @@ use crate::core::time::UtcMicros;
 use crate::pages::gyro_head;
 use crate::pages::history;
 use crate::pages::history_plot::{self, Epochs, Seen};
+use crate::pages::sent::Query;
 use crate::pages::status;
 use crate::pages::view::{AskedView, Shown, View};
 use crate::pipeline::{Comparison, Course, ExplainedHistory, Names, Standing, Statuses, sample_of};

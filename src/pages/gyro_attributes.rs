@@ -1,6 +1,5 @@
 //! `/gyros/{serial}/attributes`: batch, type and unit of a gyro, shown and edited.
 
-use axum::Form;
 use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
@@ -15,6 +14,7 @@ use crate::core::fault::Faults;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
 use crate::core::record::Name;
 use crate::pages::gyro;
+use crate::pages::sent::Form;
 use crate::pipeline::{Actor, AttributesOrder, Submission};
 use crate::wire::problem::Problem;
 use crate::wire::text;

@@ -40,6 +40,7 @@ mod reference;
 mod report;
 mod reports;
 mod residuals;
+mod sent;
 mod separation;
 mod setup;
 mod sign_in;

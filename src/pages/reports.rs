@@ -1,6 +1,6 @@
 //! `/reports`: the reports on several gyros, each on sheets of its own.
 
-use axum::extract::{Query, State as Held};
+use axum::extract::State as Held;
 use axum::response::Response;
 use maud::html;
 
@@ -8,6 +8,7 @@ use super::Pages;
 use super::layout::{Page, Section};
 use super::report;
 use super::viewer::Viewer;
+use crate::pages::sent::Query;
 use crate::wire::problem::Problem;
 
 /// Gyros of one page.

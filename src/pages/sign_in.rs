@@ -2,8 +2,7 @@
 
 use std::net::SocketAddr;
 
-use axum::Form;
-use axum::extract::{ConnectInfo, Query, State as Held};
+use axum::extract::{ConnectInfo, State as Held};
 use axum::http::header::{LOCATION, RETRY_AFTER, SET_COOKIE, USER_AGENT};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
@@ -14,6 +13,7 @@ use super::Pages;
 use super::layout::{Page, Section};
 use super::viewer::{Viewer, is_local};
 use crate::core::access::Role;
+use crate::pages::sent::{Form, Query};
 use crate::pipeline::{Caller, Denied, SESSION_COOKIE};
 use crate::wire::problem::Problem;
 

@@ -1,6 +1,5 @@
 //! Silences of many alerts: those that hold, on the page of alerts; begun and ended on pages of their own.
 
-use axum::Form;
 use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
@@ -18,6 +17,7 @@ use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
+use crate::pages::sent::Form;
 use crate::pipeline::SilenceOrder;
 use crate::wire::problem::Problem;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody};

@@ -1,8 +1,7 @@
 //! `/stations/{name}/suspect` and `/stations/{name}/trust`: what a station measured in a window of time does not count,
 //! and counts again.
 
-use axum::Form;
-use axum::extract::{Path, Query, State as Held};
+use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::html;
 use serde::Deserialize;
@@ -13,6 +12,7 @@ use super::layout::{Section, encoded};
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
 use crate::core::suspect_window::{Mark, SuspectWindow};
+use crate::pages::sent::{Form, Query};
 use crate::pipeline::{Actor, WindowMark};
 use crate::wire::problem::Problem;
 use crate::wire::text;
@@ -30,7 +30,7 @@ pub(super) async fn ask_suspect(
     pages: Held<Pages>,
     viewer: Viewer,
     name: Path<String>,
-    window: Query<Window>,
+    Query(window): Query<Window>,
 ) -> Response {
     ask(&pages, &viewer, &name, &window, false).await
 }
@@ -39,7 +39,7 @@ pub(super) async fn ask_trust(
     pages: Held<Pages>,
     viewer: Viewer,
     name: Path<String>,
-    window: Query<Window>,
+    Query(window): Query<Window>,
 ) -> Response {
     ask(&pages, &viewer, &name, &window, true).await
 }

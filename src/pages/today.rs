@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use axum::extract::{Query, State as Held};
+use axum::extract::State as Held;
 use axum::http::Uri;
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
@@ -20,6 +20,7 @@ use crate::core::access::Role;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::judge::{Coefficient, Measured, Status};
 use crate::core::time::UtcMicros;
+use crate::pages::sent::Query;
 use crate::pages::status as badges;
 use crate::pipeline::{DueImu, FirstOf, FleetFilter, FleetPage, Names, Standing, Today, Together, today};
 use crate::wire::alert::AlertBody;

@@ -47,3 +47,4 @@ pub mod text;
 pub mod time;
 pub mod triple;
 pub mod unit;
+pub mod unreadable;

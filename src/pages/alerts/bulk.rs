@@ -1,6 +1,6 @@
 //! One word for many alerts: of the gyros that are ticked, or of those that are named.
 
-use axum::extract::{Form, Query, State as Held};
+use axum::extract::State as Held;
 use axum::http::StatusCode;
 use axum::response::Response;
 use maud::{Markup, html};
@@ -13,6 +13,7 @@ use crate::message;
 use crate::pages::Pages;
 use crate::pages::form::{answered, fault_list, see_other};
 use crate::pages::layout::{Page, Section};
+use crate::pages::sent::{Form, Query};
 use crate::pages::silences::{days_field, silent_until};
 use crate::pages::viewer::{Viewer, is_local};
 use crate::pipeline::{AlertChange, AlertOrder};

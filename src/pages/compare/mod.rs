@@ -4,12 +4,13 @@
 mod campaigns;
 mod gyros;
 
-use axum::extract::{Query, State as Held};
+use axum::extract::State as Held;
 use axum::response::Response;
 
 use super::Pages;
 use super::viewer::Viewer;
 use crate::message;
+use crate::pages::sent::Query;
 use crate::wire::problem::Problem;
 
 /// Gyros at the most: more lines than that are told apart by nobody.

@@ -6,7 +6,7 @@ pub(super) mod sections;
 
 use std::time::Duration;
 
-use axum::extract::{Path, Query, State as Held};
+use axum::extract::{Path, State as Held};
 use axum::http::header::REFRESH;
 use axum::http::{HeaderValue, StatusCode};
 use axum::response::Response;
@@ -24,6 +24,7 @@ use crate::core::access::Role;
 use crate::core::mounting::Slot;
 use crate::pages::reference;
 use crate::pages::reference::Against;
+use crate::pages::sent::Query;
 use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
 use crate::wire::campaign;
 use crate::wire::problem::Problem;

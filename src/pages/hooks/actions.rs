@@ -1,6 +1,5 @@
 //! What is done about hooks: set up, tried, switched, deleted; and what they were told, sent again.
 
-use axum::Form;
 use axum::extract::{Path, State as Held};
 use axum::http::StatusCode;
 use axum::response::Response;
@@ -18,6 +17,7 @@ use crate::message;
 use crate::pages::Pages;
 use crate::pages::form::{Deed, Word, answered, choice, see_other};
 use crate::pages::layout::{Page, Section};
+use crate::pages::sent::Form;
 use crate::pages::viewer::Viewer;
 use crate::pipeline::{DeliveryPage, HookKind, Order};
 use crate::wire::problem::Problem;

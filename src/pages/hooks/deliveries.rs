@@ -1,6 +1,6 @@
 //! `/hooks/{id}`: what one hook was told, newest first, with the dead letters.
 
-use axum::extract::{Path, Query, State as Held};
+use axum::extract::{Path, State as Held};
 use axum::http::HeaderValue;
 use axum::http::header::HeaderName;
 use axum::response::Response;
@@ -13,6 +13,7 @@ use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::pages::Pages;
 use crate::pages::layout::{Page, Section, symbol};
+use crate::pages::sent::Query;
 use crate::pages::viewer::Viewer;
 use crate::pipeline::DeliveryPage;
 use crate::wire::alert::AlertBody;

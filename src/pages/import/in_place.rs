@@ -1,8 +1,8 @@
 //! A document of the import page takes the place of the one that is stored for its IMU and time.
 
+use axum::Extension;
 use axum::extract::State as Held;
 use axum::response::Response;
-use axum::{Extension, Form};
 use serde::Deserialize;
 
 use super::logs::Sent;
@@ -13,6 +13,7 @@ use crate::core::kind::Kind;
 use crate::message;
 use crate::pages::Pages;
 use crate::pages::form::{Word, answered, fault_list, see_other};
+use crate::pages::sent::Form;
 use crate::pages::viewer::Viewer;
 use crate::pipeline::{Accepted, Actor, Caller, Corrected, Correction, ReadDocument, Submission};
 use crate::wire::problem::Problem;

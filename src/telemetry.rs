@@ -39,8 +39,8 @@ pub const STATION_OVERDUE: &str = "gyrowatch_station_overdue_gyros";
 const BUILD: &str = "gyrowatch_build_info";
 
 /// What items are, and what becomes of them.
-pub const ITEM_KINDS: [&str; 7] =
-    ["calibration", "bench_result", "event", "correction", "confirmation", "doubt", "attributes"];
+pub const ITEM_KINDS: [&str; 8] =
+    ["calibration", "bench_result", "event", "correction", "confirmation", "doubt", "window", "attributes"];
 pub const ITEM_OUTCOMES: [&str; 4] = ["stored", "there", "refused", "failed"];
 pub const ATTEMPT_OUTCOMES: [&str; 5] = ["delivered", "failed", "dead", "gone", "needless"];
 pub const DIAGNOSIS_OUTCOMES: [&str; 3] = ["made", "refused", "failed"];

@@ -158,6 +158,7 @@ async fn every_counter_and_histogram_begins_at_zero() {
     let server = Server::start().await;
     let before = server.get("/metrics").await.text();
     assert_eq!(metric(&before, r#"gyrowatch_items_total{kind="calibration",outcome="failed"}"#), 0.0);
+    assert_eq!(metric(&before, r#"gyrowatch_items_total{kind="window",outcome="stored"}"#), 0.0);
     assert_eq!(metric(&before, r#"gyrowatch_delivery_attempts_total{kind="alertmanager",outcome="dead"}"#), 0.0);
     assert_eq!(metric(&before, r#"gyrowatch_delivery_attempt_duration_seconds_count{kind="email"}"#), 0.0);
     assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);

@@ -88,7 +88,9 @@ impl WriteQueue {
     /// Writes that wait, and how many may.
     pub fn waiting(&self) -> (usize, usize) {
         let waiting = |queue: &mpsc::Sender<Job>| queue.max_capacity() - queue.capacity();
-        (self.lanes.iter().map(waiting).sum(), self.lanes.iter().map(mpsc::Sender::max_capacity).sum())
+        let orders = Some(&self.orders).filter(|orders| !self.lanes[0].same_channel(orders));
+        let queues = || self.lanes.iter().chain(orders);
+        (queues().map(waiting).sum(), queues().map(mpsc::Sender::max_capacity).sum())
     }
 
     /// Whose it is to store an item.
@@ -147,5 +149,21 @@ impl WeakWriteQueue {
     pub fn upgrade(&self) -> Option<WriteQueue> {
         let lanes = self.lanes.iter().map(mpsc::WeakSender::upgrade).collect::<Option<Vec<_>>>()?;
         Some(WriteQueue { orders: self.orders.upgrade()?, lanes: lanes.into() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn what_waits_in_any_queue_is_counted_once() {
+        for (lanes, most) in [(0, 4), (2, 12)] {
+            let (queue, _queues) = WriteQueue::new(4, lanes);
+            let probe = || Job::Probe(oneshot::channel().0);
+            queue.send(probe()).await.unwrap();
+            queue.send_to(0, probe()).await.unwrap();
+            assert_eq!(queue.waiting(), (2, most), "{lanes} lanes");
+        }
     }
 }

@@ -26,19 +26,25 @@ impl ForecastAlerts<'_> {
     pub async fn keep(&mut self, made: &Made) -> Result<(), WriteError> {
         let Some(mut changes) = made.changes(&self.state.after.models) else { return Ok(()) };
         let followed = self.follow_forecast(made, &mut changes).await;
-        self.state.commit_or_forget(followed, &mut changes).await
-    }
-
-    async fn follow_forecast(&mut self, made: &Made, changes: &mut Changes) -> Result<(), StoreError> {
-        let Some((campaign, imu, point)) = made.foretold() else { return Ok(()) };
-        let in_force = self.state.after.models.of(Some(imu));
-        let found = newest_verdict(&self.state.store, (imu, &in_force), &[], Some((campaign, point))).await?;
-        let Some((head, verdict)) = found else { return Ok(()) };
-        if head.id == campaign {
+        let (followed, verdict) = match followed {
+            Ok(verdict) => (Ok(()), verdict),
+            Err(error) => (Err(error), None),
+        };
+        self.state.commit_or_forget(followed, &mut changes).await?;
+        if let Some(verdict) = verdict {
             let (rule, state) = (verdict.rule.name(), verdict.state.name());
             metrics::counter!(telemetry::VERDICTS, "rule" => rule, "state" => state).increment(1);
             metrics::counter!(telemetry::STATUSES, "rule" => rule, "status" => verdict.status().name()).increment(1);
         }
+        Ok(())
+    }
+
+    /// The verdict on the campaign, where it is the newest of its IMU.
+    async fn follow_forecast(&mut self, made: &Made, changes: &mut Changes) -> Result<Option<Verdict>, StoreError> {
+        let Some((campaign, imu, point)) = made.foretold() else { return Ok(None) };
+        let in_force = self.state.after.models.of(Some(imu));
+        let found = newest_verdict(&self.state.store, (imu, &in_force), &[], Some((campaign, point))).await?;
+        let Some((head, verdict)) = found else { return Ok(None) };
         self.state.alerts.recall(&self.state.store, [], self.now).await?;
         {
             let naming = Naming { tables: &self.state.store.names().read(), new: None };
@@ -46,7 +52,8 @@ impl ForecastAlerts<'_> {
             let mut pen = Pen { now: self.now, writer: &mut self.state.writer, naming, cause, late };
             self.state.alerts.follow(AlertOf::Imu(imu), &verdict, &origin(imu, &head, &verdict), &mut pen);
         }
-        self.state.note(changes, self.now).await
+        self.state.note(changes, self.now).await?;
+        Ok((head.id == campaign).then_some(verdict))
     }
 
     /// Another model comes into force: what the one before had foretold is over.

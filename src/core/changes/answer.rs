@@ -386,6 +386,12 @@ impl HistoryDiagnosis {
         }
     }
 
+    /// Whether one step explains all of its change.
+    pub fn is_one_step(&self) -> bool {
+        let stepped = |cause: &NamedCause| matches!(cause.cause, "step" | "step_at_event" | "re_mounting");
+        self.verdict == HistoryVerdict::Explained && matches!(&self.causes[..], [one] if stepped(one))
+    }
+
     /// Of how many records it is said, where not all that count are looked at.
     pub fn looked_at(&self, records: usize) -> Option<Message> {
         (self.records < records).then(|| message!("history_looked_at", looked_at = self.records, records = records))
@@ -407,6 +413,13 @@ impl HistoryDiagnosis {
             message!("history_outlier", day = text(outlier.at.date()), deviation = signed(outlier.deviation, 4))
         };
         all.extend(self.outliers.iter().map(outlier));
+        all.extend(self.ahead(newest));
+        all
+    }
+
+    /// When it reaches its budget, and until when it has to be calibrated.
+    pub fn ahead(&self, newest: Option<UtcMicros>) -> Vec<Message> {
+        let mut all = Vec::new();
         if let Some((newest, due)) = newest.zip(self.due.as_ref()) {
             let day = |days: f64| text(newest.plus_days(days).date());
             let is_past = |days: f64| newest.plus_days(days) < now;

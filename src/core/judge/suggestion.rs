@@ -28,6 +28,8 @@ pub enum Suggestion("suggestion_") {
     Remove = "remove",
     /// Out of tolerance for certain: it goes, or somebody accepts its new level with a reason.
     RemoveOrAccept = "remove_or_accept",
+    /// As before, where one step is known to explain it.
+    AcceptOrRemove = "accept_or_remove",
 }
 }
 
@@ -40,6 +42,8 @@ pub struct Standpoint {
     pub verdicts: Vec<(Coefficient, Status)>,
     /// Whether it moves on or scatters: it has no level that could be accepted.
     pub unsteady: bool,
+    /// Whether one step explains all that changed of what is out of tolerance: it has a new level.
+    pub stepped_once: bool,
     /// Whether its interval is over.
     pub overdue: bool,
     /// Days until a trend may have reached the budget: the early edge of its band.
@@ -63,6 +67,7 @@ pub fn suggest(of: &Standpoint) -> Option<Suggestion> {
             match closure_alone {
                 true => Suggestion::CheckMounting,
                 false if of.unsteady => Suggestion::Remove,
+                false if of.stepped_once => Suggestion::AcceptOrRemove,
                 false => Suggestion::RemoveOrAccept,
             }
         }
@@ -112,6 +117,10 @@ mod tests {
         assert_eq!(suggest(&Standpoint::default()), None, "never calibrated");
         let moves_on = Standpoint { unsteady: true, ..of(Status::Confirmed, &[(DI, Status::Confirmed)]) };
         assert_eq!(suggest(&moves_on), Some(Suggestion::Remove), "no level to accept");
+        let stepped = Standpoint { stepped_once: true, ..of(Status::Confirmed, &[(DI, Status::Confirmed)]) };
+        assert_eq!(suggest(&stepped), Some(Suggestion::AcceptOrRemove));
+        let both = Standpoint { unsteady: true, ..stepped };
+        assert_eq!(suggest(&both), Some(Suggestion::Remove), "what scatters about a new level has none");
     }
 
     #[test]

@@ -136,3 +136,4 @@ suggestion_watch = Keep watching: it drifts within its budget.
 suggestion_check_mounting = Check the mounting: only D_O is out of tolerance. Note a re-installation if there was one; otherwise re-test.
 suggestion_remove = Take it out: it does not stay at one level.
 suggestion_remove_or_accept = Take it out. If it has stepped once and is steady since, its new level may be accepted: start a baseline with a reason.
+suggestion_accept_or_remove = Accept the new level (start a baseline with a reason), or take it out: one step explains the change.

@@ -128,3 +128,4 @@ suggestion_watch = 继续观察：在允许范围内漂移。
 suggestion_check_mounting = 检查安装：仅D_O超差。若曾重新安装，请记录；否则复测。
 suggestion_remove = 拆下：它不停留在同一水平。
 suggestion_remove_or_accept = 拆下。若仅跳变一次且此后稳定，可认可新水平：注明原因开始新基线。
+suggestion_accept_or_remove = 认可新水平（注明原因开始新基线），或拆下：一次跳变即可解释其变化。

@@ -5,7 +5,7 @@
 //! chapter III). Gyros age and step by themselves, so all of it is robust: e from the median of successive differences,
 //! c from the median of the gyros' pulls about the common offset, b from [`station`](super::station).
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::sync::Arc;
 
 use crate::core::numerics::median::median_of;
@@ -111,6 +111,7 @@ impl FleetStations {
 /// What every station of `fleet` does; none without records.
 pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
     let mut found: BTreeMap<Arc<str>, StationFigures> = BTreeMap::new();
+    let mut records: HashSet<(&str, &str, UtcMicros)> = HashSet::new();
     for gyro in fleet {
         let mut here: Vec<&Arc<str>> = Vec::new();
         for entry in &gyro.entries {
@@ -124,7 +125,7 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
                 against: None,
                 columns: Default::default(),
             });
-            figures.records += 1;
+            figures.records += usize::from(records.insert((&entry.station, &entry.imu, entry.at)));
             figures.first = figures.first.min(entry.at);
             figures.last = figures.last.max(entry.at);
             if !here.contains(&&entry.station) {

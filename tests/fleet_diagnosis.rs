@@ -398,7 +398,7 @@ async fn the_page_shows_what_was_found_and_takes_an_order() {
     let taken = send("/diagnoses", &origin, "imu=WARM&since=2026-05-01&until=2026-05-01&again=yes").await;
     assert_eq!((taken.status, &taken.headers["location"]), (303, &"/diagnoses#orders".parse().unwrap()));
     let patience = Instant::now() + Duration::from_secs(180);
-    while !server.get("/diagnoses").await.text().contains("<span class=\"badge within\">done</span>") {
+    while !server.get("/diagnoses").await.text().contains("</svg>done</span>") {
         assert!(Instant::now() < patience, "{}", server.get("/diagnoses").await.text());
         tokio::time::sleep(Duration::from_millis(50)).await;
     }

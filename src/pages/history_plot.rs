@@ -9,6 +9,7 @@ use super::chart::{Across, Ahead, Chart, Dot, Flag, Level, Segment, Track, bound
 use super::figure;
 use super::history::{event_label, seat};
 use super::layout::{DRIFTS, clock, symbol};
+use super::status::sign;
 use super::text::Text;
 use super::verdicts::Said;
 use super::view::{Shown, View};
@@ -516,10 +517,7 @@ fn legend(t: &Text, charts: &[(usize, Chart)], drawing: &Drawing<'_>) -> Markup 
     let mark = |class: &str, shape: Markup| {
         html! { svg.key aria-hidden="true" viewBox="-7 -7 14 14" { g class=(class) { (shape) } } }
     };
-    let of_status = |status: Status| match status {
-        speaks if speaks >= Status::Drifting => html! { path class=(status.name()) d="M0-4.5l4.2 7.4h-8.4z" {} },
-        _ => html! { circle class=(status.name()) r="3" {} },
-    };
+    let of_status = |status: Status| html! { path class=(status.name()) d=(sign(status)) {} };
     html! {
         ul.legend {
             @for status in Status::ALL.into_iter().filter(occurs) {

@@ -10,6 +10,7 @@ use maud::{Markup, html};
 use super::Pages;
 use super::layout::written;
 use super::layout::{Page, Section};
+use super::status;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::id::Id;
@@ -66,7 +67,8 @@ fn line(viewer: &Viewer, hook: &HookBody) -> Markup {
 fn state(viewer: &Viewer, hook: &HookBody) -> Markup {
     let t = viewer.text();
     html! {
-        @if hook.enabled { span.badge.within { (t.enabled) } } @else { span.badge.exceeded { (t.disabled) } }
+        @if hook.enabled { (status::said(Some(Status::InTolerance), t.enabled)) }
+        @else { (status::said(Some(Status::OutOfTolerance), t.disabled)) }
         @if let Some(why) = &hook.disabled_because { br; span.quiet { (why) } }
     }
 }

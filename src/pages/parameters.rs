@@ -7,8 +7,10 @@ use maud::{Markup, html};
 
 use super::figure;
 use super::layout::encoded;
+use super::status;
 use super::text::Text;
 use crate::config::Judging;
+use crate::core::judge::Status;
 use crate::core::judge::limits::{Bounds, Requirement};
 use crate::core::mounting::Slot;
 use crate::wire::calibration::{GyroFitBody, ParameterBody};
@@ -141,7 +143,8 @@ fn cell(t: &Text, label: &str, value: f64, sd: Option<f64>, bounds: Option<Bound
                     @let kept = (low..=high).contains(&value);
                     br;
                     span.quiet { (bounds_alike(low, high)) } " "
-                    span class={ "badge " (if kept { "within" } else { "exceeded" }) } { (if kept { t.pass } else { t.fail }) }
+                    @if kept { (status::said(Some(Status::InTolerance), t.pass)) }
+                    @else { (status::said(Some(Status::OutOfTolerance), t.fail)) }
                 }
             }
         }
@@ -178,6 +181,6 @@ mod tests {
         let e: Vec<f64> = record.gyros.iter().flat_map(|gyro| gyro.e_pulse_per_arcsec.0).collect();
         let required = Requirement::tables_3_and_4().map(|r| r.e).concat();
         let outside = e.iter().zip(required).filter(|(v, b)| !b.is_some_and(|b| (b.low..=b.high).contains(*v))).count();
-        assert_eq!(shown.matches("badge exceeded").count(), outside);
+        assert_eq!(shown.matches("badge out_of_tolerance").count(), outside);
     }
 }

@@ -13,6 +13,7 @@ use maud::{Markup, html};
 
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
+use crate::pages::status::sign;
 use ticks::{dates, figures_apart, round_steps};
 
 /// How wide the figures of the left axis are, and room above the points, pixels. The style sheet's `.picture` and
@@ -357,7 +358,7 @@ impl Chart {
         let mut free = f64::INFINITY;
         let mut lettered = vec![false; track.dots.len()];
         for (k, dot) in track.dots.iter().enumerate().rev() {
-            let width = (0.02 * (dot.letters.chars().count() as f64) + 0.006) * (self.x.1 - self.x.0);
+            let width = LETTER * (dot.letters.chars().count() as f64 + 0.3) / NARROWEST * (self.x.1 - self.x.0);
             if !dot.letters.is_empty() && dot.x + 0.5 * width < free {
                 lettered[k] = true;
                 free = dot.x - 0.5 * width;
@@ -393,9 +394,9 @@ impl Chart {
                 @let (top, bottom) = (scale.y(dot.y + sd).max(0.0), scale.y(dot.y - sd).min(self.height));
                 line.bar x1=(x) x2=(x) y1=(place(top)) y2=(place(bottom)) {}
             }
-            @if dot.status.is_some_and(|status| status >= Status::Drifting) {
+            @if let Some(status) = dot.status.filter(|status| *status > Status::InTolerance) {
                 svg.mark x=(x) y=(place(y)) {
-                    path class=(class) d="M0-4.5l4.2 7.4h-8.4z" {}
+                    path class=(class) d=(sign(status)) {}
                     @if lettered { text.letters.halo y="-8" text-anchor="middle" { (dot.letters) } }
                 }
             } @else { circle class=(class) cx=(x) cy=(place(y)) r="3" {} }
@@ -544,8 +545,9 @@ impl Scale {
     }
 }
 
-/// Area of the narrowest picture, and half of a figure under it, pixels.
+/// Area of the narrowest picture, a letter of a rule in it, and half of a figure under it, pixels.
 const NARROWEST: f64 = 225.0;
+const LETTER: f64 = 7.0;
 const HALF_A_FIGURE: f64 = 18.0;
 
 /// Pixels that a text under an axis takes, roughly: Chinese letters are twice as wide.

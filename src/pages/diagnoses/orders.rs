@@ -9,9 +9,11 @@ use super::fields::{beginning, end, said};
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
+use crate::core::judge::Status;
 use crate::pages::Pages;
 use crate::pages::form::{answered, fault_list, see_other};
 use crate::pages::layout::written;
+use crate::pages::status;
 use crate::pages::text::Text;
 use crate::pages::viewer::Viewer;
 use crate::pipeline::DiagnosisOrder;
@@ -93,18 +95,18 @@ fn line(viewer: &Viewer, order: &JobBody) -> Markup {
     let t = viewer.text();
     let counts = &order.counts;
     let settled = counts.campaigns - counts.waiting;
-    let (state, badge) = match order.state.as_str() {
-        "done" => (t.order_done, "within"),
-        "canceled" => (t.order_canceled, "none"),
-        "running" => (t.order_running, "indeterminate"),
-        _ => (t.order_waiting, "indeterminate"),
+    let (state, shape) = match order.state.as_str() {
+        "done" => (t.order_done, Some(Status::InTolerance)),
+        "canceled" => (t.order_canceled, None),
+        "running" => (t.order_running, Some(Status::Borderline)),
+        _ => (t.order_waiting, Some(Status::NotEnoughData)),
     };
     let open = order.ended_at.is_none();
     html! {
         tr {
             th scope="row" { (written(&order.asked_at)) " " span.quiet translate="no" { (order.asked_by) } }
             td.words { (which(t, &order.asked)) }
-            td { span class={ "badge " (badge) } { (state) } }
+            td { (status::said(shape, state)) }
             td.nowrap {
                 @if open { progress value=(settled) max=(counts.campaigns) aria-label=(t.progress) {} " " }
                 (settled) " / " (counts.campaigns)

@@ -57,6 +57,7 @@ fn line(t: &Text, gyro: &Standing) -> Markup {
                 td.n.(status.name()) title=(t.status(status)) {
                     span.hidden { (t.status(status)) " " }
                     @if let Some(load) = load { (bullet::rounded(*load)) } @else { "–" }
+                    @if status > Status::NotEnoughData { (badges::mark(status)) }
                 }
             }
         }

@@ -10,10 +10,11 @@ use serde::Deserialize;
 use super::{buttons, filter, known, state, written};
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
-use crate::core::judge::Rule;
+use crate::core::judge::{Rule, Status};
 use crate::pages::Pages;
 use crate::pages::layout::{Page, Section, symbol};
 use crate::pages::sent::Query;
+use crate::pages::status;
 use crate::pages::viewer::Viewer;
 use crate::pipeline::DeliveryPage;
 use crate::wire::alert::AlertBody;
@@ -112,10 +113,10 @@ fn table(viewer: &Viewer, hook: &str, deliveries: &[DeliveryBody], alerts: &[Ale
 fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody, alert: Option<&AlertBody>) -> Markup {
     let t = viewer.text();
     let shape = match delivery.state {
-        "delivered" => "within",
-        "dead" => "exceeded",
-        "dropped" => "none",
-        _ => "indeterminate",
+        "delivered" => Some(Status::InTolerance),
+        "dead" => Some(Status::OutOfTolerance),
+        "dropped" => None,
+        _ => Some(Status::Borderline),
     };
     html! {
         tr {
@@ -128,7 +129,7 @@ fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody, alert: Option<&Ale
             }
             td data-label=(t.queued) { (written(&delivery.queued_at)) }
             td {
-                span class={ "badge " (shape) } { (t.delivery(delivery.state)) }
+                (status::said(shape, t.delivery(delivery.state)))
                 @if let Some(due) = &delivery.due_at { br; span.quiet { (written(due)) } }
             }
             td.n data-label=(t.attempts) { (delivery.attempts.len()) }

@@ -2,7 +2,9 @@
 
 use maud::{Markup, html};
 
+use super::figure;
 use super::layout::{DRIFTS, symbol};
+use super::status::sign;
 use super::text::Text;
 use crate::core::judge::{Measured, Rule, Status};
 use crate::message;
@@ -60,7 +62,7 @@ pub(super) fn leading(t: &Text, standing: &Standing, of: &[Violation]) -> Markup
         return of_coefficient(t, standing, column);
     }
     if let Some(days) = standing.overdue_days.filter(|_| gravest == Some(Status::Overdue)) {
-        return html! { (t.calibrated) " " (format!("{days:.0}")) " " (t.days_ago) };
+        return html! { (t.calibrated) " " (figure::whole_days(days)) " " (t.days_ago) };
     }
     let largest = of_gravest.filter_map(|one| Some((one, one.load?))).max_by(|(_, a), (_, b)| a.total_cmp(b));
     html! {
@@ -88,7 +90,7 @@ pub(super) fn bar(load: Measured, status: Status) -> Markup {
                     points={ (foot) "," (middle - 5.0) " " (tip) "," (middle) " " (foot) "," (middle + 5.0) } {}
             } @else {
                 @if let Some(sd) = load.sd { path.sd d={ "M" (at(value - sd)) " " (middle) "H" (at(value + sd)) } {} }
-                circle class=(status.name()) cx=(at(value)) cy=(middle) r="3.5" {}
+                path class=(status.name()) transform={ "translate(" (at(value)) " " (middle) ")" } d=(sign(status)) {}
             }
         }
     }
@@ -121,11 +123,10 @@ mod tests {
     fn what_is_beyond_the_scale_is_an_arrow_on_its_side() {
         let drawn = |value| bar(load(value, Some(0.07)), Status::Confirmed).into_string();
         assert!(
-            drawn(0.5).contains("<circle class=\"confirmed\"") && drawn(2.5).contains("<polygon class=\"confirmed\"")
+            drawn(0.5).contains("<path class=\"confirmed\"") && drawn(2.5).contains("<polygon class=\"confirmed\"")
         );
         assert!(drawn(2.5).contains("83,3 90,8 83,13") && drawn(-519.0).contains("7,3 0,8 7,13"), "{}", drawn(2.5));
-        assert!(!drawn(2.5).contains("circle"));
         // Half the budget is a third of the way from the middle to the edge.
-        assert!(drawn(0.5).contains(&format!("cx=\"{:.1}\"", 45.0 + 38.0 / 3.0)));
+        assert!(drawn(0.5).contains(&format!("translate({:.1} 8)", 45.0 + 38.0 / 3.0)));
     }
 }

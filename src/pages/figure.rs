@@ -1,5 +1,7 @@
 //! Figures as people write them: value and uncertainty to the same place.
 
+use crate::core::judge::{Limit, Rule};
+
 /// Digits of a figure whose uncertainty nobody has stated: a ten-thousandth of the usual budget of 1e-2 deg/(h g0),
 /// as the paper's Table 5 prints.
 const DRIFT_DECIMALS: usize = 6;
@@ -73,9 +75,29 @@ pub(super) fn short(value: f64) -> String {
     }
 }
 
+/// A limit as it is set: what a level may shift by is this at least, and three standard deviations where those are more.
+pub(super) fn limit(rule: Rule, limit: Limit) -> String {
+    format!("{}{}", if rule == Rule::Shift { "≥ " } else { "" }, short(limit.value))
+}
+
 pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent != 0.0 && percent.abs() < 0.95 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
+}
+
+/// `52 % (48 – 55 %)`: a share with its interval, where it has one.
+pub(super) fn share(share: f64, interval: Option<[f64; 2]>) -> String {
+    match interval {
+        Some([low, high]) if low < high => {
+            format!("{} ({:.0} – {})", percent(share), 100.0 * low, percent(high))
+        }
+        _ => percent(share),
+    }
+}
+
+/// Days that are over.
+pub(super) fn whole_days(days: f64) -> String {
+    format!("{:.0}", days.floor().max(0.0))
 }
 
 /// Decimals that show `digits` significant digits of `size`.
@@ -132,6 +154,8 @@ mod tests {
         ] {
             assert_eq!(short(value), text);
         }
+        assert_eq!(share(0.52, Some([0.48, 0.553])), "52 % (48 – 55 %)");
+        assert_eq!((share(1.0, None), share(1.0, Some([1.0, 1.0]))), ("100 %".into(), "100 %".into()));
         assert_eq!((percent(0.5), percent(0.004), percent(0.0)), ("50 %".into(), "0.4 %".into(), "0 %".into()));
     }
 }

@@ -4,7 +4,7 @@
 use maud::{Markup, html};
 
 use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
-use super::figure::{self, percent, short};
+use super::figure::{self, short};
 use super::layout::{effect_word, encoded, instant, symbol};
 use super::text::Text;
 use super::viewer::Viewer;
@@ -128,12 +128,8 @@ fn state(t: &Text, compared: &ComparedBody) -> Markup {
 }
 
 fn closed(t: &Text, closing: ClosingBody) -> Markup {
-    html! {
-        @match closing.interval {
-            Some([low, high]) => { (percent(closing.closure)) " (" (percent(low)) " … " (percent(high)) ")" }
-            None => { (t.nothing_to_close) }
-        }
-    }
+    let share = |interval| figure::share(closing.closure, Some(interval));
+    html! { (closing.interval.map_or_else(|| t.nothing_to_close.to_owned(), share)) }
 }
 
 /// Forecast error of each campaign with the adopted effects and without them, and the noise.

@@ -48,7 +48,7 @@ fn limits(t: &Text, judging: &Judging) -> Markup {
         html! {
             tr {
                 td { (symbol(name)) } th scope="row" { (t.rule(rule)) }
-                td.n { @if rule == Rule::Shift { "≥ " } (figure::short(limit.value)) } td { (unit) } td { code { (limit.from) } }
+                td.n { (figure::limit(rule, limit)) } td { (unit) } td { code { (limit.from) } }
             }
         }
     };
@@ -111,7 +111,7 @@ fn trail(t: &Text, lines: &[AuditEntry]) -> Markup {
             h2 { (t.audit) }
             p.note { (t.audit_note) " " code { "GET /v1/audit" } }
             div.scroll tabindex="0" { table {
-                thead { tr { th { (t.date) } th { (t.who) } th { (t.what_word) } th { (t.subject) } th { (t.from_where) } } }
+                thead { tr { th { (t.date) } th { (t.name_word) } th { (t.what_word) } th { (t.subject) } th { (t.from_where) } } }
                 tbody { @for line in lines {
                     tr {
                         td { (instant(line.at)) }

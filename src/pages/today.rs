@@ -289,7 +289,7 @@ fn due(t: &Text, today: &Today, gone: &HashMap<Arc<str>, Vec<Arc<str>>>, now: Ut
 fn days_to(t: &Text, at: UtcMicros, now: UtcMicros) -> Markup {
     let days = at.days_since(now);
     html! {
-        @if days < 0.0 { (format!("{:.0}", -days)) " " (t.days_ago) }
+        @if days < 0.0 { (figure::whole_days(-days)) " " (t.days_ago) }
         @else { (t.in_days) " " (format!("{days:.0}")) " " (t.days_word) }
     }
 }

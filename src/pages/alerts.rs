@@ -269,7 +269,7 @@ fn of_gyro(viewer: &Viewer, gyro: &Alerted, first_of_page: bool, may: bool, here
                 @if let Some(since) = since { span.quiet { (t.since) " " (written_day(since)) } }
                 @if may && !alerts.iter().all(is_known) { (bulk::acknowledge(viewer, serial, here)) }
             }
-            details open[alerts.len() == 1] {
+            details {
                 summary { @for alert in alerts { span.violated { (violated(t, alert)) } " " } }
                 (table(viewer, alerts.iter(), false, may.then_some(here)))
                 @if let Some(at) = finding.record.as_ref().and(finding.calibrated_at.as_ref()) {
@@ -351,7 +351,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
             @if gyros { th scope="row" { a.id href={ "/" (alert.subject) "s/" (encoded(alert.name())) } { (alert.name()) } } }
             td.nowrap { (violated(t, alert)) }
             td.words {
-                (alert.finding.reason.words(viewer.language))
+                (t.reason(&alert.finding.reason))
                 @if let Some(record) = alert.finding.record.as_ref().filter(|_| alert.rule != Rule::Agreement.name()) {
                     @if alert.subject == AlertBody::OF_IMU {
                         " " a href={ "/campaigns/" (record) "/diagnosis#forecast" } { (t.forecast) }

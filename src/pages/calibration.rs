@@ -19,7 +19,7 @@ use super::verdicts::{self, Said};
 use super::viewer::Viewer;
 use crate::core::diagnose::{ClosureDiagnosis, GyroClosure};
 use crate::core::id::Id;
-use crate::core::judge::Verdict;
+use crate::core::judge::{Rule, State, Verdict};
 use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::core::mounting::Slot;
@@ -83,7 +83,7 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
         (noted(t, &answer.notes))
         (judged(viewer, serials.iter().map(|(slot, serial)| (*slot, &**serial)), (&answer.verdicts, seen), standing.counts))
         section { h2 { (t.separated) } (separation::tables(t, &answer.separations)) }
-        (closure(t, item.id, closures, &serials))
+        (closure(t, item.id, closures, &serials, &answer.verdicts))
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }
     };
     Ok(Page { title, section: Section::Fleet, body: markup })
@@ -97,16 +97,25 @@ fn sent_by(t: &Text, sender: Option<&SenderBody>) -> Markup {
     html! { " · " (t.sent_by) " " span translate="no" { (name) @if !from.is_empty() { " (" (from) ")" } } }
 }
 
-/// What D_O says by itself.
-fn closure(t: &Text, id: Id, closures: &ClosureDiagnosis, serials: &[(Slot, Cow<'_, str>)]) -> Markup {
+/// What D_O says by itself: folded, and without advice, unless its rule speaks.
+fn closure(
+    t: &Text,
+    id: Id,
+    closures: &ClosureDiagnosis,
+    serials: &[(Slot, Cow<'_, str>)],
+    verdicts: &[VerdictBody],
+) -> Markup {
     let out: Vec<&GyroClosure> = closures.gyros.iter().filter(|gyro| gyro.stands_out).collect();
     let slots: Vec<&str> = out.iter().map(|gyro| gyro.slot.name()).collect();
     let serial = |slot: Slot| serials.iter().find(|(own, _)| *own == slot).map_or("", |(_, serial)| &**serial);
-    let change = |gyro: &&GyroClosure| Some(format!("{} {:.2}", gyro.slot.name(), gyro.telling_change?));
-    let changes: Vec<String> = out.iter().filter_map(change).collect();
+    let speaks = |one: &&VerdictBody| one.rule == Rule::Closure.name() && one.state == State::Exceeded.name();
+    let beyond: Vec<&str> = verdicts.iter().filter(speaks).map(|one| &*one.serial).collect();
+    let moved = closures.gyros.iter().filter(|gyro| beyond.contains(&serial(gyro.slot)));
+    let change = |gyro: &GyroClosure| Some(format!("{} {:.2}", gyro.slot.name(), gyro.telling_change?));
+    let changes: Vec<String> = moved.filter_map(change).collect();
     html! {
-        section #closure {
-            h2 { (t.closure_diagnosis) }
+        details #closure open[!beyond.is_empty()] {
+            summary { (t.closure_diagnosis) }
             p {
                 @if slots.is_empty() { (t.closure_within) }
                 @else { strong { (slots.join(", ")) } ": " (t.closure_stands_out) }
@@ -114,14 +123,13 @@ fn closure(t: &Text, id: Id, closures: &ClosureDiagnosis, serials: &[(Slot, Cow<
             }
             div.scroll tabindex="0" { table.cards {
                 thead { tr {
-                    th { (t.serial) } th.n { (symbol("D_O")) } th.n { (t.of_budget) } th.n { (t.adjusted_p) }
+                    th { (t.serial) } th.n { (symbol("D_O")) } th.n { (t.adjusted_p) }
                     th.n { (t.if_clocked) ", ′" } th.n { (t.if_clocked) ", " (symbol("D_S")) }
                 } }
                 tbody { @for gyro in &closures.gyros {
                     tr {
                         th scope="row" { (gyro.slot.name()) " " (serial(gyro.slot)) }
                         td.n data-label="D_O" { (figure::signed_drift(gyro.d_o, gyro.sd)) }
-                        td.n data-label=(t.of_budget) { (figure::percent(gyro.of_budget)) }
                         td.n data-label=(t.adjusted_p) { @if let Some(p) = gyro.p_value { (figure::short(p)) } @else { "–" } }
                         td.n data-label={ (t.if_clocked) ", ′" } {
                             @if gyro.stands_out { (figure::signed(60.0 * gyro.clocking.to_degrees(), 1)) } @else { "–" }
@@ -133,7 +141,7 @@ fn closure(t: &Text, id: Id, closures: &ClosureDiagnosis, serials: &[(Slot, Cow<
                 } }
             } }
             p.note { (t.unit) }
-            @if !out.is_empty() {
+            @if !beyond.is_empty() {
                 h3 { (t.measure_next) }
                 ol {
                     @if !changes.is_empty() { li { (t.tell_by_history) " " (changes.join(", ")) " " (t.unit) (t.stop) } }

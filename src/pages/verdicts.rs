@@ -2,11 +2,12 @@
 
 use maud::{Markup, html};
 
+use super::figure;
 use super::layout::{encoded, remark, symbol, written};
-use super::text::{Language, Text};
+use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
-use crate::core::judge::{Coefficient, Rule, Status, Unit, Verdict, digits, sd_digits};
+use crate::core::judge::{Coefficient, Finding, Rule, Status, Unit, Verdict, digits, sd_digits};
 use crate::pages::status;
 use crate::pipeline::Violation;
 use crate::wire::alert::AlertBody;
@@ -38,8 +39,8 @@ impl Said {
         Status::from_name(&self.body.status).unwrap_or(Status::NotEnoughData)
     }
 
-    fn reason(&self, language: Language) -> String {
-        self.body.reason.words(language)
+    fn reason(&self, t: &Text) -> String {
+        t.reason(&self.body.reason)
     }
 }
 
@@ -107,9 +108,9 @@ fn framed(t: &Text, rows: &Markup) -> Markup {
 }
 
 fn row(viewer: &Viewer, said: &Said, alert: Option<&AlertBody>, here: Option<&str>) -> Markup {
-    let (t, VerdictBody { value, limit, sd, .. }) = (viewer.text(), &said.body);
+    let (t, VerdictBody { value, limit, .. }) = (viewer.text(), &said.body);
     let (rule, coefficient) = (Rule::from_name(&said.body.rule), Coefficient::from_name(&said.body.coefficient));
-    let (p, unit) = (digits(*limit), rule.zip(coefficient).map(|(rule, coefficient)| rule.unit(coefficient)));
+    let unit = rule.zip(coefficient).map(|(rule, coefficient)| rule.unit(coefficient));
     // The bounds of a requirement are two; and where no trend is established, no line leads anywhere.
     let no_trend = rule == Some(Rule::Trend) && said.status() == Status::InTolerance;
     let bounded = rule.is_some_and(|rule| rule != Rule::Requirement) && !no_trend;
@@ -119,16 +120,13 @@ fn row(viewer: &Viewer, said: &Said, alert: Option<&AlertBody>, here: Option<&st
             th.words scope="row" {
                 details.why {
                     summary { (symbol(&said.body.coefficient)) " " (rule.map_or("", |rule| t.rule(rule))) }
-                    p { (said.reason(viewer.language)) @if let Some(unit) = unit.filter(|_| !no_trend) { (figures(t, said, unit)) } }
+                    p { (said.reason(t)) @if let Some(unit) = unit.filter(|_| !no_trend) { (figures(t, said, unit)) } }
                 }
             }
             td.n data-label=(t.value) {
-                @if let Some(value) = value.filter(|_| !no_trend) {
-                    (format!("{value:.p$}"))
-                    @if let Some(sd) = sd { " ± " (format!("{:.*}", sd_digits(*sd, *limit), sd)) }
-                }
+                @if let Some(value) = value.filter(|_| !no_trend) { (found(said, value)) }
             }
-            td.n data-label=(t.limit) { @if bounded { (format!("{limit:.p$}")) } }
+            td.n data-label=(t.limit) { @if !no_trend { (limits(said)) } }
             td.n data-label="%" {
                 @if let Some(value) = value.filter(|_| bounded && *limit > 0.0) {
                     (format!("{:.0}", 100.0 * value / limit))
@@ -161,7 +159,7 @@ fn alert_row(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
                     summary {
                         (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule)))
                     }
-                    p { (alert.finding.reason.words(viewer.language)) }
+                    p { (t.reason(&alert.finding.reason)) }
                 }
             }
             td.n {} td.n {} td.n {}
@@ -233,7 +231,7 @@ fn one(viewer: &Viewer, said: &Said) -> Markup {
             span title=[coefficient.map(|coefficient| t.meaning(coefficient))] { (symbol(&verdict.coefficient)) } " "
             strong { (rule.map_or("", |rule| t.rule(rule))) }
             br;
-            (said.reason(viewer.language))
+            (said.reason(t))
             @if let Some((rule, coefficient)) = rule.zip(coefficient) { (figures(t, said, rule.unit(coefficient))) }
         }
     }
@@ -242,27 +240,44 @@ fn one(viewer: &Viewer, said: &Said) -> Markup {
 /// What the reason does not say: the figures of what has passed, and of what was judged by other limits; else the
 /// limit, where there is nothing yet to compare with it.
 fn figures(t: &Text, said: &Said, unit: Unit) -> Markup {
-    let VerdictBody { value, limit, sd, limit_from, .. } = &said.body;
-    let (p, unit) = (digits(*limit), t.word(&unit.word()));
+    let (VerdictBody { value, limit_from, .. }, unit) = (&said.body, t.word(&unit.word()));
     let unsaid = said.seen.as_ref().is_none_or(|seen| seen.phrase().is_some());
     html! {
         @match (value, limit_from) {
             (Some(value), _) if unsaid => span.note {
-                " " (format!("{value:.p$}")) @if let Some(sd) = sd { " ± " (format!("{:.*}", sd_digits(*sd, *limit), sd)) }
-                " " (unit) ", " (t.limit_within) " " (format!("{limit:.p$}")) (t.stop)
+                " " (found(said, *value)) " " (unit) ", " (t.limit_within) " " (limits(said)) (t.stop)
             },
-            (None, Some(key)) => span.note { " " (t.limit) " " (format!("{limit:.p$}")) " " (unit) " (" code { (key) } ")" (t.stop) },
+            (None, Some(key)) => span.note { " " (t.limit) " " (limits(said)) " " (unit) " (" code { (key) } ")" (t.stop) },
             _ => {}
         }
+    }
+}
+
+/// What was found, to as many places as its limit; that of a requirement to those of its standard deviation.
+fn found(said: &Said, value: f64) -> String {
+    let VerdictBody { rule, limit, sd, .. } = &said.body;
+    match sd {
+        _ if rule == Rule::Requirement.name() => figure::with_sd(value, *sd, digits(*limit)),
+        Some(sd) => format!("{value:.*} ± {sd:.*}", digits(*limit), sd_digits(*sd, *limit)),
+        None => format!("{value:.*}", digits(*limit)),
+    }
+}
+
+/// The limit; of a requirement both ends, where they are known.
+fn limits(said: &Said) -> String {
+    match said.seen.map(|seen| seen.finding) {
+        Some(Finding::Requirement { low, high, .. }) => format!("{low} … {high}"),
+        _ => format!("{:.*}", digits(said.body.limit), said.body.limit),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::judge::{Finding, LimitKey, State};
+    use crate::core::judge::{LimitKey, State};
     use crate::message;
     use crate::wire::reason::Reason;
+    use crate::words::Language;
 
     #[test]
     fn a_verdict_of_an_earlier_version_shows_its_stored_figures() {
@@ -280,15 +295,15 @@ mod tests {
             confirmed: false,
             reason: Reason(vec![message!("decided_before")]),
         };
-        let said = Said { body, seen: None };
+        let earlier = Said { body, seen: None };
         let shown =
-            |language: Language| figures(language.text(), &said, Rule::Cusum.unit(Coefficient::DI)).into_string();
+            |language: Language| figures(language.text(), &earlier, Rule::Cusum.unit(Coefficient::DI)).into_string();
         assert!(shown(Language::English).contains("40.30 standard deviations, limit 5.14."));
         assert!(shown(Language::Chinese).contains("40.30 倍标准差, 限值 5.14。"));
-        assert!(!said.reason(Language::Chinese).is_ascii());
+        assert!(!earlier.reason(Language::Chinese.text()).is_ascii());
         // What has passed says no figures in its reason.
         let finding = Finding::Step { level: 3.0, now: 3.0012 };
-        let passed = Verdict {
+        let whole = Verdict {
             coefficient: Coefficient::DI,
             rule: Rule::Step,
             state: State::Within,
@@ -302,15 +317,22 @@ mod tests {
             finding,
         };
         let passed = |finding, state| {
-            let verdict = Verdict { finding, state, ..passed };
+            let verdict = Verdict { finding, state, ..whole };
             let said = Said { body: VerdictBody::of("A", &verdict), seen: Some(verdict) };
             figures(Language::English.text(), &said, Unit::Drift).into_string()
         };
         let shown = passed(finding, State::Within);
         assert!(shown.contains("0.0012 ± 0.0003 deg/(h g0), limit 0.0100."), "{shown}");
         assert_eq!(passed(finding, State::Exceeded), "", "its reason has them");
+        // What has to lie within a range is shown with both of its ends.
+        let range = Finding::Requirement { figure: "|E|", low: 1.0, high: 3.0, others: Default::default() };
+        let required = Verdict { rule: Rule::Requirement, value: Some(1.47), sd: Some(3e-6), limit: 1.0, ..whole };
+        let required = Verdict { finding: range, coefficient: Coefficient::E, ..required };
+        let said = |seen| Said { body: VerdictBody::of("A", &required), seen };
+        assert_eq!(limits(&said(Some(required))), "1 … 3");
+        assert_eq!(found(&said(None), 1.47), "1.4700000 ± 0.0000030");
         let waiting = Said {
-            body: VerdictBody { value: None, limit_from: Some("judging.budget".into()), ..said.body.clone() },
+            body: VerdictBody { value: None, limit_from: Some("judging.budget".into()), ..earlier.body.clone() },
             seen: None,
         };
         let shown = figures(Language::English.text(), &waiting, Unit::Drift).into_string();

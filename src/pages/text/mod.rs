@@ -10,13 +10,19 @@ use crate::core::effects::Effect;
 use crate::core::judge::{Coefficient, Event, Rule, Status};
 use crate::core::message::Message;
 use crate::message;
+use crate::wire::reason::Reason;
 use crate::wire::unit;
 
 pub(super) use crate::words::Language;
 
 impl Text {
     pub fn words(&self, message: &Message) -> String {
-        self.language().words(message)
+        self.language().words(message).replace("+-", "±")
+    }
+
+    /// Why a verdict is what it is.
+    pub fn reason(&self, reason: &Reason) -> String {
+        reason.words(self.language()).replace("+-", "±")
     }
 
     /// A rule, an event, a status, a method: words without parameters.

@@ -237,6 +237,7 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
     // A table of records has no text of its own for each.
     let parts = if is_table(&source.text, &TableMap::default()) { Vec::new() } else { pieces(&source.text) };
     let doubtful = prospects.iter().filter(|(_, prospect)| prospect.is_doubtful()).count();
+    let at = |line: usize| place_of(t, line, prospects.len());
     let body = html! {
         section.preview #preview aria-live="polite" {
             h2 { (t.preview) @if !source.sent.file.is_empty() { " · " span translate="no" { (source.sent.file) } } }
@@ -247,26 +248,26 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
                 @if doubtful > 0 { " · " strong.doubt { (doubtful) " " (t.to_be_checked) } }
             }
             @if let Some(open) = source.open.as_ref().filter(|_| sound > 0) { p.doubt { strong { (t.check_first) } " " (NoteBody::of(open).detail) } }
-            (numbered::shown(t, &source.text, &source.places))
             @if read > MOST_SHOWN { p.note { (t.first_foreseen) " " (MOST_SHOWN) } }
             @let unsound = prospects.iter().enumerate().filter(|(_, one)| !is_sound(one));
             @for (k, (line, prospect)) in unsound.take(MOST_SHOWN) {
                 @match prospect {
-                    Prospect::Faulty(faults) => (refused(t, *line, faults)),
+                    Prospect::Faulty(faults) => (refused(t, &at(*line), faults)),
                     Prospect::Refused(why) => {
                         article.fault {
-                            h3 { (t.line) " " (line) " · " (t.refused) }
+                            h3 { (at(*line)) (t.refused) }
                             p { (t.words(&why.message())) }
                             @if let Some(piece) = parts.get(k) { (replace::offer(viewer, why, piece.text)) }
                         }
                     }
-                    Prospect::Contradicts(earlier) => (hindered(t, *line, &format!("{} {earlier}", t.contradicts_line))),
+                    Prospect::Contradicts(earlier) => (hindered(t, &at(*line), &format!("{} {earlier}", t.contradicts_line))),
                     Prospect::Sound(..) => {}
                 }
             }
+            (numbered::shown(t, &source.text, &source.places))
             @for (line, prospect) in prospects.iter().take(MOST_SHOWN) {
                 @if let Prospect::Sound(submission, notes, forecast) = prospect {
-                    (sound_document(t, *line, submission, notes, forecast.as_ref()))
+                    (sound_document(t, &at(*line), submission, notes, forecast.as_ref()))
                 }
             }
             @if let Some(made) = &source.made {
@@ -347,16 +348,16 @@ async fn settle(pipeline: &Pipeline, reply: Reply, origin: &Origin) -> Result<(I
 
 fn outcome(viewer: &Viewer, outcomes: &[(usize, Outcome)]) -> Page {
     let t = viewer.text();
+    let at = |line: usize| place_of(t, line, outcomes.len());
     let body = html! {
         section.preview {
             h2 { (t.result) }
             @for (line, outcome) in outcomes {
                 @match outcome {
-                    Outcome::Faulty(faults) => (refused(t, *line, faults)),
-                    Outcome::Refused(why) => p.fault { (t.line) " " (line) ": " (t.words(&why.message())) },
+                    Outcome::Faulty(faults) => (refused(t, &at(*line), faults)),
+                    Outcome::Refused(why) => p.fault { (at(*line)) (t.words(&why.message())) },
                     Outcome::Stored { id, is_new, place } => p {
-                        (t.line) " " (line) ": "
-                        (if *is_new { t.is_stored } else { t.was_there }) " "
+                        (at(*line)) (if *is_new { t.is_stored } else { t.was_there }) " "
                         a href={ "/" (place) "/" (id) } { (id) }
                     },
                 }
@@ -386,12 +387,17 @@ fn framed(viewer: &Viewer, sent: &Sent, after: Markup) -> Page {
     Page { title: t.import.into(), section: Section::Import, body }
 }
 
-fn refused(t: &Text, line: usize, faults: &Faults) -> Markup {
+/// `Line 3 · `: where one of several documents begins.
+fn place_of(t: &Text, line: usize, documents: usize) -> Markup {
+    html! { @if documents > 1 { (t.line) " " (line) " · " } }
+}
+
+fn refused(t: &Text, place: &Markup, faults: &Faults) -> Markup {
     // What a table's fault says names line and column itself.
     let names_line = |fault: &Fault| fault.message.code.starts_with("at_");
     html! {
         article.fault {
-            h3 { @if !faults.0.iter().any(names_line) { (t.line) " " (line) " · " } (t.refused) }
+            h3 { @if !faults.0.iter().any(names_line) { (place) } (t.refused) }
             ul { @for fault in &faults.0 {
                 li { @if !names_line(fault) { (named(t, &fault.pointer)) } (t.words(&fault.message)) }
             } }
@@ -421,10 +427,10 @@ fn named(t: &Text, pointer: &str) -> Markup {
 }
 
 /// A sound document that something else stands in the way of.
-fn hindered(t: &Text, line: usize, why: &str) -> Markup {
+fn hindered(t: &Text, place: &Markup, why: &str) -> Markup {
     html! {
         article.fault {
-            h3 { (t.line) " " (line) " · " (t.refused) }
+            h3 { (place) (t.refused) }
             p { (why) }
         }
     }
@@ -471,7 +477,7 @@ fn far(gyro: &Foreseen) -> Option<(usize, Measured)> {
 
 fn sound_document(
     t: &Text,
-    line: usize,
+    place: &Markup,
     submission: &Submission,
     notes: &[Note],
     forecast: Option<&Forecast>,
@@ -485,11 +491,11 @@ fn sound_document(
         article.(if is_doubtful { "doubtful" } else { "sound" }) {
             @match submission {
                 Submission::Calibration(calibration) => {
-                    h3 { (t.line) " " (line) " · " (calibration.imu) }
+                    h3 { (place) (calibration.imu) }
                     p.note { (t.station) " " (calibration.station) " · " (t.calibrated) " " (instant(calibration.calibrated_at)) }
                 }
                 Submission::Bench(bench) => {
-                    h3 { (t.line) " " (line) " · " (bench.result.serial) " · " (t.method(bench.result.method.name())) }
+                    h3 { (place) (bench.result.serial) " · " (t.method(bench.result.method.name())) }
                     p {
                         (t.station) " " (bench.result.station) " · " (instant(bench.result.measured_at)) " · "
                         (symbol("D_I")) " " (figure::drift(bench.result.d_i, bench.result.d_i_sd)) " · "

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::chart::{Across, Chart, Dot, Flag, Track, bounds, millis, widened};
+use super::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
 use super::figure;
 use super::layout::symbol;
 use crate::core::time::UtcMicros;
@@ -13,6 +13,8 @@ pub(super) struct Course<'a> {
     pub symbol: &'a str,
     pub unit: &'a str,
     pub name: &'a str,
+    /// Either side of zero.
+    pub budget: Option<f64>,
     /// With standard deviations where they are known.
     pub points: Vec<(UtcMicros, f64, Option<f64>)>,
     /// By class of the style sheet.
@@ -43,14 +45,19 @@ impl Course<'_> {
         let line = |(class, line): &(&'static str, Vec<(UtcMicros, f64)>)| {
             (*class, line.iter().map(|(at, y)| (millis(*at), *y)).collect())
         };
+        let (x, budget) = (widened(ends, 0.02, 8.64e7), self.budget);
+        let level = Level { from: x.0, until: x.1, budget, ..Level::default() };
         let caption = html! { span { (symbol(self.symbol)) ", " (self.unit) } };
         let label = format!("{} {}", self.name, self.symbol);
         let chart = Chart {
-            around: 1e-3,
+            around: budget.unwrap_or(1e-3),
+            whole: budget,
+            signed: true,
+            levels: budget.map(|_| level).into_iter().collect(),
             tracks: vec![track],
             lines: self.lines.iter().map(line).collect(),
             flags: self.marks.iter().enumerate().map(flag).collect(),
-            ..Chart::new(label, caption, Across::Time, widened(ends, 0.02, 8.64e7))
+            ..Chart::new(label, caption, Across::Time, x)
         };
         chart.markup()
     }
@@ -67,6 +74,7 @@ mod tests {
             symbol: "D_I",
             unit: "deg/(h g0)",
             name: "A",
+            budget: None,
             points: vec![(day(0), 1.0, Some(0.1)), (day(9), 2.0, None)],
             lines: vec![("explained", vec![(day(0), 1.0), (day(9), 2.0)])],
             marks: vec![(day(4), "transport".into())],

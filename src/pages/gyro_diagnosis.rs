@@ -12,7 +12,7 @@ use super::gyro::known;
 use super::gyro_head::own_first;
 use super::layout::{Page, Section, encoded, symbol};
 use super::viewer::Viewer;
-use crate::core::changes::{HeldOut, HistoryDiagnosis, cause_word};
+use crate::core::changes::{Budget, HistoryDiagnosis, cause_word};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ExplainedHistory;
 use crate::wire::problem::Problem;
@@ -32,12 +32,19 @@ async fn build(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, Pro
             " · " (t.peers_of_stations) " " (explained.peers)
             " · " a href={ "/v1/gyros/" (encoded(serial)) "/diagnosis" } { "JSON" }
         }
-        @for coefficient in &explained.coefficients { (section(viewer, serial, coefficient, &explained)) }
+        @for (answer, budget) in explained.coefficients.iter().zip(explained.budgets) {
+            (section(viewer, serial, (answer, budget), &explained))
+        }
     };
     Ok(Page { title: format!("{serial}: {}", t.history_diagnosis), section: Section::Fleet, body })
 }
 
-fn section(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, explained: &ExplainedHistory) -> Markup {
+fn section(
+    viewer: &Viewer,
+    serial: &str,
+    (answer, budget): (&HistoryDiagnosis, Option<Budget>),
+    explained: &ExplainedHistory,
+) -> Markup {
     let t = viewer.text();
     let name = answer.coefficient.name();
     html! {
@@ -45,7 +52,7 @@ fn section(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, explained: 
             h2 { (symbol(name)) }
             p { (t.words(&answer.opening())) }
             @for said in answer.besides(explained.as_of).into_iter().chain(answer.looked_at(explained.as_of.records)) { p { (t.words(&said)) } }
-            (drawn(viewer, serial, answer))
+            (drawn(viewer, serial, answer, budget))
             @if !answer.causes.is_empty() {
                 div.scroll tabindex="0" { table.cards {
                     thead { tr {
@@ -61,7 +68,7 @@ fn section(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, explained: 
                             }
                             td.n { (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) }
                             td { (t.unit_of(cause.estimate.unit)) }
-                            td.n { @if let Some(held_out) = cause.held_out { (closure(held_out)) } }
+                            td.n { @if let Some(held_out) = cause.held_out { (figure::share(held_out.closure, Some(held_out.interval))) } }
                             td.n { (format!("{:.1e}", cause.p_value_adjusted)) }
                         }
                     } }
@@ -86,27 +93,22 @@ fn section(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, explained: 
     }
 }
 
-/// How much of the change it closes on records left out, with its interval.
-fn closure(held_out: HeldOut) -> String {
-    let [low, high] = held_out.interval;
-    let [closure, low, high] = [held_out.closure, low, high].map(|share| format!("{:.0}", 100.0 * share));
-    if low == high { format!("{closure} %") } else { format!("{closure} % ({low} – {high} %)") }
-}
-
-/// The records, what explains them, and what the stations did under it.
-fn drawn(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis) -> Markup {
+/// The records about their baseline, what explains them, and what the stations did under it.
+fn drawn(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, budget: Option<Budget>) -> Markup {
     let t = viewer.text();
     let n = answer.course.len().max(1) as f64;
     let mean = answer.course.iter().map(|one| one.measured.value).sum::<f64>() / n;
+    let zero = budget.map_or(mean, |budget| budget.baseline);
     let of_stations = answer.course.iter().any(|one| one.station != 0.0);
-    let station = of_stations.then(|| answer.course.iter().map(|one| (one.at, one.station)).collect());
-    let explained: Vec<(UtcMicros, f64)> = answer.course.iter().map(|one| (one.at, one.explained - mean)).collect();
+    let station = of_stations.then(|| answer.course.iter().map(|one| (one.at, one.station + mean - zero)).collect());
+    let explained: Vec<(UtcMicros, f64)> = answer.course.iter().map(|one| (one.at, one.explained - zero)).collect();
     let explained = (!answer.causes.is_empty()).then_some(("explained", explained));
     let course = Course {
         symbol: answer.coefficient.name(),
         unit: t.unit,
         name: serial,
-        points: answer.course.iter().map(|one| (one.at, one.measured.value - mean, one.measured.sd)).collect(),
+        budget: budget.map(|budget| budget.limit),
+        points: answer.course.iter().map(|one| (one.at, one.measured.value - zero, one.measured.sd)).collect(),
         lines: explained.into_iter().chain(station.map(|line| ("station", line))).collect(),
         marks: answer.outliers.iter().map(|one| (one.at, t.outlier.to_owned())).collect(),
     };
@@ -114,7 +116,7 @@ fn drawn(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis) -> Markup {
         (course.markup())
         @if !answer.course.is_empty() {
             p.note {
-                (t.about_mean)
+                @if budget.is_none() { (t.about_mean) }
                 @if !answer.causes.is_empty() { " " (t.line_explained) }
                 @if of_stations { " " (t.line_station) }
             }

@@ -49,22 +49,23 @@ async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Probl
         @if viewer.may(Role::Engineer) {
             p {
                 a.action href={ "/stations/" (encoded(name)) "/suspect" } { (t.suspect_window) } " "
-                a.action href={ "/stations/" (encoded(name)) "/trust" } { (t.trust_window) }
+                @if !windows.is_empty() { a.action href={ "/stations/" (encoded(name)) "/trust" } { (t.trust_window) } }
             }
         }
         @if !windows.is_empty() { (suspect(viewer, name, &windows)) }
-        @if let Some((found, figures)) = known { (compared(viewer, name, found, figures)) }
+        @if let Some((found, figures)) = known { (compared(viewer, name, found, figures, pages.config.judging.budget)) }
     };
     Ok(Page { title: format!("{} {name}", t.station), section: Section::Stations, body })
 }
 
 /// What it does beside the other stations, coefficient by coefficient.
-fn compared(viewer: &Viewer, name: &str, found: &FleetStations, figures: &StationFigures) -> Markup {
+fn compared(viewer: &Viewer, name: &str, found: &FleetStations, figures: &StationFigures, budget: f64) -> Markup {
     let t = viewer.text();
     html! {
         p.note { (t.station_figures_note) " " (t.unit) }
         @for (column, coefficient) in figures.columns.iter().zip(DRIFTS) {
-            (section(viewer, name, coefficient, column, figures.against.as_ref().unwrap_or(&found.against)))
+            @let against = figures.against.as_ref().unwrap_or(&found.against);
+            (section(viewer, name, coefficient, column, (against, budget)))
         }
         @if found.reproducibility.iter().any(Option::is_some) {
             section {
@@ -99,18 +100,25 @@ fn suspect(viewer: &Viewer, name: &str, windows: &[SuspectWindow]) -> Markup {
     }
 }
 
-fn section(viewer: &Viewer, name: &str, coefficient: &str, column: &StationColumn, against: &str) -> Markup {
+fn section(
+    viewer: &Viewer,
+    name: &str,
+    coefficient: &str,
+    column: &StationColumn,
+    (against, budget): (&str, f64),
+) -> Markup {
     let t = viewer.text();
     let course = Course {
         symbol: coefficient,
         unit: t.unit,
         name,
+        budget: Some(budget),
         points: column.course.iter().map(|point| (point.at, point.value, Some(point.sd))).collect(),
         lines: Vec::new(),
         marks: changes(column).into_iter().map(|(from, until, _)| (from, found(t, until).to_owned())).collect(),
     };
     html! {
-        section {
+        section id=(coefficient) {
             h2 { (symbol(coefficient)) }
             (course.markup())
             dl {

@@ -34,6 +34,8 @@ pub struct ExplainedHistory {
     pub as_of: AsOf,
     /// D_I, D_S, D_O.
     pub coefficients: Vec<HistoryDiagnosis>,
+    /// Of each; none without a baseline.
+    pub budgets: [Option<Budget>; 3],
 }
 
 impl Histories {
@@ -58,7 +60,7 @@ impl Histories {
             let peers: Vec<&GyroHistory> = peers.iter().collect();
             let coefficients = diagnose_history(&history, &peers, budgets);
             let peers = peers.iter().filter(|peer| !is_mate(&history, peer)).count();
-            ExplainedHistory { peers, as_of, coefficients }
+            ExplainedHistory { peers, as_of, coefficients, budgets }
         });
         let failed =
             |error| StoreError::Damaged(format!("the history of gyro number {gyro} could not be diagnosed: {error}"));

@@ -12,7 +12,7 @@ use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::text::Text;
 use super::verdicts::{self, Said};
 use super::viewer::Viewer;
-use super::{Pages, alerts, before_after};
+use super::{Pages, alerts, before_after, gyro_attributes};
 use crate::core::access::Role;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
@@ -135,6 +135,7 @@ async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> R
         (history::happenings(viewer, &facts.course, &names))
         (benches(viewer, &facts.course))
         (calibrations(viewer, serial, (&view, skip), &facts, &names))
+        (gyro_attributes::edit(viewer, serial))
     };
     Ok(Page { title: serial.to_owned(), section: Section::Fleet, body })
 }

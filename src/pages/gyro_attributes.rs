@@ -8,6 +8,7 @@ use serde::Deserialize;
 use super::Pages;
 use super::form::{Deed, Word, answered, see_other};
 use super::layout::{Section, encoded};
+use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
@@ -29,14 +30,12 @@ pub(super) struct Attributes {
     unit: String,
 }
 
-/// What is said of a gyro, with a link to change it.
-pub(super) fn line(viewer: &Viewer, serial: &str, attributes: &GyroAttributes) -> Markup {
-    let t = viewer.text();
+/// What is said of a gyro.
+pub(super) fn line(t: &Text, attributes: &GyroAttributes) -> Markup {
     let said = [(t.batch, &attributes.batch), (t.gyro_type, &attributes.r#type), (t.gyro_unit, &attributes.unit)];
     let said: Vec<(&str, &String)> = said.into_iter().filter_map(|(of, word)| Some((of, word.as_ref()?))).collect();
-    let may = viewer.may(Role::Engineer);
     html! {
-        @if may || !said.is_empty() {
+        @if !said.is_empty() {
             p.note {
                 @for (k, (of, word)) in said.iter().enumerate() {
                     @if k > 0 { " · " } (of) " " span translate="no" { (word) }
@@ -44,13 +43,16 @@ pub(super) fn line(viewer: &Viewer, serial: &str, attributes: &GyroAttributes) -
                 @if let Some(batch) = &attributes.batch {
                     " (" a href={ "/fleet?batch=" (encoded(batch)) } { (t.gyros) } ")"
                 }
-                @if may {
-                    span.no-print {
-                        @if !said.is_empty() { " · " }
-                        a href={ "/gyros/" (encoded(serial)) "/attributes" } { (t.edit_attributes) }
-                    }
-                }
             }
+        }
+    }
+}
+
+/// The way to change it.
+pub(super) fn edit(viewer: &Viewer, serial: &str) -> Markup {
+    html! {
+        @if viewer.may(Role::Engineer) {
+            p.no-print { a href={ "/gyros/" (encoded(serial)) "/attributes" } { (viewer.text().edit_attributes) } }
         }
     }
 }

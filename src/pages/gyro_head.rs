@@ -88,11 +88,12 @@ impl Facts {
     }
 
     /// What the verdicts suggest; nothing for a gyro that is out of use.
-    pub fn suggestion(&self) -> Option<Suggestion> {
+    pub fn suggestion(&self, explained: Option<&ExplainedHistory>) -> Option<Suggestion> {
         let standing = self.standing.as_ref().filter(|standing| standing.out_of_use.is_none())?;
         let judged = self.verdicts.iter().filter(|said| said.body.value.is_some());
         let judged = judged.filter_map(|said| Some((Coefficient::from_name(&said.body.coefficient)?, said.status())));
         let told = standing.violations.iter().map(|violation| (violation.coefficient, violation.status));
+        let mut out = self.answers(explained, Status::OutOfTolerance).peekable();
         let early = |verdict: &Verdict| match verdict.finding {
             Finding::Trend { until, reach: [Some(early), ..], .. } => Some(early.days_since(until)),
             _ => None,
@@ -102,10 +103,22 @@ impl Facts {
             status: standing.status,
             verdicts: judged.chain(told).collect(),
             unsteady: standing.violations.iter().any(|one| matches!(one.rule, Rule::Trend | Rule::RmsSuccessive)),
+            stepped_once: out.peek().is_some() && out.all(HistoryDiagnosis::is_one_step),
             overdue: standing.overdue_days.is_some(),
             reaches_in_days: seen.filter_map(early).min_by(f64::total_cmp),
             interval_days: self.course.limits.interval_days.map(|limit| limit.value),
         })
+    }
+
+    /// What the history says of the coefficients that are so bad at least.
+    fn answers<'a>(
+        &'a self,
+        explained: Option<&'a ExplainedHistory>,
+        least: Status,
+    ) -> impl Iterator<Item = &'a HistoryDiagnosis> {
+        let drift = self.standing.as_ref().map(|standing| standing.drift);
+        let all = explained.into_iter().flat_map(|explained| explained.coefficients.iter().enumerate());
+        all.filter(move |(column, _)| drift.is_some_and(|drift| drift[*column] >= least)).map(|(_, answer)| answer)
     }
 
     /// What was decided last, and how many records have come since.
@@ -126,7 +139,7 @@ pub(super) fn head(
     let t = viewer.text();
     html! {
         h1 { (serial) " " (facts.badge(t)) }
-        @if let Some(standing) = &facts.standing { (gyro_attributes::line(viewer, serial, &standing.attributes)) }
+        @if let Some(standing) = &facts.standing { (gyro_attributes::line(t, &standing.attributes)) }
         @if let Some(figures) = facts.course.figures.last() {
             p.lead {
                 a href={ "/imus/" (encoded(names.imu(figures.imu))) } { (seat(figures, names)) }
@@ -140,14 +153,8 @@ pub(super) fn head(
         (loads(t, &facts.stands(judged)))
         div.causes {
             (causes(t, facts, explained))
-            @if !facts.course.figures.is_empty() {
-                p.no-print {
-                    a href={ "/gyros/" (encoded(serial)) "/diagnosis" } { (t.history_diagnosis) } " · "
-                    a href={ "/v1/gyros/" (encoded(serial)) "/diagnosis" } { "JSON" }
-                }
-            }
         }
-        (decided(viewer, serial, facts))
+        (decided(viewer, serial, facts, explained))
     }
 }
 
@@ -213,15 +220,15 @@ fn load_row(t: &Text, stand: &Stand) -> Markup {
     }
 }
 
-/// Why those coefficients changed of which a rule speaks: the gyro's own causes first.
+/// Why those coefficients changed of which a rule speaks, the gyro's own causes first; and when they reach their budget.
 pub(super) fn causes(t: &Text, facts: &Facts, explained: Option<&ExplainedHistory>) -> Markup {
-    let speaks = |column: usize| facts.standing.as_ref().is_some_and(|one| one.drift[column] >= Status::Drifting);
-    let answers = explained.into_iter().flat_map(|explained| explained.coefficients.iter().enumerate());
+    let newest = explained.and_then(|explained| explained.newest);
     html! {
-        @for (_, answer) in answers.filter(|(column, _)| speaks(*column)) {
+        @for answer in facts.answers(explained, Status::Drifting) {
             p {
                 strong { (t.cause) " " (symbol(answer.coefficient.name())) (t.colon) } " "
-                @for cause in own_first(answer).take(MOST_CAUSES) {
+                @for (k, cause) in own_first(answer).take(MOST_CAUSES).enumerate() {
+                    @if k > 0 { (t.semicolon) }
                     (t.words(&cause_word(cause.cause))) " ("
                     (t.words(&cause.tie.message())) ") "
                     span.nowrap {
@@ -231,9 +238,10 @@ pub(super) fn causes(t: &Text, facts: &Facts, explained: Option<&ExplainedHistor
                     @for other in cause.class.iter().filter(|id| **id != cause.cause) {
                         ", " (t.or_as_well) " " (t.words(&cause_word(other)))
                     }
-                    "; "
                 }
+                @if !answer.causes.is_empty() { (t.stop) " " }
                 (t.words(&answer.opening()))
+                @for said in answer.ahead(newest) { " " (t.words(&said)) }
             }
         }
     }
@@ -247,12 +255,12 @@ pub(super) fn own_first(answer: &HistoryDiagnosis) -> impl Iterator<Item = &Name
 }
 
 /// What the verdicts suggest, what was decided, and what can be done.
-fn decided(viewer: &Viewer, serial: &str, facts: &Facts) -> Markup {
+fn decided(viewer: &Viewer, serial: &str, facts: &Facts, explained: Option<&ExplainedHistory>) -> Markup {
     let t = viewer.text();
-    let suggestion = facts.suggestion();
+    let suggestion = facts.suggestion(explained);
     let path = format!("/gyros/{}", encoded(serial));
     let first = match suggestion {
-        Some(Suggestion::Remove | Suggestion::RemoveOrAccept) => Event::DecisionRemove,
+        Some(Suggestion::Remove | Suggestion::RemoveOrAccept | Suggestion::AcceptOrRemove) => Event::DecisionRemove,
         Some(Suggestion::Release) => Event::DecisionRelease,
         _ => Event::DecisionRetest,
     };
@@ -268,6 +276,7 @@ fn decided(viewer: &Viewer, serial: &str, facts: &Facts) -> Markup {
                     a.action href={ (path) "/events/new" } { (t.add_event) }
                     a.action href={ (path) "/events/new?event=baseline" } { (t.start_baseline) }
                 }
+                @if !facts.course.figures.is_empty() { a.action href={ (path) "/diagnosis" } { (t.history_diagnosis) } }
                 a.action href={ (path) "/report" } { (t.report) }
             }
         }

@@ -18,7 +18,7 @@ use crate::core::kind::Kind;
 use crate::core::time::UtcMicros;
 use crate::pages::history;
 use crate::pages::view::View;
-use crate::pipeline::Names;
+use crate::pipeline::{ExplainedHistory, Names};
 use crate::wire::problem::Problem;
 use crate::{system, words};
 
@@ -55,12 +55,12 @@ pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Res
                 (identity(viewer, serial, &view, &facts, &names))
                 (gyro_head::loads(t, &facts.stands(view.judged)))
                 div.causes { (gyro_head::causes(t, &facts, explained.as_ref())) }
-                (conclusion(t, &facts))
+                (conclusion(t, &facts, explained.as_ref()))
                 (plots.of(&[0, 1]))
+                (plots.signs(t))
                 div.beside { (limits(t, &facts.course.limits)) (hashes(t, &rested_on)) }
                 (boxes(t))
             }
-            (plots.signs(t))
             @if let Some(parameters) = parameters { section { h2 { (t.newest_parameters) } (parameters) } }
             section { h2 { (t.verdicts) } (verdicts::table(viewer, &facts.verdicts, &facts.alerts, None)) }
             section { h2 { (symbol("D_O")) ": " (t.meaning_d_o) } (plots.of(&[2])) }
@@ -127,9 +127,9 @@ fn hashes(t: &Text, rested_on: &[RestedOn]) -> Markup {
 }
 
 /// What the verdicts suggest, and what was decided.
-fn conclusion(t: &Text, facts: &Facts) -> Markup {
+fn conclusion(t: &Text, facts: &Facts, explained: Option<&ExplainedHistory>) -> Markup {
     html! {
-        @if let Some(suggestion) = facts.suggestion() {
+        @if let Some(suggestion) = facts.suggestion(explained) {
             p.suggestion { strong { (t.suggested) (t.colon) } " " (t.word(&suggestion.word())) }
         }
         (gyro_head::decision(t, facts))
@@ -152,7 +152,7 @@ fn limits(t: &Text, limits: &Limits) -> Markup {
                 @for (rule, all) in rules.filter(|(_, all)| all.iter().any(Option::is_some)) {
                     tr {
                         td { (t.rule(rule)) }
-                        @for limit in &all { td.n { @if let Some(limit) = limit { (figure::short(limit.value)) } } }
+                        @for limit in &all { td.n { @if let Some(limit) = limit { (figure::limit(rule, *limit)) } } }
                         @let keys = all.iter().flatten().map(|limit| limit.from.to_string());
                         td { @for key in keys.collect::<BTreeSet<String>>() { code { (key) } " " } }
                     }
@@ -174,7 +174,6 @@ fn boxes(t: &Text) -> Markup {
     let decisions = [Event::DecisionRelease, Event::DecisionRetest, Event::DecisionRemove];
     html! {
         div.boxes {
-            strong { (t.decision) }
             @for event in decisions { span { span.tick {} (t.event(event)) } }
         }
         p.signature { (t.reason_word) ":" }
@@ -188,7 +187,9 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
     let view = View::whole(pages.config.judging.method);
     let mut gyros = Vec::new();
     for standing in &found.seats.now {
-        gyros.push((standing.serial.clone(), Facts::of(pages, standing.number, &standing.serial, &view, 0).await?));
+        let facts = Facts::of(pages, standing.number, &standing.serial, &view, 0).await?;
+        let explained = explained(pages, standing.number, &standing.serial, &facts).await?;
+        gyros.push((standing.serial.clone(), facts, explained));
     }
     let names = pages.pipeline.queries.names();
     let campaigns = found.records.iter().filter(|head| head.kind == Kind::Campaign).count();
@@ -207,11 +208,11 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
             }
             (imu::seated(pages, t, &found.seats))
             @if let Some(newest) = &found.parameters { section { h2 { (t.newest_parameters) } (newest) } }
-            @for (serial, facts) in &gyros {
+            @for (serial, facts, explained) in &gyros {
                 section.sheet {
                     h2 { (t.serial) " " (serial) " " (facts.badge(t)) }
                     (gyro_head::loads(t, &facts.stands(view.judged)))
-                    (conclusion(t, facts))
+                    (conclusion(t, facts, explained.as_ref()))
                     (limits(t, &facts.course.limits))
                     (verdicts::table(viewer, &facts.verdicts, &facts.alerts, None))
                     @let plots = history_plot::plots(viewer, serial, view, facts.seen(), &names, &format!("-{serial}"));

@@ -11,11 +11,12 @@ use crate::pages::history::event_label;
 use crate::pages::history_plot::{MOST_FLAGS, budgets, epoch_of, list};
 use crate::pages::layout::{DRIFTS, Page, Section, encoded, symbol};
 use crate::pages::text::Text;
+use crate::pages::verdicts::Said;
 use crate::pages::view::View;
 use crate::pages::viewer::Viewer;
 use crate::pages::{Pages, bullet, figure, history, status};
 use crate::pipeline::{EventItem, Names, StoredRecord, sample_of};
-use crate::wire::answer::FigureBody;
+use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::problem::Problem;
 
 /// Records of one gyro that are drawn, the newest.
@@ -95,7 +96,7 @@ fn table(t: &Text, view: &View, all: &[Compared<'_>], names: &Names<'_>) -> Mark
                 th { (t.serial) } th { (t.imu) } th { (t.station) } th { (t.status_word) }
                 @for name in DRIFTS { th.n { (t.axis_deviation) " " (symbol(name)) ", %" } }
                 @for name in &DRIFTS[..2] { th.n { (t.trend_a_year) " " (symbol(name)) ", %" } }
-                @for name in &DRIFTS[..2] { th.n { (t.scatter) " " (symbol(name)) } }
+                @for name in &DRIFTS[..2] { th.n { (t.scatter) " " (symbol(name)) " / " (t.limit_within) } }
                 th { (t.baseline_word) } th.n { (t.records_word) }
             } }
             tbody { @for one in all { (row(t, view, one, names)) } }
@@ -108,8 +109,8 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
     let facts = &one.facts;
     let stands = facts.stands(view.judged);
     let newest = facts.course.figures.last();
-    let scatter =
-        |column: usize| facts.epochs[column].last().and_then(|epoch| epoch.control).map(|control| control / 3.0);
+    let of_scatter = |said: &&Said| said.body.rule == Rule::RmsSuccessive.name();
+    let scatter = |name: &str| facts.verdicts.iter().filter(of_scatter).find(|said| said.body.coefficient == name);
     html! {
         tr {
             th scope="row" { a href={ "/gyros/" (encoded(one.serial)) } { (one.serial) } }
@@ -134,9 +135,11 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
                     }
                 }
             }
-            @for (column, name) in DRIFTS[..2].iter().enumerate() {
+            @for name in &DRIFTS[..2] {
                 td.n data-label={ (t.scatter) " " (name) } {
-                    @if let Some(scatter) = scatter(column) { (figure::short(scatter)) } @else { "–" }
+                    @if let Some(VerdictBody { value: Some(value), limit, .. }) = scatter(name).map(|said| &said.body) {
+                        (figure::short(*value)) " / " (figure::short(*limit))
+                    } @else { "–" }
                 }
             }
             td.nowrap { @if let Some(epoch) = facts.epochs[0].last() { (epoch.from.date()) } }

@@ -291,7 +291,7 @@ async fn an_operator_sees_what_is_wrong_with_a_file_before_anything_is_stored() 
     browser.wait("document.querySelector('.preview')").await;
     browser.click("form.confirm button").await;
     browser.wait("document.querySelector('.preview a[href^=\"/records/\"]')").await;
-    browser.sees("Line 1: stored:").await;
+    browser.sees("Line 1 · stored:").await;
     browser.click(".preview a").await;
     browser.wait("location.pathname.startsWith('/records/')").await;
     browser.sees("2.957643").await;
@@ -390,7 +390,8 @@ async fn an_integrator_sets_up_a_hook_tries_it_and_sends_a_message_again() {
     browser.click("form[action$='/test'] button").await;
     target.has_been_told(1).await;
     // A page is as things stood when it was asked for.
-    let delivered = "[...document.querySelectorAll('.badge.within')].some((badge) => badge.textContent == 'delivered')";
+    let delivered =
+        "[...document.querySelectorAll('.badge.in_tolerance')].some((badge) => badge.textContent == 'delivered')";
     reloads_until(&browser, delivered).await;
     browser.click("form[action$='/redeliver'] button").await;
     let told = target.has_been_told(2).await;
@@ -398,7 +399,7 @@ async fn an_integrator_sets_up_a_hook_tries_it_and_sends_a_message_again() {
     reloads_until(&browser, &format!("{delivered} && document.querySelector('td.n').textContent == '2'")).await;
 
     browser.click("form[action$='/enabled'] button").await;
-    browser.wait("document.querySelector('.badge.exceeded')").await;
+    browser.wait("document.querySelector('.badge.out_of_tolerance')").await;
     browser.sees("disabled").await;
     assert_eq!(browser.eval("document.querySelectorAll('form[action$=\"/test\"]').length").await, 0);
     browser.has_behaved().await;

@@ -187,7 +187,7 @@ async fn a_gyro_whose_methods_disagree_is_unconfirmed_however_well_it_keeps_its_
     for path in ["/gyros/STEADY", "/gyros/STEADY/report"] {
         let shown = page(&server, path, &[]).await;
         let head = &shown[place(&shown, "<h1>")..place(&shown, "</h1>")];
-        assert!(head.contains("badge unconfirmed\">unconfirmed<"), "{path}: {head}");
+        assert!(head.contains("badge unconfirmed\">") && head.contains(">unconfirmed<"), "{path}: {head}");
     }
     let imu = page(&server, "/imus/IMU-A", &[]).await;
     assert!(imu[place(&imu, "STEADY")..].contains("badge unconfirmed"), "{imu}");
@@ -405,10 +405,15 @@ async fn the_diagnoses_of_a_record_and_of_a_gyro_are_found_from_their_pages() {
         assert_eq!(answer.status, 201, "{}", answer.text());
         answer.json()["id"].as_str().unwrap().to_owned()
     };
-    let (straight, turned) = (sends(0, 0.0).await, sends(7, 0.3).await);
-    for (id, verdict, said) in [
-        (straight, "no_gap", "D_I and D_S explain G"),
-        (turned, "partly_explained", "<strong>G1</strong>: D_O is larger than its noise"),
+    // The first of its gyro says nothing by its rule, whatever its D_O is.
+    let (first, straight) = (sends(0, 0.3).await, sends(7, 0.0).await);
+    sends(14, 0.0).await;
+    let turned = sends(21, 0.3).await;
+    let larger = "<strong>G1</strong>: D_O is larger than its noise";
+    for (id, verdict, said, speaks) in [
+        (straight, "no_gap", "D_I and D_S explain G", false),
+        (first, "partly_explained", larger, false),
+        (turned, "partly_explained", larger, true),
     ] {
         let shown = page(&server, &format!("/records/{id}"), &[]).await;
         let address = format!("/v1/records/{id}/diagnosis");
@@ -416,10 +421,10 @@ async fn the_diagnoses_of_a_record_and_of_a_gyro_are_found_from_their_pages() {
         let answer = server.get(&address).await.json();
         assert_eq!(answer["verdict"], verdict);
         // The page says what the answer does: D_O, the angle that would explain it, D_S then, what to measure.
-        let closure = part(&shown, "id=\"closure\"", "</section>");
+        let closure = part(&shown, "<details id=\"closure\"", "</details>");
         let d_o = answer["where"]["gyros"][0]["d_o"].as_f64().unwrap();
         let impact = &answer["impact"][0];
-        assert_eq!(closure.contains("seat it again"), impact.is_object(), "{closure}");
+        assert_eq!([closure.contains("seat it again"), closure.contains(" open>")], [speaks; 2], "{closure}");
         if impact.is_object() {
             assert!(closure.contains(&format!("{d_o:+.6}")), "{d_o}: {closure}");
             let then = impact["augmented"].as_f64().unwrap();
@@ -432,7 +437,9 @@ async fn the_diagnoses_of_a_record_and_of_a_gyro_are_found_from_their_pages() {
     }
     let address = "/v1/gyros/TURNED%2F1/diagnosis";
     let gyro = page(&server, "/gyros/TURNED%2F1", &[("accept-language", "zh")]).await;
-    assert!(gyro.contains("变化原因") && gyro.contains(&format!("href=\"{address}\"")), "{gyro}");
+    assert!(gyro.contains("href=\"/gyros/TURNED%2F1/diagnosis\">变化原因"), "{gyro}");
+    let gyro = page(&server, "/gyros/TURNED%2F1/diagnosis", &[]).await;
+    assert!(gyro.contains(&format!("href=\"{address}\"")), "{gyro}");
     assert_eq!(server.get(address).await.json()["serial"], "TURNED/1");
 }
 
@@ -544,7 +551,7 @@ async fn a_preview_says_what_storing_would_refuse() {
     assert_eq!(server.get("/v1/gyros/GYRO/trend").await.json()["points"].as_array().unwrap().len(), 1);
     let stored = sends("/import/store").await;
     for line in 1..=lines.len() {
-        let refused = stored.contains(&format!("<p class=\"fault\">Line {line}:"));
+        let refused = stored.contains(&format!("<p class=\"fault\">Line {line} · "));
         assert_eq!(refused, preview.contains(&format!("Line {line} · refused")), "line {line}: {stored}");
     }
 }
@@ -688,7 +695,12 @@ async fn an_alert_is_found_acknowledged_and_silenced_on_its_pages() {
     let server = a_small_fleet().await;
     let firing = page(&server, "/alerts", &[]).await;
     assert!(firing.contains(r#"href="/gyros/JUMP%2F1""#) && !firing.contains("STEADY"), "{firing}");
-    assert!(firing.contains("badge confirmed\">confirmed<") && !firing.contains("badge warning"), "{firing}");
+    assert!(
+        firing.contains("badge confirmed\">")
+            && firing.contains("</svg>confirmed<")
+            && !firing.contains("badge warning"),
+        "{firing}"
+    );
     for empty in
         ["/alerts?state=silenced", "/alerts?serial=STEADY&state=all", "/alerts?serial=nobody", "/alerts?rule=overdue"]
     {

@@ -10,7 +10,7 @@ use maud::{Markup, html};
 use super::Pages;
 use super::bullet;
 use super::figure;
-use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, day, encoded, symbol};
 use super::spark;
 use super::text::Text;
 use super::viewer::Viewer;
@@ -63,7 +63,6 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
             (filters.pager(viewer, found.number, found.last))
             (selection(viewer))
         }
-        (stations(viewer, &found))
     };
     Ok(Page { title: t.fleet.into(), section: Section::Fleet, body })
 }
@@ -117,7 +116,8 @@ fn table(viewer: &Viewer, pages: &Pages, filters: &Filters, rows: &[Row<'_>], no
                     (head("", html! { (t.status_word) }))
                     (head("serial", html! { (t.serial) }))
                     th { (t.imu) }
-                    @for symbol_of in &DRIFTS[..2] { (head("load", html! { (symbol(symbol_of)) (t.of_budget_unit) })) }
+                    (head("load", html! { (symbol("D_I")) (t.of_budget_unit) }))
+                    th { (symbol("D_S")) (t.of_budget_unit) }
                     (head("eta", html! { (t.slope_a_year) }))
                     th { (t.violates_besides) }
                     th { (t.since) }
@@ -225,7 +225,7 @@ fn age(viewer: &Viewer, at: UtcMicros, now: UtcMicros, station: &str) -> Markup 
     let t = viewer.text();
     html! {
         span.nowrap title=(as_day(at)) {
-            (format!("{:.0}", now.days_since(at).floor().max(0.0))) " " (t.days_short) " " span.quiet { "· " span.id { (station) } }
+            (figure::whole_days(now.days_since(at))) " " (t.days_short) " " span.quiet { "· " span.id { (station) } }
         }
     }
 }
@@ -240,26 +240,6 @@ fn selection(viewer: &Viewer) -> Markup {
             button formaction="/compare" { (t.compare_ticked) }
             @if viewer.may(Role::Engineer) { button formaction="/alerts/bulk" { (t.acknowledge) } }
             button formaction="/reports" { (t.reports) }
-        }
-    }
-}
-
-/// The stations that calibrated the gyros last.
-fn stations(viewer: &Viewer, fleet: &FleetPage) -> Markup {
-    let t = viewer.text();
-    html! {
-        @if !fleet.of_station.is_empty() {
-            h2 { (t.stations) }
-            div.scroll tabindex="0" { table {
-                thead { tr { th { (t.station) } th.n.capital { (t.gyros) } th.n.capital { (t.beyond) } th { (t.last_seen) } } }
-                tbody { @for (name, of_station) in &fleet.of_station {
-                    tr {
-                        th scope="row" { a.id href={ "/fleet?station=" (encoded(name)) } { (name) } }
-                        td.n { (of_station.gyros) } td.n { (of_station.beyond) }
-                        td { (instant(of_station.last_calibrated)) }
-                    }
-                } }
-            } }
         }
     }
 }

@@ -138,9 +138,6 @@ fn effects(t: &Text, d: &DiagnosisBody, gyros: &[(String, String)]) -> Markup {
             h2 { (t.what_parts_them) }
             @if d.effects.is_empty() { p { (t.no_effect) } }
             @for effect in &d.effects { (one_effect(t, d, effect, gyros)) }
-            @if let Some(all) = d.closure.as_ref().filter(|_| d.effects.len() > 1) {
-                p { (t.all_together) ": " } (closure(t, all))
-            }
         }
     }
 }
@@ -220,12 +217,10 @@ fn others(t: &Text, effect: &EffectBody, class: &[String]) -> Markup {
 
 /// How far the error of dwells that were held out shrinks.
 fn closure(t: &Text, held_out: &HeldOutBody) -> Markup {
-    let [low, high] = held_out.interval;
+    let interval = Some(held_out.interval);
     html! {
         p {
-            (residuals::closure_bar(held_out.closure, Some(held_out.interval)))
-            strong { (percent(held_out.closure)) } " (" (percent(low)) " – " (percent(high)) ") "
-            (t.held_out) " " (short(held_out.before_deg_per_h)) " → " (short(held_out.after_deg_per_h)) " " (t.rate_unit)
+            (residuals::closure_bar(held_out.closure, interval)) (figure::share(held_out.closure, interval)) " " (t.held_out)
         }
     }
 }
@@ -305,8 +300,7 @@ fn listed(t: &Text, all: &[&CandidateBody]) -> Markup {
                         @if candidate.closure.is_some() && candidate.within_noise {
                             (t.within_noise)
                         } @else if let Some(closure) = candidate.closure {
-                            (residuals::closure_bar(closure, candidate.interval)) (percent(closure))
-                            @if let Some([low, high]) = candidate.interval { " (" (percent(low)) " – " (percent(high)) ")" }
+                            (residuals::closure_bar(closure, candidate.interval)) (figure::share(closure, candidate.interval))
                         } @else { "–" }
                     }
                     td.n { (short(candidate.p_value_adjusted)) } td.words { (candidate.why_not) }
@@ -319,10 +313,9 @@ fn listed(t: &Text, all: &[&CandidateBody]) -> Markup {
 fn impact(t: &Text, d: &DiagnosisBody) -> Markup {
     let coefficients = d.drift_before_and_after();
     html! {
-        @if !coefficients.is_empty() {
+        @if !d.impact.is_empty() {
             section {
                 h2 { (t.impact) }
-                @if d.impact.is_empty() { p { (t.impact_within_noise) } }
                 div.scroll tabindex="0" { table {
                     thead { tr {
                         th { (t.serial) } th {} th.n { (t.plain) } th.n { (t.with_effects) } th.n { (t.shift) } th.n { (t.of_budget) }

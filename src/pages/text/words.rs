@@ -42,7 +42,7 @@ words_of_pages! {
     meaning_g meaning_all
 
     // How things stand.
-    status_word beyond limit limit_within stop colon slot no_record event_test_kind event_test_to moved
+    status_word limit limit_within stop colon slot no_record event_test_kind event_test_to moved
     other_station method_bench
 
     // The fleet.
@@ -83,10 +83,10 @@ words_of_pages! {
     // A diagnosis.
     diagnosis diagnosis_waiting gap_before after_effect ladder_note ladder_of_fit semicolon impact_none impact_some
     evidence_note regressor ruled_out_same ruled_out_weaker ruled_out_within model_in_use noise_floor sign_of_more
-    what_parts_them no_effect all_together adjusted_p detectability cannot_tell_from alone_cannot_tell_from
+    what_parts_them no_effect adjusted_p detectability cannot_tell_from alone_cannot_tell_from
     parameter value unit_word all_gyros held_out located heat_note heat_map by_attitude place share against against_note
     none_before hold_against reference whole_gap part_parameters part_structure part_noise p_parameters now
-    what_else effect closes_alone within_noise why_not impact impact_within_noise plain with_effects shift of_budget
+    what_else effect closes_alone within_noise why_not impact plain with_effects shift of_budget
     how_far before_after_note cannot_be_told visible why would_show measure_next up_axis north_axis table_rate as_programme phase_static phase_rate
     separates notes
 

@@ -120,13 +120,10 @@ pub struct FleetPage {
     pub gyros: Vec<Standing>,
 }
 
-/// The gyros that a station calibrated last.
+/// Of the gyros that a station calibrated last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StationGyros {
-    pub gyros: usize,
-    /// Of those, what is [`BEYOND`].
-    pub beyond: usize,
-    /// Of those, what was not calibrated in its interval.
+    /// What was not calibrated in its interval.
     pub overdue: usize,
     pub last_calibrated: UtcMicros,
 }
@@ -187,7 +184,9 @@ impl Fleet {
         let Some(narrowed) = self.narrowed(filter) else { return Ok(WallPage::default()) };
         let (ranks, now) = (ranks_of(filter.statuses), self.clock.now());
         let part = async |number: usize| {
-            store::head::imus(&self.store, ranks.as_deref(), &narrowed, now, [number.saturating_mul(imus), imus]).await
+            let overdue = rank(true, Some(Status::Overdue));
+            let part = [number.saturating_mul(imus), imus];
+            store::head::imus(&self.store, ranks.as_deref(), &narrowed, (now, overdue), part).await
         };
         let (mut shown, found) = part(number).await?;
         let last = found.saturating_sub(1) / imus;
@@ -256,13 +255,9 @@ impl Fleet {
         for tally in of_stations {
             let station = tally.station.and_then(|station| tables.stations.name(station));
             let Some((station, last_calibrated)) = station.zip(tally.last_calibrated) else { continue };
-            let none = StationGyros { gyros: 0, beyond: 0, overdue: 0, last_calibrated };
+            let none = StationGyros { overdue: 0, last_calibrated };
             let of_station = page.of_station.entry(station.to_string()).or_insert(none);
-            of_station.gyros += tally.gyros;
             of_station.overdue += tally.overdue;
-            // Worse than overdue: time adds nothing to it.
-            let is_beyond = of_rank(tally.rank).1.is_some_and(|status| BEYOND.contains(&status));
-            of_station.beyond += if is_beyond { tally.gyros } else { 0 };
             of_station.last_calibrated = of_station.last_calibrated.max(last_calibrated);
         }
         page

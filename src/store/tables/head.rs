@@ -268,8 +268,6 @@ pub struct Tally {
 pub struct StationTally {
     /// None for gyros that only a bench has seen.
     pub station: Option<u32>,
-    pub rank: i64,
-    pub gyros: usize,
     pub overdue: usize,
     pub last_calibrated: Option<UtcMicros>,
 }
@@ -286,7 +284,7 @@ pub async fn counts(store: &Store, now: UtcMicros) -> Result<(Vec<Tally>, Vec<St
         let [all, of_them] = of_ranks.entry(rank).or_default();
         (*all, *of_them) = (*all + gyros, *of_them + overdue);
         let (station, last_calibrated) = (station.map(|Whole(station)| station), last.map(UtcMicros));
-        of_stations.push(StationTally { station, rank, gyros, overdue, last_calibrated });
+        of_stations.push(StationTally { station, overdue, last_calibrated });
     }
     Ok((of_ranks.into_iter().flat_map(tallies_of).collect(), of_stations))
 }
@@ -632,19 +630,21 @@ pub async fn moved(store: &Store, since: UtcMicros, loads: f64, limit: usize) ->
     Ok(rows.into_iter().map(row).collect())
 }
 
-/// IMUs by their worst gyro, then by the largest load, and how many there are.
+/// IMUs by their worst gyro, then by the largest load, and how many there are. `overdue`: the rank that a gyro has at the
+/// least that is overdue `now`.
 pub async fn imus(
     store: &Store,
     of_ranks: Option<&[Ranks]>,
     narrowed: &Narrowed,
-    now: UtcMicros,
+    (now, overdue): (UtcMicros, i64),
     [skip, limit]: [usize; 2],
 ) -> Result<(Vec<u32>, usize), StoreError> {
     let conditions = conditions(store, narrowed, "$1", 2);
     let ranks = among_ranks(of_ranks);
     let sql = sqlx::AssertSqlSafe(format!(
         "SELECT imu FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}
-         GROUP BY imu ORDER BY max(rank) DESC, max(extreme) DESC, imu LIMIT $10 OFFSET $11"
+         GROUP BY imu
+         ORDER BY max(CASE WHEN overdue_at < $1 AND rank < {overdue} THEN {overdue} ELSE rank END) DESC, max(extreme) DESC, imu LIMIT $10 OFFSET $11"
     ));
     let counted = sqlx::AssertSqlSafe(format!(
         "SELECT count(DISTINCT imu) FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}"

@@ -222,7 +222,6 @@ fn load_row(t: &Text, stand: &Stand) -> Markup {
 
 /// Why those coefficients changed of which a rule speaks, the gyro's own causes first; and when they reach their budget.
 pub(super) fn causes(t: &Text, facts: &Facts, explained: Option<&ExplainedHistory>) -> Markup {
-    let newest = explained.and_then(|explained| explained.newest);
     html! {
         @for answer in facts.answers(explained, Status::Drifting) {
             p {
@@ -241,7 +240,7 @@ pub(super) fn causes(t: &Text, facts: &Facts, explained: Option<&ExplainedHistor
                 }
                 @if !answer.causes.is_empty() { (t.stop) " " }
                 (t.words(&answer.opening()))
-                @for said in answer.ahead(newest) { " " (t.words(&said)) }
+                @for said in explained.into_iter().flat_map(|explained| answer.ahead(explained.as_of)) { " " (t.words(&said)) }
             }
         }
     }

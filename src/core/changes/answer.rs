@@ -398,7 +398,7 @@ impl HistoryDiagnosis {
     }
 
     /// What is said besides the causes: how it wanders, what is left, what lies off, when it reaches its budget.
-    pub fn besides(&self, AsOf { newest, now, .. }: AsOf) -> Vec<Message> {
+    pub fn besides(&self, as_of: AsOf) -> Vec<Message> {
         let mut all = Vec::new();
         let size = |wander: &Wander| figure(wander.size, 5);
         all.extend(self.wander.iter().map(|wander| match wander.process {
@@ -413,31 +413,27 @@ impl HistoryDiagnosis {
             message!("history_outlier", day = text(outlier.at.date()), deviation = signed(outlier.deviation, 4))
         };
         all.extend(self.outliers.iter().map(outlier));
-        all.extend(self.ahead(newest));
+        all.extend(self.ahead(as_of));
         all
     }
 
     /// When it reaches its budget, and until when it has to be calibrated.
-    pub fn ahead(&self, newest: Option<UtcMicros>) -> Vec<Message> {
-        let mut all = Vec::new();
-        if let Some((newest, due)) = newest.zip(self.due.as_ref()) {
-            let day = |days: f64| text(newest.plus_days(days).date());
-            let is_past = |days: f64| newest.plus_days(days) < now;
-            all.push(match due.p80 {
-                _ if is_past(due.days) => message!("history_due_past", day = day(due.days)),
-                [Some(early), Some(late)] => {
-                    message!("history_due", day = day(due.days), early = day(early), late = day(late))
-                }
-                [early, _] => {
-                    message!("history_due_open", day = day(due.days), early = day(early.unwrap_or(0.0)))
-                }
-            });
-            all.extend(due.calibrate_by.map(|days| match is_past(days) {
-                true => message!("history_calibrate_now", day = day(days)),
-                false => message!("history_calibrate_by", day = day(days)),
-            }));
-        }
-        all
+    pub fn ahead(&self, AsOf { newest, now, .. }: AsOf) -> Vec<Message> {
+        let Some((newest, due)) = newest.zip(self.due.as_ref()) else { return Vec::new() };
+        let day = |days: f64| text(newest.plus_days(days).date());
+        let is_past = |days: f64| newest.plus_days(days) < now;
+        let reaches = match due.p80 {
+            _ if is_past(due.days) => message!("history_due_past", day = day(due.days)),
+            [Some(early), Some(late)] => {
+                message!("history_due", day = day(due.days), early = day(early), late = day(late))
+            }
+            [early, _] => message!("history_due_open", day = day(due.days), early = day(early.unwrap_or(0.0))),
+        };
+        let calibrate = due.calibrate_by.map(|days| match is_past(days) {
+            true => message!("history_calibrate_now", day = day(days)),
+            false => message!("history_calibrate_by", day = day(days)),
+        });
+        std::iter::once(reaches).chain(calibrate).collect()
     }
 }
 

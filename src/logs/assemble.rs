@@ -9,7 +9,7 @@ use super::programme::{axis, earth_axis};
 use super::turning::{self, Turned, Turns};
 use super::units::Counts;
 use crate::core::campaign::{Phase, Site};
-use crate::core::dwells::averages::{noise, settled, standard_error, without_edges};
+use crate::core::dwells::averages::{later, noise, settled, standard_error, without_edges};
 use crate::core::dwells::blocks::Track;
 use crate::core::dwells::intervals::{Found, Interval, Search, find};
 use crate::core::dwells::noise::Noise;
@@ -475,23 +475,22 @@ impl Work<'_> {
         let phase = |c: &Candidate| c.position.map_or(Phase::Static, |p| p.phase());
         let outputs: Vec<&Track> = (0..self.outputs()).filter_map(|k| self.track(Role::Output(k))).collect();
         // By output, at rest and in turns.
-        let noise_of = |candidates: &[Candidate]| -> Vec<[Noise; 2]> {
+        let noise_of = |candidates: &[Candidate], part: fn(Interval) -> Interval| -> Vec<[Noise; 2]> {
             let of_phase = |wanted: Phase| -> Vec<Interval> {
-                candidates.iter().filter(|c| phase(c) == wanted).map(|c| c.interval).collect()
+                candidates.iter().filter(|c| phase(c) == wanted).map(|c| part(c.interval)).collect()
             };
-            let (still, turning) = (of_phase(Phase::Static), of_phase(Phase::Rate));
-            outputs.iter().map(|track| noise(series, track, &still, &turning)).collect()
+            noise(series, &outputs, &of_phase(Phase::Static), &of_phase(Phase::Rate))
         };
         let of = |noise: &[[Noise; 2]], c: &Candidate| -> Vec<Noise> {
             noise.iter().map(|both| both[usize::from(phase(c) == Phase::Rate)]).collect()
         };
-        let rough = noise_of(&candidates);
+        let rough = noise_of(&candidates, later);
         for candidate in &mut candidates {
             let channels: Vec<(&Track, Noise)> = outputs.iter().copied().zip(of(&rough, candidate)).collect();
             candidate.interval = settled(series, &channels, candidate.interval);
             self.whole_turns(candidate);
         }
-        let fine = noise_of(&candidates);
+        let fine = noise_of(&candidates, |settled| settled);
         let dwells = candidates.iter().map(|c| self.dwell(c, &of(&fine, c))).collect::<Result<Vec<_>, _>>()?;
         if gone > 0 {
             self.remarks.push(message!("intervals_all_edge", count = gone));

@@ -2,11 +2,11 @@
 
 use super::blocks::{Series, Track};
 use super::intervals::Interval;
-use super::noise::{Noise, Octave, octaves};
+use super::noise::{Noise, Shown, octaves};
 
 /// Share of an interval that is cut off each end where nothing else is said.
 const EDGE: f64 = 0.01;
-/// Share before which an interval may still be settling: the noise is not taken from it.
+/// Part of an interval in which it may still be settling.
 const SETTLING: usize = 5;
 /// Part of an interval that is compared with the rest, and how many such parts an end may lose.
 const PART: usize = 16;
@@ -27,16 +27,19 @@ pub fn without_edges(series: &Series, interval: Interval, cut_s: Option<f64>) ->
     (blocks > 2 * cut + 1).then(|| Interval { from: interval.from + cut, to: interval.to - cut })
 }
 
-/// Noise of one channel at rest and in turns, the first fifth of each interval left out.
-pub fn noise(series: &Series, track: &Track, still: &[Interval], turning: &[Interval]) -> [Noise; 2] {
-    let pooled = |intervals: &[Interval]| -> Vec<Octave> {
-        let of = |i: &Interval| {
-            let from = i.from + (i.to - i.from) / SETTLING;
-            octaves(&track.mean[from..i.to], &track.weight[from..i.to], series.block_s)
-        };
-        intervals.iter().flat_map(of).collect()
+/// The interval without its first fifth, in which it may still be settling.
+pub fn later(interval: Interval) -> Interval {
+    Interval { from: interval.from + (interval.to - interval.from) / SETTLING, ..interval }
+}
+
+/// Noise of the outputs at rest and in turns.
+pub fn noise(series: &Series, outputs: &[&Track], still: &[Interval], turning: &[Interval]) -> Vec<[Noise; 2]> {
+    let shown = |track: &&Track| {
+        let of = |i: &Interval| octaves(&track.mean[i.from..i.to], &track.weight[i.from..i.to], series.block_s);
+        let pooled = |intervals: &[Interval]| intervals.iter().flat_map(of).collect();
+        Shown { still: pooled(still), turning: pooled(turning), pulse: track.pulse }
     };
-    Noise::fit_both(&pooled(still), &pooled(turning), track.pulse)
+    Noise::fit_all(&outputs.iter().map(shown).collect::<Vec<_>>())
 }
 
 /// The interval without what has not settled: ends whose mean differs from that of the rest by more than noise does.

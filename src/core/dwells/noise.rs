@@ -7,9 +7,9 @@
 //! ```
 //!
 //! quantisation Q, white N, flicker of one-sided spectrum h/f, random walk K. The variance of a mean over T in a log
-//! of length L is then 2 Q^2/T^2 + N^2/T + h (ln(L/T) + 3/2 - gamma - ln 2 pi) + K^2 T/3: the integral of each spectrum
-//! times sinc^2(pi f T), flicker from f = 1/L on. What walks from dwell to dwell beyond that is a change of the gyro
-//! and not an error of a mean.
+//! of length L is then 2 Q^2/T^2 + N^2/T + h n ln n/(n - 1) + K^2 T/3: of flicker, that of n = L/T means about their
+//! own mean (J. A. Barnes, NBS Technical Note 375, 1969, B1 for mu = 0), for what is common to a log belongs to the drift
+//! coefficients. What walks from dwell to dwell beyond that is a change of the gyro and not an error of a mean.
 
 /// Sum of squares of differences between neighbouring means over `tau_s`, halved: `pairs` times the Allan variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +17,14 @@ pub struct Octave {
     pub tau_s: f64,
     pub pairs: f64,
     pub variance: f64,
+}
+
+/// What the dwells of a gyro show, at rest and in turns, and one pulse of its counter.
+#[derive(Debug, Clone)]
+pub struct Shown {
+    pub still: Vec<Octave>,
+    pub turning: Vec<Octave>,
+    pub pulse: f64,
 }
 
 /// Noise of one channel, in its unit.
@@ -29,11 +37,12 @@ pub struct Noise {
 /// Octaves below the longest that are fitted: what filters do to shorter times says nothing of a dwell's mean.
 const OCTAVES: usize = 8;
 const ROUNDS: usize = 1000;
-/// What quantisation and walk must gain in minus twice the logarithm of the likelihood.
-const FURTHER: f64 = 3.0;
-/// What slow noise of their own must gain in it for turns.
+/// What each part must gain in minus twice the logarithm of the likelihood.
+const GAIN: [f64; 4] = [3.0, 0.0, 1.0, 3.0];
+const MODELS: [[f64; 4]; 5] =
+    [[0.0, 1.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [1.0, 1.0, 0.0, 0.0], [1.0, 1.0, 1.0, 0.0], [1.0; 4]];
+/// What slow noise of their own must gain in it for a gyro and for turns.
 const OTHER_NOISE: f64 = 9.0;
-const EULER: f64 = 0.577_215_664_901_532_9;
 
 fn used(octaves: &[Octave]) -> Vec<&Octave> {
     let longest = octaves.iter().map(|o| o.tau_s).fold(0.0, f64::max);
@@ -88,65 +97,64 @@ pub fn octaves(values: &[f64], weights: &[f64], step_s: f64) -> Vec<Octave> {
 }
 
 impl Noise {
+    /// Noise of each gyro of a log, at rest and in turns.
+    ///
+    /// Few dwells say little of slow noise, and gyros of a kind have like ratios of it to the rest: those that all of
+    /// them show together hold for each, unless it plainly has another. What is taken out of a turn takes slow noise
+    /// with it: that of rest holds for turns too, unless they plainly have more.
+    pub fn fit_all(gyros: &[Shown]) -> Vec<[Self; 2]> {
+        let mut still: Vec<Self> = gyros.iter().map(|gyro| Self::fit(&gyro.still, gyro.pulse)).collect();
+        let longest = gyros.iter().flat_map(|gyro| &gyro.still).map(|o| o.tau_s).fold(0.0, f64::max);
+        // In units of each one's noise at a time where all parts matter.
+        let middle = longest / 2f64.powi(OCTAVES as i32 / 2);
+        let units: Vec<f64> = still.iter().map(|own| own.allan(middle)).collect();
+        let in_units = |(gyro, unit): (&Shown, &f64)| -> Vec<Octave> {
+            gyro.still.iter().map(|o| Octave { variance: o.variance / unit, ..*o }).collect()
+        };
+        let pooled = gyros.iter().zip(&units).filter(|(_, unit)| **unit > 0.0).flat_map(in_units);
+        let [.., h, k] = Self::fit(&pooled.collect::<Vec<_>>(), 0.0).parts;
+        for ((own, gyro), unit) in still.iter_mut().zip(gyros).zip(units) {
+            *own = own.with_slow([h * unit, k * unit], &gyro.still, gyro.pulse).unwrap_or(*own);
+        }
+        let with_turns = |(rest, gyro): (&Self, &Shown)| {
+            let own = Self::fit(&gyro.turning, gyro.pulse);
+            let ([q, n, h, k], [.., rest_h, rest_k]) = (own.parts, rest.parts);
+            let more = Self { parts: [q, n, h.max(rest_h), k.max(rest_k)] };
+            let alike = own.with_slow([rest_h, rest_k], &gyro.turning, gyro.pulse);
+            [*rest, alike.filter(|_| !gyro.still.is_empty()).unwrap_or(more)]
+        };
+        still.iter().zip(gyros).map(with_turns).collect()
+    }
+
     /// Fits the octaves of all dwells of one channel.
     ///
     /// Each octave's variance is a mean of squares of normal values, so the likelihood is that of a chi-squared
-    /// variance; the parts stay positive (multiplicative steps, which never lower it). Quantisation and walk are taken
+    /// variance; the parts stay positive (multiplicative steps, which never lower it). Parts but white noise are taken
     /// in only where the likelihood asks for them: of few dwells the long octaves are mere chance. A counter rounds to
     /// a `pulse`, 3 Q^2 = pulse^2/4, also where a steady rate does not show it.
     pub fn fit(octaves: &[Octave], pulse: f64) -> Self {
         let used = used(octaves);
-        if used.iter().all(|o| o.variance <= 0.0) {
-            return Self { parts: [0.25 * pulse * pulse, 0.0, 0.0, 0.0] };
-        }
-        let mut fit = Self::likeliest(&used);
-        fit.parts[0] = fit.parts[0].max(0.25 * pulse * pulse);
         let longest = used.iter().map(|o| o.tau_s).fold(0.0, f64::max);
-        // Of counts, where rounding hides what else there is.
-        if pulse > 0.0 && fit.parts[0] > longest * fit.parts[1] {
-            fit.parts[2] = fit.expected_flicker(&used);
-        }
-        fit
-    }
-
-    /// Noise at rest and in turns. What is taken out of a turn takes slow noise with it: that of rest holds for turns
-    /// too, unless they plainly have more.
-    pub fn fit_both(still: &[Octave], turning: &[Octave], pulse: f64) -> [Self; 2] {
-        let [one, own] = [still, turning].map(|octaves| Self::fit(octaves, pulse));
-        if still.is_empty() || turning.is_empty() {
-            return [one, own];
-        }
-        let [q, n, ..] = own.parts;
-        let [.., h, k] = one.parts;
-        let used = used(turning);
-        let start = [q.max(f64::MIN_POSITIVE), n.max(f64::MIN_POSITIVE), h, k];
-        let mut of_rest = climbed(&used, start, [true, true, false, false]);
-        of_rest.parts[0] = of_rest.parts[0].max(0.25 * pulse * pulse);
-        if of_rest.misfit(&used) - own.misfit(&used) <= OTHER_NOISE {
-            return [one, of_rest];
-        }
-        [one, Self { parts: [q, n, h.max(own.parts[2]), k.max(own.parts[3])] }]
-    }
-
-    fn likeliest(used: &[&Octave]) -> Self {
-        let longest = used.iter().map(|o| o.tau_s).fold(0.0, f64::max);
-        let least = longest / 2f64.powi(OCTAVES as i32);
         let level = used.iter().map(|o| o.variance).fold(0.0, f64::max);
+        if level <= 0.0 {
+            return Self::default().rounded(pulse);
+        }
         // A start at which every part matters somewhere.
-        let middle = (longest * least).sqrt();
-        let start = powers(middle).map(|p| 0.25 * level / p);
-        let models = [[0.0, 1.0, 1.0, 0.0], [1.0, 1.0, 1.0, 0.0], [1.0; 4]];
-        let fits = models.iter().zip([0.0, 1.0, 2.0]).map(|(model, further)| {
-            let mut parts = start;
-            parts.iter_mut().zip(model).for_each(|(part, there)| *part *= there);
-            let fit = climbed(used, parts, [true; 4]);
-            (fit.misfit(used) + FURTHER * further, fit)
+        let start = powers(longest / 2f64.powi(OCTAVES as i32).sqrt()).map(|p| 0.25 * level / p);
+        let fits = MODELS.iter().map(|model| {
+            let fit = climbed(&used, [0, 1, 2, 3].map(|k| start[k] * model[k]), [true; 4]);
+            let asked: f64 = model.iter().zip(GAIN).map(|(there, gain)| there * gain).sum();
+            (fit.misfit(&used) + asked, fit)
         });
-        fits.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Self::default, |(_, fit)| fit)
+        let fit = fits.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Self::default, |(_, fit)| fit).rounded(pulse);
+        let [q, n, _, k] = fit.parts;
+        let is_hidden = q > longest * n;
+        if is_hidden { Self { parts: [q, n, fit.expected_flicker(&used), k] } } else { fit }
     }
 
-    /// The mean of flicker by its likelihood, the other parts held. Quantisation hides flicker of a dwell's own size:
-    /// the likeliest would be none in one log and twice too much in the next.
+    /// The mean of flicker by its likelihood, the other parts held, its standard deviation as likely beforehand at any
+    /// value. Rounding hides flicker of a dwell's own size: the likeliest would be none in one log and twice too much
+    /// in the next.
     fn expected_flicker(&self, octaves: &[&Octave]) -> f64 {
         const POINTS: usize = 200;
         const UNLIKELY: f64 = 20.0;
@@ -157,11 +165,26 @@ impl Noise {
         while misfit(top) < most && top < level {
             top *= 2.0;
         }
-        let points: Vec<f64> = (0..POINTS).map(|k| top * (k as f64 + 0.5) / POINTS as f64).collect();
+        let points: Vec<f64> = (0..POINTS).map(|k| top * ((k as f64 + 0.5) / POINTS as f64).powi(2)).collect();
         let misfits: Vec<f64> = points.iter().map(|&h| misfit(h)).collect();
         let least = misfits.iter().copied().fold(f64::INFINITY, f64::min);
         let weights: Vec<f64> = misfits.iter().map(|misfit| (0.5 * (least - misfit)).exp()).collect();
         points.iter().zip(&weights).map(|(h, weight)| h * weight).sum::<f64>() / weights.iter().sum::<f64>()
+    }
+
+    /// The same with no less quantisation than rounding to a pulse makes.
+    fn rounded(mut self, pulse: f64) -> Self {
+        self.parts[0] = self.parts[0].max(0.25 * pulse * pulse);
+        self
+    }
+
+    /// The same channel with flicker and walk of others; none where its octaves are plainly not of such.
+    fn with_slow(&self, [h, k]: [f64; 2], octaves: &[Octave], pulse: f64) -> Option<Self> {
+        let used = used(octaves);
+        let [q, n, ..] = self.parts;
+        let start = [q.max(f64::MIN_POSITIVE), n.max(f64::MIN_POSITIVE), h, k];
+        let fit = climbed(&used, start, [true, true, false, false]).rounded(pulse);
+        (!used.is_empty() && fit.misfit(&used) - self.misfit(&used) <= OTHER_NOISE).then_some(fit)
     }
 
     /// Minus twice the logarithm of the likelihood.
@@ -203,8 +226,8 @@ impl Noise {
     /// Standard error of a mean over `dwell_s` of which `observed_s` were sampled, in a log of `log_s`.
     pub fn standard_error(&self, dwell_s: f64, observed_s: f64, log_s: f64) -> f64 {
         let [q, n, h, k] = self.parts;
-        let lowest = ((log_s / dwell_s).max(1.0).ln() + 1.5 - EULER - std::f64::consts::TAU.ln()).max(1.0);
-        let flicker = h / (2.0 * std::f64::consts::LN_2) * lowest;
+        let means = (log_s / dwell_s).max(2.0);
+        let flicker = h / (2.0 * std::f64::consts::LN_2) * means * means.ln() / (means - 1.0);
         (2.0 / 3.0 * q / (dwell_s * dwell_s) + n / observed_s + flicker + k * dwell_s).sqrt()
     }
 }

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::averages::{noise, settled, standard_error, without_edges};
+use super::averages::{later, noise, settled, standard_error, without_edges};
 use super::blocks::{Blocks, Series};
 use super::intervals::{Found, Interval, Search, find};
 use super::noise::{Noise, octaves};
@@ -107,8 +107,8 @@ fn measure(seeds: std::ops::Range<u64>, hz: f64) -> (usize, Vec<f64>) {
             continue;
         }
         let cut: Vec<Interval> = found.intervals.iter().filter_map(|i| without_edges(&series, *i, None)).collect();
-        for (c, track) in series.tracks.iter().enumerate() {
-            let [of, _] = noise(&series, track, &cut, &[]);
+        let of = noise(&series, &series.tracks.iter().collect::<Vec<_>>(), &cut, &[]);
+        for (c, (track, [of, _])) in series.tracks.iter().zip(of).enumerate() {
             for (k, interval) in cut.iter().enumerate() {
                 let interval = settled(&series, &[(track, of)], *interval);
                 let sem = standard_error(&series, track, &of, interval, hz.recip());
@@ -122,7 +122,7 @@ fn measure(seeds: std::ops::Range<u64>, hz: f64) -> (usize, Vec<f64>) {
 /// `GYROWATCH_LOGS=100 cargo test --lib dwells_are -- --nocapture` prints the figures of as many logs.
 #[test]
 fn dwells_are_found_unbiased_and_as_well_known_as_they_say() {
-    let logs: u64 = std::env::var("GYROWATCH_LOGS").ok().and_then(|n| n.parse().ok()).unwrap_or(6);
+    let logs: u64 = std::env::var("GYROWATCH_LOGS").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
     let (wrong, errors) = measure(1..1 + logs, 5.0);
     let n = errors.len() as f64;
     let mean = errors.iter().sum::<f64>() / n;
@@ -130,7 +130,7 @@ fn dwells_are_found_unbiased_and_as_well_known_as_they_say() {
     println!("logs {logs}, with a dwell missed or invented {wrong}; error/sd: mean {mean:+.3}, rms {rms:.3}");
     assert_eq!(wrong, 0);
     assert!(mean.abs() < 0.25, "{mean}");
-    assert!((0.85..1.15).contains(&rms), "{rms}");
+    assert!((0.9..1.1).contains(&rms), "{rms}");
 }
 
 #[test]
@@ -251,7 +251,7 @@ fn what_has_not_settled_is_cut_off() {
     let series = Series::join(vec![blocks]);
     let whole = Interval { from: 0, to: series.number.len() };
     let track = &series.tracks[0];
-    let kept = settled(&series, &[(track, noise(&series, track, &[whole], &[])[0])], whole);
+    let kept = settled(&series, &[(track, noise(&series, &[track], &[later(whole)], &[])[0][0])], whole);
     assert!(series.start_s(kept.from) > 12.0 && kept.to == whole.to, "{kept:?}");
     assert!((track.mean_of(kept.from, kept.to) - 10.0).abs() < 0.008);
 }
@@ -336,11 +336,11 @@ fn a_converter_that_reads_the_same_all_the_while_is_known_to_its_rounding() {
     let series = Series::join(vec![blocks]);
     let track = &series.tracks[0];
     let first = Interval { from: 2, to: 90 };
-    let [of, _] = noise(&series, track, &[first, Interval { from: 110, to: 190 }], &[]);
+    let of = noise(&series, &[track], &[first, Interval { from: 110, to: 190 }], &[]);
     // The smallest difference that was seen is four.
-    assert!((standard_error(&series, track, &of, first, 1.0) - 4.0 / 12f64.sqrt()).abs() < 1e-12);
+    assert!((standard_error(&series, track, &of[0][0], first, 1.0) - 4.0 / 12f64.sqrt()).abs() < 1e-12);
     let both = Interval { from: 2, to: 190 };
-    assert!(standard_error(&series, track, &of, both, 1.0) < 1e-6, "it does not read the same");
+    assert!(standard_error(&series, track, &of[0][0], both, 1.0) < 1e-6, "it does not read the same");
 }
 
 /// Rates counted in whole pulses: a mean over T is off by a pulse at both ends, pulse/(T sqrt 6), whether the counts
@@ -370,12 +370,13 @@ fn a_mean_of_counts_is_known_to_a_pulse_at_both_ends() {
     let (still, turning): (Vec<Interval>, Vec<Interval>) =
         ((0..20).map(dwell).collect(), (20..41).map(dwell).collect());
     let track = &series.tracks[0];
-    let of = noise(&series, track, &still, &turning);
+    let of = noise(&series, &[track], &still, &turning)[0];
     let pulse = 1.0 / 58.0 / 6_f64.sqrt();
     let mut squares = Vec::new();
     for (k, interval) in still.iter().chain(&turning).enumerate() {
         let sem = standard_error(&series, track, &of[usize::from(k >= 20)], *interval, 1.0 / HZ);
-        assert!((0.95..2.5).contains(&(sem / pulse)), "{}: {sem} {pulse}", rates[k]);
+        // Of one gyro, flicker of such a size would not be seen.
+        assert!((0.95..3.0).contains(&(sem / pulse)), "{}: {sem} {pulse}", rates[k]);
         squares.push(((track.mean_of(interval.from, interval.to) - rates[k]) / sem).powi(2));
     }
     let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();

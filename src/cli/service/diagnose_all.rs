@@ -12,8 +12,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::de::DeserializeOwned;
 
 use crate::cli::client::{Connection, JSON, Sent, Service, Trouble};
-use crate::cli::document::{Format, table};
+use crate::cli::document::{Format, table_of, verdict};
+use crate::core::message::Message;
+use crate::message;
 use crate::wire::diagnoses::{CoverageBody, DoubtBody, FindingBody, JobDetailBody, SummaryBody, WhichBody};
+use crate::words::asked;
 
 /// How often progress is asked for.
 const STEP: Duration = Duration::from_millis(500);
@@ -176,46 +179,32 @@ fn tables(summary: &SummaryBody) -> String {
 }
 
 fn coverage(c: &CoverageBody) -> String {
-    let said = |counts: &[(u64, &str)]| {
+    let said = |counts: &[(u64, Message)]| {
         let some = counts.iter().filter(|(count, _)| *count > 0);
-        some.map(|(count, what)| format!("{count} {what}")).collect::<Vec<_>>().join(", ")
+        some.map(|(_, what)| asked().words(what)).collect::<Vec<_>>().join(", ")
     };
     let outcomes = said(&[
-        (c.no_gap, "within the noise, nothing to explain"),
-        (c.explained, "with a gap that is explained"),
-        (c.partly_explained, "with a gap that is partly explained"),
-        (c.unexplained, "with a gap that nothing in the catalogue explains"),
+        (c.no_gap, message!("terminal_clean", count = c.no_gap)),
+        (c.explained, message!("terminal_count_explained", count = c.explained)),
+        (c.partly_explained, message!("terminal_count_partly", count = c.partly_explained)),
+        (c.unexplained, message!("terminal_count_unexplained", count = c.unexplained)),
     ]);
     let beside = said(&[
-        (c.outdated, "of them diagnosed by another version of the program"),
-        (c.refused, "left out, with nothing to diagnose"),
-        (c.waiting, "not diagnosed yet"),
+        (c.outdated, message!("terminal_count_outdated", count = c.outdated)),
+        (c.refused, message!("terminal_count_refused", count = c.refused)),
+        (c.waiting, message!("terminal_count_waiting", count = c.waiting)),
     ]);
-    let campaigns = if c.diagnosed == 1 { "campaign" } else { "campaigns" };
     let outcomes = if outcomes.is_empty() { outcomes } else { format!(": {outcomes}") };
     let beside = if beside.is_empty() { beside } else { format!("; {beside}") };
-    format!("{} {campaigns} diagnosed{outcomes}{beside}", c.diagnosed)
+    format!("{}{outcomes}{beside}", asked().words(&message!("terminal_diagnosed", count = c.diagnosed)))
 }
 
 fn findings(all: &[FindingBody]) -> Option<String> {
-    let head = [
-        "effect",
-        "gyro",
-        "IMU",
-        "stations",
-        "last without",
-        "first with",
-        "last with",
-        "campaigns",
-        "closes",
-        "D_I",
-        "D_S",
-    ];
-    let mut rows = table(head, 7..11);
+    let mut rows = table_of("terminal_findings_head", 7..11);
     for f in all {
         let others: Vec<&str> = f.class.iter().map(String::as_str).filter(|id| *id != f.effect).collect();
-        let effect =
-            if others.is_empty() { f.effect.clone() } else { format!("{}\n(or {})", f.effect, others.join(", ")) };
+        let or = || asked().words(&message!("terminal_or", effects = others.join(", ")));
+        let effect = if others.is_empty() { f.effect.clone() } else { format!("{}\n({})", f.effect, or()) };
         let stations: Vec<String> =
             f.stations.iter().map(|at| format!("{} {}/{}", at.station, at.campaigns, at.of)).collect();
         let shift = |name: &str| {
@@ -223,6 +212,7 @@ fn findings(all: &[FindingBody]) -> Option<String> {
             found.map_or_else(|| "-".to_owned(), |i| format!("{:+.6}\n{:.0} %", i.shift, 100.0 * i.of_budget))
         };
         let c = &f.closure;
+        let range = message!("terminal_to", from = format!("{:.2}", c.least), to = format!("{:.2}", c.greatest));
         rows.add_row([
             effect,
             format!("{} {}", f.serial, f.slot),
@@ -231,32 +221,36 @@ fn findings(all: &[FindingBody]) -> Option<String> {
             day(f.clear_at.as_deref().unwrap_or("-")),
             day(&f.first.measured_at),
             day(&f.last.measured_at),
-            format!("{}/{} of {}", f.campaigns, f.of_since, f.of),
-            format!("{:.2}\n({:.2} to {:.2})", c.median, c.least, c.greatest),
+            of_all(format!("{}/{}", f.campaigns, f.of_since), f.of),
+            format!("{:.2}\n({})", c.median, asked().words(&range)),
             shift("D_I"),
             shift("D_S"),
         ]);
     }
-    let note = "campaigns: with the effect / since the first one with it, of all of the gyro; closes: of the reducible gap that what was named before it in \
-                the campaign has left, on held-out dwells, median (least to greatest);\nD_I, D_S: largest shift, deg/(h g0), and its part of the budget";
-    (!all.is_empty()).then(|| format!("Named effects\n{rows}\n{note}"))
+    let [title, key] =
+        [message!("terminal_effects"), message!("terminal_findings_key")].map(|said| asked().words(&said));
+    (!all.is_empty()).then(|| format!("{title}\n{rows}\n{key}"))
+}
+
+fn of_all(part: String, all: u64) -> String {
+    asked().words(&message!("terminal_of", part = part, all = all.to_string()))
 }
 
 fn doubts(all: &[DoubtBody]) -> Option<String> {
-    let mut rows = table(["IMU", "verdict", "gyros", "signs", "stations", "campaigns", "first", "last"], 5..6);
+    let mut rows = table_of("terminal_doubts_head", 5..6);
     for d in all {
         rows.add_row([
             d.imu.clone(),
-            d.verdict.replace('_', " "),
+            asked().words(&verdict(&d.verdict)),
             d.gyros.join(" "),
             d.signs.join("\n"),
             d.stations.join("\n"),
-            format!("{} of {}", d.campaigns, d.of),
+            of_all(d.campaigns.to_string(), d.of),
             day(&d.first.measured_at),
             day(&d.last.measured_at),
         ]);
     }
-    (!all.is_empty()).then(|| format!("Not explained by the catalogue, or not wholly\n{rows}"))
+    (!all.is_empty()).then(|| format!("{}\n{rows}", asked().word("terminal_doubts")))
 }
 
 /// The date of an RFC 3339 time.

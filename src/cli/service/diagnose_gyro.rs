@@ -3,9 +3,11 @@
 use anyhow::Context;
 
 use super::diagnose_all::Fleet;
-use crate::cli::document::{Format, table};
+use crate::cli::document::{Format, table_of};
+use crate::message;
 use crate::wire::history::{CoefficientBody, HistoryDiagnosisBody};
 use crate::wire::text::encoded;
+use crate::words::asked;
 
 pub fn run(serial: &str, fleet: &Fleet, format: Format) -> anyhow::Result<()> {
     let service = fleet.service()?;
@@ -16,7 +18,11 @@ pub fn run(serial: &str, fleet: &Fleet, format: Format) -> anyhow::Result<()> {
 }
 
 fn tables(answer: &HistoryDiagnosisBody) -> String {
-    let mut parts = vec![format!("{}; {} other gyros of its stations", answer.serial, answer.peers)];
+    let mut parts = vec![asked().words(&message!(
+        "terminal_peers",
+        serial = answer.serial.clone(),
+        peers = answer.peers.to_string()
+    ))];
     for coefficient in &answer.coefficients {
         parts.push(format!("{}: {}", coefficient.coefficient, coefficient.said.join("\n  ")));
         if !coefficient.candidates.is_empty() {
@@ -27,7 +33,7 @@ fn tables(answer: &HistoryDiagnosisBody) -> String {
 }
 
 fn candidates(coefficient: &CoefficientBody) -> String {
-    let mut rows = table(["not named", "what", "why"], 0..0);
+    let mut rows = table_of("terminal_not_named_head", 0..0);
     for candidate in &coefficient.candidates {
         rows.add_row([candidate.cause.as_ref(), &candidate.detail, &candidate.reason]);
     }

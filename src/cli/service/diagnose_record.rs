@@ -1,12 +1,15 @@
 //! `diagnose RECORD`: what the closure of a calibration record says, where there are no dwells to ask.
 
 use super::settings;
-use crate::cli::document::{Format, table};
+use crate::cli::document::{self, Format, table_of, verdict};
 use crate::core::diagnose::closures;
+use crate::core::message::list;
 use crate::core::separate::{separate, stated_covariance};
+use crate::message;
 use crate::wire::closure::ClosureBody;
 use crate::wire::record::parse_record;
 use crate::wire::time;
+use crate::words::asked;
 
 /// Prints the diagnosis of a record.
 pub fn run(bytes: &[u8], format: Format) -> anyhow::Result<()> {
@@ -20,19 +23,18 @@ pub fn run(bytes: &[u8], format: Format) -> anyhow::Result<()> {
         })
         .collect::<Result<Vec<_>, _>>()?;
     let answer = ClosureBody::from(&closures(separations.iter().map(|(slot, s)| (*slot, s))));
-    let head = format!(
-        "{}, calibrated by {} at {}: {}",
-        record.imu,
-        record.station,
-        time::format(record.calibrated_at),
-        answer.verdict.replace('_', " ")
-    );
+    let head = asked().words(&message!(
+        "terminal_calibrated_by",
+        imu = record.imu.to_string(),
+        station = record.station.to_string(),
+        at = time::format(record.calibrated_at),
+        verdict = verdict(&answer.verdict)
+    ));
     format.show(&answer, || tables(&head, &answer))
 }
 
 fn tables(head: &str, answer: &ClosureBody) -> String {
-    let mut rows =
-        table(["gyro", "D_O, deg/(h g0)", "of the budget", "p, noise alone", "clocking, deg", "D_S if clocking"], 1..6);
+    let mut rows = table_of("terminal_closure_head", 1..6);
     for gyro in &answer.located.gyros {
         let clocking =
             answer.effects.iter().flat_map(|e| &e.estimates).find(|e| e.slot == gyro.slot && e.unit == "rad");
@@ -46,15 +48,16 @@ fn tables(head: &str, answer: &ClosureBody) -> String {
             impact.map_or("-".to_owned(), |i| format!("{:+.6} ({:+.6})", i.augmented, i.shift)),
         ]);
     }
-    let mut text = format!("{head}\n\nClosure: what two coefficients leave of G\n{rows}\n");
+    let mut text = format!("{head}\n\n{}\n{rows}\n", asked().word("terminal_closure"));
     for effect in &answer.effects {
-        text.push_str(&format!("\nOne class, not to be told apart here: {}\n", effect.class.join(", ")));
+        let class = message!("terminal_one_class", effects = list(effect.class.iter().cloned()));
+        text.push_str(&format!("\n{}\n", asked().words(&class)));
     }
     for (k, next) in answer.next_measurements.iter().enumerate() {
         text.push_str(&format!("{}. {}\n", k + 1, next.measurement));
     }
     for note in &answer.notes {
-        text.push_str(&format!("\nnote: {note}"));
+        text.push_str(&format!("\n{}", document::note(note)));
     }
     text
 }

@@ -6,16 +6,18 @@ use anyhow::{Context, bail};
 use clap::Args;
 
 use super::{model, settings};
-use crate::cli::document::{self, Format, table};
+use crate::cli::document::{self, Format, table, table_of};
 use crate::core::campaign::Campaign;
 use crate::core::imu_model::{Identified, changed, compare, forecast, ladder, most_telling, promised};
 use crate::core::judge::Limits;
+use crate::message;
 use crate::simulate::of_model::scenario_of;
 use crate::simulate::{Scenario, simulate};
 use crate::wire::document::parse;
 use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastBody};
 use crate::wire::triple::Triple;
 use crate::wire::unit;
+use crate::words::asked;
 
 /// Dwells that a table shows.
 const SHOWN: usize = 8;
@@ -217,7 +219,7 @@ pub(super) fn steps(c: &ComparedBody) -> String {
 }
 
 pub(super) fn against_model(changed: &ChangedBody) -> String {
-    let mut rows = table(["effect", "gyro", "coefficient", "model", "now", "unit", "p", "changed"], 3..5);
+    let mut rows = table_of("terminal_changed_head", 3..5);
     for effect in &changed.effects {
         for c in &effect.coefficients {
             rows.add_row([
@@ -228,27 +230,27 @@ pub(super) fn against_model(changed: &ChangedBody) -> String {
                 format!("{:+.3e} ± {:.1e}", c.now, c.now_sd),
                 unit::of_people(&c.unit),
                 format!("{:.1e}", effect.p_value),
-                if effect.changed {
-                    "yes"
-                } else if effect.undecided {
-                    "cannot tell"
-                } else {
-                    "no"
-                }
-                .to_owned(),
+                asked()
+                    .word(match (effect.changed, effect.undecided) {
+                        (true, _) => "terminal_yes",
+                        (false, true) => "terminal_cannot_tell",
+                        (false, false) => "terminal_no",
+                    })
+                    .to_owned(),
             ]);
         }
     }
-    let mut out = format!("\nEffects against the model\n{rows}\n");
+    let mut out = format!("\n{}\n{rows}\n", asked().word("terminal_changed"));
     if changed.effects.iter().any(|effect| effect.undecided) {
-        out.push_str("cannot tell: the gyro shows more than the model holds; that may be what has changed\n");
+        out.push_str(asked().word("terminal_cannot_tell_why"));
+        out.push('\n');
     }
     for shift in &changed.shifts {
-        let (slot, coefficient) = (&shift.slot, &shift.coefficient);
-        out.push_str(&format!(
-            "{coefficient} of {slot}: {:+.5} ± {:.5} deg/(h g0) from the change\n",
-            shift.shift, shift.sd
-        ));
+        let (slot, coefficient) = (shift.slot.clone(), shift.coefficient.clone());
+        let shift = format!("{:+.5} ± {:.5}", shift.shift, shift.sd);
+        let moved = message!("terminal_moved_by", coefficient = coefficient, slot = slot, shift = shift);
+        out.push_str(&asked().words(&moved));
+        out.push('\n');
     }
     out
 }

@@ -38,6 +38,39 @@ terminal_blind_head = cannot be told here | visible | because | needs
 terminal_next = Worth measuring next
 terminal_next_head = up | north | table rate, deg/s | separates
 terminal_nothing_adopted = nothing was named: the model in use
+terminal_calibrated_by = { $imu }, calibrated by { $station } at { $at }: { $verdict }
+terminal_closure = Closure: what two coefficients leave of G
+terminal_closure_head = gyro | D_O, deg/(h g0) | of the budget | p, noise alone | clocking, deg | D_S if clocking
+terminal_one_class = One class, not to be told apart here: { $effects }
+terminal_peers = { $serial }; { $peers } other gyros of its stations
+terminal_not_named_head = not named | what | why
+terminal_changed = Effects against the model
+terminal_changed_head = effect | gyro | coefficient | model | now | unit | p | changed
+terminal_no = no
+terminal_cannot_tell = cannot tell
+terminal_cannot_tell_why = cannot tell: the gyro shows more than the model holds; that may be what has changed
+terminal_moved_by = { $coefficient } of { $slot }: { $shift } deg/(h g0) from the change
+terminal_diagnosed = { $count ->
+    [one] { $count } campaign diagnosed
+   *[other] { $count } campaigns diagnosed
+}
+terminal_clean = { $count } within the noise, nothing to explain
+terminal_count_explained = { $count } with a gap that is explained
+terminal_count_partly = { $count } with a gap that is partly explained
+terminal_count_unexplained = { $count } with a gap that nothing in the catalogue explains
+terminal_count_outdated = { $count } of them diagnosed by another version of the program
+terminal_count_refused = { $count } left out, with nothing to diagnose
+terminal_count_waiting = { $count } not diagnosed yet
+terminal_findings_head = effect | gyro | IMU | stations | last without | first with | last with | campaigns | closes | D_I | D_S
+terminal_or = or { $effects }
+terminal_of = { $part } of { $all }
+terminal_to = { $from } to { $to }
+terminal_findings_key =
+    campaigns: with the effect / since the first one with it, of all of the gyro; closes: of the reducible gap that what was named
+    before it in the campaign has left, on held-out dwells, median (least to greatest);
+    D_I, D_S: largest shift, deg/(h g0), and its part of the budget
+terminal_doubts = Not explained by the catalogue, or not wholly
+terminal_doubts_head = IMU | verdict | gyros | signs | stations | campaigns | first | last
 
 ## `dwells`
 

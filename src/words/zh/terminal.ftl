@@ -38,6 +38,36 @@ terminal_blind_head = 无法判断的效应 | 可见部分 | 原因 | 需要的�
 terminal_next = 建议下一步测量
 terminal_next_head = 朝上 | 朝北 | 转台转速，deg/s | 可区分
 terminal_nothing_adopted = 没有指出任何效应：为现用模型
+terminal_calibrated_by = { $imu }，{ $station }，{ $at }：{ $verdict }
+terminal_closure = 闭合差：两个系数未能解释的G
+terminal_closure_head = 陀螺 | D_O，(°)/(h·g0) | 占允许范围 | 仅噪声的p | 绕输入轴转角，° | 若为转角时的D_S
+terminal_one_class = 同一等效类，此处无法区分：{ $effects }
+terminal_peers = { $serial }；其测试站的其他陀螺{ $peers }只
+terminal_not_named_head = 未指出 | 内容 | 原因
+terminal_changed = 效应与模型比较
+terminal_changed_head = 效应 | 陀螺 | 系数 | 模型 | 本次 | 单位 | p | 是否变化
+terminal_no = 否
+terminal_cannot_tell = 无法判断
+terminal_cannot_tell_why = 无法判断：该陀螺的表现超出模型所含，变化的可能正是这部分
+terminal_moved_by = { $slot }的{ $coefficient }：因变化而移动{ $shift } (°)/(h·g0)
+terminal_diagnosed = 已诊断{ $count }次试验
+terminal_clean = { $count }次在噪声范围内
+terminal_count_explained = { $count }次差异已解释
+terminal_count_partly = { $count }次差异部分解释
+terminal_count_unexplained = { $count }次差异未能用目录解释
+terminal_count_outdated = 其中{ $count }次由其他版本的程序诊断
+terminal_count_refused = { $count }次无法诊断，未计入
+terminal_count_waiting = { $count }次尚未诊断
+terminal_findings_head = 效应 | 陀螺 | IMU | 测试站 | 此前最后未出现 | 首次出现 | 最近出现 | 试验数 | 解释比例 | D_I | D_S
+terminal_or = 或{ $effects }
+terminal_of = { $part }，共{ $all }
+terminal_to = { $from }至{ $to }
+terminal_findings_key =
+    试验数：出现该效应／首次出现以来，共该陀螺全部；解释比例：留出测点上，该次试验中先指出的效应
+    所余可消除差异的解释比例，中位数（最小至最大）；
+    D_I、D_S：最大变化，(°)/(h·g0)，及占允许范围的比例
+terminal_doubts = 目录不能解释或不能完全解释
+terminal_doubts_head = IMU | 结论 | 陀螺 | 迹象 | 测试站 | 试验数 | 首次 | 最近
 
 ## `dwells`
 

@@ -552,7 +552,7 @@ fn a_fleet_of_stations_has_repeatability_offset_and_gyro_by_station() {
     let found = stations(&gyros).expect("there are records");
     assert_eq!((&*found.against, found.stations.len()), ("ST-1", 2));
     let second = &found.stations[1];
-    assert_eq!((&*second.name, second.records, second.gyros, second.imus), ("ST-2", 300, 30, 10));
+    assert_eq!((&*second.name, second.records, second.gyros, second.imus), ("ST-2", 100, 30, 10));
     let column = &second.columns[0];
     let offset = column.offset.expect("gyros were at both");
     assert!((offset.value - 0.006).abs() < 3.0 * offset.sd && offset.sd < 1e-3, "{offset:?}");

@@ -101,7 +101,7 @@ fn table(t: &Text, view: &View, all: &[Compared<'_>], names: &Names<'_>) -> Mark
             } }
             tbody { @for one in all { (row(t, view, one, names)) } }
         } }
-        p.note { "%: " (t.percent_of_budget) ". " (t.scatter) ": " (t.unit) }
+        p.note { "%: " (t.percent_of_budget) }
     }
 }
 
@@ -138,7 +138,7 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
             @for name in &DRIFTS[..2] {
                 td.n data-label={ (t.scatter) " " (name) } {
                     @if let Some(VerdictBody { value: Some(value), limit, .. }) = scatter(name).map(|said| &said.body) {
-                        (figure::short(*value)) " / " (figure::short(*limit))
+                        (figure::percent(value / limit))
                     } @else { "–" }
                 }
             }

@@ -151,24 +151,18 @@ async fn what_could_not_be_kept_is_made_again_without_anybody_asking() {
                        BEGIN SELECT RAISE(ABORT, 'not now'); END";
         (refuses, "DROP TRIGGER refused")
     };
-    // One that cannot be kept, and one that cannot even be read.
-    for (begins, ends) in [(refuses, takes), (UNREADABLE, READABLE)] {
-        let mut lab = Lab::open().await;
-        lab.post("/v1/campaigns", &campaign("2026-05-01T08:00:00Z")).await.created();
-        all_made(&lab).await;
-        lab.stop().await;
-        tamper(&lab, "UPDATE diagnosis SET body = NULL, packed = NULL").await;
-        execute(&lab, begins).await;
-        lab.start().await;
-        tokio::time::sleep(Duration::from_secs(3)).await;
-        assert_eq!(due(&lab).await, 1);
-        execute(&lab, ends).await;
-        all_made(&lab).await;
-    }
+    let mut lab = Lab::open().await;
+    lab.post("/v1/campaigns", &campaign("2026-05-01T08:00:00Z")).await.created();
+    all_made(&lab).await;
+    lab.stop().await;
+    tamper(&lab, "UPDATE diagnosis SET body = NULL, packed = NULL").await;
+    execute(&lab, refuses).await;
+    lab.start().await;
+    tokio::time::sleep(Duration::from_secs(5)).await;
+    assert_eq!(due(&lab).await, 1);
+    execute(&lab, takes).await;
+    all_made(&lab).await;
 }
-
-const UNREADABLE: &str = "ALTER TABLE diagnosis RENAME COLUMN packed TO elsewhere";
-const READABLE: &str = "ALTER TABLE diagnosis RENAME COLUMN elsewhere TO packed";
 
 async fn execute(lab: &Lab, sql: &'static str) {
     connected!(lab, connection => {

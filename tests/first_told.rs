@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use gyrowatch::core::time::UtcMicros;
+use gyrowatch::pipeline::{AlertChange, AlertOrder};
 use lab::{Lab, day, record};
 use receiver::Receiver;
 use serde_json::{Value, json};
@@ -190,12 +191,13 @@ async fn a_silence_that_is_taken_off_one_alert_is_told_to_hooks_that_came_during
     steps(&lab, "A").await;
     assert_eq!(told(&lab, &first, &early).await, [["A step alert.fired"]]);
     let alert = lab.get("/v1/alerts?serial=A&rule=step").await.ok()["alerts"][0]["id"].as_str().unwrap().to_owned();
-    let said = |until: Option<&str>| json!({"until": until, "by": "Li", "reason": "known"});
-    let path = format!("/v1/alerts/{alert}/silence");
-    lab.post(&path, &said(Some("2026-11-30T00:00:00Z"))).await.ok();
+    let silence = json!({"until": "2026-11-30T00:00:00Z", "by": "Li", "reason": "known"});
+    lab.post(&format!("/v1/alerts/{alert}/silence"), &silence).await.ok();
     let second = hook(&lab, &late, json!({"filter": {"rules": ["step"]}})).await;
     assert!(told(&lab, &second, &late).await.is_empty(), "it is silenced");
-    assert_eq!(lab.post(&path, &said(None)).await.ok()["state"], "firing");
+    let (by, reason) = ("Li".to_owned(), "mended".to_owned());
+    let order = AlertOrder { alert: alert.parse().unwrap(), change: AlertChange::Unsilence, by, reason };
+    assert_eq!(lab.pipeline().alerts.change(order).await.unwrap().state, "firing");
     assert_eq!(told(&lab, &second, &late).await, [["A step alert.fired"]]);
     assert_eq!(told(&lab, &first, &early).await.len(), 1, "it knows already");
 }
@@ -206,7 +208,7 @@ async fn who_has_heard_that_an_alert_is_grave_hears_that_it_is_less_so() {
     let target = Receiver::start().await;
     let id = hook(&lab, &target, json!({"filter": {"min_severity": "critical", "rules": ["baseline"]}})).await;
     steps(&lab, "A").await;
-    let confirms = record("IMU-A", &day(160), &[("G1", "A", 1.05, 2.0)]);
+    let confirms = record("IMU-A", &day(150), &[("G1", "A", 1.05, 2.0)]);
     let confirms = lab.posts(&confirms).await["id"].as_str().unwrap().to_owned();
     assert_eq!(told(&lab, &id, &target).await, [["A baseline alert.fired"]]);
     let void = json!({"author": "Li", "reason": "the table was not level"});

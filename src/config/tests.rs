@@ -259,14 +259,14 @@ fn a_hook_key_that_cannot_be_is_named() {
 #[test]
 fn no_password_is_printed_wherever_it_stands() {
     let set = [
-        ("GYROWATCH_DATABASE_URL", "postgres://g@one:5432,two:5433/g?password=secret"),
-        ("GYROWATCH_HOOKS__SMTP_URL", "smtps://lab:secret@mail.example:465"),
+        ("GYROWATCH_DATABASE_URL", "postgres://g@one:5432,two:5433/g?password=hunter2"),
+        ("GYROWATCH_HOOKS__SMTP_URL", "smtps://lab:hunter2@mail.example:465"),
         ("GYROWATCH_HOOKS__MAIL_FROM", "gyrowatch@lab.example"),
-        ("GYROWATCH_HOOKS__PROXY", "http://lab:secret@proxy.example:3128"),
-        ("GYROWATCH_HOOKS__EXTERNAL_URL", "https://lab:secret@gyros.example"),
+        ("GYROWATCH_HOOKS__PROXY", "http://lab:hunter2@proxy.example:3128"),
+        ("GYROWATCH_HOOKS__EXTERNAL_URL", "https://lab:hunter2@gyros.example"),
     ];
     let printed = Config::in_force(&[], set.map(|(name, value)| (name.to_owned(), value.to_owned()))).unwrap();
-    assert!(!printed.contains("secret"), "{printed}");
+    assert!(!printed.contains("hunter2"), "{printed}");
     for shown in ["two:5433/g?password=hidden", "lab:hidden@mail.example", "lab:hidden@proxy.example"] {
         assert!(printed.contains(shown), "{shown} in {printed}");
     }

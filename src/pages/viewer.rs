@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 
-use axum::extract::FromRequestParts;
+use axum::extract::{FromRequestParts, Query};
 use axum::http::StatusCode;
 use axum::http::header::{LOCATION, SET_COOKIE};
 use axum::http::request::Parts;
@@ -13,7 +13,6 @@ use super::Pages;
 use super::text::{Language, Text};
 use crate::cookies;
 use crate::core::access::Role;
-use crate::pages::sent::Query;
 use crate::pipeline::{By, Caller};
 use crate::words;
 

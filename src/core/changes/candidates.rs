@@ -87,7 +87,7 @@ fn ageing(series: &Series, marks: &[Mark]) -> Vec<Candidate> {
 
 fn steps_at_events(series: &Series, marks: &[Mark]) -> Vec<Candidate> {
     let mut gaps: BTreeMap<usize, Vec<(Event, UtcMicros)>> = BTreeMap::new();
-    for mark in marks.iter().filter(|mark| may_move(mark.event)) {
+    for mark in marks.iter().filter(|mark| mark.event.may_move_a_gyro()) {
         gaps.entry(series.rows.partition_point(|row| row.at < mark.at)).or_default().push((mark.event, mark.at));
     }
     let step = |(cut, events): (usize, Vec<(Event, UtcMicros)>)| {
@@ -95,11 +95,6 @@ fn steps_at_events(series: &Series, marks: &[Mark]) -> Vec<Candidate> {
         Some(candidate("step_at_event", Tie::Events(events), "deg/(h*g0)", column))
     };
     gaps.into_iter().filter_map(step).collect()
-}
-
-/// Whether an event may change a gyro: what was written down or decided does nothing to it.
-pub(super) fn may_move(event: Event) -> bool {
-    !matches!(event, Event::Note | Event::Baseline) && !event.is_decision()
 }
 
 fn re_mountings(series: &Series) -> Vec<Candidate> {

@@ -10,7 +10,6 @@ use crate::core::numerics::normal::SD_OF_MEDIAN;
 use crate::core::time::UtcMicros;
 
 use super::answer::{Entry, Outlier, YEAR_DAYS};
-use super::candidates::may_move;
 
 /// Of more records than this, neighbours of one station and seat are averaged.
 const MOST_ROWS: usize = 72;
@@ -180,7 +179,8 @@ impl Series {
     /// Averages neighbours of one station and seat between two events that may move a gyro, where there are too many
     /// rows; of very many events, between the newest.
     pub fn condense(&mut self, marks: &[Mark]) {
-        let marks: Vec<UtcMicros> = marks.iter().filter(|mark| may_move(mark.event)).map(|mark| mark.at).collect();
+        let marks: Vec<UtcMicros> =
+            marks.iter().filter(|mark| mark.event.may_move_a_gyro()).map(|mark| mark.at).collect();
         let marks = &marks[marks.len().saturating_sub(MOST_ROWS / 4)..];
         let mut bins = MOST_ROWS;
         while self.len() > MOST_ROWS && bins >= 4 {

@@ -43,6 +43,11 @@ impl Event {
         matches!(self, Event::DecisionRelease | Event::DecisionRetest | Event::DecisionRemove)
     }
 
+    /// Whether it may change a gyro: what was written down or decided does nothing to it.
+    pub fn may_move_a_gyro(self) -> bool {
+        !matches!(self, Event::Note | Event::Baseline) && !self.is_decision()
+    }
+
     /// Whether no calibration is expected after it, until the next one comes.
     pub fn ends_calibrations(self) -> bool {
         matches!(self, Event::Retired | Event::InStorage)

@@ -158,15 +158,13 @@ async fn a_clock_that_jumps_loses_and_doubles_nothing() {
                 let mut last = String::new();
                 while !stop.load(Ordering::Relaxed) {
                     let number = next.fetch_add(1, Ordering::Relaxed);
-                    // Every fourth record of a gyro steps away, and the next one back. Each IMU has a station of its own:
-                    // what all gyros of one do would be the station's.
+                    // Every fourth record of one gyro steps away, and the next one back: what all of an IMU do would be
+                    // the IMU's. Each has a station of its own: what all gyros of one do would be the station's.
                     let mut body: Value = serde_json::from_str(&record(number)).unwrap();
                     body["station"] = format!("ST-{}", number % 40).into();
                     if number / 40 % 4 == 3 {
-                        for gyro in body["gyros"].as_array_mut().unwrap() {
-                            let g = &mut gyro["g_pulse_per_s_g0"][1];
-                            *g = (g.as_f64().unwrap() + 1.0).into();
-                        }
+                        let g = &mut body["gyros"][0]["g_pulse_per_s_g0"][1];
+                        *g = (g.as_f64().unwrap() + 1.0).into();
                     }
                     let answer = server.post_json("/v1/records", &body).await;
                     assert_eq!(answer.status, 201, "{}", answer.text());

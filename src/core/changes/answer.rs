@@ -429,7 +429,8 @@ impl HistoryDiagnosis {
             }
             [early, _] => message!("history_due_open", day = day(due.days), early = day(early.unwrap_or(0.0))),
         };
-        let calibrate = due.calibrate_by.map(|days| match is_past(days) {
+        // What the newest record has shown to be beyond needs no calibration to be found so.
+        let calibrate = due.calibrate_by.filter(|_| due.days > 0.0).map(|days| match is_past(days) {
             true => message!("history_calibrate_now", day = day(days)),
             false => message!("history_calibrate_by", day = day(days)),
         });

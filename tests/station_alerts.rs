@@ -154,9 +154,15 @@ async fn a_station_that_shifts_is_one_alert_and_a_gyro_that_moves_by_itself_anot
     let fired = ("alert.fired".to_owned(), "ST-2".to_owned());
     assert!(heard(&target.told()).contains(&fired), "{:?}", heard(&target.told()));
 
-    // Levelled again: both ends are told, and those of the gyros to nobody.
+    // Levelled again. The first IMU shows it before the station's alert ends, and has not moved by itself.
+    lab.clock_shows(&day(36));
+    sent(&lab, &[calibrated(0, 35, "ST-2", |_| 0.0)]).await;
+    tokio::time::sleep(Duration::from_millis(300)).await;
+    let of_imus = alerts(&lab).await.into_iter().filter(|alert| alert["subject"] == "imu").collect::<Vec<_>>();
+    assert!(of_imus.is_empty(), "{of_imus:#?}");
+    // Both ends are told, and those of the gyros to nobody.
     lab.clock_shows(&day(41));
-    let back: Vec<Value> = (0..6).map(|imu| calibrated(imu, 35 + imu, "ST-2", |_| 0.0)).collect();
+    let back: Vec<Value> = (1..6).map(|imu| calibrated(imu, 35 + imu, "ST-2", |_| 0.0)).collect();
     sent(&lab, &back).await;
     become_so(&lab, |alerts| station_is(alerts, "resolved")).await;
     tokio::time::sleep(Duration::from_millis(300)).await;

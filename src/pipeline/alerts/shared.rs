@@ -40,6 +40,19 @@ impl<'a> SharedAlerts<'a> {
         self.alerts.get(&of)?.iter().find(|row| row.coefficient == coefficient && fires(row))
     }
 
+    /// Since when an alert of a station or an IMU fires.
+    pub fn since(&self, of: AlertOf, coefficient: Coefficient) -> Option<UtcMicros> {
+        self.firing_of(of, coefficient).map(|row| row.alert.since)
+    }
+
+    /// Those that fire and are judged no more: their rule has been switched off.
+    pub fn not_judged(&self, found: &[SharedVerdict]) -> impl Iterator<Item = &'a AlertRow> {
+        let judges = |one: &SharedVerdict, row: &AlertRow| {
+            (one.of, one.verdict.rule, one.verdict.coefficient) == (row.of, row.rule, row.coefficient)
+        };
+        self.firing().filter(move |row| !found.iter().any(|one| judges(one, row)))
+    }
+
     /// The alert of a station that fires, and the shift that it tells of.
     fn shift(&self, station: u32, coefficient: Coefficient) -> Option<(&'a AlertRow, Measured)> {
         let row = self.firing_of(AlertOf::Station(station), coefficient)?;

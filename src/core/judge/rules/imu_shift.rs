@@ -1,10 +1,11 @@
 //! `imu_shift`: an IMU of which every gyro has moved in its newest calibration. Judged by the clock, over the fleet, and
 //! not by one record.
 //!
-//! d_g = x_g - b_g - M is the deviation of gyro g from its own baseline, beside what its station has done to all (M, of
-//! [`station_shift`](super::station_shift)). Gyros drift by themselves, and do not all do so on one day: where the
-//! smallest |d_g| of [`GYROS`] or more exceeds the limit, the IMU, its mounting or that calibration is to be looked at
-//! first. Signs and sizes may differ: each gyro has its own place in the IMU.
+//! d_g = x_g - b_g is the deviation of gyro g from its own baseline, or d_g - M where that is less and its station has
+//! done M to all ([`station_shift`](super::station_shift)), which may be over for this IMU. Gyros drift by themselves, and
+//! do not all do so on one day: where the smallest |d_g| of [`GYROS`] or more exceeds the limit, and none of them did
+//! before, the IMU, its mounting or that calibration is to be looked at first. Signs and sizes may differ: each gyro has
+//! its own place in the IMU.
 
 use super::station_shift::Calibrated;
 use crate::core::judge::decide::beyond;
@@ -14,13 +15,14 @@ use crate::core::judge::{Coefficient, Finding, Measured, Rule, State, Verdict};
 /// Fewer gyros may have moved on one day by themselves.
 const GYROS: usize = 3;
 
-/// What is asked of an IMU: the limit, deg/(h g0), what its station has done (M), and whether a second campaign has
-/// confirmed what one of its gyros exceeds.
+/// What is asked of an IMU: the limit, deg/(h g0), what its station has done (M), whether one of its gyros has exceeded
+/// its limit before the others, and whether a second campaign has confirmed what one of them exceeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImuQuestion {
     pub limit: Limit,
     pub confidence: f64,
     pub station: Option<Measured>,
+    pub one_did_before: bool,
     pub confirmed: bool,
 }
 
@@ -35,16 +37,16 @@ pub fn imu_shift(newest: &[&Calibrated], column: usize, asked: &ImuQuestion) -> 
     let together = newest.iter().filter(|one| Some(one.at) == last);
     let beside_station = |of: Measured| match asked.station {
         None => of,
-        Some(shift) => {
-            let sd = of.sd.map(|sd| sd.hypot(shift.sd.unwrap_or(0.0)));
-            Measured { value: of.value - shift.value, sd }
+        Some(shift) if (of.value - shift.value).abs() < of.value.abs() => {
+            Measured { value: of.value - shift.value, ..of.beside(shift.sd.unwrap_or(0.0)) }
         }
+        Some(_) => of,
     };
     let moved: Vec<Measured> = together.filter_map(|one| one.deviation[column]).map(beside_station).collect();
     let least = moved.iter().min_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
     let Some(least) = least.filter(|_| moved.len() >= GYROS) else { return few(moved.len()) };
     let states = moved.iter().map(|of| beyond(*of, asked.limit.value, asked.confidence).state);
-    let all = states.clone().all(|state| state == State::Exceeded);
+    let all = !asked.one_did_before && states.clone().all(|state| state == State::Exceeded);
     let outcome = beyond(*least, asked.limit.value, asked.confidence);
     Verdict {
         state: if outcome.state == State::Exceeded && !all { State::Indeterminate } else { outcome.state },
@@ -78,9 +80,13 @@ mod tests {
         deviations.iter().enumerate().map(of).collect()
     }
 
-    fn told(newest: &[Calibrated], station: Option<Measured>, confirmed: bool) -> Verdict {
+    fn asked(station: Option<Measured>, confirmed: bool) -> ImuQuestion {
         let limit = Limit { value: LIMIT, from: LimitKey::BUDGET };
-        let asked = ImuQuestion { limit, confidence: 0.95, station, confirmed };
+        ImuQuestion { limit, confidence: 0.95, station, one_did_before: false, confirmed }
+    }
+
+    fn told(newest: &[Calibrated], station: Option<Measured>, confirmed: bool) -> Verdict {
+        let asked = asked(station, confirmed);
         imu_shift(&newest.iter().collect::<Vec<_>>(), 1, &asked)
     }
 
@@ -118,8 +124,18 @@ mod tests {
     fn what_the_station_has_done_is_not_the_imus() {
         let station = Some(Measured { value: 0.02, sd: Some(SD) });
         assert_eq!(told(&gyros(&[Some(0.021), Some(0.0195), Some(0.02)]), station, false).state, State::Within);
-        let besides = told(&gyros(&[Some(0.05), Some(0.0), Some(0.05)]), station, false);
+        let besides = told(&gyros(&[Some(0.05), Some(0.035), Some(0.05)]), station, false);
         assert_eq!(besides.state, State::Exceeded);
         assert!((besides.sd.unwrap() - SD * 2f64.sqrt()).abs() < 1e-12);
+        // The station is in order again, or was for this IMU.
+        assert_eq!(told(&gyros(&[Some(0.001), Some(-0.0005), Some(0.0)]), station, false).state, State::Within);
+    }
+
+    #[test]
+    fn gyros_that_exceed_one_after_the_other_have_not_moved_at_once() {
+        let all = gyros(&[Some(0.05), Some(-0.02), Some(0.03)]);
+        let question = ImuQuestion { one_did_before: true, ..asked(None, true) };
+        let verdict = imu_shift(&all.iter().collect::<Vec<_>>(), 1, &question);
+        assert_eq!((verdict.state, verdict.confirmed), (State::Indeterminate, false));
     }
 }

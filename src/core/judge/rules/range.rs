@@ -79,8 +79,9 @@ fn of_many(case: &Case<'_>, older: Older, start: usize, records: usize) -> Optio
     let here = samples.extremes(case.column, start..case.k + 1);
     let extremes = older.extremes[case.column].and(here.at(|place| (samples[place].at, case.value(&samples[place]))));
     let (low, high) = extremes.lowest.zip(extremes.highest)?;
-    // Of many records the stations of the extremes are not kept: they may be two where there are two at all.
-    let is_of_one = samples[start..=case.k].iter().all(|sample| sample.station == case.now().station);
+    // Of many records the stations of the extremes are not kept: they may be two unless all are seen to be of one.
+    let is_of_one =
+        older.records == 0 && samples[start..=case.k].iter().all(|sample| sample.station == case.now().station);
     let between = if is_of_one { 0.0 } else { case.between_two_stations() };
     Some(Found { pair: Pair { low, high, between }, records, without_one: extremes.range_without_one() })
 }

@@ -7,11 +7,12 @@ use super::shared_shifts::SharedShifts;
 use super::state::WriterState;
 use crate::core::alert_decision::Late;
 use crate::core::figures::Figures;
+use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::alerts::{Naming, Pen, SharedVerdict, follow_clock};
 use crate::store;
-use crate::store::{AlertOf, AlertRow, Cells, Changes, Duty, StoreError};
+use crate::store::{AlertOf, Cells, Changes, Duty, StoreError};
 
 /// Gyros, stations and IMUs that one transaction of the clock is about.
 const AT_ONCE: usize = 1000;
@@ -116,7 +117,7 @@ impl ClockTick<'_> {
             let tables = self.state.store.names().read();
             let naming = Naming { tables: &tables, new: None };
             let shared = self.state.alerts.shared();
-            shared.firing().any(|row| self.shared_shifts().is_switched_off(row.rule))
+            shared.not_judged(&found).next().is_some()
                 || found.iter().any(|one| shared.is_moved_by(one, &naming))
                 || !shared.explained_anew(&rows, &naming).is_empty()
         };
@@ -135,14 +136,12 @@ impl ClockTick<'_> {
         let gyros: BTreeSet<u32> = rows.iter().filter_map(|row| row.of.gyro()).collect();
         self.state.alerts.recall(&self.state.store, gyros, now).await?;
         let (found, mut changes) = (self.shared_shifts().all(&rows).await?, Changes::default());
-        let off = Rule::ALL.into_iter().filter(|rule| rule.explains_others());
-        let off: Vec<Rule> = off.filter(|rule| self.shared_shifts().is_switched_off(*rule)).collect();
         {
             let naming = Naming { tables: &self.state.store.names().read(), new: None };
             let mut pen = Pen { now, writer: &mut self.state.writer, naming, cause: None, late: Late::Clock };
-            let firing: BTreeSet<AlertOf> = self.state.alerts.shared().firing().map(|row| row.of).collect();
-            let ends = |row: &AlertRow| off.contains(&row.rule);
-            firing.into_iter().for_each(|of| self.state.alerts.reset(of, ends, &mut pen));
+            let off: Vec<(AlertOf, Id)> =
+                self.state.alerts.shared().not_judged(&found).map(|row| (row.of, row.id)).collect();
+            off.into_iter().for_each(|(of, id)| self.state.alerts.reset(of, |row| row.id == id, &mut pen));
             for SharedVerdict { of, verdict, origin } in &found {
                 self.state.alerts.follow(*of, verdict, origin, &mut pen);
             }

@@ -20,8 +20,23 @@ use crate::store::{AlertOf, AlertRow, Changes, Store, StoreError};
 /// Calibrations that count for the comparison of stations, days.
 const LATELY: f64 = 60.0;
 
-/// Gyros of which a second campaign has confirmed what they exceed, by column: 0 for D_I, 1 for D_S.
-type Confirmed = BTreeSet<(u32, usize)>;
+/// A gyro exceeds a limit since an instant, of D_I (column 0) or D_S (1), by a rule that may be shared.
+#[derive(Debug, Clone, Copy)]
+struct Exceeding {
+    gyro: u32,
+    column: usize,
+    since: UtcMicros,
+    severity: Severity,
+}
+
+impl Exceeding {
+    fn of(row: &AlertRow) -> Option<Self> {
+        let alert = &row.alert;
+        row.rule.can_be_shared().then_some(())?;
+        let (gyro, column) = (row.of.gyro()?, row.coefficient.column()?);
+        Some(Self { gyro, column, since: alert.since, severity: alert.severity })
+    }
+}
 
 /// What gyros share, by station and by IMU.
 pub(super) struct SharedShifts<'a> {
@@ -52,15 +67,18 @@ impl SharedShifts<'_> {
         }
         let stations: BTreeSet<u32> = exceeding.iter().map(|newest| newest.figures.station).collect();
         let imus: BTreeSet<u32> = exceeding.iter().map(|newest| newest.figures.imu).collect();
-        let confirmed = |newest: &Newest| {
-            let critical =
-                |verdict: &&Verdict| verdict.rule.can_be_shared() && verdict.severity() == Some(Severity::Critical);
-            let found = verdicts(newest).into_iter().flatten().filter(critical);
-            let found = found.filter_map(|verdict| Some((newest.gyro, verdict.coefficient.column()?)));
-            found.collect::<Vec<_>>()
-        };
-        let mut confirmed: Confirmed = found.newest.iter().flat_map(confirmed).collect();
-        confirmed.extend(found.newest.iter().flat_map(|newest| confirmed_of(self.alerts.firing(newest.gyro))));
+        let mut exceed: Vec<Exceeding> = Vec::new();
+        for newest in &found.newest {
+            let firing = || self.alerts.firing(newest.gyro);
+            exceed.extend(firing().filter_map(Exceeding::of));
+            for verdict in verdicts(newest).into_iter().flatten().filter(|verdict| verdict.rule.can_be_shared()) {
+                let is_its = |row: &&AlertRow| (row.coefficient, row.rule) == (verdict.coefficient, verdict.rule);
+                let since = firing().find(is_its).map_or(newest.figures.at, |row| row.alert.since);
+                let (column, severity) = (verdict.coefficient.column(), verdict.severity());
+                let of = |(column, severity)| Exceeding { gyro: newest.gyro, column, since, severity };
+                exceed.extend(column.zip(severity).map(of));
+            }
+        }
         // Whether a station has shifted its own newest calibrations tell; the fleet's are only asked whether it alone has.
         let mut near = Vec::new();
         for station in &stations {
@@ -72,8 +90,9 @@ impl SharedShifts<'_> {
             calibrated = self.with_group(self.calibrated(None).await?, found, changes);
             judged = self.of_stations(&calibrated, &stations);
         }
-        let of_imus = self.of_imus(&calibrated, &imus, &judged, &confirmed);
-        judged.extend(of_imus);
+        // Of what is over the clock judges, which knows every gyro of an IMU.
+        let of_imus = self.of_imus(&calibrated, &imus, &judged, &exceed);
+        judged.extend(of_imus.into_iter().filter(|one| one.verdict.severity().is_some()));
         Ok(judged)
     }
 
@@ -103,7 +122,8 @@ impl SharedShifts<'_> {
         let stations = recent().map(|one| one.station).chain(told().filter_map(AlertOf::station)).collect();
         let imus = recent().map(|one| one.imu).chain(told().filter_map(AlertOf::imu)).collect();
         let mut judged = self.of_stations(&newest, &stations);
-        let of_imus = self.of_imus(&newest, &imus, &judged, &confirmed_of(firing.iter()).collect());
+        let of_imus =
+            self.of_imus(&newest, &imus, &judged, &firing.iter().filter_map(Exceeding::of).collect::<Vec<_>>());
         judged.extend(of_imus);
         Ok(judged)
     }
@@ -134,7 +154,7 @@ impl SharedShifts<'_> {
         newest: &[Calibrated],
         imus: &BTreeSet<u32>,
         of_stations: &[SharedVerdict],
-        confirmed: &Confirmed,
+        exceed: &[Exceeding],
     ) -> Vec<SharedVerdict> {
         let mut gyros: BTreeMap<u32, Vec<&Calibrated>> = imus.iter().map(|imu| (*imu, Vec::new())).collect();
         newest.iter().for_each(|one| gyros.get_mut(&one.imu).into_iter().for_each(|gyros| gyros.push(one)));
@@ -146,12 +166,16 @@ impl SharedShifts<'_> {
             let (at, station) = last.map_or((self.now, None), |one| (one.at, Some(one.station)));
             for (column, coefficient) in [Coefficient::DI, Coefficient::DS].into_iter().enumerate() {
                 let Some(limit) = [&limits.d_i, &limits.d_s][column].of(Rule::ImuShift) else { continue };
-                let is_confirmed = gyros.iter().any(|one| confirmed.contains(&(one.gyro, column)));
+                let is_its = |one: &&Exceeding| one.column == column && gyros.iter().any(|its| its.gyro == one.gyro);
+                let its = || exceed.iter().filter(is_its);
+                let told = self.alerts.shared().since(of, coefficient);
+                let since = told.unwrap_or(at);
                 let asked = ImuQuestion {
                     limit,
                     confidence: limits.confidence,
                     station: shift_of(station, coefficient, of_stations),
-                    confirmed: is_confirmed,
+                    one_did_before: told.is_none() && its().any(|one| one.since < at),
+                    confirmed: its().any(|one| one.since == since && one.severity == Severity::Critical),
                 };
                 let verdict = imu_shift(&gyros, column, &asked);
                 let origin = Origin { at, item: None, imu: Some(imu), slot: None, station };
@@ -167,12 +191,6 @@ impl SharedShifts<'_> {
             return String::new();
         }
         Naming { tables: &self.store.names().read(), new: None }.imu(imu)
-    }
-
-    /// Whether no limit is set for a rule of what is shared.
-    pub fn is_switched_off(&self, rule: Rule) -> bool {
-        let limits = self.config.judging.limits("", "");
-        [limits.d_i, limits.d_s].iter().all(|drift| drift.of(rule).is_none())
     }
 
     /// The newest calibrations of the fleet, or of one station; where a shared alert fires, those since it does.
@@ -197,12 +215,6 @@ impl SharedShifts<'_> {
         let limits = self.config.judging.limits(imu, serial);
         [limits.d_i, limits.d_s].map(|drift| drift.of(Rule::Baseline).map(|limit| limit.value))
     }
-}
-
-/// Those of these alerts that a second campaign has confirmed.
-fn confirmed_of<'a>(firing: impl Iterator<Item = &'a AlertRow>) -> impl Iterator<Item = (u32, usize)> {
-    let critical = firing.filter(|row| row.rule.can_be_shared() && row.alert.severity == Severity::Critical);
-    critical.filter_map(|row| Some((row.of.gyro()?, row.coefficient.column()?)))
 }
 
 /// What a station has done to all, where it has.

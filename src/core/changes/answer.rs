@@ -388,7 +388,8 @@ impl HistoryDiagnosis {
 
     /// Whether one step explains all of its change.
     pub fn is_one_step(&self) -> bool {
-        let stepped = |cause: &NamedCause| matches!(cause.cause, "step" | "step_at_event" | "re_mounting");
+        let is_step = |cause: &&str| matches!(*cause, "step" | "step_at_event" | "re_mounting");
+        let stepped = |cause: &NamedCause| cause.class.iter().all(is_step);
         self.verdict == HistoryVerdict::Explained && matches!(&self.causes[..], [one] if stepped(one))
     }
 

@@ -140,7 +140,7 @@ pub(super) struct Found {
     pub wander: Option<Wander>,
     pub excess: Option<Excess>,
     pub remaining_p_value: f64,
-    /// By the instants at which ageing may have begun, with their likelihoods over that of the likeliest, which is the first.
+    /// By the instants at which ageing may have begun, with their likelihoods over that of the one named, which is the first.
     pub levels: Vec<(f64, Level)>,
 }
 

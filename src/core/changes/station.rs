@@ -39,6 +39,8 @@ const DENIES: f64 = 6.0;
 /// Gyros that share a change differ in it by less than its size over this; those that age each by itself do not.
 const ALIKE: f64 = 8.0;
 const MOST_PARTS: usize = 6;
+/// Fewest records that show how a gyro scatters.
+const SCATTERS: usize = 3;
 
 /// A part of a station's course.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -168,7 +170,7 @@ impl Course {
             let slopes = there.iter().filter_map(slope).collect();
             let mut rows: Vec<Row> = there.into_values().flatten().filter(|row| row.station < stations.len()).collect();
             rows.sort_by_key(|row| row.at);
-            if rows.len() >= 3 {
+            if rows.len() >= SCATTERS {
                 scatters.push(scatter);
             }
             if rows.len() >= 2 {
@@ -181,12 +183,18 @@ impl Course {
         Self { peers: out, scatter, stations: stations.len(), taken: Vec::new() }
     }
 
+    /// Gyros whose records show how they scatter.
     pub fn gyros(&self) -> usize {
-        self.peers.len()
+        self.that_scatter().count()
     }
 
+    /// Their records.
     pub fn records(&self) -> usize {
-        self.peers.iter().map(|peer| peer.rows.len()).sum()
+        self.that_scatter().map(|peer| peer.rows.len()).sum()
+    }
+
+    fn that_scatter(&self) -> impl Iterator<Item = &Peer> {
+        self.peers.iter().filter(|peer| peer.rows.len() >= SCATTERS)
     }
 
     /// What the peers and the gyro itself do in a year at other stations than one.

@@ -3,8 +3,8 @@
 
     GYROWATCH_URL=http://127.0.0.1:8080 GYROWATCH_TOKEN=... python3 post.py campaign.json
 
-Ends with 0 where the service has it (sending twice is harmless), with 1 where the file is at fault, with 2 where the
-service was not reached or never took it. What is wrong is one line on standard error.
+Ends with 0 where the service has it (sending twice is harmless), with 1 where the file, the address or the
+token is at fault, with 2 where the service was not reached or never took it. What is wrong is one line on standard error.
 """
 import http.client
 import json

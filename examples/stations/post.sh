@@ -13,5 +13,6 @@ status=$(curl --silent --show-error --retry 5 --retry-connrefused --max-time 120
 case $status in
 200 | 201 | 202) cat "$answer"; echo; exit 0 ;;
 000) echo "no answer at $url" >&2; exit 2 ;;
+408 | 425 | 429 | 5??) echo "not taken ($status): $(cat "$answer")" >&2; exit 2 ;;
 *) echo "refused ($status): $(cat "$answer")" >&2; exit 1 ;;
 esac

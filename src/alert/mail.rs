@@ -1,6 +1,6 @@
 //! Alerts by e-mail, for laboratories that have nothing else: one message, handed over for each recipient of a hook.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -23,7 +23,7 @@ const MOST_RECIPIENTS: usize = 50;
 /// Recipients that are served at the same time: mail servers take few connections from one client.
 const AT_ONCE: usize = 5;
 
-/// Messages from which on it is forgotten who has taken them.
+/// Messages from which on it is forgotten who has taken the oldest.
 const MOST_MESSAGES: usize = 1000;
 
 /// Where e-mail is handed over, and who it is from.
@@ -34,7 +34,7 @@ pub struct Mailer {
     /// How long it may take to serve one recipient.
     limit: Duration,
     /// Who has taken the messages, by identifier, that others have not taken yet. Forgotten with the process.
-    taken: Arc<Mutex<HashMap<String, HashSet<Address>>>>,
+    taken: Arc<Mutex<BTreeMap<String, HashSet<Address>>>>,
 }
 
 /// Why no e-mail can be sent.
@@ -146,8 +146,9 @@ impl Mailer {
 
     fn note(&self, id: &str, recipient: Address) {
         let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
-        if taken.len() >= MOST_MESSAGES {
-            taken.clear();
+        if taken.len() >= MOST_MESSAGES && !taken.contains_key(id) {
+            // The oldest: identifiers ascend.
+            taken.pop_first();
         }
         taken.entry(id.to_owned()).or_default().insert(recipient);
     }

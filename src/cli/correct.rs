@@ -126,11 +126,12 @@ pub(super) async fn replace(
             Sent::Refused(ProblemBody { status: 409, existing: Some(id), .. }) => id,
             Sent::Refused(problem) => return Ok(Err(in_words(&problem))),
             Sent::Known(answer) => {
-                // The answer to an earlier try may have been lost.
-                return Ok(match revised_by(service, (kind, &id_of(&answer)), said).await? {
-                    Some(of) => Ok(in_place_of(&of, &answer)),
-                    None => Err(known(&answer)),
-                });
+                // The answer to an earlier try may have been lost, where it still counts.
+                let of = match withdrawn(&answer) {
+                    None => revised_by(service, (kind, &id_of(&answer)), said).await?,
+                    Some(_) => None,
+                };
+                return Ok(of.map(|of| in_place_of(&of, &answer)).ok_or_else(|| known(&answer)));
             }
             Sent::Stored(answer) => return Ok(Ok(said_of(message!("terminal_was_new", id = id_of(&answer))))),
         },

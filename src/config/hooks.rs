@@ -33,7 +33,7 @@ pub struct Hooks {
     pub mail_from: String,
 }
 
-/// No target may hold an attempt for longer.
+/// No target, and no recipient of an e-mail, may hold an attempt for longer.
 const LONGEST_ATTEMPT_S: f64 = 15.0;
 
 impl Hooks {

@@ -232,10 +232,12 @@ fn effects(d: &DiagnosisBody) -> Option<String> {
             asked().words(&message!("terminal_alone", slot = wider.slot.clone(), effects = list(more)))
         });
         let others: Vec<String> = (!others.is_empty()).then(|| others.join(", ")).into_iter().chain(alone).collect();
+        let [from, to] = h.interval.map(|end| format!("{end:.2}"));
+        let interval = message!("terminal_to", from = from, to = to);
         let mut first = [
             effect.effect.clone(),
             effect.gyros.join(" "),
-            format!("{:.2} ({:.2} to {:.2})", h.closure, h.interval[0], h.interval[1]),
+            format!("{:.2} ({})", h.closure, asked().words(&interval)),
             format!("{:.1e}", effect.p_value_adjusted),
             format!("{:.1}", effect.detectability),
             others.join("; "),

@@ -1,6 +1,8 @@
 //! Batch, type and unit of many gyros as a table: `serial`, and any of `batch`, `type`, `unit`. What is left empty
 //! stays.
 
+use std::collections::HashMap;
+
 use super::table::{at_cell, check_quotes, comment, reader, text_of, unknown};
 use super::text;
 use crate::core::fault::{Fault, Faults};
@@ -47,7 +49,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<GyroRow>, Faults> {
         let missing = message!("missing_columns", names = crate::core::message::list(["serial"]));
         faults.push("", message!("at_line", line = first + 1, fault = missing));
     }
-    let mut rows: Vec<GyroRow> = Vec::new();
+    let (mut rows, mut lines) = (Vec::new(), HashMap::new());
     for record in records.filter(|_| faults.is_empty()).collect::<Vec<_>>() {
         let record = match record {
             Ok(record) if record.iter().all(str::is_empty) => continue,
@@ -74,9 +76,9 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<GyroRow>, Faults> {
         };
         let patch = GyroAttributesPatch { batch: word(1), r#type: word(2), unit: word(3) };
         match Name::parse(cell(0)) {
-            Ok(serial) => match rows.iter().find(|row| row.serial == serial) {
-                Some(GyroRow { line: first, .. }) => {
-                    let fault = message!("serial_twice", serial = serial.to_string(), first = *first);
+            Ok(serial) => match lines.insert(serial.clone(), line) {
+                Some(first) => {
+                    let fault = message!("serial_twice", serial = serial.to_string(), first = first);
                     faults.push("", at_cell(at(0), COLUMNS[0], fault));
                 }
                 None => rows.push(GyroRow { line, serial, patch }),

@@ -23,7 +23,8 @@ pub struct StationsBody {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StationBody {
     pub name: String,
-    /// Each once for all gyros in it. The newest hundred of each gyro count; of a fleet of more than 600 gyros those of some at every station.
+    /// Each once for all gyros in it. The newest hundred of each gyro count; of a fleet of more than 600 gyros those of
+    /// some at every station.
     pub records: usize,
     pub gyros: usize,
     pub imus: usize,

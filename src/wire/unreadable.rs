@@ -20,7 +20,7 @@ pub fn in_words(said: &str) -> Message {
         }
         Some((parameter, why)) if why.contains("float") => message!("parameter_number", parameter = text(parameter)),
         Some((parameter, why)) if why.contains("`true`") => message!("parameter_flag", parameter = text(parameter)),
-        _ if said.contains("form") => message!("form_unreadable"),
+        _ if said.starts_with("Failed to deserialize form") || said.starts_with("Form ") => message!("form_unreadable"),
         _ => message!("query_unreadable"),
     }
 }

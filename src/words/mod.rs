@@ -62,15 +62,15 @@ pub fn speak_as_the_environment() {
     OF_PROCESS.get_or_init(|| language.unwrap_or_default());
 }
 
-/// The sources of each language, by file.
+/// The sources of both languages, by file.
 macro_rules! sources {
-    ($language:literal: $($file:literal),*) => {
-        &[$(include_str!(concat!($language, "/", $file, ".ftl"))),*]
+    ($($file:literal),*) => {
+        const ENGLISH: &[&str] = &[$(include_str!(concat!("en/", $file, ".ftl"))),*];
+        const CHINESE: &[&str] = &[$(include_str!(concat!("zh/", $file, ".ftl"))),*];
     };
 }
 
-const ENGLISH: &[&str] = sources!("en": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history", "stations", "pages", "terminal");
-const CHINESE: &[&str] = sources!("zh": "common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history", "stations", "pages", "terminal");
+sources!("common", "verdicts", "notes", "faults", "refusals", "diagnosis", "history", "stations", "pages", "terminal");
 
 static BUNDLES: LazyLock<[FluentBundle<FluentResource>; 2]> =
     LazyLock::new(|| [Language::English, Language::Chinese].map(Language::bundle));

@@ -10,7 +10,8 @@ use axum::response::{IntoResponse, Response};
 use super::request::{Request, Written};
 use crate::http::query;
 
-/// A tag of what the answer holds (rows by identifier and what is shown of them, or periods with the events), and how it is asked for.
+/// A tag of what the answer holds (rows by identifier and what is shown of them, or periods with the events), and how it
+/// is asked for.
 pub(super) fn etag(request: &Request, holds: &impl Hash, next: &Option<String>) -> HeaderValue {
     let mut hasher = DefaultHasher::new();
     holds.hash(&mut hasher);

@@ -17,12 +17,12 @@ pub(super) use crate::words::Language;
 
 impl Text {
     pub fn words(&self, message: &Message) -> String {
-        self.language().words(message).replace("+-", "±")
+        self.language().words(message).replace(" +- ", " ± ")
     }
 
     /// Why a verdict is what it is.
     pub fn reason(&self, reason: &Reason) -> String {
-        reason.words(self.language()).replace("+-", "±")
+        reason.words(self.language()).replace(" +- ", " ± ")
     }
 
     /// A rule, an event, a status, a method: words without parameters.

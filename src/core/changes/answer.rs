@@ -386,10 +386,12 @@ impl HistoryDiagnosis {
         }
     }
 
-    /// Whether one step explains all of its change.
+    /// Whether one step explains all of its change, and nothing else does as well: the gyro's own, or its station's.
     pub fn is_one_step(&self) -> bool {
         let is_step = |cause: &&str| matches!(*cause, "step" | "step_at_event" | "re_mounting");
-        let stepped = |cause: &NamedCause| cause.class.iter().all(is_step);
+        let stepped = |cause: &NamedCause| {
+            is_step(&cause.cause) && cause.class.iter().all(|other| is_step(other) || *other == "station")
+        };
         self.verdict == HistoryVerdict::Explained && matches!(&self.causes[..], [one] if stepped(one))
     }
 

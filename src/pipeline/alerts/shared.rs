@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::body::{Naming, Origin, finding_of};
 use crate::core::alert_decision::Status;
 use crate::core::id::Id;
-use crate::core::judge::{Coefficient, Measured, State, Suspected, Verdict, is_explained};
+use crate::core::judge::{Coefficient, Measured, Severity, State, Suspected, Verdict, is_explained};
 use crate::core::message::{Message, Parameter};
 use crate::core::time::UtcMicros;
 use crate::store::{AlertOf, AlertRow};
@@ -19,6 +19,16 @@ pub(crate) struct SharedVerdict {
     pub verdict: Verdict,
     /// The newest calibration by the station, or of the IMU.
     pub origin: Origin,
+}
+
+/// What a gyro exceeds a limit by, since when, and where, by a rule that may be shared.
+struct Excess {
+    station: Option<u32>,
+    imu: Option<u32>,
+    coefficient: Coefficient,
+    severity: Severity,
+    since: UtcMicros,
+    suspected: Option<Suspected>,
 }
 
 /// The alerts of what is shared, among all that are known.
@@ -61,41 +71,45 @@ impl<'a> SharedAlerts<'a> {
         Some((row, Measured { value: sign * value?, sd }))
     }
 
-    /// The alert of an IMU that explains what its gyros have done since one instant.
-    fn of_imu(&self, imu: u32, coefficient: Coefficient, since: UtcMicros) -> Option<&'a AlertRow> {
-        // What a gyro does before or after is its own.
-        self.firing_of(AlertOf::Imu(imu), coefficient).filter(|row| row.alert.since == since)
-    }
-
     /// The alert of the station or IMU by which a gyro exceeds a limit since an instant, where that is no less severe.
     pub(super) fn explaining(&self, verdict: &Verdict, origin: &Origin, since: UtcMicros) -> Option<Id> {
-        let (severity, coefficient) = (verdict.severity()?, verdict.coefficient);
+        let (severity, coefficient) =
+            (verdict.severity().filter(|_| verdict.rule.can_be_shared())?, verdict.coefficient);
         let suspected = Suspected::of(verdict);
-        let by_station = || {
-            let (row, shift) = self.shift(origin.station?, coefficient)?;
-            is_explained(suspected.as_ref()?, shift, self.confidence).then_some(row)
-        };
-        let by_imu = || self.of_imu(origin.imu?, coefficient, since).filter(|_| verdict.rule.can_be_shared());
-        let no_less_severe = |row: &&AlertRow| row.alert.severity >= severity;
-        let row = by_station().filter(no_less_severe).or_else(|| by_imu().filter(no_less_severe))?;
-        Some(row.id)
+        let Origin { station, imu, .. } = *origin;
+        self.explaining_excess(&Excess { station, imu, coefficient, severity, since, suspected })
     }
 
     /// As [`SharedAlerts::explaining`], of an alert by the last verdict that it has followed.
     pub(super) fn explaining_row(&self, row: &AlertRow, naming: &Naming<'_>) -> Option<Id> {
-        let fires = row.alert.status == Status::Firing && row.rule.can_be_shared();
-        row.of.gyro().filter(|_| fires)?;
+        let AlertRow { of, coefficient, rule, alert, .. } = row;
+        let fires = alert.status == Status::Firing && rule.can_be_shared();
+        of.gyro().filter(|_| fires)?;
         let FindingBody { value, limit, sd, reason, station, imu, .. } = finding_of(row).ok()?;
+        let above = is_above(&reason.0);
+        self.explaining_excess(&Excess {
+            station: station.and_then(|name| naming.tables.stations.number(&name)),
+            imu: imu.and_then(|name| naming.tables.imus.number(&name)),
+            coefficient: *coefficient,
+            severity: alert.severity,
+            since: alert.since,
+            suspected: value.map(|value| Suspected { rule: *rule, value, limit, sd, above }),
+        })
+    }
+
+    fn explaining_excess(&self, of: &Excess) -> Option<Id> {
         let by_station = || {
-            let station = naming.tables.stations.number(station.as_deref()?)?;
-            let (by, shift) = self.shift(station, row.coefficient)?;
-            let suspected = Suspected { rule: row.rule, value: value?, limit, sd, above: is_above(&reason.0) };
-            is_explained(&suspected, shift, self.confidence).then_some(by)
+            let (row, shift) = self.shift(of.station?, of.coefficient)?;
+            is_explained(of.suspected.as_ref()?, shift, self.confidence).then_some(row)
         };
-        let by_imu = || self.of_imu(naming.tables.imus.number(imu.as_deref()?)?, row.coefficient, row.alert.since);
-        let no_less_severe = |by: &&AlertRow| by.alert.severity >= row.alert.severity;
-        let by = by_station().filter(no_less_severe).or_else(|| by_imu().filter(no_less_severe))?;
-        Some(by.id)
+        // What a gyro does before its IMU, or after, is its own.
+        let by_imu = || {
+            let row = self.firing_of(AlertOf::Imu(of.imu?), of.coefficient)?;
+            (row.alert.since == of.since).then_some(row)
+        };
+        let no_less_severe = |row: &&AlertRow| row.alert.severity >= of.severity;
+        let row = by_station().filter(no_less_severe).or_else(|| by_imu().filter(no_less_severe))?;
+        Some(row.id)
     }
 
     /// Whether a verdict changes the alert of its station or IMU.

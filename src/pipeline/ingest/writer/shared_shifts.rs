@@ -156,6 +156,8 @@ impl SharedShifts<'_> {
         of_stations: &[SharedVerdict],
         exceed: &[Exceeding],
     ) -> Vec<SharedVerdict> {
+        let mut exceeding: HashMap<(u32, usize), Vec<&Exceeding>> = HashMap::new();
+        exceed.iter().for_each(|one| exceeding.entry((one.gyro, one.column)).or_default().push(one));
         let mut gyros: BTreeMap<u32, Vec<&Calibrated>> = imus.iter().map(|imu| (*imu, Vec::new())).collect();
         newest.iter().for_each(|one| gyros.get_mut(&one.imu).into_iter().for_each(|gyros| gyros.push(one)));
         let mut found = Vec::new();
@@ -166,8 +168,7 @@ impl SharedShifts<'_> {
             let (at, station) = last.map_or((self.now, None), |one| (one.at, Some(one.station)));
             for (column, coefficient) in [Coefficient::DI, Coefficient::DS].into_iter().enumerate() {
                 let Some(limit) = [&limits.d_i, &limits.d_s][column].of(Rule::ImuShift) else { continue };
-                let is_its = |one: &&Exceeding| one.column == column && gyros.iter().any(|its| its.gyro == one.gyro);
-                let its = || exceed.iter().filter(is_its);
+                let its = || gyros.iter().filter_map(|one| exceeding.get(&(one.gyro, column))).flatten();
                 let told = self.alerts.shared().since(of, coefficient);
                 let since = told.unwrap_or(at);
                 let asked = ImuQuestion {

@@ -20,8 +20,8 @@ pub struct Budget {
 /// Years beyond which no date is given.
 const FARTHEST: f64 = 200.0;
 
-/// `levels` with their weights, that of what is named first. The newest record is so many days younger than the row at which
-/// they stand.
+/// `levels` with their weights, that of what is named first. The newest record is so many days younger than the row at
+/// which they stand.
 pub(super) fn due(levels: &[(f64, Level)], younger: f64, budget: Budget) -> Option<Due> {
     let (_, first) = levels.first().filter(|(_, first)| first.ages && first.slope != 0.0)?;
     let sign = first.slope.signum();

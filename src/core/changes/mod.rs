@@ -70,16 +70,17 @@ pub fn diagnose_history(
 }
 
 fn of_weighed(gyro: &GyroHistory, others: &[&GyroHistory], budgets: [Option<Budget>; 3]) -> Vec<HistoryDiagnosis> {
-    let (mates, peers): (Vec<&GyroHistory>, Vec<&GyroHistory>) = others.iter().partition(|other| is_mate(gyro, other));
+    let is_mate = is_mate_of(gyro);
+    let (mates, peers): (Vec<&GyroHistory>, Vec<&GyroHistory>) = others.iter().partition(|other| is_mate(other));
     let entries = series::distinct(&gyro.entries);
     let of = |(column, coefficient)| diagnose(gyro, &entries, &mates, &peers, coefficient, column, budgets[column]);
     [Coefficient::DI, Coefficient::DS, Coefficient::DO].into_iter().enumerate().map(of).collect()
 }
 
 /// Whether another gyro was in the same IMU at the same time: it shares the record and tells nothing of the station.
-pub fn is_mate(gyro: &GyroHistory, other: &GyroHistory) -> bool {
+pub fn is_mate_of(gyro: &GyroHistory) -> impl Fn(&GyroHistory) -> bool + use<'_> {
     let seats: HashSet<(UtcMicros, &str)> = gyro.entries.iter().map(|entry| (entry.at, &*entry.imu)).collect();
-    other.entries.iter().any(|entry| seats.contains(&(entry.at, &*entry.imu)))
+    move |other| other.entries.iter().any(|entry| seats.contains(&(entry.at, &*entry.imu)))
 }
 
 fn diagnose(

@@ -149,9 +149,9 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
     }
     for (column, reproducibility) in reproducibility.iter_mut().enumerate() {
         let raw = Course::of(&gyros, &names, origin, column);
-        let mut course = raw.clone();
+        let (mut course, cells) = (raw.clone(), raw.cells());
         for (reference, compared) in &groups {
-            for (station, offset) in offsets(&raw.cells(), *reference, compared).by_station {
+            for (station, offset) in offsets(&cells, *reference, compared).by_station {
                 course.subtract(&Part { station, form: StationForm::Offset }, offset.value);
             }
         }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::entries::{PEER_RECORDS, entries};
 use super::fleet::level;
-use crate::core::changes::{AsOf, Budget, GyroHistory, HistoryDiagnosis, diagnose_history, is_mate};
+use crate::core::changes::{AsOf, Budget, GyroHistory, HistoryDiagnosis, diagnose_history, is_mate_of};
 use crate::core::figures::Figures;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
 use crate::core::judge::{Limits, Mark, Measured, Rule, Sample, baseline_since, stated_level};
@@ -59,7 +59,8 @@ impl Histories {
         let explained = words::spawn_blocking(move || {
             let peers: Vec<&GyroHistory> = peers.iter().collect();
             let coefficients = diagnose_history(&history, &peers, budgets);
-            let peers = peers.iter().filter(|peer| !is_mate(&history, peer)).count();
+            let is_mate = is_mate_of(&history);
+            let peers = peers.iter().filter(|peer| !is_mate(peer)).count();
             ExplainedHistory { peers, as_of, coefficients, budgets }
         });
         let failed =

@@ -221,7 +221,7 @@ pub(crate) fn introduce<'a>(
     }
 }
 
-/// Whoever was told that an alert fires is told that it is less grave, or ends, whatever the filter lets through.
+/// A hook that was told that an alert fires is told that it is less grave, or ends, whatever the filter lets through.
 fn is_owed(action: Action) -> bool {
     matches!(action, Action::Lower | Action::Resolve)
 }

@@ -2,8 +2,8 @@
 //! not by one record.
 //!
 //! d_g = x_g - b_g is the deviation of gyro g from its own baseline, or d_g - M where that is less and its station has
-//! done M to all ([`station_shift`](super::station_shift())), which may be over for this IMU. Gyros drift by themselves, and
-//! do not all do so on one day: where the smallest |d_g| of [`GYROS`] or more exceeds the limit, and none of them did
+//! done M to all ([`station_shift`](super::station_shift())), which may be over for this IMU. Gyros drift by themselves,
+//! and do not all do so on one day: where the smallest |d_g| of [`GYROS`] or more exceeds the limit, and none of them did
 //! before, the IMU, its mounting or that calibration is to be looked at first. Signs and sizes may differ: each gyro has
 //! its own place in the IMU.
 

@@ -30,7 +30,7 @@ pub(crate) fn rms_successive(case: &Case<'_>, limit: Limit) -> Verdict {
     let scale = differences.largest().max(limit.value);
     let differences = differences.divided_by(scale);
     let rms = differences.mean_square().sqrt();
-    let between = (differences.of_two_stations.sqrt() * case.between_two_stations() / scale).powi(2);
+    let between = differences.of_two_stations * (case.between_two_stations() / scale).powi(2);
     let noise = differences.noise().map(|noise| noise.and(between));
     let noise = noise.or_else(|| (between > 0.0).then(|| Noise::NONE.and(between)));
     let (outcome, sd) = match noise {

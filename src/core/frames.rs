@@ -34,10 +34,6 @@ impl<F> Vector<F> {
     pub fn from_array(v: [f64; 3]) -> Self {
         Self::new(Vector3::from(v))
     }
-
-    pub fn dot(&self, other: &Self) -> f64 {
-        self.0.dot(&other.0)
-    }
 }
 
 /// Turns coordinates in `From` into coordinates in `To` (a passive rotation, C_to_from).

@@ -40,8 +40,6 @@ pub struct Dwell {
 pub struct Assembled {
     pub dwells: Vec<Dwell>,
     pub remarks: Vec<Message>,
-    /// Noise of the outputs: white (at 1 s) and flicker floor, pulse/s.
-    pub noise: Vec<Noise>,
 }
 
 /// Share of an interval's blocks at the end of a channel's range above which its mean is worth nothing.
@@ -496,9 +494,7 @@ impl Work<'_> {
             self.remarks.push(message!("intervals_all_edge", count = gone));
         }
         let dwells = self.without_parts_of_turns(&candidates, dwells)?;
-        let first = candidates.iter().find(|c| phase(c) == Phase::Static).or(candidates.first());
-        let noise = first.map_or_else(Vec::new, |c| of(&fine, c));
-        Ok(Assembled { dwells, remarks: std::mem::take(&mut self.remarks), noise })
+        Ok(Assembled { dwells, remarks: std::mem::take(&mut self.remarks) })
     }
 
     /// Leaves out parts of a turn of which nothing says at which heading they began: an unknown part of the Earth's

@@ -5,7 +5,6 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::assemble::{Dwell, OFF_COMMANDED, TURNING, by_accelerometers, missing, one_clock, table};
-use super::column::Sample;
 use super::error::LogError;
 use super::gather::{counted, same_layout};
 use super::map::{Columns, Map, Reading, TableColumns};
@@ -197,17 +196,17 @@ fn rows(
     let wanted: Vec<usize> = readings.iter().map(|r| r.column).collect();
     let hz = map.rate_hz.filter(|hz| *hz > 0.0);
     let (mut found, mut incomplete, mut bad) = (Vec::new(), 0_usize, 0_usize);
-    let mut each = |sample: Sample<'_>| {
+    let mut each = |row: &[f64]| {
         // A temperature may be missing in some dwells.
         let may_be_empty = |k: usize| temperature.contains(&k);
-        if sample.values.iter().enumerate().any(|(k, v)| v.is_nan() && !may_be_empty(k)) {
+        if row.iter().enumerate().any(|(k, v)| v.is_nan() && !may_be_empty(k)) {
             incomplete += 1;
             return Ok(());
         }
         if found.len() == MOST_ROWS {
             return Err(message!("averaged_many", most = MOST_ROWS));
         }
-        let value = |k: usize| readings[k].factor * sample.values[k] + readings[k].offset;
+        let value = |k: usize| readings[k].factor * row[k] + readings[k].offset;
         let of = |places: &Range<usize>| -> Vec<f64> { places.clone().map(value).collect() };
         let one = |places: &Range<usize>| places.clone().next().map(value);
         let counted = one(&samples).and_then(|samples| Some(samples.max(1.0) / hz?));

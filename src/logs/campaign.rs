@@ -11,7 +11,6 @@ use super::programme;
 use super::source::Source;
 use super::units::Counts;
 use crate::core::campaign::{Campaign, Phase, Site};
-use crate::core::dwells::noise::Noise;
 use crate::core::dwells::programme::Position;
 use crate::core::fault::{Fault, Faults};
 use crate::core::message::{Message, sent};
@@ -26,7 +25,6 @@ use crate::wire::time;
 pub struct Made {
     pub body: CampaignBody,
     pub dwells: Vec<Dwell>,
-    pub noise: Vec<Noise>,
     pub remarks: Vec<Message>,
     /// None of a log of averages.
     pub gathered: Option<Gathered>,
@@ -73,17 +71,17 @@ pub fn campaign_from(
     positions: Option<&[Position]>,
 ) -> Result<Made, LogError> {
     let site = site_of(map);
-    let (dwells, noise, counts, remarks, gathered) = if map.averaged {
+    let (dwells, counts, remarks, gathered) = if map.averaged {
         let (dwells, counts, remarks) = averaged::dwells(map, &mut sources, site, positions)?;
-        (dwells, Vec::new(), counts, remarks, None)
+        (dwells, counts, remarks, None)
     } else {
         let place = sources.first().map(|(place, _)| place.clone()).unwrap_or_default();
         let mut gathered = gather(map, sources)?;
         let made = assemble(map, &mut gathered, site, positions)
             .map_err(|error| if error.place == "log" { LogError { place, ..error } } else { error })?;
-        (made.dwells, made.noise, gathered.counts, made.remarks, Some(gathered))
+        (made.dwells, gathered.counts, made.remarks, Some(gathered))
     };
-    let mut made = Made { body: body(map, &dwells, gathered.as_ref())?, dwells, noise, remarks, gathered };
+    let mut made = Made { body: body(map, &dwells, gathered.as_ref())?, dwells, remarks, gathered };
     hold_e(&mut made, map, counts)?;
     Ok(made)
 }

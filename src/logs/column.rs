@@ -11,13 +11,6 @@ pub struct Column {
     pub unit: Option<String>,
 }
 
-/// One row: the numbers of the columns that were asked for.
-#[derive(Debug, Clone, Copy)]
-pub struct Sample<'a> {
-    pub line: u64,
-    pub values: &'a [f64],
-}
-
 impl Column {
     /// From a heading such as `gyro_x (deg/s)` or `ax [m/s^2]`.
     pub fn named(heading: &str) -> Self {

@@ -40,7 +40,6 @@ pub struct Gathered {
     pub sample_s: f64,
     /// First time of the log, where its clock counts from 1970, s.
     pub unix_s: Option<f64>,
-    pub rows: u64,
     pub remarks: Vec<Message>,
 }
 
@@ -437,9 +436,8 @@ impl Reader {
         let mut numbers = Vec::new();
         let mut index = 0_u64;
         let mut follows = self.clock.last.is_some();
-        let bad = source.rows(place, &wanted, &mut |sample| {
+        let bad = source.rows(place, &wanted, &mut |values| {
             index += 1;
-            let values = sample.values;
             if values.iter().any(|v| v.is_nan()) {
                 self.missing += 1;
                 return Ok(());
@@ -583,7 +581,6 @@ impl Reader {
             breaks: self.breaks,
             sample_s: interval,
             unix_s,
-            rows: self.rows,
             remarks: self.remarks,
         })
     }

@@ -79,8 +79,8 @@ fn look(name: &str, mut source: Source) -> Result<Looked, LogError> {
     let wanted: Vec<usize> = (0..columns.len()).collect();
     let mut values = vec![Vec::new(); columns.len()];
     const ENOUGH: &str = "enough";
-    let read = source.rows(name, &wanted, &mut |sample| {
-        for (list, value) in values.iter_mut().zip(sample.values) {
+    let read = source.rows(name, &wanted, &mut |row| {
+        for (list, value) in values.iter_mut().zip(row) {
             list.push(*value);
         }
         if values[0].len() < ROWS { Ok(()) } else { Err(Message::verbatim(ENOUGH)) }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use calamine::{Data, Reader, Xlsx};
 
-use super::column::{Column, Sample};
+use super::column::Column;
 use super::error::{LogError, unreadable};
 use super::text::TextLog;
 use super::{clock, mat, npy};
@@ -106,7 +106,7 @@ impl Source {
         }
     }
 
-    /// Calls `each` with every row; the number of lines that were no rows.
+    /// Calls `each` with the wanted numbers of every row; the number of lines that were no rows.
     ///
     /// # Errors
     /// What `each` refuses, with its line.
@@ -114,7 +114,7 @@ impl Source {
         &mut self,
         place: &str,
         wanted: &[usize],
-        each: &mut dyn FnMut(Sample<'_>) -> Result<(), Message>,
+        each: &mut dyn FnMut(&[f64]) -> Result<(), Message>,
     ) -> Result<usize, LogError> {
         match self {
             Self::Text(log) => log.rows(wanted, each),
@@ -125,7 +125,7 @@ impl Source {
                     for (cell, &column) in row.iter_mut().zip(wanted) {
                         *cell = values[column][k];
                     }
-                    each(Sample { line, values: &row }).map_err(|fault| {
+                    each(&row).map_err(|fault| {
                         LogError::new(place, message!("at_line", line = line as usize, fault = fault))
                     })?;
                 }

@@ -170,7 +170,6 @@ fn log(seed: u64, hz: f64, told: Told) -> (Gathered, Vec<Position>, Vec<Truth>) 
         breaks: Vec::new(),
         sample_s: step,
         unix_s: None,
-        rows: 0,
         remarks: Vec::new(),
     };
     (gathered, programme, truth)

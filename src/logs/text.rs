@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader, Read, Seek};
 
 use super::clock;
-use super::column::{Column, Sample};
+use super::column::Column;
 use super::error::{LogError, unreadable};
 use super::units::QUANTITIES;
 use crate::core::message::{Message, sent};
@@ -60,7 +60,7 @@ impl TextLog {
         Ok(Self { place: place.to_owned(), reader, layout, lenient: false, clocks: Vec::new() })
     }
 
-    /// Reads the rows from first to last: line, and the numbers of the columns `wanted`, NaN where a cell is empty.
+    /// Reads the rows from first to last: the numbers of the columns `wanted`, NaN where a cell is empty.
     /// Returns how many lines were no rows.
     ///
     /// # Errors
@@ -68,7 +68,7 @@ impl TextLog {
     pub fn rows(
         &mut self,
         wanted: &[usize],
-        each: &mut dyn FnMut(Sample<'_>) -> Result<(), Message>,
+        each: &mut dyn FnMut(&[f64]) -> Result<(), Message>,
     ) -> Result<usize, LogError> {
         let Layout { delimiter, decimal_comma, skipped, .. } = self.layout;
         let (place, lenient) = (self.place.clone(), self.lenient);
@@ -109,7 +109,7 @@ impl TextLog {
                     if cells.clocks.len() > self.clocks.len() {
                         self.clocks.clone_from(&cells.clocks);
                     }
-                    each(Sample { line, values: &values }).map_err(|fault| refuse(line, fault))?;
+                    each(&values).map_err(|fault| refuse(line, fault))?;
                 }
                 // The last line of a file that was being written breaks off anywhere.
                 Some(_) if !whole => bad.push((line, None)),

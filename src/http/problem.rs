@@ -6,9 +6,8 @@ use axum::response::{IntoResponse, Response};
 use http_body_util::{BodyExt, Limited};
 
 use crate::core::message::Message;
-use crate::message;
 use crate::wire::problem::Problem;
-use crate::words;
+use crate::{message, words};
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
@@ -28,6 +27,8 @@ impl IntoResponse for Problem {
         if status == StatusCode::SERVICE_UNAVAILABLE {
             response.headers_mut().insert(RETRY_AFTER, HeaderValue::from_static(RETRY_AFTER_S));
         }
+        // For the pages, which say it in a frame.
+        response.extensions_mut().insert(self);
         response
     }
 }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use axum::extract::{Path, State as Held};
+use axum::extract::Path;
 use axum::response::Response;
 use maud::html;
 
@@ -12,39 +12,32 @@ use super::calibration::stored_campaign;
 use super::diagnosis::PATIENCE;
 use super::diagnosis::sections::found;
 use super::forecast::held;
-use super::form::{Deed, Word, answered, see_other};
-use super::layout::{Section, encoded, instant};
-use super::viewer::Viewer;
+use super::form::{Deed, Word, see_other};
+use super::layout::{Page, Section, encoded, instant};
+use super::viewer::{Viewer, Visit};
 use crate::core::augmented::AugmentedModel;
 use crate::core::id::Id;
 use crate::core::message::text;
-use crate::message;
 use crate::pages::sent::{Form, Query};
 use crate::pipeline::{Adoption, DiagnosisAnswer};
 use crate::wire::problem::Problem;
-use crate::words;
+use crate::{message, words};
 
 pub(super) async fn ask(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(id): Path<String>,
     Query(word): Query<Word>,
-) -> Response {
-    let named = named(&pages, &viewer, &id, &word).await;
-    viewer.show(named.map(|(_, form)| form.fresh(&viewer, &word)))
+) -> Result<Page, Problem> {
+    let (_, form) = named(pages, viewer, &id, &word).await?;
+    Ok(form.fresh(viewer, &word))
 }
 
 pub(super) async fn adopt(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(id): Path<String>,
     Form(word): Form<Word>,
-) -> Response {
-    answered(&viewer, adopted(&pages, &viewer, &id, word).await)
-}
-
-async fn adopted(pages: &Pages, viewer: &Viewer, id: &str, word: Word) -> Result<Response, Problem> {
-    let (id, form) = named(pages, viewer, id, &word).await?;
+) -> Result<Response, Problem> {
+    let (id, form) = named(pages, viewer, &id, &word).await?;
     if let Some(again) = form.incomplete(viewer, &word) {
         return Ok(again);
     }
@@ -94,25 +87,19 @@ async fn put(pages: &Pages, adoption: Adoption) -> Result<Response, Problem> {
 }
 
 pub(super) async fn ask_undo(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(imu): Path<String>,
     Query(word): Query<Word>,
-) -> Response {
-    let before = before(&pages, &viewer, &imu, &word).await;
-    viewer.show(before.map(|(_, form)| form.fresh(&viewer, &word)))
+) -> Result<Page, Problem> {
+    let (_, form) = before(pages, viewer, &imu, &word).await?;
+    Ok(form.fresh(viewer, &word))
 }
 
 pub(super) async fn undo(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(imu): Path<String>,
     Form(word): Form<Word>,
-) -> Response {
-    answered(&viewer, undone(&pages, &viewer, imu, word).await)
-}
-
-async fn undone(pages: &Pages, viewer: &Viewer, imu: String, word: Word) -> Result<Response, Problem> {
+) -> Result<Response, Problem> {
     let (model, form) = before(pages, viewer, &imu, &word).await?;
     if let Some(again) = form.incomplete(viewer, &word) {
         return Ok(again);

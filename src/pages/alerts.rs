@@ -3,26 +3,25 @@
 mod bulk;
 mod one;
 
-use axum::extract::{Path, State as Held};
+use axum::extract::Path;
 use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::Pages;
-use super::bullet;
-use super::form::{Deed, Word, answered, choice, rule_choice, see_other};
+use super::form::{Deed, Word, choice, rule_choice, see_other};
 use super::layout::{Page, Section, encoded, symbol, written, written_day};
-use super::silences;
 use super::silences::{days_field, silent_until};
 use super::text::Text;
 use super::verdicts::{actions, remarks};
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
+use super::{Pages, bullet, silences};
 use crate::core::access::Role;
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity, Status};
+use crate::core::named::named;
 use crate::message;
 use crate::pages::sent::{Form, Query};
 use crate::pages::status;
@@ -72,11 +71,10 @@ impl Filters {
     }
 }
 
-pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(filters): Query<Filters>) -> Response {
-    viewer.show(build(&pages, &viewer, &filters).await)
-}
-
-async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page, Problem> {
+pub(super) async fn page(
+    Visit { ref pages, ref viewer }: Visit,
+    Query(ref filters): Query<Filters>,
+) -> Result<Page, Problem> {
     let t = viewer.text();
     let serial = filters.serial.trim();
     let gyro = pages.pipeline.queries.names().gyro_number(serial);
@@ -383,13 +381,15 @@ pub(super) struct Said {
     days: String,
 }
 
-/// What can be done about an alert.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Doing {
-    Acknowledge,
-    Unacknowledge,
-    Silence,
-    Unsilence,
+named! {
+    /// What can be done about an alert.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Doing {
+        Acknowledge = "acknowledge",
+        Unacknowledge = "unacknowledge",
+        Silence = "silence",
+        Unsilence = "unsilence",
+    }
 }
 
 impl Doing {
@@ -397,19 +397,7 @@ impl Doing {
     fn of(deed: &str) -> Result<Self, Problem> {
         let unknown =
             || Problem::new(404, "title_no_such_page", message!("not_done_to_alerts", action = deed.to_owned()));
-        [Self::Acknowledge, Self::Unacknowledge, Self::Silence, Self::Unsilence]
-            .into_iter()
-            .find(|one| one.name() == deed)
-            .ok_or_else(unknown)
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Acknowledge => "acknowledge",
-            Self::Unacknowledge => "unacknowledge",
-            Self::Silence => "silence",
-            Self::Unsilence => "unsilence",
-        }
+        Self::from_name(deed).ok_or_else(unknown)
     }
 }
 
@@ -421,29 +409,21 @@ async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
 
 /// The page on which something is done about an alert.
 pub(super) async fn ask(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    Path((id, deed)): Path<(String, String)>,
+    Visit { ref pages, ref viewer }: Visit,
+    Path((ref id, ref deed)): Path<(String, String)>,
     Query(word): Query<Word>,
-) -> Response {
-    let found = match Doing::of(&deed) {
-        Ok(doing) => known(&pages, &id).await.map(|(_, alert)| (doing, alert)),
-        Err(problem) => Err(problem),
-    };
+) -> Result<Page, Problem> {
+    let doing = Doing::of(deed)?;
+    let (_, alert) = known(pages, id).await?;
     let said = Said { word, ..Said::default() };
-    viewer.show(found.map(|(doing, alert)| form(&viewer, &alert, doing, &said).fresh(&viewer, &said.word)))
+    Ok(form(viewer, &alert, doing, &said).fresh(viewer, &said.word))
 }
 
 pub(super) async fn act(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    Path((id, deed)): Path<(String, String)>,
-    Form(said): Form<Said>,
-) -> Response {
-    answered(&viewer, done(&pages, &viewer, (&id, &deed), &said).await)
-}
-
-async fn done(pages: &Pages, viewer: &Viewer, (id, deed): (&str, &str), said: &Said) -> Result<Response, Problem> {
+    Visit { ref pages, ref viewer }: Visit,
+    Path((ref id, ref deed)): Path<(String, String)>,
+    Form(ref said): Form<Said>,
+) -> Result<Response, Problem> {
     let doing = Doing::of(deed)?;
     let (number, alert) = known(pages, id).await?;
     let mut faults = Faults::default();

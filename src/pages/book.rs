@@ -53,8 +53,8 @@ static RENDERED: LazyLock<HashMap<&'static str, Rendered>> =
     LazyLock::new(|| SOURCES.iter().map(|&(name, source)| (name, Rendered::of(name, source))).collect());
 
 /// The first page, which says who begins where.
-pub(super) async fn first(viewer: Viewer) -> Response {
-    viewer.show(page("introduction", viewer.text()))
+pub(super) async fn first(viewer: Viewer) -> Result<Page, Problem> {
+    page("introduction", viewer.text())
 }
 
 /// Any page, or the figure of one.
@@ -68,7 +68,7 @@ pub(super) async fn one(Path(name): Path<String>, viewer: Viewer) -> Response {
         ];
         return (head, FIGURE.1).into_response();
     }
-    viewer.show(page(&name, viewer.text()))
+    page(&name, viewer.text()).into_response()
 }
 
 fn page(name: &str, t: &Text) -> Result<Page, Problem> {

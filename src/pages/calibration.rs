@@ -2,21 +2,17 @@
 
 use std::borrow::Cow;
 
-use axum::extract::{Path, State as Held};
+use axum::extract::Path;
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 
-use super::Pages;
-use super::corrections;
-use super::figure;
 use super::layout::{Page, Section, encoded, instant, symbol};
 use super::notes::noted;
 use super::parameters::{self, Parameters};
-use super::residuals;
-use super::separation;
 use super::text::Text;
 use super::verdicts::{self, Said};
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
+use super::{Pages, corrections, figure, residuals, separation};
 use crate::core::diagnose::{ClosureDiagnosis, GyroClosure};
 use crate::core::id::Id;
 use crate::core::judge::{Rule, State, Verdict};
@@ -33,20 +29,15 @@ use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::sender::SenderBody;
 
-pub(super) async fn record(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
-    match stored_record(&pages, &id).await {
-        Ok(stored) if stored.item.kind == Kind::Campaign => Redirect::to(&format!("/campaigns/{id}")).into_response(),
-        Ok(stored) => viewer.show(record_page(&pages, &viewer, &stored).await),
-        Err(problem) => viewer.show(Err(problem)),
+pub(super) async fn record(
+    Visit { ref pages, ref viewer }: Visit,
+    Path(id): Path<String>,
+) -> Result<Response, Problem> {
+    let stored = stored_record(pages, &id).await?;
+    match stored.item.kind {
+        Kind::Campaign => Ok(Redirect::to(&format!("/campaigns/{id}")).into_response()),
+        Kind::Record => Ok(record_page(pages, viewer, &stored).await?.into_response()),
     }
-}
-
-pub(super) async fn campaign(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
-    let page = match stored_campaign(&pages, &id).await {
-        Ok(stored) => campaign_page(&pages, &viewer, &stored).await,
-        Err(problem) => Err(problem),
-    };
-    viewer.show(page)
 }
 
 async fn stored_record(pages: &Pages, id: &str) -> Result<StoredRecord, Problem> {
@@ -153,7 +144,11 @@ fn closure(
     }
 }
 
-async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) -> Result<Page, Problem> {
+pub(super) async fn campaign(
+    Visit { ref pages, ref viewer }: Visit,
+    Path(ref id): Path<String>,
+) -> Result<Page, Problem> {
+    let stored = &stored_campaign(pages, id).await?;
     let t = viewer.text();
     let StoredCampaign { item, answer, seen } = stored;
     let body: CampaignBody = serde_json::from_str(&item.body).map_err(|_| unreadable(&item.id))?;

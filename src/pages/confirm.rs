@@ -1,15 +1,15 @@
 //! `/records/{id}/confirm`: the time of a record that was set aside is right, said on a page that shows what it is
 //! about.
 
-use axum::extract::{Path, State as Held};
+use axum::extract::Path;
 use axum::response::Response;
 use maud::html;
 
 use super::Pages;
-use super::form::{Deed, Word, answered, see_other};
-use super::layout::{Section, instant};
+use super::form::{Deed, Word, see_other};
+use super::layout::{Page, Section, instant};
 use super::notes::noted;
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
 use crate::core::id::Id;
 use crate::core::message::text;
 use crate::message;
@@ -19,26 +19,20 @@ use crate::wire::note;
 use crate::wire::problem::Problem;
 
 pub(super) async fn ask(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(id): Path<String>,
     Query(word): Query<Word>,
-) -> Response {
-    let found = set_aside(&pages, &viewer, &id, &word).await;
-    viewer.show(found.map(|(_, form)| form.fresh(&viewer, &word)))
+) -> Result<Page, Problem> {
+    let (_, form) = set_aside(pages, viewer, &id, &word).await?;
+    Ok(form.fresh(viewer, &word))
 }
 
 pub(super) async fn act(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(id): Path<String>,
     Form(word): Form<Word>,
-) -> Response {
-    answered(&viewer, confirm(&pages, &viewer, &id, word).await)
-}
-
-async fn confirm(pages: &Pages, viewer: &Viewer, id: &str, word: Word) -> Result<Response, Problem> {
-    let (id, form) = set_aside(pages, viewer, id, &word).await?;
+) -> Result<Response, Problem> {
+    let (id, form) = set_aside(pages, viewer, &id, &word).await?;
     if let Some(again) = form.incomplete(viewer, &word) {
         return Ok(again);
     }

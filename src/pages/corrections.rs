@@ -1,16 +1,15 @@
 //! `…/void`: a record, a campaign or a bench result counts no more, said on a page that tells what that changes; and
 //! how an item stands that was voided or revised.
 
-use axum::extract::{Path, State as Held};
+use axum::extract::Path;
 use axum::response::Response;
 use maud::{Markup, html};
 
-use super::Pages;
-use super::figure;
-use super::form::{Deed, Word, answered, see_other};
-use super::layout::{DRIFTS, Section, encoded, instant, symbol};
+use super::form::{Deed, Word, see_other};
+use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::text::Text;
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
+use super::{Pages, figure};
 use crate::core::access::Role;
 use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::core::id::Id;
@@ -24,52 +23,45 @@ use crate::pipeline::{Actor, Corrected, Correction, Submission};
 use crate::wire::problem::Problem;
 
 pub(super) async fn ask_record(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(id): Path<String>,
     Query(word): Query<Word>,
-) -> Response {
-    let found = calibration(&pages, &viewer, &id, &word).await;
-    viewer.show(found.map(|(_, form)| form.fresh(&viewer, &word)))
+) -> Result<Page, Problem> {
+    let (_, form) = calibration(pages, viewer, &id, &word).await?;
+    Ok(form.fresh(viewer, &word))
 }
 
 pub(super) async fn ask_bench(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(id): Path<String>,
     Query(word): Query<Word>,
-) -> Response {
-    let found = bench(&pages, &viewer, &id, &word).await;
-    viewer.show(found.map(|(_, form)| form.fresh(&viewer, &word)))
+) -> Result<Page, Problem> {
+    let (_, form) = bench(pages, viewer, &id, &word).await?;
+    Ok(form.fresh(viewer, &word))
 }
 
 pub(super) async fn void_record(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(id): Path<String>,
     Form(word): Form<Word>,
-) -> Response {
-    let found = calibration(&pages, &viewer, &id, &word).await;
-    answered(&viewer, void(&pages, &viewer, found, word).await)
+) -> Result<Response, Problem> {
+    void(pages, viewer, calibration(pages, viewer, &id, &word).await?, word).await
 }
 
 pub(super) async fn void_bench(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(id): Path<String>,
     Form(word): Form<Word>,
-) -> Response {
-    let found = bench(&pages, &viewer, &id, &word).await;
-    answered(&viewer, void(&pages, &viewer, found, word).await)
+) -> Result<Response, Problem> {
+    void(pages, viewer, bench(pages, viewer, &id, &word).await?, word).await
 }
 
 async fn void(
     pages: &Pages,
     viewer: &Viewer,
-    found: Result<(Corrected, Deed), Problem>,
+    (item, form): (Corrected, Deed),
     word: Word,
 ) -> Result<Response, Problem> {
-    let (item, form) = found?;
     if let Some(again) = form.incomplete(viewer, &word) {
         return Ok(again);
     }

@@ -3,19 +3,17 @@
 mod fields;
 mod orders;
 
-use axum::extract::State as Held;
 use axum::http::StatusCode;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::Pages;
 use super::figure::percent;
-use super::form::{answered, fault_list, see_other};
+use super::form::{fault_list, see_other};
 use super::layout::{Page, Section, effect_named, encoded, symbol, written};
 use super::residuals::closure_bar;
 use super::text::Text;
-use super::viewer::Viewer;
+use super::viewer::Visit;
 use crate::core::access::Role;
 use crate::core::effects::CATALOGUE;
 use crate::core::fault::Faults;
@@ -57,33 +55,23 @@ impl Filters {
     }
 }
 
-pub(super) async fn start(Held(pages): Held<Pages>, viewer: Viewer, Form(wanted): Form<Wanted>) -> Response {
-    let started = async {
-        match pages.pipeline.diagnoses.check_wanted(wanted.which()) {
-            Ok(order) => {
-                pages.pipeline.diagnoses.order(DiagnosisOrder::Start(order)).await?;
-                Ok(see_other("/diagnoses#orders"))
-            }
-            Err(faults) => {
-                let (status, page) = build(&pages, &viewer, &Filters::default(), &wanted, Some(&faults)).await?;
-                Ok(viewer.respond(status, &page))
-            }
+pub(super) async fn start(visit: Visit, Form(wanted): Form<Wanted>) -> Result<Response, Problem> {
+    match visit.pages.pipeline.diagnoses.check_wanted(wanted.which()) {
+        Ok(order) => {
+            visit.pages.pipeline.diagnoses.order(DiagnosisOrder::Start(order)).await?;
+            Ok(see_other("/diagnoses#orders"))
         }
-    };
-    answered(&viewer, started.await)
+        Err(faults) => Ok(build(&visit, &Filters::default(), &wanted, Some(&faults)).await?.into_response()),
+    }
 }
 
-pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(filters): Query<Filters>) -> Response {
-    match build(&pages, &viewer, &filters, &Wanted::default(), None).await {
-        Ok((status, page)) => viewer.respond(status, &page),
-        Err(problem) => viewer.show(Err(problem)),
-    }
+pub(super) async fn page(visit: Visit, Query(filters): Query<Filters>) -> Result<(StatusCode, Page), Problem> {
+    build(&visit, &filters, &Wanted::default(), None).await
 }
 
 /// The whole page; `wrong` is what is wrong with an order that was just sent.
 async fn build(
-    pages: &Pages,
-    viewer: &Viewer,
+    Visit { pages, viewer }: &Visit,
     filters: &Filters,
     wanted: &Wanted,
     wrong: Option<&Faults>,

@@ -1,16 +1,15 @@
 //! `/gyros/{serial}/events/new`: what was done to a gyro, or a new baseline, on a page that says what that changes.
 
-use axum::extract::{Path, State as Held};
+use axum::extract::Path;
 use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::Pages;
-use super::form::{Deed, Word, answered, see_other, typed_time};
-use super::gyro;
-use super::layout::{Section, encoded};
+use super::form::{Deed, Word, see_other, typed_time};
+use super::layout::{Page, Section, encoded};
 use super::text::Text;
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
+use super::{Pages, gyro};
 use crate::core::fault::Faults;
 use crate::core::judge::Event;
 use crate::core::record::Name;
@@ -67,22 +66,11 @@ impl About {
 /// The page on which an event is noted; `?event=baseline` starts a baseline, `?event=decision_retest` records a
 /// decision.
 pub(super) async fn ask(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(serial): Path<String>,
     Query(said): Query<Said>,
-) -> Response {
-    let page = known(&pages, &serial).map(|name| form(&viewer, &name, &said).fresh(&viewer, &said.word));
-    viewer.show(page)
-}
-
-pub(super) async fn act(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    Path(serial): Path<String>,
-    Form(said): Form<Said>,
-) -> Response {
-    answered(&viewer, done(&pages, &viewer, &serial, &said).await)
+) -> Result<Page, Problem> {
+    Ok(form(viewer, &known(pages, &serial)?, &said).fresh(viewer, &said.word))
 }
 
 fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
@@ -90,7 +78,11 @@ fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
     Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))
 }
 
-async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Result<Response, Problem> {
+pub(super) async fn act(
+    Visit { ref pages, ref viewer }: Visit,
+    Path(ref serial): Path<String>,
+    Form(ref said): Form<Said>,
+) -> Result<Response, Problem> {
     let name = known(pages, serial)?;
     let mut faults = Faults::default();
     said.word.check(&mut faults);

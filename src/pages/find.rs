@@ -1,13 +1,12 @@
 //! `/find`: what a name or an identifier is of. Where that is one thing, its page; else the fleet, searched.
 
-use axum::extract::State as Held;
 use axum::response::Response;
 use serde::Deserialize;
 
 use super::Pages;
 use super::form::see_other;
 use super::layout::encoded;
-use super::viewer::Viewer;
+use super::viewer::Visit;
 use crate::core::id::Id;
 use crate::pages::sent::Query;
 use crate::pipeline::FleetFilter;
@@ -19,11 +18,12 @@ pub(super) struct Asked {
     q: String,
 }
 
-pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(asked): Query<Asked>) -> Response {
-    match place(&pages, asked.q.trim()).await {
-        Ok(place) => see_other(&format!("{}{place}", viewer.base_path)),
-        Err(problem) => viewer.show(Err(problem)),
-    }
+pub(super) async fn page(
+    Visit { ref pages, ref viewer }: Visit,
+    Query(asked): Query<Asked>,
+) -> Result<Response, Problem> {
+    let place = place(pages, asked.q.trim()).await?;
+    Ok(see_other(&format!("{}{place}", viewer.base_path)))
 }
 
 /// The address of what is meant.

@@ -3,17 +3,13 @@
 mod filters;
 mod wall;
 
-use axum::extract::State as Held;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 
-use super::Pages;
-use super::bullet;
-use super::figure;
 use super::layout::{DRIFTS, Page, Section, day, encoded, symbol};
-use super::spark;
 use super::text::Text;
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
+use super::{Pages, bullet, figure, spark};
 use crate::core::access::Role;
 use crate::core::judge::{Coefficient, Measured, Outlook, Rule, Status};
 use crate::core::time::{Span, UtcMicros};
@@ -28,12 +24,12 @@ const ROWS: usize = 40;
 const VALUES: usize = 24;
 const SPAN_DAYS: f64 = 365.0;
 
-pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(filters): Query<Filters>) -> Response {
+pub(super) async fn page(Visit { ref pages, ref viewer }: Visit, Query(filters): Query<Filters>) -> Response {
     let shown = match filters.is_wall() {
-        true => wall::build(&pages, &viewer, &filters).await,
-        false => build(&pages, &viewer, &filters).await,
+        true => wall::build(pages, viewer, &filters).await,
+        false => build(pages, viewer, &filters).await,
     };
-    filters.again(viewer.show(shown))
+    filters.again(shown.into_response())
 }
 
 async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page, Problem> {

@@ -13,13 +13,7 @@ use super::viewer::{Viewer, is_local};
 use crate::core::fault::Faults;
 use crate::core::judge::Rule;
 use crate::core::message::Message;
-use crate::wire::problem::Problem;
 use crate::wire::{text, time};
-
-/// What has come of a form: where its sender is to go on, or the page that says why not.
-pub(super) fn answered(viewer: &Viewer, done: Result<Response, Problem>) -> Response {
-    done.unwrap_or_else(|problem| viewer.show(Err(problem)))
-}
 
 /// Goes on with another page, which may be loaded again without sending the form again.
 pub(super) fn see_other(path: &str) -> Response {
@@ -119,7 +113,7 @@ impl Deed {
 
     /// What was sent cannot be done as it is: the form again, with why.
     pub fn again(&self, viewer: &Viewer, word: &Word, faults: &Faults) -> Response {
-        viewer.respond(StatusCode::UNPROCESSABLE_ENTITY, &self.page(viewer, word, faults))
+        (StatusCode::UNPROCESSABLE_ENTITY, self.page(viewer, word, faults)).into_response()
     }
 }
 

@@ -2,28 +2,24 @@
 
 use std::time::Duration;
 
-use axum::extract::{Path, State as Held};
-use axum::response::Response;
+use axum::extract::Path;
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::figure;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::text::Text;
 use super::verdicts::{self, Said};
-use super::viewer::Viewer;
-use super::{Pages, alerts, before_after, gyro_attributes};
+use super::viewer::{Viewer, Visit};
+use super::{Pages, alerts, before_after, figure, gyro_attributes};
 use crate::core::access::Role;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::{State, Status};
 use crate::core::time::UtcMicros;
-use crate::pages::gyro_head;
-use crate::pages::history;
 use crate::pages::history_plot::{self, Epochs, Seen};
 use crate::pages::sent::Query;
-use crate::pages::status;
 use crate::pages::view::{AskedView, Shown, View};
+use crate::pages::{gyro_head, history, status};
 use crate::pipeline::{Comparison, Course, ExplainedHistory, Names, Standing, Statuses, sample_of};
 use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;
@@ -43,15 +39,6 @@ pub(super) struct Asked {
     /// Names of older calibrations: how many to pass over.
     #[serde(default)]
     skip: String,
-}
-
-pub(super) async fn page(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    Path(serial): Path<String>,
-    Query(asked): Query<Asked>,
-) -> Response {
-    viewer.show(build(&pages, &viewer, &serial, &asked).await)
 }
 
 /// All that is known of a gyro, by the method that is shown.
@@ -116,7 +103,11 @@ pub(super) fn known(pages: &Pages, serial: &str) -> Result<u32, Problem> {
     number.ok_or_else(|| Problem::unknown_gyro(serial))
 }
 
-async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> Result<Page, Problem> {
+pub(super) async fn page(
+    Visit { ref pages, ref viewer }: Visit,
+    Path(ref serial): Path<String>,
+    Query(ref asked): Query<Asked>,
+) -> Result<Page, Problem> {
     let number = known(pages, serial)?;
     let judged = pages.config.judging.method;
     let view = View::asked(&asked.view, judged);

@@ -1,15 +1,14 @@
 //! `/gyros/{serial}/attributes`: batch, type and unit of a gyro, shown and edited.
 
-use axum::extract::{Path, State as Held};
+use axum::extract::Path;
 use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::Pages;
-use super::form::{Deed, Word, answered, see_other};
-use super::layout::{Section, encoded};
+use super::form::{Deed, Word, see_other};
+use super::layout::{Page, Section, encoded};
 use super::text::Text;
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
@@ -57,11 +56,10 @@ pub(super) fn edit(viewer: &Viewer, serial: &str) -> Markup {
     }
 }
 
-pub(super) async fn ask(Held(pages): Held<Pages>, viewer: Viewer, Path(serial): Path<String>) -> Response {
-    viewer.show(asked(&pages, &viewer, &serial).await)
-}
-
-async fn asked(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<super::layout::Page, Problem> {
+pub(super) async fn ask(
+    Visit { ref pages, ref viewer }: Visit,
+    Path(ref serial): Path<String>,
+) -> Result<Page, Problem> {
     let number = gyro::known(pages, serial)?;
     let found = pages.pipeline.queries.fleet.standing_in_words(number).await?;
     let (standing, _) = found.ok_or_else(|| Problem::unknown_gyro(serial))?;
@@ -72,15 +70,10 @@ async fn asked(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<super::la
 }
 
 pub(super) async fn act(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    Path(serial): Path<String>,
-    Form(said): Form<Attributes>,
-) -> Response {
-    answered(&viewer, done(&pages, &viewer, &serial, &said).await)
-}
-
-async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Attributes) -> Result<Response, Problem> {
+    Visit { ref pages, ref viewer }: Visit,
+    Path(ref serial): Path<String>,
+    Form(ref said): Form<Attributes>,
+) -> Result<Response, Problem> {
     gyro::known(pages, serial)?;
     let name = Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))?;
     let mut faults = Faults::default();

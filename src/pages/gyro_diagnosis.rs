@@ -1,27 +1,24 @@
 //! `/gyros/{serial}/diagnosis`: why a gyro's coefficients changed, with the common course of its stations under its
 //! own.
 
-use axum::extract::{Path, State as Held};
-use axum::response::Response;
+use axum::extract::Path;
 use maud::{Markup, html};
 
-use super::Pages;
 use super::course::Course;
 use super::figure;
 use super::gyro::known;
 use super::gyro_head::own_first;
 use super::layout::{Page, Section, encoded, symbol};
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
 use crate::core::changes::{Budget, HistoryDiagnosis, cause_word};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ExplainedHistory;
 use crate::wire::problem::Problem;
 
-pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(serial): Path<String>) -> Response {
-    viewer.show(build(&pages, &viewer, &serial).await)
-}
-
-async fn build(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, Problem> {
+pub(super) async fn page(
+    Visit { ref pages, ref viewer }: Visit,
+    Path(ref serial): Path<String>,
+) -> Result<Page, Problem> {
     let t = viewer.text();
     let number = known(pages, serial)?;
     let explained = pages.pipeline.queries.histories.explain(number, serial).await?;

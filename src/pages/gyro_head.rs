@@ -2,15 +2,13 @@
 
 use maud::{Markup, html};
 
-use super::bullet;
-use super::figure;
 use super::gyro::Facts;
-use super::gyro_attributes;
 use super::history::seat;
 use super::history_plot::{budgets, epoch_of};
 use super::layout::{DRIFTS, day, encoded, instant, symbol};
 use super::text::Text;
 use super::viewer::Viewer;
+use super::{bullet, figure, gyro_attributes};
 use crate::config::JudgedMethod;
 use crate::core::access::Role;
 use crate::core::changes::{HistoryDiagnosis, NamedCause, cause_word};

@@ -4,9 +4,7 @@ use std::collections::HashMap;
 
 use maud::{Markup, html};
 
-use super::bullet;
 use super::chart::{Across, Ahead, Chart, Dot, Flag, Level, Segment, Track, bounds, millis, widened};
-use super::figure;
 use super::history::{event_label, seat};
 use super::layout::{DRIFTS, clock, symbol};
 use super::status::sign;
@@ -14,6 +12,7 @@ use super::text::Text;
 use super::verdicts::Said;
 use super::view::{Shown, View};
 use super::viewer::Viewer;
+use super::{bullet, figure};
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
 use crate::core::figures::Figures;

@@ -3,15 +3,11 @@
 mod actions;
 mod deliveries;
 
-use axum::extract::State as Held;
-use axum::response::Response;
 use maud::{Markup, html};
 
-use super::Pages;
-use super::layout::written;
-use super::layout::{Page, Section};
-use super::status;
-use super::viewer::Viewer;
+use super::layout::{Page, Section, written};
+use super::viewer::{Viewer, Visit};
+use super::{Pages, status};
 use crate::core::access::Role;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity, Status};
@@ -23,11 +19,7 @@ pub(super) use crate::pages::hooks::actions::{
 };
 pub(super) use deliveries::page as one;
 
-pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
-    viewer.show(build(&pages, &viewer).await)
-}
-
-async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
+pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page, Problem> {
     let t = viewer.text();
     let hooks = pages.pipeline.hooks.all().await?;
     let body = html! {

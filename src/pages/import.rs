@@ -14,19 +14,18 @@ mod replace;
 use std::sync::Arc;
 
 use axum::Extension;
-use axum::extract::{Request, State as Held};
+use axum::extract::Request;
 use axum::http::StatusCode;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 
 use self::multipart::Upload;
 use super::fleet::violated;
 use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
 use super::notes::noted;
-use super::off_the_loop;
 use super::text::Text;
-use super::viewer::Viewer;
-use super::{Pages, bullet, figure, status};
+use super::viewer::{Viewer, Visit};
+use super::{bullet, figure, off_the_loop, status};
 use crate::core::alert_decision::Late;
 use crate::core::fault::{Fault, Faults};
 use crate::core::history_note::HistoryNote;
@@ -57,27 +56,24 @@ use logs::{Looked, Sent};
 /// thousands.
 const MOST_SHOWN: usize = 200;
 
-pub(super) async fn page(viewer: Viewer) -> Response {
-    viewer.show(Ok(framed(&viewer, &Sent::default(), html! {})))
+pub(super) async fn page(viewer: Viewer) -> Page {
+    framed(&viewer, &Sent::default(), html! {})
 }
 
 /// What the text says, or what is wrong with it. Stores nothing.
 pub(super) async fn preview(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { pages, viewer }: Visit,
     Extension(caller): Extension<Caller>,
     request: Request,
-) -> Response {
+) -> Result<Response, Problem> {
     let form = match Upload::of(request).await {
         Ok(form) => form,
         Err(status) if status == StatusCode::PAYLOAD_TOO_LARGE => {
             let most = pages.config.server.max_body_bytes;
             let fault = message!("log_too_large", most = most, key = "server.max_body_bytes");
-            return viewer.respond(status, &unread(&viewer, Sent::default(), &Looked::Faulty(fault)));
+            return Ok((status, unread(&viewer, Sent::default(), &Looked::Faulty(fault))).into_response());
         }
-        Err(_) => {
-            return viewer.show(Err(Problem::new(400, "title_broken_off", message!("body_broke_off"))));
-        }
+        Err(_) => return Err(Problem::new(400, "title_broken_off", message!("body_broke_off"))),
     };
     let pipeline = pages.pipeline.clone();
     let looked = off_the_loop(move || {
@@ -103,14 +99,11 @@ pub(super) async fn preview(
         Ok(looked) => looked,
         Err(unreadable) => {
             let (sent, looked) = *unreadable;
-            return viewer.show(Ok(unread(&viewer, sent, &looked)));
+            return Ok(unread(&viewer, sent, &looked).into_response());
         }
     };
-    let prospects = match previews(&pages.pipeline, read).await {
-        Ok(prospects) => prospects,
-        Err(error) => return viewer.show(Err(error.into())),
-    };
-    off_the_loop(move || viewer.show(Ok(previewed(&viewer, &prospects, &source)))).await
+    let prospects = previews(&pages.pipeline, read).await?;
+    Ok(off_the_loop(move || previewed(&viewer, &prospects, &source)).await.into_response())
 }
 
 /// What is looked at.
@@ -202,16 +195,11 @@ async fn previews(
     Ok(read.into_iter().map(|(line, read)| (line, prospect(read))).collect())
 }
 
-pub(super) async fn store(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    Extension(caller): Extension<Caller>,
-    form: String,
-) -> Response {
+pub(super) async fn store(Visit { pages, viewer }: Visit, Extension(caller): Extension<Caller>, form: String) -> Page {
     let pipeline = pages.pipeline.clone();
     let read = off_the_loop(move || read_all(&pipeline, &caller, &Sent::of(&form).text)).await;
     let outcomes = submit(&pages.pipeline, read).await;
-    viewer.show(Ok(outcome(&viewer, &outcomes)))
+    outcome(&viewer, &outcomes)
 }
 
 /// What a piece says, if this caller may send it.

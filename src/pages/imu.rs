@@ -2,19 +2,14 @@
 
 use std::collections::HashMap;
 
-use axum::extract::{Path, State as Held};
-use axum::response::Response;
+use axum::extract::Path;
 use maud::{Markup, html};
 
-use super::Pages;
-use super::alerts;
-use super::bullet;
-use super::figure;
-use super::forecast;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::parameters::{self, Parameters};
 use super::text::Text;
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
+use super::{Pages, alerts, bullet, figure, forecast};
 use crate::core::alert_decision;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::effects::Effect;
@@ -31,10 +26,6 @@ use crate::wire::record::RecordBody;
 const RECORDS: u32 = 60;
 /// Campaigns of which it is shown what was foretold.
 const FORECASTS: u32 = 20;
-
-pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(imu): Path<String>) -> Response {
-    viewer.show(build(&pages, &viewer, &imu).await)
-}
 
 /// What is known of an IMU.
 pub(super) struct Facts {
@@ -60,7 +51,7 @@ impl Facts {
     }
 }
 
-async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Problem> {
+pub(super) async fn page(Visit { ref pages, ref viewer }: Visit, Path(ref imu): Path<String>) -> Result<Page, Problem> {
     let t = viewer.text();
     let Facts { seats, records, parameters } = Facts::of(pages, viewer, imu).await?;
     let number = pages.pipeline.queries.names().imu_number(imu);

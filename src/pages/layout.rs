@@ -1,9 +1,13 @@
 //! The frame of every page, and how pages and failures leave.
 
+use axum::Extension;
+use axum::extract::Request;
 use axum::http::StatusCode;
 use axum::http::header::{
-    CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, REFERRER_POLICY, VARY, X_CONTENT_TYPE_OPTIONS,
+    CACHE_CONTROL, CONTENT_LANGUAGE, CONTENT_SECURITY_POLICY, CONTENT_TYPE, REFERRER_POLICY, RETRY_AFTER, VARY,
+    X_CONTENT_TYPE_OPTIONS,
 };
+use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -29,7 +33,8 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; i
 /// Attributes that hold an address.
 const LEADING: [&str; 4] = ["href", "src", "action", "formaction"];
 
-/// A page within its frame.
+/// A page, which leaves within its frame.
+#[derive(Clone)]
 pub(super) struct Page {
     pub title: String,
     /// Which entry of the navigation it belongs to.
@@ -51,29 +56,36 @@ pub(super) enum Section {
     None,
 }
 
-impl Viewer {
-    /// The page, or in words why there is none.
-    pub fn show(&self, page: Result<Page, Problem>) -> Response {
-        match page {
-            Ok(page) => self.respond(StatusCode::OK, &page),
-            Err(problem) => {
-                let status = StatusCode::from_u16(problem.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-                self.respond(status, &self.failure(&problem))
+impl IntoResponse for Page {
+    fn into_response(self) -> Response {
+        Extension(self).into_response()
+    }
+}
+
+/// Puts the page that a handler answers, or in words why there is none, into its frame for whoever looks.
+pub(super) async fn framed(viewer: Viewer, request: Request, next: Next) -> Response {
+    let (mut parts, body) = next.run(request).await.into_parts();
+    let page = match (parts.extensions.remove::<Page>(), parts.extensions.remove::<Problem>()) {
+        (Some(page), _) => page,
+        (None, Some(problem)) => {
+            // Those are for programs.
+            for name in [CONTENT_LANGUAGE, RETRY_AFTER] {
+                parts.headers.remove(name);
             }
+            viewer.failure(&problem)
         }
-    }
+        (None, None) => return Response::from_parts(parts, body),
+    };
+    let (head, body) = viewer.leave(parts.status, &page, None).into_parts();
+    parts.headers.extend(head.headers);
+    Response::from_parts(parts, body)
+}
 
-    pub fn respond(&self, status: StatusCode, page: &Page) -> Response {
-        self.leave(status, page, None)
-    }
-
-    /// The same, every sheet of paper with what it is about and its number. Of several, parts of the page with the
+impl Viewer {
+    /// The page with what it is about and a number on every sheet of paper. Of several, parts of the page with the
     /// classes `about0`, `about1` … are about each.
-    pub fn show_for_paper(&self, page: Result<Page, Problem>, about: &[&str]) -> Response {
-        match page {
-            Ok(page) => self.leave(StatusCode::OK, &page, Some(&sheets(about))),
-            Err(problem) => self.show(Err(problem)),
-        }
+    pub fn show_for_paper(&self, page: &Page, about: &[&str]) -> Response {
+        self.leave(StatusCode::OK, page, Some(&sheets(about)))
     }
 
     /// `style`: rules of this page alone, which the policy names by their hash.

@@ -58,11 +58,19 @@ mod verdicts;
 mod view;
 mod viewer;
 
+use axum::middleware::from_fn_with_state;
+
 use crate::routes::{ADMIN, ANYONE, ENGINEER, Routes, STATION, VIEWER};
 
 pub use diagnosis::{Subject, report as diagnosis_report};
 pub use state::Pages;
 use state::off_the_loop;
+
+/// Every page within its frame, and what they load.
+pub fn router(of: Pages) -> Routes {
+    let frame = from_fn_with_state(of.clone(), layout::framed);
+    routes().map(|router| router.layer(frame)).with_state(of)
+}
 
 /// Every page, and what they load.
 pub fn routes() -> Routes<Pages> {
@@ -119,10 +127,10 @@ pub fn routes() -> Routes<Pages> {
         .post(ENGINEER, "/diagnoses/{id}/cancel", diagnoses::cancel)
         .get(VIEWER, "/stations", stations::page)
         .get(VIEWER, "/stations/{name}", station::page)
-        .get(ENGINEER, "/stations/{name}/suspect", suspect::ask_suspect)
-        .post(ENGINEER, "/stations/{name}/suspect", suspect::suspect)
-        .get(ENGINEER, "/stations/{name}/trust", suspect::ask_trust)
-        .post(ENGINEER, "/stations/{name}/trust", suspect::trust)
+        .get(ENGINEER, "/stations/{name}/suspect", suspect::ask::<false>)
+        .post(ENGINEER, "/stations/{name}/suspect", suspect::act::<false>)
+        .get(ENGINEER, "/stations/{name}/trust", suspect::ask::<true>)
+        .post(ENGINEER, "/stations/{name}/trust", suspect::act::<true>)
         .get(ENGINEER, "/gyros/{serial}/attributes", gyro_attributes::ask)
         .post(ENGINEER, "/gyros/{serial}/attributes", gyro_attributes::act)
         .get(VIEWER, "/gyros/{serial}/diagnosis", gyro_diagnosis::page)

@@ -5,10 +5,9 @@ use std::collections::BTreeSet;
 
 use maud::{Markup, html};
 
-use super::figure;
 use super::layout::encoded;
-use super::status;
 use super::text::Text;
+use super::{figure, status};
 use crate::config::Judging;
 use crate::core::judge::Status;
 use crate::core::judge::limits::{Bounds, Requirement};

@@ -6,8 +6,7 @@ use serde::Deserialize;
 
 use super::Pages;
 use super::figure::{self, short};
-use super::layout::written;
-use super::layout::{instant, symbol};
+use super::layout::{instant, symbol, written};
 use super::text::Text;
 use crate::core::id::Id;
 use crate::core::kind::Kind;

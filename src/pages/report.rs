@@ -3,14 +3,14 @@
 
 use std::collections::BTreeSet;
 
-use axum::extract::{Path, State as Held};
+use axum::extract::Path;
 use axum::response::Response;
 use maud::{Markup, html};
 
 use super::gyro::{Facts, agreement, calibration_table, explained, known};
 use super::layout::{DRIFTS, Page, Section, instant, symbol};
 use super::text::Text;
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
 use super::{Pages, before_after, figure, gyro_head, history_plot, imu, verdicts};
 use crate::core::id::Id;
 use crate::core::judge::{Event, Limits, Rule};
@@ -25,12 +25,15 @@ use crate::{system, words};
 /// Calibrations that a report on a gyro lists; all are in its pictures.
 const ROWS: usize = super::gyro::MOST_ROWS;
 
-pub(super) async fn gyro(Held(pages): Held<Pages>, viewer: Viewer, Path(serial): Path<String>) -> Response {
-    viewer.show_for_paper(of_gyro(&pages, &viewer, &serial).await, &[&serial])
+pub(super) async fn gyro(
+    Visit { ref pages, ref viewer }: Visit,
+    Path(serial): Path<String>,
+) -> Result<Response, Problem> {
+    Ok(viewer.show_for_paper(&of_gyro(pages, viewer, &serial).await?, &[&serial]))
 }
 
-pub(super) async fn imu(Held(pages): Held<Pages>, viewer: Viewer, Path(imu): Path<String>) -> Response {
-    viewer.show_for_paper(of_imu(&pages, &viewer, &imu).await, &[&imu])
+pub(super) async fn imu(Visit { ref pages, ref viewer }: Visit, Path(imu): Path<String>) -> Result<Response, Problem> {
+    Ok(viewer.show_for_paper(&of_imu(pages, viewer, &imu).await?, &[&imu]))
 }
 
 pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, Problem> {

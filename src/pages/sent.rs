@@ -7,7 +7,6 @@ use axum::response::{IntoResponse, Response};
 use serde::de::DeserializeOwned;
 
 use super::Pages;
-use super::viewer::Viewer;
 use crate::wire::problem::Problem;
 use crate::wire::unreadable;
 
@@ -16,12 +15,11 @@ pub(super) struct Query<T>(pub T);
 pub(super) struct Form<T>(pub T);
 
 impl<T: DeserializeOwned> FromRequestParts<Pages> for Query<T> {
-    type Rejection = Response;
+    type Rejection = Problem;
 
-    async fn from_request_parts(parts: &mut Parts, pages: &Pages) -> Result<Self, Response> {
-        let Ok(viewer) = Viewer::from_request_parts(parts, pages).await;
+    async fn from_request_parts(parts: &mut Parts, pages: &Pages) -> Result<Self, Problem> {
         let read = extract::Query::from_request_parts(parts, pages).await;
-        read.map(|extract::Query(asked)| Self(asked)).map_err(|why| refused(&viewer, &why.body_text()))
+        read.map(|extract::Query(asked)| Self(asked)).map_err(|why| refused(&why.body_text()))
     }
 }
 
@@ -29,19 +27,17 @@ impl<T: DeserializeOwned> FromRequest<Pages> for Form<T> {
     type Rejection = Response;
 
     async fn from_request(request: Request, pages: &Pages) -> Result<Self, Response> {
-        let (mut parts, body) = request.into_parts();
-        let Ok(viewer) = Viewer::from_request_parts(&mut parts, pages).await;
-        match axum::Form::from_request(Request::from_parts(parts, body), pages).await {
+        match axum::Form::from_request(request, pages).await {
             Ok(axum::Form(said)) => Ok(Self(said)),
             Err(
                 rejection @ (FormRejection::FailedToDeserializeForm(_) | FormRejection::FailedToDeserializeFormBody(_)),
-            ) => Err(refused(&viewer, &rejection.body_text())),
+            ) => Err(refused(&rejection.body_text()).into_response()),
             // No form of this site sends such.
             Err(rejection) => Err(rejection.into_response()),
         }
     }
 }
 
-fn refused(viewer: &Viewer, said: &str) -> Response {
-    viewer.show(Err(Problem::new(400, "title_bad_query", unreadable::in_words(said))))
+fn refused(said: &str) -> Problem {
+    Problem::new(400, "title_bad_query", unreadable::in_words(said))
 }

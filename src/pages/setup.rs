@@ -1,12 +1,10 @@
 //! `/setup`: the limits in force and where each comes from; who may use the service, and what was done with it.
 
-use axum::extract::State as Held;
-use axum::response::Response;
 use maud::{Markup, html};
 
 use super::layout::{DRIFTS, Page, Section, instant, symbol};
 use super::text::Text;
-use super::viewer::Viewer;
+use super::viewer::Visit;
 use super::{Pages, figure};
 use crate::config::Judging;
 use crate::core::access::{AuditEntry, AuditFilter, Role};
@@ -17,11 +15,7 @@ use crate::wire::problem::Problem;
 /// Lines of the audit trail that are shown.
 const LINES: u32 = 50;
 
-pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
-    viewer.show(build(&pages, &viewer).await)
-}
-
-async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
+pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page, Problem> {
     let t = viewer.text();
     let access = match viewer.may(Role::Admin) {
         true => {

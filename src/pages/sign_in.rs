@@ -30,11 +30,11 @@ pub(super) struct Shown {
     back: Option<String>,
 }
 
-pub(super) async fn page(viewer: Viewer, Query(asked): Query<Asked>) -> Response {
+pub(super) async fn page(viewer: Viewer, Query(asked): Query<Asked>) -> Page {
     let t = viewer.text();
     let lacking =
         asked.takes.as_deref().and_then(Role::from_name).map(|role| format!("{}{}", t.takes_role, t.role(role)));
-    viewer.show(Ok(form(&viewer, asked.back.as_deref(), lacking.as_deref())))
+    form(&viewer, asked.back.as_deref(), lacking.as_deref())
 }
 
 /// Takes the token for a cookie that no script reads and no other site's page has sent along.
@@ -54,23 +54,22 @@ pub(super) async fn enter(
             (StatusCode::SEE_OTHER, [(LOCATION, header(back)), (SET_COOKIE, header(&cookie))]).into_response()
         }
         Ok(Err(Denied::TooManyFailures { wait } | Denied::TooManyRequests { wait })) => {
+            let after = [(RETRY_AFTER, HeaderValue::from(wait.as_secs().max(1)))];
             let page = form(&viewer, Some(back), Some(t.too_many_tokens));
-            let mut response = viewer.respond(StatusCode::TOO_MANY_REQUESTS, &page);
-            response.headers_mut().insert(RETRY_AFTER, HeaderValue::from(wait.as_secs().max(1)));
-            response
+            (StatusCode::TOO_MANY_REQUESTS, after, page).into_response()
         }
-        Ok(Err(_)) => viewer.respond(StatusCode::UNAUTHORIZED, &form(&viewer, Some(back), Some(t.wrong_token))),
-        Err(refused) => viewer.show(Err(Problem::new(503, "title_try_again", refused.message()))),
+        Ok(Err(_)) => (StatusCode::UNAUTHORIZED, form(&viewer, Some(back), Some(t.wrong_token))).into_response(),
+        Err(refused) => Problem::new(503, "title_try_again", refused.message()).into_response(),
     }
 }
 
-pub(super) async fn leave(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
+pub(super) async fn leave(Held(pages): Held<Pages>) -> Response {
     match pages.pipeline.access.sign_out().await {
         Ok(()) => {
             let gone = session_cookie("", 0);
             (StatusCode::SEE_OTHER, [(LOCATION, header("/sign-in")), (SET_COOKIE, header(&gone))]).into_response()
         }
-        Err(refused) => viewer.show(Err(Problem::new(503, "title_try_again", refused.message()))),
+        Err(refused) => Problem::new(503, "title_try_again", refused.message()).into_response(),
     }
 }
 

@@ -1,15 +1,15 @@
 //! Silences of many alerts: those that hold, on the page of alerts; begun and ended on pages of their own.
 
-use axum::extract::{Path, State as Held};
+use axum::extract::Path;
 use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, Word, answered, rule_choice, see_other};
-use super::layout::{Section, remark, written};
+use super::form::{Deed, Word, rule_choice, see_other};
+use super::layout::{Page, Section, remark, written};
 use super::text::Text;
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
 use crate::core::access::Role;
 use crate::core::alert_filter::Matchers;
 use crate::core::fault::Faults;
@@ -92,16 +92,15 @@ pub(super) struct NewSilence {
     days: String,
 }
 
-pub(super) async fn ask_new(viewer: Viewer) -> Response {
+pub(super) async fn ask_new(viewer: Viewer) -> Page {
     let new = NewSilence::default();
-    viewer.show(Ok(form(&viewer, &new).fresh(&viewer, &new.word)))
+    form(&viewer, &new).fresh(&viewer, &new.word)
 }
 
-pub(super) async fn begin(Held(pages): Held<Pages>, viewer: Viewer, Form(new): Form<NewSilence>) -> Response {
-    answered(&viewer, begun(&pages, &viewer, &new).await)
-}
-
-async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Response, Problem> {
+pub(super) async fn begin(
+    Visit { ref pages, ref viewer }: Visit,
+    Form(ref new): Form<NewSilence>,
+) -> Result<Response, Problem> {
     let mut faults = Faults::default();
     new.word.check(&mut faults);
     let until = silent_until(pages, &new.days, &mut faults);
@@ -153,28 +152,23 @@ async fn known(pages: &Pages, id: &str) -> Result<(Id, MatchingSilenceBody), Pro
     Ok((number, pages.pipeline.alerts.silence(number).await?.ok_or_else(unknown)?))
 }
 
-pub(super) async fn ask_end(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
-    let word = Word::default();
-    let found = known(&pages, &id).await;
-    viewer.show(found.map(|(_, silence)| end_form(&viewer, &silence).fresh(&viewer, &word)))
+pub(super) async fn ask_end(Visit { ref pages, ref viewer }: Visit, Path(id): Path<String>) -> Result<Page, Problem> {
+    let (_, silence) = known(pages, &id).await?;
+    Ok(end_form(viewer, &silence).fresh(viewer, &Word::default()))
 }
 
 pub(super) async fn end(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(id): Path<String>,
     Form(word): Form<Word>,
-) -> Response {
-    let ended = async {
-        let (silence, body) = known(&pages, &id).await?;
-        if let Some(again) = end_form(&viewer, &body).incomplete(&viewer, &word) {
-            return Ok(again);
-        }
-        let Word { by, reason, .. } = word;
-        pages.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
-        Ok(see_other("/alerts"))
-    };
-    answered(&viewer, ended.await)
+) -> Result<Response, Problem> {
+    let (silence, body) = known(pages, &id).await?;
+    if let Some(again) = end_form(viewer, &body).incomplete(viewer, &word) {
+        return Ok(again);
+    }
+    let Word { by, reason, .. } = word;
+    pages.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
+    Ok(see_other("/alerts"))
 }
 
 fn end_form(viewer: &Viewer, silence: &MatchingSilenceBody) -> Deed {

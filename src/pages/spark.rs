@@ -1,7 +1,5 @@
 //! A gyro's last values as a line the height of a word.
 
-use std::fmt::Write;
-
 use maud::{Markup, html};
 
 use crate::core::time::{Span, UtcMicros};
@@ -23,10 +21,7 @@ pub(super) fn line(values: &[(UtcMicros, f64)], span: Span, level: Option<f64>, 
     let part = |at: UtcMicros| at.days_since(span.from) / span.to.days_since(span.from).max(f64::MIN_POSITIVE);
     let x = |at: UtcMicros| EDGE + (WIDTH - 2.0 * EDGE) * part(at);
     let y = |value: f64| EDGE + (HEIGHT - 2.0 * EDGE) * (high - value) / height;
-    let mut points = String::with_capacity(9 * within.len());
-    for &(at, value) in &within {
-        write!(points, "{:.0},{:.1} ", x(at), y(value)).expect("writing to a string cannot fail");
-    }
+    let points: String = within.iter().map(|&(at, value)| format!("{:.0},{:.1} ", x(at), y(value))).collect();
     let outside = band.is_some_and(|(low, high)| newest < low || newest > high);
     html! {
         svg.spark viewBox={ "0 0 " (WIDTH) " " (HEIGHT) } aria-hidden="true" {

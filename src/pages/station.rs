@@ -1,17 +1,14 @@
 //! `/stations/{name}`: one station by what the gyros of the fleet share there.
 
-use axum::extract::{Path, State as Held};
-use axum::response::Response;
+use axum::extract::Path;
 use maud::{Markup, html};
 
-use super::Pages;
-use super::alerts;
 use super::alerts::is_open_of;
 use super::course::Course;
-use super::figure;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::text::Text;
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
+use super::{alerts, figure};
 use crate::core::access::Role;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared, Spread, StationColumn, StationFigures};
@@ -21,11 +18,10 @@ use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
-pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(name): Path<String>) -> Response {
-    viewer.show(build(&pages, &viewer, &name).await)
-}
-
-async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Problem> {
+pub(super) async fn page(
+    Visit { ref pages, ref viewer }: Visit,
+    Path(ref name): Path<String>,
+) -> Result<Page, Problem> {
     let t = viewer.text();
     let fleet = &pages.pipeline.queries.fleet;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);

@@ -1,26 +1,19 @@
 //! `/stations`: what each station does to results, the one that is furthest out first.
 
-use axum::extract::State as Held;
-use axum::response::Response;
 use maud::{Markup, html};
 
-use super::Pages;
 use super::alerts::is_open_of;
 use super::bullet;
 use super::layout::{DRIFTS, Page, Section, day, encoded, symbol};
 use super::station::changes;
 use super::text::Text;
-use super::viewer::Viewer;
+use super::viewer::Visit;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{Shared, StationFigures};
 use crate::core::judge::{Measured, Status};
 use crate::wire::problem::Problem;
 
-pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
-    viewer.show(build(&pages, &viewer).await)
-}
-
-async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
+pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page, Problem> {
     let t = viewer.text();
     let fleet = &pages.pipeline.queries.fleet;
     let (mut found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);

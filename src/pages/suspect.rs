@@ -1,15 +1,15 @@
 //! `/stations/{name}/suspect` and `/stations/{name}/trust`: what a station measured in a window of time does not count,
 //! and counts again.
 
-use axum::extract::{Path, State as Held};
+use axum::extract::Path;
 use axum::response::Response;
 use maud::html;
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, Word, answered, see_other, typed_time};
-use super::layout::{Section, encoded};
-use super::viewer::Viewer;
+use super::form::{Deed, Word, see_other, typed_time};
+use super::layout::{Page, Section, encoded};
+use super::viewer::{Viewer, Visit};
 use crate::core::fault::Faults;
 use crate::core::suspect_window::{Mark, SuspectWindow};
 use crate::pages::sent::{Form, Query};
@@ -26,45 +26,14 @@ pub(super) struct Window {
     to: String,
 }
 
-pub(super) async fn ask_suspect(
-    pages: Held<Pages>,
-    viewer: Viewer,
-    name: Path<String>,
-    Query(window): Query<Window>,
-) -> Response {
-    ask(&pages, &viewer, &name, &window, false).await
-}
-
-pub(super) async fn ask_trust(
-    pages: Held<Pages>,
-    viewer: Viewer,
-    name: Path<String>,
-    Query(window): Query<Window>,
-) -> Response {
-    ask(&pages, &viewer, &name, &window, true).await
-}
-
-pub(super) async fn suspect(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+/// The page on which a window is suspected, or with `TRUSTED` trusted again.
+pub(super) async fn ask<const TRUSTED: bool>(
+    Visit { ref pages, ref viewer }: Visit,
     Path(name): Path<String>,
-    Form(window): Form<Window>,
-) -> Response {
-    answered(&viewer, done(&pages, &viewer, &name, &window, false).await)
-}
-
-pub(super) async fn trust(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    Path(name): Path<String>,
-    Form(window): Form<Window>,
-) -> Response {
-    answered(&viewer, done(&pages, &viewer, &name, &window, true).await)
-}
-
-async fn ask(pages: &Pages, viewer: &Viewer, name: &str, window: &Window, trusted: bool) -> Response {
-    let known = known(pages, name).await;
-    viewer.show(known.map(|()| form(viewer, name, window, trusted).fresh(viewer, &window.word)))
+    Query(window): Query<Window>,
+) -> Result<Page, Problem> {
+    known(pages, &name).await?;
+    Ok(form(viewer, &name, &window, TRUSTED).fresh(viewer, &window.word))
 }
 
 async fn known(pages: &Pages, name: &str) -> Result<(), Problem> {
@@ -72,16 +41,20 @@ async fn known(pages: &Pages, name: &str) -> Result<(), Problem> {
     is_known.then_some(()).ok_or_else(|| Problem::no_such_station(name))
 }
 
-async fn done(pages: &Pages, viewer: &Viewer, name: &str, said: &Window, trusted: bool) -> Result<Response, Problem> {
+pub(super) async fn act<const TRUSTED: bool>(
+    Visit { ref pages, ref viewer }: Visit,
+    Path(ref name): Path<String>,
+    Form(ref said): Form<Window>,
+) -> Result<Response, Problem> {
     known(pages, name).await?;
     let mut faults = Faults::default();
     said.word.check(&mut faults);
     let span = text::span(("from", &typed_time(&said.from)), ("to", &typed_time(&said.to)), &mut faults);
     if !faults.is_empty() {
-        return Ok(form(viewer, name, said, trusted).again(viewer, &said.word, &faults));
+        return Ok(form(viewer, name, said, TRUSTED).again(viewer, &said.word, &faults));
     }
     let Word { by: author, reason, .. } = said.word.clone();
-    let mark = Mark { window: SuspectWindow { span, author, reason }, trusted };
+    let mark = Mark { window: SuspectWindow { span, author, reason }, trusted: TRUSTED };
     let mark = WindowMark { station: name.to_owned(), mark, by: Actor::by_caller() };
     match pages.pipeline.mark_window(mark).await?.refused.into_iter().next() {
         Some((_, why)) => Err(why.into()),

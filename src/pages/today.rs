@@ -4,7 +4,6 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use axum::extract::State as Held;
 use axum::http::Uri;
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
@@ -14,7 +13,7 @@ use super::alerts::{self, done_to_alerts, is_open, open_ones};
 use super::fleet::{Filters, as_day, bad_parameter, tiles, trend, violated};
 use super::layout::{DRIFTS, Page, Section, day, encoded, symbol, written_day};
 use super::text::Text;
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
 use super::{Pages, bullet, figure};
 use crate::core::access::Role;
 use crate::core::alert_filter::AlertFilter;
@@ -44,13 +43,17 @@ pub(super) struct Asked {
     done: String,
 }
 
-pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, uri: Uri, Query(asked): Query<Asked>) -> Response {
+pub(super) async fn page(
+    Visit { ref pages, ref viewer }: Visit,
+    uri: Uri,
+    Query(asked): Query<Asked>,
+) -> Result<Response, Problem> {
     let query = uri.query().unwrap_or_default();
     let is_of_fleet = |one: &str| OF_FLEET.contains(&one.split('=').next().unwrap_or_default());
     if query.split('&').any(is_of_fleet) {
-        return Redirect::permanent(&format!("{}/fleet?{query}", viewer.base_path)).into_response();
+        return Ok(Redirect::permanent(&format!("{}/fleet?{query}", viewer.base_path)).into_response());
     }
-    viewer.show(build(&pages, &viewer, &asked).await)
+    Ok(build(pages, viewer, &asked).await?.into_response())
 }
 
 async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Problem> {

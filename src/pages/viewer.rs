@@ -11,10 +11,9 @@ use serde::Deserialize;
 
 use super::Pages;
 use super::text::{Language, Text};
-use crate::cookies;
 use crate::core::access::Role;
 use crate::pipeline::{By, Caller};
-use crate::words;
+use crate::{cookies, words};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -73,6 +72,20 @@ impl FromRequestParts<Pages> for Viewer {
         let signed_in = session.map(|caller| caller.name.clone());
         let base_path = pages.config.server.base_path.clone();
         Ok(Self { language, theme, base_path, here, signed_in, role: caller.map(|caller| caller.role) })
+    }
+}
+
+/// Who looks, and what every page may use.
+pub(super) struct Visit {
+    pub pages: Pages,
+    pub viewer: Viewer,
+}
+
+impl FromRequestParts<Pages> for Visit {
+    type Rejection = Infallible;
+
+    async fn from_request_parts(parts: &mut Parts, pages: &Pages) -> Result<Self, Infallible> {
+        Ok(Self { pages: pages.clone(), viewer: Viewer::from_request_parts(parts, pages).await? })
     }
 }
 

@@ -19,9 +19,8 @@ use crate::http::tls::Tls;
 use crate::http::{self, App};
 use crate::pages::{self, Pages};
 use crate::pipeline::{Outbox, Pipeline};
-use crate::store;
 use crate::system::Clock;
-use crate::telemetry;
+use crate::{store, telemetry};
 
 /// Run the service
 #[derive(Debug, Args)]
@@ -126,7 +125,7 @@ async fn serve_with(
     let pipeline = Arc::new(pipeline);
     let pages = Pages { config: Arc::clone(&config), clock: Clock::System, pipeline: Arc::clone(&pipeline) };
     let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
-    let router = http::router(app, pages::routes().with_state(pages));
+    let router = http::router(app, pages::router(pages));
     tracing::info!(%address, database = %config.database.options().shown(), "listening");
     println!("gyrowatch listens on {url}");
     notify::tell(notify::READY);

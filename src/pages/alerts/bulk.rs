@@ -1,8 +1,7 @@
 //! One word for many alerts: of the gyros that are ticked, or of those that are named.
 
-use axum::extract::State as Held;
 use axum::http::StatusCode;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 
 use super::{open_ones, table};
@@ -11,11 +10,11 @@ use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::message;
 use crate::pages::Pages;
-use crate::pages::form::{answered, fault_list, see_other};
+use crate::pages::form::{fault_list, see_other};
 use crate::pages::layout::{Page, Section};
 use crate::pages::sent::{Form, Query};
 use crate::pages::silences::{days_field, silent_until};
-use crate::pages::viewer::{Viewer, is_local};
+use crate::pages::viewer::{Viewer, Visit, is_local};
 use crate::pipeline::{AlertChange, AlertOrder};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
@@ -77,25 +76,19 @@ impl Said {
 }
 
 pub(in crate::pages) async fn ask(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Query(fields): Query<Vec<(String, String)>>,
-) -> Response {
+) -> Result<Page, Problem> {
     let said = Said::of(fields);
-    let found = said.found(&pages).await;
-    viewer.show(found.map(|found| form(&viewer, &said, &found, &Faults::default())))
+    let found = said.found(pages).await?;
+    Ok(form(viewer, &said, &found, &Faults::default()))
 }
 
 pub(in crate::pages) async fn act(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Form(fields): Form<Vec<(String, String)>>,
-) -> Response {
+) -> Result<Response, Problem> {
     let said = Said::of(fields);
-    answered(&viewer, done_of(&pages, &viewer, &said).await)
-}
-
-async fn done_of(pages: &Pages, viewer: &Viewer, said: &Said) -> Result<Response, Problem> {
     let found = said.found(pages).await?;
     let by = viewer.signed_in.clone().filter(|_| said.by.trim().is_empty()).unwrap_or_else(|| said.by.clone());
     let mut faults = Faults::default();
@@ -116,7 +109,7 @@ async fn done_of(pages: &Pages, viewer: &Viewer, said: &Said) -> Result<Response
         faults.0.push(Fault { pointer: "alert".into(), message: message!("no_alert_selected") });
     }
     if !faults.is_empty() {
-        return Ok(viewer.respond(StatusCode::UNPROCESSABLE_ENTITY, &form(viewer, said, &found, &faults)));
+        return Ok((StatusCode::UNPROCESSABLE_ENTITY, form(viewer, &said, &found, &faults)).into_response());
     }
     let mut done = Vec::new();
     for alert in &found {

@@ -1,7 +1,6 @@
 //! `/alerts/{id}`: one alert, what became of it step by step, and what people said.
 
-use axum::extract::{Path, State as Held};
-use axum::response::Response;
+use axum::extract::Path;
 use maud::html;
 
 use super::table;
@@ -9,19 +8,17 @@ use crate::core::access::Role;
 use crate::core::alert_decision::Action;
 use crate::core::id::Id;
 use crate::core::judge::Rule;
-use crate::pages::Pages;
 use crate::pages::history::event_name;
 use crate::pages::layout::{Page, Section, encoded, instant, symbol};
-use crate::pages::viewer::Viewer;
+use crate::pages::viewer::Visit;
 use crate::pipeline::{AlertStep, EventItem};
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
-pub(in crate::pages) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
-    viewer.show(build(&pages, &viewer, &id).await)
-}
-
-async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem> {
+pub(in crate::pages) async fn page(
+    Visit { ref pages, ref viewer }: Visit,
+    Path(ref id): Path<String>,
+) -> Result<Page, Problem> {
     let t = viewer.text();
     let unknown = || Problem::unknown_alert(id);
     let number = id.parse::<Id>().map_err(|_| unknown())?;

@@ -557,11 +557,7 @@ fn wide(text: &str) -> f64 {
 
 /// Corners of a line in a part that is stretched to the picture's width.
 fn corners(scale: &Scale, line: &[(f64, f64)]) -> String {
-    let mut text = String::with_capacity(12 * line.len());
-    for (x, y) in line {
-        write!(text, "{:.1},{:.1} ", 1000.0 * scale.share(*x), scale.y(*y)).expect("writing to a string cannot fail");
-    }
-    text
+    line.iter().map(|(x, y)| format!("{:.1},{:.1} ", 1000.0 * scale.share(*x), scale.y(*y))).collect()
 }
 
 /// From point to point; a new level begins a new line, for one across would connect two gyros.

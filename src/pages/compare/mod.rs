@@ -4,11 +4,8 @@
 mod campaigns;
 mod gyros;
 
-use axum::extract::State as Held;
-use axum::response::Response;
-
-use super::Pages;
-use super::viewer::Viewer;
+use super::layout::Page;
+use super::viewer::Visit;
 use crate::message;
 use crate::pages::sent::Query;
 use crate::wire::problem::Problem;
@@ -17,10 +14,9 @@ use crate::wire::problem::Problem;
 const MOST_GYROS: usize = 8;
 
 pub(super) async fn page(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Query(asked): Query<Vec<(String, String)>>,
-) -> Response {
+) -> Result<Page, Problem> {
     let of = |key: &str| -> Vec<&str> {
         let mut found: Vec<&str> = Vec::new();
         for (name, value) in &asked {
@@ -32,9 +28,9 @@ pub(super) async fn page(
     };
     let (gyros, campaigns) = (of("gyro"), of("campaign"));
     let aligned = of("align").contains(&"baseline");
-    viewer.show(match campaigns.as_slice() {
-        [a, b] if gyros.is_empty() => campaigns::page(&pages, &viewer, [*a, *b]).await,
-        [] if (2..=MOST_GYROS).contains(&gyros.len()) => gyros::page(&pages, &viewer, &gyros, aligned).await,
+    match campaigns.as_slice() {
+        [a, b] if gyros.is_empty() => campaigns::page(pages, viewer, [*a, *b]).await,
+        [] if (2..=MOST_GYROS).contains(&gyros.len()) => gyros::page(pages, viewer, &gyros, aligned).await,
         _ => Err(Problem::new(400, "title_bad_query", message!("compare_what", most = MOST_GYROS))),
-    })
+    }
 }

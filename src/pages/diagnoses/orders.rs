@@ -10,12 +10,11 @@ use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::judge::Status;
-use crate::pages::Pages;
-use crate::pages::form::{answered, fault_list, see_other};
+use crate::pages::form::{fault_list, see_other};
 use crate::pages::layout::written;
-use crate::pages::status;
 use crate::pages::text::Text;
 use crate::pages::viewer::Viewer;
+use crate::pages::{Pages, status};
 use crate::pipeline::DiagnosisOrder;
 use crate::wire::diagnoses::{FailureBody, JobBody, WhichBody};
 use crate::wire::problem::Problem;
@@ -47,13 +46,10 @@ impl Wanted {
     }
 }
 
-pub(in crate::pages) async fn cancel(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
-    let canceled = async {
-        let number: Id = id.parse().map_err(|_| Problem::no_such_diagnoses(&id))?;
-        pages.pipeline.diagnoses.order(DiagnosisOrder::Cancel(number)).await?;
-        Ok(see_other("/diagnoses#orders"))
-    };
-    answered(&viewer, canceled.await)
+pub(in crate::pages) async fn cancel(Held(pages): Held<Pages>, Path(id): Path<String>) -> Result<Response, Problem> {
+    let number: Id = id.parse().map_err(|_| Problem::no_such_diagnoses(&id))?;
+    pages.pipeline.diagnoses.order(DiagnosisOrder::Cancel(number)).await?;
+    Ok(see_other("/diagnoses#orders"))
 }
 
 /// The newest orders with their progress.

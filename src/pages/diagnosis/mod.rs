@@ -6,10 +6,10 @@ pub(super) mod sections;
 
 use std::time::Duration;
 
-use axum::extract::{Path, State as Held};
+use axum::extract::Path;
+use axum::http::StatusCode;
 use axum::http::header::REFRESH;
-use axum::http::{HeaderValue, StatusCode};
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 
 pub use report::{Subject, report};
@@ -19,7 +19,7 @@ use super::calibration::stored_campaign;
 use super::layout::{Page, Section, encoded, instant};
 use super::residuals::Setting;
 use super::text::Text;
-use super::viewer::Viewer;
+use super::viewer::{Viewer, Visit};
 use crate::core::access::Role;
 use crate::core::mounting::Slot;
 use crate::pages::reference;
@@ -31,16 +31,12 @@ use crate::wire::problem::Problem;
 use crate::words;
 
 pub(super) async fn page(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(id): Path<String>,
     Query(asked): Query<reference::Asked>,
-) -> Response {
-    match build(&pages, &viewer, &id, &asked).await {
-        Ok(Some(page)) => viewer.show(Ok(page)),
-        Ok(None) => waiting(&viewer),
-        Err(problem) => viewer.show(Err(problem)),
-    }
+) -> Result<Response, Problem> {
+    let page = build(pages, viewer, &id, &asked).await?;
+    Ok(page.map_or_else(|| waiting(viewer), IntoResponse::into_response))
 }
 
 /// Others are being made: the browser asks again by itself.
@@ -48,9 +44,7 @@ fn waiting(viewer: &Viewer) -> Response {
     let t = viewer.text();
     let body = html! { h1 { (t.diagnosis) } p.lead #waiting { (t.diagnosis_waiting) } };
     let page = Page { title: t.diagnosis.into(), section: Section::Fleet, body };
-    let mut response = viewer.respond(StatusCode::ACCEPTED, &page);
-    response.headers_mut().insert(REFRESH, HeaderValue::from_static("3"));
-    response
+    (StatusCode::ACCEPTED, [(REFRESH, "3")], page).into_response()
 }
 
 /// How long a viewer waits for a diagnosis that is being made.

@@ -4,12 +4,10 @@ use maud::{Markup, html};
 
 use super::filters::Filters;
 use crate::core::judge::Status;
-use crate::pages::Pages;
-use crate::pages::bullet;
 use crate::pages::layout::{DRIFTS, Page, Section, encoded, symbol};
-use crate::pages::status as badges;
 use crate::pages::text::Text;
 use crate::pages::viewer::Viewer;
+use crate::pages::{Pages, bullet, status as badges};
 use crate::pipeline::Standing;
 use crate::wire::problem::Problem;
 

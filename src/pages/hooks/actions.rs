@@ -2,7 +2,7 @@
 
 use axum::extract::{Path, State as Held};
 use axum::http::StatusCode;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use maud::html;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -15,10 +15,10 @@ use crate::core::judge::{Severity, Status};
 use crate::core::message::text;
 use crate::message;
 use crate::pages::Pages;
-use crate::pages::form::{Deed, Word, answered, choice, see_other};
+use crate::pages::form::{Deed, Word, choice, see_other};
 use crate::pages::layout::{Page, Section};
 use crate::pages::sent::Form;
-use crate::pages::viewer::Viewer;
+use crate::pages::viewer::{Viewer, Visit};
 use crate::pipeline::{DeliveryPage, HookKind, Order};
 use crate::wire::problem::Problem;
 
@@ -85,16 +85,15 @@ impl NewHook {
     }
 }
 
-pub(crate) async fn ask_add(viewer: Viewer) -> Response {
+pub(crate) async fn ask_add(viewer: Viewer) -> Page {
     let new = NewHook { batch: "true".into(), ..NewHook::default() };
-    viewer.show(Ok(form(&viewer, &new).fresh(&viewer, &new.word)))
+    form(&viewer, &new).fresh(&viewer, &new.word)
 }
 
-pub(crate) async fn add(Held(pages): Held<Pages>, viewer: Viewer, Form(new): Form<NewHook>) -> Response {
-    answered(&viewer, added(&pages, &viewer, &new).await)
-}
-
-async fn added(pages: &Pages, viewer: &Viewer, new: &NewHook) -> Result<Response, Problem> {
+pub(crate) async fn add(
+    Visit { ref pages, ref viewer }: Visit,
+    Form(ref new): Form<NewHook>,
+) -> Result<Response, Problem> {
     let mut faults = Faults::default();
     let read = new.document().and_then(|hook| pages.pipeline.hooks.read(hook.to_string().as_bytes()));
     let read = read.map_err(|wrong| faults.absorb("", wrong)).ok().filter(|_| faults.is_empty());
@@ -105,7 +104,7 @@ async fn added(pages: &Pages, viewer: &Viewer, new: &NewHook) -> Result<Response
     let id = pages.pipeline.hooks.order(Order::Create(hook)).await?;
     let hook = pages.pipeline.hooks.get(id, drawn.as_ref()).await?;
     match hook.and_then(|hook| hook.secret) {
-        Some(secret) => Ok(viewer.respond(StatusCode::CREATED, &shown_once(viewer, id, &secret))),
+        Some(secret) => Ok((StatusCode::CREATED, shown_once(viewer, id, &secret)).into_response()),
         None => Ok(see_other(&format!("/hooks/{id}"))),
     }
 }
@@ -152,27 +151,25 @@ fn form(viewer: &Viewer, new: &NewHook) -> Deed {
     }
 }
 
-pub(crate) async fn ask_delete(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
-    let found = known(&pages, &id).await;
-    let word = Word::default();
-    viewer.show(found.map(|(id, hook)| delete_form(&viewer, id, &hook.url).fresh(&viewer, &word)))
+pub(crate) async fn ask_delete(
+    Visit { ref pages, ref viewer }: Visit,
+    Path(id): Path<String>,
+) -> Result<Page, Problem> {
+    let (id, hook) = known(pages, &id).await?;
+    Ok(delete_form(viewer, id, &hook.url).fresh(viewer, &Word::default()))
 }
 
 pub(crate) async fn delete(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Path(id): Path<String>,
     Form(word): Form<Word>,
-) -> Response {
-    let deleted = async {
-        let (id, hook) = known(&pages, &id).await?;
-        if let Some(again) = delete_form(&viewer, id, &hook.url).incomplete(&viewer, &word) {
-            return Ok(again);
-        }
-        pages.pipeline.hooks.order(Order::Delete(id)).await?;
-        Ok(see_other("/hooks"))
-    };
-    answered(&viewer, deleted.await)
+) -> Result<Response, Problem> {
+    let (id, hook) = known(pages, &id).await?;
+    if let Some(again) = delete_form(viewer, id, &hook.url).incomplete(viewer, &word) {
+        return Ok(again);
+    }
+    pages.pipeline.hooks.order(Order::Delete(id)).await?;
+    Ok(see_other("/hooks"))
 }
 
 fn delete_form(viewer: &Viewer, id: Id, url: &str) -> Deed {
@@ -190,13 +187,10 @@ fn delete_form(viewer: &Viewer, id: Id, url: &str) -> Deed {
     }
 }
 
-pub(crate) async fn test(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
-    let tested = async {
-        let (number, _) = known(&pages, &id).await?;
-        pages.pipeline.hooks.order(Order::Test(number)).await?;
-        Ok(see_other(&format!("/hooks/{id}")))
-    };
-    answered(&viewer, tested.await)
+pub(crate) async fn test(Held(pages): Held<Pages>, Path(id): Path<String>) -> Result<Response, Problem> {
+    let (number, _) = known(&pages, &id).await?;
+    pages.pipeline.hooks.order(Order::Test(number)).await?;
+    Ok(see_other(&format!("/hooks/{id}")))
 }
 
 #[derive(Debug, Deserialize)]
@@ -206,46 +200,35 @@ pub(crate) struct Switch {
 
 pub(crate) async fn switch(
     Held(pages): Held<Pages>,
-    viewer: Viewer,
     Path(id): Path<String>,
     Form(switch): Form<Switch>,
-) -> Response {
-    let switched = async {
-        let (number, _) = known(&pages, &id).await?;
-        let document = json!({"enabled": switch.enabled == "true"}).to_string();
-        let patch = pages.pipeline.hooks.read_patch(document.as_bytes());
-        let patch = patch.map_err(|faults| Problem::of_faults(422, "title_cannot_be_stored", faults))?;
-        pages.pipeline.hooks.order(Order::Change(number, patch)).await?;
-        Ok(see_other(&format!("/hooks/{id}")))
-    };
-    answered(&viewer, switched.await)
+) -> Result<Response, Problem> {
+    let (number, _) = known(&pages, &id).await?;
+    let document = json!({"enabled": switch.enabled == "true"}).to_string();
+    let patch = pages.pipeline.hooks.read_patch(document.as_bytes());
+    let patch = patch.map_err(|faults| Problem::of_faults(422, "title_cannot_be_stored", faults))?;
+    pages.pipeline.hooks.order(Order::Change(number, patch)).await?;
+    Ok(see_other(&format!("/hooks/{id}")))
 }
 
 pub(crate) async fn redeliver(
     Held(pages): Held<Pages>,
-    viewer: Viewer,
     Path((id, delivery)): Path<(String, String)>,
-) -> Response {
-    let sent = async {
-        let delivery = delivery.parse().map_err(|_| Problem::no_such_delivery(&delivery))?;
-        pages.pipeline.hooks.order(Order::Redeliver(delivery)).await?;
-        known(&pages, &id).await?;
-        Ok(see_other(&format!("/hooks/{id}")))
-    };
-    answered(&viewer, sent.await)
+) -> Result<Response, Problem> {
+    let delivery = delivery.parse().map_err(|_| Problem::no_such_delivery(&delivery))?;
+    pages.pipeline.hooks.order(Order::Redeliver(delivery)).await?;
+    known(&pages, &id).await?;
+    Ok(see_other(&format!("/hooks/{id}")))
 }
 
 /// Sends the dead letters again, in the order in which they came.
-pub(crate) async fn redeliver_dead(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
-    let sent = async {
-        let (number, _) = known(&pages, &id).await?;
-        let dead = DeliveryPage { state: Some(DeliveryState::Dead), before: None, limit: MOST_AT_ONCE };
-        for delivery in pages.pipeline.hooks.deliveries(number, dead).await?.iter().rev() {
-            if let Ok(delivery) = delivery.id.parse() {
-                pages.pipeline.hooks.order(Order::Redeliver(delivery)).await?;
-            }
+pub(crate) async fn redeliver_dead(Held(pages): Held<Pages>, Path(id): Path<String>) -> Result<Response, Problem> {
+    let (number, _) = known(&pages, &id).await?;
+    let dead = DeliveryPage { state: Some(DeliveryState::Dead), before: None, limit: MOST_AT_ONCE };
+    for delivery in pages.pipeline.hooks.deliveries(number, dead).await?.iter().rev() {
+        if let Ok(delivery) = delivery.id.parse() {
+            pages.pipeline.hooks.order(Order::Redeliver(delivery)).await?;
         }
-        Ok(see_other(&format!("/hooks/{id}")))
-    };
-    answered(&viewer, sent.await)
+    }
+    Ok(see_other(&format!("/hooks/{id}")))
 }

@@ -1,9 +1,8 @@
 //! `/hooks/{id}`: what one hook was told, newest first, with the dead letters.
 
-use axum::extract::{Path, State as Held};
-use axum::http::HeaderValue;
-use axum::http::header::HeaderName;
-use axum::response::Response;
+use axum::extract::Path;
+use axum::http::header::REFRESH;
+use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -11,11 +10,10 @@ use super::{buttons, filter, known, state, written};
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Status};
-use crate::pages::Pages;
 use crate::pages::layout::{Page, Section, symbol};
 use crate::pages::sent::Query;
 use crate::pages::status;
-use crate::pages::viewer::Viewer;
+use crate::pages::viewer::{Viewer, Visit};
 use crate::pipeline::DeliveryPage;
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::{DeliveryBody, HookBody};
@@ -33,23 +31,12 @@ pub(in crate::pages) struct Filters {
     before: String,
 }
 
+/// Where something on it is about to be sent, what comes of it appears by itself.
 pub(in crate::pages) async fn page(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    Path(id): Path<String>,
-    Query(filters): Query<Filters>,
-) -> Response {
-    let built = build(&pages, &viewer, &id, &filters).await;
-    let is_pending = built.as_ref().is_ok_and(|(_, is_pending)| *is_pending);
-    let mut response = viewer.show(built.map(|(page, _)| page));
-    if is_pending {
-        response.headers_mut().insert(HeaderName::from_static("refresh"), HeaderValue::from_static("2"));
-    }
-    response
-}
-
-/// The page, and whether something on it is about to be sent: what comes of it then appears by itself.
-async fn build(pages: &Pages, viewer: &Viewer, id: &str, filters: &Filters) -> Result<(Page, bool), Problem> {
+    Visit { ref pages, ref viewer }: Visit,
+    Path(ref id): Path<String>,
+    Query(ref filters): Query<Filters>,
+) -> Result<Response, Problem> {
     let t = viewer.text();
     let (number, hook) = known(pages, id).await?;
     let asked = DeliveryPage {
@@ -83,7 +70,8 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, filters: &Filters) -> R
             nav.pager aria-label=(t.deliveries) { a rel="next" href=(to(&filters.state, &last.id)) { (t.older) } }
         }
     };
-    Ok((Page { title: hook.name.clone(), section: Section::Hooks, body }, is_pending))
+    let refresh = is_pending.then_some([(REFRESH, "2")]);
+    Ok((refresh, Page { title: hook.name.clone(), section: Section::Hooks, body }).into_response())
 }
 
 fn replay(viewer: &Viewer, hook: &HookBody) -> Markup {

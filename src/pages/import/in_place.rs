@@ -1,8 +1,7 @@
 //! A document of the import page takes the place of the one that is stored for its IMU and time.
 
 use axum::Extension;
-use axum::extract::State as Held;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 
 use super::logs::Sent;
@@ -11,10 +10,9 @@ use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::message;
-use crate::pages::Pages;
-use crate::pages::form::{Word, answered, fault_list, see_other};
+use crate::pages::form::{Word, fault_list, see_other};
 use crate::pages::sent::Form;
-use crate::pages::viewer::Viewer;
+use crate::pages::viewer::Visit;
 use crate::pipeline::{Accepted, Actor, Caller, Corrected, Correction, ReadDocument, Submission};
 use crate::wire::problem::Problem;
 
@@ -28,15 +26,10 @@ pub(in crate::pages) struct Order {
 }
 
 pub(in crate::pages) async fn act(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
+    Visit { ref pages, ref viewer }: Visit,
     Extension(caller): Extension<Caller>,
     Form(order): Form<Order>,
-) -> Response {
-    answered(&viewer, replace(&pages, &viewer, caller, order).await)
-}
-
-async fn replace(pages: &Pages, viewer: &Viewer, caller: Caller, order: Order) -> Result<Response, Problem> {
+) -> Result<Response, Problem> {
     let mut faults = Faults::default();
     order.word.check(&mut faults);
     order.word.check_meant(viewer, &mut faults);
@@ -57,7 +50,7 @@ async fn replace(pages: &Pages, viewer: &Viewer, caller: Caller, order: Order) -
     let unknown = || Problem::no_such_record(&order.id);
     let (id, Some(new), true) = (order.id.parse::<Id>().map_err(|_| unknown())?, new, faults.is_empty()) else {
         let sent = Sent { text: order.text, ..Sent::default() };
-        return Ok(viewer.show(Ok(framed(viewer, &sent, fault_list(viewer.text(), &faults)))));
+        return Ok(framed(viewer, &sent, fault_list(viewer.text(), &faults)).into_response());
     };
     let place = if new.kind == Kind::Campaign { "campaigns" } else { "records" };
     let item = Corrected::Calibration { id, kind: None };

@@ -1,5 +1,6 @@
 //! `/v1/audit`: who did what, when and from where.
 
+use axum::Json;
 use axum::extract::State;
 use axum::http::header::{CONTENT_TYPE, LINK};
 use axum::http::{HeaderMap, Uri};
@@ -8,12 +9,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use utoipa::{IntoParams, ToSchema};
 
-use super::answer::Answer;
 use super::app::App;
 use super::query::{self, Parameters};
 use crate::core::access::{AuditEntry, AuditFilter};
 use crate::core::id::Id;
 use crate::message;
+use crate::wire::csv_text::csv_text;
 use crate::wire::cursor::List;
 use crate::wire::problem::Problem;
 use crate::wire::time;
@@ -97,11 +98,11 @@ pub async fn get_audit(
     let (rows, next) = query::page(List::Audit, rows, limit, |last| Some(last.id));
     let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
     if csv {
-        let text = as_csv(&rows).ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
+        let text = csv_text("id,at,who,token,source,action,subject,before,after,agent", rows.into_iter().map(cells));
         return Ok((link, [(CONTENT_TYPE, "text/csv; charset=utf-8")], text).into_response());
     }
     let lines = rows.into_iter().map(line).collect::<Result<_, _>>()?;
-    Ok((link, Answer(Audit { lines, next })).into_response())
+    Ok((link, Json(Audit { lines, next })).into_response())
 }
 
 fn line(row: AuditEntry) -> Result<AuditLine, Problem> {
@@ -121,17 +122,19 @@ fn line(row: AuditEntry) -> Result<AuditLine, Problem> {
     })
 }
 
-fn as_csv(rows: &[AuditEntry]) -> Option<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer
-        .write_record(["id", "at", "who", "token", "source", "action", "subject", "before", "after", "agent"])
-        .ok()?;
-    for row in rows {
-        let (id, at, token) = (row.id.to_string(), time::format(row.at), row.token.map(|token| token.to_string()));
-        let (before, after) = (row.before.as_deref().unwrap_or(""), row.after.as_deref().unwrap_or(""));
-        let token = token.as_deref().unwrap_or("");
-        let (who, source, agent) = (&row.who, &row.source, row.agent.as_deref().unwrap_or(""));
-        writer.write_record([&id, &at, who, token, source, &row.action, &row.subject, before, after, agent]).ok()?;
-    }
-    writer.into_inner().ok()
+fn cells(row: AuditEntry) -> [String; 10] {
+    let [token, before, after, agent] =
+        [row.token.map(|token| token.to_string()), row.before, row.after, row.agent].map(Option::unwrap_or_default);
+    [
+        row.id.to_string(),
+        time::format(row.at),
+        row.who,
+        token,
+        row.source,
+        row.action,
+        row.subject,
+        before,
+        after,
+        agent,
+    ]
 }

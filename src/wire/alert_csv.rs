@@ -1,24 +1,20 @@
 //! Alerts as CSV (RFC 4180), one a line, times in UTC.
 
 use super::alert::AlertBody;
+use super::csv_text::csv_text;
 use crate::words::asked;
 
 /// The names of the columns.
 const HEADER: &str = "id,serial,coefficient,rule,state,severity,fired_at,resolved_at,value,limit,unit,sd,probability,\
                           record,calibrated_at,imu,slot,station,acknowledged_by,acknowledged_at,silenced_by,\
-                          silenced_until,reason,since,status,subject,inhibited_by\n";
+                          silenced_until,reason,since,status,subject,inhibited_by";
 
 /// Alerts with the header line.
 pub fn to_csv<'a>(alerts: impl IntoIterator<Item = &'a AlertBody>) -> String {
-    let mut writer = csv::Writer::from_writer(HEADER.as_bytes().to_vec());
-    for alert in alerts {
-        line(alert, &mut writer);
-    }
-    let bytes = writer.into_inner().expect("memory takes what is written");
-    String::from_utf8(bytes).expect("texts were written")
+    csv_text(HEADER, alerts.into_iter().map(line))
 }
 
-fn line(alert: &AlertBody, to: &mut csv::Writer<Vec<u8>>) {
+fn line(alert: &AlertBody) -> [String; 27] {
     let finding = &alert.finding;
     let number = |value: Option<f64>| value.map(|value| value.to_string());
     let [value, limit, sd, probability] =
@@ -55,7 +51,7 @@ fn line(alert: &AlertBody, to: &mut csv::Writer<Vec<u8>>) {
         Some(&alert.subject),
         alert.inhibited_by.as_deref(),
     ];
-    to.write_record(cells.map(Option::unwrap_or_default)).expect("lines have one length and memory takes them");
+    cells.map(|cell| cell.unwrap_or_default().to_owned())
 }
 
 #[cfg(test)]

@@ -1,41 +1,16 @@
 //! The summary of many diagnoses as CSV (RFC 4180): a line for each effect in each gyro, then one for each doubt.
 
+use super::csv_text::csv_text;
 use super::diagnoses::{DoubtBody, FindingBody, SummaryBody};
 
-const COLUMNS: [&str; 22] = [
-    "kind",
-    "effect",
-    "class",
-    "imu",
-    "slot",
-    "serial",
-    "stations",
-    "campaigns",
-    "of",
-    "of_since",
-    "clear_at",
-    "first_at",
-    "first_campaign",
-    "last_at",
-    "last_campaign",
-    "closure_median",
-    "closure_least",
-    "closure_greatest",
-    "d_i_shift_deg_per_h_g0",
-    "d_i_of_budget",
-    "d_s_shift_deg_per_h_g0",
-    "d_s_of_budget",
-];
+/// The names of the columns.
+const HEADER: &str = "kind,effect,class,imu,slot,serial,stations,campaigns,of,of_since,clear_at,first_at,\
+                      first_campaign,last_at,last_campaign,closure_median,closure_least,closure_greatest,\
+                      d_i_shift_deg_per_h_g0,d_i_of_budget,d_s_shift_deg_per_h_g0,d_s_of_budget";
 
 /// Lists within a cell are parted by blanks, stations by semicolons (their names may hold blanks).
 pub fn to_csv(summary: &SummaryBody) -> String {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let lines = summary.findings.iter().map(finding).chain(summary.doubts.iter().map(doubt));
-    for line in [COLUMNS.map(str::to_owned)].into_iter().chain(lines) {
-        writer.write_record(line).expect("lines have one length and memory takes them");
-    }
-    let bytes = writer.into_inner().expect("memory takes what is written");
-    String::from_utf8(bytes).expect("texts were written")
+    csv_text(HEADER, summary.findings.iter().map(finding).chain(summary.doubts.iter().map(doubt)))
 }
 
 fn finding(f: &FindingBody) -> [String; 22] {
@@ -132,7 +107,7 @@ mod tests {
         };
         let text = to_csv(&SummaryBody { findings: vec![finding], doubts: vec![doubt], ..SummaryBody::default() });
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], COLUMNS.join(","));
+        assert_eq!(lines[0], HEADER);
         assert_eq!(
             lines[1],
             "effect,time_ramp,time_ramp warmup,\"IMU \"\"7\"\"\",G2,L-1,\"a, b\",1,2,1,,2026-03-01T08:00:00Z,f,\

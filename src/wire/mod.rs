@@ -13,6 +13,7 @@ pub mod campaign;
 pub mod campaign_csv;
 pub mod cause;
 pub mod closure;
+pub mod csv_text;
 pub mod cursor;
 pub mod diagnoses;
 pub mod diagnoses_csv;

@@ -15,7 +15,7 @@ use gyrowatch::config::Config;
 use gyrowatch::pipeline::{Accepted, Pipeline, Submission};
 use gyrowatch::store;
 use gyrowatch::system::Clock;
-use gyrowatch::wire::answer::{RecordAnswer, with_verdicts};
+use gyrowatch::wire::answer::VerdictBody;
 use gyrowatch::words::{Language, asked_in};
 use tempfile::TempDir;
 
@@ -52,9 +52,9 @@ async fn measure(what: &str, record: impl Fn(usize) -> String) {
         for (language, worded) in Language::ALL.into_iter().zip(&mut worded) {
             let begun = Instant::now();
             let words = async {
-                let answer =
-                    RecordAnswer { id: None, separations: Vec::new(), notes: Vec::new(), verdicts: Vec::new() };
-                with_verdicts(&answer, judged.iter().map(|gyro| (&*gyro.serial, gyro.verdicts.as_slice())))
+                let verdicts =
+                    judged.iter().flat_map(|gyro| gyro.verdicts.iter().map(|v| VerdictBody::of(&gyro.serial, v)));
+                serde_json::to_vec(&verdicts.collect::<Vec<_>>())
             };
             black_box(asked_in(language, words).await.expect("JSON"));
             *worded += begun.elapsed();

@@ -87,9 +87,9 @@ pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwe
     } else {
         (Sent::Calibration(Kind::Campaign, &body), "campaigns")
     };
-    let whole = |id: Id, notes: Vec<NoteBody>| {
+    let whole = |id: Id, notes: Vec<NoteBody>, verdicts| {
         let stored = app.pipeline.reader.answer_as_stored(&fit, &body);
-        let mut answer = CampaignAnswer { id: Some(id.to_string()), ..stored };
+        let mut answer = CampaignAnswer { id: Some(id.to_string()), verdicts, ..stored };
         answer.notes.extend(notes);
         answer
     };
@@ -98,7 +98,7 @@ pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwe
         PostOutcome::New(answer) => Ok(answer),
         // Of a bench test nothing is judged: the answer is the fit, now as then.
         PostOutcome::There(id) if is_bench => {
-            Ok(post.again((collection, id), (whole(id, Vec::new()), std::iter::empty(), Vec::new()), None))
+            Ok(post.again((collection, id), (whole(id, Vec::new(), Vec::new()), std::iter::empty(), Vec::new()), None))
         }
         PostOutcome::There(id) => {
             let StoredCampaign { item, answer, .. } = stored(&app, id).await?;

@@ -9,14 +9,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use utoipa::ToSchema;
 
-use super::answer::Answer;
 use super::app::App;
 use super::document::Document;
 use crate::core::correction::CorrectionItem;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::message;
 use crate::pipeline::{Accepted, Actor, Calibration, Corrected, Correction, Fitted, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::calibration::CampaignAnswer;
@@ -24,7 +22,7 @@ use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::{json, text, time};
-use crate::words;
+use crate::{message, words};
 
 /// How a record, campaign or bench result stands.
 #[derive(Debug, Serialize, ToSchema)]
@@ -211,7 +209,7 @@ pub async fn revise_record(
     let (status, id) = submit(&app, correction).await?;
     let stored = app.pipeline.queries.records.record(id).await?.ok_or_else(|| Problem::no_such_record(id))?;
     let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
-    Ok((status, [(LOCATION, format!("/v1/records/{id}"))], Answer(answer)).into_response())
+    Ok((status, [(LOCATION, format!("/v1/records/{id}"))], Json(answer)).into_response())
 }
 
 /// What stands in the place of a campaign, who says so, and why.
@@ -256,7 +254,7 @@ pub async fn revise_campaign(
     let (status, id) = submit(&app, correction).await?;
     let stored = app.pipeline.queries.records.campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))?;
     let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
-    Ok((status, [(LOCATION, format!("/v1/campaigns/{id}"))], Answer(answer)).into_response())
+    Ok((status, [(LOCATION, format!("/v1/campaigns/{id}"))], Json(answer)).into_response())
 }
 
 /// Every fault of who, why and what, the latter's under `place`.

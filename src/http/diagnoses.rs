@@ -8,7 +8,6 @@ use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-use super::answer::Answer;
 use super::app::App;
 use super::document::Document;
 use super::query::{self, Parameters, bad, with_sign};
@@ -150,7 +149,7 @@ pub async fn get_summary(
         let text = diagnoses_csv::to_csv(&summary);
         return Ok(([(CONTENT_TYPE, "text/csv; charset=utf-8")], text).into_response());
     }
-    Ok(Answer(summary).into_response())
+    Ok(Json(summary).into_response())
 }
 
 async fn one(app: &App, id: Id, after: Option<Id>, limit: usize) -> Result<JobDetailBody, Problem> {

@@ -9,7 +9,6 @@ use axum::{Extension, Json};
 use serde::Serialize;
 use utoipa::IntoParams;
 
-use super::answer::{Answer, JustJudged};
 use super::app::App;
 use super::corrections::{Standing, StandingBody};
 use super::prefer_header::{AsWanted, MinimalAnswer, Wanted};
@@ -20,7 +19,8 @@ use crate::core::id::Id;
 use crate::core::judge::State;
 use crate::core::note::Note;
 use crate::message;
-use crate::pipeline::{Accepted, Caller, Sent, Submission};
+use crate::pipeline::{Accepted, Caller, Judged, Sent, Submission};
+use crate::wire::answer::VerdictBody;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 
@@ -73,14 +73,13 @@ impl DocumentPost {
         Ok(accepted)
     }
 
-    /// Stores a calibration that is to be found in `collection`. What is new is answered with `whole` and its
-    /// verdicts, or as much of that as is wanted.
+    /// Stores a calibration that is to be found in `collection`. What is new is answered with `whole`, or as much of that as is wanted.
     pub async fn store<T: Serialize>(
         &self,
         app: &App,
         (item, sent): (Submission, Sent<'_>),
         collection: &str,
-        whole: impl Fn(Id, Vec<NoteBody>) -> T,
+        whole: impl Fn(Id, Vec<NoteBody>, Vec<VerdictBody>) -> T,
     ) -> Result<PostOutcome, Problem> {
         let accepted = self.submit(app, item).await?;
         let Accepted::Stored { id, judged, notes } = &accepted else {
@@ -88,7 +87,7 @@ impl DocumentPost {
         };
         let notes = self.noted.iter().chain(notes.iter()).map(NoteBody::of).collect();
         let answer = match self.wanted {
-            Wanted::Whole => JustJudged { answer: &whole(*id, notes), judged }.into_response(),
+            Wanted::Whole => Json(whole(*id, notes, verdicts_of(judged))).into_response(),
             Wanted::Minimal => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),
         };
         Ok(PostOutcome::New((StatusCode::CREATED, self.located(collection, *id), answer).into_response()))
@@ -103,12 +102,17 @@ impl DocumentPost {
         standing: Option<StandingBody>,
     ) -> Response {
         let answer = AsWanted::of(self.wanted, whole, id, states, notes);
-        (self.located(collection, id), Answer(Standing { answer, standing })).into_response()
+        (self.located(collection, id), Json(Standing { answer, standing })).into_response()
     }
 
     fn located(&self, collection: &str, id: Id) -> impl axum::response::IntoResponseParts + use<> {
         ([(LOCATION, format!("/v1/{collection}/{id}"))], self.wanted.applied())
     }
+}
+
+fn verdicts_of(judged: &[Judged]) -> Vec<VerdictBody> {
+    let verdicts = judged.iter().flat_map(|gyro| gyro.verdicts.iter().map(move |verdict| (&gyro.serial, verdict)));
+    verdicts.map(|(serial, verdict)| VerdictBody::of(serial, verdict)).collect()
 }
 
 /// At most 255 visible characters.

@@ -7,7 +7,6 @@
 mod access;
 mod agreement;
 mod alerts;
-mod answer;
 mod app;
 mod audit;
 mod baseline;

@@ -20,12 +20,11 @@ use crate::pipeline::{Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
 use crate::wire::document::DocumentKind;
-use crate::wire::note;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::sender::SenderBody;
-use crate::wire::time;
+use crate::wire::{note, time};
 
 /// As much of the answer as was wanted.
 #[derive(ToSchema)]
@@ -58,10 +57,10 @@ pub async fn post_record(
     let (body, kind) = (calibration.body.clone(), Kind::Record);
     let separations = (post.wanted == Wanted::Whole).then(|| app.pipeline.reader.separations(&calibration.gyros));
     let of_model = app.pipeline.reader.notes_of_model(&calibration);
-    let whole = |id: Id, notes: Vec<NoteBody>| {
+    let whole = |id: Id, notes: Vec<NoteBody>, verdicts| {
         let separations = separations.clone().unwrap_or_default();
         let notes = of_model.iter().cloned().chain(notes).collect();
-        RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts: Vec::new() }
+        RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts }
     };
     let item = (Submission::Calibration(Box::new(calibration)), Sent::Calibration(kind, &body));
     match post.store(&app, item, COLLECTION, whole).await? {

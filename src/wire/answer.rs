@@ -1,7 +1,5 @@
 //! What the service answers to a record, and the command line prints: separations and verdicts.
 
-mod judged;
-
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
@@ -16,8 +14,6 @@ use crate::core::calibrate::uncertainty::Budget;
 use crate::core::judge::Verdict;
 use crate::core::mounting::Geometry;
 use crate::core::separate::{self, Separation};
-
-pub use judged::{CAPACITY, with_verdicts};
 
 /// The answer to one record or campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

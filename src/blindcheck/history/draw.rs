@@ -9,81 +9,32 @@ use rand_distr::{Distribution, StandardNormal};
 use crate::core::changes::{Entry, GyroHistory};
 use crate::core::judge::{Event, Mark, Measured};
 use crate::core::mounting::Slot;
+use crate::core::named::named;
 use crate::core::time::UtcMicros;
 
-/// What is hidden in a fleet.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
-    Nothing,
-    Ageing,
-    StepAtEvent,
-    Step,
-    Temperature,
-    TemperatureMissing,
-    StationOffset,
-    StationDrifts,
-    StationRelevelled,
-    StationOff,
-    OneOfTwoDrifts,
-    MovedWithPeers,
-    StepAtStationChange,
-    Clocking,
-    AgeingAndStation,
-    NoisyStation,
-    LoneImuMoved,
-    Wanders,
-    AgeingLate,
-}
-
-impl Kind {
-    pub const ALL: [Self; 19] = [
-        Self::Nothing,
-        Self::Ageing,
-        Self::StepAtEvent,
-        Self::Step,
-        Self::Temperature,
-        Self::TemperatureMissing,
-        Self::StationOffset,
-        Self::StationDrifts,
-        Self::StationRelevelled,
-        Self::StationOff,
-        Self::OneOfTwoDrifts,
-        Self::MovedWithPeers,
-        Self::StepAtStationChange,
-        Self::Clocking,
-        Self::AgeingAndStation,
-        Self::NoisyStation,
-        Self::LoneImuMoved,
-        Self::Wanders,
-        Self::AgeingLate,
-    ];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nothing => "nothing",
-            Self::Ageing => "ageing",
-            Self::StepAtEvent => "step_at_event",
-            Self::Step => "step",
-            Self::Temperature => "temperature",
-            Self::TemperatureMissing => "temperature_missing",
-            Self::StationOffset => "station_offset",
-            Self::StationDrifts => "station_drifts",
-            Self::StationRelevelled => "station_relevelled",
-            Self::StationOff => "station_off_for_weeks",
-            Self::OneOfTwoDrifts => "one_of_two_drifts",
-            Self::MovedWithPeers => "moved_with_peers",
-            Self::StepAtStationChange => "step_at_station_change",
-            Self::Clocking => "clocking",
-            Self::AgeingAndStation => "ageing_and_station",
-            Self::NoisyStation => "noisy_station",
-            Self::LoneImuMoved => "lone_imu_moved",
-            Self::Wanders => "wanders",
-            Self::AgeingLate => "ageing_late",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
+named! {
+    /// What is hidden in a fleet.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Kind {
+        Nothing = "nothing",
+        Ageing = "ageing",
+        StepAtEvent = "step_at_event",
+        Step = "step",
+        Temperature = "temperature",
+        TemperatureMissing = "temperature_missing",
+        StationOffset = "station_offset",
+        StationDrifts = "station_drifts",
+        StationRelevelled = "station_relevelled",
+        StationOff = "station_off_for_weeks",
+        OneOfTwoDrifts = "one_of_two_drifts",
+        MovedWithPeers = "moved_with_peers",
+        StepAtStationChange = "step_at_station_change",
+        Clocking = "clocking",
+        AgeingAndStation = "ageing_and_station",
+        NoisyStation = "noisy_station",
+        LoneImuMoved = "lone_imu_moved",
+        Wanders = "wanders",
+        AgeingLate = "ageing_late",
     }
 }
 

@@ -8,26 +8,18 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::watch;
 
+use crate::core::named::named;
 use crate::store::db::PgReaders;
 use crate::store::error::StoreError;
 
-/// What one server does for all.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Duty {
-    /// Telling hooks what the outbox holds.
-    Deliveries,
-    /// Letting alerts follow the clock.
-    Clock,
-}
-
-impl Duty {
-    const ALL: [Duty; 2] = [Duty::Deliveries, Duty::Clock];
-
-    fn name(self) -> &'static str {
-        match self {
-            Duty::Deliveries => "deliveries",
-            Duty::Clock => "clock",
-        }
+named! {
+    /// What one server does for all.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Duty {
+        /// Telling hooks what the outbox holds.
+        Deliveries = "deliveries",
+        /// Letting alerts follow the clock.
+        Clock = "clock",
     }
 }
 

@@ -59,26 +59,7 @@ impl UtcDate {
 
 impl std::fmt::Display for UtcDate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // As `{:04}-{:02}-{:02}` writes it, without three rounds through the formatter: an answer names dozens of
-        // dates.
-        let Some(year) = u16::try_from(self.year).ok().filter(|year| *year < 10_000) else {
-            return write!(f, "{:04}-{:02}-{:02}", self.year, self.month, self.day);
-        };
-        let digit = |number: u16| b'0' + (number % 10) as u8;
-        let (month, day) = (u16::from(self.month), u16::from(self.day));
-        let text = [
-            digit(year / 1000),
-            digit(year / 100),
-            digit(year / 10),
-            digit(year),
-            b'-',
-            digit(month / 10),
-            digit(month),
-            b'-',
-            digit(day / 10),
-            digit(day),
-        ];
-        f.write_str(str::from_utf8(&text).expect("digits and hyphens are ASCII"))
+        write!(f, "{:04}-{:02}-{:02}", self.year, self.month, self.day)
     }
 }
 

@@ -1,7 +1,6 @@
 //! A first map for a log that nobody has described yet, with the reason for every line. It is to be checked by somebody
 //! who knows the station: what the file does not say stays a question mark, which `dwells` refuses.
 
-use std::fmt::Write;
 use std::path::PathBuf;
 
 use super::column::Column;
@@ -110,7 +109,7 @@ fn map(logs: &[Looked], name: &str) -> String {
     let parts: Vec<Parts> = logs.iter().map(Looked::parts).collect();
     let gyros = parts.iter().find_map(|part| part.output.as_ref()).map_or(3, |(gyros, _)| *gyros);
     let serials: Vec<String> = (1..=gyros).map(|k| format!("\"G{k} SERIAL-{k}\"")).collect();
-    writeln!(text, "gyros = [{}]", serials.join(", ")).expect("a string takes everything");
+    text.push_str(&format!("gyros = [{}]\n", serials.join(", ")));
     if logs.iter().any(|log| log.values[0].len() <= FEW_ROWS) {
         text.push_str("# few rows: if each is an average already, say averaged = true, and duration or samples\n");
     }
@@ -128,7 +127,7 @@ fn map(logs: &[Looked], name: &str) -> String {
         first(|part| part.temperature.clone()),
     ];
     for line in lines.into_iter().flatten() {
-        writeln!(text, "# {}\n{}", line.reason, line.text).expect("a string takes everything");
+        text.push_str(&format!("# {}\n{}\n", line.reason, line.text));
     }
     text
 }

@@ -36,11 +36,10 @@ pub async fn look_up(store: &Store, names: [Vec<&str>; 3]) -> Result<(), StoreEr
     let Readers::Postgres(readers) = &store.readers else { return Ok(()) };
     let [imus, stations, gyros] = {
         let tables = store.names.read();
-        let mut kinds = NamesOf::ALL.into_iter();
-        names.map(|names| {
-            let table = tables.of(kinds.next().expect("there are three kinds"));
-            let unknown: HashSet<&str> = names.into_iter().filter(|name| table.number(name).is_none()).collect();
-            unknown.into_iter().map(str::to_owned).collect::<Vec<_>>()
+        let [imus, stations, gyros] = names;
+        [(NamesOf::Imus, imus), (NamesOf::Stations, stations), (NamesOf::Gyros, gyros)].map(|(of, names)| {
+            let unknown = names.into_iter().filter(|name| tables.of(of).number(name).is_none());
+            unknown.collect::<HashSet<_>>().into_iter().map(str::to_owned).collect::<Vec<_>>()
         })
     };
     if [&imus, &stations, &gyros].iter().all(|unknown| unknown.is_empty()) {
@@ -84,10 +83,9 @@ pub(super) async fn look_up_numbers(store: &Store, numbers: [Vec<u32>; 3]) -> Re
     let Readers::Postgres(readers) = &store.readers else { return Ok(()) };
     let [imus, stations, gyros] = {
         let tables = store.names.read();
-        let mut kinds = NamesOf::ALL.into_iter();
-        numbers.map(|numbers| {
-            let table = tables.of(kinds.next().expect("there are three kinds"));
-            let unknown = numbers.into_iter().filter(|number| table.name(*number).is_none());
+        let [imus, stations, gyros] = numbers;
+        [(NamesOf::Imus, imus), (NamesOf::Stations, stations), (NamesOf::Gyros, gyros)].map(|(of, numbers)| {
+            let unknown = numbers.into_iter().filter(|number| tables.of(of).name(*number).is_none());
             unknown.map(i64::from).collect::<Vec<_>>()
         })
     };

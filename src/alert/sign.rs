@@ -5,8 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
-use crate::message;
-use crate::system;
+use crate::{message, system};
 
 const PREFIX: &str = "whsec_";
 /// Lengths of a key in bytes that the specification allows.

@@ -1,8 +1,7 @@
 //! Which campaigns a blind run draws: cases, designs, gyros, noise and columns, all from one seed.
 
-use rand::RngExt;
-use rand::SeedableRng;
 use rand::seq::IndexedRandom;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

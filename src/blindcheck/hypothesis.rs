@@ -1,8 +1,7 @@
 //! What somebody's own hypothesis would take to be found: hidden in campaigns of one design at rising sizes, and asked
 //! for in campaigns that do not hold it.
 
-use rand::RngExt;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -3,8 +3,7 @@
 //! Each kind takes a campaign of the plain draw and changes one thing. *Confident wrong*: something is `explained` and
 //! a name is none of what was hidden. *Doubted wrong*: such a name beside something that is said to remain.
 
-use rand::RngExt;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::Serialize;

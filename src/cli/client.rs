@@ -14,12 +14,11 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::common::service_address;
-use crate::message;
 use crate::system::{self, Proxies};
 use crate::wire::cause;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::ProblemBody;
-use crate::words;
+use crate::{message, words};
 
 pub const JSON: &str = "application/json";
 pub const NDJSON: &str = "application/x-ndjson";

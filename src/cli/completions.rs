@@ -1,8 +1,7 @@
 //! `completions` and `man`: what a shell and `man` know of the command line, made from its definition.
 
-use std::fs;
-use std::io;
 use std::path::PathBuf;
+use std::{fs, io};
 
 use anyhow::Context;
 use clap::{Args, Command};

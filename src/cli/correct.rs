@@ -7,14 +7,12 @@ use bytes::Bytes;
 use serde_json::{Value, json};
 
 use super::client::{Connection, JSON, Sent, Service, Trouble};
-use super::import::source;
-use super::import::withdrawn;
+use super::import::{source, withdrawn};
 use super::{block_on, document, faults};
 use crate::core::message::Message;
-use crate::message;
 use crate::wire::campaign_csv::parse_csv_as_sent;
 use crate::wire::problem::ProblemBody;
-use crate::words;
+use crate::{message, words};
 
 /// Say that a stored record, campaign or bench result counts no more; it stays, with who said so and why
 #[derive(Debug, clap::Args)]

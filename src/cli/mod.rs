@@ -30,8 +30,7 @@ use crate::core::effects::Refusal;
 use crate::core::fault::Faults;
 use crate::core::imu_model::{NoForecast, NotIdentified};
 use crate::logs::error::LogError;
-use crate::system;
-use crate::words;
+use crate::{system, words};
 use commands::Command;
 use common::{Usage, block_on};
 

@@ -12,8 +12,7 @@ use crate::words::Language;
 
 use super::ConfigError;
 use super::requirement::SlotRequirements;
-use super::rules::OverriddenCoefficient;
-use super::rules::RuleKeys;
+use super::rules::{OverriddenCoefficient, RuleKeys};
 
 named! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]

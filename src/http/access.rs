@@ -16,12 +16,11 @@ use axum::response::{IntoResponse, Response};
 use super::app::App;
 use super::edge::{Forwarded, NO_STORE};
 use super::query;
-use crate::cookies;
 use crate::core::access::Role;
-use crate::message;
 use crate::pipeline::{By, Caller, Denied, SESSION_COOKIE};
 use crate::routes::{ADMIN, ANYONE, Rules, VIEWER};
 use crate::wire::problem::Problem;
+use crate::{cookies, message};
 
 /// What decides about a request before it is handled.
 #[derive(Clone)]

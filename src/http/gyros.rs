@@ -19,8 +19,7 @@ use crate::core::fault::Faults;
 use crate::core::figures::Figures;
 use crate::core::fleet_order::FleetOrder;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
-use crate::core::judge::Measured;
-use crate::core::judge::{Event, Outlook, Reach, Rule, State as Judgement, Status};
+use crate::core::judge::{Event, Measured, Outlook, Reach, Rule, State as Judgement, Status};
 use crate::core::record::Name;
 use crate::core::time::Span;
 use crate::message;
@@ -29,11 +28,10 @@ use crate::pipeline::{
 };
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::cursor::{self, List};
-use crate::wire::gyro_table;
 use crate::wire::gyro_table::GyroRow;
 use crate::wire::json::present;
 use crate::wire::problem::Problem;
-use crate::wire::{json, text, time};
+use crate::wire::{gyro_table, json, text, time};
 
 const MOST_GYROS: usize = 10_000;
 

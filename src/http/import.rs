@@ -32,12 +32,11 @@ use super::telling::Telling;
 use crate::core::alert_decision::Late;
 use crate::core::fault::Faults;
 use crate::core::note::Note;
-use crate::message;
 use crate::pipeline::{Accepted, Caller, Origin, Pipeline, ReadDocument, Reply, Submission};
 use crate::wire::json::on_a_line;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::{Problem, ProblemBody};
-use crate::words;
+use crate::{message, words};
 
 /// Lines that are read and stored together, at the most.
 const LINES_AT_ONCE: usize = 512;

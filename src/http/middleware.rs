@@ -14,10 +14,9 @@ use super::access::{self, Gate};
 use super::gzip::unpacked;
 use super::metrics::Counted;
 use super::problem;
-use crate::cookies;
-use crate::message;
 use crate::wire::problem::Problem;
 use crate::words::{self, Language};
+use crate::{cookies, message};
 
 /// Counts the request, lets it in or refuses it, and puts what went wrong into the common form.
 pub async fn pass(State(gate): State<Gate>, request: Request, next: Next) -> Response {

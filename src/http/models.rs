@@ -15,10 +15,9 @@ use super::query::{self, Parameters};
 use crate::message;
 use crate::pipeline::{Accepted, AdoptedModel, Adoption};
 use crate::wire::forecast::ForecastSeriesBody;
-use crate::wire::json;
 use crate::wire::model::{AdoptionBody, ModelBody};
 use crate::wire::problem::Problem;
-use crate::wire::time;
+use crate::wire::{json, time};
 
 /// The model in force, and every one before it.
 #[derive(Serialize, ToSchema)]

@@ -12,14 +12,12 @@ use url::form_urlencoded;
 use super::app::App;
 use crate::core::id::Id;
 use crate::core::message::{Message, list};
-use crate::core::time::Span;
-use crate::core::time::UtcMicros;
+use crate::core::time::{Span, UtcMicros};
 use crate::message;
 use crate::routes::Takes;
 use crate::wire::cursor::{self, List};
 use crate::wire::problem::Problem;
-use crate::wire::time;
-use crate::wire::unreadable;
+use crate::wire::{time, unreadable};
 
 pub const IDEMPOTENCY_KEY: &str = "idempotency-key";
 

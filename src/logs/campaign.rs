@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 
 use super::assemble::{Dwell, assemble};
-use super::averaged;
 use super::error::LogError;
 use super::gather::{Gathered, gather};
 use super::map::Map;
-use super::programme;
 use super::source::Source;
 use super::units::Counts;
+use super::{averaged, programme};
 use crate::core::campaign::{Campaign, Phase, Site};
 use crate::core::dwells::programme::Position;
 use crate::core::fault::{Fault, Faults};

@@ -8,8 +8,7 @@ use super::inject::is_visible;
 use super::run::Simulated;
 use crate::core::augmented::{AugmentedModel, KnownEffect};
 use crate::core::campaign::TestKind;
-use crate::core::effects::{Lack, Refusal, axes};
-use crate::core::effects::{Scope, Setting};
+use crate::core::effects::{Lack, Refusal, Scope, Setting, axes};
 
 /// Why a model's effects cannot be put into a campaign.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

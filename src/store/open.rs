@@ -22,10 +22,9 @@ use super::writer::Writer;
 use crate::store::sqlite::checkpoint::Checkpoints;
 use crate::store::sqlite::checksum::{Summing, settle};
 use crate::store::sqlite::halt::Halt;
-use crate::store::sqlite::lock;
-use crate::store::sqlite::private;
 use crate::store::sqlite::write_behind::Unplaced;
 use crate::store::sqlite::writer::{FileWriter, waiting_for_disk};
+use crate::store::sqlite::{lock, private};
 use crate::store::tables::hook;
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.

@@ -1,8 +1,7 @@
-use crate::core::figures::Figures;
-use crate::core::figures::States;
+use crate::core::figures::{Figures, States};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::core::time::Span;
+use crate::core::time::{Span, UtcMicros};
 use crate::store;
 use std::time::{Duration, Instant};
 
@@ -13,7 +12,6 @@ use super::*;
 use crate::core::bench::BenchMethod;
 use crate::core::judge::{Coefficient, Event, Measured, Rule, State};
 use crate::core::mounting::Slot;
-use crate::core::time::UtcMicros;
 
 pub(super) async fn opened(dir: &TempDir) -> (Store, Writer) {
     open(&options(&url(dir))).await.unwrap()

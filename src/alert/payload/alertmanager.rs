@@ -14,8 +14,7 @@ use crate::core::alert_decision::Action;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::wire::alert::AlertBody;
-use crate::wire::time;
-use crate::wire::unit;
+use crate::wire::{time, unit};
 use crate::words::asked;
 
 /// A pushed alert expires by itself when so many pushes have failed to come, but not within a day: a service that is

@@ -6,8 +6,7 @@ use crate::alert::message::{Change, Event};
 use crate::core::alert_decision::Action;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::wire::alert::AlertBody;
-use crate::wire::alert::FindingBody;
+use crate::wire::alert::{AlertBody, FindingBody};
 use crate::wire::reason::Reason;
 
 fn alert() -> AlertBody {

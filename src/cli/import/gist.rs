@@ -7,8 +7,7 @@ use serde_json::Value;
 use crate::cli::document::note;
 use crate::core::judge::Status;
 use crate::core::message::list;
-use crate::message;
-use crate::words;
+use crate::{message, words};
 
 /// Displays D_I and D_S of each gyro or why there are none, how many verdicts there are of each status, what was
 /// judged beyond its limit, and what could not be checked; nothing for other answers.

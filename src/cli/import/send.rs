@@ -13,12 +13,11 @@ use crate::cli::client::{LineAnswer, Sent, Service, Trouble};
 use crate::cli::faults;
 use crate::core::message::list;
 use crate::core::note::Note;
-use crate::message;
 use crate::wire::differences::counted;
 use crate::wire::document::DocumentKind;
 use crate::wire::note;
 use crate::wire::problem::ProblemBody;
-use crate::words;
+use crate::{message, words};
 
 /// A batch ends at either: enough to share a commit, little enough to answer soon.
 const BATCH_LINES: usize = 1000;

@@ -16,11 +16,10 @@ use crate::cli::faults::in_words;
 use crate::core::fault::Faults;
 use crate::core::note::Note;
 use crate::logs::sheet::readable;
-use crate::message;
 use crate::wire::note;
 use crate::wire::record_table::{TableMap, documents};
 use crate::wire::table::open_end;
-use crate::words;
+use crate::{message, words};
 
 /// Longest line, and largest single document: far above any campaign, far below memory.
 pub const MAX_DOCUMENT_BYTES: u64 = 16 << 20;

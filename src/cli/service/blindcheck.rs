@@ -10,7 +10,6 @@ use comfy_table::Table;
 
 use super::hypothesis;
 use super::tallies::{figures, percent, progress};
-use crate::blindcheck;
 use crate::blindcheck::answer::Answer;
 use crate::blindcheck::draw::{Case, Draw};
 use crate::blindcheck::hypothesis::{FOUND, HypothesisReport};
@@ -28,7 +27,7 @@ use crate::core::effects::Effect;
 use crate::simulate::Scenario;
 use crate::simulate::cause::{CATALOGUE, listed};
 use crate::simulate::truth::Key;
-use crate::wire;
+use crate::{blindcheck, wire};
 
 /// Draw campaigns with a hidden cause, diagnose them from their file alone, score the answers
 ///

@@ -14,8 +14,7 @@ use crate::core::campaign::{Campaign, StationPart, TestKind};
 use crate::core::imu_model::of_one_imu;
 use crate::core::mounting::Slot;
 use crate::wire::calibration::{CampaignAnswer, CampaignsAnswer, GyroFitBody, RepeatedBody};
-use crate::wire::document::DocumentKind;
-use crate::wire::document::parse;
+use crate::wire::document::{DocumentKind, parse};
 use crate::wire::unit;
 use crate::words;
 

@@ -16,13 +16,11 @@ use crate::message;
 use crate::pages::{Subject, diagnosis_report};
 use crate::wire::campaign::parse_json;
 use crate::wire::diagnosis::{DiagnosisBody, TableBody};
-use crate::wire::document::DocumentKind;
-use crate::wire::document::{is_csv, parse};
+use crate::wire::document::{DocumentKind, is_csv, parse};
 use crate::wire::forecast::ChangedBody;
 use crate::wire::record::parse_record;
 use crate::wire::split::SplitBody;
-use crate::wire::unit;
-use crate::wire::{self, time};
+use crate::wire::{self, time, unit};
 use crate::words::asked;
 
 /// Diagnose the gap between a campaign and the error model, or all campaigns of a running service

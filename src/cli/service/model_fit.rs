@@ -17,8 +17,7 @@ use crate::core::model::{Term, Terms};
 use crate::system::sha256;
 use crate::wire::campaign::terms_from_names;
 use crate::wire::document::parse;
-use crate::wire::unit;
-use crate::wire::{self, time};
+use crate::wire::{self, time, unit};
 use crate::words;
 
 /// Make a model of one IMU from its campaigns

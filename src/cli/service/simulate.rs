@@ -7,8 +7,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 
 use super::{experiment, hypothesis, model};
-use crate::cli::common::Usage;
-use crate::cli::common::positive;
+use crate::cli::common::{Usage, positive};
 use crate::cli::document;
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;

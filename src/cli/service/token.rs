@@ -6,19 +6,17 @@ use std::path::PathBuf;
 use anyhow::{anyhow, bail};
 use clap::{Args, Subcommand};
 
-use crate::cli::common::block_on;
-use crate::cli::common::instant;
+use crate::cli::common::{block_on, instant};
 use crate::cli::document;
 use crate::config::Config;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pipeline::{AccessError, NewToken, create_beside, revoke_beside};
 use crate::store::{Beside, StoreError, TokenRow};
 use crate::system::Clock;
 use crate::wire::{text, time};
-use crate::words;
+use crate::{message, words};
 
 /// Make, list and revoke access tokens
 #[derive(Debug, Args)]

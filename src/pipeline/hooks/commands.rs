@@ -12,17 +12,16 @@ use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pipeline::access::Actor;
 use crate::pipeline::error::WriteError;
 use crate::pipeline::hooks::error::HookError;
 use crate::pipeline::hooks::registry::{OutboxContext, Standing, Subscription, introduce};
-use crate::store;
 use crate::store::{
     AttemptRow, Changes, HookRow, NewDelivery, OutboxChanges, Progress, Store, StoreError, Subject, Writer,
 };
 use crate::wire::message::to_stored;
 use crate::wire::time;
+use crate::{message, store};
 
 /// Each hook costs a task and a queue.
 const MOST_HOOKS: usize = 1000;

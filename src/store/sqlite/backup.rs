@@ -7,9 +7,8 @@ use std::path::{Path, PathBuf};
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
 use sqlx::{ConnectOptions, Connection, SqliteConnection, SqlitePool};
 
-use super::checksum;
 use super::lock::beside;
-use super::private;
+use super::{checksum, private};
 use crate::core::id::Id;
 use crate::core::time::Span;
 use crate::store;

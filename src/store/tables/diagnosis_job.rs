@@ -5,8 +5,7 @@
 //! transaction that keeps it.
 
 use crate::core::id::Id;
-use crate::core::time::Span;
-use crate::core::time::UtcMicros;
+use crate::core::time::{Span, UtcMicros};
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{AnyRow, Sql, Whole, among, cell, insert, on};
 use crate::store::error::StoreError;

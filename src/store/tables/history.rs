@@ -2,8 +2,7 @@
 
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::time::Span;
-use crate::core::time::UtcMicros;
+use crate::core::time::{Span, UtcMicros};
 use crate::store::db::{Readers, Sql, Whole, on};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;

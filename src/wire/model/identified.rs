@@ -15,8 +15,7 @@ use crate::message;
 use crate::wire::geometry::GeometryBody;
 use crate::wire::numbers::in_range;
 use crate::wire::triple::Triple;
-use crate::wire::unit;
-use crate::wire::{text, time};
+use crate::wire::{text, time, unit};
 
 /// Most coefficients that a model may have: three gyros with every effect of the catalogue.
 const MOST: usize = 400;

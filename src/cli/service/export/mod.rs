@@ -17,12 +17,10 @@ use self::columns::Row;
 use self::csv::Csv;
 #[cfg(feature = "parquet")]
 use self::parquet::Parquet;
-use crate::cli::common::{Usage, block_on};
-use crate::cli::common::{end, start};
+use crate::cli::common::{Usage, block_on, end, start};
 use crate::config::Config;
 use crate::core::figures::Figures;
-use crate::core::time::Span;
-use crate::core::time::UtcMicros;
+use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::Statuses;
 use crate::store::{self, Store};
 

@@ -14,13 +14,12 @@ use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::core::message::text;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pipeline::hooks::{Attempted, webhook_id};
 use crate::store::{DueDelivery, HookRow, Progress, Subject};
-use crate::system;
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::ExpectBody;
 use crate::wire::message::to_stored;
+use crate::{message, system};
 
 /// A hook, ready to send to.
 #[derive(Clone)]

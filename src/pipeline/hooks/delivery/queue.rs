@@ -21,10 +21,9 @@ use crate::pipeline::hooks::delivery::circuit::Health;
 use crate::pipeline::hooks::delivery::message;
 use crate::pipeline::hooks::delivery::message::Addressee;
 use crate::pipeline::hooks::{Attempted, Found};
-use crate::store;
 use crate::store::{DueDelivery, Duty, Progress, StoreError};
-use crate::telemetry;
 use crate::wire::alert::AlertBody;
+use crate::{store, telemetry};
 
 /// Deliveries that are fetched at a time.
 const FETCH: u32 = 64;

@@ -9,8 +9,7 @@ use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::mounting::Slot;
 use crate::core::own_history::Shown;
-use crate::core::time::Span;
-use crate::core::time::UtcMicros;
+use crate::core::time::{Span, UtcMicros};
 use crate::store;
 use crate::store::{Store, StoreError};
 

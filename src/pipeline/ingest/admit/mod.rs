@@ -12,9 +12,7 @@ use std::sync::Arc;
 
 use serde_json::json;
 
-use crate::core::figures::Figures;
-use crate::core::figures::PublishedFigures;
-use crate::core::figures::States;
+use crate::core::figures::{Figures, PublishedFigures, States};
 use crate::core::gyro_attributes::GyroAttributes;
 use crate::core::id::Id;
 use crate::core::kind::Kind;

@@ -6,10 +6,11 @@ use crate::config::JudgedMethod;
 use crate::core::correction::CorrectionItem;
 use crate::core::figures::Figures;
 use crate::core::judge::history::{History, Need};
-use crate::core::judge::{BASELINE_RECORDS, Mark, Measured, Sample, Seat, baseline_since, reset_before};
-use crate::core::judge::{Limits, Older, Rule, Series, Verdict, judge};
-use crate::core::time::Span;
-use crate::core::time::UtcMicros;
+use crate::core::judge::{
+    BASELINE_RECORDS, Limits, Mark, Measured, Older, Rule, Sample, Seat, Series, Verdict, baseline_since, judge,
+    reset_before,
+};
+use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::judge::older_summary::{OlderSummary, RUN};
 use crate::store;
 use crate::store::{EventRow, Store, StoreError};

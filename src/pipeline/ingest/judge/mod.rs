@@ -10,12 +10,10 @@ use std::collections::{BTreeMap, HashMap};
 
 use crate::config::Judging;
 use crate::core::alert_decision::Policy;
-use crate::core::figures::Figures;
-use crate::core::figures::States;
+use crate::core::figures::{Figures, States};
 use crate::core::judge::history::Need;
 use crate::core::judge::{Coefficient, Limit, Limits, Mark, Older, Outlook, Rule, Verdict};
-use crate::core::time::Span;
-use crate::core::time::UtcMicros;
+use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::alerts::Naming;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, read_ahead, sample_of};
 use crate::pipeline::ingest::judge::withdrawal::Replay;

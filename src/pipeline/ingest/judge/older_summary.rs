@@ -3,8 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::core::judge::{Older, Sample};
-use crate::core::time::Span;
-use crate::core::time::UtcMicros;
+use crate::core::time::{Span, UtcMicros};
 
 /// Records in a run.
 pub(super) const RUN: usize = 128;

@@ -9,8 +9,7 @@ use crate::core::correction::CorrectionItem;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule};
-use crate::core::time::Span;
-use crate::core::time::UtcMicros;
+use crate::core::time::{Span, UtcMicros};
 use crate::store;
 use crate::store::{Changes, HistoryRow, Store, StoreError, VerdictSheet};
 

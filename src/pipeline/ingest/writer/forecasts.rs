@@ -12,9 +12,8 @@ use crate::pipeline::alerts::{Naming, Origin, Pen};
 use crate::pipeline::diagnoses::{Adoption, Made, newest_verdict};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::ingest::judge::Undone;
-use crate::store;
 use crate::store::{AlertOf, AlertRow, Changes, RecordHead, StoreError};
-use crate::telemetry;
+use crate::{store, telemetry};
 
 pub(super) struct ForecastAlerts<'a> {
     pub state: &'a mut WriterState,

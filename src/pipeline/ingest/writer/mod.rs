@@ -30,13 +30,11 @@ use crate::pipeline::diagnoses::{DiagnosisHandler, DiagnosisOrder, HypothesisHan
 use crate::pipeline::error::StorageError;
 use crate::pipeline::hooks::{Found, HookCache, HookHandler, Order, heard_by};
 use crate::pipeline::ingest::judge::Judge;
-use crate::pipeline::write_queue;
 use crate::pipeline::write_queue::Job;
-use crate::pipeline::{Accepted, AccessError, DiagnosisError, HookError, Reply, WriteError};
-use crate::store;
+use crate::pipeline::{Accepted, AccessError, DiagnosisError, HookError, Reply, WriteError, write_queue};
 use crate::store::{Cells, Store, StoreError, Writer};
 use crate::system::Clock;
-use crate::telemetry;
+use crate::{store, telemetry};
 use clock::ClockTick;
 use forecasts::ForecastAlerts;
 use group::{Preparation, answer, settle};

@@ -12,9 +12,8 @@ use super::state::{Item, Prepared, StoreJob, Task, UnderWay, items_of};
 use crate::core::history_note::FAR_DAYS;
 use crate::pipeline::ingest::submission::Submission;
 use crate::pipeline::write_queue::Job;
-use crate::store;
 use crate::store::{Committer, Tables, Written};
-use crate::telemetry;
+use crate::{store, telemetry};
 
 /// Items from which on a group is written beside.
 const MANY: usize = 128;

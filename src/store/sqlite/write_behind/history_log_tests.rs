@@ -2,7 +2,7 @@
 
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::time::Span;
+use crate::core::time::{Span, UtcMicros};
 use std::collections::BTreeMap;
 
 use rand::{RngExt, SeedableRng};
@@ -10,7 +10,6 @@ use rand_chacha::ChaCha8Rng;
 use sqlx::SqlitePool;
 use tempfile::TempDir;
 
-use crate::core::time::UtcMicros;
 use crate::store;
 use crate::store::tests::{first_names, history, name, opened, options, record, url};
 use crate::store::*;

@@ -31,7 +31,7 @@ pub enum Fate {
     Refused(String),
 }
 
-/// Tries one file that has not changed for `settle`; none of one that has.
+/// Tries one file that has not changed for `settle`; none of one that has, or that changes while it is sent.
 ///
 /// # Errors
 /// Trouble with the folder or the service: it is tried again.
@@ -52,16 +52,19 @@ pub async fn deliver(dir: &Dir, name: &OsStr, settle: Duration, service: &Servic
     if !still(name) || !still(&why) {
         return Ok(None);
     }
+    let as_sent = dir.stamp(name);
     let Some(bytes) = text(dir, name)? else { return Ok(None) };
     let bytes = match readable(bytes) {
         Ok(bytes) => bytes,
         Err(fault) => return Ok(Some(Fate::Refused(words::asked().words(&fault)))),
     };
     let said = Said { author: &author, reason: &reason };
-    Ok(Some(match replace(service, &bytes, None, said).await? {
+    let fate = match replace(service, &bytes, None, said).await? {
         Ok(done) => Fate::Done(done),
         Err(refused) => Fate::Refused(refused),
-    }))
+    };
+    // One that changed meanwhile stays, to be sent as it is now.
+    Ok((dir.stamp(name) == as_sent).then_some(fate))
 }
 
 /// The name of the file that says who and why.

@@ -13,6 +13,7 @@ use crate::cli::client::Service;
 use crate::cli::correct::{Said, replace};
 use crate::logs::sheet::readable;
 use crate::logs::text::of_any;
+use crate::message;
 use crate::system::Clock;
 use crate::words;
 
@@ -46,12 +47,17 @@ pub async fn deliver(dir: &Dir, name: &OsStr, settle: Duration, service: &Servic
         let changed = dir.stamp(name).and_then(|(_, changed)| changed);
         changed.and_then(|at| now.duration_since(at).ok()).is_some_and(|age| age >= settle)
     };
-    let Some((author, reason)) = remark(&of_any(&said)) else {
-        return Ok(Some(Fate::Asked { now: false }));
-    };
     if !still(name) || !still(&why) {
         return Ok(None);
     }
+    let said = of_any(&said);
+    let Some((author, reason)) = remark(&said) else {
+        if said.trim() == ASKED.trim() {
+            return Ok(Some(Fate::Asked { now: false }));
+        }
+        let why = why.display().to_string();
+        anyhow::bail!("{}", words::asked().words(&message!("terminal_revise_unsaid", file = why)));
+    };
     let as_sent = dir.stamp(name);
     let Some(bytes) = text(dir, name)? else { return Ok(None) };
     let bytes = match readable(bytes) {
@@ -88,7 +94,7 @@ fn text(dir: &Dir, name: &OsStr) -> std::io::Result<Option<Vec<u8>>> {
 fn remark(text: &str) -> Option<(String, String)> {
     let value = |key: &str| {
         let of_key = |line: &str| {
-            let (name, value) = line.split_once(':')?;
+            let (name, value) = line.split_once([':', '：'])?;
             (name.trim().eq_ignore_ascii_case(key) && !value.trim().is_empty()).then(|| value.trim().to_owned())
         };
         text.lines().find_map(of_key)
@@ -106,6 +112,7 @@ mod tests {
         assert_eq!(remark("author: Li Wei\r\nReason: wrong latitude: 34\r\n"), both);
         assert_eq!(remark(ASKED), None);
         assert_eq!(remark("author: Li Wei\n"), None);
+        assert_eq!(remark("author：Li Wei\nreason：wrong latitude: 34\n"), both, "full-width colons");
     }
 
     #[test]

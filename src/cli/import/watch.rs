@@ -29,8 +29,6 @@ use crate::wire::time;
 use crate::words::asked;
 
 const POLL: Duration = Duration::from_millis(200);
-/// How long a text that breaks off may still be somebody's unfinished writing.
-const CUT_SHORT_GRACE: Duration = Duration::from_secs(60);
 /// How long a file must not change before it is sent: one document in JSON, and what has no end of its own.
 const SETTLE: Duration = Duration::from_secs(1);
 const SETTLE_OPEN: Duration = Duration::from_secs(30);
@@ -250,8 +248,7 @@ impl Folder {
         // What is no plain file any more is left out from the next look on.
         let Some(file) = self.dir.file(name)? else { return Ok(Fate::Unfinished) };
         let age = self.age(name);
-        let young = age < CUT_SHORT_GRACE;
-        let patience = if young { Patience::Waits } else { Patience::TakesAsItIs };
+        let patience = if age < source::CUT_SHORT { Patience::Waits } else { Patience::TakesAsItIs };
         let read = source::read_file(file, &self.map, patience)?;
         // Since it was found due, others have been sent, which takes time.
         if self.dir.stamp(name) != self.waiting.get(name).map(|w| w.stamp) {
@@ -261,7 +258,7 @@ impl Folder {
             // Whatever the file is called, more lines may follow.
             Ok(Content::Lines(_)) if age < self.settle.unwrap_or(SETTLE_OPEN) => return Ok(Fate::Unfinished),
             Ok(content) => content,
-            Err(unreadable) if unreadable.cut_short && young => return Ok(Fate::Unfinished),
+            Err(unreadable) if age < unreadable.may_go_on => return Ok(Fate::Unfinished),
             Err(unreadable) => return Ok(Fate::Refused(vec![Refusal { line: None, why: unreadable.why }])),
         };
         let (mut refusals, mut gist) = (Vec::new(), String::new());

@@ -40,6 +40,7 @@ fn summary(t: &Text, d: &DiagnosisBody) -> Markup {
         p.lead { strong { (d.verdict_in_words(t.language())) } }
         (found(t, d))
         p.lead { (consequence(t, d)) }
+        (beside(t, d))
         (ladder(t, d))
         p.note {
             (t.noise_floor) " " (short(d.noise_floor.deg_per_h)) " " (t.rate_unit) ", " (t.noise_source(&d.noise_floor.source))
@@ -112,6 +113,26 @@ fn consequence(t: &Text, d: &DiagnosisBody) -> Markup {
                 @if k > 0 { (t.semicolon) }
                 (one.slot) " " (layout::symbol(&one.coefficient)) " "
                 (figure::signed_drift(one.shift, Some(one.augmented_sd))) " (" (percent(one.of_budget)) ")"
+            }
+        }
+    }
+}
+
+/// What limits that: a campaign outside its forecast, and effects that it hardly shows.
+fn beside(t: &Text, d: &DiagnosisBody) -> Markup {
+    let outside = d.forecast.as_ref().and_then(|point| point.compared.as_ref()).filter(|one| one.is_outside());
+    // What a campaign never shows is part of G, and judged by its closure.
+    let hardly: Vec<&str> =
+        d.not_identifiable.iter().filter(|one| one.visible_fraction > 0.0).map(|one| one.effect.as_str()).collect();
+    html! {
+        @if let Some(compared) = outside {
+            p { (forecast::state(t, compared)) ": " a href="#forecast" { (t.forecast) } }
+        }
+        @if !hardly.is_empty() {
+            p.note {
+                (t.hardly_shown)
+                @for (k, effect) in hardly.into_iter().enumerate() { (if k > 0 { ", " } else { " " }) (effect_word(t, effect)) }
+                " (" a href="#hidden" { (t.why) } ")"
             }
         }
     }
@@ -354,7 +375,7 @@ fn before_and_after(t: &Text, d: &DiagnosisBody, slots: &[(String, String)]) -> 
 fn blind_spots(t: &Text, d: &DiagnosisBody) -> Markup {
     html! {
         @if !d.not_identifiable.is_empty() {
-            section {
+            section #hidden {
                 h2 { (t.cannot_be_told) }
                 div.scroll tabindex="0" { table {
                     thead { tr { th { (t.effect) } th.n { (t.visible) } th { (t.why) } th { (t.would_show) } } }

@@ -114,13 +114,19 @@ terminal_repeats_beyond = Campaigns differ by more than is stated (p < 0.05), an
 terminal_fit_short = { $at }: { $verdict }; forecasts will miss by what is left
 terminal_fit_left_out = { $effect } is left out: these campaigns do not tell it; docs/diagnosis.md says what each effect needs
 terminal_no_temperature = no temperature
-terminal_model_of = { $imu }: { $coefficients } coefficients from { $campaigns } campaign(s), { $first } to { $last }, at { $reference }
+terminal_model_of = { $imu }: { $coefficients } coefficients from { $campaigns ->
+    [one] one campaign
+   *[other] { $campaigns } campaigns
+}, { $first } to { $last }, at { $reference }
 terminal_model_gyros = Gyros: deg/h, deg/(h g0), pulse/arcsec, deg/sqrt(h)
 terminal_model_gyros_head = gyro | serial | D_F | D_I | D_S | D_O | |E| | noise N
 terminal_model_plain = No effects beside model (6)
 terminal_model_effects = Effects
 terminal_model_effects_head = effect | gyro | coefficient | value | unit
-terminal_forecast = { $imu }, { $station } at { $at }: forecast by the model of { $model } ({ $campaigns } campaign(s), { $count ->
+terminal_forecast = { $imu }, { $station } at { $at }: forecast by the model of { $model } ({ $campaigns ->
+    [one] one campaign
+   *[other] { $campaigns } campaigns
+}, { $count ->
     [0] no effects
    *[other] { $effects }
 })
@@ -135,7 +141,7 @@ terminal_to_measure = Dwells that tell most of what the model does not know
 terminal_to_measure_head = dwell | a, g0 | w, arcsec/s | tells, nats | sd/noise
 terminal_forecast_measured = Measured: { $state }. rms(error/sd) { $rms } over { $count } outputs, p { $p }; uniformity of the PIT, p { $pit }
 terminal_forecast_outside = outside its forecast
-terminal_forecast_met = as foretold
+terminal_forecast_met = as predicted
 terminal_forecast_not_judged = cannot be judged
 terminal_forecast_gyros_head = gyro | rms(error/sd) | p
 terminal_missed = { $count ->
@@ -165,6 +171,14 @@ terminal_verdicts = verdicts: { $counts }
 terminal_counted = { $count } { $status }
 terminal_watching = watching { $folder } for { $service }
 terminal_revise_asked = { $file }: say in { $beside } who replaces what is stored, and why
+terminal_revise_unsaid = { $file }: needs a line `author: NAME` and a line `reason: WHY`
+file_empty = is empty
+file_document_too_large = is one document of more than { $bytes } bytes; send one document per line
+file_of_several = holds { $count } documents: take one at a time, in a file of its own
+file_of_lines = holds one document per line: take one at a time
+file_of_no_kind = is neither a calibration record (`gyros`), a campaign (`dwells`) nor a bench result (`method`)
+file_nothing_to_print = is no table of records or bench results: there is nothing to print
+file_last_line_open = its last line has no end
 terminal_link = { $file }: is a symbolic link, which is not followed
 terminal_file_refused = refused
 terminal_stays = { $trouble }; it stays and is tried again

@@ -82,7 +82,7 @@ words_of_pages! {
 
     // A diagnosis.
     diagnosis diagnosis_waiting gap_before after_effect ladder_note ladder_of_fit semicolon impact_none impact_some
-    evidence_note regressor ruled_out_same ruled_out_weaker ruled_out_within model_in_use noise_floor sign_of_more
+    evidence_note residual_word regressor ruled_out_same ruled_out_weaker ruled_out_within model_in_use noise_floor sign_of_more
     what_parts_them no_effect adjusted_p detectability cannot_tell_from alone_cannot_tell_from
     parameter value unit_word all_gyros held_out located heat_note heat_map by_attitude place share against against_note
     none_before hold_against reference whole_gap part_parameters part_structure part_noise p_parameters now

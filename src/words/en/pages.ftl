@@ -269,6 +269,7 @@ page_semicolon = ;{" "}
 page_impact_none = D_I and D_S are not moved beyond their noise.
 page_impact_some = It moves:
 page_evidence_note = Residual without this effect against what the effect follows, with its fit. All gyros on one scale.
+page_residual_word = residual
 page_regressor = regressor
 page_ruled_out_same = Explains the same as what is named
 page_ruled_out_weaker = Explains less

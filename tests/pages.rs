@@ -347,7 +347,7 @@ async fn an_imu_shows_its_models_and_how_its_campaigns_came_out_as_foretold() {
     let imu = page(&server, "/imus/IMU-9002", &[]).await;
     for there in [
         "id=\"forecasts\"",
-        "as foretold",
+        "as predicted",
         "<strong>outside its forecast</strong>",
         "Error model, eq. (6)",
         "no earlier campaign",
@@ -1237,8 +1237,8 @@ async fn a_gyro_is_headed_by_how_much_of_its_budget_it_takes_since_when_and_what
     for there in ["+500 %", "badge confirmed", "2026-02-01 08:00 UTC", "(4 records)", "+0.050000", "0 %"] {
         assert!(loads.contains(there), "{there} is not in {loads}");
     }
-    assert!(place(&jumping, "class=\"loads\"") < place(&jumping, "Accept the new level"));
-    assert!(place(&jumping, "Accept the new level") < place(&jumping, "<figure class=\"chart\""));
+    assert!(place(&jumping, "class=\"loads\"") < place(&jumping, "Take it out. If it has stepped once"));
+    assert!(place(&jumping, "Take it out. If it has stepped once") < place(&jumping, "<figure class=\"chart\""));
     assert!(place(&jumping, "<figure class=\"chart\"") < place(&jumping, "<table class=\"judged cards\""));
     let steady = page(&server, "/gyros/STEADY", &[("accept-language", "zh")]).await;
     assert!(steady.contains("放行") && steady.contains("占允许范围"), "{steady}");

@@ -9,8 +9,8 @@ function answer = post(file, kind, type)
     token = getenv('GYROWATCH_TOKEN');
     if ~isempty(token), headers = {'Authorization', ['Bearer ' token]}; end
     options = weboptions('MediaType', type, 'RequestMethod', 'post', 'Timeout', 120, 'HeaderFields', headers);
-    pause_s = 1;
-    while true
+    pauses_s = [1 2 5 10 30 60 60];
+    for attempt = 0:numel(pauses_s)
         try
             % A char array is sent as it is; a struct would be written anew by jsonencode.
             answer = webwrite(url, text, options);
@@ -19,9 +19,9 @@ function answer = post(file, kind, type)
             % MATLAB:webservices:HTTP422StatusCodeError and the like: the file is at fault.
             code = sscanf(problem.identifier, 'MATLAB:webservices:HTTP%d');
             if ~isempty(code) && code < 500 && ~any(code == [408 425 429]), rethrow(problem); end
-            warning('gyrowatch:again', 'try again in %g s: %s', pause_s, problem.message);
-            pause(pause_s);
-            pause_s = min(2 * pause_s, 60);
+            if attempt == numel(pauses_s), rethrow(problem); end
+            warning('gyrowatch:again', 'try again in %g s: %s', pauses_s(attempt + 1), problem.message);
+            pause(pauses_s(attempt + 1));
         end
     end
 end

@@ -4,8 +4,8 @@ param([string]$File, [string]$Kind = 'campaigns', [string]$Type = 'application/j
 $url = "$(if ($env:GYROWATCH_URL) { $env:GYROWATCH_URL } else { 'http://127.0.0.1:8080' })/v1/$Kind"
 $headers = @{}
 if ($env:GYROWATCH_TOKEN) { $headers['Authorization'] = "Bearer $env:GYROWATCH_TOKEN" }
-$pause = 1
-while ($true) {
+$pauses = 1, 2, 5, 10, 30, 60, 60  # s, before it is sent again
+for ($attempt = 0; ; $attempt++) {
     try {
         # -InFile sends the file byte for byte: no line end and no encoding changes.
         $answer = Invoke-RestMethod -Uri $url -Method Post -InFile $File -ContentType $Type -Headers $headers -TimeoutSec 120
@@ -18,8 +18,11 @@ while ($true) {
             Write-Error "refused ($status): $($_.ErrorDetails.Message)"
             exit 1
         }
-        Write-Warning "try again in $pause s: $($_.Exception.Message)"
-        Start-Sleep -Seconds $pause
-        $pause = [Math]::Min(2 * $pause, 60)
+        if ($attempt -eq $pauses.Count) {
+            Write-Error "given up: $($_.Exception.Message)"
+            exit 2
+        }
+        Write-Warning "try again in $($pauses[$attempt]) s: $($_.Exception.Message)"
+        Start-Sleep -Seconds $pauses[$attempt]
     }
 }

@@ -144,6 +144,11 @@ pub fn verdict(code: &str) -> Message {
     }
 }
 
+/// A count beside that of all.
+pub fn part_of(part: String, all: u64) -> String {
+    asked().words(&message!("terminal_of", part = part, all = all.to_string()))
+}
+
 /// As [`table`], with the head that a message names, in the reader's language.
 pub fn table_of(head: &str, figures: std::ops::Range<usize>) -> Table {
     headed(asked().word(head).split(" | "), figures)

@@ -12,6 +12,7 @@ use crate::core::access::Role;
 use crate::core::augmented::AugmentedModel;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::AdoptedModel;
 use crate::wire::diagnosis::{InUseBody, InUseEffectBody};
 use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastPointBody, ThenNowBody};
@@ -101,7 +102,7 @@ fn line(t: &Text, point: &ForecastPointBody) -> Markup {
             } @else { td.words colspan="3" { (point.why_not.as_deref().unwrap_or(t.not_foretold)) } }
             td.words {
                 @if let Some(model) = &point.model {
-                    (at(&model.measured_at)) " · " (model.campaigns) " " (t.campaigns_word)
+                    (at(&model.measured_at)) " · " (t.words(&message!("campaigns_counted", count = model.campaigns)))
                     @for effect in &model.effects { " + " (effect_word(t, effect)) }
                 }
             }
@@ -123,7 +124,7 @@ fn state_word(t: &Text, compared: &ComparedBody) -> &'static str {
     }
 }
 
-fn state(t: &Text, compared: &ComparedBody) -> Markup {
+pub(super) fn state(t: &Text, compared: &ComparedBody) -> Markup {
     html! { @if compared.is_outside() { strong { (t.outside_forecast) } } @else { (state_word(t, compared)) } }
 }
 
@@ -234,7 +235,7 @@ fn came_true(t: &Text, point: &ForecastPointBody) -> Markup {
                 (state(t, compared)) " · " (t.error_in_sd) " " (short(compared.rms_over_sd))
                 @if let Some(furthest) = compared.furthest() { " · " (furthest.slot) ": p " (short(furthest.p_value)) }
                 @if let Some(model) = &point.model {
-                    " · " (t.foretold_by) " " (at(&model.measured_at)) ", " (model.campaigns) " " (t.campaigns_word)
+                    " · " (t.foretold_by) " " (at(&model.measured_at)) ", " (t.words(&message!("campaigns_counted", count = model.campaigns)))
                 }
             }
             @if let Some(verdict) = compared.verdict.as_ref().filter(|verdict| !verdict.is_within()) { p { (verdict.reason) } }

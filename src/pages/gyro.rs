@@ -1,5 +1,6 @@
 //! `/gyros/{serial}`: one gyro, from its plot down to every figure.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::Path;
@@ -55,6 +56,8 @@ pub(super) struct Facts {
     pub verdicts: Vec<Said>,
     /// Those that are not resolved.
     pub alerts: Vec<AlertBody>,
+    /// The gyro that has been calibrated in its slot since.
+    pub successor: Option<Arc<str>>,
 }
 
 impl Facts {
@@ -77,7 +80,11 @@ impl Facts {
         let asked = drawn.chain(listed).chain(run);
         let statuses = pipeline.queries.histories.statuses(number, asked, &[0, 1, 2]).await?;
         let alerts = alerts::open_ones(pages, number).await?;
-        Ok(Self { course, epochs, comparison, standing, statuses, verdicts, alerts })
+        let successor = match course.figures.last() {
+            Some(newest) => pipeline.queries.fleet.seated_in(newest.imu).await?.successor(number),
+            None => None,
+        };
+        Ok(Self { course, epochs, comparison, standing, statuses, verdicts, alerts, successor })
     }
 
     /// Its status, and that it is out of use where it is.

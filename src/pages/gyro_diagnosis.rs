@@ -97,7 +97,7 @@ fn drawn(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, budget: Optio
     let mean = answer.course.iter().map(|one| one.measured.value).sum::<f64>() / n;
     let zero = budget.map_or(mean, |budget| budget.baseline);
     let of_stations = answer.course.iter().any(|one| one.station != 0.0);
-    let station = of_stations.then(|| answer.course.iter().map(|one| (one.at, one.station + mean - zero)).collect());
+    let station = of_stations.then(|| answer.course.iter().map(|one| (one.at, one.station)).collect());
     let explained: Vec<(UtcMicros, f64)> = answer.course.iter().map(|one| (one.at, one.explained - zero)).collect();
     let explained = (!answer.causes.is_empty()).then_some(("explained", explained));
     let course = Course {

@@ -7,6 +7,7 @@ use super::history::seat;
 use super::history_plot::{budgets, epoch_of};
 use super::layout::{DRIFTS, day, encoded, instant, symbol};
 use super::text::Text;
+use super::verdicts::Said;
 use super::viewer::Viewer;
 use super::{bullet, figure, gyro_attributes};
 use crate::config::JudgedMethod;
@@ -16,8 +17,9 @@ use crate::core::judge::{
     Coefficient, Event, Finding, Load, Measured, Rule, Standpoint, Status, Suggestion, Verdict, suggest,
 };
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pages::status;
-use crate::pipeline::{EventItem, ExplainedHistory, Names, sample_of};
+use crate::pipeline::{EventItem, ExplainedHistory, Names, Violation, sample_of};
 use crate::wire::time;
 
 /// Causes of one coefficient's change in the head; all of them are on the page of the diagnosis.
@@ -38,6 +40,8 @@ pub(super) struct Stand {
     pub status: Status,
     /// None while there is no level, or no budget.
     pub load: Option<Load>,
+    /// The rule that says so, and its figure over its limit, where it is another than the load.
+    pub by: Option<(Rule, Option<f64>)>,
     /// Where it is out of tolerance or drifts.
     pub run: Option<Run>,
 }
@@ -55,6 +59,7 @@ impl Facts {
                 measured: sample.d[column],
                 status: self.standing.as_ref().map_or(Status::NotEnoughData, |standing| standing.drift[column]),
                 load: of_verdict.or_else(|| self.load_now(column, newest.at, sample.d[column])),
+                by: self.violated(column),
                 run: self.run(column),
             }
         };
@@ -68,6 +73,16 @@ impl Facts {
             .filter(|_| self.verdicts.iter().any(|said| said.seen.is_none()))?;
         let budget = budgets(&self.course.limits)[column].filter(|budget| *budget > 0.0)?;
         Some(Load { deviation: Measured { value: measured.value - level, sd: measured.sd }, level, budget })
+    }
+
+    /// The rule by which a coefficient stands as badly as it does; none where it is its load that says so.
+    fn violated(&self, column: usize) -> Option<(Rule, Option<f64>)> {
+        let standing = self.standing.as_ref()?;
+        let of_it = |one: &&Violation| one.coefficient.name() == DRIFTS[column] && one.status == standing.drift[column];
+        let said: Vec<&Violation> = standing.violations.iter().filter(of_it).collect();
+        let of_load = said.iter().any(|one| matches!(one.rule, Rule::Baseline | Rule::Closure));
+        let worst = said.into_iter().max_by(|a, b| a.load.unwrap_or(0.0).total_cmp(&b.load.unwrap_or(0.0)));
+        worst.filter(|_| !of_load).map(|one| (one.rule, one.load))
     }
 
     /// Since when it is out of tolerance, or drifts: as the alert says that fires, else the newest records that all are.
@@ -97,13 +112,15 @@ impl Facts {
             _ => None,
         };
         let seen = self.verdicts.iter().filter_map(|said| said.seen.as_ref());
+        let due = self.answers(explained, Status::Drifting).filter_map(|answer| answer.due?.calibrate_by);
         suggest(&Standpoint {
             status: standing.status,
             verdicts: judged.chain(told).collect(),
             unsteady: standing.violations.iter().any(|one| matches!(one.rule, Rule::Trend | Rule::RmsSuccessive)),
-            stepped_once: out.peek().is_some() && out.all(HistoryDiagnosis::is_one_step),
+            stepped_at_event: out.peek().is_some() && out.all(HistoryDiagnosis::is_one_event),
+            awaits_baseline: self.verdicts.iter().any(Said::awaits_baseline),
             overdue: standing.overdue_days.is_some(),
-            reaches_in_days: seen.filter_map(early).min_by(f64::total_cmp),
+            reaches_in_days: seen.filter_map(early).chain(due).min_by(f64::total_cmp),
             interval_days: self.course.limits.interval_days.map(|limit| limit.value),
         })
     }
@@ -145,6 +162,9 @@ pub(super) fn head(
                 " · " (t.calibrated) " " (instant(figures.at))
             }
             (another_life(t, facts, names))
+            @if let Some(successor) = &facts.successor {
+                p.note { (t.seat_taken) " " a href={ "/gyros/" (encoded(successor)) } { (successor) } }
+            }
         } @else {
             p.lead { (t.never_calibrated) }
         }
@@ -200,6 +220,10 @@ fn load_row(t: &Text, stand: &Stand) -> Markup {
             } @else { td.n.load { "–" } td.bars {} }
             td.stands {
                 (status::badge(t, Some(stand.status)))
+                @if let Some((rule, load)) = stand.by {
+                    (t.colon) " " (t.rule(rule))
+                    @if let Some(load) = load { " " (t.words(&message!("share_of_limit", percent = format!("{:.0}", 100.0 * load)))) }
+                }
                 @if let Some(run) = &stand.run {
                     " "
                     span.quiet { (t.since_then) " " (instant(run.since)) " (" (run.records) " " (t.records_short) ")" }

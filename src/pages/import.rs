@@ -436,7 +436,7 @@ impl Prospect {
                     || forecast.as_ref().zip(submission.calibration()).is_some_and(|(forecast, calibration)| {
                         !forecast.station_is_known
                             || !strangers(calibration, forecast).is_empty()
-                            || forecast.gyros.iter().any(|gyro| far(gyro).is_some())
+                            || forecast.gyros.iter().any(|gyro| far(gyro).is_some() || !gyro.unmet.is_empty())
                     })
             }
             _ => false,
@@ -515,6 +515,9 @@ fn doubted(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup {
             @if let Some((column, change)) = far(foreseen) {
                 li { strong translate="no" { (gyro.serial) } ": " (symbol(DRIFTS[column])) " " (bullet::percent(change)) (t.share_of_budget_unit) ", " (t.from_last_value) }
             }
+            @for one in &foreseen.unmet {
+                li { strong translate="no" { (gyro.serial) } ": " (violated(t, std::slice::from_ref(one))) " " (t.status(one.status)) }
+            }
         }
     }
 }
@@ -536,7 +539,6 @@ fn foreseen(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup 
                                 @if foreseen.is_known { a href={ "/gyros/" (encoded(gyro.serial.as_str())) } { (gyro.serial) } }
                                 @else { span translate="no" { (gyro.serial) } }
                                 br; (status::badge(t, Some(foreseen.status)))
-                                @for one in &foreseen.unmet { br; (violated(t, std::slice::from_ref(one))) " " span.quiet { (t.status(one.status)) } }
                             }
                         }
                         td { (symbol(name)) }

@@ -120,7 +120,7 @@ pub(super) fn evidence(t: &Text, all: &[Evidence]) -> Markup {
             lines: vec![("fit", [x.0, x.1].map(|x| (x, one.slope * x)).to_vec())],
             ..Chart::new(
                 format!("{}: {}", one.name, t.evidence_note),
-                html! { span { (one.name) ", " (unit) } },
+                html! { span { (one.name) (t.colon) " " (t.residual_word) ", " (unit) } },
                 Across::Figure(format!("{}, {}", t.regressor, one.unit)),
                 x,
             )

@@ -8,6 +8,7 @@ use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::judge::{Coefficient, Finding, Rule, Status, Unit, Verdict, digits, sd_digits};
+use crate::message;
 use crate::pages::status;
 use crate::pipeline::Violation;
 use crate::wire::alert::AlertBody;
@@ -33,6 +34,11 @@ impl Said {
         if same && violation.status > self.status() {
             self.body.status = violation.status.name().into();
         }
+    }
+
+    /// Whether it cannot say yet how far a coefficient is from its baseline.
+    pub fn awaits_baseline(&self) -> bool {
+        self.body.rule == Rule::Baseline.name() && self.body.value.is_none()
     }
 
     pub fn status(&self) -> Status {
@@ -124,7 +130,12 @@ fn row(viewer: &Viewer, said: &Said, alert: Option<&AlertBody>, here: Option<&st
                 }
             }
             td.n data-label=(t.value) {
-                @if let Some(value) = value.filter(|_| !no_trend) { (found(said, value)) }
+                @if let Some(value) = value.filter(|_| !no_trend) {
+                    (found(said, value))
+                    @if let Some(Finding::Trend { horizon_days, .. }) = said.seen.map(|seen| seen.finding) {
+                        " " span.quiet { (t.words(&message!("in_days", days = format!("{horizon_days:.0}")))) }
+                    }
+                }
             }
             td.n data-label=(t.limit) { @if !no_trend { (limits(said)) } }
             td.n data-label="%" {

@@ -126,7 +126,10 @@ fn print(path: &Path, map: &TableMap) -> anyhow::Result<()> {
         Ok(Content::Members(members) | Content::Table(members, _)) => {
             members.iter().try_for_each(|(_, text)| document::print(&String::from_utf8_lossy(text)))
         }
-        Ok(_) => bail!("{}: holds documents already; there is nothing to print", path.display()),
+        Ok(_) => {
+            let nothing = words::asked().word("file_nothing_to_print");
+            bail!("{}: {nothing}", path.display())
+        }
         Err(unreadable) => bail!("{}: {}", path.display(), unreadable.why),
     }
 }

@@ -13,6 +13,7 @@ use crate::cli::client::Service;
 use crate::cli::correct::{Said, replace};
 use crate::logs::sheet::readable;
 use crate::logs::text::of_any;
+use crate::message;
 use crate::system::Clock;
 use crate::words;
 
@@ -31,7 +32,7 @@ pub enum Fate {
     Refused(String),
 }
 
-/// Tries one file that has not changed for `settle`; none of one that has.
+/// Tries one file that has not changed for `settle`; none of one that has, or that changes while it is sent.
 ///
 /// # Errors
 /// Trouble with the folder or the service: it is tried again.
@@ -46,22 +47,30 @@ pub async fn deliver(dir: &Dir, name: &OsStr, settle: Duration, service: &Servic
         let changed = dir.stamp(name).and_then(|(_, changed)| changed);
         changed.and_then(|at| now.duration_since(at).ok()).is_some_and(|age| age >= settle)
     };
-    let Some((author, reason)) = remark(&of_any(&said)) else {
-        return Ok(Some(Fate::Asked { now: false }));
-    };
     if !still(name) || !still(&why) {
         return Ok(None);
     }
+    let said = of_any(&said);
+    let Some((author, reason)) = remark(&said) else {
+        if said.trim() == ASKED.trim() {
+            return Ok(Some(Fate::Asked { now: false }));
+        }
+        let why = why.display().to_string();
+        anyhow::bail!("{}", words::asked().words(&message!("terminal_revise_unsaid", file = why)));
+    };
+    let as_sent = dir.stamp(name);
     let Some(bytes) = text(dir, name)? else { return Ok(None) };
     let bytes = match readable(bytes) {
         Ok(bytes) => bytes,
         Err(fault) => return Ok(Some(Fate::Refused(words::asked().words(&fault)))),
     };
     let said = Said { author: &author, reason: &reason };
-    Ok(Some(match replace(service, &bytes, None, said).await? {
+    let fate = match replace(service, &bytes, None, said).await? {
         Ok(done) => Fate::Done(done),
         Err(refused) => Fate::Refused(refused),
-    }))
+    };
+    // One that changed meanwhile stays, to be sent as it is now.
+    Ok((dir.stamp(name) == as_sent).then_some(fate))
 }
 
 /// The name of the file that says who and why.
@@ -85,7 +94,7 @@ fn text(dir: &Dir, name: &OsStr) -> std::io::Result<Option<Vec<u8>>> {
 fn remark(text: &str) -> Option<(String, String)> {
     let value = |key: &str| {
         let of_key = |line: &str| {
-            let (name, value) = line.split_once(':')?;
+            let (name, value) = line.split_once([':', '：'])?;
             (name.trim().eq_ignore_ascii_case(key) && !value.trim().is_empty()).then(|| value.trim().to_owned())
         };
         text.lines().find_map(of_key)
@@ -103,6 +112,7 @@ mod tests {
         assert_eq!(remark("author: Li Wei\r\nReason: wrong latitude: 34\r\n"), both);
         assert_eq!(remark(ASKED), None);
         assert_eq!(remark("author: Li Wei\n"), None);
+        assert_eq!(remark("author：Li Wei\nreason：wrong latitude: 34\n"), both, "full-width colons");
     }
 
     #[test]

@@ -280,7 +280,7 @@ async fn patiently<T>(pauses: &[Duration], mut attempt: impl AsyncFnMut() -> Res
             decided => return decided,
         };
         if !std::mem::replace(&mut said, true) {
-            eprintln!("{trouble}; trying again for half a minute");
+            eprintln!("{}", words::asked().words(&message!("terminal_again", trouble = trouble.to_string())));
         }
         let pause = match trouble {
             Trouble::Again { after: Some(after), .. } => after.min(LONGEST_PAUSE),
@@ -353,7 +353,8 @@ fn key(body: &[u8]) -> Option<(String, String)> {
 pub(super) async fn end(service: &Service) {
     let ended = service.clone().telling("?notify=digest").import(Bytes::new(), 0).await;
     if let Err(trouble) = ended {
-        eprintln!("hooks hear in a quarter of an hour what still fires: {trouble}");
+        let late = message!("terminal_digest_late", trouble = trouble.to_string());
+        eprintln!("{}", words::asked().words(&late));
     }
 }
 

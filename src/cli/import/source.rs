@@ -5,6 +5,7 @@
 
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
+use std::time::Duration;
 
 use anyhow::Context;
 use serde::de::IgnoredAny;
@@ -14,8 +15,10 @@ use crate::cli::Usage;
 use crate::cli::client::JSON;
 use crate::cli::faults::in_words;
 use crate::core::fault::Faults;
+use crate::core::message::Message;
 use crate::core::note::Note;
 use crate::logs::sheet::readable;
+use crate::wire::json::said_of;
 use crate::wire::note;
 use crate::wire::record_table::{TableMap, documents};
 use crate::wire::table::open_end;
@@ -53,9 +56,14 @@ pub struct Document {
 #[derive(Debug)]
 pub struct Unreadable {
     pub why: String,
-    /// The text ends before the document does: perhaps somebody is still writing it.
-    pub cut_short: bool,
+    /// How long somebody may still be writing it: its text ends before the document does. None at all else.
+    pub may_go_on: Duration,
 }
+
+/// How long a text that breaks off may still be somebody's unfinished writing.
+pub const CUT_SHORT: Duration = Duration::from_secs(60);
+/// As [`CUT_SHORT`], of a table that says how many dwells it has: the next may take ten minutes and more.
+const COUNTED: Duration = Duration::from_secs(3600);
 
 /// Opens a file; `-` is standard input. The outer error is the file system's, the inner one the content's.
 pub fn open(path: &Path, map: &TableMap) -> anyhow::Result<Result<Content, Unreadable>> {
@@ -79,7 +87,7 @@ pub fn read_file(
 ) -> anyhow::Result<Result<Content, Unreadable>> {
     let ends = patience == Patience::TakesAsItIs || ends_with_a_line(&mut file)?;
     Ok(match read(BufReader::with_capacity(1 << 20, file), map, patience)? {
-        Ok(Content::Lines(_)) if !ends => Err(unreadable("its last line has no end", true)),
+        Ok(Content::Lines(_)) if !ends => Err(unreadable(&message!("file_last_line_open"), CUT_SHORT)),
         read => read,
     })
 }
@@ -103,7 +111,7 @@ fn read(
     let mut head = Vec::new();
     while head.trim_ascii().is_empty() {
         if read_line(&mut reader, &mut head)? == 0 {
-            return Ok(Err(unreadable("is empty", true)));
+            return Ok(Err(unreadable(&message!("file_empty"), CUT_SHORT)));
         }
     }
     let first_is_whole = serde_json::from_slice::<IgnoredAny>(without_mark(&head)).is_ok();
@@ -113,8 +121,8 @@ fn read(
     let mut rest = reader.take(MAX_DOCUMENT_BYTES);
     rest.read_to_end(&mut head)?;
     if head.len() as u64 >= MAX_DOCUMENT_BYTES {
-        let why = format!("is one document of more than {MAX_DOCUMENT_BYTES} bytes; send one document a line");
-        return Ok(Err(unreadable(&why, false)));
+        let why = message!("file_document_too_large", bytes = MAX_DOCUMENT_BYTES);
+        return Ok(Err(unreadable(&why, Duration::ZERO)));
     }
     Ok(classify(head, map, patience))
 }
@@ -125,12 +133,9 @@ pub fn single(text: Vec<u8>) -> Result<Document, Unreadable> {
         Content::One(document) => Ok(document),
         Content::Members(mut all) | Content::Table(mut all, _) => match (all.pop(), all.len()) {
             (Some((_, body)), 0) => Ok(Document { route: route_of(&body)?, content_type: JSON, body }),
-            (_, others) => {
-                let why = format!("holds {} documents: take one at a time, in a file of its own", others + 1);
-                Err(unreadable(&why, false))
-            }
+            (_, others) => Err(unreadable(&message!("file_of_several", count = others + 1), Duration::ZERO)),
         },
-        Content::Lines(_) => Err(unreadable("holds a document a line: take one at a time", false)),
+        Content::Lines(_) => Err(unreadable(&message!("file_of_lines"), Duration::ZERO)),
     }
 }
 
@@ -148,20 +153,20 @@ fn classify(text: Vec<u8>, map: &TableMap, patience: Patience) -> Result<Content
         return members(&text);
     }
     if !starts_with(&text, b'{') {
-        let text = readable(text).map_err(|fault| unreadable(&words::asked().words(&fault), false))?;
+        let text = readable(text).map_err(|fault| unreadable(&fault, Duration::ZERO))?;
         let open = open_end(&text);
         if let (Patience::Waits, Some(open)) = (patience, &open) {
-            return Err(unreadable(&note::words(open, words::asked()), true));
+            return Err(Unreadable { why: note::words(open, words::asked()), may_go_on: CUT_SHORT });
         }
         if let Some(documents) = std::str::from_utf8(&text).ok().and_then(|text| documents(text, map)) {
-            let refused = |faults: Faults| unreadable(&in_words(&faults.0, words::asked()), false);
+            let refused =
+                |faults: Faults| Unreadable { why: in_words(&faults.0, words::asked()), may_go_on: Duration::ZERO };
             let lines = documents.map_err(refused)?.into_iter();
             let lines = lines.map(|(line, document)| (line as u64, document.to_string().into_bytes()));
             return Ok(Content::Table(lines.collect(), open));
         }
         if let Some((told, have)) = unfinished(&text) {
-            let why = words::asked().words(&message!("dwells_told", told = told, have = have));
-            return Err(unreadable(&why, true));
+            return Err(unreadable(&message!("dwells_told", told = told, have = have), COUNTED));
         }
         let content_type = "text/csv";
         return Ok(Content::One(Document { route: "/v1/campaigns", content_type, body: text }));
@@ -190,8 +195,7 @@ fn route_of(text: &[u8]) -> Result<&'static str, Unreadable> {
     } else if has("method") {
         Ok("/v1/bench-results")
     } else {
-        let why = "is neither a calibration record (`gyros`), a campaign (`dwells`) nor a bench result (`method`)";
-        Err(unreadable(why, false))
+        Err(unreadable(&message!("file_of_no_kind"), Duration::ZERO))
     }
 }
 
@@ -203,11 +207,12 @@ fn members(text: &[u8]) -> Result<Content, Unreadable> {
 }
 
 fn not_json(error: serde_json::Error) -> Unreadable {
-    unreadable(&format!("is not JSON: {error}"), error.is_eof())
+    let may_go_on = if error.is_eof() { CUT_SHORT } else { Duration::ZERO };
+    unreadable(&message!("value_not_json", why = said_of(&error)), may_go_on)
 }
 
-fn unreadable(why: &str, cut_short: bool) -> Unreadable {
-    Unreadable { why: why.to_owned(), cut_short }
+fn unreadable(why: &Message, may_go_on: Duration) -> Unreadable {
+    Unreadable { why: words::asked().words(why), may_go_on }
 }
 
 fn starts_with(text: &[u8], first: u8) -> bool {
@@ -255,7 +260,7 @@ mod tests {
 
     #[test]
     fn a_text_that_breaks_off_is_told_from_one_that_is_wrong() {
-        let cut = |text| content(text).err().expect("cannot be sent").cut_short;
+        let cut = |text| content(text).err().expect("cannot be sent").may_go_on > Duration::ZERO;
         assert!(cut("{\"gyros\": [\n"));
         assert!(cut(""));
         assert!(cut("[{\"gyros\": []},\n"));
@@ -272,7 +277,7 @@ mod tests {
                                A-1,2026-03-01T08:00:00Z,ST-1,torque_feedback,1.5,-2.2";
         let waiting = |text: &'static str| read(text.as_bytes(), &TableMap::default(), Patience::Waits).unwrap();
         for text in [TABLE, RECORDS] {
-            assert!(waiting(text).is_err_and(|unreadable| unreadable.cut_short));
+            assert!(waiting(text).is_err_and(|unreadable| unreadable.may_go_on == CUT_SHORT));
         }
         for text in ["phase,start_s\nstatic,0\n", "phase,start_s\r\nstatic,0\r\n", "{\"gyros\": []}"] {
             assert!(waiting(text).is_ok(), "{text}");

@@ -20,14 +20,15 @@ use super::send::{Courier, Event, Refusal, Tally, end};
 use super::source::{self, Content, Patience};
 use crate::cli::client::{Service, Trouble};
 use crate::cli::document;
+use crate::core::message::Message;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::system::Clock;
 use crate::wire::record_table::TableMap;
 use crate::wire::time;
+use crate::words::asked;
 
 const POLL: Duration = Duration::from_millis(200);
-/// How long a text that breaks off may still be somebody's unfinished writing.
-const CUT_SHORT_GRACE: Duration = Duration::from_secs(60);
 /// How long a file must not change before it is sent: one document in JSON, and what has no end of its own.
 const SETTLE: Duration = Duration::from_secs(1);
 const SETTLE_OPEN: Duration = Duration::from_secs(30);
@@ -51,7 +52,7 @@ pub async fn watch(
     digest: bool,
 ) -> anyhow::Result<()> {
     let mut folder = Folder { map, digest, ..Folder::open(dir, settle)? };
-    say(&format!("watching {} for {}", dir.display(), service.base()));
+    announce(&message!("terminal_watching", folder = dir.display().to_string(), service = service.base().to_string()));
     loop {
         folder.pass(service).await;
         folder.revise(service).await;
@@ -158,7 +159,7 @@ impl Folder {
         }
         match self.revise_all(&service.clone().telling("")).await {
             Ok(()) => self.revising.over(),
-            Err(error) => self.revising.again(&format!("{REVISE}: {error:#}; it stays and is tried again"), None),
+            Err(error) => self.revising.again(&stays(format!("{REVISE}: {error:#}")), None),
         }
     }
 
@@ -178,7 +179,7 @@ impl Folder {
                     Ok(()) => trials.over(),
                     Err(error) => match error.downcast_ref::<Trouble>() {
                         Some(Trouble::Away(_)) => return Err(error),
-                        _ => trials.again(&format!("{REVISE}/{shown}: {error:#}; it stays and is tried again"), None),
+                        _ => trials.again(&stays(format!("{REVISE}/{shown}: {error:#}")), None),
                     },
                 }
             }
@@ -193,7 +194,12 @@ impl Folder {
         let (to, words) = match revise::deliver(dir, name, settle, service).await? {
             None | Some(revise::Fate::Asked { now: false }) => return Ok(()),
             Some(revise::Fate::Asked { now: true }) => {
-                say(&format!("{REVISE}/{shown}: say in {shown}{WHY} who replaces what is stored, and why"));
+                let file = shown.into_owned();
+                announce(&message!(
+                    "terminal_revise_asked",
+                    file = format!("{REVISE}/{file}"),
+                    beside = format!("{file}{WHY}")
+                ));
                 return Ok(());
             }
             Some(revise::Fate::Done(words)) => (SENT, words),
@@ -223,7 +229,7 @@ impl Folder {
             let Some(stamp) = self.dir.stamp(&name) else {
                 if self.dir.is_link(&name) {
                     if !self.links.contains(&name) {
-                        say(&format!("{text}: is a symbolic link, which is not followed"));
+                        announce(&message!("terminal_link", file = text.into_owned()));
                     }
                     links.insert(name);
                 }
@@ -242,8 +248,7 @@ impl Folder {
         // What is no plain file any more is left out from the next look on.
         let Some(file) = self.dir.file(name)? else { return Ok(Fate::Unfinished) };
         let age = self.age(name);
-        let young = age < CUT_SHORT_GRACE;
-        let patience = if young { Patience::Waits } else { Patience::TakesAsItIs };
+        let patience = if age < source::CUT_SHORT { Patience::Waits } else { Patience::TakesAsItIs };
         let read = source::read_file(file, &self.map, patience)?;
         // Since it was found due, others have been sent, which takes time.
         if self.dir.stamp(name) != self.waiting.get(name).map(|w| w.stamp) {
@@ -253,7 +258,7 @@ impl Folder {
             // Whatever the file is called, more lines may follow.
             Ok(Content::Lines(_)) if age < self.settle.unwrap_or(SETTLE_OPEN) => return Ok(Fate::Unfinished),
             Ok(content) => content,
-            Err(unreadable) if unreadable.cut_short && young => return Ok(Fate::Unfinished),
+            Err(unreadable) if age < unreadable.may_go_on => return Ok(Fate::Unfinished),
             Err(unreadable) => return Ok(Fate::Refused(vec![Refusal { line: None, why: unreadable.why }])),
         };
         let (mut refusals, mut gist) = (Vec::new(), String::new());
@@ -294,7 +299,8 @@ impl Folder {
                 let note = with(&target, ".reason.txt");
                 refused.write(&note, reasons.as_bytes()).with_context(|| format!("cannot write {}", note.display()))?;
                 self.move_to(name, &refused, &target)?;
-                say(&format!("{shown}: refused\n{}", reasons.trim_end()));
+                let refused = asked().word("terminal_file_refused");
+                say(&format!("{shown}: {refused}\n{}", reasons.trim_end()));
             }
             Fate::Unfinished => {}
         }
@@ -317,7 +323,7 @@ impl Folder {
     fn again(&mut self, name: &OsStr, error: &anyhow::Error, after: Option<Duration>) {
         if let Some(waiting) = self.waiting.get_mut(name) {
             let path = self.path.join(name);
-            waiting.trouble.again(&format!("{}: {error:#}; it stays and is tried again", path.display()), after);
+            waiting.trouble.again(&stays(format!("{}: {error:#}", path.display())), after);
         }
     }
 }
@@ -373,6 +379,14 @@ fn free_name(dir: &Dir, name: &OsStr) -> OsString {
 }
 
 /// One event a line, with its time: what an operator, or the journal, reads.
+fn stays(trouble: String) -> String {
+    asked().words(&message!("terminal_stays", trouble = trouble))
+}
+
+fn announce(message: &Message) {
+    say(&asked().words(message));
+}
+
 fn say(words: &str) {
     let now = Clock::System.now();
     let whole_second = UtcMicros(now.0 - now.0.rem_euclid(UtcMicros::SECOND));

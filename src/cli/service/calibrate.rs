@@ -6,17 +6,18 @@ use anyhow::{Context, bail};
 
 use super::separate::{BENCH_RESULT, Method, drift_and_mounting, figure};
 use super::{model, settings};
-use crate::cli::document::{self, Format, table};
+use crate::cli::document::{self, Format, part_of, table_of};
 use crate::config::Config;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::calibrate::repeats_between::repeated;
-use crate::core::campaign::{Campaign, StationPart, TestKind};
+use crate::core::campaign::{Campaign, TestKind};
 use crate::core::imu_model::of_one_imu;
 use crate::core::mounting::Slot;
+use crate::message;
 use crate::wire::calibration::{CampaignAnswer, CampaignsAnswer, GyroFitBody, RepeatedBody};
 use crate::wire::document::{DocumentKind, parse};
 use crate::wire::unit;
-use crate::words;
+use crate::words::asked;
 
 /// Dwells with the largest standardised residuals that the table shows.
 const SHOWN_RESIDUALS: usize = 5;
@@ -94,7 +95,7 @@ impl Calibrate {
         let mut campaign = config.stations.complete(parse(&bytes).with_context(file)?);
         let chosen = model::chosen(self.model.as_ref())?;
         for note in chosen.notes_of_others(&campaign) {
-            eprintln!("{}: {}", file(), words::asked().words(&note));
+            eprintln!("{}: {}", file(), asked().words(&note));
         }
         let options = chosen.options(&campaign);
         campaign.model = options.terms;
@@ -111,8 +112,9 @@ impl Calibrate {
 
 /// D_I and D_S of every campaign, and what repeats between them.
 fn tables_between(fitted: &[Fitted], between: &[RepeatedBody]) -> String {
-    let mut each = table(["campaign", "station", "measured", "gyro", "D_I", "D_S"], 4..6);
-    let mut text = format!("{}: {} campaigns\n\n", fitted[0].answer.imu, fitted.len());
+    let mut each = table_of("terminal_campaigns_head", 4..6);
+    let (imu, count) = (fitted[0].answer.imu.clone(), fitted.len().to_string());
+    let mut text = format!("{}\n\n", asked().words(&message!("terminal_campaigns", imu = imu, count = count)));
     for Fitted { file, answer, .. } in fitted {
         for s in &answer.separations {
             each.add_row([
@@ -125,9 +127,8 @@ fn tables_between(fitted: &[Fitted], between: &[RepeatedBody]) -> String {
             ]);
         }
     }
-    text.push_str(&format!("Drift coefficients, deg/(h g0)\n{each}\n"));
-    let head = ["gyro", "coefficient", "n", "mean", "unit", "stated sd", "scatter", "scatter/stated", "p", "beyond"];
-    let mut repeats = table(head, 5..10);
+    text.push_str(&format!("{}\n{each}\n", asked().word("terminal_drift")));
+    let mut repeats = table_of("terminal_repeats_head", 5..10);
     for r in between {
         let [low, high] = r.ratio_interval;
         let beyond = if r.beyond_sd > 0.0 { format!("{:.2e}", r.beyond_sd) } else { "-".to_owned() };
@@ -144,36 +145,46 @@ fn tables_between(fitted: &[Fitted], between: &[RepeatedBody]) -> String {
             beyond,
         ]);
     }
-    text.push_str(&format!("\nBetween campaigns\n{repeats}\n"));
+    text.push_str(&format!("\n{}\n{repeats}\n", asked().word("terminal_repeats")));
     let beyond: Vec<String> = between
         .iter()
         .filter(|r| r.beyond_sd > 0.0)
         .map(|r| format!("{} {}", Slot::from(r.slot).name(), r.coefficient))
         .collect();
-    text.push_str(&match beyond.as_slice() {
-        [] if between.is_empty() => "Nothing is determined by two campaigns.".to_owned(),
-        [] => "No coefficient differs between campaigns by more than is stated (p >= 0.05).".to_owned(),
-        some => format!(
-            "Campaigns differ by more than is stated (p < 0.05), and the sd of the mean holds it: {}.",
-            some.join(", ")
-        ),
-    });
+    text.push_str(&asked().words(&match beyond.as_slice() {
+        [] if between.is_empty() => message!("terminal_repeats_nothing"),
+        [] => message!("terminal_repeats_none"),
+        some => message!("terminal_repeats_beyond", coefficients = some.join(", ")),
+    }));
     for Fitted { file, answer, .. } in fitted {
-        for gyro in &answer.not_separated {
-            let slot = Slot::from(gyro.slot).name();
-            text.push_str(&format!("\n{file}: {slot} ({}) is not separated: {}", gyro.serial, gyro.reason));
-        }
-        for note in &answer.notes {
-            text.push_str(&format!("\n{file}: note: {}", note.detail));
+        for remark in remarks(answer) {
+            text.push_str(&format!("\n{file}: {remark}"));
         }
     }
     text
 }
 
+/// What is said below the tables of a campaign.
+fn remarks(answer: &CampaignAnswer) -> impl Iterator<Item = String> {
+    let separated = answer.not_separated.iter().map(|gyro| {
+        let slot = Slot::from(gyro.slot).name().to_owned();
+        let (serial, reason) = (gyro.serial.clone(), gyro.reason.clone());
+        asked().words(&message!("terminal_not_separated", slot = slot, serial = serial, reason = reason))
+    });
+    separated.chain(answer.notes.iter().map(|note| document::note(&note.detail)))
+}
+
 fn tables(campaign: &Campaign, outcome: &Outcome, answer: &CampaignAnswer) -> String {
-    let CampaignAnswer { imu, station, measured_at, calibration, notes, .. } = answer;
-    let (dwells, model) = (calibration.dwells, calibration.model.join(", "));
-    let mut text = format!("{imu}, measured by {station} at {measured_at}: {dwells} dwells, model {model}\n\n");
+    let CampaignAnswer { imu, station, measured_at, calibration, .. } = answer;
+    let head = message!(
+        "terminal_calibrated",
+        imu = imu.clone(),
+        station = station.clone(),
+        at = measured_at.clone(),
+        dwells = calibration.dwells,
+        model = calibration.model.join(", ")
+    );
+    let mut text = format!("{}\n\n", asked().words(&head));
     text.push_str(&fit_table(&calibration.gyros));
     text.push_str(&parameter_table(&calibration.gyros));
     text.push_str(&residual_table(campaign, &calibration.gyros));
@@ -186,24 +197,16 @@ fn tables(campaign: &Campaign, outcome: &Outcome, answer: &CampaignAnswer) -> St
             text.push_str(&uncertainty_table(answer));
         }
     }
-    for gyro in &answer.not_separated {
-        text.push_str(&format!(
-            "\n{} ({}) is not separated: {}",
-            Slot::from(gyro.slot).name(),
-            gyro.serial,
-            gyro.reason
-        ));
-    }
-    for note in notes {
-        text.push_str(&format!("\nnote: {}", note.detail));
+    for remark in remarks(answer) {
+        text.push('\n');
+        text.push_str(&remark);
     }
     text
 }
 
 /// What the standard deviations of D_I and D_S are made of.
 fn uncertainty_table(answer: &CampaignAnswer) -> String {
-    let [levelling, azimuth, fixture] = StationPart::ALL.map(StationPart::name);
-    let mut parts = table(["gyro", "", "sd", "noise", levelling, azimuth, fixture, "discrepancy", "combined"], 2..9);
+    let mut parts = table_of("terminal_uncertainties_head", 2..9);
     for separation in &answer.separations {
         let Some(uncertainty) = &separation.uncertainty else { continue };
         let of = [("D_I", separation.d_i, uncertainty.d_i), ("D_S", separation.d_s, uncertainty.d_s)];
@@ -215,20 +218,22 @@ fn uncertainty_table(answer: &CampaignAnswer) -> String {
         }
     }
     let stated = if answer.calibration.station_uncertainty.stated {
-        ""
+        String::new()
     } else {
-        "No uncertainty of the station is stated: its levelling, azimuth and fixture are in no sd.\n"
+        format!("{}\n", asked().word("terminal_uncertainties_unstated"))
     };
-    format!("\nStandard uncertainties, deg/(h g0)\n{parts}\n{stated}")
+    format!("\n{}\n{parts}\n{stated}", asked().word("terminal_uncertainties"))
 }
 
 fn fit_table(gyros: &[GyroFitBody]) -> String {
-    let head = ["gyro", "serial", "E", "rank", "left over", "chi2/dof", "p, lack of fit", "noise, deg/h", "its source"];
-    let mut fits = table(head, 3..8);
+    let mut fits = table_of("terminal_fit_head", 3..8);
     for gyro in gyros {
         let noise = &gyro.noise;
         let factor = match (noise.sem_factor, noise.sem_factor_sd) {
-            (Some(f), Some(sd)) if sd > 0.0 => format!("{}, factor {f:.2} ± {sd:.2}", noise.source),
+            (Some(f), Some(sd)) if sd > 0.0 => {
+                let (source, factor) = (noise.source.clone(), format!("{f:.2} ± {sd:.2}"));
+                asked().words(&message!("terminal_fit_source", source = source, factor = factor))
+            }
             _ => noise.source.clone(),
         };
         let optional = |value: Option<f64>, digits: usize| value.map_or("-".to_owned(), |v| format!("{v:.digits$}"));
@@ -236,7 +241,7 @@ fn fit_table(gyros: &[GyroFitBody]) -> String {
             Slot::from(gyro.slot).name().to_owned(),
             gyro.serial.clone(),
             gyro.e_source.clone(),
-            format!("{} of {}", gyro.rank, gyro.parameters.len()),
+            part_of(gyro.rank.to_string(), gyro.parameters.len() as u64),
             gyro.dof.to_string(),
             optional(gyro.reduced_chi2, 2),
             gyro.p_value.map_or("-".to_owned(), |p| format!("{p:.2e}")),
@@ -245,15 +250,17 @@ fn fit_table(gyros: &[GyroFitBody]) -> String {
         ]);
     }
     let gauges: Vec<String> = gyros.iter().flat_map(|g| &g.null_directions).filter_map(|n| n.gauge.clone()).collect();
-    let gauge = gauges.first().map_or(String::new(), |g| format!("Gauge: {g}\n"));
-    format!("Fit\n{fits}\n{gauge}\n")
+    let gauge = gauges.first().map_or(String::new(), |gauge| {
+        format!("{}\n", asked().words(&message!("terminal_gauge", gauge = gauge.clone())))
+    });
+    format!("{}\n{fits}\n{gauge}\n", asked().word("terminal_fit"))
 }
 
 fn parameter_table(gyros: &[GyroFitBody]) -> String {
-    let mut parameters = table(["gyro", "parameter", "value", "unit", ""], 2..3);
+    let mut parameters = table_of("terminal_parameters_head", 2..3);
     for gyro in gyros {
         for p in &gyro.parameters {
-            let remark = if p.determined { "" } else { "not determined by these dwells" };
+            let remark = if p.determined { "" } else { asked().word("terminal_not_determined") };
             parameters.add_row([
                 Slot::from(gyro.slot).name().to_owned(),
                 p.name.clone(),
@@ -268,11 +275,11 @@ fn parameter_table(gyros: &[GyroFitBody]) -> String {
                 format!("{} {}", e.effect, e.name),
                 e.sd.map_or(format!("{:+.3e}", e.value), |sd| format!("{:+.3e} ± {sd:.1e}", e.value)),
                 unit::of_people(&e.unit),
-                "effect".to_owned(),
+                asked().word("terminal_effect").to_owned(),
             ]);
         }
     }
-    format!("Parameters\n{parameters}\n\n")
+    format!("{}\n{parameters}\n\n", asked().word("terminal_parameters"))
 }
 
 /// The dwells that fit worst, over all gyros.
@@ -285,7 +292,7 @@ fn residual_table(campaign: &Campaign, gyros: &[GyroFitBody]) -> String {
     if worst.is_empty() {
         return String::new();
     }
-    let mut residuals = table(["dwell", "gyro", "phase", "pulse/s", "deg/h", "in sigma", "leverage"], 3..7);
+    let mut residuals = table_of("terminal_residuals_head", 3..7);
     for (standardised, gyro, k) in worst.into_iter().take(SHOWN_RESIDUALS) {
         let list = &gyro.residuals;
         residuals.add_row([
@@ -298,5 +305,5 @@ fn residual_table(campaign: &Campaign, gyros: &[GyroFitBody]) -> String {
             format!("{:.3}", list.leverage[k]),
         ]);
     }
-    format!("Largest residuals (dwells counted from 0)\n{residuals}\n\n")
+    format!("{}\n{residuals}\n\n", asked().word("terminal_residuals"))
 }

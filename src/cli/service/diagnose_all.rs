@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::de::DeserializeOwned;
 
 use crate::cli::client::{Connection, JSON, Sent, Service, Trouble};
-use crate::cli::document::{Format, table_of, verdict};
+use crate::cli::document::{Format, part_of, table_of, verdict};
 use crate::core::message::Message;
 use crate::message;
 use crate::wire::diagnoses::{CoverageBody, DoubtBody, FindingBody, JobDetailBody, SummaryBody, WhichBody};
@@ -221,7 +221,7 @@ fn findings(all: &[FindingBody]) -> Option<String> {
             day(f.clear_at.as_deref().unwrap_or("-")),
             day(&f.first.measured_at),
             day(&f.last.measured_at),
-            of_all(format!("{}/{}", f.campaigns, f.of_since), f.of),
+            part_of(format!("{}/{}", f.campaigns, f.of_since), f.of),
             format!("{:.2}\n({})", c.median, asked().words(&range)),
             shift("D_I"),
             shift("D_S"),
@@ -230,10 +230,6 @@ fn findings(all: &[FindingBody]) -> Option<String> {
     let [title, key] =
         [message!("terminal_effects"), message!("terminal_findings_key")].map(|said| asked().words(&said));
     (!all.is_empty()).then(|| format!("{title}\n{rows}\n{key}"))
-}
-
-fn of_all(part: String, all: u64) -> String {
-    asked().words(&message!("terminal_of", part = part, all = all.to_string()))
 }
 
 fn doubts(all: &[DoubtBody]) -> Option<String> {
@@ -245,7 +241,7 @@ fn doubts(all: &[DoubtBody]) -> Option<String> {
             d.gyros.join(" "),
             d.signs.join("\n"),
             d.stations.join("\n"),
-            of_all(d.campaigns.to_string(), d.of),
+            part_of(d.campaigns.to_string(), d.of),
             day(&d.first.measured_at),
             day(&d.last.measured_at),
         ]);

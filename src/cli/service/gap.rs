@@ -6,15 +6,17 @@ use anyhow::Context;
 use clap::Args;
 use serde::Serialize;
 
-use super::predict::{NOTHING_TO_CLOSE, identified, measured, state};
+use super::predict::{identified, measured, state, step};
 use crate::cli::client::Connection;
 use crate::cli::common::{Usage, block_on};
-use crate::cli::document::{self, Format, table};
+use crate::cli::document::{self, Format, table_of};
 use crate::core::imu_model::{compare, ladder};
 use crate::core::judge::Limits;
+use crate::message;
 use crate::wire::forecast::{ClosingBody, ComparedBody, ForecastBody, ForecastPointBody, ForecastSeriesBody, RungBody};
 use crate::wire::text::encoded;
 use crate::wire::time;
+use crate::words::asked;
 
 /// Show the gap between the model of an IMU and its later campaigns: model (6), each effect, the noise floor
 ///
@@ -99,32 +101,41 @@ impl Ladder {
 
 fn tables(imu: &str, ladders: &[Ladder]) -> String {
     if ladders.is_empty() {
-        return format!("{imu}: no campaign has a forecast; it needs an earlier campaign of the same gyros\n");
+        return format!("{}\n", asked().words(&message!("terminal_gap_none", imu = imu.to_owned())));
     }
-    let mut rows = table(["campaign", "model", "forecast error, deg/h", "in sd", "closes"], 2..4);
+    let mut rows = table_of("terminal_gap_head", 2..4);
     for one in ladders {
         let mut left = [one.measured_at.as_str(), state(&one.state)].into_iter();
         let mut left = || left.next().unwrap_or_default().to_owned();
         for (k, rung) in one.rungs.iter().enumerate() {
             let last = k + 1 == one.rungs.len();
             let closes = one.closing.filter(|_| last && k > 0).map_or(String::new(), |c| match c.interval {
-                Some([low, high]) => {
-                    format!("{:.0} % ({:.0} to {:.0})", 100.0 * c.closure, 100.0 * low, 100.0 * high)
+                Some(interval) => {
+                    let [closure, low, high] =
+                        [c.closure, interval[0], interval[1]].map(|x| format!("{:.0}", 100.0 * x));
+                    let interval = asked().words(&message!("terminal_to", from = low, to = high));
+                    format!("{closure} % ({interval})")
                 }
-                None => NOTHING_TO_CLOSE.to_owned(),
+                None => asked().word("terminal_nothing_to_close").to_owned(),
             });
             rows.add_row([
                 left(),
-                rung.effect.as_ref().map_or("model (6)".to_owned(), |effect| format!("+ {effect}")),
+                step(rung),
                 format!("{:.3e}", rung.rms_deg_per_h),
                 format!("{:.2}", rung.rms_over_sd),
                 closes,
             ]);
         }
         let floor = format!("{:.3e}", one.noise_deg_per_h);
-        rows.add_row([left(), "noise floor".to_owned(), floor, "1.00".to_owned(), String::new()]);
+        rows.add_row([
+            left(),
+            asked().word("terminal_noise_floor").to_owned(),
+            floor,
+            "1.00".to_owned(),
+            String::new(),
+        ]);
     }
     let plain = ladders.iter().all(|one| one.rungs.len() == 1);
-    let hint = if plain { "\nNo effects are adopted. `gyrowatch model fit` finds them." } else { "" };
-    format!("{imu}: forecast error of each campaign\n{rows}{hint}")
+    let hint = if plain { format!("\n{}", asked().word("terminal_gap_plain")) } else { String::new() };
+    format!("{}\n{rows}{hint}", asked().words(&message!("terminal_gap_of", imu = imu.to_owned())))
 }

@@ -7,13 +7,15 @@ use clap::{Args, Subcommand};
 
 use super::calibrate::files_of_one_imu;
 use super::{hypothesis, model, settings};
-use crate::cli::document::{self, Format, table};
+use crate::cli::document::{self, Format, table_of};
 use crate::core::augmented::{Adopted, AugmentedModel};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::Verdict;
 use crate::core::effects::Effect;
 use crate::core::imu_model::{Chosen, Identified, Of, Sample, asked_for, identify, named};
 use crate::core::model::{Term, Terms};
+use crate::core::mounting::Slot;
+use crate::message;
 use crate::system::sha256;
 use crate::wire::campaign::terms_from_names;
 use crate::wire::document::parse;
@@ -121,13 +123,14 @@ impl Fit {
         for (campaign, verdict) in campaigns.iter().zip(&chosen.verdicts) {
             if matches!(verdict, Verdict::PartlyExplained | Verdict::Unexplained) {
                 let at = time::format(campaign.measured_at);
-                eprintln!("{at}: {}; forecasts will miss by what is left", verdict.name().replace('_', " "));
+                let verdict = words::asked().words(&document::verdict(verdict.name()));
+                let warning = message!("terminal_fit_short", at = at, verdict = verdict);
+                eprintln!("{}", words::asked().words(&warning));
             }
         }
         for id in self.asked().filter(|id| identified.effects.iter().all(|adopted| adopted.effect.id() != *id)) {
-            eprintln!(
-                "--effects: {id} is left out: these campaigns do not tell it; docs/diagnosis.md says what each effect needs"
-            );
+            let left_out = message!("terminal_fit_left_out", effect = id.to_owned());
+            eprintln!("--effects: {}", words::asked().words(&left_out));
         }
         let shown = tables(&identified);
         let file = identified.into_model(&chosen.model);
@@ -184,16 +187,18 @@ fn lasting(id: &str, own: &[Effect]) -> anyhow::Result<Effect> {
 
 fn tables(model: &Identified) -> String {
     let at = |t| time::format(t);
-    let reference = model.reference_c.map_or("no temperature".to_owned(), |t| format!("{t:.2} deg C"));
-    let mut out = format!(
-        "{}: {} coefficients from {} campaign(s), {} to {}, at {reference}\n\n",
-        model.imu,
-        model.coefficients.len(),
-        model.campaigns.len(),
-        at(model.campaigns[0].measured_at),
-        at(model.measured_at)
+    let none = || words::asked().word("terminal_no_temperature").to_owned();
+    let head = message!(
+        "terminal_model_of",
+        imu = model.imu.to_string(),
+        coefficients = model.coefficients.len(),
+        campaigns = model.campaigns.len(),
+        first = at(model.campaigns[0].measured_at),
+        last = at(model.measured_at),
+        reference = model.reference_c.map_or_else(none, |t| format!("{t:.2} deg C"))
     );
-    let mut drift = table(["gyro", "serial", "D_F", "D_I", "D_S", "D_O", "|E|", "noise N"], 2..8);
+    let mut out = format!("{}\n\n", words::asked().words(&head));
+    let mut drift = table_of("terminal_model_gyros_head", 2..8);
     let (values, covariance) = (model.values(), &model.covariance);
     for gyro in &model.gyros {
         let figure = |value: f64, sd: f64| format!("{value:+.5} ± {sd:.5}");
@@ -213,24 +218,24 @@ fn tables(model: &Identified) -> String {
         let noise = format!("{:.2e}", gyro.noise.random_walk);
         drift.add_row([gyro.slot.name().to_owned(), gyro.serial.to_string(), d_f, d_i, d_s, d_o, e, noise]);
     }
-    out.push_str(&format!("Gyros: deg/h, deg/(h g0), pulse/arcsec, deg/sqrt(h)\n{drift}\n"));
-    let mut effects = table(["effect", "gyro", "coefficient", "value", "unit"], 3..4);
+    out.push_str(&format!("{}\n{drift}\n", words::asked().word("terminal_model_gyros")));
+    let mut effects = table_of("terminal_model_effects_head", 3..4);
     for (place, c) in model.coefficients.iter().enumerate() {
         let Of::Effect(effect, number) = c.of else { continue };
         let adopted = &model.effects[effect];
         let one = adopted.effect.entry().coefficients(adopted.shape)[number];
         effects.add_row([
             adopted.effect.id().to_owned(),
-            c.slot.map_or("all", crate::core::mounting::Slot::name).to_owned(),
+            c.slot.map_or_else(|| words::asked().word("terminal_all"), Slot::name).to_owned(),
             one.name.to_owned(),
             format!("{:+.3e} ± {:.1e}", c.value, model.sd(place)),
             unit::of_people(one.unit),
         ]);
     }
     if model.effects.is_empty() {
-        out.push_str("\nNo effects beside model (6)\n");
+        out.push_str(&format!("\n{}\n", words::asked().word("terminal_model_plain")));
     } else {
-        out.push_str(&format!("\nEffects\n{effects}\n"));
+        out.push_str(&format!("\n{}\n{effects}\n", words::asked().word("terminal_model_effects")));
     }
     out
 }

@@ -6,23 +6,22 @@ use anyhow::{Context, bail};
 use clap::Args;
 
 use super::{model, settings};
-use crate::cli::document::{self, Format, table, table_of};
+use crate::cli::document::{self, Format, table_of};
 use crate::core::campaign::Campaign;
 use crate::core::imu_model::{Identified, changed, compare, forecast, ladder, most_telling, promised};
 use crate::core::judge::Limits;
+use crate::core::message::Message;
 use crate::message;
 use crate::simulate::of_model::scenario_of;
 use crate::simulate::{Scenario, simulate};
 use crate::wire::document::parse;
-use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastBody};
+use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastBody, RungBody};
 use crate::wire::triple::Triple;
 use crate::wire::unit;
 use crate::words::asked;
 
 /// Dwells that a table shows.
 const SHOWN: usize = 8;
-/// Where the error without the effects does not exceed the noise.
-pub(super) const NOTHING_TO_CLOSE: &str = "nothing to close";
 
 /// Foretell a campaign from the model of its IMU, and compare it where it is measured
 ///
@@ -99,13 +98,20 @@ fn held_against(model: &Identified, campaign: &Campaign) -> anyhow::Result<Forec
 
 fn tables(body: &ForecastBody) -> String {
     let model = &body.model;
-    let effects = if model.effects.is_empty() { "no effects".to_owned() } else { model.effects.join(", ") };
-    let mut out = format!(
-        "{}, {} at {}: forecast by the model of {} ({} campaign(s), {effects})\n",
-        body.imu, body.station, body.measured_at, model.measured_at, model.campaigns
+    let head = message!(
+        "terminal_forecast",
+        imu = body.imu.clone(),
+        station = body.station.clone(),
+        at = body.measured_at.clone(),
+        model = model.measured_at.clone(),
+        campaigns = model.campaigns,
+        effects = model.effects.join(", "),
+        count = model.effects.len()
     );
+    let mut out = format!("{}\n", asked().words(&head));
     if let Some(promised) = &body.promised {
-        out.push_str(&format!("Promised by the model: {}\n", closing(promised)));
+        let promised = message!("terminal_promised", closes = closing(promised));
+        out.push_str(&format!("{}\n", asked().words(&promised)));
     }
     match &body.compared {
         Some(compared) => out.push_str(&comparison(compared)),
@@ -118,24 +124,25 @@ fn tables(body: &ForecastBody) -> String {
         out.push_str(&against_model(changed));
     }
     for note in &body.notes {
-        out.push_str(&format!("\nnote: {note}"));
+        out.push('\n');
+        out.push_str(&document::note(note));
     }
     out
 }
 
-fn closing(c: &ClosingBody) -> String {
-    let closes = match c.interval {
+fn closing(c: &ClosingBody) -> Message {
+    let [before, after] = [c.before_deg_per_h, c.after_deg_per_h].map(|x| format!("{x:.2e}"));
+    match c.interval {
         Some([low, high]) => {
-            let [closure, low, high] = [c.closure, low, high].map(|share| 100.0 * share);
-            format!("the effects close {closure:.1} % of the forecast error (95 % {low:.1} to {high:.1} %)")
+            let [closure, low, high] = [c.closure, low, high].map(|share| format!("{:.1}", 100.0 * share));
+            message!("terminal_closes", closure = closure, low = low, high = high, before = before, after = after)
         }
-        None => format!("{NOTHING_TO_CLOSE}, the error without the effects is within the noise"),
-    };
-    format!("{closes}; {:.2e} deg/h before, {:.2e} after", c.before_deg_per_h, c.after_deg_per_h)
+        None => message!("terminal_closes_nothing", before = before, after = after),
+    }
 }
 
 fn foretold(body: &ForecastBody) -> String {
-    let mut rows = table(["dwell", "gyro", "output, pulse/s", "sd", "of it noise"], 0..1);
+    let mut rows = table_of("terminal_foretold_head", 0..1);
     for gyro in &body.gyros {
         for k in 0..gyro.predicted_pulse_s.len() {
             let (sd, noise) = (gyro.sd_pulse_s[k], gyro.noise_sd_pulse_s[k]);
@@ -143,7 +150,11 @@ fn foretold(body: &ForecastBody) -> String {
             rows.add_row([
                 k.to_string(),
                 gyro.slot.clone(),
-                if told { format!("{:+.6}", gyro.predicted_pulse_s[k]) } else { "not foretold".to_owned() },
+                if told {
+                    format!("{:+.6}", gyro.predicted_pulse_s[k])
+                } else {
+                    asked().word("terminal_not_foretold").to_owned()
+                },
                 if told { format!("{sd:.6}") } else { "-".to_owned() },
                 format!("{noise:.6}"),
             ]);
@@ -153,7 +164,7 @@ fn foretold(body: &ForecastBody) -> String {
 }
 
 fn to_measure(body: &ForecastBody) -> String {
-    let mut rows = table(["dwell", "a, g0", "w, arcsec/s", "tells, nats", "sd/noise"], 3..5);
+    let mut rows = table_of("terminal_to_measure_head", 3..5);
     let three = |v: Triple, decimals: usize| v.0.map(|x| format!("{x:+.decimals$}")).join(" ");
     for one in &body.next_dwells {
         rows.add_row([
@@ -164,57 +175,68 @@ fn to_measure(body: &ForecastBody) -> String {
             format!("{:.2}", one.sd_over_noise),
         ]);
     }
-    format!("\nDwells that tell most of what the model does not know\n{rows}\n")
+    format!("\n{}\n{rows}\n", asked().word("terminal_to_measure"))
 }
 
 fn comparison(c: &ComparedBody) -> String {
-    let mut out = format!(
-        "Measured: {}. rms(error/sd) {:.3} over {} outputs, p {:.2e}; uniformity of the PIT, p {:.2}\n",
-        state(&c.state),
-        c.rms_over_sd,
-        c.count,
-        c.p_value,
-        c.pit_p_value
+    let measured = message!(
+        "terminal_forecast_measured",
+        state = state(&c.state).to_owned(),
+        rms = format!("{:.3}", c.rms_over_sd),
+        count = c.count,
+        p = format!("{:.2e}", c.p_value),
+        pit = format!("{:.2}", c.pit_p_value)
     );
+    let mut out = format!("{}\n", asked().words(&measured));
     if let Some(verdict) = c.verdict.as_ref().filter(|verdict| !verdict.is_within()) {
         out.push_str(&format!("{}\n", verdict.reason));
     }
     if let Some(seen) = &c.closing {
-        out.push_str(&format!("Seen: {}\n", closing(seen)));
+        let seen = message!("terminal_seen", closes = closing(seen));
+        out.push_str(&format!("{}\n", asked().words(&seen)));
     }
-    let mut gyros = table(["gyro", "rms(error/sd)", "p"], 1..3);
+    let mut gyros = table_of("terminal_forecast_gyros_head", 1..3);
     for gyro in &c.gyros {
         gyros.add_row([gyro.slot.clone(), format!("{:.3}", gyro.rms_over_sd), format!("{:.2e}", gyro.p_value)]);
     }
     out.push_str(&format!("\n{gyros}\n"));
     out.push_str(&steps(c));
     if !c.missed.is_empty() {
-        let mut missed = table(["missed dwell", "gyro", "z"], 0..1);
+        let mut missed = table_of("terminal_missed_head", 0..1);
         for miss in c.missed.iter().take(SHOWN) {
             missed.add_row([miss.dwell.to_string(), miss.slot.clone(), format!("{:+.1}", miss.z)]);
         }
-        out.push_str(&format!("\n{} outputs missed their forecast\n{missed}\n", c.missed.len()));
+        let title = asked().words(&message!("terminal_missed", count = c.missed.len()));
+        out.push_str(&format!("\n{title}\n{missed}\n"));
     }
     out
 }
 
 /// How a campaign came out, in words.
-pub(super) fn state(state: &str) -> &str {
-    match state {
-        "outside" => "outside its forecast",
-        "as_foretold" => "as foretold",
-        _ => "cannot be judged",
-    }
+pub(super) fn state(state: &str) -> &'static str {
+    asked().word(match state {
+        "outside" => "terminal_forecast_outside",
+        "as_foretold" => "terminal_forecast_met",
+        _ => "terminal_forecast_not_judged",
+    })
+}
+
+/// A step of the ladder, by the effect that it adds.
+pub(super) fn step(rung: &RungBody) -> String {
+    rung.effect.as_ref().map_or_else(|| asked().word("terminal_model_6").to_owned(), |effect| format!("+ {effect}"))
 }
 
 /// The ladder with the noise floor at its foot.
 pub(super) fn steps(c: &ComparedBody) -> String {
-    let mut steps = table(["model", "forecast error, deg/h", "in sd"], 1..3);
+    let mut steps = table_of("terminal_steps_head", 1..3);
     for rung in &c.ladder {
-        let name = rung.effect.as_ref().map_or("model (6)".to_owned(), |effect| format!("+ {effect}"));
-        steps.add_row([name, format!("{:.3e}", rung.rms_deg_per_h), format!("{:.2}", rung.rms_over_sd)]);
+        steps.add_row([step(rung), format!("{:.3e}", rung.rms_deg_per_h), format!("{:.2}", rung.rms_over_sd)]);
     }
-    steps.add_row(["noise floor".to_owned(), format!("{:.3e}", c.noise_deg_per_h), "1.00".to_owned()]);
+    steps.add_row([
+        asked().word("terminal_noise_floor").to_owned(),
+        format!("{:.3e}", c.noise_deg_per_h),
+        "1.00".to_owned(),
+    ]);
     format!("\n{steps}\n")
 }
 

@@ -7,11 +7,12 @@ use anyhow::{Context, anyhow, bail};
 use comfy_table::Table;
 
 use super::settings;
-use crate::cli::document::{self, Format, table};
+use crate::cli::document::{self, Format, table_of};
 use crate::config::Judging;
 use crate::core::judge::{State, Verdict};
 use crate::core::record::{GyroParameters, Record};
 use crate::core::separate::{NotPublished, Published, Separation, separate, stated_covariance};
+use crate::message;
 use crate::pages::figure::with_sd;
 use crate::wire::answer::{MethodBody, RecordAnswer, SeparationBody, VerdictBody};
 use crate::wire::document::DocumentKind;
@@ -106,16 +107,18 @@ fn answer(record: &Record, separations: &[Separation], verdicts: &[Requirements]
 }
 
 fn tables(record: &Record, separations: &[Separation], verdicts: &[Requirements]) -> String {
-    let (imu, station, at) = (&record.imu, &record.station, time::format(record.calibrated_at));
+    let (imu, station) = (record.imu.to_string(), record.station.to_string());
+    let at = time::format(record.calibrated_at);
+    let head = asked().words(&message!("terminal_separated", imu = imu, station = station, at = at));
     let rows = record.gyros.iter().zip(separations).map(|(gyro, s)| (gyro.serial.as_str(), s));
     let requirements = requirement_table(record.gyros.iter().zip(verdicts));
-    format!("{imu}, calibrated by {station} at {at}\n\n{}{requirements}", drift_and_mounting(rows))
+    format!("{head}\n\n{}{requirements}", drift_and_mounting(rows))
 }
 
 /// How E and G keep to what is required of them, and below the table why where they do not; empty where nothing is
 /// required.
 fn requirement_table<'a>(gyros: impl Iterator<Item = (&'a GyroParameters, &'a Requirements)>) -> String {
-    let (mut statuses, mut reasons) = (table(["gyro", "serial", "E", "G"], 4..4), String::new());
+    let (mut statuses, mut reasons) = (table_of("terminal_requirements_head", 4..4), String::new());
     for (gyro, verdicts) in gyros.filter(|(_, verdicts)| verdicts.iter().any(Option::is_some)) {
         let (slot, serial) = (gyro.slot.name(), gyro.serial.as_str());
         let [e, g] = verdicts.map(|verdict| verdict.map_or("-", |verdict| asked().word(&verdict.status().word().code)));
@@ -127,14 +130,14 @@ fn requirement_table<'a>(gyros: impl Iterator<Item = (&'a GyroParameters, &'a Re
     if statuses.is_empty() {
         String::new()
     } else {
-        format!("\n\nE and G against what is required of them\n{statuses}{reasons}")
+        format!("\n\n{}\n{statuses}{reasons}", asked().word("terminal_requirements"))
     }
 }
 
 /// Two tables: drift coefficients by every method, and the mounting, for gyros given by serial.
 pub(super) fn drift_and_mounting<'a>(gyros: impl Iterator<Item = (&'a str, &'a Separation)>) -> String {
-    let mut drift = table(["gyro", "serial", "method", "D_I", "D_S", "closure", ""], 3..6);
-    let mut mounting = table(["gyro", "|E|", "alpha x", "alpha y", "alpha z", "off nominal", "clocking"], 1..7);
+    let mut drift = table_of("terminal_drift_head", 3..6);
+    let mut mounting = table_of("terminal_mounting_head", 1..7);
     for (serial, s) in gyros {
         add_drift_rows(&mut drift, serial, s);
         let alpha = s.alpha.map(|a| format!("{:.6}", a.to_degrees()));
@@ -143,10 +146,8 @@ pub(super) fn drift_and_mounting<'a>(gyros: impl Iterator<Item = (&'a str, &'a S
         let scale = format!("{:.6}", s.scale_factor);
         mounting.add_row([s.slot.name().into(), scale, x, y, z, format!("{off:.3}'"), format!("{clocking:+.4}")]);
     }
-    format!(
-        "Drift coefficients, deg/(h g0)\n{drift}\n\n\
-         Mounting: |E| in pulse/arcsec, angles of the input axis in deg, clocking of S about I if D_O = 0 in truth\n{mounting}"
-    )
+    let [drifts, mountings] = ["terminal_drift", "terminal_mounting"].map(|title| asked().word(title));
+    format!("{drifts}\n{drift}\n\n{mountings}\n{mounting}")
 }
 
 fn add_drift_rows(table: &mut Table, serial: &str, s: &Separation) {
@@ -155,9 +156,9 @@ fn add_drift_rows(table: &mut Table, serial: &str, s: &Separation) {
     let r = &s.rigid;
     let figures = [figure(r.d_i, i_sd), figure(r.d_s, s_sd), figure(r.d_o, o_sd)];
     let [d_i, d_s, d_o] = figures;
-    table.add_row([slot, serial, "rigid".into(), d_i, d_s, d_o, "D_O".into()]);
-    for (name, published) in [("published", &s.published), ("as printed", &s.as_printed)] {
-        table.add_row(published_row(name, published));
+    table.add_row([slot, serial, asked().word("method_rigid").into(), d_i, d_s, d_o, "D_O".into()]);
+    for (name, published) in [("terminal_published", &s.published), ("terminal_as_printed", &s.as_printed)] {
+        table.add_row(published_row(asked().word(name), published));
     }
 }
 
@@ -168,9 +169,23 @@ fn published_row(name: &str, published: &Result<Published, NotPublished>) -> [St
             let [i_sd, s_sd] = p.sd().map_or([None; 2], |sd| sd.map(Some));
             let method = format!("{name} ({})", p.branch.number());
             let closure = format!("{:.6}", p.closure_rms);
-            [blank(), blank(), method, figure(p.d_i, i_sd), figure(p.d_s, s_sd), closure, "rms".into()]
+            [
+                blank(),
+                blank(),
+                method,
+                figure(p.d_i, i_sd),
+                figure(p.d_s, s_sd),
+                closure,
+                asked().word("terminal_rms").into(),
+            ]
         }
-        Err(why) => [blank(), blank(), name.into(), "-".into(), "-".into(), "-".into(), why.to_string()],
+        Err(why) => {
+            let why = asked().word(match why {
+                NotPublished::Geometry => "terminal_not_skewed",
+                NotPublished::Degenerate => "terminal_directions_coincide",
+            });
+            [blank(), blank(), name.into(), "-".into(), "-".into(), "-".into(), why.into()]
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! What there is to note about the columns of the dwells, some of which may lack.
 
+use std::ops::RangeInclusive;
+
 use super::commanded::findings;
 use super::temperatures::Temperatures;
 use super::{Campaign, CampaignNote, Column, Dwell, Phase};
@@ -24,9 +26,15 @@ pub fn notes(campaign: &Campaign) -> Vec<Note> {
     let (none, some) = lacks(Column::Temperature, |d| d.temperature_c.is_some());
     notes.extend(none.then_some(Note::NoTemperatures).or(some));
     notes.extend(temperature_outliers(campaign));
+    let stated = [Temperatures::of(campaign).median].into_iter().chain(campaign.temperature_c);
+    let in_another_unit = stated.filter(|celsius| !CALIBRATED_AT.contains(celsius));
+    notes.extend(in_another_unit.take(1).map(|median| Note::Campaign(CampaignNote::TemperatureUnit { median })));
     notes.extend(lacks(Column::StandardErrors, |d| d.output_sem_pulse_s.is_some()).1);
     notes
 }
+
+/// Temperatures at which gyros are calibrated, deg C. What lies outside is in kelvin or in degrees Fahrenheit.
+const CALIBRATED_AT: RangeInclusive<f64> = -60.0..=100.0;
 
 /// Dwells whose temperature is left out.
 pub(crate) fn temperature_outliers(campaign: &Campaign) -> impl Iterator<Item = Note> {

@@ -20,6 +20,10 @@ pub enum CampaignNote {
         celsius: f64,
         median: f64,
     },
+    /// The median of the temperatures is none that a gyro is calibrated at: another unit.
+    TemperatureUnit {
+        median: f64,
+    },
     /// What was commanded contradicts itself, where that hardly matters.
     Commanded(Finding),
     /// Static dwells whose rate is not the Earth's at their attitude: how many of how many, and the worst of them.
@@ -112,6 +116,7 @@ impl CampaignNote {
             Self::Missing { column: Column::Temperature, .. } => "temperatures_missing",
             Self::Missing { column: Column::StandardErrors, .. } => "standard_errors_missing",
             Self::TemperatureOutlier { .. } => "temperature_outlier",
+            Self::TemperatureUnit { .. } => "temperature_unit",
             Self::Commanded(finding) => finding.symptom.code(),
             Self::RateNotOfAttitude { .. } => "rate_not_of_attitude",
             Self::NoStandardErrors => "no_standard_errors",

@@ -380,6 +380,9 @@ impl HistoryDiagnosis {
             HistoryVerdict::TooFew if self.is_of_a_day => message!("history_of_a_day", records = self.records),
             HistoryVerdict::TooFew => message!("history_too_few", records = self.records),
             HistoryVerdict::NoChange => message!("history_no_change"),
+            HistoryVerdict::Explained if self.causes.iter().any(|one| one.cause == "step") => {
+                message!("history_explained_by_step")
+            }
             HistoryVerdict::Explained => message!("history_explained"),
             HistoryVerdict::PartlyExplained => message!("history_partly_explained"),
             HistoryVerdict::Unexplained => message!("history_unexplained"),
@@ -387,12 +390,17 @@ impl HistoryDiagnosis {
     }
 
     /// Whether one step explains all of its change, and nothing else does as well: the gyro's own, or its station's.
-    pub fn is_one_step(&self) -> bool {
+    pub(super) fn is_one_step(&self) -> bool {
         let is_step = |cause: &&str| matches!(*cause, "step" | "step_at_event" | "re_mounting");
         let stepped = |cause: &NamedCause| {
             is_step(&cause.cause) && cause.class.iter().all(|other| is_step(other) || *other == "station")
         };
         self.verdict == HistoryVerdict::Explained && matches!(&self.causes[..], [one] if stepped(one))
+    }
+
+    /// Whether one recorded event explains all of its change.
+    pub fn is_one_event(&self) -> bool {
+        self.is_one_step() && self.causes.iter().all(|one| one.cause != "step")
     }
 
     /// Of how many records it is said, where not all that count are looked at.

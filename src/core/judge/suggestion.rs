@@ -10,7 +10,7 @@ named! {
 pub enum Suggestion("suggestion_") {
     /// Everything that could be judged is in tolerance.
     Release = "release",
-    /// Nothing could be judged yet.
+    /// Nothing could be judged yet, or not against a baseline.
     MoreRecords = "more_records",
     /// Its interval is over.
     Calibrate = "calibrate",
@@ -28,7 +28,7 @@ pub enum Suggestion("suggestion_") {
     Remove = "remove",
     /// Out of tolerance for certain: it goes, or somebody accepts its new level with a reason.
     RemoveOrAccept = "remove_or_accept",
-    /// As before, where one step is known to explain it.
+    /// As before, where a recorded event explains it.
     AcceptOrRemove = "accept_or_remove",
 }
 }
@@ -42,8 +42,10 @@ pub struct Standpoint {
     pub verdicts: Vec<(Coefficient, Status)>,
     /// Whether it moves on or scatters: it has no level that could be accepted.
     pub unsteady: bool,
-    /// Whether one step explains all that changed of what is out of tolerance: it has a new level.
-    pub stepped_once: bool,
+    /// Whether one recorded event explains all that changed of what is out of tolerance: it has a new level.
+    pub stepped_at_event: bool,
+    /// Whether a coefficient still waits for its baseline: nothing says yet that it stays.
+    pub awaits_baseline: bool,
     /// Whether its interval is over.
     pub overdue: bool,
     /// Days until a trend may have reached the budget: the early edge of its band.
@@ -67,7 +69,7 @@ pub fn suggest(of: &Standpoint) -> Option<Suggestion> {
             match closure_alone {
                 true => Suggestion::CheckMounting,
                 false if of.unsteady => Suggestion::Remove,
-                false if of.stepped_once => Suggestion::AcceptOrRemove,
+                false if of.stepped_at_event => Suggestion::AcceptOrRemove,
                 false => Suggestion::RemoveOrAccept,
             }
         }
@@ -79,6 +81,7 @@ pub fn suggest(of: &Standpoint) -> Option<Suggestion> {
         Status::TooUncertain => Suggestion::LowerUncertainty,
         Status::NotEnoughData => Suggestion::MoreRecords,
         _ if soon => Suggestion::ShortenInterval,
+        _ if of.awaits_baseline => Suggestion::MoreRecords,
         _ => Suggestion::Release,
     })
 }
@@ -117,8 +120,10 @@ mod tests {
         assert_eq!(suggest(&Standpoint::default()), None, "never calibrated");
         let moves_on = Standpoint { unsteady: true, ..of(Status::Confirmed, &[(DI, Status::Confirmed)]) };
         assert_eq!(suggest(&moves_on), Some(Suggestion::Remove), "no level to accept");
-        let stepped = Standpoint { stepped_once: true, ..of(Status::Confirmed, &[(DI, Status::Confirmed)]) };
+        let stepped = Standpoint { stepped_at_event: true, ..of(Status::Confirmed, &[(DI, Status::Confirmed)]) };
         assert_eq!(suggest(&stepped), Some(Suggestion::AcceptOrRemove));
+        let young = Standpoint { awaits_baseline: true, ..of(Status::InTolerance, &[(DI, Status::InTolerance)]) };
+        assert_eq!(suggest(&young), Some(Suggestion::MoreRecords), "two records that agree are no release");
         let both = Standpoint { unsteady: true, ..stepped };
         assert_eq!(suggest(&both), Some(Suggestion::Remove), "what scatters about a new level has none");
     }

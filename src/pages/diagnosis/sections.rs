@@ -40,6 +40,7 @@ fn summary(t: &Text, d: &DiagnosisBody) -> Markup {
         p.lead { strong { (d.verdict_in_words(t.language())) } }
         (found(t, d))
         p.lead { (consequence(t, d)) }
+        (beside(t, d))
         (ladder(t, d))
         p.note {
             (t.noise_floor) " " (short(d.noise_floor.deg_per_h)) " " (t.rate_unit) ", " (t.noise_source(&d.noise_floor.source))
@@ -69,17 +70,20 @@ pub(in crate::pages) fn found(t: &Text, d: &DiagnosisBody) -> Markup {
 /// `G1 -1.108 ± 0.087 ppm; G2 …`: the coefficients as an engineer writes them.
 fn sizes(t: &Text, effect: &EffectBody) -> String {
     let size = |estimate: &EstimateBody| {
-        let (factor, unit) = if is_shape(estimate) {
-            (1.0, estimate.unit.trim_matches('1'))
-        } else {
-            in_engineers_units(&estimate.unit)
-        };
         let slot = if estimate.slot == "all" { String::new() } else { format!("{} ", estimate.slot) };
         let name = if estimate.name == "k" { String::new() } else { format!("{} = ", estimate.name) };
-        let value = figure::with_sd(factor * estimate.value, Some(factor * estimate.sd).filter(|sd| *sd > 0.0), 3);
-        format!("{slot}{name}{value} {}", t.unit_of(unit)).trim_end().to_owned()
+        let (value, unit) = sized(t, estimate);
+        format!("{slot}{name}{value} {unit}").trim_end().to_owned()
     };
     effect.estimates.iter().map(size).collect::<Vec<_>>().join(t.semicolon)
+}
+
+/// An estimate and its unit, as an engineer writes them.
+fn sized(t: &Text, estimate: &EstimateBody) -> (String, String) {
+    let (factor, unit) =
+        if is_shape(estimate) { (1.0, estimate.unit.trim_matches('1')) } else { in_engineers_units(&estimate.unit) };
+    let value = figure::with_sd(factor * estimate.value, Some(factor * estimate.sd).filter(|sd| *sd > 0.0), 3);
+    (value, t.unit_of(unit))
 }
 
 /// Whether an estimate is of the effect's shape: a time constant, an instant, a dwell. Its regressors are linear in the
@@ -112,6 +116,26 @@ fn consequence(t: &Text, d: &DiagnosisBody) -> Markup {
                 @if k > 0 { (t.semicolon) }
                 (one.slot) " " (layout::symbol(&one.coefficient)) " "
                 (figure::signed_drift(one.shift, Some(one.augmented_sd))) " (" (percent(one.of_budget)) ")"
+            }
+        }
+    }
+}
+
+/// What limits that: a campaign outside its forecast, and effects that it hardly shows.
+fn beside(t: &Text, d: &DiagnosisBody) -> Markup {
+    let outside = d.forecast.as_ref().and_then(|point| point.compared.as_ref()).filter(|one| one.is_outside());
+    // What a campaign never shows is part of G, and judged by its closure.
+    let hardly: Vec<&str> =
+        d.not_identifiable.iter().filter(|one| one.visible_fraction > 0.0).map(|one| one.effect.as_str()).collect();
+    html! {
+        @if let Some(compared) = outside {
+            p { (forecast::state(t, compared)) ": " a href="#forecast" { (t.forecast) } }
+        }
+        @if !hardly.is_empty() {
+            p.note {
+                (t.hardly_shown)
+                @for (k, effect) in hardly.into_iter().enumerate() { (if k > 0 { ", " } else { " " }) (effect_word(t, effect)) }
+                " (" a href="#hidden" { (t.why) } ")"
             }
         }
     }
@@ -197,11 +221,12 @@ fn one_effect(t: &Text, d: &DiagnosisBody, effect: &EffectBody, gyros: &[(String
                 p { strong { (wider.slot) " " (t.alone_cannot_tell_from) } " " (others(t, effect, &wider.class)) }
             }
             div.scroll tabindex="0" { table {
-                thead { tr { th { (t.serial) } th { (t.parameter) } th.n { (t.value) } th { (t.unit_word) } } }
+                thead { tr { th { (t.slot) } th { (t.parameter) } th.n { (t.value) } th { (t.unit_word) } } }
                 tbody { @for estimate in &effect.estimates {
+                    @let (value, unit) = sized(t, estimate);
                     tr {
                         td { (if estimate.slot == "all" { t.all_gyros } else { &estimate.slot }) } td { (estimate.name) }
-                        td.n { (figure::with_sd(estimate.value, Some(estimate.sd), 6)) } td { (t.unit_of(&estimate.unit)) }
+                        td.n { (value) } td { (unit) }
                     }
                 } }
             } }
@@ -354,7 +379,7 @@ fn before_and_after(t: &Text, d: &DiagnosisBody, slots: &[(String, String)]) -> 
 fn blind_spots(t: &Text, d: &DiagnosisBody) -> Markup {
     html! {
         @if !d.not_identifiable.is_empty() {
-            section {
+            section #hidden {
                 h2 { (t.cannot_be_told) }
                 div.scroll tabindex="0" { table {
                     thead { tr { th { (t.effect) } th.n { (t.visible) } th { (t.why) } th { (t.would_show) } } }

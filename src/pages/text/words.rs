@@ -82,16 +82,16 @@ words_of_pages! {
 
     // A diagnosis.
     diagnosis diagnosis_waiting gap_before after_effect ladder_note ladder_of_fit semicolon impact_none impact_some
-    evidence_note regressor ruled_out_same ruled_out_weaker ruled_out_within model_in_use noise_floor sign_of_more
+    evidence_note residual_word regressor ruled_out_same ruled_out_weaker ruled_out_within model_in_use noise_floor sign_of_more
     what_parts_them no_effect adjusted_p detectability cannot_tell_from alone_cannot_tell_from
     parameter value unit_word all_gyros held_out located heat_note heat_map by_attitude place share against against_note
     none_before hold_against reference whole_gap part_parameters part_structure part_noise p_parameters now
     what_else effect closes_alone within_noise why_not impact plain with_effects shift of_budget
-    how_far before_after_note cannot_be_told visible why would_show measure_next up_axis north_axis table_rate as_programme phase_static phase_rate
+    how_far before_after_note cannot_be_told hardly_shown visible why would_show measure_next up_axis north_axis table_rate as_programme phase_static phase_rate
     separates notes
 
     // An IMU; stations.
-    gyros_in_it none_in_it never_in_it gyros_before gyros_before_note last_calibrated_in_it newest_parameters
+    gyros_in_it none_in_it never_in_it gyros_before gyros_before_note seat_taken last_calibrated_in_it newest_parameters
     records kind kind_record kind_campaign stations_note scatter calibrations_seen
 
     // Import.
@@ -136,7 +136,7 @@ words_of_pages! {
     never overdue_and_due nothing_due none_selected due_word due_more in_days days_word several_at_once
     nothing_together several_note outside_forecast_title outside_note forecast forecasts forecasts_note
     forecast_error forecast_ladder model_6 as_foretold forecast_indeterminate outside_forecast not_foretold
-    error_in_sd effects_close nothing_to_close promised foretold_by campaigns_word without_effects
+    error_in_sd effects_close nothing_to_close promised foretold_by  without_effects
     effects_then_and_now in_model in_campaign changed_word yes no cannot_tell change_undecided by_the_change as_measured
     adopted_models
     adopted_models_note plain_model adopt adopt_what undo_model in_force_again undo_model_what adopted_at model_word stated_at campaigns_stated author in_force all_moved_by

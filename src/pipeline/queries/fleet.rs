@@ -36,6 +36,15 @@ pub struct Seats {
     pub used: bool,
 }
 
+impl Seats {
+    /// The gyro that has been calibrated in the slot of another since.
+    pub fn successor(&self, number: u32) -> Option<Arc<str>> {
+        let left = self.before.iter().find(|standing| standing.number == number)?.newest?.slot;
+        let holds = |standing: &&Standing| standing.newest.is_some_and(|newest| newest.slot == left);
+        self.now.iter().find(holds).map(|standing| standing.serial.clone())
+    }
+}
+
 /// An IMU among others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ListedImu {

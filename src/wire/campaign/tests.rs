@@ -241,6 +241,18 @@ fn a_rate_that_is_not_the_earths_at_attitude_and_site_is_told_of() {
 }
 
 #[test]
+fn temperatures_in_another_unit_are_told_of() {
+    let told = |celsius: f64| {
+        let mut document = document();
+        (0..3).for_each(|k| document["dwells"][k]["temperature_c"] = json!(celsius));
+        let campaign = parse_json(document.to_string().as_bytes()).expect("no fault");
+        crate::core::campaign::notes(&campaign).iter().any(|note| note.code() == "temperature_unit")
+    };
+    assert!([318.15, 113.0, -80.0].into_iter().all(told));
+    assert!(![-40.0, 23.0, 75.0].into_iter().any(told));
+}
+
+#[test]
 fn numbers_beyond_a_double_are_refused_at_their_place() {
     let text = document().to_string().replacen("180.0", "1e999", 1);
     let faults = parse_json(text.as_bytes()).unwrap_err();

@@ -28,6 +28,7 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::TemperatureOutlier { dwell, celsius, median } => {
             message!("temperature_outlier", dwell = text(dwell), celsius = text(celsius), median = figure(*median, 2),)
         }
+        CampaignNote::TemperatureUnit { median } => message!("temperature_unit", median = figure(*median, 1)),
         CampaignNote::Commanded(finding) => commanded::message(finding),
         CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s } => message!(
             "rate_not_of_attitude",
@@ -110,6 +111,7 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::TemperatureOutlier { dwell, celsius, median } => json!({
             "pointer": format!("/dwells/{dwell}/temperature_c"), "value": celsius, "median": median
         }),
+        CampaignNote::TemperatureUnit { median } => json!({"median": median}),
         CampaignNote::Commanded(finding) => commanded::parameters(finding),
         CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s } => json!({
             "pointer": format!("/dwells/{dwell}/rate_arcsec_s"), "dwells": off, "of": of, "arcsec_s": most_arcsec_s

@@ -53,6 +53,7 @@ history_of_a_day = { $records } records within one day: too short a time to tell
 history_looked_at = { $looked_at } of { $records } records are looked at, spread over their time.
 history_no_change = No change above the scatter of calibration.
 history_explained = Explained. What is left is scatter.
+history_explained_by_step = A step of unknown cause describes the change. What is left is scatter.
 history_partly_explained = Partly explained. The coefficient may also change without a recorded cause.
 history_unexplained = Unexplained. The coefficient changes without a recorded cause.
 history_excess = What is left varies by { $sd } deg/(h g0), where the noise of calibration is { $expected }.

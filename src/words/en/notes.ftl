@@ -14,6 +14,7 @@ temperatures_mostly_missing = no temperature in { $count } of { $of } dwells ({ 
 standard_errors_missing = no standard errors in { $count } of { $of } dwells ({ $dwells }): they get the median of the others, scaled to their duration
 and_more = { $named } and { $more } more
 temperature_outlier = the temperature of /dwells/{ $dwell } is { $celsius } deg C; the campaign's median is { $median } deg C. Taken for a fault value of the sensor and left out of temperature effects
+temperature_unit = the median temperature is { $median } deg C: is it in kelvin or in degrees Fahrenheit?
 rate_not_of_attitude = rate_arcsec_s of { $off } of { $of } static dwells is not the Earth's at their attitude and the site's latitude: by { $most } arcsec/s in /dwells/{ $dwell }
 no_standard_errors = no standard errors: all dwells have equal weight and the residuals give the noise
 no_repeats = no repeated dwells: nothing but the fit itself tells noise from what the model leaves out
@@ -58,7 +59,7 @@ look_alike = the new { $of ->
 } { $known }
 serials_exchanged = serials are exchanged: { $fits }
 figures_of = { $serial } has the figures of { $other }
-other_unit = all gyros ({ $serials }) are off their last levels by more than { $budgets } budgets: are these the figures of another IMU?
+other_unit = all gyros ({ $serials }) are off their last levels by more than { $budgets } budgets: are these the figures of another IMU, or is the latitude of the site or its sign wrong?
 identical_figures = { $serials }: identical to record { $record } of { $at }; is it the same measurement with another time?
 unit_factor = { $quantity } of { $serials } is { $times } times what it was before: is it in another unit?
 unit_factor_of = { $quantity } of { $serials } is { $times } times what it was before: is it in { $unit }?

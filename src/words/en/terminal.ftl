@@ -72,6 +72,91 @@ terminal_findings_key =
 terminal_doubts = Not explained by the catalogue, or not wholly
 terminal_doubts_head = IMU | verdict | gyros | signs | stations | campaigns | first | last
 
+## `separate`, `calibrate`
+
+terminal_separated = { $imu }, calibrated by { $station } at { $at }
+terminal_requirements = E and G against what is required of them
+terminal_requirements_head = gyro | serial | E | G
+terminal_drift = Drift coefficients, deg/(h g0)
+terminal_drift_head = gyro | serial | method | D_I | D_S | closure | closure is
+terminal_published = published
+terminal_as_printed = as printed
+terminal_rms = rms
+terminal_not_skewed = equations (8) to (13) hold for the skewed geometry only
+terminal_directions_coincide = the input and spin directions of equations (8) to (13) coincide for this E
+terminal_mounting = Mounting: |E| in pulse/arcsec, angles of the input axis in deg, clocking of S about I if D_O = 0 in truth
+terminal_mounting_head = gyro | |E| | alpha x | alpha y | alpha z | off nominal | clocking
+terminal_calibrated = { $imu }, measured by { $station } at { $at }: { $dwells } dwells, model { $model }
+terminal_fit = Fit
+terminal_fit_head = gyro | serial | E | rank | left over | chi2/dof | p, lack of fit | noise, deg/h | its source
+terminal_fit_source = { $source }, factor { $factor }
+terminal_gauge = Gauge: { $gauge }
+terminal_parameters = Parameters
+terminal_parameters_head = gyro | parameter | value | unit | remark
+terminal_not_determined = not determined by these dwells
+terminal_effect = effect
+terminal_residuals = Largest residuals (dwells counted from 0)
+terminal_residuals_head = dwell | gyro | phase | pulse/s | deg/h | in sigma | leverage
+terminal_uncertainties = Standard uncertainties, deg/(h g0)
+terminal_uncertainties_head = gyro | coefficient | sd | noise | levelling | azimuth | fixture | discrepancy | combined
+terminal_uncertainties_unstated = No uncertainty of the station is stated: its levelling, azimuth and fixture are in no sd.
+terminal_not_separated = { $slot } ({ $serial }) is not separated: { $reason }
+terminal_campaigns = { $imu }: { $count } campaigns
+terminal_campaigns_head = campaign | station | measured | gyro | D_I | D_S
+terminal_repeats = Between campaigns
+terminal_repeats_head = gyro | coefficient | n | mean | unit | stated sd | scatter | scatter/stated | p | beyond
+terminal_repeats_nothing = Nothing is determined by two campaigns.
+terminal_repeats_none = No coefficient differs between campaigns by more than is stated (p >= 0.05).
+terminal_repeats_beyond = Campaigns differ by more than is stated (p < 0.05), and the sd of the mean holds it: { $coefficients }.
+
+## `model fit`, `predict`, `gap`
+
+terminal_fit_short = { $at }: { $verdict }; forecasts will miss by what is left
+terminal_fit_left_out = { $effect } is left out: these campaigns do not tell it; docs/diagnosis.md says what each effect needs
+terminal_no_temperature = no temperature
+terminal_model_of = { $imu }: { $coefficients } coefficients from { $campaigns ->
+    [one] one campaign
+   *[other] { $campaigns } campaigns
+}, { $first } to { $last }, at { $reference }
+terminal_model_gyros = Gyros: deg/h, deg/(h g0), pulse/arcsec, deg/sqrt(h)
+terminal_model_gyros_head = gyro | serial | D_F | D_I | D_S | D_O | |E| | noise N
+terminal_model_plain = No effects beside model (6)
+terminal_model_effects = Effects
+terminal_model_effects_head = effect | gyro | coefficient | value | unit
+terminal_forecast = { $imu }, { $station } at { $at }: forecast by the model of { $model } ({ $campaigns ->
+    [one] one campaign
+   *[other] { $campaigns } campaigns
+}, { $count ->
+    [0] no effects
+   *[other] { $effects }
+})
+terminal_promised = Promised by the model: { $closes }
+terminal_seen = Seen: { $closes }
+terminal_closes = the effects close { $closure } % of the forecast error (95 % { $low } to { $high } %); { $before } deg/h before, { $after } after
+terminal_closes_nothing = nothing to close, the error without the effects is within the noise; { $before } deg/h before, { $after } after
+terminal_nothing_to_close = nothing to close
+terminal_foretold_head = dwell | gyro | output, pulse/s | sd | of it noise
+terminal_not_foretold = not foretold
+terminal_to_measure = Dwells that tell most of what the model does not know
+terminal_to_measure_head = dwell | a, g0 | w, arcsec/s | tells, nats | sd/noise
+terminal_forecast_measured = Measured: { $state }. rms(error/sd) { $rms } over { $count } outputs, p { $p }; uniformity of the PIT, p { $pit }
+terminal_forecast_outside = outside its forecast
+terminal_forecast_met = as predicted
+terminal_forecast_not_judged = cannot be judged
+terminal_forecast_gyros_head = gyro | rms(error/sd) | p
+terminal_missed = { $count ->
+    [one] One output missed its forecast
+   *[other] { $count } outputs missed their forecast
+}
+terminal_missed_head = missed dwell | gyro | z
+terminal_model_6 = model (6)
+terminal_noise_floor = noise floor
+terminal_steps_head = model | forecast error, deg/h | in sd
+terminal_gap_none = { $imu }: no campaign has a forecast; it needs an earlier campaign of the same gyros
+terminal_gap_of = { $imu }: forecast error of each campaign
+terminal_gap_head = campaign | model | forecast error, deg/h | in sd | closes
+terminal_gap_plain = No effects are adopted. `gyrowatch model fit` finds them.
+
 ## `dwells`
 
 terminal_dwells_head = dwell | phase | start s | length s | force g0 | output pulse/s | ± pulse/s
@@ -84,6 +169,21 @@ terminal_refused = { $count } refused
 terminal_no_coefficients = no D_I and D_S: { $reason }
 terminal_verdicts = verdicts: { $counts }
 terminal_counted = { $count } { $status }
+terminal_watching = watching { $folder } for { $service }
+terminal_revise_asked = { $file }: say in { $beside } who replaces what is stored, and why
+terminal_revise_unsaid = { $file }: needs a line `author: NAME` and a line `reason: WHY`
+file_empty = is empty
+file_document_too_large = is one document of more than { $bytes } bytes; send one document per line
+file_of_several = holds { $count } documents: take one at a time, in a file of its own
+file_of_lines = holds one document per line: take one at a time
+file_of_no_kind = is neither a calibration record (`gyros`), a campaign (`dwells`) nor a bench result (`method`)
+file_nothing_to_print = is no table of records or bench results: there is nothing to print
+file_last_line_open = its last line has no end
+terminal_link = { $file }: is a symbolic link, which is not followed
+terminal_file_refused = refused
+terminal_stays = { $trouble }; it stays and is tried again
+terminal_again = { $trouble }; trying again for half a minute
+terminal_digest_late = hooks hear in a quarter of an hour what still fires: { $trouble }
 terminal_interrupted = interrupted; run the same command again to resume
 terminal_replaced = counts no more: { $record } stands in its place ({ $author }: { $reason })
 terminal_voided = counts no more: it was voided ({ $author }: { $reason })

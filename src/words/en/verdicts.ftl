@@ -124,16 +124,17 @@ alert_is_resolved = { $serial }: { $coefficient } { $rule } is resolved
 
 # The figure that leads a line.
 share_of_limit = { $percent } % of the limit
+in_days = in { $days } days
 
 # What the verdicts suggest. A person decides.
 suggestion_release = Release: in tolerance by every rule that could judge.
-suggestion_more_records = Calibrate again: there are too few records to judge by.
+suggestion_more_records = Calibrate again: there are too few records to judge by, or no baseline yet.
 suggestion_calibrate = Calibrate: its interval is over.
 suggestion_lower_uncertainty = Calibrate again with a smaller uncertainty: nothing can be decided with this one.
 suggestion_retest = Re-test: one more campaign decides.
 suggestion_shorten_interval = Calibrate sooner: it may reach its budget before its next calibration.
 suggestion_watch = Keep watching: it drifts within its budget.
 suggestion_check_mounting = Check the mounting: only D_O is out of tolerance. Note a re-installation if there was one; otherwise re-test.
-suggestion_remove = Take it out: it does not stay at one level.
+suggestion_remove = Take it out: it drifts on or scatters, and has no level that could be accepted.
 suggestion_remove_or_accept = Take it out. If it has stepped once and is steady since, its new level may be accepted: start a baseline with a reason.
-suggestion_accept_or_remove = Accept the new level (start a baseline with a reason), or take it out: one step explains the change.
+suggestion_accept_or_remove = Accept the new level (start a baseline with a reason), or take it out: a recorded event explains the change.

@@ -43,6 +43,7 @@ history_of_a_day = 一天内的{ $records }条记录：时间太短，无法区�
 history_looked_at = { $records }条记录中取{ $looked_at }条，均布于全部时间。
 history_no_change = 变化未超出标定散布。
 history_explained = 已解释，剩余为散布。
+history_explained_by_step = 可用原因不明的阶跃描述，剩余为散布。
 history_partly_explained = 部分解释：系数也可能有无记录原因的变化。
 history_unexplained = 未解释：系数有变化，无记录的原因。
 history_excess = 剩余变化为{ $sd } (°)/(h·g0)，而标定噪声为{ $expected }。

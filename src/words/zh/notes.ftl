@@ -12,6 +12,7 @@ temperatures_mostly_missing = { $of }个测点中有{ $count }个没有温度（
 standard_errors_missing = { $of }个测点中有{ $count }个没有标准误差（{ $dwells }）：取其余测点的中位数，并按时长换算
 and_more = { $named }，另有{ $more }个
 temperature_outlier = /dwells/{ $dwell }的温度为{ $celsius } °C，而本次试验的中位数为{ $median } °C：视为传感器的故障值，不计入温度效应
+temperature_unit = 温度的中位数为{ $median } °C：是否以K或°F为单位？
 rate_not_of_attitude = { $of }个静态测点中有{ $off }个的rate_arcsec_s不等于该姿态与测试站纬度下的地球自转角速度：/dwells/{ $dwell }处相差{ $most } arcsec/s
 no_standard_errors = 没有标准误差：各测点等权，噪声由残差给出
 no_repeats = 没有重复测点：只能凭拟合本身区分噪声与模型未含的部分
@@ -50,7 +51,7 @@ look_alike = { $of ->
 }
 serials_exchanged = 陀螺编号互换：{ $fits }
 figures_of = { $serial }的数据属于{ $other }
-other_unit = 全部陀螺（{ $serials }）同时偏离各自上次水平{ $budgets }个允许值以上：是否为另一套惯组的数据？
+other_unit = 全部陀螺（{ $serials }）同时偏离各自上次水平{ $budgets }个允许值以上：是否为另一套惯组的数据，或测试地点的纬度或其正负号有误？
 identical_figures = { $serials }：与{ $at }的记录{ $record }逐位相同；是否为同一次测量改了时间？
 unit_factor = { $serials }的{ $quantity }为此前的{ $times }倍：单位是否有误？
 unit_factor_of = { $serials }的{ $quantity }为此前的{ $times }倍：单位是否为{ $unit }？

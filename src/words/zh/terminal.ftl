@@ -69,6 +69,82 @@ terminal_findings_key =
 terminal_doubts = 目录不能解释或不能完全解释
 terminal_doubts_head = IMU | 结论 | 陀螺 | 迹象 | 测试站 | 试验数 | 首次 | 最近
 
+## `separate`、`calibrate`
+
+terminal_separated = { $imu }，{ $station }，{ $at }标定
+terminal_requirements = E、G与要求比较
+terminal_requirements_head = 陀螺 | 编号 | E | G
+terminal_drift = 一次项漂移系数，(°)/(h·g0)
+terminal_drift_head = 陀螺 | 编号 | 方法 | D_I | D_S | 闭合差 | 闭合差为
+terminal_published = 论文公式
+terminal_as_printed = 按原文印刷
+terminal_rms = 均方根
+terminal_not_skewed = 公式(8)至(13)只适用于斜装
+terminal_directions_coincide = 对此E，公式(8)至(13)的输入轴与电机轴方向重合
+terminal_mounting = 安装：|E|的单位为pulse/arcsec；输入轴各角的单位为°；转角为D_O实际为0时电机轴绕输入轴的转角
+terminal_mounting_head = 陀螺 | |E| | alpha x | alpha y | alpha z | 偏离标称 | 转角
+terminal_calibrated = { $imu }，{ $station }，{ $at }：{ $dwells }个测点，模型{ $model }
+terminal_fit = 拟合
+terminal_fit_head = 陀螺 | 编号 | E | 秩 | 自由度 | 约化卡方 | 失拟p值 | 噪声，deg/h | 噪声来源
+terminal_fit_source = { $source }，倍数{ $factor }
+terminal_gauge = 约束：{ $gauge }
+terminal_parameters = 参数
+terminal_parameters_head = 陀螺 | 参数 | 数值 | 单位 | 备注
+terminal_not_determined = 这些测点不能确定
+terminal_effect = 效应
+terminal_residuals = 最大残差（测点从0起数）
+terminal_residuals_head = 测点 | 陀螺 | 阶段 | pulse/s | deg/h | 标准差倍数 | 杠杆值
+terminal_uncertainties = 标准不确定度，(°)/(h·g0)
+terminal_uncertainties_head = 陀螺 | 系数 | 标准差 | 噪声 | 调平 | 方位 | 夹具 | 差异 | 合成
+terminal_uncertainties_unstated = 未说明测试站的不确定度：标准差中不含调平、方位与夹具。
+terminal_not_separated = { $slot }（{ $serial }）未分离：{ $reason }
+terminal_campaigns = { $imu }：{ $count }次试验
+terminal_campaigns_head = 试验 | 测试站 | 测量时间 | 陀螺 | D_I | D_S
+terminal_repeats = 各次试验之间
+terminal_repeats_head = 陀螺 | 系数 | n | 均值 | 单位 | 所述标准差 | 分散 | 分散/所述 | p | 超出部分
+terminal_repeats_nothing = 没有由两次试验确定的量。
+terminal_repeats_none = 各次试验间没有系数的差别超过所述标准差（p >= 0.05）。
+terminal_repeats_beyond = 各次试验的差别超过所述标准差（p < 0.05），均值的标准差已计入：{ $coefficients }。
+
+## `model fit`、`predict`、`gap`
+
+terminal_fit_short = { $at }：{ $verdict }；预报将相差其余部分
+terminal_fit_left_out = { $effect }未计入：这些试验不能确定它；docs/diagnosis.md说明各效应所需的条件
+terminal_no_temperature = 无温度
+terminal_model_of = { $imu }：{ $coefficients }个系数，取自{ $campaigns }次试验，{ $first }至{ $last }，参考温度：{ $reference }
+terminal_model_gyros = 陀螺：deg/h、(°)/(h·g0)、pulse/arcsec、deg/sqrt(h)
+terminal_model_gyros_head = 陀螺 | 编号 | D_F | D_I | D_S | D_O | |E| | 噪声N
+terminal_model_plain = 模型(6)之外没有效应
+terminal_model_effects = 效应
+terminal_model_effects_head = 效应 | 陀螺 | 系数 | 数值 | 单位
+terminal_forecast = { $imu }，{ $station }，{ $at }：由{ $model }的模型预报（{ $campaigns }次试验，{ $count ->
+    [0] 没有效应
+   *[other] { $effects }
+}）
+terminal_promised = 模型预计：{ $closes }
+terminal_seen = 实测：{ $closes }
+terminal_closes = 效应解释预报误差的{ $closure } %（95 %区间{ $low }至{ $high } %）；计入前{ $before } deg/h，计入后{ $after } deg/h
+terminal_closes_nothing = 没有可解释的差异：不计效应时误差已在噪声范围内；计入前{ $before } deg/h，计入后{ $after } deg/h
+terminal_nothing_to_close = 没有可解释的差异
+terminal_foretold_head = 测点 | 陀螺 | 输出，pulse/s | 标准差 | 其中噪声
+terminal_not_foretold = 未预报
+terminal_to_measure = 最能补充模型所缺的测点
+terminal_to_measure_head = 测点 | a，g0 | w，arcsec/s | 信息，nat | 标准差/噪声
+terminal_forecast_measured = 实测：{ $state }。{ $count }个输出的误差/标准差均方根{ $rms }，p { $p }；PIT均匀性p { $pit }
+terminal_forecast_outside = 超出预报
+terminal_forecast_met = 与预报相符
+terminal_forecast_not_judged = 无法判定
+terminal_forecast_gyros_head = 陀螺 | 误差/标准差均方根 | p
+terminal_missed = { $count }个输出与预报不符
+terminal_missed_head = 不符测点 | 陀螺 | z
+terminal_model_6 = 模型(6)
+terminal_noise_floor = 噪声底
+terminal_steps_head = 模型 | 预报误差，deg/h | 标准差倍数
+terminal_gap_none = { $imu }：没有试验可以预报；需要同一组陀螺更早的试验
+terminal_gap_of = { $imu }：各次试验的预报误差
+terminal_gap_head = 试验 | 模型 | 预报误差，deg/h | 标准差倍数 | 解释比例
+terminal_gap_plain = 没有采用任何效应。`gyrowatch model fit`可寻找效应。
+
 ## `dwells`
 
 terminal_dwells_head = 测点 | 阶段 | 开始 s | 时长 s | 比力 g0 | 输出 pulse/s | ± pulse/s
@@ -81,6 +157,21 @@ terminal_refused = 拒收{ $count }份
 terminal_no_coefficients = 没有D_I与D_S：{ $reason }
 terminal_verdicts = 判定：{ $counts }
 terminal_counted = { $status }{ $count }项
+terminal_watching = 正在监视{ $folder }，发送至{ $service }
+terminal_revise_asked = { $file }：请在{ $beside }中写明由谁替换已存储的内容，以及原因
+terminal_revise_unsaid = { $file }：需要`author: 姓名`一行与`reason: 原因`一行
+file_empty = 为空
+file_document_too_large = 是超过{ $bytes }字节的单个文档；请每行发送一个文档
+file_of_several = 含{ $count }个文档：请各置一个文件，逐个发送
+file_of_lines = 每行一个文档：请逐个发送
+file_of_no_kind = 既不是标定记录（`gyros`）、标定试验（`dwells`），也不是台架结果（`method`）
+file_nothing_to_print = 不是记录或台架结果的表格：没有可打印的内容
+file_last_line_open = 最后一行没有换行符
+terminal_link = { $file }：是符号链接，不予跟随
+terminal_file_refused = 拒收
+terminal_stays = { $trouble }；文件留在原处，稍后再试
+terminal_again = { $trouble }；半分钟内继续重试
+terminal_digest_late = 告警接口将在一刻钟后得知仍在触发的告警：{ $trouble }
 terminal_interrupted = 中断；再次运行同一命令即可继续
 terminal_replaced = 不再计入：已由{ $record }替代（{ $author }：{ $reason }）
 terminal_voided = 不再计入：已作废（{ $author }：{ $reason }）

@@ -116,16 +116,17 @@ alert_is_resolved = { $serial }：{ $coefficient } { $rule } 已恢复
 
 # 行首的数值。
 share_of_limit = 限值的{ $percent } %
+in_days = { $days }天后
 
 # 由判定得出的建议，由人决定。
 suggestion_release = 放行：凡可判定的规则均合格。
-suggestion_more_records = 再次标定：记录过少，无法判定。
+suggestion_more_records = 再次标定：记录过少，无法判定，或尚无基线。
 suggestion_calibrate = 标定：已超过标定间隔。
 suggestion_lower_uncertainty = 以更小的不确定度再次标定：目前无法判定。
 suggestion_retest = 复测：再做一次标定即可判定。
 suggestion_shorten_interval = 提前标定：下次标定前可能达到允许范围。
 suggestion_watch = 继续观察：在允许范围内漂移。
 suggestion_check_mounting = 检查安装：仅D_O超差。若曾重新安装，请记录；否则复测。
-suggestion_remove = 拆下：它不停留在同一水平。
+suggestion_remove = 拆下：持续漂移或分散过大，没有可认可的水平。
 suggestion_remove_or_accept = 拆下。若仅跳变一次且此后稳定，可认可新水平：注明原因开始新基线。
-suggestion_accept_or_remove = 认可新水平（注明原因开始新基线），或拆下：一次跳变即可解释其变化。
+suggestion_accept_or_remove = 认可新水平（注明原因开始新基线），或拆下：已记录的事件可解释其变化。

@@ -531,6 +531,36 @@ async fn a_suspect_window_of_a_station_does_not_count_until_it_is_trusted_again(
     assert_eq!(trend(&lab, "").await, before.1);
 }
 
+/// Whichever mark is the later, all records of the window are as it says.
+#[tokio::test]
+async fn a_window_that_is_suspected_and_trusted_at_once_is_one_or_the_other() {
+    let lab = Lab::open().await;
+    let history: Vec<(i64, f64)> = (0..60).map(|k| (3 * k, 1.0)).collect();
+    let ids = station_posts(&lab, &history).await;
+    let mark = async |deed: &str| {
+        let marked = lab.post(&format!("/v1/stations/ST-1/{deed}"), &of_window(-1, 300)).await;
+        assert_eq!(marked.status, 200);
+    };
+    for _ in 0..12 {
+        tokio::join!(mark("suspect"), mark("trust"), mark("suspect"), mark("trust"));
+        let station = lab.get("/v1/stations/ST-1").await.ok();
+        let is_suspect = station["suspect_windows"] != json!([]);
+        let counting = trend(&lab, "").await.len();
+        assert_eq!(counting, if is_suspect { 0 } else { ids.len() }, "{station}");
+    }
+}
+
+#[tokio::test]
+async fn two_of_one_instant_that_come_together_into_a_suspect_window_are_both_kept() {
+    let lab = Lab::open().await;
+    station_posts(&lab, &[(0, 1.0), (40, 1.0)]).await;
+    lab.post("/v1/stations/ST-1/suspect", &of_window(50, 90)).await.ok();
+    let [one, other] = [1.5, 1.0].map(|d_i| of_a(60, d_i));
+    let answers = lab.imports(&[one.clone(), other.clone(), one, other]).await;
+    let statuses: Vec<&Value> = answers.iter().map(|answer| &answer["status"]).collect();
+    assert_eq!(statuses, [201, 201, 200, 200], "{answers:?}");
+}
+
 #[tokio::test]
 async fn what_comes_later_into_a_suspect_window_does_not_count_either() {
     let lab = Lab::open().await;

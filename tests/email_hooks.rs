@@ -191,25 +191,31 @@ async fn a_recipient_whom_the_server_does_not_know_keeps_the_mail_from_nobody_el
 async fn who_has_taken_a_mail_is_not_sent_it_again_while_another_is_put_off_or_slow() {
     let mail = MailServer::start().await;
     let server = with(&mail).await;
-    let url = "mailto:new@lab.example,slow@lab.example,weber@lab.example";
-    let made = server.post_json("/v1/hooks", &json!({ "kind": "email", "url": url })).await;
-    let id = made.json()["id"].as_str().unwrap().to_owned();
-    let audit = server.get("/v1/audit").await.text();
-    assert!(audit.contains(url), "{audit}");
-    assert!(server.post_json(&format!("/v1/hooks/{id}/test"), &json!({})).await.status < 300);
-    let began = Instant::now();
-    let attempts = loop {
-        let one = server.get(&format!("/v1/hooks/{id}/deliveries")).await.json()["deliveries"][0].clone();
-        if one["state"] == "dead" {
-            break one["attempts"].as_array().unwrap().clone();
+    let attempts = async |url: &str| {
+        let made = server.post_json("/v1/hooks", &json!({ "kind": "email", "url": url })).await;
+        let id = made.json()["id"].as_str().unwrap().to_owned();
+        let audit = server.get("/v1/audit").await.text();
+        assert!(audit.contains(url), "{audit}");
+        assert!(server.post_json(&format!("/v1/hooks/{id}/test"), &json!({})).await.status < 300);
+        let began = Instant::now();
+        loop {
+            let one = server.get(&format!("/v1/hooks/{id}/deliveries")).await.json()["deliveries"][0].clone();
+            if one["state"] == "dead" {
+                break one["attempts"].as_array().unwrap().clone();
+            }
+            assert!(began.elapsed() < Duration::from_secs(30), "{one}");
+            tokio::time::sleep(Duration::from_millis(50)).await;
         }
-        assert!(began.elapsed() < Duration::from_secs(30), "{one}");
-        tokio::time::sleep(Duration::from_millis(50)).await;
     };
-    assert_eq!(attempts.len(), 3);
-    assert_eq!(attempts[0]["status"], 450, "that is of the message, the server is there: {}", attempts[0]);
+    let put_off = attempts("mailto:new@lab.example,slow@lab.example,weber@lab.example").await;
+    assert_eq!(put_off.len(), 3);
+    assert_eq!(put_off[0]["status"], 450, "that is of the message, the server is there: {}", put_off[0]);
     let mails = mail.received(1).await;
     assert!(mails.len() == 1 && mails[0].contains("RCPT TO:<weber@lab.example>"), "{mails:?}");
+    // What was said to another is no answer to the one who was not served.
+    let slow = attempts("mailto:slow@lab.example,weber@lab.example").await;
+    assert!(slow.len() == 3 && slow[0]["status"].is_null(), "{slow:?}");
+    assert_eq!(mail.received(2).await.len(), 2);
 }
 
 #[tokio::test]

@@ -145,7 +145,7 @@ async fn a_healthcheck_asks_the_service_where_the_configuration_says() {
     assert!(String::from_utf8_lossy(&away.stderr).contains("/readyz does not answer"));
 }
 
-/// The counters among the series, but for those of requests, whose routes come as they are asked for.
+/// The counters among the series, but for those of requests, which come as they are asked for: only failures begin at 0.
 fn counters(text: &str) -> std::collections::BTreeSet<&str> {
     let series = text.lines().filter_map(|line| line.rsplit_once(' ').map(|(series, _)| series));
     let counts =
@@ -159,6 +159,11 @@ async fn every_counter_and_histogram_begins_at_zero() {
     let before = server.get("/metrics").await.text();
     assert_eq!(metric(&before, r#"gyrowatch_items_total{kind="calibration",outcome="failed"}"#), 0.0);
     assert_eq!(metric(&before, r#"gyrowatch_items_total{kind="window",outcome="stored"}"#), 0.0);
+    let failed = |method: &str, route: &str, status: u16| {
+        format!(r#"gyrowatch_http_requests_total{{method="{method}",route="{route}",status="{status}"}}"#)
+    };
+    assert_eq!(metric(&before, &failed("POST", "/v1/records", 503)), 0.0);
+    assert_eq!(metric(&before, &failed("PATCH", "/v1/gyros/{serial}", 500)), 0.0);
     assert_eq!(metric(&before, r#"gyrowatch_delivery_attempts_total{kind="alertmanager",outcome="dead"}"#), 0.0);
     assert_eq!(metric(&before, r#"gyrowatch_delivery_attempt_duration_seconds_count{kind="email"}"#), 0.0);
     assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);

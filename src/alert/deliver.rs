@@ -72,6 +72,8 @@ pub enum Outcome {
     Failed {
         retry_after: Option<Duration>,
     },
+    /// Some of the recipients have it: trying again may help the others, and the target is there.
+    Partly,
     /// The target refuses the message for good, whatever it is told later.
     Refused,
     /// 410: the target wants to hear no more.
@@ -136,6 +138,7 @@ impl Courier {
         let (outcome, status, detail) = match sending.await {
             Ok(code) => (Outcome::Delivered, Some(code), None),
             Err(Unsent { why, for_good: true, .. }) => (Outcome::Refused, None, Some(why)),
+            Err(Unsent { why, status, taken_by_some: true, .. }) => (Outcome::Partly, status, Some(why)),
             Err(Unsent { why, status, .. }) => (Outcome::Failed { retry_after: None }, status, Some(why)),
         };
         Attempt { outcome, status, detail, answer: None, took: started.elapsed() }

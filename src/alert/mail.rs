@@ -55,6 +55,8 @@ pub struct Unsent {
     pub why: Message,
     /// What the server says of this message, where it answers: of a recipient who may take it later.
     pub status: Option<u16>,
+    /// The server has taken it for another recipient: it is there.
+    pub taken_by_some: bool,
     /// Every recipient was refused as one who does not exist or takes no mail; what is wrong with the server or the
     /// account (535, 421) may be mended.
     pub for_good: bool,
@@ -125,8 +127,7 @@ impl Mailer {
         }
         let for_good = later.is_empty();
         let why = later.into_iter().chain(refused).collect::<Vec<_>>().join("; ");
-        // A server that has served one recipient is there.
-        Err(Unsent { for_good, status: status.or(accepted), ..unsendable(&why) })
+        Err(Unsent { for_good, status, taken_by_some: accepted.is_some(), ..unsendable(&why) })
     }
 
     async fn hand_over(&self, recipient: Address, mail: &[u8]) -> (Address, Result<u16, NotTaken>) {
@@ -166,7 +167,7 @@ const CLOSING: u16 = 421;
 impl Unsent {
     /// It may be sent later.
     pub fn later(why: Message) -> Self {
-        Self { why, status: None, for_good: false }
+        Self { why, status: None, taken_by_some: false, for_good: false }
     }
 }
 

@@ -46,7 +46,7 @@ pub async fn confirm_record(
 ) -> Result<Json<ConfirmedBody>, Problem> {
     let id: Id = id.parse().map_err(|_| Problem::no_such_record(&id))?;
     let (author, reason) = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    let sent = Confirmation { id, author, reason, by: Actor::by_caller(), restated: None };
+    let sent = Confirmation { id, of_window: false, author, reason, by: Actor::by_caller(), restated: None };
     let (Accepted::Stored { id, .. } | Accepted::There { id, .. }) =
         app.pipeline.ingest.submit(Submission::Confirmation(sent)).await?;
     Ok(Json(ConfirmedBody { id: id.to_string(), standing: standing(&app, id).await? }))

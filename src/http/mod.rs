@@ -71,6 +71,7 @@ pub use app::App;
 pub fn router(app: App, pages: Routes) -> Router {
     let server = app.config.server.clone();
     let routes = routes(&server).with_state(app.clone()).merge(pages);
+    metrics::begin_at_zero(routes.rules());
     let gate = Gate { app, rules: Arc::new(Rules::of(routes.rules())) };
     routes.into_router().fallback(problem::no_such_path).layer(
         // The outermost first. Refusals are put into form before they are compressed. As one stack: each layer by

@@ -21,7 +21,7 @@ use crate::wire::{json, text};
 pub async fn get_stations(State(app): State<App>) -> Result<Json<StationsBody>, Problem> {
     let fleet = &app.pipeline.queries.fleet;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
-    Ok(Json(StationsBody::of(found.as_ref(), &overdue)))
+    Ok(Json(StationsBody::of(found.as_deref(), &overdue)))
 }
 
 /// One station.
@@ -31,9 +31,9 @@ pub async fn get_station(State(app): State<App>, Path(name): Path<String>) -> Re
     let fleet = &app.pipeline.queries.fleet;
     let windows = app.pipeline.queries.suspect_windows(&name).await?.ok_or_else(|| Problem::no_such_station(&name))?;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
-    let stations = found.map(|found| found.stations).unwrap_or_default();
+    let station = found.iter().flat_map(|found| &found.stations).find(|station| *station.name == *name);
     let suspect_windows = Some(windows.iter().map(SuspectWindowBody::from).collect());
-    let body = match stations.iter().find(|station| *station.name == *name) {
+    let body = match station {
         Some(station) => StationBody::of(station, &overdue),
         None => StationBody::of_none(name),
     };

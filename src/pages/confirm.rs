@@ -36,8 +36,14 @@ pub(super) async fn act(
     if let Some(again) = form.incomplete(viewer, &word) {
         return Ok(again);
     }
-    let confirmation =
-        Confirmation { id, author: word.by, reason: word.reason, by: Actor::by_caller(), restated: None };
+    let confirmation = Confirmation {
+        id,
+        of_window: false,
+        author: word.by,
+        reason: word.reason,
+        by: Actor::by_caller(),
+        restated: None,
+    };
     pages.pipeline.ingest.submit(Submission::Confirmation(confirmation)).await?;
     Ok(see_other(&form.back))
 }

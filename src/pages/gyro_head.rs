@@ -16,6 +16,7 @@ use crate::core::changes::{HistoryDiagnosis, NamedCause, cause_word};
 use crate::core::judge::{
     Coefficient, Event, Finding, Load, Measured, Rule, Standpoint, Status, Suggestion, Verdict, suggest,
 };
+use crate::core::message::text;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pages::status;
@@ -122,6 +123,17 @@ impl Facts {
             overdue: standing.overdue_days.is_some(),
             reaches_in_days: seen.filter_map(early).chain(due).min_by(f64::total_cmp),
             interval_days: self.course.limits.interval_days.map(|limit| limit.value),
+        })
+    }
+
+    /// When the rule `trend` sees a coefficient reach its budget.
+    fn reach_by_trend(&self, coefficient: Coefficient) -> Option<UtcMicros> {
+        let of_it = |verdict: &&Verdict| verdict.coefficient == coefficient;
+        self.verdicts.iter().filter_map(|said| said.seen.as_ref()).filter(of_it).find_map(|verdict| {
+            match verdict.finding {
+                Finding::Trend { reach: [_, at, _], .. } => at,
+                _ => None,
+            }
         })
     }
 
@@ -263,6 +275,9 @@ pub(super) fn causes(t: &Text, facts: &Facts, explained: Option<&ExplainedHistor
                 @if !answer.causes.is_empty() { (t.stop) " " }
                 (t.words(&answer.opening()))
                 @for said in explained.into_iter().flat_map(|explained| answer.ahead(explained.as_of)) { " " (t.words(&said)) }
+                @if let Some(at) = answer.due.as_ref().and(facts.reach_by_trend(answer.coefficient)) {
+                    " " (t.words(&message!("history_due_by_trend", day = text(at.date()))))
+                }
             }
         }
     }

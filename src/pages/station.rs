@@ -31,7 +31,7 @@ pub(super) async fn page(
     let figures = found.as_ref().and_then(|found| found.stations.iter().find(|station| *station.name == *name));
     let windows = pages.pipeline.queries.suspect_windows(name).await?;
     let windows = windows.ok_or_else(|| Problem::no_such_station(name))?;
-    let known = found.as_ref().zip(figures);
+    let known = found.as_deref().zip(figures);
     let body = html! {
         h1 { (t.station) " " (name) }
         @if let Some((_, figures)) = known { p.lead {

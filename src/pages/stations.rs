@@ -16,15 +16,14 @@ use crate::wire::problem::Problem;
 pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page, Problem> {
     let t = viewer.text();
     let fleet = &pages.pipeline.queries.fleet;
-    let (mut found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
-    if let Some(found) = &mut found {
-        found.stations.sort_by(|a, b| furthest(b).total_cmp(&furthest(a)));
-    }
+    let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
+    let mut stations: Vec<&StationFigures> = found.iter().flat_map(|found| &found.stations).collect();
+    stations.sort_by(|a, b| furthest(b).total_cmp(&furthest(a)));
     let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
     let budget = pages.config.judging.budget;
     let body = html! {
         h1 { (t.stations) }
-        @if let Some(found) = found {
+        @if let Some(found) = &found {
             p.note { (t.offset_against) " " (found.against) ". " (t.stations_note) }
             div.scroll tabindex="0" { table.cards {
                 thead { tr {
@@ -33,7 +32,7 @@ pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page,
                     th { (t.repeatability_short) } th { (t.drift_a_year) } th { (t.last_step) }
                     th.n.capital { (t.overdue_gyros) } th { (t.last_seen) }
                 } }
-                tbody { @for station in &found.stations {
+                tbody { @for station in stations {
                     @let is_open = |alert: &&_| is_open_of(alert, &station.name);
                     @let alerts = told.iter().filter(is_open).count();
                     (line(t, station, budget, alerts, overdue.get(&*station.name).copied().unwrap_or_default()))

@@ -35,6 +35,7 @@ impl Pipeline {
             let confirm = |id| {
                 Submission::Confirmation(Confirmation {
                     id,
+                    of_window: true,
                     author: author(),
                     reason: reason(),
                     by: by(),

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 
 use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
 use super::series::{Scatter, Series, scatter_of};
+use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::SD_OF_MEDIAN;
 use crate::core::time::UtcMicros;
@@ -39,6 +40,11 @@ const DENIES: f64 = 6.0;
 /// Gyros that share a change differ in it by less than its size over this; those that age each by itself do not.
 const ALIKE: f64 = 8.0;
 const MOST_PARTS: usize = 6;
+/// Parts are estimated again beside one another so many times.
+const ROUNDS: usize = 4;
+/// Steps that are told from a gyro's slope at one station, and the |b|/sd from which: one too many only widens the slope.
+const MOST_STEPS: usize = 3;
+const STEPS: f64 = 3.5;
 /// Fewest records that show how a gyro scatters.
 const SCATTERS: usize = 3;
 
@@ -116,16 +122,8 @@ struct Row {
 struct Peer {
     imu: usize,
     rows: Vec<Row>,
-    slopes: Vec<SlopeThere>,
-}
-
-/// What a gyro does in a year at one station, and one over its variance.
-#[derive(Debug, Clone, Copy)]
-struct SlopeThere {
-    /// None where the gyro in question has not been.
-    station: Option<usize>,
-    value: f64,
-    information: f64,
+    /// As they were measured, of each station that it has been to.
+    measured: Vec<Vec<Row>>,
 }
 
 /// Courses of the stations that one gyro has been to, for one coefficient.
@@ -163,18 +161,15 @@ impl Course {
                     there.entry(&entry.station).or_default().push(row);
                 }
             }
-            let slope = |(name, rows): (&&str, &Vec<Row>)| {
-                let (value, information) = slope_of(rows, rows[0].station)?;
-                Some(SlopeThere { station: place(name), value, information })
-            };
-            let slopes = there.iter().filter_map(slope).collect();
-            let mut rows: Vec<Row> = there.into_values().flatten().filter(|row| row.station < stations.len()).collect();
+            let measured: Vec<Vec<Row>> = there.into_values().collect();
+            let mut rows: Vec<Row> =
+                measured.iter().flatten().filter(|row| row.station < stations.len()).copied().collect();
             rows.sort_by_key(|row| row.at);
             if rows.len() >= SCATTERS {
                 scatters.push(scatter);
             }
             if rows.len() >= 2 {
-                out.push(Peer { imu, rows: about_their_mean(rows), slopes });
+                out.push(Peer { imu, rows: about_their_mean(rows), measured });
             }
         }
         let of = |of: fn(&Scatter) -> f64| median_of(scatters.iter().map(of));
@@ -197,34 +192,47 @@ impl Course {
         self.peers.iter().filter(|peer| peer.rows.len() >= SCATTERS)
     }
 
-    /// What the peers and the gyro itself do in a year at other stations than one.
+    /// What the peers and the gyro itself do in a year at other stations than one, beside the steps there.
     pub fn slope_elsewhere(&self, station: usize, own: &Series) -> Option<Common> {
-        let of_peers = self.peers.iter().flat_map(|peer| peer.slopes.iter().map(|slope| (peer.imu, slope)));
-        let mut each: Vec<(usize, f64, f64)> = of_peers
-            .filter(|(_, slope)| slope.station != Some(station))
-            .map(|(imu, slope)| (imu, slope.value, slope.information))
-            .collect();
+        let mut each: Vec<(usize, f64, f64)> = Vec::new();
+        let mut add = |imu: usize, rows: &[Row]| {
+            let slope = slope_beside_steps(rows).filter(|_| rows[0].station != station);
+            each.extend(slope.map(|(value, information)| (imu, value, information)));
+        };
+        for peer in &self.peers {
+            for rows in &peer.measured {
+                let beside = |row: &Row| Row { y: row.y - self.made(row, StationForm::is_searched), ..*row };
+                add(peer.imu, &rows.iter().map(beside).collect::<Vec<_>>());
+            }
+        }
+        // All that is taken is out of the gyro's own rows: what is no step is put back.
         let sd = own.unit * own.scatter.of_stated;
-        for other in (0..self.stations).filter(|other| *other != station) {
+        let row = |row: &super::series::Row| {
+            let weight = 1.0 / (row.variance * sd * sd);
+            let row = Row { at: row.at, years: row.years, station: row.station, y: row.y, weight };
+            Row { y: row.y + self.made(&row, |form| !form.is_searched()), ..row }
+        };
+        for other in 0..self.stations {
             let here = own.rows.iter().filter(|row| row.station == other);
-            let rows: Vec<Row> = here
-                .map(|row| Row {
-                    at: row.at,
-                    years: row.years,
-                    station: other,
-                    y: row.y,
-                    weight: 1.0 / (row.variance * sd * sd),
-                })
-                .collect();
-            each.extend(slope_of(&rows, other).map(|(value, information)| (usize::MAX, value, information)));
+            add(usize::MAX, &here.map(row).collect::<Vec<_>>());
         }
         combined(&each)
     }
 
+    /// What the parts of some forms that are taken have made of a row.
+    fn made(&self, row: &Row, of: impl Fn(StationForm) -> bool) -> f64 {
+        let taken = self.taken.iter().filter(|(part, _)| of(part.form));
+        taken.map(|(part, common)| common.value * part.at(row.station, row.at, row.years)).sum()
+    }
+
+    /// Those that have been at a station.
+    fn at(&self, station: usize) -> impl Iterator<Item = &Peer> {
+        self.peers.iter().filter(move |peer| peer.measured.iter().any(|rows| rows[0].station == station))
+    }
+
     /// How many IMUs have been at a station.
     pub fn imus_at(&self, station: usize) -> usize {
-        let there = self.peers.iter().filter(|peer| peer.rows.iter().any(|row| row.station == station));
-        let mut imus: Vec<usize> = there.map(|peer| peer.imu).collect();
+        let mut imus: Vec<usize> = self.at(station).map(|peer| peer.imu).collect();
         imus.sort_unstable();
         imus.dedup();
         imus.len()
@@ -269,12 +277,12 @@ impl Course {
             let shares = others.iter().map(|weight| (weight / whole).powi(2)).sum();
             Some(OffsetOfGyro { value, information, shares })
         };
-        self.peers.iter().filter_map(of).collect()
+        self.at(station).filter_map(of).collect()
     }
 
     /// What the peers read at a station about their levels, in so many bins of records.
     pub fn course_of(&self, station: usize, bins: usize) -> Vec<CoursePoint> {
-        let rows = self.peers.iter().flat_map(|peer| peer.rows.iter().map(move |row| (peer.imu, row)));
+        let rows = self.at(station).flat_map(|peer| peer.rows.iter().map(move |row| (peer.imu, row)));
         let mut rows: Vec<(usize, &Row)> = rows.filter(|(_, row)| row.station == station).collect();
         rows.sort_by_key(|(_, row)| row.at);
         let size = rows.len().div_ceil(bins).max(1);
@@ -289,14 +297,70 @@ impl Course {
 
     /// What the peers say of a part beside what is taken; none where no peer can tell.
     pub fn estimate(&self, part: &Part) -> Option<Common> {
-        let each: Vec<(usize, f64, f64)> =
-            self.peers.iter().filter_map(|peer| own(part, &peer.rows).map(|(b, info)| (peer.imu, b, info))).collect();
+        let each: Vec<(usize, f64, f64)> = self
+            .at(part.station)
+            .filter_map(|peer| own(part, &peer.rows).map(|(b, info)| (peer.imu, b, info)))
+            .collect();
         combined(&each)
     }
 
     /// Takes the parts that the peers show and `is_borne_out` does not object to, which is also told what is taken.
-    /// `reference` is the station that offsets count from.
+    /// `reference` is the station that offsets count from. Where several stations drift, a step of one may come first,
+    /// which follows the drift of another: the drifts together are another beginning, and what explains more is kept.
     pub fn take(&mut self, reference: usize, is_borne_out: impl Fn(&Part, &Common, &[(Part, Common)]) -> bool) {
+        let mut drifting = self.clone();
+        self.take_one_by_one(reference, &is_borne_out);
+        if self.taken.iter().all(|(part, _)| part.form == StationForm::Offset) {
+            return;
+        }
+        drifting.take_drifts();
+        let is_told = |(k, (part, common)): (usize, &(Part, Common))| {
+            let others: Vec<(Part, Common)> =
+                drifting.taken.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, one)| *one).collect();
+            drifting.is_shared(part, common) && is_borne_out(part, common, &others)
+        };
+        if drifting.taken.len() < 2 || !drifting.taken.iter().enumerate().all(is_told) {
+            return;
+        }
+        drifting.take_one_by_one(reference, &is_borne_out);
+        if drifting.cost() < self.cost() {
+            *self = drifting;
+        }
+    }
+
+    /// The drifts of all stations that are significant beside one another.
+    fn take_drifts(&mut self) {
+        for station in 0..self.stations {
+            let part = Part { station, form: StationForm::Drift };
+            if let Some(common) = self.estimate(&part) {
+                self.subtract(&part, common.value);
+                self.taken.push((part, common));
+            }
+        }
+        while self.taken.len() > 1 {
+            (0..ROUNDS).for_each(|_| self.estimate_once());
+            let least = (0..self.taken.len())
+                .min_by(|a, b| self.taken[*a].1.significance().total_cmp(&self.taken[*b].1.significance()));
+            let Some(least) = least.filter(|k| self.taken.len() > MOST_PARTS || !is_taken(&self.taken[*k])) else {
+                break;
+            };
+            let (part, common) = self.taken.remove(least);
+            self.subtract(&part, -common.value);
+        }
+    }
+
+    /// What is left of the records about the gyros' levels, in squares of their standard deviations, and what the parts
+    /// would gain by chance.
+    fn cost(&self) -> f64 {
+        let of_peer = |peer: &Peer| -> f64 {
+            let rows = about_their_mean(peer.rows.clone());
+            rows.iter().map(|row| (row.y * row.y * row.weight).min(CLIPPED * CLIPPED)).sum()
+        };
+        let left: f64 = self.peers.iter().map(of_peer).sum();
+        left + self.taken.iter().map(|(part, _)| by_chance(part.form) + TAKEN).sum::<f64>()
+    }
+
+    fn take_one_by_one(&mut self, reference: usize, is_borne_out: &impl Fn(&Part, &Common, &[(Part, Common)]) -> bool) {
         let mut refused: Vec<Part> = Vec::new();
         // Where a drift or a step is refused, instants are found that follow it for a while.
         let mut not_searched: Vec<usize> = Vec::new();
@@ -309,7 +373,7 @@ impl Course {
             let best = candidates
                 .into_iter()
                 .filter_map(|part| Some((part, self.estimate(&part)?)))
-                .filter(|(part, common)| common.significance() > threshold(part))
+                .filter(is_taken)
                 .max_by(|a, b| rated(a).total_cmp(&rated(b)));
             let Some((part, common)) = best.filter(|_| self.taken.len() < MOST_PARTS) else { break };
             let (part, common) = self.refined(part, common);
@@ -361,7 +425,7 @@ impl Course {
     }
 
     fn instants(&self, station: usize) -> Vec<UtcMicros> {
-        let rows = self.peers.iter().flat_map(|peer| &peer.rows).filter(|row| row.station == station);
+        let rows = self.at(station).flat_map(|peer| &peer.rows).filter(|row| row.station == station);
         let mut instants: Vec<UtcMicros> = rows.map(|row| row.at).collect();
         instants.sort_unstable();
         instants.dedup();
@@ -372,7 +436,7 @@ impl Course {
     /// first record or ends with the last, which are steps.
     fn windows(&self, station: usize) -> impl Iterator<Item = StationForm> {
         let mut rows: Vec<&Row> =
-            self.peers.iter().flat_map(|peer| &peer.rows).filter(|row| row.station == station).collect();
+            self.at(station).flat_map(|peer| &peer.rows).filter(|row| row.station == station).collect();
         rows.sort_by_key(|row| row.at);
         // Each record's estimate times its weight, and the weight.
         let terms: Vec<[f64; 2]> = (rows.iter())
@@ -448,18 +512,20 @@ impl Course {
         }
     }
 
+    fn estimate_once(&mut self) {
+        for k in 0..self.taken.len() {
+            let (part, old) = self.taken[k];
+            self.subtract(&part, -old.value);
+            let new = self.estimate(&part).unwrap_or(old);
+            let (part, new) = self.refined(part, new);
+            self.subtract(&part, new.value);
+            self.taken[k] = (part, new);
+        }
+    }
+
     /// Each part again, beside the others, which were not there when its instants were found. What is significant no more is given up, and answered.
     fn estimate_again(&mut self) -> Vec<Part> {
-        for _ in 0..4 {
-            for k in 0..self.taken.len() {
-                let (part, old) = self.taken[k];
-                self.subtract(&part, -old.value);
-                let new = self.estimate(&part).unwrap_or(old);
-                let (part, new) = self.refined(part, new);
-                self.subtract(&part, new.value);
-                self.taken[k] = (part, new);
-            }
-        }
+        (0..ROUNDS).for_each(|_| self.estimate_once());
         let mut given_up = Vec::new();
         while let Some(k) = self.taken.iter().position(|(part, common)| common.significance() < 0.8 * threshold(part)) {
             let (part, common) = self.taken.remove(k);
@@ -485,12 +551,19 @@ pub(super) fn is_borne_out(common: &Common, own: Option<(f64, f64)>) -> bool {
 
 /// The gain of a part, less what the best of many gains by chance.
 fn rated((part, common): &(Part, Common)) -> f64 {
-    common.gain
-        - match part.form {
-            StationForm::Offset | StationForm::Drift => 0.0,
-            StationForm::Step(_) => SEARCHED,
-            StationForm::Between(..) => SEARCHED_WINDOWS,
-        }
+    common.gain - by_chance(part.form)
+}
+
+fn by_chance(form: StationForm) -> f64 {
+    match form {
+        StationForm::Offset | StationForm::Drift => 0.0,
+        StationForm::Step(_) => SEARCHED,
+        StationForm::Between(..) => SEARCHED_WINDOWS,
+    }
+}
+
+fn is_taken((part, common): &(Part, Common)) -> bool {
+    common.significance() > threshold(part)
 }
 
 fn threshold(part: &Part) -> f64 {
@@ -525,9 +598,37 @@ fn own(part: &Part, rows: &[Row]) -> Option<(f64, f64)> {
     (!few && information > 1e-9 * wcc).then(|| ((wcy - wc * wy / w) / information, information))
 }
 
-/// The slope of rows of one station, a year, and one over its variance.
-fn slope_of(rows: &[Row], station: usize) -> Option<(f64, f64)> {
-    own(&Part { station, form: StationForm::Drift }, rows)
+/// The slope of rows of one station, a year, and one over its variance: beside the level, and beside steps that are
+/// significant beside level and slope.
+fn slope_beside_steps(rows: &[Row]) -> Option<(f64, f64)> {
+    if rows.len() < 3 {
+        return None;
+    }
+    let white = |of: &dyn Fn(&Row) -> f64| -> Vec<f64> { rows.iter().map(|row| of(row) * row.weight.sqrt()).collect() };
+    let (years, y) = (white(&|row| row.years), white(&|row| row.y));
+    let step = |k: usize| white(&|row| f64::from(row.at >= rows[k].at));
+    let mut named = Basis::of([white(&|_| 1.0)]);
+    for _ in 0..MOST_STEPS {
+        let (mut with_slope, mut left) = (named.clone(), y.clone());
+        with_slope.push(years.clone());
+        with_slope.project_out(&mut left);
+        let gain = |k: usize| {
+            let (mut column, whole) = (step(k), rows[k..].iter().map(|row| row.weight).sum::<f64>());
+            with_slope.project_out(&mut column);
+            let information = dot(&column, &column);
+            if information > 1e-9 * whole { dot(&column, &left).powi(2) / information } else { 0.0 }
+        };
+        // One record by itself is no step.
+        let best = (2..rows.len() - 1).map(|k| (gain(k), k)).max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, k)) = best.filter(|(gain, _)| *gain > STEPS * STEPS) else { break };
+        named.push(step(k));
+    }
+    let (mut column, mut left) = (years, y);
+    let before = dot(&column, &column);
+    named.project_out(&mut column);
+    named.project_out(&mut left);
+    let information = dot(&column, &column);
+    (information > 1e-9 * before).then(|| (dot(&column, &left) / information, information))
 }
 
 /// The robust mean of estimates (IMU, estimate, 1/variance).

@@ -165,6 +165,13 @@ fn a_station_of_gyros_that_were_never_elsewhere_is_not_told_from_gyros_that_age_
         }
     }
     assert_eq!(class(&gyros), ["station"]);
+    // Where it goes on alike, and the other station is re-levelled, which is no slope.
+    for gyro in &mut gyros[15..] {
+        for (k, entry) in gyro.entries.iter_mut().enumerate().filter(|(k, _)| k % 2 == 0) {
+            entry.d[0].value += drift(0, k) - if k >= 12 { 8e-3 } else { 0.0 };
+        }
+    }
+    assert_eq!(class(&gyros), ["ageing", "station"]);
 }
 
 /// How often the intervals of a date hold the true one, where a slope begins at a month of `onset`.
@@ -326,6 +333,23 @@ fn a_station_that_drifts_or_is_re_levelled_is_not_blamed_on_the_gyro() {
 }
 
 /// Every IMU three gyros and a day of its own in every three weeks; their station reads high from one day to another.
+/// No step of one follows the drift of the other.
+#[test]
+fn two_stations_that_drift_at_once_both_drift() {
+    let years = |entry: &Entry| entry.at.0 as f64 / (365.25 * UtcMicros::DAY as f64);
+    let mut right = 0;
+    for (seed, slopes) in (0..20).flat_map(|seed| [(seed, [5e-3, -5e-3]), (seed, [4e-3, 6e-3])]) {
+        let mut gyros = peers(&mut Fleet::seeded(4000 + seed), 5, 24);
+        for gyro in &mut gyros {
+            change(gyro, 0, |_, entry| slopes[usize::from(&*entry.station == "ST-2")] * years(entry));
+        }
+        let answer = of(&gyros[0], &gyros[3..], Coefficient::DI);
+        let drifts = |cause: &NamedCause| matches!(cause.tie, Tie::Station { form: StationForm::Drift, .. });
+        right += usize::from(answer.causes.len() == 2 && answer.causes.iter().all(drifts));
+    }
+    assert!(right >= 38, "both drift, and nothing else is named, in {right} of 40");
+}
+
 fn of_one_station(seed: u64, [from, until]: [i64; 2]) -> Vec<GyroHistory> {
     let mut fleet = Fleet::seeded(seed);
     let mut gyros: Vec<GyroHistory> = (0..18).map(|_| fleet.gyro(34)).collect();

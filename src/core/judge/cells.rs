@@ -30,6 +30,8 @@ pub(super) struct Cell {
     /// Its first record.
     pub first: UtcMicros,
     last: UtcMicros,
+    /// Of all its records; none where they are of several.
+    station: Option<u32>,
     records: u32,
     /// Days since the first record.
     days: f64,
@@ -44,6 +46,7 @@ impl Cell {
         Self {
             first: sample.at,
             last: sample.at,
+            station: Some(sample.station),
             records: 1,
             days: 0.0,
             values: [0, 1].map(|i| column(i).value),
@@ -54,6 +57,7 @@ impl Cell {
     fn add(&mut self, sample: &Sample) {
         let new = Self::of(sample);
         self.last = sample.at;
+        self.station = self.station.filter(|station| *station == sample.station);
         self.records += 1;
         self.days += sample.at.days_since(self.first);
         for i in 0..COLUMNS {

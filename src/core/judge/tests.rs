@@ -601,6 +601,30 @@ fn a_lasting_shift_below_the_budget_is_found_and_no_specification_is_broken() {
 }
 
 #[test]
+fn a_gyro_that_goes_on_to_another_station_has_not_shifted() {
+    let mut records = samples(None, &series(30, |i| 3.0 + 5e-4 * scatter(i) + if i < 27 { 0.0 } else { 0.005 }));
+    let known = Limits { between_stations: [4e-3, 0.0], ..Limits::default() };
+    let of = |records: &[Sample], limits: &Limits| verdict(records, &[], 29, Rule::Shift, limits);
+    let alone = of(&records, &known);
+    assert_eq!((alone.state, alone.between), (State::Exceeded, None), "of one station: {alone}");
+    records[27..].iter_mut().for_each(|record| record.station = 7);
+    assert_eq!(of(&records, &Limits::default()), alone, "nothing is known of stations");
+    let moved = of(&records, &known);
+    let between = 4e-3 * std::f64::consts::SQRT_2;
+    assert_eq!(moved.state, State::Indeterminate, "{moved}");
+    assert!((moved.between.unwrap() / between - 1.0).abs() < 1e-12, "{moved}");
+    assert!((moved.sd.unwrap() / alone.sd.unwrap().hypot(between) - 1.0).abs() < 1e-12, "{moved}");
+    // One of the newest three weeks: its station has a third of the weight.
+    records[27..29].iter_mut().for_each(|record| record.station = 0);
+    let one = of(&records, &known);
+    assert!((one.between.unwrap() / (between / 3.0) - 1.0).abs() < 1e-12, "{one}");
+    // Weeks of both stations are alike, whatever the stations do.
+    let mut both = samples(None, &(0..120).map(|i| (3.5 * f64::from(i), 3.0)).collect::<Vec<_>>());
+    both.iter_mut().enumerate().for_each(|(k, record)| record.station = k as u32 % 2);
+    assert_eq!(verdict(&both, &[], 119, Rule::Shift, &known).between, None);
+}
+
+#[test]
 fn one_wild_record_shifts_no_level() {
     for at in [5, 27, 28, 29] {
         let wild = latest(&series(30, |i| 3.0 + 5e-4 * scatter(i) + if i == at { 0.5 } else { 0.0 }), Rule::Shift);

@@ -4,12 +4,13 @@
 //! was done has been kept. Only a page of it is in memory at a time. Nobody waits for it, so it gives way to what
 //! comes in. Servers that share a database claim what they make, a few at a time.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::future::ready;
 use std::time::Duration;
 
 use futures::{StreamExt, stream};
 use tokio::sync::watch;
+use tokio::time::Instant;
 
 use super::diagnoser::Diagnoser;
 use super::made::{Made, Outcome};
@@ -28,6 +29,8 @@ const CLAIMED_EACH: usize = 4;
 /// How long to wait where the database takes no diagnoses or cannot be read, or where other servers are at all that
 /// is left.
 const PAUSE: Duration = Duration::from_secs(5);
+/// One that cannot be kept is made again after that, then after twice as long, up to this.
+const LONGEST_PAUSE: Duration = Duration::from_secs(600);
 /// A diagnosis begins when nothing has come in for this long,
 const QUIET: Duration = Duration::from_millis(100);
 /// or when it has given way for this long.
@@ -36,11 +39,11 @@ const GIVES_WAY: Duration = Duration::from_secs(1);
 impl Diagnoser {
     /// Makes what is due and what is ordered, until nobody can make anything due any more.
     pub async fn run(self, mut due: watch::Receiver<u64>) {
-        let mut hopeless = HashSet::new();
+        let (mut hopeless, mut postponed) = (HashSet::new(), Postponed::default());
         loop {
             due.mark_unchanged();
-            let made = match self.make_due(&due, &mut hopeless).await {
-                Ok(due_left) => self.work_off(&due).await.map(|orders_left| due_left.max(orders_left)),
+            let made = match self.make_due(&due, &mut hopeless, &mut postponed).await {
+                Ok(due_left) => self.work_off(&due, &mut postponed).await.map(|orders_left| due_left.max(orders_left)),
                 Err(error) => Err(error),
             };
             let changed = match made {
@@ -59,13 +62,19 @@ impl Diagnoser {
     }
 
     /// One pass over all campaigns that are due; what can never be read is told once and left alone.
-    async fn make_due(&self, due: &watch::Receiver<u64>, hopeless: &mut HashSet<Id>) -> Result<Left, StoreError> {
+    async fn make_due(
+        &self,
+        due: &watch::Receiver<u64>,
+        hopeless: &mut HashSet<Id>,
+        postponed: &mut Postponed,
+    ) -> Result<Left, StoreError> {
         let (mut before, mut left) = (Id(i64::MAX), Left::Nothing);
         loop {
             let mut page = store::diagnosis::due(&self.store, before, PAGE).await?;
             let Some(last) = page.last() else { return Ok(left) };
             before = *last;
             page.retain(|id| !hopeless.contains(id));
+            left = left.max(postponed.take_from(&mut page, Instant::now()));
             while !page.is_empty() {
                 let claimed = store::claim::claim(&self.store, &page, self.claimed_at_once()).await?;
                 if claimed.is_empty() {
@@ -84,14 +93,18 @@ impl Diagnoser {
                 let made: Vec<_> = store::claim::while_claimed(&self.store, &claimed, made).await;
                 for (id, made) in made {
                     match made {
-                        Ok(_) if self.recall(id).is_some() => {}
-                        Ok(_) => left = Left::Something,
+                        Ok(_) if self.recall(id).is_some() => postponed.settled(id),
+                        Ok(_) => {
+                            postponed.postpone(id, Instant::now());
+                            left = Left::Something;
+                        }
                         Err(error @ StoreError::Damaged(_)) => {
                             tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it will be when it is asked for");
                             hopeless.insert(id);
                         }
                         Err(error) => {
                             tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it is tried again");
+                            postponed.postpone(id, Instant::now());
                             left = Left::Something;
                         }
                     }
@@ -104,18 +117,22 @@ impl Diagnoser {
     }
 
     /// What orders wait for, until something else is due.
-    async fn work_off(&self, due: &watch::Receiver<u64>) -> Result<Left, StoreError> {
-        let mut before = Vec::new();
+    async fn work_off(&self, due: &watch::Receiver<u64>, postponed: &mut Postponed) -> Result<Left, StoreError> {
+        let mut tried = HashSet::new();
         loop {
-            let page = store::diagnosis_job::tasks_waiting(&self.store, TASKS).await?;
+            let mut page = store::diagnosis_job::tasks_waiting(&self.store, TASKS).await?;
             if page.is_empty() || due.has_changed().unwrap_or(true) {
                 return Ok(Left::Nothing);
             }
+            // What still waits could not be kept.
+            for id in tried.drain() {
+                if page.contains(&id) { postponed.postpone(id, Instant::now()) } else { postponed.settled(id) }
+            }
+            let left = postponed.take_from(&mut page, Instant::now());
             let claimed = store::claim::claim(&self.store, &page, self.claimed_at_once()).await?;
-            // Others are at it, or nothing of it could be kept.
-            if claimed.is_empty() || claimed == before {
-                store::claim::while_claimed(&self.store, &claimed, ready(())).await;
-                return Ok(Left::Something);
+            // Others are at the rest.
+            if claimed.is_empty() {
+                return Ok(if page.is_empty() { left } else { Left::Something });
             }
             let settled = stream::iter(claimed.iter().copied())
                 .take_while(|_| ready(due.has_changed().is_ok()))
@@ -123,7 +140,7 @@ impl Diagnoser {
                 .buffer_unordered(self.at_once)
                 .for_each(ready);
             store::claim::while_claimed(&self.store, &claimed, settled).await;
-            before = claimed;
+            tried.extend(claimed);
         }
     }
 
@@ -159,6 +176,28 @@ impl Diagnoser {
     }
 }
 
+/// What could not be made or kept: until when each is left alone, and for how long that was.
+#[derive(Debug, Default)]
+struct Postponed(HashMap<Id, (Instant, Duration)>);
+
+impl Postponed {
+    fn postpone(&mut self, id: Id, now: Instant) {
+        let pause = self.0.get(&id).map_or(PAUSE, |(_, pause)| (2 * *pause).min(LONGEST_PAUSE));
+        self.0.insert(id, (now + pause, pause));
+    }
+
+    fn settled(&mut self, id: Id) {
+        self.0.remove(&id);
+    }
+
+    /// Takes those out that are left alone now.
+    fn take_from(&self, ids: &mut Vec<Id>, now: Instant) -> Left {
+        let before = ids.len();
+        ids.retain(|id| self.0.get(id).is_none_or(|(until, _)| *until <= now));
+        if ids.len() < before { Left::Something } else { Left::Nothing }
+    }
+}
+
 /// What a pass leaves behind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Left {
@@ -166,4 +205,26 @@ enum Left {
     Nothing,
     /// What other servers are at, or what could not be kept: it is looked at again after a pause.
     Something,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_kept_is_made_again_ever_more_seldom() {
+        let (mut postponed, id, begun) = (Postponed::default(), Id(7), Instant::now());
+        let mut made = Vec::new();
+        for looks in 0..720 {
+            let now = begun + looks * PAUSE;
+            if postponed.take_from(&mut vec![id], now) == Left::Nothing {
+                made.push((now - begun).as_secs());
+                postponed.postpone(id, now);
+            }
+        }
+        assert_eq!(made[..5], [0, 5, 15, 35, 75]);
+        assert!(made.len() < 15, "of an hour's 720 looks: {made:?}");
+        postponed.settled(id);
+        assert_eq!(postponed.take_from(&mut vec![id], begun), Left::Nothing);
+    }
 }

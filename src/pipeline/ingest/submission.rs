@@ -87,6 +87,8 @@ pub struct Correction {
 #[derive(Debug, Clone)]
 pub struct Confirmation {
     pub id: Id,
+    /// With a window that is trusted: not where that is suspect again.
+    pub of_window: bool,
     pub author: String,
     pub reason: String,
     pub by: Actor,
@@ -95,7 +97,7 @@ pub struct Confirmation {
     pub restated: Option<Box<(Calibration, Id)>>,
 }
 
-/// What a station measured is suspect: the stored record is set aside until somebody confirms it.
+/// What a station measured in a window is suspect: the stored record is set aside until somebody confirms it.
 #[derive(Debug, Clone)]
 pub struct Doubt {
     pub id: Id,

@@ -71,7 +71,11 @@ pub struct Fleet {
     pub(super) config: Arc<Config>,
     pub(super) clock: Clock,
     pub(super) records: Records,
+    pub(super) stations: CachedStations,
 }
+
+/// What the stations do, and of which heads that was found.
+pub(super) type CachedStations = Arc<tokio::sync::Mutex<Option<([i64; 2], Option<Arc<FleetStations>>)>>>;
 
 /// What a list of the fleet is narrowed down to, and its order.
 #[derive(Debug, Clone, Copy, Default)]
@@ -320,15 +324,25 @@ impl Fleet {
     }
 
     /// What every station does to the gyros that it measured lately; none without records. Computes for a second of
-    /// many gyros, on a thread for that.
+    /// many gyros, on a thread for that: once, until something is written of a gyro.
     ///
     /// # Errors
     /// [`StorageError`].
-    pub async fn station_figures(&self) -> Result<Option<FleetStations>, StorageError> {
+    pub async fn station_figures(&self) -> Result<Option<Arc<FleetStations>>, StorageError> {
+        // Held while they are computed: who asks meanwhile needs the same.
+        let mut cached = self.stations.lock().await;
+        let version = store::head::version(&self.store).await?;
+        if let Some((of, figures)) = &*cached
+            && *of == version
+        {
+            return Ok(figures.clone());
+        }
         let histories = fleet_histories(&self.store, self.config.judging.method).await?;
         let figures = words::spawn_blocking(move || changes::stations(&histories)).await;
         let failed = |error| StoreError::Damaged(format!("the stations could not be compared: {error}"));
-        Ok(figures.map_err(failed)?)
+        let figures = figures.map_err(failed)?.map(Arc::new);
+        *cached = Some((version, figures.clone()));
+        Ok(figures)
     }
 
     /// IMUs by name with their gyros, after IMU number `after` (0: all), and whether there are more than `most`.

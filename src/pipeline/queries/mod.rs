@@ -52,7 +52,8 @@ impl Queries {
         let (store, config, clock, reader) = (store.clone(), config.clone(), clock.clone(), reader.clone());
         let histories = Histories { store: store.clone(), config: config.clone(), clock: clock.clone() };
         let records = Records { store: store.clone(), config: config.clone(), reader };
-        let fleet = Fleet { store: store.clone(), config, clock, records: records.clone() };
+        let stations = Default::default();
+        let fleet = Fleet { store: store.clone(), config, clock, records: records.clone(), stations };
         Self { store, records, fleet, histories }
     }
 

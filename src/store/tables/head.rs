@@ -272,6 +272,13 @@ pub struct StationTally {
     pub last_calibrated: Option<UtcMicros>,
 }
 
+/// Another one after everything that is written of a gyro: how many there are, and how often their rows were written.
+pub async fn version(store: &Store) -> Result<[i64; 2], StoreError> {
+    let sql = "SELECT count(*), CAST(coalesce(sum(version), 0) AS BIGINT) FROM head";
+    let (gyros, written) = on!(store.readers, db => sqlx::query_as(sql).fetch_one(db).await?);
+    Ok([gyros, written])
+}
+
 /// Counts the whole fleet as it stands at `now`, in one index from end to end.
 pub async fn counts(store: &Store, now: UtcMicros) -> Result<(Vec<Tally>, Vec<StationTally>), StoreError> {
     let sql = "SELECT station, rank, count(*), count(*) FILTER (WHERE overdue_at < $1), max(calibrated_at) FROM head

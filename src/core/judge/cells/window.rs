@@ -13,6 +13,7 @@ pub(in crate::core::judge) struct Window {
     pub len: usize,
     pub first: [UtcMicros; CELLS],
     pub t: [f64; CELLS],
+    stations: [Option<u32>; CELLS],
     pub(super) x: [[f64; CELLS]; COLUMNS],
     pub(super) sd: [[Option<f64>; CELLS]; COLUMNS],
 }
@@ -23,6 +24,8 @@ pub(in crate::core::judge) struct Points<'a> {
     pub first: &'a [UtcMicros],
     /// Years before the judged record.
     pub t: &'a [f64],
+    /// None where a week's records are of several.
+    pub stations: &'a [Option<u32>],
     /// deg/(h g0).
     pub x: &'a [f64],
     pub sd: &'a [Option<f64>],
@@ -35,7 +38,13 @@ impl<'a> Points<'a> {
 
     pub fn newest(self, n: usize) -> Self {
         let start = self.len() - n.min(self.len());
-        Self { first: &self.first[start..], t: &self.t[start..], x: &self.x[start..], sd: &self.sd[start..] }
+        Self {
+            first: &self.first[start..],
+            t: &self.t[start..],
+            stations: &self.stations[start..],
+            x: &self.x[start..],
+            sd: &self.sd[start..],
+        }
     }
 }
 
@@ -64,12 +73,14 @@ impl Window {
             len: cells.len(),
             first: [now; CELLS],
             t: [0.0; CELLS],
+            stations: [None; CELLS],
             x: [[0.0; CELLS]; COLUMNS],
             sd: [[None; CELLS]; COLUMNS],
         };
         for (i, cell) in cells.iter().enumerate() {
             let records = f64::from(cell.records);
             window.first[i] = cell.first;
+            window.stations[i] = cell.station;
             window.t[i] = (cell.first.days_since(now) + cell.days / records) / DAYS_A_YEAR;
             for column in 0..COLUMNS {
                 window.x[column][i] = cell.values[column] / records;
@@ -81,6 +92,12 @@ impl Window {
 
     pub fn column(&self, column: usize) -> Points<'_> {
         let n = self.len;
-        Points { first: &self.first[..n], t: &self.t[..n], x: &self.x[column][..n], sd: &self.sd[column][..n] }
+        Points {
+            first: &self.first[..n],
+            t: &self.t[..n],
+            stations: &self.stations[..n],
+            x: &self.x[column][..n],
+            sd: &self.sd[column][..n],
+        }
     }
 }

@@ -45,20 +45,27 @@ impl<'a> Case<'a> {
     }
 
     /// A difference of `sample` from a level of some records. Where these are of other stations, what stations differ
-    /// by counts beside their own standard deviations, and is answered: a station s has the weight w_s = [s is the
-    /// sample's] - its share of the records, and their offsets bring in sigma_b sqrt(sum w_s^2).
+    /// by counts beside their own standard deviations, and is answered.
     pub fn apart(&self, difference: Measured, sample: &Sample, level: &[Sample]) -> (Measured, Option<f64>) {
+        let share = -1.0 / level.len() as f64;
+        let of_level = level.iter().map(|one| (one.station, share));
+        let between = self.of_stations(std::iter::once((sample.station, 1.0)).chain(of_level));
+        (difference.beside(between.unwrap_or(0.0)), between)
+    }
+
+    /// What stations bring into a sum of figures whose weights w add up to zero, a standard deviation: the figures of a
+    /// station share its offset, so sigma_b sqrt(sum over stations of (sum of its w)^2). None of one station.
+    pub fn of_stations<S: Copy + PartialEq>(&self, figures: impl Iterator<Item = (S, f64)> + Clone) -> Option<f64> {
+        let (first, _) = figures.clone().next()?;
         let sigma = self.between_stations();
-        let share =
-            |station: u32| level.iter().filter(|one| one.station == station).count() as f64 / level.len().max(1) as f64;
-        let is_first = |k: usize| level[..k].iter().all(|earlier| earlier.station != level[k].station);
-        let others = (0..level.len()).filter(|k| level[*k].station != sample.station && is_first(*k));
-        let squares = others.map(|k| share(level[k].station).powi(2)).sum::<f64>();
-        let between = sigma * ((1.0 - share(sample.station)).powi(2) + squares).sqrt();
-        if level.is_empty() || between == 0.0 {
-            return (difference, None);
+        if sigma == 0.0 || figures.clone().all(|(station, _)| station == first) {
+            return None;
         }
-        (difference.beside(between), Some(between))
+        let is_new =
+            |(k, (station, _)): &(usize, (S, f64))| figures.clone().take(*k).all(|(known, _)| known != *station);
+        let weight = |station: S| figures.clone().filter(|(of, _)| *of == station).map(|(_, w)| w).sum::<f64>();
+        let stations = figures.clone().enumerate().filter(is_new).map(|(_, (station, _))| station);
+        Some(sigma * stations.map(|station| weight(station).powi(2)).sum::<f64>().sqrt())
     }
 
     /// Standard deviation of what one station adds to the column.

@@ -25,8 +25,8 @@ const CLIPPED_AT: f64 = 3.0;
 ///
 /// Scatter comes from the cells before (clipped at three robust scatters, so that single outliers have no part),
 /// drawn towards a tenth of the budget with the weight of five cells, and no smaller than a twentieth of it;
-/// correlation and walk are the fleet's ([`crate::core::judge::Noise`]). `confirmed` is never set: three campaigns
-/// have spoken already.
+/// correlation and walk are the fleet's ([`crate::core::judge::Noise`]), and so is what stations differ by, where the
+/// cells are of several. `confirmed` is never set: three campaigns have spoken already.
 pub(crate) fn shift(case: &Case<'_>, limits: &ShiftLimits) -> Verdict {
     let points = case.points();
     if points.len() < SHIFT_MIN_CELLS {
@@ -54,7 +54,8 @@ pub(crate) fn shift(case: &Case<'_>, limits: &ShiftLimits) -> Verdict {
     weights[k..n].fill(1.0 / NEWEST as f64);
     let weights = &weights[..n];
     let scatter = noise.of_scatter(weights, weights) + noise.median_excess();
-    let sd = (variance * scatter + noise.of_walk(points.t, weights, weights)).sqrt();
+    let between = case.of_stations(points.stations.iter().copied().zip(weights.iter().copied()));
+    let sd = (variance * scatter + noise.of_walk(points.t, weights, weights)).sqrt().hypot(between.unwrap_or(0.0));
     let level = center + mean;
     let departure = Measured { value: now - level, sd: Some(sd) };
     let limit = Limit { value: limits.least.value.max(STANDARD_DEVIATIONS * sd), ..limits.least };
@@ -71,5 +72,5 @@ pub(crate) fn shift(case: &Case<'_>, limits: &ShiftLimits) -> Verdict {
         scatter: variance.sqrt(),
         least: limits.least.value,
     };
-    case.verdict(Rule::Shift, limit, departure, Outcome { state, probability: None }, finding)
+    case.verdict(Rule::Shift, limit, departure, Outcome { state, probability: None }, finding).between_stations(between)
 }

@@ -36,7 +36,7 @@ impl Health {
                 self.resume_at = (!pause.is_zero()).then(|| now + pause);
                 false
             }
-            Outcome::Failed { .. } | Outcome::Refused | Outcome::Needless => false,
+            Outcome::Failed { .. } | Outcome::Partly | Outcome::Refused | Outcome::Needless => false,
             // Nothing more, until it is written down that the hook is disabled.
             Outcome::Gone => {
                 self.resume_at = Some(now + LONGEST_PAUSE);

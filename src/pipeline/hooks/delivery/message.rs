@@ -130,18 +130,20 @@ pub(super) fn report(
     at: UtcMicros,
     ladder: &Ladder,
 ) -> Attempted {
+    let again = |retry_after| {
+        let first = due.first_attempt_at.unwrap_or(at);
+        let tried_for = Duration::from_micros(u64::try_from(at.0 - first.0).unwrap_or_default());
+        match ladder.next(due.attempts + 1, tried_for, retry_after, jitter()) {
+            Next::RetryIn(wait) => Progress::RetryAt(UtcMicros(at.0.saturating_add(wait.as_micros() as i64))),
+            Next::Dead => Progress::Done(DeliveryState::Dead),
+        }
+    };
     let progress = match attempt.outcome {
         Outcome::Delivered => Progress::Done(DeliveryState::Delivered),
         Outcome::Refused | Outcome::Gone => Progress::Done(DeliveryState::Dead),
         Outcome::Needless => Progress::Done(DeliveryState::Dropped),
-        Outcome::Failed { retry_after } => {
-            let first = due.first_attempt_at.unwrap_or(at);
-            let tried_for = Duration::from_micros(u64::try_from(at.0 - first.0).unwrap_or_default());
-            match ladder.next(due.attempts + 1, tried_for, retry_after, jitter()) {
-                Next::RetryIn(wait) => Progress::RetryAt(UtcMicros(at.0.saturating_add(wait.as_micros() as i64))),
-                Next::Dead => Progress::Done(DeliveryState::Dead),
-            }
-        }
+        Outcome::Failed { retry_after } => again(retry_after),
+        Outcome::Partly => again(None),
     };
     Attempted {
         delivery: due.id,

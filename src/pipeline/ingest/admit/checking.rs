@@ -11,7 +11,7 @@ use crate::core::history_note::{FAR_DAYS, HistoryNote, NameKind, Named, Seat, Ti
 use crate::core::id::Id;
 use crate::core::note::Note;
 use crate::core::own_history::{Looked, Shown, against_histories};
-use crate::core::suspect_window::{SuspectWindow, in_force};
+use crate::core::suspect_window::SuspectWindow;
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::store;
@@ -136,13 +136,13 @@ impl<'c> Check<'c> {
     /// Whether it lies in a window in which its station is suspect.
     async fn check_window(&mut self, lookup: &Lookup<'_>) -> Result<bool, StoreError> {
         let Some(station) = lookup.number(NamesOf::Stations, self.sent.station.as_str()) else { return Ok(false) };
-        let windows = in_force(&lookup.window_marks(station).await?);
-        let window = windows.iter().find(|window| window.span.contains(self.sent.calibrated_at));
+        let window = lookup.suspect_window(station, self.sent.calibrated_at).await?;
+        let is_suspect = window.is_some();
         self.notes.extend(window.map(|SuspectWindow { author, reason, .. }| {
-            let (author, reason) = (author.clone(), reason.clone());
-            HistoryNote::Suspect { station: self.sent.station.to_string(), author, reason }
+            let station = self.sent.station.to_string();
+            HistoryNote::Suspect { station, author, reason }
         }));
-        Ok(window.is_some())
+        Ok(is_suspect)
     }
 
     async fn doubt(

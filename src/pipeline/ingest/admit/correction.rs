@@ -145,6 +145,10 @@ impl Admission<'_> {
             return Err(Refused::NotSetAside { id });
         }
         let at = record.calibrated_at;
+        // Its window is suspect again meanwhile.
+        if sent.of_window && self.lookup(group).suspect_window(record.station, at).await?.is_some() {
+            return Ok(Accepted::There { id, same_bytes: true, counts: false });
+        }
         if let Some((existing, _)) = self.lookup(group).counting_at(Some(record.imu), at).await? {
             return Err(Refused::TimeTaken { existing, kind: record.kind });
         }
@@ -186,7 +190,9 @@ impl Admission<'_> {
         if !said.is_empty() || group.changes.confirmed.iter().any(|row| row.record == id) {
             return Err(Refused::AlreadyCorrected { id, existing: id });
         }
-        if record.voided || group.withdraws(id) {
+        // It is set aside already, or its window is trusted again meanwhile.
+        let is_suspect = self.lookup(group).suspect_window(record.station, record.calibrated_at).await?.is_some();
+        if record.voided || group.withdraws(id) || !is_suspect {
             return Ok(Accepted::There { id, same_bytes: true, counts: true });
         }
         self.withdraw(&record, group).await?;

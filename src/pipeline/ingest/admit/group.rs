@@ -20,7 +20,10 @@ pub(crate) struct Group {
     names: [HashMap<String, u32>; NamesOf::ALL.len()],
     /// Of new names.
     pub(super) numbers: HashSet<(NamesOf, u32)>,
+    /// Those that count, by IMU and instant.
     pub(super) records: HashMap<(u32, UtcMicros), (Id, [u8; 32])>,
+    /// Those that are set aside: of one instant there may be several.
+    pub(super) aside: HashMap<(u32, UtcMicros), Vec<(Id, [u8; 32])>>,
     pub(super) rows: HashMap<(u32, UtcMicros), Id>,
     pub(super) benches: HashMap<(u32, UtcMicros, BenchMethod), (Id, [u8; 32])>,
     pub(super) keys: HashMap<String, (Id, [u8; 32])>,
@@ -80,6 +83,9 @@ impl Group {
             return false;
         }
         record.voided = true;
+        let at = (record.imu, record.calibrated_at);
+        self.records.remove(&at);
+        self.aside.entry(at).or_default().push((id, record.body_sha256));
         record.notes = Some(history_note::with(record.notes.as_deref(), note).into());
         let (aside, left) =
             std::mem::take(&mut self.changes.history).into_iter().partition(|row| row.figures.record == id);

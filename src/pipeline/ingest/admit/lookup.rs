@@ -8,7 +8,7 @@ use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::mounting::Slot;
 use crate::core::name::{distance, look_keys};
-use crate::core::suspect_window::Mark;
+use crate::core::suspect_window::{Mark, SuspectWindow, in_force};
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::ingest::submission::Calibration;
@@ -105,10 +105,12 @@ impl Lookup<'_> {
         standing: Option<Id>,
     ) -> Result<Option<Id>, StoreError> {
         let Some(imu) = imu else { return Ok(None) };
-        let mut others = self.ahead.records_at(imu, sent.calibrated_at, self.store).await?;
-        others.retain(|record| Some(record.id) != standing);
-        if let Some(same) = others.iter().find(|record| record.hash == sent.body_sha256) {
-            return Ok(Some(same.id));
+        let stored = self.ahead.records_at(imu, sent.calibrated_at, self.store).await?.into_iter();
+        let new = self.group.aside.get(&(imu, sent.calibrated_at)).into_iter().flatten();
+        let others = stored.map(|record| (record.id, record.hash)).chain(new.map(|(id, hash)| (*id, hash.to_vec())));
+        let others: Vec<(Id, Vec<u8>)> = others.filter(|(id, _)| Some(*id) != standing).collect();
+        if let Some((same, _)) = others.iter().find(|(_, hash)| *hash == sent.body_sha256) {
+            return Ok(Some(*same));
         }
         // What is read only to be compared keeps everybody waiting: not where nothing was withdrawn.
         if let Some(standing) = standing.filter(|_| !others.is_empty())
@@ -116,12 +118,18 @@ impl Lookup<'_> {
         {
             return Ok(None);
         }
-        for record in others {
-            if self.has_content(record.id, sent).await? {
-                return Ok(Some(record.id));
+        for (id, _) in others {
+            if self.has_content(id, sent).await? {
+                return Ok(Some(id));
             }
         }
         Ok(None)
+    }
+
+    /// The window in which a station is suspect that an instant lies in.
+    pub async fn suspect_window(&self, station: u32, at: UtcMicros) -> Result<Option<SuspectWindow>, StoreError> {
+        let windows = in_force(&self.window_marks(station).await?);
+        Ok(windows.into_iter().find(|window| window.span.contains(at)))
     }
 
     /// The gyro that was in a slot of an IMU before `at`.

@@ -106,7 +106,11 @@ impl Admission<'_> {
         }
         let place = if sent.kind == Kind::Campaign { "campaigns" } else { "records" };
         let sent_by = Some(self.note_sending(place, id, group));
-        group.records.insert((imu, at), (id, sent.body_sha256));
+        if set_aside {
+            group.aside.entry((imu, at)).or_default().push((id, sent.body_sha256));
+        } else {
+            group.records.insert((imu, at), (id, sent.body_sha256));
+        }
         group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
         group.changes.models_used.extend(sent.model.map(|model| (id, model)));
         group.changes.records.push(RecordRow {

@@ -107,9 +107,16 @@ impl ClockTick<'_> {
         if changes.is_empty() { Ok(()) } else { self.state.commit(&changes).await }
     }
 
-    /// Lets the alerts of stations and IMUs follow the clock, and those of gyros that they explain.
+    /// Lets the alerts of stations and IMUs follow the clock, and those of gyros that they explain. Where nothing is
+    /// written of gyros, time alone changes what they share, slowly: by what is no longer recent.
     async fn follow_shared(&mut self) -> Result<(), StoreError> {
         let now = self.now;
+        let version = store::head::version(&self.state.store).await?;
+        let is_known = |(since, of): (UtcMicros, [i64; 2])| of == version && now.days_since(since).abs() < LOOKED_AGAIN;
+        if self.state.nothing_shared.is_some_and(is_known) {
+            return Ok(());
+        }
+        self.state.nothing_shared = None;
         self.state.alerts.recall(&self.state.store, [], now).await?;
         let rows = store::alerts::firing_that_may_be_shared(&self.state.store).await?;
         let found = self.shared_shifts().all(&rows).await?;
@@ -122,6 +129,7 @@ impl ClockTick<'_> {
                 || !shared.explained_anew(&rows, &naming).is_empty()
         };
         if !is_anything {
+            self.state.nothing_shared = Some((now, version));
             return Ok(());
         }
         self.state.begin(&Cells::all()).await?;
@@ -157,6 +165,9 @@ impl ClockTick<'_> {
         self.state.shared_shifts(self.now)
     }
 }
+
+/// What gyros share is looked at again after so many days, though nothing was written: an hour.
+const LOOKED_AGAIN: f64 = 1.0 / 24.0;
 
 /// An import of which nothing has come for so long was broken off: what it has found is told.
 const BROKEN_OFF: f64 = 15.0 / (24.0 * 60.0);

@@ -76,6 +76,7 @@ impl Task {
             hooks: HookCache::default(),
             after,
             behind: false,
+            nothing_shared: None,
         };
         Self { state, duties, under_way: None, items_at_once: 1024 }
     }

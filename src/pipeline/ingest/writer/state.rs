@@ -50,6 +50,8 @@ pub(super) struct WriterState {
     pub(super) after: After,
     /// What others have written could not be read: everything is read again.
     pub(super) behind: bool,
+    /// Since when the clock has found nothing new that gyros share, and by which heads.
+    pub(super) nothing_shared: Option<(UtcMicros, [i64; 2])>,
 }
 
 /// Where a writer stands among those of its process.

@@ -154,6 +154,7 @@ impl WriterState {
         self.benched.clear();
         self.seen_at.clear();
         self.hooks.forget();
+        self.nothing_shared = None;
     }
 
     /// Hooks have changed, or have something new to be told.

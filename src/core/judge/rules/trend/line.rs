@@ -362,7 +362,7 @@ mod tests {
         let t = [-9.0, -4.0, -2.0, -1.0, -0.5, 0.0];
         let bend = |x: fn(f64) -> f64| {
             let (x, first, sd) = (t.map(x), [UtcMicros(0); 6], [None; 6]);
-            let points = Points { first: &first, t: &t, x: &x, sd: &sd };
+            let points = Points { first: &first, t: &t, stations: &[Some(1); 12][..t.len()], x: &x, sd: &sd };
             Line::through(points, &noise, Prior { least: 1e-6, ..Prior::of(1e-3, &sd) }).bend
         };
         assert!(bend(|t| 3.0 + 2.0 * t).abs() < 1e-6, "{}", bend(|t| 3.0 + 2.0 * t));
@@ -381,7 +381,7 @@ mod tests {
                 (0..n).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 } + if i == 6 { off } else { 0.0 }).collect();
             let first = vec![UtcMicros(0); 12];
             let sd = vec![None; 12];
-            let points = Points { first: &first, t: &t, x: &x, sd: &sd };
+            let points = Points { first: &first, t: &t, stations: &[Some(1); 12][..t.len()], x: &x, sd: &sd };
             Line::through(points, &noise, Prior { least: 1e-6, ..Prior::of(1e-3, &sd) }).n
         };
         // Through the eleven others by hand: their line and its residuals' sum of squares over n - 3 = 9.

@@ -135,6 +135,28 @@ fn the_next_campaign_is_as_foretold_also_three_kelvin_warmer_and_d_i_makes_no_st
     assert!(inside + 2 >= sorted.len(), "{inside} of {}", sorted.len());
 }
 
+/// The torquer of G1 follows temperature: what it senses of drift as well as of rate.
+#[test]
+fn a_scale_factor_that_follows_temperature_is_foretold_with_the_drift_that_it_multiplies() {
+    const BY_KELVIN: f64 = 2e-4;
+    let with_scale = |seed: u64, month: u32, celsius: f64| {
+        let mut campaign = campaign(seed, month, celsius, 0.0);
+        for dwell in &mut campaign.dwells {
+            dwell.output_pulse_s[0] *= 1.0 + BY_KELVIN * (dwell.temperature_c.unwrap() - NOMINAL_C);
+        }
+        campaign
+    };
+    let adopted = Adopted { effect: Effect::TemperatureScale, shape: Shape::Linear, slots: vec![Slot::G1] };
+    let effects = vec![KnownEffect { adopted, estimates: Vec::new() }];
+    let known = AugmentedModel { effects, ..AugmentedModel::default() };
+    let model = identify(&[sample(&with_scale(1, 1, NOMINAL_C))], &known).unwrap();
+    for (seed, month, warmer) in [(2, 2, 0.0), (3, 3, 5.0)] {
+        let told = compare(&model, &with_scale(seed, month, NOMINAL_C + warmer)).unwrap();
+        // Ten deg/h of drift times 0.1 % are ten times the noise.
+        assert!(told.rms_over_sd < 1.25 && told.p_value > 1e-3, "{warmer} K: {} {}", told.rms_over_sd, told.p_value);
+    }
+}
+
 #[test]
 fn a_coefficient_that_has_tripled_is_said_with_what_it_does_to_d_i() {
     let first = campaign(1, 1, NOMINAL_C, 1.0);

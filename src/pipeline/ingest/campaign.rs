@@ -193,6 +193,7 @@ impl Reader {
                         separation: separation.clone(),
                         as_measured: None,
                         at_any_temperature: false,
+                        not_restated: Vec::new(),
                         requirements,
                     })
                 });

@@ -6,25 +6,30 @@ mod receiver;
 mod support;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use gyrowatch::core::alert_decision::Late;
 use gyrowatch::core::augmented::{Adopted, AugmentedModel, KnownEffect};
 use gyrowatch::core::calibrate::outcome::{Outcome, evaluate_with};
 use gyrowatch::core::campaign::Campaign;
 use gyrowatch::core::effects::{Effect, Shape};
 use gyrowatch::core::imu_model::{
-    Identified, NoForecast, NotIdentified, Sample, changed, compare, identify, ladder, most_telling, named, promised,
+    Identified, ModelCoefficient, NoForecast, NotIdentified, Of, Sample, changed, compare, identify, ladder,
+    most_telling, named, promised,
 };
 use gyrowatch::core::judge::{Finding, Limits, State, Unseen, forecast};
 use gyrowatch::core::model::Term;
 use gyrowatch::core::mounting::Slot;
 use gyrowatch::core::record::Plausibility;
+use gyrowatch::pipeline::Submission;
 use gyrowatch::simulate::scenario::GyroChoice;
 use gyrowatch::simulate::{Scenario, simulate};
 use gyrowatch::wire;
 use lab::Lab;
 use receiver::Receiver;
 use serde_json::{Value, json};
+use sqlx::{Connection, PgConnection, SqliteConnection};
 use support::{Server, data_path, gyrowatch};
 
 /// Change of D_I and D_S of G1 with temperature, deg/(h g0 K).
@@ -133,6 +138,28 @@ fn the_next_campaign_is_as_foretold_also_three_kelvin_warmer_and_d_i_makes_no_st
     assert!(sorted.len() >= 8, "named in {} of 10", sorted.len());
     assert!(sorted[sorted.len() - 2] <= 1.15 && (rms - 1.0).abs() < 0.06, "{rms} {sorted:?}");
     assert!(inside + 2 >= sorted.len(), "{inside} of {}", sorted.len());
+}
+
+/// The torquer of G1 follows temperature: what it senses of drift as well as of rate.
+#[test]
+fn a_scale_factor_that_follows_temperature_is_foretold_with_the_drift_that_it_multiplies() {
+    const BY_KELVIN: f64 = 2e-4;
+    let with_scale = |seed: u64, month: u32, celsius: f64| {
+        let mut campaign = campaign(seed, month, celsius, 0.0);
+        for dwell in &mut campaign.dwells {
+            dwell.output_pulse_s[0] *= 1.0 + BY_KELVIN * (dwell.temperature_c.unwrap() - NOMINAL_C);
+        }
+        campaign
+    };
+    let adopted = Adopted { effect: Effect::TemperatureScale, shape: Shape::Linear, slots: vec![Slot::G1] };
+    let effects = vec![KnownEffect { adopted, estimates: Vec::new() }];
+    let known = AugmentedModel { effects, ..AugmentedModel::default() };
+    let model = identify(&[sample(&with_scale(1, 1, NOMINAL_C))], &known).unwrap();
+    for (seed, month, warmer) in [(2, 2, 0.0), (3, 3, 5.0)] {
+        let told = compare(&model, &with_scale(seed, month, NOMINAL_C + warmer)).unwrap();
+        // Ten deg/h of drift times 0.1 % are ten times the noise.
+        assert!(told.rms_over_sd < 1.25 && told.p_value > 1e-3, "{warmer} K: {} {}", told.rms_over_sd, told.p_value);
+    }
 }
 
 #[test]
@@ -785,6 +812,104 @@ async fn records_are_restated_as_campaigns_are_and_what_states_no_temperature_is
     assert!(record["separations"][0].get("as_measured").is_none_or(Value::is_null), "{record}");
     assert!(!lab.get(&paths[5]).await.ok()["notes"].to_string().contains("any_temperature"));
     assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+}
+
+/// Records that are sent while a model is adopted, and one that was read before and is stored after.
+#[tokio::test]
+async fn a_record_that_meets_an_adoption_on_its_way_is_stated_by_the_model() {
+    let lab = Lab::open().await;
+    let first = campaign(1, 1, NOMINAL_C, 1.0);
+    lab.post("/v1/campaigns", &document(&first)).await.created();
+    let warm = |day: u32| {
+        let mut record = finished(&campaign(2, 2, NOMINAL_C + 6.0, 1.0), true);
+        record["calibrated_at"] = format!("2026-02-{day:02}T08:00:00Z").into();
+        record
+    };
+    let read = lab.pipeline().reader.record(warm(1).to_string().as_bytes()).unwrap();
+    let file = model(&[&first]).into_model(&temperature_g());
+    let documents: Vec<Value> = (2..20).map(warm).collect();
+    let sent = futures::future::join_all(documents.iter().map(|record| lab.post("/v1/records", record)));
+    let (_, sent) = futures::future::join(adopts(&lab, &file), sent).await;
+    assert!(sent.iter().all(|answer| answer.status == 201));
+    let late = lab.pipeline().ingest.enqueue(vec![Submission::Calibration(Box::new(read))], Late::Quiet).await.await;
+    assert!(late[0].is_ok());
+
+    let all = d_i(&lab, "LFG-0").await;
+    assert_eq!(all.len(), 20);
+    for one in &all[1..] {
+        assert!(step(*one, all[0]) < 3.0 && (one[0] - all[1][0]).abs() < 1e-12, "{all:?}");
+    }
+    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+}
+
+/// As an earlier version of the program leaves a database: its model is in force, what is stored is stated otherwise.
+#[tokio::test]
+async fn what_an_earlier_version_stated_otherwise_is_stated_anew_after_the_start() {
+    let mut lab = Lab::open().await;
+    let first = campaign(1, 1, NOMINAL_C, 1.0);
+    let warm = |month: u32| campaign(u64::from(month), month, NOMINAL_C + 6.0, 1.0);
+    lab.post("/v1/campaigns", &document(&first)).await.created();
+    lab.post("/v1/campaigns", &document(&warm(2))).await.created();
+    lab.post("/v1/campaigns", &without_temperatures(&warm(3))).await.created();
+    lab.post("/v1/records", &finished(&warm(4), true)).await.created();
+    let silent = lab.post("/v1/records", &finished(&warm(5), false)).await.created();
+    let gone = lab.post("/v1/records", &finished(&warm(6), true)).await.created();
+    let gone = format!("/v1/records/{}", gone["id"].as_str().unwrap());
+    let as_measured = d_i(&lab, "LFG-0").await;
+    let voiding = json!({"author": "M. Voider", "reason": "a wrong fixture"});
+    assert!(lab.post(&format!("{gone}/void"), &voiding).await.status < 300);
+    let file = model(&[&first]).into_model(&temperature_g());
+    adopts(&lab, &file).await;
+    let right = d_i(&lab, "LFG-0").await;
+    assert!(step(right[1], as_measured[1]) > 3.0 && step(right[3], as_measured[3]) > 3.0);
+
+    // The same rows by another model, under the identifier of this one; records by none.
+    let mut other = file.clone();
+    other.effects[0].estimates.iter_mut().for_each(|estimate| estimate.value *= 0.3);
+    let identified = Arc::make_mut(other.identified.as_mut().unwrap());
+    let of_effect = |c: &&mut ModelCoefficient| matches!(c.of, Of::Effect(..));
+    identified.coefficients.iter_mut().filter(of_effect).for_each(|c| c.value *= 0.3);
+    adopts(&lab, &other).await;
+    let otherwise = d_i(&lab, "LFG-0").await;
+    assert!(otherwise.iter().zip(&right).skip(3).all(|(other, right)| other != right), "{otherwise:?} {right:?}");
+    lab.stop().await;
+    let body = wire::model::to_json(&file);
+    tamper(&lab, "UPDATE imu_model SET body = $1", Some(&body)).await;
+    tamper(&lab, "DELETE FROM campaign_model WHERE record IN (SELECT id FROM record WHERE kind = 0)", None).await;
+    lab.start().await;
+    let mut now = d_i(&lab, "LFG-0").await;
+    for _ in 0..600 {
+        if now == right {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(100)).await;
+        now = d_i(&lab, "LFG-0").await;
+    }
+    assert_eq!(now, right);
+    let silent = lab.get(&format!("/v1/records/{}", silent["id"].as_str().unwrap())).await.ok();
+    assert!(silent["notes"].to_string().contains("any_temperature_of_record"), "{silent}");
+    assert_eq!(lab.get(&gone).await.ok()["voided"]["author"], "M. Voider");
+    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+    // Nothing is left to do: the next start leaves it as it is.
+    lab.restart().await;
+    tokio::time::sleep(Duration::from_secs(1)).await;
+    assert_eq!(d_i(&lab, "LFG-0").await, right);
+}
+
+async fn tamper(lab: &Lab, sql: &'static str, text: Option<&str>) {
+    let rows = match lab::cluster::is_wanted() {
+        true => {
+            let mut connection = PgConnection::connect(&lab.config.database.url).await.unwrap();
+            let query = text.into_iter().fold(sqlx::query(sql), |query, text| query.bind(text));
+            query.execute(&mut connection).await.unwrap().rows_affected()
+        }
+        false => {
+            let mut connection = SqliteConnection::connect(&lab.config.database.url).await.unwrap();
+            let query = text.into_iter().fold(sqlx::query(sql), |query, text| query.bind(text));
+            query.execute(&mut connection).await.unwrap().rows_affected()
+        }
+    };
+    assert!(rows > 0, "{sql}");
 }
 
 fn at(mut campaign: Value, measured_at: &str) -> Value {

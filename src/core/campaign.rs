@@ -28,7 +28,7 @@ pub(crate) use columns::temperature_outliers;
 pub use earth_rate::{NoEarthRate, with_earth_rate};
 pub use note::{CampaignNote, Column, LeftOut, StationLack};
 pub use station_uncertainty::{StationPart, StationUncertainty};
-pub use temperatures::{Temperatures, unknown_kelvin};
+pub use temperatures::{Temperatures, any_kelvin};
 
 named! {
 /// Whether the IMU stood still on the Earth or the table turned during a dwell.

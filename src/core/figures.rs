@@ -22,6 +22,31 @@ pub struct Figures {
     pub voided: bool,
 }
 
+/// The last digits may differ between builds of this program; no bit that matters may.
+const TOLERANCE: f64 = 1e-9;
+
+/// Whether two computations of one number agree.
+pub fn near(a: f64, b: f64) -> bool {
+    a == b || (a - b).abs() <= TOLERANCE * a.abs().max(b.abs()).max(1e-3)
+}
+
+impl Figures {
+    /// Whether the numbers are those of `other`, whatever the states are.
+    pub fn agrees(&self, other: &Self) -> bool {
+        let (own, others) = (self.numbers(), other.numbers());
+        own.len() == others.len() && own.iter().zip(&others).all(|(a, b)| near(*a, *b))
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        let mut numbers = self.rigid.to_vec();
+        numbers.extend(self.rigid_sd.iter().flatten());
+        numbers.extend(self.published.iter().flat_map(|p| {
+            [f64::from(p.branch), p.d[0], p.d[1], p.closure_rms].into_iter().chain(p.sd.into_iter().flatten())
+        }));
+        numbers
+    }
+}
+
 /// Eqs. (8)-(13), the errata applied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PublishedFigures {

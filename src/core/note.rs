@@ -2,7 +2,9 @@
 //! only; words are made at the edge ([`crate::wire::note`]).
 
 use super::campaign::CampaignNote;
+use super::effects::Effect;
 use super::history_note::HistoryNote;
+use super::mounting::Slot;
 
 /// One thing worth knowing about an accepted item.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +17,9 @@ pub enum Note {
     NoTemperatures,
     /// The model of the IMU states D_I and D_S at one temperature, and this record states none.
     AnyTemperature,
+    /// The model of the IMU states D_I and D_S at one temperature, but knows an effect of temperature of another gyro
+    /// in this slot, or of all gyros in common: this record's stay as measured.
+    NotRestated { slot: Slot, effect: Effect },
     /// The last line of its table has no end: where the file was cut, so was its last number.
     NoLineEnd { line: usize, value: String },
     /// It was stored before, and was voided, set aside or replaced since.
@@ -33,6 +38,7 @@ impl Note {
             Note::NoSite => "no_site",
             Note::NoTemperatures => "no_temperatures",
             Note::AnyTemperature => "any_temperature_of_record",
+            Note::NotRestated { .. } => "not_restated",
             Note::NoLineEnd { .. } => "no_line_end",
             Note::Withdrawn => "withdrawn",
             Note::Campaign(note) => note.code(),

@@ -38,6 +38,7 @@ use crate::system::Clock;
 use diagnoses::Diagnoser;
 use diagnoses::background::IdleDetector;
 use diagnoses::models::ModelCache;
+use ingest::stale::StaleCalibrations;
 use ingest::writer;
 use ingest::writer::Duties;
 use write_queue::{Job, WriteQueue};
@@ -103,6 +104,8 @@ impl Pipeline {
         let after = writer::After { wake, models, due, guard };
         // It ends when the writers, who alone tell it of more, are gone.
         tokio::spawn(diagnoses.diagnoser.clone().run(watched));
+        let (queue, idle) = (pipeline.queue.downgrade(), ingest.activity.clone());
+        tokio::spawn(StaleCalibrations { reader: reader.clone(), queue, idle }.run());
         let writers =
             std::iter::once((writer, Duties::Orders)).chain(lanes.into_iter().map(|lane| (lane, Duties::Lane)));
         // Each on a thread of its own: among other tasks a writer would wait its turn behind all whom it has just

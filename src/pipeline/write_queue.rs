@@ -31,6 +31,8 @@ pub(super) enum Job {
     Found { found: Found, reply: ReplyTo<(), WriteError> },
     /// A model is to be in force for an IMU, whose campaigns have been fitted with it.
     Model { adoption: Box<(Adoption, Restated)>, by: Actor, reply: ReplyTo<Accepted, DiagnosisError> },
+    /// Calibrations of an IMU by its number, as the model states them that is in force.
+    Restate { stale: Box<(u32, Id, Restated)>, reply: ReplyTo<(), WriteError> },
     /// A hypothesis is to compete in all diagnoses, or no longer.
     Hypothesis { order: HypothesisOrder, by: Actor, reply: ReplyTo<Accepted, DiagnosisError> },
     /// Many campaigns are to be diagnosed, or no longer.

@@ -90,7 +90,7 @@ impl Response {
         let mut response = Self { pulses: vec![vec![0.0; setting.dwells()]; setting.gyros.len()], largest: 0.0 };
         for (j, axes) in setting.gyros.iter().enumerate().filter(|(_, axes)| known.adopted.slots.contains(&axes.slot)) {
             let own = if entry.scope == Scope::Common { None } else { Some(axes.slot) };
-            let columns = (entry.columns)(setting, j, shape);
+            let columns = entry.regressors(setting, j, shape);
             for (coefficient, column) in entry.coefficients(shape).iter().zip(columns) {
                 let estimate = known.estimates.iter().find(|e| e.slot == own && e.name == coefficient.name);
                 let value = estimate.map(|e| e.value).ok_or(NotPossible::NoEstimate {

@@ -33,6 +33,10 @@ impl NoteBody {
                 ("line".to_owned(), Value::from(*line)),
                 ("value".to_owned(), Value::from(value.as_str())),
             ]),
+            Note::NotRestated { slot, effect } => Map::from_iter([
+                ("slot".to_owned(), Value::from(slot.name())),
+                ("effect".to_owned(), Value::from(effect.id())),
+            ]),
             Note::Campaign(note) => campaign::parameters(note),
             Note::History(note) => history_note::parameters(note),
             _ => Map::new(),
@@ -67,6 +71,9 @@ pub(super) fn message(note: &Note) -> Message {
         Note::NoSite => message!("no_site"),
         Note::NoTemperatures => message!("no_temperatures"),
         Note::AnyTemperature => message!("any_temperature_of_record"),
+        Note::NotRestated { slot, effect } => {
+            message!("not_restated", slot = slot.name(), effect = effect.word())
+        }
         Note::NoLineEnd { line, value } => message!("no_line_end", line = *line, value = sent(value)),
         Note::Withdrawn => message!("withdrawn"),
         Note::Campaign(note) => campaign::message(note),

@@ -6,8 +6,8 @@ use super::design::Design;
 use super::regressor::{Regressor, adding, told_apart};
 use crate::core::augmented::{Adopted, Known};
 use crate::core::calibrate::shared_coefficients::Shared;
-use crate::core::campaign::{Campaign, CampaignNote, LeftOut, Temperatures, unknown_kelvin};
-use crate::core::effects::{Effect, Scope, Setting, axes};
+use crate::core::campaign::{Campaign, CampaignNote, LeftOut, Temperatures, any_kelvin};
+use crate::core::effects::{Effect, Entry, Lack, Scope, Setting, Shape, axes};
 use crate::core::mounting::Slot;
 use crate::core::numerics::basis::Basis;
 use crate::core::numerics::least_squares::{Factor, Fit};
@@ -25,8 +25,8 @@ pub(super) struct Regressors {
     pub shared: Vec<Shared>,
     /// What the model says of them.
     pub known: Vec<Known>,
-    /// Effects of temperature where nobody states one. Their regressors are those of one kelvin in all dwells, to be
-    /// held at zero with what any temperature would do as the standard deviation.
+    /// Effects of temperature where nobody states one. Their regressors are root mean squares over any temperature, to
+    /// be held at zero with the size of the coefficient as the standard deviation.
     pub any_temperature: Vec<Effect>,
     /// Why some cannot be formed.
     pub notes: Vec<CampaignNote>,
@@ -53,24 +53,33 @@ pub(super) fn regressors(
     };
     let mut all = none(notes);
     let unknown = reference_c.filter(|_| Temperatures::stated(campaign).is_none()).map(|reference_c| {
-        let at_one_kelvin = Setting { temperature: Some(vec![1.0; setting.dwells()]), ..setting.clone() };
-        (unknown_kelvin(reference_c), at_one_kelvin)
+        any_kelvin(reference_c).map(|(kelvin, weight)| (setting.at_kelvin(kelvin), weight)).collect::<Vec<_>>()
     });
     for adopted in adopted {
         let entry = adopted.effect.entry();
         let is_known = |slot: Slot| known.iter().any(|one| (one.effect, one.slot) == (adopted.effect, slot));
-        let of_any =
-            unknown.as_ref().filter(|_| entry.of_temperature && adopted.slots.iter().any(|slot| is_known(*slot)));
-        let setting = of_any.map_or(&setting, |(_, at_one_kelvin)| at_one_kelvin);
-        if let Some(missing) = (entry.missing)(setting) {
+        let is_restated = entry.of_temperature && adopted.slots.iter().any(|slot| is_known(*slot));
+        let has_a_value = |(setting, _): &&(Setting, f64)| (entry.missing)(setting).is_none();
+        let of_any = unknown.as_ref().filter(|_| is_restated);
+        let of_any: Option<Vec<_>> = of_any.map(|settings| settings.iter().filter(has_a_value).collect());
+        let missing = match &of_any {
+            Some(settings) => settings.is_empty().then_some(Lack::Temperature),
+            None => (entry.missing)(&setting),
+        };
+        if let Some(missing) = missing {
             let (effect, why) = (adopted.effect, LeftOut::Lacks(missing));
             all.notes.push(CampaignNote::EffectLeftOut { slot: None, effect, why });
             continue;
         }
-        if let Some((kelvin, _)) = of_any {
+        if of_any.is_some() {
+            let of_others = adopted.slots.iter().filter(|slot| !is_known(**slot));
+            all.notes.extend(of_others.map(|slot| {
+                let (slot, why) = (Some(*slot), LeftOut::Lacks(Lack::Temperature));
+                CampaignNote::EffectLeftOut { slot, effect: adopted.effect, why }
+            }));
             all.any_temperature.push(adopted.effect);
             for one in all.known.iter_mut().filter(|one| one.effect == adopted.effect) {
-                (one.value, one.sd) = (0.0, kelvin * one.value.hypot(one.sd));
+                (one.value, one.sd) = (0.0, one.value.hypot(one.sd));
             }
         }
         let coefficients = entry.coefficients(adopted.shape);
@@ -80,12 +89,10 @@ pub(super) fn regressors(
         }
         let acts_in = |slot: Slot| adopted.slots.contains(&slot) && (of_any.is_none() || is_known(slot));
         for (j, axes) in setting.gyros.iter().enumerate().filter(|(_, axes)| acts_in(axes.slot)) {
-            let mut columns = (entry.columns)(setting, j, adopted.shape);
-            if let Some(beyond) = entry.beyond.filter(|_| entry.beyond_is_linear) {
-                // A torquer's scale factor multiplies drift as it does rate: held at the reference, G/|E| stays.
-                let of_drift = beyond(setting, j, adopted.shape, &[1.0]);
-                columns[0].iter_mut().zip(of_drift).for_each(|(column, more)| *column += more);
-            }
+            let columns = match &of_any {
+                Some(settings) => over_any_temperature(entry, settings, j, adopted.shape),
+                None => entry.regressors(&setting, j, adopted.shape),
+            };
             for (c, (column, coefficient)) in columns.into_iter().zip(&coefficients).enumerate() {
                 let column = axes.scale * DVector::from_vec(column);
                 let regressor = Regressor { effect: adopted.effect, coefficient: *coefficient, column };
@@ -97,6 +104,20 @@ pub(super) fn regressors(
         }
     }
     all
+}
+
+/// Root mean squares of the regressors of gyro `j`, dwell by dwell, with the signs where they are largest: they need not
+/// be linear in temperature.
+fn over_any_temperature(entry: &Entry, settings: &[&(Setting, f64)], j: usize, shape: Shape) -> Vec<Vec<f64>> {
+    let all: Vec<_> = settings.iter().map(|(setting, weight)| (entry.regressors(setting, j, shape), *weight)).collect();
+    let length = |column: &[f64]| column.iter().map(|x| x * x).sum::<f64>();
+    let of_coefficient = |c: usize| {
+        let columns = || all.iter().map(|(columns, weight)| (columns[c].as_slice(), *weight));
+        let (largest, _) = columns().max_by(|(a, _), (b, _)| length(a).total_cmp(&length(b)))?;
+        let rms = |k: usize| columns().map(|(column, weight)| weight * column[k] * column[k]).sum::<f64>().sqrt();
+        Some(largest.iter().enumerate().map(|(k, x)| rms(k).copysign(*x)).collect())
+    };
+    (0..entry.coefficients(shape).len()).filter_map(of_coefficient).collect()
 }
 
 /// The regressors that leave something over beside model (6) and those before them, and the effects that do not.

@@ -26,11 +26,21 @@ const LEAST_SHARE: f64 = 0.5;
 /// Temperatures of which a calibration that states none may have had any, deg C: those that IMUs are specified for.
 const ANY_TEMPERATURE: [f64; 2] = [-40.0, 85.0];
 
-/// Root mean square of a temperature that nobody states less `reference_c`, K: a rectangular distribution (GUM 2008,
-/// 4.3.7) of which the mean is not taken off.
-pub fn unknown_kelvin(reference_c: f64) -> f64 {
+/// Steps that a mean over [`ANY_TEMPERATURE`] is taken in (Simpson): an even number.
+const STEPS: usize = 20;
+
+/// What a temperature that nobody states may be less `reference_c`, K, with weights that add up to 1: a rectangular
+/// distribution (GUM 2008, 4.3.7).
+pub fn any_kelvin(reference_c: f64) -> impl Iterator<Item = (f64, f64)> {
     let [low, high] = ANY_TEMPERATURE;
-    ((high - low) / 12.0_f64.sqrt()).hypot((low + high) / 2.0 - reference_c)
+    (0..=STEPS).map(move |i| {
+        let weight = match i {
+            0 | STEPS => 1.0,
+            _ => 2.0 + 2.0 * (i % 2) as f64,
+        };
+        let celsius = low + (high - low) * i as f64 / STEPS as f64;
+        (celsius - reference_c, weight / (3 * STEPS) as f64)
+    })
 }
 
 /// The temperatures of a campaign.
@@ -145,7 +155,12 @@ mod tests {
     #[test]
     fn a_temperature_that_nobody_states_is_anywhere_between_the_ends_alike() {
         // 125 K wide, its mean 22.5 deg C: 36.084 K about it, 42.524 K about 45 deg C.
-        assert!((unknown_kelvin(22.5) - 36.084).abs() < 1e-3 && (unknown_kelvin(45.0) - 42.524).abs() < 1e-3);
+        let mean = |power: i32| any_kelvin(22.5).map(|(kelvin, weight)| weight * kelvin.powi(power)).sum::<f64>();
+        assert!((mean(0) - 1.0).abs() < 1e-12 && mean(1).abs() < 1e-12);
+        let rms = |reference_c| any_kelvin(reference_c).map(|(k, weight)| weight * k * k).sum::<f64>().sqrt();
+        assert!((rms(22.5) - 36.084).abs() < 1e-3 && (rms(45.0) - 42.524).abs() < 1e-3);
+        // 62.5^4/5 about the middle.
+        assert!((mean(4) / (62.5_f64.powi(4) / 5.0) - 1.0).abs() < 1e-4);
     }
 
     #[test]

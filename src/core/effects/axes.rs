@@ -17,7 +17,7 @@ pub(crate) fn setting(campaign: &Campaign) -> Result<(Setting, Vec<CampaignNote>
 /// Largest angle between the fitted and the nominal input axis that is believed, rad.
 const BELIEVED_MISALIGNMENT: f64 = 0.1;
 
-/// |E|, axes and G of one gyro: from the E that is held, else from a fit of model (6), else nominal.
+/// |E|, axes, G and bias of one gyro: from the E that is held, else from a fit of model (6), else nominal.
 fn axes_of(campaign: &Campaign, j: usize, notes: &mut Vec<CampaignNote>) -> Result<GyroAxes, Refusal> {
     let gyro = &campaign.gyros[j];
     let slot = gyro.slot;
@@ -25,22 +25,23 @@ fn axes_of(campaign: &Campaign, j: usize, notes: &mut Vec<CampaignNote>) -> Resu
     if campaign.is_silent(j) {
         return Err(Refusal::NoOutput(slot.name()));
     }
-    let (g, e) = rough_fit(campaign, j);
+    let (bias, g, e) = rough_fit(campaign, j);
+    let carried = |e: Vector3<f64>| GyroAxes { bias: bias / e.norm(), ..GyroAxes::carried(slot, nominal, e, g) };
     if let Some(e) = gyro.known_e {
-        return Ok(GyroAxes::carried(slot, nominal, e, g));
+        return Ok(carried(e));
     }
     let input = nominal.row(0).transpose();
     if e.iter().all(|x| x.is_finite()) && e.norm() > 0.0 && e.angle(&input) < BELIEVED_MISALIGNMENT {
-        return Ok(GyroAxes::carried(slot, nominal, e, g));
+        return Ok(carried(e));
     }
     let along = e.dot(&input);
     let size = if along.is_finite() && along > 1e-6 { along } else { 1.0 };
     notes.push(CampaignNote::NominalAxis { slot, scale: size });
-    Ok(GyroAxes::carried(slot, nominal, size * input, g))
+    Ok(carried(size * input))
 }
 
-/// G and E, in pulse, by plain least squares over what rank the campaign has (minimum norm).
-fn rough_fit(campaign: &Campaign, j: usize) -> (Vector3<f64>, Vector3<f64>) {
+/// D0, G and E, in pulse, by plain least squares over what rank the campaign has (minimum norm).
+fn rough_fit(campaign: &Campaign, j: usize) -> (f64, Vector3<f64>, Vector3<f64>) {
     let known = campaign.gyros[j].known_e;
     let terms = if known.is_some() { Terms::MODEL_6.without(Term::Scale) } else { Terms::MODEL_6 };
     let (n, m) = (campaign.dwells.len(), terms.columns());
@@ -57,9 +58,11 @@ fn rough_fit(campaign: &Campaign, j: usize) -> (Vector3<f64>, Vector3<f64>) {
         n,
         campaign.dwells.iter().map(|d| d.output_pulse_s[j] - known.map_or(0.0, |e| e.dot(&d.rate_arcsec_s))),
     );
-    let Ok(fit) = design.svd(true, true).solve(&output, 1e-7) else { return (Vector3::zeros(), Vector3::zeros()) };
+    let Ok(fit) = design.svd(true, true).solve(&output, 1e-7) else {
+        return (0.0, Vector3::zeros(), Vector3::zeros());
+    };
     let value = |c: usize| fit[c] / norms[c];
     let g = Vector3::new(value(1), value(2), value(3));
     let e = known.unwrap_or_else(|| Vector3::new(value(7), value(8), value(9)));
-    (g, e)
+    (value(0), g, e)
 }

@@ -263,6 +263,16 @@ impl Entry {
         (self.names)(shape).into_iter().map(|name| Coefficient { name, unit: self.unit }).collect()
     }
 
+    /// The regressors of gyro `j`, and what lies beyond them where that is linear, too: a torquer's scale factor
+    /// multiplies drift as it does rate, so that G/|E| stays.
+    pub fn regressors(&self, setting: &Setting, j: usize, shape: Shape) -> Vec<Vec<f64>> {
+        let mut columns = (self.columns)(setting, j, shape);
+        if let Some(beyond) = self.beyond.filter(|_| self.beyond_is_linear) {
+            columns[0].iter_mut().zip(beyond(setting, j, shape, &[1.0])).for_each(|(column, more)| *column += more);
+        }
+        columns
+    }
+
     /// Whether it sets one dwell aside.
     pub fn is_one_dwell(&self) -> bool {
         self.parameter == Parameter::Dwell

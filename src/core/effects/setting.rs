@@ -100,6 +100,11 @@ impl Setting {
         self
     }
 
+    /// The same at one temperature throughout, K.
+    pub fn at_kelvin(&self, kelvin: f64) -> Self {
+        Self { temperature: Some(vec![kelvin; self.dwells()]), ..self.clone() }
+    }
+
     pub fn dwells(&self) -> usize {
         self.force.len()
     }

@@ -29,7 +29,7 @@ pub(super) fn columns(setting: &Setting, coefficients: &[ModelCoefficient], effe
             .zip(&missing)
             .map(|(adopted, missing)| match missing {
                 None if adopted.slots.contains(&gyro.slot) => {
-                    (adopted.effect.entry().columns)(setting, j, adopted.shape)
+                    adopted.effect.entry().regressors(setting, j, adopted.shape)
                 }
                 _ => Vec::new(),
             })

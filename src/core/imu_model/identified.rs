@@ -165,6 +165,8 @@ impl Identified {
     /// [`Refusal::NoAxes`], where the geometry names none.
     pub(super) fn axes(&self, gyro: &ModelGyro) -> Result<GyroAxes, Refusal> {
         let triad = self.geometry.triad(gyro.slot).ok_or(Refusal::NoAxes(gyro.slot.name()))?;
-        Ok(GyroAxes::carried(gyro.slot, triad.mat_gyro_body(), gyro.e, gyro.g))
+        let is_bias = |c: &&ModelCoefficient| c.slot == Some(gyro.slot) && c.of == Of::Term(Term::Bias, 0);
+        let bias = self.coefficients.iter().find(is_bias).map_or(0.0, |c| c.value / gyro.e.norm());
+        Ok(GyroAxes { bias, ..GyroAxes::carried(gyro.slot, triad.mat_gyro_body(), gyro.e, gyro.g) })
     }
 }

@@ -66,6 +66,13 @@ impl ModelCache {
         imu.and_then(|imu| cache.get(&imu)).cloned().unwrap_or_default()
     }
 
+    /// IMUs by their numbers, and their models in force that hold effects.
+    pub fn with_effects(&self) -> Vec<(u32, InForce)> {
+        let cache = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        let with_effects = cache.iter().filter(|(_, in_force)| !in_force.model.effects.is_empty());
+        with_effects.map(|(imu, in_force)| (*imu, in_force.clone())).collect()
+    }
+
     /// A model that was read before a newer one was noted changes nothing.
     pub fn note(&self, row: &ModelRow) -> Result<(), StoreError> {
         let in_force = read(row)?;

@@ -10,6 +10,7 @@ mod preview;
 mod reader;
 mod refused;
 mod same_content;
+pub(super) mod stale;
 pub(super) mod submission;
 pub(super) mod writer;
 

@@ -90,15 +90,12 @@ impl Reader {
     ) -> Result<CalibratedGyro, Unseparable> {
         let stated = stated_covariance(gyro);
         let measured = self.calibrated(record, (place, gyro), stated.as_ref())?;
-        match at_reference(model, record, gyro, stated.as_ref()) {
-            None => Ok(measured),
-            Some(AtReference { gyro, covariance }) => {
-                let restated = self.calibrated(record, (place, &gyro), covariance.as_ref())?;
-                let as_measured = record.temperature_c.map(|celsius| Box::new((celsius, measured.separation)));
-                let at_any_temperature = record.temperature_c.is_none();
-                Ok(CalibratedGyro { as_measured, at_any_temperature, ..restated })
-            }
-        }
+        let AtReference { restated, unknown: not_restated } = at_reference(model, record, gyro, stated.as_ref());
+        let Some((gyro, covariance)) = restated else { return Ok(CalibratedGyro { not_restated, ..measured }) };
+        let restated = self.calibrated(record, (place, &gyro), covariance.as_ref())?;
+        let as_measured = record.temperature_c.map(|celsius| Box::new((celsius, measured.separation)));
+        let at_any_temperature = record.temperature_c.is_none();
+        Ok(CalibratedGyro { as_measured, at_any_temperature, not_restated, ..restated })
     }
 
     /// Separates one gyro and holds it to the requirements.
@@ -119,6 +116,7 @@ impl Reader {
             separation,
             as_measured: None,
             at_any_temperature: false,
+            not_restated: Vec::new(),
             requirements,
         })
     }
@@ -209,7 +207,12 @@ impl Reader {
     /// What is to be noted of a record beside the model that it is stated by.
     pub fn notes_of_model(&self, record: &Calibration) -> Vec<NoteBody> {
         let is_unknown = record.gyros.iter().any(|gyro| gyro.at_any_temperature);
-        is_unknown.then(|| NoteBody::of(&Note::AnyTemperature)).into_iter().collect()
+        let of_gyro = |gyro: &CalibratedGyro| {
+            let slot = gyro.slot;
+            gyro.not_restated.clone().into_iter().map(move |effect| Note::NotRestated { slot, effect })
+        };
+        let notes = is_unknown.then_some(Note::AnyTemperature).into_iter().chain(record.gyros.iter().flat_map(of_gyro));
+        notes.map(|note| NoteBody::of(&note)).collect()
     }
 
     /// The model that the next campaign of an IMU is fitted with.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::core::bench::BenchResult;
+use crate::core::effects::Effect;
 use crate::core::fault::{Fault, Faults};
 use crate::core::gyro_attributes::GyroAttributesPatch;
 use crate::core::id::Id;
@@ -170,6 +171,8 @@ pub struct CalibratedGyro {
     pub as_measured: Option<Box<(f64, Separation)>>,
     /// Of a record that states no temperature, whether its standard deviations hold what any would do.
     pub at_any_temperature: bool,
+    /// Of a record, effects of temperature in its IMU's model of which nothing is known of this very gyro.
+    pub not_restated: Vec<Effect>,
     /// On E and G, which need no history.
     pub requirements: [Option<Verdict>; 2],
 }

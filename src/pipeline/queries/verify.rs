@@ -4,7 +4,7 @@
 //! are decided again with the limits of the configuration in force: of a record that was judged with other limits,
 //! the verdicts cannot be compared, and are counted; so are those on records that count no more.
 
-use crate::core::figures::Figures;
+use crate::core::figures::{Figures, near};
 use crate::core::judge::history::Need;
 use crate::core::judge::{Older, Rule};
 use crate::core::name::normal_form;
@@ -38,8 +38,6 @@ pub struct Verified {
 /// Versions up to 0.1 left the turn of a fitted input axis out of the standard deviations of a bench test's dwells:
 /// what they stored is smaller, by no more than this.
 const LEAST_OF_SD: f64 = 0.5;
-/// The last digits may differ between builds of this program; no bit that matters may.
-const TOLERANCE: f64 = 1e-9;
 /// Gyros whose standing is looked at together.
 const HEADS_AT_ONCE: usize = 256;
 
@@ -220,17 +218,7 @@ fn difference(stored: &Figures, computed: &Figures) -> Option<String> {
     if head(stored) != head(computed) {
         return Some("its history names another record, IMU, slot or station".to_owned());
     }
-    let numbers = |figures: &Figures| {
-        let mut numbers: Vec<f64> = figures.rigid.to_vec();
-        numbers.extend(figures.rigid_sd.iter().flatten());
-        numbers.extend(figures.published.iter().flat_map(|p| {
-            [f64::from(p.branch), p.d[0], p.d[1], p.closure_rms].into_iter().chain(p.sd.into_iter().flatten())
-        }));
-        numbers
-    };
-    let (stored, computed) = (numbers(stored), numbers(computed));
-    let same = stored.len() == computed.len() && stored.iter().zip(&computed).all(|(a, b)| near(*a, *b));
-    (!same).then(|| {
+    (!stored.agrees(computed)).then(|| {
         format!("{stored:?} is stored, computed again it is {computed:?} (D_I, D_S, D_O, deg/(h g0), and further)")
     })
 }
@@ -261,8 +249,4 @@ fn near_or_none(a: Option<f64>, b: Option<f64>) -> bool {
         (Some(a), Some(b)) => near(a, b),
         (a, b) => a.is_none() == b.is_none(),
     }
-}
-
-fn near(a: f64, b: f64) -> bool {
-    a == b || (a - b).abs() <= TOLERANCE * a.abs().max(b.abs()).max(1e-3)
 }

@@ -35,6 +35,7 @@ effects_left_out = the effects of the model are left out: { $why }
 held_as_in_model = it is taken as in the model, which knows it better than these dwells tell it
 any_temperature = no temperature is stated, and the model knows what it does: the sigmas hold what any from -40 to 85 deg C would do. State temperature_c
 any_temperature_of_record = no temperature is stated, and the IMU's model states D_I and D_S at one: the sigmas hold what any from -40 to 85 deg C would do. State temperature_c
+not_restated = { $slot }: D_I and D_S stay as measured: the IMU's model knows { $effect } of another gyro, or of all gyros in common
 not_told_apart = these dwells cannot tell it from the other terms
 nominal_axis = { $slot }: the campaign does not determine E; the nominal input axis and { $scale } pulse/arcsec are used
 

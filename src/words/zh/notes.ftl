@@ -33,6 +33,7 @@ effects_left_out = 模型中的附加效应未计入：{ $why }
 held_as_in_model = 取模型中的值，这些测点不能更准确地确定它
 any_temperature = 未给出温度，而模型已知其影响：标准差已计入-40至85 °C间任一温度的影响。请给出temperature_c
 any_temperature_of_record = 未给出温度，而惯组模型将D_I、D_S归算到一个温度：标准差已计入-40至85 °C间任一温度的影响。请给出temperature_c
+not_restated = { $slot }：D_I、D_S保持测量值：惯组模型中的{ $effect }属于另一陀螺，或为各陀螺共有
 not_told_apart = 这些测点不能将其与其他项区分
 nominal_axis = { $slot }：本次试验不能确定E；采用标称输入轴与{ $scale } pulse/arcsec
 

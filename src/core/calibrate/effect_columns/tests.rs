@@ -6,7 +6,7 @@ use super::*;
 use crate::core::augmented::Options;
 use crate::core::calibrate::{Calibration, EffectParameter, calibrate_at_station, calibrate_augmented};
 use crate::core::campaign::{CampaignGyro, Dwell, Phase, StationUncertainty, TestKind};
-use crate::core::effects::{Lack, Refusal, Shape};
+use crate::core::effects::{Lack, OwnHypothesis, Refusal, Shape, Written, own};
 use crate::core::frames::Rotation;
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
@@ -228,7 +228,8 @@ fn what_the_model_knows_better_is_held_and_states_the_bias_at_its_temperature() 
     let found = fit(&campaign, known(0.01));
     for (j, by_temperature) in BY_TEMPERATURE.into_iter().enumerate() {
         let (value, sd) = bias(&found, j);
-        let expected = by_temperature.hypot(0.01) * crate::core::campaign::unknown_kelvin(mean);
+        let square = crate::core::campaign::any_kelvin(mean).map(|(kelvin, weight)| weight * kelvin * kelvin);
+        let expected = by_temperature.hypot(0.01) * square.sum::<f64>().sqrt();
         assert!(
             (value - 0.3 - 3.0 * by_temperature).abs() < 1e-8 && (sd / expected - 1.0).abs() < 1e-3,
             "{value} {sd}"
@@ -237,6 +238,39 @@ fn what_the_model_knows_better_is_held_and_states_the_bias_at_its_temperature() 
     }
     let any = |note: &CampaignNote| matches!(note, CampaignNote::EffectLeftOut { why: LeftOut::AnyTemperature, .. });
     assert!(found.notes.len() == 2 && found.notes.iter().all(any), "{:?}", found.notes);
+    // Of a gyro that was exchanged nothing is known, and it is said.
+    let found = fit(&campaign, known(0.01).into_iter().filter(|one| one.slot == Slot::G2).collect());
+    let left_out = CampaignNote::EffectLeftOut {
+        slot: Some(Slot::G1),
+        effect: Effect::TemperatureBias,
+        why: LeftOut::Lacks(Lack::Temperature),
+    };
+    assert!(found.notes.contains(&left_out) && bias(&found, 0).1 < 1e-2, "{:?}", found.notes);
+}
+
+#[test]
+fn what_any_temperature_does_need_not_be_linear_in_it() {
+    let written = Written {
+        id: "bent_bias".into(),
+        words: "bent".into(),
+        cause: "oil".into(),
+        equation: "k * T^2".into(),
+        unit: "deg/(h K^2)".into(),
+        plausible: 1.0,
+        typical: [1e-6, 1e-3],
+        common: false,
+        range: None,
+    };
+    let effect = own(OwnHypothesis::of(written).expect("it makes sense")).expect("there is room");
+    let known = vec![Known { slot: Slot::G2, effect, name: "k", value: 1e-3, sd: 0.0 }];
+    let model = Options { adopted: vec![adopted(effect, Shape::Linear, &[Slot::G2])], known, ..Options::default() };
+    let mut campaign = campaign();
+    campaign.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None);
+    let found = calibrate_at_station(&campaign, Terms::MODEL_6, &model, Some(20.0));
+    let bias = found.gyros[1].parameters.iter().find(|one| one.term == Term::Bias).expect("fitted");
+    // T^4 from -40 to 85 deg C about 20 is (65^5 + 60^5)/625 on the mean.
+    let (sd, expected) = (bias.sd.expect("stated") / SCALES[1], 1e-3 * 3_100_625.0_f64.sqrt());
+    assert!((sd / expected - 1.0).abs() < 1e-3, "{sd} {expected}: {:?}", found.notes);
 }
 
 /// A torquer's scale factor follows temperature: it multiplies all that the gyro senses, D_I and D_S alike.

@@ -136,6 +136,11 @@ impl Task {
                         self.state.after.due.send_modify(|moved| *moved += 1);
                         continue;
                     }
+                    Job::Restate { stale, reply } => {
+                        let done = in_turn!(self.state, Cells::all(), self.restating().state_anew(&stale));
+                        let _gone = reply.send(done);
+                        continue;
+                    }
                     Job::Hypothesis { order, by, reply } => {
                         let done = in_turn!(self.state, Cells::one(0), self.order_hypothesis(&order, &by));
                         let _gone = reply.send(done);

@@ -1,13 +1,13 @@
 //! A model comes into force: the stored calibrations of its IMU are stated by it and judged again in the same transaction,
-//! so that an adoption is no step in D_I and D_S.
+//! so that an adoption is no step in D_I and D_S. Where this version states something otherwise than an earlier one, the
+//! same happens without an adoption.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::forecasts::ForecastAlerts;
 use super::state::WriterState;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::Accepted;
 use crate::pipeline::access::Actor;
 use crate::pipeline::alerts::Causes;
 use crate::pipeline::diagnoses::models::adopted;
@@ -15,6 +15,7 @@ use crate::pipeline::diagnoses::{Adoption, DiagnosisError};
 use crate::pipeline::ingest::admit::rows_as_stated;
 use crate::pipeline::ingest::campaign::Restated;
 use crate::pipeline::ingest::submission::Calibration;
+use crate::pipeline::{Accepted, StorageError, WriteError};
 use crate::store;
 use crate::store::{Changes, StoreError};
 
@@ -38,8 +39,9 @@ impl Restating<'_> {
         };
         let restated = self.state.reader().restated(&adoption.imu, &adoption.model, restated.clone()).await?;
         let imu = changes.models[0].imu;
+        let model = changes.models[0].id;
         let done = match (ForecastAlerts { state: self.state, now: self.now }).end(imu, adoption).await {
-            Ok(()) => self.restate(&mut changes, &restated).await,
+            Ok(()) => self.restate(&mut changes, &restated, model).await,
             Err(error) => Err(error),
         };
         if let Err(error) = done {
@@ -52,7 +54,25 @@ impl Restating<'_> {
         Ok(Accepted::stored(row.id))
     }
 
-    async fn restate(&mut self, changes: &mut Changes, restated: &Restated) -> Result<(), StoreError> {
+    /// States calibrations of an IMU as the model does that was in force when they were computed, quietly. One that
+    /// counts no more stays as it is; a model that has come into force since has stated them all.
+    pub async fn state_anew(&mut self, (imu, model, stale): &(u32, Id, Restated)) -> Result<(), WriteError> {
+        if self.state.after.models.of(Some(*imu)).id != Some(*model) {
+            return Ok(());
+        }
+        let heads = store::record::of_imu(&self.state.store, *imu, u32::MAX).await.map_err(StorageError::from)?;
+        let counting: HashSet<Id> = heads.into_iter().map(|head| head.id).collect();
+        let stale = stale.iter().filter(|(id, _)| counting.contains(id));
+        let stale: Restated = stale.map(|(id, stated)| (*id, stated.clone())).collect();
+        let done = self.restate(&mut Changes::default(), &stale, *model).await;
+        if let Err(error) = done {
+            self.state.start_over();
+            return Err(StorageError::from(error).into());
+        }
+        Ok(())
+    }
+
+    async fn restate(&mut self, changes: &mut Changes, restated: &Restated, model: Id) -> Result<(), StoreError> {
         let now = self.now;
         let mut sent: HashMap<Id, &Calibration> = HashMap::new();
         for (id, calibration) in restated {
@@ -69,7 +89,7 @@ impl Restating<'_> {
             };
             sent.insert(*id, calibration);
             changes.rejudged.restated.extend(rows);
-            changes.models_used.extend(changes.models.last().map(|model| (*id, model.id)));
+            changes.models_used.push((*id, model));
         }
         let found = self.state.judge.judge(changes).await?;
         let agreements = self.state.agreements(changes).await?;

@@ -11,6 +11,7 @@ use super::units::{Counts, Quantity};
 use crate::core::message::Message;
 use crate::core::units::STANDARD_GRAVITY_M_S2;
 use crate::message;
+use crate::words::Language;
 
 /// Rows that are looked at.
 const ROWS: usize = 5000;
@@ -30,6 +31,8 @@ struct Looked {
     values: Vec<Vec<f64>>,
     /// Columns of times of day or dates, which are read as seconds.
     clocks: Vec<usize>,
+    /// That it holds several IMUs.
+    several: Option<Message>,
 }
 
 /// What a time column is taken for.
@@ -88,7 +91,10 @@ fn look(name: &str, mut source: Source) -> Result<Looked, LogError> {
     let stopped = values[0].len() >= ROWS;
     match read {
         Err(error) if !stopped && values[0].is_empty() => Err(error),
-        _ => Ok(Looked { columns, values, clocks: source.clocks().to_vec() }),
+        _ => {
+            let (clocks, several) = (source.clocks().to_vec(), source.several(&[]));
+            Ok(Looked { columns, values, clocks, several })
+        }
     }
 }
 
@@ -111,6 +117,9 @@ fn map(logs: &[Looked], name: &str) -> String {
     let gyros = parts.iter().find_map(|part| part.output.as_ref()).map_or(3, |(gyros, _)| *gyros);
     let serials: Vec<String> = (1..=gyros).map(|k| format!("\"G{k} SERIAL-{k}\"")).collect();
     writeln!(text, "gyros = [{}]", serials.join(", ")).expect("a string takes everything");
+    for said in logs.iter().filter_map(|log| log.several.as_ref()) {
+        writeln!(text, "# {}", Language::English.words(said)).expect("a string takes everything");
+    }
     if logs.iter().any(|log| log.values[0].len() <= FEW_ROWS) {
         text.push_str("# few rows: if each is an average already, say averaged = true, and duration or samples\n");
     }

@@ -682,6 +682,109 @@ fn the_example_log_becomes_a_campaign_that_has_no_gap() {
     }
 }
 
+/// The example log, changed as stations' logs are: what the rows then are, or what is said.
+#[test]
+fn what_was_commanded_agrees_with_the_outputs_or_is_refused() {
+    let logs = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/logs");
+    let text = fs::read_to_string(logs.join("table.csv")).unwrap();
+    let (head, rows) = text.split_once('\n').unwrap();
+    // Time, three counts, the table's rate.
+    let number = |row: &str| row.split(';').map(|cell| cell.parse().unwrap()).collect();
+    let rows: Vec<Vec<f64>> = rows.lines().map(number).collect();
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["map.toml", "programme.csv"] {
+        fs::copy(logs.join(name), dir.path().join(name)).unwrap();
+    }
+    let made = |head: &str, rows: &[Vec<f64>], digits: usize| {
+        let line = |row: &Vec<f64>| row.iter().map(|c| format!("{c:.digits$}")).collect::<Vec<_>>().join(";");
+        let lines: Vec<String> = std::iter::once(head.to_owned()).chain(rows.iter().map(line)).collect();
+        fs::write(dir.path().join("log.csv"), lines.join("\n") + "\n").unwrap();
+        dwells(dir.path(), &["log.csv", "--map", "map.toml", "--programme", "programme.csv"])
+    };
+    let forces = |made: &Value, turned: &str| -> Vec<String> {
+        let of = made["dwells"].as_array().unwrap().iter().filter(|dwell| dwell["phase"] == turned);
+        of.map(|dwell| format!("{} {}", dwell["specific_force_g0"], dwell["attitude"])).collect()
+    };
+    let whole = forces(&campaign(&made(head, &rows, 3)), "static");
+    let without: Vec<String> = whole.iter().enumerate().filter(|(k, _)| *k != 5).map(|(_, f)| f.clone()).collect();
+    let place = |row: &Vec<f64>| (row[0] / 90.0) as usize;
+    let later =
+        |row: &Vec<f64>, by: f64| -> Vec<f64> { std::iter::once(row[0] + by).chain(row[1..].to_vec()).collect() };
+
+    let gap: Vec<Vec<f64>> = rows.iter().filter(|row| !(455.0..545.0).contains(&row[0])).cloned().collect();
+    let skipped = rows.iter().filter(|row| place(row) != 5);
+    let skipped: Vec<Vec<f64>> = skipped.map(|row| later(row, if place(row) > 5 { -90.0 } else { 0.0 })).collect();
+    for (log, name) in [(gap, "the logger was down"), (skipped, "the operator left it out")] {
+        let output = made(head, &log, 3);
+        assert_eq!(forces(&campaign(&output), "static"), without, "{name}");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains("0 of them turns: rows 6\n"), "{name}: {said}");
+    }
+    let output = made(head, &rows[..18 * 90], 3);
+    assert_eq!(forces(&campaign(&output), "static"), whole[..18], "it breaks off");
+
+    let exchanged: Vec<Vec<f64>> = [0..2, 3..4, 2..3, 4..36]
+        .into_iter()
+        .flat_map(|part| rows[part.start * 90..part.end * 90].to_vec())
+        .enumerate()
+        .map(|(k, row)| later(&row, k as f64 - row[0]))
+        .collect();
+    let said = refused(&made(head, &exchanged, 3));
+    assert!(said.contains("contradict the outputs in dwells 3 (") && said.contains(" 4 ("), "{said}");
+    let reversed: Vec<Vec<f64>> = rows.iter().map(|row| [&row[..4], &[-row[4]]].concat()).collect();
+    let said = refused(&made(head, &reversed, 3));
+    assert!(said.contains("contradict"), "{said}");
+
+    let infinite: Vec<Vec<f64>> = rows
+        .iter()
+        .map(|row| if row[0] == 500.0 { vec![500.0, f64::INFINITY, 0.0, 0.0, 0.0] } else { row.clone() })
+        .collect();
+    let output = made(head, &infinite, 3);
+    assert_eq!(forces(&campaign(&output), "static"), whole);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("1 lines that are no rows") && said.contains("line 502, column 2 (gyro_1)"), "{said}");
+
+    let total = head.replace("[pulse]", "[pulse_total]");
+    let mut sums = [0.0_f64; 3];
+    let mut counted = |row: &Vec<f64>| {
+        (0..3).for_each(|k| sums[k] += row[k + 1]);
+        vec![row[0], sums[0].floor(), sums[1].floor(), sums[2].floor(), row[4]]
+    };
+    let totals: Vec<Vec<f64>> = rows.iter().map(&mut counted).collect();
+    campaign(&made(&total, &totals, 0));
+    let of_bits = |row: &Vec<f64>| -> Vec<f64> {
+        (0..5).map(|k| if (1..4).contains(&k) { row[k].rem_euclid(65_536.0) } else { row[k] }).collect()
+    };
+    let said = refused(&made(&total, &totals.iter().map(of_bits).collect::<Vec<_>>(), 0));
+    assert!(said.contains("a counter of 16 bits"), "{said}");
+
+    let two: Vec<Vec<f64>> = rows
+        .iter()
+        .flat_map(|row| {
+            let other = vec![row[0] + 0.5, row[1] + 30.0, row[2] - 20.0, row[3] + 10.0, row[4], 2.0];
+            [[&row[..], &[1.0]].concat(), other]
+        })
+        .collect();
+    let said = refused(&made(&format!("{head};imu"), &two, 3));
+    assert!(said.contains("column imu holds 1.000, 2.000"), "{said}");
+    let alike: Vec<Vec<f64>> = two.iter().map(|row| row[..5].to_vec()).collect();
+    let said = refused(&made(head, &alike, 3));
+    assert!(said.contains("alternate between two levels"), "{said}");
+
+    // Dwells of 60 s and of 40 s.
+    for seconds in [60, 40] {
+        let short = rows.iter().filter(|row| (row[0] as usize) % 90 < 10 + seconds).cloned().enumerate();
+        let short: Vec<Vec<f64>> = short.map(|(k, row)| later(&row, k as f64 - row[0])).collect();
+        let output = made(head, &short, 3);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(!said.contains("clipped"), "{said}");
+        match seconds {
+            60 => assert_eq!(forces(&campaign(&output), "static"), whole),
+            _ => assert!(output.status.success() || said.contains("`min_s`"), "{said}"),
+        }
+    }
+}
+
 /// A campaign as a station's table of averages in pulses, with headings of its own.
 fn averages(campaign: &Campaign) -> String {
     let mut text = String::from("Beginn [s];Dauer [s];q0;q1;q2;q3;wx [arcsec/s];wy [arcsec/s];wz [arcsec/s];");

@@ -11,14 +11,16 @@ use super::units::Counts;
 use crate::core::campaign::{Phase, Site};
 use crate::core::dwells::averages::{later, noise, settled, standard_error, without_edges};
 use crate::core::dwells::blocks::Track;
+use crate::core::dwells::explained::{Outputs, Undecided, laid};
 use crate::core::dwells::intervals::{Found, Interval, Search, find};
 use crate::core::dwells::noise::Noise;
 use crate::core::dwells::programme::{
-    Clock, Position, REST_ARCSEC_S, Seen, Table, align, attitude, clock_offset, exchanged,
+    Clock, Position, REST_ARCSEC_S, Seen, Table, attitude, clock_factor, clock_offset, exchanged,
 };
 use crate::core::dwells::turns::WHOLE;
 use crate::core::frames::{Body, Nav, Rotation, Vector};
 use crate::core::message::{Message, figure, list, text};
+use crate::core::numerics::median::median_of;
 use crate::core::units::EARTH_RATE_DEG_H;
 use crate::message;
 
@@ -134,9 +136,16 @@ impl Work<'_> {
 
     fn assemble(&mut self, found: Found, programme: Option<&[Position]>) -> Result<Assembled, Message> {
         let span = self.log.series.end_s(self.log.series.number.len()) - self.log.series.start_s(0);
+        let (too_short, least) = (found.too_short_s.clone(), figure(found.min_s, 1));
+        let below_min = |fault: Message| match too_short.last() {
+            Some(&longest) => {
+                let (count, least, longest) = (too_short.len(), figure(found.min_s, 1), figure(longest, 1));
+                message!("intervals_below_min", fault = fault, count = count, least = least, longest = longest)
+            }
+            None => fault,
+        };
         if found.intervals.is_empty() {
-            let (seconds, least) = (figure(span, 1), figure(found.min_s, 1));
-            return Err(message!("no_interval", seconds = seconds, least = least));
+            return Err(below_min(message!("no_interval", seconds = figure(span, 1), least = least)));
         }
         self.note(&found);
         let span = |i: &Interval| (self.log.series.start_s(i.from), self.log.series.end_s(i.to));
@@ -144,9 +153,9 @@ impl Work<'_> {
         let intervals = self.not_clipped(found.intervals)?;
         let mut candidates: Vec<Candidate> = intervals.into_iter().map(|i| self.candidate(i)).collect();
         self.check_force(&candidates)?;
-        self.command(&mut candidates, programme)?;
+        self.command(&mut candidates, programme).map_err(below_min)?;
         if candidates.len() == 1 {
-            return Err(self.one_interval(&candidates[0]));
+            return Err(below_min(self.one_interval(&candidates[0])));
         }
         let mut made = self.dwells(candidates)?;
         made.remarks.extend(self.without_dwell(&made.dwells, &seen));
@@ -161,6 +170,12 @@ impl Work<'_> {
         if !found.short.is_empty() {
             let starts = list(found.short.iter().take(5).map(start));
             self.remarks.push(message!("intervals_short", count = found.short.len(), starts = starts));
+        }
+        let lengths = found.intervals.iter().map(|i| self.log.series.end_s(i.to) - self.log.series.start_s(i.from));
+        let usual = median_of(lengths).unwrap_or(0.0);
+        if let Some(longest) = found.too_short_s.last().filter(|longest| **longest > SHORT_TURN * usual) {
+            let (count, least, longest) = (found.too_short_s.len(), figure(found.min_s, 1), figure(*longest, 1));
+            self.remarks.push(message!("intervals_too_short", count = count, least = least, longest = longest));
         }
         if found.split > 0 {
             self.remarks.push(message!("intervals_split", count = found.split));
@@ -360,7 +375,7 @@ impl Work<'_> {
     /// Whether gyros that measure rates say that the IMU turns.
     fn turns_by_itself(&self, interval: Interval) -> bool {
         let rates = (0..self.outputs()).filter_map(|k| self.mean(Role::Output(k), interval));
-        self.log.counts == Counts::Angular && rates.map(|r| r * r).sum::<f64>().sqrt() > TURNING
+        self.log.unit.counts == Counts::Angular && rates.map(|r| r * r).sum::<f64>().sqrt() > TURNING
     }
 
     fn by_programme(&mut self, candidates: &mut Vec<Candidate>, programme: &[Position]) -> Result<(), Message> {
@@ -369,7 +384,7 @@ impl Work<'_> {
             candidates.iter().map(|c| (series.start_s(c.interval.from), series.end_s(c.interval.to))).collect();
         let seen: Vec<Seen> = candidates.iter().map(|c| c.seen).collect();
         let clock = clock_offset(&spans, &seen, programme);
-        one_clock(clock)?;
+        self.remarks.extend(one_clock(clock, &spans, &seen, programme)?);
         if let Some(Clock { offset_s: offset, .. }) = clock {
             let found = self.by_the_clock(&spans, candidates, programme, offset);
             let taken: Vec<usize> = found.iter().map(|(row, _)| *row).collect();
@@ -386,7 +401,11 @@ impl Work<'_> {
                 let rows = list(others.iter().map(|row| text(row + 1)));
                 return Err(message!("programme_exchanged", count = seen.len(), rows = rows));
             }
-            let matched = align(&seen, programme);
+            let means = |c: &Candidate| -> Vec<f64> {
+                (0..self.outputs()).filter_map(|k| self.mean(Role::Output(k), c.interval)).collect()
+            };
+            let means = candidates.iter().map(means).collect();
+            let matched = laid_over((self.map, self.log.unit.counts, self.site), &seen, spans, means, programme)?;
             let taken = matched.iter().flatten().count();
             if taken == 0 || 5 * taken < 4 * seen.len() {
                 let (intervals, rows) = (seen.len(), programme.len());
@@ -625,7 +644,13 @@ impl Work<'_> {
             });
         }
         let direction_only = self.map.force.as_ref().is_some_and(|f| f.direction_only);
-        by_accelerometers(candidate.force, candidate.seen.turn_arcsec_s, self.site, self.log.counts, direction_only)
+        by_accelerometers(
+            candidate.force,
+            candidate.seen.turn_arcsec_s,
+            self.site,
+            self.log.unit.counts,
+            direction_only,
+        )
     }
 }
 
@@ -665,17 +690,46 @@ pub fn by_accelerometers(
     })
 }
 
-/// That the programme's times are those of one clock alone.
+/// That the programme's times are those of one clock alone; what is said where they are of none.
 ///
 /// # Errors
-/// Two offsets, a dwell apart, that fit as well.
-pub fn one_clock(clock: Option<Clock>) -> Result<(), Message> {
+/// Two offsets, a dwell apart, that fit as well; times in another unit.
+pub fn one_clock(
+    clock: Option<Clock>,
+    spans: &[(f64, f64)],
+    seen: &[Seen],
+    programme: &[Position],
+) -> Result<Option<Message>, Message> {
     match clock {
+        None if programme.iter().any(|position| position.start_s.is_some()) => {
+            match clock_factor(spans, seen, programme) {
+                Some(factor) => Err(message!("programme_clock_unit", factor = text(factor))),
+                None => Ok(Some(message!("programme_clock_unused"))),
+            }
+        }
         Some(Clock { offset_s, rival_s: Some(rival) }) => {
             Err(message!("programme_ambiguous", one = figure(offset_s, 1), other = figure(rival, 1)))
         }
-        _ => Ok(()),
+        _ => Ok(None),
     }
+}
+
+/// Which interval is which row of a programme, by what was seen in it and by the outputs.
+///
+/// # Errors
+/// No site; several ways that explain the outputs as well.
+pub fn laid_over(
+    (map, counts, site): (&Map, Counts, Option<Site>),
+    seen: &[Seen],
+    spans: Vec<(f64, f64)>,
+    means: Vec<Vec<f64>>,
+    programme: &[Position],
+) -> Result<Vec<Option<usize>>, Message> {
+    let site = site.ok_or_else(|| message!("map_site_missing"))?;
+    let (axes, are_rates) = (map.input_axes().unwrap_or_default(), counts == Counts::Angular);
+    let outputs = Outputs { spans, means, axes, are_rates, site };
+    let undecided = |Undecided| message!("programme_undecided", intervals = seen.len(), rows = programme.len());
+    laid(seen, &outputs, programme).map_err(undecided)
 }
 
 /// Rows of a programme that no interval is of.

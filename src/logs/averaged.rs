@@ -4,14 +4,15 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::assemble::{Dwell, OFF_COMMANDED, TURNING, by_accelerometers, missing, one_clock, table};
+use super::assemble::{Dwell, OFF_COMMANDED, TURNING, by_accelerometers, laid_over, missing, one_clock, table};
 use super::error::LogError;
 use super::gather::{counted, same_layout};
 use super::map::{Columns, Map, Reading, TableColumns};
 use super::source::Source;
-use super::units::{Counts, Quantity};
+use super::text::LeftOut;
+use super::units::{Counts, Quantity, Unit};
 use crate::core::campaign::{Phase, Site};
-use crate::core::dwells::programme::{Clock, Position, REST_ARCSEC_S, Seen, Table, align, clock_offset};
+use crate::core::dwells::programme::{Clock, Position, REST_ARCSEC_S, Seen, Table, clock_offset};
 use crate::core::frames::{Body, Nav, Rotation, Vector};
 use crate::core::message::{Message, figure};
 use crate::core::units::EARTH_RATE_DEG_H;
@@ -89,7 +90,7 @@ pub fn dwells(
     sources: &mut [(String, Source)],
     site: Option<Site>,
     programme: Option<&[Position]>,
-) -> Result<(Vec<Dwell>, Counts, Vec<Message>), LogError> {
+) -> Result<(Vec<Dwell>, Unit, Vec<Message>), LogError> {
     let of_map = |fault: Message| LogError::new("map", fault);
     let output = map.output.find("output", Quantity::Output, sources)?;
     let counts = output.unit.counts;
@@ -113,13 +114,16 @@ pub fn dwells(
     let inertial = inertial(map, &rows, &mut remarks).map_err(of_map)?;
     let turns: Vec<Option<f64>> = rows.iter().map(|row| turn(row, inertial, site)).collect();
     let positions = match programme {
-        Some(programme) => positions(&rows, &turns, &spans, programme, &mut remarks).map_err(of_map)?,
+        Some(programme) => {
+            positions((map, counts, site), &rows, &turns, &spans, programme, &mut remarks).map_err(of_map)?
+        }
         None => vec![None; rows.len()],
     };
     if programme.is_none() && map.rate.is_none() {
         at_rest(&rows, counts).map_err(of_map)?;
     }
-    let counts = if counts == Counts::Increment { Counts::Rate } else { counts };
+    let unit = Unit { counts: if counts == Counts::Increment { Counts::Rate } else { counts }, ..output.unit };
+    let counts = unit.counts;
     let direction_only = map.force.as_ref().is_some_and(|f| f.direction_only);
     let mut made = Vec::new();
     for (k, row) in rows.iter().enumerate() {
@@ -168,7 +172,7 @@ pub fn dwells(
         });
     }
     contradicted(&made, &rows, &positions, programme.is_some()).map_err(of_map)?;
-    Ok((made, counts, remarks))
+    Ok((made, unit, remarks))
 }
 
 fn rows(
@@ -195,7 +199,7 @@ fn rows(
     let readings = places.readings;
     let wanted: Vec<usize> = readings.iter().map(|r| r.column).collect();
     let hz = map.rate_hz.filter(|hz| *hz > 0.0);
-    let (mut found, mut incomplete, mut bad) = (Vec::new(), 0_usize, 0_usize);
+    let (mut found, mut incomplete, mut bad) = (Vec::new(), 0_usize, LeftOut::default());
     let mut each = |row: &[f64]| {
         // A temperature may be missing in some dwells.
         let may_be_empty = |k: usize| temperature.contains(&k);
@@ -246,7 +250,10 @@ fn rows(
     for k in 0..sources.len() {
         same_layout(&sources[0], &sources[k])?;
         let (place, source) = &mut sources[k];
-        bad += source.rows(place, &wanted, &mut each)?;
+        bad.add(source.rows(place, &wanted, &mut each)?);
+        if let Some(several) = source.several(&wanted) {
+            return Err(LogError::new(place.as_str(), several));
+        }
     }
     if found.is_empty() {
         return Err(LogError::new(&sources[0].0, message!("no_rows", count = incomplete)));
@@ -255,9 +262,7 @@ fn rows(
     if incomplete > 0 {
         remarks.push(message!("rows_incomplete", count = incomplete));
     }
-    if bad > 0 {
-        remarks.push(message!("rows_left_out", count = bad));
-    }
+    remarks.extend(bad.remark());
     Ok((found, remarks))
 }
 
@@ -321,6 +326,7 @@ fn turn(row: &Row, inertial: bool, site: Option<Site>) -> Option<f64> {
 
 /// The programme's row of each row.
 fn positions(
+    of: (&Map, Counts, Option<Site>),
     rows: &[Row],
     turns: &[Option<f64>],
     spans: &[(f64, f64)],
@@ -332,7 +338,9 @@ fn positions(
         rows.iter().zip(turns).map(|(row, turn)| Seen { up: up(row), turn_arcsec_s: *turn }).collect();
     let blind = seen.iter().all(|s| s.up.is_none() && s.turn_arcsec_s.is_none());
     let clock = rows[0].start_s.and_then(|_| clock_offset(spans, &seen, programme));
-    one_clock(clock)?;
+    if rows[0].start_s.is_some() {
+        remarks.extend(one_clock(clock, spans, &seen, programme)?);
+    }
     let matched: Vec<Option<usize>> = match clock {
         Some(Clock { offset_s: offset, .. }) => {
             remarks.push(message!("programme_clock", seconds = figure(offset, 2)));
@@ -341,7 +349,10 @@ fn positions(
         None if blind && rows.len() != programme.len() => {
             return Err(message!("programme_count", intervals = rows.len(), rows = programme.len()));
         }
-        None => align(&seen, programme),
+        None => {
+            let means = rows.iter().map(|row| row.output.clone()).collect();
+            laid_over(of, &seen, spans.to_vec(), means, programme)?
+        }
     };
     let taken: Vec<usize> = matched.iter().flatten().copied().collect();
     if taken.is_empty() || 5 * taken.len() < 4 * rows.len() {

@@ -7,13 +7,14 @@ use super::error::LogError;
 use super::gather::{Gathered, gather};
 use super::map::Map;
 use super::source::Source;
-use super::units::Counts;
+use super::units::{Counts, Quantity, Unit};
 use super::{averaged, programme};
 use crate::core::campaign::{Campaign, Phase, Site};
+use crate::core::dwells::explained::{Contradiction, contradiction, input_axis};
+use crate::core::dwells::noise::Noise;
 use crate::core::dwells::programme::Position;
 use crate::core::fault::{Fault, Faults};
-use crate::core::message::{Message, sent};
-use crate::core::mounting::Slot;
+use crate::core::message::{Message, figure, list, sent, text};
 use crate::core::time::UtcMicros;
 use crate::core::units::radians;
 use crate::message;
@@ -27,7 +28,14 @@ pub struct Made {
     pub remarks: Vec<Message>,
     /// None of a log of averages.
     pub gathered: Option<Gathered>,
+    /// The unit of the outputs.
+    unit: Unit,
 }
+
+/// |E| of gyros that measure rates of turn, whose pulse is one arcsec.
+const ONE_ARCSEC: std::ops::Range<f64> = 0.5..2.0;
+/// Room about a unit's factor.
+const UNIT_ROOM: f64 = 0.1;
 
 impl Made {
     /// The campaign, held against the Earth.
@@ -40,13 +48,45 @@ impl Made {
         let has_headings = self.dwells.iter().any(|dwell| dwell.attitude.is_some());
         let of_rates = |faults: &Faults| faults.0.iter().all(|fault| fault.pointer.ends_with("/rate_arcsec_s"));
         match commanded::check(&campaign) {
-            Ok(()) => Ok(campaign),
+            Ok(()) => {
+                let faults = self.other_scale(&campaign).or_else(|| contradicted(&campaign));
+                faults.map_or(Ok(campaign), |message| Err(Fault { pointer: String::new(), message }.into()))
+            }
             Err(faults) if !has_headings && of_rates(&faults) => {
                 Err(Fault { pointer: String::new(), message: message!("commanded_heading_seen") }.into())
             }
             Err(faults) => Err(faults),
         }
     }
+
+    /// Gyros that measure rates of turn, in another unit or at other rates than are stated.
+    fn other_scale(&self, campaign: &Campaign) -> Option<Message> {
+        let fitted = campaign.gyros.iter().enumerate().filter(|(_, gyro)| gyro.known_e.is_none());
+        let scales = fitted.filter_map(|(j, gyro)| Some((gyro.slot, input_axis(campaign, j)?.norm())));
+        let is_turned = campaign.dwells.iter().any(|dwell| dwell.phase == Phase::Rate);
+        let mut off = scales.filter(|(_, scale)| !ONE_ARCSEC.contains(scale));
+        let (slot, scale) = off.next().filter(|_| is_turned && self.unit.counts == Counts::Angular)?;
+        let is_unit = |name: &&&str| {
+            let unit = Quantity::Output.unit(name).filter(|unit| unit.counts == Counts::Angular);
+            unit.is_some_and(|unit| (unit.factor * scale / self.unit.factor - 1.0).abs() < UNIT_ROOM)
+        };
+        let (slot, scale) = (slot.name(), figure(scale, 4));
+        Some(match Quantity::Output.units().iter().find(is_unit) {
+            Some(unit) => message!("output_other_unit", slot = slot, scale = scale, unit = *unit),
+            None => message!("output_other_scale", slot = slot, scale = scale),
+        })
+    }
+}
+
+/// Outputs that contradict what was commanded, with the dwells.
+fn contradicted(campaign: &Campaign) -> Option<Message> {
+    let Contradiction { times, dwells, rest_agrees } = contradiction(campaign)?;
+    let at = |k: &usize| text(format_args!("{} ({:.0} s)", k + 1, campaign.dwells[*k].start_s));
+    let (dwells, times) = (list(dwells.iter().map(at)), figure(times, 0));
+    Some(match rest_agrees {
+        true => message!("outputs_contradict_in", dwells = dwells, times = times),
+        false => message!("outputs_contradict", dwells = dwells, times = times, of = campaign.dwells.len()),
+    })
 }
 
 /// Reads the logs once and makes their campaign.
@@ -70,18 +110,18 @@ pub fn campaign_from(
     positions: Option<&[Position]>,
 ) -> Result<Made, LogError> {
     let site = site_of(map);
-    let (dwells, counts, remarks, gathered) = if map.averaged {
-        let (dwells, counts, remarks) = averaged::dwells(map, &mut sources, site, positions)?;
-        (dwells, counts, remarks, None)
+    let (dwells, noise, unit, remarks, gathered) = if map.averaged {
+        let (dwells, unit, remarks) = averaged::dwells(map, &mut sources, site, positions)?;
+        (dwells, Vec::new(), unit, remarks, None)
     } else {
         let place = sources.first().map(|(place, _)| place.clone()).unwrap_or_default();
         let mut gathered = gather(map, sources)?;
         let made = assemble(map, &mut gathered, site, positions)
             .map_err(|error| if error.place == "log" { LogError { place, ..error } } else { error })?;
-        (made.dwells, gathered.counts, made.remarks, Some(gathered))
+        (made.dwells, made.noise, gathered.unit, made.remarks, Some(gathered))
     };
-    let mut made = Made { body: body(map, &dwells, gathered.as_ref())?, dwells, remarks, gathered };
-    hold_e(&mut made, map, counts)?;
+    let mut made = Made { body: body(map, &dwells, gathered.as_ref())?, dwells, noise, remarks, gathered, unit };
+    hold_e(&mut made, map)?;
     Ok(made)
 }
 
@@ -125,23 +165,20 @@ fn gyro(text: &str) -> Result<CampaignGyroBody, LogError> {
 
 /// Where nothing turned at a known rate, E cannot be fitted. Of gyros that measure rates of turn it is the input axis:
 /// one pulse is one arcsec.
-fn hold_e(made: &mut Made, map: &Map, counts: Counts) -> Result<(), LogError> {
+fn hold_e(made: &mut Made, map: &Map) -> Result<(), LogError> {
     let known = match &map.known_e {
         Some(known) if known.len() != made.body.gyros.len() => {
             let fault = message!("map_known_e", have = known.len(), gyros = made.body.gyros.len());
             return Err(LogError::new("map", fault));
         }
         Some(known) => known.clone(),
-        None if counts != Counts::Angular || made.dwells.iter().any(|d| d.phase == Phase::Rate) => return Ok(()),
+        None if made.unit.counts != Counts::Angular || made.dwells.iter().any(|d| d.phase == Phase::Rate) => {
+            return Ok(());
+        }
         None => {
-            let Ok(geometry) = made.body.geometry.to_core() else { return Ok(()) };
-            let slots = made.body.gyros.iter().filter_map(|g| Slot::from_name(g.slot.as_deref()?));
-            let axes: Vec<[f64; 3]> = slots.filter_map(|s| Some(geometry.triad(s)?.input().into())).collect();
-            if axes.len() != made.body.gyros.len() {
-                return Ok(());
-            }
+            let Some(axes) = map.input_axes() else { return Ok(()) };
             made.remarks.push(message!("e_held"));
-            axes
+            axes.into_iter().map(<[f64; 3]>::from).collect()
         }
     };
     for (gyro, e) in made.body.gyros.iter_mut().zip(known) {

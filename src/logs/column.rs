@@ -11,7 +11,29 @@ pub struct Column {
     pub unit: Option<String>,
 }
 
+/// Names of columns that say which IMU a row is of.
+const IDS: [&str; 12] = [
+    "imu",
+    "imu_id",
+    "imu_no",
+    "serial",
+    "serial_no",
+    "sn",
+    "unit",
+    "device",
+    "device_id",
+    "sensor",
+    "sensor_id",
+    "编号",
+];
+
 impl Column {
+    /// Whether it may say which of several IMUs a row is of.
+    pub fn is_id(&self) -> bool {
+        let plain = self.name.to_lowercase().replace([' ', '-', '.'], "_");
+        IDS.contains(&plain.trim_end_matches('_'))
+    }
+
     /// From a heading such as `gyro_x (deg/s)` or `ax [m/s^2]`.
     pub fn named(heading: &str) -> Self {
         let heading = heading.trim().replace(['（', '［'], "(").replace(['）', '］'], ")");

@@ -3,7 +3,8 @@
 use super::error::LogError;
 use super::map::{Columns, Found, Header, Map, Reading};
 use super::source::Source;
-use super::units::{Counts, Quantity};
+use super::text::LeftOut;
+use super::units::{Counts, Quantity, Unit};
 use crate::core::dwells::blocks::{Blocks, Series};
 use crate::core::message::{Message, figure, list, sent, text};
 use crate::message;
@@ -33,7 +34,7 @@ pub enum Role {
 pub struct Gathered {
     pub series: Series,
     pub roles: Vec<Role>,
-    pub counts: Counts,
+    pub unit: Unit,
     /// Times at which another log begins.
     pub breaks: Vec<f64>,
     /// Usual time from sample to sample, s.
@@ -73,6 +74,11 @@ const BETWEEN_LOGS_S: f64 = 1.0;
 const FROZEN: u64 = 50;
 const SAME: f64 = 0.2;
 const MOST_FROZEN: f64 = 0.1;
+/// Samples that alternate between two levels: how much nearer each is to the last but one than to the last, counts
+/// that are no rounding, and the share of the samples that are so by no chance.
+const BACK: f64 = 0.25;
+const COUNTS: f64 = 3.0;
+const ALTERNATE: f64 = 0.8;
 /// Runs that are kept, and said.
 const RUNS: usize = 1000;
 const RUNS_SAID: usize = 5;
@@ -86,9 +92,10 @@ pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered,
     if beside > 1 && sources.len() != beside {
         return Err(LogError::new("map", message!("map_logs", logs = beside, have = sources.len())));
     }
-    let (channels, counts, remarks) = channels(map, &sources)?;
+    let (channels, unit, remarks) = channels(map, &sources)?;
+    let counts = unit.counts;
     let of_log = |log: usize| channels.iter().filter(move |c| c.reading.log == log).collect::<Vec<_>>();
-    let mut reader = Reader::new(map, counts, remarks);
+    let mut reader = Reader::new(map, unit, remarks);
     let mut logs = Vec::new();
     let mut roles = Vec::new();
     for k in 0..sources.len() {
@@ -131,7 +138,7 @@ pub fn counted(key: &'static str, have: usize, allowed: &[usize]) -> Result<(), 
     Err(LogError::new("map", message!("at_map_key", key = key, fault = fault)))
 }
 
-fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Counts, Vec<Message>), LogError> {
+fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Unit, Vec<Message>), LogError> {
     let mut channels = Vec::new();
     let mut remarks = Vec::new();
     let mut add = |key: &'static str, found: &Found, role: fn(usize) -> Role| {
@@ -181,7 +188,7 @@ fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Co
         counted("attitude", found.len(), &[4])?;
         channels.extend(found.into_iter().enumerate().map(|(k, reading)| Channel { role: Role::Attitude(k), reading }));
     }
-    Ok((channels, output.unit.counts, remarks))
+    Ok((channels, output.unit, remarks))
 }
 
 /// The tracks that a log's channels become.
@@ -322,6 +329,9 @@ fn period(before: f64, now: f64, factor: f64, back: f64, interval: f64) -> Optio
 struct Held {
     role: Role,
     last: f64,
+    before: f64,
+    /// Samples that are the last but one again, and far from the last.
+    alternating: u64,
     began_s: f64,
     least: f64,
     most: f64,
@@ -335,12 +345,28 @@ struct Held {
 impl Held {
     fn new(role: Role) -> Self {
         let (least, most) = (f64::INFINITY, f64::NEG_INFINITY);
-        Self { role, last: f64::NAN, began_s: 0.0, least, most, whole: true, same: 0, run: 0, runs: Vec::new() }
+        Self {
+            role,
+            last: f64::NAN,
+            before: f64::NAN,
+            alternating: 0,
+            began_s: 0.0,
+            least,
+            most,
+            whole: true,
+            same: 0,
+            run: 0,
+            runs: Vec::new(),
+        }
     }
 
     fn see(&mut self, value: f64, at: f64) {
         self.whole &= value.fract() == 0.0;
         (self.least, self.most) = (self.least.min(value), self.most.max(value));
+        let step = (value - self.last).abs();
+        let is_back = (value - self.before).abs() < BACK * step && (step >= COUNTS || !self.whole);
+        self.alternating += u64::from(is_back);
+        self.before = self.last;
         if value != self.last {
             (self.last, self.began_s, self.run) = (value, at, 0);
             return;
@@ -371,32 +397,128 @@ impl Held {
     }
 }
 
+/// A counter of so many bits that begins anew when it is full.
+#[derive(Debug, Clone)]
+struct Counter {
+    last: f64,
+    carried: f64,
+    least: f64,
+    most: f64,
+    whole: bool,
+    began_anew: u64,
+    /// Steps of about half of its range: up or down, nobody knows.
+    unclear: u64,
+    period: f64,
+}
+
+/// Part of a counter's range from which a step is not plain, and from which it is the step back over its end.
+const UNCLEAR_STEP: std::ops::Range<f64> = 0.4..0.6;
+/// Part of its range that a counter went through, which began anew.
+const RANGE_SEEN: f64 = 0.9;
+
+impl Default for Counter {
+    fn default() -> Self {
+        let (least, most) = (f64::INFINITY, f64::NEG_INFINITY);
+        Self { last: 0.0, carried: 0.0, least, most, whole: true, began_anew: 0, unclear: 0, period: 0.0 }
+    }
+}
+
+impl Counter {
+    /// The count, carried on where the counter began anew since the one before.
+    fn see(&mut self, value: f64, is_next: bool) -> f64 {
+        (self.least, self.most) = (self.least.min(value), self.most.max(value));
+        self.whole &= value.fract() == 0.0;
+        let step = value - std::mem::replace(&mut self.last, value);
+        let half = step.abs() >= UNCLEAR_STEP.start * 65_536.0;
+        if let Some(period) = self.bits().filter(|_| is_next && half) {
+            let share = step.abs() / period;
+            self.period = period;
+            self.unclear += u64::from(UNCLEAR_STEP.contains(&share));
+            if share >= UNCLEAR_STEP.end {
+                self.began_anew += 1;
+                self.carried -= step.signum() * period;
+            }
+        }
+        value + self.carried
+    }
+
+    /// The range of the least counter that can have counted all that was seen.
+    fn bits(&self) -> Option<f64> {
+        let fits = |period: &f64| {
+            self.least >= 0.0 && self.most < *period || self.least >= -0.5 * period && self.most < 0.5 * period
+        };
+        [16, 24, 32].map(|bits| 2f64.powi(bits)).into_iter().find(|period| self.whole && fits(period))
+    }
+
+    /// Whether it cannot be said how often the counter began anew.
+    fn is_unclear(&self) -> bool {
+        let seen = self.most - self.least >= RANGE_SEEN * self.period;
+        let other = self.began_anew > 0 && self.bits() != Some(self.period);
+        other || self.unclear > 0 && seen && self.bits() == Some(self.period)
+    }
+}
+
+/// Temperatures without the values that a sensor shows where it has none (999, -127, 85).
+#[derive(Debug, Default)]
+struct Temperature {
+    good: Option<f64>,
+    run: u64,
+    left_out: u64,
+}
+
+impl Temperature {
+    /// What may be a temperature where nothing was seen before, deg C.
+    const LIKELY: std::ops::Range<f64> = -100.0..200.0;
+    /// Change from one sample to the next that is none of a temperature, and samples from which it is one.
+    const JUMP: f64 = 20.0;
+    const LASTS: u64 = 50;
+
+    /// The temperature, or the last one before; none where there was none.
+    fn good(&mut self, value: f64) -> Option<f64> {
+        let is_good = match self.good {
+            Some(last) => (value - last).abs() <= Self::JUMP,
+            None => Self::LIKELY.contains(&value),
+        };
+        self.run = if is_good { 0 } else { self.run + 1 };
+        if is_good || self.run > Self::LASTS {
+            self.good = Some(value);
+        } else {
+            self.left_out += 1;
+        }
+        self.good
+    }
+}
+
 struct Reader {
     clock: Clock,
-    counts: Counts,
+    unit: Unit,
     hz: Option<f64>,
     absolute: bool,
     time_factor: f64,
     breaks: Vec<f64>,
     rows: u64,
     missing: u64,
-    bad: usize,
+    bad: LeftOut,
+    counters: Vec<Counter>,
+    temperature: Temperature,
     held: Vec<Held>,
     remarks: Vec<Message>,
 }
 
 impl Reader {
-    fn new(map: &Map, counts: Counts, remarks: Vec<Message>) -> Self {
+    fn new(map: &Map, unit: Unit, remarks: Vec<Message>) -> Self {
         Self {
             clock: Clock::default(),
-            counts,
+            unit,
             hz: map.rate_hz,
             absolute: false,
             time_factor: 1.0,
             breaks: Vec::new(),
             rows: 0,
             missing: 0,
-            bad: 0,
+            bad: LeftOut::default(),
+            counters: Vec::new(),
+            temperature: Temperature::default(),
             held: Vec::new(),
             remarks,
         }
@@ -426,10 +548,11 @@ impl Reader {
         let mut wanted: Vec<usize> = channels.iter().map(|c| c.reading.column).collect();
         wanted.extend(time);
         let has_output = channels.iter().any(|c| matches!(c.role, Role::Output(_)));
-        let per_interval = has_output && matches!(self.counts, Counts::Increment | Counts::Total);
+        let per_interval = has_output && matches!(self.unit.counts, Counts::Increment | Counts::Total);
         let needs_before = per_interval || channels.iter().any(|c| matches!(c.role, Role::Turn(_)));
         let is_attitude = |k: &usize| matches!(channels[*k].role, Role::Attitude(_));
         let attitude: Vec<usize> = (0..channels.len()).filter(is_attitude).collect();
+        let temperature = channels.iter().position(|c| c.role == Role::Temperature);
         let mut quaternion = Vec::new();
         let mut row = Vec::new();
         let mut before: Option<(f64, Vec<f64>)> = None;
@@ -451,16 +574,30 @@ impl Reader {
             }
             let Some(at) = self.clock.at(stamp, self.time_factor)? else { return Ok(()) };
             self.rows += 1;
+            let is_next = before.as_ref().is_some_and(|(earlier, _)| at - earlier <= 1.5 * self.clock.interval);
             numbers.clear();
-            numbers.extend(channels.iter().zip(values).map(|(c, v)| c.reading.factor * v + c.reading.offset));
+            for (k, (channel, &value)) in channels.iter().zip(values).enumerate() {
+                let value = match channel.role {
+                    Role::Output(_) if self.unit.counts == Counts::Total => self.carried(k, value, is_next),
+                    _ => value,
+                };
+                numbers.push(channel.reading.factor * value + channel.reading.offset);
+            }
+            if let Some(place) = temperature {
+                let Some(held) = self.temperature.good(numbers[place]) else {
+                    self.missing += 1;
+                    return Ok(());
+                };
+                numbers[place] = held;
+            }
             align(&attitude, &mut numbers, &mut quaternion);
             channels.iter().zip(&numbers).for_each(|(channel, value)| self.note_held(channel.role, *value, at));
             if needs_before {
                 let now = (at, numbers.clone());
                 if let Some((earlier, old)) = before.replace(now)
-                    && at - earlier <= 1.5 * self.clock.interval
+                    && is_next
                 {
-                    derive(channels, self.counts, per_interval, (&numbers, &old), at - earlier, &mut row);
+                    derive(channels, self.unit.counts, per_interval, (&numbers, &old), at - earlier, &mut row);
                     room.push(at, &row);
                 }
             } else {
@@ -468,7 +605,10 @@ impl Reader {
             }
             Ok(())
         })?;
-        self.bad += bad;
+        self.bad.add(bad);
+        if let Some(several) = source.several(&wanted) {
+            return Err(LogError::new(place, several));
+        }
         if self.clock.repeated > 100 && self.clock.repeated * 6 > self.clock.seen {
             let fault = message!("time_coarse", repeated = self.clock.repeated, rows = self.clock.seen);
             return Err(LogError::new(place, fault));
@@ -487,6 +627,14 @@ impl Reader {
             self.clock.carried += last + BETWEEN_LOGS_S - own;
         }
         self.clock.last = None;
+    }
+
+    /// The count of an output as if its counter had no end.
+    fn carried(&mut self, place: usize, value: f64, is_next: bool) -> f64 {
+        if self.counters.len() <= place {
+            self.counters.resize(place + 1, Counter::default());
+        }
+        self.counters[place].see(value, is_next)
     }
 
     fn note_held(&mut self, role: Role, value: f64, at: f64) {
@@ -548,6 +696,21 @@ impl Reader {
         {
             return Err(LogError::new(place, message!("output_dead", output = gyro + 1, value = text(dead.least))));
         }
+        let alternates = |held: &&Held| self.rows > FROZEN && held.alternating as f64 > ALTERNATE * self.rows as f64;
+        if let Some(held) = self.held.iter().find(alternates) {
+            let (key, column) = match held.role {
+                Role::Force(k) => ("force", k + 1),
+                Role::Output(k) => ("output", k + 1),
+                _ => ("output", 1),
+            };
+            let (one, other) = (figure(held.before, 4), figure(held.last, 4));
+            let fault = message!("samples_alternate", key = key, column = column, one = one, other = other);
+            return Err(LogError::new(place, fault));
+        }
+        if let Some(counter) = self.counters.iter().find(|counter| counter.is_unclear()) {
+            let fault = message!("counter_unclear", bits = counter.period.log2() as usize, count = counter.unclear);
+            return Err(LogError::new(place, fault));
+        }
         let clock = &self.clock;
         let mut say = |count: u64, message: Message| {
             if count > 0 {
@@ -560,8 +723,11 @@ impl Reader {
         say(clock.disordered, message!("samples_disordered", count = clock.disordered));
         say(clock.wrapped, message!("time_wrapped", count = clock.wrapped));
         say(self.missing, message!("rows_incomplete", count = self.missing));
-        say(self.bad as u64, message!("rows_left_out", count = self.bad));
-        let counted = matches!(self.counts, Counts::Increment | Counts::Total);
+        say(self.temperature.left_out, message!("temperatures_left_out", count = self.temperature.left_out));
+        let began = self.counters.iter().map(|counter| counter.began_anew).sum::<u64>();
+        say(began, message!("counter_wrapped", count = began));
+        self.remarks.extend(self.bad.remark());
+        let counted = matches!(self.unit.counts, Counts::Increment | Counts::Total);
         if series.number.is_empty() {
             return Err(LogError::new("map", message!("logs_apart")));
         }
@@ -577,7 +743,7 @@ impl Reader {
         Ok(Gathered {
             series,
             roles,
-            counts: self.counts,
+            unit: self.unit,
             breaks: self.breaks,
             sample_s: interval,
             unix_s,
@@ -624,5 +790,61 @@ fn derive(
     }
     if per_interval {
         row.push(step);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a counter of `period` shows of these pulses a sample, and what is made of it.
+    fn counted(pulses: &[f64], period: f64, least: f64) -> (Counter, Vec<f64>) {
+        let (mut counter, mut total, mut steps, mut before) = (Counter::default(), least, Vec::new(), None);
+        for pulse in pulses {
+            total += pulse;
+            let shown = (total - least).rem_euclid(period) + least;
+            let carried = counter.see(shown, before.is_some());
+            steps.extend(before.replace(carried).map(|before: f64| carried - before));
+        }
+        (counter, steps)
+    }
+
+    #[test]
+    fn counters_that_begin_anew_are_carried_on() {
+        let slow: Vec<f64> = (0..4000).map(|k| if k < 2000 { 5400.0 } else { -5400.0 + f64::from(k % 3) }).collect();
+        for (period, least) in [(65_536.0, 0.0), (65_536.0, -32_768.0), (4_294_967_296.0, 0.0)] {
+            let (counter, steps) = counted(&slow, period, least);
+            assert!(!counter.is_unclear(), "{period} {least}");
+            assert_eq!(steps, slow[1..], "{period} {least}");
+        }
+        let fast: Vec<f64> = (0..4000).map(|k| (f64::from(k) * 20.0).min(54_000.0)).collect();
+        assert!(counted(&fast, 65_536.0, 0.0).0.is_unclear(), "up by 54000 is down by 11536");
+        let (wide, steps) = counted(&fast, 4_294_967_296.0, 0.0);
+        assert!(!wide.is_unclear());
+        assert_eq!(steps, fast[1..]);
+    }
+
+    #[test]
+    fn fault_values_are_no_temperatures() {
+        let mut sensor = Temperature::default();
+        let shown = [999.0, 30.0, 30.1, 999.0, -127.0, 30.2];
+        let good: Vec<Option<f64>> = shown.iter().map(|value| sensor.good(*value)).collect();
+        assert_eq!(good, [None, Some(30.0), Some(30.1), Some(30.1), Some(30.1), Some(30.2)]);
+        assert_eq!(sensor.left_out, 3);
+        let warm: Vec<Option<f64>> = (0..100).map(|_| sensor.good(80.0)).collect();
+        assert_eq!((warm[0], warm[99]), (Some(30.2), Some(80.0)), "it stays so");
+    }
+
+    #[test]
+    fn samples_of_two_imus_alternate_and_noise_and_counts_do_not() {
+        let share = |of: &dyn Fn(u32) -> f64| {
+            let mut held = Held::new(Role::Output(0));
+            (0..3000).for_each(|k| held.see(of(k), f64::from(k)));
+            held.alternating as f64 / 3000.0
+        };
+        let noise = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5;
+        assert!(share(&|k| noise(k) + if k % 2 == 0 { 30.0 } else { 0.0 }) > ALTERNATE);
+        assert!(share(&noise) < 0.5, "{}", share(&noise));
+        assert!(share(&|k| f64::from(k % 2)) < 0.01, "half a pulse a sample");
     }
 }

@@ -10,6 +10,7 @@ use super::units::{Counts, Quantity};
 use crate::core::message::Message;
 use crate::core::units::STANDARD_GRAVITY_M_S2;
 use crate::message;
+use crate::words::Language;
 
 /// Rows that are looked at.
 const ROWS: usize = 5000;
@@ -29,6 +30,8 @@ struct Looked {
     values: Vec<Vec<f64>>,
     /// Columns of times of day or dates, which are read as seconds.
     clocks: Vec<usize>,
+    /// That it holds several IMUs.
+    several: Option<Message>,
 }
 
 /// What a time column is taken for.
@@ -87,7 +90,10 @@ fn look(name: &str, mut source: Source) -> Result<Looked, LogError> {
     let stopped = values[0].len() >= ROWS;
     match read {
         Err(error) if !stopped && values[0].is_empty() => Err(error),
-        _ => Ok(Looked { columns, values, clocks: source.clocks().to_vec() }),
+        _ => {
+            let (clocks, several) = (source.clocks().to_vec(), source.several(&[]));
+            Ok(Looked { columns, values, clocks, several })
+        }
     }
 }
 
@@ -110,6 +116,9 @@ fn map(logs: &[Looked], name: &str) -> String {
     let gyros = parts.iter().find_map(|part| part.output.as_ref()).map_or(3, |(gyros, _)| *gyros);
     let serials: Vec<String> = (1..=gyros).map(|k| format!("\"G{k} SERIAL-{k}\"")).collect();
     text.push_str(&format!("gyros = [{}]\n", serials.join(", ")));
+    for said in logs.iter().filter_map(|log| log.several.as_ref()) {
+        text.push_str(&format!("# {}\n", Language::English.words(said)));
+    }
     if logs.iter().any(|log| log.values[0].len() <= FEW_ROWS) {
         text.push_str("# few rows: if each is an average already, say averaged = true, and duration or samples\n");
     }

@@ -1,11 +1,13 @@
 //! What a station says of its log, once: which columns are what, in which units, with which axes and signs.
 
+use nalgebra::Vector3;
 use serde::{Deserialize, Deserializer};
 
 use super::error::LogError;
 use super::source::Source;
 use super::units::{Quantity, Unit};
 use crate::core::message::{Message, list, sent};
+use crate::core::mounting::Slot;
 use crate::message;
 use crate::wire::campaign::SiteBody;
 use crate::wire::geometry::GeometryBody;
@@ -170,6 +172,13 @@ impl Map {
     /// What the TOML is not, with its line.
     pub fn parse(text: &str) -> Result<Self, Message> {
         toml::from_str(text).map_err(|error| toml_fault(&error, text))
+    }
+
+    /// Nominal input axes of the gyros, where all are known.
+    pub fn input_axes(&self) -> Option<Vec<Vector3<f64>>> {
+        let geometry = self.geometry.as_ref()?.to_core().ok()?;
+        let slot = |text: &str| Slot::from_name(text.trim().split([' ', '=', ':']).next()?);
+        self.gyros.iter().map(|text| Some(geometry.triad(slot(text)?)?.input())).collect()
     }
 
     /// How many logs run beside one another.

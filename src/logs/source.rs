@@ -8,7 +8,7 @@ use calamine::{Data, Reader, Xlsx};
 
 use super::column::Column;
 use super::error::{LogError, unreadable};
-use super::text::TextLog;
+use super::text::{Ids, LeftOut, MOST, TextLog};
 use super::{clock, mat, npy};
 use crate::core::message::{Message, list, sent};
 use crate::message;
@@ -99,6 +99,33 @@ impl Source {
         }
     }
 
+    /// A column, none of those that are `used`, that says that the rows read are of several IMUs.
+    pub fn several(&self, used: &[usize]) -> Option<Message> {
+        let found: Vec<(usize, Vec<String>)> = match self {
+            Self::Text(log) => {
+                let texts = |ids: &Ids| ids.found.iter().map(|id| String::from_utf8_lossy(id).into_owned()).collect();
+                log.ids.iter().map(|(column, ids)| (*column, texts(ids))).collect()
+            }
+            Self::Whole { columns, values, .. } => {
+                let distinct = |column: usize| {
+                    let mut found: Vec<f64> = Vec::new();
+                    for value in values[column].iter().filter(|value| !value.is_nan()) {
+                        if found.len() < Ids::MOST && !found.contains(value) {
+                            found.push(*value);
+                        }
+                    }
+                    found.iter().map(f64::to_string).collect()
+                };
+                (0..columns.len()).filter(|&k| columns[k].is_id()).map(|k| (k, distinct(k))).collect()
+            }
+        };
+        let is_of_several =
+            |(column, ids): &&(usize, Vec<String>)| (2..Ids::MOST).contains(&ids.len()) && !used.contains(column);
+        let (column, ids) = found.iter().find(is_of_several)?;
+        let name = self.columns()[*column].name.clone();
+        Some(message!("log_of_several", column = sent(&name), ids = list(ids.iter().map(|id| sent(id)))))
+    }
+
     pub fn columns(&self) -> &[Column] {
         match self {
             Self::Text(log) => &log.layout.columns,
@@ -106,7 +133,7 @@ impl Source {
         }
     }
 
-    /// Calls `each` with the wanted numbers of every row; the number of lines that were no rows.
+    /// Calls `each` with every row; the lines that were no rows.
     ///
     /// # Errors
     /// What `each` refuses, with its line.
@@ -115,7 +142,7 @@ impl Source {
         place: &str,
         wanted: &[usize],
         each: &mut dyn FnMut(&[f64]) -> Result<(), Message>,
-    ) -> Result<usize, LogError> {
+    ) -> Result<LeftOut, LogError> {
         match self {
             Self::Text(log) => log.rows(wanted, each),
             Self::Whole { values, first_line, .. } => {
@@ -123,13 +150,13 @@ impl Source {
                 let rows = values.first().map_or(0, Vec::len);
                 for (k, line) in (*first_line..).take(rows).enumerate() {
                     for (cell, &column) in row.iter_mut().zip(wanted) {
-                        *cell = values[column][k];
+                        *cell = Some(values[column][k]).filter(|value| value.abs() <= MOST).unwrap_or(f64::NAN);
                     }
                     each(&row).map_err(|fault| {
                         LogError::new(place, message!("at_line", line = line as usize, fault = fault))
                     })?;
                 }
-                Ok(0)
+                Ok(LeftOut::default())
             }
         }
     }

@@ -10,7 +10,7 @@ use rand_distr::StandardNormal;
 use super::assemble::assemble;
 use super::gather::{Gathered, Role};
 use super::map::Map;
-use super::units::Counts;
+use super::units::{Counts, Unit};
 use crate::core::campaign::{Phase, Site};
 use crate::core::dwells::blocks::{Blocks, Series};
 use crate::core::dwells::programme::{Position, twenty_four};
@@ -166,7 +166,7 @@ fn log(seed: u64, hz: f64, told: Told) -> (Gathered, Vec<Position>, Vec<Truth>) 
     let gathered = Gathered {
         series: Series::join(vec![blocks]),
         roles,
-        counts: Counts::Rate,
+        unit: Unit { factor: 1.0, offset: 0.0, counts: Counts::Rate },
         breaks: Vec::new(),
         sample_s: step,
         unix_s: None,

@@ -16,6 +16,10 @@ const LONGEST_LINE: u64 = 1 << 20;
 const SAMPLED: usize = 60;
 /// Share of rows that may be no rows, before the table is refused.
 const MOST_BAD: f64 = 0.01;
+/// What no station measures in any unit: stamps in ns since 1970 are below.
+pub const MOST: f64 = 1e30;
+/// Cells in groups of three digits beside whole ones of a group, from which the marks may be those of thousands.
+const GROUPED: usize = 20;
 
 /// How a table is written.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +41,30 @@ pub struct TextLog {
     pub lenient: bool,
     /// Columns in which times of day or dates were read as seconds.
     pub clocks: Vec<usize>,
+    /// Columns that say of which IMU a row is, with what was in them.
+    pub ids: Vec<(usize, Ids)>,
+}
+
+/// Lines that are left out, and what is wrong in the first.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LeftOut {
+    pub count: usize,
+    pub first: Option<Message>,
+}
+
+impl LeftOut {
+    pub fn add(&mut self, more: Self) {
+        self.count += more.count;
+        self.first = self.first.take().or(more.first);
+    }
+
+    pub fn remark(&self) -> Option<Message> {
+        let said = match &self.first {
+            Some(fault) => message!("rows_left_out_at", count = self.count, fault = fault.clone()),
+            None => message!("rows_left_out", count = self.count),
+        };
+        (self.count > 0).then_some(said)
+    }
 }
 
 impl TextLog {
@@ -57,11 +85,13 @@ impl TextLog {
         let head = with_line_feeds(head);
         let layout = Layout::of(&head, whole).map_err(|fault| LogError::new(place, fault))?;
         let reader = Box::new(BufReader::with_capacity(1 << 18, reader));
-        Ok(Self { place: place.to_owned(), reader, layout, lenient: false, clocks: Vec::new() })
+        let of_ids = layout.columns.iter().enumerate().filter(|(_, column)| column.is_id());
+        let ids = of_ids.map(|(k, _)| (k, Ids::default())).collect();
+        Ok(Self { place: place.to_owned(), reader, layout, lenient: false, clocks: Vec::new(), ids })
     }
 
     /// Reads the rows from first to last: the numbers of the columns `wanted`, NaN where a cell is empty.
-    /// Returns how many lines were no rows.
+    /// Returns which lines were no rows.
     ///
     /// # Errors
     /// What `each` refuses, with its line; a table of which more than one row in a hundred cannot be read.
@@ -69,14 +99,15 @@ impl TextLog {
         &mut self,
         wanted: &[usize],
         each: &mut dyn FnMut(&[f64]) -> Result<(), Message>,
-    ) -> Result<usize, LogError> {
+    ) -> Result<LeftOut, LogError> {
         let Layout { delimiter, decimal_comma, skipped, .. } = self.layout;
         let (place, lenient) = (self.place.clone(), self.lenient);
         let fail = unreadable(&place);
         let refuse =
             |line: u64, fault: Message| LogError::new(&place, message!("at_line", line = line as usize, fault = fault));
-        let last = wanted.iter().copied().max().unwrap_or(0);
-        let mut cells = Cells { delimiter, decimal_comma, ..Cells::default() };
+        let last = wanted.iter().chain(self.ids.iter().map(|(column, _)| column)).copied().max().unwrap_or(0);
+        let marks = wanted.iter().map(|_| Marks::default()).collect();
+        let mut cells = Cells { delimiter, decimal_comma, marks, ..Cells::default() };
         let (mut buffer, mut values) = (Vec::new(), vec![f64::NAN; wanted.len()]);
         let (mut line, mut rows, mut bad) = (0_u64, 0_u64, Vec::new());
         loop {
@@ -96,8 +127,8 @@ impl TextLog {
             }
             cells.split(text, last);
             let mut fault = None;
-            for (value, &column) in values.iter_mut().zip(wanted) {
-                match cells.number(text, column) {
+            for (k, (value, &column)) in values.iter_mut().zip(wanted).enumerate() {
+                match cells.number(text, column, (k, line)) {
                     Ok(number) => *value = number,
                     Err(_) if lenient => *value = f64::NAN,
                     Err(why) => fault = Some((column, why)),
@@ -106,6 +137,9 @@ impl TextLog {
             match fault {
                 None => {
                     rows += 1;
+                    for (column, ids) in &mut self.ids {
+                        ids.see(cells.cell(text, *column).unwrap_or_default());
+                    }
                     if cells.clocks.len() > self.clocks.len() {
                         self.clocks.clone_from(&cells.clocks);
                     }
@@ -130,7 +164,16 @@ impl TextLog {
             let fault = message!("rows_unreadable", count = serious.len(), rows = seen, fault = fault);
             return Err(LogError::new(&place, fault));
         }
-        Ok(bad.len())
+        let at = |line: u64, column: usize, fault: Message| {
+            let name = self.layout.columns.get(column).map_or(String::new(), |c| c.name.clone());
+            message!("at_cell", line = line as usize, column = column + 1, name = name, fault = fault)
+        };
+        if let Some((k, marks)) = cells.marks.iter().enumerate().find(|(_, marks)| marks.are_unclear() && !lenient) {
+            let fault = message!("cell_thousands", value = sent(&marks.cell), count = marks.grouped);
+            return Err(LogError::new(&place, at(marks.line, wanted[k], fault)));
+        }
+        let first = serious.into_iter().next().map(|(line, (column, why))| at(line, column, why));
+        Ok(LeftOut { count: bad.len(), first })
     }
 }
 
@@ -223,6 +266,45 @@ struct Cells {
     ends: Vec<(usize, usize)>,
     plain: String,
     clocks: Vec<usize>,
+    marks: Vec<Marks>,
+}
+
+/// What a column shows of its decimal marks: `1.234` beside `12`, and never `1.2`, may be thousands.
+#[derive(Debug, Clone, Default)]
+struct Marks {
+    is_plain: bool,
+    whole: usize,
+    grouped: usize,
+    /// The first cell in groups of three digits, and its line.
+    cell: String,
+    line: u64,
+}
+
+impl Marks {
+    fn see(&mut self, cell: &str, mark: u8, line: u64) {
+        let digits = cell.strip_prefix(['-', '+']).unwrap_or(cell).as_bytes();
+        let (before, after) = match digits.iter().position(|b| *b == mark) {
+            Some(at) => (&digits[..at], Some(&digits[at + 1..])),
+            None => (digits, None),
+        };
+        let is_group = (1..=3).contains(&before.len()) && before.iter().all(u8::is_ascii_digit);
+        match after {
+            None if is_group => self.whole += 1,
+            Some(after)
+                if is_group && before[0] != b'0' && after.len() == 3 && after.iter().all(u8::is_ascii_digit) =>
+            {
+                if self.grouped == 0 {
+                    (self.cell, self.line) = (cell.to_owned(), line);
+                }
+                self.grouped += 1;
+            }
+            _ => self.is_plain = true,
+        }
+    }
+
+    fn are_unclear(&self) -> bool {
+        !self.is_plain && self.whole > 0 && self.grouped >= GROUPED
+    }
 }
 
 impl Cells {
@@ -275,21 +357,27 @@ impl Cells {
         Some(cell.strip_prefix(b"\"").and_then(|c| c.strip_suffix(b"\"")).unwrap_or(cell).trim_ascii())
     }
 
-    fn number(&mut self, line: &[u8], column: usize) -> Result<f64, Message> {
-        let Some(cell) = self.cell(line, column) else { return Err(message!("cell_missing")) };
-        let text = std::str::from_utf8(cell).map_err(|_| message!("not_utf8_text"))?;
-        if let Ok(number) = text.parse::<f64>() {
-            return Ok(number);
-        }
-        if self.decimal_comma {
+    fn parsed(&mut self, text: &str) -> Option<f64> {
+        text.parse().ok().or_else(|| {
+            let comma = text.find(',').filter(|_| self.decimal_comma)?;
             self.plain.clear();
             self.plain.push_str(text);
-            if let Some(comma) = text.find(',') {
-                self.plain.replace_range(comma..=comma, ".");
+            self.plain.replace_range(comma..=comma, ".");
+            self.plain.parse().ok()
+        })
+    }
+
+    /// The number of a cell; `place` is that of its column among the wanted ones, and its line.
+    fn number(&mut self, row: &[u8], column: usize, (place, line): (usize, u64)) -> Result<f64, Message> {
+        let Some(cell) = self.cell(row, column) else { return Err(message!("cell_missing")) };
+        let text = std::str::from_utf8(cell).map_err(|_| message!("not_utf8_text"))?;
+        if let Some(number) = self.parsed(text) {
+            let mark = if self.decimal_comma { b',' } else { b'.' };
+            if let Some(marks) = self.marks.get_mut(place).filter(|marks| !marks.is_plain) {
+                marks.see(text, mark, line);
             }
-            if let Ok(number) = self.plain.parse() {
-                return Ok(number);
-            }
+            // An empty cell is NaN; infinite is none.
+            return if number.abs() > MOST { Err(message!("not_finite", value = sent(text))) } else { Ok(number) };
         }
         if let Some(seconds) = text.contains(':').then(|| clock::seconds(text)).flatten() {
             if !self.clocks.contains(&column) {
@@ -301,6 +389,23 @@ impl Cells {
             _ if is_empty(text) => Ok(f64::NAN),
             _ if clock::is_unclear_date(text) => Err(message!("date_unclear", value = sent(text))),
             _ => Err(message!("not_a_number", value = sent(text))),
+        }
+    }
+}
+
+/// What a column of ids holds.
+#[derive(Debug, Clone, Default)]
+pub struct Ids {
+    pub found: Vec<Vec<u8>>,
+}
+
+impl Ids {
+    /// More values than a file has IMUs: a counter.
+    pub const MOST: usize = 9;
+
+    fn see(&mut self, cell: &[u8]) {
+        if self.found.len() < Self::MOST && !cell.is_empty() && !self.found.iter().any(|own| own == cell) {
+            self.found.push(cell.to_vec());
         }
     }
 }
@@ -514,5 +619,52 @@ mod tests {
         assert_eq!(Layout::of(b"dear all,\nplease find\n", true).unwrap_err().code, "no_numbers");
         let two_kinds = Layout::of(b"t,a,b\n0,5,1,25,2,5\n0,6,1,26,2,5\n", true).unwrap_err();
         assert_eq!(two_kinds.code, "commas_of_two_kinds");
+    }
+
+    fn read(text: &str, wanted: &[usize]) -> Result<(LeftOut, TextLog), String> {
+        let of = std::io::Cursor::new(text.to_owned().into_bytes());
+        let mut log = TextLog::of("log", of, FileKind::Text).unwrap();
+        let left_out = log.rows(wanted, &mut |_| Ok(())).map_err(|error| format!("{:?}", error.fault))?;
+        Ok((left_out, log))
+    }
+
+    #[test]
+    fn a_cell_that_is_no_finite_number_is_named() {
+        for wrong in ["inf", "-Infinity", "1e400", "1e300"] {
+            let rows = |k: usize| if k == 50 { format!("{k};{wrong}\n") } else { format!("{k};0.5\n") };
+            let text: String = std::iter::once("t;a\n".to_owned()).chain((0..400).map(rows)).collect();
+            let left_out = read(&text, &[0, 1]).unwrap().0;
+            assert_eq!(left_out.count, 1);
+            let first = format!("{:?}", left_out.first.unwrap());
+            assert!(first.contains("not_finite") && first.contains("52") && first.contains(wrong), "{first}");
+        }
+    }
+
+    #[test]
+    fn marks_of_thousands_are_no_decimals() {
+        let rows = |of: &dyn Fn(usize) -> String| -> String {
+            std::iter::once("t;a\n".to_owned()).chain((0..200).map(|k| format!("{k};{}\n", of(k)))).collect()
+        };
+        let marked =
+            |k: usize, mark: &str| if k % 3 == 0 { "782".to_owned() } else { format!("{}{mark}271", 1 + k % 9) };
+        for mark in [".", ","] {
+            let fault = read(&rows(&|k| marked(k, mark)), &[0, 1]).map(|_| ()).unwrap_err();
+            assert!(fault.contains("cell_thousands") && fault.contains("271"), "{fault}");
+        }
+        // Decimals of other lengths, or below one, are plain; and so are cells that all have three.
+        for plain in [
+            rows(&|k| if k == 7 { "2.27".to_owned() } else { marked(k, ".") }),
+            rows(&|k| if k == 7 { "0.271".to_owned() } else { marked(k, ".") }),
+            rows(&|k| format!("{}.271", 1 + k % 9)),
+        ] {
+            read(&plain, &[0, 1]).unwrap();
+        }
+    }
+
+    #[test]
+    fn a_column_of_ids_is_seen_without_being_asked_for() {
+        let text: String = (0..100).map(|k| format!("{k},1.5,{}\n", if k % 2 == 0 { "A" } else { "B" })).collect();
+        let log = read(&format!("t,a,IMU\n{text}"), &[0, 1]).unwrap().1;
+        assert_eq!(log.ids[0].1.found, [b"A", b"B"]);
     }
 }

@@ -6,6 +6,8 @@ pub const MOST_BLOCKS: usize = 1 << 18;
 /// Blocks at the end of a range that are no chance; of whole numbers, the part of an interval that is none.
 const IN_A_ROW: usize = 8;
 const PART_IN_A_ROW: usize = 8;
+/// Samples of an interval at the end of a fine scale that are no chance.
+const BY_CHANCE: f64 = 3.5;
 /// Steps in the range of a scale on which no two samples fall on the end by chance.
 const FINE: f64 = 1000.0;
 
@@ -285,7 +287,7 @@ impl Track {
 
     /// Share of the samples in the blocks `from..to` that stand at the ends of the channel's range by more than chance.
     ///
-    /// Of a fine scale one sample reaches the end. Of a coarse one blocks in a row are no chance; of counts, which are
+    /// Of a fine scale one sample reaches the end, and another by rounding. Of a coarse one blocks in a row are no chance; of counts, which are
     /// equal by nature where nothing but the rate is in them, a good part of the interval in a row.
     pub fn clipped(&self, from: usize, to: usize) -> f64 {
         if self.most <= self.least {
@@ -296,7 +298,8 @@ impl Track {
         let in_a_row = if self.whole { IN_A_ROW.max((to - from) / PART_IN_A_ROW) } else { IN_A_ROW };
         let runs = at_end.chunk_by(|a, b| (*a == 1.0) == (*b == 1.0));
         let counted: f64 = if is_fine {
-            at_end.iter().sum()
+            let samples: f64 = at_end.iter().zip(&self.weight[from..to]).map(|(share, weight)| share * weight).sum();
+            if samples < BY_CHANCE { 0.0 } else { at_end.iter().sum() }
         } else {
             runs.filter(|run| run[0] == 1.0 && run.len() >= in_a_row).map(|run| run.len() as f64).sum()
         };

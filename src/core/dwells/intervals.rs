@@ -35,11 +35,15 @@ pub struct Found {
     pub split: usize,
     /// Shortest interval that was looked for, s.
     pub min_s: f64,
+    /// How long those were that are shorter, s: dwells perhaps, no moments.
+    pub too_short_s: Vec<f64>,
 }
 
 /// Without a stated shortest interval: so many samples' time, and at least this.
 const LEAST_S: f64 = 2.0;
 const LEAST_BLOCKS: f64 = 24.0;
+/// Part of the shortest interval from which a shorter one may be a dwell.
+const PART_OF_DWELL: f64 = 0.3;
 /// Change between neighbouring means, in standard deviations of such changes, that is no noise. 10^7 normal values
 /// pass 7 once in 10^5 logs.
 const CHANGE: f64 = 7.0;
@@ -98,6 +102,9 @@ pub fn find(series: &mut Series, watched: &[usize], search: &Search) -> Found {
     take_out(series, &moving, &mut quiet);
     let channels: Vec<(&Track, f64)> = watched.iter().map(|&c| &series.tracks[c]).zip(noise).collect();
     let duration = |i: &Interval| series.end_s(i.to) - series.start_s(i.from);
+    let is_dwell = |i: &&Interval| duration(i) < min_s && duration(i) >= PART_OF_DWELL * min_s;
+    let mut too_short_s: Vec<f64> = quiet.iter().filter(is_dwell).map(duration).collect();
+    too_short_s.sort_by(f64::total_cmp);
     quiet.retain(|i| duration(i) >= min_s);
     // A small step that is made slowly shows over longer times alone.
     let usual = quantile(quiet.iter().map(duration).collect(), 0.5);
@@ -116,7 +123,7 @@ pub fn find(series: &mut Series, watched: &[usize], search: &Search) -> Found {
     let keep = search.keep_short || search.min_s.is_some();
     let (intervals, short) = if keep { (quiet, Vec::new()) } else { without_pauses(series, quiet) };
     let (intervals, split) = split_by_the_clock(series, intervals);
-    Found { intervals, short, split, min_s }
+    Found { intervals, short, split, min_s, too_short_s }
 }
 
 /// Blocks one after the other, without a new log and without a gap that is longer than a dwell's disturbance.

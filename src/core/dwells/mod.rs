@@ -6,10 +6,12 @@
 //!
 //! [`blocks`] gathers samples in memory that does not grow with the log, [`intervals`] finds where nothing changes,
 //! [`turns`] takes out what the Earth's rate does while the table turns,
-//! [`noise`] says from the log's own Allan variance how far a mean is known, and [`programme`] what the table was told.
+//! [`noise`] says from the log's own Allan variance how far a mean is known, [`programme`] what the table was told, and
+//! [`explained`] whether that explains the outputs.
 
 pub mod averages;
 pub mod blocks;
+pub mod explained;
 pub mod intervals;
 pub mod noise;
 pub mod programme;

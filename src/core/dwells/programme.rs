@@ -122,11 +122,17 @@ impl Table {
 
 /// Which interval is which position of the programme, in order; `None` where an interval is none of them.
 ///
-/// Of all ways to go through both lists in order, the one that leaves out least, where matched pairs agree in phase,
+/// Of all ways to go through both lists in order, one that leaves out least, where matched pairs agree in phase,
 /// in the vertical (20 deg) and in the rate (a fifth).
 pub fn align(seen: &[Seen], programme: &[Position]) -> Vec<Option<usize>> {
+    lay(seen, programme, |_, _| 0.0)
+}
+
+/// As [`align`], where `more` is what else speaks against an interval and a row being one; one left out costs 1.
+pub fn lay(seen: &[Seen], programme: &[Position], more: impl Fn(usize, usize) -> f64) -> Vec<Option<usize>> {
     let (rows, columns) = (seen.len(), programme.len());
     let width = columns + 1;
+    let pair = |k: usize, j: usize| disagreement(&seen[k], &programme[j]) + more(k, j);
     let mut cost = vec![0.0_f64; (rows + 1) * width];
     for k in 0..=rows {
         for j in 0..=columns {
@@ -135,11 +141,7 @@ pub fn align(seen: &[Seen], programme: &[Position]) -> Vec<Option<usize>> {
             }
             let skip_interval = if k > 0 { cost[(k - 1) * width + j] + 1.0 } else { f64::INFINITY };
             let skip_position = if j > 0 { cost[k * width + j - 1] + 1.0 } else { f64::INFINITY };
-            let taken = if k > 0 && j > 0 {
-                cost[(k - 1) * width + j - 1] + disagreement(&seen[k - 1], &programme[j - 1])
-            } else {
-                f64::INFINITY
-            };
+            let taken = if k > 0 && j > 0 { cost[(k - 1) * width + j - 1] + pair(k - 1, j - 1) } else { f64::INFINITY };
             cost[k * width + j] = taken.min(skip_interval).min(skip_position);
         }
     }
@@ -147,7 +149,7 @@ pub fn align(seen: &[Seen], programme: &[Position]) -> Vec<Option<usize>> {
     let (mut k, mut j) = (rows, columns);
     while k > 0 && j > 0 {
         let here = cost[k * width + j];
-        if here == cost[(k - 1) * width + j - 1] + disagreement(&seen[k - 1], &programme[j - 1]) {
+        if here == cost[(k - 1) * width + j - 1] + pair(k - 1, j - 1) {
             found[k - 1] = Some(j - 1);
             k -= 1;
             j -= 1;
@@ -169,7 +171,7 @@ pub fn exchanged(seen: &[Seen], programme: &[Position]) -> Vec<usize> {
     if is_few { wrong } else { Vec::new() }
 }
 
-fn disagreement(seen: &Seen, position: &Position) -> f64 {
+pub(super) fn disagreement(seen: &Seen, position: &Position) -> f64 {
     let mut cost = 0.0;
     if let Some(up) = seen.up.and_then(|up| up.try_normalize(0.0)) {
         let angle = up.dot(&position.up()).clamp(-1.0, 1.0).acos();
@@ -234,6 +236,17 @@ pub fn clock_offset(intervals: &[(f64, f64)], seen: &[Seen], programme: &[Positi
     let apart = 0.5 * told.iter().map(|(from, to)| to - from).fold(f64::INFINITY, f64::min);
     let rival_s = as_good().map(|(_, offset)| *offset).find(|offset| (offset - offset_s).abs() > apart);
     Some(Clock { offset_s, rival_s })
+}
+
+/// By what a programme's times must be multiplied to fit the log, where they are in ms, minutes or hours.
+pub fn clock_factor(intervals: &[(f64, f64)], seen: &[Seen], programme: &[Position]) -> Option<f64> {
+    const FACTORS: [f64; 5] = [1e-3, 60.0, 3600.0, 1e-6, 86_400.0];
+    let in_unit = |factor: f64| -> Vec<Position> {
+        let scaled = |time: Option<f64>| time.map(|time| factor * time);
+        let of = |p: &Position| Position { start_s: scaled(p.start_s), duration_s: scaled(p.duration_s), ..*p };
+        programme.iter().map(of).collect()
+    };
+    FACTORS.into_iter().find(|factor| clock_offset(intervals, seen, &in_unit(*factor)).is_some())
 }
 
 /// Dwells by which one offset must fit better than another; clocks that agree so well are one.

@@ -42,6 +42,7 @@ commas_of_two_kinds = decimal commas between commas: { $cells } cells under { $c
 zeros_from_here = only zero bytes from here on: the logger lost power while it wrote; cut the file off here
 rows_unreadable = { $count } of { $rows } rows cannot be read; the first: { $fault }
 cell_missing = the row ends before this column
+cell_thousands = "{ $value }" has a mark for decimals or for thousands, and nothing tells which: the column has { $count } such cells, whole numbers beside them, and no other decimals; write numbers without separators of thousands
 
 ## Columns
 
@@ -89,13 +90,21 @@ samples_frozen = frozen: { $runs } times an output or the force read the same fo
 output_dead = output { $output } reads { $value } all the while: the gyro, or its column, is dead
 rows_incomplete = { $count } rows with empty cells are left out
 rows_left_out = { $count } lines that are no rows are left out
+rows_left_out_at = { $count } lines that are no rows are left out; the first: { $fault }
+temperatures_left_out = { $count } temperatures are fault values of the sensor (a jump of more than 20 °C and back), and left out
+counter_wrapped = counters began anew { $count } times (16, 24 or 32 bits) and were carried on
+counter_unclear = a counter of { $bits } bits changes by about half of its range from one sample to the next ({ $count } times), so nothing says how often it began anew: log faster, log the pulses of each sample, or use a wider counter
+samples_alternate = samples of `{ $key }` { $column } alternate between two levels ({ $one }, { $other }): are they of two IMUs in one file? Write one file for each
+log_of_several = column { $column } holds { $ids }: rows of several IMUs in one file; write one file for each
 
 ## Intervals
 
 no_interval = no interval of { $least } s or more is still or steady in { $seconds } s of log. A campaign needs positions that are held; `min_s` in the map allows shorter ones
+intervals_below_min = { $fault }. { $count } steady intervals are left out as shorter than { $least } s (up to { $longest } s long): `min_s` in the map keeps them
 one_interval = the whole log is one interval of { $seconds } s in one position (mean outputs { $means }). A campaign needs several positions: name the logs of all of them, in order
 one_orientation = all { $count } dwells have one orientation: the fit can tell neither D_I nor D_S from them
 intervals_short = { $count } steady intervals are much shorter than the others and are taken for pauses (at { $starts } s …); a smaller `min_s` in the map keeps them
+intervals_too_short = { $count } steady intervals are shorter than { $least } s (up to { $longest } s long) and left out; `min_s` in the map keeps them
 intervals_split = { $count } long intervals were cut into dwells by the regular clock of the others: the position was taken twice
 intervals_clipped = { $count } intervals are clipped, and left out: an output or the force is at the end of its range (at { $starts } s …)
 intervals_turning = { $count } turning intervals are left out: nothing says how fast the table turned; give `rate`, `table` or --programme
@@ -143,6 +152,13 @@ not_an_axis = "{ $text }" is no body axis; write +X, -X, +Y, -Y, +Z, -Z or three
 not_an_earth_axis = "{ $text }" is no direction of the Earth; write east, north or up, with a minus for the opposite
 programme_count = { $intervals } intervals were found and the programme has { $rows } rows; without `force`, `rate` or times nothing says which is which
 programme_other = only { $matched } of { $intervals } intervals and { $rows } rows of the programme agree in vertical, rate and order: is it another programme, or are axes exchanged?
+programme_undecided = { $intervals } intervals and { $rows } rows of the programme: several ways to match them fit vertical, rate, outputs and the log's clock as well, so nothing says which rows are missing; give each row its `start_s` and `duration_s`
+programme_clock_unit = the programme's times fit the log only when each is multiplied by { $factor }: are `start_s` and `duration_s` in another unit than s?
+programme_clock_unused = the programme's times do not fit the log and are not used: the order of the rows was
+outputs_contradict_in = the table's angles or signs contradict the outputs in dwells { $dwells }; the others agree. With these, the error model leaves { $times } times the noise: are rows exchanged, or not those of the log?
+outputs_contradict = the table's angles or signs contradict the outputs: the error model leaves { $times } times the noise of the { $of } dwells, most in dwells { $dwells }. Check axes, signs and zero of the table, the order of the rows, and whether outputs are clipped
+output_other_unit = { $slot } has { $scale } pulse/arcsec, where a gyro that measures rates of turn has 1: `output` looks like { $unit }
+output_other_scale = { $slot } has { $scale } pulse/arcsec, where a gyro that measures rates of turn has 1: `output` is in another unit, or the commanded rates are wrong by this factor
 programme_missing = { $count } of { $rows } rows of the programme have no interval in the log, { $turning } of them turns: rows { $which }
 programme_exchanged = the log has { $count } intervals, as many as the programme has rows, and rows { $rows } do not fit theirs: are they exchanged, or is one missing and another too many? `start_s` and `duration_s` would tell
 programme_left = { $count } intervals are in no row of the programme and are left out

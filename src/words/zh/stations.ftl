@@ -42,6 +42,7 @@ commas_of_two_kinds = 逗号既作小数点又作分隔：{ $columns }列下有{
 zeros_from_here = 此后全为零字节：记录仪写入时断电；请在此处截断文件
 rows_unreadable = { $rows }行中有{ $count }行不能读取；第一处：{ $fault }
 cell_missing = 该行在此列之前结束
+cell_thousands = "{ $value }"中的分隔符可能是小数点，也可能是千位分隔符，无法判断：该列有{ $count }个这样的单元格，其余为整数，没有别的小数；请写成不带千位分隔符的数
 
 ## 列
 
@@ -89,13 +90,21 @@ samples_frozen = 冻结：某输出或比力有{ $runs }次读数不变，最长
 output_dead = 第{ $output }路输出始终为{ $value }：该陀螺或其列无信号
 rows_incomplete = { $count }行有空单元格，已剔除
 rows_left_out = { $count }行不是数据，已剔除
+rows_left_out_at = { $count }行不是数据行，未采用；第一处：{ $fault }
+temperatures_left_out = { $count }个温度为传感器故障值（跳变超过20 °C又恢复），未采用
+counter_wrapped = 计数器重新开始{ $count }次（16、24或32位），已接续
+counter_unclear = { $bits }位计数器相邻采样的变化约为其量程的一半（{ $count }次），无法判断它重新开始了几次：请提高采样率，或记录每次采样的脉冲数，或用更宽的计数器
+samples_alternate = `{ $key }`第{ $column }路的采样在两个数值间交替（{ $one }，{ $other }）：是否两套惯组写在一个文件中？请分成各自的文件
+log_of_several = 列{ $column }中有{ $ids }：一个文件中有多套惯组的数据行；请分成各自的文件
 
 ## 测点
 
 no_interval = 在{ $seconds } s的记录中没有不短于{ $least } s的静止或匀速段。测试需要保持不动的位置；映射中的`min_s`可允许更短的段
+intervals_below_min = { $fault }。另有{ $count }个平稳段短于{ $least } s（最长{ $longest } s）而未采用：映射中的`min_s`可保留它们
 one_interval = 整个记录是一个位置上的一段，长{ $seconds } s（平均输出{ $means }）。测试需要多个位置：请按次序给出全部记录
 one_orientation = { $count }个测点的取向都相同：拟合不能得出D_I与D_S
 intervals_short = { $count }个稳定段比其他段短得多，视为停顿（{ $starts } s …）；映射中较小的`min_s`可保留它们
+intervals_too_short = { $count }个平稳段短于{ $least } s（最长{ $longest } s），未采用；映射中的`min_s`可保留它们
 intervals_split = 按其他测点的固定节拍切分了{ $count }处长段：同一位置连续测了两次
 intervals_clipped = { $count }个段饱和，未采用：输出或比力处于量程端点（{ $starts } s …）
 intervals_turning = 剔除{ $count }个转动段：不知道转台转速；请给出`rate`、`table`或--programme
@@ -143,6 +152,13 @@ not_an_axis = "{ $text }"不是载体轴；请写+X、-X、+Y、-Y、+Z、-Z或�
 not_an_earth_axis = "{ $text }"不是地球方向；请写east、north或up，反向加负号
 programme_count = 找到{ $intervals }段，测试程序有{ $rows }行；没有`force`、`rate`或时间，无法对应
 programme_other = { $intervals }段与测试程序{ $rows }行中只有{ $matched }个在垂线、转速与次序上相符：是否为另一程序，或轴互换？
+programme_undecided = { $intervals }段与测试程序{ $rows }行有多种对应方式，与垂线、转速、输出及记录时钟同样吻合，无法判断缺哪几行；请给出每行的`start_s`与`duration_s`
+programme_clock_unit = 测试程序的时刻乘以{ $factor }才与记录吻合：`start_s`与`duration_s`的单位是否不是s？
+programme_clock_unused = 测试程序的时刻与记录不吻合，未采用：按行的次序对应
+outputs_contradict_in = 测点{ $dwells }的转台角度或符号与输出矛盾，其余吻合。计入这些测点时误差模型的残差为噪声的{ $times }倍：是否行互换，或不是本记录的程序？
+outputs_contradict = 转台角度或符号与输出矛盾：{ $of }个测点的误差模型残差为噪声的{ $times }倍，最大者为测点{ $dwells }。请检查转台的轴、符号与零位，行的次序，以及输出是否饱和
+output_other_unit = { $slot }为{ $scale }脉冲/角秒，而测量角速率的陀螺应为1：`output`像是{ $unit }
+output_other_scale = { $slot }为{ $scale }脉冲/角秒，而测量角速率的陀螺应为1：`output`的单位不对，或指令转速差此倍数
 programme_missing = 测试程序{ $rows }行中有{ $count }行在记录中没有对应段，其中{ $turning }行为转动：第{ $which }行
 programme_exchanged = 记录有{ $count }段，与测试程序的行数相同，但第{ $rows }行与其段不符：是行互换，还是缺一段而又多一段？给出`start_s`与`duration_s`即可确定
 programme_left = { $count }段不在测试程序中，已剔除

@@ -11,7 +11,6 @@ use super::units::{Counts, Quantity, Unit};
 use super::{averaged, programme};
 use crate::core::campaign::{Campaign, Phase, Site};
 use crate::core::dwells::explained::{Contradiction, contradiction, input_axis};
-use crate::core::dwells::noise::Noise;
 use crate::core::dwells::programme::Position;
 use crate::core::fault::{Fault, Faults};
 use crate::core::message::{Message, figure, list, sent, text};
@@ -110,17 +109,17 @@ pub fn campaign_from(
     positions: Option<&[Position]>,
 ) -> Result<Made, LogError> {
     let site = site_of(map);
-    let (dwells, noise, unit, remarks, gathered) = if map.averaged {
+    let (dwells, unit, remarks, gathered) = if map.averaged {
         let (dwells, unit, remarks) = averaged::dwells(map, &mut sources, site, positions)?;
-        (dwells, Vec::new(), unit, remarks, None)
+        (dwells, unit, remarks, None)
     } else {
         let place = sources.first().map(|(place, _)| place.clone()).unwrap_or_default();
         let mut gathered = gather(map, sources)?;
         let made = assemble(map, &mut gathered, site, positions)
             .map_err(|error| if error.place == "log" { LogError { place, ..error } } else { error })?;
-        (made.dwells, made.noise, gathered.unit, made.remarks, Some(gathered))
+        (made.dwells, gathered.unit, made.remarks, Some(gathered))
     };
-    let mut made = Made { body: body(map, &dwells, gathered.as_ref())?, dwells, noise, remarks, gathered, unit };
+    let mut made = Made { body: body(map, &dwells, gathered.as_ref())?, dwells, remarks, gathered, unit };
     hold_e(&mut made, map)?;
     Ok(made)
 }

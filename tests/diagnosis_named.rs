@@ -154,7 +154,18 @@ fn standard_errors_that_repeats_show_to_be_too_small_are_told_and_get_no_name() 
         *sem /= 1.5;
     }
     let answer = diagnose(&campaign, &Options::default()).unwrap();
-    assert!(answer.effects.is_empty() && told(&answer), "{:?}", answer.notes);
+    assert!(answer.verdict == Verdict::NoGap && told(&answer), "{:?} {:?}", answer.remaining, answer.notes);
+}
+
+#[test]
+fn standard_errors_that_some_dwells_lack_are_no_gap_and_are_noted() {
+    let mut campaign = practice("campaign-00.json");
+    for dwell in campaign["dwells"].as_array_mut().unwrap().iter_mut().step_by(3) {
+        dwell.as_object_mut().unwrap().remove("output_sem_pulse_s");
+    }
+    let answer = diagnosed(&campaign);
+    assert_eq!(answer.verdict, Verdict::NoGap);
+    assert!(answer.of_campaign.iter().any(|note| note.code() == "standard_errors_missing"), "{:?}", answer.of_campaign);
 }
 
 #[test]
@@ -192,9 +203,29 @@ fn repeats_put_right_standard_errors_that_are_stated_too_small() {
         }
     }
     let wrong = diagnosed(&campaign);
-    assert!(wrong.effects.is_empty());
+    assert!(wrong.effects.is_empty() && wrong.verdict == Verdict::NoGap, "{:?}", wrong.remaining);
     assert!(wrong.noise_floor.sem_factor > 1.15 * told.noise_floor.sem_factor, "{:?}", wrong.noise_floor);
     let ratio = wrong.noise_floor.deg_per_h / told.noise_floor.deg_per_h;
     // As stated it would be 0.75.
     assert!((0.82..1.05).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn when_a_step_happened_is_as_unsure_as_its_standard_deviation_says() {
+    let over = |number: u64| -> Option<f64> {
+        let first = 20 + number as usize;
+        let step = EffectChoice { dwell: Some(first), ..EffectChoice::detectable("bias_step", 9.0) };
+        let scenario = Scenario { seed: 700 + number, effects: vec![step], ..Scenario::default() };
+        let campaign = simulate(&scenario).unwrap().campaign;
+        let answer = diagnose(&campaign, &Options::default()).unwrap();
+        let named = answer.effects.into_iter().find(|named| named.effect == Effect::BiasStep)?;
+        let instant = named.estimates.iter().find(|estimate| estimate.name == "instant").unwrap();
+        let [before, after] = [first - 1, first].map(|k| campaign.dwells[k].mid_s());
+        Some((instant.value - instant.value.clamp(before, after)).abs() / instant.sd)
+    };
+    let all: Vec<f64> = (0..24).filter_map(over).collect();
+    let mean_square = all.iter().map(|over| over * over).sum::<f64>() / all.len() as f64;
+    let beyond = all.iter().filter(|over| **over > 2.0).count();
+    // Half an interval between dwells, which it was said to be, left most of them beyond two deviations.
+    assert!(all.len() >= 10 && beyond <= 1 && (0.05..1.5).contains(&mean_square), "{all:?}");
 }

@@ -72,7 +72,8 @@ fn three_causes_get_their_names_also_where_two_follow_one_variable() {
 fn one_cause_gets_one_name_however_strong_it_is_and_whenever_it_sets_in() {
     // A seat turned by 1.5 degrees left a field beside it, and one that turned between two instants of the grid a
     // dwell set aside.
-    for (kind, number) in [("strong", 4), ("reseated_midway", 31)] {
+    // A prior that knew no such size left one of an arc minute, late among the rates, without a name.
+    for (kind, number) in [("strong", 4), ("reseated_midway", 31), ("reseated_midway", 17)] {
         let simulated = Kind::from_name(kind).unwrap().campaign(4001, number);
         let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
         let named: Vec<&str> = answer.effects.iter().map(|named| named.effect.as_str()).collect();

@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 
-use crate::core::numerics::median::median_of;
 use nalgebra::Vector3;
 
 use super::frames::{Body, Nav, Rotation, Vector};
@@ -19,14 +18,16 @@ pub mod commanded;
 mod earth_rate;
 mod note;
 pub mod repeats;
+mod stated_errors;
 mod station_uncertainty;
 mod temperatures;
 
 pub use check::{Limits, check_dwells};
 pub use columns::notes;
-pub(crate) use columns::temperature_outliers;
+pub(crate) use columns::{missing_errors, temperature_outliers};
 pub use earth_rate::{NoEarthRate, with_earth_rate};
 pub use note::{CampaignNote, Column, LeftOut, StationLack};
+use stated_errors::Stated;
 pub use station_uncertainty::{StationPart, StationUncertainty};
 pub use temperatures::{Temperatures, any_kelvin};
 
@@ -159,20 +160,20 @@ impl Campaign {
         self.dwells.iter().any(|d| d.output_sem_pulse_s.is_some())
     }
 
-    /// Standard errors of gyro `j` by dwell, none where no dwell states any. A dwell without one gets the median of
-    /// those of its phase (of all, where its phase has none), each brought to its duration: means over longer times
-    /// scatter less.
+    /// Standard errors of gyro `j` by dwell, none where no dwell states any. A dwell without one gets what the law of
+    /// the others gives it: [`stated_errors`].
     pub fn errors_of(&self, j: usize) -> Option<Vec<f64>> {
-        let own = |d: &Dwell| d.output_sem_pulse_s.as_ref().map(|sem| sem[j]);
+        let stated = |gyro: usize| self.dwells.iter().map(move |d| Some(d.output_sem_pulse_s.as_ref()?[gyro]));
         if !self.states_errors() {
             return None;
         }
-        let per_root_s = |phase: Option<Phase>| {
-            let of_phase = self.dwells.iter().filter(|d| phase.is_none_or(|phase| d.phase == phase));
-            median_of(of_phase.filter_map(|d| Some(own(d)? * d.duration_s.sqrt())))
-        };
-        let usual =
-            |d: &Dwell| per_root_s(Some(d.phase)).or_else(|| per_root_s(None)).unwrap_or(1.0) / d.duration_s.sqrt();
-        Some(self.dwells.iter().map(|d| own(d).unwrap_or_else(|| usual(d))).collect())
+        stated(j).collect::<Option<_>>().or_else(|| {
+            let dwells: Vec<_> = self.dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).collect();
+            let gyros = self.gyros.iter().enumerate().map(|(gyro, CampaignGyro { slot, .. })| Stated {
+                errors: stated(gyro).collect(),
+                input: self.geometry.triad(*slot).map(|triad| triad.input()),
+            });
+            Some(stated_errors::filled_in(&dwells, &gyros.collect::<Vec<_>>(), j))
+        })
     }
 }

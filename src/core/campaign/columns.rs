@@ -14,27 +14,34 @@ pub fn notes(campaign: &Campaign) -> Vec<Note> {
         notes.extend(rate_not_of_attitude(campaign));
     }
     let mut notes: Vec<Note> = notes.into_iter().map(Note::Campaign).collect();
-    let lacks = |column, has: fn(&Dwell) -> bool| {
-        let dwells: Vec<usize> = (0..campaign.dwells.len()).filter(|&k| !has(&campaign.dwells[k])).collect();
-        let of = campaign.dwells.len();
-        let all = dwells.len() == of;
-        (all, (!all && !dwells.is_empty()).then_some(Note::Campaign(CampaignNote::Missing { column, dwells, of })))
-    };
-    let (none, some) = lacks(Column::Attitude, |d| d.attitude.is_some());
+    let (none, some) = lacks(campaign, Column::Attitude, |d| d.attitude.is_some());
     notes.extend(none.then_some(Note::NoAttitudes).or(some));
     notes.extend(campaign.site.is_none().then_some(Note::NoSite));
-    let (none, some) = lacks(Column::Temperature, |d| d.temperature_c.is_some());
+    let (none, some) = lacks(campaign, Column::Temperature, |d| d.temperature_c.is_some());
     notes.extend(none.then_some(Note::NoTemperatures).or(some));
     notes.extend(temperature_outliers(campaign));
     let stated = [Temperatures::of(campaign).median].into_iter().chain(campaign.temperature_c);
     let in_another_unit = stated.filter(|celsius| !CALIBRATED_AT.contains(celsius));
     notes.extend(in_another_unit.take(1).map(|median| Note::Campaign(CampaignNote::TemperatureUnit { median })));
-    notes.extend(lacks(Column::StandardErrors, |d| d.output_sem_pulse_s.is_some()).1);
+    notes.extend(missing_errors(campaign));
     notes
 }
 
 /// Temperatures at which gyros are calibrated, deg C. What lies outside is in kelvin or in degrees Fahrenheit.
 const CALIBRATED_AT: RangeInclusive<f64> = -60.0..=100.0;
+
+/// Whether all dwells lack a column, and what to note where some do.
+fn lacks(campaign: &Campaign, column: Column, has: fn(&Dwell) -> bool) -> (bool, Option<Note>) {
+    let of = campaign.dwells.len();
+    let dwells: Vec<usize> = (0..of).filter(|&k| !has(&campaign.dwells[k])).collect();
+    let all = dwells.len() == of;
+    (all, (!all && !dwells.is_empty()).then_some(Note::Campaign(CampaignNote::Missing { column, dwells, of })))
+}
+
+/// Dwells whose standard errors are filled in.
+pub(crate) fn missing_errors(campaign: &Campaign) -> Option<Note> {
+    lacks(campaign, Column::StandardErrors, |d| d.output_sem_pulse_s.is_some()).1
+}
 
 /// Dwells whose temperature is left out.
 pub(crate) fn temperature_outliers(campaign: &Campaign) -> impl Iterator<Item = Note> {

@@ -99,7 +99,7 @@ pub struct Described {
 pub struct NoiseFloor {
     /// Root mean square over gyros and dwells of the standard uncertainty of one dwell.
     pub deg_per_h: f64,
-    /// "repeats+sem", "sem", "repeats", "residual".
+    /// "repeats+residuals+sem", "repeats+sem", "residuals+sem", "sem", "repeats+residual", "repeats", "residual".
     pub source: &'static str,
     /// Real over stated standard errors; 1 where none are stated.
     pub sem_factor: f64,

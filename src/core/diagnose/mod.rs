@@ -40,7 +40,7 @@ use crate::message;
 
 /// Raised with every change of what a diagnosis finds: one that was kept is then made again. A new entry of the
 /// catalogue raises it by itself: there were 48 when it was 8.
-pub const METHOD: u32 = 11 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
+pub const METHOD: u32 = 12 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one
 /// before returned. Where the first look names something or sees a gap, the search and what follows are done once more
@@ -164,7 +164,8 @@ fn closed(names: Names<'_>) -> Closed<'_> {
     let remaining = Remaining {
         rms_deg_per_h: noise_floor::rms(frame, fit.residuals.iter().map(Vec::as_slice)),
         reduced_chi2: calibrated.augmented().reduced_chi2().unwrap_or(1.0),
-        p_value: signs.p_value,
+        // Where nothing is named the gap is what remains.
+        p_value: if named.is_empty() { signs.p_value.min(gap.p_value) } else { signs.p_value },
         signs: signs.list,
     };
     Closed { verdict, variances, noise_floor, gap, effects, closure, remaining, names }
@@ -220,7 +221,7 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
         residuals: where_in_campaign::residuals(frame, &fit.residuals, &variances),
         of_campaign: frame.of_campaign.iter().cloned().chain(overstated).chain(shared).collect(),
         notes: (frame.notes.iter().cloned())
-            .chain(stated_errors::too_small(&calibrated))
+            .chain(stated_errors::too_small(&calibrated, remains))
             .chain(said)
             .chain(parts_of_time)
             .chain(described)

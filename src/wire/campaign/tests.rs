@@ -182,17 +182,59 @@ fn a_column_may_be_missing_in_some_dwells() {
     }
 }
 
+/// Six static dwells of these durations and six of 180 s that turn, the last of each without standard errors; those of
+/// G1 and G3 are 0.1 and 0.2 times what `law` says of their duration and share of the rate.
+fn with_two_missing(durations: [f64; 6], law: impl Fn(f64, f64) -> f64) -> (Campaign, [[f64; 2]; 2]) {
+    let mut document = document();
+    let (still, turning) = (document["dwells"][0].clone(), document["dwells"][2].clone());
+    let rates = [3600.0, -3600.0, 7200.0, -7200.0, 1800.0, 7200.0];
+    let still = durations.map(|duration| (&still, duration, 0.0));
+    let mut expected = [[0.0; 2]; 2];
+    let dwells = still.into_iter().chain(rates.map(|rate| (&turning, 180.0, rate))).enumerate();
+    let dwells = dwells.map(|(k, (dwell, duration, rate))| {
+        let mut dwell = dwell.clone();
+        dwell["start_s"] = json!(1000.0 * k as f64);
+        dwell["duration_s"] = json!(duration);
+        if rate != 0.0 {
+            dwell["rate_arcsec_s"] = json!([0.0, 0.0, rate]);
+        }
+        // Half of the square of a rate about z lies along the input axis of G1, none along that of G3.
+        let sems = [0.1 * law(duration, 0.5 * (rate / 7200.0_f64).powi(2)), 0.2 * law(duration, 0.0)];
+        dwell["output_sem_pulse_s"] = json!(sems);
+        if k % 6 == 5 {
+            expected[k / 6] = sems;
+            dwell.as_object_mut().expect("an object").remove("output_sem_pulse_s");
+        }
+        dwell
+    });
+    document["dwells"] = dwells.collect();
+    (parse_json(document.to_string().as_bytes()).expect("sound"), expected)
+}
+
+fn filled_in(campaign: &Campaign) -> [[f64; 2]; 2] {
+    [5, 11].map(|k| [0, 1].map(|j| campaign.errors_of(j).expect("stated")[k]))
+}
+
 #[test]
-fn a_dwell_without_standard_errors_gets_those_of_its_phase_at_its_duration() {
-    let mut document = without("/dwells/1/output_sem_pulse_s");
-    document["dwells"][1]["duration_s"] = json!(45.0);
-    document["dwells"][2]["output_sem_pulse_s"] = json!([0.5, 0.7]);
-    let campaign = parse_json(document.to_string().as_bytes()).expect("sound");
-    // A quarter of the 180 s of the other static dwell: twice its errors.
-    for (j, expected) in [[0.1, 0.2, 0.5], [0.2, 0.4, 0.7]].into_iter().enumerate() {
-        let errors = campaign.errors_of(j).expect("stated");
-        assert!(errors.iter().zip(expected).all(|(e, x)| (e - x).abs() < 1e-12), "{errors:?}");
+fn a_dwell_without_standard_errors_gets_them_by_the_law_of_the_others() {
+    let unequal = [60.0, 180.0, 600.0, 60.0, 180.0, 600.0];
+    for (fall, growth) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.5), (1.0, 4.0)] {
+        let (campaign, expected) =
+            with_two_missing(unequal, |duration, x| ((1.0 + growth * x) * (180.0 / duration).powf(fall)).sqrt());
+        for (found, expected) in filled_in(&campaign).iter().flatten().zip(expected.iter().flatten()) {
+            assert!((found / expected - 1.0).abs() < 0.06, "{found} is not {expected}: {fall}, {growth}");
+        }
     }
+}
+
+#[test]
+fn a_standard_error_is_wider_where_the_others_do_not_tell_the_law() {
+    // A quarter of the only duration that is told: once, the root of two or twice the others' error, whichever law
+    // holds; in the mean of squares 7/3 of its square.
+    let (campaign, _) = with_two_missing([180.0, 180.0, 180.0, 180.0, 180.0, 45.0], |_, _| 1.0);
+    let [[g1, g3], _] = filled_in(&campaign);
+    let wider = (7.0_f64 / 3.0).sqrt();
+    assert!((g1 / (0.1 * wider) - 1.0).abs() < 0.02 && (g3 / (0.2 * wider) - 1.0).abs() < 0.02, "{g1} {g3}");
 }
 
 #[test]

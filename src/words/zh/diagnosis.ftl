@@ -168,7 +168,7 @@ noise_memory = 噪声有记忆（概率{ $probability }）：游走约{ $size }�
 noise_of_duration = 噪声随时长的{ $power }次幂下降，而标准误差未反映
 noise_of_rate = 最快角速度时噪声为静止时的{ $times }倍，而标准误差未反映
 noise_of_time = 结束时噪声为开始时的{ $times }倍，而标准误差未反映
-standard_errors_understated = 重复测点的散布是给定标准误差的{ $times }倍。标准误差偏小，或随时间变化的并非噪声
+standard_errors_understated = { $slots }：输出（包括重复测点）的散布是给定标准误差的{ $times }倍。标准误差偏小，或随时间变化的并非噪声
 
 ## Against a reference
 

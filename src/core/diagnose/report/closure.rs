@@ -12,7 +12,7 @@ use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
 use crate::core::diagnose::residuals::noise_floor;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
-use crate::core::diagnose::search::refined_shape::shape_sd;
+use crate::core::diagnose::search::refined_shape::{instant, shape_sd};
 use crate::core::diagnose::search::stepwise::Search;
 use crate::core::effects::{Estimate, Shape};
 use crate::core::mounting::Slot;
@@ -141,7 +141,9 @@ pub(crate) fn gap(
     plain: &Calibration,
 ) -> Gap {
     let best = search.scores(&[]).iter().map(|s| search.earned(&[], s.kind)).fold(f64::NEG_INFINITY, f64::max);
-    let from_search = search.p_value(best);
+    let seen = search.p_value(best);
+    // What the noise took away again is no gap.
+    let from_search = if seen < FALSE_ALARM && !settled.stands() { 1.0 } else { seen };
     let from_tests = if nothing_named { signs.p_value / (1.0 - SHARE_OF_SEARCH) } else { 1.0 };
     Gap {
         rms_deg_per_h: noise_floor::rms(
@@ -224,7 +226,10 @@ fn estimates(frame: &Frame, parts: &[Part], p: usize, fit: &Fit) -> Vec<Estimate
     let known_to = |grid: f64| shape_sd(frame, parts, p, &fit.variances, grid);
     list.extend(match parts[p].shape {
         Shape::Tau(tau) => shape("tau", tau, known_to(0.25 * tau), "s"),
-        Shape::Instant(instant) => shape("instant", instant, 0.5 * frame.setting.interval(), "s"),
+        Shape::Instant(_) => {
+            let (at, sd) = instant(frame, parts, p, &fit.variances);
+            shape("instant", at, sd, "s")
+        }
         Shape::Period(period) => shape("period", period, known_to(0.2 * period * period / frame.setting.span()), "s"),
         Shape::Dwell(dwell) => shape("dwell", dwell as f64, 0.0, "1"),
         Shape::Azimuth(angle) => {

@@ -2,7 +2,8 @@
 //!
 //! The drift d that was fitted for a named effect is tried with another size after an instant: the column d H(t - t_0),
 //! off everything that is fitted, against the rest of the residual (F). Instants are the quarters of the effect's own
-//! information, half time, and pauses. Sizes on either side then say in which part it acts.
+//! information, half time, and pauses; a warm-up may come again at any time, in any size. Sizes on either side then say
+//! in which part it acts.
 
 use super::named::Named;
 use super::remaining::Left;
@@ -22,6 +23,9 @@ const INDEPENDENT: f64 = 0.6;
 /// Standard deviations within which a size is none, and beyond which the other is one.
 const NONE: f64 = 2.0;
 const SOME: f64 = 4.0;
+
+/// Instants at which a warm-up is tried to come again.
+const RESTARTS: usize = 12;
 
 /// A change of a named effect.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,6 +112,15 @@ fn of_gyro(left: &Left, j: usize, drift: Vec<f64>, shape: Shape) -> impl Iterato
             (0..n).map(|k| if k < first { 0.0 } else { drift[k] * decay(k) }).collect::<Vec<f64>>()
         })
     });
+    // A warm-up that comes again.
+    let again = (1..=RESTARTS).filter_map(|i| match shape {
+        Shape::Tau(tau) => {
+            let first = (i * n / (RESTARTS + 1)).max(1);
+            let decay = |k: usize| (-(s.time[k] - s.time[first]) / tau).exp();
+            Some((0..n).map(|k| if k < first { 0.0 } else { decay(k) }).collect::<Vec<f64>>())
+        }
+        _ => None,
+    });
     let switched = firsts.into_iter().filter(|&first| first < n && onset.is_none_or(|onset| first > onset + 1));
     let mut tried = Vec::new();
     for first in switched {
@@ -117,7 +130,7 @@ fn of_gyro(left: &Left, j: usize, drift: Vec<f64>, shape: Shape) -> impl Iterato
             tried.push((tested.p_value, acts_in));
         }
     }
-    for column in settling {
+    for column in settling.chain(again) {
         let column = left.frame.gyros[j].whiten(column);
         tried.extend(left.of_form("not_constant", j, vec![column]).map(|tested| (tested.p_value, None)));
     }

@@ -7,6 +7,7 @@
 use nalgebra::DMatrix;
 
 use crate::core::campaign::Phase;
+use crate::core::campaign::repeats::PureError;
 use crate::core::diagnose::diagnosis::Sign;
 use crate::core::diagnose::report::likeness::{Score, Weights};
 use crate::core::diagnose::residuals::noise_floor::pure_error;
@@ -96,24 +97,27 @@ impl Left<'_> {
         })
     }
 
-    /// Scatter against the stated standard errors, whose factor is uncertain by [`STATED_FACTOR`] itself: of each
-    /// gyro, and of all together, whose factor is taken for a common one.
+    /// Scatter against the stated standard errors, corrected by what repeats say of them: of each gyro, and of all
+    /// together, whose factor is taken for a common one. Beside a name they are not corrected: it may be what is left of
+    /// something that scatters in repeats as well.
     fn spread(&self) -> Vec<Tested> {
         if !self.frame.noise.stated {
             return Vec::new();
         }
-        let tested = |gyro: Option<usize>, sum: f64, dof: f64| {
-            let uncertainty = ((2.0 * STATED_FACTOR).powi(2) + 2.0 / dof).sqrt();
-            Tested { kind: SPREAD, gyro, p_value: normal_cdf(-(sum / dof).max(1e-300).ln() / uncertainty) }
-        };
+        let is_named = self.extras.iter().any(|extra| extra.rank() > 0);
         let mut tests = Vec::new();
-        let (mut sum, mut dof) = (0.0, 0.0);
-        for (j, residual) in self.residuals.iter().enumerate().filter(|(j, _)| self.dof(*j) >= 1.0) {
-            tests.push(tested(Some(j), dot(residual, residual), self.dof(j)));
-            (sum, dof) = (sum + dot(residual, residual), dof + self.dof(j));
+        let (mut of_all, mut repeats_of_all) = ((0.0, 0.0), PureError::default());
+        for (j, (gyro, residual)) in self.frame.gyros.iter().zip(self.residuals).enumerate() {
+            let repeats = if is_named { PureError::default() } else { pure_error(self.frame, gyro, residual) };
+            let rest = (dot(residual, residual) - repeats.chi2, self.dof(j) - repeats.dof as f64);
+            if rest.1 >= 1.0 {
+                tests.push(Tested { kind: SPREAD, gyro: Some(j), p_value: beyond_stated(rest, repeats) });
+                of_all = (of_all.0 + rest.0, of_all.1 + rest.1);
+                repeats_of_all = repeats_of_all.plus(repeats);
+            }
         }
         if tests.len() > 1 {
-            tests.push(tested(None, sum, dof));
+            tests.push(Tested { kind: SPREAD, gyro: None, p_value: beyond_stated(of_all, repeats_of_all) });
         }
         tests
     }
@@ -152,10 +156,38 @@ impl Left<'_> {
 
 const SPREAD: &str = "spread";
 
-/// Standard errors of a whole campaign are taken to be wrong by no more than this (standard deviation of the
-/// logarithm). Single ones scatter more, but that averages out; a campaign whose scatter lies a fifth above what its
-/// station states has a gap, in its dwells or in its standard errors.
-const STATED_FACTOR: f64 = 0.07;
+/// By how much the standard errors of a whole campaign may be wrong (standard deviation of the logarithm), and how
+/// often that is so. Single ones scatter more, but that averages out. Without repeats the first is taken: a campaign
+/// whose scatter lies a fifth above what its station states has a gap, in its dwells or in its standard errors.
+const WRONG_BY: [(f64, f64); 2] = [(0.07, 0.8), (0.25, 0.2)];
+
+/// Repeats that scatter less than this over what is stated speak against it no more.
+const LEAST_OF_REPEATS: f64 = 0.3;
+
+/// Probability that noise scatters as much as `rest`, a sum of squares over the stated variances and its degrees of
+/// freedom. Each way in which these may be wrong counts as much as it makes the repeats likely, and is corrected by
+/// them (the logarithm of a mean square of nu degrees of freedom has the mean -1/nu and the variance 2/nu + 2/nu^2).
+fn beyond_stated((sum, dof): (f64, f64), repeats: PureError) -> f64 {
+    let repeated = repeats.dof as f64;
+    let seen = (repeats.chi2 / repeated).max(LEAST_OF_REPEATS).ln() + 1.0 / repeated;
+    let of_repeats = 2.0 / repeated + 2.0 / repeated.powi(2);
+    let (mut p_value, mut weights) = (0.0, 0.0);
+    for (factor, often) in WRONG_BY.into_iter().take(if repeats.dof > 0 { WRONG_BY.len() } else { 1 }) {
+        let stated = (2.0 * factor).powi(2);
+        let (weight, corrected, unsure) = match repeats.dof {
+            0 => (1.0, 0.0, stated),
+            _ => {
+                let both = stated + of_repeats;
+                let weight = often * (-0.5 * seen * seen / both).exp() / both.sqrt();
+                (weight, (seen * stated / both).max(0.0), stated * of_repeats / both)
+            }
+        };
+        let excess = (sum / dof).max(1e-300).ln() - corrected;
+        p_value += weight * normal_cdf(-excess / (unsure + 2.0 / dof).sqrt());
+        weights += weight;
+    }
+    if weights > 0.0 { p_value / weights } else { 1.0 }
+}
 
 /// Weight of all tests of spread together: the one test that asks for no likeness between dwells.
 const SPREAD_WEIGHT: f64 = 0.3;
@@ -248,4 +280,24 @@ fn strangers(s: &Setting) -> Vec<(&'static str, Weights)> {
         kinds.push(("similar_temperatures", pairs(&|a, b| (-((t[a] - t[b]) / width).powi(2)).exp())));
     }
     kinds
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scatter_beyond_what_is_stated_is_a_gap_unless_repeats_scatter_as_much() {
+        // ln 1.5 over sqrt(0.14^2 + 2/200) = 2.357: 0.0092 of a normal distribution.
+        let alone = beyond_stated((300.0, 200.0), PureError::default());
+        assert!((alone - 0.0092).abs() < 1e-4, "{alone}");
+        let repeats = |times: f64| PureError { chi2: 27.0 * times, dof: 27 };
+        // Standard errors three quarters of the noise.
+        let with = beyond_stated((356.0, 200.0), repeats(1.78));
+        assert!(with > 0.05 && beyond_stated((356.0, 200.0), PureError::default()) < 1e-3, "{with}");
+        // The power of an effect with d = 15.
+        let gap = beyond_stated((425.0, 200.0), repeats(1.0));
+        assert!(gap < 2e-3, "{gap}");
+        assert!(beyond_stated((200.0, 200.0), repeats(0.5)) > 0.3, "repeats that scatter less by chance are no gap");
+    }
 }

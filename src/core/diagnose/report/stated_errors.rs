@@ -1,9 +1,10 @@
 //! What is to be said of the standard errors that a station states.
 
+use crate::core::calibrate::GyroCalibration;
 use crate::core::campaign::CampaignNote;
 use crate::core::campaign::repeats::PureError;
 use crate::core::diagnose::report::calibrated::Calibrated;
-use crate::core::message::{Message, figure};
+use crate::core::message::{Message, figure, list};
 use crate::core::numerics::tails::chi2_tail;
 use crate::message;
 
@@ -13,11 +14,26 @@ pub(crate) fn too_large(fits: &Calibrated) -> Option<CampaignNote> {
     (!gyros.is_empty()).then_some(CampaignNote::ErrorsOverstated { gyros })
 }
 
-/// What is to be known of standard errors that the repeats of all gyros show to be too small.
-pub(crate) fn too_small(fits: &Calibrated) -> Option<Message> {
+/// Gyros whose standard errors repeats show to be too small, and how many times; all together where none does alone.
+/// Where nothing `remains`, the residuals are noise and join the repeats.
+pub(crate) fn too_small(fits: &Calibrated, remains: bool) -> Option<Message> {
     let fit = fits.augmented();
-    let of_gyros = fit.gyros.iter().filter(|_| fit.has_sem).map(|gyro| gyro.noise.pure_error);
-    let PureError { chi2, dof } = of_gyros.fold(PureError::default(), PureError::plus);
-    let beyond_chance = chi2_tail(chi2, dof).is_some_and(|p| p < 1e-3);
-    beyond_chance.then(|| message!("standard_errors_understated", times = figure((chi2 / dof as f64).sqrt(), 1)))
+    let scatter = |gyro: &GyroCalibration| match remains {
+        true => gyro.noise.pure_error,
+        false => PureError { chi2: gyro.chi2, dof: gyro.dof },
+    };
+    let beyond_chance = |gyros: &[&GyroCalibration]| {
+        let sum = |of: &dyn Fn(&GyroCalibration) -> PureError| {
+            gyros.iter().map(|gyro| of(gyro)).fold(PureError::default(), PureError::plus)
+        };
+        let (PureError { chi2, dof }, repeats) = (sum(&scatter), sum(&|gyro| gyro.noise.pure_error));
+        let is = chi2_tail(chi2, dof).is_some_and(|p| p < 1e-3) && repeats.chi2 > repeats.dof as f64;
+        is.then(|| (chi2 / dof as f64).sqrt())
+    };
+    let all: Vec<&GyroCalibration> = fit.gyros.iter().filter(|_| fit.has_sem).collect();
+    let alone: Vec<&GyroCalibration> = all.iter().copied().filter(|gyro| beyond_chance(&[*gyro]).is_some()).collect();
+    let gyros = if alone.is_empty() { all } else { alone };
+    let times = beyond_chance(&gyros)?;
+    let slots = list(gyros.iter().map(|gyro| gyro.slot.name()));
+    Some(message!("standard_errors_understated", slots = slots, times = figure(times, 1)))
 }

@@ -16,12 +16,14 @@ pub(crate) fn pure_error(frame: &Frame, gyro: &GyroFrame, residual: &[f64]) -> P
 /// `repeat_dof` of each gyro, and the ratio of real to stated noise, are those of the fit.
 pub(crate) fn report(frame: &Frame, variances: &[f64], from_residual: bool, fit: &Calibration) -> NoiseFloor {
     let repeats = !frame.noise.repeats.is_empty();
-    let source = match (frame.noise.stated, repeats) {
-        (true, true) => "repeats+sem",
-        (true, false) => "sem",
-        (false, true) if !from_residual => "repeats",
-        (false, true) => "repeats+residual",
-        (false, false) => "residual",
+    let source = match (frame.noise.stated, repeats, from_residual) {
+        (true, true, true) => "repeats+residuals+sem",
+        (true, true, false) => "repeats+sem",
+        (true, false, true) => "residuals+sem",
+        (true, false, false) => "sem",
+        (false, true, true) => "repeats+residual",
+        (false, true, false) => "repeats",
+        (false, false, _) => "residual",
     };
     let gyros: Vec<GyroFloor> = frame
         .gyros

@@ -243,7 +243,7 @@ pub(crate) fn criterion(bank: &Bank, range: std::ops::Range<usize>, seen: &[Seen
         .map(|i| {
             let hypothesis = &bank.hypotheses[i];
             if hypothesis.common {
-                return Common::of(hypothesis, seen).map_or(0.0, |common| common.fit(NO_PRIOR).0 - common.size as f64);
+                return Common::of(hypothesis, seen).map_or(0.0, |common| common.gain(NO_PRIOR) - common.size as f64);
             }
             gains(hypothesis, seen).iter().map(|&(gain, len)| (gain - len as f64).max(0.0)).sum()
         })

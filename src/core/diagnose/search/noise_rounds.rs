@@ -49,6 +49,8 @@ pub(crate) struct Settled {
     pub noise_found: Found,
     /// How it goes beside what is stated.
     pub laws: Vec<law::Law>,
+    /// Whether a name fell because its cause has another form.
+    another_form: bool,
 }
 
 impl Settled {
@@ -87,6 +89,7 @@ impl Settled {
                 noise,
                 noise_found: Found::default(),
                 laws: Vec::new(),
+                another_form: false,
             };
             match next.filter(|_| round < ROUNDS) {
                 Some(growth) => frame = settled.frame.with_growth(growth)?,
@@ -125,6 +128,11 @@ impl Settled {
         Ok(best.map(|(_, parts, frame)| (parts, frame)))
     }
 
+    /// Whether something of what the search saw holds over all that the noise may be.
+    pub fn stands(&self) -> bool {
+        self.another_form || !self.found.is_empty()
+    }
+
     pub fn search(&self) -> Search<'_> {
         let (frame, bank, null, known) = (&self.frame, &self.bank, &self.null, &self.known);
         Search { frame, bank, null, threshold: self.threshold, known, noise: &self.noise }
@@ -153,6 +161,7 @@ impl Settled {
             more: plain.more.clone(),
             noise_found: Found::default(),
             laws,
+            another_form: false,
         };
         if !plain.found.is_empty() {
             let search = closer.search();
@@ -178,6 +187,7 @@ impl Settled {
         let components = components(&closer.frame.setting);
         while let Some(of_another_form) = closer.of_another_form(&components, &closer.found) {
             closer.found.remove(of_another_form);
+            closer.another_form = true;
         }
         Ok(closer)
     }
@@ -285,8 +295,9 @@ fn confirmed(search: &Search, law: Law, mut found: Vec<Choice>) -> Vec<Choice> {
         for i in 0..found.len() {
             let without_it = excess(&designs(frame, search.bank, &found, Some(i)));
             found[i].evidence = search.earned_beside_others(&found, i) + with_all - without_it;
-            let named = found[i].kind.is_nameable();
-            if named
+            // What stands beside a name keeps it in doubt.
+            let asked = found[i].kind.is_nameable() || !found.iter().any(|choice| choice.kind.is_nameable());
+            if asked
                 && found[i].evidence < search.needed(&without(&found, i))
                 && weakest.is_none_or(|(_, e)| found[i].evidence < e)
             {

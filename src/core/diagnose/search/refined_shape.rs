@@ -81,6 +81,27 @@ pub(crate) fn shape_sd(frame: &Frame, parts: &[Part], i: usize, variances: &[f64
     if curvature > 0.0 { (2.0 / curvature).sqrt().min(grid) } else { grid }
 }
 
+/// When part `i` sets in, and the standard deviation of that: a change between two dwells is as likely beforehand as
+/// they are apart, and then as exp(-chi^2/2) of the fit with it there.
+pub(crate) fn instant(frame: &Frame, parts: &[Part], i: usize, variances: &[f64]) -> (f64, f64) {
+    let time = &frame.setting.time;
+    let mut parts = parts.to_vec();
+    let between = (1..time.len()).map(|k| {
+        let (middle, apart) = (0.5 * (time[k - 1] + time[k]), time[k] - time[k - 1]);
+        parts[i].shape = Shape::Instant(middle);
+        let fit = augmented_fit::fit(frame, &parts);
+        let chi2: f64 = fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum();
+        (middle, apart, chi2)
+    });
+    let between: Vec<(f64, f64, f64)> = between.collect();
+    let least = between.iter().map(|(_, _, chi2)| *chi2).fold(f64::INFINITY, f64::min);
+    let weight = |(_, apart, chi2): &(f64, f64, f64)| apart * (0.5 * (least - chi2)).exp();
+    let all: f64 = between.iter().map(weight).sum();
+    let mean = between.iter().map(|gap| weight(gap) * gap.0).sum::<f64>() / all;
+    let squares = |gap: &(f64, f64, f64)| weight(gap) * ((gap.0 - mean).powi(2) + gap.1 * gap.1 / 12.0);
+    (mean, (between.iter().map(squares).sum::<f64>() / all).sqrt())
+}
+
 /// Sum of squares that the fit of all parts leaves where the shape of part `i` hangs on `x`, over the noise
 /// `variances` of each gyro.
 fn chi2(frame: &Frame, parts: &[Part], i: usize, x: f64, variances: &[f64]) -> f64 {

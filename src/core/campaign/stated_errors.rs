@@ -1,0 +1,77 @@
+//! Standard errors of dwells that state none, by the law that those of the same campaign show.
+//!
+//! Of gyro j in dwell k: sem^2 = s_j^2 (1 + rho x) duration^-p, x = (w_I/W)^2 with w_I the rate along the nominal input
+//! axis and W the largest rate of the campaign. rho and p are common to all gyros, as one station states them. Each
+//! law counts as much as the stated errors lie near to it (Laplace's distribution of their logarithms), and what is
+//! filled in is the root of the mean variance over all of them: where duration or rate is not told, it is the wider.
+
+use nalgebra::Vector3;
+
+use crate::core::numerics::log_sum::LogSum;
+use crate::core::numerics::median::median_of;
+
+/// Values of p.
+const FALLS: [f64; 3] = [0.0, 0.5, 1.0];
+
+/// Values of rho, each as likely beforehand as 1/(1 + rho).
+const GROWTHS: [f64; 11] = [0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0];
+
+/// Rates up to this are the Earth's and the table's creep, arcsec/s.
+const SLOW_ARCSEC_S: f64 = 20.0;
+
+/// Scatter of the logarithms about a law that is none, and the largest that widens what is filled in.
+const ROUNDING: f64 = 0.03;
+const LARGEST_SCATTER: f64 = 0.5;
+
+/// Standard deviation over mean absolute deviation, of normal errors.
+const NORMAL: f64 = 1.2533;
+
+/// What the campaign has of one gyro.
+pub(super) struct Stated {
+    /// Standard errors by dwell, as far as they are stated.
+    pub errors: Vec<Option<f64>>,
+    /// Nominal input axis; the whole rate counts where it is not known.
+    pub input: Option<Vector3<f64>>,
+}
+
+/// Standard errors of gyro `j` in dwells of these durations and rates (arcsec/s), where some state them.
+pub(super) fn filled_in(dwells: &[(f64, Vector3<f64>)], gyros: &[Stated], j: usize) -> Vec<f64> {
+    let shares: Vec<Vec<f64>> = gyros.iter().map(|gyro| rate_shares(dwells, gyro.input)).collect();
+    let laws = FALLS.into_iter().flat_map(|fall| GROWTHS.map(|growth| (fall, growth)));
+    let tried: Vec<(f64, Vec<f64>)> = laws
+        .map(|(fall, growth)| {
+            let shape = |gyro: usize| {
+                let dwells = dwells.iter().zip(&shares[gyro]);
+                dwells.map(move |((duration, _), x)| 0.5 * ((1.0 + growth * x).ln() - fall * duration.ln()))
+            };
+            let (mut deviations, mut level) = (Vec::new(), 0.0);
+            for (gyro, stated) in gyros.iter().enumerate() {
+                let over: Vec<f64> =
+                    stated.errors.iter().zip(shape(gyro)).filter_map(|(sem, law)| Some((*sem)?.ln() - law)).collect();
+                let median = median_of(over.iter().copied()).unwrap_or(0.0);
+                deviations.extend(over.iter().map(|ln| (ln - median).abs()));
+                level = if gyro == j { median } else { level };
+            }
+            let mean = deviations.iter().sum::<f64>() / deviations.len() as f64;
+            let free = deviations.len().saturating_sub(gyros.len()) as f64;
+            let scatter = (NORMAL * mean).min(LARGEST_SCATTER);
+            // The mean of squares whose logarithms scatter.
+            let log_variances = shape(j).map(|law| 2.0 * (level + law + scatter * scatter)).collect();
+            (-free * (mean + ROUNDING).ln() - (1.0 + growth).ln(), log_variances)
+        })
+        .collect();
+    let weights = LogSum::of(&tried.iter().map(|(weight, _)| *weight).collect::<Vec<_>>()).log();
+    let usual = |k: usize| {
+        let all: Vec<f64> = tried.iter().map(|(weight, log_variances)| weight + log_variances[k]).collect();
+        (0.5 * (LogSum::of(&all).log() - weights)).exp()
+    };
+    gyros[j].errors.iter().enumerate().map(|(k, sem)| sem.unwrap_or_else(|| usual(k))).collect()
+}
+
+/// x of each dwell for one gyro.
+fn rate_shares(dwells: &[(f64, Vector3<f64>)], input: Option<Vector3<f64>>) -> Vec<f64> {
+    let largest = dwells.iter().map(|(_, rate)| rate.norm()).fold(SLOW_ARCSEC_S, f64::max);
+    let along = |rate: &Vector3<f64>| input.map_or(rate.norm(), |input| input.dot(rate));
+    let turns = largest > SLOW_ARCSEC_S;
+    dwells.iter().map(|(_, rate)| if turns { (along(rate) / largest).powi(2) } else { 0.0 }).collect()
+}

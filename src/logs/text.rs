@@ -645,8 +645,9 @@ mod tests {
         let rows = |of: &dyn Fn(usize) -> String| -> String {
             std::iter::once("t;a\n".to_owned()).chain((0..200).map(|k| format!("{k};{}\n", of(k)))).collect()
         };
-        let marked =
-            |k: usize, mark: &str| if k % 3 == 0 { "782".to_owned() } else { format!("{}{mark}271", 1 + k % 9) };
+        let marked = |k: usize, mark: &str| {
+            if k.is_multiple_of(3) { "782".to_owned() } else { format!("{}{mark}271", 1 + k % 9) }
+        };
         for mark in [".", ","] {
             let fault = read(&rows(&|k| marked(k, mark)), &[0, 1]).map(|_| ()).unwrap_err();
             assert!(fault.contains("cell_thousands") && fault.contains("271"), "{fault}");

@@ -124,9 +124,9 @@ fn consequence(t: &Text, d: &DiagnosisBody) -> Markup {
 /// What limits that: a campaign outside its forecast, and effects that it hardly shows.
 fn beside(t: &Text, d: &DiagnosisBody) -> Markup {
     let outside = d.forecast.as_ref().and_then(|point| point.compared.as_ref()).filter(|one| one.is_outside());
-    // What a campaign never shows is part of G, and judged by its closure.
-    let hardly: Vec<&str> =
-        d.not_identifiable.iter().filter(|one| one.visible_fraction > 0.0).map(|one| one.effect.as_str()).collect();
+    // What no campaign ever shows is part of G, and judged by its closure.
+    let is_of_dwells = |id: &&str| Effect::from_id(id).is_none_or(|effect| !effect.entry().closure_only);
+    let hardly: Vec<&str> = d.not_identifiable.iter().map(|one| one.effect.as_str()).filter(is_of_dwells).collect();
     html! {
         @if let Some(compared) = outside {
             p { (forecast::state(t, compared)) ": " a href="#forecast" { (t.forecast) } }

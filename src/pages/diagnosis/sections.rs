@@ -129,13 +129,12 @@ fn beside(t: &Text, d: &DiagnosisBody) -> Markup {
     let hardly: Vec<&str> = d.not_identifiable.iter().map(|one| one.effect.as_str()).filter(is_of_dwells).collect();
     html! {
         @if let Some(compared) = outside {
-            p { (forecast::state(t, compared)) ": " a href="#forecast" { (t.forecast) } }
+            p { (t.forecast) (t.colon) " " (forecast::state(t, compared)) }
         }
         @if !hardly.is_empty() {
             p.note {
                 (t.hardly_shown)
                 @for (k, effect) in hardly.into_iter().enumerate() { (if k > 0 { ", " } else { " " }) (effect_word(t, effect)) }
-                " (" a href="#hidden" { (t.why) } ")"
             }
         }
     }
@@ -379,7 +378,7 @@ fn before_and_after(t: &Text, d: &DiagnosisBody, slots: &[(String, String)]) -> 
 fn blind_spots(t: &Text, d: &DiagnosisBody) -> Markup {
     html! {
         @if !d.not_identifiable.is_empty() {
-            section #hidden {
+            section {
                 h2 { (t.cannot_be_told) }
                 div.scroll tabindex="0" { table {
                     thead { tr { th { (t.effect) } th.n { (t.visible) } th { (t.why) } th { (t.would_show) } } }

@@ -69,7 +69,7 @@ history_due_open = It reaches its budget on { $day } (80 %: from { $early }; the
 history_calibrate_by = Calibrate it by { $day }: until then it is within its budget with 95 %.
 history_calibrate_now = Calibrate it now: since { $day } it is no longer within its budget with 95 %.
 history_due_past = By its course it reached its budget on { $day }.
-history_due_by_trend = The rule trend says { $day }: it carries on the last weekly means as measured. Here all records count, without what stations and steps did.
+history_due_by_trend = (The rule trend, from weekly means as measured: { $day }.)
 
 ## Stations
 

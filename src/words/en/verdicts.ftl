@@ -135,6 +135,6 @@ suggestion_retest = Re-test: one more campaign decides.
 suggestion_shorten_interval = Calibrate sooner: it may reach its budget before its next calibration.
 suggestion_watch = Keep watching: it drifts within its budget.
 suggestion_check_mounting = Check the mounting: only D_O is out of tolerance. Note a re-installation if there was one; otherwise re-test.
-suggestion_remove = Take it out: it drifts on or scatters, and has no level that could be accepted.
+suggestion_remove = Take it out: it has no steady level.
 suggestion_remove_or_accept = Take it out. If it has stepped once and is steady since, its new level may be accepted: start a baseline with a reason.
 suggestion_accept_or_remove = Accept the new level (start a baseline with a reason), or take it out: a recorded event explains the change.

@@ -59,7 +59,7 @@ history_due_open = 将于{ $day }达到允许范围（80 %：{ $early }起，上
 history_calibrate_by = 请在{ $day }之前标定：此前以95 %的概率在允许范围内。
 history_calibrate_now = 请立即标定：自{ $day }起不再以95 %的概率处于允许范围内。
 history_due_past = 按其变化，已于{ $day }达到允许范围。
-history_due_by_trend = 趋势规则给出{ $day }：它由最近各周均值的实测值外推；此处计入全部记录，并扣除测试站与阶跃的影响。
+history_due_by_trend = （趋势规则按各周实测均值外推：{ $day }。）
 
 ## 测试站
 

@@ -127,6 +127,6 @@ suggestion_retest = 复测：再做一次标定即可判定。
 suggestion_shorten_interval = 提前标定：下次标定前可能达到允许范围。
 suggestion_watch = 继续观察：在允许范围内漂移。
 suggestion_check_mounting = 检查安装：仅D_O超差。若曾重新安装，请记录；否则复测。
-suggestion_remove = 拆下：持续漂移或分散过大，没有可认可的水平。
+suggestion_remove = 拆下：没有稳定的水平。
 suggestion_remove_or_accept = 拆下。若仅跳变一次且此后稳定，可认可新水平：注明原因开始新基线。
 suggestion_accept_or_remove = 认可新水平（注明原因开始新基线），或拆下：已记录的事件可解释其变化。

@@ -266,11 +266,15 @@ fn what_any_temperature_does_need_not_be_linear_in_it() {
     let model = Options { adopted: vec![adopted(effect, Shape::Linear, &[Slot::G2])], known, ..Options::default() };
     let mut campaign = campaign();
     campaign.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None);
-    let found = calibrate_at_station(&campaign, Terms::MODEL_6, &model, Some(20.0));
-    let bias = found.gyros[1].parameters.iter().find(|one| one.term == Term::Bias).expect("fitted");
+    let sd_of_bias = |options: &Options| {
+        let found = calibrate_at_station(&campaign, Terms::MODEL_6, options, Some(20.0));
+        let bias = found.gyros[1].parameters.iter().find(|one| one.term == Term::Bias).expect("fitted");
+        bias.sd.expect("stated") / SCALES[1]
+    };
+    let (of_both, of_noise) = (sd_of_bias(&model), sd_of_bias(&Options::default()));
     // T^4 from -40 to 85 deg C about 20 is (65^5 + 60^5)/625 on the mean.
-    let (sd, expected) = (bias.sd.expect("stated") / SCALES[1], 1e-3 * 3_100_625.0_f64.sqrt());
-    assert!((sd / expected - 1.0).abs() < 1e-3, "{sd} {expected}: {:?}", found.notes);
+    let (of_effect, expected) = ((of_both.powi(2) - of_noise.powi(2)).sqrt(), 1e-3 * 3_100_625.0_f64.sqrt());
+    assert!((of_effect / expected - 1.0).abs() < 1e-3, "{of_effect} {expected} beside {of_noise}");
 }
 
 /// A torquer's scale factor follows temperature: it multiplies all that the gyro senses, D_I and D_S alike.

@@ -11,7 +11,7 @@ use super::units::Counts;
 use crate::core::campaign::{Phase, Site};
 use crate::core::dwells::averages::{later, noise, settled, standard_error, without_edges};
 use crate::core::dwells::blocks::Track;
-use crate::core::dwells::explained::{Outputs, Undecided, laid};
+use crate::core::dwells::explained::{Outputs, Undecided, is_another, laid};
 use crate::core::dwells::intervals::{Found, Interval, Search, find};
 use crate::core::dwells::noise::Noise;
 use crate::core::dwells::programme::{
@@ -407,7 +407,7 @@ impl Work<'_> {
             let means = candidates.iter().map(means).collect();
             let matched = laid_over((self.map, self.log.unit.counts, self.site), &seen, spans, means, programme)?;
             let taken = matched.iter().flatten().count();
-            if taken == 0 || 5 * taken < 4 * seen.len() {
+            if is_another(taken, seen.len()) {
                 let (intervals, rows) = (seen.len(), programme.len());
                 return Err(message!("programme_other", matched = taken, intervals = intervals, rows = rows));
             }

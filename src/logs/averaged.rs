@@ -12,6 +12,7 @@ use super::source::Source;
 use super::text::LeftOut;
 use super::units::{Counts, Quantity, Unit};
 use crate::core::campaign::{Phase, Site};
+use crate::core::dwells::explained::is_another;
 use crate::core::dwells::programme::{Clock, Position, REST_ARCSEC_S, Seen, Table, clock_offset};
 use crate::core::frames::{Body, Nav, Rotation, Vector};
 use crate::core::message::{Message, figure};
@@ -355,7 +356,7 @@ fn positions(
         }
     };
     let taken: Vec<usize> = matched.iter().flatten().copied().collect();
-    if taken.is_empty() || 5 * taken.len() < 4 * rows.len() {
+    if is_another(taken.len(), rows.len()) {
         let (matched, intervals, rows) = (taken.len(), rows.len(), programme.len());
         return Err(message!("programme_other", matched = matched, intervals = intervals, rows = rows));
     }

@@ -115,10 +115,14 @@ pub fn laid(seen: &[Seen], outputs: &Outputs, programme: &[Position]) -> Result<
     let least = found.iter().map(|laid| laid.pieces(programme.len())).min().unwrap_or(0);
     found.retain(|laid| laid.pieces(programme.len()) == least);
     let best = found.swap_remove(0);
-    match found.iter().all(|other| best.commands_as(other, programme)) {
-        true => Ok(best.rows),
-        false => Err(Undecided),
-    }
+    let one_way = found.iter().all(|other| best.commands_as(other, programme));
+    // Where it is another programme, no way of laying it is the right one.
+    if one_way || is_another(best.taken, seen.len()) { Ok(best.rows) } else { Err(Undecided) }
+}
+
+/// Whether so few intervals are rows of a programme that it is another one.
+pub fn is_another(taken: usize, intervals: usize) -> bool {
+    taken == 0 || 5 * taken < 4 * intervals
 }
 
 /// The ways that leave out least, with input axes near their nominal ones if any has; of these the least squares.

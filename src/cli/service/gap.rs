@@ -6,7 +6,7 @@ use anyhow::Context;
 use clap::Args;
 use serde::Serialize;
 
-use super::predict::{identified, measured, state, step};
+use super::predict::{identified, measured, noise_floor, state, step};
 use crate::cli::client::Connection;
 use crate::cli::common::{Usage, block_on};
 use crate::cli::document::{self, Format, table_of};
@@ -118,22 +118,11 @@ fn tables(imu: &str, ladders: &[Ladder]) -> String {
                 }
                 None => asked().word("terminal_nothing_to_close").to_owned(),
             });
-            rows.add_row([
-                left(),
-                step(rung),
-                format!("{:.3e}", rung.rms_deg_per_h),
-                format!("{:.2}", rung.rms_over_sd),
-                closes,
-            ]);
+            let [name, error, in_sd] = step(rung);
+            rows.add_row([left(), name, error, in_sd, closes]);
         }
-        let floor = format!("{:.3e}", one.noise_deg_per_h);
-        rows.add_row([
-            left(),
-            asked().word("terminal_noise_floor").to_owned(),
-            floor,
-            "1.00".to_owned(),
-            String::new(),
-        ]);
+        let [name, error, in_sd] = noise_floor(one.noise_deg_per_h);
+        rows.add_row([left(), name, error, in_sd, String::new()]);
     }
     let plain = ladders.iter().all(|one| one.rungs.len() == 1);
     let hint = if plain { format!("\n{}", asked().word("terminal_gap_plain")) } else { String::new() };

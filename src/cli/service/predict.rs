@@ -221,22 +221,25 @@ pub(super) fn state(state: &str) -> &'static str {
     })
 }
 
-/// A step of the ladder, by the effect that it adds.
-pub(super) fn step(rung: &RungBody) -> String {
-    rung.effect.as_ref().map_or_else(|| asked().word("terminal_model_6").to_owned(), |effect| format!("+ {effect}"))
+/// A step of the ladder: the effect that it adds, the error of the forecast, and that in standard deviations.
+pub(super) fn step(rung: &RungBody) -> [String; 3] {
+    let model = || asked().word("terminal_model_6").to_owned();
+    let name = rung.effect.as_ref().map_or_else(model, |effect| format!("+ {effect}"));
+    [name, format!("{:.3e}", rung.rms_deg_per_h), format!("{:.2}", rung.rms_over_sd)]
+}
+
+/// The foot of the ladder.
+pub(super) fn noise_floor(deg_per_h: f64) -> [String; 3] {
+    [asked().word("terminal_noise_floor").to_owned(), format!("{deg_per_h:.3e}"), "1.00".to_owned()]
 }
 
 /// The ladder with the noise floor at its foot.
 pub(super) fn steps(c: &ComparedBody) -> String {
     let mut steps = table_of("terminal_steps_head", 1..3);
     for rung in &c.ladder {
-        steps.add_row([step(rung), format!("{:.3e}", rung.rms_deg_per_h), format!("{:.2}", rung.rms_over_sd)]);
+        steps.add_row(step(rung));
     }
-    steps.add_row([
-        asked().word("terminal_noise_floor").to_owned(),
-        format!("{:.3e}", c.noise_deg_per_h),
-        "1.00".to_owned(),
-    ]);
+    steps.add_row(noise_floor(c.noise_deg_per_h));
     format!("\n{steps}\n")
 }
 

@@ -62,7 +62,7 @@ impl IntoResponse for Page {
     }
 }
 
-/// Puts the page that a handler answers, or in words why there is none, into its frame for whoever looks.
+/// Puts the page that a handler answers, or in words why there is none, into its frame.
 pub(super) async fn framed(viewer: Viewer, request: Request, next: Next) -> Response {
     let (mut parts, body) = next.run(request).await.into_parts();
     let page = match (parts.extensions.remove::<Page>(), parts.extensions.remove::<Problem>()) {

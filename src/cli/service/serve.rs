@@ -182,17 +182,33 @@ fn start_log(log: &Log) -> anyhow::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::routes::Rule;
 
     #[test]
     fn the_table_of_the_documentation_is_that_of_the_service() {
         let config = Config::defaults();
         let (api, pages) = (http::routes(&config.server), pages::routes());
-        let rows = api.rules().iter().chain(pages.rules()).map(|rule| {
+        let description = serde_json::to_value(api.description()).unwrap();
+        let row = |rule: &Rule| {
             let role = rule.least.map_or("-", |role| role.name());
-            format!("| {} | `{}` | {role} |\n", rule.method, rule.path)
+            format!("| {} | `{}` | {role} |", rule.method, rule.path)
+        };
+        // What the description has an operation of, and the rest.
+        let (calls, pages): (Vec<_>, Vec<_>) =
+            api.rules().iter().chain(pages.rules()).partition(|rule| rule.takes.is_some());
+        let calls = calls.into_iter().map(|rule| {
+            let summary = &description["paths"][&rule.path][rule.method.as_str().to_lowercase()]["summary"];
+            format!("{} {} |\n", row(rule), summary.as_str().unwrap().replace('\n', " "))
         });
-        let expected: String = rows.collect();
-        let (_, documented) = include_str!("../../../docs/routes.md").split_once("|---|---|---|\n").unwrap();
+        let pages = pages.into_iter().map(|rule| row(rule) + "\n");
+        let expected = format!(
+            "| method | route | role | what it does |\n|---|---|---|---|\n{}\n## Pages\n\n\
+             <!-- printed by the test of src/cli/service/serve.rs -->\n\n\
+             | method | route | role |\n|---|---|---|\n{}",
+            calls.collect::<String>(),
+            pages.collect::<String>()
+        );
+        let (_, documented) = include_str!("../../../docs/routes.md").split_once("-->\n\n").unwrap();
         assert!(documented == expected, "docs/routes.md has to say\n{expected}");
     }
 }

@@ -44,6 +44,7 @@ pub enum Late {
 }
 
 named! {
+/// Whether an alert fires.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Status {
     Firing = "firing",

@@ -53,6 +53,7 @@ pub enum TestKind {
 }
 }
 
+/// Where the table stands: what the Earth does there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Site {
     /// Geodetic latitude, radians.
@@ -71,6 +72,7 @@ impl Site {
     }
 }
 
+/// A gyro of the campaign's IMU.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CampaignGyro {
     pub slot: Slot,
@@ -106,6 +108,7 @@ impl Dwell {
     }
 }
 
+/// The raw data behind a calibration: averaged outputs in commanded attitudes and at commanded rates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Campaign {
     pub imu: Name,

@@ -4,6 +4,7 @@ use crate::core::named::named;
 use crate::core::time::UtcMicros;
 
 named! {
+/// How far a message to a hook has come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeliveryState {
     /// An earlier one of the same hook and alert is not done.

@@ -3,6 +3,7 @@
 use crate::core::named::named;
 
 named! {
+    /// By what a list of the fleet is sorted.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum FleetOrder {
         /// The larger load of D_I and D_S first, whatever its sign.

@@ -4,6 +4,7 @@
 use super::mounting::Slot;
 use super::time::UtcMicros;
 
+/// What stands out in a calibration beside the history of its IMU, gyros and station.
 #[derive(Debug, Clone, PartialEq)]
 pub enum HistoryNote {
     /// Its time is that of a clock that was never set, or decades from everything else: it is set aside until
@@ -47,6 +48,7 @@ pub struct Named {
     pub at: UtcMicros,
 }
 
+/// What a name is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameKind {
     Imu,
@@ -54,12 +56,14 @@ pub enum NameKind {
     Serial,
 }
 
+/// E or G, of a gyro.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     E,
     G,
 }
 
+/// A slot of an IMU.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Seat {
     pub imu: String,

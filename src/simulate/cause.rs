@@ -171,6 +171,7 @@ pub struct Cause {
 /// All the time.
 pub const ALWAYS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
+/// Whether the diagnosis has an entry for a cause.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Kind {
     Catalogue(Effect),

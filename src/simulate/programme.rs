@@ -17,6 +17,7 @@ use crate::message;
 /// Whole revolution, arcsec.
 const TURN_ARCSEC: f64 = 360.0 * 3600.0;
 
+/// Positions and turns of the table, in their order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Programme {
@@ -67,6 +68,7 @@ pub enum Positions {
 }
 }
 
+/// In which order the dwells are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Order {

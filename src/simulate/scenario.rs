@@ -50,6 +50,7 @@ pub enum GeometryChoice {
     Axes(BTreeMap<String, AxesChoice>),
 }
 
+/// Nominal axes of a gyro in the body, unit vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxesChoice {
@@ -57,6 +58,7 @@ pub struct AxesChoice {
     pub spin: [f64; 3],
 }
 
+/// Where the table stands.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SiteChoice {
@@ -123,6 +125,7 @@ pub enum StatedE {
     Nominal,
 }
 
+/// How temperature goes through the campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Temperature {
@@ -136,6 +139,7 @@ pub struct Temperature {
     pub reading_sd_k: f64,
 }
 
+/// The course of temperature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Profile {
@@ -180,6 +184,7 @@ pub struct Columns {
 }
 
 named! {
+/// What the station states of each mean's standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StandardErrors {

@@ -11,6 +11,7 @@ use crate::core::model::Terms;
 use crate::core::record::Plausibility;
 use crate::core::separate::Separation;
 
+/// What a campaign came to: the calibration of an IMU, or the bench test of one gyro.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// Separations in the order of the gyros, each or the reason why there is none.

@@ -6,6 +6,7 @@ use crate::core::bench::Alias;
 use crate::core::effects::{Effect, Lack, Refusal};
 use crate::core::mounting::Slot;
 
+/// What a campaign could not be checked for, or what was left out of it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CampaignNote {
     /// Some dwells lack an optional column; by index.

@@ -311,6 +311,7 @@ pub struct AsOf {
     pub now: UtcMicros,
 }
 
+/// What the diagnosis of a gyro's history comes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HistoryVerdict {
     /// Too few records, or too short a time, to tell a change from scatter.

@@ -69,6 +69,7 @@ pub struct StationColumn {
     pub course: Vec<CoursePoint>,
 }
 
+/// What a station does to results (gauge repeatability and reproducibility), as its gyros share it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StationFigures {
     pub name: Arc<str>,

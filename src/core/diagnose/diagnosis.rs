@@ -95,6 +95,7 @@ pub struct Described {
     pub evidence: f64,
 }
 
+/// Standard uncertainty of one dwell, deg/h, and what it was taken from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseFloor {
     /// Root mean square over gyros and dwells of the standard uncertainty of one dwell.
@@ -106,6 +107,7 @@ pub struct NoiseFloor {
     pub gyros: Vec<GyroFloor>,
 }
 
+/// The noise floor of one gyro, deg/h.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GyroFloor {
     pub slot: Slot,
@@ -114,6 +116,7 @@ pub struct GyroFloor {
     pub repeat_dof: usize,
 }
 
+/// Difference between measurement and model over the dwells, deg/h.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gap {
     /// Root mean square of the residuals.
@@ -126,6 +129,7 @@ pub struct Gap {
     pub p_value: f64,
 }
 
+/// Where squared residuals exceed what noise alone leaves: shares by gyro, phase and dwell. Those of gyros and of phases add up to 1.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Located {
     pub gyros: Vec<(Slot, f64)>,
@@ -134,6 +138,7 @@ pub struct Located {
     pub dwells: Vec<DwellShare>,
 }
 
+/// One gyro in one dwell: its residual and share.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DwellShare {
     pub index: usize,
@@ -176,6 +181,7 @@ pub struct HeldOut {
     pub interval: [f64; 2],
 }
 
+/// What is left once the named effects are in the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Remaining {
     pub rms_deg_per_h: f64,
@@ -193,6 +199,7 @@ pub struct Sign {
     pub p_value: f64,
 }
 
+/// An effect that was tried and not named.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
     pub effect: Effect,
@@ -209,6 +216,7 @@ pub struct Candidate {
     pub why_not: Message,
 }
 
+/// An effect that this campaign hides, wholly or in part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NotIdentifiable {
     pub effect: Effect,

@@ -43,6 +43,7 @@ pub struct ChangedEffect {
     pub undecided: bool,
 }
 
+/// How far D_I or D_S of a gyro moves with the effects that changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriftShift {
     pub slot: Slot,

@@ -54,6 +54,7 @@ pub struct Comparison {
     pub closing: Option<Closing>,
 }
 
+/// One gyro's outputs held against its forecast.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GyroComparison {
     pub slot: Slot,
@@ -81,6 +82,7 @@ impl Comparison {
     }
 }
 
+/// A dwell far from its forecast.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Miss {
     pub slot: Slot,

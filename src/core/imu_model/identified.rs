@@ -34,6 +34,7 @@ pub struct Identified {
     pub validity: Validity,
 }
 
+/// A gyro as the model of its IMU knows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelGyro {
     pub slot: Slot,
@@ -73,6 +74,7 @@ pub enum Of {
     Effect(usize, usize),
 }
 
+/// A coefficient of the model. Its variance stands in the joint covariance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModelCoefficient {
     /// None for one that all gyros share.

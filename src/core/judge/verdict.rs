@@ -8,6 +8,7 @@ use super::sample::Measured;
 use crate::core::named::named;
 
 named! {
+/// Where a figure lies from its limit, as the API has it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum State {
     Within = "within",
@@ -75,6 +76,7 @@ impl Status {
 const TOO_UNCERTAIN: f64 = 0.5;
 
 named! {
+/// How grave an alert is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity("severity_") {
     Warning = "warning",

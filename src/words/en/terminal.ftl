@@ -78,10 +78,10 @@ terminal_separated = { $imu }, calibrated by { $station } at { $at }
 terminal_requirements = E and G against what is required of them
 terminal_requirements_head = gyro | serial | E | G
 terminal_drift = Drift coefficients, deg/(h g0)
-terminal_drift_head = gyro | serial | method | D_I | D_S | closure | closure is
+terminal_drift_head = gyro | serial | method | D_I | D_S | left | which is
 terminal_published = published
 terminal_as_printed = as printed
-terminal_rms = rms
+terminal_rms = residual, rms
 terminal_not_skewed = equations (8) to (13) hold for the skewed geometry only
 terminal_directions_coincide = the input and spin directions of equations (8) to (13) coincide for this E
 terminal_mounting = Mounting: |E| in pulse/arcsec, angles of the input axis in deg, clocking of S about I if D_O = 0 in truth

@@ -347,7 +347,7 @@ async fn an_imu_shows_its_models_and_how_its_campaigns_came_out_as_foretold() {
     let imu = page(&server, "/imus/IMU-9002", &[]).await;
     for there in [
         "id=\"forecasts\"",
-        "as predicted",
+        "as forecast",
         "<strong>outside its forecast</strong>",
         "Error model, eq. (6)",
         "no earlier campaign",

@@ -70,7 +70,7 @@ fn method_errors(arcmin: f64, gyros: usize) -> [(f64, f64); 3] {
         let truth = Truth::draw(&mut rng, radians_from_arcmin(arcmin));
         let got = truth.separated(None);
         let published = got.published.expect("skewed");
-        let tilted = matches!(published.branch.number(), "8" | "10" | "12");
+        let tilted = matches!(published.branch.name(), "8" | "10" | "12");
         for (row, d_i, d_s) in [(usize::from(!tilted), published.d_i, published.d_s), (2, got.rigid.d_i, got.rigid.d_s)]
         {
             rms[row].0.add(d_i - truth.d_i);

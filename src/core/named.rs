@@ -31,6 +31,16 @@ macro_rules! named {
         $(#[$on_all])*
         pub enum $of { $($(#[$on_one])* $one),* }
 
+        impl $crate::core::named::Named for $of {
+            fn name(self) -> &'static str {
+                self.name()
+            }
+
+            fn from_name(name: &str) -> Option<Self> {
+                Self::from_name(name)
+            }
+        }
+
         impl $of {
             pub const ALL: [$of; [$($name),*].len()] = [$($of::$one),*];
 
@@ -47,3 +57,10 @@ macro_rules! named {
 }
 
 pub(crate) use named;
+
+/// An enum made by [`named`].
+pub trait Named: Copy {
+    fn name(self) -> &'static str;
+
+    fn from_name(name: &str) -> Option<Self>;
+}

@@ -108,33 +108,15 @@ pub async fn get_audit(
 fn line(row: AuditEntry) -> Result<AuditLine, Problem> {
     let damaged = |_| Problem::new(500, "title_damaged_database", message!("audit_not_json", id = row.id.to_string()));
     let json = |text: Option<String>| text.map(RawValue::from_string).transpose().map_err(damaged);
-    Ok(AuditLine {
-        before: json(row.before)?,
-        after: json(row.after)?,
-        id: row.id.to_string(),
-        at: time::format(row.at),
-        who: row.who,
-        token: row.token.map(|token| token.to_string()),
-        source: row.source,
-        agent: row.agent,
-        action: row.action,
-        subject: row.subject,
-    })
+    let (before, after) = (json(row.before)?, json(row.after)?);
+    let (id, at, token) = (row.id.to_string(), time::format(row.at), row.token.map(|token| token.to_string()));
+    let AuditEntry { who, source, agent, action, subject, .. } = row;
+    Ok(AuditLine { id, at, who, token, source, agent, action, subject, before, after })
 }
 
 fn cells(row: AuditEntry) -> [String; 10] {
-    let [token, before, after, agent] =
-        [row.token.map(|token| token.to_string()), row.before, row.after, row.agent].map(Option::unwrap_or_default);
-    [
-        row.id.to_string(),
-        time::format(row.at),
-        row.who,
-        token,
-        row.source,
-        row.action,
-        row.subject,
-        before,
-        after,
-        agent,
-    ]
+    let AuditEntry { id, at, who, token, source, action, subject, before, after, agent } = row;
+    let token = token.map(|token| token.to_string());
+    let [token, before, after, agent] = [token, before, after, agent].map(Option::unwrap_or_default);
+    [id.to_string(), time::format(at), who, token, source, action, subject, before, after, agent]
 }

@@ -12,23 +12,16 @@ use serde::Deserialize;
 use super::Pages;
 use super::text::{Language, Text};
 use crate::core::access::Role;
+use crate::core::named::named;
 use crate::pipeline::{By, Caller};
 use crate::{cookies, words};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Theme {
-    Light,
-    Dark,
+named! {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Theme {
+    Light = "light",
+    Dark = "dark",
 }
-
-impl Theme {
-    pub fn name(self) -> &'static str {
-        match self {
-            Theme::Light => "light",
-            Theme::Dark => "dark",
-        }
-    }
 }
 
 pub(super) struct Viewer {
@@ -60,11 +53,7 @@ impl FromRequestParts<Pages> for Viewer {
     type Rejection = Infallible;
 
     async fn from_request_parts(parts: &mut Parts, pages: &Pages) -> Result<Self, Infallible> {
-        let theme = match cookies::sent(&parts.headers, "theme") {
-            Some("light") => Some(Theme::Light),
-            Some("dark") => Some(Theme::Dark),
-            _ => None,
-        };
+        let theme = cookies::sent(&parts.headers, "theme").and_then(Theme::from_name);
         let language = words::asked();
         let here = parts.uri.path_and_query().map_or("/", |here| here.as_str()).to_owned();
         let caller = parts.extensions.get::<Caller>();
@@ -100,7 +89,7 @@ pub(super) struct Preference {
 /// Keeps a choice in a cookie and goes back to where it was made.
 pub(super) async fn prefer(Query(chosen): Query<Preference>) -> Response {
     let language = chosen.language.as_deref().and_then(Language::from_tag).map(|l| ("language", l.tag()));
-    let theme = chosen.theme.as_deref().filter(|name| matches!(*name, "light" | "dark")).map(|name| ("theme", name));
+    let theme = chosen.theme.as_deref().and_then(Theme::from_name).map(|theme| ("theme", theme.name()));
     let back = chosen.back.as_deref().filter(|back| is_local(back)).unwrap_or("/");
     let mut response = (StatusCode::SEE_OTHER, [(LOCATION, back)]).into_response();
     for (name, value) in language.into_iter().chain(theme) {

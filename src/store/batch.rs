@@ -4,15 +4,14 @@
 //! once a statement: there the rows travel as one JSON array of arrays (numbers) and one run of bytes (everything
 //! else) that the numbers point into.
 
-use std::fmt::Write as _;
-use std::ops::Range;
+use std::collections::BTreeMap;
+use std::sync::{PoisonError, RwLock};
 
-use rusqlite::CachedStatement;
-use rusqlite::types::{ToSqlOutput, ValueRef};
 use sqlx::PgConnection;
 
 use super::db::Sql;
 use super::error::StoreError;
+use super::rows::{Cell, Columns, Rows};
 use crate::store::sqlite::checksum::Summing;
 
 /// A transaction under construction.
@@ -28,6 +27,56 @@ struct Statement {
     finds_all: bool,
 }
 
+/// What becomes of a row whose key is there already.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum OnConflict {
+    /// Nothing is written at all.
+    Fail,
+    /// What is there stays.
+    Keep,
+    /// These columns take the new values.
+    Set(&'static str, &'static [&'static str]),
+    /// All columns take the new values, but for the key and these; and what else is set.
+    SetAllBut(&'static str, &'static [&'static str], Option<&'static str>),
+}
+
+impl OnConflict {
+    /// As SQL, where rows come into `columns`.
+    fn words(self, columns: &str) -> String {
+        let set = |key: &str, columns: &mut dyn Iterator<Item = &str>, also: Option<&str>| {
+            let new = columns.map(|column| format!("{column} = excluded.{column}"));
+            let all: Vec<String> = also.map(str::to_owned).into_iter().chain(new).collect();
+            format!("ON CONFLICT ({key}) DO UPDATE SET {}", all.join(", "))
+        };
+        match self {
+            Self::Fail => String::new(),
+            Self::Keep => "ON CONFLICT DO NOTHING".to_owned(),
+            Self::Set(key, columns) => set(key, &mut columns.iter().copied(), None),
+            Self::SetAllBut(key, kept, also) => {
+                let of_key = |column: &str| key.split(", ").any(|part| part == column);
+                set(key, &mut columns.split(", ").filter(|one| !of_key(one) && !kept.contains(one)), also)
+            }
+        }
+    }
+}
+
+/// The insert into a table, made once: whoever inserts there has the same columns and cells.
+fn insert_into(table: &'static str, columns: &'static str, on_conflict: OnConflict, rows: &Rows) -> Sql {
+    static KNOWN: RwLock<BTreeMap<&str, Sql>> = RwLock::new(BTreeMap::new());
+    if let Some(sql) = KNOWN.read().unwrap_or_else(PoisonError::into_inner).get(table) {
+        return *sql;
+    }
+    let (into, then) = (format!("INSERT INTO {table} ({columns})"), on_conflict.words(columns));
+    let sqlite = format!("{into} VALUES ({}) {then}", rows.cells_of(Cell::of_sqlite));
+    let postgres = format!(
+        "{into} SELECT {} FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value) WHERE true {then}",
+        rows.cells_of(Cell::of_postgres)
+    );
+    let sql = Sql { sqlite: sqlite.leak(), postgres: postgres.leak() };
+    KNOWN.write().unwrap_or_else(PoisonError::into_inner).insert(table, sql);
+    sql
+}
+
 /// SQLite's page size.
 const PAGE: usize = 4096;
 
@@ -38,6 +87,20 @@ impl Batch {
         if !rows.ends.is_empty() {
             self.0.push(Statement { sql, rows, finds_all: false });
         }
+    }
+
+    /// Appends the rows to `table`, each a cell a column: `"id, name"`.
+    pub fn insert(&mut self, table: &'static str, columns: &'static str, on_conflict: OnConflict, rows: Rows) {
+        if !rows.ends.is_empty() {
+            self.add(insert_into(table, columns, on_conflict, &rows), rows);
+        }
+    }
+
+    /// As [`Batch::insert`], where the type of a row says which columns it has.
+    pub fn enter<'a, T: Columns + 'a>(&mut self, all: impl IntoIterator<Item = &'a T>, on_conflict: OnConflict) {
+        let mut rows = Rows::default();
+        all.into_iter().for_each(|one| one.put_all(&mut rows.row()));
+        self.insert(T::TABLE, T::COLUMNS, on_conflict, rows);
     }
 
     /// As [`Batch::add`], where nothing may be committed unless the statement changes something for each row.
@@ -85,172 +148,5 @@ impl Batch {
             }
         }
         Ok(())
-    }
-}
-
-/// The rows of one statement.
-#[derive(Debug, Default)]
-pub(crate) struct Rows {
-    cells: Vec<Cell>,
-    /// How many cells there are at the end of each row.
-    ends: Vec<usize>,
-    bytes: Vec<u8>,
-}
-
-#[derive(Debug)]
-enum Cell {
-    Null,
-    Integer(i64),
-    Real(f64),
-    Text(String),
-    /// Of the rows' bytes. In JSON it takes two places: where it begins (counting from 1), and its length.
-    Bytes(Option<Range<usize>>),
-}
-
-impl Cell {
-    fn places(&self) -> usize {
-        if matches!(self, Self::Bytes(_)) { 2 } else { 1 }
-    }
-}
-
-impl Rows {
-    /// A row of one whole number each.
-    pub fn of(numbers: impl IntoIterator<Item = i64>) -> Self {
-        let mut rows = Self::default();
-        for number in numbers {
-            rows.row().integer(number);
-        }
-        rows
-    }
-
-    /// Begins a row; its cells follow.
-    pub fn row(&mut self) -> Row<'_> {
-        Row { rows: self }
-    }
-
-    fn rows(&self) -> impl Iterator<Item = &[Cell]> {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, end)| &self.cells[start..*end])
-    }
-
-    /// An array of a row's cells for each row.
-    fn json(&self) -> String {
-        let cannot_fail = "writing to a string cannot fail";
-        let mut json = String::with_capacity(2 + 12 * self.cells.len());
-        for row in self.rows() {
-            json.push_str(if json.is_empty() { "[[" } else { ",[" });
-            for (k, cell) in row.iter().enumerate() {
-                json.push_str(if k == 0 { "" } else { "," });
-                match cell {
-                    Cell::Null => json.push_str("null"),
-                    Cell::Integer(value) => write!(json, "{value}").expect(cannot_fail),
-                    Cell::Real(value) => write!(json, "{value:e}").expect(cannot_fail),
-                    Cell::Text(value) => {
-                        write!(json, "{}", serde_json::Value::from(value.as_str())).expect(cannot_fail)
-                    }
-                    Cell::Bytes(Some(at)) => write!(json, "{},{}", at.start + 1, at.len()).expect(cannot_fail),
-                    Cell::Bytes(None) => json.push_str("1,null"),
-                }
-            }
-            json.push(']');
-        }
-        json.push(']');
-        json
-    }
-
-    fn value<'a>(&'a self, cell: &'a Cell) -> ToSqlOutput<'a> {
-        ToSqlOutput::Borrowed(match cell {
-            Cell::Null | Cell::Bytes(None) => ValueRef::Null,
-            Cell::Integer(value) => ValueRef::Integer(*value),
-            Cell::Real(value) => ValueRef::Real(*value),
-            Cell::Text(value) => ValueRef::Text(value.as_bytes()),
-            Cell::Bytes(Some(at)) => ValueRef::Blob(&self.bytes[at.clone()]),
-        })
-    }
-
-    /// Runs a statement of SQLite's for each row.
-    fn run(&self, statement: &mut CachedStatement<'_>) -> rusqlite::Result<()> {
-        let Some(first) = self.rows().next() else { return Ok(()) };
-        let mut parameters = Vec::with_capacity(first.len());
-        let mut place = 0;
-        for cell in first {
-            parameters.push(statement.parameter_index(&format!("$C{place}"))?);
-            place += cell.places();
-        }
-        let bound = parameters.iter().flatten().count();
-        if bound != statement.parameter_count() {
-            return Err(rusqlite::Error::InvalidParameterCount(bound, statement.parameter_count()));
-        }
-        for row in self.rows() {
-            debug_assert_eq!(row.len(), first.len(), "rows of a statement are alike");
-            for (cell, parameter) in row.iter().zip(&parameters) {
-                if let Some(parameter) = parameter {
-                    statement.raw_bind_parameter(*parameter, self.value(cell))?;
-                }
-            }
-            statement.raw_execute()?;
-        }
-        Ok(())
-    }
-}
-
-/// A row under construction; dropping it ends it.
-pub(crate) struct Row<'a> {
-    rows: &'a mut Rows,
-}
-
-impl Row<'_> {
-    fn cell(&mut self, cell: Cell) -> &mut Self {
-        self.rows.cells.push(cell);
-        self
-    }
-
-    pub fn integer(&mut self, value: i64) -> &mut Self {
-        self.cell(Cell::Integer(value))
-    }
-
-    pub fn optional_integer(&mut self, value: Option<i64>) -> &mut Self {
-        self.cell(value.map_or(Cell::Null, Cell::Integer))
-    }
-
-    /// One place, for short texts.
-    pub fn text(&mut self, value: &str) -> &mut Self {
-        self.cell(Cell::Text(value.to_owned()))
-    }
-
-    pub fn optional_text(&mut self, value: Option<&str>) -> &mut Self {
-        self.cell(value.map_or(Cell::Null, |value| Cell::Text(value.to_owned())))
-    }
-
-    /// Written with every digit it takes to read the same number back.
-    pub fn real(&mut self, value: Option<f64>) -> &mut Self {
-        self.cell(value.filter(|v| v.is_finite()).map_or(Cell::Null, Cell::Real))
-    }
-
-    /// Takes two places.
-    pub fn bytes(&mut self, value: &[u8]) -> &mut Self {
-        self.written(|out| out.extend_from_slice(value))
-    }
-
-    /// As [`Row::bytes`], written by `write` into the bytes directly.
-    pub fn written(&mut self, write: impl FnOnce(&mut Vec<u8>)) -> &mut Self {
-        let start = self.rows.bytes.len();
-        write(&mut self.rows.bytes);
-        let end = self.rows.bytes.len();
-        self.cell(Cell::Bytes(Some(start..end)))
-    }
-
-    /// As [`Row::bytes`]; nothing at all is null.
-    pub fn optional(&mut self, value: Option<impl AsRef<[u8]>>) -> &mut Self {
-        match value {
-            Some(value) => self.bytes(value.as_ref()),
-            None => self.cell(Cell::Bytes(None)),
-        }
-    }
-}
-
-impl Drop for Row<'_> {
-    fn drop(&mut self) {
-        self.rows.ends.push(self.rows.cells.len());
     }
 }

@@ -1,16 +1,16 @@
 //! One query on either database: SQLite or PostgreSQL.
 //!
-//! Most texts are understood by both; where they are not, the two stand side by side as a [`Sql`]. Nothing is made up
-//! at run time, and each database is spoken to in its own words, so that neither pays for the other.
+//! Most texts are understood by both; where they are not, the two stand side by side as a [`Sql`]. What is asked
+//! about is bound, never part of a text, and each database is spoken to in its own words.
 
 use std::future::ready;
 
 use futures::{Stream, TryStreamExt};
 use sqlx::encode::IsNull;
 use sqlx::error::BoxDynError;
-use sqlx::postgres::{PgArgumentBuffer, PgRow};
-use sqlx::sqlite::{SqliteArgumentsBuffer, SqliteRow};
-use sqlx::{Database, Decode, Encode, Postgres, Row as _, Sqlite, SqlitePool, Type};
+use sqlx::postgres::PgArgumentBuffer;
+use sqlx::sqlite::SqliteArgumentsBuffer;
+use sqlx::{Database, Decode, Encode, Postgres, Sqlite, SqlitePool, Type};
 
 use super::error::StoreError;
 pub(super) use super::postgres::PgReaders;
@@ -84,46 +84,23 @@ macro_rules! on {
     };
 }
 
-/// `INSERT INTO $into ... $then` for each row of a [`super::batch::Rows`], in the words of both databases. A cell is
-/// its kind and its place in the row: `int`, `real` and `text` take one place, `blob` and `words` (text) two, see
-/// [`super::batch::Row::bytes`].
-macro_rules! insert {
-    ($into:literal, [$kind:ident $($place:literal)+ $(, $kinds:ident $($places:literal)+)* $(,)?] $(, $then:literal)?) => {
-        $crate::store::db::Sql {
-            sqlite: concat!(
-                "INSERT INTO ", $into, " VALUES (", cell!(sqlite $kind $($place)+), $(", ", cell!(sqlite $kinds $($places)+),)*
-                ") ", $($then)?
-            ),
-            postgres: concat!(
-                "INSERT INTO ", $into, " SELECT ", cell!(postgres $kind $($place)+), $(", ", cell!(postgres $kinds $($places)+),)*
-                " FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value) WHERE true ", $($then)?
-            ),
-        }
+/// `read!(store, query_as.fetch_all, sql, a, b)`: what a query with these parameters finds. With `all` and `first` each
+/// row is read by the list of its type's columns, see [`super::columns`].
+macro_rules! read {
+    ($store:expr, all, $sql:expr $(, $bound:expr)* $(,)?) => {
+        $crate::store::db::on!($store.readers, db => {
+            let rows = sqlx::query($sql)$(.bind($bound))*.fetch(db);
+            $crate::store::db::each(rows, $crate::store::rows::Columns::get_all).await
+        })
     };
-}
-
-/// One cell of a row, see [`insert`].
-macro_rules! cell {
-    (sqlite words $from:literal $len:literal) => {
-        concat!("CAST($C", $from, " AS TEXT)")
+    ($store:expr, first, $sql:expr $(, $bound:expr)* $(,)?) => {
+        $crate::store::db::on!($store.readers, db => {
+            let row = sqlx::query($sql)$(.bind($bound))*.fetch_optional(db).await?;
+            row.as_ref().map($crate::store::rows::Columns::get_all).transpose()
+        })
     };
-    (sqlite $kind:ident $place:literal $($len:literal)?) => {
-        concat!("$C", $place)
-    };
-    (postgres int $place:literal) => {
-        concat!("CAST(value->>", $place, " AS BIGINT)")
-    };
-    (postgres real $place:literal) => {
-        concat!("CAST(value->>", $place, " AS DOUBLE PRECISION)")
-    };
-    (postgres text $place:literal) => {
-        concat!("value->>", $place)
-    };
-    (postgres blob $from:literal $len:literal) => {
-        concat!("substr($2, CAST(value->>", $from, " AS INT), CAST(value->>", $len, " AS INT))")
-    };
-    (postgres words $from:literal $len:literal) => {
-        concat!("convert_from(", cell!(postgres blob $from $len), ", 'UTF8')")
+    ($store:expr, $query:ident.$fetch:ident, $sql:expr $(, $bound:expr)* $(,)?) => {
+        $crate::store::db::on!($store.readers, db => sqlx::$query($sql)$(.bind($bound))*.$fetch(db).await?)
     };
 }
 
@@ -155,32 +132,7 @@ macro_rules! listed {
     };
 }
 
-pub(super) use {among, cell, insert, listed, on};
-
-/// What both databases can hold in a cell.
-pub(crate) trait Cell:
-    Type<Sqlite> + for<'r> Decode<'r, Sqlite> + Type<Postgres> + for<'r> Decode<'r, Postgres>
-{
-}
-
-impl<T> Cell for T where T: Type<Sqlite> + for<'r> Decode<'r, Sqlite> + Type<Postgres> + for<'r> Decode<'r, Postgres> {}
-
-/// A row of either database.
-pub(crate) trait AnyRow {
-    fn cell<T: Cell>(&self, column: &str) -> Result<T, sqlx::Error>;
-}
-
-impl AnyRow for SqliteRow {
-    fn cell<T: Cell>(&self, column: &str) -> Result<T, sqlx::Error> {
-        self.try_get(column)
-    }
-}
-
-impl AnyRow for PgRow {
-    fn cell<T: Cell>(&self, column: &str) -> Result<T, sqlx::Error> {
-        self.try_get(column)
-    }
-}
+pub(super) use {among, listed, on, read};
 
 /// A whole number that is narrower here than in the database, where all are 64 bits wide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -47,6 +47,13 @@ pub enum StoreError {
     Other(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
+impl StoreError {
+    /// With the table, where it says what is damaged there.
+    pub(super) fn of(self, table: &str) -> Self {
+        if let Self::Damaged(what) = self { Self::Damaged(format!("{table}: {what}")) } else { self }
+    }
+}
+
 /// SQLite's extended result codes that need telling apart (sqlite.org/rescode.html).
 const FSYNC_FAILED: [i32; 2] = [1034, 1290];
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::db::{Readers, on};
+use super::db::{Readers, on, read};
 use super::error::StoreError;
 use super::name_tables::Names;
 use super::postgres::hosts::without_password;
@@ -66,7 +66,7 @@ impl Store {
 
     /// Whether the database answers.
     pub async fn ping(&self) -> Result<(), StoreError> {
-        let _one: i32 = on!(self.readers, db => sqlx::query_scalar("SELECT 1").fetch_one(db).await?);
+        let _one: i32 = read!(self, query_scalar.fetch_one, "SELECT 1");
         Ok(())
     }
 

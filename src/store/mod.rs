@@ -6,6 +6,7 @@
 mod batch;
 mod cells;
 mod changes;
+mod columns;
 mod copy;
 mod db;
 mod error;
@@ -15,6 +16,7 @@ mod name_tables;
 mod open;
 mod packed;
 mod postgres;
+mod rows;
 mod secrets;
 mod sqlite;
 mod statements;

@@ -1,58 +1,64 @@
 //! The statements of one transaction, in the order in which rows may refer to one another.
 
-use super::batch::{Batch, Rows};
+use super::batch::{Batch, OnConflict};
 use super::changes::Changes;
-use super::db::{Sql, cell, insert};
+use super::db::Sql;
 use super::name_tables::NewName;
+use super::rows::Rows;
 use super::tables::{
-    access, alerts, bench, correction, delivery, diagnosis, diagnosis_digest, diagnosis_job, event, gyro_attribute,
-    head, hook, hypothesis, keys, model, record, set_aside, silence, suspect_window,
+    access, alerts, correction, delivery, diagnosis, diagnosis_digest, diagnosis_job, gyro_attribute, head, model,
+    record, set_aside,
 };
+
+/// A file knows of no cells.
+macro_rules! new_name {
+    ($table:literal, $name:literal) => {
+        Sql {
+            sqlite: concat!("INSERT INTO ", $table, " (id, ", $name, ") VALUES ($C0, $C2)"),
+            postgres: concat!(
+                "INSERT INTO ",
+                $table,
+                " (id, cell, ",
+                $name,
+                ")
+                 SELECT CAST(value->>0 AS BIGINT), CAST(value->>1 AS BIGINT), value->>2
+                 FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)"
+            ),
+        }
+    };
+}
 
 pub(super) fn batch_of(changes: &Changes) -> Batch {
     let mut batch = Batch::default();
-    // A file knows of no cells.
-    for (file, server, names) in [
-        (
-            insert!("imu (id, name)", [int 0, words 2 3]),
-            insert!("imu (id, cell, name)", [int 0, int 1, words 2 3]),
-            &changes.imus,
-        ),
-        (
-            insert!("station (id, name)", [int 0, words 2 3]),
-            insert!("station (id, cell, name)", [int 0, int 1, words 2 3]),
-            &changes.stations,
-        ),
-        (
-            insert!("gyro (id, serial)", [int 0, words 2 3]),
-            insert!("gyro (id, cell, serial)", [int 0, int 1, words 2 3]),
-            &changes.gyros,
-        ),
+    for (sql, names) in [
+        (new_name!("imu", "name"), &changes.imus),
+        (new_name!("station", "name"), &changes.stations),
+        (new_name!("gyro", "serial"), &changes.gyros),
     ] {
         let mut rows = Rows::default();
         for NewName { number, cell, name } in names {
-            rows.row().integer(i64::from(*number)).integer(i64::from(*cell)).bytes(name.as_bytes());
+            rows.row().put(number).integer(i64::from(*cell)).text(name);
         }
-        batch.add(Sql { sqlite: file.sqlite, postgres: server.postgres }, rows);
+        batch.add(sql, rows);
     }
     correction::withdraw(&changes.withdrawn, &mut batch);
     record::insert(&changes.records, &mut batch);
     set_aside::insert(&changes.set_aside, &mut batch);
     set_aside::confirm(&changes.confirmed, changes.history.iter(), &mut batch);
     set_aside::note(&changes.rejudged.notes, &mut batch);
-    correction::insert(&changes.corrections, &mut batch);
+    batch.enter(&changes.corrections, OnConflict::Fail);
     record::update_verdicts(&changes.rejudged.sheets, &mut batch);
-    bench::insert(&changes.benches, &mut batch);
-    event::insert(&changes.events, &mut batch);
+    batch.enter(&changes.benches, OnConflict::Fail);
+    batch.enter(&changes.events, OnConflict::Fail);
     gyro_attribute::upsert(&changes.attributes, &mut batch);
-    suspect_window::insert(&changes.window_marks, &mut batch);
-    keys::insert(&changes.keys, &mut batch);
-    silence::upsert(&changes.silences, &mut batch);
+    batch.enter(&changes.window_marks, OnConflict::Fail);
+    batch.enter(&changes.keys, OnConflict::Fail);
+    batch.enter(&changes.silences, OnConflict::Set("id", &["ended_at", "ended_by", "ended_reason"]));
     alerts::upsert(&changes.alerts, &mut batch);
-    alerts::insert_steps(&changes.alert_steps, &mut batch);
-    hook::upsert(&changes.hooks, &mut batch);
-    model::insert(&changes.models, &mut batch);
-    hypothesis::upsert(&changes.hypotheses, &mut batch);
+    batch.enter(&changes.alert_steps, OnConflict::Fail);
+    batch.enter(&changes.hooks, OnConflict::SetAllBut("id", &["created_at"], None));
+    batch.enter(&changes.models, OnConflict::Fail);
+    batch.enter(&changes.hypotheses, OnConflict::Set("id", &["ended_at"]));
     model::insert_uses(&changes.models_used, &mut batch);
     diagnosis::expect(&changes.records, &mut batch);
     diagnosis::update(&changes.diagnoses, &mut batch);

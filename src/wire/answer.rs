@@ -235,7 +235,7 @@ impl PublishedBody {
     fn of(published: &separate::Published) -> Self {
         let [d_i_sd, d_s_sd] = split(published.sd());
         Self {
-            branch: published.branch.number().into(),
+            branch: published.branch.name().into(),
             d_i: published.d_i,
             d_s: published.d_s,
             d_i_sd,

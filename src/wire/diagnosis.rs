@@ -410,13 +410,9 @@ fn names(slots: &[crate::core::mounting::Slot]) -> Vec<String> {
 }
 
 impl From<&core::HeldOut> for HeldOutBody {
-    fn from(h: &core::HeldOut) -> Self {
-        Self {
-            before_deg_per_h: h.before_deg_per_h,
-            after_deg_per_h: h.after_deg_per_h,
-            closure: h.closure,
-            interval: h.interval,
-        }
+    fn from(held_out: &core::HeldOut) -> Self {
+        let core::HeldOut { before_deg_per_h, after_deg_per_h, closure, interval } = *held_out;
+        Self { before_deg_per_h, after_deg_per_h, closure, interval }
     }
 }
 
@@ -588,17 +584,10 @@ impl From<&core::NotIdentifiable> for NotIdentifiableBody {
 }
 
 impl From<&core::Impact> for ImpactBody {
-    fn from(i: &core::Impact) -> Self {
-        Self {
-            slot: i.slot.name().to_owned(),
-            coefficient: i.coefficient.to_owned(),
-            plain: i.plain,
-            plain_sd: i.plain_sd,
-            augmented: i.augmented,
-            augmented_sd: i.augmented_sd,
-            shift: i.shift,
-            of_budget: i.of_budget,
-        }
+    fn from(impact: &core::Impact) -> Self {
+        let core::Impact { plain, plain_sd, augmented, augmented_sd, shift, of_budget, .. } = *impact;
+        let (slot, coefficient) = (impact.slot.name().to_owned(), impact.coefficient.to_owned());
+        Self { slot, coefficient, plain, plain_sd, augmented, augmented_sd, shift, of_budget }
     }
 }
 
@@ -619,27 +608,18 @@ impl From<&core::NextDwell> for NextDwellBody {
 }
 
 impl From<&core::Residual> for ResidualBody {
-    fn from(r: &core::Residual) -> Self {
-        Self {
-            index: r.index,
-            slot: r.slot.name().to_owned(),
-            before_deg_per_h: r.before_deg_per_h,
-            after_deg_per_h: r.after_deg_per_h,
-            sd_deg_per_h: r.sd_deg_per_h,
-        }
+    fn from(residual: &core::Residual) -> Self {
+        let core::Residual { index, slot, before_deg_per_h, after_deg_per_h, sd_deg_per_h } = *residual;
+        Self { index, slot: slot.name().to_owned(), before_deg_per_h, after_deg_per_h, sd_deg_per_h }
     }
 }
 
 /// Residuals of a diagnosis as they were answered; those of unknown slots are left out.
 pub fn residuals(bodies: &[ResidualBody]) -> Vec<core::Residual> {
     let residual = |body: &ResidualBody| {
-        Some(core::Residual {
-            index: body.index,
-            slot: Slot::from_name(&body.slot)?,
-            before_deg_per_h: body.before_deg_per_h,
-            after_deg_per_h: body.after_deg_per_h,
-            sd_deg_per_h: body.sd_deg_per_h,
-        })
+        let ResidualBody { index, before_deg_per_h, after_deg_per_h, sd_deg_per_h, .. } = *body;
+        let slot = Slot::from_name(&body.slot)?;
+        Some(core::Residual { index, slot, before_deg_per_h, after_deg_per_h, sd_deg_per_h })
     };
     bodies.iter().filter_map(residual).collect()
 }

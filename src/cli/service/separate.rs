@@ -167,7 +167,7 @@ fn published_row(name: &str, published: &Result<Published, NotPublished>) -> [St
     match published {
         Ok(p) => {
             let [i_sd, s_sd] = p.sd().map_or([None; 2], |sd| sd.map(Some));
-            let method = format!("{name} ({})", p.branch.number());
+            let method = format!("{name} ({})", p.branch.name());
             let closure = format!("{:.6}", p.closure_rms);
             [
                 blank(),

@@ -9,32 +9,23 @@ use nalgebra::{Matrix2, SMatrix, Vector2, Vector3};
 
 use super::normalised::{CovarianceEg, Normalised};
 use crate::core::mounting::Slot;
+use crate::core::named::named;
 use crate::core::units::{degrees, radians};
 
+named! {
 /// Which equation resolved the gyro.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Branch {
-    Eq8,
-    Eq9,
-    Eq10,
-    Eq11,
-    Eq12,
-    Eq13,
+    Eq8 = "8",
+    Eq9 = "9",
+    Eq10 = "10",
+    Eq11 = "11",
+    Eq12 = "12",
+    Eq13 = "13",
+}
 }
 
 impl Branch {
-    /// The equation's number in the paper.
-    pub fn number(self) -> &'static str {
-        match self {
-            Branch::Eq8 => "8",
-            Branch::Eq9 => "9",
-            Branch::Eq10 => "10",
-            Branch::Eq11 => "11",
-            Branch::Eq12 => "12",
-            Branch::Eq13 => "13",
-        }
-    }
-
     /// The condition above (8), (10), (12), on d = alpha - Table 1: all three signs as printed, or all reversed.
     fn choose(slot: Slot, d: [f64; 3]) -> Self {
         let (signs, tilted, untilted) = match slot {

@@ -72,7 +72,7 @@ fn the_papers_tables_give_the_golden_figures() {
             assert_near("alpha", got.alpha[axis].to_degrees(), want.alpha[axis]);
         }
         let published = got.published.expect("skewed");
-        assert_eq!(published.branch.number(), want.published.0);
+        assert_eq!(published.branch.name(), want.published.0);
         assert_near("published D_I", published.d_i, want.published.1);
         assert_near("published D_S", published.d_s, want.published.2);
         let printed = got.as_printed.expect("skewed");

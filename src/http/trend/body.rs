@@ -4,6 +4,7 @@ use serde::{Serialize, Serializer};
 use utoipa::ToSchema;
 
 use crate::core::id::Id;
+use crate::core::named::named;
 use crate::core::time::UtcMicros;
 use crate::http::events::EventBody;
 use crate::http::query::not_one_of;
@@ -88,50 +89,32 @@ pub(super) struct Point<'a> {
     pub set_aside: Option<bool>,
 }
 
+named! {
 /// A member of a point, as a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) enum PointColumn {
-    CalibratedAt,
-    Value,
-    Sd,
-    Method,
-    Imu,
-    Slot,
-    Station,
-    Record,
-    State,
-    Status,
+pub enum PointColumn {
+    CalibratedAt = "calibrated_at",
+    Value = "value",
+    Sd = "sd",
+    Method = "method",
+    Imu = "imu",
+    Slot = "slot",
+    Station = "station",
+    Record = "record",
+    State = "state",
+    Status = "status",
+}
 }
 
 impl PointColumn {
-    const ALL: [(Self, &'static str); 10] = [
-        (Self::CalibratedAt, "calibrated_at"),
-        (Self::Value, "value"),
-        (Self::Sd, "sd"),
-        (Self::Method, "method"),
-        (Self::Imu, "imu"),
-        (Self::Slot, "slot"),
-        (Self::Station, "station"),
-        (Self::Record, "record"),
-        (Self::State, "state"),
-        (Self::Status, "status"),
-    ];
-
     /// Those of a query: names separated by commas, or `all`.
     pub fn read(asked: &str) -> Result<Vec<Self>, Problem> {
         if asked == "all" {
-            return Ok(Self::ALL.map(|(column, _)| column).to_vec());
+            return Ok(Self::ALL.to_vec());
         }
-        let one = |name: &str| {
-            let known = Self::ALL.iter().find(|(_, known)| *known == name.trim());
-            let unknown = || not_one_of("columns", Self::ALL.map(|(_, name)| name).into_iter().chain(["all"]), name);
-            known.map(|(column, _)| *column).ok_or_else(unknown)
-        };
+        let known = || Self::ALL.map(Self::name).into_iter().chain(["all"]);
+        let one = |name: &str| Self::from_name(name.trim()).ok_or_else(|| not_one_of("columns", known(), name));
         asked.split(',').map(one).collect()
-    }
-
-    pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(column, _)| *column == self).map_or("", |(_, name)| *name)
     }
 }
 

@@ -69,18 +69,10 @@ pub struct RecordItem {
 
 impl RecordItem {
     pub(super) fn of(row: RecordRow, names: &Names<'_>) -> Self {
-        Self {
-            id: row.id,
-            kind: row.kind,
-            imu: names.imu(row.imu).to_owned(),
-            station: names.station(row.station).to_owned(),
-            calibrated_at: row.calibrated_at,
-            received_at: row.received_at,
-            states: row.verdicts.states().collect(),
-            body: row.body,
-            notes: row.notes,
-            sent_by: row.sent_by,
-        }
+        let RecordRow { id, kind, calibrated_at, received_at, body, notes, sent_by, .. } = row;
+        let (imu, station) = (names.imu(row.imu).to_owned(), names.station(row.station).to_owned());
+        let states = row.verdicts.states().collect();
+        Self { id, kind, imu, station, calibrated_at, received_at, body, notes, sent_by, states }
     }
 }
 
@@ -143,19 +135,10 @@ pub struct BenchItem {
 
 impl BenchItem {
     pub(super) fn of(row: BenchRow, names: &Names<'_>) -> Self {
-        Self {
-            id: row.id,
-            serial: names.0.gyros.name(row.gyro).map_or_else(String::new, |serial| serial.to_string()),
-            station: names.station(row.station).to_owned(),
-            measured_at: row.measured_at,
-            method: row.method,
-            d: row.d,
-            sd: row.sd,
-            voided: row.voided,
-            received_at: row.received_at,
-            body: row.body,
-            sent_by: row.sent_by,
-        }
+        let BenchRow { id, measured_at, method, d, sd, voided, received_at, body, sent_by, .. } = row;
+        let serial = names.0.gyros.name(row.gyro).map_or_else(String::new, |serial| serial.to_string());
+        let station = names.station(row.station).to_owned();
+        Self { id, serial, station, measured_at, method, d, sd, voided, received_at, body, sent_by }
     }
 }
 

@@ -22,9 +22,9 @@ use crate::core::id::Id;
 use crate::core::judge::State;
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{cell, insert};
+use crate::store::batch::{Batch, OnConflict};
 use crate::store::error::StoreError;
+use crate::store::rows::Rows;
 
 /// What a record says of a gyro.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,26 +33,22 @@ pub struct HistoryRow {
     pub figures: Figures,
 }
 
+const COLUMNS: &str = "gyro, calibrated_at, record, figures";
+
 /// Puts rows into their gyros' places; one that is there already is replaced.
-pub(crate) fn upsert<'a>(history: impl Iterator<Item = &'a HistoryRow>, batch: &mut Batch) {
-    batch.add(
-        insert!(
-            "history (gyro, calibrated_at, record, figures)",
-            [int 0, int 1, int 2, blob 3 4],
-            "ON CONFLICT (gyro, calibrated_at) DO UPDATE SET record = excluded.record, figures = excluded.figures"
-        ),
-        rows(history),
-    );
+pub(crate) fn upsert<'a>(history: impl IntoIterator<Item = &'a HistoryRow>, batch: &mut Batch) {
+    batch.insert("history", COLUMNS, OnConflict::Set("gyro, calibrated_at", &["record", "figures"]), rows(history));
 }
 
-pub(crate) fn rows<'a>(history: impl Iterator<Item = &'a HistoryRow>) -> Rows {
+/// Puts rows among those that do not count.
+pub(crate) fn void<'a>(history: impl IntoIterator<Item = &'a HistoryRow>, batch: &mut Batch) {
+    batch.insert("voided_history", COLUMNS, OnConflict::Fail, rows(history));
+}
+
+fn rows<'a>(history: impl IntoIterator<Item = &'a HistoryRow>) -> Rows {
     let mut rows = Rows::default();
     for HistoryRow { gyro, figures } in history {
-        rows.row()
-            .integer(i64::from(*gyro))
-            .integer(figures.at.0)
-            .integer(figures.record.0)
-            .written(|out| figures.pack(*gyro, out));
+        rows.row().put(gyro).put(&figures.at).put(&figures.record).written(|out| figures.pack(*gyro, out));
     }
     rows
 }

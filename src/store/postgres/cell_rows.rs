@@ -4,35 +4,22 @@ use sqlx::Row as _;
 use sqlx::postgres::PgRow;
 
 use super::PgReaders;
+use crate::core::named::named;
 use crate::store::cells::CELLS;
 use crate::store::error::StoreError;
 
-/// What a commit may bring that others want to hear of.
+named! {
+/// What a commit may bring that others want to hear of, each with a column of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::store) enum News {
-    Names,
+pub enum News {
+    Names = "names",
     /// Hooks, silences and alerts of stations.
-    Settings,
-    Outbox,
-    Models,
-    Diagnoses,
-    Access,
+    Settings = "settings",
+    Outbox = "outbox",
+    Models = "models",
+    Diagnoses = "diagnoses",
+    Access = "access",
 }
-
-impl News {
-    pub const ALL: [Self; 6] = [Self::Names, Self::Settings, Self::Outbox, Self::Models, Self::Diagnoses, Self::Access];
-
-    /// Its column.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Names => "names",
-            Self::Settings => "settings",
-            Self::Outbox => "outbox",
-            Self::Models => "models",
-            Self::Diagnoses => "diagnoses",
-            Self::Access => "access",
-        }
-    }
 }
 
 /// A cell's row: stamps are random, and differ where anything has been written in between, or lost.

@@ -1,14 +1,18 @@
 //! Alerts, and the steps by which they came to be what they are.
 
-use crate::core::alert_decision::{Alert, Hushed, Standing, Status, Told};
+use sqlx::AssertSqlSafe;
+
+use crate::core::alert_decision::{Alert, Hushed, Standing, Told};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{AnyRow, LISTED, Sql, Whole, cell, each, insert, on};
+use crate::store::batch::{Batch, OnConflict};
+use crate::store::columns::columns;
+use crate::store::db::{LISTED, Sql, Whole, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
+use crate::store::rows::{AnyRow, Columns, Part, Row};
 
 /// Who said so, why and when.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,6 +20,30 @@ pub struct Remark {
     pub by: String,
     pub reason: String,
     pub at: UtcMicros,
+}
+
+impl Part for Remark {
+    fn put(&self, row: &mut Row<'_>) {
+        row.put(&self.by).put(&self.reason).put(&self.at);
+    }
+
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+        let [by, reason] = row.part(&columns[..2])?;
+        Ok(Self { by, reason, at: row.part(&columns[2..])? })
+    }
+}
+
+impl Part for Option<Remark> {
+    fn put(&self, row: &mut Row<'_>) {
+        let said = self.as_ref();
+        row.put(&said.map(|remark| remark.by.clone())).put(&said.map(|remark| remark.reason.clone()));
+        row.put(&said.map(|remark| remark.at));
+    }
+
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+        let is_there = row.part::<Option<UtcMicros>>(&columns[2..])?.is_some();
+        is_there.then(|| row.part(columns)).transpose()
+    }
 }
 
 /// What an alert is about, by its number.
@@ -81,137 +109,88 @@ pub struct StepRow {
     pub body: String,
 }
 
+columns! {
+    StepRow in "alert_step" { id, alert, at, action, told, author, reason, body }
+}
+
+impl Columns for AlertRow {
+    const TABLE: &'static str = "alert";
+    const COLUMNS: &'static str = "id, gyro, station, imu, coefficient, rule, status, severity, since, fired_at, \
+        resolved_at, record_at, within, told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, \
+        silenced_by, silenced_reason, silenced_at, silenced_until, finding, hushed_at, digest, muted_by, muted_until, \
+        inhibited_by";
+
+    fn put_all(&self, row: &mut Row<'_>) {
+        let Self { id, of, coefficient, rule, alert, acknowledged, silenced, muted, inhibited_by, finding } = self;
+        row.put(id).put(&of.gyro()).put(&of.station()).put(&of.imu()).put(coefficient).put(rule);
+        row.put(&alert.status).put(&alert.severity).put(&alert.since).put(&alert.fired_at).put(&alert.resolved_at);
+        row.put(&alert.record_at).put(&alert.within);
+        row.put(&alert.told.map(|told| told.at)).put(&alert.told.map(|told| told.severity));
+        row.put(acknowledged).put(silenced).put(&alert.silenced_until).words(finding);
+        row.put(&alert.hushed.map(|hushed| hushed.at)).put(&alert.hushed.is_some_and(|hushed| hushed.digest));
+        row.put(&muted.as_ref().map(|(silence, _)| *silence)).put(&alert.muted_until).put(inhibited_by);
+    }
+
+    fn get_all(row: &impl AnyRow) -> Result<Self, StoreError> {
+        alert(row).map_err(|error| error.of(Self::TABLE))
+    }
+}
+
 pub(crate) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for AlertRow { id, of, coefficient, rule, alert, acknowledged, silenced, muted, inhibited_by, finding } in alerts {
-        let mut row = rows.row();
-        row.integer(id.0)
-            .optional_integer(of.gyro().map(i64::from))
-            .text(coefficient.name())
-            .text(rule.name())
-            .text(alert.status.name())
-            .text(alert.severity.name())
-            .integer(alert.fired_at.0)
-            .optional_integer(alert.resolved_at.map(|at| at.0))
-            .integer(alert.record_at.0)
-            .integer(i64::from(alert.within))
-            .optional_integer(alert.told.map(|told| told.at.0))
-            .optional_text(alert.told.map(|told| told.severity.name()));
-        for remark in [acknowledged, silenced] {
-            row.optional_text(remark.as_ref().map(|remark| remark.by.as_str()))
-                .optional_text(remark.as_ref().map(|remark| remark.reason.as_str()))
-                .optional_integer(remark.as_ref().map(|remark| remark.at.0));
-        }
-        row.optional_integer(alert.silenced_until.map(|until| until.0))
-            .bytes(finding.as_bytes())
-            .integer(alert.since.0)
-            .optional_integer(alert.hushed.map(|hushed| hushed.at.0))
-            .integer(i64::from(alert.hushed.is_some_and(|hushed| hushed.digest)))
-            .optional_integer(muted.as_ref().map(|(silence, _)| silence.0))
-            .optional_integer(alert.muted_until.map(|until| until.0))
-            .optional_integer(of.station().map(i64::from))
-            .optional_integer(inhibited_by.map(|id| id.0))
-            .optional_integer(of.imu().map(i64::from));
-    }
-    batch.add(
-        insert!(
-            "alert (id, gyro, coefficient, rule, status, severity, fired_at, resolved_at, record_at, within,
-             told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at,
-             silenced_by, silenced_reason, silenced_at, silenced_until, finding, since, hushed_at, digest, muted_by, muted_until,
-             station, inhibited_by, imu)",
-            [int 0, int 1, text 2, text 3, text 4, text 5, int 6, int 7, int 8, int 9, int 10, text 11, text 12, text 13,
-             int 14, text 15, text 16, int 17, int 18, words 19 20, int 21, int 22, int 23, int 24, int 25,
-             int 26, int 27, int 28],
-            "ON CONFLICT (id) DO UPDATE SET (status, severity, fired_at, resolved_at, record_at, within, told_at,
-             told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, silenced_by, silenced_reason,
-             silenced_at, silenced_until, finding, since, hushed_at, digest, muted_by, muted_until, inhibited_by) =
-            (excluded.status, excluded.severity, excluded.fired_at, excluded.resolved_at, excluded.record_at,
-             excluded.within, excluded.told_at, excluded.told_severity, excluded.acknowledged_by,
-             excluded.acknowledged_reason, excluded.acknowledged_at, excluded.silenced_by, excluded.silenced_reason,
-             excluded.silenced_at, excluded.silenced_until, excluded.finding, excluded.since,
-             excluded.hushed_at, excluded.digest, excluded.muted_by, excluded.muted_until, excluded.inhibited_by)"
-        ),
-        rows,
-    );
+    batch.enter(alerts, OnConflict::SetAllBut("id", &["gyro", "station", "imu", "coefficient", "rule"], None));
 }
 
-pub(crate) fn insert_steps(steps: &[StepRow], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for step in steps {
-        rows.row()
-            .integer(step.id.0)
-            .integer(step.alert.0)
-            .integer(step.at.0)
-            .text(&step.action)
-            .integer(i64::from(step.told))
-            .optional_text(step.author.as_deref())
-            .optional_text(step.reason.as_deref())
-            .bytes(step.body.as_bytes());
-    }
-    batch.add(
-        insert!(
-            "alert_step (id, alert, at, action, told, author, reason, body)",
-            [int 0, int 1, int 2, text 3, int 4, text 5, text 6, words 7 8]
-        ),
-        rows,
-    );
+/// Alerts, each with the silence that mutes it, in the order in which they first fired.
+fn select(conditions: &str) -> AssertSqlSafe<String> {
+    AssertSqlSafe(format!("{SELECT} WHERE {conditions} ORDER BY alert.id"))
 }
 
-const COLUMNS: &str = "SELECT alert.id, gyro, alert.station, alert.imu, inhibited_by, coefficient, alert.rule, status, severity, fired_at, resolved_at, record_at, within, \
+const SELECT: &str = "SELECT alert.id, gyro, alert.station, alert.imu, inhibited_by, coefficient, alert.rule, status, severity, fired_at, resolved_at, record_at, within, \
      told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, \
      silenced_by, silenced_reason, silenced_at, silenced_until, finding, coalesce(since, fired_at) AS since, hushed_at, digest, \
      muted_by, muted_until, silence.author AS muted_author, silence.reason AS muted_reason, silence.at AS muted_at \
      FROM alert LEFT JOIN silence ON silence.id = alert.muted_by";
 
 fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
-    let id = Id(row.cell("id")?);
-    let damaged = |what: &str| StoreError::Damaged(format!("alert {id}: unknown {what}"));
-    let text = |column: &str| row.cell::<String>(column);
-    let instant = |column: &str| Ok::<_, sqlx::Error>(row.cell::<Option<i64>>(column)?.map(UtcMicros));
-    let severity = |column: &str| {
-        let name: Option<String> = row.cell(column)?;
-        name.map(|name| Severity::from_name(&name).ok_or_else(|| damaged("severity"))).transpose()
+    let instant = |column: &'static str| row.part::<Option<UtcMicros>>(&[column]);
+    let of: [Option<u32>; 3] = row.part(&["gyro", "station", "imu"])?;
+    let of = match of {
+        [Some(gyro), ..] => AlertOf::Gyro(gyro),
+        [_, Some(station), _] => AlertOf::Station(station),
+        [.., Some(imu)] => AlertOf::Imu(imu),
+        [None, None, None] => return Err(StoreError::Damaged("unknown subject".to_owned())),
     };
-    let remark = |by: &str, reason: &str, at: &str| {
-        let (by, reason): (Option<String>, Option<String>) = (row.cell(by)?, row.cell(reason)?);
-        let known = by.zip(reason).zip(instant(at)?);
-        Ok::<_, sqlx::Error>(known.map(|((by, reason), at)| Remark { by, reason, at }))
-    };
-    let told_at = instant("told_at")?;
-    let digest = row.cell::<i64>("digest")? != 0;
-    let muted_by: Option<i64> = row.cell("muted_by")?;
-    let inhibited_by = row.cell::<Option<i64>>("inhibited_by")?.map(Id);
-    let gyro: Option<Whole<u32>> = row.cell("gyro")?;
-    let station: Option<Whole<u32>> = row.cell("station")?;
-    let imu: Option<Whole<u32>> = row.cell("imu")?;
-    let of = gyro.map(|gyro| AlertOf::Gyro(gyro.0)).or(station.map(|station| AlertOf::Station(station.0)));
-    let of = of.or(imu.map(|imu| AlertOf::Imu(imu.0)));
-    let acknowledged = remark("acknowledged_by", "acknowledged_reason", "acknowledged_at")?;
+    let digest: bool = row.part(&["digest"])?;
+    let muted_by: Option<Id> = row.part(&["muted_by"])?;
+    let muted: Option<Remark> = row.part(&["muted_author", "muted_reason", "muted_at"])?;
+    let inhibited_by: Option<Id> = row.part(&["inhibited_by"])?;
+    let acknowledged: Option<Remark> = row.part(&["acknowledged_by", "acknowledged_reason", "acknowledged_at"])?;
+    let told = instant("told_at")?.zip(row.part::<Option<Severity>>(&["told_severity"])?);
     Ok(AlertRow {
-        id,
-        of: of.ok_or_else(|| damaged("subject"))?,
-        coefficient: Coefficient::from_name(&text("coefficient")?).ok_or_else(|| damaged("coefficient"))?,
-        rule: Rule::from_name(&text("rule")?).ok_or_else(|| damaged("rule"))?,
+        id: row.part(&["id"])?,
+        of,
+        coefficient: row.part(&["coefficient"])?,
+        rule: row.part(&["rule"])?,
         alert: Alert {
-            status: Status::from_name(&text("status")?).ok_or_else(|| damaged("status"))?,
-            severity: severity("severity")?.ok_or_else(|| damaged("severity"))?,
-            since: UtcMicros(row.cell("since")?),
-            fired_at: UtcMicros(row.cell("fired_at")?),
+            status: row.part(&["status"])?,
+            severity: row.part(&["severity"])?,
+            since: row.part(&["since"])?,
+            fired_at: row.part(&["fired_at"])?,
             resolved_at: instant("resolved_at")?,
-            record_at: UtcMicros(row.cell("record_at")?),
-            within: row.cell::<Whole<u32>>("within")?.0,
+            record_at: row.part(&["record_at"])?,
+            within: row.part(&["within"])?,
             acknowledged: acknowledged.is_some(),
             silenced_until: instant("silenced_until")?,
             muted_until: instant("muted_until")?,
             inhibited: inhibited_by.is_some(),
             hushed: instant("hushed_at")?.map(|at| Hushed { at, digest }),
-            told: told_at.zip(severity("told_severity")?).map(|(at, severity)| Told { at, severity }),
+            told: told.map(|(at, severity)| Told { at, severity }),
         },
         acknowledged,
-        silenced: remark("silenced_by", "silenced_reason", "silenced_at")?,
-        muted: muted_by.map(Id).zip(remark("muted_author", "muted_reason", "muted_at")?),
+        silenced: row.part(&["silenced_by", "silenced_reason", "silenced_at"])?,
+        muted: muted_by.zip(muted),
         inhibited_by,
-        finding: text("finding")?,
+        finding: row.part(&["finding"])?,
     })
 }
 
@@ -265,13 +244,12 @@ pub async fn find(
     limit: u32,
 ) -> Result<Vec<AlertRow>, StoreError> {
     let conditions = conditions(store, filter);
-    let sql =
-        sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE {conditions} AND alert.id < $8 ORDER BY alert.id DESC LIMIT $9"));
+    let sql = AssertSqlSafe(format!("{SELECT} WHERE {conditions} AND alert.id < $8 ORDER BY alert.id DESC LIMIT $9"));
     on!(store.readers, db => bound!(sqlx::query(sql), filter, now)
         .bind(before.map_or(i64::MAX, |id| id.0))
         .bind(Whole(limit))
         .fetch_all(db)
-        .await?.iter().map(alert).collect())
+        .await?.iter().map(Columns::get_all).collect())
 }
 
 /// Gyros with alerts that a filter lets through: those that stand worst first, or with `newest`, those whose newest
@@ -288,7 +266,7 @@ pub async fn gyros_found(
         true => "max(alert.id) DESC",
         false => "max(head.rank) DESC, max(head.load) DESC, max(head.serial)",
     };
-    let sql = sqlx::AssertSqlSafe(format!(
+    let sql = AssertSqlSafe(format!(
         "SELECT alert.gyro FROM alert JOIN head ON head.gyro = alert.gyro WHERE {conditions}
          GROUP BY alert.gyro ORDER BY {order} LIMIT $8 OFFSET $9"
     ));
@@ -309,13 +287,12 @@ pub async fn found_of(
 ) -> Result<Vec<AlertRow>, StoreError> {
     let conditions = conditions(store, filter);
     let those = store.readers.words(LISTED).replace("$1", "$8");
-    let sql =
-        sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE {conditions} AND alert.gyro IN ({those}) ORDER BY alert.id"));
+    let sql = select(&format!("{conditions} AND alert.gyro IN ({those})"));
     let gyros = serde_json::json!(gyros).to_string();
     on!(store.readers, db => bound!(sqlx::query(sql), filter, now)
         .bind(gyros)
         .fetch_all(db)
-        .await?.iter().map(alert).collect())
+        .await?.iter().map(Columns::get_all).collect())
 }
 
 /// How many alerts of how many gyros stand how, among those that a filter lets through.
@@ -325,7 +302,7 @@ pub async fn standings(
     now: UtcMicros,
 ) -> Result<Vec<(Standing, [usize; 2])>, StoreError> {
     let conditions = conditions(store, filter);
-    let sql = sqlx::AssertSqlSafe(format!(
+    let sql = AssertSqlSafe(format!(
         "SELECT {STANDING}, count(*), count(DISTINCT alert.gyro) FROM alert WHERE {conditions} GROUP BY 1"
     ));
     let rows: Vec<(String, i64, i64)> =
@@ -345,8 +322,7 @@ pub async fn due(store: &Store, now: UtcMicros, repeated: UtcMicros) -> Result<V
                    AND (silenced_until <= $1 OR muted_until <= $1)
                UNION ALL SELECT id FROM alert WHERE hushed_at IS NULL AND inhibited_by IS NULL AND CASE
                    WHEN status = 'firing' THEN told_at IS NULL OR severity <> told_severity ELSE told_at IS NOT NULL END";
-    let ids: Vec<i64> =
-        on!(store.readers, db => sqlx::query_scalar(sql).bind(now.0).bind(repeated.0).fetch_all(db).await?);
+    let ids: Vec<i64> = read!(store, query_scalar.fetch_all, sql, now.0, repeated.0);
     if ids.is_empty() {
         return Ok(Vec::new());
     }
@@ -355,14 +331,13 @@ pub async fn due(store: &Store, now: UtcMicros, repeated: UtcMicros) -> Result<V
 
 /// Alerts that wait for the digest of an import.
 pub async fn for_digest(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE digest <> 0 ORDER BY alert.id"));
-    on!(store.readers, db => each(sqlx::query(sql).fetch(db), alert).await)
+    read!(store, all, select("digest <> 0"))
 }
 
 /// When the last of them began to wait.
 pub async fn digest_began(store: &Store) -> Result<Option<UtcMicros>, StoreError> {
     let sql = "SELECT max(hushed_at) FROM alert WHERE digest <> 0";
-    let at: Option<i64> = on!(store.readers, db => sqlx::query_scalar(sql).fetch_one(db).await?);
+    let at: Option<i64> = read!(store, query_scalar.fetch_one, sql);
     Ok(at.map(UtcMicros))
 }
 
@@ -370,78 +345,64 @@ pub async fn digest_began(store: &Store) -> Result<Option<UtcMicros>, StoreError
 pub async fn firing_that_may_be_shared(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
     let rules = Rule::ALL.into_iter().filter(|rule| rule.can_be_shared());
     let rules: Vec<String> = rules.map(|rule| format!("'{}'", rule.name())).collect();
-    let sql = sqlx::AssertSqlSafe(format!(
-        "{COLUMNS} WHERE status = 'firing' AND alert.rule IN ({}) ORDER BY alert.id",
-        rules.join(", ")
-    ));
-    on!(store.readers, db => each(sqlx::query(sql).fetch(db), alert).await)
+    read!(store, all, select(&format!("status = 'firing' AND alert.rule IN ({})", rules.join(", "))))
 }
 
 /// Every alert, in the order in which they first fired: as many as there are troubled gyros, not records.
 pub async fn all(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY alert.id"));
-    on!(store.readers, db => each(sqlx::query(sql).fetch(db), alert).await)
+    read!(store, all, select("true"))
 }
 
 /// Every alert of a station or an IMU that there has been: few.
 pub async fn of_no_gyro(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IS NULL ORDER BY alert.id"));
-    on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
+    read!(store, all, select("alert.gyro IS NULL"))
 }
 
 /// Alerts of gyros that this one explains.
 pub async fn inhibited_by(store: &Store, by: Id) -> Result<Vec<AlertRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.inhibited_by = $1 ORDER BY alert.id"));
-    on!(store.readers, db => sqlx::query(sql).bind(by.0).fetch_all(db).await?.iter().map(alert).collect())
+    read!(store, all, select("alert.inhibited_by = $1"), by.0)
 }
 
 /// Every alert of several gyros, in the order in which they first fired.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
-    let those = store.readers.words(LISTED);
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IN ({those}) ORDER BY alert.id"));
-    let gyros = serde_json::json!(gyros).to_string();
-    on!(store.readers, db => sqlx::query(sql).bind(gyros).fetch_all(db).await?.iter().map(alert).collect())
+    let sql = select(&format!("alert.gyro IN ({})", store.readers.words(LISTED)));
+    read!(store, all, sql, serde_json::json!(gyros).to_string())
 }
 
 /// The alerts of several gyros that fire, acknowledged or silenced as they may be, in the order in which they first
 /// did.
 pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
-    let those = store.readers.words(LISTED);
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IN ({those}) AND status = $2 ORDER BY alert.id"));
-    let gyros = serde_json::json!(gyros).to_string();
-    on!(store.readers, db => sqlx::query(sql)
-        .bind(gyros)
-        .bind(Status::Firing.name())
-        .fetch_all(db)
-        .await?.iter().map(alert).collect())
+    let sql = select(&format!("alert.gyro IN ({}) AND status = 'firing'", store.readers.words(LISTED)));
+    read!(store, all, sql, serde_json::json!(gyros).to_string())
 }
 
 /// How many alerts fire, by severity; of a severity without any there is no entry.
 pub async fn firing_by_severity(store: &Store) -> Result<Vec<(String, i64)>, StoreError> {
     let sql = "SELECT severity, count(*) FROM alert WHERE status = 'firing' GROUP BY severity";
-    on!(store.readers, db => Ok(sqlx::query_as(sql).fetch_all(db).await?))
+    Ok(read!(store, query_as.fetch_all, sql))
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<AlertRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.id = $1"));
-    on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(alert).transpose())
+    read!(store, first, select("alert.id = $1"), id.0)
 }
 
 /// Those of these alerts that there are, in the order in which they first fired.
 pub async fn of_ids(store: &Store, ids: &[Id]) -> Result<Vec<AlertRow>, StoreError> {
-    let those = store.readers.words(LISTED);
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.id IN ({those}) ORDER BY alert.id"));
+    let sql = select(&format!("alert.id IN ({})", store.readers.words(LISTED)));
     let ids: Vec<i64> = ids.iter().map(|id| id.0).collect();
-    let ids = serde_json::json!(ids).to_string();
-    on!(store.readers, db => sqlx::query(sql).bind(ids).fetch_all(db).await?.iter().map(alert).collect())
+    read!(store, all, sql, serde_json::json!(ids).to_string())
 }
 
 /// The newest `limit` steps of an alert, oldest first.
 pub async fn steps(store: &Store, alert: Id, limit: u32) -> Result<Vec<StepRow>, StoreError> {
-    let sql = "SELECT id, alert, at, action, told <> 0, author, reason, body FROM alert_step
-               WHERE alert = $1 ORDER BY id DESC LIMIT $2";
-    let rows = on!(store.readers, db => sqlx::query_as(sql).bind(alert.0).bind(Whole(limit)).fetch_all(db).await?);
-    Ok(rows.into_iter().rev().map(step).collect())
+    let sql = AssertSqlSafe(format!(
+        "SELECT {} FROM alert_step WHERE alert = $1 ORDER BY id DESC LIMIT $2",
+        StepRow::COLUMNS
+    ));
+    on!(store.readers, db => {
+        let rows = sqlx::query(sql).bind(alert.0).bind(Whole(limit)).fetch_all(db).await?;
+        rows.iter().rev().map(Columns::get_all).collect()
+    })
 }
 
 /// The alerts that a hook has heard fire, as they were last told (JSON), each with the severity that it has heard.
@@ -450,11 +411,5 @@ pub async fn heard_firing(store: &Store, hook: Id) -> Result<Vec<(String, String
                ON step.id = coalesce((SELECT max(id) FROM alert_step WHERE alert_step.alert = heard.alert AND told = 1),
                                      (SELECT max(id) FROM alert_step WHERE alert_step.alert = heard.alert))
                WHERE heard.hook = $1 ORDER BY heard.alert";
-    Ok(on!(store.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_all(db).await?))
-}
-
-type Step = (i64, i64, i64, String, bool, Option<String>, Option<String>, String);
-
-fn step((id, alert, at, action, told, author, reason, body): Step) -> StepRow {
-    StepRow { id: Id(id), alert: Id(alert), at: UtcMicros(at), action, told, author, reason, body }
+    Ok(read!(store, query_as.fetch_all, sql, hook.0))
 }

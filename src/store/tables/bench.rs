@@ -2,14 +2,17 @@
 
 use std::sync::Arc;
 
+use sqlx::AssertSqlSafe;
+
 use super::record::RecordAt;
 use crate::core::bench::BenchMethod;
 use crate::core::id::Id;
 use crate::core::time::{Span, UtcMicros};
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{AnyRow, Whole, cell, insert, listed, on};
+use crate::store::columns::columns;
+use crate::store::db::{Whole, listed, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
+use crate::store::rows::Columns;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct BenchRow {
@@ -30,68 +33,23 @@ pub struct BenchRow {
     pub sent_by: Option<Id>,
 }
 
-pub(crate) fn insert(benches: &[BenchRow], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for bench in benches {
-        rows.row()
-            .integer(bench.id.0)
-            .integer(i64::from(bench.gyro))
-            .integer(i64::from(bench.station))
-            .integer(bench.measured_at.0)
-            .bytes(bench.method.name().as_bytes())
-            .real(Some(bench.d[0]))
-            .real(Some(bench.d[1]))
-            .real(bench.sd[0])
-            .real(bench.sd[1])
-            .integer(bench.received_at.0)
-            .bytes(bench.body.as_bytes())
-            .bytes(&bench.body_sha256)
-            .optional_integer(bench.sent_by.map(|line| line.0));
+columns! {
+    BenchRow in "bench_result" {
+        id, gyro, station, measured_at, method, d: ["d_i", "d_s"], sd: ["d_i_sd", "d_s_sd"], voided, received_at, body,
+        body_sha256, sent_by,
     }
-    batch.add(
-        insert!(
-            "bench_result
-             (id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, received_at, body, body_sha256,
-              sent_by)",
-            [int 0, int 1, int 2, int 3, words 4 5, real 6, real 7, real 8, real 9, int 10, words 11 12, blob 13 14, int 15]
-        ),
-        rows,
-    );
-}
-
-fn row(row: &impl AnyRow) -> Result<BenchRow, StoreError> {
-    let id = Id(row.cell("id")?);
-    let damaged = |what: &str| StoreError::Damaged(format!("bench result {id}: {what}"));
-    let (method, body, hash): (String, String, Vec<u8>) =
-        (row.cell("method")?, row.cell("body")?, row.cell("body_sha256")?);
-    Ok(BenchRow {
-        id,
-        gyro: row.cell::<Whole<u32>>("gyro")?.0,
-        station: row.cell::<Whole<u32>>("station")?.0,
-        measured_at: UtcMicros(row.cell("measured_at")?),
-        method: BenchMethod::from_name(&method).ok_or_else(|| damaged("unknown method"))?,
-        d: [row.cell("d_i")?, row.cell("d_s")?],
-        sd: [row.cell("d_i_sd")?, row.cell("d_s_sd")?],
-        voided: row.cell::<i64>("voided")? != 0,
-        received_at: UtcMicros(row.cell("received_at")?),
-        body: body.into(),
-        body_sha256: hash.try_into().map_err(|_| damaged("its hash has not 32 bytes"))?,
-        sent_by: row.cell::<Option<i64>>("sent_by")?.map(Id),
-    })
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<BenchRow>, StoreError> {
-    let sql = "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided, received_at, body,
-                      body_sha256, sent_by
-               FROM bench_result WHERE id = $1";
-    on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(row).transpose())
+    let sql = AssertSqlSafe(format!("SELECT {} FROM bench_result WHERE id = $1", BenchRow::COLUMNS));
+    read!(store, first, sql, id.0)
 }
 
 /// Those of `gyros` that have bench results.
 pub async fn on_benches(store: &Store, gyros: &[u32]) -> Result<Vec<u32>, StoreError> {
     let sql = store.readers.words(listed!("SELECT DISTINCT gyro FROM bench_result WHERE gyro"));
     let gyros = serde_json::json!(gyros).to_string();
-    let found: Vec<Whole<u32>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(gyros).fetch_all(db).await?);
+    let found: Vec<Whole<u32>> = read!(store, query_scalar.fetch_all, sql, gyros);
     Ok(found.into_iter().map(|gyro| gyro.0).collect())
 }
 
@@ -104,16 +62,17 @@ pub async fn of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchRo
 
 /// Bench results of a gyro within `span`, those that do not count any more included, oldest first.
 pub async fn all_of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchRow>, StoreError> {
-    let sql = "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided, received_at, body,
-                      body_sha256, sent_by
-               FROM bench_result WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method, id";
-    on!(store.readers, db => sqlx::query(sql).bind(Whole(gyro)).bind(span.from.0).bind(span.to.0).fetch_all(db).await?.iter().map(row).collect())
+    let sql = AssertSqlSafe(format!(
+        "SELECT {} FROM bench_result WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method, id",
+        BenchRow::COLUMNS
+    ));
+    read!(store, all, sql, Whole(gyro), span.from.0, span.to.0)
 }
 
 /// The results of a gyro by one method at an instant: the one that counts first, then those that do not.
 pub async fn at(store: &Store, gyro: u32, at: UtcMicros, method: BenchMethod) -> Result<Vec<RecordAt>, StoreError> {
     let sql = "SELECT id, body_sha256, voided <> 0 FROM bench_result
                WHERE gyro = $1 AND measured_at = $2 AND method = $3 ORDER BY voided";
-    let found: Vec<(i64, Vec<u8>, bool)> = on!(store.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).bind(at.0).bind(method.name()).fetch_all(db).await?);
+    let found: Vec<(i64, Vec<u8>, bool)> = read!(store, query_as.fetch_all, sql, Whole(gyro), at.0, method.name());
     Ok(found.into_iter().map(|(id, hash, voided)| RecordAt { id: Id(id), hash, voided }).collect())
 }

@@ -11,8 +11,10 @@ use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Sql, among, cell, insert};
+use crate::store::batch::{Batch, OnConflict};
+use crate::store::columns::columns;
+use crate::store::db::{Sql, among};
+use crate::store::rows::Rows;
 
 /// What a delivery tells of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,9 +29,9 @@ pub enum Subject {
 }
 
 impl Subject {
-    fn columns(self) -> [Option<i64>; 2] {
+    fn columns(self) -> [Option<Id>; 2] {
         match self {
-            Subject::Step { step, alert } => [Some(step.0), Some(alert.0)],
+            Subject::Step { step, alert } => [Some(step), Some(alert)],
             Subject::Many | Subject::Test => [None, None],
         }
     }
@@ -87,6 +89,10 @@ pub struct AttemptRow {
     /// What the target said.
     pub answer: Option<String>,
     pub took_us: i64,
+}
+
+columns! {
+    AttemptRow in "delivery_attempt" { delivery, id, at, status, detail, took_us, answer }
 }
 
 /// What comes of a delivery after an attempt.
@@ -189,18 +195,11 @@ fn hear(changes: &OutboxChanges, batch: &mut Batch) {
     let (mut fires, mut is_well) = (Rows::default(), Rows::default());
     for ((hook, alert), severity) in last {
         match severity {
-            Some(severity) => drop(fires.row().integer(hook.0).integer(alert.0).text(severity.name())),
-            None => drop(is_well.row().integer(hook.0).integer(alert.0)),
+            Some(severity) => _ = fires.row().put(&hook).put(&alert).put(&severity),
+            None => _ = is_well.row().put(&hook).put(&alert),
         }
     }
-    batch.add(
-        insert!(
-            "hook_heard (hook, alert, severity)",
-            [int 0, int 1, text 2],
-            "ON CONFLICT (hook, alert) DO UPDATE SET severity = excluded.severity"
-        ),
-        fires,
-    );
+    batch.insert("hook_heard", "hook, alert, severity", OnConflict::Set("hook, alert", &["severity"]), fires);
     batch.add(
         Sql {
             sqlite: "DELETE FROM hook_heard WHERE hook = $C0 AND alert = $C1",
@@ -219,77 +218,33 @@ fn insert(queued: &[NewDelivery], batch: &mut Batch) {
         let [step, alert] = new.subject.columns();
         let is_test = new.subject == Subject::Test;
         let state = if is_test { DeliveryState::Waiting } else { DeliveryState::Behind };
-        rows.row()
-            .integer(new.id.0)
-            .integer(new.hook.0)
-            .optional_integer(step)
-            .optional_integer(alert)
-            .integer(new.queued_at.0)
-            .text(state.name())
-            .integer(if is_test { 0 } else { new.queued_at.0 })
-            .integer(0)
-            .optional_text(new.action)
-            .optional_text(new.digest.as_deref());
+        let mut row = rows.row();
+        row.put(&new.id).put(&new.hook).put(&step).put(&alert).put(&new.queued_at).put(&state);
+        row.integer(if is_test { 0 } else { new.queued_at.0 }).integer(0);
+        row.put(&new.action.map(str::to_owned)).put(&new.digest);
         for (place, part) in (0..).zip(&new.parts) {
-            parts
-                .row()
-                .integer(new.id.0)
-                .integer(place)
-                .integer(new.hook.0)
-                .integer(part.alert.0)
-                .text(part.action)
-                .optional_integer(part.step.map(|step| step.0))
-                .optional(part.body.as_deref());
+            let mut row = parts.row();
+            row.put(&new.id).integer(place).put(&new.hook).put(&part.alert).text(part.action);
+            row.put(&part.step).optional_words(part.body.as_deref());
         }
     }
-    batch.add(
-        insert!(
-            "delivery (id, hook, step, alert, queued_at, state, due_at, attempts, action, digest)",
-            [int 0, int 1, int 2, int 3, int 4, text 5, int 6, int 7, text 8, text 9]
-        ),
-        rows,
-    );
-    batch.add(
-        insert!(
-            "delivery_part (delivery, place, hook, alert, action, step, body)",
-            [int 0, int 1, int 2, int 3, text 4, int 5, words 6 7]
-        ),
-        parts,
-    );
+    let columns = "id, hook, step, alert, queued_at, state, due_at, attempts, action, digest";
+    batch.insert("delivery", columns, OnConflict::Fail, rows);
+    batch.insert("delivery_part", "delivery, place, hook, alert, action, step, body", OnConflict::Fail, parts);
     let lines = queued.iter().map(|new| (new.id, new.queued_at));
     move_up(lines, batch);
 }
 
 fn attempted(attempts: &[(AttemptRow, Progress)], batch: &mut Batch) {
-    let (mut history, mut rows) = (Rows::default(), Rows::default());
+    let mut rows = Rows::default();
     for (attempt, progress) in attempts {
-        history
-            .row()
-            .integer(attempt.delivery.0)
-            .integer(attempt.id.0)
-            .integer(attempt.at.0)
-            .optional_integer(attempt.status.map(i64::from))
-            .text(&attempt.detail)
-            .integer(attempt.took_us)
-            .optional_text(attempt.answer.as_deref());
         let (state, due_at, finished_at) = match *progress {
-            Progress::RetryAt(due) => (DeliveryState::Waiting, Some(due.0), None),
-            Progress::Done(state) => (state, None, Some(attempt.at.0)),
+            Progress::RetryAt(due) => (DeliveryState::Waiting, Some(due), None),
+            Progress::Done(state) => (state, None, Some(attempt.at)),
         };
-        rows.row()
-            .integer(attempt.delivery.0)
-            .text(state.name())
-            .optional_integer(due_at)
-            .optional_integer(finished_at)
-            .integer(attempt.at.0);
+        rows.row().put(&attempt.delivery).put(&state).put(&due_at).put(&finished_at).put(&attempt.at);
     }
-    batch.add(
-        insert!(
-            "delivery_attempt (delivery, id, at, status, detail, took_us, answer)",
-            [int 0, int 1, int 2, int 3, text 4, int 5, text 6]
-        ),
-        history,
-    );
+    batch.enter(attempts.iter().map(|(attempt, _)| attempt), OnConflict::Fail);
     // A delivery that was dropped meanwhile stays dropped; one that fell back is done all the same.
     batch.add(
         Sql {

@@ -3,8 +3,9 @@
 
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, Rows};
+use crate::store::batch::Batch;
 use crate::store::db::Sql;
+use crate::store::rows::Rows;
 
 /// The lines (hook and alert) that a delivery stands in.
 macro_rules! lines_of {
@@ -107,7 +108,7 @@ pub(crate) fn fall_back(again: &[(Id, UtcMicros)], batch: &mut Batch) {
 pub(crate) fn instants(sql: Sql, pairs: &[(Id, UtcMicros)], batch: &mut Batch) {
     let mut rows = Rows::default();
     for (id, at) in pairs {
-        rows.row().integer(id.0).integer(at.0);
+        rows.row().put(id).put(at);
     }
     batch.add(sql, rows);
 }

@@ -4,11 +4,12 @@ use super::model::ModelRow;
 use super::record::RecordRow;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Sql, Whole, among, cell, insert, on};
+use crate::store::batch::{Batch, OnConflict};
+use crate::store::db::{Sql, Whole, among, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::packed::text;
+use crate::store::rows::Rows;
 
 /// A diagnosis that was made.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -34,7 +35,7 @@ pub struct NewDiagnosis {
 /// Every stored campaign is to be diagnosed.
 pub(crate) fn expect(records: &[RecordRow], batch: &mut Batch) {
     let campaigns = records.iter().filter(|record| record.kind == Kind::Campaign);
-    batch.add(insert!("diagnosis (record)", [int 0]), Rows::of(campaigns.map(|record| record.id.0)));
+    batch.insert("diagnosis", "record", OnConflict::Fail, Rows::of(campaigns.map(|record| record.id.0)));
 }
 
 /// A newly adopted model makes the diagnoses of its IMU due again. In a file its records have all been entered into
@@ -58,13 +59,9 @@ pub(crate) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
     let mut rows = Rows::default();
     for NewDiagnosis { row, .. } in diagnoses {
         let (body, packed) = text::pack(&row.body);
-        rows.row()
-            .integer(row.record.0)
-            .optional_integer(row.model.map(|id| id.0))
-            .text(&row.program)
-            .integer(i64::from(row.refused))
-            .bytes(body.as_bytes())
-            .optional(packed);
+        let mut cells = rows.row();
+        cells.put(&row.record).put(&row.model).put(&row.program).put(&row.refused);
+        cells.words(body).optional_bytes(packed.as_deref());
     }
     batch.add(
         Sql {
@@ -85,7 +82,7 @@ pub(crate) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
 pub async fn get(store: &Store, record: Id) -> Result<Option<DiagnosisRow>, StoreError> {
     let sql = "SELECT model, program, refused <> 0, body, packed FROM diagnosis WHERE record = $1 AND body IS NOT NULL";
     let found: Option<(Option<i64>, String, bool, String, Option<Vec<u8>>)> =
-        on!(store.readers, db => sqlx::query_as(sql).bind(record.0).fetch_optional(db).await?);
+        read!(store, query_as.fetch_optional, sql, record.0);
     let row = |(model, program, refused, body, packed): (Option<i64>, _, _, _, _)| {
         let body = text::unpack(body, packed, || format!("the diagnosis of campaign {record}"))?;
         Ok(DiagnosisRow { record, model: model.map(Id), program, refused, body })
@@ -96,7 +93,6 @@ pub async fn get(store: &Store, record: Id) -> Result<Option<DiagnosisRow>, Stor
 /// Campaigns whose diagnosis is due, newest first, from before `before` on.
 pub async fn due(store: &Store, before: Id, limit: u32) -> Result<Vec<Id>, StoreError> {
     let sql = "SELECT record FROM diagnosis WHERE body IS NULL AND record < $1 ORDER BY record DESC LIMIT $2";
-    let found: Vec<i64> =
-        on!(store.readers, db => sqlx::query_scalar(sql).bind(before.0).bind(Whole(limit)).fetch_all(db).await?);
+    let found: Vec<i64> = read!(store, query_scalar.fetch_all, sql, before.0, Whole(limit));
     Ok(found.into_iter().map(Id).collect())
 }

@@ -1,15 +1,18 @@
 //! What a summary of many diagnoses says of each: a few hundred bytes beside the tens of thousands of the whole.
 
 use futures::TryStreamExt;
+use sqlx::AssertSqlSafe;
 
 use super::diagnosis::NewDiagnosis;
 use super::diagnosis_job::CampaignFilter;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Sql, Whole, on};
+use crate::store::batch::Batch;
+use crate::store::columns::columns;
+use crate::store::db::{Sql, Whole, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
+use crate::store::rows::{AnyRow, Columns, Rows};
 
 /// The gist of one campaign's diagnosis.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,10 +27,14 @@ pub struct GistRow {
     pub gist: String,
 }
 
+columns! {
+    GistRow in "diagnosis_gist" { record, imu, station, measured_at, program, gist }
+}
+
 pub(crate) fn upsert(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
     let mut rows = Rows::default();
     for NewDiagnosis { row, gist } in diagnoses {
-        rows.row().integer(row.record.0).text(&row.program).bytes(gist.as_bytes());
+        rows.row().put(&row.record).put(&row.program).words(gist);
     }
     batch.add(
         Sql {
@@ -51,16 +58,19 @@ pub async fn each(
     of: &CampaignFilter,
     mut each: impl FnMut(GistRow) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
-    let sql = "SELECT record, imu, station, measured_at, program, gist FROM diagnosis_gist
-               WHERE measured_at BETWEEN $1 AND $2 AND ($3 IS NULL OR imu = $3) AND ($4 IS NULL OR station = $4)
-                   AND record NOT IN (SELECT item FROM correction)
-               ORDER BY measured_at, record";
+    let sql = AssertSqlSafe(format!(
+        "SELECT {} FROM diagnosis_gist
+         WHERE measured_at BETWEEN $1 AND $2 AND ($3 IS NULL OR imu = $3) AND ($4 IS NULL OR station = $4)
+             AND record NOT IN (SELECT item FROM correction)
+         ORDER BY measured_at, record",
+        GistRow::COLUMNS
+    ));
     let (from, to) = (of.measured.from.0, of.measured.to.0);
     let (imu, station) = (of.imu.map(Whole), of.station.map(Whole));
     on!(store.readers, db => {
-        let mut rows = sqlx::query_as(sql).bind(from).bind(to).bind(imu).bind(station).fetch(db);
-        while let Some((record, Whole(imu), Whole(station), at, program, gist)) = rows.try_next().await? {
-            each(GistRow { record: Id(record), imu, station, measured_at: UtcMicros(at), program, gist })?;
+        let mut rows = sqlx::query(sql).bind(from).bind(to).bind(imu).bind(station).fetch(db);
+        while let Some(row) = rows.try_next().await? {
+            each(GistRow::get_all(&row)?)?;
         }
     });
     Ok(())
@@ -74,23 +84,19 @@ pub async fn holding(
     since: UtcMicros,
     limit: usize,
 ) -> Result<(Vec<GistRow>, usize), StoreError> {
-    let sql = "SELECT record, imu, station, measured_at, program, gist, count(*) OVER () FROM diagnosis_gist
-               WHERE measured_at >= $1 AND gist LIKE $2 AND record NOT IN (SELECT item FROM correction)
-               ORDER BY measured_at DESC, record DESC LIMIT $3";
+    let sql = AssertSqlSafe(format!(
+        "SELECT {}, count(*) OVER () AS many FROM diagnosis_gist
+         WHERE measured_at >= $1 AND gist LIKE $2 AND record NOT IN (SELECT item FROM correction)
+         ORDER BY measured_at DESC, record DESC LIMIT $3",
+        GistRow::COLUMNS
+    ));
     let limit = i64::try_from(limit).unwrap_or(i64::MAX);
-    let rows: Vec<(i64, Whole<u32>, Whole<u32>, i64, String, String, i64)> = on!(store.readers, db => {
-        sqlx::query_as(sql).bind(since.0).bind(format!("%{words}%")).bind(limit).fetch_all(db).await?
-    });
-    let of = rows.first().map_or(0, |row| row.6.unsigned_abs() as usize);
-    let row = |(record, Whole(imu), Whole(station), at, program, gist, _)| GistRow {
-        record: Id(record),
-        imu,
-        station,
-        measured_at: UtcMicros(at),
-        program,
-        gist,
-    };
-    Ok((rows.into_iter().map(row).collect(), of))
+    on!(store.readers, db => {
+        let rows = sqlx::query(sql).bind(since.0).bind(format!("%{words}%")).bind(limit).fetch_all(db).await?;
+        let many = rows.first().map_or(Ok(0), |row| row.cell::<i64>("many"))?;
+        let found = rows.iter().map(Columns::get_all).collect::<Result<_, _>>()?;
+        Ok((found, many.unsigned_abs() as usize))
+    })
 }
 
 /// Campaigns that count and have no diagnosis yet.
@@ -101,8 +107,6 @@ pub async fn not_diagnosed(store: &Store, of: &CampaignFilter) -> Result<u64, St
                    AND record.id NOT IN (SELECT item FROM correction)";
     let (from, to) = (of.measured.from.0, of.measured.to.0);
     let (imu, station) = (of.imu.map(Whole), of.station.map(Whole));
-    let count: i64 = on!(store.readers, db => {
-        sqlx::query_scalar(sql).bind(from).bind(to).bind(imu).bind(station).fetch_one(db).await?
-    });
+    let count: i64 = read!(store, query_scalar.fetch_one, sql, from, to, imu, station);
     Ok(count.unsigned_abs())
 }

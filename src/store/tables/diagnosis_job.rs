@@ -4,12 +4,16 @@
 //! is lost with whoever was at work on it. A diagnosis settles every task that waits for its campaign, in the
 //! transaction that keeps it.
 
+use sqlx::AssertSqlSafe;
+
 use crate::core::id::Id;
 use crate::core::time::{Span, UtcMicros};
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{AnyRow, Sql, Whole, among, cell, insert, on};
+use crate::store::batch::{Batch, OnConflict};
+use crate::store::columns::columns;
+use crate::store::db::{Sql, Whole, among, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
+use crate::store::rows::{Columns, Rows};
 
 /// An order as it stands.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -89,6 +93,10 @@ pub struct FailedTask {
     pub reason: String,
 }
 
+columns! {
+    FailedTask in "diagnosis_task" { record, imu, measured_at, reason }
+}
+
 /// Comes after diagnoses were kept in the same transaction.
 pub(crate) fn apply(changes: &JobChanges, batch: &mut Batch) {
     start(&changes.started, batch);
@@ -99,22 +107,13 @@ pub(crate) fn apply(changes: &JobChanges, batch: &mut Batch) {
 fn start(jobs: &[NewJob], batch: &mut Batch) {
     let (mut orders, mut tasks, mut ends) = (Rows::default(), Rows::default(), Rows::default());
     for job in jobs {
-        orders.row().integer(job.id.0).integer(job.asked_at.0).text(&job.asked_by).text(&job.asked).integer(0);
-        tasks
-            .row()
-            .integer(job.id.0)
-            .optional_integer(job.which.imu.map(i64::from))
-            .optional_integer(job.which.station.map(i64::from))
-            .integer(job.which.measured.from.0)
-            .integer(job.which.measured.to.0)
-            .integer(i64::from(job.again))
-            .text(&job.program);
-        ends.row().integer(job.id.0).integer(job.asked_at.0);
+        orders.row().put(&job.id).put(&job.asked_at).put(&job.asked_by).put(&job.asked).put(&false);
+        let mut task = tasks.row();
+        task.put(&job.id).put(&job.which.imu).put(&job.which.station);
+        task.put(&job.which.measured.from).put(&job.which.measured.to).put(&job.again).put(&job.program);
+        ends.row().put(&job.id).put(&job.asked_at);
     }
-    batch.add(
-        insert!("diagnosis_job (id, asked_at, asked_by, asked, canceled)", [int 0, int 1, text 2, text 3, int 4]),
-        orders,
-    );
+    batch.insert("diagnosis_job", "id, asked_at, asked_by, asked, canceled", OnConflict::Fail, orders);
     batch.add(
         Sql { sqlite: "INSERT INTO diagnosis_task (job, record, state, reason)
          SELECT job, record, CASE WHEN NOT made THEN 'waiting' WHEN refused THEN 'failed' ELSE 'done' END,
@@ -161,8 +160,8 @@ fn start(jobs: &[NewJob], batch: &mut Batch) {
 fn settle(settled: &[SettledTask], batch: &mut Batch) {
     let (mut tasks, mut orders) = (Rows::default(), Rows::default());
     for task in settled {
-        tasks.row().integer(task.record.0).optional_text(task.failed.as_deref());
-        orders.row().integer(task.record.0).integer(task.begun_at.0).integer(task.ended_at.0);
+        tasks.row().put(&task.record).put(&task.failed);
+        orders.row().put(&task.record).put(&task.begun_at).put(&task.ended_at);
     }
     batch.add(
         Sql {
@@ -214,44 +213,33 @@ fn cancel(canceled: &[(Id, UtcMicros)], batch: &mut Batch) {
     );
 }
 
-fn job(row: &impl AnyRow) -> Result<JobRow, StoreError> {
-    Ok(JobRow {
-        id: Id(row.cell("id")?),
-        asked_at: UtcMicros(row.cell("asked_at")?),
-        asked_by: row.cell("asked_by")?,
-        asked: row.cell("asked")?,
-        canceled: row.cell::<i64>("canceled")? != 0,
-        begun_at: row.cell::<Option<i64>>("begun_at")?.map(UtcMicros),
-        ended_at: row.cell::<Option<i64>>("ended_at")?.map(UtcMicros),
-    })
+columns! {
+    JobRow in "diagnosis_job" { id, asked_at, asked_by, asked, canceled, begun_at, ended_at }
 }
 
 /// Orders, newest first, those before `before`.
 pub async fn list(store: &Store, before: Option<Id>, limit: u32) -> Result<Vec<JobRow>, StoreError> {
-    let sql = "SELECT id, asked_at, asked_by, asked, canceled, begun_at, ended_at FROM diagnosis_job
-               WHERE id < $1 ORDER BY id DESC LIMIT $2";
+    let sql =
+        AssertSqlSafe(format!("SELECT {} FROM diagnosis_job WHERE id < $1 ORDER BY id DESC LIMIT $2", JobRow::COLUMNS));
     let before = before.map_or(i64::MAX, |id| id.0);
-    on!(store.readers, db => {
-        let rows = sqlx::query(sql).bind(before).bind(Whole(limit)).fetch_all(db).await?;
-        rows.iter().map(job).collect()
-    })
+    read!(store, all, sql, before, Whole(limit))
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<JobRow>, StoreError> {
-    let sql = "SELECT id, asked_at, asked_by, asked, canceled, begun_at, ended_at FROM diagnosis_job WHERE id = $1";
-    on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(job).transpose())
+    let sql = AssertSqlSafe(format!("SELECT {} FROM diagnosis_job WHERE id = $1", JobRow::COLUMNS));
+    read!(store, first, sql, id.0)
 }
 
 /// The order in the same words that has not ended yet.
 pub async fn open_as_asked(store: &Store, asked: &str) -> Result<Option<Id>, StoreError> {
     let sql = "SELECT id FROM diagnosis_job WHERE ended_at IS NULL AND asked = $1";
-    let found: Option<i64> = on!(store.readers, db => sqlx::query_scalar(sql).bind(asked).fetch_optional(db).await?);
+    let found: Option<i64> = read!(store, query_scalar.fetch_optional, sql, asked);
     Ok(found.map(Id))
 }
 
 pub async fn task_counts(store: &Store, job: Id) -> Result<TaskCounts, StoreError> {
     let sql = "SELECT state, count(*) FROM diagnosis_task WHERE job = $1 GROUP BY state";
-    let rows: Vec<(String, i64)> = on!(store.readers, db => sqlx::query_as(sql).bind(job.0).fetch_all(db).await?);
+    let rows: Vec<(String, i64)> = read!(store, query_as.fetch_all, sql, job.0);
     let mut counts = TaskCounts::default();
     for (state, count) in rows {
         let of_state = match state.as_str() {
@@ -272,20 +260,16 @@ pub async fn failed_tasks(
     after: Option<Id>,
     limit: u32,
 ) -> Result<Vec<FailedTask>, StoreError> {
-    let sql = "SELECT record.id, record.imu, record.calibrated_at, reason FROM diagnosis_task
+    let sql = "SELECT record.id AS record, record.imu, record.calibrated_at AS measured_at, reason FROM diagnosis_task
                JOIN record ON record.id = diagnosis_task.record
                WHERE job = $1 AND record > $2 AND state = 'failed' ORDER BY record LIMIT $3";
-    let after = after.map_or(i64::MIN, |id| id.0);
-    let rows: Vec<(i64, Whole<u32>, i64, String)> =
-        on!(store.readers, db => sqlx::query_as(sql).bind(job.0).bind(after).bind(Whole(limit)).fetch_all(db).await?);
-    let failed = |(id, Whole(imu), at, reason)| FailedTask { record: Id(id), imu, measured_at: UtcMicros(at), reason };
-    Ok(rows.into_iter().map(failed).collect())
+    read!(store, all, sql, job.0, after.map_or(i64::MIN, |id| id.0), Whole(limit))
 }
 
 /// Campaigns that orders wait for, of the oldest order first.
 pub async fn tasks_waiting(store: &Store, limit: u32) -> Result<Vec<Id>, StoreError> {
     let sql = "SELECT record FROM diagnosis_task WHERE state = 'waiting' ORDER BY job, record LIMIT $1";
-    let mut found: Vec<i64> = on!(store.readers, db => sqlx::query_scalar(sql).bind(Whole(limit)).fetch_all(db).await?);
+    let mut found: Vec<i64> = read!(store, query_scalar.fetch_all, sql, Whole(limit));
     let mut seen = std::collections::HashSet::new();
     found.retain(|record| seen.insert(*record));
     Ok(found.into_iter().map(Id).collect())
@@ -295,6 +279,6 @@ pub async fn tasks_waiting(store: &Store, limit: u32) -> Result<Vec<Id>, StoreEr
 pub async fn diagnoses_waiting(store: &Store) -> Result<(u64, u64), StoreError> {
     let sql = "SELECT (SELECT count(*) FROM diagnosis WHERE body IS NULL),
                       (SELECT count(*) FROM diagnosis_task WHERE state = 'waiting')";
-    let (due, tasks): (i64, i64) = on!(store.readers, db => sqlx::query_as(sql).fetch_one(db).await?);
+    let (due, tasks): (i64, i64) = read!(store, query_as.fetch_one, sql);
     Ok((due.unsigned_abs(), tasks.unsigned_abs()))
 }

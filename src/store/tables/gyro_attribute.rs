@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 
 use crate::core::gyro_attributes::GyroAttributes;
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Whole, cell, insert, listed, on};
+use crate::store::batch::{Batch, OnConflict};
+use crate::store::db::{Whole, listed, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
+use crate::store::rows::Rows;
 
 /// A gyro, and what is said of it from now on.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,20 +21,9 @@ pub(crate) fn upsert(changed: &[GyroAttributeRow], batch: &mut Batch) {
     let last: HashMap<u32, &GyroAttributes> = changed.iter().map(|row| (row.gyro, &row.attributes)).collect();
     let mut rows = Rows::default();
     for (gyro, GyroAttributes { batch, r#type, unit }) in last {
-        let mut row = rows.row();
-        row.integer(i64::from(gyro));
-        for word in [batch, r#type, unit] {
-            row.optional_text(word.as_deref());
-        }
+        rows.row().put(&gyro).put(batch).put(r#type).put(unit);
     }
-    batch.add(
-        insert!(
-            "gyro_attribute (gyro, batch, type, unit)",
-            [int 0, text 1, text 2, text 3],
-            "ON CONFLICT (gyro) DO UPDATE SET batch = excluded.batch, type = excluded.type, unit = excluded.unit"
-        ),
-        rows,
-    );
+    batch.insert("gyro_attribute", "gyro, batch, type, unit", OnConflict::SetAllBut("gyro", &[], None), rows);
 }
 
 /// Of these gyros, those of which something is said.
@@ -41,7 +31,7 @@ pub async fn of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, GyroAttribu
     type Said = (Whole<u32>, Option<String>, Option<String>, Option<String>);
     let sql = store.readers.words(listed!("SELECT gyro, batch, type, unit FROM gyro_attribute WHERE gyro"));
     let gyros = serde_json::json!(gyros).to_string();
-    let rows: Vec<Said> = on!(store.readers, db => sqlx::query_as(sql).bind(gyros).fetch_all(db).await?);
+    let rows: Vec<Said> = read!(store, query_as.fetch_all, sql, gyros);
     let row = |(Whole(gyro), batch, r#type, unit)| (gyro, GyroAttributes { batch, r#type, unit });
     Ok(rows.into_iter().map(row).collect())
 }

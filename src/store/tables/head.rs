@@ -8,10 +8,12 @@ use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Event, Measured, Outlook, Reach, Rule, Severity, State, Status};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{AnyRow, Sql, Whole, cell, insert, listed, on};
+use crate::store::batch::{Batch, OnConflict};
+use crate::store::columns::columns;
+use crate::store::db::{LISTED, Sql, Whole, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
+use crate::store::rows::{AnyRow, Columns, Part, Row, Rows};
 
 /// How a gyro stands, whatever the time is.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,97 +109,73 @@ pub struct HeadsMade {
     pub through: Option<String>,
 }
 
-pub(crate) fn upsert(heads: &HeadChanges, batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for head in &heads.rows {
-        let newest = head.newest.as_ref();
-        let mut row = rows.row();
-        row.integer(i64::from(head.gyro))
-            .text(&head.serial)
-            .text(&head.sought)
-            .optional_integer(newest.map(|newest| newest.at.0))
-            .optional_integer(newest.map(|newest| newest.record.0))
-            .optional_integer(newest.map(|newest| i64::from(newest.imu)))
-            .optional_integer(newest.map(|newest| i64::from(newest.station)))
-            .optional_text(newest.map(|newest| newest.slot.name()));
-        for column in 0..2 {
-            let d = newest.map(|newest| newest.d[column]);
-            row.real(d.map(|d| d.value)).real(d.and_then(|d| d.sd));
-        }
-        row.optional_text(head.state.map(State::name))
-            .optional_text(head.status.map(Status::name))
-            .integer(head.rank)
-            .real(Some(head.load))
-            .real(head.ahead[0])
-            .real(head.ahead[1])
-            .optional_integer(head.overdue_at.map(|at| at.0))
-            .optional_text(head.out_of_use.map(Event::name))
-            .integer(i64::from(head.firing))
-            .optional_text(head.severity.map(Severity::name));
-        let Outlook { load, per_year, reach } = head.outlook;
-        for figure in load.into_iter().chain(per_year) {
-            row.real(figure.map(|figure| figure.value)).real(figure.and_then(|figure| figure.sd));
-        }
-        row.real(Some(head.outlook.extreme().map_or(-1.0, |extreme| extreme.min(f64::MAX))))
-            .optional_text(reach.map(|reach| reach.coefficient.name()))
-            .optional_integer(reach.map(|reach| reach.at.0));
-        for edge in 0..2 {
-            row.optional_integer(reach.and_then(|reach| reach.between[edge]).map(|at| at.0));
-        }
-        row.integer(i64::from(reach.is_some_and(|reach| reach.provisional)))
-            .optional_integer(head.since.map(|at| at.0))
-            .optional_integer(head.changed_at.map(|at| at.0));
+columns! {
+    HeadRow in "head" {
+        gyro, serial, sought,
+        newest: ["calibrated_at", "record", "imu", "station", "slot", "d_i", "d_i_sd", "d_s", "d_s_sd"],
+        state, status, rank, load, ahead: ["d_i_ahead", "d_s_ahead"], overdue_at, out_of_use, firing, severity,
+        outlook: [
+            "d_i_load", "d_i_load_sd", "d_s_load", "d_s_load_sd", "d_o_load", "d_o_load_sd", "d_i_year", "d_i_year_sd",
+            "d_s_year", "d_s_year_sd", "extreme", "reach_of", "reach_at", "reach_from", "reach_until", "reach_provisional"
+        ],
+        since, changed_at,
     }
-    batch.add(
-        insert!(
-            "head (gyro, serial, sought, calibrated_at, record, imu, station, slot, d_i, d_i_sd, d_s, d_s_sd, state,
-             status, rank, load, d_i_ahead, d_s_ahead, overdue_at, out_of_use, firing, severity, d_i_load, d_i_load_sd,
-             d_s_load, d_s_load_sd, d_o_load, d_o_load_sd, d_i_year, d_i_year_sd, d_s_year, d_s_year_sd, extreme,
-             reach_of, reach_at, reach_from, reach_until, reach_provisional, since, changed_at)",
-            [int 0, text 1, text 2, int 3, int 4, int 5, int 6, text 7, real 8, real 9, real 10, real 11, text 12,
-             text 13, int 14, real 15, real 16, real 17, int 18, text 19, int 20, text 21, real 22,
-             real 23, real 24, real 25, real 26, real 27, real 28, real 29, real 30, real 31, real 32, text 33, int 34,
-             int 35, int 36, int 37, int 38, int 39],
-            "ON CONFLICT (gyro) DO UPDATE SET version = head.version + 1, sought = excluded.sought,
-             calibrated_at = excluded.calibrated_at, record = excluded.record, imu = excluded.imu,
-             station = excluded.station, slot = excluded.slot, d_i = excluded.d_i, d_i_sd = excluded.d_i_sd,
-             d_s = excluded.d_s, d_s_sd = excluded.d_s_sd, state = excluded.state, status = excluded.status,
-             rank = excluded.rank, load = excluded.load, d_i_ahead = excluded.d_i_ahead, d_s_ahead = excluded.d_s_ahead,
-             overdue_at = excluded.overdue_at, out_of_use = excluded.out_of_use, firing = excluded.firing,
-             severity = excluded.severity,
-             d_i_load = excluded.d_i_load, d_i_load_sd = excluded.d_i_load_sd, d_s_load = excluded.d_s_load,
-             d_s_load_sd = excluded.d_s_load_sd, d_o_load = excluded.d_o_load, d_o_load_sd = excluded.d_o_load_sd,
-             d_i_year = excluded.d_i_year, d_i_year_sd = excluded.d_i_year_sd, d_s_year = excluded.d_s_year,
-             d_s_year_sd = excluded.d_s_year_sd, extreme = excluded.extreme, reach_of = excluded.reach_of,
-             reach_at = excluded.reach_at, reach_from = excluded.reach_from, reach_until = excluded.reach_until,
-             reach_provisional = excluded.reach_provisional, since = excluded.since,
-             changed_at = excluded.changed_at"
-        ),
-        rows,
-    );
+}
+
+impl Part for Option<NewestRow> {
+    fn put(&self, row: &mut Row<'_>) {
+        let of = self.as_ref();
+        row.put(&of.map(|it| it.at)).put(&of.map(|it| it.record)).put(&of.map(|it| it.imu));
+        row.put(&of.map(|it| it.station)).put(&of.map(|it| it.slot));
+        row.put(&[0, 1].map(|column| of.map(|it| it.d[column])));
+    }
+
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+        let at: Option<UtcMicros> = row.part(columns)?;
+        let figures: [Option<Measured>; 2] = row.part(&columns[5..])?;
+        let (Some(at), [Some(d_i), Some(d_s)]) = (at, figures) else { return Ok(None) };
+        let [imu, station] = row.part(&columns[2..4])?;
+        let (record, slot) = (row.part(&columns[1..])?, row.part(&columns[4..])?);
+        Ok(Some(NewestRow { at, record, imu, station, slot, d: [d_i, d_s] }))
+    }
+}
+
+impl Part for Outlook {
+    fn put(&self, row: &mut Row<'_>) {
+        let Self { load, per_year, reach } = self;
+        row.put(load).put(per_year).real(self.extreme().map_or(-1.0, |extreme| extreme.min(f64::MAX)));
+        row.put(&reach.map(|reach| reach.coefficient)).put(&reach.map(|reach| reach.at));
+        row.put(&[0, 1].map(|edge| reach.and_then(|reach| reach.between[edge])));
+        row.put(&reach.is_some_and(|reach| reach.provisional));
+    }
+
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+        let (load, per_year) = (row.part(&columns[..6])?, row.part(&columns[6..10])?);
+        let (of, at): (Option<Coefficient>, Option<UtcMicros>) = (row.part(&columns[11..])?, row.part(&columns[12..])?);
+        let (between, provisional) = (row.part(&columns[13..15])?, row.part(&columns[15..])?);
+        let reach = of.zip(at).map(|(coefficient, at)| Reach { coefficient, at, between, provisional });
+        Ok(Self { load, per_year, reach })
+    }
+}
+
+pub(crate) fn upsert(heads: &HeadChanges, batch: &mut Batch) {
+    batch.enter(&heads.rows, OnConflict::SetAllBut("gyro", &["serial"], Some("version = head.version + 1")));
     let mut rows = Rows::default();
     if let Some(HeadsMade { limits, through }) = &heads.made {
-        rows.row().integer(1).text(limits).optional_text(through.as_deref());
+        rows.row().integer(1).put(limits).put(through);
     }
-    batch.add(
-        insert!(
-            "head_made (id, limits, through)",
-            [int 0, text 1, text 2],
-            "ON CONFLICT (id) DO UPDATE SET limits = excluded.limits, through = excluded.through"
-        ),
-        rows,
-    );
+    batch.insert("head_made", "id, limits, through", OnConflict::SetAllBut("id", &[], None), rows);
     let mut rows = Rows::default();
     for [station, gyro] in &heads.seen {
-        rows.row().integer(i64::from(*station)).integer(i64::from(*gyro));
+        rows.row().put(station).put(gyro);
     }
-    batch.add(insert!("gyro_station (station, gyro)", [int 0, int 1], "ON CONFLICT DO NOTHING"), rows);
+    batch.insert("gyro_station", "station, gyro", OnConflict::Keep, rows);
 }
 
 /// How far the rows of all gyros have been made.
 pub async fn made(store: &Store) -> Result<HeadsMade, StoreError> {
     let sql = "SELECT limits, through FROM head_made WHERE id = 1";
-    let row: Option<(String, Option<String>)> = on!(store.readers, db => sqlx::query_as(sql).fetch_optional(db).await?);
+    let row: Option<(String, Option<String>)> = read!(store, query_as.fetch_optional, sql);
     let (limits, through) = row.ok_or_else(|| StoreError::Damaged("the table head_made is empty".to_owned()))?;
     Ok(HeadsMade { limits, through })
 }
@@ -205,8 +183,7 @@ pub async fn made(store: &Store) -> Result<HeadsMade, StoreError> {
 /// Gyros by serial, from the first after `serial` on, as many as `limit`; whether they have a row or not.
 pub async fn gyros_after(store: &Store, serial: &str, limit: u32) -> Result<Vec<(u32, String)>, StoreError> {
     let sql = "SELECT id, serial FROM gyro WHERE serial > $1 ORDER BY serial LIMIT $2";
-    let rows: Vec<(Whole<u32>, String)> =
-        on!(store.readers, db => sqlx::query_as(sql).bind(serial).bind(Whole(limit)).fetch_all(db).await?);
+    let rows: Vec<(Whole<u32>, String)> = read!(store, query_as.fetch_all, sql, serial, Whole(limit));
     Ok(rows.into_iter().map(|(Whole(gyro), serial)| (gyro, serial)).collect())
 }
 
@@ -214,8 +191,7 @@ pub async fn gyros_after(store: &Store, serial: &str, limit: u32) -> Result<Vec<
 pub async fn imus_after(store: &Store, after: u32, limit: u32) -> Result<Vec<(u32, String)>, StoreError> {
     let sql = "SELECT id, name FROM imu WHERE name > coalesce((SELECT name FROM imu WHERE id = $1), '')
                ORDER BY name LIMIT $2";
-    let rows: Vec<(Whole<u32>, String)> =
-        on!(store.readers, db => sqlx::query_as(sql).bind(Whole(after)).bind(Whole(limit)).fetch_all(db).await?);
+    let rows: Vec<(Whole<u32>, String)> = read!(store, query_as.fetch_all, sql, Whole(after), Whole(limit));
     Ok(rows.into_iter().map(|(Whole(imu), name)| (imu, name)).collect())
 }
 
@@ -275,7 +251,7 @@ pub struct StationTally {
 /// Another one after everything that is written of a gyro: how many there are, and how often their rows were written.
 pub async fn version(store: &Store) -> Result<[i64; 2], StoreError> {
     let sql = "SELECT count(*), CAST(coalesce(sum(version), 0) AS BIGINT) FROM head";
-    let (gyros, written) = on!(store.readers, db => sqlx::query_as(sql).fetch_one(db).await?);
+    let (gyros, written) = read!(store, query_as.fetch_one, sql);
     Ok([gyros, written])
 }
 
@@ -284,7 +260,7 @@ pub async fn counts(store: &Store, now: UtcMicros) -> Result<(Vec<Tally>, Vec<St
     let sql = "SELECT station, rank, count(*), count(*) FILTER (WHERE overdue_at < $1), max(calibrated_at) FROM head
                GROUP BY station, rank";
     type Row = (Option<Whole<u32>>, i64, i64, i64, Option<i64>);
-    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(now.0).fetch_all(db).await?);
+    let rows: Vec<Row> = read!(store, query_as.fetch_all, sql, now.0);
     let (mut of_ranks, mut of_stations) = (BTreeMap::<i64, [usize; 2]>::new(), Vec::new());
     for (station, rank, gyros, overdue, last) in rows {
         let [gyros, overdue] = [gyros, overdue].map(|count| count.unsigned_abs() as usize);
@@ -505,9 +481,8 @@ async fn first_and_count(
     counted: &'static str,
     [at, limit]: [i64; 2],
 ) -> Result<(Vec<u32>, usize), StoreError> {
-    let rows: Vec<Whole<u32>> =
-        on!(store.readers, db => sqlx::query_scalar(of).bind(at).bind(limit).fetch_all(db).await?);
-    let count: i64 = on!(store.readers, db => sqlx::query_scalar(counted).bind(at).fetch_one(db).await?);
+    let rows: Vec<Whole<u32>> = read!(store, query_scalar.fetch_all, of, at, limit);
+    let count: i64 = read!(store, query_scalar.fetch_one, counted, at);
     Ok((rows.into_iter().map(|Whole(gyro)| gyro).collect(), count.unsigned_abs() as usize))
 }
 
@@ -523,14 +498,9 @@ pub async fn due(
                GROUP BY imu ORDER BY 2, 1 LIMIT $3";
     let counted = "SELECT count(DISTINCT imu) FROM head
                    WHERE overdue_at IS NOT NULL AND overdue_at >= $1 AND overdue_at < $2";
-    let rows: Vec<(Whole<u32>, i64, i64)> = on!(store.readers, db => sqlx::query_as(sql)
-        .bind(from.0)
-        .bind(until.0)
-        .bind(i64::try_from(limit).unwrap_or(i64::MAX))
-        .fetch_all(db)
-        .await?);
-    let count: i64 =
-        on!(store.readers, db => sqlx::query_scalar(counted).bind(from.0).bind(until.0).fetch_one(db).await?);
+    let rows: Vec<(Whole<u32>, i64, i64)> =
+        read!(store, query_as.fetch_all, sql, from.0, until.0, i64::try_from(limit).unwrap_or(i64::MAX));
+    let count: i64 = read!(store, query_scalar.fetch_one, counted, from.0, until.0);
     let row = |(Whole(imu), at, gyros): (Whole<u32>, i64, i64)| (imu, UtcMicros(at), gyros.unsigned_abs() as usize);
     Ok((rows.into_iter().map(row).collect(), count.unsigned_abs() as usize))
 }
@@ -549,6 +519,13 @@ pub struct CalibratedRow {
     pub batch: Option<Arc<str>>,
 }
 
+columns! {
+    CalibratedRow in "head" {
+        gyro, serial, imu, imu_name, station, at: ["calibrated_at"],
+        load: ["d_i_load", "d_i_load_sd", "d_s_load", "d_s_load_sd"], batch,
+    }
+}
+
 /// Newest calibrations that were made no earlier than `from`, of as many gyros as a fleet may have calibrated since; by
 /// one station, of as many as tell what it does.
 pub async fn calibrated_since(
@@ -556,33 +533,14 @@ pub async fn calibrated_since(
     from: UtcMicros,
     station: Option<u32>,
 ) -> Result<Vec<CalibratedRow>, StoreError> {
-    let sql = "SELECT head.gyro, serial, imu, imu.name, station, calibrated_at, d_i_load, d_i_load_sd, d_s_load,
-                      d_s_load_sd, batch
+    let sql = "SELECT head.gyro, serial, imu, imu.name AS imu_name, station, calibrated_at, d_i_load, d_i_load_sd,
+                      d_s_load, d_s_load_sd, batch
                FROM head JOIN imu ON imu.id = head.imu LEFT JOIN gyro_attribute ON gyro_attribute.gyro = head.gyro
                WHERE coalesce(calibrated_at, 9223372036854775807) BETWEEN $1 AND 9223372036854775806
                      AND station IS NOT NULL AND ($2 < 0 OR station = $2)
                ORDER BY coalesce(calibrated_at, 9223372036854775807) DESC LIMIT $3";
     let limit: i64 = if station.is_some() { 100 } else { 20_000 };
-    type Real = Option<f64>;
-    type Row = (Whole<u32>, String, Whole<u32>, String, Whole<u32>, i64, Real, Real, Real, Real, Option<String>);
-    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql)
-        .bind(from.0)
-        .bind(station.map_or(-1, i64::from))
-        .bind(limit)
-        .fetch_all(db)
-        .await?);
-    let measured = |value: Real, sd: Real| value.map(|value| Measured { value, sd });
-    let row = |(gyro, serial, imu, imu_name, station, at, d_i, d_i_sd, d_s, d_s_sd, batch): Row| CalibratedRow {
-        gyro: gyro.0,
-        serial,
-        imu: imu.0,
-        imu_name,
-        station: station.0,
-        at: UtcMicros(at),
-        load: [measured(d_i, d_i_sd), measured(d_s, d_s_sd)],
-        batch: batch.map(Arc::from),
-    };
-    Ok(rows.into_iter().map(row).collect())
+    read!(store, all, sql, from.0, station.map_or(-1, i64::from), limit)
 }
 
 /// Gyros that a station has ever calibrated, without `gyro`: as many as `most`, the nearest numbers first.
@@ -591,12 +549,7 @@ pub async fn near(store: &Store, station: u32, gyro: u32, most: usize) -> Result
     let above = "SELECT gyro FROM gyro_station WHERE station = $1 AND gyro > $2 ORDER BY gyro LIMIT $3";
     let mut found: Vec<u32> = Vec::new();
     for sql in [below, above] {
-        let rows: Vec<Whole<u32>> = on!(store.readers, db => sqlx::query_scalar(sql)
-            .bind(Whole(station))
-            .bind(Whole(gyro))
-            .bind(most as i64)
-            .fetch_all(db)
-            .await?);
+        let rows: Vec<Whole<u32>> = read!(store, query_scalar.fetch_all, sql, Whole(station), Whole(gyro), most as i64);
         found.extend(rows.into_iter().map(|row| row.0));
     }
     found.sort_by_key(|other| other.abs_diff(gyro));
@@ -615,26 +568,17 @@ pub struct MovedRow {
     pub least: f64,
 }
 
+columns! {
+    MovedRow in "head" { record, imu, at, gyros, least }
+}
+
 /// Records with three gyros or more that began to be worse no earlier than `since` and lie `loads` budgets or more
 /// from their baselines, the farthest first.
 pub async fn moved(store: &Store, since: UtcMicros, loads: f64, limit: usize) -> Result<Vec<MovedRow>, StoreError> {
-    let sql = "SELECT record, imu, max(calibrated_at), count(*), min(extreme) FROM head
+    let sql = "SELECT record, imu, max(calibrated_at) AS at, count(*) AS gyros, min(extreme) AS least FROM head
                WHERE changed_at >= $1 AND extreme >= $2 GROUP BY record, imu HAVING count(*) >= 3
                ORDER BY 5 DESC, 1 LIMIT $3";
-    let rows: Vec<(i64, Whole<u32>, i64, i64, f64)> = on!(store.readers, db => sqlx::query_as(sql)
-        .bind(since.0)
-        .bind(loads)
-        .bind(i64::try_from(limit).unwrap_or(i64::MAX))
-        .fetch_all(db)
-        .await?);
-    let row = |(record, Whole(imu), at, gyros, least): (i64, Whole<u32>, i64, i64, f64)| MovedRow {
-        record: Id(record),
-        imu,
-        at: UtcMicros(at),
-        gyros: gyros.unsigned_abs() as usize,
-        least,
-    };
-    Ok(rows.into_iter().map(row).collect())
+    read!(store, all, sql, since.0, loads, i64::try_from(limit).unwrap_or(i64::MAX))
 }
 
 /// IMUs by their worst gyro, then by the largest load, and how many there are. `overdue`: the rank that a gyro has at the
@@ -668,15 +612,16 @@ pub async fn imus(
 
 /// Gyros whose newest calibration was made in any of these IMUs.
 pub async fn of_imus(store: &Store, imus: &[u32]) -> Result<Vec<HeadRow>, StoreError> {
-    let sql = store.readers.words(listed!("SELECT * FROM head WHERE imu", " ORDER BY serial"));
+    let (columns, those) = (HeadRow::COLUMNS, store.readers.words(LISTED));
+    let sql = sqlx::AssertSqlSafe(format!("SELECT {columns} FROM head WHERE imu IN ({those}) ORDER BY serial"));
     let imus = serde_json::json!(imus).to_string();
-    on!(store.readers, db => sqlx::query(sql).bind(imus).fetch_all(db).await?.iter().map(head).collect())
+    read!(store, all, sql, imus)
 }
 
 /// The gyros whose newest calibration was made in an IMU.
 pub async fn of_imu(store: &Store, imu: u32) -> Result<Vec<u32>, StoreError> {
     let sql = "SELECT gyro FROM head WHERE imu = $1 ORDER BY serial";
-    let rows: Vec<(Whole<u32>,)> = on!(store.readers, db => sqlx::query_as(sql).bind(Whole(imu)).fetch_all(db).await?);
+    let rows: Vec<(Whole<u32>,)> = read!(store, query_as.fetch_all, sql, Whole(imu));
     Ok(rows.into_iter().map(|(Whole(gyro),)| gyro).collect())
 }
 
@@ -687,76 +632,14 @@ pub async fn newly_overdue_or_not(store: &Store, now: UtcMicros) -> Result<Vec<u
                    SELECT 1 FROM alert WHERE status = 'firing' AND rule = 'overdue' AND alert.gyro = head.gyro)
                UNION ALL SELECT gyro FROM alert WHERE status = 'firing' AND rule = 'overdue' AND NOT EXISTS (
                    SELECT 1 FROM head WHERE head.gyro = alert.gyro AND overdue_at <= $1)";
-    let rows: Vec<Whole<u32>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(now.0).fetch_all(db).await?);
+    let rows: Vec<Whole<u32>> = read!(store, query_scalar.fetch_all, sql, now.0);
     Ok(rows.into_iter().map(|Whole(gyro)| gyro).collect())
 }
 
 /// The rows of some gyros, in no order.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<HeadRow>, StoreError> {
-    let sql = store.readers.words(listed!("SELECT * FROM head WHERE gyro"));
+    let (columns, those) = (HeadRow::COLUMNS, store.readers.words(LISTED));
+    let sql = sqlx::AssertSqlSafe(format!("SELECT {columns} FROM head WHERE gyro IN ({those})"));
     let gyros = serde_json::json!(gyros).to_string();
-    on!(store.readers, db => sqlx::query(sql).bind(gyros).fetch_all(db).await?.iter().map(head).collect())
-}
-
-fn head(row: &impl AnyRow) -> Result<HeadRow, StoreError> {
-    let gyro = row.cell::<Whole<u32>>("gyro")?.0;
-    let damaged = |what: &str| StoreError::Damaged(format!("the head of gyro number {gyro}: unknown {what}"));
-    fn named<T>(
-        row: &impl AnyRow,
-        column: &str,
-        from_name: impl Fn(&str) -> Option<T>,
-        damaged: impl Fn(&str) -> StoreError,
-    ) -> Result<Option<T>, StoreError> {
-        let name: Option<String> = row.cell(column)?;
-        name.map(|name| from_name(&name).ok_or_else(|| damaged(column))).transpose()
-    }
-    let number = |column: &str| Ok::<_, sqlx::Error>(row.cell::<Option<Whole<u32>>>(column)?.map(|Whole(n)| n));
-    let instant = |column: &str| Ok::<_, sqlx::Error>(row.cell::<Option<i64>>(column)?.map(UtcMicros));
-    let real = |column: &str| row.cell::<Option<f64>>(column);
-    let slot = named(row, "slot", Slot::from_name, damaged)?;
-    let measured = |value: Option<f64>, sd| value.map(|value| Measured { value, sd });
-    let (d_i, d_s) = (measured(real("d_i")?, real("d_i_sd")?), measured(real("d_s")?, real("d_s_sd")?));
-    let calibrated = instant("calibrated_at")?.zip(row.cell::<Option<i64>>("record")?.map(Id));
-    let mounted = number("imu")?.zip(number("station")?).zip(slot);
-    let newest =
-        calibrated.zip(mounted).zip(d_i.zip(d_s)).map(|(((at, record), ((imu, station), slot)), (d_i, d_s))| {
-            NewestRow { at, record, imu, station, slot, d: [d_i, d_s] }
-        });
-    Ok(HeadRow {
-        gyro,
-        serial: row.cell::<String>("serial")?.into(),
-        sought: row.cell("sought")?,
-        newest,
-        state: named(row, "state", State::from_name, damaged)?,
-        status: named(row, "status", Status::from_name, damaged)?,
-        rank: row.cell("rank")?,
-        load: row.cell("load")?,
-        ahead: [real("d_i_ahead")?, real("d_s_ahead")?],
-        overdue_at: instant("overdue_at")?,
-        out_of_use: named(row, "out_of_use", Event::from_name, damaged)?,
-        firing: row.cell::<Whole<u32>>("firing")?.0,
-        severity: named(row, "severity", Severity::from_name, damaged)?,
-        outlook: Outlook {
-            load: [
-                measured(real("d_i_load")?, real("d_i_load_sd")?),
-                measured(real("d_s_load")?, real("d_s_load_sd")?),
-                measured(real("d_o_load")?, real("d_o_load_sd")?),
-            ],
-            per_year: [
-                measured(real("d_i_year")?, real("d_i_year_sd")?),
-                measured(real("d_s_year")?, real("d_s_year_sd")?),
-            ],
-            reach: match named(row, "reach_of", Coefficient::from_name, damaged)?.zip(instant("reach_at")?) {
-                Some((coefficient, at)) => Some(Reach {
-                    coefficient,
-                    at,
-                    between: [instant("reach_from")?, instant("reach_until")?],
-                    provisional: row.cell::<i64>("reach_provisional")? != 0,
-                }),
-                None => None,
-            },
-        },
-        since: instant("since")?,
-        changed_at: instant("changed_at")?,
-    })
+    read!(store, all, sql, gyros)
 }

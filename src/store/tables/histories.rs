@@ -1,12 +1,13 @@
 //! Histories of many gyros in one query: asked for one by one, each takes its own way to the database and back.
 
-use super::history::{merged, unpack};
+use sqlx::AssertSqlSafe;
+
 use crate::core::figures::Figures;
-use crate::core::time::Span;
-use crate::store;
-use crate::store::db::{Sql, on};
+use crate::core::time::{Span, UtcMicros};
+use crate::store::db::{Readers, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
+use crate::store::packed::history_row::PACKED_LEN;
 
 /// Gyros of one query, so that what it hands over stays within a few megabytes.
 const AT_ONCE: usize = 256;
@@ -40,12 +41,34 @@ async fn counting_of_many(
             rows.retain(|figures| !figures.voided);
             if full && rows.len() < limit {
                 // Some of them count no more, and others may stand behind them.
-                rows = store::history::counting(store, gyro, span, limit, newest_first).await?;
+                rows = counting(store, gyro, span, limit, newest_first).await?;
             }
             all.push(rows);
         }
     }
     Ok(all)
+}
+
+/// Rows of one gyro that count: the oldest, oldest first; or the newest, newest first.
+pub(crate) async fn counting(
+    store: &Store,
+    gyro: u32,
+    mut span: Span,
+    limit: usize,
+    newest_first: bool,
+) -> Result<Vec<Figures>, StoreError> {
+    let mut counting = Vec::new();
+    loop {
+        let wanted = limit - counting.len();
+        let rows = marked_of_many(store, &[(gyro, span)], wanted, newest_first).await?.pop().unwrap_or_default();
+        let (full, last) = (rows.len() == wanted, rows.last().map(|figures| figures.at));
+        counting.extend(rows.into_iter().filter(|figures| !figures.voided));
+        match last {
+            Some(last) if full && counting.len() < limit && newest_first => span.to = UtcMicros(last.0 - 1),
+            Some(last) if full && counting.len() < limit => span.from = UtcMicros(last.0 + 1),
+            _ => return Ok(counting),
+        }
+    }
 }
 
 /// With the rows that count no more.
@@ -59,37 +82,64 @@ async fn marked_of_many(
         let tail = store.unplaced.tail.read();
         of.iter().map(|&(gyro, span)| tail.first_of(gyro, span, limit, newest_first)).collect()
     };
-    let sql = store.readers.words(if newest_first {
-        Sql {
-            sqlite: "SELECT (SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
-         WHERE gyro = j.value->>0 AND calibrated_at BETWEEN j.value->>1 AND j.value->>2
-         ORDER BY calibrated_at DESC LIMIT $2)) FROM json_each($1) AS j ORDER BY j.key",
-            postgres: "SELECT (SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at DESC)
-             FROM (SELECT figures, calibrated_at FROM history WHERE gyro = CAST(j.value->>0 AS BIGINT)
-             AND calibrated_at BETWEEN CAST(j.value->>1 AS BIGINT) AND CAST(j.value->>2 AS BIGINT)
-             ORDER BY calibrated_at DESC LIMIT $2) AS chosen)
-         FROM jsonb_array_elements(CAST($1 AS JSONB)) WITH ORDINALITY AS j(value, key) ORDER BY j.key",
-        }
-    } else {
-        Sql {
-            sqlite: "SELECT (SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
-         WHERE gyro = j.value->>0 AND calibrated_at BETWEEN j.value->>1 AND j.value->>2
-         ORDER BY calibrated_at LIMIT $2)) FROM json_each($1) AS j ORDER BY j.key",
-            postgres: "SELECT (SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at)
-             FROM (SELECT figures, calibrated_at FROM history WHERE gyro = CAST(j.value->>0 AS BIGINT)
-             AND calibrated_at BETWEEN CAST(j.value->>1 AS BIGINT) AND CAST(j.value->>2 AS BIGINT)
-             ORDER BY calibrated_at LIMIT $2) AS chosen)
-         FROM jsonb_array_elements(CAST($1 AS JSONB)) WITH ORDINALITY AS j(value, key) ORDER BY j.key",
-        }
+    let newest = if newest_first { "DESC" } else { "" };
+    let sql = AssertSqlSafe(match &store.readers {
+        Readers::Sqlite(_) => format!(
+            "SELECT (SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
+             WHERE gyro = j.value->>0 AND calibrated_at BETWEEN j.value->>1 AND j.value->>2
+             ORDER BY calibrated_at {newest} LIMIT $2)) FROM json_each($1) AS j ORDER BY j.key"
+        ),
+        Readers::Postgres(_) => format!(
+            "SELECT (SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at {newest})
+                 FROM (SELECT figures, calibrated_at FROM history WHERE gyro = CAST(j.value->>0 AS BIGINT)
+                 AND calibrated_at BETWEEN CAST(j.value->>1 AS BIGINT) AND CAST(j.value->>2 AS BIGINT)
+                 ORDER BY calibrated_at {newest} LIMIT $2) AS chosen)
+             FROM jsonb_array_elements(CAST($1 AS JSONB)) WITH ORDINALITY AS j(value, key) ORDER BY j.key"
+        ),
     });
     let stretches: Vec<[i64; 3]> = of.iter().map(|(gyro, span)| [i64::from(*gyro), span.from.0, span.to.0]).collect();
-    let packed: Vec<Option<Vec<u8>>> = on!(store.readers, db => sqlx::query_scalar(sql)
-        .bind(serde_json::json!(stretches).to_string())
-        .bind(i64::try_from(limit).unwrap_or(i64::MAX))
-        .fetch_all(db)
-        .await?);
+    let packed: Vec<Option<Vec<u8>>> = read!(
+        store,
+        query_scalar.fetch_all,
+        sql,
+        serde_json::json!(stretches).to_string(),
+        i64::try_from(limit).unwrap_or(i64::MAX)
+    );
     let rows = of.iter().zip(packed).zip(waiting).map(|((&(gyro, _), packed), waiting)| {
         Ok(merged(unpack(gyro, &packed.unwrap_or_default())?, waiting, newest_first, limit))
     });
     rows.collect()
+}
+
+/// SQLite joins blobs byte for byte, and in the order of the subquery; a row out of place would show here.
+pub(crate) fn unpack(gyro: u32, packed: &[u8]) -> Result<Vec<Figures>, StoreError> {
+    let (rows, rest) = packed.as_chunks::<PACKED_LEN>();
+    if !rest.is_empty() {
+        return Err(StoreError::Damaged(format!("history rows of gyro number {gyro} have a wrong length")));
+    }
+    rows.iter().map(|row| Figures::unpack(gyro, row)).collect()
+}
+
+/// Rows of one order in one: those that wait hold where both have the instant.
+fn merged(folded: Vec<Figures>, waiting: Vec<Figures>, newest_first: bool, limit: usize) -> Vec<Figures> {
+    if waiting.is_empty() {
+        return folded;
+    }
+    let before = |a: &Figures, b: &Figures| if newest_first { a.at > b.at } else { a.at < b.at };
+    let mut all = Vec::with_capacity(limit.min(folded.len() + waiting.len()));
+    let (mut folded, mut waiting) = (folded.into_iter().peekable(), waiting.into_iter().peekable());
+    while all.len() < limit {
+        let next = match (folded.peek(), waiting.peek()) {
+            (Some(there), Some(waits)) if there.at == waits.at => {
+                folded.next();
+                waiting.next()
+            }
+            (Some(there), Some(waits)) if before(there, waits) => folded.next(),
+            (Some(_), None) => folded.next(),
+            _ => waiting.next(),
+        };
+        let Some(next) = next else { break };
+        all.push(next);
+    }
+    all
 }

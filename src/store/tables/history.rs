@@ -1,78 +1,12 @@
 //! The history of one gyro: a row a record, in order of time.
 
+use super::histories::{counting, unpack};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::time::{Span, UtcMicros};
-use crate::store::db::{Readers, Sql, Whole, on};
+use crate::core::time::Span;
+use crate::store::db::{Sql, Whole, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
-use crate::store::packed::history_row::PACKED_LEN;
-
-/// Folded rows of `gyro` within `span`, whether they count or not: the oldest `limit` of them, oldest first; or the
-/// newest, newest first.
-async fn read_folded(
-    readers: &Readers,
-    gyro: u32,
-    span: Span,
-    limit: usize,
-    newest_first: bool,
-) -> Result<Vec<Figures>, StoreError> {
-    let sql = readers.words(if newest_first {
-        Sql {
-            sqlite: "SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
-         WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at DESC LIMIT $4)",
-            postgres: "SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at DESC)
-         FROM (SELECT figures, calibrated_at FROM history
-         WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at DESC LIMIT $4) AS chosen",
-        }
-    } else {
-        Sql {
-            sqlite: "SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
-         WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at LIMIT $4)",
-            postgres: "SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at)
-         FROM (SELECT figures, calibrated_at FROM history
-         WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at LIMIT $4) AS chosen",
-        }
-    });
-    let limit = i64::try_from(limit).unwrap_or(i64::MAX);
-    let packed: Option<Vec<u8>> = on!(*readers, db => {
-        sqlx::query_scalar(sql).bind(Whole(gyro)).bind(span.from.0).bind(span.to.0).bind(limit).fetch_one(db).await?
-    });
-    unpack(gyro, &packed.unwrap_or_default())
-}
-
-/// SQLite joins blobs byte for byte, and in the order of the subquery; a row out of place would show here.
-pub(crate) fn unpack(gyro: u32, packed: &[u8]) -> Result<Vec<Figures>, StoreError> {
-    let (rows, rest) = packed.as_chunks::<PACKED_LEN>();
-    if !rest.is_empty() {
-        return Err(StoreError::Damaged(format!("history rows of gyro number {gyro} have a wrong length")));
-    }
-    rows.iter().map(|row| Figures::unpack(gyro, row)).collect()
-}
-
-/// Rows of one order in one: those that wait hold where both have the instant.
-pub(crate) fn merged(folded: Vec<Figures>, waiting: Vec<Figures>, newest_first: bool, limit: usize) -> Vec<Figures> {
-    if waiting.is_empty() {
-        return folded;
-    }
-    let before = |a: &Figures, b: &Figures| if newest_first { a.at > b.at } else { a.at < b.at };
-    let mut all = Vec::with_capacity(limit.min(folded.len() + waiting.len()));
-    let (mut folded, mut waiting) = (folded.into_iter().peekable(), waiting.into_iter().peekable());
-    while all.len() < limit {
-        let next = match (folded.peek(), waiting.peek()) {
-            (Some(there), Some(waits)) if there.at == waits.at => {
-                folded.next();
-                waiting.next()
-            }
-            (Some(there), Some(waits)) if before(there, waits) => folded.next(),
-            (Some(_), None) => folded.next(),
-            _ => waiting.next(),
-        };
-        let Some(next) = next else { break };
-        all.push(next);
-    }
-    all
-}
 
 /// The oldest `limit` rows of a gyro within `span` that count, oldest first.
 pub async fn oldest(store: &Store, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {
@@ -86,40 +20,6 @@ pub async fn newest(store: &Store, gyro: u32, span: Span, limit: usize) -> Resul
     Ok(rows)
 }
 
-pub(crate) async fn counting(
-    store: &Store,
-    gyro: u32,
-    mut span: Span,
-    limit: usize,
-    newest_first: bool,
-) -> Result<Vec<Figures>, StoreError> {
-    let mut counting = Vec::new();
-    loop {
-        let wanted = limit - counting.len();
-        let rows = marked(store, gyro, span, wanted, newest_first).await?;
-        let (full, last) = (rows.len() == wanted, rows.last().map(|figures| figures.at));
-        counting.extend(rows.into_iter().filter(|figures| !figures.voided));
-        match last {
-            Some(last) if full && counting.len() < limit && newest_first => span.to = UtcMicros(last.0 - 1),
-            Some(last) if full && counting.len() < limit => span.from = UtcMicros(last.0 + 1),
-            _ => return Ok(counting),
-        }
-    }
-}
-
-/// With the rows that count no more.
-async fn marked(
-    store: &Store,
-    gyro: u32,
-    span: Span,
-    limit: usize,
-    newest_first: bool,
-) -> Result<Vec<Figures>, StoreError> {
-    let waiting = store.unplaced.tail.read().first_of(gyro, span, limit, newest_first);
-    let folded = read_folded(&store.readers, gyro, span, limit, newest_first).await?;
-    Ok(merged(folded, waiting, newest_first, limit))
-}
-
 /// The rows of a gyro within `span` that do not count any more, oldest first.
 pub async fn voided(store: &Store, gyro: u32, span: Span) -> Result<Vec<Figures>, StoreError> {
     let sql = store.readers.words(Sql {
@@ -128,7 +28,7 @@ pub async fn voided(store: &Store, gyro: u32, span: Span) -> Result<Vec<Figures>
         postgres: "SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at, record) FROM voided_history
                    WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3",
     });
-    let packed: Option<Vec<u8>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(Whole(gyro)).bind(span.from.0).bind(span.to.0).fetch_one(db).await?);
+    let packed: Option<Vec<u8>> = read!(store, query_scalar.fetch_one, sql, Whole(gyro), span.from.0, span.to.0);
     unpack(gyro, &packed.unwrap_or_default())
 }
 
@@ -157,7 +57,6 @@ pub async fn temperatures(store: &Store, records: impl Iterator<Item = Id>) -> R
                          JOIN record ON record.id = CAST(j.value AS BIGINT)) AS sent",
     });
     let records = serde_json::Value::from(records).to_string();
-    let rows: Vec<(i64, Option<f64>)> =
-        on!(store.readers, db => sqlx::query_as(sql).bind(records).fetch_all(db).await?);
+    let rows: Vec<(i64, Option<f64>)> = read!(store, query_as.fetch_all, sql, records);
     Ok(rows.into_iter().filter_map(|(id, temperature)| Some((Id(id), temperature?))).collect())
 }

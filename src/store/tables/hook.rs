@@ -2,12 +2,15 @@
 
 use std::collections::HashSet;
 
+use sqlx::AssertSqlSafe;
+
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{AnyRow, cell, insert, listed, on};
+use crate::store::columns::columns;
+use crate::store::db::{listed, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
+use crate::store::rows::{AnyRow, Columns, Part, Row};
 use crate::store::secrets::Secrets;
 
 /// A hook. Its secrets are for signing and sending only; what shows hooks leaves them out, and so does `Debug`.
@@ -68,67 +71,28 @@ impl HookRow {
     }
 }
 
-pub(crate) fn upsert(hooks: &[HookRow], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for hook in hooks {
-        let old = hook.old_secret.as_ref();
-        rows.row()
-            .integer(hook.id.0)
-            .text(&hook.name)
-            .text(&hook.kind)
-            .text(&hook.url)
-            .optional_text(hook.authorization.as_deref())
-            .optional_text(hook.secret.as_deref())
-            .optional_text(old.map(|(secret, _)| secret.as_str()))
-            .optional_integer(old.map(|(_, until)| until.0))
-            .text(&hook.filter)
-            .integer(i64::from(hook.enabled))
-            .optional_text(hook.disabled_because.as_deref())
-            .integer(hook.created_at.0)
-            .integer(hook.changed_at.0)
-            .optional_integer(hook.deleted_at.map(|at| at.0))
-            .integer(i64::from(hook.batch))
-            .optional_text(hook.expect.as_deref());
+columns! {
+    HookRow in "hook" {
+        id, name, kind, url, authorization: ["\"authorization\""], secret, old_secret: ["old_secret", "old_secret_until"],
+        filter, enabled, disabled_because, created_at, changed_at, deleted_at, batch, expect,
     }
-    batch.add(
-        insert!(
-            r#"hook (id, name, kind, url, "authorization", secret, old_secret, old_secret_until, filter, enabled,
-             disabled_because, created_at, changed_at, deleted_at, batch, expect)"#,
-            [int 0, text 1, text 2, text 3, text 4, text 5, text 6, int 7, text 8, int 9, text 10, int 11, int 12, int 13,
-             int 14, text 15],
-            r#"ON CONFLICT (id) DO UPDATE SET (name, kind, url, "authorization", secret, old_secret, old_secret_until, filter,
-             enabled, disabled_because, changed_at, deleted_at, batch, expect) =
-            (excluded.name, excluded.kind, excluded.url, excluded."authorization", excluded.secret, excluded.old_secret,
-             excluded.old_secret_until, excluded.filter, excluded.enabled, excluded.disabled_because,
-             excluded.changed_at, excluded.deleted_at, excluded.batch, excluded.expect)"#
-        ),
-        rows,
-    );
 }
 
-const COLUMNS: &str = "SELECT id, name, kind, url, \"authorization\", secret, old_secret, old_secret_until, filter, enabled, \
-                       disabled_because, created_at, changed_at, deleted_at, batch, expect FROM hook";
+/// The secret before, and until when it signs.
+impl Part for Option<(String, UtcMicros)> {
+    fn put(&self, row: &mut Row<'_>) {
+        let (secret, until) = self.clone().unzip();
+        row.put(&secret).put(&until);
+    }
 
-fn hook(row: &impl AnyRow) -> Result<HookRow, StoreError> {
-    let instant = |column: &str| Ok::<_, sqlx::Error>(row.cell::<Option<i64>>(column)?.map(UtcMicros));
-    let old_secret: Option<String> = row.cell("old_secret")?;
-    Ok(HookRow {
-        id: Id(row.cell("id")?),
-        name: row.cell("name")?,
-        kind: row.cell("kind")?,
-        url: row.cell("url")?,
-        authorization: row.cell("authorization")?,
-        secret: row.cell("secret")?,
-        old_secret: old_secret.zip(instant("old_secret_until")?),
-        filter: row.cell("filter")?,
-        batch: row.cell::<i64>("batch")? != 0,
-        expect: row.cell("expect")?,
-        enabled: row.cell::<i64>("enabled")? != 0,
-        disabled_because: row.cell("disabled_because")?,
-        created_at: UtcMicros(row.cell("created_at")?),
-        changed_at: UtcMicros(row.cell("changed_at")?),
-        deleted_at: instant("deleted_at")?,
-    })
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+        let secret: Option<String> = row.part(columns)?;
+        Ok(secret.zip(row.part(&columns[1..])?))
+    }
+}
+
+fn select(then: &str) -> AssertSqlSafe<String> {
+    AssertSqlSafe(format!("SELECT {} FROM hook {then}", HookRow::COLUMNS))
 }
 
 /// Encrypts the secrets of hooks that are to be written, where there is a key.
@@ -138,25 +102,25 @@ pub fn hide(store: &Store, hooks: &mut [HookRow]) -> Result<(), StoreError> {
 
 /// Every hook as it is stored, deleted ones too: its secrets may be encrypted.
 pub(in crate::store) async fn stored(store: &Store) -> Result<Vec<HookRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY id"));
-    on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(hook).collect())
+    let sql = select("ORDER BY id");
+    read!(store, all, sql)
 }
 
 fn shown(store: &Store, row: &impl AnyRow) -> Result<HookRow, StoreError> {
-    let mut hook = hook(row)?;
+    let mut hook = HookRow::get_all(row)?;
     hook.show(&store.secrets)?;
     Ok(hook)
 }
 
 /// Every hook that was not deleted, oldest first.
 pub async fn all(store: &Store) -> Result<Vec<HookRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE deleted_at IS NULL ORDER BY id"));
+    let sql = select("WHERE deleted_at IS NULL ORDER BY id");
     on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(|row| shown(store, row)).collect())
 }
 
 /// A hook, unless it was deleted.
 pub async fn get(store: &Store, id: Id) -> Result<Option<HookRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE id = $1 AND deleted_at IS NULL"));
+    let sql = select("WHERE id = $1 AND deleted_at IS NULL");
     on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(|row| shown(store, row)).transpose())
 }
 
@@ -165,14 +129,14 @@ pub async fn heard_of(store: &Store, alerts: &[Id]) -> Result<Vec<(Id, Id, Strin
     let sql = store.readers.words(listed!("SELECT hook, alert, severity FROM hook_heard WHERE alert"));
     let alerts: Vec<i64> = alerts.iter().map(|alert| alert.0).collect();
     let alerts = serde_json::json!(alerts).to_string();
-    let rows: Vec<(i64, i64, String)> = on!(store.readers, db => sqlx::query_as(sql).bind(alerts).fetch_all(db).await?);
+    let rows: Vec<(i64, i64, String)> = read!(store, query_as.fetch_all, sql, alerts);
     Ok(rows.into_iter().map(|(hook, alert, severity)| (Id(hook), Id(alert), severity)).collect())
 }
 
 /// What a hook has heard last of the alerts that fire, to its knowledge: alert, severity.
 pub async fn heard_by(store: &Store, hook: Id) -> Result<Vec<(Id, String)>, StoreError> {
     let sql = "SELECT alert, severity FROM hook_heard WHERE hook = $1";
-    let rows: Vec<(i64, String)> = on!(store.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_all(db).await?);
+    let rows: Vec<(i64, String)> = read!(store, query_as.fetch_all, sql, hook.0);
     Ok(rows.into_iter().map(|(alert, severity)| (Id(alert), severity)).collect())
 }
 
@@ -182,7 +146,7 @@ pub async fn never_taken(store: &Store, hook: Id) -> Result<HashSet<Id>, StoreEr
                FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step LEFT JOIN delivery_part AS p ON p.delivery = d.id
                WHERE d.hook = $1 AND d.state = 'dead' AND coalesce(d.alert, p.alert) IS NOT NULL
                    AND coalesce(p.action, d.action, s.action) = 'fire'";
-    let dead: Vec<i64> = on!(store.readers, db => sqlx::query_scalar(sql).bind(hook.0).fetch_all(db).await?);
+    let dead: Vec<i64> = read!(store, query_scalar.fetch_all, sql, hook.0);
     if dead.is_empty() {
         return Ok(HashSet::new());
     }
@@ -194,7 +158,7 @@ pub async fn never_taken(store: &Store, hook: Id) -> Result<HashSet<Id>, StoreEr
 pub async fn waiting_alerts(store: &Store, hook: Id) -> Result<HashSet<Id>, StoreError> {
     let sql = "SELECT coalesce(d.alert, p.alert) FROM delivery AS d LEFT JOIN delivery_part AS p ON p.delivery = d.id
                WHERE d.hook = $1 AND d.state IN ('behind', 'waiting') AND coalesce(d.alert, p.alert) IS NOT NULL";
-    let alerts: Vec<i64> = on!(store.readers, db => sqlx::query_scalar(sql).bind(hook.0).fetch_all(db).await?);
+    let alerts: Vec<i64> = read!(store, query_scalar.fetch_all, sql, hook.0);
     Ok(alerts.into_iter().map(Id).collect())
 }
 
@@ -208,8 +172,7 @@ pub async fn delivered_firing(store: &Store, hook: Id) -> Result<Vec<Id>, StoreE
                      SELECT p.alert, p.action, p.delivery FROM delivery_part AS p JOIN delivery AS d ON d.id = p.delivery
                      WHERE p.hook = $1 AND d.state = 'delivered') AS told
                ORDER BY told.id";
-    let told: Vec<(i64, Option<String>)> =
-        on!(store.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_all(db).await?);
+    let told: Vec<(i64, Option<String>)> = read!(store, query_as.fetch_all, sql, hook.0);
     let last: std::collections::BTreeMap<i64, Option<String>> = told.into_iter().collect();
     let fires = last.into_iter().filter(|(_, action)| action.as_deref() != Some("resolve"));
     Ok(fires.map(|(alert, _)| Id(alert)).collect())

@@ -1,19 +1,22 @@
 //! Reading the outbox: what is due, how a hook's queue stands, what became of each delivery.
 
+use sqlx::AssertSqlSafe;
+
 use super::delivery::{AttemptRow, DeliveryRow, DueDelivery, Subject};
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::db::{AnyRow, Readers, Sql, Whole, on};
+use crate::store::db::{Readers, Sql, Whole, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
+use crate::store::rows::{AnyRow, Columns};
 
-fn subject(row: &impl AnyRow) -> Result<Subject, sqlx::Error> {
-    let (step, alert): (Option<i64>, Option<i64>) = (row.cell("step")?, row.cell("alert")?);
-    Ok(match (step.zip(alert), row.cell::<Option<String>>("action")?) {
-        (Some((step, alert)), _) => Subject::Step { step: Id(step), alert: Id(alert) },
-        (None, Some(_)) => Subject::Many,
-        (None, None) => Subject::Test,
+fn subject(row: &impl AnyRow) -> Result<Subject, StoreError> {
+    let (of, action): ([Option<Id>; 2], Option<String>) = (row.part(&["step", "alert"])?, row.part(&["action"])?);
+    Ok(match (of, action) {
+        ([Some(step), Some(alert)], _) => Subject::Step { step, alert },
+        (_, Some(_)) => Subject::Many,
+        (_, None) => Subject::Test,
     })
 }
 
@@ -35,7 +38,7 @@ pub async fn due_of_hook(
     on!(store.readers, db => {
         let query = sqlx::query(sql).bind(hook.0).bind(now.0).bind(horizon.0).bind(Whole(limit));
         let rows = query.fetch_all(db).await?;
-        let mut found: Vec<DueDelivery> = rows.iter().map(|row| Ok(due(row)?)).collect::<Result<_, StoreError>>()?;
+        let mut found: Vec<DueDelivery> = rows.iter().map(due).collect::<Result<_, _>>()?;
         for due in found.iter_mut().filter(|due| due.subject == Subject::Many) {
             due.content = sqlx::query_as(PARTS).bind(due.id.0).fetch_all(db).await?;
         }
@@ -46,8 +49,7 @@ pub async fn due_of_hook(
 /// When the next delivery of a hook is due after `now`; none where nothing waits that is not due already.
 pub async fn next_due(store: &Store, hook: Id, now: UtcMicros) -> Result<Option<UtcMicros>, StoreError> {
     let sql = "SELECT min(due_at) FROM delivery WHERE hook = $1 AND state = 'waiting' AND due_at > $2";
-    let at: Option<i64> =
-        on!(store.readers, db => sqlx::query_scalar(sql).bind(hook.0).bind(now.0).fetch_one(db).await?);
+    let at: Option<i64> = read!(store, query_scalar.fetch_one, sql, hook.0, now.0);
     Ok(at.map(UtcMicros))
 }
 
@@ -55,19 +57,18 @@ const PARTS: &str = "SELECT part.action, coalesce(part.body, step.body)
                      FROM delivery_part AS part LEFT JOIN alert_step AS step ON step.id = part.step
                      WHERE part.delivery = $1 ORDER BY part.place";
 
-fn due(row: &impl AnyRow) -> Result<DueDelivery, sqlx::Error> {
-    let at: Option<i64> = row.cell("at")?;
-    let (action, body): (Option<String>, Option<String>) = (row.cell("action")?, row.cell("body")?);
+fn due(row: &impl AnyRow) -> Result<DueDelivery, StoreError> {
+    let [action, body]: [Option<String>; 2] = row.part(&["action", "body"])?;
     Ok(DueDelivery {
-        id: Id(row.cell("id")?),
-        hook: Id(row.cell("hook")?),
+        id: row.part(&["id"])?,
+        hook: row.part(&["hook"])?,
         subject: subject(row)?,
-        queued_at: UtcMicros(row.cell("queued_at")?),
-        attempts: row.cell::<Whole<u32>>("attempts")?.0,
-        first_attempt_at: row.cell::<Option<i64>>("first_attempt_at")?.map(UtcMicros),
-        at: at.map(UtcMicros),
+        queued_at: row.part(&["queued_at"])?,
+        attempts: row.part(&["attempts"])?,
+        first_attempt_at: row.part(&["first_attempt_at"])?,
+        at: row.part(&["at"])?,
         content: action.zip(body).into_iter().collect(),
-        digest: row.cell("digest")?,
+        digest: row.part(&["digest"])?,
     })
 }
 
@@ -80,8 +81,7 @@ pub async fn queue_state(store: &Store, hook: Id) -> Result<QueueState, StoreErr
     let sql = "SELECT (SELECT count(*) FROM delivery WHERE hook = $1 AND state IN ('behind', 'waiting')),
                       (SELECT count(*) FROM delivery WHERE hook = $1 AND state = 'dead'),
                       (SELECT min(queued_at) FROM delivery WHERE hook = $1 AND state IN ('behind', 'waiting'))";
-    let (open, dead, oldest): (i64, i64, Option<i64>) =
-        on!(store.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_one(db).await?);
+    let (open, dead, oldest): (i64, i64, Option<i64>) = read!(store, query_as.fetch_one, sql, hook.0);
     Ok(QueueState { open, dead, oldest_open: oldest.map(UtcMicros) })
 }
 
@@ -92,8 +92,7 @@ pub async fn outbox_totals(store: &Store) -> Result<QueueState, StoreError> {
                       (SELECT min((SELECT min(queued_at) FROM delivery
                                    WHERE delivery.hook = hook.id AND state IN ('behind', 'waiting')))
                        FROM hook WHERE deleted_at IS NULL AND enabled = 1)";
-    let (open, dead, oldest): (i64, i64, Option<i64>) =
-        on!(store.readers, db => sqlx::query_as(sql).fetch_one(db).await?);
+    let (open, dead, oldest): (i64, i64, Option<i64>) = read!(store, query_as.fetch_one, sql);
     Ok(QueueState { open, dead, oldest_open: oldest.map(UtcMicros) })
 }
 
@@ -105,7 +104,7 @@ pub async fn of_hook(
     before: Option<Id>,
     limit: u32,
 ) -> Result<Vec<DeliveryRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!(
+    let sql = AssertSqlSafe(format!(
         "{COLUMNS} WHERE d.hook = $1 AND d.id < $2 AND ($3 IS NULL OR d.state = $3) ORDER BY d.id DESC LIMIT $4"
     ));
     let (before, state) = (before.map_or(i64::MAX, |id| id.0), state.map(DeliveryState::name));
@@ -116,8 +115,8 @@ pub async fn of_hook(
             let rows = query.fetch_all(&mut *snapshot).await?;
             let mut deliveries: Vec<DeliveryRow> = rows.iter().map(delivery).collect::<Result<_, _>>()?;
             for delivery in &mut deliveries {
-                let made = sqlx::query_as(ATTEMPTS).bind(delivery.id.0).fetch_all(&mut *snapshot).await?;
-                delivery.attempts = attempts(delivery.id, made);
+                let made = sqlx::query(attempts()).bind(delivery.id.0).fetch_all(&mut *snapshot).await?;
+                delivery.attempts = made.iter().map(Columns::get_all).collect::<Result<_, _>>()?;
             }
             Ok(deliveries)
         })
@@ -127,14 +126,15 @@ pub async fn of_hook(
 
 /// A delivery with its attempts, both as of one moment: an attempt that is written meanwhile is in neither.
 pub async fn get(store: &Store, id: Id) -> Result<Option<DeliveryRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE d.id = $1"));
+    let sql = AssertSqlSafe(format!("{COLUMNS} WHERE d.id = $1"));
     let read = async {
         on!(store.readers, db => {
             let mut snapshot = db.begin_with(store.readers.words(SNAPSHOT)).await?;
             let query = sqlx::query(sql).bind(id.0);
             let Some(row) = query.fetch_optional(&mut *snapshot).await? else { return Ok(None) };
-            let made = sqlx::query_as(ATTEMPTS).bind(id.0).fetch_all(&mut *snapshot).await?;
-            Ok(Some(DeliveryRow { attempts: attempts(id, made), ..delivery(&row)? }))
+            let made = sqlx::query(attempts()).bind(id.0).fetch_all(&mut *snapshot).await?;
+            let attempts = made.iter().map(Columns::get_all).collect::<Result<_, _>>()?;
+            Ok(Some(DeliveryRow { attempts, ..delivery(&row)? }))
         })
     };
     store.readers.within_limit(read).await
@@ -143,38 +143,21 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<DeliveryRow>, StoreErro
 /// What several queries see is of one moment.
 const SNAPSHOT: Sql = Sql { sqlite: "BEGIN", postgres: "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY" };
 
-const ATTEMPTS: &str =
-    "SELECT id, at, status, detail, took_us, answer FROM delivery_attempt WHERE delivery = $1 ORDER BY id";
-
-type Attempt = (i64, i64, Option<Whole<u16>>, String, i64, Option<String>);
-
-fn attempts(delivery: Id, made: Vec<Attempt>) -> Vec<AttemptRow> {
-    let attempt = |(id, at, status, detail, took_us, answer): Attempt| AttemptRow {
-        id: Id(id),
-        delivery,
-        at: UtcMicros(at),
-        status: status.map(|status| status.0),
-        detail,
-        answer,
-        took_us,
-    };
-    made.into_iter().map(attempt).collect()
+fn attempts() -> AssertSqlSafe<String> {
+    AssertSqlSafe(format!("SELECT {} FROM delivery_attempt WHERE delivery = $1 ORDER BY id", AttemptRow::COLUMNS))
 }
 
 fn delivery(row: &impl AnyRow) -> Result<DeliveryRow, StoreError> {
-    let id = Id(row.cell("id")?);
-    let state: String = row.cell("state")?;
     Ok(DeliveryRow {
-        id,
-        hook: Id(row.cell("hook")?),
+        id: row.part(&["id"])?,
+        hook: row.part(&["hook"])?,
         subject: subject(row)?,
-        action: row.cell("action")?,
-        alert: row.cell::<Option<i64>>("first")?.map(Id),
-        queued_at: UtcMicros(row.cell("queued_at")?),
-        state: DeliveryState::from_name(&state)
-            .ok_or_else(|| StoreError::Damaged(format!("delivery {id}: unknown state")))?,
-        due_at: UtcMicros(row.cell("due_at")?),
-        finished_at: row.cell::<Option<i64>>("finished_at")?.map(UtcMicros),
+        action: row.part(&["action"])?,
+        alert: row.part(&["first"])?,
+        queued_at: row.part(&["queued_at"])?,
+        state: row.part(&["state"]).map_err(|error| error.of("delivery"))?,
+        due_at: row.part(&["due_at"])?,
+        finished_at: row.part(&["finished_at"])?,
         attempts: Vec::new(),
     })
 }
@@ -194,6 +177,6 @@ pub async fn gyros_of(store: &Store, deliveries: &[Id]) -> Result<Vec<u32>, Stor
         Readers::Sqlite(_) => format!("[{}]", ids.join(",")),
         Readers::Postgres(_) => format!("{{{}}}", ids.join(",")),
     };
-    let found: Vec<Whole<u32>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(array).fetch_all(db).await?);
+    let found: Vec<Whole<u32>> = read!(store, query_scalar.fetch_all, sql, array);
     Ok(found.into_iter().map(|gyro| gyro.0).collect())
 }

@@ -2,26 +2,39 @@
 
 use std::sync::Arc;
 
+use sqlx::AssertSqlSafe;
+
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::time::{Span, UtcMicros};
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{AnyRow, Readers, Sql, Whole, cell, insert, listed, on};
+use crate::store::batch::{Batch, OnConflict};
+use crate::store::columns::columns;
+use crate::store::db::{Readers, Sql, Whole, listed, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::packed::text;
 use crate::store::packed::verdicts::VerdictSheet;
+use crate::store::rows::{AnyRow, CellKind, Column, Columns, Row, Rows};
 use crate::store::tables::names::look_up_numbers;
 
-fn kind_code(kind: Kind) -> i64 {
+fn code(kind: Kind) -> i64 {
     match kind {
         Kind::Record => 0,
         Kind::Campaign => 1,
     }
 }
 
-fn kind_of(code: i64) -> Option<Kind> {
-    [Kind::Record, Kind::Campaign].into_iter().find(|kind| kind_code(*kind) == code)
+impl Column for Kind {
+    type Stored = i64;
+    const KIND: CellKind = CellKind::Integer;
+
+    fn put_one(&self, row: &mut Row<'_>) {
+        row.integer(code(*self));
+    }
+
+    fn of(stored: i64) -> Option<Self> {
+        [Self::Record, Self::Campaign].into_iter().find(|kind| code(*kind) == stored)
+    }
 }
 
 /// One record with its verdicts.
@@ -69,6 +82,13 @@ pub struct RecordEntry {
     pub voided: bool,
 }
 
+columns! {
+    RecordHead in "record" { id, kind, station, calibrated_at }
+}
+columns! {
+    RecordEntry in "record" { id, kind, imu, station, calibrated_at, received_at, voided }
+}
+
 /// What a list of records is narrowed down to.
 #[derive(Debug, Clone, Copy)]
 pub struct RecordFilter {
@@ -93,32 +113,18 @@ pub(crate) fn insert(records: &[RecordRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for record in records {
         let (body, packed) = text::pack(&record.body);
-        rows.row()
-            .integer(record.id.0)
-            .integer(kind_code(record.kind))
-            .integer(i64::from(record.imu))
-            .integer(i64::from(record.station))
-            .integer(record.calibrated_at.0)
-            .integer(record.received_at.0)
-            .bytes(body.as_bytes())
-            .bytes(&record.body_sha256)
-            .written(|out| record.verdicts.pack(record.id, out))
-            .integer(if record.voided { record.id.0 } else { 0 })
-            .optional(record.notes.as_deref())
-            .optional_integer(record.sent_by.map(|line| line.0))
-            .real(record.temperature_c)
-            .optional(packed);
+        let mut row = rows.row();
+        row.put(&record.id).put(&record.kind).put(&record.imu).put(&record.station).put(&record.calibrated_at);
+        row.put(&record.received_at).words(body).put(&record.body_sha256);
+        row.written(|out| record.verdicts.pack(record.id, out)).integer(if record.voided { record.id.0 } else { 0 });
+        row.optional_words(record.notes.as_deref()).put(&record.sent_by).put(&record.temperature_c);
+        row.optional_bytes(packed.as_deref());
     }
-    batch.add(
-        insert!(
-            "record (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, voided, notes,
-                     sent_by, temperature_c, packed)",
-            [int 0, int 1, int 2, int 3, int 4, int 5, words 6 7, blob 8 9, blob 10 11, int 12, words 13 14, int 15,
-             real 16, blob 17 18]
-        ),
-        rows,
-    );
+    batch.insert("record", COLUMNS, OnConflict::Fail, rows);
 }
+
+const COLUMNS: &str = "id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, voided, notes, \
+                       sent_by, temperature_c, packed";
 
 /// The verdicts of a stored record, some of them new, beside those that were there. They are of several gyros, which
 /// may be at home in different cells: whoever changes those of one must not undo what others have made of another.
@@ -131,7 +137,7 @@ pub struct RejudgedSheet {
 pub(crate) fn update_verdicts(sheets: &[(Id, RejudgedSheet)], batch: &mut Batch) {
     let mut rows = Rows::default();
     for (id, RejudgedSheet { sheet, packed_before }) in sheets {
-        rows.row().integer(id.0).written(|out| sheet.pack(*id, out)).bytes(packed_before);
+        rows.row().put(id).written(|out| sheet.pack(*id, out)).bytes(packed_before);
     }
     batch.add_to_all(
         Sql {
@@ -146,30 +152,26 @@ pub(crate) fn update_verdicts(sheets: &[(Id, RejudgedSheet)], batch: &mut Batch)
 }
 
 fn row(row: &impl AnyRow) -> Result<RecordRow, StoreError> {
-    let id = Id(row.cell("id")?);
-    let damaged = |what: &str| StoreError::Damaged(format!("record {id}: {what}"));
-    let (hash, verdicts): (Vec<u8>, Vec<u8>) = (row.cell("body_sha256")?, row.cell("verdicts")?);
+    let id: Id = row.part(&["id"])?;
     Ok(RecordRow {
         id,
-        kind: kind_of(row.cell("kind")?).ok_or_else(|| damaged("unknown kind"))?,
-        imu: row.cell::<Whole<u32>>("imu")?.0,
-        station: row.cell::<Whole<u32>>("station")?.0,
-        calibrated_at: UtcMicros(row.cell("calibrated_at")?),
-        received_at: UtcMicros(row.cell("received_at")?),
+        kind: row.part(&["kind"])?,
+        imu: row.part(&["imu"])?,
+        station: row.part(&["station"])?,
+        calibrated_at: row.part(&["calibrated_at"])?,
+        received_at: row.part(&["received_at"])?,
         body: text::unpack(row.cell("body")?, row.cell("packed")?, || format!("record {id}"))?.into(),
-        body_sha256: hash.try_into().map_err(|_| damaged("its hash has not 32 bytes"))?,
-        verdicts: VerdictSheet::unpack(id, &verdicts)?,
-        voided: row.cell::<i64>("voided")? != 0,
-        notes: row.cell::<Option<String>>("notes")?.map(Into::into),
-        sent_by: row.cell::<Option<i64>>("sent_by")?.map(Id),
-        temperature_c: row.cell("temperature_c")?,
+        body_sha256: row.part(&["body_sha256"])?,
+        verdicts: VerdictSheet::unpack(id, &row.cell::<Vec<u8>>("verdicts")?)?,
+        voided: row.part(&["voided"])?,
+        notes: row.part(&["notes"])?,
+        sent_by: row.part(&["sent_by"])?,
+        temperature_c: row.part(&["temperature_c"])?,
     })
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<RecordRow>, StoreError> {
-    let sql = "SELECT id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts,
-                      voided, notes, sent_by, temperature_c, packed
-               FROM record WHERE id = $1";
+    let sql = AssertSqlSafe(format!("SELECT {COLUMNS} FROM record WHERE id = $1"));
     let found = on!(store.readers, db => {
         sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(row).transpose()?
     });
@@ -182,8 +184,7 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<RecordRow>, StoreError>
 
 /// Every record, in order of arrival.
 pub async fn ids(store: &Store) -> Result<Vec<Id>, StoreError> {
-    let ids: Vec<i64> =
-        on!(store.readers, db => sqlx::query_scalar("SELECT id FROM record ORDER BY id").fetch_all(db).await?);
+    let ids: Vec<i64> = read!(store, query_scalar.fetch_all, "SELECT id FROM record ORDER BY id");
     Ok(ids.into_iter().map(Id).collect())
 }
 
@@ -198,7 +199,7 @@ pub async fn at(store: &Store, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>,
                    WHERE imu = $1 AND calibrated_at = $2 AND $3 IS NULL ORDER BY voided",
     });
     let found: Vec<(i64, Whole<u32>, i64, Vec<u8>, bool)> =
-        on!(store.readers, db => sqlx::query_as(sql).bind(Whole(imu)).bind(at.0).bind(waiting).fetch_all(db).await?);
+        read!(store, query_as.fetch_all, sql, Whole(imu), at.0, waiting);
     let found = found.into_iter().map(|(id, Whole(of), then, hash, voided)| {
         let found = RecordAt { id: Id(id), hash, voided };
         let is_here = (of, UtcMicros(then)) == (imu, at);
@@ -250,8 +251,7 @@ pub fn newest_in_file(store: &Store, imu: u32) -> Option<UtcMicros> {
 /// Which IMU and gyros a record is of, where there is such a record.
 pub async fn whose(store: &Store, id: Id) -> Result<Option<(u32, Vec<u32>)>, StoreError> {
     let sql = "SELECT imu, verdicts FROM record WHERE id = $1";
-    let found: Option<(Whole<u32>, Vec<u8>)> =
-        on!(store.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
+    let found: Option<(Whole<u32>, Vec<u8>)> = read!(store, query_as.fetch_optional, sql, id.0);
     let whose = |(Whole(imu), verdicts): (Whole<u32>, Vec<u8>)| {
         let sheet = VerdictSheet::unpack(id, &verdicts)?;
         Ok((imu, sheet.0.into_iter().map(|(gyro, _)| gyro).collect()))
@@ -266,7 +266,7 @@ pub async fn verdict_sheet(store: &Store, id: Id) -> Result<Option<VerdictSheet>
 /// As [`verdict_sheet`], to be changed.
 pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSheet>, StoreError> {
     let sql = "SELECT verdicts FROM record WHERE id = $1";
-    let found: Option<Vec<u8>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(id.0).fetch_optional(db).await?);
+    let found: Option<Vec<u8>> = read!(store, query_scalar.fetch_optional, sql, id.0);
     let sheet =
         |packed_before: Vec<u8>| Ok(RejudgedSheet { sheet: VerdictSheet::unpack(id, &packed_before)?, packed_before });
     found.map(sheet).transpose()
@@ -278,8 +278,7 @@ pub async fn verdict_sheets(
     records: impl Iterator<Item = Id>,
 ) -> Result<Vec<(Id, VerdictSheet)>, StoreError> {
     let sql = store.readers.words(listed!("SELECT id, verdicts FROM record WHERE id"));
-    let rows: Vec<(i64, Vec<u8>)> =
-        on!(store.readers, db => sqlx::query_as(sql).bind(json_of(records)).fetch_all(db).await?);
+    let rows: Vec<(i64, Vec<u8>)> = read!(store, query_as.fetch_all, sql, json_of(records));
     rows.into_iter().map(|(id, bytes)| Ok((Id(id), VerdictSheet::unpack(Id(id), &bytes)?))).collect()
 }
 
@@ -307,14 +306,7 @@ pub async fn of_imu_before(
                    AND $3 IS NOT NULL AND calibrated_at < $4 ORDER BY calibrated_at DESC LIMIT $2",
     });
     let (limit, waiting) = (Whole(limit), json_of(waiting));
-    let rows: Vec<(i64, i64, Whole<u32>, i64)> = on!(store.readers, db => {
-        sqlx::query_as(sql).bind(Whole(imu)).bind(limit).bind(waiting).bind(before.0).fetch_all(db).await?
-    });
-    let head = |(id, kind, Whole(station), at)| {
-        let kind = kind_of(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
-        Ok(RecordHead { id: Id(id), kind, station, calibrated_at: UtcMicros(at) })
-    };
-    rows.into_iter().map(head).collect()
+    read!(store, all, sql, Whole(imu), limit, waiting, before.0)
 }
 
 /// Records and campaigns, the last to arrive first, from the one before `before` on, as many as `limit`.
@@ -337,16 +329,16 @@ pub async fn listed(
             }),
         ),
     };
-    let sql = sqlx::AssertSqlSafe(format!(
-        "SELECT id, kind, imu, station, calibrated_at, received_at, voided <> 0 FROM record
+    let sql = AssertSqlSafe(format!(
+        "SELECT {} FROM record
          WHERE {order} < $1 AND ($2 IS NULL OR kind = $2) AND {of_imu} AND ($5 IS NULL OR station = $5)
              AND calibrated_at BETWEEN $6 AND $7
-         ORDER BY {order} DESC LIMIT $8"
+         ORDER BY {order} DESC LIMIT $8",
+        RecordEntry::COLUMNS
     ));
-    type Row = (i64, i64, Whole<u32>, Whole<u32>, i64, i64, bool);
-    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql)
+    let found: Vec<RecordEntry> = on!(store.readers, db => sqlx::query(sql)
         .bind(before.0)
-        .bind(filter.kind.map(kind_code))
+        .bind(filter.kind.map(code))
         .bind(filter.imu.map(Whole))
         .bind(json_of(waiting))
         .bind(filter.station.map(Whole))
@@ -354,15 +346,10 @@ pub async fn listed(
         .bind(filter.calibrated.to.0)
         .bind(Whole(limit))
         .fetch_all(db)
-        .await?);
-    let names = [rows.iter().map(|row| row.2.0).collect(), rows.iter().map(|row| row.3.0).collect(), Vec::new()];
+        .await?.iter().map(Columns::get_all).collect::<Result<_, _>>()?);
+    let names = [found.iter().map(|one| one.imu).collect(), found.iter().map(|one| one.station).collect(), Vec::new()];
     look_up_numbers(store, names).await?;
-    let entry = |(id, kind, Whole(imu), Whole(station), calibrated_at, received_at, voided): Row| {
-        let kind = kind_of(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
-        let (calibrated_at, received_at) = (UtcMicros(calibrated_at), UtcMicros(received_at));
-        Ok(RecordEntry { id: Id(id), kind, imu, station, calibrated_at, received_at, voided })
-    };
-    rows.into_iter().map(entry).collect()
+    Ok(found)
 }
 
 fn json_of(ids: impl IntoIterator<Item = Id>) -> String {

@@ -1,12 +1,16 @@
 //! Records whose time is in doubt: kept as those that were voided are, until somebody confirms it.
 
+use sqlx::AssertSqlSafe;
+
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Sql, Whole, among, cell, insert, on};
+use crate::store::batch::{Batch, OnConflict};
+use crate::store::columns::columns;
+use crate::store::db::{Sql, Whole, among, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::packed::history_row::{self, HistoryRow};
+use crate::store::rows::{Columns, Rows};
 
 /// What a transaction sets aside.
 #[derive(Debug, Default)]
@@ -34,12 +38,13 @@ pub struct ConfirmationRow {
     pub reason: String,
 }
 
+columns! {
+    ConfirmationRow in "confirmation" { record, at, author, reason }
+}
+
 /// After the records themselves have been written.
 pub(crate) fn insert(set_aside: &SetAside, batch: &mut Batch) {
-    batch.add(
-        insert!("voided_history (gyro, calibrated_at, record, figures)", [int 0, int 1, int 2, blob 3 4]),
-        history_row::rows(set_aside.history.iter()),
-    );
+    history_row::void(&set_aside.history, batch);
     // It may have been confirmed before.
     if !set_aside.stored.is_empty() {
         batch.add(
@@ -62,10 +67,10 @@ pub(crate) fn confirm<'a>(
         among!("UPDATE record SET voided = 0 WHERE id"),
         Rows::of(confirmed.iter().map(|confirmed| confirmed.record.0)),
     );
-    let (mut keys, mut said) = (Rows::default(), Rows::default());
+    let mut keys = Rows::default();
     let is_confirmed = |row: &&HistoryRow| confirmed.iter().any(|it| it.record == row.figures.record);
     for HistoryRow { gyro, figures } in rows.filter(is_confirmed) {
-        keys.row().integer(i64::from(*gyro)).integer(figures.at.0).integer(figures.record.0);
+        keys.row().put(gyro).put(&figures.at).put(&figures.record);
     }
     batch.add(
         Sql {
@@ -76,17 +81,14 @@ pub(crate) fn confirm<'a>(
         },
         keys,
     );
-    for ConfirmationRow { record, at, author, reason } in confirmed {
-        said.row().integer(record.0).integer(at.0).text(author).text(reason);
-    }
-    batch.add(insert!("confirmation (record, at, author, reason)", [int 0, int 1, text 2, text 3]), said);
+    batch.enter(confirmed, OnConflict::Fail);
 }
 
 /// Enters what is noted about stored records in the place of what was noted before.
 pub(crate) fn note(noted: &[(Id, String)], batch: &mut Batch) {
     let mut rows = Rows::default();
     for (record, notes) in noted {
-        rows.row().integer(record.0).bytes(notes.as_bytes());
+        rows.row().put(record).words(notes);
     }
     batch.add(
         Sql {
@@ -102,17 +104,15 @@ pub(crate) fn note(noted: &[(Id, String)], batch: &mut Batch) {
 
 /// Who confirmed the time of a record that was set aside.
 pub async fn confirmation(store: &Store, record: Id) -> Result<Option<ConfirmationRow>, StoreError> {
-    let sql = "SELECT at, author, reason FROM confirmation WHERE record = $1";
-    let row: Option<(i64, String, String)> =
-        on!(store.readers, db => sqlx::query_as(sql).bind(record.0).fetch_optional(db).await?);
-    Ok(row.map(|(at, author, reason)| ConfirmationRow { record, at: UtcMicros(at), author, reason }))
+    let sql = AssertSqlSafe(format!("SELECT {} FROM confirmation WHERE record = $1", ConfirmationRow::COLUMNS));
+    read!(store, first, sql, record.0)
 }
 
 /// Whether a record is set aside until somebody confirms its time.
 pub async fn is_set_aside(store: &Store, record: Id) -> Result<bool, StoreError> {
     let sql = "SELECT count(*) > 0 FROM record WHERE id = $1 AND voided <> 0
                AND NOT EXISTS (SELECT 1 FROM correction WHERE item = record.id)";
-    Ok(on!(store.readers, db => sqlx::query_scalar(sql).bind(record.0).fetch_one(db).await?))
+    Ok(read!(store, query_scalar.fetch_one, sql, record.0))
 }
 
 /// The records of a gyro that are set aside, oldest first.
@@ -120,6 +120,6 @@ pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<(Id, UtcMicros)>, S
     let sql = "SELECT record, calibrated_at FROM voided_history WHERE gyro = $1
                AND NOT EXISTS (SELECT 1 FROM correction WHERE item = voided_history.record)
                ORDER BY calibrated_at, record";
-    let rows: Vec<(i64, i64)> = on!(store.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
+    let rows: Vec<(i64, i64)> = read!(store, query_as.fetch_all, sql, Whole(gyro));
     Ok(rows.into_iter().map(|(record, at)| (Id(record), UtcMicros(at))).collect())
 }

@@ -1,12 +1,15 @@
 //! Windows of time in which what a station measured is suspect, mark by mark.
 
+use sqlx::AssertSqlSafe;
+
 use crate::core::id::Id;
 use crate::core::suspect_window::{Mark, SuspectWindow};
-use crate::core::time::{Span, UtcMicros};
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{AnyRow, Whole, cell, insert, listed, on};
+use crate::core::time::Span;
+use crate::store::columns::columns;
+use crate::store::db::{LISTED, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
+use crate::store::rows::{AnyRow, Columns, Part, Row};
 
 /// How somebody marked a window of a station.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,25 +19,24 @@ pub struct WindowMarkRow {
     pub mark: Mark,
 }
 
-pub(crate) fn insert(marks: &[WindowMarkRow], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for WindowMarkRow { id, station, mark: Mark { window, trusted } } in marks {
-        rows.row()
-            .integer(id.0)
-            .integer(i64::from(*station))
-            .integer(window.span.from.0)
-            .integer(window.span.to.0)
-            .integer(i64::from(*trusted))
-            .text(&window.author)
-            .text(&window.reason);
+columns! {
+    WindowMarkRow in "suspect_window" { id, station, mark: ["first_at", "last_at", "author", "reason", "trusted"] }
+}
+
+impl Part for Mark {
+    fn put(&self, row: &mut Row<'_>) {
+        let Self { window: SuspectWindow { span, author, reason }, trusted } = self;
+        row.put(&span.from).put(&span.to).put(author).put(reason).put(trusted);
     }
-    batch.add(
-        insert!(
-            "suspect_window (id, station, first_at, last_at, trusted, author, reason)",
-            [int 0, int 1, int 2, int 3, int 4, text 5, text 6]
-        ),
-        rows,
-    );
+
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+        let [from, to] = row.part(&columns[..2])?;
+        let [author, reason] = row.part(&columns[2..4])?;
+        Ok(Self {
+            window: SuspectWindow { span: Span { from, to }, author, reason },
+            trusted: row.part(&columns[4..])?,
+        })
+    }
 }
 
 /// Every mark of these stations, oldest first.
@@ -42,22 +44,8 @@ pub async fn of_stations(store: &Store, stations: &[u32]) -> Result<Vec<WindowMa
     if stations.is_empty() {
         return Ok(Vec::new());
     }
-    let sql = store.readers.words(listed!(
-        "SELECT id, station, first_at, last_at, trusted, author, reason FROM suspect_window WHERE station",
-        " ORDER BY id"
-    ));
+    let (columns, those) = (WindowMarkRow::COLUMNS, store.readers.words(LISTED));
+    let sql = AssertSqlSafe(format!("SELECT {columns} FROM suspect_window WHERE station IN ({those}) ORDER BY id"));
     let stations = serde_json::json!(stations).to_string();
-    on!(store.readers, db => sqlx::query(sql).bind(stations).fetch_all(db).await?.iter().map(row_of).collect())
-}
-
-fn row_of(row: &impl AnyRow) -> Result<WindowMarkRow, StoreError> {
-    let span = Span { from: UtcMicros(row.cell("first_at")?), to: UtcMicros(row.cell("last_at")?) };
-    Ok(WindowMarkRow {
-        id: Id(row.cell("id")?),
-        station: row.cell::<Whole<u32>>("station")?.0,
-        mark: Mark {
-            window: SuspectWindow { span, author: row.cell("author")?, reason: row.cell("reason")? },
-            trusted: row.cell::<i64>("trusted")? != 0,
-        },
-    })
+    read!(store, all, sql, stations)
 }

@@ -12,10 +12,11 @@ use sqlx::SqliteConnection;
 
 use crate::core::figures::Figures;
 use crate::core::time::Span;
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Sql, cell, insert};
+use crate::store::batch::{Batch, OnConflict};
+use crate::store::db::Sql;
 use crate::store::error::StoreError;
 use crate::store::packed::history_row::{self, HistoryRow, PACKED_LEN};
+use crate::store::rows::Rows;
 use crate::store::sqlite::write_behind::queues::Waiting;
 
 const GYRO_LEN: usize = 4;
@@ -95,7 +96,7 @@ impl Tail {
                     figures.pack(*gyro, out);
                 }
             });
-            batch.add(insert!("history_log (id, rows)", [int 0, blob 1 2]), entry);
+            batch.insert("history_log", "id, rows", OnConflict::Fail, entry);
         }
         if !fold.0.is_empty() {
             history_row::upsert(self.rows_of(fold).iter(), batch);

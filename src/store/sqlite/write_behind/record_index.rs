@@ -13,9 +13,10 @@ use sqlx::SqliteConnection;
 
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Sql, Whole, cell, insert};
+use crate::store::batch::{Batch, OnConflict};
+use crate::store::db::{Sql, Whole};
 use crate::store::error::StoreError;
+use crate::store::rows::Rows;
 use crate::store::sqlite::write_behind::queues::Waiting;
 
 /// A record that waits.
@@ -194,7 +195,7 @@ const CONFIRM: &str = "UPDATE calendar SET voided = 0
 fn enter(entries: impl Iterator<Item = (u32, Entry, i64)>, batch: &mut Batch) {
     let mut rows = Rows::default();
     for (imu, entry, voided) in entries {
-        rows.row().integer(i64::from(imu)).integer(entry.at.0).integer(voided).integer(entry.record.0);
+        rows.row().put(&imu).put(&entry.at).integer(voided).put(&entry.record);
     }
-    batch.add(insert!("calendar (imu, calibrated_at, voided, record)", [int 0, int 1, int 2, int 3]), rows);
+    batch.insert("calendar", "imu, calibrated_at, voided, record", OnConflict::Fail, rows);
 }

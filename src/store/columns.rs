@@ -1,0 +1,144 @@
+//! The columns of a table, each named once: by the type of its rows, which are written and read by that list.
+
+use std::sync::Arc;
+
+use super::error::StoreError;
+use super::rows::{AnyRow, CellKind, Column, Part, Row};
+use crate::core::id::Id;
+use crate::core::judge::Measured;
+use crate::core::named::Named;
+use crate::core::time::UtcMicros;
+
+/// `columns! { Row in "table" { id, place: ["x", "y"] } }`: each member of a type with its columns, which is one of the
+/// same name unless others are given.
+macro_rules! columns {
+    ($row:ident in $table:literal { $($member:ident $(: [$($column:literal),+])?),+ $(,)? }) => {
+        impl $crate::store::rows::Columns for $row {
+            const TABLE: &'static str = $table;
+            const COLUMNS: &'static str =
+                concat!($(", ", columns!(@listed $member $($($column)+)?)),+).split_at(", ".len()).1;
+
+            fn put_all(&self, row: &mut $crate::store::rows::Row<'_>) {
+                $(row.put(&self.$member);)+
+            }
+
+            fn get_all(row: &impl $crate::store::rows::AnyRow) -> Result<Self, $crate::store::error::StoreError> {
+                Ok(Self { $($member: row.part(&columns!(@names $member $($($column)+)?)).map_err(|error| error.of($table))?),+ })
+            }
+        }
+    };
+    (@listed $member:ident) => { stringify!($member) };
+    (@listed $member:ident $first:literal $($column:literal)*) => { concat!($first $(, ", ", $column)*) };
+    (@names $member:ident) => { [stringify!($member)] };
+    (@names $member:ident $($column:literal)+) => { [$($column),+] };
+}
+
+pub(super) use columns;
+
+fn damaged(column: &str) -> StoreError {
+    StoreError::Damaged(format!("unknown {column}"))
+}
+
+impl<C: Column> Part for C {
+    fn put(&self, row: &mut Row<'_>) {
+        self.put_one(row);
+    }
+
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+        Self::of(row.cell(columns[0])?).ok_or_else(|| damaged(columns[0]))
+    }
+}
+
+impl<C: Column> Part for Option<C> {
+    fn put(&self, row: &mut Row<'_>) {
+        match self {
+            Some(value) => value.put_one(row),
+            None => _ = row.null(C::KIND),
+        }
+    }
+
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+        let stored: Option<C::Stored> = row.cell(columns[0])?;
+        stored.map(|stored| C::of(stored).ok_or_else(|| damaged(columns[0]))).transpose()
+    }
+}
+
+/// As many columns each.
+impl<P: Part, const N: usize> Part for [P; N] {
+    fn put(&self, row: &mut Row<'_>) {
+        self.iter().for_each(|part| part.put(row));
+    }
+
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+        let each = columns.len() / N;
+        let parts: Vec<P> = columns.chunks(each).map(|columns| P::get(row, columns)).collect::<Result<_, _>>()?;
+        parts.try_into().map_err(|_| damaged(columns[0]))
+    }
+}
+
+macro_rules! column {
+    ($of:ty as $stored:ty, $kind:ident: $put:expr, $get:expr) => {
+        impl Column for $of {
+            type Stored = $stored;
+            const KIND: CellKind = CellKind::$kind;
+
+            fn put_one(&self, row: &mut Row<'_>) {
+                let put: fn(&Self, &mut Row<'_>) = $put;
+                put(self, row);
+            }
+
+            fn of(stored: $stored) -> Option<Self> {
+                let get: fn($stored) -> Option<Self> = $get;
+                get(stored)
+            }
+        }
+    };
+}
+
+column!(i64 as i64, Integer: |value, row| _ = row.integer(*value), Some);
+column!(u32 as i64, Integer: |value, row| _ = row.integer(i64::from(*value)), |value| value.try_into().ok());
+column!(u16 as i64, Integer: |value, row| _ = row.integer(i64::from(*value)), |value| value.try_into().ok());
+column!(usize as i64, Integer: |value, row| _ = row.integer(*value as i64), |value| value.try_into().ok());
+column!(bool as i64, Integer: |value, row| _ = row.integer(i64::from(*value)), |value| Some(value != 0));
+column!(Id as i64, Integer: |value, row| _ = row.integer(value.0), |value| Some(Self(value)));
+column!(UtcMicros as i64, Integer: |value, row| _ = row.integer(value.0), |value| Some(Self(value)));
+column!(f64 as f64, Real: |value, row| _ = row.real(*value), Some);
+column!(String as String, Text: |value, row| _ = row.text(value), Some);
+column!(Arc<str> as String, Text: |value, row| _ = row.text(value), |value| Some(value.into()));
+
+impl<N: Named> Column for N {
+    type Stored = String;
+    const KIND: CellKind = CellKind::Text;
+
+    fn put_one(&self, row: &mut Row<'_>) {
+        row.text(Named::name(*self));
+    }
+
+    fn of(stored: String) -> Option<Self> {
+        Named::from_name(&stored)
+    }
+}
+
+/// A checksum.
+impl Part for [u8; 32] {
+    fn put(&self, row: &mut Row<'_>) {
+        row.bytes(self);
+    }
+
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+        let bytes: Vec<u8> = row.cell(columns[0])?;
+        bytes.try_into().map_err(|_| damaged(columns[0]))
+    }
+}
+
+/// A figure and its standard deviation.
+impl Part for Option<Measured> {
+    fn put(&self, row: &mut Row<'_>) {
+        row.put(&self.map(|measured| measured.value)).put(&self.and_then(|measured| measured.sd));
+    }
+
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError> {
+        let [value, sd]: [Option<f64>; 2] = row.part(columns)?;
+        Ok(value.map(|value| Measured { value, sd }))
+    }
+}

@@ -1,0 +1,302 @@
+//! Rows on their way into the database and out of it, cell by cell.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use rusqlite::CachedStatement;
+use rusqlite::types::{ToSqlOutput, ValueRef};
+use sqlx::postgres::PgRow;
+use sqlx::sqlite::SqliteRow;
+use sqlx::{Decode, Postgres, Row as _, Sqlite, Type};
+
+use super::error::StoreError;
+
+/// A row of a table, made by [`columns`](super::columns).
+pub(crate) trait Columns: Sized {
+    const TABLE: &'static str;
+    /// As SQL lists them.
+    const COLUMNS: &'static str;
+
+    fn put_all(&self, row: &mut Row<'_>);
+
+    fn get_all(row: &impl AnyRow) -> Result<Self, StoreError>;
+}
+
+/// What one column holds.
+pub(crate) trait Column: Sized {
+    /// As the database has it.
+    type Stored: Stored;
+    const KIND: CellKind;
+
+    fn put_one(&self, row: &mut Row<'_>);
+
+    /// None of what the database should not hold.
+    fn of(stored: Self::Stored) -> Option<Self>;
+}
+
+/// What some columns hold together, often but one.
+pub(crate) trait Part: Sized {
+    fn put(&self, row: &mut Row<'_>);
+
+    fn get(row: &impl AnyRow, columns: &[&'static str]) -> Result<Self, StoreError>;
+}
+
+/// The rows of one statement.
+#[derive(Debug, Default)]
+pub(crate) struct Rows {
+    cells: Vec<Cell>,
+    /// How many cells there are at the end of each row.
+    pub(super) ends: Vec<usize>,
+    pub(super) bytes: Vec<u8>,
+}
+
+#[derive(Debug)]
+pub(super) enum Cell {
+    Null(CellKind),
+    Integer(i64),
+    Real(f64),
+    Text(String),
+    /// Of the rows' bytes, or text there. In JSON it takes two places: where it begins (counting from 1), and its length.
+    Bytes(Range<usize>),
+    Words(Range<usize>),
+}
+
+/// What a cell is, or would be if it were not null.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CellKind {
+    Integer,
+    Real,
+    Text,
+    Bytes,
+    Words,
+}
+
+impl Cell {
+    fn kind(&self) -> CellKind {
+        match self {
+            Self::Null(kind) => *kind,
+            Self::Integer(_) => CellKind::Integer,
+            Self::Real(_) => CellKind::Real,
+            Self::Text(_) => CellKind::Text,
+            Self::Bytes(_) => CellKind::Bytes,
+            Self::Words(_) => CellKind::Words,
+        }
+    }
+
+    fn places(&self) -> usize {
+        if matches!(self.kind(), CellKind::Bytes | CellKind::Words) { 2 } else { 1 }
+    }
+
+    /// The cell at a place of its row, in SQLite's words.
+    pub fn of_sqlite(&self, place: usize) -> String {
+        match self.kind() {
+            CellKind::Words => format!("CAST($C{place} AS TEXT)"),
+            _ => format!("$C{place}"),
+        }
+    }
+
+    pub fn of_postgres(&self, place: usize) -> String {
+        let bytes = || format!("substr($2, CAST(value->>{place} AS INT), CAST(value->>{} AS INT))", place + 1);
+        match self.kind() {
+            CellKind::Integer => format!("CAST(value->>{place} AS BIGINT)"),
+            CellKind::Real => format!("CAST(value->>{place} AS DOUBLE PRECISION)"),
+            CellKind::Text => format!("value->>{place}"),
+            CellKind::Bytes => bytes(),
+            CellKind::Words => format!("convert_from({}, 'UTF8')", bytes()),
+        }
+    }
+}
+
+impl Rows {
+    /// A row of one whole number each.
+    pub fn of(numbers: impl IntoIterator<Item = i64>) -> Self {
+        let mut rows = Self::default();
+        for number in numbers {
+            rows.row().integer(number);
+        }
+        rows
+    }
+
+    /// Begins a row; its cells follow.
+    pub fn row(&mut self) -> Row<'_> {
+        Row { rows: self }
+    }
+
+    fn rows(&self) -> impl Iterator<Item = &[Cell]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, end)| &self.cells[start..*end])
+    }
+
+    /// The cells of a row, for a statement.
+    pub(super) fn cells_of(&self, words: fn(&Cell, usize) -> String) -> String {
+        let mut place = 0;
+        let one = |cell: &Cell| {
+            place += cell.places();
+            words(cell, place - cell.places())
+        };
+        self.rows().next().unwrap_or_default().iter().map(one).collect::<Vec<_>>().join(", ")
+    }
+
+    /// An array of a row's cells for each row.
+    pub(super) fn json(&self) -> String {
+        let cannot_fail = "writing to a string cannot fail";
+        let mut json = String::with_capacity(2 + 12 * self.cells.len());
+        for row in self.rows() {
+            json.push_str(if json.is_empty() { "[[" } else { ",[" });
+            for (k, cell) in row.iter().enumerate() {
+                json.push_str(if k == 0 { "" } else { "," });
+                match cell {
+                    Cell::Null(CellKind::Bytes | CellKind::Words) => json.push_str("1,null"),
+                    Cell::Null(_) => json.push_str("null"),
+                    Cell::Integer(value) => write!(json, "{value}").expect(cannot_fail),
+                    Cell::Real(value) => write!(json, "{value:e}").expect(cannot_fail),
+                    Cell::Text(value) => {
+                        write!(json, "{}", serde_json::Value::from(value.as_str())).expect(cannot_fail)
+                    }
+                    Cell::Bytes(at) | Cell::Words(at) => {
+                        write!(json, "{},{}", at.start + 1, at.len()).expect(cannot_fail);
+                    }
+                }
+            }
+            json.push(']');
+        }
+        json.push(']');
+        json
+    }
+
+    fn value<'a>(&'a self, cell: &'a Cell) -> ToSqlOutput<'a> {
+        ToSqlOutput::Borrowed(match cell {
+            Cell::Null(_) => ValueRef::Null,
+            Cell::Integer(value) => ValueRef::Integer(*value),
+            Cell::Real(value) => ValueRef::Real(*value),
+            Cell::Text(value) => ValueRef::Text(value.as_bytes()),
+            Cell::Bytes(at) | Cell::Words(at) => ValueRef::Blob(&self.bytes[at.clone()]),
+        })
+    }
+
+    /// Runs a statement of SQLite's for each row.
+    pub(super) fn run(&self, statement: &mut CachedStatement<'_>) -> rusqlite::Result<()> {
+        let Some(first) = self.rows().next() else { return Ok(()) };
+        let mut parameters = Vec::with_capacity(first.len());
+        let mut place = 0;
+        for cell in first {
+            parameters.push(statement.parameter_index(&format!("$C{place}"))?);
+            place += cell.places();
+        }
+        let bound = parameters.iter().flatten().count();
+        if bound != statement.parameter_count() {
+            return Err(rusqlite::Error::InvalidParameterCount(bound, statement.parameter_count()));
+        }
+        for row in self.rows() {
+            debug_assert_eq!(row.len(), first.len(), "rows of a statement are alike");
+            for (cell, parameter) in row.iter().zip(&parameters) {
+                if let Some(parameter) = parameter {
+                    statement.raw_bind_parameter(*parameter, self.value(cell))?;
+                }
+            }
+            statement.raw_execute()?;
+        }
+        Ok(())
+    }
+}
+
+/// A row under construction; dropping it ends it.
+pub(crate) struct Row<'a> {
+    rows: &'a mut Rows,
+}
+
+impl Row<'_> {
+    fn cell(&mut self, cell: Cell) -> &mut Self {
+        self.rows.cells.push(cell);
+        self
+    }
+
+    /// The cells of what may be one or several.
+    pub fn put(&mut self, value: &impl Part) -> &mut Self {
+        value.put(self);
+        self
+    }
+
+    pub fn null(&mut self, kind: CellKind) -> &mut Self {
+        self.cell(Cell::Null(kind))
+    }
+
+    pub fn integer(&mut self, value: i64) -> &mut Self {
+        self.cell(Cell::Integer(value))
+    }
+
+    /// One place, for short texts.
+    pub fn text(&mut self, value: &str) -> &mut Self {
+        self.cell(Cell::Text(value.to_owned()))
+    }
+
+    /// Written with every digit it takes to read the same number back.
+    pub fn real(&mut self, value: f64) -> &mut Self {
+        self.cell(if value.is_finite() { Cell::Real(value) } else { Cell::Null(CellKind::Real) })
+    }
+
+    /// Takes two places.
+    pub fn bytes(&mut self, value: &[u8]) -> &mut Self {
+        self.written(|out| out.extend_from_slice(value))
+    }
+
+    /// As [`Row::bytes`], written by `write` into the bytes directly.
+    pub fn written(&mut self, write: impl FnOnce(&mut Vec<u8>)) -> &mut Self {
+        let start = self.rows.bytes.len();
+        write(&mut self.rows.bytes);
+        let end = self.rows.bytes.len();
+        self.cell(Cell::Bytes(start..end))
+    }
+
+    /// As [`Row::bytes`], where they are a long text.
+    pub fn words(&mut self, value: &str) -> &mut Self {
+        let start = self.rows.bytes.len();
+        self.rows.bytes.extend_from_slice(value.as_bytes());
+        self.cell(Cell::Words(start..start + value.len()))
+    }
+
+    pub fn optional_words(&mut self, value: Option<&str>) -> &mut Self {
+        if let Some(value) = value { self.words(value) } else { self.null(CellKind::Words) }
+    }
+
+    pub fn optional_bytes(&mut self, value: Option<&[u8]>) -> &mut Self {
+        if let Some(value) = value { self.bytes(value) } else { self.null(CellKind::Bytes) }
+    }
+}
+
+impl Drop for Row<'_> {
+    fn drop(&mut self) {
+        self.rows.ends.push(self.rows.cells.len());
+    }
+}
+
+/// What both databases can hold in a cell.
+pub(crate) trait Stored:
+    Type<Sqlite> + for<'r> Decode<'r, Sqlite> + Type<Postgres> + for<'r> Decode<'r, Postgres>
+{
+}
+
+impl<T> Stored for T where T: Type<Sqlite> + for<'r> Decode<'r, Sqlite> + Type<Postgres> + for<'r> Decode<'r, Postgres> {}
+
+/// A row of either database.
+pub(crate) trait AnyRow: Sized {
+    /// The column may be in quotes: some names are words of SQL.
+    fn cell<T: Stored>(&self, column: &str) -> Result<T, sqlx::Error>;
+
+    /// What some columns hold.
+    fn part<P: Part>(&self, columns: &[&'static str]) -> Result<P, StoreError> {
+        P::get(self, columns)
+    }
+}
+
+impl AnyRow for SqliteRow {
+    fn cell<T: Stored>(&self, column: &str) -> Result<T, sqlx::Error> {
+        self.try_get(column.trim_matches('"'))
+    }
+}
+
+impl AnyRow for PgRow {
+    fn cell<T: Stored>(&self, column: &str) -> Result<T, sqlx::Error> {
+        self.try_get(column.trim_matches('"'))
+    }
+}

@@ -15,7 +15,7 @@ or the noise has heavy tails, and the programme is one that no table of position
 
 With --pairs it makes two campaigns of each IMU: the same gyros, the same effects with the same coefficients, another order
 of dwells, another course of temperature and other noise; the second is as warm as the first, or 3 K off. In some the
-coefficients have tripled. --kind makes all pairs alike; D_I of a gyro has `stepped` by 0.01 deg/(h g0), or it is `reseated`
+coefficients have tripled. --length makes chains, the last of which differs so. --kind makes all pairs alike; D_I of a gyro has `stepped` by 0.01 deg/(h g0), or it is `reseated`
 60 arcsec off, without any effect.
 """
 
@@ -397,8 +397,8 @@ def changed(rng, first, second, kind):
             setattr(second, axes, moved)
 
 
-def pair(seed, number, wanted=None):
-    """Two campaigns of one IMU, and what is true of them; `wanted`: the kind of all pairs."""
+def chain(seed, number, wanted=None, length=2):
+    """Campaigns of one IMU, the last of which may differ, and what is true of them; `wanted`: the kind of all chains."""
     rng = np.random.default_rng([seed, number, 2])
     kind = str(rng.choice(["same", "warmer", "tripled", "clean"], p=[0.3, 0.4, 0.15, 0.15]))
     kind = wanted or kind
@@ -406,17 +406,20 @@ def pair(seed, number, wanted=None):
     count = 1 if kind == "tripled" else int(rng.choice([1, 2])) if kind in ("same", "warmer") else 0
     effects = [str(name) for name in rng.choice(LASTING, count, replace=False)]
     given = style(rng, False)
-    first, second = Campaign(rng, design, given), Campaign(rng, design, given)
-    for name in "k i s o d_f d_i d_s quality".split():
-        setattr(second, name, getattr(first, name))
-    second.find_noise()
+    campaigns = [Campaign(rng, design, given) for _ in range(length)]
+    first, last = campaigns[0], campaigns[-1]
+    for campaign in campaigns[1:]:
+        for name in "k i s o d_f d_i d_s quality".split():
+            setattr(campaign, name, getattr(first, name))
+        campaign.find_noise()
     if kind in ("warmer", "clean_warmer"):
-        second.temperature += 3.0 * rng.choice([-1, 1])
+        last.temperature += 3.0 * rng.choice([-1, 1])
     if kind in ("stepped", "reseated"):
-        changed(rng, first, second, kind)
+        changed(rng, first, last, kind)
     first.draw_shared()
-    second.shared = first.shared
-    responses, key, moved = [[], []], [], np.zeros((2, 3))
+    for campaign in campaigns[1:]:
+        campaign.shared = first.shared
+    responses, key, moved = [[] for _ in campaigns], [], np.zeros((2, 3))
     for effect in effects:
         chosen = np.ones(first.count, bool)
         if effect not in COMMON:
@@ -424,7 +427,7 @@ def pair(seed, number, wanted=None):
             chosen[rng.integers(first.count)] = True
         direction = [int(x) for x in rng.integers(1 << 30, size=3)]
         columns = []
-        for campaign in (first, second):
+        for campaign in campaigns:
             kept = campaign.rng
             of_gyros = []
             for j in range(first.count):
@@ -435,17 +438,18 @@ def pair(seed, number, wanted=None):
         seen = np.linalg.norm([np.linalg.norm(first.left_over[j](c)) for j, c in enumerate(columns[0])])
         size = (20.0 if kind == "tripled" else float(rng.choice([12, 20, 40]))) / seen
         size *= rng.choice([-1, 1])
-        responses[0].append([size * c for c in columns[0]])
-        responses[1].append([(3.0 if kind == "tripled" else 1.0) * size * c for c in columns[1]])
+        for campaign, of_gyros, response in zip(campaigns, columns, responses):
+            times = 3.0 if kind == "tripled" and campaign is last else 1.0
+            response.append([times * size * c for c in of_gyros])
         if effect == "temperature_g":
             for j in range(first.count):
                 d = Same(direction[j]).normal(size=2)
                 moved[:, j] += size * chosen[j] * d / np.linalg.norm(d)
         key.append(effect)
     documents = []
-    for at, campaign, given in zip(("2026-04-01", "2026-07-01"), (first, second), responses):
+    for quarter, (campaign, given) in enumerate(zip(campaigns, responses), 1):
         document = campaign.document(number, campaign.measured(given))
-        document["measured_at"] = f"{at}T06:00:00+08:00"
+        document["measured_at"] = f"{2026 + quarter // 4}-{3 * (quarter % 4) + 1:02d}-01T06:00:00+08:00"
         documents.append(document)
     truth = {"kind": kind, "effects": key, "sem": first.style["sem"], "design": design,
              "D_I": list(first.d_i[:first.count]), "D_S": list(first.d_s[:first.count]),
@@ -460,17 +464,18 @@ def main():
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--hard", action="store_true", help="standard errors wrong or absent, heavy tails, other designs")
     parser.add_argument("--pairs", action="store_true", help="two campaigns of each IMU")
+    parser.add_argument("--length", type=int, default=2, help="with --pairs: so many campaigns of each IMU, up to 8")
     parser.add_argument("--kind", choices="same warmer tripled clean clean_warmer stepped reseated".split(),
                         help="all pairs of this kind")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     key = {}
     for number in range(options.count if options.pairs else 0):
-        documents, entry = pair(options.seed, number, options.kind)
-        names = [f"pair-{number:04d}-{letter}.json" for letter in "ab"]
+        documents, entry = chain(options.seed, number, options.kind, options.length)
+        names = [f"pair-{number:04d}-{letter}.json" for letter in "abcdefgh"[:options.length]]
         for name, document in zip(names, documents):
             (options.out / name).write_text(json.dumps(document))
-        key[names[0]] = {"next": names[1], **entry}
+        key[names[0]] = {"between": names[1:-1], "next": names[-1], **entry}
     for number in range(0 if options.pairs else options.count):
         document, entry = one(options.seed, number, options.hard)
         name = f"blind-{number:04d}.json"

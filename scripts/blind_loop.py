@@ -5,7 +5,7 @@
     python3 scripts/blind_loop.py GYROWATCH DIR
     python3 scripts/blind_loop.py GYROWATCH DIR --alarms
 
-For each pair: `model fit` of the first campaign with the effects that its diagnosis names, the same without effects, `predict`
+For each pair (chain): `model fit` of the first campaign (all but the last) with the effects that its diagnosis names, the same without effects, `predict`
 of the second, and `calibrate --model` of both for D_I and D_S at the model's temperature. With --alarms only what the rule
 `forecast` says, by kind of pair.
 """
@@ -39,9 +39,13 @@ def share(hits):
     return f"{sum(hits)}/{len(hits)}" + (f" ({100 * sum(hits) / len(hits):.1f} %)" if hits else "")
 
 
+def before(folder, name, entry):
+    return [folder / one for one in [name, *entry["between"]]]
+
+
 def foretold(gyrowatch, folder, name, entry):
-    model, first, second = folder / "model.json", folder / name, folder / entry["next"]
-    run(gyrowatch, "model", "fit", first, "-o", model)
+    model, second = folder / "model.json", folder / entry["next"]
+    run(gyrowatch, "model", "fit", *before(folder, name, entry), "-o", model)
     return json.loads(run(gyrowatch, "predict", model, second, "--format", "json"))
 
 
@@ -63,7 +67,7 @@ def one(gyrowatch, folder, name, entry):
     model, plain = folder / "model.json", folder / "plain.json"
     first, second = folder / name, folder / entry["next"]
     told = foretold(gyrowatch, folder, name, entry)
-    run(gyrowatch, "model", "fit", first, "--effects", "none", "-o", plain)
+    run(gyrowatch, "model", "fit", *before(folder, name, entry), "--effects", "none", "-o", plain)
     bare = json.loads(run(gyrowatch, "predict", plain, second, "--format", "json"))
     then, now = (drift(json.loads(run(gyrowatch, "calibrate", c, "--model", model, "--format", "json")))
                  for c in (first, second))

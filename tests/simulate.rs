@@ -6,7 +6,7 @@ use gyrowatch::simulate::cause::{CATALOGUE, COMMON};
 use gyrowatch::simulate::outside::FAMILIES;
 use gyrowatch::simulate::presets::{PRESETS, preset};
 use gyrowatch::simulate::programme::{Order, Positions, Programme};
-use gyrowatch::simulate::scenario::{EffectChoice, Noise, Scenario, StandardErrors};
+use gyrowatch::simulate::scenario::{EffectChoice, Noise, Profile, Scenario, StandardErrors, Temperature};
 use gyrowatch::simulate::truth::{Key, KeyEntry};
 use gyrowatch::simulate::{Simulated, simulate};
 use gyrowatch::wire::campaign::{parse_json, to_json};
@@ -45,6 +45,21 @@ fn without_noise_or_cause_the_output_is_scale_times_rate_plus_mass_unbalance() {
             let drift = truth.d_f + truth.d_i * a.dot(&input) + truth.d_s * a.dot(&spin);
             let expected = truth.k * (w.dot(&input) + drift);
             assert!((dwell.output_pulse_s[j] - expected).abs() < 1e-8, "{} {expected}", dwell.output_pulse_s[j]);
+        }
+    }
+}
+
+#[test]
+fn effects_of_temperature_count_from_the_reference_that_the_scenario_states() {
+    let constant = Temperature { profile: Profile::Constant, mean_c: 48.0, ..Temperature::default() };
+    for (reference_c, drift) in [(Some(45.0), 0.03), (None, 0.0)] {
+        let temperature = Temperature { reference_c, ..constant.clone() };
+        let plain = without_noise(Scenario { temperature, ..Scenario::default() });
+        let warm = station_runs(&with_effect(plain.clone(), EffectChoice::sized("temperature_bias", 0.01)));
+        let plain = station_runs(&plain);
+        for (warm_output, output) in outputs(&warm.campaign, 0).iter().zip(outputs(&plain.campaign, 0)) {
+            let more = (warm_output - output) / warm.truth.truth[0].k;
+            assert!((more.abs() - drift).abs() < 1e-9, "{reference_c:?}: {more}");
         }
     }
 }

@@ -15,7 +15,7 @@ pub struct Situation {
     pub since_power_up_h: f64,
     /// Hours since the body's vertical last changed, at mid-dwell.
     pub since_face_change_h: f64,
-    /// True temperature minus its mean over the campaign, K.
+    /// True temperature less that at which its effects are nothing, K.
     pub temperature_k: f64,
     /// Mean specific force of the dwell before, body axes; none in the first.
     pub a_before: Option<Vector3<f64>>,

@@ -131,6 +131,9 @@ pub enum StatedE {
 pub struct Temperature {
     pub profile: Profile,
     pub mean_c: f64,
+    /// At which effects of temperature are nothing: the same for the campaigns of one IMU. The mean where left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference_c: Option<f64>,
     /// Standard deviation of a wander, amplitude of a cycle, whole span of a ramp; K.
     pub size_k: f64,
     /// Correlation time of a wander, period of a cycle.
@@ -300,7 +303,7 @@ impl Default for Population {
 
 impl Default for Temperature {
     fn default() -> Self {
-        Self { profile: Profile::Wander, mean_c: 45.0, size_k: 0.6, time_h: 1.5, reading_sd_k: 0.0 }
+        Self { profile: Profile::Wander, mean_c: 45.0, reference_c: None, size_k: 0.6, time_h: 1.5, reading_sd_k: 0.0 }
     }
 }
 

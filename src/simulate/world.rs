@@ -71,7 +71,10 @@ impl World {
         if sd.iter().flatten().any(|s| *s == 0.0) && scenario.effects.iter().any(|e| e.detectability.is_some()) {
             return Err(fault("/noise", message!("no_noise_no_detectability")));
         }
-        let situations = situations(&plan, &commanded, &temperature_c);
+        let mean = temperature_c.iter().sum::<f64>() / temperature_c.len() as f64;
+        let reference_c = scenario.temperature.reference_c.unwrap_or(mean);
+        let kelvin: Vec<f64> = temperature_c.iter().map(|celsius| celsius - reference_c).collect();
+        let situations = situations(&plan, &commanded, &kelvin);
         let terms = scenario.asked_terms()?.unwrap_or_default();
         Ok(Self { earth, plan, situations, gyros, commanded, temperature_c, sd, terms })
     }
@@ -128,8 +131,7 @@ fn mid_h(dwell: &Planned) -> f64 {
     (dwell.start_s + 0.5 * dwell.duration_s) / SECONDS_PER_HOUR
 }
 
-fn situations(plan: &[Planned], commanded: &[(Vector3<f64>, Vector3<f64>)], temperature_c: &[f64]) -> Vec<Situation> {
-    let mean = temperature_c.iter().sum::<f64>() / temperature_c.len() as f64;
+fn situations(plan: &[Planned], commanded: &[(Vector3<f64>, Vector3<f64>)], kelvin: &[f64]) -> Vec<Situation> {
     let mut face_since_s = 0.0;
     (0..plan.len())
         .map(|k| {
@@ -143,7 +145,7 @@ fn situations(plan: &[Planned], commanded: &[(Vector3<f64>, Vector3<f64>)], temp
                 time_h,
                 since_power_up_h: plan[k].since_power_up_s / SECONDS_PER_HOUR,
                 since_face_change_h: time_h - face_since_s / SECONDS_PER_HOUR,
-                temperature_k: temperature_c[k] - mean,
+                temperature_k: kelvin[k],
                 a_before: k.checked_sub(1).map(|before| commanded[before].0),
                 w_before: k.checked_sub(1).map(|before| commanded[before].1),
             }

@@ -321,6 +321,9 @@ pub struct GyroComparedBody {
     pub error_pulse_s: Vec<f64>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub z: Vec<f64>,
+    /// Probability integral transform of the independent errors, of the dwells that are foretold.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pit: Vec<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -356,9 +359,9 @@ pub struct ChangedEffectBody {
     pub coefficients: Vec<ThenNowBody>,
     /// Adjusted for everything that is compared.
     pub p_value: f64,
-    /// p below 0.005, and the model with this campaign's coefficients leaves no gap.
+    /// p below 0.001, and the model with this campaign's coefficients leaves no gap.
     pub changed: bool,
-    /// p below 0.005, but the diagnosis finds more in the gyro than the model holds: whether the coefficient or that has
+    /// p below 0.001, but the diagnosis finds more in the gyro than the model holds: whether the coefficient or that has
     /// changed cannot be told.
     #[serde(default)]
     pub undecided: bool,
@@ -476,6 +479,7 @@ impl ComparedBody {
             p_value: gyro.p_value,
             error_pulse_s: gyro.error.clone(),
             z: gyro.z.clone(),
+            pit: gyro.pit.clone(),
         });
         let missed =
             c.missed.iter().map(|m| MissBody { slot: m.slot.name().to_owned(), dwell: m.dwell, z: m.z }).collect();
@@ -521,6 +525,7 @@ impl ComparedBody {
         for gyro in &mut self.gyros {
             gyro.error_pulse_s.clear();
             gyro.z.clear();
+            gyro.pit.clear();
         }
         self
     }

@@ -7,7 +7,7 @@ use super::regressor::{Regressor, adding, told_apart};
 use crate::core::augmented::{Adopted, Known};
 use crate::core::calibrate::shared_coefficients::Shared;
 use crate::core::campaign::{Campaign, CampaignNote, LeftOut, Temperatures, any_kelvin};
-use crate::core::effects::{Effect, Entry, Lack, Scope, Setting, Shape, axes};
+use crate::core::effects::{Effect, Entry, Lack, OwnHypothesis, Scope, Setting, Shape, axes};
 use crate::core::mounting::Slot;
 use crate::core::numerics::basis::Basis;
 use crate::core::numerics::least_squares::{Factor, Fit};
@@ -81,6 +81,9 @@ pub(super) fn regressors(
             for one in all.known.iter_mut().filter(|one| one.effect == adopted.effect) {
                 (one.value, one.sd) = (0.0, one.value.hypot(one.sd));
             }
+        }
+        if adopted.effect.hypothesis().is_some_and(OwnHypothesis::is_left_out_at_reference) {
+            all.notes.push(CampaignNote::EffectAtReference { effect: adopted.effect });
         }
         let coefficients = entry.coefficients(adopted.shape);
         let first = all.shared.len();

@@ -62,6 +62,10 @@ pub enum CampaignNote {
         effect: Effect,
         why: LeftOut,
     },
+    /// D_I and D_S leave out what a hypothesis of one's own is at the reference temperature.
+    EffectAtReference {
+        effect: Effect,
+    },
     /// None of the model's effects was fitted.
     EffectsLeftOut {
         why: Refusal,
@@ -128,6 +132,7 @@ impl CampaignNote {
             Self::ErrorsOverstated { .. } => "standard_errors_overstated",
             Self::ResidualsExceedNoise { .. } => "residuals_exceed_noise",
             Self::EffectLeftOut { .. } => "effect_left_out",
+            Self::EffectAtReference { .. } => "effect_at_reference",
             Self::EffectsLeftOut { .. } => "effects_left_out",
             Self::StationLeftOut { .. } => "station_left_out",
             Self::ProductAliased(_) => "product_aliased",

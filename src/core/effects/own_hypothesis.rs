@@ -2,6 +2,9 @@
 //!
 //! `k * T * w_I` or `k1 * exp(-t/tau) * a_S`: deg/h, proportional to its coefficients (names that begin with k), in
 //! the quantities of [`QUANTITIES`] and at most one parameter with a range. Units are checked.
+//!
+//! D_I and D_S are those at the reference temperature. So an equation that is a drift of model (6) there, `k * exp(T/tau)
+//! * a_S`, counts from it: in any fit with model (6) that is the same hypothesis.
 
 use nalgebra::Vector3;
 
@@ -51,6 +54,17 @@ pub struct OwnHypothesis {
     /// Units of the coefficients and of the parameter in deg, h, g0 and K.
     coefficient: f64,
     parameter: f64,
+    at_reference: AtReference,
+}
+
+/// What an equation is at the reference temperature.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum AtReference {
+    /// Zero, or the same at any temperature.
+    Nothing,
+    /// Linear in specific force and rate, and of nothing else.
+    OfModel6,
+    Other,
 }
 
 /// What a name stands for.
@@ -153,7 +167,9 @@ impl OwnHypothesis {
                     let (from, to) = (text(range.from), text(range.to));
                     faults.push(format!("/range/{}", range.name), message!("range_through_zero", from = from, to = to));
                 }
-                return faults.or(Self { written, equation, names, coefficients, coefficient, parameter });
+                let at_reference = AtReference::Nothing;
+                let read = Self { written, equation, names, coefficients, coefficient, parameter, at_reference };
+                return faults.or(Self { at_reference: read.found_at_reference(), ..read });
             }
         }
         Err(faults)
@@ -168,7 +184,7 @@ impl OwnHypothesis {
     }
 
     pub fn is_of_temperature(&self) -> bool {
-        self.holds(|of| matches!(of, Of::Temperature | Of::TemperatureSlope))
+        self.holds(Of::is_thermal)
     }
 
     pub fn needs_attitude(&self) -> bool {
@@ -199,29 +215,96 @@ impl OwnHypothesis {
         (0..GRID).map(at).collect()
     }
 
+    /// Whether D_I and D_S leave out what it is at the reference temperature, all of it: it is no drift of model (6).
+    pub fn is_left_out_at_reference(&self) -> bool {
+        self.at_reference == AtReference::Other
+    }
+
     /// What one unit of each coefficient adds to gyro `j`, deg/h, dwell by dwell.
     pub fn columns(&self, setting: &Setting, j: usize, parameter: Option<f64>) -> Vec<Vec<f64>> {
         let parameter = parameter.map_or(f64::NAN, |value| value * self.parameter);
         let mut columns = vec![Vec::with_capacity(setting.dwells()); self.coefficients.len()];
-        let mut values = vec![0.0; self.names.len()];
         for k in 0..setting.dwells() {
-            for (value, name) in values.iter_mut().zip(&self.names) {
-                match name {
-                    Input::Coefficient(_) => {}
-                    Input::Parameter => *value = parameter,
-                    Input::Of(of) => *value = of.value(setting, j, k),
-                }
-            }
-            for (c, column) in columns.iter_mut().enumerate() {
-                for (value, name) in values.iter_mut().zip(&self.names) {
-                    if let Input::Coefficient(place) = name {
-                        *value = f64::from(u8::from(*place == c));
-                    }
-                }
-                column.push(self.equation.value(&values) * self.coefficient);
+            let mut values = self.values(parameter, |of| of.value(setting, j, k));
+            let then = self.by_coefficient(&mut values);
+            let at_reference = if self.at_reference == AtReference::OfModel6 {
+                let mut values =
+                    self.values(parameter, |of| if of.is_thermal() { 0.0 } else { of.value(setting, j, k) });
+                self.by_coefficient(&mut values)
+            } else {
+                vec![0.0; columns.len()]
+            };
+            for ((column, then), at_reference) in columns.iter_mut().zip(then).zip(at_reference) {
+                column.push((then - at_reference) * self.coefficient);
             }
         }
         columns
+    }
+
+    fn values(&self, parameter: f64, of: impl Fn(Of) -> f64) -> Vec<f64> {
+        let value = |name: &Input| match name {
+            Input::Coefficient(_) => 0.0,
+            Input::Parameter => parameter,
+            Input::Of(quantity) => of(*quantity),
+        };
+        self.names.iter().map(value).collect()
+    }
+
+    /// The equation with one coefficient 1 and the others 0, for each of them.
+    fn by_coefficient(&self, values: &mut [f64]) -> Vec<f64> {
+        let of_one = |c: usize| {
+            for (value, name) in values.iter_mut().zip(&self.names) {
+                if let Input::Coefficient(place) = name {
+                    *value = f64::from(u8::from(*place == c));
+                }
+            }
+            self.equation.value(values)
+        };
+        (0..self.coefficients.len()).map(of_one).collect()
+    }
+
+    /// Tried at points spread over what campaigns command: linear where it is halfway between two of them the mean of
+    /// both, whatever everything but force and rate is.
+    fn found_at_reference(&self) -> AtReference {
+        const POINTS: usize = 24;
+        if !self.is_of_temperature() {
+            return AtReference::Nothing;
+        }
+        // Multiples of the golden section are spread evenly.
+        let spread = |at: usize| 2.0 * (0.618_033_988_749_895 * (at + 1) as f64).fract() - 1.0;
+        let parameters = if self.grid().is_empty() { vec![f64::NAN] } else { self.grid() };
+        let mut found = AtReference::Nothing;
+        for (parameter, point) in parameters.into_iter().flat_map(|value| (0..POINTS).map(move |point| (value, point)))
+        {
+            let drawn = |of: Of, point: usize| {
+                let place = QUANTITIES.iter().position(|(_, known)| *known == of).unwrap_or(0);
+                spread(point * QUANTITIES.len() + place) * of.extent()
+            };
+            let at = |force_and_rate: &dyn Fn(Of) -> f64, others: usize| {
+                let of = |of: Of| match of {
+                    Of::Force(_) | Of::Rate(_) => force_and_rate(of),
+                    Of::HalfTurn => std::f64::consts::PI,
+                    _ => drawn(of, others),
+                };
+                self.by_coefficient(&mut self.values(parameter * self.parameter, of))
+            };
+            let (one, other) = (3 * point, 3 * point + 1);
+            let [first, second, halfway] = [
+                at(&|of| drawn(of, one), one),
+                at(&|of| drawn(of, other), other),
+                at(&|of| 0.5 * (drawn(of, one) + drawn(of, other)), 3 * point + 2),
+            ];
+            for ((first, second), halfway) in first.into_iter().zip(second).zip(halfway) {
+                let largest = first.abs().max(second.abs()).max(halfway.abs());
+                if (0.5 * (first + second) - halfway).abs() > 1e-9 * largest {
+                    return AtReference::Other;
+                }
+                if largest > 0.0 {
+                    found = AtReference::OfModel6;
+                }
+            }
+        }
+        found
     }
 
     /// The first dwell in which it has no finite value in some gyro, at some value of its parameter.
@@ -244,6 +327,20 @@ impl Of {
             Self::TemperatureSlope => Quantity::of(Dimension::TEMPERATURE.times(Dimension::TIME, -1.0)),
             Self::Time => Quantity::of(Dimension::TIME),
             Self::HalfTurn => Quantity::constant(std::f64::consts::PI),
+        }
+    }
+
+    fn is_thermal(self) -> bool {
+        matches!(self, Self::Temperature | Self::TemperatureSlope)
+    }
+
+    /// How large it may be in a campaign at the reference temperature; zero for what does not vary there.
+    fn extent(self) -> f64 {
+        match self {
+            Self::Force(_) | Self::ForceBefore(_) | Self::Attitude(..) => 1.0,
+            Self::Rate(_) | Self::RateBefore(_) => 1e4,
+            Self::Temperature | Self::TemperatureSlope | Self::HalfTurn => 0.0,
+            Self::Time => 10.0,
         }
     }
 
@@ -428,6 +525,35 @@ mod tests {
         let expected = (-setting.elapsed(7) / 1800.0).exp() * setting.force[7].dot(&setting.gyros[1].spin);
         assert!((column[7] - expected).abs() < 1e-12);
         assert!(!decay.follows_time());
+    }
+
+    #[test]
+    fn what_it_is_at_the_reference_temperature_belongs_to_model_6_where_that_has_it() {
+        let setting = setting();
+        let of = |equation, unit, name: &str| {
+            let range = Some(Range { name: name.into(), from: 1.0, to: 40.0, unit: "K".into() });
+            OwnHypothesis::of(Written { range, ..written(equation, unit) }).unwrap()
+        };
+        let (axes, t) = (&setting.gyros[1], setting.temperature.clone().unwrap());
+        let spin = |k: usize| setting.force[k].dot(&axes.spin);
+        let input = |k: usize| setting.rate[k].dot(&axes.input);
+        let grown = |k: usize| (t[k] / 5.0).exp();
+        let cases: [(&str, &str, bool, &dyn Fn(usize) -> f64); 5] = [
+            ("k * exp(T/warm) * a_S", "deg/(h g0)", false, &|k| (grown(k) - 1.0) * spin(k)),
+            ("k * (T + warm) * w_I", "1/K", false, &|k| t[k] * input(k)),
+            ("k * (exp(T/warm) - 1) * w_I^2", "h/deg", false, &|k| (grown(k) - 1.0) * input(k).powi(2)),
+            ("k * exp(T/warm) * w_I^2", "h/deg", true, &|k| grown(k) * input(k).powi(2)),
+            ("k * (T + warm) * t * a_S", "deg/(h^2 g0 K)", true, &|k| {
+                (t[k] + 5.0) * setting.elapsed(k) / 3600.0 * spin(k)
+            }),
+        ];
+        for (equation, unit, is_left_out, expected) in cases {
+            let own = of(equation, unit, "warm");
+            assert_eq!(own.is_left_out_at_reference(), is_left_out, "{equation}");
+            for (k, found) in own.columns(&setting, 1, Some(5.0))[0].iter().enumerate() {
+                assert!((found - expected(k)).abs() < 1e-9 * expected(k).abs().max(1e-3), "{equation}, {k}");
+            }
+        }
     }
 
     #[test]

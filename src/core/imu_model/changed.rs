@@ -16,7 +16,7 @@ use crate::core::numerics::tails::squares_tail;
 use crate::core::separate::Rigid;
 
 /// Chance, over all effects of the model, below which one has changed.
-const CHANGED: f64 = 0.005;
+const CHANGED: f64 = 0.001;
 
 /// The model's effects held against a campaign's own.
 #[derive(Debug, Clone, PartialEq)]

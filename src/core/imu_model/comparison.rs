@@ -8,20 +8,21 @@
 //! ```
 //!
 //! with `theta_i`, `C_i` as the dwells before `i` leave them (the innovations of a Kalman filter). The probability
-//! integral transform and the chi-square test are of those.
+//! integral transform and the chi-square test are of those. Where the scale of the noise is estimated the transform is
+//! that of Student's t, with the scale as the model and the errors before have it.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::forecast::{Forecast, foretold};
 use super::identified::Identified;
-use super::programme::{Knowledge, NoForecast, Programme};
+use super::programme::{Asked, Knowledge, NoForecast, Programme};
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
 use crate::core::judge::{Foretold, ForetoldGyro, Unseen};
 use crate::core::message::Message;
 use crate::core::mounting::Slot;
-use crate::core::numerics::normal::{normal_cdf, normal_quantile};
-use crate::core::numerics::tails::squares_tail;
+use crate::core::numerics::normal::normal_quantile;
+use crate::core::numerics::tails::{squares_tail, t_cdf};
 
 /// Chance, over all dwells, below which a dwell has missed its forecast.
 const MISSED: f64 = 0.01;
@@ -44,8 +45,6 @@ pub struct Comparison {
     pub p_value: f64,
     /// Kolmogorov's test that the probability integral transform is uniform.
     pub pit_p_value: f64,
-    /// The transform of each independent error, in the order of the rows.
-    pub pit: Vec<f64>,
     /// Beyond what chance has over all dwells, the furthest first.
     pub missed: Vec<Miss>,
     /// Whether the model has seen the temperatures, rates and attitudes of half the dwells: those alone are judged.
@@ -62,6 +61,8 @@ pub struct GyroComparison {
     pub error: Vec<f64>,
     /// Over the stated standard deviation; zero where nothing was foretold.
     pub z: Vec<f64>,
+    /// The transform of each independent error, dwell by dwell of those that are foretold.
+    pub pit: Vec<f64>,
     pub rms_over_sd: f64,
     /// That the errors of this gyro are as large.
     pub p_value: f64,
@@ -165,6 +166,7 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
     let is_told = |i: usize| forecast.gyros[i / n].foretold[i % n];
     let innovations = innovations(programme, knowledge, measured, is_told);
     let judged = Judged::of(programme, knowledge, measured, (&forecast, &innovations));
+    let mut scale = Scale::of(scale_dof(programme));
     let mut gyros = Vec::new();
     let mut missed = Vec::new();
     let (mut squares, mut all_independent, mut count) = (0.0, 0.0, 0);
@@ -175,8 +177,12 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
         let z: Vec<f64> = (0..n).map(|k| if gyro.foretold[k] { error[k] / gyro.sd[k] } else { 0.0 }).collect();
         let told: Vec<usize> = (0..n).filter(|k| gyro.foretold[*k]).collect();
         let of_gyro: f64 = z.iter().map(|z| z * z).sum();
-        let independent: f64 =
-            told.iter().map(|k| innovations[j * n + k][0].powi(2)).sum::<f64>() * programme.gyros[j].t_variance;
+        let Asked { dof, t_variance, .. } = programme.gyros[j];
+        let independent: Vec<f64> = told.iter().map(|k| innovations[j * n + k][0] * t_variance.sqrt()).collect();
+        let squares_of_gyro: f64 = independent.iter().map(|error| error * error).sum();
+        if !programme.one_scale {
+            scale = Scale::of(dof);
+        }
         for k in &told {
             let weight = (gyro.scale / gyro.noise[*k]).powi(2);
             errors += weight * (error[*k] / gyro.scale).powi(2);
@@ -184,24 +190,23 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
             missed.push(Miss { slot: gyro.slot, dwell: *k, z: z[*k] });
         }
         squares += of_gyro;
-        all_independent += independent;
+        all_independent += squares_of_gyro;
         count += told.len();
         gyros.push(GyroComparison {
             slot: gyro.slot,
             foretold: foretold_gyro(programme, &forecast, &judged, j, &z),
             error,
             z,
+            pit: independent.into_iter().map(|error| scale.transformed(error)).collect(),
             rms_over_sd: (of_gyro / told.len().max(1) as f64).sqrt(),
-            p_value: squares_tail(independent, told.len(), programme.gyros[j].dof),
+            p_value: squares_tail(squares_of_gyro, told.len(), dof),
         });
     }
     let each = 1.0 - (1.0 - MISSED).powf(1.0 / count.max(1) as f64);
     let limit = -normal_quantile(0.5 * each);
     missed.retain(|miss| miss.z.abs() > limit);
     missed.sort_by(|a, b| b.z.abs().total_cmp(&a.z.abs()));
-    let told = (0..innovations.len()).filter(|i| is_told(*i));
-    let independent: Vec<f64> = told.map(|i| innovations[i][0]).collect();
-    let pit: Vec<f64> = independent.iter().map(|z| normal_cdf(*z)).collect();
+    let pit: Vec<f64> = gyros.iter().flat_map(|gyro| &gyro.pit).copied().collect();
     Comparison {
         gyros,
         count,
@@ -210,7 +215,6 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
         noise_deg_per_h: (count as f64 / weights).sqrt(),
         p_value: squares_tail(all_independent, count, scale_dof(programme)),
         pit_p_value: kolmogorov(&pit),
-        pit,
         missed,
         is_mostly_seen: judged.is_mostly_seen,
         closing: None,
@@ -300,6 +304,27 @@ fn innovations(
         covariance.ger(-1.0 / variance, &spread, &spread, 1.0);
     }
     found
+}
+
+/// What the scale of the noise is known by: of the model, then of the errors before as well.
+struct Scale {
+    /// Over the variance that the model has.
+    squares: f64,
+    dof: f64,
+}
+
+impl Scale {
+    fn of(dof: f64) -> Self {
+        Self { squares: dof, dof }
+    }
+
+    /// The probability integral transform of the next error, over the standard deviation that the model has.
+    fn transformed(&mut self, error: f64) -> f64 {
+        let scale = if self.dof.is_finite() { (self.squares / self.dof).sqrt() } else { 1.0 };
+        let transformed = t_cdf(error / scale, self.dof);
+        *self = Self { squares: self.squares + error * error, dof: self.dof + 1.0 };
+        transformed
+    }
 }
 
 /// P of Kolmogorov's statistic for numbers that should be uniform (Stephens 1970).
@@ -454,6 +479,19 @@ mod tests {
             let found = 8.0 + 4.0 * pearson(p, 1.0);
             assert!((found / chi2 - 1.0).abs() < 0.02, "{found} {chi2}");
         }
+    }
+
+    #[test]
+    fn a_scale_that_is_estimated_makes_t_of_errors_and_is_known_better_after_each() {
+        // P(t < 1) of 3 degrees of freedom, then P(t < 2) of 4 (Abramowitz and Stegun 26.7.3, 26.7.4).
+        let mut estimated = Scale::of(3.0);
+        let expected = [0.804_499, 0.941_942];
+        for (error, expected) in [1.0, 2.0].into_iter().zip(expected) {
+            let found = estimated.transformed(error);
+            assert!((found - expected).abs() < 1e-5, "{found} {expected}");
+        }
+        let mut known = Scale::of(f64::INFINITY);
+        assert!(known.transformed(9.0) > 0.999 && (known.transformed(1.644_853_627) - 0.95).abs() < 1e-9);
     }
 
     #[test]

@@ -4,6 +4,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use statrs::function::beta::checked_beta_reg;
 use statrs::function::gamma::checked_gamma_ur;
 
+use super::normal::normal_cdf;
+
 /// P(chi-square of `dof` > `chi2`); none without degrees of freedom.
 pub fn chi2_tail(chi2: f64, dof: usize) -> Option<f64> {
     (dof > 0).then(|| match chi2 {
@@ -24,6 +26,15 @@ pub fn chi2_quantile(p: f64, dof: f64) -> f64 {
 pub fn f_tail(f: f64, numerator: f64, denominator: f64) -> f64 {
     let x = denominator / (denominator + numerator * f.max(0.0));
     checked_beta_reg(0.5 * denominator, 0.5 * numerator, x).unwrap_or(1.0)
+}
+
+/// P(t of `dof` degrees of freedom < `t`); normal where they are infinite.
+pub fn t_cdf(t: f64, dof: f64) -> f64 {
+    if dof.is_infinite() {
+        return normal_cdf(t);
+    }
+    let beyond = 0.5 * f_tail(t * t, 1.0, dof);
+    if t < 0.0 { beyond } else { 1.0 - beyond }
 }
 
 /// P of a sum of `count` squares as large over a variance that `dof` degrees of freedom tell: F, chi-square for one
@@ -61,6 +72,14 @@ mod tests {
         }
         for (f, d1, d2, p) in [(161.4476, 1.0, 1.0, 0.05), (3.325835, 5.0, 10.0, 0.05), (4.849147, 10.0, 10.0, 0.01)] {
             assert!((f_tail(f, d1, d2) / p - 1.0).abs() < 1e-4, "{f} {d1} {d2}");
+        }
+    }
+
+    #[test]
+    fn students_t_is_that_of_the_tables() {
+        // Abramowitz and Stegun 26.10.
+        for (t, dof, p) in [(2.228139, 10.0, 0.975), (-6.313752, 1.0, 0.05), (1.644854, f64::INFINITY, 0.95)] {
+            assert!((t_cdf(t, dof) - p).abs() < 1e-6, "{t} {dof}");
         }
     }
 

@@ -96,13 +96,10 @@ impl Reader {
         }))
     }
 
-    /// A stored calibration as the model in force states it, and that model; none where it is stored so.
+    /// A stored calibration as the model in force states it, and that model: also one that was set aside when an
+    /// earlier version of this program stated it by the same model.
     async fn stored_anew(&self, id: Id) -> Result<Option<(Calibration, Id)>, StoreError> {
         let Some(row) = store::record::get(&self.store, id).await? else { return Ok(None) };
-        let stored_with = store::model::of_campaign(&self.store, id).await?.map(|model| model.id);
-        if stored_with == self.models.of(Some(row.imu)).id {
-            return Ok(None);
-        }
         let stated = match row.kind {
             Kind::Record => self.record_again(&row).await?,
             Kind::Campaign => self.fitted_again(&row).await?.map(|fitted| self.calibration_again(&row, &fitted)),
@@ -110,8 +107,10 @@ impl Reader {
         let Ok(stated) = stated else { return Ok(None) };
         let gyros = stated.gyros.iter().map(|gyro| gyro.serial.as_str()).collect();
         store::names::look_up(&self.store, [vec![stated.imu.as_str()], Vec::new(), gyros]).await?;
-        let model = self.in_force(stated.imu.as_str()).id;
-        Ok(self.restated_anew(&stated).zip(model))
+        Ok(match self.restated_anew(&stated) {
+            Some(anew) => Some(anew).zip(self.in_force(stated.imu.as_str()).id),
+            None => stated.model.map(|model| (stated, model)),
+        })
     }
 
     /// Whether a calibration is stated by another model than the one in force.

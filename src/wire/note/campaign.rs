@@ -74,6 +74,7 @@ pub(super) fn message(note: &CampaignNote) -> Message {
                 }
             }
         }
+        CampaignNote::EffectAtReference { effect } => message!("effect_at_reference", effect = effect.word()),
         CampaignNote::EffectsLeftOut { why } => message!("effects_left_out", why = why.message()),
         CampaignNote::StationLeftOut { parts, why } => {
             let why = match why {
@@ -134,6 +135,7 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
             Some(slot) => json!({"slot": slot.name(), "effect": effect.id()}),
             None => json!({"effect": effect.id()}),
         },
+        CampaignNote::EffectAtReference { effect } => json!({"effect": effect.id()}),
         CampaignNote::EffectsLeftOut { .. } => json!({}),
         CampaignNote::StationLeftOut { parts, .. } => {
             json!({"parts": parts.iter().map(|part| part.name()).collect::<Vec<_>>()})

@@ -28,6 +28,7 @@ overstated_by_far = { $slot } by far
 residuals_exceed_noise = { $slots }: residuals exceed the noise; the model leaves something out (see diagnose)
 effect_left_out = { $effect } is left out of the fit: { $why }
 effect_left_out_of_gyro = { $slot }: { $effect } is left out of the fit: { $why }
+effect_at_reference = { $effect } is not zero at the reference temperature, and no drift of model (6) there: D_I and D_S leave that out
 station_left_out = the stated uncertainty of { $parts } is not in the sigmas: { $why }
 station_needs_scale = { $slot } has no E that is held or determined
 station_not_of_bench = it is computed for campaigns of an IMU, not for bench tests

@@ -26,6 +26,7 @@ overstated_by_far = { $slot }远大于
 residuals_exceed_noise = { $slots }：残差大于噪声，模型有所遗漏（见诊断）
 effect_left_out = { $effect }未参与拟合：{ $why }
 effect_left_out_of_gyro = { $slot }：{ $effect }未参与拟合：{ $why }
+effect_at_reference = { $effect }在参考温度下不为零，且不属于模型(6)的漂移：D_I、D_S未计入这一部分
 station_left_out = 标准差未计入给定的测试站不确定度（{ $parts }）：{ $why }
 station_needs_scale = { $slot }的E既未给定也不能确定
 station_not_of_bench = 只对惯组试验计算，不适用于单表试验

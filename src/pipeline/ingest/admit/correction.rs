@@ -17,7 +17,9 @@ use crate::core::time::Span;
 use crate::pipeline::ingest::submission::{Calibration, Confirmation, Corrected, Correction, Doubt, WindowMark};
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{ConfirmationRow, HistoryRow, NamesOf, RecordRow, StoreError, StoredAside, WindowMarkRow};
+use crate::store::{
+    ConfirmationRow, HistoryRow, NamesOf, RecordRow, RestatedRow, StoreError, StoredAside, WindowMarkRow,
+};
 use crate::wire::{history_note, time};
 
 impl Admission<'_> {
@@ -163,6 +165,7 @@ impl Admission<'_> {
         }
         if let Some((now, model)) = sent.restated.as_deref()
             && let Some(restated) = rows_as_stated(self.store, &record, now)
+            && restated.iter().any(|RestatedRow { row, .. }| rows.iter().all(|aside| !is_same(aside, row)))
         {
             rows = restated.iter().map(|restated| restated.row.clone()).collect();
             group.changes.rejudged.restated.extend(restated);
@@ -234,4 +237,8 @@ impl Admission<'_> {
         group.changes.window_marks.push(WindowMarkRow { id, station, mark: sent.mark.clone() });
         Ok(Accepted::stored(id))
     }
+}
+
+fn is_same(stored: &HistoryRow, anew: &HistoryRow) -> bool {
+    stored.gyro == anew.gyro && stored.figures.agrees(&anew.figures)
 }

@@ -1,5 +1,6 @@
 //! The disk is full, cannot be written, or fails to flush: what the service answers then, and how it comes back.
 
+mod prometheus;
 mod support;
 
 use std::path::{Path, PathBuf};
@@ -8,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use gyrowatch::system;
+use prometheus::Prometheus;
 use support::{Answer, Server, fill, gyrowatch_under, on_a_small_disk, paper_record, required, small_disks_work};
 
 fn record(number: usize) -> String {
@@ -254,64 +255,6 @@ async fn on_a_read_only_file_system_it_does_not_start_and_names_the_file() {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("gyrowatch.db") && said.contains("Read-only"), "{said}");
-}
-
-/// Prometheus with the rules that ship, looking every second; it ends with the test.
-struct Prometheus {
-    child: std::process::Child,
-    address: String,
-    _dir: tempfile::TempDir,
-}
-
-impl Prometheus {
-    fn watching(server: &Server) -> Self {
-        let dir = tempfile::tempdir().unwrap();
-        let rules = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus/rules.yml");
-        let config = format!(
-            "global: {{ scrape_interval: 1s, evaluation_interval: 1s }}\nrule_files: [{}]\nscrape_configs:\n  \
-             - job_name: gyrowatch\n    static_configs: [{{ targets: [\"{}\"] }}]\n",
-            rules.display(),
-            server.address()
-        );
-        std::fs::write(dir.path().join("prometheus.yml"), config).unwrap();
-        let address = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
-        let child = std::process::Command::new("prometheus")
-            .current_dir(dir.path())
-            .args(["--config.file=prometheus.yml", "--storage.tsdb.path=data"])
-            .arg(format!("--web.listen-address={address}"))
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        Self { child, address, _dir: dir }
-    }
-
-    /// What it answers; null before it does.
-    async fn answers(&self, path: &str) -> serde_json::Value {
-        let client = system::http_client(Duration::from_secs(5), Duration::from_secs(5)).build().unwrap();
-        match client.get(format!("http://{}/api/v1/{path}", self.address)).send().await {
-            Ok(answer) => serde_json::from_str(&answer.text().await.unwrap()).unwrap_or_default(),
-            Err(_) => serde_json::Value::Null,
-        }
-    }
-
-    /// The names of the alerts that fire.
-    async fn firing(&self) -> Vec<String> {
-        let alerts = self.answers("alerts").await["data"]["alerts"].as_array().cloned().unwrap_or_default();
-        let firing = alerts.iter().filter(|alert| alert["state"] == "firing");
-        firing.map(|alert| alert["labels"]["alertname"].as_str().unwrap().to_owned()).collect()
-    }
-
-    async fn scrapes(&self) -> bool {
-        self.answers("query?query=gyrowatch_items_total").await["data"]["result"][0].is_object()
-    }
-}
-
-impl Drop for Prometheus {
-    fn drop(&mut self) {
-        let _already_gone = self.child.kill();
-        let _reaped = self.child.wait();
-    }
 }
 
 #[tokio::test]

@@ -1,10 +1,15 @@
 //! Running the service: is it ready, what does it count, and what does it refuse to be started on.
 
+mod prometheus;
 mod receiver;
 mod support;
 
+use std::io::{BufRead, BufReader};
 use std::path::Path;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
 
+use prometheus::Prometheus;
 use receiver::Receiver;
 use serde_json::{Value, json};
 use sqlx::ConnectOptions;
@@ -106,7 +111,7 @@ async fn metrics_count_requests_items_verdicts_and_commits() {
 /// Lets a program read `input` and say what it thinks of it.
 fn judged_by(program: &str, arguments: &[&str], input: &str) -> (bool, String) {
     use std::io::Write as _;
-    let piped = std::process::Stdio::piped;
+    let piped = Stdio::piped;
     let mut command = std::process::Command::new(program);
     let mut child = command.args(arguments).stdin(piped()).stdout(piped()).stderr(piped()).spawn().unwrap();
     child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
@@ -143,6 +148,57 @@ async fn a_healthcheck_asks_the_service_where_the_configuration_says() {
     let away = asked(&address);
     assert_eq!(away.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&away.stderr).contains("/readyz does not answer"));
+}
+
+#[tokio::test]
+async fn the_service_is_where_an_option_or_else_the_environment_says() {
+    let server = Server::start().await;
+    let said = |option: &[&str], variables: &[(&str, &str)]| {
+        let mut command = gyrowatch();
+        command.args(["void", "none", "--author", "Weber", "--reason", "torn"]).args(option);
+        let output = command.envs(variables.iter().copied()).output().unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let (here, url, nowhere) = (server.address(), server.url(""), "http://127.0.0.1:9");
+    let url = url.as_str();
+    for (option, variables) in [
+        (&["--url", url][..], &[("GYROWATCH_URL", nowhere)][..]),
+        (&[][..], &[("GYROWATCH_URL", url), ("GYROWATCH_LISTEN", "127.0.0.1:9")][..]),
+        (&[][..], &[("GYROWATCH_LISTEN", here)][..]),
+    ] {
+        let said = said(option, variables);
+        assert!(said.contains("404: no record"), "{option:?} {variables:?}: {said}");
+    }
+    let said = said(&[], &[("GYROWATCH_URL", nowhere), ("GYROWATCH_LISTEN", here)]);
+    assert!(said.contains(&format!("cannot reach {nowhere}")), "{said}");
+}
+
+/// On a terminal, which util-linux's `script` makes.
+#[test]
+fn whoever_sets_no_color_gets_none() {
+    if !required("script") {
+        return;
+    }
+    // What it says until it ends, or until it listens.
+    let said = |order: &str, no_color: &str| {
+        let dir = tempfile::tempdir().unwrap();
+        let mut script = std::process::Command::new("script");
+        script.args(["-qec", &format!("{} {order}", env!("CARGO_BIN_EXE_gyrowatch")), "/dev/null"]);
+        script.current_dir(dir.path()).env("GYROWATCH_LISTEN", "127.0.0.1:0");
+        script.env("NO_COLOR", no_color).env("TERM", "xterm").stdin(Stdio::null()).stdout(Stdio::piped());
+        let mut terminal = script.spawn().unwrap();
+        let lines = BufReader::new(terminal.stdout.take().unwrap()).lines().map(Result::unwrap);
+        let said: Vec<String> = lines.take_while(|line| !line.contains("listens on")).collect();
+        let _already_ended = terminal.kill();
+        let _reaped = terminal.wait();
+        said.join("\n")
+    };
+    for order in ["--help", "nonsense", "serve"] {
+        let (plain, coloured) = (said(order, "1"), said(order, ""));
+        assert!(!plain.is_empty() && !plain.contains('\x1b'), "{order}: {plain}");
+        assert!(coloured.contains('\x1b'), "{order}: {coloured}");
+    }
 }
 
 /// The counters among the series, but for those of requests, which come as they are asked for: only failures begin at 0.
@@ -316,16 +372,18 @@ async fn the_dashboard_asks_for_what_the_metrics_hold() {
             assert!(row.pointer(&pointer).is_some(), "{path}: no {pointer} in {row}");
         }
     }
-    if required("promtool") {
-        // The group's file is what promtool takes queries in.
-        let numbered = queries.iter().enumerate();
-        let rules: Vec<_> =
-            numbered.map(|(number, query)| json!({ "record": format!("query:{number}"), "expr": query })).collect();
-        let file = tempfile::NamedTempFile::new().unwrap();
-        std::fs::write(file.path(), json!({ "groups": [{ "name": "dashboard", "rules": rules }] }).to_string())
-            .unwrap();
-        let (well, said) = judged_by("promtool", &["check", "rules", file.path().to_str().unwrap()], "");
-        assert!(well, "{said}");
+    if required("prometheus") {
+        let prometheus = Prometheus::watching(&server);
+        let end = Instant::now() + Duration::from_secs(60);
+        for query in &queries {
+            // It has to start, and a rate needs two looks. A panel that stays empty would show nothing.
+            let mut series = prometheus.series(query).await;
+            while !series.as_ref().is_ok_and(|series| !series.is_empty()) {
+                assert!(Instant::now() < end, "{query}: {series:?}");
+                tokio::time::sleep(Duration::from_millis(200)).await;
+                series = prometheus.series(query).await;
+            }
+        }
     }
 }
 

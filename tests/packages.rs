@@ -180,6 +180,32 @@ fn the_container_file_keeps_its_promises() {
     assert!(of("COPY").any(|copied| copied.ends_with(entry.as_str())));
 }
 
+/// `--version` names the commit that a package is told, or that a release build finds; a development build none.
+#[test]
+fn a_build_knows_which_commit_it_is_of() {
+    if !required("rustc") {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let program = dir.path().join("build");
+    let (well, said) = ran("rustc", &["--edition=2024", "build.rs", "-o", program.to_str().unwrap()]);
+    assert!(well, "{said}");
+    let said = |commit: &str, profile: &str| {
+        let mut build = Command::new(&program);
+        build.current_dir(root()).env("GYROWATCH_COMMIT", commit).env("PROFILE", profile);
+        String::from_utf8(build.output().unwrap().stdout).unwrap()
+    };
+    assert!(said("abc123", "debug").contains("cargo::rustc-env=GYROWATCH_COMMIT=abc123"));
+    assert!(!said("", "debug").contains("rustc-env"));
+    if root().join(".git").exists() {
+        let (_, head) = ran("git", &["rev-parse", "--short=12", "HEAD"]);
+        assert!(said("", "release").contains(&format!("cargo::rustc-env=GYROWATCH_COMMIT={head}")));
+    }
+    let version = String::from_utf8(gyrowatch().arg("--version").output().unwrap().stdout).unwrap();
+    let number = format!("gyrowatch {}", env!("CARGO_PKG_VERSION"));
+    assert!(version.trim_end() == number || version.starts_with(&format!("{number} (")), "{version}");
+}
+
 #[test]
 fn scripts_are_read_without_a_fault() {
     for script in std::fs::read_dir(root().join("scripts")).unwrap() {

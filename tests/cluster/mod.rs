@@ -282,7 +282,7 @@ fn is_root() -> bool {
 }
 
 /// PostgreSQL refuses to run as root.
-fn as_postgres(words: &[&str]) -> Command {
+pub fn as_postgres(words: &[&str]) -> Command {
     let under: &[&str] = if is_root() { &["runuser", "-u", "postgres", "--"] } else { &[] };
     let words = [under, words].concat();
     let mut command = Command::new(words[0]);

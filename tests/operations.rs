@@ -147,7 +147,29 @@ async fn a_healthcheck_asks_the_service_where_the_configuration_says() {
     server.kill();
     let away = asked(&address);
     assert_eq!(away.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&away.stderr).contains("/readyz does not answer"));
+    let said = String::from_utf8_lossy(&away.stderr);
+    assert!(said.contains("/readyz does not answer: nothing listens there"), "{said}");
+    assert_eq!(said.matches("readyz").count(), 1, "one fault, once: {said}");
+}
+
+/// Who makes a token beside a running service, and names no database, would wait in vain for it to be known there.
+#[tokio::test]
+async fn a_token_is_not_made_where_the_running_service_does_not_look_for_it() {
+    let mut server = Server::start().await;
+    let dir = tempfile::tempdir().unwrap();
+    let address = server.address().to_owned();
+    let create = || {
+        let mut command = gyrowatch();
+        command.args(["token", "create", "Weber", "--role", "admin"]).current_dir(dir.path());
+        let output = command.env("GYROWATCH_LISTEN", &address).output().unwrap();
+        (output.status.success(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (made, said) = create();
+    assert!(!made && said.contains(&address) && said.contains("GYROWATCH_DATABASE_URL"), "{said}");
+    assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 0);
+    server.kill();
+    let (made, said) = create();
+    assert!(made && said.contains("there is no database sqlite://gyrowatch.db: making it"), "{said}");
 }
 
 #[tokio::test]

@@ -407,6 +407,39 @@ async fn a_trend_as_columns_says_what_its_points_say() {
     }
 }
 
+#[tokio::test]
+async fn a_trend_says_what_its_points_are_held_against() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.003), (80, 1.0), (120, 1.05)]).await;
+    assert!(lab.sees_trend("A", "").await.iter().all(|point| point.get("level").is_none()));
+    let held = |point: &Value, baseline: f64| {
+        for (name, expected) in [("baseline", baseline), ("lower", baseline - 0.01), ("upper", baseline + 0.01)] {
+            assert_close(&point["level"][name], expected, 1e-9);
+        }
+    };
+    // The mean of the first three, and the budget.
+    lab.sees_trend("A", "levels=include").await.iter().for_each(|point| held(point, 1.001));
+    let before = lab.get("/v1/gyros/A/trend?levels=include").await.header("etag").to_owned();
+    assert_ne!(before, lab.get("/v1/gyros/A/trend").await.header("etag"));
+    let columns = lab.get("/v1/gyros/A/trend?levels=include&columns=value").await.ok()["columns"].clone();
+    assert_eq!((columns.as_object().unwrap().len(), columns["lower"].as_array().unwrap().len()), (4, 4), "{columns}");
+    assert_close(&columns["upper"][3], 1.011, 1e-9);
+    let csv = lab.get("/v1/gyros/A/trend?levels=include&format=csv").await.text;
+    assert!(csv.lines().next().unwrap().ends_with(",state,baseline,lower,upper,status"), "{csv}");
+    let first: Vec<&str> = csv.lines().nth(1).unwrap().split(',').collect();
+    assert!(first[12].starts_with("1.00") && first[14].starts_with("1.01"), "{csv}");
+
+    // Another level from a day on: what came before keeps its own.
+    let stated = json!({"reason": "rebuilt", "fixed": {"D_I": 1.05}, "at": day(100)});
+    lab.post("/v1/gyros/A/baseline", &stated).await.created();
+    let points = lab.sees_trend("A", "levels=include").await;
+    held(&points[2], 1.001);
+    held(&points[3], 1.05);
+    assert_ne!(before, lab.get("/v1/gyros/A/trend?levels=include").await.header("etag"));
+    for wrong in ["levels=yes", "levels=include&every=month"] {
+        assert_eq!(lab.get(&format!("/v1/gyros/A/trend?{wrong}")).await.status, 400, "{wrong}");
+    }
+}
+
 /// A row of the view for SQL: serial, day, method, then D_I, D_S, D_O with their standard deviations, and what was said of D_I.
 type Plain = (String, String, String, [Option<f64>; 6], Option<String>);
 

@@ -232,7 +232,7 @@ fn of_parameter(operation: &str, parameter: &str) -> Option<What> {
         (_, "coefficient") => one_of(Coefficient::ALL.map(Coefficient::name)),
         (_, "method") => one_of(["rigid", "published", "torque_feedback", "turntable_servo"]),
         (_, "every") => one_of(Period::ALL.map(Period::name)),
-        (_, "voided") => one_of(["include", "exclude"]),
+        (_, "voided" | "levels") => one_of(["include", "exclude"]),
         (_, "station_when") => one_of(["now", "ever"]),
         (_, "notify") => one_of(["all", "digest", "none"]),
         (_, "format") => one_of(["json", "csv"]),

@@ -68,29 +68,31 @@ pub async fn get_trend(
         }
         return Ok(answer(request.written_by_period(&serial, period, &summaries, &done, next)?, &tag, &uri));
     }
+    let levels = request.levels(&app, gyro, &serial).await?;
     let tag;
     let body = match request.method {
         Method::Separated(method) => {
             let (rows, next) = request.history(&app, gyro).await?;
             let (column, figures) = (request.column(), rows.iter().map(|row| &row.figures));
             let statuses = app.pipeline.queries.histories.statuses(gyro, figures, &[column]).await?;
-            tag = etag(&request, &seen(&mut rows.iter().map(|row| row.seen(&statuses, column, method))), &next);
+            let holds = seen(&mut rows.iter().map(|row| row.seen(&statuses, column, method)));
+            tag = etag(&request, &(holds, &levels), &next);
             if is_known(&headers, &tag) {
                 return Ok(not_modified(&tag));
             }
             let names = app.pipeline.queries.names();
             let points = rows.iter().map(|row| separated_point(row, (column, &statuses), method, &names));
-            written(&request, &serial, points.collect(), &done, next)?
+            written(&request, &serial, points.map(|point| point.held_against(levels.as_ref())).collect(), &done, next)?
         }
         Method::Bench(method) => {
             let (rows, next) = request.benches(&app, gyro, method).await?;
-            tag = etag(&request, &seen(&mut rows.iter().map(seen_bench)), &next);
+            tag = etag(&request, &(seen(&mut rows.iter().map(seen_bench)), &levels), &next);
             if is_known(&headers, &tag) {
                 return Ok(not_modified(&tag));
             }
             let flag = |row: &BenchItem| request.voided.then_some(row.voided);
             let points = rows.iter().filter_map(|row| bench_point(row, flag(row), request.coefficient));
-            written(&request, &serial, points.collect(), &done, next)?
+            written(&request, &serial, points.map(|point| point.held_against(levels.as_ref())).collect(), &done, next)?
         }
     };
     Ok(answer(body, &tag, &uri))
@@ -112,8 +114,8 @@ fn written(
         next: next.clone(),
     };
     let text = match &request.columns {
-        _ if request.csv => csv::written(&trend, request.voided),
-        Some(columns) => json::columns(&trend, columns),
+        _ if request.csv => csv::written(&trend, request),
+        Some(columns) => json::columns(&trend, columns, request.levels),
         None => json::written(&trend),
     };
     let text = text.ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;

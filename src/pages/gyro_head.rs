@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::gyro::Facts;
 use super::history::seat;
-use super::history_plot::{budgets, epoch_of};
+use super::history_plot::epoch_of;
 use super::layout::{DRIFTS, day, encoded, instant, symbol};
 use super::text::Text;
 use super::verdicts::Said;
@@ -72,7 +72,7 @@ impl Facts {
         let level = epoch_of(&self.epochs[column], at)?
             .level
             .filter(|_| self.verdicts.iter().any(|said| said.seen.is_none()))?;
-        let budget = budgets(&self.course.limits)[column].filter(|budget| *budget > 0.0)?;
+        let budget = self.course.limits.budgets()[column].filter(|budget| *budget > 0.0)?;
         Some(Load { deviation: Measured { value: measured.value - level, sd: measured.sd }, level, budget })
     }
 

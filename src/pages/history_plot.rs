@@ -17,7 +17,7 @@ use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
 use crate::core::figures::Figures;
 use crate::core::judge::limits::DEFAULT_BUDGET;
-use crate::core::judge::{Finding, Limits, Measured, Rule, Sample, Status};
+use crate::core::judge::{Finding, Measured, Rule, Sample, Status};
 use crate::core::time::UtcMicros;
 use crate::pages::downsample;
 use crate::pipeline::{Baseline, BenchItem, Course, Names, Statuses, sample_of};
@@ -77,28 +77,10 @@ pub(super) struct Plots {
     flags: Markup,
 }
 
-/// How far D_I, D_S and D_O may lie from their baselines.
-pub(super) fn budgets(limits: &Limits) -> [Option<f64>; 3] {
-    [limits.d_i.of(Rule::Baseline), limits.d_s.of(Rule::Baseline), limits.closure]
-        .map(|limit| limit.map(|limit| limit.value))
-}
-
-/// The stretches of one column: D_I and D_S go on where the gyro has moved, D_O does not.
-fn stretches(baselines: &[Baseline], column: usize) -> Vec<Baseline> {
-    let mut joined: Vec<Baseline> = Vec::new();
-    for baseline in baselines {
-        match joined.last_mut() {
-            Some(before) if baseline.moved && column < 2 => before.until = baseline.until,
-            _ => joined.push(*baseline),
-        }
-    }
-    joined
-}
-
 pub(super) fn epochs(course: &Course, method: JudgedMethod) -> Epochs {
     let samples: Vec<Sample> = course.figures.iter().map(|figures| sample_of(figures, method)).collect();
     [0, 1, 2].map(|column| {
-        let baselines = stretches(&course.baselines, column);
+        let baselines = Baseline::stretches(&course.baselines, column);
         let last = baselines.len().saturating_sub(1);
         let epoch = |(k, baseline): (usize, &Baseline)| {
             let start = samples.partition_point(|sample| sample.at < baseline.from);
@@ -187,7 +169,7 @@ pub(super) fn plots(
         names,
         flags: flags(t, seen.course, &view, place),
         lanes: lanes(&rows, names),
-        budgets: budgets(&seen.course.limits),
+        budgets: seen.course.limits.budgets(),
         rows,
     };
     let columns = if view.shown == Shown::Bench { 0..2 } else { 0..3 };
@@ -605,7 +587,7 @@ mod tests {
         };
         let all = [stretch(0, 10, false), stretch(10, 20, true), stretch(20, 30, false), stretch(30, 40, true)];
         let seen = |column| -> Vec<(i64, i64)> {
-            stretches(&all, column).iter().map(|one| (one.from.0, one.until.0)).collect()
+            Baseline::stretches(&all, column).iter().map(|one| (one.from.0, one.until.0)).collect()
         };
         assert_eq!((seen(0), seen(1)), (vec![(0, 20), (20, 40)], vec![(0, 20), (20, 40)]));
         assert_eq!(seen(2), [(0, 10), (10, 20), (20, 30), (30, 40)]);

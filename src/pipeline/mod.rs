@@ -62,9 +62,9 @@ pub use ingest::{
 };
 pub use queries::{
     BEYOND, Baseline, BenchItem, Compared, Comparison, Course, DUE_DAYS, DueImu, EventItem, ExplainedHistory, FirstOf,
-    Fleet, FleetFilter, FleetPage, Forecast, Foreseen, Histories, ItemStatus, ListFilter, ListedImu, ListedRecord,
-    Names, Queries, RecentValues, RecordItem, RecordSummary, Records, Seats, Standing, StandingFilter, Statuses,
-    StoredCampaign, StoredRecord, Tested, Today, Together, Verified, Violation, WallPage, sample_of, today,
+    Fleet, FleetFilter, FleetPage, Forecast, Foreseen, Histories, ItemStatus, Levels, ListFilter, ListedImu,
+    ListedRecord, Names, Queries, RecentValues, RecordItem, RecordSummary, Records, Seats, Standing, StandingFilter,
+    Statuses, StoredCampaign, StoredRecord, Tested, Today, Together, Verified, Violation, WallPage, sample_of, today,
 };
 
 pub use suspect::WindowOutcome;

@@ -95,17 +95,19 @@ class Gyrowatch:
         return self._pages("/v1/alerts", "alerts", filters)
 
     def trend(self, serial: str, coefficient: str = "D_I", **filters: Filter) -> list[Json]:
-        """The history of a coefficient, deg/(h g0), oldest first: `method`, `from_`, `to`, `last`, `voided`."""
+        """The history of a coefficient, deg/(h g0), oldest first: `method`, `from_`, `to`, `last`, `voided`, `levels`."""
         if filters.keys() & {"columns", "every", "format"}:
             raise ValueError("a trend is read as points: columns, every and format are for other programs")
         path, filters = f"/v1/gyros/{_quoted(serial)}/trend", {"coefficient": coefficient, **filters}
         return list(self._pages(path, "points", filters))
 
     def trend_frame(self, serial: str, coefficient: str = "D_I", **filters: Filter) -> "pandas.DataFrame":
-        """`trend` as a table by time, with `value` and `sd` in deg/(h g0); without a row where there is no point."""
+        """`trend` as a table by time, with `value` and `sd` in deg/(h g0); without a row where there is no point.
+        `levels="include"` adds `baseline`, `lower` and `upper`."""
         import pandas
 
-        frame = pandas.DataFrame(self.trend(serial, coefficient, **filters))
+        points = self.trend(serial, coefficient, **filters)
+        frame = pandas.DataFrame([{**point.pop("level", {}), **point} for point in points])
         if frame.empty:
             frame = pandas.DataFrame({name: pandas.Series(dtype=kind) for name, kind in _TREND.items()})
         frame["calibrated_at"] = pandas.to_datetime(frame["calibrated_at"], utc=True, format="ISO8601")

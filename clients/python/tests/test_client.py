@@ -61,6 +61,9 @@ class Client(unittest.TestCase):
         self.assertEqual(len(last), 2)
         nothing = self.watch.trend_frame(serial, "D_S", from_=datetime.date(2036, 1, 1))
         self.assertEqual((len(nothing), list(nothing.columns)), (0, list(frame.columns)))
+        held = self.watch.trend_frame(serial, "D_S", levels="include")
+        self.assertTrue(((held["lower"] < held["value"]) & (held["value"] < held["upper"])).all())
+        self.assertAlmostEqual((held["upper"] - held["baseline"]).iloc[0], 0.01)
         self.assertEqual((str(nothing.index.tz), nothing["value"].dtype), (str(frame.index.tz), frame["value"].dtype))
 
     def test_a_refusal_names_the_place(self) -> None:

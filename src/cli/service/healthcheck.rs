@@ -4,12 +4,14 @@ use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::{Context, ensure};
+use anyhow::{anyhow, ensure};
 use clap::Args;
+use serde_json::Value;
 
 use crate::cli::common::block_on;
 use crate::config::{Config, Server};
-use crate::system;
+use crate::wire::cause;
+use crate::{system, words};
 
 const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -23,11 +25,13 @@ pub struct Healthcheck {
 
 impl Healthcheck {
     pub fn run(self) -> anyhow::Result<()> {
-        let address = address(&Config::load(&self.config, std::env::vars())?.server);
-        // The certificate is for the service's name and not for this machine's loopback; nothing secret is sent.
-        let client = system::http_client(PATIENCE, PATIENCE).danger_accept_invalid_certs(true).build()?;
+        let address = address(&Config::load(&self.config, std::env::vars())?.server, "readyz");
         block_on(async {
-            let answer = client.get(&address).send().await.with_context(|| format!("{address} does not answer"))?;
+            let away = |error: reqwest::Error| {
+                let why = words::asked().words(&cause::root_of(&error));
+                anyhow!("{address} does not answer: {why}")
+            };
+            let answer = client()?.get(&address).send().await.map_err(away)?;
             let status = answer.status();
             ensure!(status.is_success(), "{address} answers {status}: {}", answer.text().await.unwrap_or_default());
             Ok(())
@@ -35,13 +39,25 @@ impl Healthcheck {
     }
 }
 
-/// Where `/readyz` is on this machine.
-fn address(server: &Server) -> String {
+/// Whether a service answers where the configuration has one listen.
+pub(super) async fn is_running(server: &Server) -> bool {
+    let asked = async { Some(client().ok()?.get(address(server, "healthz")).send().await.ok()?.text().await.ok()?) };
+    let said: Option<Value> = asked.await.and_then(|text| serde_json::from_str(&text).ok());
+    said.is_some_and(|said| said["status"] == "ok" && said["version"].is_string())
+}
+
+/// The certificate is for the service's name and not for this machine's loopback; nothing secret is sent.
+fn client() -> reqwest::Result<reqwest::Client> {
+    system::http_client(PATIENCE, PATIENCE).danger_accept_invalid_certs(true).build()
+}
+
+/// Where a route is on this machine.
+fn address(server: &Server, route: &str) -> String {
     let scheme = if server.is_encrypted() { "https" } else { "http" };
     let ip = match server.listen.ip() {
         IpAddr::V4(ip) if ip.is_unspecified() => Ipv4Addr::LOCALHOST.into(),
         IpAddr::V6(ip) if ip.is_unspecified() => Ipv6Addr::LOCALHOST.into(),
         ip => ip,
     };
-    format!("{scheme}://{}{}/readyz", SocketAddr::new(ip, server.listen.port()), server.base_path)
+    format!("{scheme}://{}{}/{route}", SocketAddr::new(ip, server.listen.port()), server.base_path)
 }

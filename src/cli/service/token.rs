@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use anyhow::{anyhow, bail};
 use clap::{Args, Subcommand};
 
+use super::healthcheck;
 use crate::cli::common::{block_on, instant};
 use crate::cli::document;
 use crate::config::Config;
@@ -64,13 +65,22 @@ fn role(name: &str) -> Result<Role, String> {
 
 impl Token {
     pub fn run(self) -> anyhow::Result<()> {
-        let database = Config::load(&self.config, std::env::vars())?.database;
+        let Config { database, server, .. } = Config::load(&self.config, std::env::vars())?;
         let (order, options) = (self.order, database.options());
         let is_new = options.file().is_ok_and(|file| matches!(file.try_exists(), Ok(false)));
         if is_new && !matches!(order, Order::Create { .. }) {
             bail!("there is no database {}", options.shown());
         }
+        let is_unnamed = database.url == Config::defaults().database.url;
         let work = async {
+            if is_new && is_unnamed && healthcheck::is_running(&server).await {
+                bail!(
+                    "the service at {} has another database than {}, which is not there: name its own in \
+                     GYROWATCH_DATABASE_URL or --config",
+                    server.listen,
+                    options.shown()
+                );
+            }
             if is_new {
                 eprintln!(
                     "there is no database {}: making it. A service that has another one does not know this token: name \

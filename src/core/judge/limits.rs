@@ -132,6 +132,12 @@ impl DriftLimits {
 }
 
 impl Limits {
+    /// How far D_I, D_S and the closure may be from their baselines.
+    pub fn budgets(&self) -> [Option<f64>; 3] {
+        [self.d_i.of(Rule::Baseline), self.d_s.of(Rule::Baseline), self.closure]
+            .map(|limit| limit.map(|limit| limit.value))
+    }
+
     pub fn from_budget(budget: f64) -> Self {
         let budget = Limit { value: budget, from: LimitKey::BUDGET };
         Self {

@@ -8,6 +8,7 @@ use crate::core::named::named;
 use crate::core::time::UtcMicros;
 use crate::http::events::EventBody;
 use crate::http::query::not_one_of;
+use crate::pipeline::Levels;
 use crate::wire::problem::Problem;
 use crate::wire::time::Stamp;
 
@@ -53,6 +54,29 @@ struct Columns {
     record: Option<Vec<String>>,
     state: Option<Vec<Option<String>>>,
     status: Option<Vec<Option<String>>>,
+    /// With `levels=include`, and `lower` and `upper` with it.
+    baseline: Option<Vec<Option<f64>>>,
+    lower: Option<Vec<Option<f64>>>,
+    upper: Option<Vec<Option<f64>>>,
+}
+
+/// The baseline that a point is held against, and between which limits it is in tolerance (rule `baseline`).
+#[derive(Serialize, ToSchema, Clone, Copy)]
+pub(super) struct PointLevel {
+    pub baseline: f64,
+    /// Null where the rule is off, as `upper`.
+    #[schema(required)]
+    pub lower: Option<f64>,
+    #[schema(required)]
+    pub upper: Option<f64>,
+}
+
+impl PointLevel {
+    fn at(levels: &Levels, at: UtcMicros) -> Option<Self> {
+        let baseline = levels.at(at)?;
+        let limit = |side: f64| levels.budget.map(|budget| baseline + side * budget);
+        Some(Self { baseline, lower: limit(-1.0), upper: limit(1.0) })
+    }
 }
 
 #[derive(Serialize, ToSchema)]
@@ -87,6 +111,15 @@ pub(super) struct Point<'a> {
     /// Of these one that counts again when somebody confirms its time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub set_aside: Option<bool>,
+    /// With `levels=include`, once there are enough records for a baseline.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub level: Option<PointLevel>,
+}
+
+impl Point<'_> {
+    pub fn held_against(self, levels: Option<&Levels>) -> Self {
+        Self { level: levels.and_then(|levels| PointLevel::at(levels, self.calibrated_at)), ..self }
+    }
 }
 
 named! {

@@ -1,6 +1,7 @@
 //! A trend as CSV.
 
 use super::body::Trend;
+use super::request::Request;
 use crate::wire::time::Stamp;
 
 const COLUMNS: [&str; 12] = [
@@ -18,11 +19,16 @@ const COLUMNS: [&str; 12] = [
     "state",
 ];
 
+/// What each point is held against, where that is asked for.
+const LEVELS: [&str; 3] = ["baseline", "lower", "upper"];
+
 /// RFC 4180: one header line, times in UTC, every point at full precision; a column more where voided points are
-/// asked for, `status` always last.
-pub(super) fn written(trend: &Trend<'_>, with_voided: bool) -> Option<Vec<u8>> {
+/// asked for, three where levels are, `status` always last.
+pub(super) fn written(trend: &Trend<'_>, &Request { voided: with_voided, levels, .. }: &Request) -> Option<Vec<u8>> {
+    let asked = if levels { &LEVELS[..] } else { &[] };
     let mut writer = ::csv::Writer::from_writer(Vec::new());
-    writer.write_record(COLUMNS.into_iter().chain(with_voided.then_some("voided")).chain(["status"])).ok()?;
+    let more = with_voided.then_some("voided").into_iter().chain(asked.iter().copied()).chain(["status"]);
+    writer.write_record(COLUMNS.into_iter().chain(more)).ok()?;
     for point in &trend.points {
         let (at, value) = (Stamp::of(point.calibrated_at), point.value.to_string());
         let sd = point.sd.map(|sd| sd.to_string()).unwrap_or_default();
@@ -31,9 +37,11 @@ pub(super) fn written(trend: &Trend<'_>, with_voided: bool) -> Option<Vec<u8>> {
         let head = [trend.serial, trend.coefficient, trend.unit, at.as_str(), &value, &sd, point.method];
         let voided = point.voided.map(|voided| if voided { "true" } else { "false" });
         let tail = [imu, slot, point.station, &record, state];
-        writer
-            .write_record(head.into_iter().chain(tail).chain(voided).chain([point.status.unwrap_or_default()]))
-            .ok()?;
+        let level = point.level.map_or([None; 3], |level| [Some(level.baseline), level.lower, level.upper]);
+        let level = level.map(|figure| figure.map(|figure| figure.to_string()).unwrap_or_default());
+        let more = voided.into_iter().chain(level.iter().take(asked.len()).map(String::as_str));
+        let status = point.status.unwrap_or_default();
+        writer.write_record(head.into_iter().chain(tail).chain(more).chain([status])).ok()?;
     }
     writer.into_inner().ok()
 }

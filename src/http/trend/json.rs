@@ -3,7 +3,7 @@
 
 use std::io::Write;
 
-use super::body::{Point, PointColumn, Trend};
+use super::body::{Point, PointColumn, PointLevel, Trend};
 use crate::wire::time::Stamp;
 
 /// A point takes about 220 bytes; growing would copy hundreds of kilobytes again and again.
@@ -32,13 +32,18 @@ fn write(trend: &Trend<'_>, text: &mut Vec<u8>) -> std::io::Result<()> {
 }
 
 /// The points as one list per member.
-pub(super) fn columns(trend: &Trend<'_>, of: &[PointColumn]) -> Option<Vec<u8>> {
+pub(super) fn columns(trend: &Trend<'_>, of: &[PointColumn], with_levels: bool) -> Option<Vec<u8>> {
     let mut text = Vec::with_capacity(COLUMN * of.len() * (trend.points.len() + 2));
-    write_columns(trend, of, &mut text).ok()?;
+    write_columns(trend, of, with_levels, &mut text).ok()?;
     Some(text)
 }
 
-fn write_columns(trend: &Trend<'_>, of: &[PointColumn], text: &mut Vec<u8>) -> std::io::Result<()> {
+type LevelColumn = (&'static str, fn(PointLevel) -> Option<f64>);
+
+const LEVELS: [LevelColumn; 3] =
+    [("baseline", |level| Some(level.baseline)), ("lower", |level| level.lower), ("upper", |level| level.upper)];
+
+fn write_columns(trend: &Trend<'_>, of: &[PointColumn], with_levels: bool, text: &mut Vec<u8>) -> std::io::Result<()> {
     head(trend, text)?;
     text.write_all(b"\"columns\":{")?;
     for (k, column) in of.iter().enumerate() {
@@ -69,6 +74,11 @@ fn write_columns(trend: &Trend<'_>, of: &[PointColumn], text: &mut Vec<u8>) -> s
             }
         }
         text.push(b']');
+    }
+    for (name, figure) in if with_levels { &LEVELS[..] } else { &[] } {
+        let figures: Vec<_> = trend.points.iter().map(|point| point.level.and_then(figure)).collect();
+        write!(text, ",\"{name}\":")?;
+        serde_json::to_writer(&mut *text, &figures)?;
     }
     text.push(b'}');
     tail(trend, text)
@@ -123,6 +133,10 @@ fn write_point<'t>(
     if let Some(set_aside) = point.set_aside {
         write!(text, ",\"set_aside\":{set_aside}")?;
     }
+    if let Some(level) = point.level {
+        text.write_all(b",\"level\":")?;
+        serde_json::to_writer(&mut *text, &level)?;
+    }
     text.write_all(b"}")
 }
 
@@ -176,6 +190,11 @@ mod tests {
             status: [None, Some("drifting")][i % 2],
             voided: [None, Some(true), Some(false)][i % 3],
             set_aside: [None, Some(true)][i % 2],
+            level: (!i.is_multiple_of(6)).then(|| PointLevel {
+                baseline: values[i % values.len()],
+                lower: (!i.is_multiple_of(4)).then_some(values[i * 5 % values.len()]),
+                upper: None,
+            }),
         };
         for count in [0, 1, 200] {
             for next in [None, Some("b3".to_owned())] {

@@ -58,6 +58,7 @@ pub(super) fn separated_point<'t>(
         status: Some(statuses.get(figures, column).name()),
         voided: *voided,
         set_aside: set_aside.then_some(true),
+        level: None,
     }
 }
 
@@ -76,5 +77,6 @@ pub(super) fn bench_point<'t>(row: &'t BenchItem, voided: Option<bool>, coeffici
         status: None,
         voided,
         set_aside: None,
+        level: None,
     })
 }

@@ -16,7 +16,7 @@ use crate::core::time::UtcMicros;
 use crate::http::App;
 use crate::http::query::{self, bad, not_one_of};
 use crate::message;
-use crate::pipeline::BenchItem;
+use crate::pipeline::{BenchItem, Levels};
 use crate::wire::cursor::{self, List};
 use crate::wire::problem::Problem;
 
@@ -50,6 +50,17 @@ pub struct TrendQuery {
     every: Option<String>,
     /// `include` shows what was voided or revised as well, each point flagged; such points are left out otherwise.
     voided: Option<String>,
+    /// `include` adds what each point is held against: its baseline, and the limits on either side.
+    levels: Option<String>,
+}
+
+/// `include` or `exclude`, which is the default.
+fn included(name: &'static str, asked: Option<&str>) -> Result<bool, Problem> {
+    match asked {
+        None | Some("exclude") => Ok(false),
+        Some("include") => Ok(true),
+        Some(other) => Err(not_one_of(name, ["include", "exclude"], other)),
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,6 +87,7 @@ pub(super) struct Request {
     pub limit: usize,
     pub newest: bool,
     pub voided: bool,
+    pub levels: bool,
     pub every: Option<Period>,
     pub csv: bool,
     /// Asked for in the place of points.
@@ -107,18 +119,15 @@ impl Request {
             }
         };
         let csv = query::wants_csv(asked.format.as_deref(), headers)?;
-        let voided = match asked.voided.as_deref() {
-            None | Some("exclude") => false,
-            Some("include") => true,
-            Some(other) => return Err(not_one_of("voided", ["include", "exclude"], other)),
-        };
+        let voided = included("voided", asked.voided.as_deref())?;
+        let levels = included("levels", asked.levels.as_deref())?;
         if asked.last.is_some() && (asked.limit.is_some() || asked.cursor.is_some()) {
             return Err(bad(message!("last_alone")));
         }
         let default = if csv { MOST_POINTS } else { DEFAULT_POINTS };
         let limit = query::limit(asked.last.or(asked.limit), default, MOST_POINTS)?;
         let mut span = query::span(asked.from.as_deref(), asked.to.as_deref())?;
-        let every = Self::period(asked.every.as_deref(), voided)?;
+        let every = Self::period(asked.every.as_deref(), voided || levels)?;
         if let Some(last) = query::position(List::Trend(every), asked.cursor.as_deref())? {
             span.from = span.from.max(UtcMicros(last.saturating_add(1)));
         }
@@ -126,7 +135,7 @@ impl Request {
         if columns.is_some() && (csv || every.is_some()) {
             return Err(bad(message!("columns_of_json")));
         }
-        Ok(Self { coefficient, method, span, limit, newest: asked.last.is_some(), voided, every, csv, columns })
+        Ok(Self { coefficient, method, span, limit, newest: asked.last.is_some(), voided, levels, every, csv, columns })
     }
 
     /// Of the coefficient, among D_I, D_S and D_O.
@@ -134,14 +143,26 @@ impl Request {
         self.coefficient.column().unwrap_or_default()
     }
 
-    /// `every`, which goes with what counts only.
-    fn period(name: Option<&str>, voided: bool) -> Result<Option<Period>, Problem> {
+    /// `every`, which goes with what counts only, and with nothing that is of a point.
+    fn period(name: Option<&str>, of_points: bool) -> Result<Option<Period>, Problem> {
         let Some(name) = name else { return Ok(None) };
         let period = Period::from_name(name).ok_or_else(|| not_one_of("every", ["day", "week", "month"], name))?;
-        if voided {
+        if of_points {
             return Err(bad(message!("every_counts_only")));
         }
         Ok(Some(period))
+    }
+
+    /// What points are held against, where that is asked for; those of a bench by the judged method.
+    pub async fn levels(&self, app: &App, gyro: u32, serial: &str) -> Result<Option<Levels>, Problem> {
+        if !self.levels {
+            return Ok(None);
+        }
+        let method = match self.method {
+            Method::Separated(method) => method,
+            Method::Bench(_) => app.config.judging.method,
+        };
+        Ok(Some(app.pipeline.queries.histories.levels(gyro, serial, method, self.column()).await?))
     }
 
     /// One page of rows, and where the next begins.

@@ -8,7 +8,7 @@ use crate::core::time::UtcMicros;
 use crate::pages::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
 use crate::pages::gyro::{Facts, known};
 use crate::pages::history::event_label;
-use crate::pages::history_plot::{MOST_FLAGS, budgets, epoch_of, list};
+use crate::pages::history_plot::{MOST_FLAGS, epoch_of, list};
 use crate::pages::layout::{DRIFTS, Page, Section, encoded, symbol};
 use crate::pages::text::Text;
 use crate::pages::verdicts::Said;
@@ -213,7 +213,7 @@ fn slope(facts: &Facts, name: &str) -> Option<Measured> {
 
 fn chart(t: &Text, view: &View, all: &[Compared<'_>], column: usize, aligned: bool, happened: &[Flag]) -> Chart {
     let name = DRIFTS[column];
-    let budget = all.iter().find_map(|one| budgets(&one.facts.course.limits)[column]);
+    let budget = all.iter().find_map(|one| one.facts.course.limits.budgets()[column]);
     let track = |(k, one): (usize, &Compared<'_>)| {
         let (facts, epochs) = (&one.facts, &one.facts.epochs[column]);
         let rows = facts.course.figures.iter().filter(|row| !aligned || row.at >= one.began(column));

@@ -7,7 +7,7 @@ use super::fleet::level;
 use crate::core::changes::{AsOf, Budget, GyroHistory, HistoryDiagnosis, diagnose_history, is_mate_of};
 use crate::core::figures::Figures;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
-use crate::core::judge::{Limits, Mark, Measured, Rule, Sample, baseline_since, stated_level};
+use crate::core::judge::{Limits, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, sample_of};
@@ -122,11 +122,10 @@ impl Histories {
     /// How far D_I, D_S and D_O may be from their baselines, where these are known.
     fn budgets(&self, serial: &str, own: &[Figures], marks: &[Mark]) -> [Option<Budget>; 3] {
         let Some(newest) = own.last() else { return [None; 3] };
-        let imu = self.store.names().read().imus.name(newest.imu).cloned();
-        let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial);
+        let limits = self.limits(serial, own);
         let samples = distinct(own.iter().map(|figures| sample_of(figures, self.config.judging.method)));
         [0, 1, 2].map(|column| {
-            let limit = budget(&limits, column)?;
+            let limit = limits.budgets()[column]?;
             let stated =
                 column < 2 && (stated_level(marks, newest.at, column).is_some() || fixed(&limits, column).is_some());
             let measured_since = (!stated).then(|| baseline_since(marks, newest.at).unwrap_or(UtcMicros(i64::MIN)));
@@ -143,15 +142,6 @@ fn spread(all: &[Figures], most: usize) -> Vec<Figures> {
         all.rchunks(every).enumerate().map(|(k, some)| some[some.len() - 1 - k % some.len()]).collect();
     some.reverse();
     some
-}
-
-fn budget(limits: &Limits, column: usize) -> Option<f64> {
-    let limit = match column {
-        0 => limits.d_i.of(Rule::Baseline),
-        1 => limits.d_s.of(Rule::Baseline),
-        _ => limits.closure,
-    };
-    limit.map(|limit| limit.value)
 }
 
 fn fixed(limits: &Limits, column: usize) -> Option<Measured> {

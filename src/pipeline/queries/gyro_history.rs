@@ -17,7 +17,7 @@ use crate::core::judge::{Mark, Sample, stated_level};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::error::StorageError;
-use crate::pipeline::ingest::judge::gyro_window::{distinct, mark_of, sample_of};
+use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, mark_of, sample_of};
 use crate::store;
 use crate::store::{BenchRow, Store, StoreError, StoredVerdict};
 use crate::system::Clock;
@@ -50,6 +50,47 @@ pub struct Baseline {
     pub level: [Option<f64>; 3],
     /// First and last of the records that made each level; none where it is stated, or not made yet.
     pub made: [Option<(UtcMicros, UtcMicros)>; 3],
+}
+
+impl Baseline {
+    /// Of one of D_I, D_S and D_O: D_I and D_S go on where the gyro has moved, D_O does not.
+    pub fn stretches(all: &[Self], column: usize) -> Vec<Self> {
+        let mut joined: Vec<Self> = Vec::new();
+        for baseline in all {
+            match joined.last_mut() {
+                // A level that the records before the move were too few for is there after it.
+                Some(before) if baseline.moved && column < 2 => {
+                    *before = Self { from: before.from, moved: before.moved, ..*baseline };
+                }
+                _ => joined.push(*baseline),
+            }
+        }
+        joined
+    }
+}
+
+/// What the points of one coefficient are held against.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Levels {
+    /// When each level begins, oldest first; none while there are too few records.
+    levels: Vec<(UtcMicros, Option<f64>)>,
+    /// How far a point may be from its level; none where no rule says so.
+    pub budget: Option<f64>,
+}
+
+impl std::hash::Hash for Levels {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        let levels = self.levels.iter().map(|(from, level)| (from.0, level.map(f64::to_bits)));
+        (levels.collect::<Vec<_>>(), self.budget.map(f64::to_bits)).hash(state);
+    }
+}
+
+impl Levels {
+    /// The baseline at an instant.
+    pub fn at(&self, at: UtcMicros) -> Option<f64> {
+        let begun = self.levels.partition_point(|(from, _)| *from <= at);
+        self.levels.get(begun.saturating_sub(1))?.1
+    }
 }
 
 /// An environmental test.
@@ -93,12 +134,37 @@ impl Histories {
         let benches = self.benches(gyro, Span::EVER).await?;
         let corrections = store::correction::of_gyro(&self.store, gyro).await?;
         let set_aside = store::set_aside::of_gyro(&self.store, gyro).await?;
-        let imu = figures.last().and_then(|newest| self.store.names().read().imus.name(newest.imu).cloned());
-        let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial);
+        let limits = self.limits(serial, &figures);
         let samples = distinct(figures.iter().map(|figures| sample_of(figures, method)));
         let tests = self.tests(gyro, &events, &figures).await?;
         let baselines = baselines(&samples, &marks, &limits);
         Ok(Course { baselines, figures, benches, events, corrections, set_aside, tests, limits })
+    }
+
+    /// The baselines of one of D_I, D_S and D_O by `method`, and the budget that its newest record is judged by.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn levels(
+        &self,
+        gyro: u32,
+        serial: &str,
+        method: JudgedMethod,
+        column: usize,
+    ) -> Result<Levels, StorageError> {
+        let figures = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
+        let marks = load_marks(&self.store, gyro).await?;
+        let limits = self.limits(serial, &figures);
+        let samples = distinct(figures.iter().map(|figures| sample_of(figures, method)));
+        let stretches = Baseline::stretches(&baselines(&samples, &marks, &limits), column);
+        let levels = stretches.iter().map(|stretch| (stretch.from, stretch.level[column])).collect();
+        Ok(Levels { levels, budget: limits.budgets()[column] })
+    }
+
+    /// What the newest record of a gyro is judged against.
+    pub(super) fn limits(&self, serial: &str, figures: &[Figures]) -> Limits {
+        let imu = figures.last().and_then(|newest| self.store.names().read().imus.name(newest.imu).cloned());
+        self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial)
     }
 
     /// The results of a gyro by every method, within `span`; without one, those that were made to be compared.
@@ -298,6 +364,14 @@ mod tests {
         assert_eq!(found[1].made, [Some((day(0), day(20))), Some((day(0), day(20))), Some((day(500), day(520)))]);
         let seen: Vec<_> = found.iter().map(|b| (b.from, b.moved, b.level)).collect();
         assert_eq!(seen, [(day(0), false, [Some(1.0); 3]), (day(500), true, [Some(1.0), Some(1.0), Some(5.0)])]);
+        // Moved before there were enough: the level of D_I is there from the first record on, that of D_O is not.
+        let early = baselines(&all[1..], &[], &Limits::from_budget(0.01));
+        assert_eq!(early[0].level, [None; 3]);
+        let joined = |column| -> Vec<_> {
+            Baseline::stretches(&early, column).iter().map(|b| (b.from, b.level[column])).collect()
+        };
+        assert_eq!(joined(0), [(day(10), Some(2.0))]);
+        assert_eq!(joined(2), [(day(10), None), (day(500), Some(5.0))]);
         // Where an event resets the baseline before the record that moves, or with it, all levels begin.
         for at in [200, 500] {
             let found = baselines(&all, &[Mark::of(day(at), Event::Repair)], &Limits::from_budget(0.01));

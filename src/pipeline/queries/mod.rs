@@ -30,7 +30,7 @@ pub use agreement::{Compared, Comparison};
 pub use changes_explained::ExplainedHistory;
 pub use fleet::{BEYOND, Fleet, FleetFilter, FleetPage, ListedImu, RecentValues, Seats, StandingFilter, WallPage};
 pub use foreseen::{Forecast, Foreseen};
-pub use gyro_history::{Baseline, Course, Histories, Tested};
+pub use gyro_history::{Baseline, Course, Histories, Levels, Tested};
 pub use items::{BenchItem, EventItem, ItemStatus, ListedRecord, Names, RecordItem, RecordSummary};
 pub use record::{ListFilter, Records, StoredCampaign, StoredRecord};
 pub use standing::{Standing, Violation};

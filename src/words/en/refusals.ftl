@@ -168,7 +168,7 @@ form_unreadable = the form cannot be read
 query_unreadable = the query of the address cannot be read
 parameter_range = { $parameter } must be { $least } to { $most }, is { $value }
 parameter_fault = { $parameter }: { $fault }
-every_counts_only = every cannot be used with voided=include
+every_counts_only = every cannot be used with voided=include or levels=include
 columns_of_json = columns cannot be used with format=csv or every
 last_alone = last cannot be used with limit or cursor
 from_after_to = from is after to

@@ -168,7 +168,7 @@ form_unreadable = 表单无法读取
 query_unreadable = 地址中的查询部分无法读取
 parameter_range = { $parameter }应为{ $least }至{ $most }，实为{ $value }
 parameter_fault = { $parameter }：{ $fault }
-every_counts_only = every只用于有效记录，不能与voided=include同用
+every_counts_only = every不能与voided=include或levels=include同用
 columns_of_json = columns不能与format=csv或every同用
 last_alone = last不能与limit或cursor同用
 from_after_to = from晚于to

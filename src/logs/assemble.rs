@@ -97,6 +97,9 @@ pub fn assemble(
 ) -> Result<Assembled, LogError> {
     let is_watched = |role: &Role| matches!(role, Role::Output(_) | Role::Force(_) | Role::Rate(_) | Role::Turn(_));
     let watched: Vec<usize> = (0..log.roles.len()).filter(|&k| is_watched(&log.roles[k])).collect();
+    if log.stamps_are_the_counts() {
+        log.by_own_time();
+    }
     let turns = turning::take_out(log, map.min_s, programme);
     let (breaks, keep_short) = (log.breaks.clone(), programme.is_some());
     let search = Search { min_s: map.min_s, breaks, keep_short, room: Vec::new() };

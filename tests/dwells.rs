@@ -735,6 +735,12 @@ fn what_was_commanded_agrees_with_the_outputs_or_is_refused() {
     let said = refused(&made(head, &reversed, 3));
     assert!(said.contains("contradict"), "{said}");
 
+    let most = rows.iter().map(|row| row[1]).fold(0.0, f64::max);
+    let clipped: Vec<Vec<f64>> =
+        rows.iter().map(|row| [&[row[0], row[1].min((0.5 * most).floor())], &row[2..]].concat()).collect();
+    let said = refused(&made(head, &clipped, 3));
+    assert!(said.contains("intervals are clipped") && said.contains("Without them"), "{said}");
+
     let infinite: Vec<Vec<f64>> = rows
         .iter()
         .map(|row| if row[0] == 500.0 { vec![500.0, f64::INFINITY, 0.0, 0.0, 0.0] } else { row.clone() })

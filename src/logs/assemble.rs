@@ -156,7 +156,12 @@ impl Work<'_> {
         let intervals = self.not_clipped(found.intervals)?;
         let mut candidates: Vec<Candidate> = intervals.into_iter().map(|i| self.candidate(i)).collect();
         self.check_force(&candidates)?;
-        self.command(&mut candidates, programme).map_err(below_min)?;
+        let clipped = self.remarks.iter().find(|remark| remark.code == "intervals_clipped").cloned();
+        let after_clipping = |fault: Message| match clipped {
+            Some(clipped) => message!("after_clipping", fault = fault, clipped = clipped),
+            None => fault,
+        };
+        self.command(&mut candidates, programme).map_err(|fault| below_min(after_clipping(fault)))?;
         if candidates.len() == 1 {
             return Err(below_min(self.one_interval(&candidates[0])));
         }

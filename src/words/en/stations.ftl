@@ -106,6 +106,7 @@ one_orientation = all { $count } dwells have one orientation: the fit can tell n
 intervals_short = { $count } steady intervals are much shorter than the others and are taken for pauses (at { $starts } s …); a smaller `min_s` in the map keeps them
 intervals_too_short = { $count } steady intervals are shorter than { $least } s (up to { $longest } s long) and left out; `min_s` in the map keeps them
 intervals_split = { $count } long intervals were cut into dwells by the regular clock of the others: the position was taken twice
+after_clipping = { $clipped }. Without them: { $fault }
 intervals_clipped = { $count } intervals are clipped, and left out: an output or the force is at the end of its range (at { $starts } s …)
 intervals_turning = { $count } turning intervals are left out: nothing says how fast the table turned; give `rate`, `table` or --programme
 intervals_all_edge = { $count } intervals are left out: they are nothing but edges; `cut_s` in the map cuts less

@@ -106,6 +106,7 @@ one_orientation = { $count }个测点的取向都相同：拟合不能得出D_I�
 intervals_short = { $count }个稳定段比其他段短得多，视为停顿（{ $starts } s …）；映射中较小的`min_s`可保留它们
 intervals_too_short = { $count }个平稳段短于{ $least } s（最长{ $longest } s），未采用；映射中的`min_s`可保留它们
 intervals_split = 按其他测点的固定节拍切分了{ $count }处长段：同一位置连续测了两次
+after_clipping = { $clipped }。除去这些后：{ $fault }
 intervals_clipped = { $count }个段饱和，未采用：输出或比力处于量程端点（{ $starts } s …）
 intervals_turning = 剔除{ $count }个转动段：不知道转台转速；请给出`rate`、`table`或--programme
 intervals_all_edge = 剔除{ $count }个段：只有边缘；映射中的`cut_s`可少切

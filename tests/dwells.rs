@@ -845,6 +845,16 @@ fn averages_in_pulses_with_their_errors_and_rates_are_the_campaign() {
             assert!(near("specific_force_g0", d.specific_force_g0[c]), "{made}");
         }
     }
+    // Where nothing says how noisy it is, the others do.
+    let unknown = map.replace("standard_error = { columns = [\"s(K1)\", \"s(K2)\", \"s(K3)\"] }\n", rate);
+    fs::write(dir.path().join("m.toml"), unknown).unwrap();
+    campaign(&dwells(dir.path(), &["t.csv", "--map", "m.toml"]));
+    let mut exchanged = truth.clone();
+    let third = exchanged.dwells[2].output_pulse_s.clone();
+    exchanged.dwells[2].output_pulse_s = std::mem::replace(&mut exchanged.dwells[9].output_pulse_s, third);
+    fs::write(dir.path().join("x.csv"), averages(&exchanged)).unwrap();
+    let said = refused(&dwells(dir.path(), &["x.csv", "--map", "m.toml"]));
+    assert!(said.contains("contradict the outputs in dwells 3 (") && said.contains(" 10 ("), "{said}");
     // Without the rates, turns would be taken for rest.
     fs::write(dir.path().join("m.toml"), &map).unwrap();
     let said = refused(&dwells(dir.path(), &["t.csv", "--map", "m.toml"]));

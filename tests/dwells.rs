@@ -300,6 +300,22 @@ fn a_guess_of_two_logs_says_which_is_which() {
     assert!(map.contains("force = { columns = [\"ax\", \"ay\", \"az\"], unit = \"g0\", log = 1 }"), "{map}");
     let alone = String::from_utf8(dwells(dir.path(), &["g.csv", "--guess"]).stdout).unwrap();
     assert!(!alone.contains("log ="), "{alone}");
+    let plain = |text: &str| text.lines().skip(1).map(|line| line.to_owned() + "\n").collect::<String>();
+    for (of, name) in [("a.csv", "run_acc.txt"), ("g.csv", "run_gyro.txt")] {
+        let text = fs::read_to_string(dir.path().join(of)).unwrap();
+        fs::write(dir.path().join(name), plain(&text)).unwrap();
+    }
+    let map = String::from_utf8(dwells(dir.path(), &["run_acc.txt", "run_gyro.txt", "--guess"]).stdout).unwrap();
+    assert!(
+        map.contains("output = { columns = [2, 3, 4], unit = \"?\", log = 2 }"),
+        "without names, by the files': {map}"
+    );
+    assert!(map.contains("force = { columns = [2, 3, 4], unit = \"g0\", log = 1 }"), "{map}");
+    let mut chinese = Command::cargo_bin("gyrowatch").unwrap();
+    chinese.current_dir(dir.path()).env("LC_ALL", "zh_CN.UTF-8").args(["dwells", "a.csv", "g.csv", "--guess"]);
+    let map = String::from_utf8(chinese.output().unwrap().stdout).unwrap();
+    assert!(map.contains("# 多数行的模为") && map.contains("unit = \"g0\", log = 1 }"), "{map}");
+    assert!(!map.contains("which is"), "{map}");
 }
 
 #[test]

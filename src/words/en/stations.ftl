@@ -174,3 +174,25 @@ stored_otherwise = { $what } of { $at } is stored already, as { $id }, and is qu
 stored_otherwise_at = { $what } of { $at } is stored already, as { $id }, with other figures: they differ at { $places }
 replace_it = if this one is right, `gyrowatch revise FILE --author NAME --reason WHY` puts it in the place of { $id }
 not_one_calibration = must be one record or one campaign
+
+guess_head = Guessed from { $logs }: check every line, and fill in what is "?".
+guess_time_example = such as 2026-03-01T08:00:00Z
+guess_geometry = or "skewed", or axes by slot
+guess_site = of the station
+guess_few_rows = few rows: if each is an average already, say averaged = true, and duration or samples
+guess_no_output = no column looks like a gyro's
+guess_time_unread = column { $column } holds neither numbers nor times with a plain date (2026-11-24 08:15:00): write it so, or say how many samples a second
+guess_time_unsteady = column { $column } is named as a time and does not rise steadily: say how many samples a second
+guess_time_counts = column { $column } counts rows and is no time: say how many samples a second
+guess_no_time = no column rises steadily: say how many samples a second
+guess_time_or_temperature = column "T" rises, but may be a temperature: name it as `time` or as `temperature`, and say the rate if it is no time
+guess_time = rises by { $step } from row to row; { $unit } gives { $hz } samples a second
+guess_time_ticks = rises by { $step } from row to row; { $count } { $unit } a count gives { $hz } samples a second
+guess_clock = times of day or dates: read as seconds, { $step } from row to row
+guess_time_unit = rises by { $step } from row to row, in a unit that nothing says: s gives { $of_s } samples a second, ms { $of_ms }
+guess_rate = named as a rate, and not that of the gyros: taken for the table's
+guess_header = the header says { $unit }
+guess_output_unit = nothing says the unit of the gyros: pulse/s, pulse, deg/s, rad/s ...
+guess_gravity = its length is { $length } in most rows, which is gravity in { $unit }
+guess_no_gravity = its length is gravity in no unit: say with scale and offset what a count is
+guess_celsius = named as a temperature; taken for degrees Celsius

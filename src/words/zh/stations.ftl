@@ -174,3 +174,25 @@ stored_otherwise = { $what }在{ $at }已有存储（编号{ $id }），且完�
 stored_otherwise_at = { $what }在{ $at }已有存储（编号{ $id }），数值不同：差异在{ $places }
 replace_it = 若此份正确，`gyrowatch revise FILE --author 姓名 --reason 原因`可替换{ $id }
 not_one_calibration = 必须是一份标定记录或一份原始试验
+
+guess_head = 由{ $logs }推测：请逐行核对，并填写所有“?”。
+guess_time_example = 如2026-03-01T08:00:00Z
+guess_geometry = 或"skewed"，或按通道给出各轴
+guess_site = 测试站的
+guess_few_rows = 行数很少：若每行已是平均值，请写averaged = true，并给出duration或samples
+guess_no_output = 没有像陀螺输出的列
+guess_time_unread = 列{ $column }既不是数，也不是带日期的时间（2026-11-24 08:15:00）：请改写，或给出每秒采样数
+guess_time_unsteady = 列{ $column }名为时间，但不是稳定递增：请给出每秒采样数
+guess_time_counts = 列{ $column }是行号，不是时间：请给出每秒采样数
+guess_no_time = 没有稳定递增的列：请给出每秒采样数
+guess_time_or_temperature = 列"T"递增，但可能是温度：请写为`time`或`temperature`；若不是时间，请给出采样率
+guess_time = 每行增加{ $step }；按{ $unit }为每秒{ $hz }个采样
+guess_time_ticks = 每行增加{ $step }；按每个计数{ $count } { $unit }为每秒{ $hz }个采样
+guess_clock = 时刻或日期：按秒读取，每行增加{ $step }
+guess_time_unit = 每行增加{ $step }，单位不明：按s为每秒{ $of_s }个采样，按ms为{ $of_ms }个
+guess_rate = 名为角速率且不是陀螺的：当作转台角速率
+guess_header = 表头注明{ $unit }
+guess_output_unit = 陀螺的单位不明：pulse/s、pulse、deg/s、rad/s等
+guess_gravity = 多数行的模为{ $length }，即以{ $unit }为单位的重力
+guess_no_gravity = 其模按任何单位都不是重力：请用scale和offset说明一个计数是多少
+guess_celsius = 名为温度；当作摄氏度

@@ -114,7 +114,7 @@ const NED: Matrix3<f64> = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -
 /// this sine; none where there is nothing to get wrong.
 type Mutant = (&'static str, &'static str, fn(&Campaign, f64) -> Option<Campaign>);
 
-const MUTANTS: [Mutant; 25] = [
+const MUTANTS: [Mutant; 26] = [
     ("force reversed", "force_reversed", |c, _| Some(each(c, |d| d.specific_force_g0 *= -1.0))),
     ("Earth rate left out", "earth_rate_left_out", |c, sin| {
         Some(each(c, |d| {
@@ -221,6 +221,11 @@ const MUTANTS: [Mutant; 25] = [
     ("x and y of the rate exchanged", "axes_exchanged (first: x, second: y, vectors: rate_arcsec_s)", |c, _| {
         Some(each(c, axes(EXCHANGED_XY, false, true)))
     }),
+    (
+        "x and y of the rate exchanged while turning",
+        "axes_exchanged (first: x, second: y, vectors: rate_arcsec_s)",
+        |c, _| turning(c, axes(EXCHANGED_XY, false, true)),
+    ),
     ("x and y of both exchanged", "axes_exchanged (first: x, second: y", |c, _| {
         Some(each(c, axes(EXCHANGED_XY, true, true)))
     }),

@@ -5,9 +5,9 @@
 
 use std::collections::BTreeMap;
 
-use gyrowatch::core::calibrate::outcome::evaluate;
+use gyrowatch::core::calibrate::outcome::{Outcome, evaluate};
 use gyrowatch::core::campaign::commanded::{Cause, findings};
-use gyrowatch::core::campaign::{Campaign, Dwell, Phase};
+use gyrowatch::core::campaign::{Campaign, CampaignNote, Dwell, Phase};
 use gyrowatch::core::frames::{Body, Nav, Rotation};
 use gyrowatch::core::record::Plausibility;
 use gyrowatch::core::units::EARTH_RATE_DEG_H;
@@ -114,7 +114,7 @@ const NED: Matrix3<f64> = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -
 /// this sine; none where there is nothing to get wrong.
 type Mutant = (&'static str, &'static str, fn(&Campaign, f64) -> Option<Campaign>);
 
-const MUTANTS: [Mutant; 25] = [
+const MUTANTS: [Mutant; 26] = [
     ("force reversed", "force_reversed", |c, _| Some(each(c, |d| d.specific_force_g0 *= -1.0))),
     ("Earth rate left out", "earth_rate_left_out", |c, sin| {
         Some(each(c, |d| {
@@ -221,6 +221,11 @@ const MUTANTS: [Mutant; 25] = [
     ("x and y of the rate exchanged", "axes_exchanged (first: x, second: y, vectors: rate_arcsec_s)", |c, _| {
         Some(each(c, axes(EXCHANGED_XY, false, true)))
     }),
+    (
+        "x and y of the rate exchanged while turning",
+        "axes_exchanged (first: x, second: y, vectors: rate_arcsec_s)",
+        |c, _| turning(c, axes(EXCHANGED_XY, false, true)),
+    ),
     ("x and y of both exchanged", "axes_exchanged (first: x, second: y", |c, _| {
         Some(each(c, axes(EXCHANGED_XY, true, true)))
     }),
@@ -241,8 +246,34 @@ fn no_clean_campaign_is_refused_or_noted() {
     for (i, campaign) in campaigns.iter().enumerate() {
         sent(campaign).unwrap_or_else(|why| panic!("{i}: {why}"));
         assert_eq!(odd(campaign), [], "{i}");
+        assert!(!notes_latitude(campaign), "{i}");
     }
     println!("clean: 0 of {} refused", campaigns.len());
+}
+
+/// Where rates and site have the same wrong sign of the latitude, specific force and rate are at peace: only D_I moves,
+/// and of all gyros alike.
+#[test]
+fn a_wrong_sign_of_the_latitude_is_noted_where_all_gyros_show_it() {
+    let (mut noted, mut all) = (0, 0);
+    for campaign in clean(CAMPAIGNS) {
+        let sin = campaign.site.unwrap().latitude.sin();
+        if sin.abs() < 0.5 {
+            continue;
+        }
+        let mut wrong = each(&campaign, |d| d.rate_arcsec_s -= 2.0 * earth(d, sin).0);
+        wrong.site.as_mut().unwrap().latitude *= -1.0;
+        assert_eq!(sent(&wrong), Ok(()));
+        all += 1;
+        noted += usize::from(notes_latitude(&wrong));
+    }
+    println!("wrong sign of the latitude in site and rates: noted in {noted} of {all}");
+    assert!(all > 100 && 2 * noted > all, "{noted} of {all}");
+}
+
+fn notes_latitude(campaign: &Campaign) -> bool {
+    let Ok(Outcome::Imu { calibration, .. }) = evaluate(campaign, &Plausibility::ever()) else { return false };
+    calibration.notes.iter().any(|note| matches!(note, CampaignNote::LatitudeSign { .. }))
 }
 
 /// What gyros do, however much of it, is no mistake of the station.

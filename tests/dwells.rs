@@ -300,6 +300,22 @@ fn a_guess_of_two_logs_says_which_is_which() {
     assert!(map.contains("force = { columns = [\"ax\", \"ay\", \"az\"], unit = \"g0\", log = 1 }"), "{map}");
     let alone = String::from_utf8(dwells(dir.path(), &["g.csv", "--guess"]).stdout).unwrap();
     assert!(!alone.contains("log ="), "{alone}");
+    let plain = |text: &str| text.lines().skip(1).map(|line| line.to_owned() + "\n").collect::<String>();
+    for (of, name) in [("a.csv", "run_acc.txt"), ("g.csv", "run_gyro.txt")] {
+        let text = fs::read_to_string(dir.path().join(of)).unwrap();
+        fs::write(dir.path().join(name), plain(&text)).unwrap();
+    }
+    let map = String::from_utf8(dwells(dir.path(), &["run_acc.txt", "run_gyro.txt", "--guess"]).stdout).unwrap();
+    assert!(
+        map.contains("output = { columns = [2, 3, 4], unit = \"?\", log = 2 }"),
+        "without names, by the files': {map}"
+    );
+    assert!(map.contains("force = { columns = [2, 3, 4], unit = \"g0\", log = 1 }"), "{map}");
+    let mut chinese = Command::cargo_bin("gyrowatch").unwrap();
+    chinese.current_dir(dir.path()).env("LC_ALL", "zh_CN.UTF-8").args(["dwells", "a.csv", "g.csv", "--guess"]);
+    let map = String::from_utf8(chinese.output().unwrap().stdout).unwrap();
+    assert!(map.contains("# 多数行的模为") && map.contains("unit = \"g0\", log = 1 }"), "{map}");
+    assert!(!map.contains("which is"), "{map}");
 }
 
 #[test]
@@ -735,6 +751,12 @@ fn what_was_commanded_agrees_with_the_outputs_or_is_refused() {
     let said = refused(&made(head, &reversed, 3));
     assert!(said.contains("contradict"), "{said}");
 
+    let most = rows.iter().map(|row| row[1]).fold(0.0, f64::max);
+    let clipped: Vec<Vec<f64>> =
+        rows.iter().map(|row| [&[row[0], row[1].min((0.5 * most).floor())], &row[2..]].concat()).collect();
+    let said = refused(&made(head, &clipped, 3));
+    assert!(said.contains("intervals are clipped") && said.contains("Without them"), "{said}");
+
     let infinite: Vec<Vec<f64>> = rows
         .iter()
         .map(|row| if row[0] == 500.0 { vec![500.0, f64::INFINITY, 0.0, 0.0, 0.0] } else { row.clone() })
@@ -839,6 +861,16 @@ fn averages_in_pulses_with_their_errors_and_rates_are_the_campaign() {
             assert!(near("specific_force_g0", d.specific_force_g0[c]), "{made}");
         }
     }
+    // Where nothing says how noisy it is, the others do.
+    let unknown = map.replace("standard_error = { columns = [\"s(K1)\", \"s(K2)\", \"s(K3)\"] }\n", rate);
+    fs::write(dir.path().join("m.toml"), unknown).unwrap();
+    campaign(&dwells(dir.path(), &["t.csv", "--map", "m.toml"]));
+    let mut exchanged = truth.clone();
+    let third = exchanged.dwells[2].output_pulse_s.clone();
+    exchanged.dwells[2].output_pulse_s = std::mem::replace(&mut exchanged.dwells[9].output_pulse_s, third);
+    fs::write(dir.path().join("x.csv"), averages(&exchanged)).unwrap();
+    let said = refused(&dwells(dir.path(), &["x.csv", "--map", "m.toml"]));
+    assert!(said.contains("contradict the outputs in dwells 3 (") && said.contains(" 10 ("), "{said}");
     // Without the rates, turns would be taken for rest.
     fs::write(dir.path().join("m.toml"), &map).unwrap();
     let said = refused(&dwells(dir.path(), &["t.csv", "--map", "m.toml"]));

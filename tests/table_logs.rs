@@ -159,7 +159,7 @@ fn write(dir: &Path, seed: u64, (told, logged): (Told, Logged), rates: [f64; 6])
         Told::Rate => ",table\n",
     });
     let mut before = done[0].output;
-    let mut counted = [0.0_f64; 3];
+    let (mut counted, mut shown) = ([0.0_f64; 3], [0.0_f64; 3]);
     let peaks: Vec<V> = done.iter().map(|_| [0; 3].map(|_| rng.random_range(-2e4..2e4))).collect();
     for row in 0..(log_s * HZ) as usize {
         let time = (row as f64 + 0.5) / HZ;
@@ -186,20 +186,21 @@ fn write(dir: &Path, seed: u64, (told, logged): (Told, Logged), rates: [f64; 6])
         };
         let output = [0, 1, 2].map(|c| felt[c] + normal(&mut rng, white) + flickers[c].at(row, &mut rng));
         let force = up.map(|c| GRAVITY_G0 * c * share + normal(&mut rng, 2e-4));
+        let jitter = 0.1 * rng.random_range(-1.0..1.0) / HZ;
+        let stamp = time + jitter;
+        // A counter is read when the row is stamped, or by a clock of its own.
+        let read_after = if seed.is_multiple_of(2) { jitter } else { 0.0 };
         let counts = [0, 1, 2].map(|c| {
-            let before = counted[c].floor();
             counted[c] += output[c] / HZ;
-            counted[c].floor() - before
+            let now = (counted[c] + output[c] * read_after).floor();
+            now - std::mem::replace(&mut shown[c], now)
         });
-        // A counter's clock is as good as what it counts by.
-        let jitter = if logged == Logged::Pulses { 0.0 } else { 0.1 };
-        let stamp = time + jitter * rng.random_range(-1.0..1.0) / HZ;
         if rng.random_range(0.0..1.0) < 1e-3 {
             continue;
         }
         match logged {
-            Logged::Rates => write!(text, "{stamp:.4},{:.4},{:.4},{:.4}", output[0], output[1], output[2]),
-            Logged::Pulses => write!(text, "{stamp:.4},{},{},{}", counts[0], counts[1], counts[2]),
+            Logged::Rates => write!(text, "{stamp:.6},{:.4},{:.4},{:.4}", output[0], output[1], output[2]),
+            Logged::Pulses => write!(text, "{stamp:.6},{},{},{}", counts[0], counts[1], counts[2]),
         }
         .unwrap();
         match told {

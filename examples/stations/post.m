@@ -1,9 +1,10 @@
-% Send a file from MATLAB (R2016b or later); read the answer; try again where that can help.
+% Send a file from MATLAB (R2016b or later) or Octave (7 or later); read the answer; try again where that can help.
 %   answer = post('campaign.csv', 'campaigns', 'text/csv')
 function answer = post(file, kind, type)
     if nargin < 2, kind = 'campaigns'; end
     if nargin < 3, type = 'application/json'; end
     url = [getenv_or('GYROWATCH_URL', 'http://127.0.0.1:8080') '/v1/' kind];
+    if exist('OCTAVE_VERSION', 'builtin'), answer = by_curl(url, file, type); return, end
     text = fileread(file);
     headers = {};
     token = getenv('GYROWATCH_TOKEN');
@@ -26,7 +27,17 @@ function answer = post(file, kind, type)
     end
 end
 
-function value = getenv_or(name, otherwise)
+% Octave's webwrite sends forms alone.
+function answer = by_curl(url, file, type)
+    token = getenv('GYROWATCH_TOKEN');
+    if ~isempty(token), token = ['--header "Authorization: Bearer ' token '" ']; end
+    [status, answer] = system(['curl --silent --show-error --fail-with-body --retry 6 --retry-connrefused ' ...
+        '--max-time 120 ' token '--header "Content-Type: ' type '" --data-binary "@' file '" "' url '"']);
+    if status ~= 0, error('gyrowatch:notTaken', '%s', answer); end
+    answer = jsondecode(answer);
+end
+
+function value = getenv_or(name, default)
     value = getenv(name);
-    if isempty(value), value = otherwise; end
+    if isempty(value), value = default; end
 end

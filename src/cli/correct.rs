@@ -9,9 +9,10 @@ use serde_json::{Value, json};
 use super::client::{Connection, JSON, Sent, Service, Trouble};
 use super::import::{source, withdrawn};
 use super::{block_on, document, faults};
-use crate::core::message::Message;
+use crate::core::message::{Message, list, sent};
 use crate::wire::campaign_csv::parse_csv_as_sent;
 use crate::wire::problem::ProblemBody;
+use crate::wire::time;
 use crate::{message, words};
 
 /// Say that a stored record, campaign or bench result counts no more; it stays, with who said so and why
@@ -118,6 +119,11 @@ pub(super) async fn replace(
         Ok(read) => read,
         Err(why) => return Ok(Err(why)),
     };
+    if of.is_none()
+        && let Some(nothing) = absent(service, &new).await
+    {
+        return Ok(Err(said_of(nothing)));
+    }
     let id = match of {
         Some(id) => id.to_owned(),
         None => match post(service, format!("/v1/{kind}"), new.to_string()).await? {
@@ -139,6 +145,42 @@ pub(super) async fn replace(
         Sent::Refused(problem) => Err(in_words(&problem)),
         Sent::Stored(answer) | Sent::Known(answer) => Ok(in_place_of(&id, &answer)),
     })
+}
+
+/// That nothing is stored for a document's IMU and time, with what is stored at the nearest times: one of the two times
+/// is mistyped, and a document of its own would leave the wrong one standing.
+async fn absent(service: &Service, new: &Value) -> Option<Message> {
+    const NEAREST: usize = 3;
+    let imu = new["imu"].as_str()?;
+    let time = new["measured_at"].as_str().or_else(|| new["calibrated_at"].as_str())?;
+    if !stored(service, &[("imu", imu), ("from", time), ("to", time)]).await?.is_empty() {
+        return None;
+    }
+    let at = time::parse(time).ok()?;
+    let others = stored(service, &[("imu", imu), ("limit", "1000")]).await?;
+    let mut others: Vec<(f64, String)> = others
+        .iter()
+        .filter_map(|other| {
+            let (id, then) = (other["id"].as_str()?, other["calibrated_at"].as_str()?);
+            Some((time::parse(then).ok()?.days_since(at).abs(), format!("{then} ({id})")))
+        })
+        .collect();
+    others.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (imu, time) = (sent(imu), sent(time));
+    Some(match others.is_empty() {
+        true => message!("terminal_revise_none", imu = imu, time = time),
+        false => {
+            let nearest = list(others.into_iter().take(NEAREST).map(|(_, other)| other));
+            message!("terminal_revise_absent", imu = imu, time = time, nearest = nearest)
+        }
+    })
+}
+
+/// Stored records and campaigns; none where the service does not say.
+async fn stored(service: &Service, query: &[(&str, &str)]) -> Option<Vec<Value>> {
+    let query = url::form_urlencoded::Serializer::new(String::new()).extend_pairs(query).finish();
+    let answer = service.ask(&format!("/v1/records?{query}")).await.ok()?;
+    answer["records"].as_array().cloned()
 }
 
 fn in_place_of(old: &str, answer: &Value) -> String {

@@ -68,7 +68,7 @@ pub struct Dwells {
 impl Dwells {
     pub fn run(self) -> anyhow::Result<()> {
         if self.guess {
-            let map = guess(&self.logs)?;
+            let map = guess(&self.logs, words::asked())?;
             return match &self.out {
                 Some(path) => document::write(path, &map),
                 None => document::print(map.trim_end()),

@@ -97,6 +97,9 @@ pub fn assemble(
 ) -> Result<Assembled, LogError> {
     let is_watched = |role: &Role| matches!(role, Role::Output(_) | Role::Force(_) | Role::Rate(_) | Role::Turn(_));
     let watched: Vec<usize> = (0..log.roles.len()).filter(|&k| is_watched(&log.roles[k])).collect();
+    if log.stamps_are_the_counts() {
+        log.by_own_time();
+    }
     let turns = turning::take_out(log, map.min_s, programme);
     let (breaks, keep_short) = (log.breaks.clone(), programme.is_some());
     let search = Search { min_s: map.min_s, breaks, keep_short, room: Vec::new() };
@@ -153,7 +156,12 @@ impl Work<'_> {
         let intervals = self.not_clipped(found.intervals)?;
         let mut candidates: Vec<Candidate> = intervals.into_iter().map(|i| self.candidate(i)).collect();
         self.check_force(&candidates)?;
-        self.command(&mut candidates, programme).map_err(below_min)?;
+        let clipped = self.remarks.iter().find(|remark| remark.code == "intervals_clipped").cloned();
+        let after_clipping = |fault: Message| match clipped {
+            Some(clipped) => message!("after_clipping", fault = fault, clipped = clipped),
+            None => fault,
+        };
+        self.command(&mut candidates, programme).map_err(|fault| below_min(after_clipping(fault)))?;
         if candidates.len() == 1 {
             return Err(below_min(self.one_interval(&candidates[0])));
         }

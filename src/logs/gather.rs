@@ -5,7 +5,7 @@ use super::map::{Columns, Found, Header, Map, Reading};
 use super::source::Source;
 use super::text::LeftOut;
 use super::units::{Counts, Quantity, Unit};
-use crate::core::dwells::blocks::{Blocks, Series};
+use crate::core::dwells::blocks::{Blocks, Series, Track};
 use crate::core::message::{Message, figure, list, sent, text};
 use crate::message;
 
@@ -47,16 +47,43 @@ pub struct Gathered {
 impl Gathered {
     /// Counts as rates by the time in which they were counted: so that a mean over many blocks is their sum by its time.
     pub fn by_own_time(&mut self) {
-        let Some(place) = self.roles.iter().position(|role| *role == Role::Interval) else { return };
-        let times: Vec<f64> = self.series.tracks[place].mean.iter().map(|own| own / self.sample_s).collect();
-        let is_output = |role: &Role| matches!(role, Role::Output(_) | Role::Raw(_));
-        for (_, track) in self.roles.iter().zip(&mut self.series.tracks).filter(|(role, _)| is_output(role)) {
+        let Some(times) = self.own_times() else { return };
+        for (role, track) in self.roles.iter().zip(&mut self.series.tracks) {
+            if *role == Role::Interval {
+                track.mean.fill(self.sample_s);
+            }
+            if !is_output(role) {
+                continue;
+            }
             for ((mean, weight), times) in track.mean.iter_mut().zip(&mut track.weight).zip(&times) {
                 *mean /= times;
                 *weight *= times;
             }
         }
     }
+
+    /// Whether counts scatter less by their own time than by row: stamps say when a row was counted, and not when it
+    /// was written.
+    pub fn stamps_are_the_counts(&self) -> bool {
+        let Some(times) = self.own_times() else { return false };
+        let outputs = self.roles.iter().zip(&self.series.tracks).filter(|(role, _)| is_output(role));
+        let gain = |(_, track): (&Role, &Track)| -> f64 {
+            let by_row = track.mean.windows(2);
+            let by_time: Vec<f64> = track.mean.iter().zip(&times).map(|(mean, times)| mean / times).collect();
+            by_row.zip(by_time.windows(2)).map(|(row, time)| (row[1] - row[0]).abs() - (time[1] - time[0]).abs()).sum()
+        };
+        outputs.map(gain).sum::<f64>() > 0.0
+    }
+
+    /// By block, the time in which a row was counted, in the usual ones.
+    fn own_times(&self) -> Option<Vec<f64>> {
+        let place = self.roles.iter().position(|role| *role == Role::Interval)?;
+        Some(self.series.tracks[place].mean.iter().map(|own| own / self.sample_s).collect())
+    }
+}
+
+fn is_output(role: &Role) -> bool {
+    matches!(role, Role::Output(_) | Role::Raw(_))
 }
 
 /// What is made of a row.

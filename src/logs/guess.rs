@@ -7,7 +7,7 @@ use super::column::Column;
 use super::error::LogError;
 use super::source::Source;
 use super::units::{Counts, Quantity};
-use crate::core::message::Message;
+use crate::core::message::{Message, figure, text};
 use crate::core::units::STANDARD_GRAVITY_M_S2;
 use crate::message;
 use crate::words::Language;
@@ -26,6 +26,8 @@ const COUNTERS: [f64; 3] = [65_536.0, 16_777_216.0, 4_294_967_296.0];
 const FEW_ROWS: usize = 500;
 
 struct Looked {
+    /// What the file's name says that it holds.
+    holds: Option<Holds>,
     columns: Vec<Column>,
     values: Vec<Vec<f64>>,
     /// Columns of times of day or dates, which are read as seconds.
@@ -34,45 +36,51 @@ struct Looked {
     several: Option<Message>,
 }
 
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Holds {
+    Force,
+    Output,
+}
+
 /// What a time column is taken for.
 struct TimeUnit {
     unit: String,
     scale: Option<f64>,
-    reason: String,
+    reason: Message,
 }
 
 /// One line of the map: what it says, and why.
 #[derive(Clone)]
 struct Line {
     text: String,
-    reason: String,
+    reason: Message,
 }
 
 /// The map of logs as far as names, units and numbers show it.
 ///
 /// # Errors
 /// As [`Source::open`].
-pub fn guess(paths: &[PathBuf]) -> Result<String, LogError> {
+pub fn guess(paths: &[PathBuf], language: Language) -> Result<String, LogError> {
     let name = |path: &PathBuf| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     let open = |path: &PathBuf| Ok((name(path), Source::open(path)?));
-    guess_of(paths.iter().map(open).collect::<Result<_, LogError>>()?)
+    guess_of(paths.iter().map(open).collect::<Result<_, LogError>>()?, language)
 }
 
 /// As [`guess`], of logs that are open, each with its name.
 ///
 /// # Errors
 /// A log without rows.
-pub fn guess_of(sources: Vec<(String, Source)>) -> Result<String, LogError> {
+pub fn guess_of(sources: Vec<(String, Source)>, language: Language) -> Result<String, LogError> {
     let names: Vec<String> = sources.iter().map(|(name, _)| name.clone()).collect();
     let mut looked = Vec::new();
     for (name, source) in sources {
         looked.push(look(&name, source)?);
     }
     // Logs of the same columns follow one another; others run beside one another.
-    if looked.iter().all(|own| own.columns == looked[0].columns) {
+    if looked.iter().all(|own| own.columns == looked[0].columns && own.holds == looked[0].holds) {
         looked.truncate(1);
     }
-    Ok(map(&looked, &names.join(", ")))
+    Ok(map(&looked, &names.join(", "), language))
 }
 
 fn look(name: &str, mut source: Source) -> Result<Looked, LogError> {
@@ -92,7 +100,19 @@ fn look(name: &str, mut source: Source) -> Result<Looked, LogError> {
         Err(error) if !stopped && values[0].is_empty() => Err(error),
         _ => {
             let (clocks, several) = (source.clocks().to_vec(), source.several(&[]));
-            Ok(Looked { columns, values, clocks, several })
+            Ok(Looked { holds: Holds::by_name(name), columns, values, clocks, several })
+        }
+    }
+}
+
+impl Holds {
+    fn by_name(file: &str) -> Option<Self> {
+        let name = file.to_lowercase();
+        let has = |words: [&str; 3]| words.iter().any(|word| name.contains(word));
+        match (has(["acc", "加速度", "加表"]), has(["gyr", "陀螺", "kreisel"])) {
+            (true, false) => Some(Self::Force),
+            (false, true) => Some(Self::Output),
+            _ => None,
         }
     }
 }
@@ -107,36 +127,41 @@ struct Parts {
     temperature: Option<Line>,
 }
 
-fn map(logs: &[Looked], name: &str) -> String {
-    let mut text = format!("# Guessed from {name}: check every line, and fill in what is \"{UNKNOWN}\".\n");
-    text.push_str("imu = \"?\"\nstation = \"?\"\nmeasured_at = \"?\"  # such as 2026-03-01T08:00:00Z\n");
-    text.push_str("geometry = \"orthogonal\"  # or \"skewed\", or axes by slot\n");
-    text.push_str("site = { latitude_deg = \"?\", gravity_g0 = \"?\" }  # of the station\n");
+fn map(logs: &[Looked], name: &str, language: Language) -> String {
+    let say = |message: Message| language.words(&message);
+    let mut text = format!("# {}\n", say(message!("guess_head", logs = name.to_owned())));
+    let example = say(message!("guess_time_example"));
+    text.push_str(&format!("imu = \"?\"\nstation = \"?\"\nmeasured_at = \"?\"  # {example}\n"));
+    text.push_str(&format!("geometry = \"orthogonal\"  # {}\n", say(message!("guess_geometry"))));
+    let of_station = say(message!("guess_site"));
+    text.push_str(&format!("site = {{ latitude_deg = \"?\", gravity_g0 = \"?\" }}  # {of_station}\n"));
     let parts: Vec<Parts> = logs.iter().map(Looked::parts).collect();
     let gyros = parts.iter().find_map(|part| part.output.as_ref()).map_or(3, |(gyros, _)| *gyros);
     let serials: Vec<String> = (1..=gyros).map(|k| format!("\"G{k} SERIAL-{k}\"")).collect();
     text.push_str(&format!("gyros = [{}]\n", serials.join(", ")));
     for said in logs.iter().filter_map(|log| log.several.as_ref()) {
-        text.push_str(&format!("# {}\n", Language::English.words(said)));
+        text.push_str(&format!("# {}\n", language.words(said)));
     }
     if logs.iter().any(|log| log.values[0].len() <= FEW_ROWS) {
-        text.push_str("# few rows: if each is an average already, say averaged = true, and duration or samples\n");
+        text.push_str(&format!("# {}\n", say(message!("guess_few_rows"))));
     }
     let first = |of: fn(&Parts) -> Option<Line>| {
         let found = parts.iter().enumerate().find_map(|(k, part)| Some((k, of(part)?)));
         found.map(|(k, line)| if logs.len() > 1 { line.in_log(k + 1) } else { line })
     };
-    let unknown = |text: &str, reason: &str| Some(Line { text: text.to_owned(), reason: reason.to_owned() });
+    let no_output = || Line {
+        text: format!("output = {{ columns = [], unit = \"{UNKNOWN}\" }}"),
+        reason: message!("guess_no_output"),
+    };
     let lines = [
         Some(parts[0].time.clone()),
-        first(|part| Some(part.output.clone()?.1))
-            .or_else(|| unknown("output = { columns = [], unit = \"?\" }", "no column looks like a gyro's")),
+        first(|part| Some(part.output.clone()?.1)).or_else(|| Some(no_output())),
         first(|part| part.force.clone()),
         first(|part| part.rate.clone()),
         first(|part| part.temperature.clone()),
     ];
     for line in lines.into_iter().flatten() {
-        text.push_str(&format!("# {}\n{}\n", line.reason, line.text));
+        text.push_str(&format!("# {}\n{}\n", say(line.reason), line.text));
     }
     text
 }
@@ -198,31 +223,20 @@ impl Looked {
             (0..self.columns.len()).filter(is_time).partition(|&k| self.counts_rows(k));
         let alone = || rising.first().filter(|_| rising.len() == 1 || self.columns[0].name.is_empty());
         let told = rising.iter().find(|&&k| self.is_called_time(k)).or_else(alone).copied();
-        let unsaid = |reason: String| (None, Line { text: format!("rate_hz = \"{UNKNOWN}\""), reason });
+        let unsaid = |reason: Message| (None, Line { text: format!("rate_hz = \"{UNKNOWN}\""), reason });
         let Some(place) = told else {
             let named = (0..self.columns.len()).find(|&k| self.is_called_time(k));
             return unsaid(match (named, counts.first()) {
-                (Some(k), _) if self.values[k].iter().all(|v| v.is_nan()) => format!(
-                    "column {} holds neither numbers nor times with a plain date (2026-11-24 08:15:00): write it so, or \
-                     say how many samples a second",
-                    self.named(k)
-                ),
-                (Some(k), _) => format!(
-                    "column {} is named as a time and does not rise steadily: say how many samples a second",
-                    self.named(k)
-                ),
-                (None, Some(&k)) => {
-                    format!("column {} counts rows and is no time: say how many samples a second", self.named(k))
+                (Some(k), _) if self.values[k].iter().all(|v| v.is_nan()) => {
+                    message!("guess_time_unread", column = self.named(k))
                 }
-                (None, None) => "no column rises steadily: say how many samples a second".to_owned(),
+                (Some(k), _) => message!("guess_time_unsteady", column = self.named(k)),
+                (None, Some(&k)) => message!("guess_time_counts", column = self.named(k)),
+                (None, None) => message!("guess_no_time"),
             });
         };
         if self.columns[place].name == "T" && self.columns[place].unit.is_none() && !self.begins_at_zero(place) {
-            return unsaid(
-                "column \"T\" rises, but may be a temperature: name it as `time` or as `temperature`, and say the rate \
-                 if it is no time"
-                    .to_owned(),
-            );
+            return unsaid(message!("guess_time_or_temperature"));
         }
         let TimeUnit { unit, scale, reason } = self.time_unit(place);
         let scale = scale.map_or_else(String::new, |scale| format!(", scale = {scale}"));
@@ -234,13 +248,16 @@ impl Looked {
         let step = self.step(place);
         let hz = |unit: &str, scale: f64| Quantity::Time.unit(unit).map_or(0.0, |u| (step * scale * u.factor).recip());
         let taken = |unit: &str, scale: Option<f64>| {
-            let (hz, plain) = (hz(unit, scale.unwrap_or(1.0)), short(step));
-            let ticks = scale.map_or_else(|| unit.to_owned(), |scale| format!("{scale} {unit} a count"));
-            let reason = format!("rises by {plain} from row to row; {ticks} gives {hz:.1} samples a second");
+            let (hz, step) = (figure(hz(unit, scale.unwrap_or(1.0)), 1), text(short(step)));
+            let (name, count) = (unit.to_owned(), text(scale.unwrap_or(1.0)));
+            let reason = match scale {
+                None => message!("guess_time", step = step, unit = name, hz = hz),
+                Some(_) => message!("guess_time_ticks", step = step, count = count, unit = name, hz = hz),
+            };
             TimeUnit { unit: unit.to_owned(), scale, reason }
         };
         if self.clocks.contains(&place) {
-            let reason = format!("times of day or dates: read as seconds, {step:.4} from row to row");
+            let reason = message!("guess_clock", step = figure(step, 4));
             return TimeUnit { unit: "s".to_owned(), scale: None, reason };
         }
         let (first, name) = (self.values[place][0], self.columns[place].name.to_lowercase());
@@ -270,11 +287,11 @@ impl Looked {
             ..5.0 => TimeUnit {
                 unit: UNKNOWN.to_owned(),
                 scale: None,
-                reason: format!(
-                    "rises by {} from row to row, in a unit that nothing says: s gives {:.1} samples a second, ms {:.1}",
-                    short(step),
-                    hz("s", 1.0),
-                    hz("ms", 1.0)
+                reason: message!(
+                    "guess_time_unit",
+                    step = text(short(step)),
+                    of_s = figure(hz("s", 1.0), 1),
+                    of_ms = figure(hz("ms", 1.0), 1)
                 ),
             },
             ..500.0 => taken("ms", None),
@@ -354,7 +371,7 @@ impl Looked {
         let stated = self.columns[places[0]].unit.clone().filter(|u| Quantity::Rate.unit(u).is_some());
         let unit = stated.unwrap_or_else(|| UNKNOWN.to_owned());
         let text = format!("rate = {{ columns = [{}], unit = \"{unit}\" }}", self.list(&places));
-        Some(Line { text, reason: "named as a rate, and not that of the gyros: taken for the table's".to_owned() })
+        Some(Line { text, reason: message!("guess_rate") })
     }
 
     /// Three columns whose names share a stem and end in x, y, z or 1, 2, 3.
@@ -397,6 +414,9 @@ impl Looked {
             .filter(|places| free(places) && numeric(places))
             .collect();
         let force = threes.iter().find(|places| self.gravity(places).is_some()).cloned();
+        if self.holds == Some(Holds::Force) {
+            return (force.or(threes.first().cloned()), None);
+        }
         let apart = |places: &&Vec<usize>| force.as_ref().is_none_or(|f| places.iter().all(|p| !f.contains(p)));
         let output = threes.iter().find(apart).cloned();
         (force, output)
@@ -418,10 +438,8 @@ impl Looked {
     fn output(&self, places: &[usize]) -> Line {
         let stated = self.columns[places[0]].unit.clone().filter(|u| Quantity::Output.unit(u).is_some());
         let (unit, reason) = match stated {
-            Some(unit) => (unit.clone(), format!("the header says {unit}")),
-            None => {
-                (UNKNOWN.to_owned(), "nothing says the unit of the gyros: pulse/s, pulse, deg/s, rad/s ...".to_owned())
-            }
+            Some(unit) => (unit.clone(), message!("guess_header", unit = unit)),
+            None => (UNKNOWN.to_owned(), message!("guess_output_unit")),
         };
         Line { text: format!("output = {{ columns = [{}], unit = \"{unit}\" }}", self.list(places)), reason }
     }
@@ -429,14 +447,11 @@ impl Looked {
     fn force(&self, places: &[usize]) -> Line {
         let stated = self.columns[places[0]].unit.clone().filter(|u| Quantity::Force.unit(u).is_some());
         let (unit, reason) = match (stated, self.gravity(places)) {
-            (Some(unit), _) => (unit.clone(), format!("the header says {unit}")),
+            (Some(unit), _) => (unit.clone(), message!("guess_header", unit = unit)),
             (None, Some((unit, length))) => {
-                (unit.to_owned(), format!("its length is {length:.4} in most rows, which is gravity in {unit}"))
+                (unit.to_owned(), message!("guess_gravity", length = figure(length, 4), unit = unit))
             }
-            (None, None) => {
-                let why = "its length is gravity in no unit: say with scale and offset what a count is";
-                (UNKNOWN.to_owned(), why.to_owned())
-            }
+            (None, None) => (UNKNOWN.to_owned(), message!("guess_no_gravity")),
         };
         Line { text: format!("force = {{ columns = [{}], unit = \"{unit}\" }}", self.list(places)), reason }
     }
@@ -445,8 +460,8 @@ impl Looked {
         let place = (0..self.columns.len()).find(|&k| self.is_temperature(k))?;
         let unit = self.columns[place].unit.clone().filter(|u| Quantity::Temperature.unit(u).is_some());
         let (unit, reason) = match unit {
-            Some(unit) => (unit.clone(), format!("the header says {unit}")),
-            None => ("C".to_owned(), "named as a temperature; taken for degrees Celsius".to_owned()),
+            Some(unit) => (unit.clone(), message!("guess_header", unit = unit)),
+            None => ("C".to_owned(), message!("guess_celsius")),
         };
         Some(Line { text: format!("temperature = {{ column = {}, unit = \"{unit}\" }}", self.named(place)), reason })
     }

@@ -107,7 +107,7 @@ pub struct Calibration {
     /// Without standard errors: rho, by how much the variance at the fastest rate exceeds that at rest.
     pub growth: f64,
     pub gyros: Vec<GyroCalibration>,
-    /// Effects of the model that this campaign could not be fitted with, and why.
+    /// Effects of the model that this campaign could not be fitted with, and why; what its figures look like.
     pub notes: Vec<CampaignNote>,
     /// What the noise is beyond white, independent and as stated; its memory is in the covariances.
     pub noise_found: NoiseFound,

@@ -5,7 +5,7 @@ use super::drift::NotSeparated;
 use super::{Calibration, calibrate_at_station};
 use crate::core::augmented::AugmentedModel;
 use crate::core::augmented::Options;
-use crate::core::campaign::{Campaign, Temperatures, TestKind};
+use crate::core::campaign::{Campaign, CampaignNote, Temperatures, TestKind};
 use crate::core::fault::Faults;
 use crate::core::model::Terms;
 use crate::core::record::Plausibility;
@@ -54,8 +54,9 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
         });
     }
     let terms = model.terms.unwrap_or_else(|| campaign.terms());
-    let calibration = calibrate_at_station(campaign, terms, model, model.reference_c);
+    let mut calibration = calibrate_at_station(campaign, terms, model, model.reference_c);
     let separations = calibration.separate(&campaign.geometry, limits);
+    calibration.notes.extend(latitude_sign(campaign, &separations));
     let as_measured = as_measured(campaign, terms, model, limits);
     for (i, separation) in separations.iter().enumerate() {
         if let Err(why @ (NotSeparated::Implausible(_) | NotSeparated::Unseparable(_))) = separation {
@@ -63,6 +64,24 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
         }
     }
     faults.or(Outcome::Imu { calibration: Box::new(calibration), separations, as_measured })
+}
+
+/// Shift of D_I from which a wrong sign of the latitude is looked for, deg/(h g0), and how near to it the D_I of every
+/// gyro must be.
+const LARGE_SHIFT: f64 = 8.0;
+const NEAR_SHIFT: f64 = 0.5;
+
+/// Whether all gyros have the D_I that a wrong sign of the latitude makes: rates whose vertical part is Omega sin L
+/// with the wrong sign add -2 Omega sin L/g to it, along the specific force in every dwell. Nothing else in a campaign
+/// shows it.
+fn latitude_sign(campaign: &Campaign, separations: &[Result<Separation, NotSeparated>]) -> Option<CampaignNote> {
+    let site = campaign.site?;
+    let shift = -2.0 * site.earth_rate().0.z / site.gravity_g0;
+    let is_near = |separation: &Result<Separation, NotSeparated>| {
+        separation.as_ref().is_ok_and(|own| (own.rigid.d_i / shift - 1.0).abs() < NEAR_SHIFT)
+    };
+    let all = separations.len() >= 2 && separations.iter().all(is_near);
+    (all && shift.abs() > LARGE_SHIFT).then_some(CampaignNote::LatitudeSign { shift })
 }
 
 /// None where no effect of temperature moves anything.

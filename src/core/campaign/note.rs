@@ -77,6 +77,10 @@ pub enum CampaignNote {
     },
     /// A product of specific forces that a bench test does not fit moves a coefficient by so much of itself.
     ProductAliased(Alias),
+    /// D_I of all gyros is near the shift that a wrong sign of the latitude makes, deg/(h g0).
+    LatitudeSign {
+        shift: f64,
+    },
     /// The campaign does not determine E, whose size along the nominal axis is taken, pulse/arcsec.
     NominalAxis {
         slot: Slot,
@@ -136,6 +140,7 @@ impl CampaignNote {
             Self::EffectsLeftOut { .. } => "effects_left_out",
             Self::StationLeftOut { .. } => "station_left_out",
             Self::ProductAliased(_) => "product_aliased",
+            Self::LatitudeSign { .. } => "latitude_sign",
             Self::NominalAxis { .. } => "nominal_axis",
         }
     }

@@ -2,7 +2,7 @@
 
 use super::blocks::{Series, Track};
 use super::intervals::Interval;
-use super::noise::{Noise, Shown, octaves};
+use super::noise::{Noise, Octave, Shown, octaves};
 
 /// Share of an interval that is cut off each end where nothing else is said.
 const EDGE: f64 = 0.01;
@@ -13,9 +13,9 @@ const PART: usize = 16;
 const MOST_PARTS: usize = 6;
 /// Difference of a part from the rest, in standard deviations, that is settling.
 const UNSETTLED: f64 = 4.5;
-/// Pairs that say something of a dwell's own noise, and how far it must be from that of the others.
-const OWN_PAIRS: f64 = 30.0;
-const OWN_NOISE: f64 = 4.0;
+/// Part of the longest time from which rounding to whole pulses is the noise of phase that the model says: in shorter
+/// ones none or one is counted.
+const OF_PULSES: f64 = 32.0;
 
 /// The interval without its edges: `cut_s` at each end, or a hundredth and a block.
 pub fn without_edges(series: &Series, interval: Interval, cut_s: Option<f64>) -> Option<Interval> {
@@ -35,7 +35,7 @@ pub fn later(interval: Interval) -> Interval {
 /// Noise of the outputs at rest and in turns.
 pub fn noise(series: &Series, outputs: &[&Track], still: &[Interval], turning: &[Interval]) -> Vec<[Noise; 2]> {
     let shown = |track: &&Track| {
-        let of = |i: &Interval| octaves(&track.mean[i.from..i.to], &track.weight[i.from..i.to], series.block_s);
+        let of = |i: &Interval| octaves_of(series, track, *i);
         let pooled = |intervals: &[Interval]| intervals.iter().flat_map(of).collect();
         Shown { still: pooled(still), turning: pooled(turning), pulse: track.pulse }
     };
@@ -71,31 +71,25 @@ pub fn settled(series: &Series, channels: &[(&Track, Noise)], interval: Interval
     kept
 }
 
-/// Standard error of a channel's mean over an interval. Where white noise is plainly other in this dwell than in those
-/// that the noise is of, it is its own. Of a converter that reads the same all the while it is that of one reading,
+/// Octaves of a channel over an interval; of whole pulses the longest alone.
+fn octaves_of(series: &Series, track: &Track, i: Interval) -> Vec<Octave> {
+    let mut found = octaves(&track.mean[i.from..i.to], &track.weight[i.from..i.to], series.block_s);
+    let longest = found.last().map_or(0.0, |o| o.tau_s);
+    found.retain(|o| track.pulse == 0.0 || o.tau_s > longest / OF_PULSES);
+    found
+}
+
+/// Standard error of a channel's mean over an interval. Where rounding or white noise is plainly other in this dwell
+/// than in those that the noise is of, it is its own: where stamps jitter, it goes with the rate of turn. Of a converter that reads the same all the while it is that of one reading,
 /// count/sqrt(12): no noise rounds it sometimes up and sometimes down.
 pub fn standard_error(series: &Series, track: &Track, noise: &Noise, interval: Interval, sample_s: f64) -> f64 {
     let dwell_s = series.end_s(interval.to) - series.start_s(interval.from);
     let samples: f64 = track.weight[interval.from..interval.to].iter().sum();
     let log_s = series.end_s(series.number.len()) - series.start_s(0);
-    let own = own_noise(series, track, noise, interval).unwrap_or(*noise);
+    let own = noise.with_own(&octaves_of(series, track, interval), track.pulse);
     let of_noise = own.standard_error(dwell_s, (samples * sample_s).min(dwell_s), log_s);
     let first = track.mean[interval.from];
     let reads_the_same = (interval.from..interval.to).all(|k| track.spread[k] == 0.0 && track.mean[k] == first);
     let of_rounding = if reads_the_same && track.pulse == 0.0 { track.step / 12_f64.sqrt() } else { 0.0 };
     of_noise.max(of_rounding)
-}
-
-fn own_noise(series: &Series, track: &Track, noise: &Noise, interval: Interval) -> Option<Noise> {
-    let blocks = interval.from..interval.to;
-    let own = octaves(&track.mean[blocks.clone()], &track.weight[blocks], series.block_s);
-    let longest = own.last()?.tau_s;
-    let told = own.iter().filter(|o| o.tau_s > longest / 128.0 && o.pairs >= 4.0 && noise.is_white(o.tau_s));
-    let (mut ratio, mut pairs) = (0.0, 0.0);
-    for octave in told {
-        ratio += octave.pairs * octave.variance / noise.allan(octave.tau_s).max(1e-300);
-        pairs += octave.pairs;
-    }
-    let ratio = ratio / pairs;
-    (pairs >= OWN_PAIRS && (ratio.ln()).abs() > OWN_NOISE * (2.0 / pairs).sqrt()).then(|| noise.with_white(ratio))
 }

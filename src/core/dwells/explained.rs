@@ -362,30 +362,35 @@ const AGREES: f64 = 5.0;
 const FEW: f64 = 0.25;
 const WORST: usize = 5;
 
-/// Whether the outputs contradict what was commanded; none where they agree, or where nothing says how noisy they are.
+/// Whether the outputs contradict what was commanded; none where they agree. Where nothing says how noisy they are, the
+/// others do: only a few dwells against them are a contradiction then.
 pub fn contradiction(campaign: &Campaign) -> Option<Contradiction> {
     let of = campaign.dwells.len();
+    let are_known = (0..campaign.gyros.len()).all(|j| campaign.errors_of(j).is_some());
     let gyros: Vec<Weighted> = (0..campaign.gyros.len()).map(|j| Weighted::of(campaign, j)).collect::<Option<_>>()?;
     let mut kept: Vec<usize> = (0..of).collect();
-    let (times, first) = left(&gyros, &kept)?;
+    let Left { times, each: first, freedom } = left(&gyros, &kept)?;
     if times <= CONTRADICTION {
         return None;
     }
+    let agrees = if are_known { AGREES } else { times / CONTRADICTION };
     let mut worst: Vec<usize> = (0..of).collect();
     worst.sort_by(|a, b| first[*b].total_cmp(&first[*a]));
     worst.truncate(WORST);
     worst.sort_unstable();
     let mut wrong = Vec::new();
     while (wrong.len() as f64) < FEW * of as f64 {
-        let Some((now, each)) = left(&gyros, &kept) else { break };
-        if now <= AGREES {
+        // A fit to hardly more dwells than it has unknowns agrees with anything.
+        let Some(now) = left(&gyros, &kept).filter(|now| are_known || 2 * now.freedom >= freedom) else { break };
+        if now.times <= agrees {
             wrong.sort_unstable();
-            return Some(Contradiction { times, dwells: wrong, rest_agrees: true });
+            let noise = if are_known { 1.0 } else { now.times.max(1.0) };
+            return Some(Contradiction { times: times / noise, dwells: wrong, rest_agrees: true });
         }
-        let place = (0..kept.len()).max_by(|a, b| each[*a].total_cmp(&each[*b]))?;
+        let place = (0..kept.len()).max_by(|a, b| now.each[*a].total_cmp(&now.each[*b]))?;
         wrong.push(kept.remove(place));
     }
-    Some(Contradiction { times, dwells: worst, rest_agrees: false })
+    are_known.then_some(Contradiction { times, dwells: worst, rest_agrees: false })
 }
 
 /// Design and outputs of one gyro, each row by what it may be off.
@@ -397,7 +402,7 @@ struct Weighted {
 impl Weighted {
     fn of(campaign: &Campaign, j: usize) -> Option<Self> {
         let dwells = &campaign.dwells;
-        let errors = campaign.errors_of(j)?;
+        let errors = campaign.errors_of(j).unwrap_or_else(|| vec![0.0; dwells.len()]);
         let held = campaign.gyros[j].known_e;
         let scale = held.or_else(|| input_axis(campaign, j))?.norm();
         let may = |k: usize| {
@@ -424,9 +429,15 @@ pub fn input_axis(campaign: &Campaign, j: usize) -> Option<Vector3<f64>> {
     Some(Vector3::from(solve(&design, &output).coefficients?.fixed_view::<3, 1>(E, 0)))
 }
 
-/// Root of the squares that the model leaves in these dwells by their freedom, and by how much each dwell's absence
+/// Root of the squares that the model leaves in some dwells by their freedom, and by how much each dwell's absence
 /// lessens them.
-fn left(gyros: &[Weighted], kept: &[usize]) -> Option<(f64, Vec<f64>)> {
+struct Left {
+    times: f64,
+    freedom: usize,
+    each: Vec<f64>,
+}
+
+fn left(gyros: &[Weighted], kept: &[usize]) -> Option<Left> {
     let (mut squares, mut freedom, mut each) = (0.0, 0, vec![0.0; kept.len()]);
     for gyro in gyros {
         let (design, output) = (gyro.design.select_rows(kept), gyro.output.select_rows(kept));
@@ -443,7 +454,7 @@ fn left(gyros: &[Weighted], kept: &[usize]) -> Option<(f64, Vec<f64>)> {
             *each += if free > NOTHING { residual[k].powi(2) / free } else { 0.0 };
         }
     }
-    (freedom > 0).then(|| ((squares / freedom as f64).sqrt(), each))
+    (freedom > 0).then(|| Left { times: (squares / freedom as f64).sqrt(), freedom, each })
 }
 
 #[cfg(test)]

@@ -43,6 +43,8 @@ const MODELS: [[f64; 4]; 5] =
     [[0.0, 1.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [1.0, 1.0, 0.0, 0.0], [1.0, 1.0, 1.0, 0.0], [1.0; 4]];
 /// What slow noise of their own must gain in it for a gyro and for turns.
 const OTHER_NOISE: f64 = 9.0;
+/// What a dwell's own rounding and white noise must gain in it.
+const OWN_NOISE: f64 = 10.0;
 
 fn used(octaves: &[Octave]) -> Vec<&Octave> {
     let longest = octaves.iter().map(|o| o.tau_s).fold(0.0, f64::max);
@@ -187,6 +189,15 @@ impl Noise {
         (!used.is_empty() && fit.misfit(&used) - self.misfit(&used) <= OTHER_NOISE).then_some(fit)
     }
 
+    /// The same with rounding and white noise of one dwell alone, where they plainly are others.
+    pub fn with_own(&self, octaves: &[Octave], pulse: f64) -> Self {
+        let used = used(octaves);
+        let [q, n, h, k] = self.parts;
+        let start = [q.max(f64::MIN_POSITIVE), n.max(f64::MIN_POSITIVE), h, k];
+        let own = climbed(&used, start, [true, true, false, false]).rounded(pulse);
+        if self.misfit(&used) - own.misfit(&used) > OWN_NOISE { own } else { *self }
+    }
+
     /// Minus twice the logarithm of the likelihood.
     fn misfit(&self, octaves: &[&Octave]) -> f64 {
         let of = |o: &&Octave| {
@@ -210,17 +221,6 @@ impl Noise {
     /// Floor of the Allan deviation of flicker, sqrt(2 ln 2 h), in the unit of the samples.
     pub fn flicker(&self) -> f64 {
         self.parts[2].sqrt()
-    }
-
-    /// Whether white noise is most of the Allan variance at tau (s).
-    pub fn is_white(&self, tau_s: f64) -> bool {
-        self.parts[1] / tau_s > 0.5 * self.allan(tau_s)
-    }
-
-    /// The same with white noise of `times` the variance.
-    pub fn with_white(&self, times: f64) -> Self {
-        let [q, n, h, k] = self.parts;
-        Self { parts: [q, n * times, h, k] }
     }
 
     /// Standard error of a mean over `dwell_s` of which `observed_s` were sampled, in a log of `log_s`.

@@ -21,6 +21,7 @@ use crate::pipeline::ReadDocument;
 use crate::wire::campaign_csv::to_csv;
 use crate::wire::document::is_csv;
 use crate::wire::file_kind::{FileKind, HEAD, file_kind};
+use crate::words;
 
 /// Lines in which a campaign has its header.
 const CAMPAIGN_HEAD: usize = 60;
@@ -147,7 +148,7 @@ fn says(message: &Message, code: &str) -> bool {
 /// A first map of the log that was sent, or why it is none.
 pub(super) fn guessed(sent: &Sent) -> Looked {
     let source = Source::read(sent.name(), Cursor::new(sent.bytes()));
-    match source.and_then(|source| guess_of(vec![(sent.name().to_owned(), source)])) {
+    match source.and_then(|source| guess_of(vec![(sent.name().to_owned(), source)], words::asked())) {
         Ok(map) => Looked::Guessed(map),
         Err(error) => Looked::Faulty(error.message()),
     }

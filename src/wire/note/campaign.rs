@@ -90,6 +90,7 @@ pub(super) fn message(note: &CampaignNote) -> Message {
             coefficient = *coefficient,
             moves = figure(0.01 * moves.abs(), 4),
         ),
+        CampaignNote::LatitudeSign { shift } => message!("latitude_sign", shift = signed(*shift, 1)),
         CampaignNote::NominalAxis { slot, scale } => {
             message!("nominal_axis", slot = slot.name(), scale = figure(*scale, 4))
         }
@@ -143,6 +144,7 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => {
             json!({"product": product, "coefficient": coefficient, "moves": moves})
         }
+        CampaignNote::LatitudeSign { shift } => json!({"shift_deg_per_h_g0": shift}),
         CampaignNote::NominalAxis { slot, scale } => json!({"slot": Slot::name(*slot), "pulse_per_arcsec": scale}),
     };
     match value {

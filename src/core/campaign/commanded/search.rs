@@ -70,7 +70,10 @@ fn rates(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
         let found = explained(campaign, measures, mistakes(), these, &mut worth);
         if found.is_empty() && silent { vec![Cause::EarthRateLeftOut] } else { found }
     } else {
-        of_all(measures)
+        let in_phase =
+            |phase| explained(campaign, measures, mistakes(), |k| campaign.dwells[k].phase == phase, &mut worth);
+        let found = [Phase::Rate, Phase::Static].map(in_phase).into_iter().find(|causes| !causes.is_empty());
+        found.unwrap_or_else(|| of_all(measures))
     };
     let single = single && !everywhere;
     let shown = |k: &usize| single || symptoms[*k] == Some(symptom);
@@ -143,11 +146,15 @@ fn of_all(measures: &Measures) -> Vec<Cause> {
     };
     let Some(rate) = median_of(measures.still().map(|m| m.rate)) else { return Vec::new() };
     let vertical = median_of(measures.still().map(|m| m.vertical)).unwrap_or(0.0);
+    let is_earths = (rate - EARTH).abs() <= RATE_ROOM;
+    let is_of_site = measures.vertical.is_some_and(|expected| (vertical - expected).abs() <= RATE_ROOM);
     if most(&|rate, _| rate < NO_RATE) {
         vec![Cause::EarthRateLeftOut]
+    } else if is_earths && is_of_site {
+        Vec::new()
     } else if most(&|r, v| (r - EARTH).abs() <= RATE_ROOM && (v - vertical).abs() <= RATE_ROOM) {
         vec![Cause::OtherLatitude { degrees: (vertical / rate).clamp(-1.0, 1.0).asin().to_degrees() }]
-    } else if most(&|r, _| (r - rate).abs() <= RATE_ROOM) {
+    } else if !is_earths && most(&|r, _| (r - rate).abs() <= RATE_ROOM) {
         vec![Cause::OtherEarthRate { arcsec_s: rate }]
     } else {
         Vec::new()

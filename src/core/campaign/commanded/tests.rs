@@ -156,3 +156,38 @@ fn one_axis_is_told_by_the_dwells_that_it_spoils() {
     assert_eq!((finding.symptom, finding.matters), (Symptom::Output, true), "only the outputs tell: {finding:?}");
     assert!(finding.causes.contains(&Cause::AxesExchanged { axes: (0, 1), of: Vectors::Both }), "{finding:?}");
 }
+
+/// The faces, and each of them turning at 1 deg/s, to and fro.
+fn with_turns() -> Campaign {
+    let mut campaign = faces();
+    for (k, still) in campaign.dwells.clone().into_iter().enumerate() {
+        let turn = if k.is_multiple_of(2) { 3600.0 } else { -3600.0 };
+        let w = (turn + 0.5 * OMEGA) * still.specific_force_g0 / 0.998;
+        let output_pulse_s = (0..3).map(|j| 2.0 * (w[j] + 3.0 * still.specific_force_g0[j])).collect();
+        let start_s = still.start_s + 2880.0;
+        campaign.dwells.push(Dwell { phase: Phase::Rate, start_s, rate_arcsec_s: w, output_pulse_s, ..still });
+    }
+    campaign
+}
+
+#[test]
+fn axes_that_are_exchanged_in_one_kind_of_dwells_are_told_and_the_latitude_is_not_blamed() {
+    assert_eq!(findings(&with_turns()), []);
+    for (phase, symptom) in [(Phase::Rate, Symptom::TurningRate), (Phase::Static, Symptom::VerticalRate)] {
+        let mut campaign = with_turns();
+        let of_kind = campaign.dwells.iter_mut().filter(|dwell| dwell.phase == phase);
+        of_kind.for_each(|dwell| dwell.rate_arcsec_s.swap_rows(0, 1));
+        let finding = only(findings(&campaign));
+        assert_eq!(finding.causes, [Cause::AxesExchanged { axes: (0, 1), of: Vectors::Rate }], "{phase:?}");
+        assert_eq!((finding.symptom, finding.single, finding.matters), (symptom, false, true));
+    }
+}
+
+#[test]
+fn a_mistake_that_is_not_known_is_not_called_the_latitude_that_is_stated() {
+    let mut campaign = with_turns();
+    let turning = campaign.dwells.iter_mut().filter(|dwell| dwell.phase == Phase::Rate).enumerate();
+    turning.for_each(|(k, dwell)| dwell.rate_arcsec_s = Vector3::new(k as f64, 1000.0, -700.0));
+    let finding = only(findings(&campaign));
+    assert_eq!((finding.symptom, finding.causes), (Symptom::TurningRate, Vec::new()));
+}

@@ -462,6 +462,7 @@ async fn today_tells_what_the_pages_of_stations_and_gyros_tell() {
     let browser = Browser::open(&demo.base, demo.dir.path()).await;
     browser.look(1440, 900, false).await;
     // What the station's page says of its window, whatever its gyros have read since.
+    browser.goto("/stations").await;
     let window = browser.eval(
         "fetch('/v1/stations/ST-2').then((answer) => answer.json()).then(({D_I}) => D_I.windows.map((one) => [one.from.slice(0, 10), \
         one.until.slice(0, 10), one.gyros, one.imus, Math.round(1e4 * one.value)]))",
@@ -777,7 +778,7 @@ const CUT: &str = r#"(() => {
 
 /// On a telephone a table of figures is a list: every figure has its name beside it.
 const NAMELESS: &str = r#"[...document.querySelectorAll("table.cards tbody td:is(.n, .nowrap)")]
-  .filter((e) => e.checkVisibility() && e.textContent.trim() && !e.dataset.label).map((e) => "no name: " + e.outerHTML.slice(0, 120))"#;
+  .filter((e) => e.checkVisibility() && /\d/.test(e.textContent) && !e.dataset.label).map((e) => "no name: " + e.outerHTML.slice(0, 120))"#;
 
 /// English left on a Chinese page: words that are neither a name with digits or capitals, nor a unit, nor what
 /// somebody wrote.

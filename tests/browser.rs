@@ -447,10 +447,10 @@ async fn times_stand_in_the_viewers_zone_with_utc_beside_them() {
     browser.has_behaved().await;
 }
 
-/// A day so many days before this one.
-fn days_ago(days: i64) -> String {
-    let today = jiff::Timestamp::now().to_zoned(jiff::tz::TimeZone::UTC).date();
-    today.saturating_sub(jiff::Span::new().days(days)).to_string()
+/// The day so many days before this one.
+async fn days_ago(browser: &Browser, days: u32) -> String {
+    let day = format!("new Date(Date.now() - {days} * 864e5).toISOString().slice(0, 10)");
+    browser.eval(&day).await.as_str().unwrap().to_owned()
 }
 
 #[tokio::test]
@@ -471,14 +471,15 @@ async fn today_tells_what_the_pages_of_stations_and_gyros_tell() {
     let [from, until, gyros, imus, percent] = [0, 1, 2, 3, 4].map(|k| window[0][k].to_string().replace('"', ""));
     let block =
         "[...document.querySelectorAll('.block')].find((e) => e.textContent.includes('Several gyros')).innerText";
-    browser.goto(&format!("/?since={}", days_ago(150))).await;
+    let since = days_ago(&browser, 150).await;
+    browser.goto(&format!("/?since={since}")).await;
     let told = browser.eval(block).await.as_str().unwrap().replace('\n', "");
     for there in [format!("{from} … {until}"), format!("{gyros} gyros of {imus} IMUs")] {
         assert!(told.contains(&there), "{there} is not in {told}");
     }
     assert!(told.contains(&format!("+{percent} ± ")) && told.contains("% of budget"), "{told}");
     // What began since the day that is asked for, with its own day.
-    let since = days_ago(14);
+    let since = days_ago(&browser, 14).await;
     browser.goto(&format!("/?since={since}")).await;
     let earlier = format!(
         "[...document.querySelector('.block').querySelectorAll('tr')].filter((e) => e.querySelector('time').dateTime < '{since}').map((e) => e.innerText)"

@@ -118,7 +118,10 @@ async fn limits_say_where_they_come_from_and_tokens_are_for_administrators() {
     let server =
         Server::start_with(&[("GYROWATCH_JUDGING__BUDGET", "0.02"), ("GYROWATCH_JUDGING__INTERVAL_DAYS", "45")]).await;
     let setup = page(&server, "/setup", &[]).await;
-    for there in ["judging.budget", "judging.interval_days", "0.0200", "Audit trail"] {
+    let default =
+        "Nothing is required of E and G. <code>judging.requirements</code> <span class=\"quiet\">default</span>";
+    let stated = "<code>judging.budget</code> <span class=\"quiet\">environment</span>";
+    for there in [stated, "judging.interval_days", "0.0200", "Audit trail", default] {
         assert!(setup.contains(there), "{there} is not in {setup}");
     }
     let admin = server.post_json("/v1/tokens", &json!({"name": "Chen", "role": "admin"})).await.json();
@@ -134,6 +137,18 @@ async fn limits_say_where_they_come_from_and_tokens_are_for_administrators() {
 }
 
 #[tokio::test]
+async fn what_is_required_of_e_and_g_is_among_the_limits_with_its_key() {
+    let server = Server::start_with(&[("GYROWATCH_JUDGING__REQUIREMENTS", "true")]).await;
+    let setup = page(&server, "/setup", &[]).await;
+    let required = &setup[place(&setup, "|E|")..];
+    for there in
+        ["1 … 3", "0.8425 … 0.8529", "-13.23 … 13.23", "judging.requirements</code> <span class=\"quiet\">environment"]
+    {
+        assert!(required.contains(there), "{there} is not in {required}");
+    }
+}
+
+#[tokio::test]
 async fn today_shows_what_became_worse_and_several_gyros_at_once() {
     let server = Server::start_with(&[("GYROWATCH_JUDGING__INTERVAL_DAYS", "30")]).await;
     for day in 0..6 {
@@ -146,10 +161,23 @@ async fn today_shows_what_became_worse_and_several_gyros_at_once() {
         }
     }
     let today = page(&server, "/?since=2026-01-20", &[]).await;
-    for there in ["MANY-4", "href=\"/stations/ST-7\"", "9 gyros", "badge overdue", "/alerts/bulk?gyro=MANY-4"] {
+    for there in [
+        "MANY-4",
+        "href=\"/stations/ST-7\">ST-7</a>",
+        "9 gyros, median +3",
+        "badge overdue",
+        "/alerts/bulk?gyro=MANY-4",
+    ] {
         assert!(today.contains(there), "{there} is not in {today}");
     }
     assert!(!today.contains("MANY-3"), "it has not become worse: {today}");
+    // What is new of a gyro that is out already stands with its own day.
+    let body = record("IMU-4", "ST-7", "MANY-4", 42, [1.55, 1.05]);
+    assert_eq!(server.post_json("/v1/records", &body).await.status, 201);
+    let later = page(&server, "/?since=2026-02-10", &[]).await;
+    let line = part(&later, "MANY-4</a>", "</tr>");
+    assert!(line.contains("D<sub>S</sub>") && !line.contains("D<sub>I</sub>"), "{line}");
+    assert!(line.contains("datetime=\"2026-02-15"), "{line}");
     let quiet = page(&server, "/?since=2100-01-01", &[("accept-language", "zh")]).await;
     let (new, still) = (place(&quiet, "没有新出现或加重的情况"), place(&quiet, "仍超差"));
     assert!(new < still && still < place(&quiet, "MANY-4"), "not new, and still out: {quiet}");
@@ -242,6 +270,9 @@ async fn nothing_is_loaded_from_elsewhere_and_nothing_inline_runs() {
             assert!(script.starts_with(" src=\"/assets/"), "{}", &script[..80]);
         }
     }
+    let figure = server.get("/book/figures/paper-experiment.svg").await;
+    assert_eq!(figure.headers["content-security-policy"], "default-src 'none'");
+    assert!(!figure.text().contains("style"), "what the policy forbids is not in it");
 }
 
 #[tokio::test]
@@ -1296,7 +1327,7 @@ async fn gyros_and_campaigns_are_compared_from_the_page_of_their_imu() {
     let two = format!("/compare?campaign={}&campaign={}", ticked[1], ticked[0]);
     let shown = page(&server, &two, &[]).await;
     // The same dwells twice: every difference is nothing.
-    for there in ["(B - A)/σ", "+0.0", "Effects found", "2026-03-01 08:00 UTC", "2026-04-01 08:00 UTC"] {
+    for there in ["(B - A)/σ", ">0.0</span>", "Effects found", "2026-03-01 08:00 UTC", "2026-04-01 08:00 UTC"] {
         assert!(shown.contains(there), "{there} is not in {shown}");
     }
     assert_eq!(shown.matches("<figure class=\"chart\"").count(), 6, "residuals of three gyros in two campaigns");

@@ -14,7 +14,8 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use config::{Config as Layers, Environment, File, FileFormat};
+use config::builder::DefaultState;
+use config::{Config as Layers, ConfigBuilder, Environment, File, FileFormat};
 use ipnet::IpNet;
 use serde::Deserialize;
 use serde_json::Value;
@@ -36,6 +37,8 @@ pub use stations::{Stated, Stations};
 /// What `server.plain_http` must say for HTTP beyond this machine.
 pub const PLAIN_HTTP: &str = "anybody on the network can read tokens and records, and change them";
 
+type LayersBuilder = ConfigBuilder<DefaultState>;
+
 const DEFAULTS: &str = include_str!("../../config/default.toml");
 
 #[derive(Debug, Clone, Deserialize)]
@@ -53,6 +56,35 @@ pub struct Config {
     /// The key that the secrets of hooks are encrypted with: of the environment alone, in no file.
     #[serde(skip)]
     pub secrets: Secrets,
+    #[serde(skip)]
+    pub stated: StatedKeys,
+}
+
+/// What files and environment say, each by itself: where the value of a key comes from.
+#[derive(Debug, Clone, Default)]
+pub struct StatedKeys {
+    files: Value,
+    environment: Value,
+}
+
+/// Where the value of a key comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layer {
+    Default,
+    File,
+    Environment,
+}
+
+impl StatedKeys {
+    /// Of a key such as `judging.budget`, or a table of keys.
+    pub fn layer_of(&self, key: &str) -> Layer {
+        let pointer = format!("/{}", key.replace('[', ".").replace(']', "").replace('.', "/"));
+        match () {
+            () if self.environment.pointer(&pointer).is_some() => Layer::Environment,
+            () if self.files.pointer(&pointer).is_some() => Layer::File,
+            () => Layer::Default,
+        }
+    }
 }
 
 const SECRETS_KEY: &str = "GYROWATCH_SECRETS_KEY";
@@ -227,7 +259,11 @@ impl Config {
     fn of(files: &[PathBuf], environment: impl IntoIterator<Item = (String, String)>) -> Result<Self, ConfigError> {
         let environment: Vec<_> = environment.into_iter().collect();
         let secrets = secrets(&environment)?;
-        Ok(Self { secrets, ..Self::read(merged(files, environment)?)? })
+        let stated = StatedKeys {
+            files: of_files(Layers::builder(), files).build()?.try_deserialize()?,
+            environment: Layers::builder().add_source(variables(environment.clone())).build()?.try_deserialize()?,
+        };
+        Ok(Self { secrets, stated, ..Self::read(merged(files, environment)?)? })
     }
 
     /// What [`Config::load`] takes its values from, as one file (TOML), once it has been checked. A password within
@@ -326,17 +362,21 @@ fn in_sections((name, value): (String, String)) -> Option<(String, String)> {
 
 /// Defaults, files and environment, the later ones over the earlier.
 fn merged(files: &[PathBuf], environment: impl IntoIterator<Item = (String, String)>) -> Result<Value, ConfigError> {
-    let mut layers = Layers::builder().add_source(File::from_str(DEFAULTS, FileFormat::Toml));
-    for file in files {
-        layers = layers.add_source(File::from(file.as_path()).format(FileFormat::Toml));
-    }
+    let layers = Layers::builder().add_source(File::from_str(DEFAULTS, FileFormat::Toml));
+    Ok(of_files(layers, files).add_source(variables(environment)).build()?.try_deserialize()?)
+}
+
+fn of_files(layers: LayersBuilder, files: &[PathBuf]) -> LayersBuilder {
+    files.iter().fold(layers, |layers, file| layers.add_source(File::from(file.as_path()).format(FileFormat::Toml)))
+}
+
+fn variables(environment: impl IntoIterator<Item = (String, String)>) -> Environment {
     let variables = environment.into_iter().filter_map(in_sections).collect();
-    let environment = Environment::with_prefix("GYROWATCH")
+    Environment::with_prefix("GYROWATCH")
         .prefix_separator("_")
         .separator("__")
         .try_parsing(true)
-        .source(Some(variables));
-    Ok(layers.add_source(environment).build()?.try_deserialize()?)
+        .source(Some(variables))
 }
 
 /// The files that were named, or else those of the working directory.

@@ -133,6 +133,7 @@ pub(super) async fn page(
             @if may { (bulk::bar(viewer, &here)) }
         }
         @if more || filters.page > 0 {
+            p.on-paper { (t.printed_part) " " (filters.page + 1) @if more { " …" } }
             nav.pager aria-label=(t.alerts) {
                 @if filters.page > 0 { a rel="prev" href=(filters.address(filters.state(), filters.page - 1)) { (t.previous) } }
                 @if more { a rel="next" href=(filters.address(filters.state(), filters.page + 1)) { (t.next) } }
@@ -294,13 +295,19 @@ pub(super) fn is_open(alert: &AlertBody) -> bool {
     alert.state != Standing::Resolved.name()
 }
 
+/// Whether the figure that it followed last is within its limit again, which is not to say that it is in tolerance.
+fn is_back_within(alert: &AlertBody) -> bool {
+    let of_one_limit = alert.rule != Rule::Requirement.name();
+    of_one_limit && alert.finding.value.is_some_and(|value| value <= alert.finding.limit)
+}
+
 /// Whether this alert of a station has not been resolved.
 pub(super) fn is_open_of(alert: &AlertBody, station: &str) -> bool {
     alert.is_of_station() && alert.name() == station && is_open(alert)
 }
 
 /// None where it names what this version does not know.
-fn violation(alert: &AlertBody) -> Option<Violation> {
+pub(super) fn violation(alert: &AlertBody) -> Option<Violation> {
     Some(Violation {
         coefficient: Coefficient::from_name(&alert.coefficient)?,
         rule: Rule::from_name(&alert.rule)?,
@@ -360,6 +367,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
             td data-label=(t.fired) { a href={ "/alerts/" (alert.id) } { (written(&alert.fired_at)) } }
             td.words {
                 (t.standing(&alert.state))
+                @if is_open(alert) && is_back_within(alert) { " " span.quiet { (t.ends_in_tolerance) } }
                 @if let Some(station) = &alert.inhibited_by { " " a href={ "/alerts/" (station) } { (t.explained_by_another) } }
                 (remarks(t, alert))
                 @if let Some(at) = &alert.resolved_at { " " (written(at)) }

@@ -62,7 +62,7 @@ pub(super) async fn one(Path(name): Path<String>, viewer: Viewer) -> Response {
     if name == FIGURE.0 {
         let head = [
             (CONTENT_TYPE, "image/svg+xml"),
-            (CONTENT_SECURITY_POLICY, "default-src 'none'; style-src 'unsafe-inline'"),
+            (CONTENT_SECURITY_POLICY, "default-src 'none'"),
             (X_CONTENT_TYPE_OPTIONS, "nosniff"),
             (CACHE_CONTROL, "no-cache"),
         ];

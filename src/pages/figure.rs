@@ -25,7 +25,7 @@ pub(crate) fn with_sd(value: f64, sd: Option<f64>, decimals: usize) -> String {
             let power = value.abs().max(sd).log10().floor();
             let (value, sd) = (value / 10_f64.powf(power), sd / 10_f64.powf(power));
             let places = places(sd, 2);
-            format!("({value:.places$} ± {sd:.places$})e{power}")
+            format!("({} ± {sd:.places$})e{power}", unsigned_zero(format!("{value:.places$}")))
         }
         None => fixed(value, decimals),
     }
@@ -34,7 +34,9 @@ pub(crate) fn with_sd(value: f64, sd: Option<f64>, decimals: usize) -> String {
 /// The same of a difference: with its sign.
 pub(super) fn signed_drift(value: f64, sd: Option<f64>) -> String {
     let written = drift(value, sd);
-    if value > 0.0 { format!("+{written}") } else { written }
+    let size = written.trim_start_matches('(').split(' ').next().unwrap_or_default();
+    let is_nothing = size.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+    if value > 0.0 && !is_nothing { format!("+{written}") } else { written }
 }
 
 /// Decimals of a figure that stands beside its standard deviation in a table; `decimals` where none is known.
@@ -129,9 +131,23 @@ mod tests {
             (2.05e-9, Some(2e-10), "(2.05 ± 0.20)e-9"),
             (-1.108e-6, Some(8.7e-8), "(-1.108 ± 0.087)e-6"),
             (0.0, Some(1.0e-6), "(0.0 ± 1.0)e-6"),
+            (-3.0e-9, Some(2.6e-7), "(0.0 ± 2.6)e-7"),
             (4.19e-4, Some(3e-6), "0.0004190 ± 0.0000030"),
         ] {
             assert_eq!(drift(value, sd), text);
+        }
+    }
+
+    #[test]
+    fn a_difference_has_its_sign_unless_it_rounds_to_nothing() {
+        for (value, sd, text) in [
+            (0.0123, Some(4e-4), "+0.01230 ± 0.00040"),
+            (-0.0123, Some(4e-4), "-0.01230 ± 0.00040"),
+            (1e-7, Some(2.2e-4), "0.00000 ± 0.00022"),
+            (-3.0e-9, Some(2.6e-7), "(0.0 ± 2.6)e-7"),
+            (2.05e-9, Some(2e-10), "+(2.05 ± 0.20)e-9"),
+        ] {
+            assert_eq!(signed_drift(value, sd), text);
         }
     }
 

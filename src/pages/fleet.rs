@@ -54,7 +54,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         } @else if gyros.is_empty() {
             p.lead { (t.none_found) }
         } @else {
-            p.note { (found.found) " " (t.gyros_of) " " (t.load_note) }
+            p.note { (found.found) " " (t.gyros_of) " " (t.load_note) span.of-spark { " " (t.spark_note) } }
             (table)
             (filters.pager(viewer, found.number, found.last))
             (selection(viewer))

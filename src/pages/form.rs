@@ -135,7 +135,9 @@ pub(super) fn choice<'a>(
 
 /// Of which rule.
 pub(super) fn rule_choice(t: &Text, chosen: &str) -> Markup {
-    choice(t, t.rule_word, "rule", Rule::ALL.map(|rule| (rule.name(), t.rule(rule))), chosen)
+    // Of earlier versions: nothing is judged by it any more.
+    let offered = Rule::ALL.into_iter().filter(|rule| *rule != Rule::Cusum || chosen == rule.name());
+    choice(t, t.rule_word, "rule", offered.map(|rule| (rule.name(), t.rule(rule))), chosen)
 }
 
 /// A time as somebody types it, `2026-03-01 16:00`, for what reads RFC 3339 or a day. Without a zone it is of UTC, as the

@@ -54,19 +54,19 @@ fn section(
                 div.scroll tabindex="0" { table.cards {
                     thead { tr {
                         th { (t.cause) } th { (t.tied_to) } th.n { (t.estimate) } th { (t.unit_word) }
-                        th.n { (t.change_closed) } th.n { "p" }
+                        th.n { (t.change_closed) } th.n { (t.adjusted_p) }
                     } }
                     tbody { @for cause in own_first(answer) {
                         tr {
                             th scope="row" { (t.words(&cause_word(cause.cause))) }
-                            td {
+                            td data-label=(t.tied_to) {
                                 (t.words(&cause.tie.message()))
                                 @if let Some(others) = cause.others() { ". " (t.words(&others)) }
                             }
-                            td.n { (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) }
-                            td { (t.unit_of(cause.estimate.unit)) }
-                            td.n { @if let Some(held_out) = cause.held_out { (figure::share(held_out.closure, Some(held_out.interval))) } }
-                            td.n { (format!("{:.1e}", cause.p_value_adjusted)) }
+                            td.n data-label=(t.estimate) { (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) }
+                            td data-label=(t.unit_word) { (t.unit_of(cause.estimate.unit)) }
+                            td.n data-label=(t.change_closed) { @if let Some(held_out) = cause.held_out { (figure::share(held_out.closure, Some(held_out.interval))) } }
+                            td.n data-label=(t.adjusted_p) { (format!("{:.1e}", cause.p_value_adjusted)) }
                         }
                     } }
                 } }
@@ -79,8 +79,8 @@ fn section(
                         tbody { @for one in &answer.rejected {
                             tr {
                                 th scope="row" { (t.words(&cause_word(one.cause))) }
-                                td { (t.words(&one.tie.message())) }
-                                td { (t.words(&one.why.message())) }
+                                td data-label=(t.tied_to) { (t.words(&one.tie.message())) }
+                                td data-label=(t.why) { (t.words(&one.why.message())) }
                             }
                         } }
                     } }

@@ -126,6 +126,13 @@ impl Facts {
         })
     }
 
+    /// Until when all that drifts is within its budget with 95 %, where its history says so.
+    fn calibrate_by(&self, explained: Option<&ExplainedHistory>) -> Option<UtcMicros> {
+        let newest = explained?.as_of.newest?;
+        let days = self.answers(explained, Status::Drifting).filter_map(|answer| answer.due?.calibrate_by);
+        days.min_by(f64::total_cmp).map(|days| newest.plus_days(days))
+    }
+
     /// When the rule `trend` sees a coefficient reach its budget.
     fn reach_by_trend(&self, coefficient: Coefficient) -> Option<UtcMicros> {
         let of_it = |verdict: &&Verdict| verdict.coefficient == coefficient;
@@ -194,7 +201,7 @@ pub(super) fn loads(t: &Text, stands: &[Stand]) -> Markup {
         @if !stands.is_empty() {
             div.scroll tabindex="0" { table.loads {
                 thead { tr {
-                    th { (t.coefficient) } th.n { (t.load) } th.bars {} th { (t.status_word) }
+                    th { (t.coefficient) } th.n { (t.load) } td.bars {} th { (t.status_word) }
                     th.n { (t.axis_deviation) ", " (t.unit) } th.n { (t.value) } th.n.capital { (t.baseline_word) }
                 } }
                 tbody { @for stand in stands { (load_row(t, stand)) } }
@@ -303,7 +310,12 @@ fn decided(viewer: &Viewer, serial: &str, facts: &Facts, explained: Option<&Expl
     html! {
         div.decision {
             @if let Some(suggestion) = suggestion {
-                p.suggestion { strong { (t.suggested) (t.colon) } " " (t.word(&suggestion.word())) }
+                p.suggestion {
+                    strong { (t.suggested) (t.colon) } " " (t.word(&suggestion.word()))
+                    @if let Some(by) = facts.calibrate_by(explained).filter(|_| suggestion.is_of_drift()) {
+                        " " (t.calibrate_by) " " (day(by)) (t.stop)
+                    }
+                }
             }
             (decision(t, facts))
             p.actions {

@@ -564,7 +564,7 @@ fn share(share: Option<Measured>) -> Markup {
 fn plain(calibration: &Calibration) -> Markup {
     html! {
         div.scroll tabindex="0" { table {
-            thead { tr { th {} th {} @for name in DRIFTS { th.n { (symbol(name)) } } } }
+            thead { tr { td {} td {} @for name in DRIFTS { th.n { (symbol(name)) } } } }
             tbody { @for gyro in &calibration.gyros {
                 @let rigid = &gyro.separation.rigid;
                 @let sd = rigid.sd();

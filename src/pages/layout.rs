@@ -272,6 +272,15 @@ pub(super) fn symbol(name: &str) -> Markup {
     }
 }
 
+/// A sentence in which the coefficients stand as [`symbol`] has them.
+pub(super) fn with_symbols(sentence: &str) -> Markup {
+    let first = DRIFTS.into_iter().filter_map(|name| Some((sentence.find(name)?, name))).min();
+    match first {
+        Some((at, name)) => html! { (sentence[..at]) (symbol(name)) (with_symbols(&sentence[at + name.len()..])) },
+        None => html! { (sentence) },
+    }
+}
+
 /// An effect by its name in words, with the identifier that the interface uses.
 pub(super) fn effect_named(t: &Text, id: &str) -> Markup {
     html! { @if let Some(effect) = Effect::from_id(id) { (t.effect(effect)) " " } code.quiet { (id) } }
@@ -294,6 +303,13 @@ mod tests {
         assert!(several.contains(".about1 { page: about1; }"), "{several}");
         let evil = sheets(&["a\"}</style><script>\\"]);
         assert!(!evil.contains('<') && evil.matches('"').count() == 4, "{evil}");
+    }
+
+    #[test]
+    fn coefficients_in_a_sentence_have_their_index_set_low() {
+        let shown = with_symbols("D_S and D_I are < D_X.").into_string();
+        let [s, i] = ["S", "I"].map(|index| format!("<var>D<sub>{index}</sub></var>"));
+        assert_eq!(shown, format!("{s} and {i} are &lt; D_X."));
     }
 
     #[test]

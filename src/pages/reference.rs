@@ -118,7 +118,7 @@ pub(super) fn parts(t: &Text, split: &SplitBody) -> Markup {
         } }
         div.scroll tabindex="0" { table {
             thead { tr {
-                th { (t.serial) } th {} th.n { (t.reference) } th.n { (t.now) } th.n { (t.shift) } th.n { "1 σ" } th { (t.unit_word) }
+                th { (t.serial) } th { (t.coefficient) } th.n { (t.reference) } th.n { (t.now) } th.n { (t.shift) } th.n { "1 σ" } th { (t.unit_word) }
             } }
             tbody { @for moved in &split.moved { (moved_row(t, moved)) } }
         } }

@@ -99,7 +99,7 @@ fn budgets(t: &Text, separations: &[SeparationBody]) -> Markup {
                 summary { (t.uncertainty_budget) }
                 div.scroll tabindex="0" { table.cards {
                     thead { tr {
-                        th { (t.serial) } th {} @for (name, _) in &parts { th.n { (name) } } th.n { (t.combined) }
+                        th { (t.serial) } th { (t.coefficient) } @for (name, _) in &parts { th.n { (name) } } th.n { (t.combined) }
                     } }
                     tbody { @for (budgets, slot, serial) in &all {
                         @for (budget, name) in budgets.iter().zip(DRIFTS) {

@@ -6,9 +6,11 @@ use super::layout::{DRIFTS, Page, Section, instant, symbol};
 use super::text::Text;
 use super::viewer::Visit;
 use super::{Pages, figure};
-use crate::config::Judging;
+use crate::config::{Config, Layer};
 use crate::core::access::{AuditEntry, AuditFilter, Role};
+use crate::core::judge::limits::{Bounds, LimitKey, Requirement};
 use crate::core::judge::{Limit, Rule};
+use crate::core::mounting::Slot;
 use crate::pipeline::Token;
 use crate::wire::problem::Problem;
 
@@ -30,19 +32,31 @@ pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page,
         p {
             a href="/hooks" { (t.hooks) } " · " a href="/docs" { (t.api) }
         }
-        (limits(t, &pages.config.judging))
+        (limits(t, &pages.config))
         (access)
     };
     Ok(Page { title: t.setup.into(), section: Section::Setup, body })
 }
 
-fn limits(t: &Text, judging: &Judging) -> Markup {
+/// A key, and whether its value is a default, or a file's, or the environment's.
+fn set_by(t: &Text, config: &Config, from: LimitKey) -> Markup {
+    let key = from.to_string();
+    let layer = match config.stated.layer_of(&key) {
+        Layer::Default => t.layer_default,
+        Layer::File => t.layer_file,
+        Layer::Environment => t.layer_environment,
+    };
+    html! { code { (key) } " " span.quiet { (layer) } }
+}
+
+fn limits(t: &Text, config: &Config) -> Markup {
+    let judging = &config.judging;
     let limits = judging.limits("", "");
     let row = |name: &str, rule: Rule, limit: Limit, unit: &str| {
         html! {
             tr {
                 td { (symbol(name)) } th scope="row" { (t.rule(rule)) }
-                td.n { (figure::limit(rule, limit)) } td { (unit) } td { code { (limit.from) } }
+                td.n { (figure::limit(rule, limit)) } td { (unit) } td { (set_by(t, config, limit.from)) }
             }
         }
     };
@@ -60,6 +74,7 @@ fn limits(t: &Text, judging: &Judging) -> Markup {
                     @if let Some(interval) = limits.interval_days { (row("all", Rule::Overdue, interval, t.days_word)) }
                 }
             } }
+            (requirements(t, config))
             @if !judging.overrides.is_empty() {
                 h3 { (t.overrides) }
                 ul { @for (place, one) in judging.overrides.iter().enumerate() {
@@ -71,6 +86,34 @@ fn limits(t: &Text, judging: &Judging) -> Markup {
                     }
                 } }
             }
+        }
+    }
+}
+
+/// What E and G of gyros of the skewed geometry must keep.
+fn requirements(t: &Text, config: &Config) -> Markup {
+    let required = Slot::ALL.map(|slot| (slot, config.judging.requirement(true, slot, "", "")));
+    let names = ["|E|", "E_x", "E_y", "E_z", "G_x", "G_y", "G_z"];
+    let bounds = |of: &Requirement| {
+        let all = std::iter::once(of.e_norm).chain(of.e).chain(of.g);
+        names.into_iter().zip(all).filter_map(|(name, bounds)| Some((name, bounds?))).collect::<Vec<_>>()
+    };
+    let unit = |name: &str| if name.starts_with('G') { "pulse/(s g0)" } else { "pulse/arcsec" };
+    let any = required.iter().any(|(_, of)| !bounds(of).is_empty());
+    html! {
+        h3.capital { (t.rule(Rule::Requirement)) }
+        @if any {
+            div.scroll tabindex="0" { table.small {
+                thead { tr { th { (t.slot) } th { (t.parameter) } th.n { (t.limit) } th { (t.unit_word) } th { (t.set_by_key) } } }
+                tbody { @for (slot, of) in &required { @for (name, Bounds { low, high, from }) in bounds(of) {
+                    tr {
+                        td { (slot.name()) } th scope="row" { (symbol(name)) }
+                        td.n { (low) " … " (high) } td { (t.unit_of(unit(name))) } td { (set_by(t, config, from)) }
+                    }
+                } } }
+            } }
+        } @else {
+            p { (t.nothing_required) " " (set_by(t, config, LimitKey { place: None, key: "requirements" })) }
         }
     }
 }

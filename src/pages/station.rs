@@ -14,6 +14,7 @@ use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared, Spread, StationColumn, StationFigures};
 use crate::core::suspect_window::SuspectWindow;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 use crate::wire::time;
@@ -37,7 +38,7 @@ pub(super) async fn page(
         @if let Some((_, figures)) = known { p.lead {
             (t.last_seen) " " (instant(figures.last)) " · " (figures.records) " " (t.calibrations_seen)
             " · " a href={ "/fleet?station=" (encoded(name)) "&station_when=ever" } { (t.count_of_gyros(figures.gyros)) }
-            @if figures.imus > 0 { " · " (figures.imus) " " (t.imu) }
+            @if figures.imus > 0 { " · " (t.words(&message!("imus_counted", count = figures.imus))) }
             " · " (overdue) " " (t.overdue_gyros)
             " · " a href={ "/v1/stations/" (encoded(name)) } { "JSON" }
         } } @else { p.lead { (t.nothing_counts) } }

@@ -3,6 +3,7 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::http::Uri;
 use axum::response::{IntoResponse, Redirect, Response};
@@ -12,22 +13,31 @@ use serde::Deserialize;
 use super::alerts::{self, done_to_alerts, is_open, open_ones};
 use super::fleet::{Filters, as_day, bad_parameter, tiles, trend, violated};
 use super::layout::{DRIFTS, Page, Section, day, encoded, symbol, written_day};
+use super::station::changes;
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
 use super::{Pages, bullet, figure};
 use crate::core::access::Role;
 use crate::core::alert_filter::AlertFilter;
-use crate::core::judge::{Coefficient, Measured, Status};
+use crate::core::changes::{FleetStations, Shared};
+use crate::core::judge::{Measured, Rule, Status};
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pages::sent::Query;
 use crate::pages::status as badges;
-use crate::pipeline::{DueImu, FirstOf, FleetFilter, FleetPage, Names, Standing, Today, Together, today};
+use crate::pipeline::{
+    CommonShift, DueDate, DueImu, FirstOf, FleetFilter, FleetPage, Names, Standing, Today, Together, Violation, today,
+};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
 /// Lines of a block.
 const LINES: usize = 6;
+/// Gyros that drift whose dates are asked for.
+const DATED: usize = 12;
+/// How long the page waits for the stations to be compared.
+const PATIENCE: Duration = Duration::from_millis(400);
 /// What is new, unless another day is asked for.
 const DAYS: f64 = 7.0;
 /// Parameters of the fleet, which stood here in earlier versions.
@@ -66,7 +76,14 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
     let today = today(&queries.fleet, since, LINES).await?;
     let fleet = queries.fleet.page(&FleetFilter::default(), 0, LINES).await?;
     let shown = fleet.gyros.iter().chain(&today.worse.first);
-    let dealt = dealt_with(pages, viewer, shown).await?;
+    let known = known_of(pages, viewer, shown, since).await?;
+    let drifting = FleetFilter { statuses: Some(&[Status::Drifting]), ..FleetFilter::default() };
+    let drifting = queries.fleet.page(&drifting, 0, DATED).await?;
+    let (dues, undated) = queries.dues.of(&drifting.gyros).await?;
+    let undated = undated + (drifting.found - drifting.gyros.len());
+    let approaching = Approaching::of(&today.approaching, &drifting.gyros, &dues);
+    let stations = queries.fleet.station_figures_within(PATIENCE).await?;
+    let changed = stations.as_deref().map_or_else(Vec::new, |found| station_changes(found, since));
     let gone = no_longer_in_it(pages, &today.overdue.first).await?;
     let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
     let names = queries.names();
@@ -78,11 +95,14 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
         (done_to_alerts(viewer, &asked.deed, &asked.done, "/"))
         (tiles(viewer, &fleet, &Filters::default()))
         div.blocks {
-            (worse(viewer, &today.worse, since, &dealt, &names))
-            (still_out(viewer, &fleet, (&today.worse, &out), &dealt, &names))
-            (approaching(t, &today.approaching, &names))
+            (worse(viewer, &today.worse, since, &known, &names))
+            (still_out(viewer, &fleet, (&today.worse, &out), &known, &names))
+            (approaching.shown(t, undated, &names))
             (due(t, &today, &gone, now))
-            (several(viewer, &today, &of_stations))
+            div {
+                (several(viewer, &today, &of_stations, &changed, pages.config.judging.budget))
+                @if stations.is_none() && fleet.total > 0 { p.note { (t.stations_not_compared) } }
+            }
             @if today.outside.of > 0 { (outside(t, &today)) }
         }
     };
@@ -99,15 +119,23 @@ fn block(title: &Markup, count: usize, nothing: &str, body: &Markup, all: Option
     }
 }
 
-/// What was decided of gyros since they are as they are, or who knows of all that fires: of those of which somebody
-/// does.
-async fn dealt_with(
+/// What the list of a gyro that is out or drifts tells beside how it stands.
+#[derive(Default)]
+struct Known {
+    /// What was decided since it is as it is, or who knows of all that fires, where somebody does.
+    dealt: Option<Markup>,
+    /// What began since the day that is asked for, the gravest last, and of those the newest.
+    new: Vec<(Violation, UtcMicros)>,
+}
+
+async fn known_of(
     pages: &Pages,
     viewer: &Viewer,
     gyros: impl Iterator<Item = &Standing>,
-) -> Result<HashMap<u32, Markup>, Problem> {
+    day_asked: UtcMicros,
+) -> Result<HashMap<u32, Known>, Problem> {
     let t = viewer.text();
-    let mut dealt = HashMap::new();
+    let mut all = HashMap::new();
     for Standing { number, since, .. } in gyros {
         let events = pages.pipeline.queries.histories.events(*number).await?;
         let decision =
@@ -119,12 +147,24 @@ async fn dealt_with(
             (None, Some(known)) => Some((t.alert_acknowledged, Some(&*known.by), written_day(&known.at))),
             (None, None) => None,
         };
-        dealt.extend(said.map(|(what, who, at)| {
+        let dealt = said.map(|(what, who, at)| {
             let who = html! { @if let Some(who) = who { " · " span translate="no" { (who) } } };
-            (*number, html! { span.quiet { (what) (who) " · " (at) } })
-        }));
+            html! { span.quiet { (what) (who) " · " (at) } }
+        });
+        all.insert(*number, Known { dealt, new: began_since(&alerts, day_asked) });
     }
-    Ok(dealt)
+    Ok(all)
+}
+
+/// What began no earlier than that, the gravest last, and of those the newest. Being overdue has a list of its own.
+fn began_since(alerts: &[AlertBody], day_asked: UtcMicros) -> Vec<(Violation, UtcMicros)> {
+    let of = |alert: &AlertBody| {
+        let at = time::parse(alert.since.as_deref()?).ok()?;
+        alerts::violation(alert).filter(|one| one.rule != Rule::Overdue && at >= day_asked).map(|one| (one, at))
+    };
+    let mut new: Vec<(Violation, UtcMicros)> = alerts.iter().filter_map(of).collect();
+    new.sort_by_key(|(violation, at)| (violation.status, *at));
+    new
 }
 
 /// Overdue gyros whose place in the IMU another one has taken.
@@ -164,17 +204,18 @@ fn worse(
     viewer: &Viewer,
     list: &FirstOf<Standing>,
     since: UtcMicros,
-    dealt: &HashMap<u32, Markup>,
+    known: &HashMap<u32, Known>,
     names: &Names<'_>,
 ) -> Markup {
     let t = viewer.text();
     let from = as_day(since);
     let title = html! { (t.worse_since) " " (day(since)) };
-    let rows = violating(viewer, list.first.iter(), true, dealt, names);
+    let new = |standing: &Standing| known.get(&standing.number).map_or(&[][..], |known| &known.new);
+    let rows = violating(viewer, list.first.iter().map(|one| (one, new(one))), true, known, names);
     let form = html! {
         form.search.no-print action="/" method="get" {
             label { (t.since_day) " " input type="date" name="since" value=(from); }
-            button { (t.search) }
+            button { (t.show_word) }
         }
     };
     let address = || Filters { changed_since: from.clone(), ..Filters::default() }.at_page(0);
@@ -197,37 +238,42 @@ fn still_out(
     viewer: &Viewer,
     fleet: &FleetPage,
     (worse, out): (&FirstOf<Standing>, &[&Standing]),
-    dealt: &HashMap<u32, Markup>,
+    known: &HashMap<u32, Known>,
     names: &Names<'_>,
 ) -> Markup {
     let t = viewer.text();
     let count: usize = OUT.map(|status| fleet.of_status[status as usize]).iter().sum();
     let above = worse.first.iter().filter(|one| one.status.is_some_and(|status| OUT.contains(&status))).count();
-    let rows = violating(viewer, out.iter().copied(), worse.first.is_empty(), dealt, names);
+    let rows = violating(viewer, out.iter().map(|one| (*one, &[][..])), worse.first.is_empty(), known, names);
     let all = (count > out.len() + above).then(|| (t.all_of_them, "/fleet".to_owned()));
     block(&html! { (t.still_out) }, count.saturating_sub(above), t.nothing_else_out, &rows, all)
 }
 
-/// Gyros with what they violate, one a line. `first`: whether they are the first of the page.
+/// Gyros with what they violate, one a line: where some of it is new, with that and when it began. `first`: whether
+/// they are the first of the page.
 fn violating<'a>(
     viewer: &Viewer,
-    gyros: impl Iterator<Item = &'a Standing>,
+    gyros: impl Iterator<Item = (&'a Standing, &'a [(Violation, UtcMicros)])>,
     first: bool,
-    dealt: &HashMap<u32, Markup>,
+    known: &HashMap<u32, Known>,
     names: &Names<'_>,
 ) -> Markup {
     let t = viewer.text();
     let ack = |serial: &str| format!("/alerts/bulk?gyro={}&back=%2F", encoded(serial));
     html! {
-        div.scroll tabindex="0" { table.lines { tbody { @for (k, standing) in gyros.enumerate() {
+        div.scroll tabindex="0" { table.lines { tbody { @for (k, (standing, new)) in gyros.enumerate() {
+            @let (told, since) = match new.last() {
+                Some((_, at)) => (new.iter().map(|(one, _)| *one).collect(), Some(*at)),
+                None => (standing.violations.clone(), standing.since),
+            };
             tr {
                 td { (badges::badge(t, standing.status)) }
                 (gyro(standing, first && k == 0, names))
-                td.nowrap { (bullet::leading(t, standing, &standing.violations)) }
-                td { (violated(t, &standing.violations)) }
-                td.nowrap { @if let Some(at) = standing.since { span.quiet { (t.since) " " } (day(at)) } }
+                td.nowrap { (bullet::leading(t, standing, &told)) }
+                td { (violated(t, &told)) }
+                td.nowrap { @if let Some(at) = since { span.quiet { (t.since) " " } (day(at)) } }
                 td {
-                    @if let Some(dealt) = dealt.get(&standing.number) { (dealt) }
+                    @if let Some(dealt) = known.get(&standing.number).and_then(|known| known.dealt.as_ref()) { (dealt) }
                     @else if viewer.may(Role::Engineer) { a.no-print href=(ack(&standing.serial)) { (t.acknowledge) } }
                 }
             }
@@ -235,30 +281,77 @@ fn violating<'a>(
     }
 }
 
-fn approaching(t: &Text, list: &FirstOf<Standing>, names: &Names<'_>) -> Markup {
-    let of_reach = |coefficient: Coefficient| coefficient.column().unwrap_or_default();
-    let rows = html! {
-        div.scroll tabindex="0" { table.lines { tbody { @for standing in &list.first {
-            @if let Some(reach) = standing.outlook.reach {
+/// A gyro on its way to its budget.
+struct Approach<'a> {
+    standing: &'a Standing,
+    /// By the diagnosis of its history, which is on its page; else by the rule `trend`.
+    due: DueDate,
+    /// By a trend whose course is still short.
+    provisional: bool,
+}
+
+struct Approaching<'a> {
+    /// The first to reach it first.
+    first: Vec<Approach<'a>>,
+    of: usize,
+    all: Option<String>,
+}
+
+impl<'a> Approaching<'a> {
+    /// `by_trend`: what the rule `trend` carries there; `drifting`: of which some have a date by their histories.
+    fn of(by_trend: &'a FirstOf<Standing>, drifting: &'a [Standing], dues: &HashMap<u32, DueDate>) -> Self {
+        let dated = drifting.iter().filter_map(|standing| {
+            dues.get(&standing.number).map(|due| Approach { standing, due: *due, provisional: false })
+        });
+        let others = by_trend.first.iter().filter(|standing| !dues.contains_key(&standing.number));
+        let others = others.filter_map(|standing| {
+            let reach = standing.outlook.reach?;
+            let (coefficient, at, between) = (reach.coefficient, reach.at, reach.between);
+            let due = DueDate { coefficient, at, between, calibrate_by: None };
+            Some(Approach { standing, due, provisional: reach.provisional })
+        });
+        let by_history_alone = drifting.iter().filter(|standing| dues.contains_key(&standing.number));
+        let by_history_alone = by_history_alone.filter(|standing| standing.outlook.reach.is_none()).count();
+        let mut first: Vec<Approach<'_>> = dated.chain(others).collect();
+        first.sort_by_key(|one| one.due.at);
+        first.truncate(LINES);
+        let more = by_trend.of > by_trend.first.len();
+        let all = more.then(|| Filters { sort: "eta".into(), ..Filters::default() }.at_page(0));
+        Self { first, of: by_trend.of + by_history_alone, all }
+    }
+
+    /// `undated`: how many gyros drift of which no date was asked for.
+    fn shown(&self, t: &Text, undated: usize, names: &Names<'_>) -> Markup {
+        let rows = html! {
+            div.scroll tabindex="0" { table.lines { tbody { @for one in &self.first {
+                @let Approach { standing, due, .. } = one;
                 tr {
-                    td.nowrap { strong { (day(reach.at)) } @if reach.provisional { " ?" } }
+                    td.nowrap { strong { (day(due.at)) } @if one.provisional { " ?" } }
                     (gyro(standing, false, names))
                     td.nowrap {
-                        @let column = of_reach(reach.coefficient);
-                        (bullet::of_coefficient(t, standing, column))
+                        (bullet::of_coefficient(t, standing, due.coefficient.column().unwrap_or_default()))
                     }
-                    td.nowrap { (trend(t, &Standing { status: Some(Status::Confirmed), ..standing.clone() })) }
-                    td.nowrap.quiet {
-                        @let [early, late] = reach.between;
-                        @if let Some(early) = early { (day(early)) } " … " @if let Some(late) = late { (day(late)) } @else { (t.never) }
+                    td {
+                        @if let Some(by) = due.calibrate_by { (t.calibrate_by) " " (day(by)) }
+                        @else { (trend(t, &Standing { status: Some(Status::Confirmed), ..(*standing).clone() })) }
+                        div.quiet {
+                            @let [early, late] = due.between;
+                            @if let Some(early) = early { (day(early)) } " … " @if let Some(late) = late { (day(late)) } @else { (t.never) }
+                        }
                     }
                 }
+            } } } }
+            p.note { (t.reach_note) }
+        };
+        let others = html! {
+            @if undated > 0 {
+                p.note { (t.dates_of_others) " " a href="/fleet?status=drifting" { (t.count_of_gyros(undated)) } }
             }
-        } } } }
-        p.note { (t.reach_note) }
-    };
-    let address = || Filters { sort: "eta".into(), ..Filters::default() }.at_page(0);
-    block(&html! { (t.will_cross) }, list.of, t.nothing_crosses, &rows, all_of(t, list, address))
+        };
+        let all = self.all.clone().map(|address| (t.all_of_them, address));
+        let shown = block(&html! { (t.will_cross) }, self.of, t.nothing_crosses, &rows, all);
+        html! { div { (shown) (others) } }
+    }
 }
 
 fn due(t: &Text, today: &Today, gone: &HashMap<Arc<str>, Vec<Arc<str>>>, now: UtcMicros) -> Markup {
@@ -297,9 +390,48 @@ fn days_to(t: &Text, at: UtcMicros, now: UtcMicros) -> Markup {
     }
 }
 
-/// Where gyros moved together: the station, or the file, before the gyros.
-fn several(viewer: &Viewer, today: &Today, of_stations: &[&AlertBody]) -> Markup {
+/// A step of a station, or a window in which it was off.
+struct StationChange<'a> {
+    station: &'a str,
+    /// 0: D_I, 1: D_S.
+    column: usize,
+    from: UtcMicros,
+    until: Option<UtcMicros>,
+    size: &'a Shared,
+}
+
+/// What the stations did since an instant, the newest first: steps since then, and windows that reach into that time.
+fn station_changes(found: &FleetStations, since: UtcMicros) -> Vec<StationChange<'_>> {
+    let columns =
+        found.stations.iter().flat_map(|station| station.columns.iter().enumerate().map(move |of| (station, of)));
+    let all = columns.flat_map(|(station, (column, figures))| {
+        let change = move |(from, until, size)| StationChange { station: &station.name, column, from, until, size };
+        changes(figures).into_iter().map(change)
+    });
+    let mut recent: Vec<StationChange<'_>> = all.filter(|one| one.until.unwrap_or(one.from) >= since).collect();
+    recent.sort_by_key(|one| std::cmp::Reverse(one.from));
+    recent
+}
+
+/// Where gyros moved together: the station, or the file, before the gyros. What a change of a station says already, its
+/// newest records need not say again.
+fn several(
+    viewer: &Viewer,
+    today: &Today,
+    of_stations: &[&AlertBody],
+    changed: &[StationChange<'_>],
+    budget: f64,
+) -> Markup {
     let t = viewer.text();
+    // What is over says nothing of the newest records.
+    let is_told = |found: &&CommonShift| {
+        let of_it = |one: &&StationChange<'_>| {
+            let is_same = matches!(&found.of, Together::Station(name) if **name == *one.station);
+            is_same && one.column == found.column && one.until.is_none_or(|until| until > found.between[1])
+        };
+        changed.iter().any(|one| of_it(&one))
+    };
+    let shifts: Vec<&CommonShift> = today.shifts.iter().filter(|found| !is_told(found)).collect();
     let rows = html! {
         @if !of_stations.is_empty() { (alerts::table(viewer, of_stations.iter().copied(), false, None)) }
         ul.findings {
@@ -311,7 +443,19 @@ fn several(viewer: &Viewer, today: &Today, of_stations: &[&AlertBody]) -> Markup
                     strong { (t.wrong_file) }
                 }
             }
-            @for found in &today.shifts {
+            @for StationChange { station, column, from, until, size } in changed {
+                li {
+                    a.id href={ "/stations/" (encoded(station)) "#" (DRIFTS[*column]) } { (station) } ", "
+                    @match until {
+                        Some(until) => { (day(*from)) " … " (day(*until)) }
+                        None => { (t.since_then) " " (day(*from)) }
+                    }
+                    ": " (symbol(DRIFTS[*column])) " "
+                    (bullet::percent(Measured { value: size.value, sd: Some(size.sd) }.in_units_of(budget))) (t.share_of_budget_unit)
+                    ", " (t.words(&message!("gyros_of_imus", gyros = size.gyros, imus = size.imus)))
+                }
+            }
+            @for found in &shifts {
                 li {
                     @match &found.of {
                         Together::Station(name) => a.id href={ "/stations/" (encoded(name)) } { (name) },
@@ -326,7 +470,7 @@ fn several(viewer: &Viewer, today: &Today, of_stations: &[&AlertBody]) -> Markup
         }
         p.note { (t.several_note) }
     };
-    let count = of_stations.len() + today.moved.len() + today.shifts.len();
+    let count = of_stations.len() + today.moved.len() + changed.len() + shifts.len();
     block(&html! { (t.several_at_once) }, count, t.nothing_together, &rows, None)
 }
 
@@ -346,4 +490,36 @@ fn outside(t: &Text, today: &Today) -> Markup {
         p.note { (t.outside_note) }
     };
     block(&html! { (t.outside_forecast_title) }, today.outside.of, "", &rows, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::changes::StationFigures;
+
+    #[test]
+    fn a_window_is_told_while_it_reaches_into_the_time_that_is_asked_for_and_a_step_since_it_came() {
+        let day = |day: i64| UtcMicros(day * UtcMicros::DAY);
+        let size = Shared { value: 0.0038, sd: 0.0002, gyros: 18, imus: 6 };
+        let mut figures = StationFigures {
+            name: "ST-2".into(),
+            records: 200,
+            gyros: 23,
+            imus: 9,
+            first: day(0),
+            last: day(100),
+            against: None,
+            columns: Default::default(),
+        };
+        figures.columns[0].windows = vec![([day(10), day(20)], size), ([day(40), day(60)], size)];
+        figures.columns[1].steps = vec![(day(30), size), (day(70), size)];
+        let found = FleetStations { stations: vec![figures], against: "ST-1".into(), reproducibility: [None; 2] };
+        let told = |since: i64| -> Vec<(usize, UtcMicros)> {
+            station_changes(&found, day(since)).iter().map(|one| (one.column, one.from)).collect()
+        };
+        assert_eq!(told(50), [(1, day(70)), (0, day(40))], "the newest first");
+        assert_eq!(told(61), [(1, day(70))]);
+        assert_eq!(told(0).len(), 4);
+        assert_eq!(told(71), []);
+    }
 }

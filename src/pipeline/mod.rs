@@ -61,10 +61,11 @@ pub use ingest::{
     Submission, WindowMark,
 };
 pub use queries::{
-    BEYOND, Baseline, BenchItem, Compared, Comparison, Course, DUE_DAYS, DueImu, EventItem, ExplainedHistory, FirstOf,
-    Fleet, FleetFilter, FleetPage, Forecast, Foreseen, Histories, ItemStatus, Levels, ListFilter, ListedImu,
-    ListedRecord, Names, Queries, RecentValues, RecordItem, RecordSummary, Records, Seats, Standing, StandingFilter,
-    Statuses, StoredCampaign, StoredRecord, Tested, Today, Together, Verified, Violation, WallPage, sample_of, today,
+    BEYOND, Baseline, BenchItem, CommonShift, Compared, Comparison, Course, DUE_DAYS, DueDate, DueImu, EventItem,
+    ExplainedHistory, FirstOf, Fleet, FleetFilter, FleetPage, Forecast, Foreseen, Histories, ItemStatus, Levels,
+    ListFilter, ListedImu, ListedRecord, Names, Queries, RecentValues, RecordItem, RecordSummary, Records, Seats,
+    Standing, StandingFilter, Statuses, StoredCampaign, StoredRecord, Tested, Today, Together, Verified, Violation,
+    WallPage, sample_of, today,
 };
 
 pub use suspect::WindowOutcome;

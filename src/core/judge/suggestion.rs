@@ -33,6 +33,13 @@ pub enum Suggestion("suggestion_") {
 }
 }
 
+impl Suggestion {
+    /// Whether it is made of a drift within the budget.
+    pub fn is_of_drift(self) -> bool {
+        matches!(self, Self::Watch | Self::ShortenInterval)
+    }
+}
+
 /// What a suggestion follows from.
 #[derive(Debug, Clone, Default)]
 pub struct Standpoint {

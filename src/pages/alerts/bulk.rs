@@ -173,9 +173,9 @@ pub(super) fn bar(viewer: &Viewer, here: &str) -> Markup {
             label hidden { input type="checkbox" data-all="gyro"; " " (t.all_of_them) }
             span.quiet { (t.with_selected) }
             @if viewer.signed_in.is_none() {
-                label { (t.who) " " input name="by" maxlength="128" autocomplete="name" size="12"; }
+                label { (t.who) " " input name="by" maxlength="128" autocomplete="name" size="10"; }
             }
-            label { (t.reason_word) " " input name="reason" maxlength="4096" size="20"; }
+            label { (t.reason_word) " " input name="reason" maxlength="4096" size="16"; }
             (days_field(t, "", false))
             @for (name, word) in deeds { button name="deed" value=(name) { (word) } }
         }

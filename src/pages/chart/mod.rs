@@ -229,7 +229,7 @@ impl Chart {
         let reach = self.reach();
         let scale = Scale { x: self.x, y: self.ends(reach), height: self.height };
         let lanes = LANE * self.lanes.len() as f64;
-        let whole = TOP + self.height + lanes + BOTTOM;
+        let whole = TOP + self.height + lanes + self.bottom();
         let (from, until) = (place(self.x.0), place(self.x.1));
         html! {
             figure.chart {
@@ -249,6 +249,11 @@ impl Chart {
                 output.said.no-print aria-live="polite" {}
             }
         }
+    }
+
+    /// Room for the figures of the x axis, and under them for its name.
+    fn bottom(&self) -> f64 {
+        if matches!(self.across, Across::Figure(_)) { BOTTOM + LINE } else { BOTTOM }
     }
 
     fn left(&self, scale: &Scale) -> Markup {
@@ -475,15 +480,17 @@ impl Chart {
                 },
                 Across::Figure(name) => {
                     @let (figures, decimals) = round_steps(self.x, 6.0);
-                    @let free = 1.0 - (wide(name) + HALF_A_FIGURE) / NARROWEST;
-                    @for x in figures {
-                        @let share = (x - self.x.0) / (self.x.1 - self.x.0);
+                    @let words: Vec<String> = figures.iter().map(|x| format!("{x:.decimals$}")).collect();
+                    // As many as stand beside one another in the narrowest picture.
+                    @let every = (words.iter().map(|word| wide(word) + LETTER).sum::<f64>() / NARROWEST).ceil().max(1.0);
+                    @for (k, (x, word)) in figures.into_iter().zip(words).enumerate() {
                         line.tick x1=(scale.x(x)) x2=(scale.x(x)) y1=(self.height) y2=(self.height + 3.0) {}
-                        @if share < free.max(0.5) {
-                            text x=(scale.x(x)) y=(foot) text-anchor="middle" { (format!("{x:.decimals$}")) }
+                        @if k % every as usize == 0 {
+                            @let anchor = if scale.share(x) > 0.94 { "end" } else { "middle" };
+                            text x=(scale.x(x)) y=(foot) text-anchor=(anchor) { (word) }
                         }
                     }
-                    text x="100%" y=(foot) text-anchor="end" { (name) }
+                    text x="100%" y=(foot + LINE) text-anchor="end" { (name) }
                 }
             }
         }
@@ -545,10 +552,9 @@ impl Scale {
     }
 }
 
-/// Area of the narrowest picture, a letter of a rule in it, and half of a figure under it, pixels.
+/// Area of the narrowest picture, and a letter of a rule in it, pixels.
 const NARROWEST: f64 = 225.0;
 const LETTER: f64 = 7.0;
-const HALF_A_FIGURE: f64 = 18.0;
 
 /// Pixels that a text under an axis takes, roughly: Chinese letters are twice as wide.
 fn wide(text: &str) -> f64 {

@@ -106,6 +106,28 @@ fn nothing_to_draw_is_no_picture_and_one_point_is_one() {
 }
 
 #[test]
+fn every_figure_of_an_axis_that_has_room_is_written_and_the_name_stands_below_them() {
+    let of = |until: f64, name: &str| {
+        let mut all = chart(&[0.0]);
+        all.across = Across::Figure(name.into());
+        all.x = (-0.05 * until, 1.05 * until);
+        all.markup().into_string()
+    };
+    let drawn = of(100.0, "a regressor with a long name, deg/h");
+    for k in 0..=5 {
+        assert!(drawn.contains(&format!(">{}</text>", 20 * k)), "{} is not in {drawn}", 20 * k);
+    }
+    let line = |word: &str| {
+        let text = &drawn[..drawn.find(word).unwrap()];
+        text[text.rfind("y=\"").unwrap() + 3..].split('"').next().unwrap().parse::<f64>().unwrap()
+    };
+    assert!(line(">a regressor") >= line(">100</text>") + LINE, "{drawn}");
+    // Where they would lie over one another, some are left out.
+    let wide = of(1e-7, "x");
+    assert!(wide.contains(">0.00000004</text>") && !wide.contains(">0.00000002</text>"), "{wide}");
+}
+
+#[test]
 fn what_took_time_is_shaded_and_lanes_say_where_a_gyro_was() {
     let mut all = chart(&[0.0, 0.001, 0.002]);
     let flag = |number, until: Option<f64>, label: &str| Flag {

@@ -29,9 +29,9 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, ids: [&str; 2]) -> Resu
     let found = [found(pages, &both[0]).await?, found(pages, &both[1]).await?];
     let pairs = pairs(&both);
     let body = html! {
-        h1 { (t.compare) ": " (t.kind_campaign) }
+        h1 { (t.compare_campaigns) }
         div.scroll tabindex="0" { table.cards {
-            thead { tr { th {} th { (t.imu) } th { (t.station) } th { (t.measured_at) } th { (t.effects_found) } } }
+            thead { tr { td {} th { (t.imu) } th { (t.station) } th { (t.measured_at) } th { (t.effects_found) } } }
             tbody {
                 @for ((name, stored), found) in ["A", "B"].into_iter().zip(&both).zip(&found) {
                     (side(t, name, stored, found))
@@ -55,7 +55,7 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, ids: [&str; 2]) -> Resu
             }
         }
     };
-    Ok(Page { title: format!("{} {}", t.compare, both[0].answer.imu), section: Section::Fleet, body })
+    Ok(Page { title: format!("{}: {}", t.compare_campaigns, both[0].answer.imu), section: Section::Fleet, body })
 }
 
 fn serials(a: &GyroFitBody, b: &GyroFitBody) -> Markup {
@@ -87,9 +87,9 @@ fn side(t: &Text, name: &str, stored: &StoredCampaign, found: &Found) -> Markup 
     html! {
         tr {
             th scope="row" { (name) }
-            td { a href={ "/imus/" (encoded(&stored.answer.imu)) } { (stored.answer.imu) } }
-            td { (stored.answer.station) }
-            td { a href={ "/campaigns/" (id) } { (instant(stored.item.calibrated_at)) } }
+            td data-label=(t.imu) { a href={ "/imus/" (encoded(&stored.answer.imu)) } { (stored.answer.imu) } }
+            td data-label=(t.station) { (stored.answer.station) }
+            td data-label=(t.measured_at) { a href={ "/campaigns/" (id) } { (instant(stored.item.calibrated_at)) } }
             td.words {
                 @match found.as_deref() {
                     None => (t.coverage_waiting),
@@ -153,6 +153,7 @@ fn parameters(t: &Text, both: &[StoredCampaign; 2], slot: Slot, a: &GyroFitBody,
             }
             tbody { @for line in lines(both, slot, a, b) { (parameter(t, &line)) } }
         } }
+        p.note { (t.beyond_note) }
     }
 }
 
@@ -160,32 +161,42 @@ fn parameter(t: &Text, line: &Line) -> Markup {
     let [(a, sd_a), (b, sd_b)] = line.of;
     let sd = sd_a.zip(sd_b).map(|(a, b)| a.hypot(b));
     let over = line.over_sd();
-    let class = over.map(|over| {
-        if over.abs() > 3.0 {
-            "beyond3"
-        } else if over.abs() > 2.0 {
-            "beyond2"
-        } else {
-            ""
-        }
-    });
+    let beyond = over.and_then(beyond);
     html! {
         tr {
             th scope="row" { (symbol(&line.name)) }
             td.n data-label="A" { (figure::with_sd(a, sd_a, 6)) }
             td.n data-label="B" { (figure::with_sd(b, sd_b, 6)) }
             td.n data-label="B - A" { (figure::signed_drift(b - a, sd)) }
-            td.n class=[class.filter(|class| !class.is_empty())] data-label="(B - A)/σ" {
-                @if let Some(over) = over { (format!("{over:+.1}")) } @else { "–" }
+            td.n data-label="(B - A)/σ" {
+                @if let Some((class, mark)) = beyond { span class=(class) { (mark) " " } }
+                @if let Some(over) = over { span class=[beyond.map(|(class, _)| class)] { (figure::signed(over, 1)) } } @else { "–" }
             }
-            td translate="no" { (t.unit_of(&line.unit)) }
+            td translate="no" data-label=(t.unit_word) { (t.unit_of(&line.unit)) }
         }
+    }
+}
+
+/// The class and the mark of a difference beyond two or three standard deviations.
+fn beyond(over: f64) -> Option<(&'static str, &'static str)> {
+    match over.abs() {
+        size if size > 3.0 => Some(("beyond3", "▲")),
+        size if size > 2.0 => Some(("beyond2", "△")),
+        _ => None,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_difference_beyond_two_and_three_standard_deviations_is_marked_by_shape() {
+        assert_eq!(
+            [1.9, -2.1, 3.1, -4.0].map(|over| beyond(over).map(|(_, mark)| mark)),
+            [None, Some("△"), Some("▲"), Some("▲")]
+        );
+    }
 
     #[test]
     fn a_difference_counts_by_the_uncertainty_of_both() {

@@ -68,7 +68,10 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, serials: &[&str], align
         h1 { (t.compare) }
         p.lead { @for (k, one) in all.iter().enumerate() {
             span.nowrap {
-                svg.key aria-hidden="true" viewBox="-7 -7 14 14" { g class={ "k" (k) } { circle.plain r="4" {} } }
+                svg.key.line aria-hidden="true" viewBox="-24 -7 48 14" {
+                    path class={ "join k" (k) } d="M-24 0H24" {}
+                    g class={ "k" (k) } { circle.plain r="4" {} }
+                }
                 a href={ "/gyros/" (encoded(one.serial)) } { (one.serial) } } " "
         } }
         (table(t, &view, &all, &names))
@@ -114,9 +117,9 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
     html! {
         tr {
             th scope="row" { a href={ "/gyros/" (encoded(one.serial)) } { (one.serial) } }
-            td { @if let Some(figures) = newest { (history::seat(figures, names)) } }
-            td { @if let Some(figures) = newest { (names.station(figures.station)) } }
-            td { (status::badge(t, facts.standing.as_ref().and_then(|standing| standing.status))) }
+            td data-label=(t.imu) { @if let Some(figures) = newest { (history::seat(figures, names)) } }
+            td data-label=(t.station) { @if let Some(figures) = newest { (names.station(figures.station)) } }
+            td data-label=(t.status_word) { (status::badge(t, facts.standing.as_ref().and_then(|standing| standing.status))) }
             @for (column, name) in DRIFTS.iter().enumerate() {
                 td.n data-label=(name) {
                     @if let Some(load) = stands.get(column).and_then(|stand| stand.load) {
@@ -142,7 +145,7 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
                     } @else { "–" }
                 }
             }
-            td.nowrap { @if let Some(epoch) = facts.epochs[0].last() { (epoch.from.date()) } }
+            td.nowrap data-label=(t.baseline_word) { @if let Some(epoch) = facts.epochs[0].last() { (epoch.from.date()) } }
             td.n data-label=(t.records_word) { (facts.course.figures.len()) }
         }
     }

@@ -43,7 +43,8 @@ fn summary(t: &Text, d: &DiagnosisBody) -> Markup {
         (beside(t, d))
         (ladder(t, d))
         p.note {
-            (t.noise_floor) " " (short(d.noise_floor.deg_per_h)) " " (t.rate_unit) ", " (t.noise_source(&d.noise_floor.source))
+            (t.gap_word) " " (short(d.gap.rms_deg_per_h)) " " (t.rate_unit)
+            " · " (t.noise_floor) " " (short(d.noise_floor.deg_per_h)) " " (t.rate_unit) ", " (t.noise_source(&d.noise_floor.source))
             " · χ²/ν " (short(d.gap.reduced_chi2)) " → " (short(d.remaining.reduced_chi2))
             " · " (t.adjusted_p) " " (short(d.gap.p_value)) " → " (short(d.remaining.p_value))
             " · " (t.model_in_use) " " code translate="no" { (d.model.listed()) }
@@ -109,7 +110,7 @@ fn consequence(t: &Text, d: &DiagnosisBody) -> Markup {
     let moved: Vec<&ImpactBody> = d.impact.iter().filter(of_drift).collect();
     html! {
         @if d.effects.is_empty() { }
-        @else if moved.is_empty() { (t.impact_none) }
+        @else if moved.is_empty() { (layout::with_symbols(t.impact_none)) }
         @else {
             (t.impact_some) " "
             @for (k, one) in moved.iter().enumerate() {
@@ -143,10 +144,13 @@ fn beside(t: &Text, d: &DiagnosisBody) -> Markup {
 /// From the gap down to the noise: the error on dwells that were held out, after each effect in the order of adoption,
 /// all on one scale.
 fn ladder(t: &Text, d: &DiagnosisBody) -> Markup {
-    let first = d.effects.first().map_or(d.gap.rms_deg_per_h, |effect| effect.held_out.before_deg_per_h);
+    let first = match d.effects.first() {
+        Some(effect) => (t.held_out_before.to_owned(), effect.held_out.before_deg_per_h),
+        None => (t.gap_word.to_owned(), d.gap.rms_deg_per_h),
+    };
     let after = |effect: &EffectBody| format!("{} {}", t.after_effect, effect_word(t, &effect.effect));
     let steps = d.effects.iter().map(|effect| (after(effect), effect.held_out.after_deg_per_h));
-    let steps: Vec<(String, f64)> = std::iter::once((t.gap_before.to_owned(), first)).chain(steps).collect();
+    let steps: Vec<(String, f64)> = std::iter::once(first).chain(steps).collect();
     forecast::rungs(
         t,
         if d.effects.is_empty() { t.ladder_of_fit } else { t.ladder_note },
@@ -342,7 +346,7 @@ fn impact(t: &Text, d: &DiagnosisBody) -> Markup {
                 h2 { (t.impact) }
                 div.scroll tabindex="0" { table {
                     thead { tr {
-                        th { (t.serial) } th {} th.n { (t.plain) } th.n { (t.with_effects) } th.n { (t.shift) } th.n { (t.of_budget) }
+                        th { (t.serial) } th { (t.coefficient) } th.n { (t.plain) } th.n { (t.with_effects) } th.n { (t.shift) } th.n { (t.of_budget) }
                     } }
                     tbody { @for (one, moved) in coefficients {
                         @let sd = Some(one.augmented_sd);
@@ -385,7 +389,7 @@ fn blind_spots(t: &Text, d: &DiagnosisBody) -> Markup {
                     tbody { @for one in &d.not_identifiable {
                         tr {
                             td.words { (effect_named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
-                            td.words { (one.reason) } td.words { (one.needs) }
+                            td.words { (layout::with_symbols(&one.reason)) } td.words { (layout::with_symbols(&one.needs)) }
                         }
                     } }
                 } }

@@ -204,6 +204,7 @@ impl Filters {
         let t = viewer.text();
         html! {
             @if last > 0 {
+                p.on-paper { (t.printed_part) " " (number + 1) " / " (last + 1) }
                 nav.pager aria-label=(t.page_of) {
                     @if number > 0 { a rel="prev" href=(self.at_page(number - 1)) { (t.previous) } }
                     span { (number + 1) " / " (last + 1) }

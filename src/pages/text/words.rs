@@ -46,7 +46,7 @@ words_of_pages! {
     other_station method_bench
 
     // The fleet.
-    search search_hint all_states none_found nothing_yet clear_filters days_ago violates page_of previous next gyros
+    search search_hint all_states none_found nothing_yet clear_filters days_ago violates page_of previous next printed_part gyros
     last_seen
 
     // One gyro.
@@ -62,7 +62,7 @@ words_of_pages! {
     axis_deviation axis_absolute span_word last_year since_then a_year probability alert_word never_calibrated
 
     // Several beside one another.
-    compare compare_gyros compare_chosen same_time time_since_baseline days_since_baseline compare_note trend_a_year scale_factor_moved
+    compare compare_gyros compare_chosen compare_campaigns beyond_note same_time time_since_baseline days_since_baseline compare_note trend_a_year scale_factor_moved
     measured_at effects_found other_imus other_gyros no_common_slot
 
     // One calibration.
@@ -81,7 +81,7 @@ words_of_pages! {
     not_diagnosed new_order new_order_note again_word start_order
 
     // A diagnosis.
-    diagnosis diagnosis_waiting gap_before after_effect ladder_note ladder_of_fit semicolon impact_none impact_some
+    diagnosis diagnosis_waiting gap_word held_out_before after_effect ladder_note ladder_of_fit semicolon impact_none impact_some
     evidence_note residual_word regressor ruled_out_same ruled_out_weaker ruled_out_within model_in_use noise_floor sign_of_more
     what_parts_them no_effect adjusted_p detectability cannot_tell_from alone_cannot_tell_from
     parameter value unit_word all_gyros held_out located heat_note heat_map by_attitude place share against against_note
@@ -132,16 +132,16 @@ words_of_pages! {
     too_many_tokens
 
     // Today, and the fleet on one scale.
-    today_title worse_since since_day still_out nothing_else_out nothing_worse will_cross nothing_crosses reach_note
+    today_title worse_since since_day show_word still_out nothing_else_out nothing_worse will_cross nothing_crosses calibrate_by dates_of_others reach_note
     never overdue_and_due nothing_due none_selected due_word due_more in_days days_word several_at_once
-    nothing_together several_note outside_forecast_title outside_note forecast forecasts forecasts_note
+    nothing_together several_note stations_not_compared outside_forecast_title outside_note forecast forecasts forecasts_note
     forecast_error forecast_ladder model_6 as_foretold forecast_indeterminate outside_forecast not_foretold
     error_in_sd effects_close nothing_to_close promised foretold_by  without_effects
     effects_then_and_now in_model in_campaign changed_word yes no cannot_tell change_undecided by_the_change as_measured
     adopted_models
     adopted_models_note plain_model adopt adopt_what undo_model in_force_again undo_model_what adopted_at model_word stated_at campaigns_stated author in_force all_moved_by
     budgets_or_more wrong_file median_word share_of_budget_unit percent_sign percent_a_year of_budget_unit
-    slope_a_year days_short violates_besides reaches_budget gyros_of load_note choose with_selected compare_ticked
+    slope_a_year days_short violates_besides reaches_budget gyros_of load_note spark_note choose with_selected compare_ticked
     reports more_filters calibrated_there calibrated_last calibrated_ever calibrated_since changed_since as_list
     by_imu imus_worst_first all_of_them
 
@@ -150,7 +150,7 @@ words_of_pages! {
     what_word told_word told_yes step_fires step_escalates step_lowered step_repeats step_silent
 
     // The head of every page, and how the service is set up.
-    find_short find_hint times_are_in setup setup_limits limits_note set_by_key overrides tokens tokens_note
+    find_short find_hint times_are_in setup setup_limits limits_note set_by_key layer_default layer_file layer_environment nothing_required overrides tokens tokens_note
     name_word role_word created expires valid not_valid audit audit_note subject from_where
 
     // What a file would come to.

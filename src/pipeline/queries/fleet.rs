@@ -2,7 +2,8 @@
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use super::entries::fleet_histories;
 use super::record::Records;
@@ -74,8 +75,16 @@ pub struct Fleet {
     pub(super) stations: CachedStations,
 }
 
-/// What the stations do, and of which heads that was found.
-pub(super) type CachedStations = Arc<tokio::sync::Mutex<Option<([i64; 2], Option<Arc<FleetStations>>)>>>;
+pub(super) type CachedStations = Arc<KnownStations>;
+
+/// What the stations do.
+#[derive(Debug, Default)]
+pub(super) struct KnownStations {
+    /// And of which heads that was found. Held while it is computed: who asks meanwhile needs the same.
+    current: tokio::sync::Mutex<Option<([i64; 2], Option<Arc<FleetStations>>)>>,
+    /// As it was found last.
+    last: Mutex<Option<Arc<FleetStations>>>,
+}
 
 /// What a list of the fleet is narrowed down to, and its order.
 #[derive(Debug, Clone, Copy, Default)]
@@ -329,8 +338,7 @@ impl Fleet {
     /// # Errors
     /// [`StorageError`].
     pub async fn station_figures(&self) -> Result<Option<Arc<FleetStations>>, StorageError> {
-        // Held while they are computed: who asks meanwhile needs the same.
-        let mut cached = self.stations.lock().await;
+        let mut cached = self.stations.current.lock().await;
         let version = store::head::version(&self.store).await?;
         if let Some((of, figures)) = &*cached
             && *of == version
@@ -342,7 +350,28 @@ impl Fleet {
         let failed = |error| StoreError::Damaged(format!("the stations could not be compared: {error}"));
         let figures = figures.map_err(failed)?.map(Arc::new);
         *cached = Some((version, figures.clone()));
+        (*self.last_stations()).clone_from(&figures);
         Ok(figures)
+    }
+
+    /// The same; where that takes longer than `patience`, as they were found last: none before they first were.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn station_figures_within(&self, patience: Duration) -> Result<Option<Arc<FleetStations>>, StorageError> {
+        if self.stations.current.try_lock().is_ok() {
+            // They are found to the end, for who asks next.
+            let fleet = self.clone();
+            let found = tokio::spawn(async move { fleet.station_figures().await });
+            if let Ok(Ok(found)) = tokio::time::timeout(patience, found).await {
+                return found;
+            }
+        }
+        Ok(self.last_stations().clone())
+    }
+
+    fn last_stations(&self) -> std::sync::MutexGuard<'_, Option<Arc<FleetStations>>> {
+        self.stations.last.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// IMUs by name with their gyros, after IMU number `after` (0: all), and whether there are more than `most`.

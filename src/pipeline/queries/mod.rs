@@ -2,6 +2,7 @@
 
 pub(super) mod agreement;
 mod changes_explained;
+mod dues;
 mod entries;
 mod fleet;
 mod fleet_noise;
@@ -28,6 +29,7 @@ use crate::system::Clock;
 pub use crate::pipeline::ingest::judge::gyro_window::sample_of;
 pub use agreement::{Compared, Comparison};
 pub use changes_explained::ExplainedHistory;
+pub use dues::{DueDate, Dues};
 pub use fleet::{BEYOND, Fleet, FleetFilter, FleetPage, ListedImu, RecentValues, Seats, StandingFilter, WallPage};
 pub use foreseen::{Forecast, Foreseen};
 pub use gyro_history::{Baseline, Course, Histories, Levels, Tested};
@@ -35,7 +37,7 @@ pub use items::{BenchItem, EventItem, ItemStatus, ListedRecord, Names, RecordIte
 pub use record::{ListFilter, Records, StoredCampaign, StoredRecord};
 pub use standing::{Standing, Violation};
 pub use status::Statuses;
-pub use today::{DUE_DAYS, DueImu, FirstOf, Today, Together, today};
+pub use today::{CommonShift, DUE_DAYS, DueImu, FirstOf, Today, Together, today};
 pub use verify::Verified;
 
 /// What is stored, as it is asked for. Cheap to clone.
@@ -45,16 +47,18 @@ pub struct Queries {
     pub records: Records,
     pub fleet: Fleet,
     pub histories: Histories,
+    pub dues: Dues,
 }
 
 impl Queries {
     pub(super) fn new(store: &Store, config: &Arc<Config>, clock: &Clock, reader: &Reader) -> Self {
         let (store, config, clock, reader) = (store.clone(), config.clone(), clock.clone(), reader.clone());
         let histories = Histories { store: store.clone(), config: config.clone(), clock: clock.clone() };
+        let dues = Dues::new(histories.clone());
         let records = Records { store: store.clone(), config: config.clone(), reader };
         let stations = Default::default();
         let fleet = Fleet { store: store.clone(), config, clock, records: records.clone(), stations };
-        Self { store, records, fleet, histories }
+        Self { store, records, fleet, histories, dues }
     }
 
     /// Whether a station of that name has measured anything.

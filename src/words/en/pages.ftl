@@ -59,6 +59,7 @@ page_violates = Violates
 page_page_of = page
 page_previous = Previous
 page_next = Next
+page_printed_part = Printed: this page of the list alone,
 page_gyros = gyros
 page_last_seen = Last seen
 
@@ -108,7 +109,7 @@ page_within_chance = within chance
 page_drift_of_gyros = the station's, or of these gyros by themselves
 page_off_found = Off
 page_step_found = Step found
-page_gyro_by_station = Gyro x station
+page_gyro_by_station = Spread of single gyros at this station
 page_reproducibility = Reproducibility
 page_reproducibility_note = Spread of the offsets of all stations. In brackets: 95 % interval.
 page_older = Older
@@ -148,6 +149,7 @@ page_never_calibrated = Never calibrated in an IMU.
 page_compare = Compare
 page_compare_gyros = Compare its gyros
 page_compare_chosen = Compare the two that are ticked
+page_compare_campaigns = Compare two campaigns
 page_same_time = By date
 page_time_since_baseline = From the baseline on
 page_days_since_baseline = days since the baseline
@@ -159,6 +161,7 @@ page_effects_found = Effects found
 page_other_imus = The two are of different IMUs.
 page_other_gyros = Another gyro was in this slot: the difference is that of two gyros.
 page_no_common_slot = The two have no slot in common.
+page_beyond_note = △: beyond two standard deviations of the difference; ▲: beyond three.
 
 ## One calibration.
 page_record = Calibration record
@@ -261,8 +264,9 @@ page_start_order = Start
 ## A diagnosis.
 page_diagnosis = Diagnosis
 page_diagnosis_waiting = Other diagnoses are being computed. This page loads itself again every few seconds.
-page_gap_before = Gap before
-page_after_effect = after
+page_gap_word = Gap
+page_held_out_before = Held-out error before
+page_after_effect = Held-out error after
 page_ladder_note = Error on dwells that were held out, after each effect in the order of adoption. Upright line: the noise floor.
 page_ladder_of_fit = Root mean square of the residuals against the noise floor (upright line).
 page_semicolon = ;{" "}
@@ -549,12 +553,15 @@ page_too_many_tokens = Too many attempts. Wait a minute.
 page_today_title = Today
 page_worse_since = New or worse since
 page_since_day = Since
+page_show_word = Show
 page_still_out = Still out of tolerance or drifting
 page_nothing_else_out = No other gyro is out of tolerance or drifting.
 page_nothing_worse = Nothing has become worse.
 page_will_cross = Will reach the budget
-page_nothing_crosses = No trend that its rule has established leads to the budget. A gyro that ages may have a date on its own page.
-page_reach_note = By the straight line of the rule trend; behind it the 95 % interval. A question mark: the course is still short, and the date is provisional.
+page_nothing_crosses = No gyro that drifts has a date for its budget.
+page_calibrate_by = Calibrate by
+page_dates_of_others = Their dates stand on their own pages:
+page_reach_note = By the diagnosis of the gyro's history, else by the straight line of the rule trend; below it the 95 % interval. A question mark: the course is still short, and the date is provisional.
 page_never = never
 page_overdue_and_due = Overdue, and due within 14 days
 page_nothing_due = Nothing is due.
@@ -564,8 +571,20 @@ page_due_more = IMUs due within 14 days:
 page_in_days = in
 page_days_word = days
 page_several_at_once = Several gyros at once
-page_nothing_together = Since that day the gyros of no station have moved together.
-page_several_note = Newest calibrations since that day, of gyros with a baseline. The median load of a station's gyros is shown where it is four standard errors from zero. Check the station before the gyros.
+page_nothing_together = Since that day the gyros of no station or batch have moved together.
+page_several_note = What stations did since that day, in % of the budget; and the median load of the newest calibrations of a station or batch, where it is four standard errors from zero. Check the station before the gyros.
+page_stations_not_compared = The stations are still being compared. Load this page again.
+gyros_of_imus = { $gyros ->
+    [one] one gyro
+   *[other] { $gyros } gyros
+} of { $imus ->
+    [one] one IMU
+   *[other] { $imus } IMUs
+}
+imus_counted = { $count ->
+    [one] one IMU
+   *[other] { $count } IMUs
+}
 page_outside_forecast_title = Outside their forecast
 page_outside_note = Campaigns since that day that the rule forecast finds outside what the model in force before them forecast. Gyro and error: the furthest.
 page_forecast = Forecast
@@ -625,7 +644,8 @@ page_days_short = d
 page_violates_besides = Also violates
 page_reaches_budget = The trend reaches the budget
 page_gyros_of = gyros.
-page_load_note = Load: distance from the baseline over the budget, with its standard deviation. Tint: the budget. Arrow: beyond 150 %. Small line: the last year.
+page_load_note = Load: distance from the baseline over the budget, with its standard deviation. Tint: the budget. Arrow: beyond 150 %.
+page_spark_note = Small line: the last year.
 page_choose = Select
 page_with_selected = With the selected gyros:
 page_compare_ticked = Compare
@@ -668,6 +688,10 @@ page_setup = Setup
 page_setup_limits = Limits in force
 page_limits_note = For every gyro that no override names. The last column names the key of the configuration that sets the limit. ≥: more where a gyro scatters.
 page_set_by_key = Set by
+page_layer_default = default
+page_layer_file = file
+page_layer_environment = environment
+page_nothing_required = Nothing is required of E and G.
 page_overrides = Overrides
 page_tokens = Tokens
 page_tokens_note = Made and revoked on the command line or by the API.

@@ -1,0 +1,89 @@
+//! When gyros that drift reach their budgets by the diagnosis of their histories, which knows of ageing before the rule
+//! `trend` has established it.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use super::gyro_history::Histories;
+use super::standing::Standing;
+use crate::core::judge::{Coefficient, Status};
+use crate::core::time::UtcMicros;
+use crate::pipeline::error::StorageError;
+
+/// Gyros whose dates are kept; more of them, and all are found anew.
+const MOST_KEPT: usize = 1000;
+/// How long the diagnoses may take that are asked for at once; a gyro's own page has its date then.
+const PATIENCE: Duration = Duration::from_millis(400);
+
+/// When a coefficient reaches its budget by the diagnosis of its history.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DueDate {
+    pub coefficient: Coefficient,
+    pub at: UtcMicros,
+    /// 95 %; none where an end is open.
+    pub between: [Option<UtcMicros>; 2],
+    /// Until then it is within its budget with 95 %.
+    pub calibrate_by: Option<UtcMicros>,
+}
+
+/// Dates of gyros that drift, kept for who asks next. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Dues {
+    histories: Histories,
+    /// And how these gyros stood when they were found.
+    kept: Arc<Mutex<HashMap<u32, (Standing, Option<DueDate>)>>>,
+}
+
+impl Dues {
+    pub(super) fn new(histories: Histories) -> Self {
+        Self { histories, kept: Arc::default() }
+    }
+
+    /// Of those of these gyros that drift, what reaches its budget first, by gyro number; and how many of them could
+    /// not be diagnosed in time. A gyro is diagnosed again once it stands otherwise.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn of(&self, gyros: &[Standing]) -> Result<(HashMap<u32, DueDate>, usize), StorageError> {
+        let drifting = gyros.iter().filter(|gyro| gyro.status == Some(Status::Drifting));
+        let (mut found, mut missing) = (HashMap::new(), 0);
+        let until = tokio::time::Instant::now() + PATIENCE;
+        for gyro in drifting {
+            let kept = self.kept().get(&gyro.number).filter(|(of, _)| of == gyro).map(|(_, due)| *due);
+            let due = match kept {
+                Some(due) => Some(due),
+                None => tokio::time::timeout_at(until, self.due(gyro)).await.ok().transpose()?,
+            };
+            missing += usize::from(due.is_none());
+            found.extend(due.flatten().map(|due| (gyro.number, due)));
+        }
+        Ok((found, missing))
+    }
+
+    async fn due(&self, gyro: &Standing) -> Result<Option<DueDate>, StorageError> {
+        let explained = self.histories.explain(gyro.number, &gyro.serial).await?;
+        let of_drifting = explained.coefficients.iter().zip(gyro.drift).filter(|(_, drift)| *drift >= Status::Drifting);
+        let dates = of_drifting.filter_map(|(answer, _)| {
+            let (newest, due) = (explained.as_of.newest?, answer.due?);
+            let at = |days: f64| newest.plus_days(days);
+            Some(DueDate {
+                coefficient: answer.coefficient,
+                at: at(due.days),
+                between: due.p95.map(|days| days.map(at)),
+                calibrate_by: due.calibrate_by.map(at),
+            })
+        });
+        let first = dates.min_by_key(|due| due.at);
+        let mut kept = self.kept();
+        if kept.len() >= MOST_KEPT {
+            kept.clear();
+        }
+        kept.insert(gyro.number, (gyro.clone(), first));
+        Ok(first)
+    }
+
+    fn kept(&self) -> MutexGuard<'_, HashMap<u32, (Standing, Option<DueDate>)>> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

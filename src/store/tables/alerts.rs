@@ -18,12 +18,13 @@ pub struct Remark {
     pub at: UtcMicros,
 }
 
-/// What an alert is about, by its number.
+/// What an alert is about, by its number; a batch of production by that of one of its gyros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum AlertOf {
     Gyro(u32),
     Station(u32),
     Imu(u32),
+    Batch(u32),
 }
 
 impl AlertOf {
@@ -38,6 +39,10 @@ impl AlertOf {
     pub fn imu(self) -> Option<u32> {
         if let Self::Imu(imu) = self { Some(imu) } else { None }
     }
+
+    pub fn batch(self) -> Option<u32> {
+        if let Self::Batch(gyro) = self { Some(gyro) } else { None }
+    }
 }
 
 impl From<u32> for AlertOf {
@@ -46,7 +51,7 @@ impl From<u32> for AlertOf {
     }
 }
 
-/// The alert of one gyro, station or IMU, coefficient and rule.
+/// The alert of one gyro, station, IMU or batch, coefficient and rule.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AlertRow {
     pub id: Id,
@@ -60,7 +65,7 @@ pub struct AlertRow {
     pub silenced: Option<Remark>,
     /// Of [`Alert::muted_until`]: the silence, and what was said of it.
     pub muted: Option<(Id, Remark)>,
-    /// Of [`Alert::inhibited`]: the alert of the station or IMU that explains it.
+    /// Of [`Alert::inhibited`]: the alert of the station, batch or IMU that explains it.
     pub inhibited_by: Option<Id>,
     /// The last verdict as clients read it, JSON.
     pub finding: String,
@@ -86,7 +91,7 @@ pub(crate) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
     for AlertRow { id, of, coefficient, rule, alert, acknowledged, silenced, muted, inhibited_by, finding } in alerts {
         let mut row = rows.row();
         row.integer(id.0)
-            .optional_integer(of.gyro().map(i64::from))
+            .optional_integer(of.gyro().or(of.batch()).map(i64::from))
             .text(coefficient.name())
             .text(rule.name())
             .text(alert.status.name())
@@ -184,14 +189,16 @@ fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
     let gyro: Option<Whole<u32>> = row.cell("gyro")?;
     let station: Option<Whole<u32>> = row.cell("station")?;
     let imu: Option<Whole<u32>> = row.cell("imu")?;
-    let of = gyro.map(|gyro| AlertOf::Gyro(gyro.0)).or(station.map(|station| AlertOf::Station(station.0)));
+    let rule = Rule::from_name(&text("rule")?).ok_or_else(|| damaged("rule"))?;
+    let of_gyro = if rule == Rule::BatchShift { AlertOf::Batch } else { AlertOf::Gyro };
+    let of = gyro.map(|gyro| of_gyro(gyro.0)).or(station.map(|station| AlertOf::Station(station.0)));
     let of = of.or(imu.map(|imu| AlertOf::Imu(imu.0)));
     let acknowledged = remark("acknowledged_by", "acknowledged_reason", "acknowledged_at")?;
     Ok(AlertRow {
         id,
         of: of.ok_or_else(|| damaged("subject"))?,
         coefficient: Coefficient::from_name(&text("coefficient")?).ok_or_else(|| damaged("coefficient"))?,
-        rule: Rule::from_name(&text("rule")?).ok_or_else(|| damaged("rule"))?,
+        rule,
         alert: Alert {
             status: Status::from_name(&text("status")?).ok_or_else(|| damaged("status"))?,
             severity: severity("severity")?.ok_or_else(|| damaged("severity"))?,
@@ -215,6 +222,9 @@ fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
     })
 }
 
+/// That it is no alert of the batch of its gyro.
+const OF_ITSELF: &str = "alert.rule <> 'batch_shift'";
+
 /// How an alert stands for whoever looks at it.
 const STANDING: &str = "CASE WHEN alert.status = 'resolved' THEN 'resolved'
                              WHEN alert.silenced_until > $7 OR alert.muted_until > $7 THEN 'silenced'
@@ -228,7 +238,7 @@ fn conditions(store: &Store, filter: &AlertFilter) -> String {
     let imu =
         store.readers.words(Sql { sqlite: "alert.finding->>'imu'", postgres: "CAST(alert.finding AS JSONB)->>'imu'" });
     let asked = [
-        (filter.gyro.is_some(), "alert.gyro = $1".to_owned()),
+        (filter.gyro.is_some(), format!("alert.gyro = $1 AND {OF_ITSELF}")),
         (filter.coefficient.is_some(), "alert.coefficient = $2".to_owned()),
         (filter.rule.is_some(), "alert.rule = $3".to_owned()),
         (filter.severity.is_some(), "alert.severity = $4".to_owned()),
@@ -289,7 +299,7 @@ pub async fn gyros_found(
         false => "max(head.rank) DESC, max(head.load) DESC, max(head.serial)",
     };
     let sql = sqlx::AssertSqlSafe(format!(
-        "SELECT alert.gyro FROM alert JOIN head ON head.gyro = alert.gyro WHERE {conditions}
+        "SELECT alert.gyro FROM alert JOIN head ON head.gyro = alert.gyro WHERE {conditions} AND {OF_ITSELF}
          GROUP BY alert.gyro ORDER BY {order} LIMIT $8 OFFSET $9"
     ));
     let rows: Vec<Whole<u32>> = on!(store.readers, db => bound!(sqlx::query_scalar(sql), filter, now)
@@ -326,7 +336,8 @@ pub async fn standings(
 ) -> Result<Vec<(Standing, [usize; 2])>, StoreError> {
     let conditions = conditions(store, filter);
     let sql = sqlx::AssertSqlSafe(format!(
-        "SELECT {STANDING}, count(*), count(DISTINCT alert.gyro) FROM alert WHERE {conditions} GROUP BY 1"
+        "SELECT {STANDING}, count(*), count(DISTINCT alert.gyro) FILTER (WHERE {OF_ITSELF}) FROM alert WHERE {conditions}
+         GROUP BY 1"
     ));
     let rows: Vec<(String, i64, i64)> =
         on!(store.readers, db => bound!(sqlx::query_as(sql), filter, now).fetch_all(db).await?);
@@ -383,9 +394,9 @@ pub async fn all(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
     on!(store.readers, db => each(sqlx::query(sql).fetch(db), alert).await)
 }
 
-/// Every alert of a station or an IMU that there has been: few.
+/// Every alert of a station, a batch or an IMU that there has been: few.
 pub async fn of_no_gyro(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IS NULL ORDER BY alert.id"));
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IS NULL OR NOT {OF_ITSELF} ORDER BY alert.id"));
     on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
 }
 
@@ -398,7 +409,7 @@ pub async fn inhibited_by(store: &Store, by: Id) -> Result<Vec<AlertRow>, StoreE
 /// Every alert of several gyros, in the order in which they first fired.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
     let those = store.readers.words(LISTED);
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IN ({those}) ORDER BY alert.id"));
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IN ({those}) AND {OF_ITSELF} ORDER BY alert.id"));
     let gyros = serde_json::json!(gyros).to_string();
     on!(store.readers, db => sqlx::query(sql).bind(gyros).fetch_all(db).await?.iter().map(alert).collect())
 }
@@ -407,7 +418,9 @@ pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, Sto
 /// did.
 pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
     let those = store.readers.words(LISTED);
-    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IN ({those}) AND status = $2 ORDER BY alert.id"));
+    let sql = sqlx::AssertSqlSafe(format!(
+        "{COLUMNS} WHERE alert.gyro IN ({those}) AND {OF_ITSELF} AND status = $2 ORDER BY alert.id"
+    ));
     let gyros = serde_json::json!(gyros).to_string();
     on!(store.readers, db => sqlx::query(sql)
         .bind(gyros)

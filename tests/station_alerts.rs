@@ -56,8 +56,12 @@ fn shifted(imus: std::ops::Range<i64>) -> Vec<Value> {
 }
 
 async fn lab() -> Lab {
+    lab_whose_clock_looks_every(0.05).await
+}
+
+async fn lab_whose_clock_looks_every(seconds: f64) -> Lab {
     let lab = Lab::with(|config| {
-        config.alerts.tick_s = 0.05;
+        config.alerts.tick_s = seconds;
         config.alerts.backfill_days = 30.0;
     })
     .await;
@@ -117,6 +121,20 @@ fn name(data: &Value) -> String {
 /// What has been told of: serials, stations and IMUs.
 fn heard(told: &[Told]) -> Vec<(String, String)> {
     told.iter().map(Told::json).map(|body| (body["type"].as_str().unwrap().to_owned(), name(&body["data"]))).collect()
+}
+
+/// Waits until somebody is told that the alert of `name` fires; answers all that was told until then.
+async fn has_heard(target: &Receiver, name: &str) -> Vec<(String, String)> {
+    let fired = ("alert.fired".to_owned(), name.to_owned());
+    let patience = Instant::now() + Duration::from_secs(60);
+    loop {
+        let told = heard(&target.told());
+        if told.contains(&fired) {
+            return told;
+        }
+        assert!(Instant::now() < patience, "{told:?}");
+        tokio::time::sleep(Duration::from_millis(30)).await;
+    }
 }
 
 #[tokio::test]
@@ -276,7 +294,7 @@ async fn imus_that_come_one_by_one_are_told_until_there_are_enough_and_the_alert
     assert_eq!((&known["state"], &known["subject"]), (&json!("acknowledged"), &json!("station")));
     let csv = lab.request(Method::GET, "/v1/alerts?format=csv&state=acknowledged").send().await.unwrap();
     let csv = csv.text().await.unwrap();
-    assert!(csv.lines().nth(1).unwrap().ends_with(",station,"), "{csv}");
+    assert!(csv.lines().nth(1).unwrap().ends_with(",station,,"), "{csv}");
 }
 
 #[tokio::test]
@@ -311,8 +329,7 @@ async fn an_imu_of_which_every_gyro_moves_is_one_alert_and_what_one_does_later_a
     // Two of three gyros of the other have moved by themselves.
     let by_themselves: Vec<&Value> = of_gyros(&found, "firing").map(|alert| &alert["serial"]).collect();
     assert!((6..8).all(|k| by_themselves.contains(&&json!(serial(k)))), "{by_themselves:?}");
-    let told = heard(&target.has_been_told(1 + by_themselves.len()).await);
-    assert!(told.contains(&("alert.fired".to_owned(), "IMU-1".to_owned())), "{told:?}");
+    let told = has_heard(&target, "IMU-1").await;
     if !lab::cluster::is_wanted() {
         assert!((3..6).all(|k| told.iter().all(|(_, name)| *name != serial(k))), "{told:?}");
     }
@@ -334,6 +351,16 @@ async fn an_imu_of_which_every_gyro_moves_is_one_alert_and_what_one_does_later_a
         (&alert["serial"], &alert["rule"]) == (&json!(serial(4)), &json!("step")) && alert["state"] == "firing"
     };
     become_so(&lab, |alerts| alerts.iter().any(moves_again)).await;
+    // And so is how far from its baseline it has come since its IMU moved, though that began with the IMU.
+    let baseline = |k: i64, state: &str| {
+        let is_its = move |alert: &Value| (&alert["serial"], &alert["rule"]) == (&json!(serial(k)), &json!("baseline"));
+        let state = state.to_owned();
+        move |alert: &Value| is_its(alert) && alert["state"] == state
+    };
+    let (grown, held) = (baseline(4, "firing"), [baseline(3, "inhibited"), baseline(5, "inhibited")]);
+    let found =
+        become_so(&lab, |alerts| alerts.iter().any(&grown) && held.iter().all(|is| alerts.iter().any(is))).await;
+    lab::assert_close(&found.iter().find(|alert| grown(alert)).unwrap()["with_imu"], 0.03, 1e-3);
 
     // Its seat is mended.
     for back in [56, 63] {
@@ -343,4 +370,106 @@ async fn an_imu_of_which_every_gyro_moves_is_one_alert_and_what_one_does_later_a
     let is_over = |alert: &&Value| of_imu(alert) && alert["state"] == "resolved";
     become_so(&lab, |alerts| alerts.iter().any(|alert| is_over(&alert))).await;
     assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+}
+
+#[tokio::test]
+async fn gyros_of_a_batch_that_move_together_are_one_alert_of_the_batch_and_none_of_a_station() {
+    let (mut lab, target) = (lab().await, Receiver::start().await);
+    hook(&lab, &target, json!({})).await;
+    // Three IMUs of nine, two of them at one station and one at the other.
+    let of_batch = |imu: i64| imu % 3 == 1;
+    for gyro in (0..9).filter(|imu| of_batch(*imu)).flat_map(|imu| 3 * imu..3 * imu + 3) {
+        let changed = lab.request(Method::PATCH, &format!("/v1/gyros/{}", serial(gyro)));
+        let changed = changed.header("content-type", "application/json").body(json!({"batch": "2024/B"}).to_string());
+        assert_eq!(changed.send().await.unwrap().status(), 200);
+    }
+    let all = |at: i64, d_i: fn(i64, i64) -> f64| -> Vec<Value> {
+        let station = |imu: i64| if imu < 6 { "ST-2" } else { "ST-1" };
+        let one = |imu: i64| {
+            let d_i = move |slot: i64| if of_batch(imu) { d_i(imu, slot) } else { 0.0 };
+            calibrated(imu, at + imu % 6, station(imu), d_i)
+        };
+        (0..9).map(one).collect()
+    };
+    lab.clock_shows(&day(34));
+    sent(&lab, &all(28, |_, _| SHIFT)).await;
+    let of = |alerts: &[Value], subject: &str, state: &str| {
+        alerts.iter().filter(|alert| alert["subject"] == subject && alert["state"] == state).count()
+    };
+    let is_told = |alerts: &[Value]| {
+        of(alerts, "batch", "firing") == 1
+            && of_gyros(alerts, "inhibited").count() >= 9
+            && of_gyros(alerts, "firing").count() == 0
+    };
+    let found = become_so(&lab, is_told).await;
+    let batch = found.iter().find(|alert| alert["subject"] == "batch").unwrap();
+    assert_eq!(
+        [&batch["batch"], &batch["rule"], &batch["coefficient"], &batch["severity"], &batch["serial"]],
+        [&json!("2024/B"), &json!("batch_shift"), &json!("D_I"), &json!("critical"), &Value::Null]
+    );
+    lab::assert_close(&batch["value"], SHIFT, 5e-4);
+    assert!(batch["reason"].as_str().unwrap().contains("9 gyros of 3 IMUs of the batch"), "{batch}");
+    assert!(of_gyros(&found, "inhibited").all(|alert| alert["inhibited_by"] == batch["id"]), "{found:#?}");
+    assert_eq!(of(&found, "station", "firing") + of(&found, "imu", "firing"), 0, "{found:#?}");
+    if !lab::cluster::is_wanted() {
+        let told = heard(&target.has_been_told(1).await);
+        assert_eq!(told, [("alert.fired".to_owned(), "2024/B".to_owned())]);
+    }
+    let csv = lab.get("/v1/alerts?format=csv&rule=batch_shift").await;
+    assert!(csv.text.lines().nth(1).unwrap().ends_with(",batch,,2024/B"), "{}", csv.text);
+    // It is no gyro's, and not in its list.
+    let of_one = lab.get(&format!("/v1/alerts?serial={}", serial(3))).await.ok();
+    assert!(of_one["alerts"].as_array().unwrap().iter().all(|alert| alert["rule"] != "batch_shift"), "{of_one}");
+
+    // After a restart too, a gyro that has moved by more is told by itself, and its mates are not.
+    lab.restart().await;
+    lab.clock_shows(&day(41));
+    sent(&lab, &all(35, |imu, slot| if (imu, slot) == (7, 2) { SHIFT + OWN } else { SHIFT })).await;
+    let its_own = |alerts: &[Value]| {
+        let own: Vec<&Value> = of_gyros(alerts, "firing").collect();
+        !own.is_empty() && own.iter().all(|alert| alert["serial"] == serial(23))
+    };
+    become_so(&lab, its_own).await;
+    // As they were.
+    for at in [42, 49] {
+        lab.clock_shows(&day(at + 6));
+        sent(&lab, &all(at, |_, _| 0.0)).await;
+    }
+    become_so(&lab, |alerts| of(alerts, "batch", "resolved") == 1 && of(alerts, "batch", "firing") == 0).await;
+    assert_eq!(lab.verified().await.faults, Vec::<String>::new());
+}
+
+#[tokio::test]
+async fn what_a_suspect_window_ends_or_begins_is_told_at_once() {
+    // Among servers the clock alone tells of stations first.
+    if lab::cluster::is_wanted() {
+        return;
+    }
+    let lab = lab_whose_clock_looks_every(3600.0).await;
+    lab.clock_shows(&day(34));
+    sent(&lab, &shifted(0..6)).await;
+    assert!(station_is(&alerts(&lab).await, "firing"));
+    let window = json!({"from": day(27), "to": day(34), "by": "Li Wei", "reason": "fixture was loose"});
+    lab.post("/v1/stations/ST-2/suspect", &window).await.ok();
+    assert!(station_is(&alerts(&lab).await, "resolved"));
+    lab.post("/v1/stations/ST-2/trust", &window).await.ok();
+    assert!(station_is(&alerts(&lab).await, "firing"));
+}
+
+#[tokio::test]
+async fn a_station_counts_all_that_it_has_calibrated() {
+    let lab = Lab::open().await;
+    lab.clock_shows(&day(400));
+    let mut all: Vec<Value> = (0..130).map(|at| calibrated(0, at, "ST-2", |_| 0.0)).collect();
+    all.extend((0..9).map(|at| calibrated(1, 200 + at, "ST-2", |_| 0.0)));
+    sent(&lab, &all).await;
+    let counts = |station: &Value| [&station["records"], &station["gyros"], &station["imus"]].map(|n| n.as_u64());
+    let station = lab.get("/v1/stations/ST-2").await.ok();
+    assert_eq!(counts(&station), [Some(139), Some(6), Some(2)], "{station}");
+    assert_eq!([&station["first"], &station["last"]], [&json!(day(0)), &json!(day(208))]);
+    let window = json!({"from": day(0), "to": day(9), "by": "Li Wei", "reason": "fixture was loose"});
+    lab.post("/v1/stations/ST-2/suspect", &window).await.ok();
+    assert_eq!(counts(&lab.get("/v1/stations/ST-2").await.ok())[0], Some(129));
+    lab.post("/v1/stations/ST-2/trust", &window).await.ok();
+    assert_eq!(counts(&lab.get("/v1/stations").await.ok()["stations"][0])[0], Some(139));
 }

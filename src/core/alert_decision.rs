@@ -302,7 +302,7 @@ fn begin(
     let since = match (verdict.rule, verdict.finding) {
         // A gyro is overdue from the interval on, which is the limit.
         (Rule::Overdue, _) => record_at.plus_days(verdict.limit),
-        (_, Finding::StationShift { since, .. }) => since,
+        (_, Finding::GroupShift { since, .. }) => since,
         _ => record_at,
     };
     Alert {

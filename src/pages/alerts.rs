@@ -96,7 +96,8 @@ pub(super) async fn page(
     };
     let of_no_gyro =
         if filters.page > 0 || nobody { Vec::new() } else { pages.pipeline.alerts.of_no_gyro(&filter).await? };
-    let (stations, imus): (Vec<AlertBody>, Vec<AlertBody>) = of_no_gyro.into_iter().partition(AlertBody::is_of_station);
+    let of_subject = |subject: &str| of_no_gyro.iter().filter(|alert| alert.subject == subject).collect::<Vec<_>>();
+    let [stations, batches, imus] = [AlertBody::OF_STATION, AlertBody::OF_BATCH, AlertBody::OF_IMU].map(of_subject);
     let more = found.len() > ROWS;
     found.truncate(ROWS);
     let groups = together(standing_with_alerts(pages, found).await?);
@@ -119,15 +120,15 @@ pub(super) async fn page(
         }
         (search(viewer, filters))
         p.note { (t.alerts_note) }
-        @for (word, alerts) in [(t.stations_alerts, &stations), (t.imus_alerts, &imus)] {
+        @for (word, alerts) in [(t.stations_alerts, &stations), (t.batches_alerts, &batches), (t.imus_alerts, &imus)] {
             @if !alerts.is_empty() {
                 section.together {
                     h2 { (word) }
-                    (table(viewer, alerts.iter(), true, may.then_some(here.as_str())))
+                    (table(viewer, alerts.iter().copied(), true, may.then_some(here.as_str())))
                 }
             }
         }
-        @if groups.is_empty() { @if stations.is_empty() && imus.is_empty() { p.lead { (t.no_alerts) } } }
+        @if groups.is_empty() { @if of_no_gyro.is_empty() { p.lead { (t.no_alerts) } } }
         @else {
             @for (k, group) in groups.iter().enumerate() { (group.shown(viewer, k == 0, may, &here)) }
             @if may { (bulk::bar(viewer, &here)) }
@@ -353,7 +354,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
     html! {
         tr {
             td { (status::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
-            @if gyros { th scope="row" { a.id href={ "/" (alert.subject) "s/" (encoded(alert.name())) } { (alert.name()) } } }
+            @if gyros { th scope="row" { a.id href=(alert.page()) { (alert.name()) } } }
             td.nowrap { (violated(t, alert)) }
             td.words {
                 (t.reason(&alert.finding.reason))

@@ -31,7 +31,7 @@ impl Pipeline {
         let WindowMark { station, mark: Mark { window, trusted }, by } = mark;
         let SuspectWindow { span, author, reason } = window;
         let (author, reason, by) = (|| author.clone(), || reason.clone(), || by.clone());
-        if trusted {
+        let outcome = if trusted {
             let confirm = |id| {
                 Submission::Confirmation(Confirmation {
                     id,
@@ -42,11 +42,13 @@ impl Pipeline {
                     restated: None,
                 })
             };
-            self.submit_window(self.suspect_in(&station, span).await?, confirm).await
+            self.submit_window(self.suspect_in(&station, span).await?, confirm).await?
         } else {
             let doubt = |id| Submission::Doubt(Doubt { id, author: author(), reason: reason(), by: by() });
-            self.submit_window(self.of_window(&station, span, true).await?, doubt).await
-        }
+            self.submit_window(self.of_window(&station, span, true).await?, doubt).await?
+        };
+        self.ingest.look_at_shared().await?;
+        Ok(outcome)
     }
 
     /// What is set aside in a window for no other reason than that it is suspect, oldest first.

@@ -45,6 +45,8 @@ pub(super) enum Job {
     Silence { order: SilenceOrder, by: Actor, reply: ReplyTo<Id, AlertError> },
     /// An import has come to its end: what waits for its digest is told.
     Digest(ReplyTo<(), WriteError>),
+    /// What gyros share is to be looked at before the clock does: many records have been set aside, or count again.
+    Shared(ReplyTo<(), WriteError>),
     /// Who may use the service is to change.
     Access { order: AccessOrder, by: Actor, reply: ReplyTo<Option<Secret>, AccessError> },
     /// Whether it could.

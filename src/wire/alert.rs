@@ -7,22 +7,23 @@ use serde_json::Value;
 use utoipa::ToSchema;
 
 use super::reason::Reason;
+use super::text::encoded;
 use crate::core::judge::Rule;
 
-/// The alert of one gyro, station or IMU, coefficient and rule. Its identity lasts: when it fires again it is the same alert.
+/// The alert of one gyro, station, IMU or batch, coefficient and rule. Its identity lasts: when it fires again it is the same alert.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct AlertBody {
     pub id: String,
-    /// `station` or `imu`, where it is about the one that is named as such; left out where it is about a gyro.
+    /// `station`, `imu` or `batch`, where it is about the one that is named as such; left out where it is about a gyro.
     #[serde(default = "of_gyro", skip_serializing_if = "is_of_gyro")]
     pub subject: Cow<'static, str>,
-    /// Of the gyro; left out where it is about a station or an IMU.
+    /// Of the gyro; left out where it is about something else.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub serial: String,
     pub coefficient: Cow<'static, str>,
     pub rule: Cow<'static, str>,
     /// `firing`, `acknowledged` (firing, and somebody knows), `silenced` (firing, and told to nobody until a time),
-    /// `inhibited` (firing, and explained by the alert of a station or an IMU) or `resolved`.
+    /// `inhibited` (firing, and explained by the alert of a station, a batch or an IMU) or `resolved`.
     pub state: Cow<'static, str>,
     /// What the gyro is by it: `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting` or `overdue`;
     /// `in_tolerance` once it is resolved. None where an earlier version wrote this.
@@ -45,7 +46,7 @@ pub struct AlertBody {
     pub acknowledged: Option<AcknowledgementBody>,
     #[schema(required)]
     pub silenced: Option<SilenceBody>,
-    /// The alert of the station or IMU that explains it; left out where there is none.
+    /// The alert of the station, batch or IMU that explains it; left out where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inhibited_by: Option<String>,
 }
@@ -62,6 +63,7 @@ impl AlertBody {
     pub const OF_GYRO: &'static str = "gyro";
     pub const OF_STATION: &'static str = "station";
     pub const OF_IMU: &'static str = "imu";
+    pub const OF_BATCH: &'static str = "batch";
 
     pub fn is_of_gyro(&self) -> bool {
         is_of_gyro(&self.subject)
@@ -76,12 +78,21 @@ impl AlertBody {
         Rule::from_name(&self.rule).is_some_and(Rule::explains_others)
     }
 
-    /// Serial of the gyro, or name of the station or IMU.
+    /// Serial of the gyro, or name of the station, IMU or batch.
     pub fn name(&self) -> &str {
         match self.subject.as_ref() {
             Self::OF_STATION => self.finding.station.as_deref().unwrap_or_default(),
             Self::OF_IMU => self.finding.imu.as_deref().unwrap_or_default(),
+            Self::OF_BATCH => self.finding.batch.as_deref().unwrap_or_default(),
             _ => &self.serial,
+        }
+    }
+
+    /// The path of the page of what it is about; of a batch, that of its gyros.
+    pub fn page(&self) -> String {
+        match self.subject.as_ref() {
+            Self::OF_BATCH => format!("/fleet?batch={}", encoded(self.name())),
+            subject => format!("/{subject}s/{}", encoded(self.name())),
         }
     }
 
@@ -126,6 +137,12 @@ pub struct FindingBody {
     pub slot: Option<Cow<'static, str>>,
     #[schema(required)]
     pub station: Option<String>,
+    /// Of production; only where it is about a batch.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub batch: Option<String>,
+    /// The value at which the alert of its IMU began that explains it, or did until it had grown by a whole limit since.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub with_imu: Option<f64>,
 }
 
 impl FindingBody {

@@ -7,14 +7,14 @@ use crate::words::asked;
 /// The names of the columns.
 const HEADER: &str = "id,serial,coefficient,rule,state,severity,fired_at,resolved_at,value,limit,unit,sd,probability,\
                           record,calibrated_at,imu,slot,station,acknowledged_by,acknowledged_at,silenced_by,\
-                          silenced_until,reason,since,status,subject,inhibited_by";
+                          silenced_until,reason,since,status,subject,inhibited_by,batch";
 
 /// Alerts with the header line.
 pub fn to_csv<'a>(alerts: impl IntoIterator<Item = &'a AlertBody>) -> String {
     csv_text(HEADER, alerts.into_iter().map(line))
 }
 
-fn line(alert: &AlertBody) -> [String; 27] {
+fn line(alert: &AlertBody) -> [String; 28] {
     let finding = &alert.finding;
     let number = |value: Option<f64>| value.map(|value| value.to_string());
     let [value, limit, sd, probability] =
@@ -22,7 +22,7 @@ fn line(alert: &AlertBody) -> [String; 27] {
     let reason = finding.reason.words(asked());
     let acknowledged = alert.acknowledged.as_ref();
     let silenced = alert.silenced.as_ref();
-    let cells: [Option<&str>; 27] = [
+    let cells: [Option<&str>; 28] = [
         Some(&alert.id),
         Some(&alert.serial),
         Some(&alert.coefficient),
@@ -50,6 +50,7 @@ fn line(alert: &AlertBody) -> [String; 27] {
         alert.status.as_deref(),
         Some(&alert.subject),
         alert.inhibited_by.as_deref(),
+        finding.batch.as_deref(),
     ];
     cells.map(|cell| cell.unwrap_or_default().to_owned())
 }
@@ -87,6 +88,8 @@ mod tests {
                 imu: Some("IMU-1".into()),
                 slot: Some("G1".into()),
                 station: None,
+                batch: None,
+                with_imu: None,
             },
             acknowledged: Some(AcknowledgementBody {
                 by: "Li".into(),
@@ -101,7 +104,7 @@ mod tests {
         assert_eq!(
             line,
             "1,\"A,\"\"7\"\"\",D_I,step,acknowledged,critical,2026-01-01T00:00:00Z,,0.0125,0.01,deg/(h g0),,,9,,IMU-1,G1,,\
-             Li,2026-01-02T00:00:00Z,,,\"D_I changed, and how\",2025-12-31T00:00:00Z,confirmed,gyro,\n"
+             Li,2026-01-02T00:00:00Z,,,\"D_I changed, and how\",2025-12-31T00:00:00Z,confirmed,gyro,,\n"
         );
         // Two commas stand within quotes.
         assert_eq!(header.matches(',').count() + 2, line.matches(',').count());

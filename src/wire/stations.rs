@@ -23,9 +23,10 @@ pub struct StationsBody {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct StationBody {
     pub name: String,
-    /// Each once for all gyros in it. The newest hundred of each gyro count; of a fleet of more than 600 gyros those of
-    /// some at every station.
+    /// That count, each once for all gyros in it. Stations are compared by the newest hundred of each gyro, and of a fleet
+    /// of more than 600 gyros by those of some at every station.
     pub records: usize,
+    /// That it has ever calibrated.
     pub gyros: usize,
     pub imus: usize,
     /// Times of the records; null where none counts.

@@ -186,6 +186,7 @@ fn identity(alert: &AlertBody) -> Labels {
     let subject = match alert.subject.as_ref() {
         AlertBody::OF_STATION => "station",
         AlertBody::OF_IMU => "imu",
+        AlertBody::OF_BATCH => "batch",
         _ => "serial",
     };
     Labels::from([

@@ -7,7 +7,6 @@ use crate::core::message::text;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::wire::alert::AlertBody;
-use crate::wire::text::encoded;
 use crate::words::asked;
 
 /// What a hook is told, ready to be sent.
@@ -32,10 +31,9 @@ pub struct Context<'a> {
 /// Alerts that a digest lists; the rest are counted.
 pub(super) const MOST_LISTED: usize = 100;
 
-/// The page of what an alert is about, a gyro or a station: its path alone where nobody has said where the service is
-/// reached.
+/// The page of what an alert is about: its path alone where nobody has said where the service is reached.
 pub(super) fn page(context: &Context<'_>, alert: &AlertBody) -> String {
-    format!("{}/{}s/{}", context.external_url.unwrap_or_default(), alert.subject, encoded(alert.name()))
+    context.external_url.unwrap_or_default().to_owned() + &alert.page()
 }
 
 /// The page of an alert.

@@ -34,6 +34,8 @@ fn alert() -> AlertBody {
             imu: Some("IMU-07".into()),
             slot: Some("G1".into()),
             station: Some("ST-2".into()),
+            batch: None,
+            with_imu: None,
         },
         acknowledged: None,
         silenced: None,

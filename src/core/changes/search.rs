@@ -438,7 +438,8 @@ impl Question<'_> {
         (estimates, level)
     }
 
-    /// Levels with another record as the beginning of what ages, where that explains as much.
+    /// Levels with another beginning of what ages, where that explains as much. From the first record on is as likely
+    /// beforehand as from all instants after it together.
     fn levels(
         &self,
         (fitted, level): (&Fitted, Level),
@@ -447,16 +448,20 @@ impl Question<'_> {
         pool: &[Candidate],
     ) -> Vec<(f64, Level)> {
         let is_onset = |candidate: &Candidate| matches!(candidate.tie, Tie::SlopeSince(_));
+        let ages = |candidate: &Candidate| candidate.tie == Tie::Slope || is_onset(candidate);
         let mut levels = vec![(1.0, level)];
-        let Some(place) = taken.iter().position(is_onset) else { return levels };
-        for other in pool.iter().filter(|candidate| is_onset(candidate)) {
+        let Some(place) = taken.iter().position(ages) else { return levels };
+        let instants = taken.iter().chain(pool).filter(|candidate| is_onset(candidate)).count() as f64;
+        let likely = |candidate: &Candidate| if is_onset(candidate) { 1.0 / instants } else { 1.0 };
+        let beforehand = likely(&taken[place]);
+        for other in pool.iter().filter(|candidate| ages(candidate)) {
             let mut taken = taken.to_vec();
             taken[place] = other.clone();
             let columns: Vec<&[f64]> = taken.iter().map(|candidate| &*candidate.column).collect();
             let another = Fitted::of(fitted.models.clone(), y, &columns, self.prior);
             let gain = another.best().0 - fitted.best().0;
             if -2.0 * gain <= EQUALLY_GOOD {
-                levels.push((gain.exp(), self.together(&another, y, &taken).1));
+                levels.push((gain.exp() * likely(other) / beforehand, self.together(&another, y, &taken).1));
             }
         }
         levels

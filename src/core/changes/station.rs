@@ -40,8 +40,10 @@ const DENIES: f64 = 6.0;
 /// Gyros that share a change differ in it by less than its size over this; those that age each by itself do not.
 const ALIKE: f64 = 8.0;
 const MOST_PARTS: usize = 6;
-/// Parts are estimated again beside one another so many times.
-const ROUNDS: usize = 4;
+/// Parts are estimated again beside one another until none changes by so many of its standard deviations, so many times at
+/// the most: an offset and a drift of one station give way to one another slowly.
+const SETTLED: f64 = 0.05;
+const ROUNDS: usize = 40;
 /// Steps that are told from a gyro's slope at one station, and the |b|/sd from which: one too many only widens the slope.
 const MOST_STEPS: usize = 3;
 const STEPS: f64 = 3.5;
@@ -308,6 +310,15 @@ impl Course {
     /// `reference` is the station that offsets count from. Where several stations drift, a step of one may come first,
     /// which follows the drift of another: the drifts together are another beginning, and what explains more is kept.
     pub fn take(&mut self, reference: usize, is_borne_out: impl Fn(&Part, &Common, &[(Part, Common)]) -> bool) {
+        self.take_what_explains_most(reference, is_borne_out);
+        self.widen();
+    }
+
+    fn take_what_explains_most(
+        &mut self,
+        reference: usize,
+        is_borne_out: impl Fn(&Part, &Common, &[(Part, Common)]) -> bool,
+    ) {
         let mut drifting = self.clone();
         self.take_one_by_one(reference, &is_borne_out);
         if self.taken.iter().all(|(part, _)| part.form == StationForm::Offset) {
@@ -338,7 +349,7 @@ impl Course {
             }
         }
         while self.taken.len() > 1 {
-            (0..ROUNDS).for_each(|_| self.estimate_once());
+            self.settle();
             let least = (0..self.taken.len())
                 .min_by(|a, b| self.taken[*a].1.significance().total_cmp(&self.taken[*b].1.significance()));
             let Some(least) = least.filter(|k| self.taken.len() > MOST_PARTS || !is_taken(&self.taken[*k])) else {
@@ -512,20 +523,60 @@ impl Course {
         }
     }
 
-    fn estimate_once(&mut self) {
+    /// Each part was estimated as though the others were known: their uncertainty widens its own, sqrt(N_kk (N^-1)_kk), N
+    /// the normal matrix of all beside the peers' levels.
+    fn widen(&mut self) {
+        let parts: Vec<Part> = self.taken.iter().map(|(part, _)| *part).collect();
+        if parts.len() < 2 {
+            return;
+        }
+        let mut normal = nalgebra::DMatrix::<f64>::zeros(parts.len(), parts.len());
+        for peer in &self.peers {
+            let level = Basis::of([peer.rows.iter().map(|row| row.weight.sqrt()).collect::<Vec<_>>()]);
+            let column = |part: &Part| {
+                let of = |row: &Row| row.weight.sqrt() * part.at(row.station, row.at, row.years);
+                let mut column: Vec<f64> = peer.rows.iter().map(of).collect();
+                level.project_out(&mut column);
+                column
+            };
+            let columns: Vec<Vec<f64>> = parts.iter().map(column).collect();
+            for (i, j) in (0..parts.len()).flat_map(|i| (0..parts.len()).map(move |j| (i, j))) {
+                normal[(i, j)] += dot(&columns[i], &columns[j]);
+            }
+        }
+        let Some(factor) = nalgebra::Cholesky::new(normal.clone()) else { return };
+        let inverse = factor.inverse();
+        for (k, (_, common)) in self.taken.iter_mut().enumerate() {
+            common.sd *= (normal[(k, k)] * inverse[(k, k)]).max(1.0).sqrt();
+        }
+    }
+
+    fn settle(&mut self) {
+        for _ in 0..ROUNDS {
+            if self.estimate_once() < SETTLED {
+                break;
+            }
+        }
+    }
+
+    /// The largest change of a part, in its standard deviations.
+    fn estimate_once(&mut self) -> f64 {
+        let mut largest = 0.0_f64;
         for k in 0..self.taken.len() {
             let (part, old) = self.taken[k];
             self.subtract(&part, -old.value);
             let new = self.estimate(&part).unwrap_or(old);
             let (part, new) = self.refined(part, new);
             self.subtract(&part, new.value);
+            largest = largest.max((new.value - old.value).abs() / new.sd.max(f64::MIN_POSITIVE));
             self.taken[k] = (part, new);
         }
+        largest
     }
 
     /// Each part again, beside the others, which were not there when its instants were found. What is significant no more is given up, and answered.
     fn estimate_again(&mut self) -> Vec<Part> {
-        (0..ROUNDS).for_each(|_| self.estimate_once());
+        self.settle();
         let mut given_up = Vec::new();
         while let Some(k) = self.taken.iter().position(|(part, common)| common.significance() < 0.8 * threshold(part)) {
             let (part, common) = self.taken.remove(k);

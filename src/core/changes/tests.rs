@@ -332,24 +332,49 @@ fn a_station_that_drifts_or_is_re_levelled_is_not_blamed_on_the_gyro() {
     }
 }
 
-/// Every IMU three gyros and a day of its own in every three weeks; their station reads high from one day to another.
-/// No step of one follows the drift of the other.
+/// The first gyro's answer, where two stations drift at once.
+fn of_two_that_drift(seed: u64, slopes: [f64; 2], offset: f64) -> HistoryDiagnosis {
+    let years = |entry: &Entry| entry.at.0 as f64 / (365.25 * UtcMicros::DAY as f64);
+    let mut gyros = peers(&mut Fleet::seeded(seed), 5, 24);
+    for gyro in &mut gyros {
+        change(gyro, 0, |_, entry| match &*entry.station {
+            "ST-2" => slopes[1] * years(entry) + offset,
+            _ => slopes[0] * years(entry),
+        });
+    }
+    of(&gyros[0], &gyros[3..], Coefficient::DI)
+}
+
+#[test]
+fn slopes_of_two_stations_that_differ_besides_have_the_standard_deviations_that_they_say() {
+    for (slopes, offset) in [([5e-3, -5e-3], 0.0), ([5e-3, -5e-3], 6e-3), ([4e-3, 6e-3], 6e-3)] {
+        let mut pulls = [vec![], vec![]];
+        for answer in (0..100).map(|seed| of_two_that_drift(6000 + seed, slopes, offset)) {
+            for cause in &answer.causes {
+                let Tie::Station { form: StationForm::Drift, name, .. } = &cause.tie else { continue };
+                let (k, estimate) = (usize::from(&**name == "ST-2"), &cause.estimate);
+                pulls[k].push((estimate.value - slopes[k]) / estimate.sd);
+            }
+        }
+        for pulls in pulls {
+            let rms = (pulls.iter().map(|pull| pull * pull).sum::<f64>() / pulls.len() as f64).sqrt();
+            assert!(pulls.len() >= 98 && (0.8..1.2).contains(&rms), "{slopes:?}, {offset}: {rms} of {}", pulls.len());
+        }
+    }
+}
+
 #[test]
 fn two_stations_that_drift_at_once_both_drift() {
-    let years = |entry: &Entry| entry.at.0 as f64 / (365.25 * UtcMicros::DAY as f64);
     let mut right = 0;
     for (seed, slopes) in (0..20).flat_map(|seed| [(seed, [5e-3, -5e-3]), (seed, [4e-3, 6e-3])]) {
-        let mut gyros = peers(&mut Fleet::seeded(4000 + seed), 5, 24);
-        for gyro in &mut gyros {
-            change(gyro, 0, |_, entry| slopes[usize::from(&*entry.station == "ST-2")] * years(entry));
-        }
-        let answer = of(&gyros[0], &gyros[3..], Coefficient::DI);
+        let answer = of_two_that_drift(4000 + seed, slopes, 0.0);
         let drifts = |cause: &NamedCause| matches!(cause.tie, Tie::Station { form: StationForm::Drift, .. });
         right += usize::from(answer.causes.len() == 2 && answer.causes.iter().all(drifts));
     }
     assert!(right >= 38, "both drift, and nothing else is named, in {right} of 40");
 }
 
+/// Every IMU three gyros and a day of its own in every three weeks; their station reads high from one day to another.
 fn of_one_station(seed: u64, [from, until]: [i64; 2]) -> Vec<GyroHistory> {
     let mut fleet = Fleet::seeded(seed);
     let mut gyros: Vec<GyroHistory> = (0..18).map(|_| fleet.gyro(34)).collect();

@@ -63,8 +63,8 @@ impl Event {
     /// * Transport and environmental tests are what the budgets are there to survive; the rest changes nothing.
     pub fn resets(self, rule: Rule) -> bool {
         match self {
-            // What a station or an IMU does is no gyro's.
-            Event::Repair => !matches!(rule, Rule::StationShift | Rule::ImuShift | Rule::Forecast),
+            // What a station, a batch or an IMU does is no gyro's.
+            Event::Repair => !rule.explains_others() && rule != Rule::Forecast,
             Event::Baseline | Event::Reinstallation => matches!(
                 rule,
                 Rule::Baseline | Rule::Closure | Rule::Trend | Rule::Shift | Rule::Cusum | Rule::BeforeAfter

@@ -44,7 +44,7 @@ impl Verdict {
         if self.confirmed {
             said.push(match self.rule {
                 Rule::Range | Rule::Agreement => message!("not_a_single_result"),
-                Rule::StationShift => message!("whole_budget"),
+                Rule::StationShift | Rule::BatchShift => message!("whole_budget"),
                 Rule::ImuShift => message!("second_campaign_of_one"),
                 _ => message!("second_campaign"),
             });
@@ -259,16 +259,23 @@ impl Verdict {
                 from = day(from),
                 until = day(until),
             )],
-            Finding::StationShift { gyros, imus, since, until, shift } => vec![message!(
-                "station_shift",
-                name = name,
-                value = value(),
-                side = side(shift),
-                gyros = gyros,
-                imus = imus,
-                since = day(since),
-                until = day(until),
-            )],
+            Finding::GroupShift { gyros, imus, since, until, shift } => {
+                macro_rules! said {
+                    ($code:literal) => {
+                        message!(
+                            $code,
+                            name = name,
+                            value = value(),
+                            side = side(shift),
+                            gyros = gyros,
+                            imus = imus,
+                            since = day(since),
+                            until = day(until),
+                        )
+                    };
+                }
+                vec![if self.rule == Rule::BatchShift { said!("batch_shift") } else { said!("station_shift") }]
+            }
             Finding::ImuShift { gyros } => vec![message!("imu_shift", name = name, value = value(), gyros = gyros)],
             Finding::Forecast { slot, furthest, p, .. } => {
                 let p = if p < 1e-6 { text("< 1e-6") } else { text(format!("= {}", p_value(p))) };

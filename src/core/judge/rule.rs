@@ -43,6 +43,8 @@ pub enum Rule("rule_", letter) {
     Forecast = "forecast" 'K',
     /// Every gyro of an IMU has moved at once, judged as [`Rule::StationShift`] is.
     ImuShift = "imu_shift" 'I',
+    /// What the gyros of a batch of production have moved by together, judged as [`Rule::StationShift`] is.
+    BatchShift = "batch_shift" 'H',
 }
 }
 
@@ -104,7 +106,7 @@ impl Rule {
             Rule::Step | Rule::Range | Rule::Baseline | Rule::Agreement | Rule::BeforeAfter => Some(1.0),
             Rule::Forecast | Rule::ImuShift => Some(1.0),
             Rule::RmsSuccessive => Some(0.5),
-            Rule::StationShift => Some(0.25),
+            Rule::StationShift | Rule::BatchShift => Some(0.25),
             _ => None,
         }
     }
@@ -120,7 +122,7 @@ impl Rule {
         }
     }
 
-    /// Whether what a station or an IMU does to all its gyros can make a gyro exceed it.
+    /// Whether what a station, a batch or an IMU does to all its gyros can make a gyro exceed it.
     pub fn can_be_shared(self) -> bool {
         matches!(
             self,
@@ -136,14 +138,20 @@ impl Rule {
 
     /// Whether it tells what several gyros share, and stands for what is told of each.
     pub fn explains_others(self) -> bool {
-        matches!(self, Rule::StationShift | Rule::ImuShift)
+        matches!(self, Rule::StationShift | Rule::BatchShift | Rule::ImuShift)
     }
 
     /// Whether a second campaign can confirm what the rule says.
     pub fn can_be_confirmed(self) -> bool {
         !matches!(
             self,
-            Rule::Trend | Rule::Cusum | Rule::Shift | Rule::RmsSuccessive | Rule::Overdue | Rule::StationShift
+            Rule::Trend
+                | Rule::Cusum
+                | Rule::Shift
+                | Rule::RmsSuccessive
+                | Rule::Overdue
+                | Rule::StationShift
+                | Rule::BatchShift
         )
     }
 }
@@ -243,8 +251,8 @@ pub enum Finding {
         until: UtcMicros,
         now: f64,
     },
-    /// Newest calibrations by one station, from their baselines.
-    StationShift {
+    /// Newest calibrations by one station, or of one batch, from their baselines.
+    GroupShift {
         gyros: usize,
         imus: usize,
         /// First and last of them.

@@ -625,6 +625,44 @@ fn a_gyro_that_goes_on_to_another_station_has_not_shifted() {
 }
 
 #[test]
+fn what_stations_differ_by_counts_in_a_trend_over_several() {
+    let points = series(24, |i| 3.0 + 1e-4 * scatter(i) + 2e-4 * i as f64);
+    let at = |station: fn(usize) -> u32| {
+        let mut records = samples(None, &points);
+        records.iter_mut().enumerate().for_each(|(k, record)| record.station = station(k));
+        records
+    };
+    let known = Limits { between_stations: [4e-4, 0.0], ..Limits::default() };
+    let of = |records: &[Sample], limits: &Limits| verdict(records, &[], 23, Rule::Trend, limits);
+    let alone = of(&at(|_| 1), &known);
+    let Finding::Trend { horizon_days, reach, .. } = alone.finding else { panic!("{alone}") };
+    assert_eq!(alone.between, None, "of one station");
+    assert_eq!(of(&at(|k| u32::from(k >= 12)), &Limits::default()), alone, "nothing is known of stations");
+    // By hand: least squares carried to the horizon, less the mean of the three that make the baseline; of each station
+    // the sum of its weights.
+    let expected = |station: fn(usize) -> u32| {
+        let weeks: Vec<f64> = points.iter().map(|point| point.0).collect();
+        let mean = weeks.iter().sum::<f64>() / 24.0;
+        let spread: f64 = weeks.iter().map(|t| (t - mean).powi(2)).sum();
+        let ahead = weeks[23] + horizon_days - mean;
+        let weight = |k: usize| 1.0 / 24.0 + ahead * (weeks[k] - mean) / spread - if k < 3 { 1.0 / 3.0 } else { 0.0 };
+        let of = |one: u32| (0..24).filter(|k| station(*k) == one).map(weight).sum::<f64>();
+        4e-4 * of(0).hypot(of(1))
+    };
+    for station in [|k: usize| u32::from(k >= 12), |k: usize| k as u32 % 2] {
+        let apart = of(&at(station), &known);
+        let between = apart.between.unwrap();
+        assert!((between / expected(station) - 1.0).abs() < 1e-6, "{apart}: {}", expected(station));
+        assert!((apart.sd.unwrap() / alone.sd.unwrap().hypot(between) - 1.0).abs() < 1e-9, "{apart}");
+        let Finding::Trend { reach: wider, .. } = apart.finding else { panic!("{apart}") };
+        assert!(wider[0] < reach[0] && wider[1] == reach[1] && wider[2].is_none_or(|last| Some(last) > reach[2]));
+    }
+    // A station each half, 1.5e-3 apart: the gyro went on to another station, and has no slope.
+    let known = Limits { between_stations: [4e-3, 0.0], ..known };
+    assert!(matches!(of(&at(|k| u32::from(k >= 12)), &known).finding, Finding::NoTrend { .. }));
+}
+
+#[test]
 fn one_wild_record_shifts_no_level() {
     for at in [5, 27, 28, 29] {
         let wild = latest(&series(30, |i| 3.0 + 5e-4 * scatter(i) + if i == at { 0.5 } else { 0.0 }), Rule::Shift);
@@ -883,7 +921,7 @@ fn a_gyro_is_overdue_after_its_interval() {
 #[test]
 fn events_reset_what_they_should() {
     let restarts = |event: Event| Rule::ALL.into_iter().filter(|&rule| event.resets(rule)).count();
-    assert_eq!(restarts(Event::Repair), Rule::ALL.len() - 3, "all but what a station or an IMU does");
+    assert_eq!(restarts(Event::Repair), Rule::ALL.len() - 4, "all but what a station, a batch or an IMU does");
     assert_eq!((restarts(Event::Transport), restarts(Event::Note)), (0, 0));
     assert!(Event::Reinstallation.resets(Rule::Closure) && !Event::Reinstallation.resets(Rule::Step));
     assert!(Event::Firmware.resets(Rule::Shift) && !Event::Firmware.resets(Rule::Baseline));

@@ -148,10 +148,10 @@ impl Verdict {
         Self { between, ..self }
     }
 
-    /// What a station does to all, where that exceeds its limit.
-    pub fn station_shift(&self) -> Option<Measured> {
+    /// What the gyros of a station or batch share, where that exceeds its limit.
+    pub fn group_shift(&self) -> Option<Measured> {
         match self.finding {
-            Finding::StationShift { shift, .. } if self.state == State::Exceeded => {
+            Finding::GroupShift { shift, .. } if self.state == State::Exceeded => {
                 Some(Measured { value: shift, sd: self.sd })
             }
             _ => None,

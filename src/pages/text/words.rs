@@ -101,7 +101,7 @@ words_of_pages! {
 
     // Alerts.
     alerts alerts_note no_alerts alert_all alert_firing alert_acknowledged alert_silenced alert_resolved
-    overdue_gyros alert_inhibited explained_by_another stations_alerts imus_alerts inhibited_by_it handling is_confirmed
+    overdue_gyros alert_inhibited explained_by_another stations_alerts batches_alerts imus_alerts inhibited_by_it handling is_confirmed
     rule_word any since fired said_by until acknowledge acknowledge_title acknowledge_what unacknowledge
     unacknowledge_title unacknowledge_what unsilence unsilence_title silence silence_title silence_what silence_days silences silence_of
     silence_many silence_many_what silence_of_nothing end_silence end_silence_title end_silence_what

@@ -1,5 +1,7 @@
 //! Alerts and their verdicts in the words that clients and hooks read.
 
+use std::sync::Arc;
+
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::{Severity, State, Status, Verdict};
@@ -12,7 +14,7 @@ use crate::wire::time;
 use crate::wire::unit;
 
 /// Where the judged figures come from.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Origin {
     pub at: UtcMicros,
     /// Record or bench result; none where the clock alone decided.
@@ -20,6 +22,8 @@ pub struct Origin {
     pub imu: Option<u32>,
     pub slot: Option<Slot>,
     pub station: Option<u32>,
+    /// Of production, where it is judged as such.
+    pub batch: Option<Arc<str>>,
 }
 
 impl From<&Figures> for Origin {
@@ -30,6 +34,7 @@ impl From<&Figures> for Origin {
             imu: Some(figures.imu),
             slot: Some(figures.slot),
             station: Some(figures.station),
+            batch: None,
         }
     }
 }
@@ -46,7 +51,7 @@ impl Naming<'_> {
         self.name(&self.tables.gyros, |new| &new.gyros, number)
     }
 
-    /// Empty for a station or an IMU.
+    /// Empty for what is no gyro.
     pub fn serial(&self, of: AlertOf) -> String {
         of.gyro().map(|gyro| self.gyro(gyro)).unwrap_or_default()
     }
@@ -78,6 +83,8 @@ impl Naming<'_> {
             imu: origin.imu.map(|number| self.imu(number)),
             slot: origin.slot.map(|slot| slot.name().into()),
             station: origin.station.map(|number| self.station(number)),
+            batch: origin.batch.as_deref().map(str::to_owned),
+            with_imu: None,
         }
     }
 
@@ -151,5 +158,6 @@ fn subject(of: AlertOf) -> &'static str {
         AlertOf::Gyro(_) => AlertBody::OF_GYRO,
         AlertOf::Station(_) => AlertBody::OF_STATION,
         AlertOf::Imu(_) => AlertBody::OF_IMU,
+        AlertOf::Batch(_) => AlertBody::OF_BATCH,
     }
 }

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::body::{Naming, Origin};
-use super::shared::SharedAlerts;
+use super::body::{Naming, Origin, finding_of};
+use super::shared::{Explained, SharedAlerts, SharedVerdict};
 use super::silences::Silences;
 use crate::core::alert_decision;
 use crate::core::alert_decision::{Action, Arrival, Decision, Late, Policy, Status};
@@ -13,6 +13,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::Undone;
 use crate::store;
 use crate::store::{AlertOf, AlertRow, Changes, Remark, StepRow, Store, StoreError, Writer};
+use crate::wire::alert::FindingBody;
 
 /// Gyros from which on everything is forgotten.
 const MOST_GYROS: usize = 20_000;
@@ -32,7 +33,9 @@ pub(crate) struct AlertCache {
     pub(super) news: Vec<News>,
     /// Those of many alerts that are in force.
     pub(super) silences: Silences,
-    /// They, and the alerts of stations and IMUs, are to be read again before they are used.
+    /// Gyros of batches that have an alert, and the gyro by which the batch goes.
+    mates: BTreeMap<u32, u32>,
+    /// They, and the alerts of stations, batches and IMUs, are to be read again before they are used.
     settings_moved: bool,
 }
 
@@ -73,6 +76,7 @@ impl AlertCache {
             steps: Vec::new(),
             news: Vec::new(),
             silences: Silences::default(),
+            mates: BTreeMap::new(),
             settings_moved: true,
         }
     }
@@ -88,7 +92,7 @@ impl AlertCache {
         self.alerts.retain(|of, _| of.gyro().is_none_or(|gyro| !lost(gyro)));
     }
 
-    /// Others have begun or ended silences, or alerts of stations or IMUs have changed.
+    /// Others have begun or ended silences, or alerts of what is no gyro have changed.
     pub fn forget_settings(&mut self) {
         self.settings_moved = true;
     }
@@ -112,6 +116,9 @@ impl AlertCache {
             self.silences = Silences::load(store, now).await?;
             self.alerts.retain(|of, _| of.gyro().is_some());
             rows = store::alerts::of_no_gyro(store).await?;
+            let firing = rows.iter().filter(|row| row.alert.status == Status::Firing);
+            let batches: Vec<u32> = firing.filter_map(|row| row.of.batch()).collect();
+            self.mates = store::gyro_attribute::mates(store, &batches).await?;
             self.settings_moved = false;
         }
         let is_unknown = |gyro: &u32| !self.alerts.contains_key(&AlertOf::Gyro(*gyro));
@@ -156,12 +163,14 @@ impl AlertCache {
         let muting = self.silences.of(of, verdict, origin, &naming, pen.now);
         let (muted, muted_until) = muting.map(|(muted, until)| (Some(muted), Some(until))).unwrap_or_default();
         let since = earlier.filter(|row| row.alert.status == Status::Firing).map_or(origin.at, |row| row.alert.since);
-        let inhibited_by = of.gyro().and_then(|_| self.shared().explaining(verdict, origin, since));
+        let fires = earlier.filter(|row| row.alert.status == Status::Firing);
+        let explained = of.gyro().map(|gyro| self.shared().explaining(gyro, verdict, origin, since, fires));
+        let Explained { by: inhibited_by, with_imu } = explained.unwrap_or_default();
         let inhibited = inhibited_by.is_some();
         let arrival = Arrival { record_at: origin.at, now: pen.now, late: pen.late, muted_until, inhibited };
         let decision = alert_decision::hear(earlier.map(|row| &row.alert), verdict, &arrival, &self.policy);
         let Some(alert) = decision.alert else { return };
-        let finding = || naming.finding(verdict, origin).kept();
+        let finding = || FindingBody { with_imu, ..naming.finding(verdict, origin) }.kept();
         let (place, began) = match (place, earlier) {
             (Some(place), Some(row)) => {
                 // How long a calibration is overdue changes by itself: that is no news.
@@ -244,7 +253,15 @@ impl AlertCache {
 
     /// Those of what gyros share among them.
     pub fn shared(&self) -> SharedAlerts<'_> {
-        SharedAlerts { alerts: &self.alerts, confidence: self.confidence }
+        SharedAlerts { alerts: &self.alerts, mates: &self.mates, confidence: self.confidence }
+    }
+
+    /// Learns which gyros the batches hold that were judged.
+    pub fn learn_mates(&mut self, found: &[SharedVerdict]) {
+        for (batch, gyros) in found.iter().filter_map(|one| Some((one.of.batch()?, &one.gyros))) {
+            self.mates.retain(|_, of| *of != batch);
+            self.mates.extend(gyros.iter().map(|gyro| (*gyro, batch)));
+        }
     }
 
     /// Lets the alerts of these gyros follow those of what they share: of what is explained nobody is told; of what is
@@ -252,13 +269,16 @@ impl AlertCache {
     pub fn explain(&mut self, gyros: &BTreeSet<u32>, pen: &mut Pen<'_>) {
         for at in self.places(&gyros.iter().map(|gyro| AlertOf::Gyro(*gyro)).collect()) {
             let row = &self.alerts[&at.0][at.1];
-            let by = self.shared().explaining_row(row, &pen.naming);
+            let Explained { by, with_imu } = self.shared().explaining_row(row, &pen.naming);
             if by == row.inhibited_by {
                 continue;
             }
             let decision = alert_decision::inhibit(&row.alert, by.is_some(), pen.now);
             if let Some(row) = self.alerts.get_mut(&at.0).and_then(|rows| rows.get_mut(at.1)) {
                 row.inhibited_by = by;
+                if let Ok(finding) = finding_of(row) {
+                    row.finding = FindingBody { with_imu, ..finding }.kept();
+                }
             }
             self.enter(at, decision, false, (None, None), pen);
             // A hook that came meanwhile has not heard of it.

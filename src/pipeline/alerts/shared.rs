@@ -1,40 +1,55 @@
-//! Alerts of what gyros of a station or an IMU share, and alerts of gyros that these explain: told as one, and not as
-//! one of each gyro.
+//! Alerts of what gyros of a station, a batch or an IMU share, and alerts of gyros that these explain: told as one, and not
+//! as one of each gyro.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::body::{Naming, Origin, finding_of};
 use crate::core::alert_decision::Status;
 use crate::core::id::Id;
-use crate::core::judge::{Coefficient, Measured, Severity, State, Suspected, Verdict, is_explained};
+use crate::core::judge::{Coefficient, Measured, Severity, State, Suspected, Verdict, has_grown, is_explained};
 use crate::core::message::{Message, Parameter};
 use crate::core::time::UtcMicros;
 use crate::store::{AlertOf, AlertRow};
 use crate::wire::alert::FindingBody;
 
-/// What gyros of a station or an IMU share, judged by the clock.
+/// What gyros of a station, a batch or an IMU share, judged by the clock.
 #[derive(Debug, Clone)]
 pub(crate) struct SharedVerdict {
     pub of: AlertOf,
     pub verdict: Verdict,
-    /// The newest calibration by the station, or of the IMU.
+    /// The newest calibration by the station, or of the batch or the IMU.
     pub origin: Origin,
+    /// Of a batch.
+    pub gyros: Vec<u32>,
+}
+
+/// What explains that a gyro exceeds a limit.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Explained {
+    pub by: Option<Id>,
+    /// What it exceeded it by when the alert of its IMU began, where it began with that.
+    pub with_imu: Option<f64>,
 }
 
 /// What a gyro exceeds a limit by, since when, and where, by a rule that may be shared.
-struct Excess {
+struct Excess<'a> {
+    gyro: u32,
     station: Option<u32>,
     imu: Option<u32>,
     coefficient: Coefficient,
     severity: Severity,
     since: UtcMicros,
     suspected: Option<Suspected>,
+    /// Its alert, where that fires already.
+    row: Option<&'a AlertRow>,
 }
 
 /// The alerts of what is shared, among all that are known.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SharedAlerts<'a> {
     pub(super) alerts: &'a BTreeMap<AlertOf, Vec<AlertRow>>,
+    /// Gyros of batches that have an alert, and the gyro by which the batch goes.
+    pub(super) mates: &'a BTreeMap<u32, u32>,
     /// With which something exceeds its limit.
     pub(super) confidence: f64,
 }
@@ -50,7 +65,7 @@ impl<'a> SharedAlerts<'a> {
         self.alerts.get(&of)?.iter().find(|row| row.coefficient == coefficient && fires(row))
     }
 
-    /// Since when an alert of a station or an IMU fires.
+    /// Since when an alert of what is shared fires.
     pub fn since(&self, of: AlertOf, coefficient: Coefficient) -> Option<UtcMicros> {
         self.firing_of(of, coefficient).map(|row| row.alert.since)
     }
@@ -63,58 +78,75 @@ impl<'a> SharedAlerts<'a> {
         self.firing().filter(move |row| !found.iter().any(|one| judges(one, row)))
     }
 
-    /// The alert of a station that fires, and the shift that it tells of.
-    fn shift(&self, station: u32, coefficient: Coefficient) -> Option<(&'a AlertRow, Measured)> {
-        let row = self.firing_of(AlertOf::Station(station), coefficient)?;
+    /// The alert of a station or a batch that fires, and the shift that it tells of.
+    fn shift(&self, of: AlertOf, coefficient: Coefficient) -> Option<(&'a AlertRow, Measured)> {
+        let row = self.firing_of(of, coefficient)?;
         let FindingBody { value, sd, reason, .. } = finding_of(row).ok()?;
         let sign = if is_above(&reason.0)? { 1.0 } else { -1.0 };
         Some((row, Measured { value: sign * value?, sd }))
     }
 
-    /// The alert of the station or IMU by which a gyro exceeds a limit since an instant, where that is no less severe.
-    pub(super) fn explaining(&self, verdict: &Verdict, origin: &Origin, since: UtcMicros) -> Option<Id> {
-        let (severity, coefficient) =
-            (verdict.severity().filter(|_| verdict.rule.can_be_shared())?, verdict.coefficient);
-        let suspected = Suspected::of(verdict);
+    /// The alert of the station, batch or IMU by which a gyro exceeds a limit since an instant, where that is no less
+    /// severe. `row`: the gyro's alert, where it fires already.
+    pub(super) fn explaining(
+        &self,
+        gyro: u32,
+        verdict: &Verdict,
+        origin: &Origin,
+        since: UtcMicros,
+        row: Option<&AlertRow>,
+    ) -> Explained {
+        let Some(severity) = verdict.severity().filter(|_| verdict.rule.can_be_shared()) else {
+            return Explained::default();
+        };
+        let (coefficient, suspected) = (verdict.coefficient, Suspected::of(verdict));
         let Origin { station, imu, .. } = *origin;
-        self.explaining_excess(&Excess { station, imu, coefficient, severity, since, suspected })
+        self.explaining_excess(&Excess { gyro, station, imu, coefficient, severity, since, suspected, row })
     }
 
     /// As [`SharedAlerts::explaining`], of an alert by the last verdict that it has followed.
-    pub(super) fn explaining_row(&self, row: &AlertRow, naming: &Naming<'_>) -> Option<Id> {
+    pub(super) fn explaining_row(&self, row: &AlertRow, naming: &Naming<'_>) -> Explained {
         let AlertRow { of, coefficient, rule, alert, .. } = row;
         let fires = alert.status == Status::Firing && rule.can_be_shared();
-        of.gyro().filter(|_| fires)?;
-        let FindingBody { value, limit, sd, reason, station, imu, .. } = finding_of(row).ok()?;
+        let Some((gyro, finding)) = of.gyro().filter(|_| fires).zip(finding_of(row).ok()) else {
+            return Explained::default();
+        };
+        let FindingBody { value, limit, sd, reason, station, imu, .. } = finding;
         let above = is_above(&reason.0);
         self.explaining_excess(&Excess {
+            gyro,
             station: station.and_then(|name| naming.tables.stations.number(&name)),
             imu: imu.and_then(|name| naming.tables.imus.number(&name)),
             coefficient: *coefficient,
             severity: alert.severity,
             since: alert.since,
             suspected: value.map(|value| Suspected { rule: *rule, value, limit, sd, above }),
+            row: Some(row),
         })
     }
 
-    fn explaining_excess(&self, of: &Excess) -> Option<Id> {
-        let by_station = || {
-            let (row, shift) = self.shift(of.station?, of.coefficient)?;
-            is_explained(of.suspected.as_ref()?, shift, self.confidence).then_some(row)
+    fn explaining_excess(&self, of: &Excess<'_>) -> Explained {
+        let Some(suspected) = &of.suspected else { return Explained::default() };
+        let by_group = |group: AlertOf| {
+            let (row, shift) = self.shift(group, of.coefficient)?;
+            is_explained(suspected, shift, self.confidence).then_some(row)
         };
-        // What a gyro does before its IMU, or after, is its own.
-        let by_imu = || {
-            let row = self.firing_of(AlertOf::Imu(of.imu?), of.coefficient)?;
-            (row.alert.since == of.since).then_some(row)
-        };
+        let groups = [of.station.map(AlertOf::Station), self.mates.get(&of.gyro).copied().map(AlertOf::Batch)];
         let no_less_severe = |row: &&AlertRow| row.alert.severity >= of.severity;
-        let row = by_station().filter(no_less_severe).or_else(|| by_imu().filter(no_less_severe))?;
-        Some(row.id)
+        let by_group = groups.into_iter().flatten().filter_map(by_group).find(no_less_severe);
+        // What a gyro does before its IMU, or after, is its own, and so is what it grows by.
+        let imu = of.imu.and_then(|imu| self.firing_of(AlertOf::Imu(imu), of.coefficient));
+        let imu = imu.filter(|row| row.alert.since == of.since);
+        let known = of.row.filter(|_| imu.is_some()).and_then(|row| finding_of(row).ok()?.with_imu);
+        let with_imu = imu.map(|_| known.unwrap_or(suspected.value));
+        let has_grown = |then: f64| has_grown(suspected, then, self.confidence);
+        let by_imu = imu.filter(no_less_severe).filter(|_| !with_imu.is_some_and(has_grown));
+        Explained { by: by_group.or(by_imu).map(|row| row.id), with_imu }
     }
 
-    /// Whether a verdict changes the alert of its station or IMU.
+    /// Whether a verdict changes the alert of its station, batch or IMU.
     pub fn is_moved_by(&self, found: &SharedVerdict, naming: &Naming<'_>) -> bool {
-        let SharedVerdict { of, verdict, origin } = found;
+        let SharedVerdict { of, verdict, origin, .. } = found;
         match self.firing_of(*of, verdict.coefficient) {
             None => verdict.severity().is_some(),
             Some(_) if verdict.value.is_none() || verdict.state == State::Within => true,
@@ -127,7 +159,7 @@ impl<'a> SharedAlerts<'a> {
         // Where none fires there is nothing to be read from findings.
         let explains = self.firing().next().is_some();
         let anew = rows.iter().filter(|row| explains || row.inhibited_by.is_some());
-        let anew = anew.filter(|row| self.explaining_row(row, naming) != row.inhibited_by);
+        let anew = anew.filter(|row| self.explaining_row(row, naming).by != row.inhibited_by);
         anew.filter_map(|row| row.of.gyro()).collect()
     }
 }

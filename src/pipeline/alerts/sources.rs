@@ -140,7 +140,7 @@ pub(crate) fn follow_clock(
     let interval = judge.interval_days(gyro, last, imu, &pen.naming);
     match interval {
         Some(days) if fires || pen.now.days_since(last) > days.value => {
-            let origin = Origin { at: last, item: None, imu: Some(imu), slot: None, station: None };
+            let origin = Origin { at: last, item: None, imu: Some(imu), slot: None, station: None, batch: None };
             alerts.follow(gyro, &overdue(last, pen.now, days), &origin, pen);
         }
         None if fires => alerts.reset(gyro, |row| row.rule == Rule::Overdue, pen),

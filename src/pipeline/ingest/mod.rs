@@ -114,6 +114,14 @@ impl Ingest {
         self.queue.ask_in_turn(Job::Digest).await
     }
 
+    /// Has alerts of what gyros share follow what has been written, before the clock does.
+    ///
+    /// # Errors
+    /// [`WriteError`]; then the clock does.
+    pub async fn look_at_shared(&self) -> Result<(), WriteError> {
+        self.queue.ask_in_turn(Job::Shared).await
+    }
+
     /// The id, where an item that was already there says the same as the one sent: however it is written, in whatever
     /// order of members or gyros, unit of time or offset.
     ///

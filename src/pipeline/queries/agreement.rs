@@ -80,12 +80,14 @@ pub(crate) async fn agreement_after(
     let naming = Naming { tables: &store.names().read(), new: Some(changes) };
     let compared = compare(gyro, (&benches, &separations), Some(judging.agreement_days), judging, &naming);
     let seat = separations.last().map(Origin::from);
+    let of_seat = seat.as_ref();
     let of_bench = benches.iter().max_by_key(|bench| bench.measured_at).map(|bench| Origin {
         at: bench.measured_at,
         item: Some(bench.id),
-        imu: seat.and_then(|seat| seat.imu),
-        slot: seat.and_then(|seat| seat.slot),
+        imu: of_seat.and_then(|seat| seat.imu),
+        slot: of_seat.and_then(|seat| seat.slot),
         station: Some(bench.station),
+        batch: None,
     });
     let newest = seat.into_iter().chain(of_bench).max_by_key(|origin| origin.at);
     Ok(newest.map(|origin| Agreement { gyro, origin, verdicts: compared.verdicts }))

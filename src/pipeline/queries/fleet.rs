@@ -348,7 +348,11 @@ impl Fleet {
         let histories = fleet_histories(&self.store, self.config.judging.method).await?;
         let figures = words::spawn_blocking(move || changes::stations(&histories)).await;
         let failed = |error| StoreError::Damaged(format!("the stations could not be compared: {error}"));
-        let figures = figures.map_err(failed)?.map(Arc::new);
+        let mut figures = figures.map_err(failed)?;
+        if let Some(figures) = &mut figures {
+            self.count_all(figures).await?;
+        }
+        let figures = figures.map(Arc::new);
         *cached = Some((version, figures.clone()));
         (*self.last_stations()).clone_from(&figures);
         Ok(figures)
@@ -372,6 +376,21 @@ impl Fleet {
 
     fn last_stations(&self) -> std::sync::MutexGuard<'_, Option<Arc<FleetStations>>> {
         self.stations.last.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What stations have calibrated is all of it, and not only what they are compared by.
+    async fn count_all(&self, figures: &mut FleetStations) -> Result<(), StoreError> {
+        let totals = store::record::of_stations(&self.store).await?;
+        let tables = self.store.names().read();
+        for station in &mut figures.stations {
+            let number = tables.stations.number(&station.name);
+            if let Some(all) = number.and_then(|number| totals.get(&number)) {
+                let store::StationTotals { records, gyros, imus, first, last } = *all;
+                (station.records, station.gyros, station.imus) = (records, gyros, imus);
+                (station.first, station.last) = (first, last);
+            }
+        }
+        Ok(())
     }
 
     /// IMUs by name with their gyros, after IMU number `after` (0: all), and whether there are more than `most`.

@@ -330,6 +330,7 @@ mod tests {
             "station_shift",
             "forecast",
             "imu_shift",
+            "batch_shift",
         ];
         assert_eq!(names[..known.len()], known);
         assert_eq!(Coefficient::ALL.map(Coefficient::name)[..6], ["D_I", "D_S", "D_O", "E", "G", "all"]);

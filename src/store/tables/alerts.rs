@@ -46,12 +46,13 @@ impl Part for Option<Remark> {
     }
 }
 
-/// What an alert is about, by its number.
+/// What an alert is about, by its number; a batch of production by that of one of its gyros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum AlertOf {
     Gyro(u32),
     Station(u32),
     Imu(u32),
+    Batch(u32),
 }
 
 impl AlertOf {
@@ -66,6 +67,10 @@ impl AlertOf {
     pub fn imu(self) -> Option<u32> {
         if let Self::Imu(imu) = self { Some(imu) } else { None }
     }
+
+    pub fn batch(self) -> Option<u32> {
+        if let Self::Batch(gyro) = self { Some(gyro) } else { None }
+    }
 }
 
 impl From<u32> for AlertOf {
@@ -74,7 +79,7 @@ impl From<u32> for AlertOf {
     }
 }
 
-/// The alert of one gyro, station or IMU, coefficient and rule.
+/// The alert of one gyro, station, IMU or batch, coefficient and rule.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AlertRow {
     pub id: Id,
@@ -88,7 +93,7 @@ pub struct AlertRow {
     pub silenced: Option<Remark>,
     /// Of [`Alert::muted_until`]: the silence, and what was said of it.
     pub muted: Option<(Id, Remark)>,
-    /// Of [`Alert::inhibited`]: the alert of the station or IMU that explains it.
+    /// Of [`Alert::inhibited`]: the alert of the station, batch or IMU that explains it.
     pub inhibited_by: Option<Id>,
     /// The last verdict as clients read it, JSON.
     pub finding: String,
@@ -122,7 +127,7 @@ impl Columns for AlertRow {
 
     fn put_all(&self, row: &mut Row<'_>) {
         let Self { id, of, coefficient, rule, alert, acknowledged, silenced, muted, inhibited_by, finding } = self;
-        row.put(id).put(&of.gyro()).put(&of.station()).put(&of.imu()).put(coefficient).put(rule);
+        row.put(id).put(&of.gyro().or(of.batch())).put(&of.station()).put(&of.imu()).put(coefficient).put(rule);
         row.put(&alert.status).put(&alert.severity).put(&alert.since).put(&alert.fired_at).put(&alert.resolved_at);
         row.put(&alert.record_at).put(&alert.within);
         row.put(&alert.told.map(|told| told.at)).put(&alert.told.map(|told| told.severity));
@@ -153,8 +158,10 @@ const SELECT: &str = "SELECT alert.id, gyro, alert.station, alert.imu, inhibited
 
 fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
     let instant = |column: &'static str| row.part::<Option<UtcMicros>>(&[column]);
+    let rule: Rule = row.part(&["rule"])?;
     let of: [Option<u32>; 3] = row.part(&["gyro", "station", "imu"])?;
     let of = match of {
+        [Some(gyro), ..] if rule == Rule::BatchShift => AlertOf::Batch(gyro),
         [Some(gyro), ..] => AlertOf::Gyro(gyro),
         [_, Some(station), _] => AlertOf::Station(station),
         [.., Some(imu)] => AlertOf::Imu(imu),
@@ -170,7 +177,7 @@ fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
         id: row.part(&["id"])?,
         of,
         coefficient: row.part(&["coefficient"])?,
-        rule: row.part(&["rule"])?,
+        rule,
         alert: Alert {
             status: row.part(&["status"])?,
             severity: row.part(&["severity"])?,
@@ -194,6 +201,9 @@ fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
     })
 }
 
+/// That it is no alert of the batch of its gyro.
+const OF_ITSELF: &str = "alert.rule <> 'batch_shift'";
+
 /// How an alert stands for whoever looks at it.
 const STANDING: &str = "CASE WHEN alert.status = 'resolved' THEN 'resolved'
                              WHEN alert.silenced_until > $7 OR alert.muted_until > $7 THEN 'silenced'
@@ -207,7 +217,7 @@ fn conditions(store: &Store, filter: &AlertFilter) -> String {
     let imu =
         store.readers.words(Sql { sqlite: "alert.finding->>'imu'", postgres: "CAST(alert.finding AS JSONB)->>'imu'" });
     let asked = [
-        (filter.gyro.is_some(), "alert.gyro = $1".to_owned()),
+        (filter.gyro.is_some(), format!("alert.gyro = $1 AND {OF_ITSELF}")),
         (filter.coefficient.is_some(), "alert.coefficient = $2".to_owned()),
         (filter.rule.is_some(), "alert.rule = $3".to_owned()),
         (filter.severity.is_some(), "alert.severity = $4".to_owned()),
@@ -267,7 +277,7 @@ pub async fn gyros_found(
         false => "max(head.rank) DESC, max(head.load) DESC, max(head.serial)",
     };
     let sql = AssertSqlSafe(format!(
-        "SELECT alert.gyro FROM alert JOIN head ON head.gyro = alert.gyro WHERE {conditions}
+        "SELECT alert.gyro FROM alert JOIN head ON head.gyro = alert.gyro WHERE {conditions} AND {OF_ITSELF}
          GROUP BY alert.gyro ORDER BY {order} LIMIT $8 OFFSET $9"
     ));
     let rows: Vec<Whole<u32>> = on!(store.readers, db => bound!(sqlx::query_scalar(sql), filter, now)
@@ -303,7 +313,8 @@ pub async fn standings(
 ) -> Result<Vec<(Standing, [usize; 2])>, StoreError> {
     let conditions = conditions(store, filter);
     let sql = AssertSqlSafe(format!(
-        "SELECT {STANDING}, count(*), count(DISTINCT alert.gyro) FROM alert WHERE {conditions} GROUP BY 1"
+        "SELECT {STANDING}, count(*), count(DISTINCT alert.gyro) FILTER (WHERE {OF_ITSELF}) FROM alert
+         WHERE {conditions} GROUP BY 1"
     ));
     let rows: Vec<(String, i64, i64)> =
         on!(store.readers, db => bound!(sqlx::query_as(sql), filter, now).fetch_all(db).await?);
@@ -353,9 +364,9 @@ pub async fn all(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
     read!(store, all, select("true"))
 }
 
-/// Every alert of a station or an IMU that there has been: few.
+/// Every alert of a station, a batch or an IMU that there has been: few.
 pub async fn of_no_gyro(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
-    read!(store, all, select("alert.gyro IS NULL"))
+    read!(store, all, select(&format!("alert.gyro IS NULL OR NOT {OF_ITSELF}")))
 }
 
 /// Alerts of gyros that this one explains.
@@ -365,14 +376,14 @@ pub async fn inhibited_by(store: &Store, by: Id) -> Result<Vec<AlertRow>, StoreE
 
 /// Every alert of several gyros, in the order in which they first fired.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
-    let sql = select(&format!("alert.gyro IN ({})", store.readers.words(LISTED)));
+    let sql = select(&format!("alert.gyro IN ({}) AND {OF_ITSELF}", store.readers.words(LISTED)));
     read!(store, all, sql, serde_json::json!(gyros).to_string())
 }
 
 /// The alerts of several gyros that fire, acknowledged or silenced as they may be, in the order in which they first
 /// did.
 pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
-    let sql = select(&format!("alert.gyro IN ({}) AND status = 'firing'", store.readers.words(LISTED)));
+    let sql = select(&format!("alert.gyro IN ({}) AND {OF_ITSELF} AND status = 'firing'", store.readers.words(LISTED)));
     read!(store, all, sql, serde_json::json!(gyros).to_string())
 }
 

@@ -1,6 +1,6 @@
 //! What a laboratory says of its gyros.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::core::gyro_attributes::GyroAttributes;
 use crate::store::batch::{Batch, OnConflict};
@@ -34,4 +34,19 @@ pub async fn of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, GyroAttribu
     let rows: Vec<Said> = read!(store, query_as.fetch_all, sql, gyros);
     let row = |(Whole(gyro), batch, r#type, unit)| (gyro, GyroAttributes { batch, r#type, unit });
     Ok(rows.into_iter().map(row).collect())
+}
+
+/// Gyros of the batches that these are of, each with the one of these.
+pub async fn mates(store: &Store, gyros: &[u32]) -> Result<BTreeMap<u32, u32>, StoreError> {
+    if gyros.is_empty() {
+        return Ok(BTreeMap::new());
+    }
+    let sql = store.readers.words(listed!(
+        "SELECT mate.gyro, known.gyro FROM gyro_attribute AS known
+         JOIN gyro_attribute AS mate ON mate.batch = known.batch WHERE known.gyro"
+    ));
+    let gyros = serde_json::json!(gyros).to_string();
+    let rows: Vec<(Whole<u32>, Whole<u32>)> =
+        on!(store.readers, db => sqlx::query_as(sql).bind(gyros).fetch_all(db).await?);
+    Ok(rows.into_iter().map(|(Whole(mate), Whole(known))| (mate, known)).collect())
 }

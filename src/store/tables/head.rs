@@ -526,8 +526,8 @@ columns! {
     }
 }
 
-/// Newest calibrations that were made no earlier than `from`, of as many gyros as a fleet may have calibrated since; by
-/// one station, of as many as tell what it does.
+/// Newest calibrations that were made no earlier than `from`, of as many gyros as tell what a fleet does; by one station,
+/// of as many as tell what it does.
 pub async fn calibrated_since(
     store: &Store,
     from: UtcMicros,

@@ -1,5 +1,6 @@
 //! Records as stations sent them, and what was decided about them.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use sqlx::AssertSqlSafe;
@@ -350,6 +351,32 @@ pub async fn listed(
     let names = [found.iter().map(|one| one.imu).collect(), found.iter().map(|one| one.station).collect(), Vec::new()];
     look_up_numbers(store, names).await?;
     Ok(found)
+}
+
+/// All that a station has calibrated and that counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StationTotals {
+    pub records: usize,
+    /// That it has ever calibrated.
+    pub gyros: usize,
+    pub imus: usize,
+    pub first: UtcMicros,
+    pub last: UtcMicros,
+}
+
+/// Of every station with a record that counts. Reads every record.
+pub async fn of_stations(store: &Store) -> Result<HashMap<u32, StationTotals>, StoreError> {
+    let sql =
+        "SELECT station, count(*), (SELECT count(*) FROM gyro_station WHERE gyro_station.station = record.station),
+                      count(DISTINCT imu), min(calibrated_at), max(calibrated_at)
+               FROM record WHERE voided = 0 GROUP BY station";
+    type Row = (Whole<u32>, i64, i64, i64, i64, i64);
+    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
+    let totals = |(Whole(station), records, gyros, imus, first, last): Row| {
+        let [records, gyros, imus] = [records, gyros, imus].map(|count| count.unsigned_abs() as usize);
+        (station, StationTotals { records, gyros, imus, first: UtcMicros(first), last: UtcMicros(last) })
+    };
+    Ok(rows.into_iter().map(totals).collect())
 }
 
 fn json_of(ids: impl IntoIterator<Item = Id>) -> String {

@@ -393,6 +393,7 @@ page_overdue_gyros = overdue
 page_alert_inhibited = inhibited
 page_explained_by_another = explained by another alert
 page_stations_alerts = Stations
+page_batches_alerts = Batches
 page_imus_alerts = IMUs
 page_inhibited_by_it = Alerts of gyros that it explains
 page_handling = Handling

@@ -54,6 +54,10 @@ station_shift = The median { $name } of { $gyros } gyros of { $imus } IMUs is { 
     [below] below
    *[above] above
 } their baselines ({ $since } to { $until }). It is the station, or what these gyros share.
+batch_shift = The median { $name } of { $gyros } gyros of { $imus } IMUs of the batch is { $value } { $side ->
+    [below] below
+   *[above] above
+} their baselines ({ $since } to { $until }). Other gyros have not moved.
 imu_shift = All { $gyros } gyros of the IMU have moved at once from their baselines in { $name }, by { $value } or more. It is the IMU, its mounting or that calibration, rather than one gyro.
 forecast = { $slot } is furthest from the forecast of the adopted model, by an rms of { $value } (p { $p } over all gyros).
 forecast_dwell = Dwell { $dwell } is furthest, by { $z } standard deviations.
@@ -116,6 +120,7 @@ rule_before_after = before and after a test
 rule_station_shift = shift of a station
 rule_forecast = forecast
 rule_imu_shift = shift of an IMU
+rule_batch_shift = shift of a batch
 
 # A line of a hook.
 alert_fires = { $serial }: { $coefficient } { $rule } fires ({ $severity })

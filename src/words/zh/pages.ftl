@@ -393,6 +393,7 @@ page_overdue_gyros = 超期
 page_alert_inhibited = 已抑制
 page_explained_by_another = 由另一告警解释
 page_stations_alerts = 测试站
+page_batches_alerts = 批次
 page_imus_alerts = 惯组
 page_inhibited_by_it = 由其解释的陀螺告警
 page_handling = 处理情况

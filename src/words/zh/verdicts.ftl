@@ -51,6 +51,10 @@ station_shift = { $imus }个惯组{ $gyros }个陀螺的{ $name }中位数比各
     [below] 低
    *[above] 高
 }{ $value }（{ $since }至{ $until }）。原因在测试站，或在这些陀螺的共同之处。
+batch_shift = 本批次{ $imus }个惯组{ $gyros }个陀螺的{ $name }中位数比各自基线{ $side ->
+    [below] 低
+   *[above] 高
+}{ $value }（{ $since }至{ $until }）。其他陀螺没有移动。
 imu_shift = 惯组的全部{ $gyros }个陀螺的{ $name }同时偏离各自基线，至少{ $value }。原因在惯组、其安装或该次标定，而不在某一个陀螺。
 forecast = { $slot }与已采用模型的预报相差最大，均方根为{ $value }（全部陀螺 p { $p }）。
 forecast_dwell = 偏离最大的是第{ $dwell }个测点，{ $z }倍标准差。
@@ -108,6 +112,7 @@ rule_before_after = 试验前后
 rule_station_shift = 测试站偏移
 rule_forecast = 预报
 rule_imu_shift = 惯组偏移
+rule_batch_shift = 批次偏移
 
 # 推送的一行。
 alert_fires = { $serial }：{ $coefficient } { $rule } 告警（{ $severity }）

@@ -69,7 +69,7 @@ impl<'a> Case<'a> {
     }
 
     /// Standard deviation of what one station adds to the column.
-    fn between_stations(&self) -> f64 {
+    pub fn between_stations(&self) -> f64 {
         self.limits.between_stations.get(self.column).copied().unwrap_or(0.0)
     }
 

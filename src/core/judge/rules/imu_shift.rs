@@ -1,13 +1,13 @@
 //! `imu_shift`: an IMU of which every gyro has moved in its newest calibration. Judged by the clock, over the fleet, and
 //! not by one record.
 //!
-//! d_g = x_g - b_g is the deviation of gyro g from its own baseline, or d_g - M where that is less and its station has
-//! done M to all ([`station_shift`](super::station_shift())), which may be over for this IMU. Gyros drift by themselves,
+//! d_g = x_g - b_g is the deviation of gyro g from its own baseline, or d_g - M where that is less and its station or batch
+//! has moved by M ([`group_shift`](super::group_shift())), which may be over for this IMU. Gyros drift by themselves,
 //! and do not all do so on one day: where the smallest |d_g| of [`GYROS`] or more exceeds the limit, and none of them did
 //! before, the IMU, its mounting or that calibration is to be looked at first. Signs and sizes may differ: each gyro has
 //! its own place in the IMU.
 
-use super::station_shift::Calibrated;
+use super::group_shift::Calibrated;
 use crate::core::judge::decide::beyond;
 use crate::core::judge::limits::Limit;
 use crate::core::judge::{Coefficient, Finding, Measured, Rule, State, Verdict};
@@ -15,34 +15,32 @@ use crate::core::judge::{Coefficient, Finding, Measured, Rule, State, Verdict};
 /// Fewer gyros may have moved on one day by themselves.
 const GYROS: usize = 3;
 
-/// What is asked of an IMU: the limit, deg/(h g0), what its station has done (M), whether one of its gyros has exceeded
-/// its limit before the others, and whether a second campaign has confirmed what one of them exceeds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ImuQuestion {
+/// What is asked of an IMU: the limit, deg/(h g0), what each of its gyros has moved by with its station and batch (M),
+/// whether one of them has exceeded its limit before the others, and whether a second campaign has confirmed what one of
+/// them exceeds.
+pub struct ImuQuestion<'a> {
     pub limit: Limit,
     pub confidence: f64,
-    pub station: Option<Measured>,
+    pub shared: &'a dyn Fn(&Calibrated) -> Vec<Measured>,
     pub one_did_before: bool,
     pub confirmed: bool,
 }
 
 /// Judges the gyros of one IMU in its newest calibration (column 0: D_I, 1: D_S); `newest` are theirs. Those without a
 /// baseline have nothing to be compared with.
-pub fn imu_shift(newest: &[&Calibrated], column: usize, asked: &ImuQuestion) -> Verdict {
+pub fn imu_shift(newest: &[&Calibrated], column: usize, asked: &ImuQuestion<'_>) -> Verdict {
     let coefficient = [Coefficient::DI, Coefficient::DS][column];
     let few = |have: usize| {
         Verdict::undecided(coefficient, Rule::ImuShift, asked.limit, Finding::TooFew { have, need: GYROS })
     };
     let last = newest.iter().map(|one| one.at).max();
     let together = newest.iter().filter(|one| Some(one.at) == last);
-    let beside_station = |of: Measured| match asked.station {
-        None => of,
-        Some(shift) if (of.value - shift.value).abs() < of.value.abs() => {
-            Measured { value: of.value - shift.value, ..of.beside(shift.sd.unwrap_or(0.0)) }
-        }
-        Some(_) => of,
+    let beside = |of: Measured, shift: &Measured| {
+        let left = Measured { value: of.value - shift.value, ..of.beside(shift.sd.unwrap_or(0.0)) };
+        if left.value.abs() < of.value.abs() { left } else { of }
     };
-    let moved: Vec<Measured> = together.filter_map(|one| one.deviation[column]).map(beside_station).collect();
+    let own = |one: &&Calibrated| Some((asked.shared)(one).iter().fold(one.deviation[column]?, beside));
+    let moved: Vec<Measured> = together.filter_map(|one| own(&*one)).collect();
     let least = moved.iter().min_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
     let Some(least) = least.filter(|_| moved.len() >= GYROS) else { return few(moved.len()) };
     let states = moved.iter().map(|of| beyond(*of, asked.limit.value, asked.confidence).state);
@@ -80,13 +78,14 @@ mod tests {
         deviations.iter().enumerate().map(of).collect()
     }
 
-    fn asked(station: Option<Measured>, confirmed: bool) -> ImuQuestion {
-        let limit = Limit { value: LIMIT, from: LimitKey::BUDGET };
-        ImuQuestion { limit, confidence: 0.95, station, one_did_before: false, confirmed }
+    fn told(newest: &[Calibrated], station: Option<Measured>, confirmed: bool) -> Verdict {
+        judged(newest, station, [false, confirmed])
     }
 
-    fn told(newest: &[Calibrated], station: Option<Measured>, confirmed: bool) -> Verdict {
-        let asked = asked(station, confirmed);
+    fn judged(newest: &[Calibrated], station: Option<Measured>, [one_did_before, confirmed]: [bool; 2]) -> Verdict {
+        let limit = Limit { value: LIMIT, from: LimitKey::BUDGET };
+        let shared = |_: &Calibrated| station.into_iter().collect();
+        let asked = ImuQuestion { limit, confidence: 0.95, shared: &shared, one_did_before, confirmed };
         imu_shift(&newest.iter().collect::<Vec<_>>(), 1, &asked)
     }
 
@@ -134,8 +133,7 @@ mod tests {
     #[test]
     fn gyros_that_exceed_one_after_the_other_have_not_moved_at_once() {
         let all = gyros(&[Some(0.05), Some(-0.02), Some(0.03)]);
-        let question = ImuQuestion { one_did_before: true, ..asked(None, true) };
-        let verdict = imu_shift(&all.iter().collect::<Vec<_>>(), 1, &question);
+        let verdict = judged(&all, None, [true, true]);
         assert_eq!((verdict.state, verdict.confirmed), (State::Indeterminate, false));
     }
 }

@@ -6,22 +6,22 @@ mod before_after;
 mod case;
 mod closure;
 mod forecast;
+mod group_shift;
 mod imu_shift;
 mod overdue;
 mod range;
 mod requirement;
 mod rms_successive;
 mod shift;
-mod station_shift;
 mod step;
 mod trend;
 
 pub use agreement::{SourcedResult, agreement};
 pub use forecast::{FALSE_ALARMS, Foretold, ForetoldGyro, forecast};
+pub use group_shift::{Calibrated, Group, ShiftQuestion, Suspected, group_shift, has_grown, in_common, is_explained};
 pub use imu_shift::{ImuQuestion, imu_shift};
 pub use overdue::overdue;
 pub use requirement::requirement;
-pub use station_shift::{Calibrated, ShiftQuestion, Suspected, in_common, is_explained, station_shift};
 
 pub(super) use case::Case;
 pub(super) use closure::closure;

@@ -20,8 +20,8 @@ const STRAIGHT: f64 = 2.0;
 ///
 /// The line is that of least squares through the last 24 cells, one or two cells that are four standard deviations
 /// off the rest left out; where it bends by more than two standard deviations, through the last 20, 16, 12 or 8. Its
-/// standard deviation counts the level and the slope together, the baseline, the scatter with its correlation, and
-/// the walk of the level, now and until the date. A slope is established where it is more than the normal quantile of
+/// standard deviation counts the level and the slope together, the baseline, the scatter with its correlation, the
+/// walk of the level, now and until the date, and what stations differ by where they are several. A slope is established where it is more than the normal quantile of
 /// `limits.confidence` (3.3) times its standard deviation; a step explains it away where that fits the cells better.
 /// The horizon is `limits.horizon_days`, but never longer than the cells span: nine days of records do not foretell a
 /// quarter. Dates are where the 95 % band of the line crosses the budget; while the course is younger than the
@@ -46,7 +46,7 @@ pub(crate) fn trend(case: &Case<'_>, limits: &TrendLimits, fixed: Option<Measure
         case.verdict(Rule::Trend, limit, Measured::exact(deviation), outcome, finding)
     };
     let straight = TREND_CELLS.iter().filter(|n| **n <= points.len()).find_map(|n| {
-        let line = Line::through(points.newest(*n), noise, prior);
+        let line = Line::through(points.newest(*n), noise, prior, case.between_stations());
         let flat = *n == longest && !line.has_slope(limits.confidence);
         (flat || line.bend().abs() <= STRAIGHT).then_some(line)
     });
@@ -72,4 +72,5 @@ pub(crate) fn trend(case: &Case<'_>, limits: &TrendLimits, fixed: Option<Measure
         of_fleet: noise.of_fleet,
     };
     case.verdict(Rule::Trend, limit, ahead, case.beyond(ahead, limit.value), finding)
+        .between_stations(forecast.between_stations(horizon))
 }

@@ -55,12 +55,13 @@ impl WriterState {
         let shifts = if self.writer.is_one_of_many() {
             Vec::new()
         } else {
-            self.shared_shifts(now).of_group(found, changes).await?
+            self.shared_shifts(now).of_arrivals(found, changes).await?
         };
+        self.alerts.learn_mates(&shifts);
         {
             let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
             let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: causes.late() };
-            for SharedVerdict { of, verdict, origin } in &shifts {
+            for SharedVerdict { of, verdict, origin, .. } in &shifts {
                 self.alerts.follow(*of, verdict, origin, &mut pen);
             }
             follow_group(&mut self.alerts, &self.judge, found, sent, agreements, causes, &mut pen);

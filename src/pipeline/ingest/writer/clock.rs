@@ -30,6 +30,16 @@ impl ClockTick<'_> {
             return;
         }
         let followed = self.try_tick().await;
+        self.end(followed).await;
+    }
+
+    /// Lets the alerts of what is shared follow what has been written, whichever server the clock is on.
+    pub async fn look_at_shared(&mut self) {
+        let followed = self.follow_shared().await;
+        self.end(followed).await;
+    }
+
+    async fn end(&mut self, followed: Result<(), StoreError>) {
         self.state.writer.give_back().await;
         if let Err(error) = followed {
             self.state.start_over();
@@ -107,7 +117,7 @@ impl ClockTick<'_> {
         if changes.is_empty() { Ok(()) } else { self.state.commit(&changes).await }
     }
 
-    /// Lets the alerts of stations and IMUs follow the clock, and those of gyros that they explain. Where nothing is
+    /// Lets the alerts of what is shared follow the clock, and those of gyros that they explain. Where nothing is
     /// written of gyros, time alone changes what they share, slowly: by what is no longer recent.
     async fn follow_shared(&mut self) -> Result<(), StoreError> {
         let now = self.now;
@@ -120,6 +130,7 @@ impl ClockTick<'_> {
         self.state.alerts.recall(&self.state.store, [], now).await?;
         let rows = store::alerts::firing_that_may_be_shared(&self.state.store).await?;
         let found = self.shared_shifts().all(&rows).await?;
+        self.state.alerts.learn_mates(&found);
         let is_anything = {
             let tables = self.state.store.names().read();
             let naming = Naming { tables: &tables, new: None };
@@ -144,13 +155,14 @@ impl ClockTick<'_> {
         let gyros: BTreeSet<u32> = rows.iter().filter_map(|row| row.of.gyro()).collect();
         self.state.alerts.recall(&self.state.store, gyros, now).await?;
         let (found, mut changes) = (self.shared_shifts().all(&rows).await?, Changes::default());
+        self.state.alerts.learn_mates(&found);
         {
             let naming = Naming { tables: &self.state.store.names().read(), new: None };
             let mut pen = Pen { now, writer: &mut self.state.writer, naming, cause: None, late: Late::Clock };
             let off: Vec<(AlertOf, Id)> =
                 self.state.alerts.shared().not_judged(&found).map(|row| (row.of, row.id)).collect();
             off.into_iter().for_each(|(of, id)| self.state.alerts.reset(of, |row| row.id == id, &mut pen));
-            for SharedVerdict { of, verdict, origin } in &found {
+            for SharedVerdict { of, verdict, origin, .. } in &found {
                 self.state.alerts.follow(*of, verdict, origin, &mut pen);
             }
             let anew = self.state.alerts.shared().explained_anew(&rows, &naming);

@@ -103,5 +103,12 @@ fn origin(imu: u32, head: &RecordHead, verdict: &Verdict) -> Origin {
         Finding::Forecast { slot, .. } => Some(slot),
         _ => None,
     };
-    Origin { at: head.calibrated_at, item: Some(head.id), imu: Some(imu), slot, station: Some(head.station) }
+    Origin {
+        at: head.calibrated_at,
+        item: Some(head.id),
+        imu: Some(imu),
+        slot,
+        station: Some(head.station),
+        batch: None,
+    }
 }

@@ -116,6 +116,7 @@ impl Task {
             let (mut group, mut items) = (Vec::new(), 0);
             let most = if self.state.writer.committer().is_some() { overlapped::MAX_ITEMS } else { self.items_at_once };
             let (mut orders, mut findings, mut digests) = (Orders::new(), Findings::new(), Vec::new());
+            let mut shared = Vec::new();
             for job in jobs.drain(..) {
                 let job = match job {
                     Job::Store { items, by, with_verdicts, late, reply } => {
@@ -171,6 +172,10 @@ impl Task {
                         digests.push(reply);
                         continue;
                     }
+                    Job::Shared(reply) => {
+                        shared.push(reply);
+                        continue;
+                    }
                     Job::Access { order, by, reply } => {
                         let done = in_turn!(self.state, Cells::one(0), self.register(&order, &by));
                         let _gone = reply.send(done);
@@ -198,6 +203,11 @@ impl Task {
                 self.finish().await;
             }
             // After what was queued before.
+            if !shared.is_empty() {
+                let now = self.state.clock.now();
+                ClockTick { state: &mut self.state, now }.look_at_shared().await;
+                shared.into_iter().for_each(|reply| drop(reply.send(Ok(()))));
+            }
             for reply in digests {
                 let told = in_turn!(self.state, Cells::all(), self.state.tell_digest());
                 let _gone = reply.send(told);

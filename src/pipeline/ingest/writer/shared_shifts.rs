@@ -1,24 +1,28 @@
-//! The writer's part in alerts of stations and IMUs: what the newest calibrations of the fleet say that their gyros
-//! share.
+//! The writer's part in alerts of stations, batches and IMUs: what the newest calibrations of the fleet say that their
+//! gyros share.
 //!
 //! A file's writer asks with every group in which a gyro begins to exceed a limit, so that the group's other gyros are
 //! told of as one; the clock asks at every tick. Among several servers only the clock does, which holds every cell.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::Arc;
 
 use crate::config::Config;
 use crate::core::judge::{
-    Calibrated, Coefficient, ImuQuestion, Measured, Rule, Severity, ShiftQuestion, State, Verdict, imu_shift,
-    station_shift,
+    Calibrated, Coefficient, Group, ImuQuestion, Measured, Rule, Severity, ShiftQuestion, State, Verdict, group_shift,
+    imu_shift,
 };
-use crate::core::time::UtcMicros;
+use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::alerts::{AlertCache, Naming, Origin, SharedVerdict};
 use crate::pipeline::ingest::judge::{Judged, Newest};
 use crate::store;
 use crate::store::{AlertOf, AlertRow, Changes, Store, StoreError};
 
-/// Calibrations that count for the comparison of stations, days.
+/// Calibrations that tell what a station or a batch does now, days.
 const LATELY: f64 = 60.0;
+
+/// Those that gyros may share, by column.
+const COEFFICIENTS: [Coefficient; 2] = [Coefficient::DI, Coefficient::DS];
 
 /// A gyro exceeds a limit since an instant, of D_I (column 0) or D_S (1), by a rule that may be shared.
 #[derive(Debug, Clone, Copy)]
@@ -38,7 +42,7 @@ impl Exceeding {
     }
 }
 
-/// What gyros share, by station and by IMU.
+/// What gyros share, by station, by batch and by IMU.
 pub(super) struct SharedShifts<'a> {
     pub store: &'a Store,
     pub config: &'a Config,
@@ -48,7 +52,7 @@ pub(super) struct SharedShifts<'a> {
 
 impl SharedShifts<'_> {
     /// What the gyros of a group share, where one of them begins to exceed a limit, or exceeds it more gravely.
-    pub async fn of_group(&self, found: &Judged, changes: &Changes) -> Result<Vec<SharedVerdict>, StoreError> {
+    pub async fn of_arrivals(&self, found: &Judged, changes: &Changes) -> Result<Vec<SharedVerdict>, StoreError> {
         let is_news = |newest: &Newest, verdict: &Verdict| {
             let is_known = |row: &AlertRow| {
                 (row.coefficient, row.rule) == (verdict.coefficient, verdict.rule)
@@ -79,16 +83,24 @@ impl SharedShifts<'_> {
                 exceed.extend(column.zip(severity).map(of));
             }
         }
+        let gyros: Vec<u32> = found.newest.iter().map(|newest| newest.gyro).collect();
+        let mut attributes = store::gyro_attribute::of(self.store, &gyros).await?;
+        attributes.extend(changes.attributes.iter().map(|row| (row.gyro, row.attributes.clone())));
+        let batches: HashMap<u32, Arc<str>> =
+            attributes.into_iter().filter_map(|(gyro, of)| Some((gyro, of.batch?.into()))).collect();
+        let is_of_batch = exceeding.iter().any(|newest| batches.contains_key(&newest.gyro));
         // Whether a station has shifted its own newest calibrations tell; the fleet's are only asked whether it alone has.
         let mut near = Vec::new();
-        for station in &stations {
+        for station in stations.iter().filter(|_| !is_of_batch) {
             near.extend(self.calibrated(Some(*station)).await?);
         }
-        let mut calibrated = self.with_group(near, found, changes);
-        let mut judged = self.of_stations(&calibrated, &stations);
-        if judged.iter().any(|one| one.verdict.state == State::Exceeded) {
-            calibrated = self.with_group(self.calibrated(None).await?, found, changes);
-            judged = self.of_stations(&calibrated, &stations);
+        let mut calibrated = self.with_group(near, found, changes, &batches);
+        let mut judged = self.of_stations(&self.lately(&calibrated), &stations);
+        if is_of_batch || judged.iter().any(|one| one.verdict.state == State::Exceeded) {
+            calibrated = self.with_group(self.calibrated(None).await?, found, changes, &batches);
+            let lately = self.lately(&calibrated);
+            judged = self.of_stations(&lately, &stations);
+            judged.extend(self.of_batches(&lately));
         }
         // Of what is over the clock judges, which knows every gyro of an IMU.
         let of_imus = self.of_imus(&calibrated, &imus, &judged, &exceed);
@@ -97,7 +109,13 @@ impl SharedShifts<'_> {
     }
 
     /// Stored calibrations with those of a group in their place.
-    fn with_group(&self, stored: Vec<Calibrated>, found: &Judged, changes: &Changes) -> Vec<Calibrated> {
+    fn with_group(
+        &self,
+        stored: Vec<Calibrated>,
+        found: &Judged,
+        changes: &Changes,
+        batches: &HashMap<u32, Arc<str>>,
+    ) -> Vec<Calibrated> {
         let mut newest: HashMap<u32, Calibrated> = stored.into_iter().map(|row| (row.gyro, row)).collect();
         let tables = self.store.names().read();
         let naming = Naming { tables: &tables, new: Some(changes) };
@@ -105,82 +123,115 @@ impl SharedShifts<'_> {
             let loads = changes.heads.outlooks.get(&(figures.record, *gyro)).map_or([None; 3], |outlook| outlook.load);
             let budgets = self.budgets(&naming.imu(figures.imu), &naming.gyro(*gyro));
             let deviation = [0, 1].map(|column| times(loads[column], budgets[column]));
-            let batch = newest.remove(gyro).and_then(|known| known.batch);
+            let batch = batches.get(gyro).cloned();
             let (imu, station, at) = (figures.imu, figures.station, figures.at);
             newest.insert(*gyro, Calibrated { gyro: *gyro, imu, station, at, deviation, batch });
         }
         newest.into_values().collect()
     }
 
-    /// What the gyros of every station and IMU have done lately, and of those that have an alert. `firing`: alerts of
-    /// gyros that may be shared.
+    /// What the gyros of every station, batch and IMU have done lately, of those that have an alert, and of IMUs with a
+    /// gyro that has one, whenever that was calibrated. `firing`: alerts of gyros that may be shared.
     pub async fn all(&self, firing: &[AlertRow]) -> Result<Vec<SharedVerdict>, StoreError> {
         let newest = self.calibrated(None).await?;
+        let exceed: Vec<Exceeding> = firing.iter().filter_map(Exceeding::of).collect();
+        let exceeding: BTreeSet<u32> = exceed.iter().map(|one| one.gyro).collect();
         let recent = self.now.plus_days(-self.config.alerts.backfill_days);
-        let recent = || newest.iter().filter(|one| one.at >= recent);
         let told = || self.alerts.shared().firing().map(|row| row.of);
-        let stations = recent().map(|one| one.station).chain(told().filter_map(AlertOf::station)).collect();
-        let imus = recent().map(|one| one.imu).chain(told().filter_map(AlertOf::imu)).collect();
-        let mut judged = self.of_stations(&newest, &stations);
-        let of_imus =
-            self.of_imus(&newest, &imus, &judged, &firing.iter().filter_map(Exceeding::of).collect::<Vec<_>>());
+        let of_recent = newest.iter().filter(|one| one.at >= recent).map(|one| one.station);
+        let stations = of_recent.chain(told().filter_map(AlertOf::station)).collect();
+        let asked = newest.iter().filter(|one| one.at >= recent || exceeding.contains(&one.gyro));
+        let imus = asked.map(|one| one.imu).chain(told().filter_map(AlertOf::imu)).collect();
+        let lately = self.lately(&newest);
+        let mut judged = self.of_stations(&lately, &stations);
+        judged.extend(self.of_batches(&lately));
+        let of_imus = self.of_imus(&newest, &imus, &judged, &exceed);
         judged.extend(of_imus);
         Ok(judged)
     }
 
+    /// Those that tell what stations and batches do; where a shared alert fires, those since it does.
+    fn lately(&self, newest: &[Calibrated]) -> Vec<Calibrated> {
+        let began = self.alerts.shared().firing().map(|row| row.alert.since).min().unwrap_or(self.now);
+        let from = self.now.plus_days(-LATELY).min(began);
+        newest.iter().filter(|one| one.at >= from).cloned().collect()
+    }
+
     fn of_stations(&self, newest: &[Calibrated], stations: &BTreeSet<u32>) -> Vec<SharedVerdict> {
-        let limits = self.config.judging.limits("", "");
-        let budgets = self.budgets("", "");
+        let of = |station: &u32| self.of_group(newest, AlertOf::Station(*station), &Group::Station(*station));
+        stations.iter().flat_map(of).collect()
+    }
+
+    /// A batch goes by the gyro of its alert, where it has one.
+    fn of_batches(&self, newest: &[Calibrated]) -> Vec<SharedVerdict> {
+        let told: BTreeSet<u32> = self.alerts.shared().firing().filter_map(|row| row.of.batch()).collect();
+        let mut batches: BTreeMap<&Arc<str>, (bool, u32)> = BTreeMap::new();
+        for (one, batch) in newest.iter().filter_map(|one| Some((one, one.batch.as_ref()?))) {
+            let key = (!told.contains(&one.gyro), one.gyro);
+            batches.entry(batch).and_modify(|least| *least = key.min(*least)).or_insert(key);
+        }
+        let of = |(batch, (_, gyro)): (&Arc<str>, (bool, u32))| {
+            self.of_group(newest, AlertOf::Batch(gyro), &Group::Batch(batch.clone()))
+        };
+        batches.into_iter().flat_map(of).collect()
+    }
+
+    fn of_group(&self, newest: &[Calibrated], of: AlertOf, group: &Group) -> Vec<SharedVerdict> {
+        let (limits, budgets) = (self.config.judging.limits("", ""), self.budgets("", ""));
         let mut found = Vec::new();
-        for (station, column) in stations.iter().flat_map(|station| [(*station, 0), (*station, 1)]) {
-            let limit = [&limits.d_i, &limits.d_s][column].of(Rule::StationShift);
+        for (column, coefficient) in COEFFICIENTS.into_iter().enumerate() {
+            let limit = [&limits.d_i, &limits.d_s][column].of(group.rule());
             let Some((limit, budget)) = limit.zip(budgets[column]) else { continue };
-            let of = AlertOf::Station(station);
-            let fires = |row: &AlertRow| row.of == of && row.coefficient.column() == Some(column);
-            let fires = self.alerts.shared().firing().any(fires);
+            let fires = self.alerts.shared().since(of, coefficient).is_some();
             let asked = ShiftQuestion { limit, budget, confidence: limits.confidence, fires };
-            let verdict = station_shift(newest, station, column, &asked);
-            let last = newest.iter().filter(|one| one.station == station).map(|one| one.at).max();
-            let at = last.unwrap_or(self.now);
-            let origin = Origin { at, item: None, imu: None, slot: None, station: Some(station) };
-            found.push(SharedVerdict { of, verdict, origin });
+            let verdict = group_shift(newest, group, column, &asked);
+            let its = || newest.iter().filter(|one| group.holds(one));
+            let (at, gyros) = (its().map(|one| one.at).max().unwrap_or(self.now), its().map(|one| one.gyro).collect());
+            let batch = if let Group::Batch(batch) = group { Some(batch.clone()) } else { None };
+            let origin = Origin { at, item: None, imu: None, slot: None, station: of.station(), batch };
+            found.push(SharedVerdict { of, verdict, origin, gyros });
         }
         found
     }
 
-    /// What the gyros of IMUs have done beside what their stations have.
+    /// What the gyros of IMUs have done beside what their stations and batches have.
     fn of_imus(
         &self,
         newest: &[Calibrated],
         imus: &BTreeSet<u32>,
-        of_stations: &[SharedVerdict],
+        of_groups: &[SharedVerdict],
         exceed: &[Exceeding],
     ) -> Vec<SharedVerdict> {
         let mut exceeding: HashMap<(u32, usize), Vec<&Exceeding>> = HashMap::new();
         exceed.iter().for_each(|one| exceeding.entry((one.gyro, one.column)).or_default().push(one));
         let mut gyros: BTreeMap<u32, Vec<&Calibrated>> = imus.iter().map(|imu| (*imu, Vec::new())).collect();
         newest.iter().for_each(|one| gyros.get_mut(&one.imu).into_iter().for_each(|gyros| gyros.push(one)));
+        let shifts = shifts(of_groups);
         let mut found = Vec::new();
         for (imu, gyros) in gyros {
             let of = AlertOf::Imu(imu);
             let limits = self.config.judging.limits(&self.name_of(imu), "");
             let last = gyros.iter().max_by_key(|one| one.at);
             let (at, station) = last.map_or((self.now, None), |one| (one.at, Some(one.station)));
-            for (column, coefficient) in [Coefficient::DI, Coefficient::DS].into_iter().enumerate() {
+            for (column, coefficient) in COEFFICIENTS.into_iter().enumerate() {
                 let Some(limit) = [&limits.d_i, &limits.d_s][column].of(Rule::ImuShift) else { continue };
                 let its = || gyros.iter().filter_map(|one| exceeding.get(&(one.gyro, column))).flatten();
                 let told = self.alerts.shared().since(of, coefficient);
                 let since = told.unwrap_or(at);
+                let shared = |one: &Calibrated| {
+                    let is_its = |(of, gyros, _): &&Shift| *of == coefficient && gyros.contains(&one.gyro);
+                    shifts.iter().filter(is_its).map(|(.., shift)| *shift).collect()
+                };
                 let asked = ImuQuestion {
                     limit,
                     confidence: limits.confidence,
-                    station: shift_of(station, coefficient, of_stations),
+                    shared: &shared,
                     one_did_before: told.is_none() && its().any(|one| one.since < at),
                     confirmed: its().any(|one| one.since == since && one.severity == Severity::Critical),
                 };
                 let verdict = imu_shift(&gyros, column, &asked);
-                let origin = Origin { at, item: None, imu: Some(imu), slot: None, station };
-                found.push(SharedVerdict { of, verdict, origin });
+                let origin = Origin { at, item: None, imu: Some(imu), slot: None, station, batch: None };
+                found.push(SharedVerdict { of, verdict, origin, gyros: Vec::new() });
             }
         }
         found
@@ -194,10 +245,9 @@ impl SharedShifts<'_> {
         Naming { tables: &self.store.names().read(), new: None }.imu(imu)
     }
 
-    /// The newest calibrations of the fleet, or of one station; where a shared alert fires, those since it does.
+    /// The newest calibrations of the fleet, or of one station.
     async fn calibrated(&self, station: Option<u32>) -> Result<Vec<Calibrated>, StoreError> {
-        let began = self.alerts.shared().firing().map(|row| row.alert.since).min().unwrap_or(self.now);
-        let rows = store::head::calibrated_since(self.store, self.now.plus_days(-LATELY).min(began), station).await?;
+        let rows = store::head::calibrated_since(self.store, Span::EVER.from, station).await?;
         let mut budgets: BTreeMap<(String, String), [Option<f64>; 2]> = BTreeMap::new();
         let calibrated = rows.into_iter().map(|row| {
             let of = (row.imu_name, row.serial);
@@ -218,11 +268,14 @@ impl SharedShifts<'_> {
     }
 }
 
-/// What a station has done to all, where it has.
-fn shift_of(station: Option<u32>, coefficient: Coefficient, found: &[SharedVerdict]) -> Option<Measured> {
-    let of = AlertOf::Station(station?);
-    let of_station = |one: &&SharedVerdict| one.of == of && one.verdict.coefficient == coefficient;
-    found.iter().find(of_station)?.verdict.station_shift()
+/// What the gyros of a station or batch have moved by together.
+type Shift = (Coefficient, BTreeSet<u32>, Measured);
+
+fn shifts(found: &[SharedVerdict]) -> Vec<Shift> {
+    let of = |one: &SharedVerdict| {
+        Some((one.verdict.coefficient, one.gyros.iter().copied().collect(), one.verdict.group_shift()?))
+    };
+    found.iter().filter_map(of).collect()
 }
 
 fn times(load: Option<Measured>, budget: Option<f64>) -> Option<Measured> {

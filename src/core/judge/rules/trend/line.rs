@@ -25,6 +25,9 @@ type Weights = [f64; CELLS];
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line<'a> {
     noise: &'a Noise,
+    /// Standard deviation of what one station adds.
+    between: f64,
+    stations: [Option<u32>; CELLS],
     /// Cells that it was asked of.
     cells: usize,
     n: usize,
@@ -46,9 +49,11 @@ pub(super) struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    pub fn through(points: Points<'_>, noise: &'a Noise, prior: Prior) -> Self {
+    pub fn through(points: Points<'_>, noise: &'a Noise, prior: Prior, between: f64) -> Self {
         let mut line = Self {
             noise,
+            between,
+            stations: [None; CELLS],
             cells: points.len(),
             n: points.len(),
             first: points.first[0],
@@ -63,6 +68,7 @@ impl<'a> Line<'a> {
             freedom: 0.0,
             bend: 0.0,
         };
+        line.stations[..points.len()].copy_from_slice(points.stations);
         line.times[..points.len()].copy_from_slice(points.first);
         line.t[..points.len()].copy_from_slice(points.t);
         line.x[..points.len()].copy_from_slice(points.x);
@@ -111,6 +117,7 @@ impl<'a> Line<'a> {
         self.t.copy_within(i + 1..self.n, i);
         self.x.copy_within(i + 1..self.n, i);
         self.times.copy_within(i + 1..self.n, i);
+        self.stations.copy_within(i + 1..self.n, i);
         self.n -= 1;
     }
 
@@ -124,7 +131,7 @@ impl<'a> Line<'a> {
         self.freedom = n + 3.0;
         let bend = self.bend_weights();
         let value: f64 = bend.iter().zip(&self.x[..self.n]).map(|(w, x)| w * x).sum();
-        let variance = self.variance * self.of_scatter(&bend, &bend) + self.of_walk(&bend, &bend);
+        let variance = self.variance_of(&bend);
         self.bend = if variance > 0.0 { value / variance.sqrt() } else { 0.0 };
     }
 
@@ -167,6 +174,32 @@ impl<'a> Line<'a> {
         self.noise.of_walk(&self.t[..self.n], &u[..self.n], &w[..self.n])
     }
 
+    /// The cells' stations, each with a weight; nothing where stations do not differ.
+    fn at_stations(&self, weights: &Weights) -> Vec<(Option<u32>, f64)> {
+        let n = if self.between == 0.0 { 0 } else { self.n };
+        self.stations.iter().copied().zip(weights.iter().copied()).take(n).collect()
+    }
+
+    /// What stations bring into two sums of figures, a covariance: those of a station share its offset. Nothing where
+    /// all are of one station.
+    fn of_stations(&self, u: &[(Option<u32>, f64)], v: &[(Option<u32>, f64)]) -> f64 {
+        if self.between == 0.0 || u.iter().chain(v).all(|(station, _)| *station == u[0].0) {
+            return 0.0;
+        }
+        let product = |(station, u): &(Option<u32>, f64)| {
+            u * v.iter().filter(|(of, _)| of == station).map(|(_, v)| v).sum::<f64>()
+        };
+        self.between * self.between * u.iter().map(product).sum::<f64>()
+    }
+
+    /// Of a sum of the cells whose weights add up to zero.
+    fn variance_of(&self, weights: &Weights) -> f64 {
+        let stations = self.at_stations(weights);
+        self.variance * self.of_scatter(weights, weights)
+            + self.of_walk(weights, weights)
+            + self.of_stations(&stations, &stations)
+    }
+
     /// Those that were left out among them.
     pub fn cells(&self) -> usize {
         self.cells
@@ -186,9 +219,7 @@ impl<'a> Line<'a> {
 
     /// deg/(h g0) a year.
     pub fn slope(&self) -> Measured {
-        let weights = self.slope_weights();
-        let variance = self.variance * self.of_scatter(&weights, &weights) + self.of_walk(&weights, &weights);
-        Measured { value: self.slope, sd: Some(variance.sqrt()) }
+        Measured { value: self.slope, sd: Some(self.variance_of(&self.slope_weights()).sqrt()) }
     }
 
     pub fn has_slope(&self, confidence: f64) -> bool {
@@ -228,12 +259,14 @@ pub(super) struct Forecast {
     v1: f64,
     vb: f64,
     freedom: f64,
+    /// Of v0, v1 and vb what stations bring.
+    stations: [f64; 3],
 }
 
 impl Forecast {
     /// The scatter's part weighs the cells as the line does, less those that make the baseline. The walk's part
     /// weighs them as the line does, less the newest: the walk from the baseline to the judged record is no error,
-    /// the gyro is there.
+    /// the gyro is there. Stations' part weighs cells and baseline as the scatter's does.
     pub fn of(line: &Line<'_>, level: &Level, now: UtcMicros) -> Self {
         let (slope, of_now) = (line.slope_weights(), line.level_weights());
         let (in_window, apart) = baseline_weights(line, level, now);
@@ -248,15 +281,28 @@ impl Forecast {
         let part = |u: &Weights, v: &Weights, walk_u: &Weights, walk_v: &Weights| {
             line.variance * line.of_scatter(u, v) + line.of_walk(walk_u, walk_v)
         };
+        let of_baseline = level.records.iter().flatten();
+        let of_baseline = of_baseline.map(|record| (Some(record.station), -1.0 / BASELINE_RECORDS as f64));
+        let here: Vec<_> = line.at_stations(&of_now).into_iter().chain(of_baseline).collect();
+        let ahead = line.at_stations(&slope);
+        let stations =
+            [line.of_stations(&here, &here), 2.0 * line.of_stations(&here, &ahead), line.of_stations(&ahead, &ahead)];
         let walk = line.noise.walk;
         Self {
             deviation: line.now() - level.level.value,
             per_year: line.slope,
-            v0: part(&of_scatter, &of_scatter, &of_walk, &of_walk) + of_level,
-            v1: 2.0 * part(&of_scatter, &slope, &of_walk, &slope) + walk * walk,
-            vb: part(&slope, &slope, &slope, &slope),
+            v0: part(&of_scatter, &of_scatter, &of_walk, &of_walk) + of_level + stations[0],
+            v1: 2.0 * part(&of_scatter, &slope, &of_walk, &slope) + walk * walk + stations[1],
+            vb: part(&slope, &slope, &slope, &slope) + stations[2],
             freedom: line.freedom,
+            stations,
         }
+    }
+
+    /// What of the standard deviation so many days ahead comes from different stations.
+    pub fn between_stations(&self, days: f64) -> Option<f64> {
+        let (years, [v0, v1, vb]) = (days / DAYS_A_YEAR, self.stations);
+        Some(v0 + years * (v1 + years * vb)).filter(|variance| *variance > 0.0).map(f64::sqrt)
     }
 
     pub fn at(&self, days: f64) -> Measured {
@@ -341,7 +387,8 @@ mod tests {
         for (v0, v1, vb) in
             [(1e-7, 0.0, 1e-7), (4e-7, -1e-7, 9e-7), (1e-7, 5e-7, 2e-7), (1e-8, 1e-6, 1e-6), (1e-7, 0.0, 9e-6)]
         {
-            let forecast = Forecast { deviation: 0.002, per_year: 0.006, v0, v1, vb, freedom: 11.0 };
+            let forecast =
+                Forecast { deviation: 0.002, per_year: 0.006, v0, v1, vb, freedom: 11.0, stations: [0.0; 3] };
             let [first, middle, last] = forecast.reaches(budget);
             assert!((middle.unwrap() - 0.008 / 0.006 * DAYS_A_YEAR).abs() < 1e-6);
             let near = |what: &str, got: Option<f64>, expected: Option<f64>| match (got, expected) {
@@ -351,7 +398,15 @@ mod tests {
             near("first", first, meets(&forecast, budget, 1.0));
             near("last", last, meets(&forecast, budget, -1.0));
         }
-        let falling = Forecast { deviation: -0.002, per_year: -0.006, v0: 1e-7, v1: 5e-7, vb: 2e-7, freedom: 11.0 };
+        let falling = Forecast {
+            deviation: -0.002,
+            per_year: -0.006,
+            v0: 1e-7,
+            v1: 5e-7,
+            vb: 2e-7,
+            freedom: 11.0,
+            stations: [0.0; 3],
+        };
         let rising = Forecast { deviation: 0.002, per_year: 0.006, ..falling };
         assert_eq!(falling.reaches(budget), rising.reaches(budget), "the side makes no difference");
     }
@@ -363,7 +418,7 @@ mod tests {
         let bend = |x: fn(f64) -> f64| {
             let (x, first, sd) = (t.map(x), [UtcMicros(0); 6], [None; 6]);
             let points = Points { first: &first, t: &t, stations: &[Some(1); 12][..t.len()], x: &x, sd: &sd };
-            Line::through(points, &noise, Prior { least: 1e-6, ..Prior::of(1e-3, &sd) }).bend
+            Line::through(points, &noise, Prior { least: 1e-6, ..Prior::of(1e-3, &sd) }, 0.0).bend
         };
         assert!(bend(|t| 3.0 + 2.0 * t).abs() < 1e-6, "{}", bend(|t| 3.0 + 2.0 * t));
         assert!(bend(|t| 1e-2 * t * t) > 1.0 && bend(|t| -1e-2 * t * t) < -1.0);
@@ -382,7 +437,7 @@ mod tests {
             let first = vec![UtcMicros(0); 12];
             let sd = vec![None; 12];
             let points = Points { first: &first, t: &t, stations: &[Some(1); 12][..t.len()], x: &x, sd: &sd };
-            Line::through(points, &noise, Prior { least: 1e-6, ..Prior::of(1e-3, &sd) }).n
+            Line::through(points, &noise, Prior { least: 1e-6, ..Prior::of(1e-3, &sd) }, 0.0).n
         };
         // Through the eleven others by hand: their line and its residuals' sum of squares over n - 3 = 9.
         let others: Vec<(f64, f64)> =

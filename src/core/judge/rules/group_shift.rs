@@ -1,16 +1,19 @@
-//! `station_shift`: what the gyros that a station calibrated last have moved by together. Judged by the clock, over the
-//! fleet, and not by one record.
+//! `station_shift`, `batch_shift`: what the gyros of a group have moved by together: those that a station calibrated last,
+//! or those of a batch of production. Judged by the clock, over the fleet, and not by one record.
 //!
-//! The newest calibrations of [`IMUS`] IMUs tell what the station does now; what it did before says nothing of that.
 //! d_g = x_g - b_g is the deviation of gyro g from its own baseline in its newest calibration. What n gyros of m IMUs
 //! share is the median M of d_g. Its standard error is sqrt(pi/2) s / sqrt(m): gyros of an IMU are calibrated together
 //! and move together, so that m and not n counts. Those that have moved by half of M at least are told of. s is the scatter about M, 1.4826 median |d_g - M|, and no smaller
 //! than what is stated of the d_g. A few gyros that moved by themselves do not move M.
 //!
-//! It is the station's only where others do not share it: neither what other stations calibrated last, nor is it that
-//! of one batch of gyros alone.
+//! Of a station the newest calibrations of [`IMUS`] IMUs count, within a fortnight: what it did before says nothing of
+//! what it does now. Gyros of a batch change each in its own time: all count that were calibrated in [`LATELY`] days.
+//!
+//! It is the group's only where others do not share it: neither the rest of the fleet, nor is it that of one batch alone
+//! among a station's gyros, nor of one station alone among a batch's. What tells no batch from a station is the station's.
 
 use std::collections::BTreeSet;
+use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
 use crate::core::judge::decide::beyond;
@@ -21,7 +24,9 @@ use crate::core::numerics::normal::{MEDIAN_ERROR, SD_OF_MEDIAN};
 use crate::core::time::UtcMicros;
 
 /// How long before the newest calibration of a station another may lie to count with it, days.
-pub const TOGETHER_DAYS: f64 = 14.0;
+const TOGETHER_DAYS: f64 = 14.0;
+/// The same of a batch, and of the rest of the fleet that either is compared with.
+const LATELY: f64 = 60.0;
 /// Gyros and IMUs that are looked at, the newest; fewer tell no shift, and no fewer than `GYROS_TO_STAY` keep one that
 /// was told.
 const GYROS: usize = 6;
@@ -41,7 +46,45 @@ pub struct Calibrated {
     pub batch: Option<Arc<str>>,
 }
 
-/// What is asked of a station: a limit of the shift, and the whole budget, beyond which it is critical, deg/(h g0).
+/// Gyros that may have moved together.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Group {
+    Station(u32),
+    Batch(Arc<str>),
+}
+
+impl Group {
+    pub fn rule(&self) -> Rule {
+        match self {
+            Self::Station(_) => Rule::StationShift,
+            Self::Batch(_) => Rule::BatchShift,
+        }
+    }
+
+    pub fn holds(&self, one: &Calibrated) -> bool {
+        match self {
+            Self::Station(station) => one.station == *station,
+            Self::Batch(batch) => one.batch.as_ref() == Some(batch),
+        }
+    }
+
+    /// How long before its newest calibration another counts with it, days.
+    fn together_days(&self) -> f64 {
+        if matches!(self, Self::Station(_)) { TOGETHER_DAYS } else { LATELY }
+    }
+
+    /// What else most of these gyros have in common: the batch of a station's, the station of a batch's.
+    fn rival(&self, gyros: &[&Calibrated]) -> Option<Self> {
+        let of = |one: &&Calibrated| match self {
+            Self::Station(_) => one.batch.clone().map(Self::Batch),
+            Self::Batch(_) => Some(Self::Station(one.station)),
+        };
+        let count = |group: &Self| gyros.iter().filter(|one| group.holds(one)).count();
+        gyros.iter().filter_map(of).max_by_key(|group| (count(group), group.clone()))
+    }
+}
+
+/// What is asked of a group: a limit of the shift, and the whole budget, beyond which it is critical, deg/(h g0).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShiftQuestion {
     pub limit: Limit,
@@ -51,17 +94,21 @@ pub struct ShiftQuestion {
     pub fires: bool,
 }
 
-/// Judges what `station` has done to `newest` (column 0: D_I, 1: D_S), the newest calibrations of a fleet. With too
-/// few gyros there is nothing to compare.
-pub fn station_shift(newest: &[Calibrated], station: u32, column: usize, asked: &ShiftQuestion) -> Verdict {
+/// Judges what the gyros of `group` share among `newest` (column 0: D_I, 1: D_S), the newest calibrations of a fleet.
+/// With too few gyros there is nothing to compare.
+pub fn group_shift(newest: &[Calibrated], group: &Group, column: usize, asked: &ShiftQuestion) -> Verdict {
     let coefficient = [Coefficient::DI, Coefficient::DS][column];
     let few = |have: usize, need: usize| {
-        Verdict::undecided(coefficient, Rule::StationShift, asked.limit, Finding::TooFew { have, need })
+        Verdict::undecided(coefficient, group.rule(), asked.limit, Finding::TooFew { have, need })
     };
-    let here: Vec<&Calibrated> = newest.iter().filter(|one| one.station == station).collect();
+    let here: Vec<&Calibrated> = newest.iter().filter(|one| group.holds(one)).collect();
     let Some(last) = here.iter().map(|one| one.at).max() else { return few(0, GYROS) };
-    let together = |one: &&Calibrated| one.deviation[column].is_some() && last.days_since(one.at) <= TOGETHER_DAYS;
-    let here = newest_of(here.into_iter().filter(together).collect());
+    let together =
+        |one: &&Calibrated| one.deviation[column].is_some() && last.days_since(one.at) <= group.together_days();
+    let mut here: Vec<&Calibrated> = here.into_iter().filter(together).collect();
+    if let Group::Station(_) = group {
+        here = newest_of(here);
+    }
     let (gyros, imus) = (here.len(), imus_of(&here));
     let enough = if asked.fires { gyros >= GYROS_TO_STAY } else { gyros >= GYROS && imus >= IMUS };
     let Some(shift) = shared(&here, column).filter(|_| enough) else { return few(gyros, GYROS) };
@@ -71,14 +118,15 @@ pub fn station_shift(newest: &[Calibrated], station: u32, column: usize, asked: 
         here.iter().filter(|one| !exceeds || has_moved(one, column, shift)).copied().collect();
     let (gyros, imus) = (counted.len(), imus_of(&counted));
     let alone = || imus_that_moved(&here, column, shift) < 2;
-    let is_stations = !exceeds || (!alone() && is_of_station(newest, &here, station, column, shift));
+    let lately: Vec<&Calibrated> = newest.iter().filter(|one| last.days_since(one.at) <= LATELY).collect();
+    let is_groups = !exceeds || (!alone() && is_of_group(&lately, &here, group, column, shift));
     let times = || counted.iter().map(|one| one.at);
     Verdict {
-        state: if is_stations { outcome.state } else { State::Indeterminate },
+        state: if is_groups { outcome.state } else { State::Indeterminate },
         value: Some(shift.value.abs()),
         sd: shift.sd,
         probability: outcome.probability,
-        finding: Finding::StationShift {
+        finding: Finding::GroupShift {
             gyros,
             imus,
             since: times().min().unwrap_or(last),
@@ -147,23 +195,26 @@ fn is_half_of(of: Measured, shift: Measured) -> bool {
     of.value * shift.value.signum() >= 0.5 * shift.value.abs()
 }
 
-/// Whether neither the gyros of other stations nor one batch alone have moved alike.
-fn is_of_station(newest: &[Calibrated], here: &[&Calibrated], station: u32, column: usize, shift: Measured) -> bool {
-    let elsewhere: Vec<&Calibrated> =
-        newest.iter().filter(|one| one.station != station && one.deviation[column].is_some()).collect();
-    let moved_everywhere =
-        elsewhere.len() >= GYROS && shared(&elsewhere, column).is_some_and(|of| is_half_of(of, shift));
-    let largest = here
-        .iter()
-        .filter_map(|one| one.batch.as_ref())
-        .max_by_key(|batch| here.iter().filter(|one| one.batch.as_ref() == Some(batch)).count());
-    let others: Vec<&Calibrated> = here.iter().filter(|one| one.batch.as_ref() != largest).copied().collect();
-    let only_a_batch =
-        others.len() >= GYROS_TO_STAY && shared(&others, column).is_some_and(|of| !is_half_of(of, shift));
-    !moved_everywhere && !only_a_batch
+/// Whether neither the rest of the fleet has moved alike, nor only those of its gyros that have something else in common.
+fn is_of_group(newest: &[&Calibrated], here: &[&Calibrated], group: &Group, column: usize, shift: Measured) -> bool {
+    // None where too few tell.
+    let moved = |gyros: &[&Calibrated], fewest: usize| {
+        let known: Vec<&Calibrated> = gyros.iter().filter(|one| one.deviation[column].is_some()).copied().collect();
+        shared(&known, column).filter(|_| known.len() >= fewest).map(|of| is_half_of(of, shift))
+    };
+    let is_station = matches!(group, Group::Station(_));
+    let rest: Vec<&Calibrated> = newest.iter().filter(|one| !group.holds(one)).copied().collect();
+    if moved(&rest, GYROS).unwrap_or(!is_station) {
+        return false;
+    }
+    let Some(rival) = group.rival(here) else { return true };
+    let without: Vec<&Calibrated> = here.iter().filter(|one| !rival.holds(one)).copied().collect();
+    let of_rival: Vec<&Calibrated> = rest.into_iter().filter(|one| rival.holds(one)).collect();
+    let others_moved = moved(&without, GYROS_TO_STAY);
+    others_moved.or_else(|| moved(&of_rival, GYROS_TO_STAY).map(|moved| !moved)).unwrap_or(is_station)
 }
 
-/// What a rule says of one gyro that the station's shift may explain.
+/// What a rule says of one gyro that a shift may explain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Suspected {
     pub rule: Rule,
@@ -191,7 +242,7 @@ impl Suspected {
     }
 }
 
-/// Whether a gyro may lie within its limit by itself, beside what its station has done to all: the `shift` with its
+/// Whether a gyro may lie within its limit by itself, beside what its group has moved by: the `shift` with its
 /// standard error. What moves the gyro beyond the limit all the same is its own doing.
 pub fn is_explained(suspected: &Suspected, shift: Measured, confidence: f64) -> bool {
     let Suspected { rule, value, limit, sd, above } = *suspected;
@@ -209,12 +260,20 @@ pub fn is_explained(suspected: &Suspected, shift: Measured, confidence: f64) -> 
     beyond(Measured { value: own.max(0.0), sd: Some(sd) }, limit, confidence).state != State::Exceeded
 }
 
+/// Whether it exceeds its limit by what it has come to since it was `then`: what its IMU has not done to it.
+pub fn has_grown(suspected: &Suspected, then: f64, confidence: f64) -> bool {
+    let Suspected { value, limit, sd, .. } = *suspected;
+    let growth = Measured { value: (value - then).max(0.0), sd: sd.map(|sd| SQRT_2 * sd) };
+    beyond(growth, limit, confidence).state == State::Exceeded
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::core::judge::LimitKey;
 
     const SD: f64 = 5e-4;
+    const ST_1: Group = Group::Station(1);
 
     fn asked(fires: bool) -> ShiftQuestion {
         let limit = Limit { value: 2.5e-3, from: LimitKey::BUDGET };
@@ -240,22 +299,22 @@ mod tests {
     }
 
     fn state(newest: &[Calibrated]) -> State {
-        station_shift(newest, 1, 0, &asked(false)).state
+        group_shift(newest, &ST_1, 0, &asked(false)).state
     }
 
     #[test]
     fn gyros_of_three_imus_that_moved_together_are_the_stations() {
         let fleet = imus(1, 0, 5, 0.015);
-        let told = station_shift(&fleet, 1, 0, &asked(false));
+        let told = group_shift(&fleet, &ST_1, 0, &asked(false));
         assert_eq!((told.state, told.confirmed, told.coefficient), (State::Exceeded, true, Coefficient::DI));
-        let Finding::StationShift { gyros, imus, since, until, shift } = told.finding else { panic!("{told:?}") };
+        let Finding::GroupShift { gyros, imus, since, until, shift } = told.finding else { panic!("{told:?}") };
         assert_eq!((gyros, imus), (9, 3), "the newest");
         assert_eq!((since, until), (UtcMicros(0).plus_days(2.0), UtcMicros(0).plus_days(4.0)));
         assert!((shift - 0.015).abs() < 3e-4 && told.sd.unwrap() < 1e-3, "{told:?}");
-        let smaller = station_shift(&imus_shifted(-0.006), 1, 0, &asked(false));
+        let smaller = group_shift(&imus_shifted(-0.006), &ST_1, 0, &asked(false));
         assert_eq!((smaller.state, smaller.confirmed), (State::Exceeded, false));
         assert_eq!(state(&imus_shifted(0.0)), State::Within);
-        assert_eq!(station_shift(&fleet, 1, 1, &asked(false)).value, None, "nothing is known of D_S");
+        assert_eq!(group_shift(&fleet, &ST_1, 1, &asked(false)).value, None, "nothing is known of D_S");
     }
 
     fn imus_shifted(by: f64) -> Vec<Calibrated> {
@@ -266,14 +325,14 @@ mod tests {
     fn what_a_station_does_now_is_told_whatever_it_did_before() {
         let mut fleet = imus(1, 0, 3, 0.0);
         fleet.extend(imus(1, 3, 2, 0.015));
-        let told = station_shift(&fleet, 1, 0, &asked(false));
-        let Finding::StationShift { gyros, imus: of, since, .. } = told.finding else { panic!("{told:?}") };
+        let told = group_shift(&fleet, &ST_1, 0, &asked(false));
+        let Finding::GroupShift { gyros, imus: of, since, .. } = told.finding else { panic!("{told:?}") };
         assert_eq!((told.state, gyros, of), (State::Exceeded, 6, 2), "it has begun: the third IMU has not moved");
         assert_eq!(since, UtcMicros(0).plus_days(3.0));
         fleet.extend(imus(1, 5, 1, 0.015));
         assert_eq!(state(&fleet), State::Exceeded);
         fleet.extend(imus(1, 6, 3, 0.0));
-        assert_eq!(station_shift(&fleet, 1, 0, &asked(true)).state, State::Within, "it is over");
+        assert_eq!(group_shift(&fleet, &ST_1, 0, &asked(true)).state, State::Within, "it is over");
     }
 
     #[test]
@@ -291,15 +350,15 @@ mod tests {
     #[test]
     fn a_few_gyros_tell_nothing_and_do_not_end_what_was_told() {
         let few = imus(1, 0, 2, 0.015);
-        assert_eq!(station_shift(&few, 1, 0, &asked(false)).value, None);
-        assert_eq!(station_shift(&few, 1, 0, &asked(true)).state, State::Exceeded);
-        assert_eq!(station_shift(&few[..2], 1, 0, &asked(true)).value, None);
+        assert_eq!(group_shift(&few, &ST_1, 0, &asked(false)).value, None);
+        assert_eq!(group_shift(&few, &ST_1, 0, &asked(true)).state, State::Exceeded);
+        assert_eq!(group_shift(&few[..2], &ST_1, 0, &asked(true)).value, None);
         // What is older than a fortnight does not count with what is new.
         let mut old = imus(1, 0, 5, 0.015);
         old.iter_mut().filter(|one| one.imu > 1).for_each(|one| one.at = one.at.plus_days(30.0));
-        assert_eq!(station_shift(&old, 1, 0, &asked(false)).value.map(|_| ()), Some(()));
+        assert_eq!(group_shift(&old, &ST_1, 0, &asked(false)).value.map(|_| ()), Some(()));
         old.iter_mut().filter(|one| one.imu > 2).for_each(|one| one.at = one.at.plus_days(30.0));
-        assert_eq!(station_shift(&old, 1, 0, &asked(false)).value, None);
+        assert_eq!(group_shift(&old, &ST_1, 0, &asked(false)).value, None);
     }
 
     #[test]
@@ -326,6 +385,98 @@ mod tests {
             one.deviation[0].as_mut().unwrap().value -= 0.015;
         });
         assert_eq!(state(&batch), State::Indeterminate, "only one batch did");
+    }
+
+    /// Two stations of five IMUs each; gyros of batch B-7 are in IMUs of both, or of some IMUs of one.
+    fn batch_of(imus_of_it: &[u32], d_i: f64) -> Vec<Calibrated> {
+        let mut fleet: Vec<Calibrated> = imus(1, 0, 5, 0.0);
+        fleet.extend(imus(2, 5, 5, 0.0));
+        for one in fleet.iter_mut().filter(|one| imus_of_it.contains(&one.imu)) {
+            one.batch = Some("B-7".into());
+            one.deviation[0].as_mut().unwrap().value += d_i;
+        }
+        fleet
+    }
+
+    fn of_batch(newest: &[Calibrated]) -> Verdict {
+        group_shift(newest, &Group::Batch("B-7".into()), 0, &asked(false))
+    }
+
+    #[test]
+    fn gyros_of_a_batch_that_moved_together_are_the_batchs_and_no_stations() {
+        let fleet = batch_of(&[1, 3, 6, 8], -0.015);
+        let told = of_batch(&fleet);
+        assert_eq!((told.state, told.confirmed, told.rule), (State::Exceeded, true, Rule::BatchShift), "{told:?}");
+        let Finding::GroupShift { gyros, imus, shift, .. } = told.finding else { panic!("{told:?}") };
+        assert!((gyros, imus) == (12, 4) && (shift + 0.015).abs() < 3e-4, "{told:?}");
+        for station in [1, 2] {
+            assert_ne!(group_shift(&fleet, &Group::Station(station), 0, &asked(false)).state, State::Exceeded);
+        }
+        assert_eq!(of_batch(&batch_of(&[1, 3, 6, 8], 0.0)).state, State::Within);
+        // Three of its IMUs of four at one station, whose newest they are: still the batch.
+        let fleet = batch_of(&[2, 3, 4, 6], 0.015);
+        assert_eq!(of_batch(&fleet).state, State::Exceeded);
+        assert_ne!(state(&fleet), State::Exceeded, "the fourth moved elsewhere");
+    }
+
+    #[test]
+    fn what_a_station_or_an_imu_does_to_gyros_of_a_batch_is_not_the_batchs() {
+        let mut fleet = batch_of(&[1, 3, 4, 6], 0.0);
+        let shift = |fleet: &mut [Calibrated], of: &dyn Fn(&Calibrated) -> bool| {
+            fleet.iter_mut().filter(|one| of(one)).for_each(|one| one.deviation[0].as_mut().unwrap().value += 0.015);
+        };
+        shift(&mut fleet, &|one| one.station == 1);
+        assert_eq!((of_batch(&fleet).state, state(&fleet)), (State::Indeterminate, State::Exceeded));
+        let mut fleet = batch_of(&[1, 3, 6, 8], 0.0);
+        shift(&mut fleet, &|one| one.imu == 3);
+        assert_eq!(of_batch(&fleet).state, State::Within, "an IMU");
+        shift(&mut fleet, &|_| true);
+        assert_ne!(of_batch(&fleet).state, State::Exceeded, "everywhere");
+        // A station that has calibrated nothing but the batch: nothing tells them apart.
+        let mut only = imus(1, 0, 5, 0.015);
+        only.iter_mut().for_each(|one| one.batch = Some("B-7".into()));
+        only.extend(imus(2, 5, 5, 0.0));
+        assert_eq!((of_batch(&only).state, state(&only)), (State::Indeterminate, State::Exceeded));
+        let few: Vec<Calibrated> = batch_of(&[1, 6], 0.015);
+        assert_eq!(of_batch(&few).state, State::Indeterminate, "of two IMUs: too few");
+    }
+
+    /// Gyros that drift each by itself by half a budget, IMUs that are a quarter off: no group of them has moved.
+    #[test]
+    fn of_clean_fleets_one_in_a_hundred_at_most_is_told_of() {
+        use rand::{RngExt, SeedableRng};
+        use rand_distr::{Distribution, StandardNormal};
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(36);
+        let (mut told, mut asked_of) = ([0; 2], [0; 2]);
+        for _ in 0..500 {
+            let mut fleet: Vec<Calibrated> = Vec::new();
+            for imu in 0..20 {
+                let [station, day] = [rng.random_range(1..3), rng.random_range(0..60)];
+                let of_imu: f64 = StandardNormal.sample(&mut rng);
+                for slot in 0..3 {
+                    let own: f64 = StandardNormal.sample(&mut rng);
+                    let batch = Some(Arc::from(["B-1", "B-2", "B-3"][rng.random_range(0..3_usize)]));
+                    let at = UtcMicros(0).plus_days(f64::from(day));
+                    let value = 5e-3 * own + 2.5e-3 * of_imu;
+                    let deviation = [Some(Measured { value, sd: Some(SD) }), None];
+                    fleet.push(Calibrated { gyro: 3 * imu + slot, imu, station, at, deviation, batch });
+                }
+            }
+            let batches = ["B-1", "B-2", "B-3"].map(|name| Group::Batch(name.into()));
+            for group in [Group::Station(1), Group::Station(2)].into_iter().chain(batches) {
+                let k = usize::from(group.rule() == Rule::BatchShift);
+                asked_of[k] += 1;
+                told[k] += usize::from(group_shift(&fleet, &group, 0, &asked(false)).state == State::Exceeded);
+            }
+        }
+        assert!(told[0] <= 10 && told[1] <= 15, "{told:?} of {asked_of:?}");
+    }
+
+    #[test]
+    fn a_gyro_has_grown_where_what_it_came_to_since_exceeds_its_limit() {
+        let now = |value| Suspected { rule: Rule::Baseline, value, limit: 0.01, sd: Some(5e-4), above: Some(true) };
+        let grown = |value| has_grown(&now(value), 0.03, 0.95);
+        assert!(grown(0.0425) && !grown(0.039) && !grown(0.0405) && !grown(0.01), "beyond 0.04 and its uncertainty");
     }
 
     #[test]

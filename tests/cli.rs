@@ -461,7 +461,7 @@ fn a_diagnosis_is_printed_in_the_language_of_the_environment() {
         ("IMU-30, measured by ST-2 at 2026-03-02T08:00:00Z: explained", "IMU-30，ST-2，2026-03-02T08:00:00Z：已解释"),
         ("Named effects", "指出的效应"),
         ("Blind spots", "盲区"),
-        ("closes: of the reducible gap", "解释比例：占可消除差异"),
+        ("closes: of the reducible gap", "留出闭合率：占可消除差异"),
         ("Drift coefficients before and after", "计入所指效应前后的一次项漂移系数"),
         ("Worth measuring next", "建议下一步测量"),
     ] {

@@ -412,7 +412,7 @@ async fn the_page_shows_what_was_found_and_takes_an_order() {
         assert!(page.contains(there), "{there} is not in {page}");
     }
     let chinese = server.call("GET", "/diagnoses?imu=NOBODY", &[("accept-language", "zh")], "").await;
-    assert!(chinese.status == 400 && chinese.text().contains("没有名为NOBODY的惯性组合"), "{}", chinese.text());
+    assert!(chinese.status == 400 && chinese.text().contains("没有名为NOBODY的IMU"), "{}", chinese.text());
     let chinese = server.call("GET", "/diagnoses", &[("accept-language", "zh")], "").await.text();
     assert!(chinese.contains("零偏随温度变化") && chinese.contains("首次出现") && !chinese.contains("First with it"));
     assert!(!server.get("/diagnoses?effect=warmup").await.text().contains("WARM-1"));

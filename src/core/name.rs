@@ -136,7 +136,7 @@ mod tests {
             ("ST\u{a0}\u{2003}2", "ST 2"),
             ("Caf\u{65}\u{301}", "Caf\u{e9}"),
             ("\u{212b}", "\u{c5}"),
-            ("惯组 07", "惯组 07"),
+            ("IMU 07", "IMU 07"),
         ] {
             assert_eq!(Name::parse(sent).unwrap().as_str(), name, "{sent:?}");
             assert_eq!(normal_form(name), name, "the normal form of itself");
@@ -173,7 +173,7 @@ mod tests {
                 assert_eq!(name.unseen(), Some(mark).filter(|_| mark != '\u{2028}'), "{sent:?}");
             }
         }
-        for seen in ["LFG-0101", "№ 7", "惯组-07", "Müller", "Б-12", "ﾊ-1", "e\u{301}"] {
+        for seen in ["LFG-0101", "№ 7", "IMU-07", "Müller", "Б-12", "ﾊ-1", "e\u{301}"] {
             assert_eq!(Name::parse(seen).unwrap().unseen(), None, "{seen}");
         }
     }

@@ -168,7 +168,7 @@ fn each_finding_is_said_in_both_languages() {
         ],
         [
             "D_I: the gyro was moved to another IMU or slot before 2026-01-02. Its level there needs 4 records and has 1.",
-            "D_I：陀螺在2026-01-02之前换到另一惯组或位置。新水平需要4个记录，现有1个。",
+            "D_I：陀螺在2026-01-02之前换到另一IMU或位置。新水平需要4个记录，现有1个。",
         ],
         [
             "D_I is 0.0251 +- 0.0007 deg/(h g0) below the records before (median 3.0000). Limit 0.0100 deg/(h g0) (judging.budget): 251 %. Confirmed by a second campaign. P(out of tolerance) > 99.9 %.",
@@ -185,7 +185,7 @@ fn each_finding_is_said_in_both_languages() {
         ],
         [
             "D_I is 0.0251 +- 0.0007 deg/(h g0) above its baseline 0.0000 (fixed). That level began when the gyro was moved to another IMU or slot. A turn of +17.3 arcmin about the input axis does the same. Likely the mounting or an output-axis term, not D_I or D_S. Limit 0.0100 deg/(h g0) (judging.budget): 251 %. Confirmed by a second campaign. P(out of tolerance) > 99.9 %.",
-            "D_I比基线0.0000（固定）高0.0251 ± 0.0007 (°)/(h·g0)。该水平自陀螺换到另一惯组或位置起算。相当于绕输入轴转动+17.3角分。更可能是安装变化或输出轴项，而非D_I或D_S。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。第二次标定已证实。超差概率> 99.9 %。",
+            "D_I比基线0.0000（固定）高0.0251 ± 0.0007 (°)/(h·g0)。该水平自陀螺换到另一IMU或位置起算。相当于绕输入轴转动+17.3角分。更可能是安装变化或输出轴项，而非D_I或D_S。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。第二次标定已证实。超差概率> 99.9 %。",
         ],
         ["No trend.", "未见趋势。"],
         ["No trend: a step fits better.", "未见趋势，阶跃更能解释。"],
@@ -215,15 +215,15 @@ fn each_finding_is_said_in_both_languages() {
         ],
         [
             "The median D_I of 16 gyros of 6 IMUs is 0.0251 +- 0.0007 deg/(h g0) below their baselines (2026-01-01 to 2026-01-10). It is the station, or what these gyros share. Limit 0.0100 deg/(h g0) (judging.budget): 251 %. The shift is beyond the whole budget. P(out of tolerance) > 99.9 %.",
-            "6个惯组16个陀螺的D_I中位数比各自基线低0.0251 ± 0.0007 (°)/(h·g0)（2026-01-01至2026-01-10）。原因在测试站，或在这些陀螺的共同之处。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。偏移超出整个允许范围。超差概率> 99.9 %。",
+            "6个IMU16个陀螺的D_I中位数比各自基线低0.0251 ± 0.0007 (°)/(h·g0)（2026-01-01至2026-01-10）。原因在测试站，或在这些陀螺的共同之处。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。偏移超出整个允许范围。超差概率> 99.9 %。",
         ],
         [
             "All 3 gyros of the IMU have moved at once from their baselines in D_I, by 0.0251 +- 0.0007 deg/(h g0) or more. It is the IMU, its mounting or that calibration, rather than one gyro. Limit 0.0100 deg/(h g0) (judging.budget): 251 %. A second campaign has confirmed it of one of them. P(out of tolerance) > 99.9 %.",
-            "惯组的全部3个陀螺的D_I同时偏离各自基线，至少0.0251 ± 0.0007 (°)/(h·g0)。原因在惯组、其安装或该次标定，而不在某一个陀螺。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。其中一个陀螺已由第二次标定证实。超差概率> 99.9 %。",
+            "IMU的全部3个陀螺的D_I同时偏离各自基线，至少0.0251 ± 0.0007 (°)/(h·g0)。原因在IMU、其安装或该次标定，而不在某一个陀螺。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。其中一个陀螺已由第二次标定证实。超差概率> 99.9 %。",
         ],
         [
             "The median D_I of 9 gyros of 3 IMUs of the batch is 0.0251 +- 0.0007 deg/(h g0) above their baselines (2026-01-01 to 2026-01-10). Other gyros have not moved. Limit 0.0100 deg/(h g0) (judging.budget): 251 %. The shift is beyond the whole budget. P(out of tolerance) > 99.9 %.",
-            "本批次3个惯组9个陀螺的D_I中位数比各自基线高0.0251 ± 0.0007 (°)/(h·g0)（2026-01-01至2026-01-10）。其他陀螺没有移动。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。偏移超出整个允许范围。超差概率> 99.9 %。",
+            "本批次3个IMU9个陀螺的D_I中位数比各自基线高0.0251 ± 0.0007 (°)/(h·g0)（2026-01-01至2026-01-10）。其他陀螺没有移动。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。偏移超出整个允许范围。超差概率> 99.9 %。",
         ],
         [
             "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 3e-5 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. The model is of one campaign: what usually changes between campaigns may be all of it. Confirmed by a second campaign.",

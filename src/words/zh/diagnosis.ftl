@@ -172,7 +172,7 @@ standard_errors_understated = { $slots }：输出（包括重复测点）的散�
 
 ## Against a reference
 
-reference_of_other_imu = 参照标定属于惯性组合{ $reference }，而本次试验属于{ $campaign }
+reference_of_other_imu = 参照标定属于IMU{ $reference }，而本次试验属于{ $campaign }
 reference_of_other_geometry = 参照标定与本次试验的构型不同
 reference_without_gyro = 参照标定在{ $slot }处没有陀螺，而本次试验中为{ $serial }
 reference_with_other_gyro = 参照标定在{ $slot }处为陀螺{ $reference }，而本次试验中为{ $campaign }
@@ -184,11 +184,11 @@ effects_fitted_anew = 现用模型中的效应在每次试验中重新拟合，�
 reference_without_noise_of_d0 = 参照为标定记录：没有给出D0与P的噪声
 reference_taken_as_exact = 参照标定没有给出标准差：视为准确值
 
-## 惯性组合模型与预报
+## IMU模型与预报
 
 no_campaign_to_fit = 没有可供拟合的试验
-bench_test_has_no_model = 单表试验不能建立惯性组合模型
-campaigns_of_other_imu = 试验分属惯性组合{ $first }与{ $other }
+bench_test_has_no_model = 单表试验不能建立IMU模型
+campaigns_of_other_imu = 试验分属IMU{ $first }与{ $other }
 campaigns_of_other_geometry = 各次试验的构型不同：请去掉其一，或更正其geometry
 campaigns_of_other_gyro = { $slot }先为{ $first }，后为{ $other }：一个模型只含同一组陀螺
 campaigns_of_other_gyros = 各次试验中陀螺的安装位置不同：请去掉其一
@@ -196,11 +196,11 @@ campaigns_of_other_held = 各次试验给定的{ $slot }的E（known_e_pulse_per
 campaigns_of_one_instant = 有两次试验的时间相同：请去掉其一，或更正其measured_at
 model_without_noise = { $slot }：噪声无从得知：没有标准误差，没有重复测点，也没有多余测点
 nothing_to_foretell_from = 此前没有装有同一组陀螺的试验：无从预报
-model_of_other_imu = 模型属于惯性组合{ $model }，而本次试验属于{ $campaign }
+model_of_other_imu = 模型属于IMU{ $model }，而本次试验属于{ $campaign }
 model_of_other_geometry = 模型与本次试验的构型不同
 bench_test_has_no_forecast = 单表试验没有预报
 model_without_gyros = 本次试验的陀螺均不在模型中
-model_is_of_imu = 系数属于惯性组合 { $model }，不属于 { $imu }；去掉 identified 后可采用其各项与效应
+model_is_of_imu = 系数属于IMU { $model }，不属于 { $imu }；去掉 identified 后可采用其各项与效应
 model_fitted_to_campaign = 模型即由本次试验拟合得到，不构成预报
 effect_not_foretold = { $effect }未计入预报：{ $why }
 effect_of_other_station = { $effect }未计入预报：该效应在另一测试站发现
@@ -212,9 +212,9 @@ rate_outside_model = 超出模型范围：速率达{ $now } arcsec/s；模型的
 attitudes_outside_model = 超出模型范围：{ $dwells }个测点的姿态与模型试验的任一姿态相差20°以上
 campaign_before_model = 本次试验早于模型
 ageing_unknown = 仅有一次试验，不能说明系数逐次的变化：标准差中未计入此项
-model_found_in_other_imu = 模型属于惯性组合{ $model }；其效应在{ $campaign }的本次试验中重新拟合
+model_found_in_other_imu = 模型属于IMU{ $model }；其效应在{ $campaign }的本次试验中重新拟合
 model_found_in_other_gyro = 建立模型时{ $slot }为{ $then }，现为{ $now }：效应对其重新拟合
-model_of_other_gyros = 与该惯性组合最近一次试验不符：{ $why }
+model_of_other_gyros = 与该IMU最近一次试验不符：{ $why }
 covariance_is_no_triangle = 应为{ $need }行的下三角，实为{ $have }行，或行长不符
 covariance_is_not_positive = 不是协方差：存在负特征值
 sd_is_not_of_covariance = 与协方差中相应位置的平方根不符

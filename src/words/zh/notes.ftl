@@ -29,12 +29,12 @@ effect_left_out_of_gyro = { $slot }：{ $effect }未参与拟合：{ $why }
 effect_at_reference = { $effect }在参考温度下不为零，且不属于模型(6)的漂移：D_I、D_S未计入这一部分
 station_left_out = 标准差未计入给定的测试站不确定度（{ $parts }）：{ $why }
 station_needs_scale = { $slot }的E既未给定也不能确定
-station_not_of_bench = 只对惯组试验计算，不适用于单表试验
+station_not_of_bench = 只对IMU试验计算，不适用于单表试验
 effects_left_out = 模型中的附加效应未计入：{ $why }
 held_as_in_model = 取模型中的值，这些测点不能更准确地确定它
 any_temperature = 未给出温度，而模型已知其影响：标准差已计入-40至85 °C间任一温度的影响。请给出temperature_c
-any_temperature_of_record = 未给出温度，而惯组模型将D_I、D_S归算到一个温度：标准差已计入-40至85 °C间任一温度的影响。请给出temperature_c
-not_restated = { $slot }：D_I、D_S保持测量值：惯组模型中的{ $effect }属于另一陀螺，或为各陀螺共有
+any_temperature_of_record = 未给出温度，而IMU模型将D_I、D_S归算到一个温度：标准差已计入-40至85 °C间任一温度的影响。请给出temperature_c
+not_restated = { $slot }：D_I、D_S保持测量值：IMU模型中的{ $effect }属于另一陀螺，或为各陀螺共有
 not_told_apart = 这些测点不能将其与其他项区分
 latitude_sign = 全部陀螺的D_I都接近{ $shift } (°)/(h·g0)，恰为纬度正负号有误所致：测试站在北纬（+）还是南纬（-）？
 nominal_axis = { $slot }：本次试验不能确定E；采用标称输入轴与{ $scale } pulse/arcsec
@@ -48,13 +48,13 @@ ahead_of_now = 时间比服务时钟超前{ $hours }小时：测试站时钟是�
 new_serial = { $serial }首次出现于{ $slot }，该位置此前为{ $had }
 new_serial_like = { $serial }首次出现于{ $slot }，该位置此前为{ $had }；最接近的已知编号为{ $nearest }
 look_alike = { $of ->
-    [imu] 新惯组编号{ $name }与已知惯组编号{ $known }形似
+    [imu] 新IMU编号{ $name }与已知IMU编号{ $known }形似
     [station] 新测试站名{ $name }与已知测试站名{ $known }形似
    *[serial] 新陀螺编号{ $name }与已知陀螺编号{ $known }形似
 }
 serials_exchanged = 陀螺编号互换：{ $fits }
 figures_of = { $serial }的数据属于{ $other }
-other_unit = 全部陀螺（{ $serials }）同时偏离各自上次水平{ $budgets }个允许值以上：是否为另一套惯组的数据，或测试地点的纬度或其正负号有误？
+other_unit = 全部陀螺（{ $serials }）同时偏离各自上次水平{ $budgets }个允许值以上：是否为另一套IMU的数据，或测试地点的纬度或其正负号有误？
 identical_figures = { $serials }：与{ $at }的记录{ $record }逐位相同；是否为同一次测量改了时间？
 unit_factor = { $serials }的{ $quantity }为此前的{ $times }倍：单位是否有误？
 unit_factor_of = { $serials }的{ $quantity }为此前的{ $times }倍：单位是否为{ $unit }？

@@ -94,8 +94,8 @@ rows_left_out_at = { $count }行不是数据行，未采用；第一处：{ $fau
 temperatures_left_out = { $count }个温度为传感器故障值（跳变超过20 °C又恢复），未采用
 counter_wrapped = 计数器重新开始{ $count }次（16、24或32位），已接续
 counter_unclear = { $bits }位计数器相邻采样的变化约为其量程的一半（{ $count }次），无法判断它重新开始了几次：请提高采样率，或记录每次采样的脉冲数，或用更宽的计数器
-samples_alternate = `{ $key }`第{ $column }路的采样在两个数值间交替（{ $one }，{ $other }）：是否两套惯组写在一个文件中？请分成各自的文件
-log_of_several = 列{ $column }中有{ $ids }：一个文件中有多套惯组的数据行；请分成各自的文件
+samples_alternate = `{ $key }`第{ $column }路的采样在两个数值间交替（{ $one }，{ $other }）：是否两套IMU写在一个文件中？请分成各自的文件
+log_of_several = 列{ $column }中有{ $ids }：一个文件中有多套IMU的数据行；请分成各自的文件
 
 ## 测点
 
@@ -173,7 +173,7 @@ dwells_told = 表头写有{ $told }个测点，表中有{ $have }个：尚未写
 stored_otherwise = { $what }在{ $at }已有存储（编号{ $id }），且完全不同
 stored_otherwise_at = { $what }在{ $at }已有存储（编号{ $id }），数值不同：差异在{ $places }
 replace_it = 若此份正确，`gyrowatch revise FILE --author 姓名 --reason 原因`可替换{ $id }
-not_one_calibration = 必须是一份标定记录或一份原始试验
+not_one_calibration = 必须是一份标定记录或一份标定试验
 
 guess_head = 由{ $logs }推测：请逐行核对，并填写所有“?”。
 guess_time_example = 如2026-03-01T08:00:00Z

@@ -17,10 +17,10 @@ terminal_all = 全部
 terminal_moved = 参照与本次
 terminal_moved_head = 陀螺 | 系数 | 参照 | 本次 | 变化 | 单位
 terminal_effects = 指出的效应
-terminal_effects_head = 效应 | 陀螺 | 参数 | 数值 | 单位 | 解释比例 | p | d | 或同样可能
+terminal_effects_head = 效应 | 陀螺 | 参数 | 数值 | 单位 | 留出闭合率 | p | d | 或同样可能
 terminal_effects_key =
-    解释比例：占可消除差异（留出测点上误差超出噪声底的部分）的比例，附95 %区间；有多个效应时，
-    各占其上各项所余的比例：请比较d，不要比较解释比例
+    留出闭合率：占可消除差异（留出测点上误差超出噪声底的部分）的比例，附95 %区间；有多个效应时，
+    各占其上各项所余的比例：请比较d，不要比较留出闭合率
     p：仅由噪声出现如此结果的概率，已按所有尝试校正；d：可检测度，效应从残差中取走的白化功率的
     平方根（8几乎总能指出，5在三次试验中约有两次）
 terminal_alone = 仅{ $slot }：{ $effects }
@@ -58,13 +58,13 @@ terminal_count_unexplained = { $count }次差异未能用目录解释
 terminal_count_outdated = 其中{ $count }次由其他版本的程序诊断
 terminal_count_refused = { $count }次无法诊断，未计入
 terminal_count_waiting = { $count }次尚未诊断
-terminal_findings_head = 效应 | 陀螺 | IMU | 测试站 | 此前最后未出现 | 首次出现 | 最近出现 | 试验数 | 解释比例 | D_I | D_S
+terminal_findings_head = 效应 | 陀螺 | IMU | 测试站 | 此前最后未出现 | 首次出现 | 最近出现 | 试验数 | 留出闭合率 | D_I | D_S
 terminal_or = 或{ $effects }
 terminal_of = { $part }，共{ $all }
 terminal_to = { $from }至{ $to }
 terminal_findings_key =
-    试验数：出现该效应／首次出现以来，共该陀螺全部；解释比例：留出测点上，该次试验中先指出的效应
-    所余可消除差异的解释比例，中位数（最小至最大）；
+    试验数：出现该效应／首次出现以来，共该陀螺全部；留出闭合率：留出测点上，该次试验中先指出的效应
+    所余可消除差异的留出闭合率，中位数（最小至最大）；
     D_I、D_S：最大变化，(°)/(h·g0)，及占允许范围的比例
 terminal_doubts = 目录不能解释或不能完全解释
 terminal_doubts_head = IMU | 结论 | 陀螺 | 迹象 | 测试站 | 试验数 | 首次 | 最近
@@ -142,7 +142,7 @@ terminal_noise_floor = 噪声底
 terminal_steps_head = 模型 | 预报误差，deg/h | 标准差倍数
 terminal_gap_none = { $imu }：没有试验可以预报；需要同一组陀螺更早的试验
 terminal_gap_of = { $imu }：各次试验的预报误差
-terminal_gap_head = 试验 | 模型 | 预报误差，deg/h | 标准差倍数 | 解释比例
+terminal_gap_head = 试验 | 模型 | 预报误差，deg/h | 标准差倍数 | 留出闭合率
 terminal_gap_plain = 没有采用任何效应。`gyrowatch model fit`可寻找效应。
 
 ## `dwells`
@@ -180,9 +180,9 @@ terminal_is_stored = 与已存储的{ $id }相同
 terminal_is_withdrawn = 已存为{ $id }，且{ $standing }
 terminal_put_back = `gyrowatch revise FILE --of { $id } --author NAME --reason WHY`可恢复
 terminal_stands = 已替代{ $old }，编号{ $new }
-terminal_revise_none = 惯性组合{ $imu }没有存储任何数据：请用`gyrowatch import`存储{ $time }的这份
-terminal_revise_absent = 惯性组合{ $imu }在{ $time }没有存储；最近的为{ $nearest }。请改正时间，或用--of ID指明错误的那份；新的请用`gyrowatch import`存储
-terminal_was_new = 此惯性组合在该时间没有存储；已存为{ $id }。若要替代另一时间的，请将其作废
+terminal_revise_none = IMU{ $imu }没有存储任何数据：请用`gyrowatch import`存储{ $time }的这份
+terminal_revise_absent = IMU{ $imu }在{ $time }没有存储；最近的为{ $nearest }。请改正时间，或用--of ID指明错误的那份；新的请用`gyrowatch import`存储
+terminal_was_new = 此IMU在该时间没有存储；已存为{ $id }。若要替代另一时间的，请将其作废
 terminal_is_voided = { $id }已作废
 terminal_bench_revise = 是台架结果：请用`gyrowatch void ID --author NAME --reason WHY`作废错误的一份，再用`gyrowatch import`发送
 replace_bench = 若此份正确，请用`gyrowatch void { $id } --author NAME --reason WHY`作废另一份，再发送一次

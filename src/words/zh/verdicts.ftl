@@ -10,7 +10,7 @@ too_few = { $name }：“{ $rule }”数据不足，需要{ $need }{ $of ->
    *[records] 个记录
 }，现有{ $have }个。
 too_few_within = { $name }：“{ $rule }”数据不足，需要{ $days }天内{ $need }个结果，现有{ $have }个。
-too_few_since_moved = { $name }：陀螺在{ $since }之前换到另一惯组或位置。新水平需要{ $need }个记录，现有{ $have }个。
+too_few_since_moved = { $name }：陀螺在{ $since }之前换到另一IMU或位置。新水平需要{ $need }个记录，现有{ $have }个。
 
 step = { $name }比此前记录（中位数{ $level }）{ $side ->
     [below] 低
@@ -27,7 +27,7 @@ closure = { $name }比基线{ $level }（{ $origin }）{ $side ->
     [below] 低
    *[above] 高
 }{ $value }。
-closure_moved = 该水平自陀螺换到另一惯组或位置起算。
+closure_moved = 该水平自陀螺换到另一IMU或位置起算。
 closure_turn = 相当于绕输入轴转动{ $turn }角分。
 closure_cause = 更可能是安装变化或输出轴项，而非D_I或D_S。
 trend = { $name }每年漂移{ $rate }（{ $since }至{ $until }的{ $cells }个周平均值）。
@@ -47,15 +47,15 @@ before_after = { $name }比环境试验前最后一个记录（{ $level }，{ $a
     [below] 低
    *[above] 高
 }{ $value }。试验自{ $from }至{ $until }。
-station_shift = { $imus }个惯组{ $gyros }个陀螺的{ $name }中位数比各自基线{ $side ->
+station_shift = { $imus }个IMU{ $gyros }个陀螺的{ $name }中位数比各自基线{ $side ->
     [below] 低
    *[above] 高
 }{ $value }（{ $since }至{ $until }）。原因在测试站，或在这些陀螺的共同之处。
-batch_shift = 本批次{ $imus }个惯组{ $gyros }个陀螺的{ $name }中位数比各自基线{ $side ->
+batch_shift = 本批次{ $imus }个IMU{ $gyros }个陀螺的{ $name }中位数比各自基线{ $side ->
     [below] 低
    *[above] 高
 }{ $value }（{ $since }至{ $until }）。其他陀螺没有移动。
-imu_shift = 惯组的全部{ $gyros }个陀螺的{ $name }同时偏离各自基线，至少{ $value }。原因在惯组、其安装或该次标定，而不在某一个陀螺。
+imu_shift = IMU的全部{ $gyros }个陀螺的{ $name }同时偏离各自基线，至少{ $value }。原因在IMU、其安装或该次标定，而不在某一个陀螺。
 forecast = { $slot }与已采用模型的预报相差最大，均方根为{ $value }（全部陀螺 p { $p }）。
 forecast_dwell = 偏离最大的是第{ $dwell }个测点，{ $z }倍标准差。
 between_stations = 其标准差中{ $sd }为测试站之间的复现性。
@@ -111,7 +111,7 @@ rule_shift = 持续偏移
 rule_before_after = 试验前后
 rule_station_shift = 测试站偏移
 rule_forecast = 预报
-rule_imu_shift = 惯组偏移
+rule_imu_shift = IMU偏移
 rule_batch_shift = 批次偏移
 
 # 推送的一行。

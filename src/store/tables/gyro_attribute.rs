@@ -46,7 +46,6 @@ pub async fn mates(store: &Store, gyros: &[u32]) -> Result<BTreeMap<u32, u32>, S
          JOIN gyro_attribute AS mate ON mate.batch = known.batch WHERE known.gyro"
     ));
     let gyros = serde_json::json!(gyros).to_string();
-    let rows: Vec<(Whole<u32>, Whole<u32>)> =
-        on!(store.readers, db => sqlx::query_as(sql).bind(gyros).fetch_all(db).await?);
+    let rows: Vec<(Whole<u32>, Whole<u32>)> = read!(store, query_as.fetch_all, sql, gyros);
     Ok(rows.into_iter().map(|(Whole(mate), Whole(known))| (mate, known)).collect())
 }

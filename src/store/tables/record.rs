@@ -371,7 +371,7 @@ pub async fn of_stations(store: &Store) -> Result<HashMap<u32, StationTotals>, S
                       count(DISTINCT imu), min(calibrated_at), max(calibrated_at)
                FROM record WHERE voided = 0 GROUP BY station";
     type Row = (Whole<u32>, i64, i64, i64, i64, i64);
-    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
+    let rows: Vec<Row> = read!(store, query_as.fetch_all, sql);
     let totals = |(Whole(station), records, gyros, imus, first, last): Row| {
         let [records, gyros, imus] = [records, gyros, imus].map(|count| count.unsigned_abs() as usize);
         (station, StationTotals { records, gyros, imus, first: UtcMicros(first), last: UtcMicros(last) })

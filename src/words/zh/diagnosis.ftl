@@ -172,7 +172,7 @@ standard_errors_understated = { $slots }：输出（包括重复测点）的散�
 
 ## Against a reference
 
-reference_of_other_imu = 参照标定属于IMU{ $reference }，而本次试验属于{ $campaign }
+reference_of_other_imu = 参照标定属于IMU { $reference }，而本次试验属于{ $campaign }
 reference_of_other_geometry = 参照标定与本次试验的构型不同
 reference_without_gyro = 参照标定在{ $slot }处没有陀螺，而本次试验中为{ $serial }
 reference_with_other_gyro = 参照标定在{ $slot }处为陀螺{ $reference }，而本次试验中为{ $campaign }
@@ -188,7 +188,7 @@ reference_taken_as_exact = 参照标定没有给出标准差：视为准确值
 
 no_campaign_to_fit = 没有可供拟合的试验
 bench_test_has_no_model = 单表试验不能建立IMU模型
-campaigns_of_other_imu = 试验分属IMU{ $first }与{ $other }
+campaigns_of_other_imu = 试验分属IMU { $first }与{ $other }
 campaigns_of_other_geometry = 各次试验的构型不同：请去掉其一，或更正其geometry
 campaigns_of_other_gyro = { $slot }先为{ $first }，后为{ $other }：一个模型只含同一组陀螺
 campaigns_of_other_gyros = 各次试验中陀螺的安装位置不同：请去掉其一
@@ -196,7 +196,7 @@ campaigns_of_other_held = 各次试验给定的{ $slot }的E（known_e_pulse_per
 campaigns_of_one_instant = 有两次试验的时间相同：请去掉其一，或更正其measured_at
 model_without_noise = { $slot }：噪声无从得知：没有标准误差，没有重复测点，也没有多余测点
 nothing_to_foretell_from = 此前没有装有同一组陀螺的试验：无从预报
-model_of_other_imu = 模型属于IMU{ $model }，而本次试验属于{ $campaign }
+model_of_other_imu = 模型属于IMU { $model }，而本次试验属于{ $campaign }
 model_of_other_geometry = 模型与本次试验的构型不同
 bench_test_has_no_forecast = 单表试验没有预报
 model_without_gyros = 本次试验的陀螺均不在模型中
@@ -212,7 +212,7 @@ rate_outside_model = 超出模型范围：速率达{ $now } arcsec/s；模型的
 attitudes_outside_model = 超出模型范围：{ $dwells }个测点的姿态与模型试验的任一姿态相差20°以上
 campaign_before_model = 本次试验早于模型
 ageing_unknown = 仅有一次试验，不能说明系数逐次的变化：标准差中未计入此项
-model_found_in_other_imu = 模型属于IMU{ $model }；其效应在{ $campaign }的本次试验中重新拟合
+model_found_in_other_imu = 模型属于IMU { $model }；其效应在{ $campaign }的本次试验中重新拟合
 model_found_in_other_gyro = 建立模型时{ $slot }为{ $then }，现为{ $now }：效应对其重新拟合
 model_of_other_gyros = 与该IMU最近一次试验不符：{ $why }
 covariance_is_no_triangle = 应为{ $need }行的下三角，实为{ $have }行，或行长不符

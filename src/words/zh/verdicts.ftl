@@ -47,11 +47,11 @@ before_after = { $name }比环境试验前最后一个记录（{ $level }，{ $a
     [below] 低
    *[above] 高
 }{ $value }。试验自{ $from }至{ $until }。
-station_shift = { $imus }个IMU{ $gyros }个陀螺的{ $name }中位数比各自基线{ $side ->
+station_shift = { $imus }个IMU { $gyros }个陀螺的{ $name }中位数比各自基线{ $side ->
     [below] 低
    *[above] 高
 }{ $value }（{ $since }至{ $until }）。原因在测试站，或在这些陀螺的共同之处。
-batch_shift = 本批次{ $imus }个IMU{ $gyros }个陀螺的{ $name }中位数比各自基线{ $side ->
+batch_shift = 本批次{ $imus }个IMU { $gyros }个陀螺的{ $name }中位数比各自基线{ $side ->
     [below] 低
    *[above] 高
 }{ $value }（{ $since }至{ $until }）。其他陀螺没有移动。

@@ -41,7 +41,7 @@ impl Healthcheck {
 
 /// Whether a service answers where the configuration has one listen.
 pub(super) async fn is_running(server: &Server) -> bool {
-    let asked = async { Some(client().ok()?.get(address(server, "healthz")).send().await.ok()?.text().await.ok()?) };
+    let asked = async { client().ok()?.get(address(server, "healthz")).send().await.ok()?.text().await.ok() };
     let said: Option<Value> = asked.await.and_then(|text| serde_json::from_str(&text).ok());
     said.is_some_and(|said| said["status"] == "ok" && said["version"].is_string())
 }

@@ -245,7 +245,7 @@ async fn write(
 ) -> Result<(), StoreError> {
     let mut batch = batch_of(changes);
     diagnosis::make_due(&changes.models, &mut batch);
-    history_row::upsert(last_of_each(changes).into_iter(), &mut batch);
+    history_row::upsert(last_of_each(changes), &mut batch);
     let (first, cells) = (next[0], next.iter().map(|row| i64::from(row.cell)).collect::<Vec<_>>());
     let is_new = |news: News| if changes.brings(news) { format!(", {} = $2", news.name()) } else { String::new() };
     let set = News::ALL.map(is_new).concat();

@@ -40,7 +40,7 @@ pub fn imu_shift(newest: &[&Calibrated], column: usize, asked: &ImuQuestion<'_>)
         if left.value.abs() < of.value.abs() { left } else { of }
     };
     let own = |one: &&Calibrated| Some((asked.shared)(one).iter().fold(one.deviation[column]?, beside));
-    let moved: Vec<Measured> = together.filter_map(|one| own(&*one)).collect();
+    let moved: Vec<Measured> = together.filter_map(own).collect();
     let least = moved.iter().min_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
     let Some(least) = least.filter(|_| moved.len() >= GYROS) else { return few(moved.len()) };
     let states = moved.iter().map(|of| beyond(*of, asked.limit.value, asked.confidence).state);

@@ -79,16 +79,17 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
     let known = known_of(pages, viewer, shown, since).await?;
     let drifting = FleetFilter { statuses: Some(&[Status::Drifting]), ..FleetFilter::default() };
     let drifting = queries.fleet.page(&drifting, 0, DATED).await?;
-    let (dues, undated) = queries.dues.of(&drifting.gyros).await?;
-    let undated = undated + (drifting.found - drifting.gyros.len());
-    let approaching = Approaching::of(&today.approaching, &drifting.gyros, &dues);
+    let (dues, undated) = queries.dues.of(&drifting.gyros, now).await?;
+    let undated = undated + drifting.found.saturating_sub(drifting.gyros.len());
+    let approaching = Approaching::of(&today.approaching, &drifting.gyros, &dues, now);
     let stations = queries.fleet.station_figures_within(PATIENCE).await?;
     let changed = stations.as_deref().map_or_else(Vec::new, |found| station_changes(found, since));
     let gone = no_longer_in_it(pages, &today.overdue.first).await?;
     let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
     let names = queries.names();
     let out = still(&fleet, &today.worse);
-    let of_stations: Vec<&AlertBody> = told.iter().filter(|alert| alert.is_of_station() && is_open(alert)).collect();
+    let is_of_group = |alert: &AlertBody| [AlertBody::OF_STATION, AlertBody::OF_BATCH].contains(&&*alert.subject);
+    let of_groups: Vec<&AlertBody> = told.iter().filter(|alert| is_of_group(alert) && is_open(alert)).collect();
     let body = html! {
         @if !today.worse.first.is_empty() || !out.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
         h1 { (t.today_title) }
@@ -100,7 +101,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
             (approaching.shown(t, undated, &names))
             (due(t, &today, &gone, now))
             div {
-                (several(viewer, &today, &of_stations, &changed, pages.config.judging.budget))
+                (several(viewer, &today, &of_groups, &changed, pages.config.judging.budget))
                 @if stations.is_none() && fleet.total > 0 { p.note { (t.stations_not_compared) } }
             }
             @if today.outside.of > 0 { (outside(t, &today)) }
@@ -299,7 +300,12 @@ struct Approaching<'a> {
 
 impl<'a> Approaching<'a> {
     /// `by_trend`: what the rule `trend` carries there; `drifting`: of which some have a date by their histories.
-    fn of(by_trend: &'a FirstOf<Standing>, drifting: &'a [Standing], dues: &HashMap<u32, DueDate>) -> Self {
+    fn of(
+        by_trend: &'a FirstOf<Standing>,
+        drifting: &'a [Standing],
+        dues: &HashMap<u32, DueDate>,
+        now: UtcMicros,
+    ) -> Self {
         let dated = drifting.iter().filter_map(|standing| {
             dues.get(&standing.number).map(|due| Approach { standing, due: *due, provisional: false })
         });
@@ -311,7 +317,8 @@ impl<'a> Approaching<'a> {
             Some(Approach { standing, due, provisional: reach.provisional })
         });
         let by_history_alone = drifting.iter().filter(|standing| dues.contains_key(&standing.number));
-        let by_history_alone = by_history_alone.filter(|standing| standing.outlook.reach.is_none()).count();
+        let by_history_alone =
+            by_history_alone.filter(|standing| standing.outlook.reach.is_none_or(|reach| reach.at < now)).count();
         let mut first: Vec<Approach<'_>> = dated.chain(others).collect();
         first.sort_by_key(|one| one.due.at);
         first.truncate(LINES);
@@ -418,7 +425,7 @@ fn station_changes(found: &FleetStations, since: UtcMicros) -> Vec<StationChange
 fn several(
     viewer: &Viewer,
     today: &Today,
-    of_stations: &[&AlertBody],
+    of_groups: &[&AlertBody],
     changed: &[StationChange<'_>],
     budget: f64,
 ) -> Markup {
@@ -433,7 +440,7 @@ fn several(
     };
     let shifts: Vec<&CommonShift> = today.shifts.iter().filter(|found| !is_told(found)).collect();
     let rows = html! {
-        @if !of_stations.is_empty() { (alerts::table(viewer, of_stations.iter().copied(), false, None)) }
+        @if !of_groups.is_empty() { (alerts::table(viewer, of_groups.iter().copied(), false, None)) }
         ul.findings {
             @for moved in &today.moved {
                 li {
@@ -470,7 +477,7 @@ fn several(
         }
         p.note { (t.several_note) }
     };
-    let count = of_stations.len() + today.moved.len() + changed.len() + shifts.len();
+    let count = of_groups.len() + today.moved.len() + changed.len() + shifts.len();
     block(&html! { (t.several_at_once) }, count, t.nothing_together, &rows, None)
 }
 

@@ -215,7 +215,7 @@ fn each_finding_is_said_in_both_languages() {
         ],
         [
             "The median D_I of 16 gyros of 6 IMUs is 0.0251 +- 0.0007 deg/(h g0) below their baselines (2026-01-01 to 2026-01-10). It is the station, or what these gyros share. Limit 0.0100 deg/(h g0) (judging.budget): 251 %. The shift is beyond the whole budget. P(out of tolerance) > 99.9 %.",
-            "6个IMU16个陀螺的D_I中位数比各自基线低0.0251 ± 0.0007 (°)/(h·g0)（2026-01-01至2026-01-10）。原因在测试站，或在这些陀螺的共同之处。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。偏移超出整个允许范围。超差概率> 99.9 %。",
+            "6个IMU 16个陀螺的D_I中位数比各自基线低0.0251 ± 0.0007 (°)/(h·g0)（2026-01-01至2026-01-10）。原因在测试站，或在这些陀螺的共同之处。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。偏移超出整个允许范围。超差概率> 99.9 %。",
         ],
         [
             "All 3 gyros of the IMU have moved at once from their baselines in D_I, by 0.0251 +- 0.0007 deg/(h g0) or more. It is the IMU, its mounting or that calibration, rather than one gyro. Limit 0.0100 deg/(h g0) (judging.budget): 251 %. A second campaign has confirmed it of one of them. P(out of tolerance) > 99.9 %.",
@@ -223,7 +223,7 @@ fn each_finding_is_said_in_both_languages() {
         ],
         [
             "The median D_I of 9 gyros of 3 IMUs of the batch is 0.0251 +- 0.0007 deg/(h g0) above their baselines (2026-01-01 to 2026-01-10). Other gyros have not moved. Limit 0.0100 deg/(h g0) (judging.budget): 251 %. The shift is beyond the whole budget. P(out of tolerance) > 99.9 %.",
-            "本批次3个IMU9个陀螺的D_I中位数比各自基线高0.0251 ± 0.0007 (°)/(h·g0)（2026-01-01至2026-01-10）。其他陀螺没有移动。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。偏移超出整个允许范围。超差概率> 99.9 %。",
+            "本批次3个IMU 9个陀螺的D_I中位数比各自基线高0.0251 ± 0.0007 (°)/(h·g0)（2026-01-01至2026-01-10）。其他陀螺没有移动。限值为0.0100 (°)/(h·g0)（judging.budget），为其251 %。偏移超出整个允许范围。超差概率> 99.9 %。",
         ],
         [
             "G2 is furthest from the forecast of the adopted model, by an rms of 1.47 standard deviations (p = 3e-5 over all gyros). Dwell 41 is furthest, by -4.4 standard deviations. Limit 1.23 standard deviations: chance exceeds it in 0.2 % of campaigns. The model is of one campaign: what usually changes between campaigns may be all of it. Confirmed by a second campaign.",
@@ -294,8 +294,8 @@ fn both_languages_say_the_same_figures() {
     for verdict in verdicts {
         let [english, chinese] = Language::ALL.map(|language| language.reason(&verdict));
         assert_eq!(numbers(&english), numbers(&chinese), "{english}\n{chinese}");
-        // The key of a limit is a name, and a unit of pulses is the same in both.
-        let names = ["judging.budget", "D_I", "D_S", "pulse/arcsec", "arcsec"];
+        // The key of a limit is a name; a unit of pulses and IMU are the same in both.
+        let names = ["judging.budget", "D_I", "D_S", "IMU", "pulse/arcsec", "arcsec"];
         let words = names.iter().fold(chinese.into_owned(), |text, name| text.replace(name, ""));
         let words: Vec<&str> = words.split(|c: char| !c.is_ascii_alphabetic()).filter(|word| word.len() > 2).collect();
         assert!(words.is_empty(), "{words:?} in {verdict}");

@@ -295,6 +295,9 @@ impl OwnHypothesis {
                 at(&|of| 0.5 * (drawn(of, one) + drawn(of, other)), 3 * point + 2),
             ];
             for ((first, second), halfway) in first.into_iter().zip(second).zip(halfway) {
+                if ![first, second, halfway].into_iter().all(f64::is_finite) {
+                    return AtReference::Other;
+                }
                 let largest = first.abs().max(second.abs()).max(halfway.abs());
                 if (0.5 * (first + second) - halfway).abs() > 1e-9 * largest {
                     return AtReference::Other;

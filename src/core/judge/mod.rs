@@ -35,7 +35,7 @@ pub use range_summary::Older;
 pub use reason::{digits, sd_digits, turn_arcmin};
 pub use rule::{Finding, LimitKind, Rule, Source, Unit, Unseen};
 pub use rules::{
-    Calibrated, Foretold, ForetoldGyro, Group, ImuQuestion, ShiftQuestion, SourcedResult, Suspected, agreement,
+    Calibrated, Foretold, ForetoldGyro, Group, ImuQuestion, LATELY, ShiftQuestion, SourcedResult, Suspected, agreement,
     forecast, group_shift, has_grown, imu_shift, in_common, is_explained, overdue, requirement,
 };
 pub use sample::{BASELINE_RECORDS, Measured, Sample, Seat};

@@ -258,10 +258,10 @@ impl AlertCache {
 
     /// Learns which gyros the batches hold that were judged.
     pub fn learn_mates(&mut self, found: &[SharedVerdict]) {
-        for (batch, gyros) in found.iter().filter_map(|one| Some((one.of.batch()?, &one.gyros))) {
-            self.mates.retain(|_, of| *of != batch);
-            self.mates.extend(gyros.iter().map(|gyro| (*gyro, batch)));
-        }
+        let batches: BTreeMap<u32, &Vec<u32>> =
+            found.iter().filter_map(|one| Some((one.of.batch()?, &one.gyros))).collect();
+        self.mates.retain(|_, batch| !batches.contains_key(batch));
+        self.mates.extend(batches.iter().flat_map(|(batch, gyros)| gyros.iter().map(|gyro| (*gyro, *batch))));
     }
 
     /// Lets the alerts of these gyros follow those of what they share: of what is explained nobody is told; of what is

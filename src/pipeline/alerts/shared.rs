@@ -61,6 +61,14 @@ impl<'a> SharedAlerts<'a> {
         not_gyros.flat_map(|(_, rows)| rows).filter(|row| fires(row))
     }
 
+    /// The gyro by which each batch goes that has had an alert.
+    pub fn batches(&self) -> BTreeMap<String, u32> {
+        let of_batches = self.alerts.iter().filter_map(|(of, rows)| Some((of.batch()?, rows)));
+        let named = of_batches
+            .flat_map(|(gyro, rows)| rows.iter().filter_map(move |row| Some((finding_of(row).ok()?.batch?, gyro))));
+        named.collect()
+    }
+
     fn firing_of(&self, of: AlertOf, coefficient: Coefficient) -> Option<&'a AlertRow> {
         self.alerts.get(&of)?.iter().find(|row| row.coefficient == coefficient && fires(row))
     }

@@ -40,23 +40,31 @@ impl Dues {
         Self { histories, kept: Arc::default() }
     }
 
-    /// Of those of these gyros that drift, what reaches its budget first, by gyro number; and how many of them could
-    /// not be diagnosed in time. A gyro is diagnosed again once it stands otherwise.
+    /// Of those of these gyros that drift, what reaches its budget first from `now` on, by gyro number; and how many of
+    /// them could not be diagnosed in time. A gyro is diagnosed again once it stands otherwise.
     ///
     /// # Errors
     /// [`StorageError`].
-    pub async fn of(&self, gyros: &[Standing]) -> Result<(HashMap<u32, DueDate>, usize), StorageError> {
+    pub async fn of(&self, gyros: &[Standing], now: UtcMicros) -> Result<(HashMap<u32, DueDate>, usize), StorageError> {
         let drifting = gyros.iter().filter(|gyro| gyro.status == Some(Status::Drifting));
         let (mut found, mut missing) = (HashMap::new(), 0);
         let until = tokio::time::Instant::now() + PATIENCE;
         for gyro in drifting {
-            let kept = self.kept().get(&gyro.number).filter(|(of, _)| of == gyro).map(|(_, due)| *due);
+            let gyro = of_any_day(gyro);
+            let kept = self.kept().get(&gyro.number).filter(|(of, _)| *of == gyro).map(|(_, due)| *due);
+            let number = gyro.number;
             let due = match kept {
                 Some(due) => Some(due),
-                None => tokio::time::timeout_at(until, self.due(gyro)).await.ok().transpose()?,
+                None if tokio::time::Instant::now() >= until => None,
+                None => {
+                    // It is found to the end, for who asks next.
+                    let dues = self.clone();
+                    let found = tokio::spawn(async move { dues.due(&gyro).await });
+                    tokio::time::timeout_at(until, found).await.ok().and_then(Result::ok).transpose()?
+                }
             };
             missing += usize::from(due.is_none());
-            found.extend(due.flatten().map(|due| (gyro.number, due)));
+            found.extend(due.flatten().filter(|due| due.at >= now).map(|due| (number, due)));
         }
         Ok((found, missing))
     }
@@ -86,4 +94,9 @@ impl Dues {
     fn kept(&self) -> MutexGuard<'_, HashMap<u32, (Standing, Option<DueDate>)>> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// How it stands, but for what changes from day to day by itself.
+fn of_any_day(gyro: &Standing) -> Standing {
+    Standing { overdue_days: None, ..gyro.clone() }
 }

@@ -5,6 +5,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use tokio::time::Instant;
+
 use super::entries::fleet_histories;
 use super::record::Records;
 use super::standing::{Standing, StoredFacts, of_rank, rank};
@@ -84,7 +86,26 @@ pub(super) struct KnownStations {
     current: tokio::sync::Mutex<Option<([i64; 2], Option<Arc<FleetStations>>)>>,
     /// As it was found last.
     last: Mutex<Option<Arc<FleetStations>>>,
+    totals: tokio::sync::Mutex<Option<KnownTotals>>,
 }
+
+/// All that stations have calibrated, when that was counted, and how long it took.
+#[derive(Debug)]
+struct KnownTotals {
+    of: Arc<HashMap<u32, store::StationTotals>>,
+    at: Instant,
+    took: Duration,
+}
+
+impl KnownTotals {
+    /// Counting takes no more than a twentieth of the time.
+    fn is_recent(&self) -> bool {
+        self.took > QUICK && self.at.elapsed() < 20 * self.took
+    }
+}
+
+/// What takes no longer is counted again whenever it is asked for.
+const QUICK: Duration = Duration::from_millis(200);
 
 /// What a list of the fleet is narrowed down to, and its order.
 #[derive(Debug, Clone, Copy, Default)]
@@ -378,9 +399,20 @@ impl Fleet {
         self.stations.last.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    async fn station_totals(&self) -> Result<Arc<HashMap<u32, store::StationTotals>>, StoreError> {
+        let mut known = self.stations.totals.lock().await;
+        if let Some(known) = known.as_ref().filter(|known| known.is_recent()) {
+            return Ok(known.of.clone());
+        }
+        let began = Instant::now();
+        let of = Arc::new(store::record::of_stations(&self.store).await?);
+        *known = Some(KnownTotals { of: of.clone(), at: Instant::now(), took: began.elapsed() });
+        Ok(of)
+    }
+
     /// What stations have calibrated is all of it, and not only what they are compared by.
     async fn count_all(&self, figures: &mut FleetStations) -> Result<(), StoreError> {
-        let totals = store::record::of_stations(&self.store).await?;
+        let totals = self.station_totals().await?;
         let tables = self.store.names().read();
         for station in &mut figures.stations {
             let number = tables.stations.number(&station.name);

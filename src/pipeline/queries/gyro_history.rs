@@ -89,7 +89,7 @@ impl Levels {
     /// The baseline at an instant.
     pub fn at(&self, at: UtcMicros) -> Option<f64> {
         let begun = self.levels.partition_point(|(from, _)| *from <= at);
-        self.levels.get(begun.saturating_sub(1))?.1
+        self.levels.get(begun.checked_sub(1)?)?.1
     }
 }
 
@@ -370,7 +370,7 @@ mod tests {
         let joined = |column| -> Vec<_> {
             Baseline::stretches(&early, column).iter().map(|b| (b.from, b.level[column])).collect()
         };
-        assert_eq!(joined(0), [(day(10), Some(2.0))]);
+        assert_eq!(joined(0), [(day(10), Some(1.0))]);
         assert_eq!(joined(2), [(day(10), None), (day(500), Some(5.0))]);
         // Where an event resets the baseline before the record that moves, or with it, all levels begin.
         for at in [200, 500] {

@@ -299,7 +299,11 @@ fn conditions(store: &Store, narrowed: &Narrowed, now: &str, first: usize) -> St
         (narrowed.station.is_some(), "station = $".to_owned()),
         (narrowed.ever.is_some(), "gyro IN (SELECT gyro FROM gyro_station WHERE station = $)".to_owned()),
         (narrowed.imu.is_some(), "imu = $".to_owned()),
-        (narrowed.rule.is_some(), "gyro IN (SELECT gyro FROM alert WHERE status = 'firing' AND rule = $)".to_owned()),
+        (
+            narrowed.rule.is_some(),
+            "gyro IN (SELECT gyro FROM alert WHERE status = 'firing' AND rule = $ AND rule <> 'batch_shift')"
+                .to_owned(),
+        ),
         (
             narrowed.calibrated_since.is_some(),
             // As the index has it; who was never calibrated has the last instant of all.

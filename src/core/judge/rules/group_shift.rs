@@ -3,8 +3,9 @@
 //!
 //! d_g = x_g - b_g is the deviation of gyro g from its own baseline in its newest calibration. What n gyros of m IMUs
 //! share is the median M of d_g. Its standard error is sqrt(pi/2) s / sqrt(m): gyros of an IMU are calibrated together
-//! and move together, so that m and not n counts. Those that have moved by half of M at least are told of. s is the scatter about M, 1.4826 median |d_g - M|, and no smaller
-//! than what is stated of the d_g. A few gyros that moved by themselves do not move M.
+//! and move together, so that m and not n counts. Those that have moved by half of M at least are told of. s is the
+//! scatter about M, 1.4826 median |d_g - M|, and no smaller than what is stated of the d_g. A few gyros that moved by
+//! themselves do not move M.
 //!
 //! Of a station the newest calibrations of [`IMUS`] IMUs count, within a fortnight: what it did before says nothing of
 //! what it does now. Gyros of a batch change each in its own time: all count that were calibrated in [`LATELY`] days.
@@ -25,8 +26,8 @@ use crate::core::time::UtcMicros;
 
 /// How long before the newest calibration of a station another may lie to count with it, days.
 const TOGETHER_DAYS: f64 = 14.0;
-/// The same of a batch, and of the rest of the fleet that either is compared with.
-const LATELY: f64 = 60.0;
+/// The same of a batch, and of the rest of the fleet that either is compared with, days.
+pub const LATELY: f64 = 60.0;
 /// Gyros and IMUs that are looked at, the newest; fewer tell no shift, and no fewer than `GYROS_TO_STAY` keep one that
 /// was told.
 const GYROS: usize = 6;

@@ -18,7 +18,9 @@ mod trend;
 
 pub use agreement::{SourcedResult, agreement};
 pub use forecast::{FALSE_ALARMS, Foretold, ForetoldGyro, forecast};
-pub use group_shift::{Calibrated, Group, ShiftQuestion, Suspected, group_shift, has_grown, in_common, is_explained};
+pub use group_shift::{
+    Calibrated, Group, LATELY, ShiftQuestion, Suspected, group_shift, has_grown, in_common, is_explained,
+};
 pub use imu_shift::{ImuQuestion, imu_shift};
 pub use overdue::overdue;
 pub use requirement::requirement;

@@ -158,7 +158,8 @@ impl ClockTick<'_> {
         self.state.alerts.learn_mates(&found);
         {
             let naming = Naming { tables: &self.state.store.names().read(), new: None };
-            let mut pen = Pen { now, writer: &mut self.state.writer, naming, cause: None, late: Late::Clock };
+            // What lies long ago is history, whenever it is found.
+            let mut pen = Pen { now, writer: &mut self.state.writer, naming, cause: None, late: Late::Quiet };
             let off: Vec<(AlertOf, Id)> =
                 self.state.alerts.shared().not_judged(&found).map(|row| (row.of, row.id)).collect();
             off.into_iter().for_each(|(of, id)| self.state.alerts.reset(of, |row| row.id == id, &mut pen));

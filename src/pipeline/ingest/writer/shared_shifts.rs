@@ -9,17 +9,14 @@ use std::sync::Arc;
 
 use crate::config::Config;
 use crate::core::judge::{
-    Calibrated, Coefficient, Group, ImuQuestion, Measured, Rule, Severity, ShiftQuestion, State, Verdict, group_shift,
-    imu_shift,
+    Calibrated, Coefficient, Group, ImuQuestion, LATELY, Measured, Rule, Severity, ShiftQuestion, State, Verdict,
+    group_shift, imu_shift,
 };
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::alerts::{AlertCache, Naming, Origin, SharedVerdict};
 use crate::pipeline::ingest::judge::{Judged, Newest};
 use crate::store;
 use crate::store::{AlertOf, AlertRow, Changes, Store, StoreError};
-
-/// Calibrations that tell what a station or a batch does now, days.
-const LATELY: f64 = 60.0;
 
 /// Those that gyros may share, by column.
 const COEFFICIENTS: [Coefficient; 2] = [Coefficient::DI, Coefficient::DS];
@@ -88,19 +85,20 @@ impl SharedShifts<'_> {
         attributes.extend(changes.attributes.iter().map(|row| (row.gyro, row.attributes.clone())));
         let batches: HashMap<u32, Arc<str>> =
             attributes.into_iter().filter_map(|(gyro, of)| Some((gyro, of.batch?.into()))).collect();
-        let is_of_batch = exceeding.iter().any(|newest| batches.contains_key(&newest.gyro));
+        let of_exceeding: BTreeSet<Arc<str>> =
+            exceeding.iter().filter_map(|newest| batches.get(&newest.gyro).cloned()).collect();
         // Whether a station has shifted its own newest calibrations tell; the fleet's are only asked whether it alone has.
         let mut near = Vec::new();
-        for station in stations.iter().filter(|_| !is_of_batch) {
+        for station in stations.iter().filter(|_| of_exceeding.is_empty()) {
             near.extend(self.calibrated(Some(*station)).await?);
         }
         let mut calibrated = self.with_group(near, found, changes, &batches);
         let mut judged = self.of_stations(&self.lately(&calibrated), &stations);
-        if is_of_batch || judged.iter().any(|one| one.verdict.state == State::Exceeded) {
+        if !of_exceeding.is_empty() || judged.iter().any(|one| one.verdict.state == State::Exceeded) {
             calibrated = self.with_group(self.calibrated(None).await?, found, changes, &batches);
             let lately = self.lately(&calibrated);
             judged = self.of_stations(&lately, &stations);
-            judged.extend(self.of_batches(&lately));
+            judged.extend(self.of_batches(&lately, Some(&of_exceeding)));
         }
         // Of what is over the clock judges, which knows every gyro of an IMU.
         let of_imus = self.of_imus(&calibrated, &imus, &judged, &exceed);
@@ -144,7 +142,7 @@ impl SharedShifts<'_> {
         let imus = asked.map(|one| one.imu).chain(told().filter_map(AlertOf::imu)).collect();
         let lately = self.lately(&newest);
         let mut judged = self.of_stations(&lately, &stations);
-        judged.extend(self.of_batches(&lately));
+        judged.extend(self.of_batches(&lately, None));
         let of_imus = self.of_imus(&newest, &imus, &judged, &exceed);
         judged.extend(of_imus);
         Ok(judged)
@@ -162,18 +160,23 @@ impl SharedShifts<'_> {
         stations.iter().flat_map(of).collect()
     }
 
-    /// A batch goes by the gyro of its alert, where it has one.
-    fn of_batches(&self, newest: &[Calibrated]) -> Vec<SharedVerdict> {
-        let told: BTreeSet<u32> = self.alerts.shared().firing().filter_map(|row| row.of.batch()).collect();
-        let mut batches: BTreeMap<&Arc<str>, (bool, u32)> = BTreeMap::new();
-        for (one, batch) in newest.iter().filter_map(|one| Some((one, one.batch.as_ref()?))) {
-            let key = (!told.contains(&one.gyro), one.gyro);
-            batches.entry(batch).and_modify(|least| *least = key.min(*least)).or_insert(key);
+    /// Of these batches, or of all. A batch goes by one of its gyros, and by that for good once it has had an alert,
+    /// whatever becomes of that gyro.
+    fn of_batches(&self, newest: &[Calibrated], asked: Option<&BTreeSet<Arc<str>>>) -> Vec<SharedVerdict> {
+        let mut batches = self.alerts.shared().batches();
+        let mut taken: BTreeSet<u32> = batches.values().copied().collect();
+        let mut gyros: Vec<(u32, &Arc<str>)> =
+            newest.iter().filter_map(|one| Some((one.gyro, one.batch.as_ref()?))).collect();
+        gyros.sort_unstable();
+        for (gyro, batch) in gyros {
+            if !batches.contains_key(&**batch) && taken.insert(gyro) {
+                batches.insert(batch.to_string(), gyro);
+            }
         }
-        let of = |(batch, (_, gyro)): (&Arc<str>, (bool, u32))| {
-            self.of_group(newest, AlertOf::Batch(gyro), &Group::Batch(batch.clone()))
-        };
-        batches.into_iter().flat_map(of).collect()
+        let is_asked = |batch: &String| asked.is_none_or(|asked| asked.contains(batch.as_str()));
+        let of =
+            |(batch, gyro): (String, u32)| self.of_group(newest, AlertOf::Batch(gyro), &Group::Batch(batch.into()));
+        batches.into_iter().filter(|(batch, _)| is_asked(batch)).flat_map(of).collect()
     }
 
     fn of_group(&self, newest: &[Calibrated], of: AlertOf, group: &Group) -> Vec<SharedVerdict> {

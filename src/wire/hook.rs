@@ -160,7 +160,7 @@ impl FilterBody {
 
     pub fn wants(&self, alert: &AlertBody) -> bool {
         let severity = |name: &str| Severity::from_name(name);
-        // The alert of a station or an IMU stands for those of gyros that it explains.
+        // The alert of a station, batch or IMU stands for those of gyros that it explains.
         let of_rule = |rule: &String| {
             *rule == alert.rule || alert.explains_others() && Rule::from_name(rule).is_some_and(Rule::can_be_shared)
         };

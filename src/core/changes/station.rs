@@ -1,11 +1,11 @@
 //! What a station does to every gyro that it measures: its offset, drift and steps, from gyros of other IMUs.
 //!
 //! Records of peer p: y = mu_p + sum of b c(t, station) + noise, with c of a part: 1 at the station (offset), t there
-//! (drift), 1 there from an instant on (step) or between two (window). Each peer gives an estimate b_p of its own, its level projected out; the
-//! station's is their robust mean (Huber from the weighted median), its standard deviation the larger of what the
-//! records' noise gives and the sandwich over IMUs, whose gyros are calibrated together and move together. So no gyro
-//! that ages or steps by itself makes its station do so. Parts are taken one by one, the most significant first, and
-//! estimated again beside one another.
+//! (drift), 1 there from an instant on (step) or between two (window). Each peer gives an estimate b_p of its own, its
+//! level projected out; the station's is their robust mean (Huber from the weighted median), its standard deviation the
+//! larger of what the records' noise gives and the sandwich over IMUs, whose gyros are calibrated together and move
+//! together. So no gyro that ages or steps by itself makes its station do so. Parts are taken one by one, the most
+//! significant first, and estimated again beside one another.
 
 use std::collections::BTreeMap;
 
@@ -574,7 +574,8 @@ impl Course {
         largest
     }
 
-    /// Each part again, beside the others, which were not there when its instants were found. What is significant no more is given up, and answered.
+    /// Each part again, beside the others, which were not there when its instants were found. What is significant no
+    /// more is given up, and answered.
     fn estimate_again(&mut self) -> Vec<Part> {
         self.settle();
         let mut given_up = Vec::new();

@@ -129,7 +129,8 @@ pub struct Gap {
     pub p_value: f64,
 }
 
-/// Where squared residuals exceed what noise alone leaves: shares by gyro, phase and dwell. Those of gyros and of phases add up to 1.
+/// Where squared residuals exceed what noise alone leaves: shares by gyro, phase and dwell. Those of gyros and of
+/// phases add up to 1.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Located {
     pub gyros: Vec<(Slot, f64)>,

@@ -80,8 +80,9 @@ fn octaves_of(series: &Series, track: &Track, i: Interval) -> Vec<Octave> {
 }
 
 /// Standard error of a channel's mean over an interval. Where rounding or white noise is plainly other in this dwell
-/// than in those that the noise is of, it is its own: where stamps jitter, it goes with the rate of turn. Of a converter that reads the same all the while it is that of one reading,
-/// count/sqrt(12): no noise rounds it sometimes up and sometimes down.
+/// than in those that the noise is of, it is its own: where stamps jitter, it goes with the rate of turn. Of a
+/// converter that reads the same all the while it is that of one reading, count/sqrt(12): no noise rounds it sometimes
+/// up and sometimes down.
 pub fn standard_error(series: &Series, track: &Track, noise: &Noise, interval: Interval, sample_s: f64) -> f64 {
     let dwell_s = series.end_s(interval.to) - series.start_s(interval.from);
     let samples: f64 = track.weight[interval.from..interval.to].iter().sum();

@@ -116,7 +116,7 @@ impl Alerts {
         Ok(gyros.iter().map(of_gyro).collect::<Result<_, StoreError>>()?)
     }
 
-    /// Alerts of stations and IMUs that a filter lets through, the newest first.
+    /// Alerts of stations, batches and IMUs that a filter lets through, the newest first.
     ///
     /// # Errors
     /// [`StorageError`].
@@ -131,7 +131,7 @@ impl Alerts {
         self.bodies(rows.iter().rev(), now)
     }
 
-    /// Alerts of gyros that the alert of a station explains.
+    /// Alerts of gyros that the alert of a station, batch or IMU explains.
     ///
     /// # Errors
     /// [`StorageError`].

@@ -18,15 +18,15 @@ const STRAIGHT: f64 = 2.0;
 
 /// The value is |deviation from the baseline that the line leads to| at the horizon, the limit is the budget.
 ///
-/// The line is that of least squares through the last 24 cells, one or two cells that are four standard deviations
-/// off the rest left out; where it bends by more than two standard deviations, through the last 20, 16, 12 or 8. Its
-/// standard deviation counts the level and the slope together, the baseline, the scatter with its correlation, the
-/// walk of the level, now and until the date, and what stations differ by where they are several. A slope is established where it is more than the normal quantile of
-/// `limits.confidence` (3.3) times its standard deviation; a step explains it away where that fits the cells better.
-/// The horizon is `limits.horizon_days`, but never longer than the cells span: nine days of records do not foretell a
-/// quarter. Dates are where the 95 % band of the line crosses the budget; while the course is younger than the
-/// window, they are provisional: where the window was shortened, or the line through it begins at the baseline or
-/// beyond. `confirmed` is never set, many campaigns have spoken already.
+/// The line is that of least squares through the last 24 cells, one or two cells that are four standard deviations off
+/// the rest left out; where it bends by more than two standard deviations, through the last 20, 16, 12 or 8. Its
+/// standard deviation counts the level and the slope together, the baseline, the scatter with its correlation, the walk
+/// of the level, now and until the date, and what stations differ by where they are several. A slope is established
+/// where it is more than the normal quantile of `limits.confidence` (3.3) times its standard deviation; a step explains
+/// it away where that fits the cells better. The horizon is `limits.horizon_days`, but never longer than the cells
+/// span: nine days of records do not foretell a quarter. Dates are where the 95 % band of the line crosses the budget;
+/// while the course is younger than the window, they are provisional: where the window was shortened, or the line
+/// through it begins at the baseline or beyond. `confirmed` is never set, many campaigns have spoken already.
 pub(crate) fn trend(case: &Case<'_>, limits: &TrendLimits, fixed: Option<Measured>) -> Verdict {
     let (points, limit) = (case.points(), limits.budget);
     let [longest, .., shortest] = TREND_CELLS;

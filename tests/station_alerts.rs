@@ -372,6 +372,12 @@ async fn an_imu_of_which_every_gyro_moves_is_one_alert_and_what_one_does_later_a
     assert_eq!(lab.verified().await.faults, Vec::<String>::new());
 }
 
+async fn is_of(lab: &Lab, gyro: i64, batch: &str) {
+    let changed = lab.request(Method::PATCH, &format!("/v1/gyros/{}", serial(gyro)));
+    let changed = changed.header("content-type", "application/json").body(json!({ "batch": batch }).to_string());
+    assert_eq!(changed.send().await.unwrap().status(), 200);
+}
+
 #[tokio::test]
 async fn gyros_of_a_batch_that_move_together_are_one_alert_of_the_batch_and_none_of_a_station() {
     let (mut lab, target) = (lab().await, Receiver::start().await);
@@ -379,9 +385,7 @@ async fn gyros_of_a_batch_that_move_together_are_one_alert_of_the_batch_and_none
     // Three IMUs of nine, two of them at one station and one at the other.
     let of_batch = |imu: i64| imu % 3 == 1;
     for gyro in (0..9).filter(|imu| of_batch(*imu)).flat_map(|imu| 3 * imu..3 * imu + 3) {
-        let changed = lab.request(Method::PATCH, &format!("/v1/gyros/{}", serial(gyro)));
-        let changed = changed.header("content-type", "application/json").body(json!({"batch": "2024/B"}).to_string());
-        assert_eq!(changed.send().await.unwrap().status(), 200);
+        is_of(&lab, gyro, "2024/B").await;
     }
     let all = |at: i64, d_i: fn(i64, i64) -> f64| -> Vec<Value> {
         let station = |imu: i64| if imu < 6 { "ST-2" } else { "ST-1" };
@@ -430,8 +434,19 @@ async fn gyros_of_a_batch_that_move_together_are_one_alert_of_the_batch_and_none
         !own.is_empty() && own.iter().all(|alert| alert["serial"] == serial(23))
     };
     become_so(&lab, its_own).await;
+    // One that is found to be of another batch is told by itself; the alert of those that it was listed with stays.
+    is_of(&lab, 3, "2024/C").await;
+    lab.clock_shows(&day(43));
+    sent(&lab, &all(37, |_, _| SHIFT)).await;
+    let is_left = |alerts: &[Value]| {
+        let of_batches: Vec<&Value> = alerts.iter().filter(|alert| alert["subject"] == "batch").collect();
+        let [same] = of_batches[..] else { panic!("{of_batches:#?}") };
+        assert_eq!([&same["id"], &same["batch"], &same["state"]], [&batch["id"], &json!("2024/B"), &json!("firing")]);
+        of_gyros(alerts, "firing").any(|alert| alert["serial"] == serial(3))
+    };
+    become_so(&lab, is_left).await;
     // As they were.
-    for at in [42, 49] {
+    for at in [44, 51] {
         lab.clock_shows(&day(at + 6));
         sent(&lab, &all(at, |_, _| 0.0)).await;
     }

@@ -90,12 +90,12 @@ impl SharedShifts<'_> {
         // Whether a station has shifted its own newest calibrations tell; the fleet's are only asked whether it alone has.
         let mut near = Vec::new();
         for station in stations.iter().filter(|_| of_exceeding.is_empty()) {
-            near.extend(self.calibrated(Some(*station)).await?);
+            near.extend(self.calibrated(self.lately_from(), Some(*station)).await?);
         }
         let mut calibrated = self.with_group(near, found, changes, &batches);
         let mut judged = self.of_stations(&self.lately(&calibrated), &stations);
         if !of_exceeding.is_empty() || judged.iter().any(|one| one.verdict.state == State::Exceeded) {
-            calibrated = self.with_group(self.calibrated(None).await?, found, changes, &batches);
+            calibrated = self.with_group(self.calibrated(self.lately_from(), None).await?, found, changes, &batches);
             let lately = self.lately(&calibrated);
             judged = self.of_stations(&lately, &stations);
             judged.extend(self.of_batches(&lately, Some(&of_exceeding)));
@@ -131,7 +131,7 @@ impl SharedShifts<'_> {
     /// What the gyros of every station, batch and IMU have done lately, of those that have an alert, and of IMUs with a
     /// gyro that has one, whenever that was calibrated. `firing`: alerts of gyros that may be shared.
     pub async fn all(&self, firing: &[AlertRow]) -> Result<Vec<SharedVerdict>, StoreError> {
-        let newest = self.calibrated(None).await?;
+        let newest = self.calibrated(Span::EVER.from, None).await?;
         let exceed: Vec<Exceeding> = firing.iter().filter_map(Exceeding::of).collect();
         let exceeding: BTreeSet<u32> = exceed.iter().map(|one| one.gyro).collect();
         let recent = self.now.plus_days(-self.config.alerts.backfill_days);
@@ -150,9 +150,13 @@ impl SharedShifts<'_> {
 
     /// Those that tell what stations and batches do; where a shared alert fires, those since it does.
     fn lately(&self, newest: &[Calibrated]) -> Vec<Calibrated> {
-        let began = self.alerts.shared().firing().map(|row| row.alert.since).min().unwrap_or(self.now);
-        let from = self.now.plus_days(-LATELY).min(began);
+        let from = self.lately_from();
         newest.iter().filter(|one| one.at >= from).cloned().collect()
+    }
+
+    fn lately_from(&self) -> UtcMicros {
+        let began = self.alerts.shared().firing().map(|row| row.alert.since).min().unwrap_or(self.now);
+        self.now.plus_days(-LATELY).min(began)
     }
 
     fn of_stations(&self, newest: &[Calibrated], stations: &BTreeSet<u32>) -> Vec<SharedVerdict> {
@@ -248,9 +252,9 @@ impl SharedShifts<'_> {
         Naming { tables: &self.store.names().read(), new: None }.imu(imu)
     }
 
-    /// The newest calibrations of the fleet, or of one station.
-    async fn calibrated(&self, station: Option<u32>) -> Result<Vec<Calibrated>, StoreError> {
-        let rows = store::head::calibrated_since(self.store, Span::EVER.from, station).await?;
+    /// The newest calibrations of the fleet, or of one station, made no earlier than `from`.
+    async fn calibrated(&self, from: UtcMicros, station: Option<u32>) -> Result<Vec<Calibrated>, StoreError> {
+        let rows = store::head::calibrated_since(self.store, from, station).await?;
         let mut budgets: BTreeMap<(String, String), [Option<f64>; 2]> = BTreeMap::new();
         let calibrated = rows.into_iter().map(|row| {
             let of = (row.imu_name, row.serial);

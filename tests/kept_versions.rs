@@ -122,8 +122,10 @@ fn differences(path: &str, before: &Value, after: &Value, found: &mut Vec<String
             let (x, y) = (x.as_f64().unwrap(), y.as_f64().unwrap());
             // Since 0.3.0 the rank is of model (6) alone, without the effects that are fitted beside it.
             let is_rank = path.ends_with("/rank") && y < x;
-            // Since then a station's records are counted once for all gyros in them.
-            let is_count = path.contains("/stations") && path.ends_with("/records") && (1.0..x).contains(&y);
+            // Since then a station's records are counted once for all gyros in them, and its IMUs are all that it has
+            // calibrated.
+            let is_count = path.contains("/stations")
+                && (path.ends_with("/records") && (1.0..x).contains(&y) || path.ends_with("/imus") && y > x);
             if !is_rank && !is_count && (x - y).abs() > 1e-9 * x.abs().max(y.abs()) {
                 found.push(format!("{path}: {x} was, {y} is"));
             }

@@ -104,7 +104,7 @@ macro_rules! read {
     };
 }
 
-/// `$what` is among the first cells of a [`super::batch::Rows`], which are whole numbers, `$then`, in the words of
+/// `$what` is among the first cells of a [`super::rows::Rows`], which are whole numbers, `$then`, in the words of
 /// both databases.
 macro_rules! among {
     ($what:literal $(, $then:literal)?) => {

@@ -198,7 +198,7 @@ async fn the_service_is_where_an_option_or_else_the_environment_says() {
 
 /// On a terminal, which util-linux's `script` makes.
 #[test]
-fn whoever_sets_no_color_gets_none() {
+fn no_color_is_heeded() {
     if !required("script") {
         return;
     }

@@ -60,7 +60,7 @@ impl OnConflict {
     }
 }
 
-/// The insert into a table, made once: whoever inserts there has the same columns and cells.
+/// The insert into a table, made once: all that is inserted there has the same columns and cells.
 fn insert_into(table: &'static str, columns: &'static str, on_conflict: OnConflict, rows: &Rows) -> Sql {
     static KNOWN: RwLock<BTreeMap<&str, Sql>> = RwLock::new(BTreeMap::new());
     if let Some(sql) = KNOWN.read().unwrap_or_else(PoisonError::into_inner).get(table) {

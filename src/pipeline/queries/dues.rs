@@ -5,6 +5,9 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use tokio::time::Instant;
+
+use super::found_until::found_until;
 use super::gyro_history::Histories;
 use super::standing::Standing;
 use crate::core::judge::{Coefficient, Status};
@@ -48,19 +51,17 @@ impl Dues {
     pub async fn of(&self, gyros: &[Standing], now: UtcMicros) -> Result<(HashMap<u32, DueDate>, usize), StorageError> {
         let drifting = gyros.iter().filter(|gyro| gyro.status == Some(Status::Drifting));
         let (mut found, mut missing) = (HashMap::new(), 0);
-        let until = tokio::time::Instant::now() + PATIENCE;
+        let until = Instant::now() + PATIENCE;
         for gyro in drifting {
             let gyro = of_any_day(gyro);
             let kept = self.kept().get(&gyro.number).filter(|(of, _)| *of == gyro).map(|(_, due)| *due);
             let number = gyro.number;
             let due = match kept {
                 Some(due) => Some(due),
-                None if tokio::time::Instant::now() >= until => None,
+                None if Instant::now() >= until => None,
                 None => {
-                    // It is found to the end, for who asks next.
                     let dues = self.clone();
-                    let found = tokio::spawn(async move { dues.due(&gyro).await });
-                    tokio::time::timeout_at(until, found).await.ok().and_then(Result::ok).transpose()?
+                    found_until(until, async move { dues.due(&gyro).await }).await.transpose()?
                 }
             };
             missing += usize::from(due.is_none());

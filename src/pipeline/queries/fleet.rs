@@ -8,6 +8,7 @@ use std::time::Duration;
 use tokio::time::Instant;
 
 use super::entries::fleet_histories;
+use super::found_until::found_until;
 use super::record::Records;
 use super::standing::{Standing, StoredFacts, of_rank, rank};
 use crate::config::Config;
@@ -385,10 +386,9 @@ impl Fleet {
     /// [`StorageError`].
     pub async fn station_figures_within(&self, patience: Duration) -> Result<Option<Arc<FleetStations>>, StorageError> {
         if self.stations.current.try_lock().is_ok() {
-            // They are found to the end, for who asks next.
             let fleet = self.clone();
-            let found = tokio::spawn(async move { fleet.station_figures().await });
-            if let Ok(Ok(found)) = tokio::time::timeout(patience, found).await {
+            let found = found_until(Instant::now() + patience, async move { fleet.station_figures().await });
+            if let Some(found) = found.await {
                 return found;
             }
         }

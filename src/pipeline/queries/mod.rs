@@ -7,6 +7,7 @@ mod entries;
 mod fleet;
 mod fleet_noise;
 mod foreseen;
+mod found_until;
 mod gyro_history;
 pub(super) mod heads;
 mod items;

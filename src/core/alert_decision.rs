@@ -94,6 +94,8 @@ pub struct Alert {
 }
 
 impl Alert {
+    /// How the alert is shown at `now`: resolved, else the first of silenced, inhibited and acknowledged that holds,
+    /// else firing.
     pub fn standing(&self, now: UtcMicros) -> Standing {
         match self.status {
             Status::Resolved => Standing::Resolved,

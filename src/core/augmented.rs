@@ -39,6 +39,7 @@ pub struct Options {
 pub struct PlausibleSizes(pub Vec<(Effect, f64)>);
 
 impl PlausibleSizes {
+    /// Largest plausible size of an effect, in the unit of its coefficients: the IMU's own, else the catalogue's.
     pub fn of(&self, effect: Effect) -> f64 {
         let own = self.0.iter().find(|(kind, _)| *kind == effect);
         own.map_or(effect.entry().plausible, |(_, size)| *size)
@@ -73,6 +74,7 @@ pub struct AugmentedModel {
 }
 
 impl AugmentedModel {
+    /// Whether it says nothing beyond equation (6) with the campaign's own terms.
     pub fn is_plain(&self) -> bool {
         self.terms.is_none() && self.effects.is_empty() && self.plausible_sizes.0.is_empty()
     }

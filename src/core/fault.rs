@@ -16,10 +16,12 @@ pub struct Fault {
 pub struct Faults(pub Vec<Fault>);
 
 impl Faults {
+    /// Adds a fault at a JSON pointer.
     pub fn push(&mut self, pointer: impl Into<String>, message: Message) {
         self.0.push(Fault { pointer: pointer.into(), message });
     }
 
+    /// Whether there is no fault.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

@@ -27,10 +27,12 @@ impl<F> Clone for Vector<F> {
 impl<F> Copy for Vector<F> {}
 
 impl<F> Vector<F> {
+    /// States that `v` holds coordinates in `F`.
     pub fn new(v: Vector3<f64>) -> Self {
         Self(v, PhantomData)
     }
 
+    /// States that [x, y, z] are coordinates in `F`.
     pub fn from_array(v: [f64; 3]) -> Self {
         Self::new(Vector3::from(v))
     }
@@ -59,10 +61,12 @@ impl<A, B> Rotation<A, B> {
         Self(c, PhantomData)
     }
 
+    /// C^T: from B's coordinates back to A's.
     pub fn inverse(&self) -> Rotation<B, A> {
         Rotation(self.0.inverse(), PhantomData)
     }
 
+    /// C, 3 x 3, with v_b = C v_a.
     pub fn matrix(&self) -> &Matrix3<f64> {
         self.0.matrix()
     }

@@ -25,6 +25,7 @@ pub enum Parameter {
 }
 
 impl Message {
+    /// Code and named parameters; its words are made where somebody reads it.
     pub fn new(code: &'static str, parameters: Vec<(Cow<'static, str>, Parameter)>) -> Self {
         Self { code: Cow::Borrowed(code), parameters }
     }
@@ -35,6 +36,7 @@ impl Message {
         crate::message!("verbatim", text = text.to_string())
     }
 
+    /// A parameter by name.
     pub fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters.iter().find(|(known, _)| known == name).map(|(_, value)| value)
     }

@@ -22,6 +22,7 @@ pub enum Term {
 }
 
 impl Term {
+    /// Number of its parameters in one gyro.
     pub fn columns(self) -> usize {
         match self {
             Term::Bias => 1,
@@ -38,6 +39,7 @@ impl Terms {
     /// Model (6) whole: bias, G, P and E.
     pub const MODEL_6: Terms = Terms([true; 4]);
 
+    /// The set of these terms; one that is named twice counts once.
     pub fn of(terms: &[Term]) -> Self {
         let mut set = [false; 4];
         for &term in terms {
@@ -46,19 +48,23 @@ impl Terms {
         Self(set)
     }
 
+    /// Whether the term is in the set.
     pub fn contains(self, term: Term) -> bool {
         self.0[term as usize]
     }
 
+    /// The set less one term.
     pub fn without(mut self, term: Term) -> Self {
         self.0[term as usize] = false;
         self
     }
 
+    /// Its terms, in the order of [`Term::ALL`].
     pub fn iter(self) -> impl Iterator<Item = Term> {
         Term::ALL.into_iter().filter(move |&term| self.contains(term))
     }
 
+    /// Whether no term is left.
     pub fn is_empty(self) -> bool {
         self == Self([false; 4])
     }

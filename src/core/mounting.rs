@@ -19,6 +19,7 @@ pub enum Slot {
 }
 
 impl Slot {
+    /// 0, 1 or 2.
     pub fn index(self) -> usize {
         self as usize
     }
@@ -64,10 +65,12 @@ impl Triad {
         Self { input: Vector3::from(input), spin: Vector3::from(spin) }
     }
 
+    /// I, a unit vector in body axes.
     pub fn input(&self) -> Vector3<f64> {
         self.input
     }
 
+    /// S, a unit vector in body axes, perpendicular to I.
     pub fn spin(&self) -> Vector3<f64> {
         self.spin
     }

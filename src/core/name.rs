@@ -35,6 +35,7 @@ impl Name {
         Ok(Self(normal_form(text).into_owned()))
     }
 
+    /// In its one spelling.
     pub fn as_str(&self) -> &str {
         &self.0
     }

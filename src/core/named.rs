@@ -49,6 +49,7 @@ macro_rules! named {
                 match self { $($of::$one => $name),* }
             }
 
+            /// The one of that name; none where no one has it.
             pub fn from_name(name: &str) -> Option<Self> {
                 Self::ALL.into_iter().find(|one| one.name() == name)
             }

@@ -61,6 +61,7 @@ pub struct Gatherer {
 }
 
 impl Gatherer {
+    /// Without measurements yet.
     pub fn new(period: Period) -> Self {
         Self { period, summaries: Vec::new() }
     }

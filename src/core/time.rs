@@ -73,6 +73,7 @@ pub struct Span {
 impl Span {
     pub const EVER: Span = Span { from: UtcMicros(i64::MIN), to: UtcMicros(i64::MAX) };
 
+    /// Whether an instant is in the span, both ends included.
     pub fn contains(&self, at: UtcMicros) -> bool {
         (self.from..=self.to).contains(&at)
     }

@@ -118,8 +118,7 @@ pub struct SummaryQuery {
 }
 
 /// What the diagnoses of stored campaigns say together: which effects, in which IMUs and gyros, at which stations,
-/// since when, how far the gap closes and what D_I and D_S are moved by; and whose gap the catalogue does not
-/// explain.
+/// since when. How far the gap closes, by how much D_I and D_S move, and whose gap the catalogue does not explain.
 ///
 /// Campaigns that were voided or revised are left out. In CSV a line is an effect in a gyro, or an IMU in doubt.
 #[utoipa::path(get, operation_id = "get_diagnosis_summary", path = "/v1/diagnoses/summary", tag = "diagnoses",

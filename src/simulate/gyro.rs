@@ -57,10 +57,12 @@ impl Drift {
 }
 
 impl TrueGyro {
+    /// True I, a unit vector in body axes.
     pub fn input(&self) -> Vector3<f64> {
         self.axes.row(0).transpose()
     }
 
+    /// True S, a unit vector in body axes.
     pub fn spin(&self) -> Vector3<f64> {
         self.axes.row(1).transpose()
     }

@@ -19,6 +19,10 @@ const INSTABILITY_TIMES_H: [f64; 5] = [0.03, 0.1, 0.3, 1.0, 3.0];
 const STEPS_A_DWELL: usize = 6;
 
 impl Noise {
+    /// Checks that every figure makes sense.
+    ///
+    /// # Errors
+    /// Each figure that is negative or not finite, and a correlation above 1, by its JSON pointer.
     pub fn check(&self) -> Result<(), Faults> {
         let mut faults = Faults::default();
         for (name, value) in [

@@ -362,6 +362,10 @@ impl Scenario {
         Ok(Some(Terms::of(&terms)))
     }
 
+    /// What kind of campaign it makes.
+    ///
+    /// # Errors
+    /// A name that is none of `imu`, `torque_feedback` and `turntable_servo`.
     pub fn test_kind(&self) -> Result<TestKind, Faults> {
         let all = [TestKind::Imu, TestKind::TorqueFeedback, TestKind::TurntableServo];
         let known = all.into_iter().find(|kind| kind.name() == self.test);

@@ -29,6 +29,11 @@ pub struct Earth {
 }
 
 impl Earth {
+    /// Rate (deg/h) and gravity (g0) in east, north, up, and the direction of the field. Gravity is GRS 80's normal
+    /// gravity where none is stated.
+    ///
+    /// # Errors
+    /// A latitude outside -90 to 90 deg, a field without direction, a gravity that is not positive.
     pub fn at(site: &SiteChoice) -> Result<Self, Faults> {
         if !(-90.0..=90.0).contains(&site.latitude_deg) {
             return Err(fault("/site/latitude_deg", message!("scenario_latitude", value = text(site.latitude_deg))));
@@ -71,6 +76,7 @@ pub struct TableErrors {
 }
 
 impl TableErrors {
+    /// A level table that points north.
     pub fn none() -> Self {
         Self { table_from_nav: Rotation3::identity() }
     }

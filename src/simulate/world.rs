@@ -40,6 +40,10 @@ pub struct World {
 }
 
 impl World {
+    /// Draws everything that a seed decides: programme, temperatures, gyros and their errors.
+    ///
+    /// # Errors
+    /// What the scenario states and cannot be, by its JSON pointer.
     pub fn new(scenario: &Scenario) -> Result<Self, Faults> {
         scenario.noise.check()?;
         let geometry = scenario.geometry.resolve()?;
@@ -117,6 +121,7 @@ impl World {
         each.unzip()
     }
 
+    /// Slots of its gyros, in the order of the outputs.
     pub fn slots(&self) -> impl Iterator<Item = Slot> {
         self.gyros.iter().map(|gyro| gyro.slot)
     }

@@ -233,6 +233,18 @@ fn only_what_relatives_run_too(text: &str) -> Vec<String> {
     FOREIGN.iter().filter(|word| text.contains(*word)).map(|word| format!("{word:?}")).collect()
 }
 
+/// Public functions without a doc comment, attributes between passed over.
+fn undocumented(text: &str) -> Vec<String> {
+    let lines: Vec<&str> = production(text).lines().map(str::trim).collect();
+    let is_function = |line: &str| ["pub fn ", "pub const fn ", "pub async fn "].iter().any(|p| line.starts_with(p));
+    let is_documented = |k: usize| {
+        let above = lines[..k].iter().rev().find(|line| !line.starts_with("#["));
+        above.is_some_and(|line| line.starts_with("///"))
+    };
+    let at = (0..lines.len()).filter(|&k| is_function(lines[k]) && !is_documented(k));
+    at.map(|k| format!("no doc comment above {:?}", lines[k])).collect()
+}
+
 /// The names that the types of a file have in the description of the API.
 fn schema_names(text: &str) -> Vec<String> {
     let name = |item: &str| item.chars().take_while(|&c| is_ident(c)).collect::<String>();
@@ -453,6 +465,14 @@ fn what_postgresql_is_asked_its_relatives_run_too() {
     for path in migrations {
         let complaints = only_what_relatives_run_too(&fs::read_to_string(&path).unwrap());
         assert!(complaints.is_empty(), "{}: {complaints:?}", path.display());
+    }
+}
+
+#[test]
+fn public_functions_of_the_mathematics_and_the_simulation_say_what_they_do() {
+    assert_eq!(undocumented("pub fn a() {}\n/// B.\n#[must_use]\npub const fn b() {}\nfn c() {}").len(), 1);
+    for dir in ["src/core", "src/simulate"] {
+        keep(dir, |_, text| undocumented(text));
     }
 }
 

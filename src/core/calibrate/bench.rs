@@ -101,6 +101,7 @@ pub enum NotFitted {
 }
 
 impl NotFitted {
+    /// The refusal as a code with parameters.
     pub fn message(&self) -> Message {
         match self {
             Self::NotABench => message!("not_a_bench_test"),

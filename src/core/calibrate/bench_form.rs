@@ -15,6 +15,8 @@ pub(super) enum Squares {
 }
 
 impl Squares {
+    /// Which squares the dwells' specific forces (g0, along I, S, O) tell apart: both, or the difference alone where
+    /// a_I^2 + a_S^2 is constant within 2 %.
     pub fn seen_in(forces: &[Vector3<f64>]) -> Self {
         let n = forces.len() as f64;
         let sums = || forces.iter().map(|a| a.x * a.x + a.y * a.y);
@@ -51,6 +53,7 @@ pub(super) struct Form {
 }
 
 impl Form {
+    /// Columns of one dwell beyond 1, a_I and a_S; `a` is the specific force along I, S and O, g0.
     pub fn columns(self, a: &Vector3<f64>) -> Vec<f64> {
         self.squares.columns(a).into_iter().chain(self.output.then_some(a.z)).collect()
     }

@@ -25,6 +25,7 @@ pub fn parameter_names(terms: Terms) -> Vec<&'static str> {
         .collect()
 }
 
+/// Unit of a term's parameters as answers write it.
 pub fn unit(term: Term) -> &'static str {
     match term {
         Term::Bias => "pulse/s",

@@ -41,6 +41,7 @@ impl std::fmt::Display for NotSeparated {
 impl std::error::Error for NotSeparated {}
 
 impl NotSeparated {
+    /// The reason as a code with parameters.
     pub fn message(&self) -> Message {
         match self {
             Self::NoDrift => message!("no_drift_fitted"),

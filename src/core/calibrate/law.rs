@@ -74,6 +74,8 @@ impl Law {
         }
     }
 
+    /// The law as answers say it: the power of duration, or by how many times the noise grows to the fastest rate or to
+    /// the end.
     pub fn found(self) -> LawFound {
         match self {
             Self::Duration(power) => LawFound::Duration { power },

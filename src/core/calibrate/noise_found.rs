@@ -43,6 +43,7 @@ impl MemoryFound {
 }
 
 impl NoiseFound {
+    /// Whether nothing is said of the noise: white, as stated, each gyro by itself.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }

@@ -75,6 +75,7 @@ impl PureError {
         sum
     }
 
+    /// Both together: sums of squares and degrees of freedom add.
     pub fn plus(self, other: Self) -> Self {
         Self { chi2: self.chi2 + other.chi2, dof: self.dof + other.dof }
     }

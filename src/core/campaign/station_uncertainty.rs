@@ -43,6 +43,7 @@ impl StationUncertainty {
         }
     }
 
+    /// Whether any of levelling, azimuth and fixture is stated.
     pub fn is_stated(&self) -> bool {
         StationPart::ALL.iter().any(|part| self.of(*part).is_some())
     }

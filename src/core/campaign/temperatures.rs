@@ -55,6 +55,7 @@ pub struct Temperatures {
 }
 
 impl Temperatures {
+    /// Sets fault values of the sensor aside and fills gaps along the times of the dwells.
     pub fn of(campaign: &Campaign) -> Self {
         let stated: Vec<Option<f64>> = campaign.dwells.iter().map(|d| d.temperature_c).collect();
         let outliers = outliers(&stated);

@@ -112,6 +112,7 @@ impl Tie {
         }
     }
 
+    /// What it is tied to, as a code with parameters.
     pub fn message(&self) -> Message {
         use crate::core::message::{figure, text};
         use crate::message;
@@ -235,6 +236,7 @@ pub enum WhyNot {
 }
 
 impl WhyNot {
+    /// The reason as a code with parameters.
     pub fn message(&self) -> Message {
         use crate::core::message::{figure, signed};
         use crate::message;

@@ -17,6 +17,7 @@ pub(super) enum Process {
 }
 
 impl Process {
+    /// Its name in answers.
     pub fn name(self) -> &'static str {
         match self {
             Self::White => "white",

@@ -167,6 +167,8 @@ pub(super) struct Question<'a> {
 }
 
 impl Question<'_> {
+    /// Names causes one by one, each significant against white noise and against a wandering coefficient. None where
+    /// the records allow no model of white noise.
     pub fn answer(&self) -> Option<Found> {
         let series = self.series;
         let y = series.column(|row| row.y);

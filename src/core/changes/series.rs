@@ -87,6 +87,8 @@ pub(super) struct Series {
 }
 
 impl Series {
+    /// One coefficient of a history, oldest first: its mean taken off, its variances in units of a typical one.
+    /// `column` is the place in `Entry::d`.
     pub fn of(entries: &[Entry], column: usize) -> Self {
         let mut stations: Vec<Arc<str>> = entries.iter().map(|entry| entry.station.clone()).collect();
         stations.sort_unstable();
@@ -115,10 +117,12 @@ impl Series {
         Self { rows, stations, origin, mean, unit, scatter, d_s_sd }
     }
 
+    /// Number of records.
     pub fn len(&self) -> usize {
         self.rows.len()
     }
 
+    /// One figure of every record, in order of time.
     pub fn column(&self, of: impl Fn(&Row) -> f64) -> Vec<f64> {
         self.rows.iter().map(of).collect()
     }

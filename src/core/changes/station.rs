@@ -78,6 +78,7 @@ pub(super) struct Common {
 }
 
 impl Common {
+    /// |value|/sd; zero where the standard deviation is unknown.
     pub fn significance(&self) -> f64 {
         if self.sd > 0.0 { self.value.abs() / self.sd } else { 0.0 }
     }
@@ -517,6 +518,7 @@ impl Course {
         }
     }
 
+    /// Takes `value` times a station's part off every peer's records.
     pub fn subtract(&mut self, part: &Part, value: f64) {
         for row in self.peers.iter_mut().flat_map(|peer| &mut peer.rows) {
             row.y -= value * part.at(row.station, row.at, row.years);

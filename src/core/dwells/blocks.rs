@@ -82,6 +82,8 @@ impl Blocks {
         Self::with_room(channels, interval_s, MOST_BLOCKS)
     }
 
+    /// Keeps at most `most` blocks: they double in length when more would be needed. The first are at least
+    /// `interval_s` long, a power of two.
     pub fn with_room(channels: usize, interval_s: f64, most: usize) -> Self {
         let sums = Sums {
             origin: f64::NAN,
@@ -263,6 +265,7 @@ impl Series {
         }
     }
 
+    /// When a block begins, s after the time that block 0 begins at.
     pub fn start_s(&self, block: usize) -> f64 {
         self.number[block] as f64 * self.block_s
     }

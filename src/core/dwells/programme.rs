@@ -45,6 +45,7 @@ const OTHER_RATE: f64 = 0.2;
 pub const REST_ARCSEC_S: f64 = 30.0;
 
 impl Position {
+    /// `static` where the table does not turn.
     pub fn phase(&self) -> Phase {
         if self.turn_arcsec_s == 0.0 { Phase::Static } else { Phase::Rate }
     }
@@ -72,6 +73,7 @@ impl Position {
         (force, rate + (self.attitude * Vector::new(site.earth_rate().0.y * part)).0)
     }
 
+    /// Body coordinates of the vertical, pointing up.
     pub fn up(&self) -> Vector3<f64> {
         (self.attitude * Vector::new(Vector3::z())).0
     }

@@ -33,6 +33,7 @@ impl Dimension {
     /// Of rates, and of drift.
     pub const RATE: Self = Self([1.0, -1.0, 0.0, 0.0]);
 
+    /// The dimension of x y^`power`.
     pub fn times(self, other: Self, power: f64) -> Self {
         Self(std::array::from_fn(|i| self.0[i] + power * other.0[i]))
     }
@@ -103,14 +104,17 @@ pub(super) struct Quantity {
 }
 
 impl Quantity {
+    /// A value that may change from dwell to dwell.
     pub fn of(dimension: Dimension) -> Self {
         Self { dimension, constant: None, linear: false }
     }
 
+    /// A coefficient to be fitted.
     pub fn coefficient(dimension: Dimension) -> Self {
         Self { linear: true, ..Self::of(dimension) }
     }
 
+    /// A number written in the equation.
     pub fn constant(value: f64) -> Self {
         Self { constant: Some(value), ..Self::of(Dimension::NUMBER) }
     }

@@ -259,6 +259,7 @@ impl Debug for Entry {
 }
 
 impl Entry {
+    /// Name and unit of each coefficient at one value of its non-linear parameter.
     pub fn coefficients(&self, shape: Shape) -> Vec<Coefficient> {
         (self.names)(shape).into_iter().map(|name| Coefficient { name, unit: self.unit }).collect()
     }
@@ -295,10 +296,12 @@ impl Own {
         Self(Box::leak(Box::new(Kept { hypothesis, entry: OnceLock::new() })))
     }
 
+    /// The equation, as it was stated.
     pub fn hypothesis(self) -> &'static OwnHypothesis {
         &self.0.hypothesis
     }
 
+    /// The equation as an entry of the catalogue, made at the first use.
     pub fn entry(self) -> &'static Entry {
         self.0.entry.get_or_init(|| self.made())
     }

@@ -105,6 +105,7 @@ impl Function {
 }
 
 impl Operator {
+    /// Its value. Whole powers up to 64 are exact products.
     pub fn of(self, a: f64, b: f64) -> f64 {
         match self {
             Self::Plus => a + b,
@@ -137,10 +138,12 @@ impl Equation {
         }
     }
 
+    /// Names in the order of their first use.
     pub fn names(&self) -> &[Name] {
         &self.names
     }
 
+    /// Steps of a stack machine, in the order in which they are carried out.
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }

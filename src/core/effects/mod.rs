@@ -82,6 +82,7 @@ const fn joined<const N: usize>(families: &[&[&'static Entry]]) -> [&'static Ent
 }
 
 impl Effect {
+    /// Its entry, in the catalogue, among the competitors, or made of one's own equation.
     pub fn entry(self) -> &'static Entry {
         match self.place() {
             Ok(place) if place < CATALOGUE.len() => CATALOGUE[place],
@@ -95,6 +96,7 @@ impl Effect {
         self.place().err().map(Own::hypothesis)
     }
 
+    /// Its name in answers, files and the database.
     pub fn id(self) -> &'static str {
         self.entry().id
     }
@@ -115,6 +117,7 @@ impl Effect {
         Message { code: format!("needed_for_{}", self.id()).into(), parameters: Vec::new() }
     }
 
+    /// Whether a diagnosis may name it as a cause. Competitors never are.
     pub fn is_nameable(self) -> bool {
         self.entry().nameable
     }

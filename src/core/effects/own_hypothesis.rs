@@ -175,6 +175,7 @@ impl OwnHypothesis {
         Err(faults)
     }
 
+    /// Names of the coefficients, in the order of the columns.
     pub fn coefficients(&self) -> impl Iterator<Item = &str> {
         self.coefficients.iter().map(String::as_str)
     }
@@ -183,10 +184,12 @@ impl OwnHypothesis {
         self.names.iter().any(|name| matches!(name, Input::Of(of) if wanted(*of)))
     }
 
+    /// Whether it holds the temperature or its change.
     pub fn is_of_temperature(&self) -> bool {
         self.holds(Of::is_thermal)
     }
 
+    /// Whether it holds an axis in east, north or up.
     pub fn needs_attitude(&self) -> bool {
         self.holds(|of| matches!(of, Of::Attitude(..)))
     }
@@ -202,6 +205,7 @@ impl OwnHypothesis {
         self.holds(|of| matches!(of, Of::Time | Of::ForceBefore(_) | Of::RateBefore(_) | Of::TemperatureSlope))
     }
 
+    /// Whether time alone changes it from dwell to dwell.
     pub fn is_course_in_time(&self) -> bool {
         self.follows_time() && !self.is_of_temperature()
     }

@@ -19,6 +19,7 @@ pub enum Refusal {
 }
 
 impl Refusal {
+    /// The refusal as a code with parameters.
     pub fn message(&self) -> Message {
         match self {
             Self::TooFewDwells { dwells, parameters } => {
@@ -47,6 +48,7 @@ pub enum Lack {
 }
 
 impl Lack {
+    /// What is lacking, as a code with parameters.
     pub fn message(self) -> Message {
         match self {
             Self::Temperature => message!("dwells_without_temperature"),

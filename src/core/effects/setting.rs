@@ -105,6 +105,7 @@ impl Setting {
         Self { temperature: Some(vec![kelvin; self.dwells()]), ..self.clone() }
     }
 
+    /// Number of dwells.
     pub fn dwells(&self) -> usize {
         self.force.len()
     }

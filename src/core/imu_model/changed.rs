@@ -63,6 +63,7 @@ pub enum NotCompared {
 }
 
 impl NotCompared {
+    /// The reason as a code with parameters.
     pub fn message(&self) -> Message {
         match self {
             Self::NoForecast(why) => why.message(),

@@ -66,6 +66,7 @@ pub enum NotIdentified {
 }
 
 impl NotIdentified {
+    /// The refusal as a code with parameters.
     pub fn message(&self) -> Message {
         match self {
             Self::NoCampaign => message!("no_campaign_to_fit"),

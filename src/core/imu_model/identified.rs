@@ -108,6 +108,7 @@ pub struct Validity {
 }
 
 impl Identified {
+    /// Estimates of all coefficients, in the order of the covariance's rows.
     pub fn values(&self) -> DVector<f64> {
         DVector::from_iterator(self.coefficients.len(), self.coefficients.iter().map(|c| c.value))
     }
@@ -119,10 +120,12 @@ impl Identified {
         (least / self.campaigns.len().max(1) as f64).max(LEAST_DOF)
     }
 
+    /// Standard deviation of the coefficient at `place`, in its unit.
     pub fn sd(&self, place: usize) -> f64 {
         self.covariance[(place, place)].max(0.0).sqrt()
     }
 
+    /// The gyro of a slot, if the model has one.
     pub fn gyro(&self, slot: Slot) -> Option<&ModelGyro> {
         self.gyros.iter().find(|gyro| gyro.slot == slot)
     }

@@ -30,6 +30,7 @@ pub enum NoForecast {
 }
 
 impl NoForecast {
+    /// The refusal as a code with parameters.
     pub fn message(&self) -> Message {
         match self {
             Self::OtherImu { model, campaign } => {
@@ -87,6 +88,11 @@ pub(super) struct Programme {
 }
 
 impl Programme {
+    /// Columns, noise and sensitivities of a campaign's dwells for the gyros that the model knows. What it cannot
+    /// forecast is noted.
+    ///
+    /// # Errors
+    /// A bench test, another IMU or geometry, no gyro in common, or axes that the model does not have.
     pub fn of(model: &Identified, campaign: &Campaign) -> Result<Self, NoForecast> {
         if campaign.test != TestKind::Imu {
             return Err(NoForecast::BenchTest);

@@ -44,6 +44,7 @@ pub(crate) struct Pair<T> {
 }
 
 impl<T> Pair<T> {
+    /// High less low. Its variance holds both figures' and what their stations differ by.
     pub fn difference(&self) -> Measured {
         self.high.1.minus(self.low.1).beside(self.between)
     }

@@ -53,6 +53,7 @@ pub struct Need {
 }
 
 impl Need {
+    /// What the rules with these limits look back to.
     pub fn of(limits: &Limits) -> Self {
         // A week, so that the judged record's own cell is there.
         Self { records: limits.longest_memory() - 1, days: limits.range_days.max(7.0) }

@@ -114,6 +114,7 @@ impl DriftLimits {
         }
     }
 
+    /// Sets the limit of a rule that has a single one; `None` switches it off.
     pub fn set(&mut self, rule: Rule, limit: Option<Limit>) {
         self.single[rule as usize] = limit;
     }
@@ -138,6 +139,7 @@ impl Limits {
             .map(|limit| limit.map(|limit| limit.value))
     }
 
+    /// The defaults, with one budget for D_I, D_S and D_O, deg/(h g0).
     pub fn from_budget(budget: f64) -> Self {
         let budget = Limit { value: budget, from: LimitKey::BUDGET };
         Self {

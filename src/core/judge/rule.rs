@@ -92,6 +92,7 @@ impl Unit {
 }
 
 impl Rule {
+    /// Whether its limit is a specification, or what the gyro usually does.
     pub fn limit_kind(self) -> LimitKind {
         match self {
             Rule::Cusum | Rule::Shift | Rule::Trend => LimitKind::Control,
@@ -326,6 +327,7 @@ pub enum Source {
 }
 
 impl Source {
+    /// What people read.
     pub fn word(self) -> Message {
         match self {
             Source::Separation => message!("method_separation"),

@@ -18,6 +18,7 @@ pub struct Measured {
 }
 
 impl Measured {
+    /// A value whose standard deviation is unknown.
     pub fn exact(value: f64) -> Self {
         Self { value, sd: None }
     }
@@ -88,6 +89,7 @@ pub struct Sample {
 }
 
 impl Sample {
+    /// D_I, D_S or the closure; none of any other coefficient.
     pub fn get(&self, coefficient: Coefficient) -> Option<Measured> {
         coefficient.column().map(|column| self.d[column])
     }

@@ -35,12 +35,14 @@ impl Series {
         series
     }
 
+    /// Adds a record that is not older than the last one.
     pub fn push(&mut self, sample: Sample) {
         self.samples.push(sample);
         cells::push(&mut self.cells, &sample, &self.marks);
         self.complete(0);
     }
 
+    /// Events, oldest first.
     pub fn marks(&self) -> &[Mark] {
         &self.marks
     }

@@ -122,6 +122,7 @@ impl Verdict {
         self.rule.unit(self.coefficient)
     }
 
+    /// What people are told: state, rule and confirmation in one word.
     pub fn status(&self) -> Status {
         Status::of(self.rule, self.state, self.value, self.limit, self.sd, self.confirmed)
     }

@@ -14,6 +14,7 @@ pub(crate) struct Basis {
 }
 
 impl Basis {
+    /// Of any columns of one length; those that depend on the ones before add nothing.
     pub fn of(columns: impl IntoIterator<Item = Vec<f64>>) -> Self {
         let mut basis = Self::default();
         for column in columns {
@@ -27,10 +28,12 @@ impl Basis {
         Self { vectors: columns.column_iter().map(|column| column.iter().copied().collect()).collect() }
     }
 
+    /// Number of vectors.
     pub fn rank(&self) -> usize {
         self.vectors.len()
     }
 
+    /// Orthonormal vectors, each as long as a column.
     pub fn vectors(&self) -> &[Vec<f64>] {
         &self.vectors
     }

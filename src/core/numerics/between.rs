@@ -29,6 +29,7 @@ impl Scatter {
         })
     }
 
+    /// Both together: Q, degrees of freedom and weights add.
     pub fn plus(self, other: Self) -> Self {
         Self { chi2: self.chi2 + other.chi2, dof: self.dof + other.dof, weight: self.weight + other.weight }
     }

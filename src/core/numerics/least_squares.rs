@@ -104,6 +104,7 @@ impl Factor {
         Self { design, weights, basis, back, covariance, null, scaled_null, column_scale, leverage }
     }
 
+    /// Number of independent columns of the whitened design.
     pub fn rank(&self) -> usize {
         self.basis.ncols()
     }
@@ -119,6 +120,8 @@ impl Factor {
         &self.weights
     }
 
+    /// Covariance of the parameters, p x p, for rows of the stated standard deviations. Null directions have no part in
+    /// it.
     pub fn covariance(&self) -> &DMatrix<f64> {
         &self.covariance
     }
@@ -128,6 +131,7 @@ impl Factor {
         &self.back * coordinates * self.back.transpose()
     }
 
+    /// Diagonal of the hat matrix, n; its sum is the rank.
     pub fn leverage(&self) -> &DVector<f64> {
         &self.leverage
     }

@@ -16,12 +16,14 @@ impl LogSum {
     /// Terms below this, in logarithms, do not change a sum of 1.
     const NOTHING: f64 = -37.0;
 
+    /// Of terms that are given by their logarithms.
     pub fn of(logs: &[f64]) -> Self {
         let mut sum = Self::default();
         logs.iter().for_each(|log| sum.add(*log));
         sum
     }
 
+    /// Adds e^`log`.
     pub fn add(&mut self, log: f64) {
         if log > self.top {
             self.sum = 1.0 + self.sum * (self.top - log).exp();
@@ -31,10 +33,12 @@ impl LogSum {
         }
     }
 
+    /// ln of the sum; minus infinity of nothing.
     pub fn log(&self) -> f64 {
         self.top + self.sum.ln()
     }
 
+    /// ln of the sum over `count`.
     pub fn log_mean(&self, count: usize) -> f64 {
         self.top + (self.sum / count as f64).ln()
     }

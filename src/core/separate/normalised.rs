@@ -26,6 +26,7 @@ pub enum Unseparable {
 }
 
 impl Unseparable {
+    /// The reason as a code with parameters.
     pub fn message(&self) -> Message {
         match self {
             Self::NoAxes(slot) => message!("no_axes_for", slot = slot.name()),

@@ -41,6 +41,7 @@ pub(super) struct Measure {
 }
 
 impl Measure {
+    /// Of one dwell. `tilt` needs an attitude; `off` needs attitude, site and a static phase.
     pub fn of(campaign: &Campaign, dwell: &Dwell) -> Self {
         let (f, w) = (&dwell.specific_force_g0, &dwell.rate_arcsec_s);
         let up = f.try_normalize(0.0).unwrap_or_default();
@@ -78,6 +79,7 @@ impl Measure {
         }
     }
 
+    /// The measure that a symptom is read from: arcsec/s, g0 for gravity, degrees for the attitude.
     pub fn value(&self, symptom: Symptom) -> f64 {
         match symptom {
             Symptom::StaticRate => self.rate,
@@ -99,6 +101,7 @@ pub(super) struct Measures {
 }
 
 impl Measures {
+    /// Of every dwell, in the campaign's order.
     pub fn of(campaign: &Campaign) -> Self {
         let dwells: Vec<Measure> = campaign.dwells.iter().map(|dwell| Measure::of(campaign, dwell)).collect();
         let of_site = campaign.site.map(|site| site.earth_rate().0.z);
@@ -106,6 +109,7 @@ impl Measures {
         Self { dwells, vertical }
     }
 
+    /// Those of the static dwells.
     pub fn still(&self) -> impl Iterator<Item = &Measure> {
         still(&self.dwells)
     }

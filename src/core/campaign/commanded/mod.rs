@@ -42,6 +42,7 @@ pub enum Symptom {
 }
 
 impl Symptom {
+    /// Its code in notes and errors.
     pub fn code(self) -> &'static str {
         match self {
             Self::StaticRate => "static_rate",

@@ -29,6 +29,7 @@ pub(super) struct Tried {
 }
 
 impl Tried {
+    /// Fits the campaign as if its noise were white, with the terms it asks for.
     pub fn of(campaign: &Campaign) -> Self {
         let calibration = calibrate_in_white_noise(campaign, campaign.terms());
         let plausible = calibration.gyros.iter().all(|gyro| {
@@ -78,6 +79,7 @@ pub(super) struct Worth<'a> {
 }
 
 impl<'a> Worth<'a> {
+    /// Fits nothing until it is asked.
     pub fn new(campaign: &'a Campaign) -> Self {
         Self { campaign, as_sent: None, undone: None }
     }

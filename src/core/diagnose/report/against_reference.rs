@@ -56,6 +56,7 @@ pub enum NoReference {
 }
 
 impl NoReference {
+    /// The refusal as a code with parameters.
     pub fn message(&self) -> Message {
         match self {
             Self::OtherImu { reference, campaign } => {

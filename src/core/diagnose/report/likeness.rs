@@ -39,6 +39,7 @@ pub(super) struct Weights {
 }
 
 impl Weights {
+    /// From W, n x n. tr(W^3) is exact up to 300 dwells and estimated with random signs beyond.
     pub fn new(matrix: DMatrix<f64>) -> Self {
         let n = matrix.nrows();
         let cubed = if n <= MOST_EXACT {

@@ -18,6 +18,7 @@ pub(crate) struct Part {
 }
 
 impl Part {
+    /// Whether all gyros share its coefficients.
     pub fn common(&self) -> bool {
         self.effect.entry().scope == Scope::Common
     }

@@ -54,6 +54,8 @@ impl GyroFrame {
         self.sd.len() - self.basis.rank()
     }
 
+    /// A column of one value per dwell, deg/h, over the noise: dimensionless, with unit variance where the model is
+    /// complete.
     pub fn whiten(&self, mut column: Vec<f64>) -> Vec<f64> {
         column.iter_mut().zip(&self.sd).for_each(|(x, sd)| *x /= sd);
         match &self.unlike {
@@ -64,6 +66,10 @@ impl GyroFrame {
 }
 
 impl Frame {
+    /// Outputs in deg/h, the noise of each dwell, and the model in use, ready for the search.
+    ///
+    /// # Errors
+    /// A model without terms, an output that is constant, a slot without axes, or too few dwells for the parameters.
     pub fn of(campaign: &Campaign, options: &Options) -> Result<Self, Refusal> {
         let terms = options.terms.unwrap_or_else(|| campaign.terms());
         if terms.is_empty() {
@@ -141,6 +147,7 @@ impl Frame {
         }
     }
 
+    /// Number of dwells.
     pub fn dwells(&self) -> usize {
         self.setting.dwells()
     }

@@ -18,6 +18,7 @@ pub(crate) struct Choice {
 }
 
 impl Choice {
+    /// Whether it stands for structure outside the catalogue and so is never named.
     pub fn is_competitor(&self) -> bool {
         !self.kind.is_nameable()
     }

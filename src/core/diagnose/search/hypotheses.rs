@@ -148,6 +148,7 @@ impl Bank {
         Self { kinds: kinds_of(&hypotheses), hypotheses, columns, contract_columns }
     }
 
+    /// One projected, whitened column of a gyro, n long; `index` counts in its matrix.
     pub fn column(&self, gyro: usize, index: usize) -> DVectorView<'_, f64> {
         self.columns[gyro].column(index)
     }

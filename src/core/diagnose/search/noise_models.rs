@@ -164,6 +164,7 @@ impl NoiseModels {
         all
     }
 
+    /// Whether white noise, independent between gyros, is all that need be asked.
     pub fn is_empty(&self) -> bool {
         self.models.is_empty() && self.shared.is_none()
     }

@@ -54,6 +54,10 @@ pub(crate) struct Settled {
 }
 
 impl Settled {
+    /// Searches, and again while what was found asks for another growth of the noise with rate; at most four times.
+    ///
+    /// # Errors
+    /// As a frame with other noise.
     pub fn of(mut frame: Frame) -> Result<Self, Refusal> {
         let mut first = None;
         for round in 1.. {
@@ -133,6 +137,7 @@ impl Settled {
         self.another_form || !self.found.is_empty()
     }
 
+    /// The search as it was run last.
     pub fn search(&self) -> Search<'_> {
         let (frame, bank, null, known) = (&self.frame, &self.bank, &self.null, &self.known);
         Search { frame, bank, null, threshold: self.threshold, known, noise: &self.noise }

@@ -33,6 +33,8 @@ pub(crate) struct Null {
 }
 
 impl Null {
+    /// Draws noise as the frame's dwells have it and scores it with the bank's own hypotheses. The random numbers are
+    /// the same for every campaign.
     pub fn of(frame: &Frame, bank: &Bank) -> Self {
         let kinds: Vec<_> = bank.kinds.iter().filter(|(kind, _)| kind.is_nameable()).collect();
         let mut random = Random::new(0x5851_F42D_4C95_7F2D);

@@ -80,6 +80,7 @@ pub(crate) struct Products {
 }
 
 impl Products {
+    /// Of every column of the bank.
     pub fn of(bank: &Bank, state: &State) -> Self {
         let (with_residual, with_extra) =
             state.iter().zip(&bank.columns).map(|(gyro, c)| gyro.products(c.as_view())).unzip();
@@ -101,6 +102,7 @@ impl Products {
         Self { with_extra, with_residual }
     }
 
+    /// By gyro, the products with the residual sum of squares and the degrees of freedom that go with them.
     pub fn seen<'a>(&'a self, state: &State) -> Vec<Seen<'a>> {
         (0..state.len())
             .map(|j| Seen {

@@ -50,6 +50,8 @@ pub(crate) struct Shared {
 }
 
 impl Shared {
+    /// Of the residuals under `state`, n x gyros. Where no errors are stated they are first brought to a mean square of
+    /// one.
     pub fn of(frame: &Frame, state: State) -> Self {
         let columns: Vec<DVector<f64>> = state.iter().map(|g| DVector::from_column_slice(&g.residual)).collect();
         let mut residuals = DMatrix::from_columns(&columns);

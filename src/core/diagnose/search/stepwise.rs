@@ -152,6 +152,8 @@ impl Search<'_> {
         self.evidence(choices, kind) == f64::NEG_INFINITY
     }
 
+    /// The best shape of a scored kind. Its gyros are those whose own evidence is above zero, the strongest always; all
+    /// of them for a common effect.
     pub fn choice(&self, score: &Score) -> Choice {
         let hypothesis = &self.bank.hypotheses[score.best];
         let gyros = self.frame.gyros.len();

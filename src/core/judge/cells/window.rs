@@ -32,10 +32,12 @@ pub(in crate::core::judge) struct Points<'a> {
 }
 
 impl<'a> Points<'a> {
+    /// Number of cells.
     pub fn len(&self) -> usize {
         self.x.len()
     }
 
+    /// The last `n` cells, or all where there are fewer.
     pub fn newest(self, n: usize) -> Self {
         let start = self.len() - n.min(self.len());
         Self {
@@ -90,6 +92,7 @@ impl Window {
         window
     }
 
+    /// The cells of one coefficient: 0 is D_I, 1 is D_S.
     pub fn column(&self, column: usize) -> Points<'_> {
         let n = self.len;
         Points {

@@ -26,10 +26,12 @@ pub(crate) struct Case<'a> {
 }
 
 impl<'a> Case<'a> {
+    /// The judged record.
     pub fn now(&self) -> &'a Sample {
         &self.history.samples[self.k]
     }
 
+    /// The coefficient of a record, deg/(h g0).
     pub fn value(&self, sample: &Sample) -> Measured {
         sample.d[self.column]
     }
@@ -78,10 +80,12 @@ impl<'a> Case<'a> {
         SQRT_2 * self.between_stations()
     }
 
+    /// Where |`difference`| is against `limit`, both deg/(h g0), at the configured confidence.
     pub fn beyond(&self, difference: Measured, limit: f64) -> Outcome {
         beyond(difference, limit, self.limits.confidence)
     }
 
+    /// Whether |`difference`| is beyond `limit` at that confidence.
     pub fn exceeds(&self, difference: Measured, limit: f64) -> bool {
         self.beyond(difference, limit).state == State::Exceeded
     }
@@ -91,14 +95,17 @@ impl<'a> Case<'a> {
         a.value.is_sign_positive() == b.value.is_sign_positive() && self.exceeds(a, limit) && self.exceeds(b, limit)
     }
 
+    /// The verdict of a rule that needs more records than there are.
     pub fn too_few(&self, rule: Rule, limit: Limit, have: usize, need: usize) -> Verdict {
         self.nothing(rule, limit, Finding::TooFew { have, need })
     }
 
+    /// An undecided verdict, without a value.
     pub fn nothing(&self, rule: Rule, limit: Limit, finding: Finding) -> Verdict {
         Verdict::undecided(self.coefficient, rule, limit, finding)
     }
 
+    /// A verdict on |`value`|, deg/(h g0), with the state and probability of `outcome`.
     pub fn verdict(&self, rule: Rule, limit: Limit, value: Measured, outcome: Outcome, finding: Finding) -> Verdict {
         Verdict {
             state: outcome.state,

@@ -55,6 +55,7 @@ pub enum Group {
 }
 
 impl Group {
+    /// The rule that watches such a group.
     pub fn rule(&self) -> Rule {
         match self {
             Self::Station(_) => Rule::StationShift,
@@ -62,6 +63,7 @@ impl Group {
         }
     }
 
+    /// Whether a calibrated gyro belongs to it.
     pub fn holds(&self, one: &Calibrated) -> bool {
         match self {
             Self::Station(station) => one.station == *station,

@@ -49,6 +49,8 @@ pub(super) struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
+    /// Least squares through the points, the outliers among them left out. `prior` is on the variance of their scatter,
+    /// `between` the standard deviation of one station's offset, deg/(h g0).
     pub fn through(points: Points<'_>, noise: &'a Noise, prior: Prior, between: f64) -> Self {
         let mut line = Self {
             noise,
@@ -205,14 +207,17 @@ impl<'a> Line<'a> {
         self.cells
     }
 
+    /// When the oldest cell begins.
     pub fn first(&self) -> UtcMicros {
         self.first
     }
 
+    /// From the oldest cell to the judged record, days.
     pub fn span_days(&self) -> f64 {
         -self.t[0] * DAYS_A_YEAR
     }
 
+    /// How far the course bends, in standard deviations of that.
     pub fn bend(&self) -> f64 {
         self.bend
     }
@@ -222,6 +227,7 @@ impl<'a> Line<'a> {
         Measured { value: self.slope, sd: Some(self.variance_of(&self.slope_weights()).sqrt()) }
     }
 
+    /// Whether the slope differs from zero at this two-sided confidence.
     pub fn has_slope(&self, confidence: f64) -> bool {
         let Measured { value, sd } = self.slope();
         value.abs() > normal_quantile(0.5 + 0.5 * confidence) * sd.unwrap_or(0.0)
@@ -305,6 +311,7 @@ impl Forecast {
         Some(v0 + years * (v1 + years * vb)).filter(|variance| *variance > 0.0).map(f64::sqrt)
     }
 
+    /// Deviation from the baseline so many days after the judged record, deg/(h g0).
     pub fn at(&self, days: f64) -> Measured {
         let years = days / DAYS_A_YEAR;
         let variance = self.v0 + years * (self.v1 + years * self.vb);

@@ -110,15 +110,18 @@ impl<S: Clone + Send + Sync + 'static> Routes<S> {
         Self { router: change(self.router), rules: self.rules }
     }
 
+    /// Both together.
     #[must_use]
     pub fn merge(self, other: Self) -> Self {
         Self { router: self.router.merge(other.router), rules: [self.rules, other.rules].concat() }
     }
 
+    /// Gives the handlers their state.
     pub fn with_state(self, state: S) -> Routes {
         Routes { router: self.router.with_state(state), rules: self.rules }
     }
 
+    /// What the API's description says of them.
     pub fn description(&self) -> &OpenApi {
         self.router.get_openapi()
     }
@@ -128,6 +131,7 @@ impl<S: Clone + Send + Sync + 'static> Routes<S> {
         &self.rules
     }
 
+    /// The handlers alone, without the roles: whoever calls this checks them.
     pub fn into_router(self) -> Router<S> {
         self.router.into()
     }
@@ -150,6 +154,7 @@ pub fn operations(item: &mut PathItem) -> impl Iterator<Item = (Method, &mut Ope
 pub struct Rules(HashMap<String, HashMap<Method, (Least, Option<Takes>)>>);
 
 impl Rules {
+    /// By path and method.
     pub fn of(rules: &[Rule]) -> Self {
         let mut by_path: HashMap<_, HashMap<_, _>> = HashMap::new();
         for Rule { method, path, least, takes } in rules.iter().cloned() {

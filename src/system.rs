@@ -25,6 +25,7 @@ impl Clock {
         Self::Manual(Arc::new(AtomicI64::new(now.0)))
     }
 
+    /// The system's time, or what a manual clock was set to.
     pub fn now(&self) -> UtcMicros {
         match self {
             Self::System => UtcMicros(jiff::Timestamp::now().as_microsecond()),

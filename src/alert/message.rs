@@ -53,6 +53,7 @@ pub struct Change {
 }
 
 impl Event {
+    /// Its `type` in messages: `alert.fired`, `alerts.digest`, `hook.test`.
     pub fn name(&self) -> &'static str {
         match self {
             Event::Alerts(changes) => event_name(changes.first().map(|change| change.action)),
@@ -61,6 +62,7 @@ impl Event {
         }
     }
 
+    /// The alerts that it tells of, the gravest first; none in a test.
     pub fn changes(&self) -> &[Change] {
         match self {
             Event::Alerts(changes) | Event::Digest(_, changes) => changes,

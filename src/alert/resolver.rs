@@ -35,6 +35,7 @@ pub enum ResolveError {
 }
 
 impl ResolveError {
+    /// The error as a code with parameters.
     pub fn message(&self) -> Message {
         match self {
             Self::Unknown { name, source } => {
@@ -47,16 +48,19 @@ impl ResolveError {
 }
 
 impl GuardedResolver {
+    /// Asks the system's resolver.
     pub fn system(policy: TargetPolicy) -> Self {
         Self::with_lookup(policy, |name| {
             Box::pin(async move { Ok(tokio::net::lookup_host((name, 0)).await?.map(|a| a.ip()).collect()) })
         })
     }
 
+    /// Asks `lookup` instead of the system.
     pub fn with_lookup(policy: TargetPolicy, lookup: impl Fn(String) -> Lookup + Send + Sync + 'static) -> Self {
         Self { policy, lookup: Arc::new(lookup), trusted: Vec::new() }
     }
 
+    /// Lets these names lead anywhere; they replace those that were trusted before.
     pub fn trusting(self, names: Vec<String>) -> Self {
         Self { trusted: names, ..self }
     }

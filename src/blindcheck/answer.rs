@@ -76,6 +76,7 @@ impl Named {
 }
 
 impl Answer {
+    /// Whether an effect is among those that this campaign cannot show.
     pub fn lists_as_unseen(&self, id: &str) -> bool {
         self.not_identifiable.iter().any(|entry| entry.effect == id)
     }

@@ -134,6 +134,7 @@ pub const KINDS: [Kind; 27] = [
 ];
 
 impl Kind {
+    /// The kind of that name, if there is one.
     pub fn from_name(name: &str) -> Option<&'static Self> {
         KINDS.iter().find(|kind| kind.name == name)
     }

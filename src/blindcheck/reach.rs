@@ -20,6 +20,7 @@ pub struct Structure<'a> {
 }
 
 impl<'a> Structure<'a> {
+    /// Of a simulated campaign and all its causes.
     pub fn of(simulated: &'a Simulated) -> Self {
         Self::of_causes(&simulated.world, &simulated.causes)
     }

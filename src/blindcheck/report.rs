@@ -65,6 +65,7 @@ impl Row {
 }
 
 impl Report {
+    /// Counts hits by case, effect, design and standard errors. `seal` is the SHA-256 of the truth.
     pub fn of(seal: &str, scores: Vec<Score>) -> Self {
         Self {
             seal: seal.to_owned(),

@@ -59,6 +59,7 @@ pub struct Closure {
 }
 
 impl Closure {
+    /// Whether the true closure is within the interval.
     pub fn covered(&self) -> bool {
         (self.interval[0]..=self.interval[1]).contains(&self.truth)
     }
@@ -74,6 +75,7 @@ pub struct ShiftScore {
 }
 
 impl ShiftScore {
+    /// Whether the named effects bring D_I and D_S nearer to the truth.
     pub fn nearer(&self) -> bool {
         self.augmented_rms < self.plain_rms
     }
@@ -273,6 +275,7 @@ impl Score {
         ["partly_explained", "unexplained"].contains(&self.verdict.as_str())
     }
 
+    /// Whether everything that was hidden was named, and something was hidden.
     pub fn all_found(&self) -> bool {
         self.error.is_none() && self.found.iter().all(|found| *found) && !self.found.is_empty()
     }

@@ -11,11 +11,13 @@ pub struct Tally {
 }
 
 impl Tally {
+    /// Counts one trial.
     pub fn add(&mut self, hit: bool) {
         self.hits += usize::from(hit);
         self.trials += 1;
     }
 
+    /// Counts them all.
     pub fn of(hits: impl IntoIterator<Item = bool>) -> Self {
         let mut tally = Self::default();
         hits.into_iter().for_each(|hit| tally.add(hit));

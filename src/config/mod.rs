@@ -192,6 +192,7 @@ impl Database {
         Err(ConfigError::Key { key: "database.url".into(), detail })
     }
 
+    /// How the store is to be opened. On a server the pool of readers also has one connection per writer.
     pub fn options(&self) -> Options {
         let mut options = Options {
             url: self.url.clone(),
@@ -224,6 +225,7 @@ pub struct PlausibilityKeys {
 }
 
 impl PlausibilityKeys {
+    /// The limits in the core's units: angles in radians.
     pub fn limits(&self) -> Plausibility {
         Plausibility {
             scale_factor: (self.min_scale_factor, self.max_scale_factor),

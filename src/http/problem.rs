@@ -38,6 +38,7 @@ pub fn too_large(message: Message) -> Problem {
     Problem::new(413, "title_too_large", message)
 }
 
+/// The answer where no route has the path: 404.
 pub async fn no_such_path(uri: Uri) -> Problem {
     Problem::new(404, "title_no_such_path", message!("no_such_path", path = uri.path().to_owned()))
 }

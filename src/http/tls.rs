@@ -58,6 +58,7 @@ impl Tls {
         Ok(Self(receiver))
     }
 
+    /// Takes connections with the certificate in force.
     pub fn acceptor(&self) -> TlsAcceptor {
         TlsAcceptor::from(Arc::clone(&self.0.borrow()))
     }

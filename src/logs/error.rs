@@ -12,10 +12,12 @@ pub struct LogError {
 }
 
 impl LogError {
+    /// A fault at a place in a file or map.
     pub fn new(place: impl Into<String>, fault: Message) -> Self {
         Self { place: place.into(), fault }
     }
 
+    /// Place and fault in one message.
     pub fn message(&self) -> Message {
         message!("at_file", file = sent(&self.place), fault = self.fault.clone())
     }

@@ -213,6 +213,7 @@ impl ColumnName {
 }
 
 impl TableColumns {
+    /// The angles' columns as any other signal's.
     pub fn as_columns(&self) -> Columns {
         Columns { unit: self.unit.clone(), log: self.log, ..Columns::named(&self.columns) }
     }

@@ -126,6 +126,7 @@ impl Source {
         Some(message!("log_of_several", column = sent(&name), ids = list(ids.iter().map(|id| sent(id)))))
     }
 
+    /// The columns that the log has, in its order.
     pub fn columns(&self) -> &[Column] {
         match self {
             Self::Text(log) => &log.layout.columns,

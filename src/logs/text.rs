@@ -53,11 +53,13 @@ pub struct LeftOut {
 }
 
 impl LeftOut {
+    /// Adds rows that were left out; the first fault stays.
     pub fn add(&mut self, more: Self) {
         self.count += more.count;
         self.first = self.first.take().or(more.first);
     }
 
+    /// How many rows were left out, with the first fault; nothing if there were none.
     pub fn remark(&self) -> Option<Message> {
         let said = match &self.first {
             Some(fault) => message!("rows_left_out_at", count = self.count, fault = fault.clone()),

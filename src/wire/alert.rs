@@ -65,10 +65,12 @@ impl AlertBody {
     pub const OF_IMU: &'static str = "imu";
     pub const OF_BATCH: &'static str = "batch";
 
+    /// Whether its subject is a gyro.
     pub fn is_of_gyro(&self) -> bool {
         is_of_gyro(&self.subject)
     }
 
+    /// Whether its subject is a station.
     pub fn is_of_station(&self) -> bool {
         self.subject == Self::OF_STATION
     }

@@ -246,6 +246,7 @@ impl PublishedBody {
 }
 
 impl VerdictBody {
+    /// A verdict as answers write it, in deg/(h g0) or the rule's own unit.
     pub fn of(serial: &str, verdict: &Verdict) -> Self {
         Self {
             serial: serial.to_owned(),

@@ -37,6 +37,7 @@ impl Differences {
         self.pointers.iter().map(|pointer| counted(pointer))
     }
 
+    /// Whether both say the same.
     pub fn is_empty(&self) -> bool {
         self.pointers.is_empty()
     }

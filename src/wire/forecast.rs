@@ -300,6 +300,7 @@ impl ForecastVerdictBody {
         })
     }
 
+    /// Whether the campaign came out as forecast.
     pub fn is_within(&self) -> bool {
         self.state == State::Within.name()
     }
@@ -389,6 +390,7 @@ pub struct ShiftBody {
 const OUTSIDE: &str = "outside";
 
 impl ForecastBody {
+    /// A forecast as answers write it. `promised` is how far the effects are to close the forecast error.
     pub fn of(model: &Identified, campaign: &Campaign, forecast: &Forecast, promised: Option<Closing>) -> Self {
         Self {
             imu: campaign.imu.to_string(),
@@ -501,10 +503,12 @@ impl ComparedBody {
 }
 
 impl ComparedBody {
+    /// Whether the campaign is outside its forecast.
     pub fn is_outside(&self) -> bool {
         self.state == OUTSIDE
     }
 
+    /// Whether that cannot be decided.
     pub fn is_indeterminate(&self) -> bool {
         self.state == State::Indeterminate.name()
     }
@@ -542,6 +546,7 @@ impl RungBody {
 }
 
 impl ChangedBody {
+    /// Adopted coefficients then and now, as answers write them.
     pub fn of(changed: &Changed) -> Self {
         let effect = |one: &ChangedEffect| ChangedEffectBody {
             effect: one.effect.id().to_owned(),

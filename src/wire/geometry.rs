@@ -61,6 +61,7 @@ impl GeometryBody {
         }
     }
 
+    /// Its name, or its axes slot by slot.
     pub fn of(geometry: &Geometry) -> Self {
         match geometry {
             Geometry::Skewed => Self::Named(NamedGeometry::Skewed),

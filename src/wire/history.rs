@@ -130,6 +130,7 @@ pub struct DueBody {
 }
 
 impl HistoryDiagnosisBody {
+    /// The diagnoses of a gyro's coefficients as answers write them, words in `language`.
     pub fn new(serial: &str, peers: usize, as_of: AsOf, answers: &[HistoryDiagnosis], language: Language) -> Self {
         let coefficients = answers.iter().map(|answer| CoefficientBody::new(answer, as_of, language)).collect();
         Self { serial: serial.to_owned(), peers, records: as_of.records, coefficients }

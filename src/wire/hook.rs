@@ -88,6 +88,7 @@ pub struct ExpectBody {
 const MOST_EXPECTED: usize = 32;
 
 impl ExpectBody {
+    /// Adds a fault where it asks for no member, or for too many.
     pub fn check(&self, pointer: &str, faults: &mut Faults) {
         if !(1..=MOST_EXPECTED).contains(&self.json.len()) {
             faults.push(format!("{pointer}/json"), message!("expected_members", most = MOST_EXPECTED));
@@ -132,6 +133,7 @@ pub struct FilterBody {
 const MOST_FILTERED: usize = 10_000;
 
 impl FilterBody {
+    /// Adds a fault for every rule, serial or severity that cannot be, and every list that is too long.
     pub fn check(&self, pointer: &str, faults: &mut Faults) {
         for (i, rule) in self.rules.iter().enumerate() {
             if Rule::from_name(rule).is_none() {
@@ -158,6 +160,7 @@ impl FilterBody {
         }
     }
 
+    /// Whether the alert passes: every list that is not empty must hold it.
     pub fn wants(&self, alert: &AlertBody) -> bool {
         let severity = |name: &str| Severity::from_name(name);
         // The alert of a station, batch or IMU stands for those of gyros that it explains.
@@ -185,6 +188,7 @@ pub struct DigestBody {
 }
 
 impl DigestBody {
+    /// Counts alerts, gyros, severities and rules.
     pub fn of(alerts: &[&AlertBody]) -> Self {
         let of_gyros = alerts.iter().filter(|alert| alert.is_of_gyro());
         let gyros: BTreeSet<&str> = of_gyros.map(|alert| alert.serial.as_str()).collect();

@@ -119,6 +119,7 @@ impl HypothesisBody {
         }
     }
 
+    /// A hypothesis as it was stated.
     pub fn of(written: &Written) -> Self {
         let range = |range: &Range| {
             (range.name.clone(), HypothesisRangeBody { from: range.from, to: range.to, unit: range.unit.clone() })

@@ -27,6 +27,7 @@ pub struct NoteBody {
 }
 
 impl NoteBody {
+    /// Code, parameters and words of a note.
     pub fn of(note: &Note) -> Self {
         let parameters = match note {
             Note::NoLineEnd { line, value } => Map::from_iter([
@@ -60,6 +61,7 @@ fn of_kept(note: &Value) -> Option<NoteBody> {
     Some(NoteBody { code: code.into(), detail, parameters })
 }
 
+/// The note as a sentence.
 pub fn words(note: &Note, language: Language) -> String {
     language.words(&message(note))
 }

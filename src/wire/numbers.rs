@@ -47,6 +47,7 @@ impl Numbers {
         Self { values: self.values.map(of), ..self }
     }
 
+    /// Three numbers; a fault where there are more or fewer.
     pub fn vector(&self, pointer: impl Display, faults: &mut Faults) -> Option<Vector3<f64>> {
         self.exactly::<3>(pointer, faults).map(Vector3::from)
     }

@@ -86,6 +86,7 @@ not_there! {
 }
 
 impl Problem {
+    /// `title` is the code of the title's words.
     pub fn new(status: u16, title: &'static str, message: Message) -> Self {
         Self { status, title, message, places: Vec::new(), existing: None }
     }
@@ -95,11 +96,13 @@ impl Problem {
         Self { places: faults.0, ..Self::new(status, title, message!("faults_in_document")) }
     }
 
+    /// Names what stands in the way.
     pub fn with_existing(mut self, id: impl ToString) -> Self {
         self.existing = Some(id.to_string());
         self
     }
 
+    /// Adds a place in the document, by its JSON pointer.
     pub fn with_place(mut self, pointer: impl Into<String>, message: Message) -> Self {
         self.places.push(Fault { pointer: pointer.into(), message });
         self

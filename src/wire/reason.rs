@@ -32,6 +32,7 @@ struct ReasonBody {
 }
 
 impl Reason {
+    /// What the verdict's rule saw, its limit and certainty.
     pub fn of(verdict: &Verdict) -> Self {
         Self(verdict.messages())
     }
@@ -43,6 +44,7 @@ impl Reason {
         self
     }
 
+    /// As sentences.
     pub fn words(&self, language: Language) -> String {
         language.sentences(&self.0)
     }

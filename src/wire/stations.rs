@@ -149,6 +149,7 @@ impl StationsBody {
 }
 
 impl StationBody {
+    /// A station's figures as answers write them; `overdue` counts gyros by station.
     pub fn of(figures: &StationFigures, overdue: &BTreeMap<String, usize>) -> Self {
         let [d_i, d_s] = [0, 1].map(|column| StationColumnBody::from(&figures.columns[column]));
         Self {

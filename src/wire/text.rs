@@ -52,6 +52,7 @@ pub fn matched(pointer: &str, text: &str, faults: &mut Faults) -> Option<String>
 pub(crate) const LARGEST_DEVIATION: f64 = 1e9;
 pub(crate) const TEMPERATURE_RANGE_C: std::ops::RangeInclusive<f64> = -273.15..=1000.0;
 
+/// Reads a name. A stand-in is returned where there is a fault, so that reading goes on.
 pub fn name(pointer: &str, text: &str, faults: &mut Faults) -> Name {
     Name::parse(text).unwrap_or_else(|detail| {
         faults.push(pointer, detail);
@@ -65,6 +66,7 @@ fn stand_in(pointer: &str) -> Name {
     Name::parse(&tail).expect("the end of a pointer is short, not empty and free of blanks")
 }
 
+/// Reads a time in RFC 3339; a fault where it is none.
 pub fn instant(pointer: &str, text: &str, faults: &mut Faults) -> UtcMicros {
     read(time::parse(text), pointer, faults)
 }
@@ -157,6 +159,7 @@ pub fn temperature(pointer: impl Display, celsius: Option<f64>, faults: &mut Fau
     celsius
 }
 
+/// Three standard deviations, each checked like [`deviation()`].
 pub fn deviations(pointer: &str, sd: Option<Triple>, faults: &mut Faults) -> Option<Vector3<f64>> {
     for (axis, value) in sd.iter().flat_map(|sd| sd.0).enumerate() {
         deviation(&format!("{pointer}/{axis}"), Some(value), faults);
@@ -164,6 +167,7 @@ pub fn deviations(pointer: &str, sd: Option<Triple>, faults: &mut Faults) -> Opt
     sd.map(Triple::vector)
 }
 
+/// A standard deviation; a fault where it is negative or beyond 1e9.
 pub fn deviation(pointer: &str, sd: Option<f64>, faults: &mut Faults) -> Option<f64> {
     if let Some(sd) = sd
         && !(0.0..=LARGEST_DEVIATION).contains(&sd)

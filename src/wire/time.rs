@@ -56,6 +56,7 @@ pub struct Stamp {
 }
 
 impl Stamp {
+    /// RFC 3339 in UTC.
     pub fn of(instant: UtcMicros) -> Self {
         let date = instant.date();
         let micros = instant.0.rem_euclid(UtcMicros::DAY);
@@ -90,6 +91,7 @@ impl Stamp {
         stamp
     }
 
+    /// The text.
     pub fn as_str(&self) -> &str {
         std::str::from_utf8(&self.text[..self.len]).expect("only ASCII is put in")
     }

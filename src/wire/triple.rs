@@ -12,6 +12,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 pub struct Triple(pub [f64; 3]);
 
 impl Triple {
+    /// As a vector, in the same order.
     pub fn vector(self) -> Vector3<f64> {
         Vector3::from(self.0)
     }

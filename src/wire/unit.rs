@@ -10,6 +10,7 @@ pub fn of_machines(unit: &str) -> String {
     spelled.collect()
 }
 
+/// A machine's spelling of a unit as people read it: `deg/(h*g0^2)` becomes `deg/(h g0²)`.
 pub fn of_people(unit: &str) -> String {
     unit.replace('*', " ").replace("^2", "²").replace("^3", "³")
 }

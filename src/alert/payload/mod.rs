@@ -12,6 +12,7 @@ use super::message::{HookKind, Message};
 pub use alertmanager::{EXPIRES_AFTER_RESENDS, push_firing};
 pub use body::{Context, Payload};
 
+/// Body and headers of a message in the form of one kind of hook.
 pub fn render(kind: HookKind, message: &Message, context: &Context<'_>) -> Payload {
     match kind {
         HookKind::StandardWebhooks => standard::render(message, context),

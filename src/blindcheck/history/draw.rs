@@ -127,6 +127,7 @@ impl Draw {
         if self.rng.random_bool(0.5) { 1.0 } else { -1.0 }
     }
 
+    /// Draws gyros, stations and records, with the cause of this kind hidden in one of them.
     pub fn fleet(mut self, kind: Kind) -> Fleet {
         let lone = kind == Kind::LoneImuMoved;
         let imus = if lone { 1 } else { self.rng.random_range(5..=8) };

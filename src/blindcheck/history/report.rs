@@ -28,6 +28,7 @@ pub struct Report {
 }
 
 impl Report {
+    /// Counts hits of each row, with what is to be reached.
     pub fn of(seed: u64, scores: &[Score]) -> Self {
         let mut rows = Vec::new();
         let mut row = |what: String, tally: Tally, at_least: Option<f64>, at_most: Option<f64>| {
@@ -67,6 +68,7 @@ impl Report {
         Self { fleets: scores.len(), seed, rows, confusion }
     }
 
+    /// Whether no row misses what it is to reach.
     pub fn reached(&self) -> bool {
         self.rows.iter().all(|row| row.reached != Some(false))
     }

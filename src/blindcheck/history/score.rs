@@ -34,6 +34,7 @@ pub struct Score {
 }
 
 impl Fleet {
+    /// Holds what was answered of every gyro and coefficient against what is hidden.
     pub fn score(&self, answers: Answers) -> Score {
         let mut false_names = (0, 0);
         let mut own = None;

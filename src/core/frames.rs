@@ -2,6 +2,22 @@
 //!
 //! A vector is always a vector *in* a frame, and a rotation always turns one frame's coordinates into
 //! another's: `Rotation<Nav, Body>` takes `v_nav` to `v_body`. A composition that does not fit does not compile.
+//!
+//! ```
+//! use gyrowatch::core::frames::{Body, Nav, Rotation, Vector};
+//!
+//! // The IMU upside down, Y_b still to the north: at rest the specific force, 1 g0 upwards, is along -Z_b.
+//! let attitude = Rotation::<Nav, Body>::from_attitude([0.0, 0.0, 1.0, 0.0]);
+//! let force = attitude * Vector::<Nav>::from_array([0.0, 0.0, 1.0]);
+//! assert!((force.0.z + 1.0).abs() < 1e-15);
+//! ```
+//!
+//! ```compile_fail
+//! use gyrowatch::core::frames::{Body, Nav, Rotation, Vector};
+//!
+//! let attitude = Rotation::<Nav, Body>::from_attitude([0.0, 0.0, 1.0, 0.0]);
+//! let force = attitude * Vector::<Body>::from_array([0.0, 0.0, 1.0]); // it turns coordinates in Nav
+//! ```
 
 use std::marker::PhantomData;
 use std::ops::Mul;

@@ -109,6 +109,15 @@ impl Geometry {
     }
 
     /// The nominal triad of a slot; none where a custom geometry leaves the slot out.
+    ///
+    /// ```
+    /// use gyrowatch::core::mounting::{Geometry, Slot};
+    ///
+    /// // G1: I is 54.7356 deg from X_b (Table 1), S is 30 deg from Y_b (Table 2).
+    /// let g1 = Geometry::Skewed.triad(Slot::G1).expect("the paper has every slot");
+    /// assert!((g1.input().x.acos().to_degrees() - 54.7356).abs() < 1e-4);
+    /// assert!((g1.spin().y.acos().to_degrees() - 30.0).abs() < 1e-9);
+    /// ```
     pub fn triad(&self, slot: Slot) -> Option<Triad> {
         match self {
             Geometry::Skewed => Some(skewed(slot)),

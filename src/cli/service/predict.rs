@@ -1,4 +1,4 @@
-//! `gyrowatch predict`: what the model of an IMU foretells of a campaign, and how far it came true.
+//! `gyrowatch predict`: what the model of an IMU forecasts of a campaign, and how far it came true.
 
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,7 @@ use crate::words::asked;
 /// Dwells that a table shows.
 const SHOWN: usize = 8;
 
-/// Foretell a campaign from the model of its IMU, and compare it where it is measured
+/// Forecast a campaign from the model of its IMU, and compare it where it is measured
 ///
 /// Nothing is fitted to the campaign: the forecast takes what it commands and the temperatures that it reads.
 #[derive(Debug, Args)]

@@ -1,4 +1,4 @@
-//! How each gyro stands, a row a gyro: what lists are made of.
+//! How each gyro stands, one row per gyro: what lists are made of.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;

@@ -24,7 +24,7 @@ use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::Statuses;
 use crate::store::{self, Store};
 
-/// Write the history of every gyro into one file, CSV or Parquet: a row a gyro and calibration, all methods, all
+/// Write the history of every gyro into one file, CSV or Parquet: one row per gyro and calibration, all methods, all
 /// verdicts
 #[derive(Debug, Args)]
 pub struct Export {

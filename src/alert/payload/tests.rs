@@ -292,12 +292,12 @@ fn a_digest_counts_all_and_lists_the_first_hundred() {
 #[test]
 fn without_an_address_of_the_service_a_link_is_the_path_alone() {
     let context = Context { external_url: None, ..CONTEXT };
-    for kind in HookKind::ALL.into_iter().filter(|kind| *kind != HookKind::Email) {
-        let body: Value = serde_json::from_slice(&render(kind, &message(Action::Fire), &context).body).unwrap();
-        let links = ["/data/links/alert", "/alerts/0/generatorURL", "/0/generatorURL"];
-        let link = links.iter().find_map(|place| body.pointer(place)).unwrap();
-        assert_eq!(link, "/alerts/a1", "{kind:?}");
-        assert!(body.pointer("/data/links/gyro").is_none_or(|link| link == "/gyros/LFG%2001%2F01"), "{kind:?}");
+    for kind in HookKind::ALL {
+        let body = String::from_utf8(render(kind, &message(Action::Fire), &context).body).unwrap();
+        let paths = ["/alerts/a1", "/gyros/LFG%2001%2F01"];
+        let links: Vec<usize> = paths.iter().flat_map(|path| body.match_indices(path)).map(|(at, _)| at).collect();
+        assert!(!links.is_empty(), "{kind:?} leads nowhere");
+        assert!(links.iter().all(|&at| body[..at].ends_with(['"', ' '])), "{kind:?}: {body}");
     }
 }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::core::judge::{Coefficient, Event, Mark, Measured};
 use crate::core::message::{Message, figure, list, signed, text};
 use crate::core::mounting::Slot;
+use crate::core::named::named;
 use crate::core::time::UtcMicros;
 use crate::message;
 
@@ -311,29 +312,18 @@ pub struct AsOf {
     pub now: UtcMicros,
 }
 
+named! {
 /// What the diagnosis of a gyro's history comes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HistoryVerdict {
     /// Too few records, or too short a time, to tell a change from scatter.
-    TooFew,
+    TooFew = "too_few",
     /// Nothing above the scatter of calibration.
-    NoChange,
-    Explained,
-    PartlyExplained,
-    Unexplained,
+    NoChange = "no_change",
+    Explained = "explained",
+    PartlyExplained = "partly_explained",
+    Unexplained = "unexplained",
 }
-
-impl HistoryVerdict {
-    /// As answers have it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::TooFew => "too_few",
-            Self::NoChange => "no_change",
-            Self::Explained => "explained",
-            Self::PartlyExplained => "partly_explained",
-            Self::Unexplained => "unexplained",
-        }
-    }
 }
 
 /// The answer for one coefficient.

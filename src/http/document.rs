@@ -7,8 +7,10 @@ use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 
 use crate::core::fault::{Fault, Faults};
+use crate::core::id::Id;
 use crate::core::message::Message;
 use crate::message;
+use crate::pipeline::Accepted;
 use crate::wire::document::DocumentKind;
 use crate::wire::json::is_json;
 use crate::wire::problem::Problem;
@@ -31,6 +33,11 @@ impl<S: Send + Sync> FromRequest<S> for Document {
 }
 
 impl Document {
+    /// What it says, as `read` takes it.
+    pub fn read<T>(&self, read: impl FnOnce(&[u8]) -> Result<T, Faults>) -> Result<T, Problem> {
+        read(&self.0).map_err(|faults| Self::problem(&self.0, faults))
+    }
+
     /// The answer to a document that cannot be read as the kind that is `wanted`: of one that is of another kind,
     /// where it belongs, for its members are then all at fault.
     pub fn refused_as(wanted: DocumentKind, bytes: &[u8], faults: Faults) -> Problem {
@@ -50,6 +57,14 @@ impl Document {
         } else {
             Problem::of_faults(400, "title_not_json", faults)
         }
+    }
+}
+
+/// Whether something was new, and its identifier.
+pub fn outcome(accepted: &Accepted) -> (StatusCode, Id) {
+    match accepted {
+        Accepted::Stored { id, .. } => (StatusCode::CREATED, *id),
+        Accepted::There { id, .. } => (StatusCode::OK, *id),
     }
 }
 

@@ -12,6 +12,7 @@ use url::form_urlencoded;
 use super::app::App;
 use crate::core::id::Id;
 use crate::core::message::{Message, list};
+use crate::core::named::Named;
 use crate::core::time::{Span, UtcMicros};
 use crate::message;
 use crate::routes::Takes;
@@ -60,6 +61,12 @@ pub fn bad(message: Message) -> Problem {
 /// The answer to a parameter that must be one of those that are known.
 pub fn not_one_of(parameter: &'static str, known: impl IntoIterator<Item = &'static str>, value: &str) -> Problem {
     bad(message!("parameter_one_of", parameter = parameter, known = list(known), value = value.to_owned()))
+}
+
+/// The value that a parameter names.
+pub fn named<T: Named>(parameter: &'static str, asked: Option<&str>) -> Result<Option<T>, Problem> {
+    let value = |name: &str| T::from_name(name).ok_or_else(|| not_one_of(parameter, T::NAMES.iter().copied(), name));
+    asked.map(value).transpose()
 }
 
 /// `format`, or else `Accept`: whether CSV is asked for and not JSON.

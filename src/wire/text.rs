@@ -13,7 +13,8 @@ use utoipa::{PartialSchema, ToSchema};
 use super::time;
 use super::triple::Triple;
 use crate::core::fault::Faults;
-use crate::core::message::{Message, text};
+use crate::core::message::{Message, list, sent, text};
+use crate::core::named::Named;
 use crate::core::record::{MAX_NAME_CHARS, MAX_NOTE_CHARS, Name};
 use crate::core::time::{Span, UtcMicros};
 use crate::message;
@@ -63,6 +64,16 @@ pub fn name(pointer: &str, text: &str, faults: &mut Faults) -> Name {
 fn stand_in(pointer: &str) -> Name {
     let tail: String = pointer.chars().rev().take(MAX_NAME_CHARS).collect();
     Name::parse(&tail).expect("the end of a pointer is short, not empty and free of blanks")
+}
+
+/// The value that a member names.
+pub fn named<T: Named>(pointer: &str, name: &str, faults: &mut Faults) -> Option<T> {
+    let found = T::from_name(name);
+    if found.is_none() {
+        let known = list(T::NAMES.iter().copied());
+        faults.push(pointer, message!("must_be_one_of", known = known, value = sent(name)));
+    }
+    found
 }
 
 pub fn instant(pointer: &str, text: &str, faults: &mut Faults) -> UtcMicros {

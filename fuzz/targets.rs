@@ -60,7 +60,7 @@ pub fn record(bytes: &[u8]) {
             finite(&found);
         }
     }
-    let written = serde_json::to_string(&RecordBody::of(&record)).unwrap();
+    let written = serde_json::to_string(&RecordBody::from(&record)).unwrap();
     let again = parse_record(written.as_bytes(), &limits).unwrap_or_else(|faults| panic!("{faults:?}: {written}"));
     assert_eq!((&again.imu, again.calibrated_at, &again.gyros), (&record.imu, record.calibrated_at, &record.gyros));
 }
@@ -68,7 +68,7 @@ pub fn record(bytes: &[u8]) {
 pub fn bench_result(bytes: &[u8]) {
     let Ok(result) = parse_bench_result(bytes, 1e6) else { return };
     assert!(result.d_i.is_finite() && result.d_s.is_finite());
-    let written = serde_json::to_string(&BenchBody::of(&result)).unwrap();
+    let written = serde_json::to_string(&BenchBody::from(&result)).unwrap();
     assert_eq!(parse_bench_result(written.as_bytes(), 1e6).unwrap(), result);
 }
 

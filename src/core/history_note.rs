@@ -3,6 +3,7 @@
 
 use super::mounting::Slot;
 use super::time::UtcMicros;
+use crate::core::named::named;
 
 /// What stands out in a calibration beside the history of its IMU, gyros and station.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,19 +49,23 @@ pub struct Named {
     pub at: UtcMicros,
 }
 
+named! {
 /// What a name is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameKind {
-    Imu,
-    Station,
-    Serial,
+    Imu = "imu",
+    Station = "station",
+    Serial = "serial",
+}
 }
 
+named! {
 /// E or G, of a gyro.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    E,
-    G,
+    E = "E",
+    G = "G",
+}
 }
 
 /// A slot of an IMU.

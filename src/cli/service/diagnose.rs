@@ -106,7 +106,7 @@ impl Diagnose {
         let options = Options { hypotheses, ..in_use.options(&campaign) };
         let diagnosed = diagnose(&campaign, &options).with_context(file)?;
         let mut diagnosis = DiagnosisBody::from(&diagnosed).noted(in_use.notes_of_others(&campaign));
-        diagnosis.effects_against_model = changed_since(&in_use, &campaign).map(|changed| ChangedBody::of(&changed));
+        diagnosis.effects_against_model = changed_since(&in_use, &campaign).map(|changed| ChangedBody::from(&changed));
         if let Some(path) = &self.reference {
             let parts = split(&campaign, &options, &diagnosed.residuals, &reference(path, &campaign)?);
             diagnosis.reference = Some(SplitBody::from(&parts.with_context(|| document::name(path))?));

@@ -11,10 +11,10 @@ use crate::cli::document::{self, Format, table_of};
 use crate::config::Judging;
 use crate::core::judge::{State, Verdict};
 use crate::core::record::{GyroParameters, Record};
-use crate::core::separate::{NotPublished, Published, Separation, separate, stated_covariance};
+use crate::core::separate::{JudgedMethod, NotPublished, Published, Separation, separate, stated_covariance};
 use crate::message;
 use crate::pages::figure::with_sd;
-use crate::wire::answer::{MethodBody, RecordAnswer, SeparationBody, VerdictBody};
+use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};
 use crate::wire::document::DocumentKind;
 use crate::wire::record::parse_record;
 use crate::wire::time;
@@ -47,7 +47,7 @@ pub(super) enum Method {
     Published,
 }
 
-impl From<Method> for MethodBody {
+impl From<Method> for JudgedMethod {
     fn from(method: Method) -> Self {
         match method {
             Method::Rigid => Self::Rigid,

@@ -15,7 +15,7 @@ use axum::http::Request;
 use gyrowatch::config::Config;
 use gyrowatch::core::calibrate::bench::calibrate_bench;
 use gyrowatch::core::calibrate::{Calibration, calibrate};
-use gyrowatch::core::campaign::{Campaign, CampaignGyro, Dwell, Limits, Phase, Site, StationUncertainty, TestKind};
+use gyrowatch::core::campaign::{Campaign, CampaignGyro, Dwell, CampaignLimits, Phase, Site, StationUncertainty, TestKind};
 use gyrowatch::core::mounting::{Geometry, Slot};
 use gyrowatch::core::record::{Name, Plausibility};
 use gyrowatch::core::separate::{Separation, diagonal_covariance, separate, stated_covariance};
@@ -195,7 +195,7 @@ pub fn fit(bytes: &[u8]) {
         operator,
         note,
     };
-    if campaign.check(&Limits::default()).is_ok() {
+    if campaign.check(&CampaignLimits::default()).is_ok() {
         fitted(&campaign);
     }
 }

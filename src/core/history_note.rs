@@ -12,7 +12,7 @@ pub enum HistoryNote {
     /// somebody confirms it.
     TimeInDoubt(TimeDoubt),
     /// Earlier records are set aside because this one is decades after them.
-    OthersSetAside { records: Vec<Named> },
+    OthersSetAside { records: Vec<NamedRecord> },
     /// Somebody suspects what its station measured at that time: it is set aside until somebody confirms it.
     Suspect { station: String, author: String, reason: String },
     /// Ahead of the service's clock, hours.
@@ -26,7 +26,7 @@ pub enum HistoryNote {
     /// All gyros are off their levels at once, by so many budgets at least.
     OtherUnit { serials: Vec<String>, budgets: f64 },
     /// The very figures of another record.
-    IdenticalFigures { serials: Vec<String>, record: Named },
+    IdenticalFigures { serials: Vec<String>, record: NamedRecord },
     /// E or G is so many times what it was before.
     UnitFactor { serials: Vec<String>, quantity: Quantity, factor: f64 },
     /// The gyro was elsewhere in its last record.
@@ -44,7 +44,7 @@ pub enum TimeDoubt {
 
 /// A stored record.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Named {
+pub struct NamedRecord {
     pub record: String,
     pub at: UtcMicros,
 }

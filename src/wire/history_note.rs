@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::time;
-use crate::core::history_note::{HistoryNote, NameKind, Named, Quantity, Seat, TimeDoubt};
+use crate::core::history_note::{HistoryNote, NameKind, NamedRecord, Quantity, Seat, TimeDoubt};
 use crate::core::message::{Message, figure, list, text};
 use crate::core::mounting::Slot;
 use crate::core::note::Note;
@@ -77,7 +77,8 @@ impl From<&HistoryNote> for Coded {
                 Self::TimeInDoubt { set_aside: true, epoch, nearest }
             }
             HistoryNote::OthersSetAside { records } => {
-                let body = |it: &Named| NamedBody { record: it.record.clone(), calibrated_at: time::format(it.at) };
+                let body =
+                    |it: &NamedRecord| NamedBody { record: it.record.clone(), calibrated_at: time::format(it.at) };
                 Self::OthersSetAside { records: records.iter().map(body).collect() }
             }
             HistoryNote::Suspect { station, author, reason } => {
@@ -260,7 +261,7 @@ mod tests {
     use crate::wire::note::{NoteBody, read};
 
     fn every_kind() -> Vec<Note> {
-        let named = |record: &str| Named { record: record.to_owned(), at: UtcMicros(1_767_254_400_000_000) };
+        let named = |record: &str| NamedRecord { record: record.to_owned(), at: UtcMicros(1_767_254_400_000_000) };
         let seat = |imu: &str, slot| Seat { imu: imu.to_owned(), slot };
         let serials = vec!["A".to_owned(), "B".to_owned()];
         let unit = |quantity, factor| HistoryNote::UnitFactor { serials: vec!["A".to_owned()], quantity, factor };

@@ -96,7 +96,7 @@ impl std::fmt::Display for Refusal {
     }
 }
 
-pub struct Courier<'a> {
+pub struct Importer<'a> {
     service: &'a Service,
     tell: &'a mut dyn FnMut(Event<'_>),
     /// Pauses between tries, before giving up.
@@ -106,7 +106,7 @@ pub struct Courier<'a> {
     tally: Tally,
 }
 
-impl<'a> Courier<'a> {
+impl<'a> Importer<'a> {
     pub fn new(service: &'a Service, pauses: &'a [Duration], tell: &'a mut dyn FnMut(Event<'_>)) -> Self {
         Self { service, tell, pauses, of_table: false, tally: Tally::default() }
     }

@@ -15,7 +15,9 @@ use axum::http::Request;
 use gyrowatch::config::Config;
 use gyrowatch::core::calibrate::bench::calibrate_bench;
 use gyrowatch::core::calibrate::{Calibration, calibrate};
-use gyrowatch::core::campaign::{Campaign, CampaignGyro, Dwell, CampaignLimits, Phase, Site, StationUncertainty, TestKind};
+use gyrowatch::core::campaign::{
+    Campaign, CampaignGyro, CampaignLimits, Dwell, Phase, Site, StationUncertainty, TestKind,
+};
 use gyrowatch::core::mounting::{Geometry, Slot};
 use gyrowatch::core::record::{Name, Plausibility};
 use gyrowatch::core::separate::{Separation, diagonal_covariance, separate, stated_covariance};

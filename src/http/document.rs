@@ -76,13 +76,13 @@ pub fn check_media_type(headers: &HeaderMap, accepted: &[&'static str]) -> Resul
     let Some(sent) = accepted.iter().find(|accepted| essence.as_deref() == Some(**accepted)) else {
         let wanted = accepted.join(" or ");
         return Err(unsupported(match media_type {
-            Some(found) => message!("content_type", wanted = wanted, found = found),
-            None => message!("content_type_missing", wanted = wanted),
+            Some(found) => message!("content_type", wanted, found),
+            None => message!("content_type_missing", wanted),
         }));
     };
     match text(CONTENT_ENCODING).filter(|encoding| !encoding.eq_ignore_ascii_case("identity")) {
         None => Ok(sent),
-        Some(encoding) => Err(unsupported(message!("content_encoding", encoding = encoding))),
+        Some(encoding) => Err(unsupported(message!("content_encoding", encoding))),
     }
 }
 

@@ -258,7 +258,7 @@ impl CampaignBody {
                 missing.extend(lacks.site.then(|| message!("site_missing")));
                 missing.extend(lacks.attitudes.first().map(|first| {
                     let first = format_args!("/dwells/{first}");
-                    message!("attitudes_missing", count = lacks.attitudes.len(), first = first)
+                    message!("attitudes_missing", count = lacks.attitudes.len(), first)
                 }));
                 let message = message!("earth_rate_needs", missing = list(missing));
                 Fault { pointer: "/rates".to_owned(), message }.into()
@@ -327,7 +327,7 @@ impl StationUncertaintyBody {
             let arcsec = arcsec?;
             if !(0.0..=MAX_UNCERTAINTY_ARCSEC).contains(&arcsec) {
                 let most = format_args!("{MAX_UNCERTAINTY_ARCSEC}");
-                let message = message!("station_uncertainty_range", value = format_args!("{arcsec}"), most = most);
+                let message = message!("station_uncertainty_range", value = format_args!("{arcsec}"), most);
                 faults.push(format!("/station_uncertainty/{member}"), message);
             }
             Some(radians_from_arcsec(arcsec))

@@ -137,10 +137,10 @@ impl ForecastPointBody {
         let effects = &self.effects_changed;
         let (slot, rms, p) = (text(slot), figure(rms_over_sd, 2), probability(p_value));
         Some(match effects.as_slice() {
-            [] => message!("campaign_outside_forecast", slot = slot, rms = rms, p = p),
+            [] => message!("campaign_outside_forecast", slot, rms, p),
             _ => {
                 let effects = text(effects.join(", "));
-                message!("campaign_outside_forecast_changed", slot = slot, rms = rms, p = p, effects = effects)
+                message!("campaign_outside_forecast_changed", slot, rms, p, effects)
             }
         })
     }

@@ -194,15 +194,15 @@ impl Coded {
             }
             Self::Suspect { station, author, reason } => {
                 let (station, author, reason) = (station.clone(), author.clone(), reason.clone());
-                message!("suspect", station = station, author = author, reason = reason)
+                message!("suspect", station, author, reason)
             }
             Self::AheadOfNow { hours } => message!("ahead_of_now", hours = figure(*hours, 1)),
             Self::NewSerial { slot, serial, had, nearest } => {
                 let (serial, slot, had) = (serial.clone(), slot.name(), had.clone());
                 match nearest.clone() {
-                    None => message!("new_serial", serial = serial, slot = slot, had = had),
+                    None => message!("new_serial", serial, slot, had),
                     Some(nearest) => {
-                        message!("new_serial_like", serial = serial, slot = slot, had = had, nearest = nearest)
+                        message!("new_serial_like", serial, slot, had, nearest)
                     }
                 }
             }
@@ -219,26 +219,20 @@ impl Coded {
             }
             Self::IdenticalFigures { serials: of, record, calibrated_at } => {
                 let (record, at) = (record.clone(), calibrated_at.clone());
-                message!("identical_figures", serials = serials(of), record = record, at = at)
+                message!("identical_figures", serials = serials(of), record, at)
             }
             Self::UnitFactor { serials: of, quantity, factor, unit } => {
                 let quantity = quantity.name();
                 if *factor == -1.0 {
-                    return message!("sign_reversed", quantity = quantity, serials = serials(of));
+                    return message!("sign_reversed", quantity, serials = serials(of));
                 }
                 let times =
                     if factor.abs() > 1.0 { format!("{factor:.6}") } else { format!("1/{:.6}", factor.recip()) };
                 let times = text(times.trim_end_matches('0').trim_end_matches('.'));
                 match unit.clone() {
-                    None => message!("unit_factor", quantity = quantity, serials = serials(of), times = times),
+                    None => message!("unit_factor", quantity, serials = serials(of), times),
                     Some(unit) => {
-                        message!(
-                            "unit_factor_of",
-                            quantity = quantity,
-                            serials = serials(of),
-                            times = times,
-                            unit = unit
-                        )
+                        message!("unit_factor_of", quantity, serials = serials(of), times, unit)
                     }
                 }
             }

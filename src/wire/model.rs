@@ -343,7 +343,7 @@ impl KnownEstimateBody {
         };
         if !known {
             let wanted = if common { "all".into() } else { Filling::from(message!("a_gyro_of_the_effect")) };
-            faults.push(format!("{place}/slot"), message!("must_be", wanted = wanted, value = sent(&self.slot)));
+            faults.push(format!("{place}/slot"), message!("must_be", wanted, value = sent(&self.slot)));
         }
         let coefficients = entry.coefficients(shape);
         let Some(coefficient) = coefficients.iter().find(|c| c.name == self.name) else {
@@ -429,7 +429,7 @@ impl ShapeBody {
 }
 
 fn wanted(effect: Effect) -> Filling {
-    let absent_or = |shape: &'static str| message!("absent_or", shape = shape).into();
+    let absent_or = |shape: &'static str| message!("absent_or", shape).into();
     match effect.entry().parameter {
         Parameter::Tau => "{\"tau_s\": seconds}".into(),
         Parameter::Instant => "{\"instant_s\": seconds}".into(),

@@ -320,8 +320,8 @@ fn of_document(problem: &ProblemBody, body: &[u8]) -> Option<String> {
     let places = problem.errors.iter().map(|error| counted(&error.pointer)).filter(|place| !place.is_empty());
     let places: Vec<String> = places.collect();
     let differs = match places.is_empty() {
-        true => message!("stored_otherwise", what = what, at = at, id = existing.clone()),
-        false => message!("stored_otherwise_at", what = what, at = at, id = existing.clone(), places = list(places)),
+        true => message!("stored_otherwise", what, at, id = existing.clone()),
+        false => message!("stored_otherwise_at", what, at, id = existing.clone(), places = list(places)),
     };
     Some(format!("{}; {}", words::asked().words(&differs), way_out(existing, body)))
 }
@@ -330,8 +330,8 @@ fn of_document(problem: &ProblemBody, body: &[u8]) -> Option<String> {
 fn way_out(existing: &str, body: &[u8]) -> String {
     let id = existing.to_owned();
     words::asked().words(&match DocumentKind::of(body) {
-        DocumentKind::Bench => message!("replace_bench", id = id),
-        _ => message!("replace_it", id = id),
+        DocumentKind::Bench => message!("replace_bench", id),
+        _ => message!("replace_it", id),
     })
 }
 

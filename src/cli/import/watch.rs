@@ -380,7 +380,7 @@ fn free_name(dir: &Dir, name: &OsStr) -> OsString {
 
 /// One event a line, with its time: what an operator, or the journal, reads.
 fn stays(trouble: String) -> String {
-    asked().words(&message!("terminal_stays", trouble = trouble))
+    asked().words(&message!("terminal_stays", trouble))
 }
 
 fn announce(message: &Message) {

@@ -114,7 +114,7 @@ impl Calibrate {
 fn tables_between(fitted: &[Fitted], between: &[RepeatedBody]) -> String {
     let mut each = table_of("terminal_campaigns_head", 4..6);
     let (imu, count) = (fitted[0].answer.imu.clone(), fitted.len().to_string());
-    let mut text = format!("{}\n\n", asked().words(&message!("terminal_campaigns", imu = imu, count = count)));
+    let mut text = format!("{}\n\n", asked().words(&message!("terminal_campaigns", imu, count)));
     for Fitted { file, answer, .. } in fitted {
         for s in &answer.separations {
             each.add_row([
@@ -169,7 +169,7 @@ fn remarks(answer: &CampaignAnswer) -> impl Iterator<Item = String> {
     let separated = answer.not_separated.iter().map(|gyro| {
         let slot = Slot::from(gyro.slot).name().to_owned();
         let (serial, reason) = (gyro.serial.clone(), gyro.reason.clone());
-        asked().words(&message!("terminal_not_separated", slot = slot, serial = serial, reason = reason))
+        asked().words(&message!("terminal_not_separated", slot, serial, reason))
     });
     separated.chain(answer.notes.iter().map(|note| document::note(&note.detail)))
 }
@@ -232,7 +232,7 @@ fn fit_table(gyros: &[GyroFitBody]) -> String {
         let factor = match (noise.sem_factor, noise.sem_factor_sd) {
             (Some(f), Some(sd)) if sd > 0.0 => {
                 let (source, factor) = (noise.source.clone(), format!("{f:.2} ± {sd:.2}"));
-                asked().words(&message!("terminal_fit_source", source = source, factor = factor))
+                asked().words(&message!("terminal_fit_source", source, factor))
             }
             _ => noise.source.clone(),
         };

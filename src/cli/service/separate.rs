@@ -109,7 +109,7 @@ fn answer(record: &Record, separations: &[Separation], verdicts: &[Requirements]
 fn tables(record: &Record, separations: &[Separation], verdicts: &[Requirements]) -> String {
     let (imu, station) = (record.imu.to_string(), record.station.to_string());
     let at = time::format(record.calibrated_at);
-    let head = asked().words(&message!("terminal_separated", imu = imu, station = station, at = at));
+    let head = asked().words(&message!("terminal_separated", imu, station, at));
     let rows = record.gyros.iter().zip(separations).map(|(gyro, s)| (gyro.serial.as_str(), s));
     let requirements = requirement_table(record.gyros.iter().zip(verdicts));
     format!("{head}\n\n{}{requirements}", drift_and_mounting(rows))

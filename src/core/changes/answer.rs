@@ -146,7 +146,7 @@ impl Tie {
             }
             Self::Station { name, form: StationForm::Between(from, until), .. } => {
                 let [from, until] = [from, until].map(|at| text(at.date()));
-                message!("change_station_between", station = text(name), from = from, until = until)
+                message!("change_station_between", station = text(name), from, until)
             }
             Self::Proportion => message!("change_proportion"),
             Self::Instant { after, before } => {
@@ -248,7 +248,7 @@ impl WhyNot {
                 own = signed(own, decimals(sd)),
                 others = signed(others, decimals(sd)),
                 sd = figure(sd, decimals(sd)),
-                gyros = gyros
+                gyros
             ),
         }
     }
@@ -396,7 +396,7 @@ impl HistoryDiagnosis {
 
     /// Of how many records it is said, where not all that count are looked at.
     pub fn looked_at(&self, records: usize) -> Option<Message> {
-        (self.records < records).then(|| message!("history_looked_at", looked_at = self.records, records = records))
+        (self.records < records).then(|| message!("history_looked_at", looked_at = self.records, records))
     }
 
     /// What is said besides the causes: how it wanders, what is left, what lies off, when it reaches its budget.
@@ -460,7 +460,7 @@ impl NamedCause {
         if let Some(held_out) = self.held_out {
             let [closure, low, high] = [held_out.closure, held_out.interval[0], held_out.interval[1]]
                 .map(|share| text(format_args!("{:.0} %", 100.0 * share)));
-            all.push(message!("history_closure", closure = closure, low = low, high = high));
+            all.push(message!("history_closure", closure, low, high));
         }
         all
     }

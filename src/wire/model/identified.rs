@@ -383,7 +383,7 @@ impl ModelCoefficientBody {
         }
         .or_else(|| {
             let known = list(["D0", "G_x", "P_x", "E_x"]);
-            faults.push(format!("{place}/name"), message!("must_be_one_of", known = known, value = sent(&self.name)));
+            faults.push(format!("{place}/name"), message!("must_be_one_of", known, value = sent(&self.name)));
             None
         })?;
         let unit = unit::of_machines(unit);

@@ -230,7 +230,7 @@ fn parameters(seat: &Seat, gyro: &Gyro, station: &str, day: f64, rng: &mut ChaCh
     let e = (gyro.scale * input).map(|x| rounded(x + normal(rng, E_SD), 1e7));
     let g = (gyro.scale * (d_i * input + d_s * spin) + noise).map(|x| rounded(x, 1e6));
     GyroBody {
-        slot: seat.slot.into(),
+        slot: seat.slot,
         serial: gyro.serial.clone(),
         e_pulse_per_arcsec: e.into(),
         g_pulse_per_s_g0: Some(g.into()),

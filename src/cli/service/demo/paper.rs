@@ -75,7 +75,7 @@ fn record(imu: &str, calibrated: UtcMicros, geometry: GeometryBody, gyros: [Gyro
 
 fn gyro(slot: Slot, serial: &str, e: Vector3<f64>, g: Vector3<f64>) -> GyroBody {
     GyroBody {
-        slot: slot.into(),
+        slot,
         serial: serial.into(),
         e_pulse_per_arcsec: e.into(),
         g_pulse_per_s_g0: Some(g.into()),

@@ -15,7 +15,9 @@ use axum::http::Request;
 use gyrowatch::config::Config;
 use gyrowatch::core::calibrate::bench::calibrate_bench;
 use gyrowatch::core::calibrate::{Calibration, calibrate};
-use gyrowatch::core::campaign::{Campaign, CampaignGyro, Dwell, Limits, Phase, Site, StationUncertainty, TestKind};
+use gyrowatch::core::campaign::{
+    Campaign, CampaignGyro, CampaignLimits, Dwell, Phase, Site, StationUncertainty, TestKind,
+};
 use gyrowatch::core::mounting::{Geometry, Slot};
 use gyrowatch::core::record::{Name, Plausibility};
 use gyrowatch::core::separate::{Separation, diagonal_covariance, separate, stated_covariance};
@@ -60,7 +62,7 @@ pub fn record(bytes: &[u8]) {
             finite(&found);
         }
     }
-    let written = serde_json::to_string(&RecordBody::of(&record)).unwrap();
+    let written = serde_json::to_string(&RecordBody::from(&record)).unwrap();
     let again = parse_record(written.as_bytes(), &limits).unwrap_or_else(|faults| panic!("{faults:?}: {written}"));
     assert_eq!((&again.imu, again.calibrated_at, &again.gyros), (&record.imu, record.calibrated_at, &record.gyros));
 }
@@ -68,7 +70,7 @@ pub fn record(bytes: &[u8]) {
 pub fn bench_result(bytes: &[u8]) {
     let Ok(result) = parse_bench_result(bytes, 1e6) else { return };
     assert!(result.d_i.is_finite() && result.d_s.is_finite());
-    let written = serde_json::to_string(&BenchBody::of(&result)).unwrap();
+    let written = serde_json::to_string(&BenchBody::from(&result)).unwrap();
     assert_eq!(parse_bench_result(written.as_bytes(), 1e6).unwrap(), result);
 }
 
@@ -195,7 +197,7 @@ pub fn fit(bytes: &[u8]) {
         operator,
         note,
     };
-    if campaign.check(&Limits::default()).is_ok() {
+    if campaign.check(&CampaignLimits::default()).is_ok() {
         fitted(&campaign);
     }
 }

@@ -8,8 +8,8 @@ use gyrowatch::core::campaign::Campaign;
 use gyrowatch::core::diagnose::diagnose;
 use gyrowatch::core::model::{Term, Terms};
 use gyrowatch::core::record::Plausibility;
+use gyrowatch::core::separate::JudgedMethod;
 use gyrowatch::core::separate::Separation;
-use gyrowatch::wire::answer::MethodBody;
 use gyrowatch::wire::calibration::CampaignAnswer;
 use gyrowatch::wire::diagnosis::DiagnosisBody;
 use gyrowatch::wire::document::parse;
@@ -177,7 +177,7 @@ fn standard_errors_that_are_far_too_large_are_told() {
             *sem *= times;
         }
         let answer =
-            CampaignAnswer::of(&campaign, &evaluate(&campaign, &Plausibility::default()).unwrap(), MethodBody::Rigid);
+            CampaignAnswer::of(&campaign, &evaluate(&campaign, &Plausibility::default()).unwrap(), JudgedMethod::Rigid);
         let diagnosis = diagnose(&campaign, &Options::default()).unwrap();
         let of_fit = answer.notes.into_iter().map(|note| note.detail).collect::<Vec<_>>();
         [of_fit, DiagnosisBody::from(&diagnosis).notes].map(|notes| {

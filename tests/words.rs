@@ -135,29 +135,22 @@ fn closing(text: &str) -> usize {
     text.len()
 }
 
-/// `a` and `b` of `, a = 1, b = f(c = 2)`.
+/// `a`, `b` and `d` of `, a = 1, b = f(c = 2), d`.
 fn names(arguments: &str) -> BTreeSet<String> {
-    let (mut names, mut depth, mut word, mut quoted) = (BTreeSet::new(), 0, String::new(), false);
-    let chars: Vec<char> = arguments.chars().collect();
-    for (k, &c) in chars.iter().enumerate() {
+    let (mut parts, mut depth, mut quoted) = (vec![String::new()], 0, false);
+    for c in arguments.chars() {
         match c {
             '"' => quoted = !quoted,
             _ if quoted => {}
             '(' | '[' | '{' => depth += 1,
             ')' | ']' | '}' => depth -= 1,
-            ',' if depth == 0 => word.clear(),
-            '=' if depth == 0
-                && chars.get(k + 1) == Some(&' ')
-                && chars[k - 1] == ' '
-                && !word.trim().contains(' ') =>
-            {
-                names.insert(word.trim().to_owned());
-            }
-            c if depth == 0 => word.push(c),
+            ',' if depth == 0 => parts.push(String::new()),
+            c if depth == 0 => parts.last_mut().unwrap().push(c),
             _ => {}
         }
     }
-    names
+    let name = |part: &String| part.split_whitespace().next().map(str::to_owned);
+    parts.iter().filter_map(name).collect()
 }
 
 #[test]
@@ -224,9 +217,9 @@ fn named() -> BTreeSet<String> {
 #[test]
 fn what_the_code_says_has_words_with_its_parameters() {
     let sample =
-        "f(message!(\"a_b\", x = g(y = 1), z = \"q, w = 1\"));\nmessage!(\"c\")\n#[cfg(test)]\nmessage!(\"d\")";
+        "f(message!(\"a_b\", x = g(y = 1), z = \"q, w = 1\", v));\nmessage!(\"c\")\n#[cfg(test)]\nmessage!(\"d\")";
     let found = uses(sample);
-    assert_eq!(found[0], ("a_b".to_owned(), ["x", "z"].map(str::to_owned).into()));
+    assert_eq!(found[0], ("a_b".to_owned(), ["v", "x", "z"].map(str::to_owned).into()));
     assert_eq!(found.len(), 2);
 
     let english = messages("en");

@@ -196,7 +196,7 @@ impl Courier {
         let (bytes, cut) = self.read_body(response).await;
         let text = String::from_utf8_lossy(&bytes);
         let unexpected = expect.filter(|_| status.is_success()).and_then(|expect| expect.differs(&bytes));
-        let with = |what, answer: Parameter| message!("with_answer", what = what, answer = answer);
+        let with = |what, answer: Parameter| message!("with_answer", what, answer);
         let said = |what: Message| {
             let line = Some(printable(&text, MOST_OF_A_LINE)).filter(|line| !line.is_empty());
             let parts = [line.map(Parameter::from), cut.clone().map(Parameter::from)];
@@ -206,7 +206,7 @@ impl Courier {
         let detail = match (&unexpected, location) {
             (Some(why), _) => Some(said(message!("answered_but", status = answered, why = shortened(why)))),
             _ if status.is_success() => cut.clone(),
-            (None, Some(to)) if status.is_redirection() => Some(message!("redirected", status = answered, to = to)),
+            (None, Some(to)) if status.is_redirection() => Some(message!("redirected", status = answered, to)),
             _ => Some(said(message!("answered", status = answered))),
         };
         let outcome = match status {

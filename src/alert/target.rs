@@ -35,7 +35,7 @@ impl TargetPolicy {
     }
 
     fn check_one(&self, address: IpAddr) -> Result<(), Message> {
-        let refuse = |why: Message| Err(message!("address_refused", address = format_args!("{address}"), why = why));
+        let refuse = |why: Message| Err(message!("address_refused", address = format_args!("{address}"), why));
         if let Some(why) = never(address) {
             return refuse(why);
         }
@@ -82,7 +82,7 @@ impl TargetPolicy {
         let name = name.trim_end_matches('.');
         if NEVER_NAMED.contains(&name) || name.ends_with(".localhost") {
             let why = message!("leads_to_the_proxy");
-            return Err(message!("address_refused", address = format_args!("{name}"), why = why));
+            return Err(message!("address_refused", address = format_args!("{name}"), why));
         }
         Ok(())
     }

@@ -77,7 +77,7 @@ impl Void {
             };
             let standing = accepted(sent)?;
             let id = standing["id"].as_str().unwrap_or(&self.id).to_owned();
-            document::print(&said_of(message!("terminal_is_voided", id = id)))
+            document::print(&said_of(message!("terminal_is_voided", id)))
         })
     }
 }
@@ -168,10 +168,10 @@ async fn absent(service: &Service, new: &Value) -> Option<Message> {
     others.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (imu, time) = (sent(imu), sent(time));
     Some(match others.is_empty() {
-        true => message!("terminal_revise_none", imu = imu, time = time),
+        true => message!("terminal_revise_none", imu, time),
         false => {
             let nearest = list(others.into_iter().take(NEAREST).map(|(_, other)| other));
-            message!("terminal_revise_absent", imu = imu, time = time, nearest = nearest)
+            message!("terminal_revise_absent", imu, time, nearest)
         }
     })
 }
@@ -198,8 +198,8 @@ fn id_of(answer: &Value) -> String {
 /// That a document is stored already; where it counts no more, why, and how it counts again.
 fn known(answer: &Value) -> String {
     let id = id_of(answer);
-    let Some(standing) = withdrawn(answer) else { return said_of(message!("terminal_is_stored", id = id)) };
-    let stored = said_of(message!("terminal_is_withdrawn", id = id, standing = standing));
+    let Some(standing) = withdrawn(answer) else { return said_of(message!("terminal_is_stored", id)) };
+    let stored = said_of(message!("terminal_is_withdrawn", id, standing));
     match answer["revised_by"]["record"].as_str() {
         Some(other) => format!("{stored}; {}", said_of(message!("terminal_put_back", id = other.to_owned()))),
         None => stored,

@@ -146,7 +146,7 @@ pub fn verdict(code: &str) -> Message {
 
 /// A count beside that of all.
 pub fn part_of(part: String, all: u64) -> String {
-    asked().words(&message!("terminal_of", part = part, all = all.to_string()))
+    asked().words(&message!("terminal_of", part, all = all.to_string()))
 }
 
 /// As [`table`], with the head that a message names, in the reader's language.

@@ -83,8 +83,8 @@ fn together(faults: &[Fault]) -> Vec<Message> {
         let (from, to) = (lines().min().unwrap_or(0), lines().max().unwrap_or(0));
         let (count, first) = (alike.len(), fault.message.clone());
         said.push(match from == to {
-            true => message!("cells_alike_of_line", count = count, line = from, fault = first),
-            false => message!("cells_alike", count = count, from = from, to = to, fault = first),
+            true => message!("cells_alike_of_line", count, line = from, fault = first),
+            false => message!("cells_alike", count, from, to, fault = first),
         });
     }
     said

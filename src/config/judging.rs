@@ -7,21 +7,12 @@ use crate::core::judge::limits::{DriftLimits, Limit, LimitKey, Limits, Requireme
 use crate::core::judge::{Noise, Verdict, requirement};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::name::{Name, normal_form};
-use crate::core::named::named;
+use crate::core::separate::JudgedMethod;
 use crate::words::Language;
 
 use super::ConfigError;
 use super::requirement::SlotRequirements;
 use super::rules::{OverriddenCoefficient, RuleKeys};
-
-named! {
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum JudgedMethod {
-    Rigid = "rigid",
-    Published = "published",
-}
-}
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -25,11 +25,12 @@ use crate::core::record::Plausibility;
 use crate::core::time::UtcMicros;
 use crate::store::{Options, Secrets, without_password};
 
+pub use crate::core::separate::JudgedMethod;
 pub use access::Access;
 pub use alerts::Alerts;
 pub use error::ConfigError;
 pub use hooks::Hooks;
-pub use judging::{JudgedMethod, Judging, Override};
+pub use judging::{Judging, Override};
 pub use requirement::SlotRequirements;
 pub use rules::{FixedBaseline, RuleKeys};
 pub use stations::{Stated, Stations};

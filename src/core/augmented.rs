@@ -90,7 +90,7 @@ impl AugmentedModel {
         let exchanged = campaign.gyros.iter().filter_map(|gyro| {
             let own = identified?.gyro(gyro.slot).filter(|own| own.serial != gyro.serial)?;
             let (slot, then, now) = (gyro.slot.name(), text(&own.serial), text(&gyro.serial));
-            Some(message!("model_found_in_other_gyro", slot = slot, then = then, now = now))
+            Some(message!("model_found_in_other_gyro", slot, then, now))
         });
         exchanged.filter(|_| !self.effects.is_empty()).collect()
     }

@@ -22,7 +22,7 @@ mod stated_errors;
 mod station_uncertainty;
 mod temperatures;
 
-pub use check::{Limits, check_dwells};
+pub use check::{CampaignLimits, check_dwells};
 pub use columns::notes;
 pub(crate) use columns::{missing_errors, temperature_outliers};
 pub use earth_rate::{NoEarthRate, with_earth_rate};

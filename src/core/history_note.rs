@@ -3,6 +3,7 @@
 
 use super::mounting::Slot;
 use super::time::UtcMicros;
+use crate::core::named::named;
 
 /// What stands out in a calibration beside the history of its IMU, gyros and station.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,7 +12,7 @@ pub enum HistoryNote {
     /// somebody confirms it.
     TimeInDoubt(TimeDoubt),
     /// Earlier records are set aside because this one is decades after them.
-    OthersSetAside { records: Vec<Named> },
+    OthersSetAside { records: Vec<NamedRecord> },
     /// Somebody suspects what its station measured at that time: it is set aside until somebody confirms it.
     Suspect { station: String, author: String, reason: String },
     /// Ahead of the service's clock, hours.
@@ -25,7 +26,7 @@ pub enum HistoryNote {
     /// All gyros are off their levels at once, by so many budgets at least.
     OtherUnit { serials: Vec<String>, budgets: f64 },
     /// The very figures of another record.
-    IdenticalFigures { serials: Vec<String>, record: Named },
+    IdenticalFigures { serials: Vec<String>, record: NamedRecord },
     /// E or G is so many times what it was before.
     UnitFactor { serials: Vec<String>, quantity: Quantity, factor: f64 },
     /// The gyro was elsewhere in its last record.
@@ -43,24 +44,28 @@ pub enum TimeDoubt {
 
 /// A stored record.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Named {
+pub struct NamedRecord {
     pub record: String,
     pub at: UtcMicros,
 }
 
+named! {
 /// What a name is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameKind {
-    Imu,
-    Station,
-    Serial,
+    Imu = "imu",
+    Station = "station",
+    Serial = "serial",
+}
 }
 
+named! {
 /// E or G, of a gyro.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    E,
-    G,
+    E = "E",
+    G = "G",
+}
 }
 
 /// A slot of an IMU.

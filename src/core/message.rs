@@ -142,15 +142,20 @@ impl From<Message> for Parameter {
     }
 }
 
-/// `message!("too_few", have = have, need = need)`: a [`Message`] with its parameters by name.
+/// `message!("too_few", have, need = least + 1)`: a [`Message`] with its parameters by name; `have` says `have = have`.
 ///
 /// The code and the names are those of a message in `src/words/en` and `src/words/zh`; `tests/words.rs` compares them.
 #[macro_export]
 macro_rules! message {
-    ($code:literal $(, $name:ident = $value:expr)* $(,)?) => {
+    (@ $name:ident) => { $name };
+    (@ $name:ident = $value:expr) => { $value };
+    ($code:literal $(, $name:ident $(= $value:expr)?)* $(,)?) => {
         $crate::core::message::Message::new(
             $code,
-            vec![$((stringify!($name).into(), $crate::core::message::Parameter::from($value))),*],
+            vec![$((
+                stringify!($name).into(),
+                $crate::core::message::Parameter::from($crate::message!(@ $name $(= $value)?)),
+            )),*],
         )
     };
 }

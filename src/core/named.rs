@@ -32,6 +32,8 @@ macro_rules! named {
         pub enum $of { $($(#[$on_one])* $one),* }
 
         impl $crate::core::named::Named for $of {
+            const NAMES: &'static [&'static str] = &[$($name),*];
+
             fn name(self) -> &'static str {
                 self.name()
             }
@@ -61,6 +63,9 @@ pub(crate) use named;
 
 /// An enum made by [`named`].
 pub trait Named: Copy {
+    /// In the order of its values.
+    const NAMES: &'static [&'static str];
+
     fn name(self) -> &'static str;
 
     fn from_name(name: &str) -> Option<Self>;

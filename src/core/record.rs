@@ -96,9 +96,9 @@ impl Plausibility {
         let (angle, most) = (figure(angle.to_degrees(), 3), figure(self.max_misalignment.to_degrees(), 3));
         Err(match instead {
             Some((other, _)) => {
-                message!("direction_of_another", angle = angle, slot = slot.name(), most = most, other = other.name())
+                message!("direction_of_another", angle, slot = slot.name(), most, other = other.name())
             }
-            None => message!("direction_off_axis", angle = angle, slot = slot.name(), most = most),
+            None => message!("direction_off_axis", angle, slot = slot.name(), most),
         })
     }
 }

@@ -10,12 +10,11 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::app::App;
 use super::document::Document;
-use super::query::{self, Parameters, not_one_of};
-use crate::core::alert_decision::Standing;
+use super::query::{self, Parameters};
+use super::signed::Signed;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
-use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::{AlertChange, AlertOrder, AlertStep};
@@ -104,34 +103,13 @@ pub async fn get_alerts(
 
 fn filter(app: &App, asked: &AlertsQuery) -> Result<AlertFilter, Problem> {
     Ok(AlertFilter {
-        standing: one_of("state", asked.state.as_deref(), Standing::from_name, Standing::ALL.map(Standing::name))?,
+        standing: query::named("state", asked.state.as_deref())?,
         gyro: asked.serial.as_deref().map(|serial| query::gyro(app, serial)).transpose()?,
-        coefficient: one_of(
-            "coefficient",
-            asked.coefficient.as_deref(),
-            Coefficient::from_name,
-            Coefficient::ALL.map(Coefficient::name),
-        )?,
-        rule: one_of("rule", asked.rule.as_deref(), Rule::from_name, Rule::ALL.map(Rule::name))?,
-        severity: one_of(
-            "severity",
-            asked.severity.as_deref(),
-            Severity::from_name,
-            Severity::ALL.map(Severity::name),
-        )?,
+        coefficient: query::named("coefficient", asked.coefficient.as_deref())?,
+        rule: query::named("rule", asked.rule.as_deref())?,
+        severity: query::named("severity", asked.severity.as_deref())?,
         imu: asked.imu.clone(),
     })
-}
-
-fn one_of<T, const N: usize>(
-    parameter: &'static str,
-    asked: Option<&str>,
-    from_name: impl FnOnce(&str) -> Option<T>,
-    names: [&'static str; N],
-) -> Result<Option<T>, Problem> {
-    let Some(asked) = asked else { return Ok(None) };
-    let unknown = || not_one_of(parameter, names, asked);
-    from_name(asked).map(Some).ok_or_else(unknown)
 }
 
 /// One alert and what became of it.
@@ -188,16 +166,6 @@ fn read_id(id: &str) -> Result<Id, Problem> {
     id.parse().map_err(|_| Problem::unknown_alert(id))
 }
 
-/// Who knows, and why it may go on firing.
-#[derive(Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-struct AcknowledgeBody {
-    #[schema(min_length = 1, max_length = 64)]
-    by: String,
-    #[schema(min_length = 1, max_length = 4096)]
-    reason: String,
-}
-
 /// Who wants nobody to be told, until when, and why.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -211,7 +179,7 @@ struct SilenceOrder {
 }
 
 /// Stops the repeats until it resolves or becomes more severe. Both are still told.
-#[utoipa::path(post, operation_id = "acknowledge_alert", path = "/v1/alerts/{id}/acknowledge", tag = "alerts", request_body = AcknowledgeBody,
+#[utoipa::path(post, operation_id = "acknowledge_alert", path = "/v1/alerts/{id}/acknowledge", tag = "alerts", request_body = Signed,
     responses(
         (status = 200, description = "the alert, acknowledged", body = AlertBody),
         (status = 409, description = "it is resolved")))]
@@ -220,27 +188,23 @@ pub async fn post_acknowledge(
     Path(id): Path<String>,
     body: Document,
 ) -> Result<Json<AlertBody>, Problem> {
-    remarked(&app, &id, AlertChange::Acknowledge, &body.0).await
+    signed(&app, &id, AlertChange::Acknowledge, &body).await
 }
 
 /// Nobody knows, after all: repeats go on.
-#[utoipa::path(post, operation_id = "unacknowledge_alert", path = "/v1/alerts/{id}/unacknowledge", tag = "alerts", request_body = AcknowledgeBody,
+#[utoipa::path(post, operation_id = "unacknowledge_alert", path = "/v1/alerts/{id}/unacknowledge", tag = "alerts", request_body = Signed,
     responses((status = 200, description = "the alert, not acknowledged", body = AlertBody)))]
 pub async fn post_unacknowledge(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
 ) -> Result<Json<AlertBody>, Problem> {
-    remarked(&app, &id, AlertChange::Unacknowledge, &body.0).await
+    signed(&app, &id, AlertChange::Unacknowledge, &body).await
 }
 
-async fn remarked(app: &App, id: &str, change: AlertChange, bytes: &[u8]) -> Result<Json<AlertBody>, Problem> {
-    let read = |bytes: &[u8]| {
-        let AcknowledgeBody { by, reason } = json::parse(bytes)?;
-        order(id, change, by, reason, Faults::default())
-    };
-    let order = read(bytes).map_err(|faults| Document::problem(bytes, faults))?;
-    Ok(Json(app.pipeline.alerts.change(order.ok_or_else(|| Problem::unknown_alert(id))?).await?))
+async fn signed(app: &App, id: &str, change: AlertChange, body: &Document) -> Result<Json<AlertBody>, Problem> {
+    let Signed { by, reason } = Signed::read(body)?;
+    Ok(Json(app.pipeline.alerts.change(AlertOrder { alert: read_id(id)?, change, by, reason }).await?))
 }
 
 /// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
@@ -251,14 +215,14 @@ pub async fn post_silence(
     Path(id): Path<String>,
     body: Document,
 ) -> Result<Json<AlertBody>, Problem> {
-    let read = |bytes: &[u8]| {
+    let (change, (by, reason)) = body.read(|bytes| {
         let SilenceOrder { until, by, reason } = json::parse(bytes)?;
         let mut faults = Faults::default();
         let until = future("/until", &until, app.clock.now(), &mut faults);
-        order(&id, AlertChange::Silence { until }, by, reason, faults)
-    };
-    let order = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    Ok(Json(app.pipeline.alerts.change(order.ok_or_else(|| Problem::unknown_alert(&id))?).await?))
+        let signed = text::signed("/by", by, reason, &mut faults);
+        faults.or((AlertChange::Silence { until }, signed))
+    })?;
+    Ok(Json(app.pipeline.alerts.change(AlertOrder { alert: read_id(&id)?, change, by, reason }).await?))
 }
 
 pub(super) fn future(pointer: &str, text: &str, now: UtcMicros, faults: &mut Faults) -> UtcMicros {
@@ -270,17 +234,4 @@ pub(super) fn future(pointer: &str, text: &str, now: UtcMicros, faults: &mut Fau
         faults.push(pointer, message!("not_in_future"));
     }
     at
-}
-
-/// The order, checked; none where the identifier cannot be one.
-fn order(
-    id: &str,
-    change: AlertChange,
-    by: String,
-    reason: String,
-    mut faults: Faults,
-) -> Result<Option<AlertOrder>, Faults> {
-    let (by, reason) = text::signed("/by", by, reason, &mut faults);
-    let alert = id.parse().ok();
-    faults.or(alert.map(|alert| AlertOrder { alert, change, by, reason }))
 }

@@ -2,7 +2,6 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::StatusCode;
 use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
@@ -11,12 +10,12 @@ use utoipa::ToSchema;
 
 use super::app::App;
 use super::corrections::{StandingBody, standing};
-use super::document::Document;
+use super::document::{Document, outcome};
 use super::document_post::{DocumentPost, IdempotencyKey};
 use super::telling::Telling;
 use crate::core::id::Id;
 use crate::message;
-use crate::pipeline::{Accepted, Sent, Submission};
+use crate::pipeline::{Sent, Submission};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign::CampaignBody;
 use crate::wire::document::DocumentKind;
@@ -48,10 +47,7 @@ pub async fn post_bench_result(
     bench.idempotency_key = post.key()?;
     let (serial, body) = (bench.result.serial.to_string(), bench.body.clone());
     let accepted = post.submit(&app, Submission::Bench(Box::new(bench))).await?;
-    let status = match accepted {
-        Accepted::Stored { .. } => StatusCode::CREATED,
-        Accepted::There { .. } => StatusCode::OK,
-    };
+    let (status, _) = outcome(&accepted);
     let id = app.pipeline.ingest.settle(&accepted, Sent::Bench(&body)).await?;
     let location = [(LOCATION, format!("/v1/bench-results/{id}"))];
     Ok((status, location, Json(BenchAnswer { id: id.to_string(), serial })).into_response())

@@ -2,27 +2,16 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::app::App;
 use super::corrections::{StandingBody, standing};
 use super::document::Document;
-use crate::core::fault::Faults;
+use super::signed::Signed;
 use crate::core::id::Id;
 use crate::pipeline::{Accepted, Actor, Confirmation, Submission};
 use crate::wire::problem::Problem;
-use crate::wire::{json, text};
-
-/// Who confirms the time of a record, and why it is right.
-#[derive(Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-struct ConfirmOrder {
-    #[schema(min_length = 1, max_length = 64)]
-    by: String,
-    #[schema(min_length = 1, max_length = 4096)]
-    reason: String,
-}
 
 /// A record whose time was confirmed.
 #[derive(Serialize, ToSchema)]
@@ -34,7 +23,7 @@ pub struct ConfirmedBody {
 
 /// The time of a record or campaign that was set aside is right: it counts from now on, and what depends on it is
 /// judged again.
-#[utoipa::path(post, path = "/v1/records/{id}/confirm", tag = "records", request_body = ConfirmOrder,
+#[utoipa::path(post, path = "/v1/records/{id}/confirm", tag = "records", request_body = Signed,
     params(("id" = String, Path, description = "identifier of the record or campaign")),
     responses(
         (status = 200, description = "it counts; so too where it was confirmed before", body = ConfirmedBody),
@@ -45,16 +34,9 @@ pub async fn confirm_record(
     body: Document,
 ) -> Result<Json<ConfirmedBody>, Problem> {
     let id: Id = id.parse().map_err(|_| Problem::no_such_record(&id))?;
-    let (author, reason) = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let Signed { by: author, reason } = Signed::read(&body)?;
     let sent = Confirmation { id, of_window: false, author, reason, by: Actor::by_caller(), restated: None };
     let (Accepted::Stored { id, .. } | Accepted::There { id, .. }) =
         app.pipeline.ingest.submit(Submission::Confirmation(sent)).await?;
     Ok(Json(ConfirmedBody { id: id.to_string(), standing: standing(&app, id).await? }))
-}
-
-fn read(bytes: &[u8]) -> Result<(String, String), Faults> {
-    let mut faults = Faults::default();
-    let ConfirmOrder { by, reason } = json::parse(bytes)?;
-    let signed = text::signed("/by", by, reason, &mut faults);
-    faults.or(signed)
 }

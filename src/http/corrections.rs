@@ -10,12 +10,12 @@ use serde_json::value::RawValue;
 use utoipa::ToSchema;
 
 use super::app::App;
-use super::document::Document;
+use super::document::{Document, outcome};
 use crate::core::correction::CorrectionItem;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::pipeline::{Accepted, Actor, Calibration, Corrected, Correction, Fitted, Submission};
+use crate::pipeline::{Actor, Calibration, Corrected, Correction, Fitted, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
@@ -140,7 +140,7 @@ pub async fn void_record(
     Path(id): Path<String>,
     body: Document,
 ) -> Result<Json<CorrectedBody>, Problem> {
-    void(&app, Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None }, &body.0).await
+    void(&app, Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None }, &body).await
 }
 
 /// A campaign counts no more: it is kept, with who said so and why, and what depends on it is judged again.
@@ -153,7 +153,7 @@ pub async fn void_campaign(
     Path(id): Path<String>,
     body: Document,
 ) -> Result<Json<CorrectedBody>, Problem> {
-    void(&app, campaign(&id)?, &body.0).await
+    void(&app, campaign(&id)?, &body).await
 }
 
 /// A bench result counts no more: it is kept, with who said so and why, and the methods are compared without it.
@@ -166,11 +166,11 @@ pub async fn void_bench_result(
     Path(id): Path<String>,
     body: Document,
 ) -> Result<Json<CorrectedBody>, Problem> {
-    void(&app, Corrected::Bench(named(&id, Problem::no_such_bench_result)?), &body.0).await
+    void(&app, Corrected::Bench(named(&id, Problem::no_such_bench_result)?), &body).await
 }
 
-async fn void(app: &App, item: Corrected, body: &[u8]) -> Result<Json<CorrectedBody>, Problem> {
-    let VoidOrder { author, reason } = VoidOrder::read(body).map_err(|faults| Document::problem(body, faults))?;
+async fn void(app: &App, item: Corrected, body: &Document) -> Result<Json<CorrectedBody>, Problem> {
+    let VoidOrder { author, reason } = body.read(VoidOrder::read)?;
     submit(app, Correction { item, author, reason, replacement: None, by: Actor::by_caller() }).await?;
     let id = item.id();
     Ok(Json(CorrectedBody { id: id.to_string(), standing: standing(app, id).await? }))
@@ -280,18 +280,15 @@ async fn submit(app: &App, correction: Correction) -> Result<(StatusCode, Id), P
         Kind::Record => "/record",
         Kind::Campaign => "/campaign",
     });
-    match app.pipeline.ingest.submit(Submission::Correction(Box::new(correction))).await {
-        Ok(Accepted::Stored { id, .. }) => Ok((StatusCode::CREATED, id)),
-        Ok(Accepted::There { id, .. }) => Ok((StatusCode::OK, id)),
-        Err(refused) => {
-            // The places are those of what is to stand in the place of the old.
-            let mut problem = Problem::from(refused);
-            for error in &mut problem.places {
-                error.pointer.insert_str(0, place.unwrap_or_default());
-            }
-            Err(problem)
+    let accepted = app.pipeline.ingest.submit(Submission::Correction(Box::new(correction))).await;
+    accepted.map(|accepted| outcome(&accepted)).map_err(|refused| {
+        // The places are those of what is to stand in the place of the old.
+        let mut problem = Problem::from(refused);
+        for error in &mut problem.places {
+            error.pointer.insert_str(0, place.unwrap_or_default());
         }
-    }
+        problem
+    })
 }
 
 fn campaign(id: &str) -> Result<Corrected, Problem> {

@@ -34,7 +34,7 @@ const MOST_FAILURES: usize = 1000;
         (status = 200, description = "the same is being worked off", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
         (status = 422, description = "an unknown IMU or station, no time …; the places are named")))]
 pub async fn post_diagnoses(State(app): State<App>, body: Document) -> Result<Response, Problem> {
-    let wanted = app.pipeline.diagnoses.read_wanted(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let wanted = body.read(|bytes| app.pipeline.diagnoses.read_wanted(bytes))?;
     let (status, id) = match app.pipeline.diagnoses.order(DiagnosisOrder::Start(wanted)).await? {
         Accepted::Stored { id, .. } => (StatusCode::ACCEPTED, id),
         Accepted::There { id, .. } => (StatusCode::OK, id),

@@ -7,8 +7,10 @@ use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 
 use crate::core::fault::{Fault, Faults};
+use crate::core::id::Id;
 use crate::core::message::Message;
 use crate::message;
+use crate::pipeline::Accepted;
 use crate::wire::document::DocumentKind;
 use crate::wire::json::is_json;
 use crate::wire::problem::Problem;
@@ -31,6 +33,11 @@ impl<S: Send + Sync> FromRequest<S> for Document {
 }
 
 impl Document {
+    /// What it says, as `read` takes it.
+    pub fn read<T>(&self, read: impl FnOnce(&[u8]) -> Result<T, Faults>) -> Result<T, Problem> {
+        read(&self.0).map_err(|faults| Self::problem(&self.0, faults))
+    }
+
     /// The answer to a document that cannot be read as the kind that is `wanted`: of one that is of another kind,
     /// where it belongs, for its members are then all at fault.
     pub fn refused_as(wanted: DocumentKind, bytes: &[u8], faults: Faults) -> Problem {
@@ -53,6 +60,14 @@ impl Document {
     }
 }
 
+/// Whether something was new, and its identifier.
+pub fn outcome(accepted: &Accepted) -> (StatusCode, Id) {
+    match accepted {
+        Accepted::Stored { id, .. } => (StatusCode::CREATED, *id),
+        Accepted::There { id, .. } => (StatusCode::OK, *id),
+    }
+}
+
 /// Which of `accepted` a body is sent as; one that is none of them, or of another coding than gzip, is refused.
 pub fn check_media_type(headers: &HeaderMap, accepted: &[&'static str]) -> Result<&'static str, Problem> {
     let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?").trim().to_owned());
@@ -61,13 +76,13 @@ pub fn check_media_type(headers: &HeaderMap, accepted: &[&'static str]) -> Resul
     let Some(sent) = accepted.iter().find(|accepted| essence.as_deref() == Some(**accepted)) else {
         let wanted = accepted.join(" or ");
         return Err(unsupported(match media_type {
-            Some(found) => message!("content_type", wanted = wanted, found = found),
-            None => message!("content_type_missing", wanted = wanted),
+            Some(found) => message!("content_type", wanted, found),
+            None => message!("content_type_missing", wanted),
         }));
     };
     match text(CONTENT_ENCODING).filter(|encoding| !encoding.eq_ignore_ascii_case("identity")) {
         None => Ok(sent),
-        Some(encoding) => Err(unsupported(message!("content_encoding", encoding = encoding))),
+        Some(encoding) => Err(unsupported(message!("content_encoding", encoding))),
     }
 }
 

@@ -13,13 +13,12 @@ use super::query;
 use super::remark::{self, Said};
 use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
-use crate::core::message::{list, sent};
 use crate::core::record::Name;
 use crate::message;
 use crate::pipeline::{Actor, EventItem, GyroEvent};
 use crate::wire::event::read_test;
 use crate::wire::problem::Problem;
-use crate::wire::{json, time};
+use crate::wire::{json, text, time};
 
 /// What was done to a gyro.
 #[derive(Serialize, ToSchema)]
@@ -119,21 +118,11 @@ pub async fn post_event(
 fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
     let NewEvent { event, reason, at, to, kind, author } = json::parse(bytes)?;
     let mut faults = Faults::default();
-    let event = named(&event).unwrap_or_else(|| {
-        let known = list(Event::ALL.map(Event::name));
-        faults.push("/event", message!("must_be_one_of", known = known, value = sent(&event)));
-        Event::Note
-    });
+    // People write re-installation in more than one way.
+    let event = if matches!(&*event, "re_installation" | "re-installation") { "reinstallation" } else { &event };
+    let event = text::named("/event", event, &mut faults).unwrap_or(Event::Note);
     let (reason, at, author) = Said { reason, at, author }.read(app, message!("empty_text"), &mut faults);
     let (until, test) = read_test(event, at, (to, kind), &mut faults);
     let (fixed, by) = ([None; 2], Actor::by_caller());
     faults.or(GyroEvent { serial, at, event, until, test, fixed, reason, author, by })
-}
-
-/// People write re-installation in more than one way.
-fn named(name: &str) -> Option<Event> {
-    match name {
-        "re_installation" | "re-installation" => Some(Event::Reinstallation),
-        name => Event::from_name(name),
-    }
 }

@@ -19,7 +19,7 @@ use crate::core::fault::Faults;
 use crate::core::figures::Figures;
 use crate::core::fleet_order::FleetOrder;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
-use crate::core::judge::{Event, Measured, Outlook, Reach, Rule, State as Judgement, Status};
+use crate::core::judge::{Event, Measured, Outlook, Reach, State as Judgement, Status};
 use crate::core::record::Name;
 use crate::core::time::Span;
 use crate::message;
@@ -70,12 +70,6 @@ pub struct GyrosQuery {
 /// What a list is narrowed down to besides.
 fn fleet_filter(asked: &GyrosQuery) -> Result<FleetFilter<'_>, Problem> {
     let start = |name: &'static str, said: &Option<String>| query::instant(name, said.as_deref(), time::parse_start);
-    let rule =
-        |said: &String| Rule::from_name(said).ok_or_else(|| query::not_one_of("rule", Rule::ALL.map(Rule::name), said));
-    let order = |said: &String| {
-        FleetOrder::from_name(said)
-            .ok_or_else(|| query::not_one_of("sort", FleetOrder::ALL.map(FleetOrder::name), said))
-    };
     let station = asked.station.as_deref().unwrap_or_default();
     let (now, ever) = match asked.station_when.as_deref() {
         None | Some("now") => (station, ""),
@@ -87,8 +81,8 @@ fn fleet_filter(asked: &GyrosQuery) -> Result<FleetFilter<'_>, Problem> {
         station: now,
         ever,
         imu: asked.imu.as_deref().unwrap_or_default(),
-        rule: asked.rule.as_ref().map(rule).transpose()?,
-        order: asked.sort.as_ref().map(order).transpose()?,
+        rule: query::named("rule", asked.rule.as_deref())?,
+        order: query::named("sort", asked.sort.as_deref())?,
         batch: asked.batch.as_deref().unwrap_or_default(),
         calibrated_since: start("calibrated_since", &asked.calibrated_since)?,
         changed_since: start("changed_since", &asked.changed_since)?,
@@ -98,16 +92,8 @@ fn fleet_filter(asked: &GyrosQuery) -> Result<FleetFilter<'_>, Problem> {
 
 /// What a list is narrowed down to.
 fn filter_of(asked: &GyrosQuery) -> Result<StandingFilter, Problem> {
-    let unknown =
-        |name: &'static str, known: &[&'static str], said: &str| query::not_one_of(name, known.iter().copied(), said);
-    let status = asked
-        .status
-        .as_deref()
-        .map(|said| Status::from_name(said).ok_or_else(|| unknown("status", &Status::ALL.map(Status::name), said)));
-    let state = asked.state.as_deref().map(|said| {
-        Judgement::from_name(said).ok_or_else(|| unknown("state", &Judgement::ALL.map(Judgement::name), said))
-    });
-    Ok(StandingFilter { status: status.transpose()?, state: state.transpose()? })
+    let (status, state) = (asked.status.as_deref(), asked.state.as_deref());
+    Ok(StandingFilter { status: query::named("status", status)?, state: query::named("state", state)? })
 }
 
 #[derive(Serialize, ToSchema)]
@@ -338,8 +324,7 @@ pub async fn patch_gyro(
     Path(serial): Path<String>,
     body: Document,
 ) -> Result<Json<GyroDetail>, Problem> {
-    let read = json::parse::<AttributesPatchBody>(&body.0).and_then(|patch| patch.to_core());
-    let patch = read.map_err(|faults| Document::problem(&body.0, faults))?;
+    let patch = body.read(|bytes| json::parse::<AttributesPatchBody>(bytes)?.to_core())?;
     query::gyro(&app, &serial)?;
     let name = Name::parse(&serial).map_err(|_| Problem::unknown_gyro(&serial))?;
     let order = AttributesOrder { serial: name, patch, by: Actor::by_caller() };

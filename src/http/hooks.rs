@@ -11,7 +11,6 @@ use utoipa::{IntoParams, ToSchema};
 use super::app::App;
 use super::document::Document;
 use super::query::{self, Parameters};
-use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::pipeline::{DeliveryPage, Order};
 use crate::wire::cursor::List;
@@ -42,7 +41,7 @@ pub async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
         (status = 409, description = "there are too many"),
         (status = 422, description = "an unknown kind, a forbidden address, a short secret …; the places are named")))]
 pub async fn post_hook(State(app): State<App>, body: Document) -> Result<Response, Problem> {
-    let new = app.pipeline.hooks.read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let new = body.read(|bytes| app.pipeline.hooks.read(bytes))?;
     let drawn = new.drawn();
     let id = app.pipeline.hooks.order(Order::Create(new)).await?;
     let hook = app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| Problem::no_such_hook(id))?;
@@ -69,7 +68,7 @@ pub async fn patch_hook(
     body: Document,
 ) -> Result<Json<HookBody>, Problem> {
     let id = hook_id(&id)?;
-    let patch = app.pipeline.hooks.read_patch(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let patch = body.read(|bytes| app.pipeline.hooks.read_patch(bytes))?;
     let drawn = patch.drawn();
     app.pipeline.hooks.order(Order::Change(id, patch)).await?;
     Ok(Json(app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| Problem::no_such_hook(id))?))
@@ -124,7 +123,7 @@ pub async fn get_deliveries(
     Parameters(asked): Parameters<DeliveriesQuery>,
 ) -> Result<Response, Problem> {
     let hook = hook_id(&id)?;
-    let state = asked.state.as_deref().map(delivery_state).transpose()?;
+    let state = query::named("state", asked.state.as_deref())?;
     let limit = query::limit(asked.limit, 100, MOST_DELIVERIES)?;
     let before = query::position(List::Deliveries, asked.cursor.as_deref())?.map(Id);
     if app.pipeline.hooks.get(hook, None).await?.is_none() {
@@ -158,11 +157,6 @@ pub async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Result
 async fn queued(app: &App, id: Id) -> Result<Response, Problem> {
     let delivery = app.pipeline.hooks.delivery(id).await?.ok_or_else(|| Problem::no_such_delivery(id))?;
     Ok((StatusCode::ACCEPTED, [(LOCATION, format!("/v1/deliveries/{id}"))], Json(delivery)).into_response())
-}
-
-fn delivery_state(name: &str) -> Result<DeliveryState, Problem> {
-    DeliveryState::from_name(name)
-        .ok_or_else(|| query::not_one_of("state", DeliveryState::ALL.map(DeliveryState::name), name))
 }
 
 fn hook_id(text: &str) -> Result<Id, Problem> {

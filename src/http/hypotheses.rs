@@ -9,10 +9,10 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::app::App;
-use super::document::Document;
+use super::document::{Document, outcome};
 use crate::core::fault::Faults;
 use crate::message;
-use crate::pipeline::{Accepted, HypothesisOrder, StoredHypothesis};
+use crate::pipeline::{HypothesisOrder, StoredHypothesis};
 use crate::wire::hypothesis::HypothesisBody;
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time, unit};
@@ -71,11 +71,8 @@ pub async fn get_hypotheses(State(app): State<App>) -> Json<HypothesesBody> {
         (status = 409, description = "another has its name, or there are too many"),
         (status = 422, description = "it makes no sense; the places are named")))]
 pub async fn post_hypothesis(State(app): State<App>, body: Document) -> Result<Response, Problem> {
-    let order = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    let (status, id) = match app.pipeline.diagnoses.order_hypothesis(order).await? {
-        Accepted::Stored { id, .. } => (StatusCode::CREATED, id),
-        Accepted::There { id, .. } => (StatusCode::OK, id),
-    };
+    let order = body.read(read)?;
+    let (status, id) = outcome(&app.pipeline.diagnoses.order_hypothesis(order).await?);
     let stored = app.pipeline.diagnoses.hypotheses().into_iter().find(|stored| stored.id == id);
     let body = stored.and_then(StoredHypothesisBody::of);
     let body = body.ok_or_else(|| Problem::new(500, "title_internal_error", message!("model_lost")))?;

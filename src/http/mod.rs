@@ -42,6 +42,7 @@ mod records;
 mod refusal;
 mod remark;
 pub mod server;
+mod signed;
 mod silences;
 mod stations;
 mod telling;

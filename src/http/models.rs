@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::app::App;
-use super::document::Document;
+use super::document::{Document, outcome};
 use super::query::{self, Parameters};
 use crate::message;
-use crate::pipeline::{Accepted, AdoptedModel, Adoption};
+use crate::pipeline::{AdoptedModel, Adoption};
 use crate::wire::forecast::ForecastSeriesBody;
 use crate::wire::model::{AdoptionBody, ModelBody};
 use crate::wire::problem::Problem;
@@ -75,14 +75,9 @@ pub async fn post_model(
     Path(imu): Path<String>,
     body: Document,
 ) -> Result<(StatusCode, Json<AdoptedBody>), Problem> {
-    let read = json::parse::<AdoptionBody>(&body.0).and_then(|body| body.to_core_of(&imu));
-    let (model, author, reason) = read.map_err(|faults| Document::problem(&body.0, faults))?;
+    let (model, author, reason) = body.read(|bytes| json::parse::<AdoptionBody>(bytes)?.to_core_of(&imu))?;
     let adoption = Adoption { imu: imu.clone(), model: Arc::new(model), author, reason };
-    let accepted = app.pipeline.diagnoses.adopt(adoption).await?;
-    let (status, id) = match accepted {
-        Accepted::Stored { id, .. } => (StatusCode::CREATED, id),
-        Accepted::There { id, .. } => (StatusCode::OK, id),
-    };
+    let (status, id) = outcome(&app.pipeline.diagnoses.adopt(adoption).await?);
     let Json(now) = get_model(State(app), Path(imu)).await?;
     let adopted = now.history.into_iter().find(|adopted| adopted.id == id.to_string());
     adopted

@@ -12,6 +12,7 @@ use url::form_urlencoded;
 use super::app::App;
 use crate::core::id::Id;
 use crate::core::message::{Message, list};
+use crate::core::named::Named;
 use crate::core::time::{Span, UtcMicros};
 use crate::message;
 use crate::routes::Takes;
@@ -43,8 +44,8 @@ pub fn not_taken(takes: &Takes, request: &Request) -> Option<Problem> {
     if let Some((name, _)) = unknown.next() {
         let (parameter, known) = (name.into_owned(), takes.parameters.clone());
         return Some(bad(match known.is_empty() {
-            true => message!("no_parameters", parameter = parameter),
-            false => message!("unknown_parameter", parameter = parameter, known = list(known)),
+            true => message!("no_parameters", parameter),
+            false => message!("unknown_parameter", parameter, known = list(known)),
         }));
     }
     let bears_key = request.method() == Method::POST && request.headers().contains_key(IDEMPOTENCY_KEY);
@@ -59,7 +60,13 @@ pub fn bad(message: Message) -> Problem {
 
 /// The answer to a parameter that must be one of those that are known.
 pub fn not_one_of(parameter: &'static str, known: impl IntoIterator<Item = &'static str>, value: &str) -> Problem {
-    bad(message!("parameter_one_of", parameter = parameter, known = list(known), value = value.to_owned()))
+    bad(message!("parameter_one_of", parameter, known = list(known), value = value.to_owned()))
+}
+
+/// The value that a parameter names.
+pub fn named<T: Named>(parameter: &'static str, asked: Option<&str>) -> Result<Option<T>, Problem> {
+    let value = |name: &str| T::from_name(name).ok_or_else(|| not_one_of(parameter, T::NAMES.iter().copied(), name));
+    asked.map(value).transpose()
 }
 
 /// `format`, or else `Accept`: whether CSV is asked for and not JSON.
@@ -76,9 +83,7 @@ pub fn wants_csv(format: Option<&str>, headers: &HeaderMap) -> Result<bool, Prob
 pub fn limit(asked: Option<usize>, default: usize, most: usize) -> Result<usize, Problem> {
     match asked.unwrap_or(default) {
         limit if (1..=most).contains(&limit) => Ok(limit),
-        limit => {
-            Err(bad(message!("parameter_range", parameter = "limit", least = 1_usize, most = most, value = limit)))
-        }
+        limit => Err(bad(message!("parameter_range", parameter = "limit", least = 1_usize, most, value = limit))),
     }
 }
 
@@ -88,7 +93,7 @@ pub fn instant(
     text: Option<&str>,
     read: fn(&str) -> Result<UtcMicros, Message>,
 ) -> Result<Option<UtcMicros>, Problem> {
-    let fault = |fault| bad(message!("parameter_fault", parameter = name, fault = fault));
+    let fault = |fault| bad(message!("parameter_fault", parameter = name, fault));
     text.map(|text| read(&with_sign(text)).map_err(fault)).transpose()
 }
 

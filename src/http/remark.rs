@@ -43,12 +43,12 @@ impl Said {
 pub async fn post(
     app: &App,
     serial: &str,
-    Document(bytes): &Document,
+    body: &Document,
     read: impl FnOnce(&App, Name, &[u8]) -> Result<GyroEvent, Faults>,
     otherwise: Message,
 ) -> Result<(StatusCode, Id, GyroEvent), Problem> {
     let serial = Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))?;
-    let event = read(app, serial, bytes).map_err(|faults| Document::problem(bytes, faults))?;
+    let event = body.read(|bytes| read(app, serial, bytes))?;
     match app.pipeline.ingest.submit(Submission::Event(event.clone())).await? {
         Accepted::Stored { id, .. } => Ok((StatusCode::CREATED, id, event)),
         Accepted::There { id, same_bytes: true, .. } => Ok((StatusCode::OK, id, event)),

@@ -12,6 +12,7 @@ use super::alerts::future;
 use super::app::App;
 use super::document::Document;
 use super::query::{Parameters, not_one_of};
+use super::signed::Signed;
 use crate::core::alert_filter::Matchers;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
@@ -60,7 +61,7 @@ pub async fn get_silences(
         (status = 201, description = "it holds", body = MatchingSilenceBody, headers(("Location" = String, description = "where it is"))),
         (status = 409, description = "there are too many")))]
 pub async fn post_matching_silence(State(app): State<App>, body: Document) -> Result<Response, Problem> {
-    let order = read(&body.0, app.clock.now()).map_err(|faults| Document::problem(&body.0, faults))?;
+    let order = body.read(|bytes| read(bytes, app.clock.now()))?;
     let id = app.pipeline.alerts.order_silence(order).await?;
     let silence = shown(&app, id).await?;
     Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/silences/{id}"))], Json(silence)).into_response())
@@ -102,31 +103,15 @@ async fn shown(app: &App, id: Id) -> Result<MatchingSilenceBody, Problem> {
     app.pipeline.alerts.silence(id).await?.ok_or_else(|| Problem::unknown_silence(id))
 }
 
-/// Who ends a silence before its time, and why.
-#[derive(Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-struct EndSilenceBody {
-    #[schema(min_length = 1, max_length = 64)]
-    by: String,
-    #[schema(min_length = 1, max_length = 4096)]
-    reason: String,
-}
-
 /// Ends a silence: what it has held back is told. One that is over already stays as it is.
-#[utoipa::path(post, operation_id = "end_silence", path = "/v1/silences/{id}/end", tag = "alerts", request_body = EndSilenceBody,
+#[utoipa::path(post, operation_id = "end_silence", path = "/v1/silences/{id}/end", tag = "alerts", request_body = Signed,
     responses((status = 200, description = "the silence, ended", body = MatchingSilenceBody)))]
 pub async fn post_end_silence(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
 ) -> Result<Json<MatchingSilenceBody>, Problem> {
-    let read = |bytes: &[u8]| {
-        let EndSilenceBody { by, reason } = json::parse(bytes)?;
-        let mut faults = Faults::default();
-        let (by, reason) = text::signed("/by", by, reason, &mut faults);
-        faults.or((by, reason))
-    };
-    let (by, reason) = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let Signed { by, reason } = Signed::read(&body)?;
     let silence: Id = id.parse().map_err(|_| Problem::unknown_silence(&id))?;
     app.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
     Ok(Json(shown(&app, silence).await?))

@@ -94,13 +94,14 @@ pub async fn trust_window(
 }
 
 async fn marked(app: &App, station: String, body: &Document, trusted: bool) -> Result<Json<WindowBody>, Problem> {
-    let WindowOrder { from, to, by, reason } =
-        json::parse(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    let mut faults = Faults::default();
-    let span = text::span(("/from", &from), ("/to", &to), &mut faults);
-    let (author, reason) = text::signed("/by", by, reason, &mut faults);
-    faults.or(()).map_err(|faults| Document::problem(&body.0, faults))?;
-    let mark = Mark { window: SuspectWindow { span, author, reason }, trusted };
+    let window = body.read(|bytes| {
+        let WindowOrder { from, to, by, reason } = json::parse(bytes)?;
+        let mut faults = Faults::default();
+        let span = text::span(("/from", &from), ("/to", &to), &mut faults);
+        let (author, reason) = text::signed("/by", by, reason, &mut faults);
+        faults.or(SuspectWindow { span, author, reason })
+    })?;
+    let mark = Mark { window, trusted };
     let mark = WindowMark { station: station.clone(), mark, by: Actor::by_caller() };
     Ok(Json(WindowBody::of(station, app.pipeline.mark_window(mark).await?)))
 }

@@ -13,7 +13,6 @@ use super::document::Document;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
-use crate::core::message::{list, sent};
 use crate::message;
 use crate::pipeline::{AccessOrder, NewToken, Token};
 use crate::wire::problem::Problem;
@@ -91,7 +90,7 @@ struct NewTokenBody {
         (status = 201, description = "made; its secret is shown this once", body = TokenBody, headers(("Location" = String, description = "where it is"))),
         (status = 422, description = "an unknown role, an expiry in the past …; the places are named")))]
 pub async fn post_token(State(app): State<App>, body: Document) -> Result<Response, Problem> {
-    let new = read(&app, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let new = body.read(|bytes| read(&app, bytes))?;
     let lost = || Problem::new(500, "title_internal_error", message!("token_lost"));
     let secret = app.pipeline.access.order(AccessOrder::Create(new)).await?.ok_or_else(lost)?;
     let rows = app.pipeline.access.tokens().await?;
@@ -113,11 +112,7 @@ pub async fn delete_token(State(app): State<App>, Path(id): Path<String>) -> Res
 fn read(app: &App, bytes: &[u8]) -> Result<NewToken, Faults> {
     let NewTokenBody { name, role, station, expires_at } = json::parse(bytes)?;
     let mut faults = Faults::default();
-    let role = Role::from_name(&role).unwrap_or_else(|| {
-        let known = list(Role::ALL.map(Role::name));
-        faults.push("/role", message!("must_be_one_of", known = known, value = sent(&role)));
-        Role::Station
-    });
+    let role = text::named("/role", &role, &mut faults).unwrap_or(Role::Station);
     let name = text::required_short("/name", name, &mut faults);
     let station = station.map(|station| text::name("/station", &station, &mut faults).to_string());
     let expires_at = expires_at.map(|at| text::instant("/expires_at", &at, &mut faults));

@@ -55,7 +55,7 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
     let StoredRecord { item, answer, seen, closures } = stored;
     let body: RecordBody = serde_json::from_str(&item.body).map_err(|_| unreadable(&item.id))?;
     let gyros: Vec<Parameters> = body.gyros.iter().map(Parameters::stated).collect();
-    let serials: Vec<_> = body.gyros.iter().map(|gyro| (Slot::from(gyro.slot), normal_form(&gyro.serial))).collect();
+    let serials: Vec<_> = body.gyros.iter().map(|gyro| (gyro.slot, normal_form(&gyro.serial))).collect();
     let title = format!("{} · {}", t.record, body.imu);
     let standing = corrections::standing(pages, viewer, item.kind, item.id).await?;
     let sender = pages.pipeline.queries.records.sender(item.sent_by).await?;
@@ -170,7 +170,7 @@ pub(super) async fn campaign(
         }
         p { a.action href={ "/campaigns/" (item.id) "/diagnosis" } { (t.diagnose) } }
         (standing.said)
-        (judged(viewer, fits.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen), standing.counts))
+        (judged(viewer, fits.iter().map(|gyro| (gyro.slot, gyro.serial.as_str())), (&answer.verdicts, seen), standing.counts))
         section {
             h2 { (t.separated) }
             (separation::tables(t, &answer.separations))
@@ -188,7 +188,7 @@ pub(super) async fn campaign(
             p.note { (t.residuals_note) }
             @let extent = residuals::extent(fits.iter().filter_map(|gyro| gyro.residuals.standardised.as_ref()).flatten());
             @for gyro in fits {
-                h3 { (Slot::from(gyro.slot).name()) " " (gyro.serial) }
+                h3 { (gyro.slot.name()) " " (gyro.serial) }
                 @if let Some(standardised) = &gyro.residuals.standardised {
                     (residuals::strip(t, standardised, extent))
                 } @else { p { (t.no_noise) } }
@@ -234,7 +234,7 @@ fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
             } }
             tbody { @for gyro in fits {
                 tr {
-                    th scope="row" { (Slot::from(gyro.slot).name()) " " (gyro.serial) }
+                    th scope="row" { (gyro.slot.name()) " " (gyro.serial) }
                     td.n data-label=(t.rank) { (gyro.rank) " / " (gyro.parameters.len()) }
                     td.n data-label=(t.freedom) { (gyro.dof) }
                     td.n data-label="χ²/ν" { (short(gyro.reduced_chi2)) }

@@ -15,7 +15,6 @@ use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::message::text;
-use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pages::sent::{Form, Query};
@@ -90,7 +89,7 @@ async fn calibration(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> R
             thead { tr { th { (t.serial) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } } }
             tbody { @for one in &stored.answer.separations {
                 tr {
-                    th scope="row" { (Slot::from(one.slot).name()) " " (one.serial) }
+                    th scope="row" { (one.slot.name()) " " (one.serial) }
                     @for (value, name) in [&one.d_i, &one.d_s, &one.d_o].into_iter().zip(DRIFTS) {
                         td.n data-label=(name) { (figure::drift(value.value, value.sd)) }
                     }

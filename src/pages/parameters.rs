@@ -43,7 +43,7 @@ impl Parameters {
         let three =
             |values: [f64; 3], sd: Option<[f64; 3]>| Three { values, sd: sd.map_or([None; 3], |sd| sd.map(Some)) };
         Self {
-            slot: gyro.slot.into(),
+            slot: gyro.slot,
             serial: gyro.serial.clone(),
             e: Some(three(e, gyro.e_sd.map(|sd| sd.0))),
             g: g.map(|g| three(g.0.map(|v| v * factor), gyro.g_sd.map(|sd| sd.0.map(|v| v * factor)))),
@@ -60,7 +60,7 @@ impl Parameters {
         let split = |sd: Option<[f64; 3]>| sd.map_or([None; 3], |sd| sd.map(Some));
         let g_squared = "pulse/(s*g0^2)";
         Self {
-            slot: gyro.slot.into(),
+            slot: gyro.slot,
             serial: gyro.serial.clone(),
             e: gyro.e_pulse_per_arcsec.map(|e| Three { values: e.0, sd: split(gyro.e_sd.map(|sd| sd.0)) }),
             g: gyro.g_pulse_per_s_g0.map(|g| Three { values: g.0, sd: split(gyro.g_sd.map(|sd| sd.0)) }),

@@ -7,7 +7,6 @@ use super::layout::{DRIFTS, encoded, symbol};
 use super::text::Text;
 use crate::core::mounting::Slot;
 use crate::wire::answer::{FigureBody, SeparationBody, UncertaintiesBody, UncertaintyBody};
-use crate::wire::record::SlotBody;
 
 pub(super) fn tables(t: &Text, separations: &[SeparationBody]) -> Markup {
     html! {
@@ -83,7 +82,7 @@ fn budgets(t: &Text, separations: &[SeparationBody]) -> Markup {
     let of_gyro = |one: &SeparationBody| {
         one.uncertainty.map(|UncertaintiesBody { d_i, d_s, d_o, .. }| ([d_i, d_s, d_o], one.slot, one.serial.clone()))
     };
-    let all: Vec<([UncertaintyBody; 3], SlotBody, String)> = separations.iter().filter_map(of_gyro).collect();
+    let all: Vec<([UncertaintyBody; 3], Slot, String)> = separations.iter().filter_map(of_gyro).collect();
     let has = |part: fn(&UncertaintyBody) -> Option<f64>| {
         all.iter().flat_map(|(budgets, ..)| budgets).filter_map(part).any(|sd| sd > 0.0)
     };
@@ -104,7 +103,7 @@ fn budgets(t: &Text, separations: &[SeparationBody]) -> Markup {
                     tbody { @for (budgets, slot, serial) in &all {
                         @for (budget, name) in budgets.iter().zip(DRIFTS) {
                             tr {
-                                td { (Slot::from(*slot).name()) " " (serial) } td { (symbol(name)) }
+                                td { (slot.name()) " " (serial) } td { (symbol(name)) }
                                 @for (name, part) in &parts {
                                     td.n data-label=(name) {
                                         @if let Some(sd) = part(budget) { (figure::short(sd)) } @else { "–" }
@@ -124,7 +123,7 @@ fn budgets(t: &Text, separations: &[SeparationBody]) -> Markup {
 fn gyro(one: &SeparationBody) -> Markup {
     html! {
         th scope="row" {
-            (Slot::from(one.slot).name()) " " a href={ "/gyros/" (encoded(&one.serial)) } { (one.serial) }
+            (one.slot.name()) " " a href={ "/gyros/" (encoded(&one.serial)) } { (one.serial) }
         }
     }
 }

@@ -2,11 +2,11 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 
 use crate::core::fault::Faults;
 
 use super::fault_at::fault;
+use super::gaussian;
 use super::scenario::{Profile, Temperature};
 use crate::core::message::text;
 use crate::message;
@@ -51,7 +51,7 @@ fn wander(sd: f64, tau_h: f64, mid_h: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> 
         .iter()
         .map(|&t| {
             let kept = before.map_or(0.0, |b: f64| (-(t - b) / tau_h).exp());
-            x = kept * x + (1.0 - kept * kept).sqrt() * sd * rng.sample::<f64, _>(StandardNormal);
+            x = kept * x + (1.0 - kept * kept).sqrt() * sd * gaussian(rng);
             before = Some(t);
             x
         })

@@ -7,7 +7,6 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 use std::collections::BTreeMap;
 
 use crate::core::campaign::TestKind;
@@ -18,7 +17,7 @@ use super::programme::{Order, Positions, Programme};
 use super::scenario::{
     AxesChoice, Columns, EffectChoice, GeometryChoice, GyroChoice, Population, Scenario, StandardErrors, StatedE,
 };
-use super::{Stream, random};
+use super::{Stream, gaussian, random};
 
 /// Mounting in the IMU, 1 sigma an axis, arcmin.
 const MOUNT_ARCMIN: f64 = 4.0;
@@ -80,10 +79,6 @@ pub fn tests(seed: u64) -> Vec<Test> {
         }
     }
     tests
-}
-
-fn gaussian(rng: &mut ChaCha8Rng) -> f64 {
-    rng.sample(StandardNormal)
 }
 
 fn gyro(slot: Slot, seed: u64, rng: &mut ChaCha8Rng) -> GyroChoice {

@@ -58,8 +58,7 @@ fn check_particulars(world: &World, choice: &EffectChoice, pointer: &str) -> Res
         faults.push(format!("{pointer}/time_h"), message!("not_positive_time", value = text(time_h)));
     }
     if let Some(dwell) = choice.dwell.filter(|&k| k >= world.plan.len()) {
-        faults
-            .push(format!("{pointer}/dwell"), message!("beyond_last_dwell", dwell = dwell, dwells = world.plan.len()));
+        faults.push(format!("{pointer}/dwell"), message!("beyond_last_dwell", dwell, dwells = world.plan.len()));
     }
     if let Some([from, to]) = choice.acts_in.filter(|[from, to]| from.partial_cmp(to) != Some(std::cmp::Ordering::Less))
     {

@@ -38,8 +38,9 @@ pub mod world;
 pub use run::{Simulated, simulate};
 pub use scenario::Scenario;
 
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 
 /// What a stream of random numbers is for. Each has its own, so that adding a cause leaves the noise, the order of
 /// positions and the gyros of the same seed untouched.
@@ -62,4 +63,9 @@ pub(crate) fn random(seed: u64, stream: Stream) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(stream as u64);
     rng
+}
+
+/// A standard normal deviate.
+fn gaussian(rng: &mut ChaCha8Rng) -> f64 {
+    rng.sample(StandardNormal)
 }

@@ -2,10 +2,10 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 
 use crate::core::fault::Faults;
 
+use super::gaussian;
 use super::programme::Planned;
 use super::scenario::Noise;
 use crate::core::message::text;
@@ -142,10 +142,6 @@ fn turn_on(sd: f64, plan: &[Planned], rng: &mut ChaCha8Rng) -> Vec<f64> {
     let powered = plan.last().map_or(0, |dwell| dwell.power_up + 1);
     let levels: Vec<f64> = (0..powered).map(|k| if k == 0 { 0.0 } else { sd * gaussian(rng) }).collect();
     plan.iter().map(|dwell| levels[dwell.power_up]).collect()
-}
-
-fn gaussian(rng: &mut ChaCha8Rng) -> f64 {
-    rng.sample(StandardNormal)
 }
 
 #[cfg(test)]

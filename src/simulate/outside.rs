@@ -4,9 +4,9 @@ use nalgebra::Vector6;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 
 use super::felt::{Action, Felt, Situation};
+use super::gaussian;
 
 /// Families of such causes, each with its hidden particulars.
 #[derive(Debug, Clone, PartialEq)]
@@ -146,10 +146,6 @@ impl Wave {
         let (up, north) = (felt.body.a.normalize(), felt.body.north);
         (self.k.dot(&Vector6::new(up.x, up.y, up.z, north.x, north.y, north.z)) + self.phase).cos()
     }
-}
-
-fn gaussian(rng: &mut ChaCha8Rng) -> f64 {
-    rng.sample(StandardNormal)
 }
 
 fn per_gyro(dwells: usize, mut series: impl FnMut() -> Vec<f64>) -> Vec<[f64; 3]> {

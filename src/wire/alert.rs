@@ -41,7 +41,7 @@ pub struct AlertBody {
     pub resolved_at: Option<String>,
     /// The last verdict.
     #[serde(flatten)]
-    pub finding: FindingBody,
+    pub finding: AlertFindingBody,
     #[schema(required)]
     pub acknowledged: Option<AcknowledgementBody>,
     #[schema(required)]
@@ -114,8 +114,7 @@ impl AlertBody {
 
 /// What an alert says of the verdict that it follows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = AlertFindingBody)]
-pub struct FindingBody {
+pub struct AlertFindingBody {
     /// The magnitude that was compared with the limit.
     #[schema(required)]
     pub value: Option<f64>,
@@ -147,7 +146,7 @@ pub struct FindingBody {
     pub with_imu: Option<f64>,
 }
 
-impl FindingBody {
+impl AlertFindingBody {
     /// As the database keeps it.
     pub fn kept(&self) -> String {
         kept(self, &self.reason)

@@ -58,7 +58,7 @@ fn line(alert: &AlertBody) -> [String; 28] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::alert::{AcknowledgementBody, FindingBody};
+    use crate::wire::alert::{AcknowledgementBody, AlertFindingBody};
 
     #[test]
     fn a_line_has_a_cell_for_every_column_and_quotes_what_needs_it() {
@@ -74,7 +74,7 @@ mod tests {
             since: Some("2025-12-31T00:00:00Z".into()),
             fired_at: "2026-01-01T00:00:00Z".into(),
             resolved_at: None,
-            finding: FindingBody {
+            finding: AlertFindingBody {
                 value: Some(0.0125),
                 limit: 0.01,
                 unit: "deg/(h g0)".into(),

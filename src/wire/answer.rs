@@ -7,13 +7,12 @@ use utoipa::ToSchema;
 
 use super::note::NoteBody;
 use super::reason::Reason;
-use super::record::SlotBody;
 use super::triple::Triple;
 use crate::core::calibrate::GyroCalibration;
 use crate::core::calibrate::uncertainty::Budget;
 use crate::core::judge::Verdict;
-use crate::core::mounting::Geometry;
-use crate::core::separate::{self, Separation};
+use crate::core::mounting::{Geometry, Slot};
+use crate::core::separate::{self, JudgedMethod, Separation};
 
 /// The answer to one record or campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -26,17 +25,6 @@ pub struct RecordAnswer {
     #[serde(default)]
     pub notes: Vec<NoteBody>,
     pub verdicts: Vec<VerdictBody>,
-}
-
-/// Which method's D_I and D_S are judged and shown first; both are always computed.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum MethodBody {
-    /// The nominal triad carried along by the smallest rotation to the measured input axis.
-    #[default]
-    Rigid,
-    /// Equations (7) to (13) of the paper, its errata applied.
-    Published,
 }
 
 /// A figure in deg/(h*g0), and its standard deviation where the station's are known.
@@ -87,10 +75,10 @@ pub struct UncertaintiesBody {
 /// One gyro of a record, separated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SeparationBody {
-    pub slot: SlotBody,
+    pub slot: Slot,
     pub serial: String,
     /// The method of `d_i` and `d_s`.
-    pub method: MethodBody,
+    pub method: JudgedMethod,
     pub d_i: FigureBody,
     pub d_s: FigureBody,
     /// The closure of the rigid method: zero but for the clocking of S about I, or a true output-axis term.
@@ -182,13 +170,13 @@ pub struct VerdictBody {
 
 impl SeparationBody {
     /// With the published method asked for and not defined, the figures are the rigid ones, and `method` says so.
-    pub fn of(serial: &str, separation: &Separation, asked: MethodBody) -> Self {
+    pub fn of(serial: &str, separation: &Separation, asked: JudgedMethod) -> Self {
         let rigid = &separation.rigid;
         let [i_sd, s_sd, o_sd] = split(rigid.sd());
         let published = separation.published.as_ref().ok();
-        let method = if published.is_some() { asked } else { MethodBody::Rigid };
+        let method = if published.is_some() { asked } else { JudgedMethod::Rigid };
         let ([d_i, d_s], rigid_beside) = match (method, published) {
-            (MethodBody::Published, Some(p)) => {
+            (JudgedMethod::Published, Some(p)) => {
                 let [i_sd, s_sd] = split(p.sd());
                 let beside = RigidBody { d_i: rigid.d_i, d_s: rigid.d_s, d_o: rigid.d_o };
                 ([figure(p.d_i, i_sd), figure(p.d_s, s_sd)], Some(beside))
@@ -196,7 +184,7 @@ impl SeparationBody {
             _ => ([figure(rigid.d_i, i_sd), figure(rigid.d_s, s_sd)], None),
         };
         Self {
-            slot: separation.slot.into(),
+            slot: separation.slot,
             serial: serial.to_owned(),
             method,
             d_i,
@@ -216,7 +204,7 @@ impl SeparationBody {
 
     /// With what the standard deviations are made of.
     pub fn with_uncertainty(mut self, fitted: &GyroCalibration, geometry: &Geometry) -> Self {
-        let budgets = fitted.budgets(geometry, self.method == MethodBody::Published);
+        let budgets = fitted.budgets(geometry, self.method == JudgedMethod::Published);
         self.uncertainty = budgets.map(|budgets| {
             let [d_i, d_s, d_o, scale_factor] = budgets.map(UncertaintyBody::from);
             UncertaintiesBody { d_i, d_s, d_o, scale_factor }

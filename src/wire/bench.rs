@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{json, text, time};
+use super::body::bodies;
+use super::{json, text};
 use crate::core::bench::{BenchMethod, BenchResult};
 use crate::core::fault::Faults;
 use crate::core::message::text;
@@ -18,7 +19,7 @@ pub struct BenchBody {
     pub station: String,
     /// RFC 3339 with offset.
     pub measured_at: String,
-    pub method: BenchMethodBody,
+    pub method: BenchMethod,
     pub d_i_deg_per_h_g0: f64,
     pub d_s_deg_per_h_g0: f64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -31,31 +32,6 @@ pub struct BenchBody {
     pub operator: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum BenchMethodBody {
-    TorqueFeedback,
-    TurntableServo,
-}
-
-impl From<BenchMethodBody> for BenchMethod {
-    fn from(method: BenchMethodBody) -> Self {
-        match method {
-            BenchMethodBody::TorqueFeedback => BenchMethod::TorqueFeedback,
-            BenchMethodBody::TurntableServo => BenchMethod::TurntableServo,
-        }
-    }
-}
-
-impl From<BenchMethod> for BenchMethodBody {
-    fn from(method: BenchMethod) -> Self {
-        match method {
-            BenchMethod::TorqueFeedback => BenchMethodBody::TorqueFeedback,
-            BenchMethod::TurntableServo => BenchMethodBody::TurntableServo,
-        }
-    }
 }
 
 /// Reads and checks a bench result; `max_drift` is the largest accepted |D|, deg/(h*g0).
@@ -74,7 +50,7 @@ impl BenchBody {
             serial: text::name("/serial", &self.serial, &mut faults),
             station: text::name("/station", &self.station, &mut faults),
             measured_at: text::instant("/measured_at", &self.measured_at, &mut faults),
-            method: self.method.into(),
+            method: self.method,
             d_i: self.d_i_deg_per_h_g0,
             d_s: self.d_s_deg_per_h_g0,
             d_i_sd: text::deviation("/d_i_sd", self.d_i_sd, &mut faults),
@@ -90,21 +66,9 @@ impl BenchBody {
         }
         faults.or(result)
     }
+}
 
-    /// The document of a bench result, for those who write them.
-    pub fn of(result: &BenchResult) -> Self {
-        Self {
-            serial: result.serial.to_string(),
-            station: result.station.to_string(),
-            measured_at: time::format(result.measured_at),
-            method: result.method.into(),
-            d_i_deg_per_h_g0: result.d_i,
-            d_s_deg_per_h_g0: result.d_s,
-            d_i_sd: result.d_i_sd,
-            d_s_sd: result.d_s_sd,
-            temperature_c: result.temperature_c,
-            operator: result.operator.clone(),
-            note: result.note.clone(),
-        }
-    }
+bodies! {
+    BenchBody of BenchResult: serial, station, measured_at, method, d_i_deg_per_h_g0 = d_i, d_s_deg_per_h_g0 = d_s, d_i_sd,
+        d_s_sd, temperature_c, operator, note;
 }

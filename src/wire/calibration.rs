@@ -4,12 +4,11 @@ use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::answer::{MethodBody, SeparationBody, VerdictBody};
+use super::answer::{SeparationBody, VerdictBody};
 use super::bench::BenchBody;
 use super::campaign::StationUncertaintyBody;
 use super::diagnosis::NoiseFoundBody;
 use super::note::NoteBody;
-use super::record::SlotBody;
 use super::time;
 use super::triple::Triple;
 use crate::core::calibrate::bench::BenchCalibration;
@@ -19,7 +18,9 @@ use crate::core::calibrate::repeats_between::Repeated;
 use crate::core::calibrate::{GyroCalibration, Parameter, ScaleSource};
 use crate::core::campaign::{self, Campaign, CampaignNote, StationLack, StationPart, StationUncertainty};
 use crate::core::model::{Term, Terms};
+use crate::core::mounting::Slot;
 use crate::core::note::Note;
+use crate::core::separate::JudgedMethod;
 use crate::words;
 
 mod parameters;
@@ -54,7 +55,7 @@ pub struct CampaignAnswer {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct NotSeparatedBody {
-    pub slot: SlotBody,
+    pub slot: Slot,
     pub serial: String,
     pub reason: String,
 }
@@ -91,7 +92,7 @@ pub struct CampaignsAnswer {
 /// One coefficient over several campaigns.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RepeatedBody {
-    pub slot: SlotBody,
+    pub slot: Slot,
     pub serial: String,
     pub coefficient: &'static str,
     pub unit: &'static str,
@@ -117,7 +118,7 @@ pub struct RepeatedBody {
 impl From<&Repeated> for RepeatedBody {
     fn from(repeated: &Repeated) -> Self {
         Self {
-            slot: repeated.slot.into(),
+            slot: repeated.slot,
             serial: repeated.serial.to_string(),
             coefficient: repeated.coefficient,
             unit: repeated.unit,
@@ -160,7 +161,7 @@ impl StationStatedBody {
 /// The fit of one gyro. Of a bench test, the coefficients of eq. (5) stand in `parameters`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GyroFitBody {
-    pub slot: SlotBody,
+    pub slot: Slot,
     pub serial: String,
     /// Whether E was `fitted`, `held` (known_e_pulse_per_arcsec) or is `missing`.
     pub e_source: String,
@@ -244,7 +245,7 @@ pub struct ResidualsBody {
 
 impl CampaignAnswer {
     /// Without an id or verdicts: those belong to what is stored.
-    pub fn of(campaign: &Campaign, outcome: &Outcome, method: MethodBody) -> Self {
+    pub fn of(campaign: &Campaign, outcome: &Outcome, method: JudgedMethod) -> Self {
         let mut answer = Self {
             id: None,
             imu: campaign.imu.to_string(),
@@ -283,7 +284,7 @@ impl CampaignAnswer {
                 let notes = calibration.all_notes().into_iter().map(Note::Campaign);
                 answer.notes.extend(notes.map(|note| NoteBody::of(&note)));
                 for (j, (gyro, separation)) in calibration.gyros.iter().zip(separations).enumerate() {
-                    let (slot, serial) = (gyro.slot.into(), gyro.serial.to_string());
+                    let (slot, serial) = (gyro.slot, gyro.serial.to_string());
                     match separation {
                         Ok(s) => {
                             let body = SeparationBody::of(&serial, s, method);
@@ -316,7 +317,7 @@ impl CampaignAnswer {
                 }
                 answer.calibration.repeats.clone_from(&bench.repeats);
                 answer.calibration.gyros = vec![GyroFitBody::of_bench(campaign, bench)];
-                answer.bench_result = Some(BenchBody::of(&bench.result(campaign)));
+                answer.bench_result = Some(BenchBody::from(&bench.result(campaign)));
             }
         }
         answer
@@ -338,7 +339,7 @@ impl GyroFitBody {
         };
         let noise = NoiseBody::of(&gyro.noise, gyro.sigma.as_ref(), has_sem, scale);
         Self {
-            slot: gyro.slot.into(),
+            slot: gyro.slot,
             serial: gyro.serial.to_string(),
             e_source: scale_source(gyro.scale_source),
             parameters: gyro.parameters.iter().enumerate().map(|(i, p)| ParameterBody::of(p, gyro, i)).collect(),
@@ -366,7 +367,7 @@ impl GyroFitBody {
         let has_sem = campaign.states_errors();
         let k = bench.e.norm();
         Self {
-            slot: gyro.slot.into(),
+            slot: gyro.slot,
             serial: gyro.serial.to_string(),
             e_source: scale_source(bench.scale_source),
             parameters: bench

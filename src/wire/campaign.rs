@@ -7,8 +7,8 @@ use super::numbers::{Numbers, in_range, tidy};
 use super::{json, text};
 use crate::core::campaign::commanded::Part;
 use crate::core::campaign::{
-    Campaign, CampaignGyro, Dwell, Limits, Phase, Site, StationPart, StationUncertainty, TestKind, check_dwells,
-    with_earth_rate,
+    Campaign, CampaignGyro, CampaignLimits, Dwell, Phase, Site, StationPart, StationUncertainty, TestKind,
+    check_dwells, with_earth_rate,
 };
 use crate::core::fault::{Fault, Faults};
 use crate::core::frames::{Body, Nav, Rotation};
@@ -198,7 +198,7 @@ impl CampaignBody {
         let site = self.site.as_ref().and_then(|s| s.to_core(faults));
         let dwells: Vec<Option<Dwell>> =
             self.dwells.iter().enumerate().map(|(i, d)| d.to_core(i, self.gyros.len(), faults)).collect();
-        let limits = Limits::default();
+        let limits = CampaignLimits::default();
         if faults.is_empty() {
             let campaign = Campaign { site, dwells: dwells.into_iter().flatten().collect(), ..head };
             let campaign = self.inertial(campaign)?;
@@ -258,7 +258,7 @@ impl CampaignBody {
                 missing.extend(lacks.site.then(|| message!("site_missing")));
                 missing.extend(lacks.attitudes.first().map(|first| {
                     let first = format_args!("/dwells/{first}");
-                    message!("attitudes_missing", count = lacks.attitudes.len(), first = first)
+                    message!("attitudes_missing", count = lacks.attitudes.len(), first)
                 }));
                 let message = message!("earth_rate_needs", missing = list(missing));
                 Fault { pointer: "/rates".to_owned(), message }.into()
@@ -327,7 +327,7 @@ impl StationUncertaintyBody {
             let arcsec = arcsec?;
             if !(0.0..=MAX_UNCERTAINTY_ARCSEC).contains(&arcsec) {
                 let most = format_args!("{MAX_UNCERTAINTY_ARCSEC}");
-                let message = message!("station_uncertainty_range", value = format_args!("{arcsec}"), most = most);
+                let message = message!("station_uncertainty_range", value = format_args!("{arcsec}"), most);
                 faults.push(format!("/station_uncertainty/{member}"), message);
             }
             Some(radians_from_arcsec(arcsec))

@@ -52,8 +52,8 @@ pub fn parse_csv_as_sent(bytes: &[u8]) -> Result<(CampaignBody, Campaign), Fault
         faults.push("", message!("table_without_rows"));
     }
     if let Some((told, line)) = head.told.filter(|(told, _)| faults.is_empty() && *told != rows.len()) {
-        let broken = message!("dwells_told", told = told, have = rows.len());
-        faults.push("/dwells", message!("at_line", line = line, fault = broken));
+        let broken = message!("dwells_told", told, have = rows.len());
+        faults.push("/dwells", message!("at_line", line, fault = broken));
     }
     if !faults.is_empty() {
         return Err(faults);
@@ -92,15 +92,15 @@ fn placed(fault: Message, pointer: &str, head: &Head, columns: &Columns, rows: &
     let first = tokens.next().unwrap_or_default();
     if first != "dwells" {
         return match head.line_of(pointer) {
-            Some(line) => message!("at_line_key", line = line, key = first.to_owned(), fault = fault),
-            None => message!("at_head_line", key = first.to_owned(), fault = fault),
+            Some(line) => message!("at_line_key", line, key = first.to_owned(), fault),
+            None => message!("at_head_line", key = first.to_owned(), fault),
         };
     }
     let row = tokens.next().and_then(|i| i.parse::<usize>().ok()).and_then(|i| rows.get(i));
     let (Some(row), Some(field)) = (row, tokens.next()) else { return fault };
     match columns.place(field, tokens.next().and_then(|k| k.parse().ok())) {
         Some((number, name)) => at_cell((row.line, number), name, fault),
-        None => message!("at_line_key", line = row.line, key = field.to_owned(), fault = fault),
+        None => message!("at_line_key", line = row.line, key = field.to_owned(), fault),
     }
 }
 

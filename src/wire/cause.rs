@@ -32,10 +32,10 @@ fn said(error: &(dyn Error + 'static)) -> Message {
 fn by_system(error: &io::Error) -> Option<Message> {
     let number = text(error.raw_os_error()?);
     Some(match error.kind() {
-        ErrorKind::ConnectionRefused => message!("connection_refused", number = number),
-        ErrorKind::ConnectionReset => message!("connection_reset", number = number),
-        ErrorKind::HostUnreachable => message!("no_route_to_host", number = number),
-        ErrorKind::NetworkUnreachable => message!("no_route_to_network", number = number),
+        ErrorKind::ConnectionRefused => message!("connection_refused", number),
+        ErrorKind::ConnectionReset => message!("connection_reset", number),
+        ErrorKind::HostUnreachable => message!("no_route_to_host", number),
+        ErrorKind::NetworkUnreachable => message!("no_route_to_network", number),
         _ => return None,
     })
 }

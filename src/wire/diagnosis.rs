@@ -16,6 +16,7 @@ use crate::core::effects::{Effect, Estimate};
 use crate::core::message::Message;
 use crate::core::mounting::Slot;
 use crate::message;
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::unit;
 use crate::words::{Language, asked};
 
@@ -401,24 +402,42 @@ pub struct ResidualBody {
     pub sd_deg_per_h: f64,
 }
 
-fn ids(effects: &[Effect]) -> Vec<String> {
-    effects.iter().map(|e| e.id().to_owned()).collect()
+bodies! {
+    HeldOutBody of core::HeldOut: before_deg_per_h, after_deg_per_h, closure, interval;
+    GyroFloorBody of core::GyroFloor: slot, deg_per_h, repeat_dof;
+    NoiseFloorBody of core::NoiseFloor: deg_per_h, source, sem_factor, gyros;
+    GapBody of core::Gap: rms_deg_per_h, noise_alone_deg_per_h, reduced_chi2, p_value;
+    EffectBody of core::NamedEffect: effect, class, wider_in, gyros, acts_in, estimates, held_out, p_value_adjusted,
+        detectability, drift;
+    RemainingBody of core::Remaining: rms_deg_per_h, reduced_chi2, p_value, signs;
+    SignBody of core::Sign: kind, gyros = slots, p_value;
+    ImpactBody of core::Impact: slot, coefficient, plain, plain_sd, augmented, augmented_sd, shift, of_budget;
+    ResidualBody of core::Residual: index, slot, before_deg_per_h, after_deg_per_h, sd_deg_per_h;
+    DescribedBody of core::Described: by, evidence;
 }
 
-fn names(slots: &[crate::core::mounting::Slot]) -> Vec<String> {
-    slots.iter().map(|s| s.name().to_owned()).collect()
+impl ToBody<GyroClassBody> for (Slot, Vec<Effect>) {
+    fn to_body(&self) -> GyroClassBody {
+        GyroClassBody { slot: self.0.to_body(), class: self.1.to_body() }
+    }
 }
 
-impl From<&core::HeldOut> for HeldOutBody {
-    fn from(held_out: &core::HeldOut) -> Self {
-        let core::HeldOut { before_deg_per_h, after_deg_per_h, closure, interval } = *held_out;
-        Self { before_deg_per_h, after_deg_per_h, closure, interval }
+impl ToBody<EffectDriftBody> for (Slot, Vec<f64>) {
+    fn to_body(&self) -> EffectDriftBody {
+        EffectDriftBody { slot: self.0.to_body(), deg_per_h: self.1.iter().map(|v| (v * 1e9).round() / 1e9).collect() }
+    }
+}
+
+impl ToBody<EstimateBody> for Estimate {
+    fn to_body(&self) -> EstimateBody {
+        let Estimate { slot, name, value, sd, unit } = *self;
+        EstimateBody { slot: slot.to_body(), name: name.to_owned(), value, sd, unit: unit::of_machines(unit) }
     }
 }
 
 impl InUseBody {
     fn of(d: &core::Diagnosis) -> Self {
-        let effect = |a: &Adopted| InUseEffectBody { effect: a.effect.id().to_owned(), gyros: names(&a.slots) };
+        let effect = |a: &Adopted| InUseEffectBody { effect: a.effect.id().to_owned(), gyros: a.slots.to_body() };
         Self {
             terms: d.terms.iter().map(|term| term.name().to_owned()).collect(),
             effects: d.adopted.iter().map(effect).collect(),
@@ -432,32 +451,20 @@ impl From<&core::Diagnosis> for DiagnosisBody {
         let unsaid = Self {
             model: InUseBody::of(d),
             verdict: d.verdict.name().to_owned(),
-            noise_floor: NoiseFloorBody {
-                deg_per_h: d.noise_floor.deg_per_h,
-                source: d.noise_floor.source.to_owned(),
-                sem_factor: d.noise_floor.sem_factor,
-                gyros: d.noise_floor.gyros.iter().map(GyroFloorBody::from).collect(),
-            },
-            gap: GapBody {
-                rms_deg_per_h: d.gap.rms_deg_per_h,
-                noise_alone_deg_per_h: d.gap.noise_alone_deg_per_h,
-                reduced_chi2: d.gap.reduced_chi2,
-                p_value: d.gap.p_value,
-            },
-            located: WhereBody::from(&d.located),
-            effects: d.effects.iter().map(EffectBody::from).collect(),
-            closure: d.closure.as_ref().map(HeldOutBody::from),
-            remaining: RemainingBody::from(&d.remaining),
+            noise_floor: d.noise_floor.to_body(),
+            gap: d.gap.to_body(),
+            located: d.located.to_body(),
+            effects: d.effects.to_body(),
+            closure: d.closure.to_body(),
+            remaining: d.remaining.to_body(),
             candidates: d.candidates.iter().map(CandidateBody::from).collect(),
             not_identifiable: d.not_identifiable.iter().map(NotIdentifiableBody::from).collect(),
             impact: d.impact.iter().filter(|i| i.is_material()).map(ImpactBody::from).collect(),
             impact_within_noise: d.impact.iter().filter(|i| !i.is_material()).map(ImpactBody::from).collect(),
             next_dwells: d.next_dwells.iter().map(NextDwellBody::from).collect(),
-            residuals: d.residuals.iter().map(ResidualBody::from).collect(),
+            residuals: d.residuals.to_body(),
             notes: Vec::new(),
-            description: (d.description.iter())
-                .map(|one| DescribedBody { by: one.by.name().to_owned(), evidence: one.evidence })
-                .collect(),
+            description: d.description.to_body(),
             noise: (!d.noise.is_empty()).then(|| NoiseFoundBody::from(&d.noise)),
             note_codes: notes.map(|note| MessageBody::of(&note, asked())).collect(),
             reference: None,
@@ -501,60 +508,6 @@ impl From<&NoiseFound> for NoiseFoundBody {
     }
 }
 
-impl From<&core::GyroFloor> for GyroFloorBody {
-    fn from(g: &core::GyroFloor) -> Self {
-        Self { slot: g.slot.name().to_owned(), deg_per_h: g.deg_per_h, repeat_dof: g.repeat_dof }
-    }
-}
-
-impl From<&core::NamedEffect> for EffectBody {
-    fn from(e: &core::NamedEffect) -> Self {
-        Self {
-            effect: e.effect.id().to_owned(),
-            class: ids(&e.class),
-            wider_in: (e.wider_in.iter())
-                .map(|(slot, class)| GyroClassBody { slot: slot.name().to_owned(), class: ids(class) })
-                .collect(),
-            gyros: names(&e.gyros),
-            acts_in: e.acts_in,
-            estimates: e.estimates.iter().map(EstimateBody::from).collect(),
-            held_out: HeldOutBody::from(&e.held_out),
-            p_value_adjusted: e.p_value_adjusted,
-            detectability: e.detectability,
-            drift: (e.drift.iter())
-                .map(|(slot, drift)| EffectDriftBody {
-                    slot: slot.name().to_owned(),
-                    deg_per_h: drift.iter().map(|v| (v * 1e9).round() / 1e9).collect(),
-                })
-                .collect(),
-        }
-    }
-}
-
-impl From<&Estimate> for EstimateBody {
-    fn from(e: &Estimate) -> Self {
-        Self {
-            slot: e.slot.map_or("all", |s| s.name()).to_owned(),
-            name: e.name.to_owned(),
-            value: e.value,
-            sd: e.sd,
-            unit: unit::of_machines(e.unit),
-        }
-    }
-}
-
-impl From<&core::Remaining> for RemainingBody {
-    fn from(r: &core::Remaining) -> Self {
-        let sign = |s: &core::Sign| SignBody { kind: s.kind.to_owned(), gyros: names(&s.slots), p_value: s.p_value };
-        Self {
-            rms_deg_per_h: r.rms_deg_per_h,
-            reduced_chi2: r.reduced_chi2,
-            p_value: r.p_value,
-            signs: r.signs.iter().map(sign).collect(),
-        }
-    }
-}
-
 impl From<&core::Candidate> for CandidateBody {
     fn from(c: &core::Candidate) -> Self {
         Self {
@@ -563,7 +516,7 @@ impl From<&core::Candidate> for CandidateBody {
             interval: c.interval,
             p_value_adjusted: c.p_value_adjusted,
             within_noise: c.within_noise,
-            gyros: names(&c.gyros),
+            gyros: c.gyros.to_body(),
             why_not: String::new(),
             finding: MessageBody::of(&c.why_not, asked()),
         }
@@ -575,19 +528,11 @@ impl From<&core::NotIdentifiable> for NotIdentifiableBody {
         Self {
             effect: n.effect.id().to_owned(),
             visible_fraction: n.visible_fraction,
-            confounded_with: ids(&n.confounded_with),
+            confounded_with: n.confounded_with.to_body(),
             reason: String::new(),
             needs: String::new(),
             finding: MessageBody::of(&n.reason, asked()),
         }
-    }
-}
-
-impl From<&core::Impact> for ImpactBody {
-    fn from(impact: &core::Impact) -> Self {
-        let core::Impact { plain, plain_sd, augmented, augmented_sd, shift, of_budget, .. } = *impact;
-        let (slot, coefficient) = (impact.slot.name().to_owned(), impact.coefficient.to_owned());
-        Self { slot, coefficient, plain, plain_sd, augmented, augmented_sd, shift, of_budget }
     }
 }
 
@@ -602,15 +547,8 @@ impl From<&core::NextDwell> for NextDwellBody {
                 north: n.attitude.column(1).into_owned().into(),
                 rate_deg_s: n.table_rate_arcsec_s / 3600.0,
             }),
-            separates: ids(&n.separates),
+            separates: n.separates.to_body(),
         }
-    }
-}
-
-impl From<&core::Residual> for ResidualBody {
-    fn from(residual: &core::Residual) -> Self {
-        let core::Residual { index, slot, before_deg_per_h, after_deg_per_h, sd_deg_per_h } = *residual;
-        Self { index, slot: slot.name().to_owned(), before_deg_per_h, after_deg_per_h, sd_deg_per_h }
     }
 }
 

@@ -80,7 +80,7 @@ pub fn file_kind(head: &[u8]) -> Result<FileKind, Message> {
 
 /// What begins with these bytes is known, and is not read.
 fn foreign() -> [(&'static [u8], Message); 11] {
-    let other = |name: &'static str| message!("file_is_other", name = name);
+    let other = |name: &'static str| message!("file_is_other", name);
     [
         (b"ULog\x01\x12\x35", message!("file_is_ulog")),
         (b"#ROSBAG V", message!("file_is_rosbag")),

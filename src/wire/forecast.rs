@@ -7,15 +7,18 @@ use super::message::MessageBody;
 use super::time;
 use super::triple::Triple;
 use crate::core::campaign::Campaign;
+use crate::core::effects;
 use crate::core::id::Id;
 use crate::core::imu_model::{
-    Changed, ChangedEffect, Closing, Comparison, DriftShift, Forecast, GyroForecast, Identified, Rung, Telling,
+    Changed, ChangedEffect, Closing, Comparison, DriftShift, Forecast, GyroComparison, GyroForecast, Identified, Miss,
+    Rung, Telling,
 };
 use crate::core::judge;
 use crate::core::judge::{Coefficient, Finding, Limit, LimitKey, Limits, Rule, State, Unseen, Verdict};
 use crate::core::message::{Message, figure, p_value as probability, text};
 use crate::core::mounting::Slot;
 use crate::message;
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::unit;
 use crate::words::{Language, asked};
 
@@ -134,10 +137,10 @@ impl ForecastPointBody {
         let effects = &self.effects_changed;
         let (slot, rms, p) = (text(slot), figure(rms_over_sd, 2), probability(p_value));
         Some(match effects.as_slice() {
-            [] => message!("campaign_outside_forecast", slot = slot, rms = rms, p = p),
+            [] => message!("campaign_outside_forecast", slot, rms, p),
             _ => {
                 let effects = text(effects.join(", "));
-                message!("campaign_outside_forecast_changed", slot = slot, rms = rms, p = p, effects = effects)
+                message!("campaign_outside_forecast_changed", slot, rms, p, effects)
             }
         })
     }
@@ -403,7 +406,7 @@ impl ForecastBody {
                 reference_temperature_c: model.reference_c,
             },
             gyros: forecast.gyros.iter().map(GyroForecastBody::of).collect(),
-            promised: promised.map(ClosingBody::of),
+            promised: promised.to_body(),
             next_dwells: Vec::new(),
             compared: None,
             effects_against_model: None,
@@ -440,7 +443,7 @@ impl ForecastBody {
         let verdict = judge::forecast(&foretold, limits);
         let said = verdict.or_else(|| judge::forecast(&foretold, Limits::default().forecast()));
         self.compared = Some(ComparedBody::of(comparison, ladder, verdict.as_ref(), said.as_ref()));
-        self.effects_against_model = changed.map(ChangedBody::of);
+        self.effects_against_model = changed.map(ChangedBody::from);
         self
     }
 }
@@ -460,13 +463,6 @@ impl GyroForecastBody {
     }
 }
 
-impl ClosingBody {
-    fn of(closing: Closing) -> Self {
-        let Closing { before_deg_per_h, after_deg_per_h, closure, interval } = closing;
-        Self { before_deg_per_h, after_deg_per_h, closure, interval }
-    }
-}
-
 impl ComparedBody {
     /// `verdict` is kept, `said` is what the rule says, judged or not.
     fn of(c: &Comparison, ladder: &[Rung], verdict: Option<&Verdict>, said: Option<&Verdict>) -> Self {
@@ -475,16 +471,6 @@ impl ComparedBody {
             Some(State::Within) => "as_foretold",
             _ => "indeterminate",
         };
-        let gyros = c.gyros.iter().map(|gyro| GyroComparedBody {
-            slot: gyro.slot.name().to_owned(),
-            rms_over_sd: gyro.rms_over_sd,
-            p_value: gyro.p_value,
-            error_pulse_s: gyro.error.clone(),
-            z: gyro.z.clone(),
-            pit: gyro.pit.clone(),
-        });
-        let missed =
-            c.missed.iter().map(|m| MissBody { slot: m.slot.name().to_owned(), dwell: m.dwell, z: m.z }).collect();
         Self {
             state: state.to_owned(),
             verdict: verdict.and_then(ForecastVerdictBody::of),
@@ -494,10 +480,10 @@ impl ComparedBody {
             noise_deg_per_h: c.noise_deg_per_h,
             p_value: c.p_value,
             pit_p_value: c.pit_p_value,
-            gyros: gyros.collect(),
-            missed,
-            closing: c.closing.map(ClosingBody::of),
-            ladder: ladder.iter().map(RungBody::of).collect(),
+            gyros: c.gyros.to_body(),
+            missed: c.missed.to_body(),
+            closing: c.closing.to_body(),
+            ladder: ladder.iter().map(RungBody::from).collect(),
         }
     }
 }
@@ -535,45 +521,20 @@ impl ComparedBody {
     }
 }
 
-impl RungBody {
-    fn of(rung: &Rung) -> Self {
-        Self {
-            effect: rung.effect.map(|effect| effect.id().to_owned()),
-            rms_deg_per_h: rung.rms_deg_per_h,
-            rms_over_sd: rung.rms_over_sd,
-        }
-    }
+bodies! {
+    ClosingBody of Closing: before_deg_per_h, after_deg_per_h, closure, interval;
+    RungBody of Rung: effect, rms_deg_per_h, rms_over_sd;
+    MissBody of Miss: slot, dwell, z;
+    GyroComparedBody of GyroComparison: slot, rms_over_sd, p_value, error_pulse_s = error, z, pit;
+    ShiftBody of DriftShift: slot, coefficient, shift, sd;
+    ChangedEffectBody of ChangedEffect: effect, slot, coefficients, p_value, changed, undecided;
+    ChangedBody of Changed: effects, shifts;
 }
 
-impl ChangedBody {
-    /// Adopted coefficients then and now, as answers write them.
-    pub fn of(changed: &Changed) -> Self {
-        let effect = |one: &ChangedEffect| ChangedEffectBody {
-            effect: one.effect.id().to_owned(),
-            slot: one.slot.map_or("all", Slot::name).to_owned(),
-            coefficients: (one.coefficients.iter())
-                .map(|(c, [model, model_sd], [now, now_sd])| ThenNowBody {
-                    name: c.name.to_owned(),
-                    unit: unit::of_machines(c.unit),
-                    model: *model,
-                    model_sd: *model_sd,
-                    now: *now,
-                    now_sd: *now_sd,
-                })
-                .collect(),
-            p_value: one.p_value,
-            changed: one.changed,
-            undecided: one.undecided,
-        };
-        let shift = |s: &DriftShift| ShiftBody {
-            slot: s.slot.name().to_owned(),
-            coefficient: s.coefficient.to_owned(),
-            shift: s.shift,
-            sd: s.sd,
-        };
-        Self {
-            effects: changed.effects.iter().map(effect).collect(),
-            shifts: changed.shifts.iter().map(shift).collect(),
-        }
+impl ToBody<ThenNowBody> for (effects::Coefficient, [f64; 2], [f64; 2]) {
+    fn to_body(&self) -> ThenNowBody {
+        let (coefficient, [model, model_sd], [now, now_sd]) = *self;
+        let (name, unit) = (coefficient.name.to_owned(), unit::of_machines(coefficient.unit));
+        ThenNowBody { name, unit, model, model_sd, now, now_sd }
     }
 }

@@ -36,7 +36,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<GyroRow>, Faults> {
     };
     let mut places: [Option<usize>; COLUMNS.len()] = [None; COLUMNS.len()];
     for (column, name) in header.iter().enumerate() {
-        let at = |fault| message!("at_column", line = first + 1, column = column + 1, fault = fault);
+        let at = |fault| message!("at_column", line = first + 1, column = column + 1, fault);
         match COLUMNS.iter().position(|known| *known == name) {
             None => faults.push("", at(unknown(name, COLUMNS.iter().map(|known| (*known).to_owned())))),
             Some(place) if places[place].replace(column).is_some() => {
@@ -62,7 +62,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<GyroRow>, Faults> {
         let line = first + record.position().map_or(0, |position| position.line() as usize);
         if record.iter().skip(header.len()).any(|cell| !cell.is_empty()) {
             let fault = message!("cells_under_columns", cells = record.len(), columns = header.len());
-            faults.push("", message!("at_column", line = line, column = header.len() + 1, fault = fault));
+            faults.push("", message!("at_column", line, column = header.len() + 1, fault));
             continue;
         }
         let cell = |place: usize| places[place].and_then(|column| record.get(column)).unwrap_or_default();
@@ -78,7 +78,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<GyroRow>, Faults> {
         match Name::parse(cell(0)) {
             Ok(serial) => match lines.insert(serial.clone(), line) {
                 Some(first) => {
-                    let fault = message!("serial_twice", serial = serial.to_string(), first = first);
+                    let fault = message!("serial_twice", serial = serial.to_string(), first);
                     faults.push("", at_cell(at(0), COLUMNS[0], fault));
                 }
                 None => rows.push(GyroRow { line, serial, patch }),

@@ -5,8 +5,11 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::core::changes::{AsOf, Due, Excess, HistoryDiagnosis, NamedCause, Outlier, Rejected, Wander};
+use crate::core::changes::{
+    AsOf, Due, Estimate, Excess, HeldOut, HistoryDiagnosis, NamedCause, Outlier, Rejected, Wander,
+};
 use crate::core::time::UtcMicros;
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::time;
 use crate::words::Language;
 
@@ -59,7 +62,7 @@ pub struct CauseBody {
     pub class: Vec<Cow<'static, str>>,
     /// What it is tied to, in the language of the request.
     pub detail: String,
-    pub estimates: Vec<EstimateBody>,
+    pub estimates: Vec<HistoryEstimateBody>,
     /// Null where no block of records can be predicted from the others, or where they say nothing of it.
     #[schema(required)]
     pub held_out: Option<LeftOutBody>,
@@ -67,8 +70,7 @@ pub struct CauseBody {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = HistoryEstimateBody)]
-pub struct EstimateBody {
+pub struct HistoryEstimateBody {
     pub name: String,
     pub value: f64,
     pub sd: f64,
@@ -149,9 +151,9 @@ impl CoefficientBody {
             spread: answer.spread,
             causes: answer.causes.iter().map(|cause| CauseBody::new(cause, language)).collect(),
             candidates: answer.rejected.iter().map(|rejected| RejectedBody::new(rejected, language)).collect(),
-            outliers: answer.outliers.iter().map(OutlierBody::from).collect(),
-            wander: answer.wander.as_ref().map(WanderBody::from),
-            excess: answer.excess.as_ref().map(ExcessBody::from),
+            outliers: answer.outliers.to_body(),
+            wander: answer.wander.to_body(),
+            excess: answer.excess.to_body(),
             remaining_p_value: answer.remaining_p_value,
             due: due.map(|(newest, due)| DueBody::new(due, newest)),
             said: answer.sentences(as_of).iter().map(|said| language.words(said)).collect(),
@@ -161,23 +163,12 @@ impl CoefficientBody {
 
 impl CauseBody {
     fn new(cause: &NamedCause, language: Language) -> Self {
-        let estimate = EstimateBody {
-            name: cause.estimate.name.to_owned(),
-            value: cause.estimate.value,
-            sd: cause.estimate.sd,
-            unit: cause.estimate.unit.into(),
-        };
         Self {
             cause: cause.cause.into(),
             class: cause.class.iter().map(|&id| id.into()).collect(),
             detail: language.words(&cause.tie.message()),
-            estimates: vec![estimate],
-            held_out: cause.held_out.map(|held_out| LeftOutBody {
-                before: held_out.before,
-                after: held_out.after,
-                closure: held_out.closure,
-                interval: held_out.interval,
-            }),
+            estimates: vec![cause.estimate.to_body()],
+            held_out: cause.held_out.to_body(),
             p_value_adjusted: cause.p_value_adjusted,
         }
     }
@@ -190,22 +181,12 @@ impl RejectedBody {
     }
 }
 
-impl From<&Outlier> for OutlierBody {
-    fn from(outlier: &Outlier) -> Self {
-        Self { calibrated_at: time::format(outlier.at), deviation: outlier.deviation, sd: outlier.sd }
-    }
-}
-
-impl From<&Wander> for WanderBody {
-    fn from(wander: &Wander) -> Self {
-        Self { process: wander.process.into(), size: wander.size, p_value: wander.p_value }
-    }
-}
-
-impl From<&Excess> for ExcessBody {
-    fn from(&Excess { sd, expected, p_value }: &Excess) -> Self {
-        Self { sd, expected, p_value }
-    }
+bodies! {
+    HistoryEstimateBody of Estimate: name, value, sd, unit;
+    LeftOutBody of HeldOut: before, after, closure, interval;
+    OutlierBody of Outlier: calibrated_at = at, deviation, sd;
+    WanderBody of Wander: process, size, p_value;
+    ExcessBody of Excess: sd, expected, p_value;
 }
 
 impl DueBody {

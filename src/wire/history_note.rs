@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::record::SlotBody;
 use super::time;
-use crate::core::history_note::{HistoryNote, NameKind, Named, Quantity, Seat, TimeDoubt};
+use crate::core::history_note::{HistoryNote, NameKind, NamedRecord, Quantity, Seat, TimeDoubt};
 use crate::core::message::{Message, figure, list, text};
+use crate::core::mounting::Slot;
 use crate::core::note::Note;
 use crate::message;
 use crate::words::asked;
@@ -22,12 +22,12 @@ enum Coded {
     OthersSetAside { records: Vec<NamedBody> },
     Suspect { station: String, author: String, reason: String },
     AheadOfNow { hours: f64 },
-    NewSerial { slot: SlotBody, serial: String, had: String, nearest: Option<String> },
-    LookAlike { of: KindBody, name: String, known: String },
+    NewSerial { slot: Slot, serial: String, had: String, nearest: Option<String> },
+    LookAlike { of: NameKind, name: String, known: String },
     SerialsExchanged { fits: Vec<FitBody> },
     OtherUnit { serials: Vec<String>, budgets: f64 },
     IdenticalFigures { serials: Vec<String>, record: String, calibrated_at: String },
-    UnitFactor { serials: Vec<String>, quantity: QuantityBody, factor: f64, unit: Option<String> },
+    UnitFactor { serials: Vec<String>, quantity: Quantity, factor: f64, unit: Option<String> },
     Moved { serial: String, from: SeatBody, to: SeatBody },
 }
 
@@ -46,21 +46,7 @@ struct FitBody {
 #[derive(Debug, Serialize, Deserialize)]
 struct SeatBody {
     imu: String,
-    slot: SlotBody,
-}
-
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum KindBody {
-    Imu,
-    Station,
-    Serial,
-}
-
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-enum QuantityBody {
-    E,
-    G,
+    slot: Slot,
 }
 
 /// The unit in which E or G would be so many times what it is in the right one.
@@ -81,7 +67,7 @@ fn likely_unit(quantity: Quantity, factor: f64) -> Option<&'static str> {
 
 impl From<&HistoryNote> for Coded {
     fn from(note: &HistoryNote) -> Self {
-        let seat = |seat: &Seat| SeatBody { imu: seat.imu.clone(), slot: seat.slot.into() };
+        let seat = |seat: &Seat| SeatBody { imu: seat.imu.clone(), slot: seat.slot };
         match note {
             HistoryNote::TimeInDoubt(doubt) => {
                 let (epoch, nearest) = match doubt {
@@ -91,28 +77,20 @@ impl From<&HistoryNote> for Coded {
                 Self::TimeInDoubt { set_aside: true, epoch, nearest }
             }
             HistoryNote::OthersSetAside { records } => {
-                let body = |it: &Named| NamedBody { record: it.record.clone(), calibrated_at: time::format(it.at) };
+                let body =
+                    |it: &NamedRecord| NamedBody { record: it.record.clone(), calibrated_at: time::format(it.at) };
                 Self::OthersSetAside { records: records.iter().map(body).collect() }
             }
             HistoryNote::Suspect { station, author, reason } => {
                 Self::Suspect { station: station.clone(), author: author.clone(), reason: reason.clone() }
             }
             HistoryNote::AheadOfNow { hours } => Self::AheadOfNow { hours: *hours },
-            HistoryNote::NewSerial { slot, serial, had, nearest } => Self::NewSerial {
-                slot: (*slot).into(),
-                serial: serial.clone(),
-                had: had.clone(),
-                nearest: nearest.clone(),
-            },
-            HistoryNote::LookAlike { of, name, known } => Self::LookAlike {
-                of: match of {
-                    NameKind::Imu => KindBody::Imu,
-                    NameKind::Station => KindBody::Station,
-                    NameKind::Serial => KindBody::Serial,
-                },
-                name: name.clone(),
-                known: known.clone(),
-            },
+            HistoryNote::NewSerial { slot, serial, had, nearest } => {
+                Self::NewSerial { slot: *slot, serial: serial.clone(), had: had.clone(), nearest: nearest.clone() }
+            }
+            HistoryNote::LookAlike { of, name, known } => {
+                Self::LookAlike { of: *of, name: name.clone(), known: known.clone() }
+            }
             HistoryNote::SerialsExchanged { fits } => {
                 let body = |(serial, of): &(String, String)| FitBody { serial: serial.clone(), figures_of: of.clone() };
                 Self::SerialsExchanged { fits: fits.iter().map(body).collect() }
@@ -127,10 +105,7 @@ impl From<&HistoryNote> for Coded {
             },
             HistoryNote::UnitFactor { serials, quantity, factor } => Self::UnitFactor {
                 serials: serials.clone(),
-                quantity: match quantity {
-                    Quantity::E => QuantityBody::E,
-                    Quantity::G => QuantityBody::G,
-                },
+                quantity: *quantity,
                 factor: *factor,
                 unit: likely_unit(*quantity, *factor).map(str::to_owned),
             },
@@ -219,25 +194,20 @@ impl Coded {
             }
             Self::Suspect { station, author, reason } => {
                 let (station, author, reason) = (station.clone(), author.clone(), reason.clone());
-                message!("suspect", station = station, author = author, reason = reason)
+                message!("suspect", station, author, reason)
             }
             Self::AheadOfNow { hours } => message!("ahead_of_now", hours = figure(*hours, 1)),
             Self::NewSerial { slot, serial, had, nearest } => {
-                let (serial, slot, had) = (serial.clone(), slot_name(*slot), had.clone());
+                let (serial, slot, had) = (serial.clone(), slot.name(), had.clone());
                 match nearest.clone() {
-                    None => message!("new_serial", serial = serial, slot = slot, had = had),
+                    None => message!("new_serial", serial, slot, had),
                     Some(nearest) => {
-                        message!("new_serial_like", serial = serial, slot = slot, had = had, nearest = nearest)
+                        message!("new_serial_like", serial, slot, had, nearest)
                     }
                 }
             }
             Self::LookAlike { of, name, known } => {
-                let of = match of {
-                    KindBody::Imu => "imu",
-                    KindBody::Station => "station",
-                    KindBody::Serial => "serial",
-                };
-                message!("look_alike", of = of, name = name.clone(), known = known.clone())
+                message!("look_alike", of = of.name(), name = name.clone(), known = known.clone())
             }
             Self::SerialsExchanged { fits } => {
                 let one =
@@ -249,29 +219,20 @@ impl Coded {
             }
             Self::IdenticalFigures { serials: of, record, calibrated_at } => {
                 let (record, at) = (record.clone(), calibrated_at.clone());
-                message!("identical_figures", serials = serials(of), record = record, at = at)
+                message!("identical_figures", serials = serials(of), record, at)
             }
             Self::UnitFactor { serials: of, quantity, factor, unit } => {
-                let quantity = match quantity {
-                    QuantityBody::E => "E",
-                    QuantityBody::G => "G",
-                };
+                let quantity = quantity.name();
                 if *factor == -1.0 {
-                    return message!("sign_reversed", quantity = quantity, serials = serials(of));
+                    return message!("sign_reversed", quantity, serials = serials(of));
                 }
                 let times =
                     if factor.abs() > 1.0 { format!("{factor:.6}") } else { format!("1/{:.6}", factor.recip()) };
                 let times = text(times.trim_end_matches('0').trim_end_matches('.'));
                 match unit.clone() {
-                    None => message!("unit_factor", quantity = quantity, serials = serials(of), times = times),
+                    None => message!("unit_factor", quantity, serials = serials(of), times),
                     Some(unit) => {
-                        message!(
-                            "unit_factor_of",
-                            quantity = quantity,
-                            serials = serials(of),
-                            times = times,
-                            unit = unit
-                        )
+                        message!("unit_factor_of", quantity, serials = serials(of), times, unit)
                     }
                 }
             }
@@ -279,27 +240,22 @@ impl Coded {
                 "moved",
                 serial = serial.clone(),
                 from_imu = from.imu.clone(),
-                from_slot = slot_name(from.slot),
+                from_slot = from.slot.name(),
                 to_imu = to.imu.clone(),
-                to_slot = slot_name(to.slot),
+                to_slot = to.slot.name(),
             ),
         }
     }
 }
 
-fn slot_name(slot: SlotBody) -> &'static str {
-    crate::core::mounting::Slot::from(slot).name()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::mounting::Slot;
     use crate::core::time::UtcMicros;
     use crate::wire::note::{NoteBody, read};
 
     fn every_kind() -> Vec<Note> {
-        let named = |record: &str| Named { record: record.to_owned(), at: UtcMicros(1_767_254_400_000_000) };
+        let named = |record: &str| NamedRecord { record: record.to_owned(), at: UtcMicros(1_767_254_400_000_000) };
         let seat = |imu: &str, slot| Seat { imu: imu.to_owned(), slot };
         let serials = vec!["A".to_owned(), "B".to_owned()];
         let unit = |quantity, factor| HistoryNote::UnitFactor { serials: vec!["A".to_owned()], quantity, factor };

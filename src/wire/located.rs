@@ -3,7 +3,10 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use crate::core::campaign::Phase;
 use crate::core::diagnose as core;
+use crate::core::mounting::Slot;
+use crate::wire::body::{ToBody, bodies};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct WhereBody {
@@ -32,21 +35,19 @@ pub struct DwellShareBody {
     pub share: f64,
 }
 
-impl From<&core::Located> for WhereBody {
-    fn from(w: &core::Located) -> Self {
-        Self {
-            gyros: w.gyros.iter().map(|&(s, share)| GyroShareBody { slot: s.name().to_owned(), share }).collect(),
-            phases: w.phases.iter().map(|&(p, share)| PhaseShareBody { phase: p.name().to_owned(), share }).collect(),
-            dwells: w
-                .dwells
-                .iter()
-                .map(|d| DwellShareBody {
-                    index: d.index,
-                    slot: d.slot.name().to_owned(),
-                    residual_deg_per_h: d.residual_deg_per_h,
-                    share: d.share,
-                })
-                .collect(),
-        }
+bodies! {
+    WhereBody of core::Located: gyros, phases, dwells;
+    DwellShareBody of core::DwellShare: index, slot, residual_deg_per_h, share;
+}
+
+impl ToBody<GyroShareBody> for (Slot, f64) {
+    fn to_body(&self) -> GyroShareBody {
+        GyroShareBody { slot: self.0.to_body(), share: self.1 }
+    }
+}
+
+impl ToBody<PhaseShareBody> for (Phase, f64) {
+    fn to_body(&self) -> PhaseShareBody {
+        PhaseShareBody { phase: self.0.to_body(), share: self.1 }
     }
 }

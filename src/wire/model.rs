@@ -14,7 +14,7 @@ pub use identified::IdentifiedBody;
 use super::campaign::terms_from_names;
 use super::hypothesis::HypothesisBody;
 use super::numbers::in_range;
-use super::{json, text, time};
+use super::{json, text};
 use crate::core::augmented::{Adopted, AugmentedModel, KnownEffect, PlausibleSizes, Provenance};
 use crate::core::effects::{self, Effect, Estimate, Parameter, Scope, Shape};
 use crate::core::fault::{Fault, Faults};
@@ -22,6 +22,7 @@ use crate::core::message::{Parameter as Filling, list, sent, text};
 use crate::core::mounting::Slot;
 use crate::core::name::normal_form;
 use crate::message;
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::unit;
 
 /// An augmented error model. Without effects it is model (6), or as much of it as `terms` names.
@@ -342,7 +343,7 @@ impl KnownEstimateBody {
         };
         if !known {
             let wanted = if common { "all".into() } else { Filling::from(message!("a_gyro_of_the_effect")) };
-            faults.push(format!("{place}/slot"), message!("must_be", wanted = wanted, value = sent(&self.slot)));
+            faults.push(format!("{place}/slot"), message!("must_be", wanted, value = sent(&self.slot)));
         }
         let coefficients = entry.coefficients(shape);
         let Some(coefficient) = coefficients.iter().find(|c| c.name == self.name) else {
@@ -428,7 +429,7 @@ impl ShapeBody {
 }
 
 fn wanted(effect: Effect) -> Filling {
-    let absent_or = |shape: &'static str| message!("absent_or", shape = shape).into();
+    let absent_or = |shape: &'static str| message!("absent_or", shape).into();
     match effect.entry().parameter {
         Parameter::Tau => "{\"tau_s\": seconds}".into(),
         Parameter::Instant => "{\"instant_s\": seconds}".into(),
@@ -452,15 +453,13 @@ impl From<&AugmentedModel> for ModelBody {
             identified: model.identified.as_deref().map(IdentifiedBody::of),
             terms: model.terms.iter().flat_map(|terms| terms.iter()).map(|term| term.name().to_owned()).collect(),
             effects: model.effects.iter().map(KnownEffectBody::from).collect(),
-            provenance: model.found_in.as_ref().map(|found| ProvenanceBody {
-                imu: found.imu.to_string(),
-                station: found.station.to_string(),
-                measured_at: time::format(found.measured_at),
-            }),
+            provenance: model.found_in.to_body(),
             plausible_sizes: model.plausible_sizes.0.iter().map(|(of, size)| (of.id().to_owned(), *size)).collect(),
         }
     }
 }
+
+bodies! { ProvenanceBody of Provenance: imu, station, measured_at; }
 
 impl From<&KnownEffect> for KnownEffectBody {
     fn from(known: &KnownEffect) -> Self {

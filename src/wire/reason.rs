@@ -102,7 +102,7 @@ mod tests {
 
     fn reason() -> Reason {
         let value = message!("measured", value = "0.0123", unit = message!("unit_drift"));
-        let step = message!("step", name = "D_I", value = value, side = "below", level = "3.0000");
+        let step = message!("step", name = "D_I", value, side = "below", level = "3.0000");
         Reason(vec![step, message!("requirement_others", figures = list(["E_x", "E_y"]))])
     }
 

@@ -4,10 +4,11 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::body::{ToBody, bodies};
 use super::geometry::GeometryBody;
 use super::text::Deviations;
 use super::triple::Triple;
-use super::{json, text, time};
+use super::{json, text};
 use crate::core::fault::Faults;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::{GyroParameters, Plausibility, Record};
@@ -42,7 +43,7 @@ pub struct RecordBody {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GyroBody {
-    pub slot: SlotBody,
+    pub slot: Slot,
     /// Serial number of the gyro, at most 64 characters. Its history follows it from IMU to IMU.
     pub serial: String,
     pub e_pulse_per_arcsec: Triple,
@@ -63,33 +64,6 @@ pub struct GyroBody {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Deviations>)]
     pub g_sd: Option<Triple>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-pub enum SlotBody {
-    G1,
-    G2,
-    G3,
-}
-
-impl From<SlotBody> for Slot {
-    fn from(slot: SlotBody) -> Self {
-        match slot {
-            SlotBody::G1 => Slot::G1,
-            SlotBody::G2 => Slot::G2,
-            SlotBody::G3 => Slot::G3,
-        }
-    }
-}
-
-impl From<Slot> for SlotBody {
-    fn from(slot: Slot) -> Self {
-        match slot {
-            Slot::G1 => SlotBody::G1,
-            Slot::G2 => SlotBody::G2,
-            Slot::G3 => SlotBody::G3,
-        }
-    }
 }
 
 /// Reads and checks a record. Errors name every fault of content by its pointer, or the one fault of form.
@@ -121,21 +95,10 @@ impl RecordBody {
         }
         faults.or(record)
     }
+}
 
-    /// The document of a record, for those who write records.
-    pub fn of(record: &Record) -> Self {
-        Self {
-            imu: record.imu.to_string(),
-            station: record.station.to_string(),
-            calibrated_at: time::format(record.calibrated_at),
-            geometry: GeometryBody::of(&record.geometry),
-            gyros: record.gyros.iter().map(GyroBody::of).collect(),
-            temperature_c: record.temperature_c,
-            campaign: record.campaign.clone(),
-            operator: record.operator.clone(),
-            note: record.note.clone(),
-        }
-    }
+bodies! {
+    RecordBody of Record: imu, station, calibrated_at, geometry, gyros, temperature_c, campaign, operator, note;
 }
 
 impl GyroBody {
@@ -144,7 +107,7 @@ impl GyroBody {
         let e = self.e_pulse_per_arcsec.vector();
         let (g, g_sd_factor) = self.g_in_pulses(index, faults);
         GyroParameters {
-            slot: self.slot.into(),
+            slot: self.slot,
             serial: text::name(&at("serial"), &self.serial, faults),
             e,
             g,
@@ -175,18 +138,20 @@ impl GyroBody {
             }
         }
     }
+}
 
-    fn of(gyro: &GyroParameters) -> Self {
-        Self {
-            slot: gyro.slot.into(),
-            serial: gyro.serial.to_string(),
-            e_pulse_per_arcsec: gyro.e.into(),
-            g_pulse_per_s_g0: Some(gyro.g.into()),
+impl ToBody<GyroBody> for GyroParameters {
+    fn to_body(&self) -> GyroBody {
+        GyroBody {
+            slot: self.slot,
+            serial: self.serial.to_body(),
+            e_pulse_per_arcsec: self.e.to_body(),
+            g_pulse_per_s_g0: Some(self.g.to_body()),
             g_deg_per_h_g0: None,
-            p_pulse_per_s_g02: (gyro.p != Vector3::zeros()).then(|| gyro.p.into()),
-            bias_pulse_per_s: (gyro.bias != 0.0).then_some(gyro.bias),
-            e_sd: gyro.e_sd.map(Triple::from),
-            g_sd: gyro.g_sd.map(Triple::from),
+            p_pulse_per_s_g02: (self.p != Vector3::zeros()).then(|| self.p.to_body()),
+            bias_pulse_per_s: (self.bias != 0.0).then_some(self.bias),
+            e_sd: self.e_sd.to_body(),
+            g_sd: self.g_sd.to_body(),
         }
     }
 }
@@ -231,7 +196,7 @@ mod tests {
     fn the_papers_record_is_read_and_written_back_unchanged() {
         let record = read(&tables_3_and_4()).unwrap();
         assert_eq!(record.gyros[1].g, Vector3::new(0.8634, 4.6419, -3.4081));
-        assert_eq!(serde_json::to_value(RecordBody::of(&record)).unwrap(), tables_3_and_4());
+        assert_eq!(serde_json::to_value(RecordBody::from(&record)).unwrap(), tables_3_and_4());
     }
 
     #[test]

@@ -246,7 +246,7 @@ impl<'a> Table<'a> {
     ) -> Self {
         let line = first + 1;
         let known: Vec<String> = kind.columns().collect();
-        let at = |fault: Message, column: usize| message!("at_column", line = line, column = column + 1, fault = fault);
+        let at = |fault: Message, column: usize| message!("at_column", line, column = column + 1, fault);
         let mut places = HashMap::new();
         let mut otherwise = Vec::new();
         for (column, theirs) in header.iter().enumerate() {
@@ -271,7 +271,7 @@ impl<'a> Table<'a> {
         let shared = columns.into_iter().filter(|column| shares(column).len() > 1);
         shared.for_each(|column| {
             let names = list(shares(column).into_iter().map(sent));
-            faults.push("", message!("map_column_shared", column = sent(column), names = names));
+            faults.push("", message!("map_column_shared", column = sent(column), names));
         });
         let alone = |column: &String| shares(column.trim()).len() == 1;
         for (name, column) in map
@@ -307,7 +307,7 @@ impl<'a> Table<'a> {
             let missing: Vec<String> = field.columns().filter(is_missing).collect();
             if !missing.is_empty() {
                 let missing = message!("missing_columns", names = list(missing));
-                faults.push(format!("/{}", field.name), message!("at_line", line = line, fault = missing));
+                faults.push(format!("/{}", field.name), message!("at_line", line, fault = missing));
             }
         }
         table
@@ -335,7 +335,7 @@ impl Row<'_> {
     fn at(&self, name: &str, fault: Message) -> Message {
         match self.table.places.get(name) {
             Some(column) => at_cell((self.line, column + 1), &self.table.header[*column], fault),
-            None => message!("at_line_key", line = self.line, key = name.to_owned(), fault = fault),
+            None => message!("at_line_key", line = self.line, key = name.to_owned(), fault),
         }
     }
 
@@ -401,8 +401,8 @@ impl Documents {
         let table = row.table;
         if row.cells.iter().skip(table.header.len()).any(|cell| !cell.is_empty()) {
             let columns = table.header.len();
-            let fault = message!("cells_under_columns", cells = row.cells.len(), columns = columns);
-            faults.push("", message!("at_column", line = row.line, column = columns + 1, fault = fault));
+            let fault = message!("cells_under_columns", cells = row.cells.len(), columns);
+            faults.push("", message!("at_column", line = row.line, column = columns + 1, fault));
             return;
         }
         let before = faults.0.len();

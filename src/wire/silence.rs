@@ -33,7 +33,6 @@ pub struct NewSilenceBody {
 
 /// A silence of every alert that matches.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
-#[schema(as = MatchingSilenceBody)]
 pub struct MatchingSilenceBody {
     pub id: String,
     pub matchers: MatchersBody,
@@ -46,13 +45,12 @@ pub struct MatchingSilenceBody {
     pub active: bool,
     /// Who ended it before its time, why and when.
     #[schema(required)]
-    pub ended: Option<EndedBody>,
+    pub ended: Option<EndedSilenceBody>,
 }
 
 /// Somebody has ended a silence.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
-#[schema(as = EndedSilenceBody)]
-pub struct EndedBody {
+pub struct EndedSilenceBody {
     pub by: String,
     pub reason: String,
     pub at: String,

@@ -7,6 +7,7 @@ use super::message::MessageBody;
 use super::time;
 use crate::core::diagnose::{Moved, Parts, Split};
 use crate::core::mounting::Slot;
+use crate::wire::body::bodies;
 use crate::wire::unit;
 use crate::words::{Language, asked};
 
@@ -68,16 +69,9 @@ pub struct MovedBody {
     pub unit: String,
 }
 
-impl From<&Parts> for PartsBody {
-    fn from(p: &Parts) -> Self {
-        Self {
-            whole_deg_per_h: p.whole,
-            parameters_deg_per_h: p.parameters,
-            structure_deg_per_h: p.structure,
-            noise_deg_per_h: p.noise,
-            p_value: p.p_value,
-        }
-    }
+bodies! {
+    PartsBody of Parts: whole_deg_per_h = whole, parameters_deg_per_h = parameters, structure_deg_per_h = structure,
+        noise_deg_per_h = noise, p_value;
 }
 
 impl From<&Moved> for MovedBody {

@@ -5,8 +5,10 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::core::changes::{FleetStations, Shared, Spread, StationColumn, StationFigures};
+use crate::core::changes::{CoursePoint, FleetStations, Shared, Spread, StationColumn, StationFigures};
 use crate::core::suspect_window::SuspectWindow;
+use crate::core::time::UtcMicros;
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::time;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -79,10 +81,10 @@ pub struct StationColumnBody {
     /// Whether the drift is beyond chance, and the gyros of several IMUs share it.
     pub drifts: bool,
     /// Re-levellings and the like that were found, oldest first.
-    pub steps: Vec<StepBody>,
+    pub steps: Vec<StationStepBody>,
     /// Times for which it was off, oldest first.
     #[serde(default)]
-    pub windows: Vec<WindowBody>,
+    pub windows: Vec<StationWindowBody>,
     /// What single gyros show beyond the common offset: gyro x station; null with too few.
     #[schema(required)]
     pub gyro_by_station: Option<SpreadBody>,
@@ -108,16 +110,14 @@ pub struct SharedBody {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = StationStepBody)]
-pub struct StepBody {
+pub struct StationStepBody {
     pub at: String,
     #[serde(flatten)]
     pub size: SharedBody,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-#[schema(as = StationWindowBody)]
-pub struct WindowBody {
+pub struct StationWindowBody {
     /// Its first record that is off, and the first after it that is not.
     pub from: String,
     pub until: String,
@@ -137,8 +137,7 @@ impl StationsBody {
     /// `overdue`: of each station, gyros that are.
     pub fn of(found: Option<&FleetStations>, overdue: &BTreeMap<String, usize>) -> Self {
         let of_station = |figures: &StationFigures| StationBody::of(figures, overdue);
-        let spread =
-            |column: usize| found.and_then(|found| found.reproducibility[column]).as_ref().map(SpreadBody::from);
+        let spread = |column: usize| found.and_then(|found| found.reproducibility[column]).to_body();
         Self {
             unit: "deg/(h*g0)".to_owned(),
             against: found.map(|found| found.against.to_string()),
@@ -184,33 +183,6 @@ impl StationBody {
     }
 }
 
-impl From<&StationColumn> for StationColumnBody {
-    fn from(column: &StationColumn) -> Self {
-        let step = |(at, size): &(_, Shared)| StepBody { at: time::format(*at), size: SharedBody::from(size) };
-        let window = |([from, until], size): &([_; 2], Shared)| WindowBody {
-            from: time::format(*from),
-            until: time::format(*until),
-            size: SharedBody::from(size),
-        };
-        let course = column.course.iter().map(|point| CoursePointBody {
-            at: time::format(point.at),
-            value: point.value,
-            sd: point.sd,
-            records: point.records,
-        });
-        Self {
-            repeatability: column.repeatability.as_ref().map(SpreadBody::from),
-            offset: column.offset.as_ref().map(SharedBody::from),
-            drift: column.drift.as_ref().map(SharedBody::from),
-            drifts: column.drifts,
-            steps: column.steps.iter().map(step).collect(),
-            windows: column.windows.iter().map(window).collect(),
-            gyro_by_station: column.by_gyro.as_ref().map(SpreadBody::from),
-            course: course.collect(),
-        }
-    }
-}
-
 impl From<&SuspectWindow> for SuspectWindowBody {
     fn from(SuspectWindow { span, author, reason }: &SuspectWindow) -> Self {
         let (from, to) = (time::format(span.from), time::format(span.to));
@@ -218,14 +190,23 @@ impl From<&SuspectWindow> for SuspectWindowBody {
     }
 }
 
-impl From<&Spread> for SpreadBody {
-    fn from(spread: &Spread) -> Self {
-        Self { sd: spread.sd, interval: spread.interval }
+bodies! {
+    StationColumnBody of StationColumn: repeatability, offset, drift, drifts, steps, windows, gyro_by_station = by_gyro,
+        course;
+    SpreadBody of Spread: sd, interval;
+    SharedBody of Shared: value, sd, gyros, imus;
+    CoursePointBody of CoursePoint: at, value, sd, records;
+}
+
+impl ToBody<StationStepBody> for (UtcMicros, Shared) {
+    fn to_body(&self) -> StationStepBody {
+        StationStepBody { at: self.0.to_body(), size: self.1.to_body() }
     }
 }
 
-impl From<&Shared> for SharedBody {
-    fn from(shared: &Shared) -> Self {
-        Self { value: shared.value, sd: shared.sd, gyros: shared.gyros, imus: shared.imus }
+impl ToBody<StationWindowBody> for ([UtcMicros; 2], Shared) {
+    fn to_body(&self) -> StationWindowBody {
+        let [from, until] = self.0.to_body();
+        StationWindowBody { from, until, size: self.1.to_body() }
     }
 }

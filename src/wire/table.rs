@@ -45,16 +45,16 @@ fn delimiter_of(header: &str) -> u8 {
 
 /// A fault in the cell of a line and column.
 pub(super) fn at_cell((line, column): (usize, usize), name: &str, fault: Message) -> Message {
-    message!("at_cell", line = line, column = column, name = name.to_owned(), fault = fault)
+    message!("at_cell", line, column, name = name.to_owned(), fault)
 }
 
 /// An unknown column, with the known one that was meant where one can be told.
 pub(super) fn unknown(name: &str, known: impl Iterator<Item = String>) -> Message {
     match meant(name, known) {
         Some(known) if without_unit(name) != name => {
-            message!("unknown_column_with_unit", name = sent(name), known = known)
+            message!("unknown_column_with_unit", name = sent(name), known)
         }
-        Some(known) => message!("unknown_column_like", name = sent(name), known = known),
+        Some(known) => message!("unknown_column_like", name = sent(name), known),
         None => message!("unknown_column", name = sent(name)),
     }
 }
@@ -110,7 +110,7 @@ pub(super) fn text_of(bytes: &[u8]) -> Result<&str, Faults> {
     let written = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     if written < bytes.len() {
         let line = 1 + memchr::memchr_iter(b'\n', &bytes[..written]).count();
-        return Err(fault(message!("at_line", line = line, fault = message!("zeros_from_here"))));
+        return Err(fault(message!("at_line", line, fault = message!("zeros_from_here"))));
     }
     std::str::from_utf8(bytes).map_err(|e| {
         let before = String::from_utf8_lossy(&bytes[..e.valid_up_to()]);
@@ -119,8 +119,8 @@ pub(super) fn text_of(bytes: &[u8]) -> Result<&str, Faults> {
         let delimiter = delimiter_of(before.lines().find(|line| comment(line).is_none()).unwrap_or_default());
         let column = 1 + cells.bytes().filter(|&b| b == delimiter).count();
         match comment(cells) {
-            Some(_) => fault(message!("at_line", line = line, fault = message!("not_utf8_text"))),
-            None => fault(message!("at_column", line = line, column = column, fault = message!("not_utf8_text"))),
+            Some(_) => fault(message!("at_line", line, fault = message!("not_utf8_text"))),
+            None => fault(message!("at_column", line, column, fault = message!("not_utf8_text"))),
         }
     })
 }
@@ -136,7 +136,7 @@ pub(super) fn check_quotes(text: &str, header: usize) -> Result<(), Message> {
         match rest[at] {
             b'#' if begins_row => at += memchr::memchr(b'\n', &rest[at..]).unwrap_or(rest.len() - at),
             b'"' => {
-                let fault = |code: fn() -> Message| message!("at_column", line = line, column = column, fault = code());
+                let fault = |code: fn() -> Message| message!("at_column", line, column, fault = code());
                 let closing = closing_quote(&rest[at + 1..]).ok_or_else(|| fault(|| message!("quote_open")))?;
                 let cell = &rest[at + 1..at + 1 + closing];
                 at += closing + 2;

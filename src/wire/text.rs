@@ -13,7 +13,8 @@ use utoipa::{PartialSchema, ToSchema};
 use super::time;
 use super::triple::Triple;
 use crate::core::fault::Faults;
-use crate::core::message::{Message, text};
+use crate::core::message::{Message, list, sent, text};
+use crate::core::named::Named;
 use crate::core::record::{MAX_NAME_CHARS, MAX_NOTE_CHARS, Name};
 use crate::core::time::{Span, UtcMicros};
 use crate::message;
@@ -21,7 +22,7 @@ use crate::message;
 /// What is wrong with a map in TOML, at its line.
 pub fn toml_fault(error: &toml::de::Error, text: &str) -> Message {
     let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-    message!("at_line", line = line, fault = message!("map_unreadable", why = error.message().to_owned()))
+    message!("at_line", line, fault = message!("map_unreadable", why = error.message().to_owned()))
 }
 
 /// A name as one segment of a path, or a value within a query: every byte but RFC 3986's unreserved ones as %XX.
@@ -64,6 +65,16 @@ pub fn name(pointer: &str, text: &str, faults: &mut Faults) -> Name {
 fn stand_in(pointer: &str) -> Name {
     let tail: String = pointer.chars().rev().take(MAX_NAME_CHARS).collect();
     Name::parse(&tail).expect("the end of a pointer is short, not empty and free of blanks")
+}
+
+/// The value that a member names.
+pub fn named<T: Named>(pointer: &str, name: &str, faults: &mut Faults) -> Option<T> {
+    let found = T::from_name(name);
+    if found.is_none() {
+        let known = list(T::NAMES.iter().copied());
+        faults.push(pointer, message!("must_be_one_of", known, value = sent(name)));
+    }
+    found
 }
 
 /// Reads a time in RFC 3339; a fault where it is none.
@@ -141,7 +152,7 @@ fn optional(
     let text = text.as_ref()?;
     let chars = text.chars().count();
     if chars > most {
-        faults.push(pointer, message!("too_many_characters", most = most, have = chars));
+        faults.push(pointer, message!("too_many_characters", most, have = chars));
     }
     if let Some(c) = text.chars().find(|&c| forbidden(c)) {
         faults.push(pointer, message!("control_character", character = format_args!("U+{:04X}", c as u32)));

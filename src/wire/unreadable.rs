@@ -9,10 +9,10 @@ pub fn in_words(said: &str) -> Message {
     let what = what.map_or(said, |(_, what)| what);
     let quoted = |before: &str| Some(text(what.split_once(before)?.1.split('`').next()?));
     if let Some(parameter) = quoted("duplicate field `") {
-        return message!("parameter_twice", parameter = parameter);
+        return message!("parameter_twice", parameter);
     }
     if let Some(parameter) = quoted("missing field `") {
-        return message!("parameter_missing", parameter = parameter);
+        return message!("parameter_missing", parameter);
     }
     match what.split_once(": ") {
         Some((parameter, why)) if why.contains("digit") || why.contains("number too") || why.contains("integer") => {

@@ -47,9 +47,9 @@ pub(super) fn summary(alert: &AlertBody, resolved: bool) -> String {
     let [serial, coefficient, rule] = [alert.name(), coefficient, rule].map(text);
     asked().words(&match Severity::from_name(severity) {
         Some(severity) if !resolved => {
-            message!("alert_fires", serial = serial, coefficient = coefficient, rule = rule, severity = severity.word())
+            message!("alert_fires", serial, coefficient, rule, severity = severity.word())
         }
-        _ => message!("alert_is_resolved", serial = serial, coefficient = coefficient, rule = rule),
+        _ => message!("alert_is_resolved", serial, coefficient, rule),
     })
 }
 

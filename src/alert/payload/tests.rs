@@ -6,7 +6,7 @@ use crate::alert::message::{Change, Event};
 use crate::core::alert_decision::Action;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::wire::alert::{AlertBody, FindingBody};
+use crate::wire::alert::{AlertBody, AlertFindingBody};
 use crate::wire::reason::Reason;
 
 fn alert() -> AlertBody {
@@ -22,7 +22,7 @@ fn alert() -> AlertBody {
         since: Some("2026-02-28T08:00:00Z".into()),
         fired_at: "2026-03-01T08:00:00Z".into(),
         resolved_at: None,
-        finding: FindingBody {
+        finding: AlertFindingBody {
             value: Some(0.0123),
             limit: 0.01,
             unit: "deg/(h g0)".into(),

@@ -15,7 +15,7 @@ use rustix::fs::{self, AtFlags, CWD, FileType, Mode, OFlags, RenameFlags, Stat};
 use rustix::io::Errno;
 
 /// Size and time of change: while they stand still, so does the file.
-pub type Stamp = (u64, Option<SystemTime>);
+pub type FileStamp = (u64, Option<SystemTime>);
 
 /// What others may read of what is written here: nothing.
 const PRIVATE: Mode = Mode::from_raw_mode(0o600);
@@ -65,7 +65,7 @@ impl Dir {
     }
 
     /// None for what is not a plain file, or is gone.
-    pub fn stamp(&self, name: &OsStr) -> Option<Stamp> {
+    pub fn stamp(&self, name: &OsStr) -> Option<FileStamp> {
         let stat = self.stat(name).filter(is_plain)?;
         let since = Duration::new(u64::try_from(stat.st_mtime).ok()?, u32::try_from(stat.st_mtime_nsec).ok()?);
         Some((stat.st_size.unsigned_abs(), SystemTime::UNIX_EPOCH.checked_add(since)))

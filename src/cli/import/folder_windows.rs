@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// Size and time of change: while they stand still, so does the file.
-pub type Stamp = (u64, Option<SystemTime>);
+pub type FileStamp = (u64, Option<SystemTime>);
 
 // Names and numbers of `CreateFileW`.
 const FILE_SHARE_READ: u32 = 1;
@@ -74,7 +74,7 @@ impl Dir {
     }
 
     /// None for what is not a plain file, or is gone.
-    pub fn stamp(&self, name: &OsStr) -> Option<Stamp> {
+    pub fn stamp(&self, name: &OsStr) -> Option<FileStamp> {
         let found = self.metadata(name).filter(Metadata::is_file)?;
         Some((found.len(), found.modified().ok()))
     }

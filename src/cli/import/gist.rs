@@ -40,7 +40,7 @@ impl fmt::Display for Gist<'_> {
             .filter(|(_, count)| *count > 0)
             .map(|(status, count)| {
                 let count = count.to_string();
-                words::asked().words(&message!("terminal_counted", count = count, status = word(status)))
+                words::asked().words(&message!("terminal_counted", count, status = word(status)))
             })
             .collect();
         if !counts.is_empty() {
@@ -73,7 +73,7 @@ pub fn withdrawn(answer: &Value) -> Option<String> {
     let why = match text(answer, "state") {
         "revised" => {
             let (record, author) = (of("revised_by", "record"), of("revised_by", "author"));
-            message!("terminal_replaced", record = record, author = author, reason = of("revised_by", "reason"))
+            message!("terminal_replaced", record, author, reason = of("revised_by", "reason"))
         }
         "voided" => message!("terminal_voided", author = of("voided", "author"), reason = of("voided", "reason")),
         "set_aside" => message!("terminal_set_aside"),

@@ -29,7 +29,7 @@ use crate::wire::text::toml_fault;
 use crate::{message, words};
 use gist::Gist;
 pub(super) use gist::withdrawn;
-use send::{Courier, Event, PATIENCE, Tally, end};
+use send::{Event, Importer, PATIENCE, Tally, end};
 use source::Content;
 
 /// Send records, campaigns and bench results (JSON, NDJSON, CSV) to a running service
@@ -159,7 +159,7 @@ async fn import(
                         bar.suspend(|| eprintln!("{name}:{line}: {}", document::note(note)));
                     }
                 };
-                let carried = Courier::new(service, pauses, &mut tell).carry(content).await;
+                let carried = Importer::new(service, pauses, &mut tell).carry(content).await;
                 carried.with_context(|| format!("{name}: {}", words::asked().word("terminal_interrupted")))?
             }
             Err(unreadable) => {

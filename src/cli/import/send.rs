@@ -96,7 +96,7 @@ impl std::fmt::Display for Refusal {
     }
 }
 
-pub struct Courier<'a> {
+pub struct Importer<'a> {
     service: &'a Service,
     tell: &'a mut dyn FnMut(Event<'_>),
     /// Pauses between tries, before giving up.
@@ -106,7 +106,7 @@ pub struct Courier<'a> {
     tally: Tally,
 }
 
-impl<'a> Courier<'a> {
+impl<'a> Importer<'a> {
     pub fn new(service: &'a Service, pauses: &'a [Duration], tell: &'a mut dyn FnMut(Event<'_>)) -> Self {
         Self { service, tell, pauses, of_table: false, tally: Tally::default() }
     }
@@ -320,8 +320,8 @@ fn of_document(problem: &ProblemBody, body: &[u8]) -> Option<String> {
     let places = problem.errors.iter().map(|error| counted(&error.pointer)).filter(|place| !place.is_empty());
     let places: Vec<String> = places.collect();
     let differs = match places.is_empty() {
-        true => message!("stored_otherwise", what = what, at = at, id = existing.clone()),
-        false => message!("stored_otherwise_at", what = what, at = at, id = existing.clone(), places = list(places)),
+        true => message!("stored_otherwise", what, at, id = existing.clone()),
+        false => message!("stored_otherwise_at", what, at, id = existing.clone(), places = list(places)),
     };
     Some(format!("{}; {}", words::asked().words(&differs), way_out(existing, body)))
 }
@@ -330,8 +330,8 @@ fn of_document(problem: &ProblemBody, body: &[u8]) -> Option<String> {
 fn way_out(existing: &str, body: &[u8]) -> String {
     let id = existing.to_owned();
     words::asked().words(&match DocumentKind::of(body) {
-        DocumentKind::Bench => message!("replace_bench", id = id),
-        _ => message!("replace_it", id = id),
+        DocumentKind::Bench => message!("replace_bench", id),
+        _ => message!("replace_it", id),
     })
 }
 

@@ -166,7 +166,7 @@ fn classify(text: Vec<u8>, map: &TableMap, patience: Patience) -> Result<Content
             return Ok(Content::Table(lines.collect(), open));
         }
         if let Some((told, have)) = unfinished(&text) {
-            return Err(unreadable(&message!("dwells_told", told = told, have = have), COUNTED));
+            return Err(unreadable(&message!("dwells_told", told, have), COUNTED));
         }
         let content_type = "text/csv";
         return Ok(Content::One(Document { route: "/v1/campaigns", content_type, body: text }));

@@ -9,7 +9,7 @@ use std::time::Duration;
 use axum::http::StatusCode;
 use clap::Parser;
 
-use super::send::{Courier, Event, Tally};
+use super::send::{Event, Importer, Tally};
 use super::source::Content;
 use super::watch::watch;
 use crate::cli::client::{Connection, JSON, Sent, Service, Trouble};
@@ -69,7 +69,7 @@ async fn carry(service: &Service, text: &'static str) -> (anyhow::Result<Tally>,
     };
     let content = Content::Lines(Box::new(text.as_bytes()));
     let pauses = [Duration::ZERO; 3];
-    let carried = Courier::new(service, &pauses, &mut tell).carry(content).await;
+    let carried = Importer::new(service, &pauses, &mut tell).carry(content).await;
     (carried, refusals)
 }
 

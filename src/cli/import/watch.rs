@@ -13,10 +13,10 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 
-use super::folder::{Dir, Stamp};
+use super::folder::{Dir, FileStamp};
 use super::gist::Gist;
 use super::revise::{self, REVISE, WHY};
-use super::send::{Courier, Event, Refusal, Tally, end};
+use super::send::{Event, Importer, Refusal, Tally, end};
 use super::source::{self, Content, Patience};
 use crate::cli::client::{Service, Trouble};
 use crate::cli::document;
@@ -91,7 +91,7 @@ fn usual_settle(name: &OsStr) -> Duration {
 }
 
 struct Waiting {
-    stamp: Stamp,
+    stamp: FileStamp,
     since: Instant,
     /// Trouble with this file alone.
     trouble: Trials,
@@ -268,7 +268,7 @@ impl Folder {
             Event::Noted { line, note } => say(&format!("{}:{line}: {}", path.display(), document::note(note))),
             Event::Carried { .. } => {}
         };
-        let tally = Courier::new(service, &[], &mut tell).carry(content).await?;
+        let tally = Importer::new(service, &[], &mut tell).carry(content).await?;
         // What is known may have been stored by a try that broke off.
         if self.digest && tally.stored + tally.known > 0 {
             end(service).await;
@@ -380,7 +380,7 @@ fn free_name(dir: &Dir, name: &OsStr) -> OsString {
 
 /// One event a line, with its time: what an operator, or the journal, reads.
 fn stays(trouble: String) -> String {
-    asked().words(&message!("terminal_stays", trouble = trouble))
+    asked().words(&message!("terminal_stays", trouble))
 }
 
 fn announce(message: &Message) {

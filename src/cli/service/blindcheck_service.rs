@@ -85,7 +85,7 @@ async fn send(service: &Service, fleet: &Fleet) -> anyhow::Result<()> {
     let records = records(fleet);
     let mut lines = Vec::new();
     for record in &records {
-        serde_json::to_writer(&mut lines, &RecordBody::of(record))?;
+        serde_json::to_writer(&mut lines, &RecordBody::from(record))?;
         lines.push(b'\n');
     }
     for answer in service.import(Bytes::from(lines), records.len()).await? {

@@ -12,7 +12,6 @@ use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::calibrate::repeats_between::repeated;
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::imu_model::of_one_imu;
-use crate::core::mounting::Slot;
 use crate::message;
 use crate::wire::calibration::{CampaignAnswer, CampaignsAnswer, GyroFitBody, RepeatedBody};
 use crate::wire::document::{DocumentKind, parse};
@@ -114,14 +113,14 @@ impl Calibrate {
 fn tables_between(fitted: &[Fitted], between: &[RepeatedBody]) -> String {
     let mut each = table_of("terminal_campaigns_head", 4..6);
     let (imu, count) = (fitted[0].answer.imu.clone(), fitted.len().to_string());
-    let mut text = format!("{}\n\n", asked().words(&message!("terminal_campaigns", imu = imu, count = count)));
+    let mut text = format!("{}\n\n", asked().words(&message!("terminal_campaigns", imu, count)));
     for Fitted { file, answer, .. } in fitted {
         for s in &answer.separations {
             each.add_row([
                 file.clone(),
                 answer.station.clone(),
                 answer.measured_at.clone(),
-                Slot::from(s.slot).name().to_owned(),
+                s.slot.name().to_owned(),
                 figure(s.d_i.value, s.d_i.sd),
                 figure(s.d_s.value, s.d_s.sd),
             ]);
@@ -133,7 +132,7 @@ fn tables_between(fitted: &[Fitted], between: &[RepeatedBody]) -> String {
         let [low, high] = r.ratio_interval;
         let beyond = if r.beyond_sd > 0.0 { format!("{:.2e}", r.beyond_sd) } else { "-".to_owned() };
         repeats.add_row([
-            Slot::from(r.slot).name().to_owned(),
+            r.slot.name().to_owned(),
             r.coefficient.to_owned(),
             r.campaigns.to_string(),
             figure(r.mean, Some(r.sd)),
@@ -146,11 +145,8 @@ fn tables_between(fitted: &[Fitted], between: &[RepeatedBody]) -> String {
         ]);
     }
     text.push_str(&format!("\n{}\n{repeats}\n", asked().word("terminal_repeats")));
-    let beyond: Vec<String> = between
-        .iter()
-        .filter(|r| r.beyond_sd > 0.0)
-        .map(|r| format!("{} {}", Slot::from(r.slot).name(), r.coefficient))
-        .collect();
+    let beyond: Vec<String> =
+        between.iter().filter(|r| r.beyond_sd > 0.0).map(|r| format!("{} {}", r.slot.name(), r.coefficient)).collect();
     text.push_str(&asked().words(&match beyond.as_slice() {
         [] if between.is_empty() => message!("terminal_repeats_nothing"),
         [] => message!("terminal_repeats_none"),
@@ -167,9 +163,9 @@ fn tables_between(fitted: &[Fitted], between: &[RepeatedBody]) -> String {
 /// What is said below the tables of a campaign.
 fn remarks(answer: &CampaignAnswer) -> impl Iterator<Item = String> {
     let separated = answer.not_separated.iter().map(|gyro| {
-        let slot = Slot::from(gyro.slot).name().to_owned();
+        let slot = gyro.slot.name().to_owned();
         let (serial, reason) = (gyro.serial.clone(), gyro.reason.clone());
-        asked().words(&message!("terminal_not_separated", slot = slot, serial = serial, reason = reason))
+        asked().words(&message!("terminal_not_separated", slot, serial, reason))
     });
     separated.chain(answer.notes.iter().map(|note| document::note(&note.detail)))
 }
@@ -213,7 +209,7 @@ fn uncertainty_table(answer: &CampaignAnswer) -> String {
         for (name, figure, u) in of {
             let cell = |sd: Option<f64>| sd.map_or("-".to_owned(), |sd| format!("{sd:.6}"));
             let sds = [Some(u.statistical), u.levelling, u.azimuth, u.fixture, u.discrepancy, Some(u.combined)];
-            let gyro = Slot::from(separation.slot).name().to_owned();
+            let gyro = separation.slot.name().to_owned();
             parts.add_row([gyro, name.to_owned(), cell(figure.sd)].into_iter().chain(sds.map(cell)));
         }
     }
@@ -232,13 +228,13 @@ fn fit_table(gyros: &[GyroFitBody]) -> String {
         let factor = match (noise.sem_factor, noise.sem_factor_sd) {
             (Some(f), Some(sd)) if sd > 0.0 => {
                 let (source, factor) = (noise.source.clone(), format!("{f:.2} ± {sd:.2}"));
-                asked().words(&message!("terminal_fit_source", source = source, factor = factor))
+                asked().words(&message!("terminal_fit_source", source, factor))
             }
             _ => noise.source.clone(),
         };
         let optional = |value: Option<f64>, digits: usize| value.map_or("-".to_owned(), |v| format!("{v:.digits$}"));
         fits.add_row([
-            Slot::from(gyro.slot).name().to_owned(),
+            gyro.slot.name().to_owned(),
             gyro.serial.clone(),
             gyro.e_source.clone(),
             part_of(gyro.rank.to_string(), gyro.parameters.len() as u64),
@@ -262,7 +258,7 @@ fn parameter_table(gyros: &[GyroFitBody]) -> String {
         for p in &gyro.parameters {
             let remark = if p.determined { "" } else { asked().word("terminal_not_determined") };
             parameters.add_row([
-                Slot::from(gyro.slot).name().to_owned(),
+                gyro.slot.name().to_owned(),
                 p.name.clone(),
                 figure(p.value, p.sd),
                 unit::of_people(&p.unit),
@@ -271,7 +267,7 @@ fn parameter_table(gyros: &[GyroFitBody]) -> String {
         }
         for e in &gyro.effects {
             parameters.add_row([
-                Slot::from(gyro.slot).name().to_owned(),
+                gyro.slot.name().to_owned(),
                 format!("{} {}", e.effect, e.name),
                 e.sd.map_or(format!("{:+.3e}", e.value), |sd| format!("{:+.3e} ± {sd:.1e}", e.value)),
                 unit::of_people(&e.unit),
@@ -297,7 +293,7 @@ fn residual_table(campaign: &Campaign, gyros: &[GyroFitBody]) -> String {
         let list = &gyro.residuals;
         residuals.add_row([
             k.to_string(),
-            Slot::from(gyro.slot).name().to_owned(),
+            gyro.slot.name().to_owned(),
             campaign.dwells[k].phase.name().to_owned(),
             format!("{:+.6}", list.pulse_per_s[k]),
             list.deg_per_h.as_ref().map_or("-".to_owned(), |d| format!("{:+.6}", d[k])),

@@ -106,7 +106,7 @@ impl Diagnose {
         let options = Options { hypotheses, ..in_use.options(&campaign) };
         let diagnosed = diagnose(&campaign, &options).with_context(file)?;
         let mut diagnosis = DiagnosisBody::from(&diagnosed).noted(in_use.notes_of_others(&campaign));
-        diagnosis.effects_against_model = changed_since(&in_use, &campaign).map(|changed| ChangedBody::of(&changed));
+        diagnosis.effects_against_model = changed_since(&in_use, &campaign).map(|changed| ChangedBody::from(&changed));
         if let Some(path) = &self.reference {
             let parts = split(&campaign, &options, &diagnosed.residuals, &reference(path, &campaign)?);
             diagnosis.reference = Some(SplitBody::from(&parts.with_context(|| document::name(path))?));
@@ -216,7 +216,7 @@ fn reference_parts(d: &DiagnosisBody) -> Option<String> {
     }
     let notes: String = split.notes.iter().map(|note| format!("\n{}", document::note(note))).collect();
     let (imu, station, at) = (split.imu.clone(), split.station.clone(), split.measured_at.clone());
-    let against = asked().words(&message!("terminal_split", imu = imu, station = station, at = at));
+    let against = asked().words(&message!("terminal_split", imu, station, at));
     Some(format!("{against}\n{parts}\n\n{}\n{moved}{notes}", asked().word("terminal_moved")))
 }
 
@@ -231,7 +231,7 @@ fn effects(d: &DiagnosisBody) -> Option<String> {
         });
         let others: Vec<String> = (!others.is_empty()).then(|| others.join(", ")).into_iter().chain(alone).collect();
         let [from, to] = h.interval.map(|end| format!("{end:.2}"));
-        let interval = message!("terminal_to", from = from, to = to);
+        let interval = message!("terminal_to", from, to);
         let mut first = [
             effect.effect.clone(),
             effect.gyros.join(" "),

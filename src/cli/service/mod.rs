@@ -33,8 +33,25 @@ mod verify;
 
 use clap::Subcommand;
 
-#[derive(Debug, Subcommand)]
-pub enum Command {
+/// Each subcommand, run by its own `run`.
+macro_rules! commands {
+    ($($name:ident($of:ty),)*) => {
+        #[derive(Debug, Subcommand)]
+        pub enum Command {
+            $($name($of),)*
+        }
+
+        impl Command {
+            pub fn run(self) -> anyhow::Result<()> {
+                match self {
+                    $(Self::$name(one) => one.run(),)*
+                }
+            }
+        }
+    };
+}
+
+commands! {
     Serve(serve::Serve),
     Demo(demo::Demo),
     Separate(separate::Separate),
@@ -57,30 +74,6 @@ pub enum Command {
 }
 
 impl Command {
-    pub fn run(self) -> anyhow::Result<()> {
-        match self {
-            Self::Serve(serve) => serve.run(),
-            Self::Demo(demo) => demo.run(),
-            Self::Separate(separate) => separate.run(),
-            Self::Calibrate(calibrate) => calibrate.run(),
-            Self::Diagnose(diagnose) => diagnose.run(),
-            Self::Model(model) => model.run(),
-            Self::Predict(predict) => predict.run(),
-            Self::Gap(gap) => gap.run(),
-            Self::Export(export) => export.run(),
-            Self::FleetNoise(fleet_noise) => fleet_noise.run(),
-            Self::Simulate(simulate) => simulate.run(),
-            Self::Blindcheck(blindcheck) => blindcheck.run(),
-            Self::Backup(backup) => backup.run(),
-            Self::Restore(restore) => restore.run(),
-            Self::Copy(copy) => copy.run(),
-            Self::Token(token) => token.run(),
-            Self::Verify(verify) => verify.run(),
-            Self::Config(show) => show.run(),
-            Self::Healthcheck(healthcheck) => healthcheck.run(),
-        }
-    }
-
     /// Whether it runs on and answers others, each in a language of their own.
     pub fn is_service(&self) -> bool {
         matches!(self, Self::Serve(_) | Self::Demo(_))

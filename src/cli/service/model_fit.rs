@@ -124,7 +124,7 @@ impl Fit {
             if matches!(verdict, Verdict::PartlyExplained | Verdict::Unexplained) {
                 let at = time::format(campaign.measured_at);
                 let verdict = words::asked().words(&document::verdict(verdict.name()));
-                let warning = message!("terminal_fit_short", at = at, verdict = verdict);
+                let warning = message!("terminal_fit_short", at, verdict);
                 eprintln!("{}", words::asked().words(&warning));
             }
         }

@@ -135,9 +135,9 @@ fn closing(c: &ClosingBody) -> Message {
     match c.interval {
         Some([low, high]) => {
             let [closure, low, high] = [c.closure, low, high].map(|share| format!("{:.1}", 100.0 * share));
-            message!("terminal_closes", closure = closure, low = low, high = high, before = before, after = after)
+            message!("terminal_closes", closure, low, high, before, after)
         }
-        None => message!("terminal_closes_nothing", before = before, after = after),
+        None => message!("terminal_closes_nothing", before, after),
     }
 }
 
@@ -273,7 +273,7 @@ pub(super) fn against_model(changed: &ChangedBody) -> String {
     for shift in &changed.shifts {
         let (slot, coefficient) = (shift.slot.clone(), shift.coefficient.clone());
         let shift = format!("{:+.5} ± {:.5}", shift.shift, shift.sd);
-        let moved = message!("terminal_moved_by", coefficient = coefficient, slot = slot, shift = shift);
+        let moved = message!("terminal_moved_by", coefficient, slot, shift);
         out.push_str(&asked().words(&moved));
         out.push('\n');
     }

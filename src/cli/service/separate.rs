@@ -11,10 +11,10 @@ use crate::cli::document::{self, Format, table_of};
 use crate::config::Judging;
 use crate::core::judge::{State, Verdict};
 use crate::core::record::{GyroParameters, Record};
-use crate::core::separate::{NotPublished, Published, Separation, separate, stated_covariance};
+use crate::core::separate::{JudgedMethod, NotPublished, Published, Separation, separate, stated_covariance};
 use crate::message;
 use crate::pages::figure::with_sd;
-use crate::wire::answer::{MethodBody, RecordAnswer, SeparationBody, VerdictBody};
+use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};
 use crate::wire::document::DocumentKind;
 use crate::wire::record::parse_record;
 use crate::wire::time;
@@ -47,7 +47,7 @@ pub(super) enum Method {
     Published,
 }
 
-impl From<Method> for MethodBody {
+impl From<Method> for JudgedMethod {
     fn from(method: Method) -> Self {
         match method {
             Method::Rigid => Self::Rigid,
@@ -109,7 +109,7 @@ fn answer(record: &Record, separations: &[Separation], verdicts: &[Requirements]
 fn tables(record: &Record, separations: &[Separation], verdicts: &[Requirements]) -> String {
     let (imu, station) = (record.imu.to_string(), record.station.to_string());
     let at = time::format(record.calibrated_at);
-    let head = asked().words(&message!("terminal_separated", imu = imu, station = station, at = at));
+    let head = asked().words(&message!("terminal_separated", imu, station, at));
     let rows = record.gyros.iter().zip(separations).map(|(gyro, s)| (gyro.serial.as_str(), s));
     let requirements = requirement_table(record.gyros.iter().zip(verdicts));
     format!("{head}\n\n{}{requirements}", drift_and_mounting(rows))

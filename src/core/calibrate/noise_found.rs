@@ -60,7 +60,7 @@ impl NoiseFound {
         notes.extend(self.largest_correlation().map(|r| message!("noise_shared", correlation = signed(r, 2))));
         notes.extend(self.memory.as_ref().map(|memory| {
             let probability = figure(memory.probability.min(0.999), 3);
-            message!("noise_memory", probability = probability, size = significant(memory.largest(), 2))
+            message!("noise_memory", probability, size = significant(memory.largest(), 2))
         }));
         notes.extend(self.laws.iter().map(|law| match *law {
             LawFound::Duration { power } => message!("noise_of_duration", power = figure(power, 2)),

@@ -14,7 +14,7 @@ use crate::message;
 
 /// What is refused as impossible.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
+pub struct CampaignLimits {
     /// By how much a dwell may begin before its predecessor ends, s: rounding of printed times.
     pub overlap_s: f64,
     /// Largest | |a| - gravity | in a static dwell, as a share of gravity. Measured (not commanded) specific
@@ -28,7 +28,7 @@ pub struct Limits {
     pub plausibility: Plausibility,
 }
 
-impl Default for Limits {
+impl Default for CampaignLimits {
     fn default() -> Self {
         Self {
             overlap_s: 1e-3,
@@ -48,7 +48,7 @@ impl Campaign {
     ///
     /// # Errors
     /// All faults, by JSON pointer.
-    pub fn check(&self, limits: &Limits) -> Result<(), Faults> {
+    pub fn check(&self, limits: &CampaignLimits) -> Result<(), Faults> {
         let mut faults = Faults::default();
         if self.gyros.is_empty() || self.gyros.len() > 3 {
             faults.push("/gyros", message!("gyros_one_to_three", have = self.gyros.len()));
@@ -78,7 +78,7 @@ impl Campaign {
     }
 }
 
-fn check_gyros(gyros: &[CampaignGyro], geometry: &Geometry, limits: &Limits, faults: &mut Faults) {
+fn check_gyros(gyros: &[CampaignGyro], geometry: &Geometry, limits: &CampaignLimits, faults: &mut Faults) {
     for (i, gyro) in gyros.iter().enumerate() {
         if let Some(twin) = gyros[..i].iter().position(|g| g.serial == gyro.serial) {
             faults.push(
@@ -109,7 +109,7 @@ fn check_gyros(gyros: &[CampaignGyro], geometry: &Geometry, limits: &Limits, fau
 pub fn check_dwells<'a>(
     dwells: impl Iterator<Item = (usize, &'a Dwell)>,
     site: Option<&Site>,
-    limits: &Limits,
+    limits: &CampaignLimits,
     faults: &mut Faults,
 ) {
     let mut before: Option<(usize, &Dwell)> = None;
@@ -121,7 +121,7 @@ pub fn check_dwells<'a>(
     }
 }
 
-fn check_time(i: usize, dwell: &Dwell, before: Option<(usize, &Dwell)>, limits: &Limits, faults: &mut Faults) {
+fn check_time(i: usize, dwell: &Dwell, before: Option<(usize, &Dwell)>, limits: &CampaignLimits, faults: &mut Faults) {
     if dwell.duration_s <= 0.0 {
         faults.push(format!("/dwells/{i}/duration_s"), message!("not_positive", value = text(dwell.duration_s)));
     }
@@ -149,7 +149,7 @@ fn check_time(i: usize, dwell: &Dwell, before: Option<(usize, &Dwell)>, limits: 
     }
 }
 
-fn check_force(i: usize, dwell: &Dwell, site: Option<&Site>, limits: &Limits, faults: &mut Faults) {
+fn check_force(i: usize, dwell: &Dwell, site: Option<&Site>, limits: &CampaignLimits, faults: &mut Faults) {
     let force = dwell.specific_force_g0.norm();
     let place = || format!("/dwells/{i}/specific_force_g0");
     if dwell.phase == Phase::Static {

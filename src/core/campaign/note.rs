@@ -126,7 +126,7 @@ impl CampaignNote {
             Self::Missing { column: Column::StandardErrors, .. } => "standard_errors_missing",
             Self::TemperatureOutlier { .. } => "temperature_outlier",
             Self::TemperatureUnit { .. } => "temperature_unit",
-            Self::Commanded(finding) => finding.symptom.code(),
+            Self::Commanded(finding) => finding.symptom.name(),
             Self::RateNotOfAttitude { .. } => "rate_not_of_attitude",
             Self::NoStandardErrors => "no_standard_errors",
             Self::NoRepeats => "no_repeats",

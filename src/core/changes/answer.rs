@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::core::judge::{Coefficient, Event, Mark, Measured};
 use crate::core::message::{Message, figure, list, signed, text};
 use crate::core::mounting::Slot;
+use crate::core::named::named;
 use crate::core::time::UtcMicros;
 use crate::message;
 
@@ -146,7 +147,7 @@ impl Tie {
             }
             Self::Station { name, form: StationForm::Between(from, until), .. } => {
                 let [from, until] = [from, until].map(|at| text(at.date()));
-                message!("change_station_between", station = text(name), from = from, until = until)
+                message!("change_station_between", station = text(name), from, until)
             }
             Self::Proportion => message!("change_proportion"),
             Self::Instant { after, before } => {
@@ -249,7 +250,7 @@ impl WhyNot {
                 own = signed(own, decimals(sd)),
                 others = signed(others, decimals(sd)),
                 sd = figure(sd, decimals(sd)),
-                gyros = gyros
+                gyros
             ),
         }
     }
@@ -313,29 +314,18 @@ pub struct AsOf {
     pub now: UtcMicros,
 }
 
+named! {
 /// What the diagnosis of a gyro's history comes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HistoryVerdict {
     /// Too few records, or too short a time, to tell a change from scatter.
-    TooFew,
+    TooFew = "too_few",
     /// Nothing above the scatter of calibration.
-    NoChange,
-    Explained,
-    PartlyExplained,
-    Unexplained,
+    NoChange = "no_change",
+    Explained = "explained",
+    PartlyExplained = "partly_explained",
+    Unexplained = "unexplained",
 }
-
-impl HistoryVerdict {
-    /// As answers have it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::TooFew => "too_few",
-            Self::NoChange => "no_change",
-            Self::Explained => "explained",
-            Self::PartlyExplained => "partly_explained",
-            Self::Unexplained => "unexplained",
-        }
-    }
 }
 
 /// The answer for one coefficient.
@@ -408,7 +398,7 @@ impl HistoryDiagnosis {
 
     /// Of how many records it is said, where not all that count are looked at.
     pub fn looked_at(&self, records: usize) -> Option<Message> {
-        (self.records < records).then(|| message!("history_looked_at", looked_at = self.records, records = records))
+        (self.records < records).then(|| message!("history_looked_at", looked_at = self.records, records))
     }
 
     /// What is said besides the causes: how it wanders, what is left, what lies off, when it reaches its budget.
@@ -472,7 +462,7 @@ impl NamedCause {
         if let Some(held_out) = self.held_out {
             let [closure, low, high] = [held_out.closure, held_out.interval[0], held_out.interval[1]]
                 .map(|share| text(format_args!("{:.0} %", 100.0 * share)));
-            all.push(message!("history_closure", closure = closure, low = low, high = high));
+            all.push(message!("history_closure", closure, low, high));
         }
         all
     }

@@ -4,29 +4,23 @@
 //! of the processes below with mean variance 1, rho its power beside the white noise. sigma is profiled out, so ln L =
 //! -n/2 ln(r'V^-1 r / n) - 1/2 ln |V| (Harville 1977). Every cause has to be better than these by itself.
 
+use crate::core::named::named;
+
+named! {
 /// A process with a memory, R_ij.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Process {
-    White,
+pub enum Process {
+    White = "white",
     /// min(t_i, t_j): variance grows with time.
-    RandomWalk,
+    RandomWalk = "random_walk",
     /// min(i, j): variance grows with every occasion.
-    WalkByRecord,
+    WalkByRecord = "walk_by_record",
     /// 1/f over the span: sum of exponential memories, their times a factor of four apart.
-    Flicker,
+    Flicker = "flicker",
+}
 }
 
 impl Process {
-    /// Its name in answers.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::White => "white",
-            Self::RandomWalk => "random_walk",
-            Self::WalkByRecord => "walk_by_record",
-            Self::Flicker => "flicker",
-        }
-    }
-
     fn covariance(self, t: &[f64], i: usize, j: usize) -> f64 {
         let n = t.len();
         let span = (t[n - 1] - t[0]).max(f64::MIN_POSITIVE);

@@ -167,7 +167,7 @@ fn of_two(operator: Operator, a: Quantity, b: Quantity, at: usize) -> Result<Qua
     let (dimension, linear) = match operator {
         Operator::Plus | Operator::Minus if !a.dimension.is(b.dimension) => {
             let (left, right) = (text(a.dimension), text(b.dimension));
-            return Err(message!("equation_units_differ", place = at, left = left, right = right));
+            return Err(message!("equation_units_differ", place = at, left, right));
         }
         Operator::Plus | Operator::Minus if a.linear != b.linear => {
             return Err(message!("equation_free_term", place = at));

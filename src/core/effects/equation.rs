@@ -319,13 +319,10 @@ impl Reader {
 
     fn unexpected(&mut self, wanted: Message) -> Message {
         match self.peek() {
-            Some(found) => message!(
-                "equation_unexpected",
-                place = self.next + 1,
-                found = sent(&found.to_string()),
-                wanted = wanted
-            ),
-            None => message!("equation_ends", wanted = wanted),
+            Some(found) => {
+                message!("equation_unexpected", place = self.next + 1, found = sent(&found.to_string()), wanted)
+            }
+            None => message!("equation_ends", wanted),
         }
     }
 }

@@ -165,7 +165,7 @@ impl OwnHypothesis {
                 }
                 if let Some(range) = written.range.as_ref().filter(|range| spans_a_pole(&equation, &names, range)) {
                     let (from, to) = (text(range.from), text(range.to));
-                    faults.push(format!("/range/{}", range.name), message!("range_through_zero", from = from, to = to));
+                    faults.push(format!("/range/{}", range.name), message!("range_through_zero", from, to));
                 }
                 let at_reference = AtReference::Nothing;
                 let read = Self { written, equation, names, coefficients, coefficient, parameter, at_reference };
@@ -402,7 +402,7 @@ fn named(equation: &Equation, written: &Written) -> Result<(Vec<Input>, Vec<Stri
             }
             None => {
                 let known = list(QUANTITIES.map(|(known, _)| known));
-                return Err(message!("equation_name", place = name.at, name = sent(&name.name), known = known));
+                return Err(message!("equation_name", place = name.at, name = sent(&name.name), known));
             }
         };
         inputs.push(input);

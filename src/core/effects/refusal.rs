@@ -55,7 +55,7 @@ impl Lack {
             Self::TemperatureChange => message!("temperature_is_constant"),
             Self::Attitude => message!("dwells_without_attitude"),
             Self::Rate => message!("every_rate_is_zero"),
-            Self::NotFinite { dwell } => message!("equation_not_finite", dwell = dwell),
+            Self::NotFinite { dwell } => message!("equation_not_finite", dwell),
         }
     }
 }

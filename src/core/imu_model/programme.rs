@@ -204,7 +204,7 @@ fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &m
         let (least, most) = now.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), t| (l.min(*t), m.max(*t)));
         if least < low - room || most > high + room {
             let [low, high, least, most] = [low, high, least, most].map(|t| figure(t, 1));
-            notes.push(message!("temperature_outside_model", low = low, high = high, least = least, most = most));
+            notes.push(message!("temperature_outside_model", low, high, least, most));
         }
     }
     let fastest = setting.rate.iter().map(|w| w.norm()).fold(0.0, f64::max);
@@ -212,7 +212,7 @@ fn outside(model: &Identified, campaign: &Campaign, setting: &Setting, notes: &m
         let slow = |rate: &nalgebra::Vector3<f64>| rate.norm() <= FASTER * model.validity.rate_arcsec_s;
         seen.iter_mut().zip(&setting.rate).for_each(|(seen, rate)| *seen &= slow(rate));
         let (seen, now) = (figure(model.validity.rate_arcsec_s, 0), figure(fastest, 0));
-        notes.push(message!("rate_outside_model", seen = seen, now = now));
+        notes.push(message!("rate_outside_model", seen, now));
     }
     let is_new = |force: &&nalgebra::Vector3<f64>| {
         let along = |known: &nalgebra::Vector3<f64>| known.dot(force) / force.norm();

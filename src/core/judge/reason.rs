@@ -69,9 +69,9 @@ impl Verdict {
         match self.sd {
             Some(sd) => {
                 let sd = figure(sd, sd_digits(sd, self.limit));
-                message!("measured_with_sd", value = value, sd = sd, unit = unit)
+                message!("measured_with_sd", value, sd, unit)
             }
-            None => message!("measured", value = value, unit = unit),
+            None => message!("measured", value, unit),
         }
     }
 
@@ -81,17 +81,17 @@ impl Verdict {
         let percent = 100.0 * self.value.unwrap_or(0.0) / self.limit;
         match self.finding {
             Finding::Forecast { .. } => {
-                message!("limit_of_forecast", limit = limit, percent = figure(100.0 * FALSE_ALARMS, 1))
+                message!("limit_of_forecast", limit, percent = figure(100.0 * FALSE_ALARMS, 1))
             }
             // Its bounds were named.
-            Finding::Requirement { .. } => message!("limits_from", from = from),
+            Finding::Requirement { .. } => message!("limits_from", from),
             Finding::Shift { least, .. } if self.limit > least => {
-                message!("limit_of_three_sd", limit = limit, from = from)
+                message!("limit_of_three_sd", limit, from)
             }
             _ if self.state == State::Exceeded && percent < 1e5 => {
-                message!("limit_exceeded", limit = limit, from = from, percent = figure(percent, 0))
+                message!("limit_exceeded", limit, from, percent = figure(percent, 0))
             }
-            _ => message!("limit_is", limit = limit, from = from),
+            _ => message!("limit_is", limit, from),
         }
     }
 
@@ -102,7 +102,7 @@ impl Verdict {
             (State::Indeterminate, Some(unseen), _) => said.push(message!("forecast_unseen", what = unseen.word())),
             (State::Indeterminate, None, Some(step)) => {
                 let step = message!("measured", value = significant(step, 2), unit = Unit::Drift.word());
-                said.push(message!("forecast_wide", step = step));
+                said.push(message!("forecast_wide", step));
             }
             (State::Indeterminate, None, None) => said.push(message!("forecast_says_nothing")),
             (State::Exceeded, ..) if campaigns == 1 => said.push(message!("forecast_of_one_campaign")),
@@ -118,7 +118,7 @@ impl Verdict {
             (Status::TooUncertain, ..) if self.rule == Rule::Shift => Some(message!("too_uncertain_for_shift")),
             (Status::TooUncertain, Some(sd), _) => {
                 let limit = figure(self.limit, digits(self.limit));
-                Some(message!("too_uncertain", sd = figure(sd, sd_digits(sd, self.limit)), limit = limit))
+                Some(message!("too_uncertain", sd = figure(sd, sd_digits(sd, self.limit)), limit))
             }
             (_, _, Some(probability)) => Some(message!("probability_beyond", percent = percent(probability))),
             (_, None, None) if !by_clock_or_chart => Some(message!("no_standard_deviation")),
@@ -180,28 +180,23 @@ impl Verdict {
                     Rule::Shift | Rule::Trend => "weeks",
                     _ => "records",
                 };
-                vec![message!("too_few", name = name, rule = self.rule.word(), need = need, have = have, of = of)]
+                vec![message!("too_few", name, rule = self.rule.word(), need, have, of)]
             }
-            Finding::FewWithin { have, need, days } => vec![message!(
-                "too_few_within",
-                name = name,
-                rule = self.rule.word(),
-                need = need,
-                have = have,
-                days = text(days),
-            )],
+            Finding::FewWithin { have, need, days } => {
+                vec![message!("too_few_within", name, rule = self.rule.word(), need, have, days = text(days),)]
+            }
             Finding::Moved { since, have, need } => {
-                vec![message!("too_few_since_moved", name = name, since = day(since), need = need, have = have)]
+                vec![message!("too_few_since_moved", name, since = day(since), need, have)]
             }
             Finding::Step { level, now } => {
                 let side = side(now - level);
-                vec![message!("step", name = name, value = value(), side = side, level = shown(level))]
+                vec![message!("step", name, value = value(), side, level = shown(level))]
             }
             Finding::Range { records, since, lowest, highest } => vec![message!(
                 "range",
-                name = name,
+                name,
                 value = value(),
-                records = records,
+                records,
                 since = day(since),
                 lowest = shown(lowest.1),
                 lowest_at = day(lowest.0),
@@ -210,7 +205,7 @@ impl Verdict {
             )],
             Finding::Baseline { level, since, now } => vec![message!(
                 "baseline",
-                name = name,
+                name,
                 value = value(),
                 side = side(now - level),
                 level = shown(level),
@@ -219,7 +214,7 @@ impl Verdict {
             Finding::Closure { level, since, moved, now, d_s } => {
                 let mut said = vec![message!(
                     "closure",
-                    name = name,
+                    name,
                     value = value(),
                     side = side(now - level),
                     level = shown(level),
@@ -237,21 +232,21 @@ impl Verdict {
             Finding::Trend { .. } => self.trend_messages(),
             Finding::Shift { level, before, since, now, .. } => vec![message!(
                 "shift",
-                name = name,
+                name,
                 since = day(since),
                 value = value(),
                 side = side(now - level),
                 level = shown(level),
-                before = before,
+                before,
             )],
             Finding::RmsSuccessive { since, explained } => {
-                let mut said = vec![message!("rms_successive", name = name, since = day(since), value = value())];
+                let mut said = vec![message!("rms_successive", name, since = day(since), value = value())];
                 said.extend(explained.map(|explained| message!("rms_explained", explained = shown(explained))));
                 said
             }
             Finding::BeforeAfter { before, from, until, now } => vec![message!(
                 "before_after",
-                name = name,
+                name,
                 value = value(),
                 side = side(now - before.1),
                 level = shown(before.1),
@@ -264,11 +259,11 @@ impl Verdict {
                     ($code:literal) => {
                         message!(
                             $code,
-                            name = name,
+                            name,
                             value = value(),
                             side = side(shift),
-                            gyros = gyros,
-                            imus = imus,
+                            gyros,
+                            imus,
                             since = day(since),
                             until = day(until),
                         )
@@ -276,39 +271,25 @@ impl Verdict {
                 }
                 vec![if self.rule == Rule::BatchShift { said!("batch_shift") } else { said!("station_shift") }]
             }
-            Finding::ImuShift { gyros } => vec![message!("imu_shift", name = name, value = value(), gyros = gyros)],
+            Finding::ImuShift { gyros } => vec![message!("imu_shift", name, value = value(), gyros)],
             Finding::Forecast { slot, furthest, p, .. } => {
                 let p = if p < 1e-6 { text("< 1e-6") } else { text(format!("= {}", p_value(p))) };
                 let slot = slot.name();
-                let mut said = vec![message!("forecast", slot = slot, value = value(), p = p)];
-                said.extend(furthest.map(|(dwell, z)| message!("forecast_dwell", dwell = dwell, z = signed(z, 1))));
+                let mut said = vec![message!("forecast", slot, value = value(), p)];
+                said.extend(furthest.map(|(dwell, z)| message!("forecast_dwell", dwell, z = signed(z, 1))));
                 said
             }
             Finding::Agreement { results, lowest, highest } => {
                 let of = |(source, at, result): (Source, UtcMicros, f64)| {
                     message!("result_of_method", value = shown(result), method = source.word(), at = day(at))
                 };
-                vec![message!(
-                    "agreement",
-                    name = name,
-                    value = value(),
-                    results = results,
-                    lowest = of(lowest),
-                    highest = of(highest),
-                )]
+                vec![message!("agreement", name, value = value(), results, lowest = of(lowest), highest = of(highest),)]
             }
             Finding::Requirement { figure, low, high, others } => {
                 let inside = self.value.is_some_and(|value| (low..=high).contains(&value));
                 let place = if inside { "inside" } else { "outside" };
                 let (low, high) = (shown(low), shown(high));
-                let mut said = vec![message!(
-                    "requirement",
-                    figure = figure,
-                    value = value(),
-                    place = place,
-                    low = low,
-                    high = high
-                )];
+                let mut said = vec![message!("requirement", figure, value = value(), place, low, high)];
                 let others: Vec<&str> = others.into_iter().flatten().collect();
                 said.extend((!others.is_empty()).then(|| message!("requirement_others", figures = list(others))));
                 said
@@ -334,18 +315,18 @@ impl Verdict {
         );
         let name = self.coefficient.name();
         let (from, to) = (day(since), day(until));
-        let mut said = vec![message!("trend", name = name, rate = rate, cells = cells, since = from, until = to)];
+        let mut said = vec![message!("trend", name, rate, cells, since = from, until = to)];
         // This is read long after too: no date is said to be still to come.
         match reach {
             [_, Some(middle), _] if middle <= until => said.push(message!("trend_passed")),
             [Some(first), Some(middle), last] => {
                 let last = last.map_or_else(|| Parameter::from(message!("never")), day);
-                said.push(message!("trend_reaches", at = day(middle), first = day(first), last = last));
+                said.push(message!("trend_reaches", at = day(middle), first = day(first), last));
             }
             _ => {}
         }
         let (deviation, days) = (signed(deviation, p), figure(horizon_days, 0));
-        said.push(message!("trend_ahead", deviation = deviation, value = self.measured(), days = days));
+        said.push(message!("trend_ahead", deviation, value = self.measured(), days));
         said.extend(provisional.then(|| message!("trend_provisional")));
         said.extend((!of_fleet).then(|| message!("trend_default_noise")));
         said

@@ -12,10 +12,23 @@ use nalgebra::Vector3;
 
 use super::mounting::{Geometry, Slot};
 use super::record::GyroParameters;
+use crate::core::named::named;
 use normalised::Normalised;
 pub use normalised::{CovarianceEg, Unseparable};
 pub use published::{Branch, NotPublished, Published};
 pub use rigid::Rigid;
+
+named! {
+/// Which method's D_I and D_S are judged and shown first; both are always computed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum JudgedMethod {
+    /// The nominal triad carried along by the smallest rotation to the measured input axis.
+    #[default]
+    Rigid = "rigid",
+    /// Equations (7) to (13) of the paper, its errata applied.
+    Published = "published",
+}
+}
 
 /// Everything that one gyro's E and G say about its mounting and its drift.
 #[derive(Debug, Clone, PartialEq)]

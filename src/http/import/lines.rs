@@ -124,7 +124,7 @@ impl<B: Stream<Item = Result<Bytes, axum::Error>> + Unpin> Splitter<B> {
                 self.read += bytes.len();
                 self.pending.extend_from_slice(&bytes);
                 let (most, key) = (self.longest.body, "server.max_import_bytes");
-                (self.read > most).then(|| problem::too_large(message!("too_long_import", most = most, key = key)))
+                (self.read > most).then(|| problem::too_large(message!("too_long_import", most, key)))
             }
             Some(Err(_)) => Some(Problem::new(400, "title_broken_off", message!("body_broke_off"))),
         };

@@ -152,7 +152,7 @@ impl PointColumn {
 }
 
 fn stamp<S: Serializer>(at: &UtcMicros, serializer: S) -> Result<S::Ok, S::Error> {
-    Stamp::of(*at).serialize(serializer)
+    serializer.collect_str(&Stamp(*at))
 }
 
 fn shown<S: Serializer>(id: &Id, serializer: S) -> Result<S::Ok, S::Error> {

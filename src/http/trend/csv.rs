@@ -2,7 +2,7 @@
 
 use super::body::Trend;
 use super::request::Request;
-use crate::wire::time::Stamp;
+use crate::wire::time;
 
 const COLUMNS: [&str; 12] = [
     "serial",
@@ -30,11 +30,11 @@ pub(super) fn written(trend: &Trend<'_>, &Request { voided: with_voided, levels,
     let more = with_voided.then_some("voided").into_iter().chain(asked.iter().copied()).chain(["status"]);
     writer.write_record(COLUMNS.into_iter().chain(more)).ok()?;
     for point in &trend.points {
-        let (at, value) = (Stamp::of(point.calibrated_at), point.value.to_string());
+        let (at, value) = (time::format(point.calibrated_at), point.value.to_string());
         let sd = point.sd.map(|sd| sd.to_string()).unwrap_or_default();
         let (imu, slot) = (point.imu.unwrap_or_default(), point.slot.unwrap_or_default());
         let (record, state) = (point.record.to_string(), point.state.unwrap_or_default());
-        let head = [trend.serial, trend.coefficient, trend.unit, at.as_str(), &value, &sd, point.method];
+        let head = [trend.serial, trend.coefficient, trend.unit, &at, &value, &sd, point.method];
         let voided = point.voided.map(|voided| if voided { "true" } else { "false" });
         let tail = [imu, slot, point.station, &record, state];
         let level = point.level.map_or([None; 3], |level| [Some(level.baseline), level.lower, level.upper]);

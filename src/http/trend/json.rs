@@ -55,9 +55,7 @@ fn write_columns(trend: &Trend<'_>, of: &[PointColumn], with_levels: bool, text:
             }
             match column {
                 PointColumn::CalibratedAt => {
-                    text.push(b'"');
-                    text.write_all(Stamp::of(point.calibrated_at).as_str().as_bytes())?;
-                    text.push(b'"');
+                    write!(text, "\"{}\"", Stamp(point.calibrated_at))?;
                 }
                 PointColumn::Value => serde_json::to_writer(&mut *text, &point.value)?,
                 PointColumn::Sd => serde_json::to_writer(&mut *text, &point.sd)?,
@@ -106,9 +104,7 @@ fn write_point<'t>(
     station: &mut Quoted<'t>,
     text: &mut Vec<u8>,
 ) -> std::io::Result<()> {
-    text.write_all(b"{\"calibrated_at\":\"")?;
-    text.write_all(Stamp::of(point.calibrated_at).as_str().as_bytes())?;
-    text.write_all(b"\",\"value\":")?;
+    write!(text, "{{\"calibrated_at\":\"{}\",\"value\":", Stamp(point.calibrated_at))?;
     serde_json::to_writer(&mut *text, &point.value)?;
     text.write_all(b",\"sd\":")?;
     serde_json::to_writer(&mut *text, &point.sd)?;

@@ -12,8 +12,8 @@ use crate::http::App;
 use crate::http::events::EventBody;
 use crate::message;
 use crate::pipeline::sample_of;
+use crate::wire::body::bodies;
 use crate::wire::problem::Problem;
-use crate::wire::time::Stamp;
 
 /// Rows that are read at a time: what a gyro has in decades goes through a few megabytes.
 const ROWS: usize = 16_384;
@@ -112,7 +112,7 @@ impl Request {
             unit: "deg/(h*g0)",
             method: self.method.name(),
             every: period.name(),
-            periods: summaries.iter().map(PeriodBody::of).collect(),
+            periods: summaries.iter().map(PeriodBody::from).collect(),
             events,
             next: next.clone(),
         };
@@ -122,12 +122,7 @@ impl Request {
     }
 }
 
-impl PeriodBody {
-    fn of(summary: &Summary) -> Self {
-        let Summary { begins, count, min, max, mean, last } = *summary;
-        Self { begins: Stamp::of(begins).as_str().to_owned(), count, min, max, mean, last }
-    }
-}
+bodies! { PeriodBody of Summary: begins, count, min, max, mean, last; }
 
 /// RFC 4180: one header line, times in UTC, every figure at full precision.
 fn csv(trend: &PeriodTrend<'_>) -> Option<Vec<u8>> {

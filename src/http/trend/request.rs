@@ -145,12 +145,11 @@ impl Request {
 
     /// `every`, which goes with what counts only, and with nothing that is of a point.
     fn period(name: Option<&str>, of_points: bool) -> Result<Option<Period>, Problem> {
-        let Some(name) = name else { return Ok(None) };
-        let period = Period::from_name(name).ok_or_else(|| not_one_of("every", ["day", "week", "month"], name))?;
-        if of_points {
+        let period = query::named("every", name)?;
+        if period.is_some() && of_points {
             return Err(bad(message!("every_counts_only")));
         }
-        Ok(Some(period))
+        Ok(period)
     }
 
     /// What points are held against, where that is asked for; those of a bench by the judged method.

@@ -68,8 +68,8 @@ fn serials(a: &GyroFitBody, b: &GyroFitBody) -> Markup {
 /// The fits of the slots that both have.
 fn pairs(both: &[StoredCampaign; 2]) -> Vec<(Slot, &GyroFitBody, &GyroFitBody)> {
     let [a, b] = both.each_ref().map(|stored| &stored.answer.calibration.gyros);
-    let other = |fit: &GyroFitBody| b.iter().find(|other| Slot::from(other.slot) == Slot::from(fit.slot));
-    a.iter().filter_map(|fit| Some((Slot::from(fit.slot), fit, other(fit)?))).collect()
+    let other = |fit: &GyroFitBody| b.iter().find(|other| other.slot == fit.slot);
+    a.iter().filter_map(|fit| Some((fit.slot, fit, other(fit)?))).collect()
 }
 
 async fn found(pages: &Pages, stored: &StoredCampaign) -> Result<Found, Problem> {
@@ -125,8 +125,7 @@ impl Line {
 
 /// D_I, D_S and D_O, then every parameter of the fit that both have.
 fn lines(both: &[StoredCampaign; 2], slot: Slot, a: &GyroFitBody, b: &GyroFitBody) -> Vec<Line> {
-    let separated =
-        both.each_ref().map(|stored| stored.answer.separations.iter().find(|one| Slot::from(one.slot) == slot));
+    let separated = both.each_ref().map(|stored| stored.answer.separations.iter().find(|one| one.slot == slot));
     let mut lines = Vec::new();
     if let [Some(a), Some(b)] = separated {
         for (name, a, b) in [("D_I", &a.d_i, &b.d_i), ("D_S", &a.d_s, &b.d_s), ("D_O", &a.d_o, &b.d_o)] {

@@ -21,7 +21,6 @@ use super::residuals::Setting;
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
 use crate::core::access::Role;
-use crate::core::mounting::Slot;
 use crate::pages::reference;
 use crate::pages::reference::Against;
 use crate::pages::sent::Query;
@@ -62,13 +61,8 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Aske
             Err(why) => return Err(Problem::new(422, "title_nothing_to_diagnose", why.clone())),
         },
     };
-    let slots: Vec<(String, String)> = stored
-        .answer
-        .calibration
-        .gyros
-        .iter()
-        .map(|gyro| (Slot::from(gyro.slot).name().to_owned(), gyro.serial.clone()))
-        .collect();
+    let slots: Vec<(String, String)> =
+        stored.answer.calibration.gyros.iter().map(|gyro| (gyro.slot.name().to_owned(), gyro.serial.clone())).collect();
     let campaign = campaign::parse_json(stored.item.body.as_bytes());
     let settings = campaign.map(|campaign| Setting::of_all(&campaign)).unwrap_or_default();
     let against = Against::of(pages, &stored, &diagnosis, asked).await?;

@@ -8,7 +8,7 @@ use crate::core::judge::{Severity, State, Status, Verdict};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::{AlertOf, AlertRow, Changes, NewName, StoreError, Table, Tables};
-use crate::wire::alert::{AcknowledgementBody, AlertBody, FindingBody, SilenceBody};
+use crate::wire::alert::{AcknowledgementBody, AlertBody, AlertFindingBody, SilenceBody};
 use crate::wire::reason::Reason;
 use crate::wire::time;
 use crate::wire::unit;
@@ -70,8 +70,8 @@ impl Naming<'_> {
         stored.name(number).map(|name| &**name).or_else(of_group).unwrap_or_default().to_owned()
     }
 
-    pub fn finding(&self, verdict: &Verdict, origin: &Origin) -> FindingBody {
-        FindingBody {
+    pub fn finding(&self, verdict: &Verdict, origin: &Origin) -> AlertFindingBody {
+        AlertFindingBody {
             value: verdict.value,
             limit: verdict.limit,
             unit: verdict.unit().name().into(),
@@ -137,15 +137,15 @@ fn silence_of(row: &AlertRow, now: UtcMicros) -> Option<SilenceBody> {
 ///
 /// # Errors
 /// [`StoreError::Damaged`] where it cannot be read.
-pub fn finding_of(row: &AlertRow) -> Result<FindingBody, StoreError> {
-    let mut finding: FindingBody = serde_json::from_str(&row.finding)
+pub fn finding_of(row: &AlertRow) -> Result<AlertFindingBody, StoreError> {
+    let mut finding: AlertFindingBody = serde_json::from_str(&row.finding)
         .map_err(|error| StoreError::Damaged(format!("the finding of alert {}: {error}", row.id)))?;
     finding.unit = unit::of_machines(&finding.unit).into();
     Ok(finding)
 }
 
 /// What the gyro is, by an alert and the last verdict that it has followed.
-pub fn status_of(row: &AlertRow, finding: &FindingBody) -> Status {
+pub fn status_of(row: &AlertRow, finding: &AlertFindingBody) -> Status {
     if row.alert.resolved_at.is_some() {
         return Status::InTolerance;
     }

@@ -13,7 +13,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::Undone;
 use crate::store;
 use crate::store::{AlertOf, AlertRow, Changes, Remark, StepRow, Store, StoreError, Writer};
-use crate::wire::alert::FindingBody;
+use crate::wire::alert::AlertFindingBody;
 
 /// Gyros from which on everything is forgotten.
 const MOST_GYROS: usize = 20_000;
@@ -170,7 +170,7 @@ impl AlertCache {
         let arrival = Arrival { record_at: origin.at, now: pen.now, late: pen.late, muted_until, inhibited };
         let decision = alert_decision::hear(earlier.map(|row| &row.alert), verdict, &arrival, &self.policy);
         let Some(alert) = decision.alert else { return };
-        let finding = || FindingBody { with_imu, ..naming.finding(verdict, origin) }.kept();
+        let finding = || AlertFindingBody { with_imu, ..naming.finding(verdict, origin) }.kept();
         let (place, began) = match (place, earlier) {
             (Some(place), Some(row)) => {
                 // How long a calibration is overdue changes by itself: that is no news.
@@ -277,7 +277,7 @@ impl AlertCache {
             if let Some(row) = self.alerts.get_mut(&at.0).and_then(|rows| rows.get_mut(at.1)) {
                 row.inhibited_by = by;
                 if let Ok(finding) = finding_of(row) {
-                    row.finding = FindingBody { with_imu, ..finding }.kept();
+                    row.finding = AlertFindingBody { with_imu, ..finding }.kept();
                 }
             }
             self.enter(at, decision, false, (None, None), pen);

@@ -10,7 +10,7 @@ use crate::core::judge::{Coefficient, Measured, Severity, State, Suspected, Verd
 use crate::core::message::{Message, Parameter};
 use crate::core::time::UtcMicros;
 use crate::store::{AlertOf, AlertRow};
-use crate::wire::alert::FindingBody;
+use crate::wire::alert::AlertFindingBody;
 
 /// What gyros of a station, a batch or an IMU share, judged by the clock.
 #[derive(Debug, Clone)]
@@ -89,7 +89,7 @@ impl<'a> SharedAlerts<'a> {
     /// The alert of a station or a batch that fires, and the shift that it tells of.
     fn shift(&self, of: AlertOf, coefficient: Coefficient) -> Option<(&'a AlertRow, Measured)> {
         let row = self.firing_of(of, coefficient)?;
-        let FindingBody { value, sd, reason, .. } = finding_of(row).ok()?;
+        let AlertFindingBody { value, sd, reason, .. } = finding_of(row).ok()?;
         let sign = if is_above(&reason.0)? { 1.0 } else { -1.0 };
         Some((row, Measured { value: sign * value?, sd }))
     }
@@ -119,7 +119,7 @@ impl<'a> SharedAlerts<'a> {
         let Some((gyro, finding)) = of.gyro().filter(|_| fires).zip(finding_of(row).ok()) else {
             return Explained::default();
         };
-        let FindingBody { value, limit, sd, reason, station, imu, .. } = finding;
+        let AlertFindingBody { value, limit, sd, reason, station, imu, .. } = finding;
         let above = is_above(&reason.0);
         self.explaining_excess(&Excess {
             gyro,

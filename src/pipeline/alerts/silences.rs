@@ -7,7 +7,7 @@ use crate::core::judge::{Rule, Verdict};
 use crate::core::time::UtcMicros;
 use crate::store;
 use crate::store::{AlertOf, AlertRow, Remark, SilenceRow, Store, StoreError};
-use crate::wire::silence::{EndedBody, MatchersBody, MatchingSilenceBody};
+use crate::wire::silence::{EndedSilenceBody, MatchersBody, MatchingSilenceBody};
 use crate::wire::time;
 
 /// Silences in force at a time.
@@ -79,7 +79,7 @@ pub(super) fn body(row: &SilenceRow, now: UtcMicros) -> MatchingSilenceBody {
         reason: row.said.reason.clone(),
         at: time::format(row.said.at),
         active: ended.is_none() && now < row.until,
-        ended: ended.map(|said| EndedBody {
+        ended: ended.map(|said| EndedSilenceBody {
             by: said.by.clone(),
             reason: said.reason.clone(),
             at: time::format(said.at),

@@ -198,7 +198,7 @@ impl Diagnoser {
         let model = Arc::clone(&in_force.model);
         let work = move || match diagnose(&campaign, &options) {
             Ok(diagnosis) => {
-                let changed = changed_since(&model, &campaign).map(|changed| ChangedBody::of(&changed));
+                let changed = changed_since(&model, &campaign).map(|changed| ChangedBody::from(&changed));
                 let body = DiagnosisBody { effects_against_model: changed, ..DiagnosisBody::from(&diagnosis) };
                 let body = body.noted(model.notes_of_others(&campaign));
                 Ok(body.foretold(foretelling.map(|foretelling| foretelling.point(&campaign))))

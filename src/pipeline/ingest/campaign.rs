@@ -139,7 +139,7 @@ impl Reader {
 
     /// What is answered to a campaign, but for its id and verdicts.
     pub fn campaign_answer(&self, fit: &CampaignFit) -> CampaignAnswer {
-        let mut answer = CampaignAnswer::of(&fit.campaign, &fit.outcome, self.method());
+        let mut answer = CampaignAnswer::of(&fit.campaign, &fit.outcome, self.config.judging.method);
         answer.imu_model = fit.model.map(|id| id.to_string());
         answer
     }
@@ -264,7 +264,7 @@ impl Reader {
     pub fn fitted_bench(&self, body: &str) -> Result<BenchBody, Faults> {
         let (campaign, outcome) = evaluated(&self.config.stations, body, &InForce::default())?;
         match outcome {
-            Outcome::Bench(bench) => Ok(BenchBody::of(&bench.result(&campaign))),
+            Outcome::Bench(bench) => Ok(BenchBody::from(&bench.result(&campaign))),
             Outcome::Imu { .. } => {
                 Err(Fault { pointer: "/test".to_owned(), message: message!("is_no_bench_test") }.into())
             }

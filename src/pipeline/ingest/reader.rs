@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::config::{Config, JudgedMethod, PlausibilityKeys};
+use crate::config::{Config, PlausibilityKeys};
 use crate::core::at_reference::{AtReference, at_reference};
 use crate::core::augmented::AugmentedModel;
 use crate::core::fault::{Fault, Faults};
@@ -22,7 +22,7 @@ use crate::pipeline::ingest::submission::{
 };
 use crate::store::Store;
 use crate::system::Clock;
-use crate::wire::answer::{MethodBody, SeparationBody};
+use crate::wire::answer::SeparationBody;
 use crate::wire::bench::parse_bench_result;
 use crate::wire::campaign::Form;
 use crate::wire::document::DocumentKind;
@@ -193,7 +193,7 @@ impl Reader {
 
     /// The separations that a calibration is answered with.
     pub fn separations(&self, gyros: &[CalibratedGyro]) -> Vec<SeparationBody> {
-        let method = self.method();
+        let method = self.config.judging.method;
         let body = |gyro: &CalibratedGyro| {
             let body = SeparationBody::of(gyro.serial.as_str(), &gyro.separation, method);
             match gyro.as_measured.as_deref() {
@@ -218,12 +218,5 @@ impl Reader {
     /// The model that the next campaign of an IMU is fitted with.
     pub(super) fn in_force(&self, imu: &str) -> InForce {
         self.models.of(self.store.names().read().imus.number(imu))
-    }
-
-    pub(super) fn method(&self) -> MethodBody {
-        match self.config.judging.method {
-            JudgedMethod::Rigid => MethodBody::Rigid,
-            JudgedMethod::Published => MethodBody::Published,
-        }
     }
 }

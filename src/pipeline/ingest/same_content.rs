@@ -58,7 +58,7 @@ fn value_of(kind: Kind, body: &str) -> Value {
     let canonical = match kind {
         Kind::Record => {
             let record = parse::<RecordBody>(body.as_bytes()).and_then(|record| record.to_core(&anything()));
-            record.ok().and_then(|record| to_value(&RecordBody::of(&record)))
+            record.ok().and_then(|record| to_value(&RecordBody::from(&record)))
         }
         Kind::Campaign => campaign_value(body),
     };
@@ -67,7 +67,7 @@ fn value_of(kind: Kind, body: &str) -> Value {
 
 fn bench_value(body: &str) -> Value {
     let result = parse::<BenchBody>(body.as_bytes()).and_then(|bench| bench.to_core(f64::INFINITY));
-    let value = result.ok().and_then(|result| to_value(&BenchBody::of(&result)));
+    let value = result.ok().and_then(|result| to_value(&BenchBody::from(&result)));
     value.or_else(|| campaign_value(body)).unwrap_or_else(|| as_it_stands(body))
 }
 

@@ -90,15 +90,15 @@ pub(crate) fn message(finding: &Finding) -> Message {
     let likely = match (causes.next(), causes.next(), causes.next()) {
         (None, ..) => message!("commanded_wrong"),
         (Some(one), None, _) => one,
-        (Some(first), Some(second), None) => message!("either_of_two", first = first, second = second),
+        (Some(first), Some(second), None) => message!("either_of_two", first, second),
         (Some(first), Some(second), Some(third)) => {
-            message!("either_of_three", first = first, second = second, third = third)
+            message!("either_of_three", first, second, third)
         }
     };
     let measured = measured(finding);
     match finding.matters {
-        true => message!("commanded", likely = likely, measured = measured),
-        false => message!("commanded_hidden", likely = likely, measured = measured),
+        true => message!("commanded", likely, measured),
+        false => message!("commanded_hidden", likely, measured),
     }
 }
 
@@ -106,23 +106,23 @@ fn measured(finding: &Finding) -> Message {
     let (n, of, value) = (finding.dwells.len(), finding.of, finding.measured());
     let share = match finding.single && n == 1 {
         true => message!("this_dwell"),
-        false => message!("share_of_dwells", count = n, of = of),
+        false => message!("share_of_dwells", count = n, of),
     };
     match (finding.symptom, finding.expected) {
-        (Symptom::StaticRate, _) => message!("measured_static_rate", value = figure(value, 3), share = share),
+        (Symptom::StaticRate, _) => message!("measured_static_rate", value = figure(value, 3), share),
         (Symptom::VerticalRate, expected) => {
             let expected = signed(expected.unwrap_or(0.0), 3);
-            message!("measured_vertical_rate", value = signed(value, 3), share = share, expected = expected)
+            message!("measured_vertical_rate", value = signed(value, 3), share, expected)
         }
-        (Symptom::TurningRate, _) => message!("measured_turning_rate", value = figure(value, 3), share = share),
-        (Symptom::Heading, _) => message!("measured_heading", value = figure(value, 2), share = share),
+        (Symptom::TurningRate, _) => message!("measured_turning_rate", value = figure(value, 3), share),
+        (Symptom::Heading, _) => message!("measured_heading", value = figure(value, 2), share),
         (Symptom::Output, _) => message!("measured_output", value = figure(value, 2)),
-        (Symptom::Senses, _) => message!("measured_senses", value = figure(value, 1), share = share),
+        (Symptom::Senses, _) => message!("measured_senses", value = figure(value, 1), share),
         (Symptom::Gravity, expected) => {
             let expected = figure(expected.unwrap_or(1.0), 5);
-            message!("measured_gravity", value = figure(value, 5), share = share, expected = expected)
+            message!("measured_gravity", value = figure(value, 5), share, expected)
         }
-        (Symptom::Attitude, _) => message!("measured_attitude", value = figure(value, 3), share = share),
+        (Symptom::Attitude, _) => message!("measured_attitude", value = figure(value, 3), share),
     }
 }
 
@@ -146,7 +146,7 @@ fn cause(cause: &Cause) -> Message {
                 Part::Static => message!("static_dwells"),
                 Part::Turning => message!("rate_dwells"),
             };
-            message!("rate_unit", dwells = dwells, unit = unit)
+            message!("rate_unit", dwells, unit)
         }
         Cause::AxisReversed { axis: k, of } => message!("axis_reversed", axis = axis(k), vectors = vectors(of)),
         Cause::AxesExchanged { axes: (a, b), of } => {
@@ -155,7 +155,7 @@ fn cause(cause: &Cause) -> Message {
         Cause::OtherLatitude { degrees } => message!("other_latitude", degrees = figure(degrees, 3)),
         Cause::OtherEarthRate { arcsec_s } => message!("other_earth_rate", rate = figure(arcsec_s, 3)),
         Cause::OtherHeadings => message!("other_headings"),
-        Cause::ForceUnit { unit } => message!("force_unit", unit = unit),
+        Cause::ForceUnit { unit } => message!("force_unit", unit),
         Cause::ForceNormalised => message!("force_normalised"),
         Cause::ForceScale { ratio } => message!("force_scale", ratio = figure(ratio, 5)),
     }

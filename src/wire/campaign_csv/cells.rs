@@ -104,7 +104,7 @@ impl Columns {
         let names: Vec<String> = header.iter().map(str::to_owned).collect();
         let mut places: Vec<Vec<Option<usize>>> = FIELDS.iter().map(|(_, parts, _)| vec![None; parts.len()]).collect();
         for (index, name) in names.iter().enumerate() {
-            let at = |fault: Message| message!("at_column", line = line, column = index + 1, fault = fault);
+            let at = |fault: Message| message!("at_column", line, column = index + 1, fault);
             match field_and_part(name) {
                 None if name.is_empty() => {}
                 None => faults.push("/dwells", at(unknown(name, known_columns()))),
@@ -154,7 +154,7 @@ impl Columns {
         for ((field, ..), places) in FIELDS.iter().zip(&self.places).filter(|((f, ..), _)| f.starts_with("output")) {
             let given = last_given(places);
             if given != gyros && (given > 0 || *field == "output_pulse_s") {
-                let counts = message!("columns_and_gyros", columns = given, field = *field, gyros = gyros);
+                let counts = message!("columns_and_gyros", columns = given, field = *field, gyros);
                 faults.push(format!("/dwells/0/{field}"), message!("at_line", line = self.line, fault = counts));
             }
         }
@@ -233,12 +233,12 @@ impl Columns {
         match competitor {
             Some(i) => {
                 let number = format_args!("{},{}", &record[i], &record[i + 1]);
-                let fault = message!("cells_decimal_comma", cells = cells, columns = columns, number = number);
+                let fault = message!("cells_decimal_comma", cells, columns, number);
                 at_cell((line, i + 1), &self.names[i], fault)
             }
             None => {
-                let fault = message!("cells_under_columns", cells = cells, columns = columns);
-                message!("at_column", line = line, column = columns + 1, fault = fault)
+                let fault = message!("cells_under_columns", cells, columns);
+                message!("at_column", line, column = columns + 1, fault)
             }
         }
     }

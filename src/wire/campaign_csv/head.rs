@@ -90,7 +90,7 @@ impl Head {
         let Some((pointer, kind)) = meaning(key) else {
             let of_gyros = ["slot_1", "serial_1", "known_e_pulse_per_arcsec_1"];
             let known = list(KEYS.iter().map(|(key, ..)| *key).chain(of_gyros));
-            let unknown = message!("unknown_key", key = sent(key), known = known);
+            let unknown = message!("unknown_key", key = sent(key), known);
             faults.push(format!("/{key}"), message!("at_line", line = number, fault = unknown));
             return;
         };
@@ -104,7 +104,7 @@ impl Head {
         match read_value(value, kind) {
             Ok(value) => place(&mut self.document, &pointer, value),
             Err(fault) => {
-                faults.push(&pointer, message!("at_line_key", line = number, key = key.to_owned(), fault = fault));
+                faults.push(&pointer, message!("at_line_key", line = number, key = key.to_owned(), fault));
             }
         }
         self.lines.push((pointer, number));

@@ -7,7 +7,7 @@ use crate::message;
 /// The faults of a document on a line of its own name the column alone: whoever reads them is told the line beside
 /// them, and counted in itself the document has another one.
 pub fn on_a_line(faults: Faults) -> Faults {
-    replaced(faults, &|_, column| message!("in_column", column = column))
+    replaced(faults, &|_, column| message!("in_column", column))
 }
 
 /// The faults of a document that begins on `line` of the text which it is part of, in lines of that text.
@@ -15,7 +15,7 @@ pub fn from_line(line: usize, document: &str, faults: Faults) -> Faults {
     if !document.trim().contains('\n') {
         return on_a_line(faults);
     }
-    replaced(faults, &|own, column| message!("line_and_column", line = own + line as u64 - 1, column = column))
+    replaced(faults, &|own, column| message!("line_and_column", line = own + line as u64 - 1, column))
 }
 
 fn replaced(mut faults: Faults, place: &impl Fn(u64, u64) -> Message) -> Faults {
@@ -54,8 +54,8 @@ mod tests {
     #[test]
     fn a_fault_names_the_line_of_the_whole_text_or_none() {
         let placed = |line: u64| {
-            let place = message!("line_and_column", line = line, column = 9_u64);
-            message!("not_json", why = message!("at_place", fault = message!("json_expected_value"), place = place))
+            let place = message!("line_and_column", line, column = 9_u64);
+            message!("not_json", why = message!("at_place", fault = message!("json_expected_value"), place))
         };
         assert_eq!(said(7, "not json\r\n", placed(1)), "not JSON: expected a value at column 9");
         assert_eq!(said(7, "{\n \"imu\": 7}", placed(2)), "not JSON: expected a value at line 8 column 9");

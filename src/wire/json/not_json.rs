@@ -21,7 +21,7 @@ pub(super) fn why(bytes: &[u8], found: Fault, place: (usize, usize)) -> Fault {
     let fault = if stopped_there { found } else { fault(String::new(), &error) };
     let message = match second_document(bytes) {
         Some((line, column)) => {
-            message!("several_documents", place = message!("line_and_column", line = line, column = column))
+            message!("several_documents", place = message!("line_and_column", line, column))
         }
         None => message!("not_json", why = fault.message),
     };

@@ -9,7 +9,7 @@ pub(super) fn said(text: &str) -> Message {
     let place =
         place.split_once(" column ").and_then(|(line, column)| Some((line.parse().ok()?, column.parse().ok()?)));
     let Some((line, column)): Option<(u64, u64)> = place else { return of_form(text) };
-    message!("at_place", fault = of_form(what), place = message!("line_and_column", line = line, column = column))
+    message!("at_place", fault = of_form(what), place = message!("line_and_column", line, column))
 }
 
 /// The fault itself where it is told with its place in the text.
@@ -31,7 +31,7 @@ fn of_form(what: &str) -> Message {
         return message!("invalid_type", found = message!("json_array"), expected = kind(value));
     }
     if let Some(have) = found.strip_prefix("invalid length ").and_then(|have| have.parse::<u64>().ok()) {
-        return message!("invalid_length", have = have, expected = kind(value));
+        return message!("invalid_length", have, expected = kind(value));
     }
     if let Some(found) = found.strip_prefix("invalid type: ") {
         return message!("invalid_type", found = of_json(found), expected = kind(value));
@@ -56,12 +56,12 @@ fn of_members(what: &str) -> Option<Message> {
         let member = quoted.next()?;
         let known: Vec<String> = quoted.collect();
         return Some(match known.is_empty() {
-            true => message!("no_members_here", member = member),
-            false => message!("unknown_member", member = member, known = list(known)),
+            true => message!("no_members_here", member),
+            false => message!("unknown_member", member, known = list(known)),
         });
     }
     let value = if starts("unknown variant `") { quoted.next()? } else { return None };
-    Some(message!("unknown_value", value = value, known = list(quoted)))
+    Some(message!("unknown_value", value, known = list(quoted)))
 }
 
 /// Where a document ceases to be JSON.
@@ -99,16 +99,16 @@ fn is_structure(expected: &str) -> bool {
 fn of_json(found: &str) -> Message {
     let value = |opening: &str| found.strip_prefix(opening).map(|value| value.trim_matches('`').to_owned());
     if let Some(value) = value("string ") {
-        return message!("json_string", value = value);
+        return message!("json_string", value);
     }
     if let Some(value) = value("integer ") {
-        return message!("json_integer", value = value);
+        return message!("json_integer", value);
     }
     if let Some(value) = value("floating point ") {
-        return message!("json_number", value = value);
+        return message!("json_number", value);
     }
     if let Some(value) = value("boolean ") {
-        return message!("json_boolean", value = value);
+        return message!("json_boolean", value);
     }
     match found {
         "map" => message!("json_object"),

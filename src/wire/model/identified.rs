@@ -12,6 +12,7 @@ use crate::core::message::{list, sent, text};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
 use crate::message;
+use crate::wire::body::{ToBody, bodies};
 use crate::wire::geometry::GeometryBody;
 use crate::wire::numbers::in_range;
 use crate::wire::triple::Triple;
@@ -130,6 +131,11 @@ const TERM_NAMES: [(Term, &[&str]); 4] = [
     (Term::Scale, &["E_x", "E_y", "E_z"]),
 ];
 
+bodies! {
+    FittedCampaignBody of FittedCampaign: station, measured_at, dwells, source;
+    ValidityBody of Validity: temperature_c, rate_arcsec_s, directions;
+}
+
 impl IdentifiedBody {
     pub(super) fn of(model: &Identified) -> Self {
         let coefficient = |(place, c): (usize, &ModelCoefficient)| {
@@ -164,12 +170,6 @@ impl IdentifiedBody {
                 dof: gyro.noise.dof.is_finite().then_some(gyro.noise.dof),
             },
         };
-        let campaign = |fitted: &FittedCampaign| FittedCampaignBody {
-            station: fitted.station.to_string(),
-            measured_at: time::format(fitted.measured_at),
-            dwells: fitted.dwells,
-            source: fitted.source.clone(),
-        };
         Self {
             imu: model.imu.to_string(),
             geometry: GeometryBody::of(&model.geometry),
@@ -180,12 +180,8 @@ impl IdentifiedBody {
             covariance: (0..model.coefficients.len())
                 .map(|i| (0..=i).map(|k| model.covariance[(i, k)]).collect())
                 .collect(),
-            campaigns: model.campaigns.iter().map(campaign).collect(),
-            validity: ValidityBody {
-                temperature_c: model.validity.temperature_c,
-                rate_arcsec_s: model.validity.rate_arcsec_s,
-                directions: model.validity.directions.iter().map(|d| Triple::from(*d)).collect(),
-            },
+            campaigns: model.campaigns.to_body(),
+            validity: model.validity.to_body(),
         }
     }
 
@@ -387,7 +383,7 @@ impl ModelCoefficientBody {
         }
         .or_else(|| {
             let known = list(["D0", "G_x", "P_x", "E_x"]);
-            faults.push(format!("{place}/name"), message!("must_be_one_of", known = known, value = sent(&self.name)));
+            faults.push(format!("{place}/name"), message!("must_be_one_of", known, value = sent(&self.name)));
             None
         })?;
         let unit = unit::of_machines(unit);

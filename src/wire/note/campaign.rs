@@ -17,12 +17,12 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::Missing { column, dwells, of } => {
             let (count, of, dwells) = (dwells.len(), *of, places(dwells));
             match column {
-                Column::Attitude => message!("some_attitudes_missing", count = count, of = of, dwells = dwells),
+                Column::Attitude => message!("some_attitudes_missing", count, of, dwells),
                 Column::Temperature if 2 * count > of => {
-                    message!("temperatures_mostly_missing", count = count, of = of, dwells = dwells)
+                    message!("temperatures_mostly_missing", count, of, dwells)
                 }
-                Column::Temperature => message!("temperatures_missing", count = count, of = of, dwells = dwells),
-                Column::StandardErrors => message!("standard_errors_missing", count = count, of = of, dwells = dwells),
+                Column::Temperature => message!("temperatures_missing", count, of, dwells),
+                Column::StandardErrors => message!("standard_errors_missing", count, of, dwells),
             }
         }
         CampaignNote::TemperatureOutlier { dwell, celsius, median } => {
@@ -68,9 +68,9 @@ pub(super) fn message(note: &CampaignNote) -> Message {
                 LeftOut::AnyTemperature => message!("any_temperature"),
             };
             match slot {
-                None => message!("effect_left_out", effect = effect.id(), why = why),
+                None => message!("effect_left_out", effect = effect.id(), why),
                 Some(slot) => {
-                    message!("effect_left_out_of_gyro", slot = slot.name(), effect = effect.id(), why = why)
+                    message!("effect_left_out_of_gyro", slot = slot.name(), effect = effect.id(), why)
                 }
             }
         }
@@ -82,7 +82,7 @@ pub(super) fn message(note: &CampaignNote) -> Message {
                 StationLack::Scale(slot) => message!("station_needs_scale", slot = slot.name()),
                 StationLack::BenchTest => message!("station_not_of_bench"),
             };
-            message!("station_left_out", parts = list(parts.iter().map(|part| part.name())), why = why)
+            message!("station_left_out", parts = list(parts.iter().map(|part| part.name())), why)
         }
         CampaignNote::ProductAliased(Alias { product, coefficient, moves }) => message!(
             "product_aliased",
@@ -158,7 +158,7 @@ fn places(dwells: &[usize]) -> Parameter {
     let named = list(dwells.iter().take(NAMED).map(|k| format!("/dwells/{k}")));
     match dwells.len().saturating_sub(NAMED) {
         0 => named,
-        more => message!("and_more", named = named, more = more).into(),
+        more => message!("and_more", named, more).into(),
     }
 }
 

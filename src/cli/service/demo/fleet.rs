@@ -9,10 +9,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::Happening;
+use crate::core::bench::BenchMethod;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::time::UtcMicros;
 use crate::core::units::radians_from_arcmin;
-use crate::wire::bench::{BenchBody, BenchMethodBody};
+use crate::wire::bench::BenchBody;
 use crate::wire::geometry::{GeometryBody, NamedGeometry};
 use crate::wire::record::{GyroBody, RecordBody};
 use crate::wire::time;
@@ -91,7 +92,7 @@ pub fn draw(today: UtcMicros) -> Vec<Happening> {
         }
     }
     for (gyro, day) in [(3, 1.0), (7, 1.2), (10, 1.4), (15, 1.6), (10, stories::BACK - 0.8), (36, 380.0)] {
-        for method in [BenchMethodBody::TorqueFeedback, BenchMethodBody::TurntableServo] {
+        for method in [BenchMethod::TorqueFeedback, BenchMethod::TurntableServo] {
             happenings.push(Happening::Bench(bench(&gyros[gyro], gyro, day, method, first_day, &mut rng)));
         }
     }
@@ -229,7 +230,7 @@ fn parameters(seat: &Seat, gyro: &Gyro, station: &str, day: f64, rng: &mut ChaCh
     let e = (gyro.scale * input).map(|x| rounded(x + normal(rng, E_SD), 1e7));
     let g = (gyro.scale * (d_i * input + d_s * spin) + noise).map(|x| rounded(x, 1e6));
     GyroBody {
-        slot: seat.slot.into(),
+        slot: seat.slot,
         serial: gyro.serial.clone(),
         e_pulse_per_arcsec: e.into(),
         g_pulse_per_s_g0: Some(g.into()),
@@ -245,11 +246,11 @@ fn bench(
     gyro: &Gyro,
     number: usize,
     day: f64,
-    method: BenchMethodBody,
+    method: BenchMethod,
     first_day: UtcMicros,
     rng: &mut ChaCha8Rng,
 ) -> BenchBody {
-    let later = if method == BenchMethodBody::TorqueFeedback { 0.0 } else { 0.3 };
+    let later = if method == BenchMethod::TorqueFeedback { 0.0 } else { 0.3 };
     let [d_i, d_s] = gyro.drift(number, day).map(|d| rounded(d + normal(rng, 4e-4), 1e6));
     BenchBody {
         serial: gyro.serial.clone(),

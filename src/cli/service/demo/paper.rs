@@ -8,9 +8,10 @@
 use nalgebra::Vector3;
 
 use super::Happening;
+use crate::core::bench::BenchMethod;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::time::UtcMicros;
-use crate::wire::bench::{BenchBody, BenchMethodBody};
+use crate::wire::bench::BenchBody;
 use crate::wire::geometry::{GeometryBody, NamedGeometry};
 use crate::wire::record::{GyroBody, RecordBody};
 use crate::wire::time;
@@ -74,7 +75,7 @@ fn record(imu: &str, calibrated: UtcMicros, geometry: GeometryBody, gyros: [Gyro
 
 fn gyro(slot: Slot, serial: &str, e: Vector3<f64>, g: Vector3<f64>) -> GyroBody {
     GyroBody {
-        slot: slot.into(),
+        slot,
         serial: serial.into(),
         e_pulse_per_arcsec: e.into(),
         g_pulse_per_s_g0: Some(g.into()),
@@ -91,7 +92,7 @@ fn bench(serial: &str, at: UtcMicros, [d_i, d_s]: [f64; 2]) -> Happening {
         serial: serial.into(),
         station: "BENCH-PAPER".into(),
         measured_at: time::format(at),
-        method: BenchMethodBody::TorqueFeedback,
+        method: BenchMethod::TorqueFeedback,
         d_i_deg_per_h_g0: d_i,
         d_s_deg_per_h_g0: d_s,
         d_i_sd: None,

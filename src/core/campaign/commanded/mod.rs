@@ -17,44 +17,31 @@ mod worth;
 
 pub use search::findings;
 
+use crate::core::named::named;
 use crate::core::numerics::median::median_of;
 use crate::core::units::EARTH_RATE_DEG_H;
 
+named! {
 /// What is not as it should be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Symptom {
     /// |w| of static dwells is not the Earth's rate.
-    StaticRate,
+    StaticRate = "static_rate",
     /// w.f/|f| of static dwells is not Omega sin(latitude), or not the same in all.
-    VerticalRate,
+    VerticalRate = "vertical_rate",
     /// The rate of rate dwells is too slow for one, or is not along the vertical.
-    TurningRate,
+    TurningRate = "turning_rate",
     /// The rate of static dwells is not the Earth's at their attitude, though its length and its vertical part are.
-    Heading,
+    Heading = "heading",
     /// The outputs contradict what was commanded.
-    Output,
+    Output = "output",
     /// The outputs of turning dwells show other input axes than those of static dwells.
-    Senses,
+    Senses = "senses",
     /// |f| is not local gravity.
-    Gravity,
+    Gravity = "gravity",
     /// The attitude contradicts the specific force.
-    Attitude,
+    Attitude = "attitude",
 }
-
-impl Symptom {
-    /// Its code in notes and errors.
-    pub fn code(self) -> &'static str {
-        match self {
-            Self::StaticRate => "static_rate",
-            Self::VerticalRate => "vertical_rate",
-            Self::TurningRate => "turning_rate",
-            Self::Heading => "heading",
-            Self::Output => "output",
-            Self::Senses => "senses",
-            Self::Gravity => "gravity",
-            Self::Attitude => "attitude",
-        }
-    }
 }
 
 /// What a mistake was made in.

@@ -7,7 +7,7 @@ use super::context::Admission;
 use super::group::Group;
 use super::lookup::Lookup;
 use super::memory::{Around, Remembered};
-use crate::core::history_note::{FAR_DAYS, HistoryNote, NameKind, Named, Seat, TimeDoubt, doubt};
+use crate::core::history_note::{FAR_DAYS, HistoryNote, NameKind, NamedRecord, Seat, TimeDoubt, doubt};
 use crate::core::id::Id;
 use crate::core::note::Note;
 use crate::core::own_history::{Looked, Shown, against_histories};
@@ -203,7 +203,7 @@ impl<'c> Check<'c> {
             }
         }
         for ((at, record), serials) in identical {
-            let record = Named { record: record.to_string(), at };
+            let record = NamedRecord { record: record.to_string(), at };
             notes.push(HistoryNote::IdenticalFigures { serials, record });
         }
         let mut exchanged = Vec::new();
@@ -244,7 +244,11 @@ impl<'c> Check<'c> {
 
     /// Sets aside the few records that the gyros have decades before `at`, where they are those of a clock that was
     /// never set: soon after one another, of these gyros alone, and confirmed by nobody.
-    async fn doubt_earlier(&self, admission: &mut Admission<'_>, group: &mut Group) -> Result<Vec<Named>, StoreError> {
+    async fn doubt_earlier(
+        &self,
+        admission: &mut Admission<'_>,
+        group: &mut Group,
+    ) -> Result<Vec<NamedRecord>, StoreError> {
         let at = self.sent.calibrated_at;
         let numbers: Vec<u32> = self.gyros.iter().filter_map(|gyro| gyro.number).collect();
         let mut earlier: BTreeMap<(UtcMicros, Id), bool> = BTreeMap::new();
@@ -271,7 +275,7 @@ impl<'c> Check<'c> {
                 group.set_new_aside(id, &numbers, &note)
             };
             if done {
-                named.push(Named { record: id.to_string(), at: then });
+                named.push(NamedRecord { record: id.to_string(), at: then });
             }
         }
         admission.memory.forget_of(numbers);

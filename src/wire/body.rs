@@ -1,0 +1,127 @@
+//! What stands in a body under the same name as in the core.
+
+use std::borrow::Cow;
+
+use nalgebra::Vector3;
+
+use super::geometry::GeometryBody;
+use super::triple::Triple;
+use crate::core::bench::BenchMethod;
+use crate::core::effects::Effect;
+use crate::core::mounting::{Geometry, Slot};
+use crate::core::name::Name;
+use crate::core::named::Named;
+use crate::core::time::UtcMicros;
+use crate::wire::time;
+
+/// A value of the core as a body has it.
+pub(crate) trait ToBody<T> {
+    fn to_body(&self) -> T;
+}
+
+/// `SpreadBody of Spread: sd, interval;` makes one of the other, member by member; `error_pulse_s = error` takes it from
+/// a member of another name.
+macro_rules! bodies {
+    ($($body:ident of $core:ty: $($member:ident $(= $of:ident)?),+;)+) => {$(
+        impl From<&$core> for $body {
+            fn from(core: &$core) -> Self {
+                Self { $($member: $crate::wire::body::bodies!(@ core $member $($of)?)),+ }
+            }
+        }
+
+        impl $crate::wire::body::ToBody<$body> for $core {
+            fn to_body(&self) -> $body {
+                self.into()
+            }
+        }
+    )+};
+    (@ $core:ident $member:ident) => { $crate::wire::body::ToBody::to_body(&$core.$member) };
+    (@ $core:ident $member:ident $of:ident) => { $crate::wire::body::ToBody::to_body(&$core.$of) };
+}
+
+pub(crate) use bodies;
+
+macro_rules! as_it_is {
+    ($($of:ty),*) => {$(
+        impl ToBody<$of> for $of {
+            fn to_body(&self) -> $of {
+                self.clone()
+            }
+        }
+    )*};
+}
+
+as_it_is!(f64, usize, bool, String, BenchMethod);
+
+impl ToBody<String> for &'static str {
+    fn to_body(&self) -> String {
+        (*self).to_owned()
+    }
+}
+
+impl ToBody<Cow<'static, str>> for &'static str {
+    fn to_body(&self) -> Cow<'static, str> {
+        (*self).into()
+    }
+}
+
+impl<T: Named> ToBody<String> for T {
+    fn to_body(&self) -> String {
+        self.name().to_owned()
+    }
+}
+
+impl ToBody<String> for Effect {
+    fn to_body(&self) -> String {
+        self.id().to_owned()
+    }
+}
+
+impl ToBody<String> for Name {
+    fn to_body(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl ToBody<String> for UtcMicros {
+    fn to_body(&self) -> String {
+        time::format(*self)
+    }
+}
+
+/// A coefficient that the gyros share has no slot.
+impl ToBody<String> for Option<Slot> {
+    fn to_body(&self) -> String {
+        self.map_or("all", Slot::name).to_owned()
+    }
+}
+
+impl ToBody<Triple> for Vector3<f64> {
+    fn to_body(&self) -> Triple {
+        (*self).into()
+    }
+}
+
+impl ToBody<GeometryBody> for Geometry {
+    fn to_body(&self) -> GeometryBody {
+        GeometryBody::of(self)
+    }
+}
+
+impl<A: ToBody<B>, B> ToBody<Option<B>> for Option<A> {
+    fn to_body(&self) -> Option<B> {
+        self.as_ref().map(ToBody::to_body)
+    }
+}
+
+impl<A: ToBody<B>, B> ToBody<Vec<B>> for Vec<A> {
+    fn to_body(&self) -> Vec<B> {
+        self.iter().map(ToBody::to_body).collect()
+    }
+}
+
+impl<A: ToBody<B>, B, const N: usize> ToBody<[B; N]> for [A; N] {
+    fn to_body(&self) -> [B; N] {
+        std::array::from_fn(|i| self[i].to_body())
+    }
+}

@@ -99,6 +99,24 @@ fn a_csv_of_an_ahrs_with_more_columns_than_are_needed() {
     calibrate.current_dir(dir.path()).args(["calibrate", "c.csv", "--model", "bias"]).assert().success();
 }
 
+/// As `zcat log.csv.gz | gyrowatch dwells -`, and the same from a named pipe.
+#[cfg(unix)]
+#[test]
+fn a_log_may_come_through_a_pipe() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut text = String::from("sys_time;acc_x;acc_y;acc_z;gyr_x;gyr_y;gyr_z;temperature\n");
+    for (t, f, w) in by_hand(3) {
+        let row: Vec<String> = row((t, f, w)).iter().map(|value| format!("{value:.6}").replace('.', ",")).collect();
+        writeln!(text, "{}", row.join(";")).unwrap();
+    }
+    let utf_16: Vec<u8> = std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    for (log, text) in [("-", text.into_bytes()), ("/dev/stdin", utf_16)] {
+        let mut command = Command::cargo_bin("gyrowatch").unwrap();
+        command.current_dir(dir.path()).args(["dwells", log, "--map"]).arg(map("hi91-csv.toml")).write_stdin(text);
+        check_by_hand(&campaign(&command.output().unwrap()));
+    }
+}
+
 /// An array as numpy.save writes it.
 fn npy(descr: &str, shape: &str, rows: impl Iterator<Item = Vec<f64>>) -> Vec<u8> {
     let mut header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}");

@@ -65,6 +65,28 @@ async fn python_and_curl_send_templates_twice_and_hear_of_faults() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn octave_sends_a_campaign_and_hears_of_faults() {
+    if !support::required("octave-cli") {
+        return;
+    }
+    let server = Server::start().await;
+    let dir = tempfile::tempdir().unwrap();
+    template("campaign", "csv", &dir.path().join("campaign.csv"));
+    std::fs::write(dir.path().join("wrong.csv"), "# imu: IMU-08\nphase;start_s\nstatic;0\n").unwrap();
+    let post = |file: &str| {
+        let mut command = Command::new("octave-cli");
+        let call = format!("answer = post('{file}', 'campaigns', 'text/csv'); disp(['stored as ' answer.id])");
+        command.current_dir(dir.path()).args(["--no-init-file", "--path"]).arg(example(""));
+        command.args(["--eval", &call]);
+        command
+    };
+    let (sent, said) = run(post("campaign.csv"), &server);
+    assert!(sent && said.contains("stored as"), "{said}");
+    let (sent, said) = run(post("wrong.csv"), &server);
+    assert!(!sent && said.contains("\"status\":422"), "{said}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_wrong_campaign_is_revised_from_csv_and_voided_by_commands() {
     let server = Server::start().await;
     let dir = tempfile::tempdir().unwrap();

@@ -157,7 +157,7 @@ async fn absent(service: &Service, new: &Value) -> Option<Message> {
         return None;
     }
     let at = time::parse(time).ok()?;
-    let others = stored(service, &[("imu", imu), ("limit", "1000")]).await?;
+    let others = stored(service, &[("imu", imu)]).await?;
     let mut others: Vec<(f64, String)> = others
         .iter()
         .filter_map(|other| {
@@ -178,9 +178,18 @@ async fn absent(service: &Service, new: &Value) -> Option<Message> {
 
 /// Stored records and campaigns; none where the service does not say.
 async fn stored(service: &Service, query: &[(&str, &str)]) -> Option<Vec<Value>> {
-    let query = url::form_urlencoded::Serializer::new(String::new()).extend_pairs(query).finish();
-    let answer = service.ask(&format!("/v1/records?{query}")).await.ok()?;
-    answer["records"].as_array().cloned()
+    let (mut all, mut next) = (Vec::new(), None);
+    loop {
+        let query =
+            query.iter().copied().chain([("limit", "1000")]).chain(next.as_deref().map(|next| ("cursor", next)));
+        let query = url::form_urlencoded::Serializer::new(String::new()).extend_pairs(query).finish();
+        let answer = service.ask(&format!("/v1/records?{query}")).await.ok()?;
+        all.extend(answer["records"].as_array()?.iter().cloned());
+        next = answer["next"].as_str().map(str::to_owned);
+        if next.is_none() {
+            return Some(all);
+        }
+    }
 }
 
 fn in_place_of(old: &str, answer: &Value) -> String {

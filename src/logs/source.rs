@@ -1,7 +1,7 @@
 //! One log, whichever format it is in: named columns, and rows of numbers from first to last.
 
 use std::fs::File;
-use std::io::{Cursor, Read, Seek};
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 use calamine::{Data, Reader, Xlsx};
@@ -32,12 +32,15 @@ struct Sheet {
 }
 
 impl Source {
-    /// Opens a log and looks at its layout.
+    /// Opens a log, or standard input for `-`, and looks at its layout.
     ///
     /// # Errors
     /// What it is, where it is no table; what the operating system says.
     pub fn open(path: &Path) -> Result<Self, LogError> {
         let place = path.display().to_string();
+        if path == Path::new("-") {
+            return Self::read(&place, std::io::stdin());
+        }
         let file = File::open(path).map_err(unreadable(&place))?;
         if file.metadata().is_ok_and(|m| m.is_dir()) {
             return Err(LogError::new(&place, message!("file_is_folder")));
@@ -49,16 +52,17 @@ impl Source {
     ///
     /// # Errors
     /// As [`Source::open`].
-    pub fn read(place: &str, mut from: impl Read + Seek + 'static) -> Result<Self, LogError> {
+    pub fn read(place: &str, mut from: impl Read + 'static) -> Result<Self, LogError> {
         let fail = unreadable(place);
         let mut head = Vec::new();
         from.by_ref().take(HEAD as u64).read_to_end(&mut head).map_err(&fail)?;
-        from.rewind().map_err(&fail)?;
         if head.is_empty() {
             return Err(LogError::new(place, message!("file_is_empty")));
         }
         let of_file = |fault| LogError::new(place, fault);
         let kind = file_kind(&head).map_err(of_file)?;
+        // A pipe cannot be read twice.
+        let mut from = Cursor::new(head).chain(from);
         if matches!(kind, FileKind::Text | FileKind::Utf16 { .. }) {
             return TextLog::of(place, from, kind).map(Self::Text);
         }

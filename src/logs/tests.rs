@@ -169,6 +169,7 @@ fn log(seed: u64, hz: f64, told: Told) -> (Gathered, Vec<Position>, Vec<Truth>) 
         unit: Unit { factor: 1.0, offset: 0.0, counts: Counts::Rate },
         breaks: Vec::new(),
         sample_s: step,
+        is_regular: true,
         unix_s: None,
         remarks: Vec::new(),
     };

@@ -1,6 +1,6 @@
 //! Text tables as loggers write them: any delimiter, decimal commas, a header in brackets, a row of units.
 
-use std::io::{BufRead, BufReader, Read, Seek};
+use std::io::{BufRead, BufReader, Cursor, Read};
 
 use super::clock;
 use super::column::Column;
@@ -74,16 +74,13 @@ impl TextLog {
     ///
     /// # Errors
     /// Text without a table; what the operating system says.
-    pub fn of(place: &str, mut from: impl Read + Seek + 'static, kind: FileKind) -> Result<Self, LogError> {
-        let fail = unreadable(place);
-        let mut head = Vec::new();
-        reader_of(&mut from, kind).take(HEAD as u64).read_to_end(&mut head).map_err(&fail)?;
-        from.rewind().map_err(&fail)?;
+    pub fn of(place: &str, from: impl Read + 'static, kind: FileKind) -> Result<Self, LogError> {
+        let (mut rest, mut head) = (reader_of(from, kind), Vec::new());
+        rest.by_ref().take(HEAD as u64).read_to_end(&mut head).map_err(unreadable(place))?;
         let whole = head.len() < HEAD;
-        let reader: Box<dyn Read> = match of_carriage_returns(&head) {
-            true => Box::new(CarriageReturns(reader_of(from, kind))),
-            false => reader_of(from, kind),
-        };
+        let text = Cursor::new(head.clone()).chain(rest);
+        let reader: Box<dyn Read> =
+            if of_carriage_returns(&head) { Box::new(CarriageReturns(text)) } else { Box::new(text) };
         let head = with_line_feeds(head);
         let layout = Layout::of(&head, whole).map_err(|fault| LogError::new(place, fault))?;
         let reader = Box::new(BufReader::with_capacity(1 << 18, reader));
@@ -187,7 +184,7 @@ fn is_comment(line: &[u8]) -> bool {
     line.starts_with(b"#") || line.starts_with(b"%") || line.starts_with(b"//")
 }
 
-fn reader_of<'r>(from: impl Read + 'r, kind: FileKind) -> Box<dyn Read + 'r> {
+fn reader_of(from: impl Read + 'static, kind: FileKind) -> Box<dyn Read> {
     match kind {
         FileKind::Utf16 { big_endian } => {
             Box::new(Utf16 { from: BufReader::with_capacity(1 << 18, from), big_endian, ready: Vec::new(), given: 0 })
@@ -450,8 +447,15 @@ impl Layout {
             return Err(message!("no_numbers", lines = lines.len()));
         }
         let fields = |line: &str| split(line, delimiter);
+        let mut widths: Vec<usize> = sampled.iter().map(|line| fields(line).len()).collect();
+        widths.sort_unstable();
+        let usual = widths.get(widths.len() / 2).copied().unwrap_or(0);
         let is_row = |line: &str| {
             let cells = fields(line);
+            // A program's own lines of a word and a number.
+            if cells.len() + 1 < usual {
+                return false;
+            }
             let filled = cells.iter().filter(|c| !is_empty(c)).count();
             let numbers = cells.iter().filter(|c| is_number(c, decimal_comma)).count();
             numbers > 0 && 2 * numbers >= filled
@@ -570,7 +574,7 @@ fn split_headings(names: &mut [String], below: &mut [String]) {
 /// Whether a cell of a second header row is a unit.
 fn is_unit(cell: &str) -> bool {
     let bare = cell.trim_matches(['[', ']', '(', ')', ' ']);
-    !bare.is_empty() && (bare.len() < cell.len() || QUANTITIES.iter().any(|q| q.unit(bare).is_some()))
+    !bare.is_empty() && (cell.trim_start().starts_with(['[', '(']) || QUANTITIES.iter().any(|q| q.unit(bare).is_some()))
 }
 
 #[cfg(test)]
@@ -608,6 +612,13 @@ mod tests {
 
         let quoted = layout("\"t\",\"a\"\n\"0,5\",\"1,5\"\n\"1,5\",\"1,25\"\n");
         assert_eq!((quoted.delimiter, quoted.decimal_comma), (Some(b','), true));
+
+        let titled = layout("Run 3;;\n;;\nt [s];a [g];b [g]\n0,5;1;2\n1,5;1;2\n");
+        assert_eq!(heads(&titled), [("t", Some("s")), ("a", Some("g")), ("b", Some("g"))]);
+
+        let labview =
+            layout("Writer_Version\t2\nChannels\t3\t\nX_Value\ta\tb\tc\tComment\n0.5\t1\t2\t3\n1.5\t1\t2\t3\n");
+        assert_eq!(heads(&labview), [("X_Value", None), ("a", None), ("b", None), ("c", None)]);
 
         assert_eq!(with_line_feeds(b"a\rb\r".to_vec()), b"a\nb\n");
         assert_eq!(with_line_feeds(b"a\r\nb".to_vec()), b"a\r\nb");

@@ -43,7 +43,10 @@ pub fn file_kind(head: &[u8]) -> Result<FileKind, Message> {
     let starts = |magic: &[u8]| head.starts_with(magic);
     let is_73 = starts(b"MATLAB 7.3 MAT-file");
     if is_73 || starts(b"\x89HDF\r\n\x1a\n") || head.get(512..520) == Some(b"\x89HDF\r\n\x1a\n") {
-        return Err(if is_73 { message!("file_is_mat73") } else { message!("file_is_hdf5") });
+        return Err(if is_73 { message!("file_is_mat", version = "7.3") } else { message!("file_is_hdf5") });
+    }
+    if is_mat4(head) {
+        return Err(message!("file_is_mat", version = "4"));
     }
     if starts(b"MATLAB 5.0 MAT-file") {
         return Ok(FileKind::Mat5);
@@ -76,6 +79,24 @@ pub fn file_kind(head: &[u8]) -> Result<FileKind, Message> {
         None if head.iter().all(|&b| b == 0) && !head.is_empty() => Err(message!("file_is_zeros")),
         None => Err(message!("file_is_binary")),
     }
+}
+
+/// Version 4 of MATLAB's files has no mark: the first matrix begins with its type (numbers of ten kinds and orders of
+/// bytes), rows, columns, whether it is complex, and the length of its name, which follows.
+fn is_mat4(head: &[u8]) -> bool {
+    let word = |at: usize| Some(u32::from_le_bytes(head.get(at..at + 4)?.try_into().ok()?));
+    let of = |swap: fn(u32) -> u32| {
+        let [kind, rows, columns, complex, length] = [0, 4, 8, 12, 16].map(|at| word(at).map_or(u32::MAX, swap));
+        let name = head.get(20..20_usize.saturating_add(length as usize));
+        let is_name = |name: &[u8]| name.strip_suffix(b"\0").is_some_and(|name| name.iter().all(u8::is_ascii_graphic));
+        kind < 1100
+            && kind % 100 < 53
+            && rows.min(columns) > 0
+            && complex < 2
+            && length > 1
+            && name.is_some_and(is_name)
+    };
+    of(|word| word) || of(u32::swap_bytes)
 }
 
 /// What begins with these bytes is known, and is not read.
@@ -138,7 +159,10 @@ mod tests {
         assert_eq!(code(b"\x93NUMPY\x01\x00v\x00{'descr': "), Ok(FileKind::Npy));
         assert_eq!(code(b"PAR1\x15\x04\x15"), Ok(FileKind::Parquet));
         assert_eq!(code(b"MATLAB 5.0 MAT-file, Platform: PCWIN64"), Ok(FileKind::Mat5));
-        assert_eq!(code(b"MATLAB 7.3 MAT-file, Platform"), refused("file_is_mat73"));
+        assert_eq!(code(b"MATLAB 7.3 MAT-file, Platform"), refused("file_is_mat"));
+        let mat4 =
+            [0_u32, 100, 3, 0, 3].iter().flat_map(|word| word.to_le_bytes()).chain(*b"gx\0").collect::<Vec<u8>>();
+        assert_eq!(code(&[&mat4[..], &[0; 99]].concat()), refused("file_is_mat"));
         assert_eq!(code(b"ULog\x01\x12\x35\x01...."), refused("file_is_ulog"));
         assert_eq!(code(b"#ROSBAG V2.0\n"), refused("file_is_rosbag"));
         assert_eq!(code(&[0; 64]), refused("file_is_zeros"));

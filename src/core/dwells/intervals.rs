@@ -164,8 +164,11 @@ fn mark(
         }
         let least = resolution(track) / (half as f64).sqrt();
         let of = |share: f64, normal: f64, of: Vec<f64>| (quantile(of, share) / normal).max(least);
-        let rough = of(QUANTILE, NORMAL_QUANTILE, changes.iter().map(|c| c.1.abs()).collect());
-        let still: Vec<f64> = changes.iter().map(|c| c.1.abs()).filter(|c| *c <= CHANGE * rough).collect();
+        // What is clipped has no noise.
+        let noisy = |c: &&(usize, f64)| track.whole || track.at_end[c.0] < 1.0;
+        let sizes: Vec<f64> = changes.iter().filter(noisy).map(|c| c.1.abs()).collect();
+        let rough = of(QUANTILE, NORMAL_QUANTILE, sizes.clone());
+        let still: Vec<f64> = sizes.into_iter().filter(|c| *c <= CHANGE * rough).collect();
         let sigma = of(0.5, 1.0 / SD_OF_MEDIAN, still).min(rough.max(least)).min(most).max(least);
         most = GROWTH * sigma;
         let reach = half.div_ceil(2);

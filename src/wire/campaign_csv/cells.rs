@@ -59,13 +59,13 @@ pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option
     let mut rows = Vec::new();
     let mut dwell = 0;
     let records: Vec<_> = records.collect();
-    let whole = records.iter().flatten().find(|record| record.len() == columns.names.len());
+    let ranges = ranges(records.iter().flatten().filter(|record| record.len() == columns.names.len()));
     for record in &records {
         match record {
             Ok(record) if record.iter().all(str::is_empty) => {}
             Ok(record) => {
                 let line = first_line + record.position().map_or(0, |p| p.line() as usize);
-                rows.extend(columns.row(record, whole, dwell, line, faults));
+                rows.extend(columns.row(record, &ranges, dwell, line, faults));
                 dwell += 1;
             }
             Err(error) => faults.push("/dwells", message!("table_unreadable", why = format_args!("{error}"))),
@@ -167,17 +167,17 @@ impl Columns {
         Some((column + 1, &self.names[column]))
     }
 
-    /// `whole`: some row with a cell a column, if there is one.
+    /// `ranges`: of each column, in the rows with a cell a column.
     fn row(
         &self,
         record: &csv::StringRecord,
-        whole: Option<&csv::StringRecord>,
+        ranges: &[Range],
         dwell: usize,
         line: usize,
         faults: &mut Faults,
     ) -> Option<Row> {
         if record.len() > self.names.len() && record.iter().skip(self.names.len()).any(|cell| !cell.is_empty()) {
-            faults.push(format!("/dwells/{dwell}"), self.too_many(record, whole, line));
+            faults.push(format!("/dwells/{dwell}"), self.too_many(record, ranges, line));
             return None;
         }
         let mut numbers = vec![None; self.names.len()];
@@ -219,18 +219,17 @@ impl Columns {
     }
 
     /// More cells than columns: most often decimal commas. Of cells that look like half a number it names the one
-    /// without which the row is most like a whole one; the first, where there is none.
-    fn too_many(&self, record: &csv::StringRecord, whole: Option<&csv::StringRecord>, line: usize) -> Message {
+    /// without which most of the row is in the ranges of its columns; the first, where there are none.
+    fn too_many(&self, record: &csv::StringRecord, ranges: &[Range], line: usize) -> Message {
         let digits = |cell: &str| !cell.is_empty() && cell.bytes().all(|b| b.is_ascii_digit());
         let half = |i: usize| {
             let whole = record.get(i).unwrap_or_default();
             digits(whole.trim_start_matches(['-', '+'])) && record.get(i + 1).is_some_and(digits)
         };
         let halves = (0..self.names.len()).filter(|&i| self.names[i] != "phase" && half(i));
-        let likeness = |i: &usize| whole.map_or(0.0, |whole| likeness(record, whole, *i));
-        let competitor = halves.rev().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+        let half = halves.rev().max_by_key(|i| within(record, ranges, *i));
         let (cells, columns) = (record.len(), self.names.len());
-        match competitor {
+        match half {
             Some(i) => {
                 let number = format_args!("{},{}", &record[i], &record[i + 1]);
                 let fault = message!("cells_decimal_comma", cells, columns, number);
@@ -244,21 +243,34 @@ impl Columns {
     }
 }
 
-/// How like a whole row is one whose cells `i` and `i + 1` are one number: 1 for each cell of the same size.
-fn likeness(record: &csv::StringRecord, whole: &csv::StringRecord, i: usize) -> f64 {
+/// Least and largest number of a column, twice as far apart as they are.
+type Range = (f64, f64);
+
+fn ranges<'a>(whole: impl Iterator<Item = &'a csv::StringRecord>) -> Vec<Range> {
+    let mut ranges: Vec<Range> = Vec::new();
+    for record in whole {
+        ranges.resize(record.len(), (f64::INFINITY, f64::NEG_INFINITY));
+        for ((least, most), cell) in ranges.iter_mut().zip(record) {
+            let number: f64 = cell.parse().unwrap_or(f64::NAN);
+            (*least, *most) = (least.min(number), most.max(number));
+        }
+    }
+    ranges.iter().map(|(least, most)| (1.5 * least - 0.5 * most, 1.5 * most - 0.5 * least)).collect()
+}
+
+/// Cells within the ranges of their columns, where the cells `i` and `i + 1` are one number.
+fn within(record: &csv::StringRecord, ranges: &[Range], i: usize) -> usize {
     let merged = format!("{}.{}", record.get(i).unwrap_or_default(), record.get(i + 1).unwrap_or_default());
     let cell = |k: usize| match k {
         _ if k < i => record.get(k),
         _ if k == i => Some(merged.as_str()),
         _ => record.get(k + 1),
     };
-    let number = |text: Option<&str>| text.and_then(|text| text.parse::<f64>().ok());
-    let alike = |k: usize| match (number(cell(k)), number(whole.get(k))) {
-        (Some(a), Some(b)) if a == b => 1.0,
-        (Some(a), Some(b)) => 1.0 - (a - b).abs() / (a.abs() + b.abs()),
-        _ => f64::from(cell(k) == whole.get(k)),
+    let is_within = |(k, (least, most)): (usize, &Range)| {
+        let number = cell(k).and_then(|cell| cell.parse::<f64>().ok());
+        number.is_some_and(|number| (*least..=*most).contains(&number))
     };
-    (0..whole.len()).map(alike).sum()
+    ranges.iter().enumerate().filter(|range| is_within(*range)).count()
 }
 
 fn last_given(places: &[Option<usize>]) -> usize {

@@ -121,8 +121,10 @@ fn bad_cells_are_named_by_line_and_column() {
 #[test]
 fn a_decimal_comma_is_named_by_line_and_column() {
     let unquoted = fault_after("45.1", "45,1");
-    assert!(unquoted.starts_with("line 11, column"), "{unquoted}");
-    assert!(unquoted.contains("decimal comma"), "{unquoted}");
+    assert!(unquoted.starts_with("line 11, column 14 (temperature_c): 19 cells under 18 columns"), "{unquoted}");
+    assert!(unquoted.contains("is 45,1 a number with a decimal comma"), "{unquoted}");
+    let among_zeros = fault_after("0,15.041067,0,45.0", "0,15,041067,0,45.0");
+    assert!(among_zeros.starts_with("line 10, column 12 (rate_arcsec_s_y)"), "{among_zeros}");
     let quoted = fault_after("45.1", "\"45,1\"");
     assert!(quoted.starts_with("line 11, column 14 (temperature_c): \"45,1\" has a decimal comma"), "{quoted}");
     let semicolons: String = TABLE

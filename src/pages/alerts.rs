@@ -3,6 +3,8 @@
 mod bulk;
 mod one;
 
+use std::collections::HashMap;
+
 use axum::extract::Path;
 use axum::response::Response;
 use maud::{Markup, html};
@@ -85,8 +87,8 @@ pub(super) async fn page(
         ..AlertFilter::default()
     };
     let nobody = gyro.is_none() && !serial.is_empty();
-    let counts = if nobody { Vec::new() } else { pages.pipeline.alerts.standings(&any).await? };
-    let of = |standing: Standing| counts.iter().find(|(one, _)| *one == standing).map_or([0, 0], |(_, counts)| *counts);
+    let counts = if nobody { HashMap::new() } else { pages.pipeline.alerts.standings(&any).await? };
+    let of = |standing: Standing| counts.get(&standing).copied().unwrap_or(0);
     let wanted = Standing::from_name(filters.state());
     let filter = AlertFilter { standing: wanted, ..any };
     let mut found = if nobody {
@@ -103,8 +105,8 @@ pub(super) async fn page(
     let groups = together(standing_with_alerts(pages, found).await?);
     let silences = silences::list(pages, viewer).await?;
     let here = filters.address(filters.state(), filters.page);
-    let all: usize = Standing::ALL.iter().map(|standing| of(*standing)[0]).sum();
-    let tabs = Standing::ALL.map(|standing| (standing.name(), t.standing(standing.name()), of(standing)[0]));
+    let all: usize = Standing::ALL.iter().map(|standing| of(*standing)).sum();
+    let tabs = Standing::ALL.map(|standing| (standing.name(), t.standing(standing.name()), of(standing)));
     let tabs = tabs.into_iter().chain([("all", t.alert_all, all)]);
     let may = viewer.may(Role::Engineer) && wanted != Some(Standing::Resolved);
     let body = html! {

@@ -77,11 +77,10 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
     let fleet = queries.fleet.page(&FleetFilter::default(), 0, LINES).await?;
     let shown = fleet.gyros.iter().chain(&today.worse.first);
     let known = known_of(pages, viewer, shown, since).await?;
-    let drifting = FleetFilter { statuses: Some(&[Status::Drifting]), ..FleetFilter::default() };
-    let drifting = queries.fleet.page(&drifting, 0, DATED).await?;
-    let (dues, undated) = queries.dues.of(&drifting.gyros, now).await?;
-    let undated = undated + drifting.found.saturating_sub(drifting.gyros.len());
-    let approaching = Approaching::of(&today.approaching, &drifting.gyros, &dues, now);
+    let drifting = queries.fleet.worst_of(&[Status::Drifting], DATED).await?;
+    let (dues, undated) = queries.dues.of(&drifting, now).await?;
+    let undated = undated + fleet.of_status[Status::Drifting as usize].saturating_sub(drifting.len());
+    let approaching = Approaching::of(&today.approaching, &drifting, &dues, now);
     let stations = queries.fleet.station_figures_within(PATIENCE).await?;
     let changed = stations.as_deref().map_or_else(Vec::new, |found| station_changes(found, since));
     let gone = no_longer_in_it(pages, &today.overdue.first).await?;

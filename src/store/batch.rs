@@ -36,25 +36,24 @@ pub(crate) enum OnConflict {
     Keep,
     /// These columns take the new values.
     Set(&'static str, &'static [&'static str]),
-    /// All columns take the new values, but for the key and these; and what else is set.
-    SetAllBut(&'static str, &'static [&'static str], Option<&'static str>),
+    /// All columns take the new values, but for the key and these.
+    SetAllBut(&'static str, &'static [&'static str]),
 }
 
 impl OnConflict {
     /// As SQL, where rows come into `columns`.
     fn words(self, columns: &str) -> String {
-        let set = |key: &str, columns: &mut dyn Iterator<Item = &str>, also: Option<&str>| {
-            let new = columns.map(|column| format!("{column} = excluded.{column}"));
-            let all: Vec<String> = also.map(str::to_owned).into_iter().chain(new).collect();
-            format!("ON CONFLICT ({key}) DO UPDATE SET {}", all.join(", "))
+        let set = |key: &str, columns: &mut dyn Iterator<Item = &str>| {
+            let new: Vec<String> = columns.map(|column| format!("{column} = excluded.{column}")).collect();
+            format!("ON CONFLICT ({key}) DO UPDATE SET {}", new.join(", "))
         };
         match self {
             Self::Fail => String::new(),
             Self::Keep => "ON CONFLICT DO NOTHING".to_owned(),
-            Self::Set(key, columns) => set(key, &mut columns.iter().copied(), None),
-            Self::SetAllBut(key, kept, also) => {
+            Self::Set(key, columns) => set(key, &mut columns.iter().copied()),
+            Self::SetAllBut(key, kept) => {
                 let of_key = |column: &str| key.split(", ").any(|part| part == column);
-                set(key, &mut columns.split(", ").filter(|one| !of_key(one) && !kept.contains(one)), also)
+                set(key, &mut columns.split(", ").filter(|one| !of_key(one) && !kept.contains(one)))
             }
         }
     }

@@ -28,7 +28,7 @@ use crate::store::sqlite::{lock, private};
 use crate::store::tables::hook;
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 27] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 28] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -56,6 +56,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 27] = [
     (25, "gyro_history", include_str!("../../migrations/sqlite/0025_gyro_history.sql")),
     (26, "scale", include_str!("../../migrations/sqlite/0026_scale.sql")),
     (27, "suspect_windows", include_str!("../../migrations/sqlite/0027_suspect_windows.sql")),
+    (28, "bounded_lists", include_str!("../../migrations/sqlite/0028_bounded_lists.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.

@@ -56,7 +56,7 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
     batch.enter(&changes.silences, OnConflict::Set("id", &["ended_at", "ended_by", "ended_reason"]));
     alerts::upsert(&changes.alerts, &mut batch);
     batch.enter(&changes.alert_steps, OnConflict::Fail);
-    batch.enter(&changes.hooks, OnConflict::SetAllBut("id", &["created_at"], None));
+    batch.enter(&changes.hooks, OnConflict::SetAllBut("id", &["created_at"]));
     batch.enter(&changes.models, OnConflict::Fail);
     batch.enter(&changes.hypotheses, OnConflict::Set("id", &["ended_at"]));
     model::insert_uses(&changes.models_used, &mut batch);

@@ -13,6 +13,8 @@ mod shared;
 mod silences;
 mod sources;
 
+use std::collections::HashMap;
+
 use super::access::Actor;
 use super::error::StorageError;
 use super::write_queue::{Job, WriteQueue};
@@ -149,11 +151,11 @@ impl Alerts {
         self.bodies(&rows, now)
     }
 
-    /// How many alerts of how many gyros stand how, among those that a filter lets through.
+    /// How many alerts stand how, among those that a filter lets through.
     ///
     /// # Errors
     /// [`StorageError`].
-    pub async fn standings(&self, filter: &AlertFilter) -> Result<Vec<(Standing, [usize; 2])>, StorageError> {
+    pub async fn standings(&self, filter: &AlertFilter) -> Result<HashMap<Standing, usize>, StorageError> {
         Ok(store::alerts::standings(&self.store, filter, self.clock.now()).await?)
     }
 

@@ -23,7 +23,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::store;
-use crate::store::head::{Narrowed, Ranks, Standings, StationTally, Tally};
+use crate::store::head::{Narrowed, Ranks, Sought, Standings, StationTally, Tally};
 use crate::store::{RecordHead, Store, StoreError, Stretch, Table};
 use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
@@ -85,8 +85,8 @@ pub(super) type CachedStations = Arc<KnownStations>;
 pub(super) struct KnownStations {
     /// And of which heads that was found. Held while it is computed: who asks meanwhile needs the same.
     current: tokio::sync::Mutex<Option<([i64; 2], Option<Arc<FleetStations>>)>>,
-    /// As it was found last.
-    last: Mutex<Option<Arc<FleetStations>>>,
+    /// As it was found last, and how long that took.
+    last: Mutex<(Option<Arc<FleetStations>>, Duration)>,
     totals: tokio::sync::Mutex<Option<KnownTotals>>,
 }
 
@@ -189,7 +189,7 @@ impl Fleet {
         let now = self.clock.now();
         let (all, of_stations) = store::head::counts(&self.store, now).await?;
         let total = all.iter().map(|tally| tally.gyros).sum();
-        let narrowed = self.narrowed(filter);
+        let narrowed = self.narrowed(filter).await?;
         let of_filter = match &narrowed {
             None => Vec::new(),
             Some(narrowed) if *narrowed == Narrowed::default() => all,
@@ -225,7 +225,7 @@ impl Fleet {
 
     /// IMUs with the gyros in them, the worst first.
     pub async fn wall(&self, filter: &FleetFilter<'_>, number: usize, imus: usize) -> Result<WallPage, StorageError> {
-        let Some(narrowed) = self.narrowed(filter) else { return Ok(WallPage::default()) };
+        let Some(narrowed) = self.narrowed(filter).await? else { return Ok(WallPage::default()) };
         let (ranks, now) = (ranks_of(filter.statuses), self.clock.now());
         let part = async |number: usize| {
             let overdue = rank(true, Some(Status::Overdue));
@@ -256,8 +256,34 @@ impl Fleet {
         Ok(WallPage { imus: named.collect(), found, number: number.min(last), last })
     }
 
+    /// The gyros of some ranks, the worst first, as many as `most`.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn worst_of(&self, statuses: &[Status], most: usize) -> Result<Vec<Standing>, StorageError> {
+        let (everything, now, mut gyros) = (Narrowed::default(), self.clock.now(), Vec::new());
+        for ranks in in_order().into_iter().filter(|ranks| is_wanted(ranks, Some(statuses))) {
+            let part = [0, most - gyros.len()];
+            gyros.extend(store::head::of_ranks(&self.store, ranks, &everything, now, part).await?);
+            if gyros.len() >= most {
+                break;
+            }
+        }
+        self.standings_of(&gyros).await
+    }
+
     /// None where nothing can be found, for a name is unknown.
-    fn narrowed(&self, filter: &FleetFilter<'_>) -> Option<Narrowed> {
+    async fn narrowed(&self, filter: &FleetFilter<'_>) -> Result<Option<Narrowed>, StorageError> {
+        let Some(mut narrowed) = self.named(filter) else { return Ok(None) };
+        if narrowed.sought.is_some()
+            && let Some(found) = store::head::sought(&self.store, &narrowed, self.clock.now()).await?
+        {
+            narrowed.sought = Some(found);
+        }
+        Ok(Some(narrowed))
+    }
+
+    fn named(&self, filter: &FleetFilter<'_>) -> Option<Narrowed> {
         let tables = self.store.names().read();
         let number = |name: &str, of: &Table| match name {
             "" => Some(None),
@@ -265,7 +291,7 @@ impl Fleet {
         };
         let text = filter.text.trim().to_lowercase();
         Some(Narrowed {
-            sought: (!text.is_empty()).then_some(text),
+            sought: (!text.is_empty()).then(|| Sought::text(&text)),
             station: number(filter.station, &tables.stations)?,
             ever: number(filter.ever, &tables.stations)?,
             imu: number(filter.imu, &tables.imus)?,
@@ -316,7 +342,7 @@ impl Fleet {
         filter: StandingFilter,
         of_fleet: &FleetFilter<'_>,
     ) -> Result<(Vec<Standing>, bool), StorageError> {
-        let Some(narrowed) = self.narrowed(of_fleet) else { return Ok((Vec::new(), false)) };
+        let Some(narrowed) = self.narrowed(of_fleet).await? else { return Ok((Vec::new(), false)) };
         let standings = Standings {
             rank: filter.status.filter(|status| *status != Status::Overdue).map(|status| rank(false, Some(status))),
             // Time makes worse only what is better than overdue.
@@ -367,6 +393,7 @@ impl Fleet {
         {
             return Ok(figures.clone());
         }
+        let began = Instant::now();
         let histories = fleet_histories(&self.store, self.config.judging.method).await?;
         let figures = words::spawn_blocking(move || changes::stations(&histories)).await;
         let failed = |error| StoreError::Damaged(format!("the stations could not be compared: {error}"));
@@ -376,26 +403,28 @@ impl Fleet {
         }
         let figures = figures.map(Arc::new);
         *cached = Some((version, figures.clone()));
-        (*self.last_stations()).clone_from(&figures);
+        *self.last_stations() = (figures.clone(), began.elapsed());
         Ok(figures)
     }
 
-    /// The same; where that takes longer than `patience`, as they were found last: none before they first were.
+    /// The same; where that takes longer than `patience`, as they were found last: none before they first were. Who
+    /// would wait in vain, as the last one did, does not wait.
     ///
     /// # Errors
     /// [`StorageError`].
     pub async fn station_figures_within(&self, patience: Duration) -> Result<Option<Arc<FleetStations>>, StorageError> {
         if self.stations.current.try_lock().is_ok() {
-            let fleet = self.clone();
+            let (fleet, took) = (self.clone(), self.last_stations().1);
+            let patience = if took > patience { Duration::ZERO } else { patience };
             let found = found_until(Instant::now() + patience, async move { fleet.station_figures().await });
             if let Some(found) = found.await {
                 return found;
             }
         }
-        Ok(self.last_stations().clone())
+        Ok(self.last_stations().0.clone())
     }
 
-    fn last_stations(&self) -> std::sync::MutexGuard<'_, Option<Arc<FleetStations>>> {
+    fn last_stations(&self) -> std::sync::MutexGuard<'_, (Option<Arc<FleetStations>>, Duration)> {
         self.stations.last.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -608,9 +637,12 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::core::judge::Outlook;
+    use crate::core::alert_decision::{self, Alert, Standing as Handling};
+    use crate::core::alert_filter::AlertFilter;
+    use crate::core::id::Id;
+    use crate::core::judge::{Coefficient, Outlook, Severity};
     use crate::pipeline::Pipeline;
-    use crate::store::{Changes, HeadChanges, HeadRow, NewName, Options};
+    use crate::store::{AlertRow, Changes, HeadChanges, HeadRow, NewName, NewestRow, Options, Remark};
 
     #[test]
     fn the_order_of_the_fleet_holds_every_gyro_once() {
@@ -686,7 +718,7 @@ mod tests {
             [None, Some(&[Status::Overdue]), Some(&[Status::Drifting]), Some(&[Status::InTolerance]), Some(&BEYOND)];
         let mut cut = 0;
         for statuses in all {
-            for text in ["", " S-1", "IMU-12\n", "nobody"] {
+            for text in ["", " S-1", "IMU-12\n", "nobody", "s_1", "%"] {
                 let wanted = text.trim().to_lowercase();
                 let fits = |row: &&&HeadRow| {
                     let is = |of: &Status| status(row) == Some(*of) || *of == Status::Overdue && is_overdue(row);
@@ -746,6 +778,114 @@ mod tests {
             expected.sort_by(|a, b| a.serial.cmp(&b.serial));
             let expected: Vec<u32> = expected.iter().map(|row| row.gyro).collect();
             assert!(!more && found.iter().map(|standing| standing.number).eq(expected), "{of:?}");
+        }
+    }
+
+    fn fired(id: i64, gyro: u32, rule: Rule, rng: &mut ChaCha8Rng, now: UtcMicros) -> AlertRow {
+        let handled = |rng: &mut ChaCha8Rng| rng.random_bool(0.1);
+        let alert = Alert {
+            status: if rng.random_bool(0.2) {
+                alert_decision::Status::Resolved
+            } else {
+                alert_decision::Status::Firing
+            },
+            severity: Severity::Warning,
+            since: now,
+            fired_at: now,
+            resolved_at: None,
+            record_at: now,
+            within: 0,
+            acknowledged: handled(rng),
+            silenced_until: handled(rng).then(|| UtcMicros(now.0 + rng.random_range(-1..2))),
+            muted_until: None,
+            inhibited: handled(rng),
+            hushed: None,
+            told: None,
+        };
+        let remark = Remark { by: "A".into(), reason: "B".into(), at: now };
+        AlertRow {
+            id: Id(id),
+            of: gyro.into(),
+            coefficient: Coefficient::DI,
+            rule,
+            alert,
+            acknowledged: alert.acknowledged.then(|| remark.clone()),
+            silenced: alert.silenced_until.map(|_| remark),
+            muted: None,
+            inhibited_by: alert.inhibited.then_some(Id(1)),
+            finding: "{}".into(),
+        }
+    }
+
+    /// Few of one rule and many of another, so that both ways to them are gone.
+    #[tokio::test]
+    async fn alerts_and_what_is_due_are_listed_as_if_all_had_been_sorted() {
+        let (dir, now) = (tempfile::tempdir().unwrap(), UtcMicros(1_000_000_000_000));
+        let mut config = Config::defaults();
+        config.database.url = format!("sqlite://{}", dir.path().join("fleet.db").display());
+        let (store, mut writer) = store::open(&config.database.options()).await.unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let mut rows: Vec<HeadRow> = (1..=250).map(|gyro| drawn(gyro, &mut rng, now)).collect();
+        for row in &mut rows {
+            // One IMU has most of them.
+            let imu = if row.gyro % 3 == 0 { 1 + row.gyro % 13 } else { 1 };
+            let d = [Measured::exact(1.0); 2];
+            row.newest = Some(NewestRow { at: now, record: Id(7), imu, station: 1, slot: Slot::G1, d });
+            row.overdue_at = Some(UtcMicros(now.0 + i64::from(imu) - 5 + rng.random_range(0..3)));
+        }
+        let gyros =
+            rows.iter().map(|row| NewName { number: row.gyro, cell: 0, name: row.serial.to_string() }).collect();
+        let mut alerts = Vec::new();
+        for row in &rows {
+            let rules =
+                [Rule::Baseline, Rule::Step].into_iter().filter(|rule| *rule == Rule::Baseline || row.gyro < 40);
+            alerts.extend(rules.enumerate().map(|(k, rule)| {
+                fired(1000 + i64::from(row.gyro * 71 % 251) * 2 + k as i64, row.gyro, rule, &mut rng, now)
+            }));
+        }
+        let heads = HeadChanges { rows: rows.clone(), ..HeadChanges::default() };
+        writer.commit(&Changes { gyros, heads, alerts: alerts.clone(), ..Changes::default() }).await.unwrap();
+
+        let mut sorted: Vec<&HeadRow> = rows.iter().collect();
+        sorted.sort_by(|a, b| b.rank.cmp(&a.rank).then(b.load.total_cmp(&a.load)).then(a.serial.cmp(&b.serial)));
+        for rule in [None, Some(Rule::Baseline), Some(Rule::Step)] {
+            let any = AlertFilter { rule, ..AlertFilter::default() };
+            let counts = store::alerts::standings(&store, &any, now).await.unwrap();
+            for standing in Handling::ALL {
+                let filter = AlertFilter { standing: Some(standing), ..any.clone() };
+                let fits =
+                    |row: &&AlertRow| rule.is_none_or(|rule| row.rule == rule) && row.alert.standing(now) == standing;
+                assert_eq!(counts.get(&standing).copied().unwrap_or(0), alerts.iter().filter(fits).count());
+                let newest = |gyro: u32| {
+                    alerts.iter().filter(fits).filter(|row| row.of.gyro() == Some(gyro)).map(|row| row.id).max()
+                };
+                let mut expected: Vec<u32> =
+                    sorted.iter().map(|row| row.gyro).filter(|gyro| newest(*gyro).is_some()).collect();
+                for newest_first in [false, true] {
+                    if newest_first {
+                        expected.sort_by_key(|gyro| Reverse(newest(*gyro)));
+                    }
+                    let part = [3, 20];
+                    let found = store::alerts::gyros_found(&store, &filter, now, newest_first, part).await.unwrap();
+                    let expected: Vec<u32> = expected.iter().copied().skip(3).take(20).collect();
+                    assert_eq!(found, expected, "{filter:?}, {newest_first}");
+                }
+            }
+        }
+
+        for (from, until) in [(i64::MIN, now.0), (now.0, now.0 + 4), (i64::MIN, i64::MAX), (now.0 + 99, i64::MAX)] {
+            let mut of_imus: BTreeMap<u32, (UtcMicros, usize)> = BTreeMap::new();
+            let due = rows.iter().filter_map(|row| Some((row.newest?.imu, row.overdue_at?)));
+            for (imu, at) in due.filter(|(_, at)| (from..until).contains(&at.0)) {
+                let (first, gyros) = of_imus.entry(imu).or_insert((at, 0));
+                (*first, *gyros) = (at.min(*first), *gyros + 1);
+            }
+            let mut expected: Vec<(u32, UtcMicros, usize)> =
+                of_imus.iter().map(|(imu, (at, gyros))| (*imu, *at, *gyros)).collect();
+            expected.sort_by_key(|(imu, at, _)| (*at, *imu));
+            expected.truncate(4);
+            let found = store::head::due(&store, [from, until].map(UtcMicros), 4).await.unwrap();
+            assert_eq!(found, (expected, of_imus.len()), "{from} to {until}");
         }
     }
 }

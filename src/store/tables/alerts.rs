@@ -1,5 +1,7 @@
 //! Alerts, and the steps by which they came to be what they are.
 
+use std::collections::HashMap;
+
 use sqlx::AssertSqlSafe;
 
 use crate::core::alert_decision::{Alert, Hushed, Standing, Told};
@@ -142,7 +144,7 @@ impl Columns for AlertRow {
 }
 
 pub(crate) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
-    batch.enter(alerts, OnConflict::SetAllBut("id", &["gyro", "station", "imu", "coefficient", "rule"], None));
+    batch.enter(alerts, OnConflict::SetAllBut("id", &["gyro", "station", "imu", "coefficient", "rule"]));
 }
 
 /// Alerts, each with the silence that mutes it, in the order in which they first fired.
@@ -204,6 +206,9 @@ fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
 /// That it is no alert of the batch of its gyro.
 const OF_ITSELF: &str = "alert.rule <> 'batch_shift'";
 
+/// That it is an alert of a station, a batch or an IMU, as its index has it.
+const OF_NO_GYRO: &str = "(alert.gyro IS NULL OR alert.rule = 'batch_shift')";
+
 /// How an alert stands for whoever looks at it.
 const STANDING: &str = "CASE WHEN alert.status = 'resolved' THEN 'resolved'
                              WHEN alert.silenced_until > $7 OR alert.muted_until > $7 THEN 'silenced'
@@ -216,13 +221,18 @@ const STANDING: &str = "CASE WHEN alert.status = 'resolved' THEN 'resolved'
 fn conditions(store: &Store, filter: &AlertFilter) -> String {
     let imu =
         store.readers.words(Sql { sqlite: "alert.finding->>'imu'", postgres: "CAST(alert.finding AS JSONB)->>'imu'" });
+    // Follows from the standing, and has an index.
+    let status = match filter.standing {
+        Some(Standing::Resolved) => "alert.status = 'resolved'",
+        _ => "alert.status = 'firing'",
+    };
     let asked = [
         (filter.gyro.is_some(), format!("alert.gyro = $1 AND {OF_ITSELF}")),
         (filter.coefficient.is_some(), "alert.coefficient = $2".to_owned()),
         (filter.rule.is_some(), "alert.rule = $3".to_owned()),
         (filter.severity.is_some(), "alert.severity = $4".to_owned()),
         (filter.imu.is_some(), format!("{imu} = $5")),
-        (filter.standing.is_some(), format!("$6 = {STANDING}")),
+        (filter.standing.is_some(), format!("$6 = {STANDING} AND {status}")),
     ];
     let condition = |(place, (is_asked, words)): (usize, (bool, String))| match is_asked {
         true => words,
@@ -272,14 +282,27 @@ pub async fn gyros_found(
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>, StoreError> {
     let conditions = conditions(store, filter);
-    let order = match newest {
-        true => "max(alert.id) DESC",
-        false => "max(head.rank) DESC, max(head.load) DESC, max(head.serial)",
-    };
-    let sql = AssertSqlSafe(format!(
-        "SELECT alert.gyro FROM alert JOIN head ON head.gyro = alert.gyro WHERE {conditions} AND {OF_ITSELF}
-         GROUP BY alert.gyro ORDER BY {order} LIMIT $8 OFFSET $9"
+    let few = AssertSqlSafe(format!(
+        "SELECT count(*) FROM (SELECT 1 FROM alert WHERE {conditions} AND {OF_ITSELF} LIMIT {FEW}) AS found"
     ));
+    let found: i64 = on!(store.readers, db => bound!(sqlx::query_scalar(few), filter, now).fetch_one(db).await?);
+    // What many gyros have is soon found in the order of the fleet; what few have would be long in coming.
+    let sql = AssertSqlSafe(match (newest, found < FEW) {
+        (true, _) => format!(
+            "SELECT alert.gyro FROM alert WHERE {conditions} AND {OF_ITSELF} AND gyro IS NOT NULL
+             GROUP BY alert.gyro ORDER BY max(alert.id) DESC LIMIT $8 OFFSET $9"
+        ),
+        (false, true) => format!(
+            "SELECT head.gyro FROM head
+             WHERE head.gyro IN (SELECT alert.gyro FROM alert WHERE {conditions} AND {OF_ITSELF})
+             ORDER BY head.rank DESC, head.load DESC, head.serial LIMIT $8 OFFSET $9"
+        ),
+        (false, false) => format!(
+            "SELECT head.gyro FROM head
+             WHERE EXISTS (SELECT 1 FROM alert WHERE alert.gyro = head.gyro AND {conditions} AND {OF_ITSELF})
+             ORDER BY head.rank DESC, head.load DESC, head.serial LIMIT $8 OFFSET $9"
+        ),
+    });
     let rows: Vec<Whole<u32>> = on!(store.readers, db => bound!(sqlx::query_scalar(sql), filter, now)
         .bind(i64::try_from(limit).unwrap_or(i64::MAX))
         .bind(i64::try_from(skip).unwrap_or(i64::MAX))
@@ -287,6 +310,9 @@ pub async fn gyros_found(
         .await?);
     Ok(rows.into_iter().map(|Whole(gyro)| gyro).collect())
 }
+
+/// Alerts below which their gyros are looked up and sorted.
+const FEW: i64 = if cfg!(test) { 60 } else { 4000 };
 
 /// Alerts of some gyros that a filter lets through, in the order in which they first fired.
 pub async fn found_of(
@@ -305,23 +331,32 @@ pub async fn found_of(
         .await?.iter().map(Columns::get_all).collect())
 }
 
-/// How many alerts of how many gyros stand how, among those that a filter lets through.
+/// How many alerts stand how, among those that a filter lets through. Most of those that fire are handled by nobody:
+/// they are what is left.
 pub async fn standings(
     store: &Store,
     filter: &AlertFilter,
     now: UtcMicros,
-) -> Result<Vec<(Standing, [usize; 2])>, StoreError> {
+) -> Result<HashMap<Standing, usize>, StoreError> {
     let conditions = conditions(store, filter);
-    let sql = AssertSqlSafe(format!(
-        "SELECT {STANDING}, count(*), count(DISTINCT alert.gyro) FILTER (WHERE {OF_ITSELF}) FROM alert
-         WHERE {conditions} GROUP BY 1"
+    let by_status = AssertSqlSafe(format!("SELECT status, count(*) FROM alert WHERE {conditions} GROUP BY status"));
+    let handled = AssertSqlSafe(format!(
+        "SELECT {STANDING}, count(*) FROM alert WHERE {conditions} AND status = 'firing'
+             AND (silenced_until > $7 OR muted_until > $7 OR inhibited_by IS NOT NULL OR acknowledged_at IS NOT NULL)
+         GROUP BY 1"
     ));
-    let rows: Vec<(String, i64, i64)> =
-        on!(store.readers, db => bound!(sqlx::query_as(sql), filter, now).fetch_all(db).await?);
-    let count = |count: i64| count.unsigned_abs() as usize;
-    let known =
-        |(name, alerts, gyros): (String, i64, i64)| Some((Standing::from_name(&name)?, [count(alerts), count(gyros)]));
-    Ok(rows.into_iter().filter_map(known).collect())
+    let mut counts: HashMap<Standing, usize> = HashMap::new();
+    for sql in [by_status, handled] {
+        let rows: Vec<(String, i64)> =
+            on!(store.readers, db => bound!(sqlx::query_as(sql), filter, now).fetch_all(db).await?);
+        let known = |(name, count): (String, i64)| Some((Standing::from_name(&name)?, count.unsigned_abs() as usize));
+        let rows: Vec<(Standing, usize)> = rows.into_iter().filter_map(known).collect();
+        if let Some(firing) = counts.get_mut(&Standing::Firing) {
+            *firing = firing.saturating_sub(rows.iter().map(|(_, count)| count).sum());
+        }
+        counts.extend(rows);
+    }
+    Ok(counts)
 }
 
 /// Alerts that may change at `now` with the clock alone: of which somebody is to be told, that are silenced, or that were
@@ -366,7 +401,7 @@ pub async fn all(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
 
 /// Every alert of a station, a batch or an IMU that there has been: few.
 pub async fn of_no_gyro(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
-    read!(store, all, select(&format!("alert.gyro IS NULL OR NOT {OF_ITSELF}")))
+    read!(store, all, select(OF_NO_GYRO))
 }
 
 /// Alerts of gyros that this one explains.

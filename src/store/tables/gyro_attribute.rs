@@ -23,7 +23,7 @@ pub(crate) fn upsert(changed: &[GyroAttributeRow], batch: &mut Batch) {
     for (gyro, GyroAttributes { batch, r#type, unit }) in last {
         rows.row().put(&gyro).put(batch).put(r#type).put(unit);
     }
-    batch.insert("gyro_attribute", "gyro, batch, type, unit", OnConflict::SetAllBut("gyro", &[], None), rows);
+    batch.insert("gyro_attribute", "gyro, batch, type, unit", OnConflict::SetAllBut("gyro", &[]), rows);
 }
 
 /// Of these gyros, those of which something is said.

@@ -1,6 +1,6 @@
 //! How each gyro stands, one row per gyro: what lists are made of.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 use crate::core::fleet_order::FleetOrder;
@@ -159,12 +159,12 @@ impl Part for Outlook {
 }
 
 pub(crate) fn upsert(heads: &HeadChanges, batch: &mut Batch) {
-    batch.enter(&heads.rows, OnConflict::SetAllBut("gyro", &["serial"], Some("version = head.version + 1")));
+    batch.enter(&heads.rows, OnConflict::SetAllBut("gyro", &["serial"]));
     let mut rows = Rows::default();
     if let Some(HeadsMade { limits, through }) = &heads.made {
         rows.row().integer(1).put(limits).put(through);
     }
-    batch.insert("head_made", "id, limits, through", OnConflict::SetAllBut("id", &[], None), rows);
+    batch.insert("head_made", "id, limits, through", OnConflict::SetAllBut("id", &[]), rows);
     let mut rows = Rows::default();
     for [station, gyro] in &heads.seen {
         rows.row().put(station).put(gyro);
@@ -198,8 +198,7 @@ pub async fn imus_after(store: &Store, after: u32, limit: u32) -> Result<Vec<(u3
 /// What a list of gyros is narrowed down to.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Narrowed {
-    /// Part of [`HeadRow::sought`].
-    pub sought: Option<String>,
+    pub sought: Option<Sought>,
     /// Number of the station of the newest calibration.
     pub station: Option<u32>,
     /// Number of a station that has ever calibrated it.
@@ -216,11 +215,35 @@ pub struct Narrowed {
     pub batch: Option<String>,
 }
 
+/// What was searched for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Sought {
+    /// Part of [`HeadRow::sought`], as a pattern.
+    Text(String),
+    /// The gyros that were found, in JSON, where they are few.
+    Found(String),
+}
+
+impl Sought {
+    pub fn text(part: &str) -> Self {
+        let mut pattern = String::from("%");
+        for letter in part.chars() {
+            pattern.extend(['%', '_', '\\'].contains(&letter).then_some('\\').into_iter().chain([letter]));
+        }
+        Self::Text(pattern + "%")
+    }
+
+    fn words(&self) -> &str {
+        let (Self::Text(words) | Self::Found(words)) = self;
+        words
+    }
+}
+
 /// Binds what a list is narrowed down to: eight parameters.
 macro_rules! bound {
     ($query:expr, $narrowed:expr) => {
         $query
-            .bind($narrowed.sought.as_deref())
+            .bind($narrowed.sought.as_ref().map(Sought::words))
             .bind($narrowed.station.map(Whole))
             .bind($narrowed.ever.map(Whole))
             .bind($narrowed.imu.map(Whole))
@@ -248,11 +271,16 @@ pub struct StationTally {
     pub last_calibrated: Option<UtcMicros>,
 }
 
-/// Another one after everything that is written of a gyro: how many there are, and how often their rows were written.
+/// Another one after everything that is written of a gyro: of a file by the checksums of what is known of gyros, of a
+/// server's database by the stamps of its cells.
 pub async fn version(store: &Store) -> Result<[i64; 2], StoreError> {
-    let sql = "SELECT count(*), CAST(coalesce(sum(version), 0) AS BIGINT) FROM head";
-    let (gyros, written) = read!(store, query_as.fetch_one, sql);
-    Ok([gyros, written])
+    let sql = store.readers.words(Sql {
+        sqlite: "SELECT sum(rows), sum(sum % 1000000000000000) FROM checksum
+                 WHERE name IN ('head', 'history', 'history_log', 'voided_history', 'record', 'correction')",
+        postgres: "SELECT CAST(sum(stamp / 4294967296) AS BIGINT), CAST(sum(stamp % 4294967296) AS BIGINT) FROM cell",
+    });
+    let (of_rows, of_sums) = read!(store, query_as.fetch_one, sql);
+    Ok([of_rows, of_sums])
 }
 
 /// Counts the whole fleet as it stands at `now`, in one index from end to end.
@@ -292,10 +320,13 @@ pub async fn tallies(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Resu
 
 /// How a fleet is narrowed down. The time is the parameter `now`; those of [`bound`] stand from place `first` on.
 fn conditions(store: &Store, narrowed: &Narrowed, now: &str, first: usize) -> String {
-    let has = store.readers.words(Sql { sqlite: "instr", postgres: "strpos" });
+    let sought = match narrowed.sought {
+        Some(Sought::Found(_)) => format!("gyro IN ({})", store.readers.words(LISTED).replace("$1", "$")),
+        _ => r"sought LIKE $ ESCAPE '\'".to_owned(),
+    };
     // Each condition by itself, so that it finds its index; one that is not asked for is no condition.
     let asked = [
-        (narrowed.sought.is_some(), format!("{has}(sought, $) > 0")),
+        (narrowed.sought.is_some(), sought),
         (narrowed.station.is_some(), "station = $".to_owned()),
         (narrowed.ever.is_some(), "gyro IN (SELECT gyro FROM gyro_station WHERE station = $)".to_owned()),
         (narrowed.imu.is_some(), "imu = $".to_owned()),
@@ -319,6 +350,20 @@ fn conditions(store: &Store, narrowed: &Narrowed, now: &str, first: usize) -> St
     asked.iter().enumerate().map(condition).collect::<Vec<_>>().join(" AND ")
 }
 
+/// Gyros that a search finds among those of the other filters, where it finds few: what is asked next then need not
+/// look through the fleet.
+pub async fn sought(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Result<Option<Sought>, StoreError> {
+    let conditions = conditions(store, narrowed, "$1", 2);
+    let sql = sqlx::AssertSqlSafe(format!("SELECT gyro FROM head WHERE $1 = $1 AND {conditions} LIMIT {}", FEW + 1));
+    let rows: Vec<Whole<u32>> =
+        on!(store.readers, db => bound!(sqlx::query_scalar(sql).bind(now.0), narrowed).fetch_all(db).await?);
+    let gyros: Vec<u32> = rows.into_iter().map(|Whole(gyro)| gyro).collect();
+    Ok((gyros.len() <= FEW).then(|| Sought::Found(serde_json::json!(gyros).to_string())))
+}
+
+/// Gyros up to which what was found is named one by one.
+const FEW: usize = if cfg!(test) { 25 } else { 1000 };
+
 /// Gyros that stand beside one another in the order of the fleet: those of some ranks that are overdue, or are not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ranks {
@@ -338,9 +383,14 @@ pub async fn of_ranks(
     let Ranks { lowest, highest, is_overdue } = ranks;
     let conditions = conditions(store, narrowed, "$1", 2);
     let overdue = if is_overdue { "overdue_at < $1" } else { "(overdue_at IS NULL OR overdue_at >= $1)" };
-    // Of one rank the index has the order. Who narrows the fleet down reads it through: in the order of an index each row
-    // would be looked up by itself.
-    let parts: Vec<String> = match *narrowed == Narrowed::default() {
+    // Of one rank the index has the order, and what is found often is soon found in it. Who narrows the fleet down
+    // further reads it through: in the order of an index each row would be looked up by itself.
+    let is_often = match narrowed.sought {
+        Some(Sought::Text(_)) => true,
+        Some(Sought::Found(_)) => false,
+        None => *narrowed == Narrowed::default(),
+    };
+    let parts: Vec<String> = match is_often {
         true => (lowest..=highest).map(|rank| format!("rank = {rank}")).collect(),
         false => vec![format!("rank + 0 BETWEEN {lowest} AND {highest}")],
     };
@@ -497,25 +547,42 @@ pub async fn due(
     [from, until]: [UtcMicros; 2],
     limit: usize,
 ) -> Result<(Vec<(u32, UtcMicros, usize)>, usize), StoreError> {
-    let sql = "SELECT imu, min(overdue_at), count(*) FROM head
+    let sql = "SELECT imu, overdue_at FROM head
                WHERE overdue_at IS NOT NULL AND overdue_at >= $1 AND overdue_at < $2 AND imu IS NOT NULL
-               GROUP BY imu ORDER BY 2, 1 LIMIT $3";
-    let counted = "SELECT count(DISTINCT imu) FROM head
-                   WHERE overdue_at IS NOT NULL AND overdue_at >= $1 AND overdue_at < $2";
-    let rows: Vec<(Whole<u32>, i64, i64)> =
-        read!(store, query_as.fetch_all, sql, from.0, until.0, i64::try_from(limit).unwrap_or(i64::MAX));
+               ORDER BY overdue_at, imu LIMIT $3";
+    // An IMU has a few gyros; where it has more, more are read.
+    let mut read: i64 = 4;
+    let first: Vec<(u32, UtcMicros)> = loop {
+        read = read.saturating_mul(i64::try_from(limit).unwrap_or(i64::MAX).max(2));
+        let rows: Vec<(Whole<u32>, i64)> = read!(store, query_as.fetch_all, sql, from.0, until.0, read);
+        let mut seen = HashSet::new();
+        let is_first = |(Whole(imu), at): &(Whole<u32>, i64)| seen.insert(*imu).then_some((*imu, UtcMicros(*at)));
+        let first: Vec<_> = rows.iter().filter_map(is_first).take(limit).collect();
+        if first.len() == limit || (rows.len() as i64) < read {
+            break first;
+        }
+    };
+    let imus: Vec<u32> = first.iter().map(|(imu, _)| *imu).collect();
+    let of_imus = sqlx::AssertSqlSafe(format!(
+        "SELECT imu, count(*) FROM head WHERE imu IN ({}) AND overdue_at + 0 >= $2 AND overdue_at + 0 < $3 GROUP BY imu",
+        store.readers.words(LISTED)
+    ));
+    let rows: Vec<(Whole<u32>, i64)> =
+        read!(store, query_as.fetch_all, of_imus, serde_json::json!(imus).to_string(), from.0, until.0);
+    let gyros: HashMap<u32, i64> = rows.into_iter().map(|(Whole(imu), gyros)| (imu, gyros)).collect();
+    let counted = "SELECT count(*) FROM (
+                       SELECT DISTINCT imu FROM head
+                       WHERE overdue_at IS NOT NULL AND overdue_at >= $1 AND overdue_at < $2 AND imu IS NOT NULL) AS due";
     let count: i64 = read!(store, query_scalar.fetch_one, counted, from.0, until.0);
-    let row = |(Whole(imu), at, gyros): (Whole<u32>, i64, i64)| (imu, UtcMicros(at), gyros.unsigned_abs() as usize);
-    Ok((rows.into_iter().map(row).collect(), count.unsigned_abs() as usize))
+    let row = |(imu, at): (u32, UtcMicros)| (imu, at, gyros.get(&imu).map_or(0, |gyros| gyros.unsigned_abs() as usize));
+    Ok((first.into_iter().map(row).collect(), count.unsigned_abs() as usize))
 }
 
 /// A gyro's newest calibration, for what its station has done to others too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibratedRow {
     pub gyro: u32,
-    pub serial: String,
     pub imu: u32,
-    pub imu_name: String,
     pub station: u32,
     pub at: UtcMicros,
     /// Of D_I and D_S.
@@ -525,7 +592,7 @@ pub struct CalibratedRow {
 
 columns! {
     CalibratedRow in "head" {
-        gyro, serial, imu, imu_name, station, at: ["calibrated_at"],
+        gyro, imu, station, at: ["calibrated_at"],
         load: ["d_i_load", "d_i_load_sd", "d_s_load", "d_s_load_sd"], batch,
     }
 }
@@ -537,14 +604,42 @@ pub async fn calibrated_since(
     from: UtcMicros,
     station: Option<u32>,
 ) -> Result<Vec<CalibratedRow>, StoreError> {
-    let sql = "SELECT head.gyro, serial, imu, imu.name AS imu_name, station, calibrated_at, d_i_load, d_i_load_sd,
-                      d_s_load, d_s_load_sd, batch
-               FROM head JOIN imu ON imu.id = head.imu LEFT JOIN gyro_attribute ON gyro_attribute.gyro = head.gyro
+    // Nothing that the index does not have.
+    let sql = "SELECT head.gyro, imu, station, calibrated_at, d_i_load, d_i_load_sd, d_s_load, d_s_load_sd, batch
+               FROM head LEFT JOIN gyro_attribute ON gyro_attribute.gyro = head.gyro
                WHERE coalesce(calibrated_at, 9223372036854775807) BETWEEN $1 AND 9223372036854775806
-                     AND station IS NOT NULL AND ($2 < 0 OR station = $2)
+                     AND station IS NOT NULL AND imu IS NOT NULL AND ($2 < 0 OR station = $2)
                ORDER BY coalesce(calibrated_at, 9223372036854775807) DESC LIMIT $3";
     let limit: i64 = if station.is_some() { 100 } else { 20_000 };
     read!(store, all, sql, from.0, station.map_or(-1, i64::from), limit)
+}
+
+/// What a newest calibration says of its station and batch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadRow {
+    pub station: u32,
+    pub at: UtcMicros,
+    /// Of D_I and D_S.
+    pub load: [Option<f64>; 2],
+    pub batch: Option<Arc<str>>,
+}
+
+/// As [`calibrated_since`], of all stations.
+pub async fn loads_since(store: &Store, from: UtcMicros) -> Result<Vec<LoadRow>, StoreError> {
+    let sql = "SELECT station, calibrated_at, d_i_load, d_s_load, batch
+               FROM head LEFT JOIN gyro_attribute ON gyro_attribute.gyro = head.gyro
+               WHERE coalesce(calibrated_at, 9223372036854775807) BETWEEN $1 AND 9223372036854775806
+                     AND station IS NOT NULL
+               ORDER BY coalesce(calibrated_at, 9223372036854775807) DESC LIMIT 20000";
+    type Loads = (Whole<u32>, i64, Option<f64>, Option<f64>, Option<String>);
+    let rows: Vec<Loads> = read!(store, query_as.fetch_all, sql, from.0);
+    let row = |(Whole(station), at, d_i, d_s, batch): Loads| LoadRow {
+        station,
+        at: UtcMicros(at),
+        load: [d_i, d_s],
+        batch: batch.map(Into::into),
+    };
+    Ok(rows.into_iter().map(row).collect())
 }
 
 /// Gyros that a station has ever calibrated, without `gyro`: as many as `most`, the nearest numbers first.

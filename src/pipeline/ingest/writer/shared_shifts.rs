@@ -255,12 +255,12 @@ impl SharedShifts<'_> {
     /// The newest calibrations of the fleet, or of one station, made no earlier than `from`.
     async fn calibrated(&self, from: UtcMicros, station: Option<u32>) -> Result<Vec<Calibrated>, StoreError> {
         let rows = store::head::calibrated_since(self.store, from, station).await?;
-        let mut budgets: BTreeMap<(String, String), [Option<f64>; 2]> = BTreeMap::new();
+        // Without overrides all have the same.
+        let of_all = self.config.judging.overrides.is_empty().then(|| self.budgets("", ""));
+        let tables = self.store.names().read();
+        let naming = Naming { tables: &tables, new: None };
         let calibrated = rows.into_iter().map(|row| {
-            let of = (row.imu_name, row.serial);
-            // Without overrides all have the same.
-            let of = if self.config.judging.overrides.is_empty() { Default::default() } else { of };
-            let budgets = *budgets.entry(of).or_insert_with_key(|(imu, serial)| self.budgets(imu, serial));
+            let budgets = of_all.unwrap_or_else(|| self.budgets(&naming.imu(row.imu), &naming.gyro(row.gyro)));
             let deviation = [0, 1].map(|column| times(row.load[column], budgets[column]));
             let store::head::CalibratedRow { gyro, imu, station, at, batch, .. } = row;
             Calibrated { gyro, imu, station, at, deviation, batch }

@@ -352,7 +352,8 @@ impl Service {
             let (store, writer) = store::open(&config.database.options()).await.unwrap();
             let (pipeline, _) = Pipeline::start(store, writer, config.clone(), clock.clone()).await.unwrap();
             let pipeline = Arc::new(pipeline);
-            let pages = Pages { config: config.clone(), clock: clock.clone(), pipeline: pipeline.clone() };
+            let api = Arc::new(serde_json::to_value(http::description(&config.server)).unwrap());
+            let pages = Pages { config: config.clone(), clock: clock.clone(), pipeline: pipeline.clone(), api };
             http::router(App { config, clock, pipeline }, pages::routes().with_state(pages))
         });
         Self { runtime, router, dir, asked: 0 }

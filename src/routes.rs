@@ -97,13 +97,6 @@ impl<S: Clone + Send + Sync + 'static> Routes<S> {
         self.map(|router| router.route(path, handler))
     }
 
-    /// A router made elsewhere, which has these paths to be read.
-    #[must_use]
-    pub fn reader<const N: usize>(mut self, least: Least, paths: [&str; N], router: Router<S>) -> Self {
-        self.rules.extend(paths.map(|path| Rule { method: Method::GET, path: path.to_owned(), least, takes: None }));
-        self.map(|routes| routes.merge(router.into()))
-    }
-
     /// Puts layers around the routes so far.
     #[must_use]
     pub fn map(self, change: impl FnOnce(OpenApiRouter<S>) -> OpenApiRouter<S>) -> Self {

@@ -192,8 +192,8 @@ async fn under_a_prefix_an_engineer_signs_in_sees_a_plot_and_reads_the_api() {
     browser.type_into("input[name=token]", &format!("{}\n", token.trim())).await;
     browser.wait("location.pathname == '/gyrowatch/gyros/LFG-0101' && document.querySelector('#history .point')").await;
     browser.click("a[href='/gyrowatch/docs']").await;
-    browser.wait("document.querySelectorAll('.opblock').length > 40").await;
-    browser.wait("document.querySelector('.servers select').value == '/gyrowatch'").await;
+    browser.click("article a[href='/gyrowatch/docs/records#post_record']").await;
+    browser.wait("location.hash == '#post_record' && document.querySelector('section:target table')").await;
     browser.has_behaved().await;
 }
 
@@ -498,6 +498,10 @@ async fn today_tells_what_the_pages_of_stations_and_gyros_tell() {
     }
     let suggested = browser.eval("document.querySelector('.suggestion').innerText").await;
     assert!(suggested.as_str().unwrap().contains(dates[2].as_str().unwrap()), "{suggested}");
+    // And the list of the fleet says the same day.
+    browser.goto("/fleet?q=LFG-0014").await;
+    let listed = browser.eval("document.querySelector('table.fleet tbody tr').innerText").await;
+    assert!(listed.as_str().unwrap().contains(dates[1].as_str().unwrap()), "{dates} against {listed}");
     // An alert whose figure is within its limit again says why it still fires.
     browser.goto("/alerts?serial=LFG-0008").await;
     let renewed = "[...document.querySelectorAll('table.alerts tbody tr')].filter((e) => e.textContent.includes('once the figure is in tolerance')) \
@@ -779,7 +783,7 @@ const CUT: &str = r#"(() => {
 
 /// On a telephone a table of figures is a list: every figure has its name beside it.
 const NAMELESS: &str = r#"[...document.querySelectorAll("table.cards tbody td:is(.n, .nowrap)")]
-  .filter((e) => e.checkVisibility() && /\d/.test(e.textContent) && !e.dataset.label).map((e) => "no name: " + e.outerHTML.slice(0, 120))"#;
+  .filter((e) => e.checkVisibility() && /\d/.test(e.textContent) && !e.dataset.label && !e.querySelector(".label")).map((e) => "no name: " + e.outerHTML.slice(0, 120))"#;
 
 /// English left on a Chinese page: words that are neither a name with digits or capitals, nor a unit, nor what
 /// somebody wrote.
@@ -899,6 +903,8 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
         ("compare-campaigns", &compared),
         ("report-gyro", "/gyros/LFG-0004/report"),
         ("report-imu", "/imus/IMU-21/report"),
+        ("api", "/docs"),
+        ("api-records", "/docs/records"),
         ("book", if language == "zh" { "/book/zh/adopt-predict-compare" } else { "/book/tutorials/own-csv" }),
     ];
     let mut wrong = Vec::new();

@@ -490,6 +490,4 @@ async fn the_service_says_that_it_is_alive_ready_and_what_it_offers() {
     for path in ["/v1/records", "/v1/import", "/v1/gyros/{serial}/trend", "/v1/gyros/{serial}/agreement"] {
         assert!(openapi["paths"].get(path).is_some(), "{path}");
     }
-    let docs = lab.get("/docs/").await;
-    assert!(docs.status == 200 && docs.header("content-type").starts_with("text/html"));
 }

@@ -1673,3 +1673,61 @@ async fn a_window_is_marked_as_suspect_and_trusted_and_a_gyro_gets_its_batch_on_
     assert!(page(&server, "/gyros/JUMP%2F1/attributes", &[]).await.contains("value=\"2024-B\""));
     assert!(page(&server, "/fleet?batch=2024-B", &[]).await.contains("/gyros/JUMP%2F1\""));
 }
+
+#[tokio::test]
+async fn every_route_of_the_description_stands_on_a_page_with_what_it_takes_and_answers() {
+    let server = Server::start().await;
+    let document = server.get("/openapi.json").await.json();
+    let gzip = [("accept-encoding", "gzip")];
+    let all = page(&server, "/docs", &[]).await;
+    let assets = all.split('"').filter(|part| part.starts_with("/assets/"));
+    let mut of_assets = 0;
+    for path in assets {
+        of_assets += server.call("GET", path, &gzip, "").await.body.len();
+    }
+    let mut seen = std::collections::BTreeMap::new();
+    for (path, item) in document["paths"].as_object().unwrap() {
+        for (method, operation) in item.as_object().unwrap() {
+            let (group, id) = (operation["tags"][0].as_str().unwrap(), operation["operationId"].as_str().unwrap());
+            let address = format!("/docs/{}", group.replace(' ', "%20"));
+            assert!(all.contains(&format!("href=\"{address}#{id}\"><code>{path}</code>")), "{method} {path}");
+            if !seen.contains_key(&address) {
+                seen.insert(address.clone(), page(&server, &address, &[]).await);
+            }
+            let own = seen[&address].split(&format!("<section id=\"{id}\">")).nth(1);
+            let own = own.unwrap_or_else(|| panic!("{method} {path} is not on {address}"));
+            let own = own.split("</section>").next().unwrap();
+            place(own, &format!("<code>{} {path}</code>", method.to_uppercase()));
+            for parameter in operation["parameters"].as_array().into_iter().flatten() {
+                place(own, &format!("<code>{}</code>", parameter["name"].as_str().unwrap()));
+            }
+            for (status, answer) in operation["responses"].as_object().unwrap() {
+                place(own, &format!("<th scope=\"row\">{status}</th>"));
+                assert!(answer["content"].is_null() || !status.starts_with('2') || own.contains("<details>"), "{path}");
+            }
+            assert_eq!(own.contains("Bearer $TOKEN"), operation["security"].is_array(), "{method} {path}");
+            let body = &operation["requestBody"]["content"];
+            assert_eq!(own.contains("--data-binary @FILE"), body.is_object(), "{method} {path}");
+            // What has to be sent is a table beside it.
+            if let Some(name) = body["application/json"]["schema"]["$ref"].as_str() {
+                let schema = &document.pointer(name.trim_start_matches('#')).unwrap();
+                for required in schema["required"].as_array().into_iter().flatten() {
+                    place(own, &format!("<code>{}</code></th>", required.as_str().unwrap()));
+                }
+            }
+        }
+    }
+    assert!(seen.len() > 8, "{:?}", seen.keys());
+    for (address, shown) in &seen {
+        let weight = of_assets + server.call("GET", address, &gzip, "").await.body.len();
+        assert!(weight < 60_000, "{address}: {weight} bytes");
+        for anchor in shown.split("href=\"#").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+            assert!(shown.contains(&format!(" id=\"{anchor}\"")), "{address}: #{anchor} leads nowhere");
+        }
+        for part in [" style=", "<style", "<script>"] {
+            assert!(!shown.contains(part), "{address}: {part}");
+        }
+    }
+    assert!(page(&server, "/book/api", &[]).await.contains("href=\"/docs\""), "it is found from the book");
+    assert_eq!(server.get("/docs/nothing").await.status, 404);
+}

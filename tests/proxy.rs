@@ -294,9 +294,16 @@ async fn under_a_prefix_every_page_and_every_answer_leads_under_it() {
         }
         println!("{} addresses followed, {} forms sent", seen.len(), forms.len());
         assert!(seen.len() > 60 && forms.len() > 8, "{seen:?} {forms:?}");
-        for part in
-            ["gyros/LFG-0101", "records/", "campaigns/", "hooks/", "assets/style", "docs/", "alerts/", "preference"]
-        {
+        for part in [
+            "gyros/LFG-0101",
+            "records/",
+            "campaigns/",
+            "hooks/",
+            "assets/style",
+            "docs/hooks",
+            "alerts/",
+            "preference",
+        ] {
             assert!(seen.iter().any(|path| path.starts_with(&format!("/gyrowatch/{part}"))), "{part}: {seen:?}");
         }
         // Forms lead somewhere, and what they do leads back under the prefix.
@@ -311,7 +318,6 @@ async fn under_a_prefix_every_page_and_every_answer_leads_under_it() {
         let api = under.with(&admin, &[]);
         let served = api.get("/openapi.json").json()["servers"].clone();
         assert_eq!(served, json!([{ "url": "/gyrowatch" }]));
-        assert!(api.get("/docs/swagger-initializer.js").body.contains("\"/gyrowatch/openapi.json\""));
         let known = api.post("/v1/records", "application/json", &data("paper.json"));
         assert!(known.header("location").unwrap().starts_with("/gyrowatch/v1/records/"), "{}", known.headers);
         let trail = api.get("/v1/audit?limit=1");

@@ -15,7 +15,6 @@ mod campaigns;
 mod confirm;
 mod corrections;
 mod diagnoses;
-mod docs;
 mod document;
 mod document_post;
 mod edge;
@@ -33,6 +32,7 @@ mod members;
 mod metrics;
 mod middleware;
 mod models;
+mod openapi;
 mod operation;
 mod prefer_header;
 pub mod problem;
@@ -53,13 +53,14 @@ mod trend;
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::http::StatusCode;
 use axum::middleware::from_fn_with_state;
+use axum::{Json, Router};
 use tower::ServiceBuilder;
 use tower_http::compression::CompressionLayer;
 use tower_http::timeout::{RequestBodyTimeoutLayer, TimeoutLayer};
+use utoipa::openapi::OpenApi;
 use utoipa_axum::routes;
 
 use self::access::Gate;
@@ -86,14 +87,24 @@ pub fn router(app: App, pages: Routes) -> Router {
     )
 }
 
-/// Every route but those of pages. A handler says its method and path; administrators decide where data leave to
-/// (hooks) and who comes in (tokens).
+/// Every route but those of pages.
 pub fn routes(server: &Server) -> Routes<App> {
+    let openapi = Json(description(server));
+    api(server).get(VIEWER, "/openapi.json", async move || openapi)
+}
+
+/// The OpenAPI document.
+pub fn description(server: &Server) -> OpenApi {
+    openapi::description(&api(server), &server.base_path)
+}
+
+/// A handler says its method and path; administrators decide where data leave to (hooks) and who comes in (tokens).
+fn api(server: &Server) -> Routes<App> {
     let timeout = TimeoutLayer::with_status_code(
         StatusCode::SERVICE_UNAVAILABLE,
         Duration::from_secs_f64(server.request_timeout_s),
     );
-    let api = Routes::default()
+    Routes::default()
         .api(ANYONE, routes!(health::healthz))
         .api(ANYONE, routes!(health::readyz))
         .api(VIEWER, routes!(metrics::get_metrics))
@@ -163,7 +174,5 @@ pub fn routes(server: &Server) -> Routes<App> {
         .api(ADMIN, routes!(tokens::delete_token))
         .api(ADMIN, routes!(audit::get_audit))
         .map(|answered_soon| answered_soon.layer(timeout))
-        .api(STATION, routes!(import::post_import));
-    let reader = docs::router(docs::description(&api, &server.base_path), &server.base_path);
-    api.reader(VIEWER, docs::PATHS, reader)
+        .api(STATION, routes!(import::post_import))
 }

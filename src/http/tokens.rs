@@ -99,7 +99,7 @@ pub async fn post_token(State(app): State<App>, body: Document) -> Result<Respon
     Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/tokens/{}", row.id))], Json(body)).into_response())
 }
 
-/// Revokes a token, at once and for good. Whoever has signed in with it is signed out.
+/// Revokes a token, at once and for good, and signs out who has signed in with it.
 #[utoipa::path(delete, path = "/v1/tokens/{id}", tag = "access",
     responses((status = 204, description = "revoked, now or before")))]
 pub async fn delete_token(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {

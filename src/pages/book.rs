@@ -79,7 +79,11 @@ fn page(name: &str, t: &Text) -> Result<Page, Problem> {
     let beside = |step: isize| at.and_then(|at| order.get(at.checked_add_signed(step)?).copied());
     let body = html! {
         div.book {
-            nav.contents aria-label=(t.contents) { details open { summary { (t.contents) } (contents(name)) } }
+            nav.contents aria-label=(t.contents) { details open {
+                summary { (t.contents) }
+                (contents(name))
+                ul { li { a href="/docs" { (t.api) } } }
+            } }
             article lang=(language(name)) {
                 (PreEscaped(&rendered.body))
                 p.pager {

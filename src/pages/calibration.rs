@@ -6,7 +6,7 @@ use axum::extract::Path;
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 
-use super::layout::{Page, Section, encoded, instant, symbol};
+use super::layout::{Page, Section, encoded, instant, label, symbol};
 use super::notes::noted;
 use super::parameters::{self, Parameters};
 use super::text::Text;
@@ -120,12 +120,13 @@ fn closure(
                 tbody { @for gyro in &closures.gyros {
                     tr {
                         th scope="row" { (gyro.slot.name()) " " (serial(gyro.slot)) }
-                        td.n data-label="D_O" { (figure::signed_drift(gyro.d_o, gyro.sd)) }
+                        td.n { (label("", "D_O")) (figure::signed_drift(gyro.d_o, gyro.sd)) }
                         td.n data-label=(t.adjusted_p) { @if let Some(p) = gyro.p_value { (figure::short(p)) } @else { "–" } }
                         td.n data-label={ (t.if_clocked) ", ′" } {
                             @if gyro.stands_out { (figure::signed(60.0 * gyro.clocking.to_degrees(), 1)) } @else { "–" }
                         }
-                        td.n data-label={ (t.if_clocked) ", D_S" } {
+                        td.n {
+                            (label(t.if_clocked, "D_S"))
                             @if gyro.stands_out { (figure::drift(gyro.d_s, gyro.sd)) " → " (figure::drift(gyro.d_s + gyro.d_s_shift, gyro.sd)) } @else { "–" }
                         }
                     }

@@ -6,7 +6,7 @@ use axum::response::Response;
 use maud::{Markup, html};
 
 use super::form::{Deed, Word, see_other};
-use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
 use super::{Pages, figure};
@@ -91,7 +91,7 @@ async fn calibration(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> R
                 tr {
                     th scope="row" { (one.slot.name()) " " (one.serial) }
                     @for (value, name) in [&one.d_i, &one.d_s, &one.d_o].into_iter().zip(DRIFTS) {
-                        td.n data-label=(name) { (figure::drift(value.value, value.sd)) }
+                        td.n { (label("", name)) (figure::drift(value.value, value.sd)) }
                     }
                 }
             } }

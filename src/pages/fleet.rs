@@ -3,19 +3,23 @@
 mod filters;
 mod wall;
 
+use std::collections::HashMap;
+use std::time::Duration;
+
 use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 
-use super::layout::{DRIFTS, Page, Section, day, encoded, symbol};
+use super::layout::{DRIFTS, Page, Section, day, encoded, label, symbol};
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
 use super::{Pages, bullet, figure, spark};
 use crate::core::access::Role;
-use crate::core::judge::{Coefficient, Measured, Outlook, Rule, Status};
+use crate::core::fleet_order::FleetOrder;
+use crate::core::judge::{Coefficient, Measured, Rule, Status};
 use crate::core::time::{Span, UtcMicros};
 use crate::pages::sent::Query;
 use crate::pages::status as badges;
-use crate::pipeline::{BEYOND, FleetPage, Names, RecentValues, Standing, Violation, sample_of};
+use crate::pipeline::{BEYOND, DueDate, FleetPage, Names, RecentValues, Standing, Violation, sample_of};
 use crate::wire::problem::Problem;
 pub(super) use filters::{Filters, as_day, bad_parameter};
 
@@ -23,6 +27,8 @@ pub(super) use filters::{Filters, as_day, bad_parameter};
 const ROWS: usize = 40;
 const VALUES: usize = 24;
 const SPAN_DAYS: f64 = 365.0;
+/// How long the page waits for the dates of gyros that drift.
+const PATIENCE: Duration = Duration::from_millis(60);
 
 pub(super) async fn page(Visit { ref pages, ref viewer }: Visit, Query(filters): Query<Filters>) -> Response {
     let shown = match filters.is_wall() {
@@ -36,13 +42,18 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let t = viewer.text();
     let queries = &pages.pipeline.queries;
     let found = queries.fleet.page(&filters.filter()?, filters.page, ROWS).await?;
+    let now = pages.clock.now();
+    let (by_history, undated) = queries.dues.of(&found.gyros, now, PATIENCE).await?;
     let gyros: Vec<&Standing> = found.gyros.iter().collect();
     let recent_values = queries.fleet.recent_values(&gyros, VALUES).await?;
-    let now = pages.clock.now();
     let table = {
         let names = queries.names();
-        let rows = gyros.iter().zip(&recent_values).map(|(standing, recent)| Row::of(standing, recent, &names));
-        html! { (table(viewer, pages, filters, &rows.collect::<Vec<_>>(), now)) }
+        let row = |(standing, recent)| Row::of(standing, recent, &by_history, &names);
+        let mut rows: Vec<Row<'_>> = gyros.iter().copied().zip(&recent_values).map(row).collect();
+        if filters.sort == FleetOrder::Reach.name() {
+            rows.sort_by_key(|row| row.due.map_or(UtcMicros(i64::MAX), |due| due.at));
+        }
+        html! { (table(viewer, pages, filters, &rows, now)) }
     };
     let body = html! {
         @if !gyros.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
@@ -56,6 +67,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         } @else {
             p.note { (found.found) " " (t.gyros_of) " " (t.load_note) span.of-spark { " " (t.spark_note) } }
             (table)
+            @if undated > 0 { p.note { (t.dates_of_others) " " (t.count_of_gyros(undated)) } }
             (filters.pager(viewer, found.number, found.last))
             (selection(viewer))
         }
@@ -67,16 +79,25 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
 struct Row<'a> {
     standing: &'a Standing,
     recent: &'a RecentValues,
+    /// When it reaches its budget, as long as it has not.
+    due: Option<DueDate>,
     imu: String,
     station: String,
 }
 
 impl<'a> Row<'a> {
-    fn of(standing: &'a Standing, recent: &'a RecentValues, names: &Names<'_>) -> Self {
+    fn of(
+        standing: &'a Standing,
+        recent: &'a RecentValues,
+        by_history: &HashMap<u32, DueDate>,
+        names: &Names<'_>,
+    ) -> Self {
+        let is_ahead = standing.status.is_none_or(|status| !BEYOND.contains(&status));
+        let due = by_history.get(&standing.number).copied().or_else(|| DueDate::by_trend(standing));
         let newest = standing.newest.as_ref();
         let imu = newest.map_or("", |figures| names.imu(figures.imu)).to_owned();
         let station = newest.map_or("", |figures| names.station(figures.station)).to_owned();
-        Self { standing, recent, imu, station }
+        Self { standing, recent, due: due.filter(|_| is_ahead), imu, station }
     }
 }
 
@@ -143,13 +164,14 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicr
                 }
             }
             @for column in 0..2 {
-                td.trend data-label=(DRIFTS[column]) {
+                td.trend {
                     @if let Some(sample) = &newest {
-                        (load(row.recent, column, (standing.outlook.load[column], standing.drift[column]), sample.d[column], now))
+                        (label("", DRIFTS[column]))
+                        (load(t, row.recent, column, (standing.outlook.load[column], standing.drift[column]), sample.d[column], now))
                     }
                 }
             }
-            td data-label=(t.slope_a_year) { (trend(t, standing)) }
+            td data-label=(t.slope_a_year) { (slopes(t, standing)) (reaches(t, row.due)) }
             td data-label=(t.violates) { (violated(t, &besides(&standing.violations))) }
             td data-label=(t.since) { @if let Some(since) = standing.since.filter(|_| is_worse) { (day(since)) } }
             td data-label=(t.calibrated) { @if let Some(figures) = &standing.newest { (age(viewer, figures.at, now, &row.station)) } }
@@ -159,6 +181,7 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicr
 
 /// The last values, the load on the common scale, and in figures; before the baseline is complete, the value.
 fn load(
+    t: &Text,
     recent: &RecentValues,
     column: usize,
     (load, status): (Option<Measured>, Status),
@@ -175,22 +198,28 @@ fn load(
             (spark::line(&values, span, recent.level[column], recent.budget[column]))
             (bullet::bar(load, status))
             span.n title=(value) { (percent) }
-        } @else { span.n.quiet { (value) } }
+        } @else { span.n.quiet { (value) " " (t.unit) } }
     }
 }
 
-/// Slopes that are established, and when the first of them reaches the budget.
-pub(super) fn trend(t: &Text, standing: &Standing) -> Markup {
-    let Outlook { per_year, reach, .. } = standing.outlook;
-    let is_ahead = standing.status.is_none_or(|status| !BEYOND.contains(&status));
+/// Slopes that are established.
+pub(super) fn slopes(t: &Text, standing: &Standing) -> Markup {
     html! {
-        @for (slope, name) in per_year.iter().zip(DRIFTS) {
+        @for (slope, name) in standing.outlook.per_year.iter().zip(DRIFTS) {
             @if let Some(slope) = slope {
                 span.slope { (symbol(name)) " " (bullet::percent(*slope)) (t.percent_a_year) } " "
             }
         }
-        @if let Some(reach) = reach.filter(|_| is_ahead) {
-            span.slope.quiet title=(t.reaches_budget) { "→ " (day(reach.at)) @if reach.provisional { " ?" } }
+    }
+}
+
+/// When a gyro reaches its budget.
+fn reaches(t: &Text, due: Option<DueDate>) -> Markup {
+    html! {
+        @if let Some(due) = due {
+            span.slope.quiet title=(t.reaches_budget) {
+                "→ " (symbol(due.coefficient.name())) " " (day(due.at)) @if due.provisional { " ?" }
+            }
         }
     }
 }

@@ -7,7 +7,7 @@ use axum::extract::Path;
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
 use super::text::Text;
 use super::verdicts::{self, Said};
 use super::viewer::{Viewer, Visit};
@@ -245,14 +245,14 @@ pub(super) fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) 
                                 @if let Some((imu, slot)) = &result.seat { br; span.quiet { (imu) " " (slot.name()) } }
                             }
                             @for (measured, name) in result.d.iter().zip(DRIFTS) {
-                                td.n data-label=(name) { (figure::drift(measured.value, measured.sd)) }
+                                td.n { (label("", name)) (figure::drift(measured.value, measured.sd)) }
                             }
                         }
                     } }
                     tfoot { tr {
                         th scope="row" colspan="3" { (t.range) }
                         @for (range, name) in comparison.range.into_iter().zip(DRIFTS) {
-                            td.n data-label=(name) { @if let Some(range) = range { (figure::fixed(range, 6)) } }
+                            td.n { @if let Some(range) = range { (label("", name)) (figure::fixed(range, 6)) } }
                         }
                     } }
                 } }
@@ -333,7 +333,7 @@ fn calibration(
             td { (history::seat(figures, names)) }
             td { (names.station(figures.station)) }
             @for (measured, name) in sample.d.iter().zip(DRIFTS) {
-                td.n data-label=(name) { (figure::drift(measured.value, measured.sd)) }
+                td.n { (label("", name)) (figure::drift(measured.value, measured.sd)) }
             }
             td {
                 @for status in grave {
@@ -366,7 +366,7 @@ fn benches(viewer: &Viewer, course: &Course) -> Markup {
                             td { (instant(row.measured_at)) }
                             td { (t.method(row.method.name())) }
                             td { (row.station) }
-                            @for i in 0..2 { td.n data-label=(DRIFTS[i]) { (figure::drift(row.d[i], row.sd[i])) } }
+                            @for i in 0..2 { td.n { (label("", DRIFTS[i])) (figure::drift(row.d[i], row.sd[i])) } }
                             @if may_void { td.no-print { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
                         }
                     } }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use axum::extract::Path;
 use maud::{Markup, html};
 
-use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
 use super::parameters::{self, Parameters};
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
@@ -147,7 +147,8 @@ fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup 
                         th scope="row" { a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
                         td { (status::badge(t, gyro.status)) " " (status::out_of_use(t, gyro.out_of_use)) }
                         @for (column, measured) in sample_of(newest, pages.config.judging.method).d.into_iter().enumerate() {
-                            td.n data-label=(DRIFTS[column]) {
+                            td.n {
+                                (label("", DRIFTS[column]))
                                 @if let Some(load) = gyro.outlook.load[column] {
                                     strong { (bullet::percent(load)) (t.percent_sign) } br;
                                     span.quiet { (figure::drift(measured.value, measured.sd)) }

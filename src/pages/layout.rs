@@ -52,6 +52,7 @@ pub(super) enum Section {
     Import,
     Hooks,
     Book,
+    Api,
     Setup,
     None,
 }
@@ -161,7 +162,7 @@ impl Viewer {
                             @if self.may(Role::Engineer) { (entry("/hooks", t.hooks, page.section == Section::Hooks)) }
                             (entry("/book", t.book, page.section == Section::Book))
                             @if self.may(Role::Engineer) { (entry("/setup", t.setup, page.section == Section::Setup)) }
-                            (entry("/docs", t.api, false))
+                            (entry("/docs", t.api, page.section == Section::Api))
                         }
                         form.find role="search" aria-label=(t.find_hint) action="/find" method="get" {
                             input #find type="search" name="q" placeholder=(t.find_short) aria-label=(t.find_hint) title=(t.find_hint);
@@ -270,6 +271,11 @@ pub(super) fn symbol(name: &str) -> Markup {
         Some((letter, index)) => html! { var { (letter) sub { (index) } } },
         None => html! { var { (name) } },
     }
+}
+
+/// The name of a coefficient's figure in its cell, where the table is a list (a telephone).
+pub(super) fn label(words: &str, name: &str) -> Markup {
+    html! { span.label { (words) " " (symbol(name)) } " " }
 }
 
 /// A sentence in which the coefficients stand as [`symbol`] has them.

@@ -5,6 +5,7 @@
 
 mod adoption;
 mod alerts;
+mod api;
 mod assets;
 mod before_after;
 mod book;
@@ -134,6 +135,8 @@ pub fn routes() -> Routes<Pages> {
         .get(ENGINEER, "/gyros/{serial}/attributes", gyro_attributes::ask)
         .post(ENGINEER, "/gyros/{serial}/attributes", gyro_attributes::act)
         .get(VIEWER, "/gyros/{serial}/diagnosis", gyro_diagnosis::page)
+        .get(VIEWER, "/docs", api::all)
+        .get(VIEWER, "/docs/{group}", api::group)
         .get(VIEWER, "/book", book::first)
         .get(VIEWER, "/book/{*name}", book::one)
         .get(STATION, "/import", import::page)

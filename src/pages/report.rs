@@ -231,7 +231,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
     Ok(Page { title: format!("{} {name}", t.report_of_imu), section: Section::Fleet, body })
 }
 
-fn as_of(pages: &Pages, viewer: &Viewer) -> Markup {
+pub(super) fn as_of(pages: &Pages, viewer: &Viewer) -> Markup {
     html! { p.note { (viewer.text().printed_at) " " (instant(pages.clock.now())) " · gyrowatch " (env!("CARGO_PKG_VERSION")) } }
 }
 

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::figure;
-use super::layout::{DRIFTS, encoded, symbol};
+use super::layout::{DRIFTS, encoded, label, symbol};
 use super::text::Text;
 use crate::core::mounting::Slot;
 use crate::wire::answer::{FigureBody, SeparationBody, UncertaintiesBody, UncertaintyBody};
@@ -50,15 +50,15 @@ fn figures(t: &Text, one: &SeparationBody) -> Markup {
         tr {
             (gyro(one))
             td { (t.method("rigid")) }
-            @for (figure, name) in rigid.iter().zip(DRIFTS) { td.n data-label=(name) { (measured(figure)) } }
+            @for (figure, name) in rigid.iter().zip(DRIFTS) { td.n { (label("", name)) (measured(figure)) } }
             td.n {}
         }
         @if let Some(own) = &one.as_measured {
             tr.beside {
                 td {}
                 td { (t.as_measured) " (" (format!("{:.1} °C", own.temperature_c)) ")" }
-                td.n data-label="D_I" { (measured(&own.d_i)) }
-                td.n data-label="D_S" { (measured(&own.d_s)) }
+                td.n { (label("", "D_I")) (measured(&own.d_i)) }
+                td.n { (label("", "D_S")) (measured(&own.d_s)) }
                 td.n {} td.n {}
             }
         }
@@ -67,8 +67,8 @@ fn figures(t: &Text, one: &SeparationBody) -> Markup {
                 tr.beside {
                     td {}
                     td { (name) " (" (body.branch) ")" }
-                    td.n data-label="D_I" { (figure::drift(body.d_i, body.d_i_sd)) }
-                    td.n data-label="D_S" { (figure::drift(body.d_s, body.d_s_sd)) }
+                    td.n { (label("", "D_I")) (figure::drift(body.d_i, body.d_i_sd)) }
+                    td.n { (label("", "D_S")) (figure::drift(body.d_s, body.d_s_sd)) }
                     td.n {}
                     td.n data-label=(t.closure_rms) { (figure::short(body.closure_rms)) }
                 }

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use serde_json::Value;
+
 use crate::config::Config;
 use crate::pipeline::Pipeline;
 use crate::system::Clock;
@@ -13,6 +15,8 @@ pub struct Pages {
     pub config: Arc<Config>,
     pub clock: Clock,
     pub pipeline: Arc<Pipeline>,
+    /// The OpenAPI document.
+    pub api: Arc<Value>,
 }
 
 /// For what takes its time: other requests are not to wait for it.

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::alerts::is_open_of;
 use super::bullet;
-use super::layout::{DRIFTS, Page, Section, day, encoded, symbol};
+use super::layout::{DRIFTS, Page, Section, day, encoded, label, symbol};
 use super::station::changes;
 use super::text::Text;
 use super::viewer::Visit;
@@ -65,8 +65,9 @@ fn line(t: &Text, station: &StationFigures, budget: f64, alerts: usize, overdue:
             }
             td data-label=(t.alerts) { @if alerts > 0 { a href={ "/stations/" (encoded(&station.name)) } { (alerts) } } }
             @for (column, name) in columns() {
-                td.trend data-label={ (t.offset) " " (name) } {
+                td.trend {
                     @if let Some(load) = column.offset.as_ref().map(load) {
+                        (label(t.offset, name))
                         @let status = if load.value.abs() > 1.0 { Status::OutOfTolerance } else { Status::InTolerance };
                         (bullet::bar(load, status)) span.n { (bullet::percent(load)) }
                     }

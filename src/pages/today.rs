@@ -11,7 +11,7 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::alerts::{self, done_to_alerts, is_open, open_ones};
-use super::fleet::{Filters, as_day, bad_parameter, tiles, trend, violated};
+use super::fleet::{Filters, as_day, bad_parameter, slopes, tiles, violated};
 use super::layout::{DRIFTS, Page, Section, day, encoded, symbol, written_day};
 use super::station::changes;
 use super::text::Text;
@@ -36,7 +36,7 @@ use crate::wire::time;
 const LINES: usize = 6;
 /// Gyros that drift whose dates are asked for.
 const DATED: usize = 12;
-/// How long the page waits for the stations to be compared.
+/// How long the page waits for the dates of gyros that drift, and for the stations to be compared.
 const PATIENCE: Duration = Duration::from_millis(400);
 /// What is new, unless another day is asked for.
 const DAYS: f64 = 7.0;
@@ -78,7 +78,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
     let shown = fleet.gyros.iter().chain(&today.worse.first);
     let known = known_of(pages, viewer, shown, since).await?;
     let drifting = queries.fleet.worst_of(&[Status::Drifting], DATED).await?;
-    let (dues, undated) = queries.dues.of(&drifting, now).await?;
+    let (dues, undated) = queries.dues.of(&drifting, now, PATIENCE).await?;
     let undated = undated + fleet.of_status[Status::Drifting as usize].saturating_sub(drifting.len());
     let approaching = Approaching::of(&today.approaching, &drifting, &dues, now);
     let stations = queries.fleet.station_figures_within(PATIENCE).await?;
@@ -284,10 +284,7 @@ fn violating<'a>(
 /// A gyro on its way to its budget.
 struct Approach<'a> {
     standing: &'a Standing,
-    /// By the diagnosis of its history, which is on its page; else by the rule `trend`.
     due: DueDate,
-    /// By a trend whose course is still short.
-    provisional: bool,
 }
 
 struct Approaching<'a> {
@@ -305,16 +302,11 @@ impl<'a> Approaching<'a> {
         dues: &HashMap<u32, DueDate>,
         now: UtcMicros,
     ) -> Self {
-        let dated = drifting.iter().filter_map(|standing| {
-            dues.get(&standing.number).map(|due| Approach { standing, due: *due, provisional: false })
-        });
+        let dated = drifting
+            .iter()
+            .filter_map(|standing| dues.get(&standing.number).map(|due| Approach { standing, due: *due }));
         let others = by_trend.first.iter().filter(|standing| !dues.contains_key(&standing.number));
-        let others = others.filter_map(|standing| {
-            let reach = standing.outlook.reach?;
-            let (coefficient, at, between) = (reach.coefficient, reach.at, reach.between);
-            let due = DueDate { coefficient, at, between, calibrate_by: None };
-            Some(Approach { standing, due, provisional: reach.provisional })
-        });
+        let others = others.filter_map(|standing| Some(Approach { standing, due: DueDate::by_trend(standing)? }));
         let by_history_alone = drifting.iter().filter(|standing| dues.contains_key(&standing.number));
         let by_history_alone =
             by_history_alone.filter(|standing| standing.outlook.reach.is_none_or(|reach| reach.at < now)).count();
@@ -330,16 +322,16 @@ impl<'a> Approaching<'a> {
     fn shown(&self, t: &Text, undated: usize, names: &Names<'_>) -> Markup {
         let rows = html! {
             div.scroll tabindex="0" { table.lines { tbody { @for one in &self.first {
-                @let Approach { standing, due, .. } = one;
+                @let Approach { standing, due } = one;
                 tr {
-                    td.nowrap { strong { (day(due.at)) } @if one.provisional { " ?" } }
+                    td.nowrap { strong { (day(due.at)) } @if due.provisional { " ?" } }
                     (gyro(standing, false, names))
                     td.nowrap {
                         (bullet::of_coefficient(t, standing, due.coefficient.column().unwrap_or_default()))
                     }
                     td {
                         @if let Some(by) = due.calibrate_by { (t.calibrate_by) " " (day(by)) }
-                        @else { (trend(t, &Standing { status: Some(Status::Confirmed), ..(*standing).clone() })) }
+                        @else { (slopes(t, standing)) }
                         div.quiet {
                             @let [early, late] = due.between;
                             @if let Some(early) = early { (day(early)) } " … " @if let Some(late) = late { (day(late)) } @else { (t.never) }

@@ -123,7 +123,13 @@ async fn serve_with(
     warn_without_tokens(&pipeline);
     let outbox = Outbox::start(&pipeline.hooks).context("cannot deliver to hooks")?;
     let pipeline = Arc::new(pipeline);
-    let pages = Pages { config: Arc::clone(&config), clock: Clock::System, pipeline: Arc::clone(&pipeline) };
+    let api = serde_json::to_value(http::description(&config.server)).context("cannot describe the API")?;
+    let pages = Pages {
+        config: Arc::clone(&config),
+        clock: Clock::System,
+        pipeline: Arc::clone(&pipeline),
+        api: Arc::new(api),
+    };
     let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
     let router = http::router(app, pages::router(pages));
     tracing::info!(%address, database = %config.database.options().shown(), "listening");

@@ -41,7 +41,7 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, ids: [&str; 2]) -> Resu
         @if both[0].answer.imu != both[1].answer.imu { p.note { (t.other_imus) } }
         @if pairs.is_empty() { p { (t.no_common_slot) } }
         @for (slot, a, b) in &pairs {
-            section {
+            section.pair {
                 h2 { (slot.name()) " " (serials(a, b)) }
                 @if a.serial != b.serial { p.fault { (t.other_gyros) } }
                 (parameters(t, &both, *slot, a, b))

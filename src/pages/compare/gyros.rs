@@ -9,7 +9,7 @@ use crate::pages::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis
 use crate::pages::gyro::{Facts, known};
 use crate::pages::history::event_label;
 use crate::pages::history_plot::{MOST_FLAGS, epoch_of, list};
-use crate::pages::layout::{DRIFTS, Page, Section, encoded, symbol};
+use crate::pages::layout::{DRIFTS, Page, Section, encoded, label, symbol};
 use crate::pages::text::Text;
 use crate::pages::verdicts::Said;
 use crate::pages::view::View;
@@ -121,7 +121,8 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
             td data-label=(t.station) { @if let Some(figures) = newest { (names.station(figures.station)) } }
             td data-label=(t.status_word) { (status::badge(t, facts.standing.as_ref().and_then(|standing| standing.status))) }
             @for (column, name) in DRIFTS.iter().enumerate() {
-                td.n data-label=(name) {
+                td.n {
+                    (label("", name))
                     @if let Some(load) = stands.get(column).and_then(|stand| stand.load) {
                         (bullet::percent(load.share())) " %"
                     } @else {
@@ -130,7 +131,8 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
                 }
             }
             @for name in &DRIFTS[..2] {
-                td.n data-label={ (t.trend_a_year) " " (name) } {
+                td.n {
+                    (label(t.trend_a_year, name))
                     @if let Some(slope) = slope(facts, name) {
                         (bullet::percent(slope)) " %"
                     } @else {
@@ -139,7 +141,8 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
                 }
             }
             @for name in &DRIFTS[..2] {
-                td.n data-label={ (t.scatter) " " (name) } {
+                td.n {
+                    (label(t.scatter, name))
                     @if let Some(VerdictBody { value: Some(value), limit, .. }) = scatter(name).map(|said| &said.body) {
                         (figure::percent(value / limit))
                     } @else { "–" }

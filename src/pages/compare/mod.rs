@@ -4,7 +4,11 @@
 mod campaigns;
 mod gyros;
 
+use axum::response::Response;
+use maud::html;
+
 use super::layout::Page;
+use super::report;
 use super::viewer::Visit;
 use crate::message;
 use crate::pages::sent::Query;
@@ -16,7 +20,7 @@ const MOST_GYROS: usize = 8;
 pub(super) async fn page(
     Visit { ref pages, ref viewer }: Visit,
     Query(asked): Query<Vec<(String, String)>>,
-) -> Result<Page, Problem> {
+) -> Result<Response, Problem> {
     let of = |key: &str| -> Vec<&str> {
         let mut found: Vec<&str> = Vec::new();
         for (name, value) in &asked {
@@ -28,9 +32,11 @@ pub(super) async fn page(
     };
     let (gyros, campaigns) = (of("gyro"), of("campaign"));
     let aligned = of("align").contains(&"baseline");
-    match campaigns.as_slice() {
-        [a, b] if gyros.is_empty() => campaigns::page(pages, viewer, [*a, *b]).await,
-        [] if (2..=MOST_GYROS).contains(&gyros.len()) => gyros::page(pages, viewer, &gyros, aligned).await,
-        _ => Err(Problem::new(400, "title_bad_query", message!("compare_what", most = MOST_GYROS))),
-    }
+    let page = match campaigns.as_slice() {
+        [a, b] if gyros.is_empty() => campaigns::page(pages, viewer, [*a, *b]).await?,
+        [] if (2..=MOST_GYROS).contains(&gyros.len()) => gyros::page(pages, viewer, &gyros, aligned).await?,
+        _ => return Err(Problem::new(400, "title_bad_query", message!("compare_what", most = MOST_GYROS))),
+    };
+    let body = html! { (page.body) div.on-paper { (report::as_of(pages, viewer)) } };
+    Ok(viewer.show_for_paper(&Page { body, ..page.clone() }, &[&page.title]))
 }

@@ -118,7 +118,7 @@ fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody, alert: Option<&Ale
             td data-label=(t.queued) { (written(&delivery.queued_at)) }
             td {
                 (status::said(shape, t.delivery(delivery.state)))
-                @if let Some(due) = &delivery.due_at { br; span.quiet { (written(due)) } }
+                @if let Some(due) = &delivery.due_at { br; span.quiet { (t.next_attempt) " " (written(due)) } }
             }
             td.n data-label=(t.attempts) { (delivery.attempts.len()) }
             td.words {

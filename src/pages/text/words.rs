@@ -119,7 +119,7 @@ words_of_pages! {
     hooks hooks_note no_hooks hook add_hook add_hook_what delete_hook delete_hook_title delete_hook_what hook_name
     hook_url hook_secret hook_secret_shown hook_authorization hook_rules hook_gyros batch gyro_type
     gyro_unit edit_attributes edit_attributes_what hook_batch hook_expect hook_set_up enabled disabled enable
-    disable test_hook open_deliveries dead_letters deliveries no_deliveries message queued attempts last_attempt
+    disable test_hook open_deliveries dead_letters deliveries no_deliveries message queued attempts last_attempt next_attempt
     redeliver redeliver_dead delivery_behind delivery_waiting delivery_delivered delivery_dead delivery_dropped
     answer
 
@@ -156,4 +156,7 @@ words_of_pages! {
     // What a file would come to.
     gyro_word ends_in_tolerance text_of_file to_be_checked check_first station_unknown serial_unknown
     from_last_value last_value change_of_budget load_word first_calibration
+
+    // The API.
+    api_token schemas member meaning_word required_word request_body answers example
 }

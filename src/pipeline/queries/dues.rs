@@ -10,16 +10,15 @@ use tokio::time::Instant;
 use super::found_until::found_until;
 use super::gyro_history::Histories;
 use super::standing::Standing;
-use crate::core::judge::{Coefficient, Status};
+use crate::core::judge::{Coefficient, Reach, Status};
 use crate::core::time::UtcMicros;
 use crate::pipeline::error::StorageError;
 
 /// Gyros whose dates are kept; more of them, and all are found anew.
 const MOST_KEPT: usize = 1000;
-/// How long the diagnoses may take that are asked for at once; a gyro's own page has its date then.
-const PATIENCE: Duration = Duration::from_millis(400);
 
-/// When a coefficient reaches its budget by the diagnosis of its history.
+/// When a coefficient reaches its budget: by the diagnosis of its history, which is on the gyro's page; else by the
+/// rule `trend`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DueDate {
     pub coefficient: Coefficient,
@@ -28,6 +27,16 @@ pub struct DueDate {
     pub between: [Option<UtcMicros>; 2],
     /// Until then it is within its budget with 95 %.
     pub calibrate_by: Option<UtcMicros>,
+    /// By a trend whose course is still short.
+    pub provisional: bool,
+}
+
+impl DueDate {
+    /// By the rule `trend`.
+    pub fn by_trend(gyro: &Standing) -> Option<Self> {
+        let Reach { coefficient, at, between, provisional } = gyro.outlook.reach?;
+        Some(Self { coefficient, at, between, calibrate_by: None, provisional })
+    }
 }
 
 /// Dates of gyros that drift, kept for who asks next. Cheap to clone.
@@ -43,15 +52,21 @@ impl Dues {
         Self { histories, kept: Arc::default() }
     }
 
-    /// Of those of these gyros that drift, what reaches its budget first from `now` on, by gyro number; and how many of
-    /// them could not be diagnosed in time. A gyro is diagnosed again once it stands otherwise.
+    /// Of those of these gyros that drift, what reaches its budget first from `now` on by its history, by gyro number;
+    /// and how many of them could not be diagnosed within `patience`: a gyro's own page has its date then. A gyro is
+    /// diagnosed again once it stands otherwise.
     ///
     /// # Errors
     /// [`StorageError`].
-    pub async fn of(&self, gyros: &[Standing], now: UtcMicros) -> Result<(HashMap<u32, DueDate>, usize), StorageError> {
+    pub async fn of(
+        &self,
+        gyros: &[Standing],
+        now: UtcMicros,
+        patience: Duration,
+    ) -> Result<(HashMap<u32, DueDate>, usize), StorageError> {
         let drifting = gyros.iter().filter(|gyro| gyro.status == Some(Status::Drifting));
         let (mut found, mut missing) = (HashMap::new(), 0);
-        let until = Instant::now() + PATIENCE;
+        let until = Instant::now() + patience;
         for gyro in drifting {
             let gyro = of_any_day(gyro);
             let kept = self.kept().get(&gyro.number).filter(|(of, _)| *of == gyro).map(|(_, due)| *due);
@@ -81,6 +96,7 @@ impl Dues {
                 at: at(due.days),
                 between: due.p95.map(|days| days.map(at)),
                 calibrate_by: due.calibrate_by.map(at),
+                provisional: false,
             })
         });
         let first = dates.min_by_key(|due| due.at);

@@ -81,21 +81,27 @@ pub(crate) fn shape_sd(frame: &Frame, parts: &[Part], i: usize, variances: &[f64
     if curvature > 0.0 { (2.0 / curvature).sqrt().min(grid) } else { grid }
 }
 
+/// How likely a change is where the phases meet, over everywhere else together: there fixtures are changed.
+const WHERE_PHASES_MEET: f64 = 0.5;
+
 /// When part `i` sets in, and the standard deviation of that: a change between two dwells is as likely beforehand as
-/// they are apart, and then as exp(-chi^2/2) of the fit with it there.
+/// they are apart, more so where one phase follows the other, and then as exp(-chi^2/2) of the fit with it there.
 pub(crate) fn instant(frame: &Frame, parts: &[Part], i: usize, variances: &[f64]) -> (f64, f64) {
-    let time = &frame.setting.time;
+    let (time, phase) = (&frame.setting.time, &frame.setting.phase);
+    let meets = |k: &usize| phase[k - 1] != phase[*k];
+    let where_phases_meet = (1..time.len()).find(meets).filter(|first| !(first + 1..time.len()).any(|k| meets(&k)));
     let mut parts = parts.to_vec();
     let between = (1..time.len()).map(|k| {
         let (middle, apart) = (0.5 * (time[k - 1] + time[k]), time[k] - time[k - 1]);
+        let more = if Some(k) == where_phases_meet { WHERE_PHASES_MEET * frame.setting.span() } else { 0.0 };
         parts[i].shape = Shape::Instant(middle);
         let fit = augmented_fit::fit(frame, &parts);
         let chi2: f64 = fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum();
-        (middle, apart, chi2)
+        (middle, apart, (apart + more).ln() - 0.5 * chi2)
     });
     let between: Vec<(f64, f64, f64)> = between.collect();
-    let least = between.iter().map(|(_, _, chi2)| *chi2).fold(f64::INFINITY, f64::min);
-    let weight = |(_, apart, chi2): &(f64, f64, f64)| apart * (0.5 * (least - chi2)).exp();
+    let most = between.iter().map(|gap| gap.2).fold(f64::NEG_INFINITY, f64::max);
+    let weight = |gap: &(f64, f64, f64)| (gap.2 - most).exp();
     let all: f64 = between.iter().map(weight).sum();
     let mean = between.iter().map(|gap| weight(gap) * gap.0).sum::<f64>() / all;
     let squares = |gap: &(f64, f64, f64)| weight(gap) * ((gap.0 - mean).powi(2) + gap.1 * gap.1 / 12.0);

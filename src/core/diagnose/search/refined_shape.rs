@@ -18,6 +18,10 @@ pub(super) const STRONG: f64 = 60.0;
 /// The same for instants, of which the grid holds every tenth dwell or so.
 const STRONG_INSTANT: f64 = 8.0;
 
+/// ln of likelihood that another instant must gain where the grid shows nothing: among the rates a few dwells may carry
+/// all of a change.
+const UNSEEN_BY_THE_GRID: f64 = 20.0;
+
 /// Steps of the golden section: the bracket shrinks to a ten-thousandth.
 const STEPS: usize = 20;
 
@@ -28,23 +32,29 @@ pub(crate) fn sharpened(search: &Search, found: &[Choice]) -> Vec<(Effect, Shape
     for score in search.scores(&[]).iter().filter(|score| score.log_evidence > STRONG) {
         shapes.extend(search.part(&search.choice(score)).and_then(|alone| best(search, &[alone], 0)));
     }
-    for score in search.scores(&[]).iter().filter(|score| score.log_evidence > STRONG_INSTANT) {
-        shapes.extend(search.part(&search.choice(score)).and_then(|alone| best_instant(search.frame, &[alone], 0)));
+    for score in search.scores(&[]).iter() {
+        let least = match score.log_evidence {
+            evidence if evidence > STRONG_INSTANT => 0.0,
+            _ if found.is_empty() => continue,
+            _ => UNSEEN_BY_THE_GRID,
+        };
+        let alone = search.part(&search.choice(score));
+        shapes.extend(alone.and_then(|alone| best_instant(search.frame, &[alone], 0, least)));
     }
     let named: Vec<&Choice> = found.iter().filter(|choice| !choice.is_competitor()).collect();
     let parts: Vec<Part> = named.iter().filter_map(|choice| search.part(choice)).collect();
     // A dwell set aside may be what the nearest instant of the grid leaves of a change.
     let lasting: Vec<Part> = parts.iter().filter(|part| part.dwell().is_none()).cloned().collect();
-    shapes.extend((0..lasting.len()).filter_map(|i| best_instant(search.frame, &lasting, i)));
+    shapes.extend((0..lasting.len()).filter_map(|i| best_instant(search.frame, &lasting, i, 0.0)));
     for (i, _) in named.iter().enumerate().filter(|(_, choice)| choice.evidence > STRONG) {
         shapes.extend(best(search, &parts, i));
     }
     shapes
 }
 
-/// The instant between any two dwells at which part `i`, which all gyros share, explains most beside the others: its
-/// grid holds a few.
-fn best_instant(frame: &Frame, parts: &[Part], i: usize) -> Option<(Effect, Shape)> {
+/// The instant between any two dwells at which part `i`, which all gyros share, explains most beside the others, where
+/// that gains more than `least` of ln likelihood: its grid holds a few.
+fn best_instant(frame: &Frame, parts: &[Part], i: usize, least: f64) -> Option<(Effect, Shape)> {
     let Part { effect, shape, .. } = parts[i];
     if !parts[i].common() || !effect.entry().parameter.takes(Shape::Instant(0.0)) {
         return None;
@@ -57,7 +67,8 @@ fn best_instant(frame: &Frame, parts: &[Part], i: usize) -> Option<(Effect, Shap
     let time = &frame.setting.time;
     let between = (2..frame.dwells().saturating_sub(1)).map(|k| Shape::Instant(0.5 * (time[k - 1] + time[k])));
     let best = between.map(|shape| (left(shape), shape)).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 < left(shape)).then_some((effect, best.1))
+    let outputs = (frame.gyros.len() * frame.dwells()) as f64;
+    (0.5 * outputs * (left(shape) / best.0).ln() > least).then_some((effect, best.1))
 }
 
 /// The best shape of part `i` between its neighbours on the grid, with all parts fitted.

@@ -50,9 +50,9 @@ fn a_bias_that_wanders_is_noise_with_a_memory() {
 #[test]
 fn an_imu_that_was_reseated_is_named_so_and_a_field_is_still_found() {
     let row = of("reseated_60");
-    assert!(wrong(&row) == 0 && row.found.hits >= COUNT - 1, "{row:?}");
+    assert!(wrong(&row) == 0 && row.found.hits + 1 >= row.found.trials, "{row:?}");
     let row = of("magnetic");
-    assert!(row.found.hits >= COUNT - 1, "{row:?}");
+    assert!(row.found.hits + 1 >= row.found.trials, "{row:?}");
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn what_acts_for_a_part_of_the_time_is_not_explained_as_a_whole() {
 #[test]
 fn three_causes_get_their_names_also_where_two_follow_one_variable() {
     let row = of("three");
-    assert!(row.found.hits == COUNT && wrong(&row) == 0, "{row:?}");
+    assert!(row.found.hits == row.found.trials && wrong(&row) == 0, "{row:?}");
 }
 
 #[test]
@@ -78,6 +78,20 @@ fn one_cause_gets_one_name_however_strong_it_is_and_whenever_it_sets_in() {
         let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
         let named: Vec<&str> = answer.effects.iter().map(|named| named.effect.as_str()).collect();
         assert_eq!((named, answer.verdict.as_str()), (vec!["reseating"], "explained"), "{kind}");
+    }
+}
+
+#[test]
+fn when_a_small_reseating_set_in_counts_that_fixtures_are_changed_where_phases_meet() {
+    // The second was said to be 2.8 standard deviations earlier.
+    for number in [2, 6] {
+        let simulated = Kind::from_name("reseated_20").unwrap().campaign(60_611, number);
+        let dwells = &simulated.campaign.dwells;
+        let changed = dwells.windows(2).find(|pair| pair[0].phase != pair[1].phase).unwrap();
+        let diagnosis = diagnose(&simulated.campaign, &Options::default()).unwrap();
+        let instant = diagnosis.effects[0].estimates.iter().find(|estimate| estimate.name == "instant").unwrap();
+        let off = instant.value - 0.5 * (changed[0].mid_s() + changed[1].mid_s());
+        assert!(off.abs() < 2.0 * instant.sd, "{instant:?}");
     }
 }
 

@@ -73,6 +73,11 @@ impl Named {
     pub fn means(&self, id: &str) -> bool {
         self.effect == id || self.class.iter().any(|member| member == id)
     }
+
+    /// The closure that it claims, and the interval of that.
+    pub fn claim(&self) -> Option<(f64, [f64; 2])> {
+        self.held_out.and_then(|held| held.closure.zip(held.interval))
+    }
 }
 
 impl Answer {

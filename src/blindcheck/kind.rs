@@ -12,6 +12,7 @@ use super::answer::Answer;
 use super::draw::{effect_in_some_gyros, is_outside, one_of, seen_by, style};
 use super::reach::Structure;
 use super::run::{Diagnoser, timed};
+use super::score::{Closure, closures};
 use super::tally::Tally;
 use crate::simulate::cause::{ALWAYS, FIELD, IN_TIME, POWER_UP, SEAT, THROUGHOUT, TILT, TILT_FROM_A_DWELL};
 use crate::simulate::outside::{FAMILIES, depends_on};
@@ -47,8 +48,8 @@ const fn kind(name: &'static str, hidden: Hidden, put: fn(&mut Scenario, &mut Ch
 
 use Hidden::{Effects, Nothing, Outside, PartOfTheTime};
 
-/// d from which on it can be seen that an effect acts for a part of the time only.
-const VISIBLE_CHANGE: f64 = 5.0;
+/// d from which on a test can be asked to see what is hidden, or that it acts for a part of the time only.
+const VISIBLE: f64 = 5.0;
 
 pub const KINDS: [Kind; 27] = [
     kind("clean", Nothing, |_, _| Some(())),
@@ -183,6 +184,7 @@ impl Kind {
             found: !hidden.is_empty() && hidden.iter().all(|id| answer.effects.iter().any(|n| means(n, id))),
             change,
             whole: answer.effects.iter().any(whole),
+            closures: closures(truth, &answer.effects),
             said: answer.noise.is_some(),
             described: match &truth.truth.family {
                 Some(family) => answer.description.iter().any(|d| depends_on(family).contains(&d.by.as_str())),
@@ -209,6 +211,8 @@ pub struct KindScore {
     pub change: Option<f64>,
     /// An effect of a part of the time was named as though it acted throughout.
     pub whole: bool,
+    /// What the names claim to close.
+    pub closures: Vec<Closure>,
     /// Something was said of the noise.
     pub said: bool,
     /// What an outside cause depends on was among the description; of any other, something was described.
@@ -229,9 +233,12 @@ pub struct KindRow {
     pub kind: &'static str,
     pub confident_wrong: Tally,
     pub doubted_wrong: Tally,
+    /// Of campaigns in which what is hidden can be seen.
     pub found: Tally,
     /// Of campaigns with an effect of a part of the time, where that it is one can be seen.
     pub explained_as_whole: Tally,
+    /// Of closures that are claimed, those with the truth in their interval.
+    pub closure_covers: Tally,
     pub gap_without_a_name: Tally,
     pub noise_said: Tally,
     pub described: Tally,
@@ -251,16 +258,18 @@ pub fn row(kind: &Kind, seed: u64, count: usize, diagnose: &Diagnoser<'_>) -> Ki
         })
         .collect();
     let tally = |of: fn(&KindScore) -> bool| Tally::of(scores.iter().map(of));
-    let is_visible = |s: &&KindScore| s.change.is_none_or(|change| change >= VISIBLE_CHANGE);
+    let is_visible = |s: &&KindScore| s.change.is_none_or(|change| change >= VISIBLE);
     let visibly_in_part = scores.iter().filter(|_| kind.hidden == PartOfTheTime).filter(is_visible);
+    let hides = matches!(kind.hidden, Effects | PartOfTheTime);
     let mut times: Vec<f64> = scores.iter().map(|score| score.milliseconds).collect();
     times.sort_by(f64::total_cmp);
     KindRow {
         kind: kind.name,
         confident_wrong: tally(|s| s.wrong && s.explained),
         doubted_wrong: tally(|s| s.wrong && !s.explained),
-        found: tally(|s| s.found),
+        found: Tally::of(scores.iter().filter(|s| hides && s.seen >= VISIBLE).map(|s| s.found)),
         explained_as_whole: Tally::of(visibly_in_part.map(|s| s.whole && s.explained)),
+        closure_covers: Tally::of(scores.iter().flat_map(|s| s.closures.iter().map(Closure::covered))),
         gap_without_a_name: tally(|s| s.gap && s.named.is_empty()),
         noise_said: tally(|s| s.said),
         described: tally(|s| s.described),

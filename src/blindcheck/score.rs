@@ -210,26 +210,15 @@ impl Known<'_> {
     }
 
     fn closures(&self, answer: &Answer) -> Vec<Closure> {
-        let mut structure = self.simulated.filter(|s| !s.causes.is_empty()).map(Structure::of);
-        let foreign_truth = (self.case == Case::One && answer.effects.len() == 1)
-            .then(|| answer.effects[0].effect == self.key.effects[0])
-            .and_then(|right| right.then_some(1.0));
-        let mut closures = Vec::new();
-        for named in &answer.effects {
-            let truth = match &mut structure {
-                Some(structure) => {
-                    let before = structure.left();
-                    structure.name(&named.effect, &named.gyros);
-                    (before > 1.0).then(|| 1.0 - (structure.left() / before).powi(2))
-                }
-                None => foreign_truth,
-            };
-            let claim = named.held_out.and_then(|held| held.closure.zip(held.interval));
-            if let (Some(truth), Some((claimed, interval))) = (truth, claim) {
-                closures.push(Closure { claimed, interval, truth });
-            }
+        if let Some(simulated) = self.simulated {
+            return closures(simulated, &answer.effects);
         }
-        closures
+        match answer.effects.as_slice() {
+            [named] if self.case == Case::One && named.effect == self.key.effects[0] => {
+                named.claim().map(|(claimed, interval)| Closure { claimed, interval, truth: 1.0 }).into_iter().collect()
+            }
+            _ => Vec::new(),
+        }
     }
 
     fn shift(&self, answer: &Answer) -> Option<ShiftScore> {
@@ -262,6 +251,21 @@ impl Known<'_> {
             _ => None,
         }
     }
+}
+
+/// What each name claims to close, given those before it, beside the share of what is hidden that it can reproduce.
+pub(super) fn closures(simulated: &Simulated, effects: &[Named]) -> Vec<Closure> {
+    if simulated.causes.is_empty() {
+        return Vec::new();
+    }
+    let mut structure = Structure::of(simulated);
+    let closure = |named: &Named| {
+        let before = structure.left();
+        structure.name(&named.effect, &named.gyros);
+        let (claimed, interval) = named.claim().filter(|_| before > 1.0)?;
+        Some(Closure { claimed, interval, truth: 1.0 - (structure.left() / before).powi(2) })
+    };
+    effects.iter().filter_map(closure).collect()
 }
 
 impl Score {

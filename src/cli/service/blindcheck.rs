@@ -285,15 +285,16 @@ fn kind_table(rows: &[KindRow]) -> String {
         "campaigns",
         "confident wrong",
         "doubted wrong",
-        "all named",
+        "all named, of those that can be seen",
         "visibly in part, explained as whole",
+        "closure in its interval",
         "gap, no name",
         "noise said",
         "described",
         "median, ms",
         "no answer",
     ];
-    let mut table = table(head, 1..11);
+    let mut table = table(head, 1..12);
     for row in rows {
         let hits = |tally: &Tally| tally.hits.to_string();
         let share = |of: &Tally| if of.trials > 0 { format!("{} of {}", of.hits, of.trials) } else { String::new() };
@@ -302,8 +303,9 @@ fn kind_table(rows: &[KindRow]) -> String {
             row.confident_wrong.trials.to_string(),
             hits(&row.confident_wrong),
             hits(&row.doubted_wrong),
-            hits(&row.found),
+            share(&row.found),
             share(&row.explained_as_whole),
+            share(&row.closure_covers),
             hits(&row.gap_without_a_name),
             hits(&row.noise_said),
             hits(&row.described),

@@ -87,6 +87,7 @@ effects! {
     StaticToRate,
     TorquerHeating,
     RateBefore,
+    RateProduct,
 }
 
 /// The parameter of a regressor that is not linear, at one value.

@@ -56,6 +56,7 @@ effect_rate_and_force = a scale factor that depends on orientation
 effect_static_to_rate = a difference between standing and turning
 effect_torquer_heating = a memory of the rates before
 effect_rate_before = a memory of the rate before
+effect_rate_product = a product of rates
 effect_bent_temperature = a bend in temperature
 effect_temperature_rate = a response to the rate of change of temperature
 effect_temperature_lag = a late response to temperature

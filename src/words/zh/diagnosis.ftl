@@ -56,6 +56,7 @@ effect_rate_and_force = 与姿态有关的标度因子
 effect_static_to_rate = 静止与转动之间的差别
 effect_torquer_heating = 对先前各角速度的记忆
 effect_rate_before = 对前一角速度的记忆
+effect_rate_product = 角速度的乘积
 effect_bent_temperature = 随温度的转折
 effect_temperature_rate = 对温度变化率的响应
 effect_temperature_lag = 对温度的滞后响应

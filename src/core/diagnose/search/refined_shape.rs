@@ -18,6 +18,10 @@ pub(super) const STRONG: f64 = 60.0;
 /// The same for instants, of which the grid holds every tenth dwell or so.
 const STRONG_INSTANT: f64 = 8.0;
 
+/// ln of likelihood that another instant must gain where the grid shows nothing: among the rates a few dwells may carry
+/// all of a change.
+const UNSEEN_BY_THE_GRID: f64 = 20.0;
+
 /// Steps of the golden section: the bracket shrinks to a ten-thousandth.
 const STEPS: usize = 20;
 
@@ -28,23 +32,29 @@ pub(crate) fn sharpened(search: &Search, found: &[Choice]) -> Vec<(Effect, Shape
     for score in search.scores(&[]).iter().filter(|score| score.log_evidence > STRONG) {
         shapes.extend(search.part(&search.choice(score)).and_then(|alone| best(search, &[alone], 0)));
     }
-    for score in search.scores(&[]).iter().filter(|score| score.log_evidence > STRONG_INSTANT) {
-        shapes.extend(search.part(&search.choice(score)).and_then(|alone| best_instant(search.frame, &[alone], 0)));
+    for score in search.scores(&[]).iter() {
+        let least = match score.log_evidence {
+            evidence if evidence > STRONG_INSTANT => 0.0,
+            _ if found.is_empty() => continue,
+            _ => UNSEEN_BY_THE_GRID,
+        };
+        let alone = search.part(&search.choice(score));
+        shapes.extend(alone.and_then(|alone| best_instant(search.frame, &[alone], 0, least)));
     }
     let named: Vec<&Choice> = found.iter().filter(|choice| !choice.is_competitor()).collect();
     let parts: Vec<Part> = named.iter().filter_map(|choice| search.part(choice)).collect();
     // A dwell set aside may be what the nearest instant of the grid leaves of a change.
     let lasting: Vec<Part> = parts.iter().filter(|part| part.dwell().is_none()).cloned().collect();
-    shapes.extend((0..lasting.len()).filter_map(|i| best_instant(search.frame, &lasting, i)));
+    shapes.extend((0..lasting.len()).filter_map(|i| best_instant(search.frame, &lasting, i, 0.0)));
     for (i, _) in named.iter().enumerate().filter(|(_, choice)| choice.evidence > STRONG) {
         shapes.extend(best(search, &parts, i));
     }
     shapes
 }
 
-/// The instant between any two dwells at which part `i`, which all gyros share, explains most beside the others: its
-/// grid holds a few.
-fn best_instant(frame: &Frame, parts: &[Part], i: usize) -> Option<(Effect, Shape)> {
+/// The instant between any two dwells at which part `i`, which all gyros share, explains most beside the others, where
+/// that gains more than `least` of ln likelihood: its grid holds a few.
+fn best_instant(frame: &Frame, parts: &[Part], i: usize, least: f64) -> Option<(Effect, Shape)> {
     let Part { effect, shape, .. } = parts[i];
     if !parts[i].common() || !effect.entry().parameter.takes(Shape::Instant(0.0)) {
         return None;
@@ -57,7 +67,8 @@ fn best_instant(frame: &Frame, parts: &[Part], i: usize) -> Option<(Effect, Shap
     let time = &frame.setting.time;
     let between = (2..frame.dwells().saturating_sub(1)).map(|k| Shape::Instant(0.5 * (time[k - 1] + time[k])));
     let best = between.map(|shape| (left(shape), shape)).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 < left(shape)).then_some((effect, best.1))
+    let outputs = (frame.gyros.len() * frame.dwells()) as f64;
+    (0.5 * outputs * (left(shape) / best.0).ln() > least).then_some((effect, best.1))
 }
 
 /// The best shape of part `i` between its neighbours on the grid, with all parts fitted.
@@ -81,21 +92,27 @@ pub(crate) fn shape_sd(frame: &Frame, parts: &[Part], i: usize, variances: &[f64
     if curvature > 0.0 { (2.0 / curvature).sqrt().min(grid) } else { grid }
 }
 
+/// How likely a change is where the phases meet, over everywhere else together: there fixtures are changed.
+const WHERE_PHASES_MEET: f64 = 0.5;
+
 /// When part `i` sets in, and the standard deviation of that: a change between two dwells is as likely beforehand as
-/// they are apart, and then as exp(-chi^2/2) of the fit with it there.
+/// they are apart, more so where one phase follows the other, and then as exp(-chi^2/2) of the fit with it there.
 pub(crate) fn instant(frame: &Frame, parts: &[Part], i: usize, variances: &[f64]) -> (f64, f64) {
-    let time = &frame.setting.time;
+    let (time, phase) = (&frame.setting.time, &frame.setting.phase);
+    let meets = |k: &usize| phase[k - 1] != phase[*k];
+    let where_phases_meet = (1..time.len()).find(meets).filter(|first| !(first + 1..time.len()).any(|k| meets(&k)));
     let mut parts = parts.to_vec();
     let between = (1..time.len()).map(|k| {
         let (middle, apart) = (0.5 * (time[k - 1] + time[k]), time[k] - time[k - 1]);
+        let more = if Some(k) == where_phases_meet { WHERE_PHASES_MEET * frame.setting.span() } else { 0.0 };
         parts[i].shape = Shape::Instant(middle);
         let fit = augmented_fit::fit(frame, &parts);
         let chi2: f64 = fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum();
-        (middle, apart, chi2)
+        (middle, apart, (apart + more).ln() - 0.5 * chi2)
     });
     let between: Vec<(f64, f64, f64)> = between.collect();
-    let least = between.iter().map(|(_, _, chi2)| *chi2).fold(f64::INFINITY, f64::min);
-    let weight = |(_, apart, chi2): &(f64, f64, f64)| apart * (0.5 * (least - chi2)).exp();
+    let most = between.iter().map(|gap| gap.2).fold(f64::NEG_INFINITY, f64::max);
+    let weight = |gap: &(f64, f64, f64)| (gap.2 - most).exp();
     let all: f64 = between.iter().map(weight).sum();
     let mean = between.iter().map(|gap| weight(gap) * gap.0).sum::<f64>() / all;
     let squares = |gap: &(f64, f64, f64)| weight(gap) * ((gap.0 - mean).powi(2) + gap.1 * gap.1 / 12.0);

@@ -5,8 +5,16 @@ use crate::core::campaign::Phase;
 use crate::core::effects::entry::{COMPETING, Effect, Entry, Prior, Shape, Typical};
 use crate::core::effects::setting::Setting;
 
-pub(super) const ENTRIES: &[&Entry] =
-    &[&RATE_EVEN, &RATE_ODD, &RATE_CURVE, &RATE_AND_FORCE, &STATIC_TO_RATE, &TORQUER_HEATING, &RATE_BEFORE];
+pub(super) const ENTRIES: &[&Entry] = &[
+    &RATE_EVEN,
+    &RATE_ODD,
+    &RATE_CURVE,
+    &RATE_AND_FORCE,
+    &STATIC_TO_RATE,
+    &TORQUER_HEATING,
+    &RATE_BEFORE,
+    &RATE_PRODUCT,
+];
 
 pub const RATE_EVEN: Entry = Entry {
     effect: Effect::RateEven,
@@ -120,6 +128,42 @@ pub const RATE_BEFORE: Entry = Entry {
     columns: &|s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.rate[k - 1][i] })).collect(),
     ..COMPETING
 };
+
+/// Two entries together follow it closely where the design has few directions of rate.
+pub const RATE_PRODUCT: Entry = Entry {
+    effect: Effect::RateProduct,
+    id: "rate_product",
+    cause: "lever arms and the inertia of float and wheel: products of rates that no entry has, also with temperature",
+    equation: "k w_S^2, k w_O^2, k w_I w_O or k w_S w_O, or T w_I^2, T w_S or T w_O",
+    unit: "deg/h per (arcsec/s)^n",
+    typical: Typical { low: 1e-12, high: 1e-9, source: "rigid-body terms of floated gyros" },
+    confused_with: &[Effect::Anisoinertia, Effect::ScaleQuadratic, Effect::TemperatureScale, Effect::Reseating],
+    shapes: &|s| {
+        let products = 0..if s.temperature.is_some() { PRODUCTS.len() } else { 4 };
+        products.map(|i| (Shape::Only(&PRODUCTS[i]), 1.0)).collect()
+    },
+    columns: &|s, j, shape| {
+        let gyro = &s.gyros[j];
+        let product = |k: usize| {
+            let [i, sp, o] = [gyro.input, gyro.spin, gyro.output].map(|axis| s.rate[k].dot(&axis));
+            let t = s.temperature.as_ref().map_or(0.0, |t| t[k]);
+            match picked(shape) {
+                [0] => sp * sp,
+                [1] => o * o,
+                [2] => i * o,
+                [3] => sp * o,
+                [4] => t * i * i,
+                [5] => t * sp,
+                _ => t * o,
+            }
+        };
+        vec![s.column(product)]
+    },
+    only_closer: true,
+    ..COMPETING
+};
+
+const PRODUCTS: [[usize; 1]; 7] = [[0], [1], [2], [3], [4], [5], [6]];
 
 fn turning(s: &Setting, k: usize) -> f64 {
     f64::from(u8::from(s.phase[k] == Phase::Rate))

@@ -184,7 +184,7 @@ fn fitted(imu: usize, k: usize) -> String {
             let sd = gyro.covariance_eg().expect("the dwells have standard errors").diagonal().map(f64::sqrt);
             let triple = |first: usize| Triple([sd[first], sd[first + 1], sd[first + 2]]);
             GyroBody {
-                slot: gyro.slot.into(),
+                slot: gyro.slot,
                 serial: gyro.serial.to_string(),
                 e_pulse_per_arcsec: Triple(gyro.e().expect("fitted").into()),
                 g_pulse_per_s_g0: Some(Triple(gyro.g().expect("fitted").into())),

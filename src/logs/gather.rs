@@ -560,6 +560,7 @@ impl Reader {
     /// A log beside the one before: the same clock, from its begin.
     fn restart(&mut self) {
         self.clock = Clock { origin: self.clock.origin, ..Clock::default() };
+        self.sampling.pause();
     }
 
     /// A log after the one before. Where its own clock does not go on, it begins a second later.

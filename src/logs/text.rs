@@ -450,10 +450,14 @@ impl Layout {
         let mut widths: Vec<usize> = sampled.iter().map(|line| fields(line).len()).collect();
         widths.sort_unstable();
         let usual = widths.get(widths.len() / 2).copied().unwrap_or(0);
+        let begins_with_word =
+            |cells: &[String]| cells.first().is_some_and(|c| !is_empty(c) && !is_number(c, decimal_comma));
+        let later = &sampled[..sampled.len().div_ceil(2)];
+        let with_words = later.iter().filter(|line| begins_with_word(&fields(line))).count();
         let is_row = |line: &str| {
             let cells = fields(line);
-            // A program's own lines of a word and a number.
-            if cells.len() + 1 < usual {
+            // A program's own lines of a word and numbers.
+            if begins_with_word(&cells) && (2 * with_words < later.len() || cells.len() + 1 < usual) {
                 return false;
             }
             let filled = cells.iter().filter(|c| !is_empty(c)).count();
@@ -618,6 +622,9 @@ mod tests {
 
         let labview =
             layout("Writer_Version\t2\nChannels\t3\t\nX_Value\ta\tb\tc\tComment\n0.5\t1\t2\t3\n1.5\t1\t2\t3\n");
+        assert_eq!(heads(&labview), [("X_Value", None), ("a", None), ("b", None), ("c", None)]);
+        let head = "Channels\t3\t\nSamples\t9\t9\t9\nX0\t0\t0\t0\nDelta_X\t1\t1\t1\nX_Value\ta\tb\tc\tComment\n";
+        let labview = layout(&format!("{head}{}", "0.5\t1\t2\t3\n".repeat(9)));
         assert_eq!(heads(&labview), [("X_Value", None), ("a", None), ("b", None), ("c", None)]);
 
         assert_eq!(with_line_feeds(b"a\rb\r".to_vec()), b"a\nb\n");

@@ -97,7 +97,8 @@ pub(super) async fn group(Path(group): Path<String>, Visit { ref pages, ref view
     }
     let mut schemas = BTreeSet::new();
     own.iter().for_each(|one| reach(api, one.said, &mut schemas));
-    let url = pages.config.hooks.external_url().unwrap_or("http://localhost:8080");
+    let here = || format!("http://localhost:8080{}", viewer.base_path);
+    let url = &pages.config.hooks.external_url().map_or_else(here, str::to_owned);
     let body = html! {
         h1 lang="en" { (group) }
         p.note { (t.api_token) }
@@ -241,6 +242,9 @@ fn listed<'a>(schema: &'a Value, within: &str, found: &mut Vec<(String, &'a Valu
         found.push((path.clone(), member, list(&schema["required"]).any(|one| one == name)));
         listed(member, &format!("{path}."), found);
         listed(&member["items"], &format!("{path}[]."), found);
+        for one in ["oneOf", "anyOf"].iter().flat_map(|how| list(&member[*how])) {
+            listed(one, &format!("{path}."), found);
+        }
     }
 }
 
@@ -279,9 +283,12 @@ fn meaning(t: &Text, of: &Value, required: bool) -> Markup {
     let schema = of.get("schema").unwrap_or(of);
     let limits = [("minimum", "≥"), ("exclusiveMinimum", ">"), ("maximum", "≤"), ("exclusiveMaximum", "<")];
     let limits = limits.iter().filter_map(|(key, sign)| Some(format!("{sign} {}", schema.get(key)?)));
+    // Of what may be null, its other form says it.
+    let forms = ["oneOf", "anyOf", "allOf"].iter().flat_map(|how| list(&schema[*how]));
+    let text = [of].into_iter().chain(forms).map(|one| word(&one["description"])).find(|text| !text.is_empty());
     html! {
         @if required { strong { (t.required_word) } " " }
-        span lang="en" { (inline(word(&of["description"]))) }
+        span lang="en" { (inline(text.unwrap_or_default())) }
         @for limit in limits { " " code { (limit) } }
     }
 }

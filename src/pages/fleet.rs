@@ -14,7 +14,6 @@ use super::text::Text;
 use super::viewer::{Viewer, Visit};
 use super::{Pages, bullet, figure, spark};
 use crate::core::access::Role;
-use crate::core::fleet_order::FleetOrder;
 use crate::core::judge::{Coefficient, Measured, Rule, Status};
 use crate::core::time::{Span, UtcMicros};
 use crate::pages::sent::Query;
@@ -49,10 +48,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let table = {
         let names = queries.names();
         let row = |(standing, recent)| Row::of(standing, recent, &by_history, &names);
-        let mut rows: Vec<Row<'_>> = gyros.iter().copied().zip(&recent_values).map(row).collect();
-        if filters.sort == FleetOrder::Reach.name() {
-            rows.sort_by_key(|row| row.due.map_or(UtcMicros(i64::MAX), |due| due.at));
-        }
+        let rows: Vec<Row<'_>> = gyros.iter().copied().zip(&recent_values).map(row).collect();
         html! { (table(viewer, pages, filters, &rows, now)) }
     };
     let body = html! {

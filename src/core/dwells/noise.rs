@@ -74,7 +74,7 @@ fn climbed(octaves: &[Octave], mut parts: [f64; 4], free: [bool; 4]) -> Noise {
         let (mut up, mut down) = ([0.0; 4], [0.0; 4]);
         for octave in octaves {
             let at = powers(octave.tau_s);
-            let model: f64 = at.iter().zip(&parts).map(|(a, p)| a * p).sum::<f64>().max(1e-300);
+            let model: f64 = at.iter().zip(&parts).map(|(a, p)| a * p).sum::<f64>().max(1e-150);
             for k in 0..4 {
                 up[k] += octave.pairs * at[k] * octave.variance / (model * model);
                 down[k] += octave.pairs * at[k] / model;
@@ -207,17 +207,27 @@ impl Noise {
     /// its octaves are plainly not of such.
     fn with_slow(&self, [h, k]: [f64; 2], octaves: &[Octave], free: bool, pulse: f64) -> Option<Self> {
         let used = used(octaves);
-        let [q, n, ..] = self.parts;
-        let start = [q.max(f64::MIN_POSITIVE), n.max(f64::MIN_POSITIVE), h, k];
+        let [q, n] = self.start(&used);
+        let start = [q, n, h, k];
         let fit = climbed(&used, start, [free, true, false, false]).rounded(pulse);
         (!used.is_empty() && fit.misfit(&used) - self.misfit(&used) <= OTHER_NOISE).then_some(fit)
+    }
+
+    /// Rounding and white noise from which steps in proportion lead to those of `octaves`: nothing leads away from none.
+    fn start(&self, octaves: &[Octave]) -> [f64; 2] {
+        const LEAST: f64 = 1e-3;
+        let longest = octaves.last().map_or(0.0, |o| o.tau_s);
+        let level = octaves.last().map_or(0.0, |o| o.variance).max(self.allan(longest));
+        let [q, n, ..] = self.parts;
+        [q.max(f64::MIN_POSITIVE), n.max(LEAST * level * longest).max(f64::MIN_POSITIVE)]
     }
 
     /// The same with rounding and white noise of one dwell alone, where they plainly are others.
     pub fn with_own(&self, octaves: &[Octave], pulse: f64) -> Self {
         let used = used(octaves);
-        let [q, n, h, k] = self.parts;
-        let start = [q.max(f64::MIN_POSITIVE), n.max(f64::MIN_POSITIVE), h, k];
+        let [q, n] = self.start(&used);
+        let [.., h, k] = self.parts;
+        let start = [q, n, h, k];
         let own = climbed(&used, start, [true, true, false, false]).rounded(pulse);
         if self.misfit(&used) - own.misfit(&used) > OWN_NOISE { own } else { *self }
     }

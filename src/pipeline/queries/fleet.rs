@@ -106,6 +106,7 @@ impl KnownTotals {
 }
 
 /// What takes no longer is counted again whenever it is asked for.
+const LONGEST_SOUGHT: usize = 1_000;
 const QUICK: Duration = Duration::from_millis(200);
 
 /// What a list of the fleet is narrowed down to, and its order.
@@ -290,6 +291,10 @@ impl Fleet {
             name => of.number(name).map(Some),
         };
         let text = filter.text.trim().to_lowercase();
+        // No name holds these, and not every database takes them as a pattern.
+        if text.len() > LONGEST_SOUGHT || text.contains('\0') {
+            return None;
+        }
         Some(Narrowed {
             sought: (!text.is_empty()).then(|| Sought::text(&text)),
             station: number(filter.station, &tables.stations)?,

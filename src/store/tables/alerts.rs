@@ -216,15 +216,24 @@ const STANDING: &str = "CASE WHEN alert.status = 'resolved' THEN 'resolved'
                              WHEN alert.acknowledged_at IS NOT NULL THEN 'acknowledged'
                              ELSE 'firing' END";
 
+/// What leads to alerts: their status, which has an index; or their gyro or an order, where that index would read every
+/// alert that fires, so that the status is asked for in a form that has none.
+#[derive(Clone, Copy, PartialEq)]
+enum Lookup {
+    Status,
+    Other,
+}
+
 /// What a filter lets through: seven parameters, see the macro `bound`. Each condition by itself, so that it finds its
 /// index; one that is not asked for is no condition.
-fn conditions(store: &Store, filter: &AlertFilter) -> String {
+fn conditions(store: &Store, filter: &AlertFilter, lookup: Lookup) -> String {
     let imu =
         store.readers.words(Sql { sqlite: "alert.finding->>'imu'", postgres: "CAST(alert.finding AS JSONB)->>'imu'" });
-    // Follows from the standing, and has an index.
+    // Follows from the standing.
     let status = match filter.standing {
         Some(Standing::Resolved) => "alert.status = 'resolved'",
-        _ => "alert.status = 'firing'",
+        _ if lookup == Lookup::Status => "alert.status = 'firing'",
+        _ => "alert.status <> 'resolved'",
     };
     let asked = [
         (filter.gyro.is_some(), format!("alert.gyro = $1 AND {OF_ITSELF}")),
@@ -263,7 +272,7 @@ pub async fn find(
     before: Option<Id>,
     limit: u32,
 ) -> Result<Vec<AlertRow>, StoreError> {
-    let conditions = conditions(store, filter);
+    let conditions = conditions(store, filter, Lookup::Other);
     let sql = AssertSqlSafe(format!("{SELECT} WHERE {conditions} AND alert.id < $8 ORDER BY alert.id DESC LIMIT $9"));
     on!(store.readers, db => bound!(sqlx::query(sql), filter, now)
         .bind(before.map_or(i64::MAX, |id| id.0))
@@ -281,7 +290,7 @@ pub async fn gyros_found(
     newest: bool,
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>, StoreError> {
-    let conditions = conditions(store, filter);
+    let [conditions, of_gyro] = [Lookup::Status, Lookup::Other].map(|lookup| conditions(store, filter, lookup));
     let few = AssertSqlSafe(format!(
         "SELECT count(*) FROM (SELECT 1 FROM alert WHERE {conditions} AND {OF_ITSELF} LIMIT {FEW}) AS found"
     ));
@@ -299,7 +308,7 @@ pub async fn gyros_found(
         ),
         (false, false) => format!(
             "SELECT head.gyro FROM head
-             WHERE EXISTS (SELECT 1 FROM alert WHERE alert.gyro = head.gyro AND {conditions} AND {OF_ITSELF})
+             WHERE EXISTS (SELECT 1 FROM alert WHERE alert.gyro = head.gyro AND {of_gyro} AND {OF_ITSELF})
              ORDER BY head.rank DESC, head.load DESC, head.serial LIMIT $8 OFFSET $9"
         ),
     });
@@ -321,7 +330,7 @@ pub async fn found_of(
     now: UtcMicros,
     gyros: &[u32],
 ) -> Result<Vec<AlertRow>, StoreError> {
-    let conditions = conditions(store, filter);
+    let conditions = conditions(store, filter, Lookup::Other);
     let those = store.readers.words(LISTED).replace("$1", "$8");
     let sql = select(&format!("{conditions} AND alert.gyro IN ({those})"));
     let gyros = serde_json::json!(gyros).to_string();
@@ -338,7 +347,7 @@ pub async fn standings(
     filter: &AlertFilter,
     now: UtcMicros,
 ) -> Result<HashMap<Standing, usize>, StoreError> {
-    let conditions = conditions(store, filter);
+    let conditions = conditions(store, filter, Lookup::Status);
     let by_status = AssertSqlSafe(format!("SELECT status, count(*) FROM alert WHERE {conditions} GROUP BY status"));
     let handled = AssertSqlSafe(format!(
         "SELECT {STANDING}, count(*) FROM alert WHERE {conditions} AND status = 'firing'
@@ -418,7 +427,8 @@ pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, Sto
 /// The alerts of several gyros that fire, acknowledged or silenced as they may be, in the order in which they first
 /// did.
 pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
-    let sql = select(&format!("alert.gyro IN ({}) AND {OF_ITSELF} AND status = 'firing'", store.readers.words(LISTED)));
+    let sql =
+        select(&format!("alert.gyro IN ({}) AND {OF_ITSELF} AND status <> 'resolved'", store.readers.words(LISTED)));
     read!(store, all, sql, serde_json::json!(gyros).to_string())
 }
 

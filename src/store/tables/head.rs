@@ -271,12 +271,12 @@ pub struct StationTally {
     pub last_calibrated: Option<UtcMicros>,
 }
 
-/// Another one after everything that is written of a gyro: of a file by the checksums of what is known of gyros, of a
+/// Another one after every record, correction or attribute of a gyro: of a file by the checksums of their tables, of a
 /// server's database by the stamps of its cells.
 pub async fn version(store: &Store) -> Result<[i64; 2], StoreError> {
     let sql = store.readers.words(Sql {
         sqlite: "SELECT sum(rows), sum(sum % 1000000000000000) FROM checksum
-                 WHERE name IN ('head', 'history', 'history_log', 'voided_history', 'record', 'correction')",
+                 WHERE name IN ('head', 'history', 'history_log', 'voided_history', 'record', 'correction', 'gyro_attribute')",
         postgres: "SELECT CAST(sum(stamp / 4294967296) AS BIGINT), CAST(sum(stamp % 4294967296) AS BIGINT) FROM cell",
     });
     let (of_rows, of_sums) = read!(store, query_as.fetch_one, sql);

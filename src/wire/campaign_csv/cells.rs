@@ -255,7 +255,7 @@ fn ranges<'a>(whole: impl Iterator<Item = &'a csv::StringRecord>) -> Vec<Range> 
             (*least, *most) = (least.min(number), most.max(number));
         }
     }
-    ranges.iter().map(|(least, most)| (1.5 * least - 0.5 * most, 1.5 * most - 0.5 * least)).collect()
+    ranges.iter().map(|(least, most)| (least - 0.5 * (most - least), most + 0.5 * (most - least))).collect()
 }
 
 /// Cells within the ranges of their columns, where the cells `i` and `i + 1` are one number.

@@ -21,6 +21,7 @@ file_is_xls = is an old Excel or Office file (.xls); save it as .xlsx or CSV
 file_is_no_text = is a file of { $name }, not text; save the table as CSV, or send it with `gyrowatch import`
 file_is_log = is a log of { $name }; `gyrowatch dwells` makes a campaign of it first
 file_is_parquet = is a Parquet file, which this program was built to leave alone (build it with `--features parquet`); in Python: pandas.read_parquet("FILE").to_csv("log.csv", index=False)
+file_is_arrow = is an Arrow (Feather) file, which is not read; in Python: pandas.read_feather('FILE').to_csv('FILE.csv', index=False)
 file_is_gzip = is compressed with gzip; unpack it with `gunzip FILE`
 file_is_zip = is a zip archive; unpack it and name the files in it
 file_is_json = is JSON, not a table of samples; campaigns and records go to `gyrowatch import`
@@ -42,6 +43,7 @@ commas_of_two_kinds = decimal commas between commas: { $cells } cells under { $c
 zeros_from_here = only zero bytes from here on: the logger lost power while it wrote; cut the file off here
 rows_unreadable = { $count } of { $rows } rows cannot be read; the first: { $fault }
 cell_missing = the row ends before this column
+row_too_long = the row has more than { $cells } cells: a decimal comma between commas, or a delimiter within a text, moves those behind it
 cell_thousands = "{ $value }" has a mark for decimals or for thousands, and nothing tells which: the column has { $count } such cells, whole numbers beside them, and no other decimals; write numbers without separators of thousands
 
 ## Columns
@@ -83,6 +85,7 @@ date_unclear = "{ $value }" is a date whose day and month cannot be told apart; 
 time_back = time jumps back by { $seconds } s, from { $from } to { $to }: two logs in one file, or a clock that was set; cut the file here and name both parts
 time_coarse = { $repeated } of { $rows } samples repeat the time before: the clock is too coarse; leave `time` out and give `rate_hz`
 time_wrapped = the clock began anew { $count } times (midnight, or a full counter) and was carried on
+time_unlikely = a sample every { $step } s, { $days } days of log, { $usual } s a steady interval: `time` (or `rate_hz`) is in another unit than the map or the header says
 samples_lost = { $lost } samples are lost in { $gaps } gaps, of { $rows }; means are of what is there
 samples_repeated = { $count } samples repeat the time before and are left out
 samples_disordered = { $count } samples are out of order by less than two intervals
@@ -101,6 +104,7 @@ log_of_several = column { $column } holds { $ids }: rows of several IMUs in one 
 
 no_interval = no interval of { $least } s or more is still or steady in { $seconds } s of log. A campaign needs positions that are held; `min_s` in the map allows shorter ones
 intervals_below_min = { $fault }. { $count } steady intervals are left out as shorter than { $least } s (up to { $longest } s long): `min_s` in the map keeps them
+moves = nothing is still in { $seconds } s of log: the outputs change smoothly all the time. A campaign needs positions that are held
 one_interval = the whole log is one interval of { $seconds } s in one position (mean outputs { $means }). A campaign needs several positions: name the logs of all of them, in order
 one_orientation = all { $count } dwells have one orientation: the fit can tell neither D_I nor D_S from them
 intervals_short = { $count } steady intervals are much shorter than the others and are taken for pauses (at { $starts } s …); a smaller `min_s` in the map keeps them
@@ -165,6 +169,8 @@ programme_exchanged = the log has { $count } intervals, as many as the programme
 programme_left = { $count } intervals are in no row of the programme and are left out
 programme_clock = the programme begins at { $seconds } s of the log
 programme_ambiguous = the programme's times fit the log as well from { $one } s on as from { $other } s on, a dwell apart: name `force` or `rate` in the map, or log the whole programme
+swings_otherwise = the outputs swing by the Earth's rate as in turns { $times } times as fast as the log says: the table's rate or angle, or `time`, is in another unit
+rate_other_unit = the table turned { $times } times as fast by `rate` in the log as by the programme: `rate` looks like { $unit }
 programme_rates = in { $count } of { $of } dwells the rate in the log contradicts the programme; the first at { $start } s: is it another programme, or a sign?
 programme_contradicted = in { $count } of { $of } dwells the accelerometers contradict the programme; the first at { $start } s, by { $degrees } deg: axes, signs or order are wrong
 cells_alike = { $count } cells in lines { $from } to { $to } have the same fault; the first: { $fault }

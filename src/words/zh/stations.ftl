@@ -21,6 +21,7 @@ file_is_xls = 是旧版Excel或Office文件（.xls）；请另存为.xlsx或CSV
 file_is_no_text = 是{ $name }文件，不是文本；请将表另存为CSV，或用`gyrowatch import`发送
 file_is_log = 是{ $name }记录；请先用`gyrowatch dwells`生成测试数据
 file_is_parquet = 是Parquet文件，本程序编译时未加入读取功能（编译时加`--features parquet`）；在Python中：pandas.read_parquet("FILE").to_csv("log.csv", index=False)
+file_is_arrow = 是Arrow（Feather）文件，不能读取；在Python中：pandas.read_feather('FILE').to_csv('FILE.csv', index=False)
 file_is_gzip = 是gzip压缩文件；请用`gunzip FILE`解压
 file_is_zip = 是zip压缩包；请解压后给出其中的文件
 file_is_json = 是JSON，不是采样表；测试数据与标定记录请用`gyrowatch import`
@@ -42,6 +43,7 @@ commas_of_two_kinds = 逗号既作小数点又作分隔：{ $columns }列下有{
 zeros_from_here = 此后全为零字节：记录仪写入时断电；请在此处截断文件
 rows_unreadable = { $rows }行中有{ $count }行不能读取；第一处：{ $fault }
 cell_missing = 该行在此列之前结束
+row_too_long = 该行多于{ $cells }个单元格：以逗号分列时的小数逗号，或文字中的分隔符，使其后各格错位
 cell_thousands = "{ $value }"中的分隔符可能是小数点，也可能是千位分隔符，无法判断：该列有{ $count }个这样的单元格，其余为整数，没有别的小数；请写成不带千位分隔符的数
 
 ## 列
@@ -83,6 +85,7 @@ date_unclear = “{ $value }”中分不清日与月；请写作2026-11-24（yyy
 time_back = 时间倒退{ $seconds } s，从{ $from }到{ $to }：一个文件中有两个记录，或时钟被重设；请在此处分为两个文件
 time_coarse = { $rows }个采样中有{ $repeated }个与前一时刻相同：时钟分辨率不足；请去掉`time`，给出`rate_hz`
 time_wrapped = 时钟重新开始{ $count }次（午夜或计数器溢出），已接续
+time_unlikely = 每{ $step } s一个采样、记录长{ $days }天、稳定段通常{ $usual } s，不是标定试验：`time`（或`rate_hz`）的单位与映射或表头所写不符
 samples_lost = { $rows }个采样中在{ $gaps }处缺失{ $lost }个；均值取自现有采样
 samples_repeated = { $count }个采样与前一时刻相同，已剔除
 samples_disordered = { $count }个采样次序颠倒，不到两个采样间隔
@@ -101,6 +104,7 @@ log_of_several = 列{ $column }中有{ $ids }：一个文件中有多套IMU的�
 
 no_interval = 在{ $seconds } s的记录中没有不短于{ $least } s的静止或匀速段。测试需要保持不动的位置；映射中的`min_s`可允许更短的段
 intervals_below_min = { $fault }。另有{ $count }个平稳段短于{ $least } s（最长{ $longest } s）而未采用：映射中的`min_s`可保留它们
+moves = 在{ $seconds } s的记录中没有静止段：输出始终在平滑变化。测试需要保持不动的位置
 one_interval = 整个记录是一个位置上的一段，长{ $seconds } s（平均输出{ $means }）。测试需要多个位置：请按次序给出全部记录
 one_orientation = { $count }个测点的取向都相同：拟合不能得出D_I与D_S
 intervals_short = { $count }个稳定段比其他段短得多，视为停顿（{ $starts } s …）；映射中较小的`min_s`可保留它们
@@ -165,6 +169,8 @@ programme_exchanged = 记录有{ $count }段，与测试程序的行数相同，
 programme_left = { $count }段不在测试程序中，已剔除
 programme_clock = 测试程序始于记录的{ $seconds } s
 programme_ambiguous = 程序的时刻从日志的{ $one } s起算与从{ $other } s起算同样吻合，相差一个测点：请在映射中写明`force`或`rate`，或记录完整的程序
+swings_otherwise = 输出随地球自转的摆动表明转台转速是日志所述的{ $times }倍：转台的转速或转角，或`time`的单位不符
+rate_other_unit = 按日志的`rate`，转台转速是程序的{ $times }倍：`rate`像是{ $unit }
 programme_rates = { $of }个测点中有{ $count }个，日志中的转速与程序矛盾；第一个在{ $start } s：是否为另一程序，或符号有误？
 programme_contradicted = { $of }个测点中有{ $count }个加速度计与测试程序不符；第一处在{ $start } s，相差{ $degrees }°：轴、符号或次序有误
 cells_alike = 第{ $from }至{ $to }行有{ $count }个单元格错误相同；第一处：{ $fault }

@@ -848,8 +848,8 @@ fn units_that_cannot_be_shifted_cells_and_motion_are_refused() {
             "[rad/s]",
             "turned 57.3 times as fast by `rate` in the log as by the programme: `rate` looks like deg/s",
         ),
-        ("[deg/s]", "[rpm]", "turned 6 times as fast"),
-        ("[deg/s]", "[mdeg/s]", "turned 0.001 times as fast"),
+        ("[deg/s]", "[rpm]", "turned 6.00 times as fast"),
+        ("[deg/s]", "[mdeg/s]", "turned 0.00100 times as fast"),
     ] {
         let said = refused(&made(text.replace(unit, other)));
         assert!(said.contains(expected), "{other}: {said}");

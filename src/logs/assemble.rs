@@ -19,7 +19,7 @@ use crate::core::dwells::programme::{
 };
 use crate::core::dwells::turns::WHOLE;
 use crate::core::frames::{Body, Nav, Rotation, Vector};
-use crate::core::message::{Message, figure, list, text};
+use crate::core::message::{Message, figure, list, significant, text};
 use crate::core::numerics::median::median_of;
 use crate::core::units::EARTH_RATE_DEG_H;
 use crate::message;
@@ -105,7 +105,7 @@ pub fn assemble(
         log.by_own_time();
     }
     let turns = turning::take_out(log, map.min_s, programme);
-    let other_speed = || turns.times.map(|times| message!("swings_otherwise", times = figure(times, 3)));
+    let other_speed = || turns.times.map(|times| message!("swings_otherwise", times = significant(times, 3)));
     let other_unit = programme.and_then(|rows| turning::of_other_unit(log, rows)).or_else(other_speed);
     let (breaks, keep_short) = (log.breaks.clone(), programme.is_some());
     let search = Search { min_s: map.min_s, breaks, keep_short, room: Vec::new() };
@@ -158,8 +158,8 @@ impl Work<'_> {
         // Of several logs, without the time between them.
         let logged = self.log.series.number.len() as f64 * self.log.series.block_s;
         if !SAMPLE_S.contains(&self.log.sample_s) || logged > LOG_S || usual > USUAL_S {
-            let (step, days) = (figure(self.log.sample_s, 3), figure(logged / 86_400.0, 3));
-            return Err(message!("time_unlikely", step = step, days = days, usual = figure(usual, 3)));
+            let [step, days, usual] = [self.log.sample_s, logged / 86_400.0, usual].map(|value| significant(value, 3));
+            return Err(message!("time_unlikely", step = step, days = days, usual = usual));
         }
         if let Some(fault) = other_unit {
             return Err(fault);

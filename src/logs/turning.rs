@@ -10,7 +10,7 @@ use crate::core::dwells::intervals::{Interval, Search, find};
 use crate::core::dwells::programme::{Position, REST_ARCSEC_S};
 use crate::core::dwells::turns;
 use crate::core::frames::{Body, Nav, Rotation};
-use crate::core::message::{Message, figure};
+use crate::core::message::{Message, significant};
 use crate::core::numerics::median::median_of;
 use crate::message;
 
@@ -114,7 +114,7 @@ pub fn of_other_unit(log: &Gathered, programme: &[Position]) -> Option<Message> 
         factor != log.rate_factor && (factor * times / log.rate_factor - 1.0).abs() < OTHER_UNIT
     };
     let unit = Quantity::Rate.units().iter().find(is_unit)?;
-    Some(message!("rate_other_unit", times = figure(times, 4), unit = *unit))
+    Some(message!("rate_other_unit", times = significant(times, 3), unit = *unit))
 }
 
 /// Rate of turn of a stated attitude, East North Up, arcsec/s, as three tracks more.

@@ -100,7 +100,7 @@ fn is_mat4(head: &[u8]) -> bool {
 }
 
 /// What begins with these bytes is known, and is not read.
-fn foreign() -> [(&'static [u8], Message); 11] {
+fn foreign() -> [(&'static [u8], Message); 13] {
     let other = |name: &'static str| message!("file_is_other", name);
     [
         (b"ULog\x01\x12\x35", message!("file_is_ulog")),
@@ -112,6 +112,8 @@ fn foreign() -> [(&'static [u8], Message); 11] {
         (b"SQLite format 3", other("SQLite")),
         (b"\x1f\x8b", message!("file_is_gzip")),
         (b"%PDF", other("PDF")),
+        (b"ARROW1", message!("file_is_arrow")),
+        (b"FEA1", message!("file_is_arrow")),
         (b"{", message!("file_is_json")),
         (b"[{", message!("file_is_json")),
     ]
@@ -165,6 +167,8 @@ mod tests {
         assert_eq!(code(&[&mat4[..], &[0; 99]].concat()), refused("file_is_mat"));
         assert_eq!(code(b"ULog\x01\x12\x35\x01...."), refused("file_is_ulog"));
         assert_eq!(code(b"#ROSBAG V2.0\n"), refused("file_is_rosbag"));
+        assert_eq!(code(b"ARROW1\0\0\xff\xff"), refused("file_is_arrow"));
+        assert_eq!(code(b"FEA1\x10\0\0\0"), refused("file_is_arrow"));
         assert_eq!(code(&[0; 64]), refused("file_is_zeros"));
         assert_eq!(code(&[&b"t,ax\n0,1\n"[..], &[0; 40], b"\n1,2\n"].concat()), Ok(FileKind::Text));
         assert_eq!(code(&[1, 2, 3, 4, 5, 6, 7, 250, 0, 1, 2, 3]), refused("file_is_binary"));

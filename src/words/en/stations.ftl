@@ -21,6 +21,7 @@ file_is_xls = is an old Excel or Office file (.xls); save it as .xlsx or CSV
 file_is_no_text = is a file of { $name }, not text; save the table as CSV, or send it with `gyrowatch import`
 file_is_log = is a log of { $name }; `gyrowatch dwells` makes a campaign of it first
 file_is_parquet = is a Parquet file, which this program was built to leave alone (build it with `--features parquet`); in Python: pandas.read_parquet("FILE").to_csv("log.csv", index=False)
+file_is_arrow = is an Arrow (Feather) file, which is not read; in Python: pandas.read_feather('FILE').to_csv('FILE.csv', index=False)
 file_is_gzip = is compressed with gzip; unpack it with `gunzip FILE`
 file_is_zip = is a zip archive; unpack it and name the files in it
 file_is_json = is JSON, not a table of samples; campaigns and records go to `gyrowatch import`

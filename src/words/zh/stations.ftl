@@ -21,6 +21,7 @@ file_is_xls = 是旧版Excel或Office文件（.xls）；请另存为.xlsx或CSV
 file_is_no_text = 是{ $name }文件，不是文本；请将表另存为CSV，或用`gyrowatch import`发送
 file_is_log = 是{ $name }记录；请先用`gyrowatch dwells`生成测试数据
 file_is_parquet = 是Parquet文件，本程序编译时未加入读取功能（编译时加`--features parquet`）；在Python中：pandas.read_parquet("FILE").to_csv("log.csv", index=False)
+file_is_arrow = 是Arrow（Feather）文件，不能读取；在Python中：pandas.read_feather('FILE').to_csv('FILE.csv', index=False)
 file_is_gzip = 是gzip压缩文件；请用`gunzip FILE`解压
 file_is_zip = 是zip压缩包；请解压后给出其中的文件
 file_is_json = 是JSON，不是采样表；测试数据与标定记录请用`gyrowatch import`

@@ -85,6 +85,9 @@ fn named(heading: &str) -> Result<&'static str, Message> {
 }
 
 fn position(names: &[&str], record: &csv::StringRecord) -> Result<Position, Message> {
+    if record.iter().skip(names.len()).any(|cell| !cell.is_empty()) {
+        return Err(message!("row_too_long", cells = names.len()));
+    }
     let cell = |name: &str| {
         let place = names.iter().position(|own| *own == name)?;
         record.get(place).filter(|cell| !cell.is_empty())
@@ -180,5 +183,6 @@ mod tests {
         assert!(code("up,north\n+Z,-Z\n").contains("programme_parallel"));
         assert!(code("up,north\n+Z,\n").contains("programme_attitude"));
         assert!(code("up,north\n+W,+X\n").contains("not_an_axis"));
+        assert!(code("up,north,rate_deg_s\n+Z,+Y,0,5\n").contains("row_too_long"));
     }
 }

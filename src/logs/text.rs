@@ -29,6 +29,8 @@ pub struct Layout {
     pub decimal_comma: bool,
     /// Lines before the first row.
     pub skipped: u64,
+    /// Cells of a row, at most; those that are empty at its end do not count.
+    pub most: usize,
     pub columns: Vec<Column>,
 }
 
@@ -99,12 +101,16 @@ impl TextLog {
         wanted: &[usize],
         each: &mut dyn FnMut(&[f64]) -> Result<(), Message>,
     ) -> Result<LeftOut, LogError> {
-        let Layout { delimiter, decimal_comma, skipped, .. } = self.layout;
+        let Layout { delimiter, decimal_comma, skipped, most, .. } = self.layout;
         let (place, lenient) = (self.place.clone(), self.lenient);
         let fail = unreadable(&place);
         let refuse =
             |line: u64, fault: Message| LogError::new(&place, message!("at_line", line = line as usize, fault = fault));
-        let last = wanted.iter().chain(self.ids.iter().map(|(column, _)| column)).copied().max().unwrap_or(0);
+        let columns = &self.layout.columns;
+        let at = |line: u64, column: usize, fault: Message| {
+            let name = columns.get(column).map_or(String::new(), |c| c.name.clone());
+            message!("at_cell", line = line as usize, column = column + 1, name = name, fault = fault)
+        };
         let marks = wanted.iter().map(|_| Marks::default()).collect();
         let mut cells = Cells { delimiter, decimal_comma, marks, ..Cells::default() };
         let (mut buffer, mut values) = (Vec::new(), vec![f64::NAN; wanted.len()]);
@@ -124,13 +130,14 @@ impl TextLog {
             if text[0] == 0 {
                 return Err(refuse(line, message!("zeros_from_here")));
             }
-            cells.split(text, last);
-            let mut fault = None;
+            cells.split(text, most);
+            let too_long = cells.is_longer(text, most).then(|| message!("row_too_long", cells = most));
+            let mut fault = too_long.map(|why| message!("at_line", line = line as usize, fault = why));
             for (k, (value, &column)) in values.iter_mut().zip(wanted).enumerate() {
                 match cells.number(text, column, (k, line)) {
                     Ok(number) => *value = number,
                     Err(_) if lenient => *value = f64::NAN,
-                    Err(why) => fault = Some((column, why)),
+                    Err(why) => fault = fault.or_else(|| Some(at(line, column, why))),
                 }
             }
             match fault {
@@ -145,34 +152,26 @@ impl TextLog {
                     each(&values).map_err(|fault| refuse(line, fault))?;
                 }
                 // The last line of a file that was being written breaks off anywhere.
-                Some(_) if !whole => bad.push((line, None)),
-                Some(found) => bad.push((line, Some(found))),
+                fault => bad.push(fault.filter(|_| whole)),
             }
             if bad.len() as f64 > 20.0 + MOST_BAD * rows as f64 {
                 break;
             }
         }
-        let serious: Vec<_> = bad.iter().filter_map(|(line, found)| Some((*line, found.clone()?))).collect();
-        if let Some((first, (column, why))) = serious.first()
+        let count = bad.len();
+        let serious: Vec<Message> = bad.into_iter().flatten().collect();
+        if let Some(first) = serious.first()
             && serious.len() as f64 > MOST_BAD * (rows + serious.len() as u64) as f64
         {
-            let name = self.layout.columns.get(*column).map_or(String::new(), |c| c.name.clone());
-            let fault =
-                message!("at_cell", line = *first as usize, column = column + 1, name = name, fault = why.clone());
             let seen = rows as usize + serious.len();
-            let fault = message!("rows_unreadable", count = serious.len(), rows = seen, fault = fault);
+            let fault = message!("rows_unreadable", count = serious.len(), rows = seen, fault = first.clone());
             return Err(LogError::new(&place, fault));
         }
-        let at = |line: u64, column: usize, fault: Message| {
-            let name = self.layout.columns.get(column).map_or(String::new(), |c| c.name.clone());
-            message!("at_cell", line = line as usize, column = column + 1, name = name, fault = fault)
-        };
         if let Some((k, marks)) = cells.marks.iter().enumerate().find(|(_, marks)| marks.are_unclear() && !lenient) {
             let fault = message!("cell_thousands", value = sent(&marks.cell), count = marks.grouped);
             return Err(LogError::new(&place, at(marks.line, wanted[k], fault)));
         }
-        let first = serious.into_iter().next().map(|(line, (column, why))| at(line, column, why));
-        Ok(LeftOut { count: bad.len(), first })
+        Ok(LeftOut { count, first: serious.into_iter().next() })
     }
 }
 
@@ -350,6 +349,12 @@ impl Cells {
         }
     }
 
+    /// Whether there is anything behind the first `most` cells.
+    fn is_longer(&self, line: &[u8], most: usize) -> bool {
+        let is_empty = |byte: &u8| Some(*byte) == self.delimiter || byte.is_ascii_whitespace();
+        self.ends.get(most).is_some_and(|(from, _)| !line[*from..].iter().all(is_empty))
+    }
+
     fn cell<'a>(&self, line: &'a [u8], column: usize) -> Option<&'a [u8]> {
         let &(from, to) = self.ends.get(column)?;
         let cell = line[from..to].trim_ascii();
@@ -463,7 +468,9 @@ impl Layout {
         let Some(first) = rows.iter().position(|(_, line)| is_row(line)) else {
             return Err(message!("no_numbers", lines = lines.len()));
         };
-        let width = rows[first..].iter().take(SAMPLED).map(|(_, line)| fields(line).len()).max().unwrap_or(0);
+        let mut widths: Vec<usize> = rows[first..].iter().take(SAMPLED).map(|(_, line)| fields(line).len()).collect();
+        widths.sort_unstable();
+        let width = widths.last().copied().unwrap_or(0);
         let above: Vec<Vec<String>> = rows[..first].iter().map(|(_, line)| fields(line)).collect();
         let named = above.last().map_or(0, |cells| cells.iter().filter(|cell| !cell.is_empty()).count());
         let is_whole = |cell: &String| cell.bytes().all(|b| b.is_ascii_digit() || b == b'-');
@@ -473,8 +480,13 @@ impl Layout {
                 return Err(message!("commas_of_two_kinds", columns = named, cells = width));
             }
         }
-        let columns = columns(above, &lines[..rows[first].0], width, delimiter);
-        Ok(Self { delimiter, decimal_comma, skipped: rows[first].0 as u64, columns })
+        let above_rows = &lines[..rows[first].0];
+        // As many as the head has, or a usual row; without a head, as many as two rows have.
+        let mut heads = above_rows.iter().rev().map(|line| fields(line.trim_start_matches(['#', '%', '/', ' '])).len());
+        let head = heads.find(|cells| (width.max(2) - 1..=width + 1).contains(cells));
+        let most = usual.max(head.unwrap_or(widths[widths.len().saturating_sub(2)]));
+        let columns = columns(above, above_rows, width.min(most), delimiter);
+        Ok(Self { delimiter, decimal_comma, skipped: rows[first].0 as u64, most, columns })
     }
 }
 

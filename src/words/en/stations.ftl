@@ -43,6 +43,7 @@ commas_of_two_kinds = decimal commas between commas: { $cells } cells under { $c
 zeros_from_here = only zero bytes from here on: the logger lost power while it wrote; cut the file off here
 rows_unreadable = { $count } of { $rows } rows cannot be read; the first: { $fault }
 cell_missing = the row ends before this column
+row_too_long = the row has more than { $cells } cells: a decimal comma between commas, or a delimiter within a text, moves those behind it
 cell_thousands = "{ $value }" has a mark for decimals or for thousands, and nothing tells which: the column has { $count } such cells, whole numbers beside them, and no other decimals; write numbers without separators of thousands
 
 ## Columns

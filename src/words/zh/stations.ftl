@@ -43,6 +43,7 @@ commas_of_two_kinds = 逗号既作小数点又作分隔：{ $columns }列下有{
 zeros_from_here = 此后全为零字节：记录仪写入时断电；请在此处截断文件
 rows_unreadable = { $rows }行中有{ $count }行不能读取；第一处：{ $fault }
 cell_missing = 该行在此列之前结束
+row_too_long = 该行多于{ $cells }个单元格：以逗号分列时的小数逗号，或文字中的分隔符，使其后各格错位
 cell_thousands = "{ $value }"中的分隔符可能是小数点，也可能是千位分隔符，无法判断：该列有{ $count }个这样的单元格，其余为整数，没有别的小数；请写成不带千位分隔符的数
 
 ## 列

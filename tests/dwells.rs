@@ -650,6 +650,7 @@ fn foreign_files_are_named_as_what_they_are() {
         (b"ULog\x01\x12\x35\x01more".to_vec(), "is a ULog of PX4"),
         (b"MATLAB 7.3 MAT-file, Platform".to_vec(), "save('FILE7.mat', '-v7')"),
         (b"#ROSBAG V2.0\n".to_vec(), "is a ROS bag"),
+        (b"ARROW1\0\0more".to_vec(), "is an Arrow (Feather) file"),
         (vec![0; 4096], "nothing but zeros"),
         (vec![3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8, 200, 7, 1, 2], "is binary"),
         (Vec::new(), "is empty"),
@@ -823,6 +824,53 @@ fn what_was_commanded_agrees_with_the_outputs_or_is_refused() {
             _ => assert!(output.status.success() || said.contains("`min_s`"), "{said}"),
         }
     }
+}
+
+/// The example log in units that it is not in, with a cell too many, and one that moves: what is said.
+#[test]
+fn units_that_cannot_be_shifted_cells_and_motion_are_refused() {
+    let logs = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/logs");
+    let text = fs::read_to_string(logs.join("table.csv")).unwrap();
+    let (head, rows) = text.split_once('\n').unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["map.toml", "programme.csv"] {
+        fs::copy(logs.join(name), dir.path().join(name)).unwrap();
+    }
+    let made = |log: String| {
+        fs::write(dir.path().join("log.csv"), log).unwrap();
+        dwells(dir.path(), &["log.csv", "--map", "map.toml", "--programme", "programme.csv"])
+    };
+    for (unit, other, expected) in [
+        ("[s]", "[h]", "`time` (or `rate_hz`) is in another unit"),
+        (
+            "[deg/s]",
+            "[rad/s]",
+            "turned 57.3 times as fast by `rate` in the log as by the programme: `rate` looks like deg/s",
+        ),
+        ("[deg/s]", "[rpm]", "turned 6.00 times as fast"),
+        ("[deg/s]", "[mdeg/s]", "turned 0.00100 times as fast"),
+    ] {
+        let said = refused(&made(text.replace(unit, other)));
+        assert!(said.contains(expected), "{other}: {said}");
+    }
+    // A decimal comma between commas, in the first rows and later.
+    let rows: Vec<&str> = rows.lines().collect();
+    for (damaged, way) in [(7, "line 9"), (1700, "line 1702")] {
+        let cells = |k: usize, row: &&str| {
+            let row = row.replace(';', ",");
+            if k == damaged { row.replacen('.', ",", 1) } else { row }
+        };
+        let lines = rows.iter().enumerate().map(|(k, row)| cells(k, row) + "\n").collect::<String>();
+        let output = made(format!("{}\n{lines}", head.replace(';', ",")));
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains("1 lines that are no rows are left out") && said.contains(way), "{said}");
+        assert!(said.contains("more than 5 cells"), "{said}");
+        assert_eq!(campaign(&output)["dwells"].as_array().unwrap().len(), 36);
+    }
+    let wave = |k: usize, c: f64| 5000.0 * (k as f64 * 0.19 + c).sin() + 3000.0 * (k as f64 * 0.06 * (c + 1.0)).sin();
+    let row = |k: usize| format!("{k};{:.3};{:.3};{:.3};0\n", wave(k, 0.0), wave(k, 1.0), wave(k, 2.0));
+    let said = refused(&made(format!("{head}\n{}", (0..2500).map(row).collect::<String>())));
+    assert!(said.contains("nothing is still in"), "{said}");
 }
 
 /// A campaign as a station's table of averages in pulses, with headings of its own.

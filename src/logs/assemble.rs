@@ -12,14 +12,14 @@ use crate::core::campaign::{Phase, Site};
 use crate::core::dwells::averages::{later, noise, settled, standard_error, without_edges};
 use crate::core::dwells::blocks::Track;
 use crate::core::dwells::explained::{Outputs, Undecided, is_another, laid};
-use crate::core::dwells::intervals::{Found, Interval, Search, find};
+use crate::core::dwells::intervals::{Found, Interval, Search, find, is_motion};
 use crate::core::dwells::noise::Noise;
 use crate::core::dwells::programme::{
     Clock, Position, REST_ARCSEC_S, Seen, Table, attitude, clock_factor, clock_offset, exchanged,
 };
 use crate::core::dwells::turns::WHOLE;
 use crate::core::frames::{Body, Nav, Rotation, Vector};
-use crate::core::message::{Message, figure, list, text};
+use crate::core::message::{Message, figure, list, significant, text};
 use crate::core::numerics::median::median_of;
 use crate::core::units::EARTH_RATE_DEG_H;
 use crate::message;
@@ -58,6 +58,10 @@ const WHOLE_TURN_ARCSEC: f64 = 1_296_000.0;
 /// Part of a usual dwell from which a turn without dwell is said, and part of it that dwells must cover.
 const SHORT_TURN: f64 = 0.3;
 const COVERED: f64 = 0.3;
+/// Time from sample to sample, length of a log, and of a usual dwell, s, that a campaign has.
+const SAMPLE_S: std::ops::Range<f64> = 2e-5..600.0;
+const LOG_S: f64 = 28.0 * 86_400.0;
+const USUAL_S: f64 = 86_400.0;
 /// Part of a turn that may be about what is level.
 const LEVEL_TURN: f64 = 0.05;
 /// Cosine below which two verticals are different orientations (10 deg).
@@ -101,6 +105,7 @@ pub fn assemble(
         log.by_own_time();
     }
     let turns = turning::take_out(log, map.min_s, programme);
+    let other_unit = programme.and_then(|rows| turning::of_other_unit(log, rows));
     let (breaks, keep_short) = (log.breaks.clone(), programme.is_some());
     let search = Search { min_s: map.min_s, breaks, keep_short, room: Vec::new() };
     let found = find(&mut log.series, &watched, &search);
@@ -108,7 +113,7 @@ pub fn assemble(
         log.by_own_time();
     }
     let mut work = Work { map, log, site, table: table(map)?, turns, remarks: log.remarks.clone() };
-    work.assemble(found, programme).map_err(|fault| LogError::new("log", fault))
+    work.assemble(found, programme, other_unit).map_err(|fault| LogError::new("log", fault))
 }
 
 /// The map's table.
@@ -139,9 +144,25 @@ impl Work<'_> {
         self.log.roles.iter().filter(|role| matches!(role, Role::Output(_))).count()
     }
 
-    fn assemble(&mut self, found: Found, programme: Option<&[Position]>) -> Result<Assembled, Message> {
+    fn assemble(
+        &mut self,
+        found: Found,
+        programme: Option<&[Position]>,
+        other_unit: Option<Message>,
+    ) -> Result<Assembled, Message> {
         let span = self.log.series.end_s(self.log.series.number.len()) - self.log.series.start_s(0);
         let (too_short, least) = (found.too_short_s.clone(), figure(found.min_s, 1));
+        let lengths = found.intervals.iter().map(|i| self.log.series.end_s(i.to) - self.log.series.start_s(i.from));
+        let usual = median_of(lengths).unwrap_or(0.0);
+        // Of several logs, without the time between them.
+        let logged = self.log.series.number.len() as f64 * self.log.series.block_s;
+        if !SAMPLE_S.contains(&self.log.sample_s) || logged > LOG_S || usual > USUAL_S {
+            let [step, days, usual] = [self.log.sample_s, logged / 86_400.0, usual].map(|value| significant(value, 3));
+            return Err(message!("time_unlikely", step = step, days = days, usual = usual));
+        }
+        if let Some(fault) = other_unit {
+            return Err(fault);
+        }
         let below_min = |fault: Message| match too_short.last() {
             Some(&longest) => {
                 let (count, least, longest) = (too_short.len(), figure(found.min_s, 1), figure(longest, 1));
@@ -152,9 +173,15 @@ impl Work<'_> {
         if found.intervals.is_empty() {
             return Err(below_min(message!("no_interval", seconds = figure(span, 1), least = least)));
         }
-        self.note(&found);
+        self.note(&found, usual);
         let span = |i: &Interval| (self.log.series.start_s(i.from), self.log.series.end_s(i.to));
         let seen: Vec<(f64, f64)> = found.intervals.iter().chain(&found.short).map(span).collect();
+        if let [only] = found.intervals[..] {
+            let mut outputs = (0..self.outputs()).filter_map(|k| self.track(Role::Output(k)));
+            if outputs.any(|track| is_motion(track, only)) {
+                return Err(message!("moves", seconds = figure(self.log.series.end_s(only.to), 1)));
+            }
+        }
         let intervals = self.not_clipped(found.intervals)?;
         let mut candidates: Vec<Candidate> = intervals.into_iter().map(|i| self.candidate(i)).collect();
         self.check_force(&candidates)?;
@@ -175,14 +202,12 @@ impl Work<'_> {
         Ok(made)
     }
 
-    fn note(&mut self, found: &Found) {
+    fn note(&mut self, found: &Found, usual: f64) {
         let start = |i: &Interval| text(format_args!("{:.1}", self.log.series.start_s(i.from)));
         if !found.short.is_empty() {
             let starts = list(found.short.iter().take(5).map(start));
             self.remarks.push(message!("intervals_short", count = found.short.len(), starts = starts));
         }
-        let lengths = found.intervals.iter().map(|i| self.log.series.end_s(i.to) - self.log.series.start_s(i.from));
-        let usual = median_of(lengths).unwrap_or(0.0);
         if let Some(longest) = found.too_short_s.last().filter(|longest| **longest > SHORT_TURN * usual) {
             let (count, least, longest) = (found.too_short_s.len(), figure(found.min_s, 1), figure(*longest, 1));
             self.remarks.push(message!("intervals_too_short", count = count, least = least, longest = longest));

@@ -36,6 +36,8 @@ pub struct Gathered {
     pub series: Series,
     pub roles: Vec<Role>,
     pub unit: Unit,
+    /// What a rate of one is in arcsec/s; zero where the log has none.
+    pub rate_factor: f64,
     /// Times at which another log begins.
     pub breaks: Vec<f64>,
     /// Usual time from sample to sample, s.
@@ -125,7 +127,9 @@ pub fn gather(map: &Map, mut sources: Vec<(String, Source)>) -> Result<Gathered,
     let (channels, unit, remarks) = channels(map, &sources)?;
     let counts = unit.counts;
     let of_log = |log: usize| channels.iter().filter(move |c| c.reading.log == log).collect::<Vec<_>>();
+    let rate = channels.iter().find(|channel| matches!(channel.role, Role::Rate(_)));
     let mut reader = Reader::new(map, unit, remarks);
+    reader.rate_factor = rate.map_or(0.0, |channel| channel.reading.factor.abs());
     let mut logs = Vec::new();
     let mut roles = Vec::new();
     for k in 0..sources.len() {
@@ -525,6 +529,7 @@ struct Reader {
     hz: Option<f64>,
     absolute: bool,
     time_factor: f64,
+    rate_factor: f64,
     /// Of the log with the outputs.
     sampling: Sampling,
     breaks: Vec<f64>,
@@ -545,6 +550,7 @@ impl Reader {
             hz: map.rate_hz,
             absolute: false,
             time_factor: 1.0,
+            rate_factor: 0.0,
             sampling: Sampling::default(),
             breaks: Vec::new(),
             rows: 0,
@@ -783,6 +789,7 @@ impl Reader {
             series,
             roles,
             unit: self.unit,
+            rate_factor: self.rate_factor,
             breaks: self.breaks,
             sample_s: interval,
             is_regular: regular.is_some(),

@@ -4,10 +4,14 @@
 use nalgebra::{Rotation3, Vector3};
 
 use super::gather::{Gathered, Role};
+use super::units::Quantity;
+use crate::core::dwells::blocks::Track;
 use crate::core::dwells::intervals::{Interval, Search, find};
 use crate::core::dwells::programme::{Position, REST_ARCSEC_S};
 use crate::core::dwells::turns;
 use crate::core::frames::{Body, Nav, Rotation};
+use crate::core::message::{Message, significant};
+use crate::message;
 
 /// A stretch by the log's clock.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +29,8 @@ pub struct Turns {
     pub known: bool,
 }
 
+/// Part by which rates may be off those in another unit.
+const OTHER_UNIT: f64 = 0.05;
 /// Blocks of a stretch, at least.
 const FEWEST: usize = 8;
 
@@ -55,6 +61,36 @@ pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Posi
         stretches.push(Turned { from_s, to_s, turns });
     }
     Turns { stretches, known }
+}
+
+/// That the log's rate is that of the programme in another unit: all its turns are faster, or slower, by one factor.
+pub fn of_other_unit(log: &Gathered, programme: &[Position]) -> Option<Message> {
+    let is_rate = |(role, _): &(&Role, &Track)| matches!(role, Role::Rate(_));
+    let tracks: Vec<&Track> =
+        log.roles.iter().zip(&log.series.tracks).filter(is_rate).map(|(_, track)| track).collect();
+    if tracks.is_empty() {
+        return None;
+    }
+    let of = |k: usize| Vector3::from_fn(|c, _| tracks.get(c).map_or(0.0, |track| track.mean[k]));
+    let rates: Vec<Vector3<f64>> = (0..log.series.number.len()).map(of).collect();
+    let turns = turns::steady_turns(&log.series, &rates, REST_ARCSEC_S);
+    let seen: Vec<f64> = turns.iter().map(|turn| rates[(turn.from + turn.to) / 2].norm()).collect();
+    let told: Vec<f64> = programme.iter().map(|p| p.turn_arcsec_s.abs()).filter(|rate| *rate > 0.0).collect();
+    let all_at = |times: f64| {
+        let is_at = |seen: &f64| told.iter().any(|told| (seen / times / told - 1.0).abs() < OTHER_UNIT);
+        !seen.is_empty() && seen.iter().all(is_at)
+    };
+    let fastest = |rates: &[f64]| rates.iter().copied().fold(0.0, f64::max);
+    let times = fastest(&seen) / fastest(&told);
+    if all_at(1.0) || !all_at(times) {
+        return None;
+    }
+    let is_unit = |name: &&&str| {
+        let factor = Quantity::Rate.unit(name).map_or(0.0, |unit| unit.factor);
+        factor != log.rate_factor && (factor * times / log.rate_factor - 1.0).abs() < OTHER_UNIT
+    };
+    let unit = Quantity::Rate.units().iter().find(is_unit)?;
+    Some(message!("rate_other_unit", times = significant(times, 3), unit = *unit))
 }
 
 /// Rate of turn of a stated attitude, East North Up, arcsec/s, as three tracks more.

@@ -70,6 +70,8 @@ const FEW_LEVELS: f64 = 20.0;
 const SELDOM: f64 = 0.01;
 /// Blocks over which a channel's noise may be another than elsewhere.
 const LOCAL: usize = 48;
+/// Growth of changes from single blocks to means over four, which double twice in a motion.
+const SMOOTH: f64 = 2.4;
 /// Quantile of |change| for the first guess of the noise, and what it is for a normal distribution.
 const QUANTILE: f64 = 0.3;
 const NORMAL_QUANTILE: f64 = 0.385_320_5;
@@ -284,6 +286,16 @@ fn drifts(channels: &[(&Track, f64)], room: &[f64], run: &Interval) -> bool {
         let change = track.mean_of(run.to - quarter, run.to) - track.mean_of(run.from, run.from + quarter);
         change.abs() > DRIFT * noise && change.abs() > room
     })
+}
+
+/// Whether what a channel does in an interval is a smooth motion: means over four blocks change more from one to the
+/// next than single blocks do, by more than those of a random walk (1.7 times), and means over sixteen no less.
+pub fn is_motion(track: &Track, run: Interval) -> bool {
+    let change = |blocks: usize| {
+        let changes = changes(track, (run.from, run.to), blocks);
+        quantile(changes.into_iter().map(|(_, change)| change.abs()).collect(), 0.5)
+    };
+    change(4) > SMOOTH * change(1).max(resolution(track)) && change(16) > change(4)
 }
 
 /// Takes out what is much shorter than everything else and stands between most of it, or is hardly there.

@@ -841,7 +841,6 @@ fn units_that_cannot_be_shifted_cells_and_motion_are_refused() {
         dwells(dir.path(), &["log.csv", "--map", "map.toml", "--programme", "programme.csv"])
     };
     for (unit, other, expected) in [
-        ("[s]", "[min]", "times as fast as the log says"),
         ("[s]", "[h]", "`time` (or `rate_hz`) is in another unit"),
         (
             "[deg/s]",

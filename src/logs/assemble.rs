@@ -105,8 +105,7 @@ pub fn assemble(
         log.by_own_time();
     }
     let turns = turning::take_out(log, map.min_s, programme);
-    let other_speed = || turns.times.map(|times| message!("swings_otherwise", times = significant(times, 3)));
-    let other_unit = programme.and_then(|rows| turning::of_other_unit(log, rows)).or_else(other_speed);
+    let other_unit = programme.and_then(|rows| turning::of_other_unit(log, rows));
     let (breaks, keep_short) = (log.breaks.clone(), programme.is_some());
     let search = Search { min_s: map.min_s, breaks, keep_short, room: Vec::new() };
     let found = find(&mut log.series, &watched, &search);

@@ -5,13 +5,12 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::gather::{Gathered, Role};
 use super::units::Quantity;
-use crate::core::dwells::blocks::{Series, Track};
+use crate::core::dwells::blocks::Track;
 use crate::core::dwells::intervals::{Interval, Search, find};
 use crate::core::dwells::programme::{Position, REST_ARCSEC_S};
 use crate::core::dwells::turns;
 use crate::core::frames::{Body, Nav, Rotation};
 use crate::core::message::{Message, significant};
-use crate::core::numerics::median::median_of;
 use crate::message;
 
 /// A stretch by the log's clock.
@@ -28,15 +27,10 @@ pub struct Turned {
 pub struct Turns {
     pub stretches: Vec<Turned>,
     pub known: bool,
-    /// How many times as fast the outputs swing, where no swing is that of the log's rates.
-    pub times: Option<f64>,
 }
 
 /// Part by which rates may be off those in another unit.
 const OTHER_UNIT: f64 = 0.05;
-/// What a rate or time in another unit may be taken for: rad for deg, min or h for s, milli, rpm.
-const TIMES: [f64; 10] =
-    [57.295_78, 1.0 / 57.295_78, 60.0, 1.0 / 60.0, 3600.0, 1.0 / 3600.0, 1e3, 1e-3, 6.0, 1.0 / 6.0];
 /// Blocks of a stretch, at least.
 const FEWEST: usize = 8;
 
@@ -61,30 +55,12 @@ pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Posi
     }
     let series = &mut log.series;
     let mut stretches = Vec::new();
-    for (turn, angles) in turns.clone() {
+    for (turn, angles) in turns {
         let (from_s, to_s) = (series.start_s(turn.from), series.end_s(turn.to));
         let turns = if angles.is_empty() { 0.0 } else { turns::take_out(series, &channels, turn, angles) };
         stretches.push(Turned { from_s, to_s, turns });
     }
-    let none = known && stretches.iter().all(|stretch| stretch.turns == 0.0);
-    let times = if none { times_as_fast(series, &outputs, &turns) } else { None };
-    Turns { stretches, known, times }
-}
-
-/// How many times as fast as the log says the table turned, by how the outputs swing in most of its turns.
-fn times_as_fast(series: &Series, outputs: &[usize], turns: &[(Interval, Vec<f64>)]) -> Option<f64> {
-    let turned = |angles: &[f64]| Some((angles.last()? - angles.first()?).abs());
-    let of = |(turn, angles): &(Interval, Vec<f64>)| {
-        let seconds = series.time_s[turn.to - 1] - series.time_s[turn.from];
-        let stated = turned(angles)?;
-        let rates = TIMES.map(|times| times * stated.to_degrees() * 3600.0 / seconds);
-        let own = turned(&turns::likeliest(series, outputs, *turn, &rates)?)?;
-        (own >= turns::WHOLE * std::f64::consts::TAU).then_some(own / stated)
-    };
-    let found: Vec<f64> = turns.iter().filter_map(of).collect();
-    let times = median_of(found.iter().copied())?;
-    let alike = found.iter().filter(|own| (*own / times - 1.0).abs() < OTHER_UNIT).count();
-    (2 * alike > turns.len()).then_some(times)
+    Turns { stretches, known }
 }
 
 /// That the log's rate is that of the programme in another unit: all its turns are faster, or slower, by one factor.

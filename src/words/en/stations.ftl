@@ -169,7 +169,6 @@ programme_exchanged = the log has { $count } intervals, as many as the programme
 programme_left = { $count } intervals are in no row of the programme and are left out
 programme_clock = the programme begins at { $seconds } s of the log
 programme_ambiguous = the programme's times fit the log as well from { $one } s on as from { $other } s on, a dwell apart: name `force` or `rate` in the map, or log the whole programme
-swings_otherwise = the outputs swing by the Earth's rate as in turns { $times } times as fast as the log says: the table's rate or angle, or `time`, is in another unit
 rate_other_unit = the table turned { $times } times as fast by `rate` in the log as by the programme: `rate` looks like { $unit }
 programme_rates = in { $count } of { $of } dwells the rate in the log contradicts the programme; the first at { $start } s: is it another programme, or a sign?
 programme_contradicted = in { $count } of { $of } dwells the accelerometers contradict the programme; the first at { $start } s, by { $degrees } deg: axes, signs or order are wrong

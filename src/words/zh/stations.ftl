@@ -169,7 +169,6 @@ programme_exchanged = 记录有{ $count }段，与测试程序的行数相同，
 programme_left = { $count }段不在测试程序中，已剔除
 programme_clock = 测试程序始于记录的{ $seconds } s
 programme_ambiguous = 程序的时刻从日志的{ $one } s起算与从{ $other } s起算同样吻合，相差一个测点：请在映射中写明`force`或`rate`，或记录完整的程序
-swings_otherwise = 输出随地球自转的摆动表明转台转速是日志所述的{ $times }倍：转台的转速或转角，或`time`的单位不符
 rate_other_unit = 按日志的`rate`，转台转速是程序的{ $times }倍：`rate`像是{ $unit }
 programme_rates = { $of }个测点中有{ $count }个，日志中的转速与程序矛盾；第一个在{ $start } s：是否为另一程序，或符号有误？
 programme_contradicted = { $of }个测点中有{ $count }个加速度计与测试程序不符；第一处在{ $start } s，相差{ $degrees }°：轴、符号或次序有误

@@ -384,7 +384,7 @@ mod tests {
         assert_eq!(kind(json!({ "items": body })), "<a href=\"#Body\"><code>Body</code></a><code>[]</code>");
         let either = kind(json!({ "oneOf": [{ "type": "null" }, body] }));
         assert_eq!(either, "<code>null</code> | <a href=\"#Body\"><code>Body</code></a>");
-        assert_eq!(kind(json!({ "enum": ["a", 2] })), "<code>\"a\"</code> | <code>2</code>");
+        assert_eq!(kind(json!({ "enum": ["a", 2] })), "<code>&quot;a&quot;</code> | <code>2</code>");
     }
 
     #[test]

@@ -218,8 +218,8 @@ impl Columns {
         }
     }
 
-    /// More cells than columns: most often decimal commas. Of cells that look like half a number it names the one
-    /// without which most of the row is in the ranges of its columns; the first, where there are none.
+    /// More cells than columns: most often decimal commas. Of cells that look like half a number it names, in columns
+    /// with decimal points if it can, the one without which most of the row is in the ranges of its columns.
     fn too_many(&self, record: &csv::StringRecord, ranges: &[Range], line: usize) -> Message {
         let digits = |cell: &str| !cell.is_empty() && cell.bytes().all(|b| b.is_ascii_digit());
         let half = |i: usize| {
@@ -227,7 +227,8 @@ impl Columns {
             digits(whole.trim_start_matches(['-', '+'])) && record.get(i + 1).is_some_and(digits)
         };
         let halves = (0..self.names.len()).filter(|&i| self.names[i] != "phase" && half(i));
-        let half = halves.rev().max_by_key(|i| within(record, ranges, *i));
+        let pointed = |i: &usize| ranges.get(*i).is_some_and(|range| range.pointed);
+        let half = halves.rev().max_by_key(|i| (pointed(i), within(record, ranges, *i)));
         let (cells, columns) = (record.len(), self.names.len());
         match half {
             Some(i) => {
@@ -243,19 +244,30 @@ impl Columns {
     }
 }
 
-/// Least and largest number of a column, twice as far apart as they are.
-type Range = (f64, f64);
+/// What a column's cells are like.
+struct Range {
+    /// Least and largest number, twice as far apart as they are.
+    least: f64,
+    most: f64,
+    /// Whether a decimal point is in any.
+    pointed: bool,
+}
 
 fn ranges<'a>(whole: impl Iterator<Item = &'a csv::StringRecord>) -> Vec<Range> {
     let mut ranges: Vec<Range> = Vec::new();
     for record in whole {
-        ranges.resize(record.len(), (f64::INFINITY, f64::NEG_INFINITY));
-        for ((least, most), cell) in ranges.iter_mut().zip(record) {
+        ranges.resize_with(record.len(), || Range { least: f64::INFINITY, most: f64::NEG_INFINITY, pointed: false });
+        for (range, cell) in ranges.iter_mut().zip(record) {
             let number: f64 = cell.parse().unwrap_or(f64::NAN);
-            (*least, *most) = (least.min(number), most.max(number));
+            (range.least, range.most) = (range.least.min(number), range.most.max(number));
+            range.pointed |= cell.contains('.');
         }
     }
-    ranges.iter().map(|(least, most)| (least - 0.5 * (most - least), most + 0.5 * (most - least))).collect()
+    for range in &mut ranges {
+        let half = 0.5 * (range.most - range.least);
+        (range.least, range.most) = (range.least - half, range.most + half);
+    }
+    ranges
 }
 
 /// Cells within the ranges of their columns, where the cells `i` and `i + 1` are one number.
@@ -266,9 +278,9 @@ fn within(record: &csv::StringRecord, ranges: &[Range], i: usize) -> usize {
         _ if k == i => Some(merged.as_str()),
         _ => record.get(k + 1),
     };
-    let is_within = |(k, (least, most)): (usize, &Range)| {
+    let is_within = |(k, range): (usize, &Range)| {
         let number = cell(k).and_then(|cell| cell.parse::<f64>().ok());
-        number.is_some_and(|number| (*least..=*most).contains(&number))
+        number.is_some_and(|number| (range.least..=range.most).contains(&number))
     };
     ranges.iter().enumerate().filter(|range| is_within(*range)).count()
 }

@@ -635,9 +635,6 @@ mod tests {
         let labview =
             layout("Writer_Version\t2\nChannels\t3\t\nX_Value\ta\tb\tc\tComment\n0.5\t1\t2\t3\n1.5\t1\t2\t3\n");
         assert_eq!(heads(&labview), [("X_Value", None), ("a", None), ("b", None), ("c", None)]);
-        let head = "Channels\t3\t\nSamples\t9\t9\t9\nX0\t0\t0\t0\nDelta_X\t1\t1\t1\nX_Value\ta\tb\tc\tComment\n";
-        let labview = layout(&format!("{head}{}", "0.5\t1\t2\t3\n".repeat(9)));
-        assert_eq!(heads(&labview), [("X_Value", None), ("a", None), ("b", None), ("c", None)]);
 
         assert_eq!(with_line_feeds(b"a\rb\r".to_vec()), b"a\nb\n");
         assert_eq!(with_line_feeds(b"a\r\nb".to_vec()), b"a\r\nb");

@@ -204,8 +204,9 @@ async fn write_server_as_of(version: i64, all: &Migrator, url: &str, from: &mut 
     let newer: Vec<String> = sqlx::query_scalar(tables).fetch_all(&mut *from).await.unwrap();
     let own: Vec<String> = sqlx::query_scalar(tables).fetch_all(&mut connection).await.unwrap();
     for table in own.iter().filter(|table| newer.contains(table)) {
-        let rows =
-            AssertSqlSafe(format!("SELECT coalesce(CAST(jsonb_agg(to_jsonb(t)) AS TEXT), '[]') FROM {table} AS t"));
+        // What a later version dropped may not be null before.
+        let row = if table == "head" { "to_jsonb(t) || '{\"version\": 1}'" } else { "to_jsonb(t)" };
+        let rows = AssertSqlSafe(format!("SELECT coalesce(CAST(jsonb_agg({row}) AS TEXT), '[]') FROM {table} AS t"));
         let rows: String = sqlx::query_scalar(rows).fetch_one(&mut *from).await.unwrap();
         let delete = AssertSqlSafe(format!("DELETE FROM {table}"));
         sqlx::query(delete).execute(&mut connection).await.unwrap();

@@ -109,9 +109,7 @@ pub fn assemble(
     let (breaks, keep_short) = (log.breaks.clone(), programme.is_some());
     let search = Search { min_s: map.min_s, breaks, keep_short, room: Vec::new() };
     let found = find(&mut log.series, &watched, &search);
-    if !log.is_regular {
-        log.by_own_time();
-    }
+    log.by_own_time();
     let mut work = Work { map, log, site, table: table(map)?, turns, remarks: log.remarks.clone() };
     work.assemble(found, programme, other_unit).map_err(|fault| LogError::new("log", fault))
 }

@@ -2,7 +2,6 @@
 
 use super::error::LogError;
 use super::map::{Columns, Found, Header, Map, Reading};
-use super::sampling::Sampling;
 use super::source::Source;
 use super::text::LeftOut;
 use super::units::{Counts, Quantity, Unit};
@@ -42,8 +41,6 @@ pub struct Gathered {
     pub breaks: Vec<f64>,
     /// Usual time from sample to sample, s.
     pub sample_s: f64,
-    /// Counts are of that time each, whatever their stamps say.
-    pub is_regular: bool,
     /// First time of the log, where its clock counts from 1970, s.
     pub unix_s: Option<f64>,
     pub remarks: Vec<Message>,
@@ -530,8 +527,6 @@ struct Reader {
     absolute: bool,
     time_factor: f64,
     rate_factor: f64,
-    /// Of the log with the outputs.
-    sampling: Sampling,
     breaks: Vec<f64>,
     rows: u64,
     missing: u64,
@@ -551,7 +546,6 @@ impl Reader {
             absolute: false,
             time_factor: 1.0,
             rate_factor: 0.0,
-            sampling: Sampling::default(),
             breaks: Vec::new(),
             rows: 0,
             missing: 0,
@@ -566,14 +560,12 @@ impl Reader {
     /// A log beside the one before: the same clock, from its begin.
     fn restart(&mut self) {
         self.clock = Clock { origin: self.clock.origin, ..Clock::default() };
-        self.sampling.pause();
     }
 
     /// A log after the one before. Where its own clock does not go on, it begins a second later.
     fn follow(&mut self) {
         if let Some(last) = self.clock.last {
             self.breaks.push(last);
-            self.sampling.pause();
         }
     }
 
@@ -615,9 +607,6 @@ impl Reader {
             }
             let Some(at) = self.clock.at(stamp, self.time_factor)? else { return Ok(()) };
             self.rows += 1;
-            if per_interval {
-                self.sampling.see(at, self.clock.interval);
-            }
             let is_next = before.as_ref().is_some_and(|(earlier, _)| at - earlier <= 1.5 * self.clock.interval);
             numbers.clear();
             for (k, (channel, &value)) in channels.iter().zip(values).enumerate() {
@@ -761,9 +750,7 @@ impl Reader {
                 self.remarks.push(message);
             }
         };
-        let usual = if clock.interval > 0.0 { clock.interval } else { self.hz.map_or(1.0, f64::recip) };
-        let regular = self.sampling.regular_s();
-        let interval = regular.unwrap_or(usual);
+        let interval = if clock.interval > 0.0 { clock.interval } else { self.hz.map_or(1.0, f64::recip) };
         say(clock.lost, message!("samples_lost", lost = clock.lost, gaps = clock.gaps, rows = self.rows));
         say(clock.repeated, message!("samples_repeated", count = clock.repeated));
         say(clock.disordered, message!("samples_disordered", count = clock.disordered));
@@ -793,7 +780,6 @@ impl Reader {
             rate_factor: self.rate_factor,
             breaks: self.breaks,
             sample_s: interval,
-            is_regular: regular.is_some(),
             unix_s,
             remarks: self.remarks,
         })

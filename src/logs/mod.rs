@@ -19,7 +19,6 @@ mod npy;
 mod parquet;
 pub mod programme;
 pub mod report;
-mod sampling;
 pub mod sheet;
 pub mod source;
 #[cfg(test)]

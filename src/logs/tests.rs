@@ -170,7 +170,6 @@ fn log(seed: u64, hz: f64, told: Told) -> (Gathered, Vec<Position>, Vec<Truth>) 
         rate_factor: 0.0,
         breaks: Vec::new(),
         sample_s: step,
-        is_regular: true,
         unix_s: None,
         remarks: Vec::new(),
     };

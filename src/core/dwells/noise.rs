@@ -46,22 +46,10 @@ const OTHER_NOISE: f64 = 9.0;
 /// What a dwell's own rounding and white noise must gain in it.
 const OWN_NOISE: f64 = 10.0;
 
-/// The octaves that are fitted, those of one time as one: the likelihood asks for no more.
-fn used(octaves: &[Octave]) -> Vec<Octave> {
+fn used(octaves: &[Octave]) -> Vec<&Octave> {
     let longest = octaves.iter().map(|o| o.tau_s).fold(0.0, f64::max);
     let least = longest / 2f64.powi(OCTAVES as i32);
-    let mut used: Vec<Octave> = octaves.iter().filter(|o| o.tau_s > least && o.pairs > 0.0).copied().collect();
-    used.sort_by(|a, b| a.tau_s.total_cmp(&b.tau_s));
-    used.dedup_by(|other, one| {
-        let is_same = other.tau_s == one.tau_s;
-        if is_same {
-            let pairs = one.pairs + other.pairs;
-            one.variance = (one.pairs * one.variance + other.pairs * other.variance) / pairs;
-            one.pairs = pairs;
-        }
-        is_same
-    });
-    used
+    octaves.iter().filter(|o| o.tau_s > least && o.pairs > 0.0).collect()
 }
 
 fn powers(tau: f64) -> [f64; 4] {
@@ -69,12 +57,12 @@ fn powers(tau: f64) -> [f64; 4] {
 }
 
 /// The free parts at the likelihood's top, from a start; a part that is zero stays so.
-fn climbed(octaves: &[Octave], mut parts: [f64; 4], free: [bool; 4]) -> Noise {
+fn climbed(octaves: &[&Octave], mut parts: [f64; 4], free: [bool; 4]) -> Noise {
     for _ in 0..ROUNDS {
         let (mut up, mut down) = ([0.0; 4], [0.0; 4]);
         for octave in octaves {
             let at = powers(octave.tau_s);
-            let model: f64 = at.iter().zip(&parts).map(|(a, p)| a * p).sum::<f64>().max(1e-150);
+            let model: f64 = at.iter().zip(&parts).map(|(a, p)| a * p).sum::<f64>().max(1e-300);
             for k in 0..4 {
                 up[k] += octave.pairs * at[k] * octave.variance / (model * model);
                 down[k] += octave.pairs * at[k] / model;
@@ -125,19 +113,16 @@ impl Noise {
         let in_units = |(gyro, unit): (&Shown, &f64)| -> Vec<Octave> {
             gyro.still.iter().map(|o| Octave { variance: o.variance / unit, ..*o }).collect()
         };
-        let pooled: Vec<(&Shown, &f64)> = gyros.iter().zip(&units).filter(|(_, unit)| **unit > 0.0).collect();
-        let square = pooled.iter().map(|(gyro, unit)| gyro.pulse.powi(2) / **unit).sum::<f64>() / pooled.len() as f64;
-        let octaves: Vec<Octave> = pooled.into_iter().flat_map(in_units).collect();
-        let [.., h, k] = Self::fit(&octaves, square.sqrt()).parts;
+        let pooled = gyros.iter().zip(&units).filter(|(_, unit)| **unit > 0.0).flat_map(in_units);
+        let [.., h, k] = Self::fit(&pooled.collect::<Vec<_>>(), 0.0).parts;
         for ((own, gyro), unit) in still.iter_mut().zip(gyros).zip(units) {
-            let alike = own.with_slow([h * unit, k * unit], &gyro.still, gyro.pulse == 0.0, gyro.pulse);
-            *own = alike.unwrap_or(*own);
+            *own = own.with_slow([h * unit, k * unit], &gyro.still, gyro.pulse).unwrap_or(*own);
         }
         let with_turns = |(rest, gyro): (&Self, &Shown)| {
             let own = Self::fit(&gyro.turning, gyro.pulse);
             let ([q, n, h, k], [.., rest_h, rest_k]) = (own.parts, rest.parts);
             let more = Self { parts: [q, n, h.max(rest_h), k.max(rest_k)] };
-            let alike = own.with_slow([rest_h, rest_k], &gyro.turning, true, gyro.pulse);
+            let alike = own.with_slow([rest_h, rest_k], &gyro.turning, gyro.pulse);
             [*rest, alike.filter(|_| !gyro.still.is_empty()).unwrap_or(more)]
         };
         still.iter().zip(gyros).map(with_turns).collect()
@@ -147,8 +132,8 @@ impl Noise {
     ///
     /// Each octave's variance is a mean of squares of normal values, so the likelihood is that of a chi-squared
     /// variance; the parts stay positive (multiplicative steps, which never lower it). Parts but white noise are taken
-    /// in only where the likelihood asks for them: of few dwells the long octaves are mere chance. What a counter that
-    /// rounds to a `pulse` adds is known: 3 Q^2 = pulse^2/4.
+    /// in only where the likelihood asks for them: of few dwells the long octaves are mere chance. A counter rounds to
+    /// a `pulse`, 3 Q^2 = pulse^2/4, also where a steady rate does not show it.
     pub fn fit(octaves: &[Octave], pulse: f64) -> Self {
         let used = used(octaves);
         let longest = used.iter().map(|o| o.tau_s).fold(0.0, f64::max);
@@ -158,43 +143,35 @@ impl Noise {
         }
         // A start at which every part matters somewhere.
         let start = powers(longest / 2f64.powi(OCTAVES as i32).sqrt()).map(|p| 0.25 * level / p);
-        let counts = pulse > 0.0;
         let fits = MODELS.iter().map(|model| {
-            let [q, n, h, k] = [0, 1, 2, 3].map(|part| start[part] * model[part]);
-            let parts = if counts { Self::default().rounded(pulse).parts } else { [q, 0.0, 0.0, 0.0] };
-            let fit = climbed(&used, [parts[0], n, h, k], [!counts, true, true, true]);
+            let fit = climbed(&used, [0, 1, 2, 3].map(|k| start[k] * model[k]), [true; 4]);
             let asked: f64 = model.iter().zip(GAIN).map(|(there, gain)| there * gain).sum();
             (fit.misfit(&used) + asked, fit)
         });
-        let fit = fits.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Self::default, |(_, fit)| fit);
-        let [q, n, ..] = fit.parts;
-        let is_hidden = counts || q > longest * n;
-        if is_hidden { fit.with_expected_flicker(&used, longest) } else { fit }
+        let fit = fits.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Self::default, |(_, fit)| fit).rounded(pulse);
+        let [q, n, _, k] = fit.parts;
+        let is_hidden = q > longest * n;
+        if is_hidden { Self { parts: [q, n, fit.expected_flicker(&used), k] } } else { fit }
     }
 
-    /// The same with the mean of flicker by its likelihood, and the white noise likeliest beside it: beforehand any
-    /// order of magnitude is as likely, from one that hardly matters. Rounding hides flicker of a dwell's own size: the
-    /// likeliest would be none in one log and twice too much in the next.
-    fn with_expected_flicker(&self, octaves: &[Octave], longest: f64) -> Self {
-        const POINTS: usize = 64;
+    /// The mean of flicker by its likelihood, the other parts held, its standard deviation as likely beforehand at any
+    /// value. Rounding hides flicker of a dwell's own size: the likeliest would be none in one log and twice too much
+    /// in the next.
+    fn expected_flicker(&self, octaves: &[&Octave]) -> f64 {
+        const POINTS: usize = 200;
         const UNLIKELY: f64 = 20.0;
-        const HARDLY: f64 = 1e-3;
-        let [q, n, h, k] = self.parts;
-        let level = self.allan(longest);
-        let white = n.max(HARDLY * level * longest);
-        let beside = |h: f64| climbed(octaves, [q, white, h, k], [false, true, false, false]);
-        let free = climbed(octaves, [q, white, h.max(HARDLY * level), k], [false, true, true, false]);
-        let (least, most) = (HARDLY * level, free.misfit(octaves) + UNLIKELY);
-        let mut top = free.parts[2].max(2.0 * least);
-        while beside(top).misfit(octaves) < most && top < level / HARDLY {
+        let [q, n, likeliest, k] = self.parts;
+        let misfit = |h: f64| Self { parts: [q, n, h, k] }.misfit(octaves);
+        let level = octaves.iter().map(|o| o.variance).fold(0.0, f64::max);
+        let (mut top, most) = (likeliest.max(1e-12 * level), misfit(likeliest) + UNLIKELY);
+        while misfit(top) < most && top < level {
             top *= 2.0;
         }
-        let points: Vec<f64> =
-            (0..POINTS).map(|k| least * (top / least).powf((k as f64 + 0.5) / POINTS as f64)).collect();
-        let misfits: Vec<f64> = points.iter().map(|&h| beside(h).misfit(octaves)).collect();
-        let likeliest = misfits.iter().copied().fold(f64::INFINITY, f64::min);
-        let weights: Vec<f64> = misfits.iter().map(|misfit| (0.5 * (likeliest - misfit)).exp()).collect();
-        beside(points.iter().zip(&weights).map(|(h, weight)| h * weight).sum::<f64>() / weights.iter().sum::<f64>())
+        let points: Vec<f64> = (0..POINTS).map(|k| top * ((k as f64 + 0.5) / POINTS as f64).powi(2)).collect();
+        let misfits: Vec<f64> = points.iter().map(|&h| misfit(h)).collect();
+        let least = misfits.iter().copied().fold(f64::INFINITY, f64::min);
+        let weights: Vec<f64> = misfits.iter().map(|misfit| (0.5 * (least - misfit)).exp()).collect();
+        points.iter().zip(&weights).map(|(h, weight)| h * weight).sum::<f64>() / weights.iter().sum::<f64>()
     }
 
     /// The same with no less quantisation than rounding to a pulse makes.
@@ -203,38 +180,27 @@ impl Noise {
         self
     }
 
-    /// The same channel with flicker and walk of others, its rounding too fitted anew where that is `free`; none where
-    /// its octaves are plainly not of such.
-    fn with_slow(&self, [h, k]: [f64; 2], octaves: &[Octave], free: bool, pulse: f64) -> Option<Self> {
+    /// The same channel with flicker and walk of others; none where its octaves are plainly not of such.
+    fn with_slow(&self, [h, k]: [f64; 2], octaves: &[Octave], pulse: f64) -> Option<Self> {
         let used = used(octaves);
-        let [q, n] = self.start(&used);
-        let start = [q, n, h, k];
-        let fit = climbed(&used, start, [free, true, false, false]).rounded(pulse);
-        (!used.is_empty() && fit.misfit(&used) - self.misfit(&used) <= OTHER_NOISE).then_some(fit)
-    }
-
-    /// Rounding and white noise from which steps in proportion lead to those of `octaves`: nothing leads away from none.
-    fn start(&self, octaves: &[Octave]) -> [f64; 2] {
-        const LEAST: f64 = 1e-3;
-        let longest = octaves.last().map_or(0.0, |o| o.tau_s);
-        let level = octaves.last().map_or(0.0, |o| o.variance).max(self.allan(longest));
         let [q, n, ..] = self.parts;
-        [q.max(f64::MIN_POSITIVE), n.max(LEAST * level * longest).max(f64::MIN_POSITIVE)]
+        let start = [q.max(f64::MIN_POSITIVE), n.max(f64::MIN_POSITIVE), h, k];
+        let fit = climbed(&used, start, [true, true, false, false]).rounded(pulse);
+        (!used.is_empty() && fit.misfit(&used) - self.misfit(&used) <= OTHER_NOISE).then_some(fit)
     }
 
     /// The same with rounding and white noise of one dwell alone, where they plainly are others.
     pub fn with_own(&self, octaves: &[Octave], pulse: f64) -> Self {
         let used = used(octaves);
-        let [q, n] = self.start(&used);
-        let [.., h, k] = self.parts;
-        let start = [q, n, h, k];
+        let [q, n, h, k] = self.parts;
+        let start = [q.max(f64::MIN_POSITIVE), n.max(f64::MIN_POSITIVE), h, k];
         let own = climbed(&used, start, [true, true, false, false]).rounded(pulse);
         if self.misfit(&used) - own.misfit(&used) > OWN_NOISE { own } else { *self }
     }
 
     /// Minus twice the logarithm of the likelihood.
-    fn misfit(&self, octaves: &[Octave]) -> f64 {
-        let of = |o: &Octave| {
+    fn misfit(&self, octaves: &[&Octave]) -> f64 {
+        let of = |o: &&Octave| {
             let model = self.allan(o.tau_s).max(1e-300);
             o.pairs * (model.ln() + o.variance / model)
         };

@@ -124,7 +124,7 @@ impl<S: Clone + Send + Sync + 'static> Routes<S> {
         &self.rules
     }
 
-    /// The handlers alone, without the roles: whoever calls this checks them.
+    /// The handlers alone, without the roles: the caller checks them.
     pub fn into_router(self) -> Router<S> {
         self.router.into()
     }

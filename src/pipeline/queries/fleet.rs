@@ -105,8 +105,9 @@ impl KnownTotals {
     }
 }
 
-/// What takes no longer is counted again whenever it is asked for.
+/// Bytes of a text that is sought, at most.
 const LONGEST_SOUGHT: usize = 1_000;
+/// What takes no longer is counted again whenever it is asked for.
 const QUICK: Duration = Duration::from_millis(200);
 
 /// What a list of the fleet is narrowed down to, and its order.

@@ -11,7 +11,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::outside_forecasts;
 use crate::pipeline::error::StorageError;
 use crate::store;
-use crate::store::head::LoadRow;
+use crate::store::head::CalibratedRow;
 use crate::wire::diagnoses::OutsideForecastBody;
 
 /// Days ahead for which calibrations are due.
@@ -106,7 +106,7 @@ pub async fn today(fleet: &Fleet, since: UtcMicros, most: usize) -> Result<Today
     let due_by = now.plus_days(DUE_DAYS);
     let overdue = store::head::due(store, [UtcMicros(i64::MIN), now], most).await?;
     let due = store::head::due(store, [now, due_by], most).await?;
-    let newest = store::head::loads_since(store, since).await?;
+    let newest = store::head::calibrated_since(store, since, None).await?;
     let moved = store::head::moved(store, since, MOVED, most).await?;
     let (first, of) = outside_forecasts(store, since, most).await?;
     let outside = FirstOf { first, of };
@@ -137,8 +137,8 @@ async fn first_of(fleet: &Fleet, (gyros, of): (Vec<u32>, usize)) -> Result<First
     Ok(FirstOf { first: fleet.standings_of(&gyros).await?, of })
 }
 
-fn shifts_of(newest: &[LoadRow], name: impl Fn(u32) -> Arc<str>) -> Vec<CommonShift> {
-    let mut together: BTreeMap<Together, Vec<&LoadRow>> = BTreeMap::new();
+fn shifts_of(newest: &[CalibratedRow], name: impl Fn(u32) -> Arc<str>) -> Vec<CommonShift> {
+    let mut together: BTreeMap<Together, Vec<&CalibratedRow>> = BTreeMap::new();
     for row in newest {
         together.entry(Together::Station(name(row.station))).or_default().push(row);
         if let Some(batch) = &row.batch {
@@ -148,7 +148,7 @@ fn shifts_of(newest: &[LoadRow], name: impl Fn(u32) -> Arc<str>) -> Vec<CommonSh
     let mut shifts = Vec::new();
     for (of, rows) in together {
         for column in 0..2 {
-            let loads: Vec<f64> = rows.iter().filter_map(|row| row.load[column]).collect();
+            let loads: Vec<f64> = rows.iter().filter_map(|row| row.load[column]).map(|load| load.value).collect();
             let Some(shift) = common(&loads) else { continue };
             let times = || rows.iter().map(|row| row.at);
             let between = [times().min().unwrap_or(UtcMicros(0)), times().max().unwrap_or(UtcMicros(0))];
@@ -204,9 +204,15 @@ mod tests {
         loads[..6].iter_mut().for_each(|load| *load += 3.0);
         assert_eq!(common(&loads), None);
         assert_eq!(common(&[0.5; 7]), None);
-        let row =
-            |k: u32| LoadRow { station: k % 2, at: UtcMicros(i64::from(k)), load: [0.35, 0.0].map(Some), batch: None };
-        let mut rows: Vec<LoadRow> = (0..8).map(row).collect();
+        let row = |k: u32| CalibratedRow {
+            gyro: k,
+            imu: k,
+            station: k % 2,
+            at: UtcMicros(i64::from(k)),
+            load: [0.35, 0.0].map(|load| Some(Measured::exact(load))),
+            batch: None,
+        };
+        let mut rows: Vec<CalibratedRow> = (0..8).map(row).collect();
         let name = |station: u32| Arc::from(format!("ST-{station}"));
         assert!(shifts_of(&rows, name).is_empty(), "four gyros a station");
         rows.iter_mut().for_each(|row| row.batch = Some("B-7".into()));

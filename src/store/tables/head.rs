@@ -614,34 +614,6 @@ pub async fn calibrated_since(
     read!(store, all, sql, from.0, station.map_or(-1, i64::from), limit)
 }
 
-/// What a newest calibration says of its station and batch.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LoadRow {
-    pub station: u32,
-    pub at: UtcMicros,
-    /// Of D_I and D_S.
-    pub load: [Option<f64>; 2],
-    pub batch: Option<Arc<str>>,
-}
-
-/// As [`calibrated_since`], of all stations.
-pub async fn loads_since(store: &Store, from: UtcMicros) -> Result<Vec<LoadRow>, StoreError> {
-    let sql = "SELECT station, calibrated_at, d_i_load, d_s_load, batch
-               FROM head LEFT JOIN gyro_attribute ON gyro_attribute.gyro = head.gyro
-               WHERE coalesce(calibrated_at, 9223372036854775807) BETWEEN $1 AND 9223372036854775806
-                     AND station IS NOT NULL
-               ORDER BY coalesce(calibrated_at, 9223372036854775807) DESC LIMIT 20000";
-    type Loads = (Whole<u32>, i64, Option<f64>, Option<f64>, Option<String>);
-    let rows: Vec<Loads> = read!(store, query_as.fetch_all, sql, from.0);
-    let row = |(Whole(station), at, d_i, d_s, batch): Loads| LoadRow {
-        station,
-        at: UtcMicros(at),
-        load: [d_i, d_s],
-        batch: batch.map(Into::into),
-    };
-    Ok(rows.into_iter().map(row).collect())
-}
-
 /// Gyros that a station has ever calibrated, without `gyro`: as many as `most`, the nearest numbers first.
 pub async fn near(store: &Store, station: u32, gyro: u32, most: usize) -> Result<Vec<u32>, StoreError> {
     let below = "SELECT gyro FROM gyro_station WHERE station = $1 AND gyro < $2 ORDER BY gyro DESC LIMIT $3";

@@ -858,8 +858,9 @@ async fn pages_offer_to_everybody_what_they_may_do_and_nothing_else() {
         }
         let orders = server.call("GET", "/diagnoses", &headers, "").await.text();
         assert_eq!(orders.contains("action=\"/diagnoses\" method=\"post\""), !reads(role));
-        // The book tells of everything and offers nothing.
-        let offered = offers.iter().filter(|at| !at.starts_with("/book/")).map(|at| at.split('?').next().unwrap());
+        // The book and the description of the API tell of everything and offer nothing.
+        let tells = |at: &&String| ["/book/", "/docs/"].iter().any(|start| at.starts_with(start));
+        let offered = offers.iter().filter(|at| !tells(at)).map(|at| at.split('?').next().unwrap());
         let any = |part: &str| offered.clone().any(|at| at.contains(part));
         assert!(any("/gyros/LFG-0101"), "{offers:?}");
         assert_eq!(any("/import"), role != "viewer", "{role}: {offers:?}");

@@ -87,9 +87,12 @@ async fn write_as_of(version: i64, file: &Path, from: &Path) {
     let tables =
         "SELECT name FROM main.sqlite_schema WHERE type = 'table' AND name NOT LIKE '_sqlx%' AND name <> 'checksum'";
     for table in names(&mut connection, tables.to_owned()).await {
-        let own =
-            names(&mut connection, format!("SELECT name FROM pragma_table_info('{table}', 'main')")).await.join(", ");
-        let copy = format!("INSERT OR REPLACE INTO main.{table} ({own}) SELECT {own} FROM newer.{table}");
+        let own = names(&mut connection, format!("SELECT name FROM pragma_table_info('{table}', 'main')")).await;
+        let kept = names(&mut connection, format!("SELECT name FROM pragma_table_info('{table}', 'newer')")).await;
+        // What a later version dropped may not be null before.
+        let taken: Vec<&str> = own.iter().map(|name| if kept.contains(name) { name } else { "1" }).collect();
+        let (own, taken) = (own.join(", "), taken.join(", "));
+        let copy = format!("INSERT OR REPLACE INTO main.{table} ({own}) SELECT {taken} FROM newer.{table}");
         sqlx::query(AssertSqlSafe(copy)).execute(&mut connection).await.unwrap();
     }
     if version < 23 {

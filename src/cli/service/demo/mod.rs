@@ -80,8 +80,7 @@ async fn furnish(address: SocketAddr) -> anyhow::Result<()> {
 }
 
 async fn post_all(service: &Service) -> anyhow::Result<()> {
-    let now = Clock::System.now().0;
-    let today = UtcMicros(now - now.rem_euclid(UtcMicros::DAY));
+    let today = last_friday(Clock::System.now());
     let mut happenings = paper::happenings(today);
     happenings.extend(fleet::draw(today));
     happenings.extend(campaigns::happenings(today)?);
@@ -98,4 +97,11 @@ async fn post_all(service: &Service) -> anyhow::Result<()> {
     bar.finish_and_clear();
     println!("posted {} records, bench results and marks through the API", happenings.len());
     Ok(())
+}
+
+/// The beginning of the newest Friday (UTC): rules that average calendar weeks find the same in the demo on every day.
+fn last_friday(now: UtcMicros) -> UtcMicros {
+    // The first day of the count, 1970-01-01, was a Thursday.
+    let friday = UtcMicros::DAY;
+    UtcMicros(now.0 - (now.0 - friday).rem_euclid(7 * UtcMicros::DAY))
 }

@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use gyrowatch::core::augmented::Options;
 use gyrowatch::core::diagnose::{Verdict, diagnose};
-use gyrowatch::core::imu_model::{Sample, compare, forecast, identify, named};
+use gyrowatch::core::imu_model::{CampaignSample, compare, forecast, identify, named};
 use gyrowatch::wire::campaign::parse_json;
 
 fn diagnosis(c: &mut Criterion) {
@@ -32,7 +32,7 @@ fn forecasts(c: &mut Criterion) {
     let bytes = include_bytes!("../tests/data/practice/campaign-02.json").as_slice();
     let campaign = parse_json(bytes).expect("the practice campaigns are sound");
     let chosen = named(&[&campaign], None).expect("it can be diagnosed");
-    let sample = Sample { campaign: &campaign, source: None, occasions: chosen.occasions[0].clone() };
+    let sample = CampaignSample { campaign: &campaign, source: None, occasions: chosen.occasions[0].clone() };
     let model = identify(&[sample], &chosen.model).expect("it makes a model");
     let mut next = campaign.clone();
     next.measured_at = next.measured_at.plus_days(30.0);

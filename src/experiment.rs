@@ -15,7 +15,7 @@ pub const HEADLINE: f64 = 1.301e-3;
 
 /// One coefficient of one gyro by every method, deg/(h g0).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Comparison {
+pub struct MethodComparison {
     pub slot: Slot,
     /// "D_I" or "D_S".
     pub coefficient: &'static str,
@@ -26,7 +26,7 @@ pub struct Comparison {
     pub bench_after: f64,
 }
 
-impl Comparison {
+impl MethodComparison {
     /// Table 5's last column with the rigid method in the middle.
     pub fn rigid_range(&self) -> f64 {
         range([self.bench_before, self.rigid, self.bench_after])
@@ -43,7 +43,7 @@ fn range(results: [f64; 3]) -> f64 {
 }
 
 /// One experiment: three gyros, two coefficients each. An error says which test failed and why.
-pub fn compare(seed: u64) -> Result<Vec<Comparison>, String> {
+pub fn compare(seed: u64) -> Result<Vec<MethodComparison>, String> {
     let mut benches: [Vec<[f64; 2]>; 2] = Default::default();
     let mut system = Vec::new();
     for test in tests(seed) {
@@ -59,7 +59,7 @@ pub fn compare(seed: u64) -> Result<Vec<Comparison>, String> {
     for (k, slot) in Slot::ALL.into_iter().enumerate() {
         for (c, coefficient) in ["D_I", "D_S"].into_iter().enumerate() {
             let (rigid, published) = &system[k];
-            comparisons.push(Comparison {
+            comparisons.push(MethodComparison {
                 slot,
                 coefficient,
                 bench_before: benches[0][k][c],
@@ -73,7 +73,7 @@ pub fn compare(seed: u64) -> Result<Vec<Comparison>, String> {
 }
 
 /// Experiments of `count` successive seeds.
-pub fn compare_many(first_seed: u64, count: u64) -> Result<Vec<Vec<Comparison>>, String> {
+pub fn compare_many(first_seed: u64, count: u64) -> Result<Vec<Vec<MethodComparison>>, String> {
     (0..count).into_par_iter().map(|k| compare(first_seed.wrapping_add(k))).collect()
 }
 
@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn rigid_agrees_with_the_bench_as_table_5_does_and_published_does_not() {
         let experiments = compare_many(1, 60).unwrap();
-        let all: Vec<&Comparison> = experiments.iter().flatten().collect();
+        let all: Vec<&MethodComparison> = experiments.iter().flatten().collect();
         let below = all.iter().filter(|c| c.rigid_range() < HEADLINE).count();
         assert!(below as f64 >= 0.99 * all.len() as f64, "{below} of {}", all.len());
         let published = all.iter().filter(|c| c.published_range().is_some_and(|r| r < HEADLINE)).count();

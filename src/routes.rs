@@ -44,7 +44,7 @@ impl Takes {
 
 /// Who may use a method of a path.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Rule {
+pub struct AccessRule {
     pub method: Method,
     pub path: String,
     pub least: Least,
@@ -55,7 +55,7 @@ pub struct Rule {
 /// A router that knows who may use it.
 pub struct Routes<S = ()> {
     router: OpenApiRouter<S>,
-    rules: Vec<Rule>,
+    rules: Vec<AccessRule>,
 }
 
 impl<S: Clone + Send + Sync + 'static> Default for Routes<S> {
@@ -69,7 +69,7 @@ impl<S: Clone + Send + Sync + 'static> Routes<S> {
     #[must_use]
     pub fn api(mut self, least: Least, mut handler: UtoipaMethodRouter<S>) -> Self {
         for (path, item) in &mut handler.1.paths {
-            let rule = |(method, operation): (Method, &mut Operation)| Rule {
+            let rule = |(method, operation): (Method, &mut Operation)| AccessRule {
                 method,
                 path: path.clone(),
                 least,
@@ -93,7 +93,7 @@ impl<S: Clone + Send + Sync + 'static> Routes<S> {
     }
 
     fn page(mut self, method: Method, path: &str, least: Least, handler: MethodRouter<S>) -> Self {
-        self.rules.push(Rule { method, path: path.to_owned(), least, takes: None });
+        self.rules.push(AccessRule { method, path: path.to_owned(), least, takes: None });
         self.map(|router| router.route(path, handler))
     }
 
@@ -120,7 +120,7 @@ impl<S: Clone + Send + Sync + 'static> Routes<S> {
     }
 
     /// In the order in which they were written down.
-    pub fn rules(&self) -> &[Rule] {
+    pub fn rules(&self) -> &[AccessRule] {
         &self.rules
     }
 
@@ -148,9 +148,9 @@ pub struct Rules(HashMap<String, HashMap<Method, (Least, Option<Takes>)>>);
 
 impl Rules {
     /// By path and method.
-    pub fn of(rules: &[Rule]) -> Self {
+    pub fn of(rules: &[AccessRule]) -> Self {
         let mut by_path: HashMap<_, HashMap<_, _>> = HashMap::new();
-        for Rule { method, path, least, takes } in rules.iter().cloned() {
+        for AccessRule { method, path, least, takes } in rules.iter().cloned() {
             by_path.entry(path).or_default().insert(method, (least, takes));
         }
         Self(by_path)

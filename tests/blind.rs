@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use gyrowatch::blindcheck::answer::{Answer, HeldOut, Named, Shift, Unseen};
+use gyrowatch::blindcheck::answer::{Answer, AnsweredEffect, AnsweredHeldOut, AnsweredShift, Unseen};
 use gyrowatch::blindcheck::draw::{Case, Draw, Trial};
-use gyrowatch::blindcheck::report::{Report, Row};
+use gyrowatch::blindcheck::report::{Rate, Report};
 use gyrowatch::blindcheck::run::{Foreign, case_of, drawn, file_name, foreign, key, key_text};
 use gyrowatch::blindcheck::score::Score;
 use gyrowatch::blindcheck::seal;
@@ -32,9 +32,9 @@ fn silent() -> Answer {
     Answer { verdict, effects, closure, noise, description, not_identifiable, impact, impact_within_noise }
 }
 
-fn named(effect: &str, gyros: Vec<String>) -> Named {
-    let held_out = Some(HeldOut { closure: Some(0.97), interval: Some([0.9, 1.0]) });
-    Named { effect: effect.into(), class: vec![effect.into()], gyros, held_out, acts_in: None }
+fn named(effect: &str, gyros: Vec<String>) -> AnsweredEffect {
+    let held_out = Some(AnsweredHeldOut { closure: Some(0.97), interval: Some([0.9, 1.0]) });
+    AnsweredEffect { effect: effect.into(), class: vec![effect.into()], gyros, held_out, acts_in: None }
 }
 
 /// The trial that a campaign's text is of: its IMU is numbered.
@@ -49,7 +49,7 @@ fn oracle(text: &str, draw: &Draw) -> Answer {
     let (truth, world) = (&trial.simulated.truth, &trial.simulated.world);
     let slots = || world.gyros.iter().map(|gyro| gyro.slot.name().to_owned()).collect::<Vec<_>>();
     let mut answer = silent();
-    let plain = |slot: &String, coefficient: &str, true_value: f64| Shift {
+    let plain = |slot: &String, coefficient: &str, true_value: f64| AnsweredShift {
         slot: slot.clone(),
         coefficient: coefficient.into(),
         shift: -0.02,
@@ -90,7 +90,7 @@ fn scored(draw: &Draw, count: usize, diagnose: impl Fn(&str) -> Answer + Sync) -
     Report::of("", scores)
 }
 
-fn row<'a>(report: &'a Report, what: &str) -> &'a Row {
+fn row<'a>(report: &'a Report, what: &str) -> &'a Rate {
     report.rows.iter().find(|row| row.what.starts_with(what)).unwrap_or_else(|| panic!("no row {what}"))
 }
 
@@ -185,7 +185,7 @@ fn a_class_of_everything_is_a_wrong_answer() {
 #[test]
 fn a_gyro_too_few_or_too_many_is_counted() {
     let draw = Draw { effects: vec!["time_ramp".into()], ..only(Case::One) };
-    let with = |change: fn(&mut Named)| {
+    let with = |change: fn(&mut AnsweredEffect)| {
         let report = scored(&draw, 60, |text| {
             let mut answer = oracle(text, &draw);
             change(&mut answer.effects[0]);
@@ -204,7 +204,7 @@ fn a_closure_beside_the_truth_is_not_covered() {
     let covered = |interval: [f64; 2]| {
         let report = scored(&draw, 30, |text| {
             let mut answer = oracle(text, &draw);
-            answer.effects[0].held_out = Some(HeldOut { closure: Some(0.5), interval: Some(interval) });
+            answer.effects[0].held_out = Some(AnsweredHeldOut { closure: Some(0.5), interval: Some(interval) });
             answer
         });
         row(&report, "closure").rate.unwrap()

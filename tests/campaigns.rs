@@ -8,7 +8,7 @@ use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
 use serde_json::{Value, json};
 
-use gyrowatch::config::Stated;
+use gyrowatch::config::StatedUncertainty;
 use lab::{Answer, JSON, Lab, assert_close, tables_3_and_4, verdict};
 
 const CSV: &str = "text/csv";
@@ -139,7 +139,7 @@ async fn a_campaign_and_a_record_share_one_history() {
 
 #[tokio::test]
 async fn what_a_station_states_of_itself_is_in_what_is_judged_and_kept() {
-    let stated = |station: Option<&str>, levelling_arcsec, azimuth_arcsec| Stated {
+    let stated = |station: Option<&str>, levelling_arcsec, azimuth_arcsec| StatedUncertainty {
         station: station.map(str::to_owned),
         levelling_arcsec,
         azimuth_arcsec,

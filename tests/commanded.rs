@@ -6,13 +6,13 @@
 use std::collections::BTreeMap;
 
 use gyrowatch::core::calibrate::outcome::{Outcome, evaluate};
-use gyrowatch::core::campaign::commanded::{Cause, findings};
+use gyrowatch::core::campaign::commanded::{MistakeKind, findings};
 use gyrowatch::core::campaign::{Campaign, CampaignNote, Dwell, Phase};
 use gyrowatch::core::frames::{Body, Nav, Rotation};
 use gyrowatch::core::record::Plausibility;
 use gyrowatch::core::units::EARTH_RATE_DEG_H;
 use gyrowatch::simulate::scenario::{EffectChoice, Scenario, StandardErrors, StatedE};
-use gyrowatch::simulate::{programme::Order, programme::Positions, simulate};
+use gyrowatch::simulate::{programme::DwellOrder, programme::Positions, simulate};
 use gyrowatch::wire::campaign::{parse_json, to_json};
 use gyrowatch::wire::document::parse;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -32,7 +32,7 @@ fn clean(count: u64) -> Vec<Campaign> {
         let p = &mut s.programme;
         p.positions = [Positions::TwentyFour, Positions::WithEdges, Positions::TwentyFour, Positions::WithTilts]
             [i as usize / 5 % 4];
-        p.order = [Order::Random, Order::Fixed, Order::Mixed][i as usize / 2 % 3];
+        p.order = [DwellOrder::Random, DwellOrder::Fixed, DwellOrder::Mixed][i as usize / 2 % 3];
         if i % 4 == 3 {
             p.rates_arcsec_s = Vec::new();
             s.gyros.iter_mut().for_each(|gyro| gyro.states_e = StatedE::True);
@@ -285,7 +285,7 @@ fn no_campaign_with_a_large_effect_or_another_seat_is_refused() {
     for i in 0..56 {
         let mut s = Scenario { seed: 50_000 + i, ..Scenario::default() };
         s.site.latitude_deg = LATITUDES[i as usize % LATITUDES.len()];
-        s.programme.order = [Order::Random, Order::Fixed, Order::Mixed][i as usize % 3];
+        s.programme.order = [DwellOrder::Random, DwellOrder::Fixed, DwellOrder::Mixed][i as usize % 3];
         s.effects.push(match i % 8 {
             7 => EffectChoice::sized("reseating", 300.0 / 3600.0_f64 * 0.017_453_292_519_943_295),
             kind => EffectChoice::detectable(ids[kind as usize], [100.0, 1e3, 1e4][i as usize / 8 % 3]),
@@ -383,6 +383,9 @@ fn measured_mems_sets_that_state_no_rates_get_a_note() {
         let path = format!("{}/tests/data/measured/{name}.json", env!("CARGO_MANIFEST_DIR"));
         let campaign = parse(&std::fs::read(path).unwrap()).unwrap();
         let found = findings(&campaign);
-        assert!(matches!(&found[..], [one] if one.causes == [Cause::EarthRateLeftOut] && !one.matters), "{found:?}");
+        assert!(
+            matches!(&found[..], [one] if one.causes == [MistakeKind::EarthRateLeftOut] && !one.matters),
+            "{found:?}"
+        );
     }
 }

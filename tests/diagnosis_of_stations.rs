@@ -2,7 +2,7 @@
 //! of `gyrowatch blindcheck --kind all`.
 
 use gyrowatch::blindcheck::answer::Answer;
-use gyrowatch::blindcheck::kind::{Kind, KindRow, row};
+use gyrowatch::blindcheck::kind::{CampaignKind, KindRow, row};
 use gyrowatch::core::augmented::Options;
 use gyrowatch::core::diagnose::{Variable, diagnose};
 use gyrowatch::simulate::outside::{FAMILIES, depends_on};
@@ -18,7 +18,7 @@ fn answer(text: &str) -> Result<Answer, String> {
 }
 
 fn of(kind: &str) -> KindRow {
-    let row = row(Kind::from_name(kind).unwrap(), 60_611, COUNT, &answer);
+    let row = row(CampaignKind::from_name(kind).unwrap(), 60_611, COUNT, &answer);
     assert_eq!(row.errors, 0, "{kind}");
     row
 }
@@ -77,7 +77,7 @@ fn one_cause_gets_one_name_however_strong_it_is_and_whenever_it_sets_in() {
     // dwell set aside.
     // A prior that knew no such size left one of an arc minute, late among the rates, without a name.
     for (kind, number) in [("strong", 4), ("reseated_midway", 31), ("reseated_midway", 17)] {
-        let simulated = Kind::from_name(kind).unwrap().campaign(4001, number);
+        let simulated = CampaignKind::from_name(kind).unwrap().campaign(4001, number);
         let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
         let named: Vec<&str> = answer.effects.iter().map(|named| named.effect.as_str()).collect();
         assert_eq!((named, answer.verdict.as_str()), (vec!["reseating"], "explained"), "{kind}");
@@ -88,7 +88,7 @@ fn one_cause_gets_one_name_however_strong_it_is_and_whenever_it_sets_in() {
 fn when_a_small_reseating_set_in_counts_that_fixtures_are_changed_where_phases_meet() {
     // The second was said to be 2.8 standard deviations earlier.
     for number in [2, 6] {
-        let simulated = Kind::from_name("reseated_20").unwrap().campaign(60_611, number);
+        let simulated = CampaignKind::from_name("reseated_20").unwrap().campaign(60_611, number);
         let dwells = &simulated.campaign.dwells;
         let changed = dwells.windows(2).find(|pair| pair[0].phase != pair[1].phase).unwrap();
         let diagnosis = diagnose(&simulated.campaign, &Options::default()).unwrap();

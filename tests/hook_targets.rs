@@ -10,12 +10,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use gyrowatch::alert::deliver::{Attempt, AttemptLimits, Courier, Destination, Outcome};
+use gyrowatch::alert::deliver::{Attempt, AttemptLimits, Courier, DeliveryOutcome, Destination};
 use gyrowatch::alert::payload::Payload;
 use gyrowatch::alert::resolver::GuardedResolver;
 use gyrowatch::alert::sign::{self, Secret};
 use gyrowatch::alert::target::TargetPolicy;
-use gyrowatch::alert::{HookKind, Message};
+use gyrowatch::alert::{HookKind, HookMessage};
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::system::Proxies;
 use gyrowatch::words::Language;
@@ -108,7 +108,7 @@ fn said(attempt: &Attempt) -> String {
 /// The attempt failed, soon, and its words hold `detail` and no secret.
 #[track_caller]
 fn failed(attempt: &Attempt, status: Option<u16>, detail: &str) {
-    assert!(matches!(attempt.outcome, Outcome::Failed { .. }), "{attempt:?}");
+    assert!(matches!(attempt.outcome, DeliveryOutcome::Failed { .. }), "{attempt:?}");
     assert_eq!(attempt.status, status, "{attempt:?}");
     let said = said(attempt);
     assert!(said.contains(detail) && !said.contains("hunter2"), "{said}: {attempt:?}");
@@ -118,7 +118,7 @@ fn failed(attempt: &Attempt, status: Option<u16>, detail: &str) {
 #[tokio::test]
 async fn a_target_that_takes_the_message_is_done_with() {
     let got = attempt(&says(b"HTTP/1.1 204 No Content\r\n\r\n").await).await;
-    assert_eq!((got.outcome, got.status, said(&got).as_str()), (Outcome::Delivered, Some(204), ""));
+    assert_eq!((got.outcome, got.status, said(&got).as_str()), (DeliveryOutcome::Delivered, Some(204), ""));
 }
 
 #[tokio::test]
@@ -132,7 +132,7 @@ async fn the_request_carries_id_time_authorization_and_body() {
         }
     })
     .await;
-    assert_eq!(attempt(&format!("http://{address}/hook?x=1")).await.outcome, Outcome::Delivered);
+    assert_eq!(attempt(&format!("http://{address}/hook?x=1")).await.outcome, DeliveryOutcome::Delivered);
     let request = requests.recv().await.unwrap();
     assert!(request.starts_with("POST /hook?x=1 HTTP/1.1\r\n"), "{request}");
     for line in [
@@ -155,13 +155,13 @@ async fn an_error_is_told_with_what_the_target_said_about_it() {
 #[tokio::test]
 async fn a_busy_target_says_when_to_come_again() {
     let got = attempt(&says(b"HTTP/1.1 503 Busy\r\nretry-after: 77\r\ncontent-length: 0\r\n\r\n").await).await;
-    assert_eq!(got.outcome, Outcome::Failed { retry_after: Some(Duration::from_secs(77)) });
+    assert_eq!(got.outcome, DeliveryOutcome::Failed { retry_after: Some(Duration::from_secs(77)) });
 }
 
 #[tokio::test]
 async fn a_target_that_is_gone_says_so() {
     let got = attempt(&says(b"HTTP/1.1 410 Gone\r\ncontent-length: 0\r\n\r\n").await).await;
-    assert_eq!((got.outcome, got.status), (Outcome::Gone, Some(410)));
+    assert_eq!((got.outcome, got.status), (DeliveryOutcome::Gone, Some(410)));
 }
 
 #[tokio::test]
@@ -251,7 +251,7 @@ async fn ten_megabytes_of_answer_are_not_read() {
     })
     .await;
     let got = attempt(&format!("http://{address}/")).await;
-    assert_eq!(got.outcome, Outcome::Delivered);
+    assert_eq!(got.outcome, DeliveryOutcome::Delivered);
     assert_eq!(said(&got), "the answer was cut off after 4096 bytes");
     tokio::time::sleep(Duration::from_millis(200)).await;
     let sent = sent.load(Ordering::SeqCst);
@@ -270,7 +270,7 @@ async fn a_slow_drip_of_body_is_cut_off() {
     })
     .await;
     let got = attempt(&format!("http://{address}/")).await;
-    assert_eq!((got.outcome, said(&got).as_str()), (Outcome::Delivered, "the answer did not end within 0.3 s"));
+    assert_eq!((got.outcome, said(&got).as_str()), (DeliveryOutcome::Delivered, "the answer did not end within 0.3 s"));
     assert!(got.took < Duration::from_secs(1), "{got:?}");
 }
 
@@ -408,7 +408,7 @@ async fn a_forbidden_address_is_never_connected_to_however_chance_spells_it() {
         let url = spelt_url(closed.port(), &mut ChaCha8Rng::seed_from_u64(seed(round)));
         let got = attempt_with(&guarded, &url).await;
         let what = format!("seed {}: {url:?}: {got:?}", seed(round));
-        assert!(matches!(got.outcome, Outcome::Failed { .. }) && !said(&got).contains("hunter2"), "{what}");
+        assert!(matches!(got.outcome, DeliveryOutcome::Failed { .. }) && !said(&got).contains("hunter2"), "{what}");
         // By the policy, or because it is no URL and no name; never because dialling it came to nothing.
         let refused = ["address_refused", "not_a_url", "url_credentials", "name_unknown"]
             .iter()
@@ -450,7 +450,7 @@ async fn a_name_with_a_forbidden_and_an_allowed_address_uses_the_allowed_one() {
         Box::pin(async { Ok(vec![[169, 254, 169, 254].into(), [127, 0, 0, 1].into()]) })
     });
     let courier = Courier::with_resolver(&Proxies::None, resolver, local(), LIMITS, None).unwrap();
-    assert_eq!(attempt_with(&courier, &url).await.outcome, Outcome::Delivered);
+    assert_eq!(attempt_with(&courier, &url).await.outcome, DeliveryOutcome::Delivered);
 }
 
 #[tokio::test]
@@ -470,7 +470,7 @@ fn the_reference_verifier_accepts_signatures_by_either_active_secret() {
     let (old, new, other) = (Secret::generate().unwrap(), Secret::generate().unwrap(), Secret::generate().unwrap());
     // The verifier compares with the machine's clock.
     let now = gyrowatch::system::Clock::System.now();
-    let message = Message { id: "evt_1".into(), at: now, event: gyrowatch::alert::Event::Test };
+    let message = HookMessage { id: "evt_1".into(), at: now, event: gyrowatch::alert::HookEvent::Test };
     let context = gyrowatch::alert::payload::Context { hook: "h", external_url: None, resend_every: 1, now };
     let body = gyrowatch::alert::payload::render(HookKind::StandardWebhooks, &message, &context).body;
     let mut headers = axum::http::HeaderMap::new();

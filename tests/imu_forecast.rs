@@ -15,7 +15,7 @@ use gyrowatch::core::calibrate::outcome::{Outcome, evaluate_with};
 use gyrowatch::core::campaign::Campaign;
 use gyrowatch::core::effects::{Effect, Shape};
 use gyrowatch::core::imu_model::{
-    Identified, ModelCoefficient, NoForecast, NotIdentified, Of, Sample, changed, compare, identify, ladder,
+    CampaignSample, Identified, ModelCoefficient, NoForecast, NotIdentified, Of, changed, compare, identify, ladder,
     most_telling, named, promised,
 };
 use gyrowatch::core::judge::{Finding, Limits, State, Unseen, forecast};
@@ -71,8 +71,8 @@ fn campaign(seed: u64, month: u32, celsius: f64, times: f64) -> Campaign {
     campaign
 }
 
-fn sample(campaign: &Campaign) -> Sample<'_> {
-    Sample { campaign, source: None, occasions: Vec::new() }
+fn sample(campaign: &Campaign) -> CampaignSample<'_> {
+    CampaignSample { campaign, source: None, occasions: Vec::new() }
 }
 
 fn temperature_g() -> AugmentedModel {
@@ -82,7 +82,7 @@ fn temperature_g() -> AugmentedModel {
 }
 
 fn model(campaigns: &[&Campaign]) -> Identified {
-    let samples: Vec<Sample> = campaigns.iter().map(|c| sample(c)).collect();
+    let samples: Vec<CampaignSample> = campaigns.iter().map(|c| sample(c)).collect();
     identify(&samples, &temperature_g()).unwrap()
 }
 

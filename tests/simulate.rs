@@ -5,8 +5,8 @@ use gyrowatch::core::mounting::Slot;
 use gyrowatch::simulate::cause::{CATALOGUE, COMMON};
 use gyrowatch::simulate::outside::FAMILIES;
 use gyrowatch::simulate::presets::{PRESETS, preset};
-use gyrowatch::simulate::programme::{Order, Positions, Programme};
-use gyrowatch::simulate::scenario::{EffectChoice, Noise, Profile, Scenario, StandardErrors, Temperature};
+use gyrowatch::simulate::programme::{DwellOrder, Positions, Programme};
+use gyrowatch::simulate::scenario::{EffectChoice, OutputNoise, Profile, Scenario, StandardErrors, Temperature};
 use gyrowatch::simulate::truth::{Key, KeyEntry};
 use gyrowatch::simulate::{Simulated, simulate};
 use gyrowatch::wire::campaign::{parse_json, to_json};
@@ -18,7 +18,7 @@ fn station_runs(scenario: &Scenario) -> Simulated {
 }
 
 fn without_noise(scenario: Scenario) -> Scenario {
-    let noise = Noise { angle_random_walk_deg_per_sqrt_h: 0.0, rate_noise_ppm: 0.0, ..scenario.noise };
+    let noise = OutputNoise { angle_random_walk_deg_per_sqrt_h: 0.0, rate_noise_ppm: 0.0, ..scenario.noise };
     Scenario { noise, ..scenario }
 }
 
@@ -132,7 +132,7 @@ fn whole_turns_are_whole() {
 
 #[test]
 fn dwells_follow_one_another_without_overlap_and_power_ups_leave_a_gap() {
-    let programme = Programme { power_ups: 3, cycles: 2, order: Order::Mixed, ..Programme::default() };
+    let programme = Programme { power_ups: 3, cycles: 2, order: DwellOrder::Mixed, ..Programme::default() };
     let run = station_runs(&Scenario { programme, ..Scenario::default() });
     let gaps: Vec<f64> =
         run.campaign.dwells.windows(2).map(|p| p[1].start_s - p[0].start_s - p[0].duration_s).collect();

@@ -56,7 +56,7 @@ pub struct Destination<'a> {
 /// How an attempt went.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attempt {
-    pub outcome: Outcome,
+    pub outcome: DeliveryOutcome,
     pub status: Option<u16>,
     /// For people; empty where nothing is worth a word.
     pub detail: Option<Message>,
@@ -66,7 +66,7 @@ pub struct Attempt {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
+pub enum DeliveryOutcome {
     Delivered,
     /// Trying again may help.
     Failed {
@@ -136,10 +136,10 @@ impl Courier {
             mailer.send(recipients(to.url).map_err(Unsent::later)?, id, payload).await
         };
         let (outcome, status, detail) = match sending.await {
-            Ok(code) => (Outcome::Delivered, Some(code), None),
-            Err(Unsent { why, for_good: true, .. }) => (Outcome::Refused, None, Some(why)),
-            Err(Unsent { why, status, taken_by_some: true, .. }) => (Outcome::Partly, status, Some(why)),
-            Err(Unsent { why, status, .. }) => (Outcome::Failed { retry_after: None }, status, Some(why)),
+            Ok(code) => (DeliveryOutcome::Delivered, Some(code), None),
+            Err(Unsent { why, for_good: true, .. }) => (DeliveryOutcome::Refused, None, Some(why)),
+            Err(Unsent { why, status, taken_by_some: true, .. }) => (DeliveryOutcome::Partly, status, Some(why)),
+            Err(Unsent { why, status, .. }) => (DeliveryOutcome::Failed { retry_after: None }, status, Some(why)),
         };
         Attempt { outcome, status, detail, answer: None, took: started.elapsed() }
     }
@@ -156,7 +156,7 @@ impl Courier {
         let mut attempt = match self.exchange(to, signature, payload).await {
             Ok(response) => self.read_answer(response, to.expect, now).await,
             Err(why) => {
-                let outcome = Outcome::Failed { retry_after: None };
+                let outcome = DeliveryOutcome::Failed { retry_after: None };
                 Attempt { outcome, status: None, detail: Some(why), answer: None, took: Duration::ZERO }
             }
         };
@@ -210,9 +210,9 @@ impl Courier {
             _ => Some(said(message!("answered", status = answered))),
         };
         let outcome = match status {
-            StatusCode::GONE => Outcome::Gone,
-            _ if status.is_success() && unexpected.is_none() => Outcome::Delivered,
-            _ => Outcome::Failed { retry_after },
+            StatusCode::GONE => DeliveryOutcome::Gone,
+            _ if status.is_success() && unexpected.is_none() => DeliveryOutcome::Delivered,
+            _ => DeliveryOutcome::Failed { retry_after },
         };
         let answer = Some(printable(&text, MOST_OF_AN_ANSWER)).filter(|answer| !answer.is_empty());
         Attempt { outcome, status: Some(status.as_u16()), detail, answer, took: Duration::ZERO }

@@ -26,47 +26,47 @@ pub enum HookKind {
 /// One thing told to a hook. Rendered anew at every attempt; but for an Alertmanager's `endsAt`, always to the same
 /// bytes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Message {
+pub struct HookMessage {
     /// Stays the same over attempts, replays and hooks: receivers recognise repetitions by it.
     pub id: String,
     /// When it came about, not when it is sent.
     pub at: UtcMicros,
-    pub event: Event,
+    pub event: HookEvent,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub enum Event {
+pub enum HookEvent {
     /// What has become of alerts, the gravest first; never none.
-    Alerts(Vec<Change>),
+    Alerts(Vec<AlertTransition>),
     /// What an import has left firing since long ago.
-    Digest(DigestBody, Vec<Change>),
+    Digest(DigestBody, Vec<AlertTransition>),
     /// Somebody tries the hook out.
     Test,
 }
 
 /// What has become of an alert.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Change {
+pub struct AlertTransition {
     /// Never [`Action::Silent`]: that is not told.
     pub action: Action,
     pub alert: AlertBody,
 }
 
-impl Event {
+impl HookEvent {
     /// Its `type` in messages: `alert.fired`, `alerts.digest`, `hook.test`.
     pub fn name(&self) -> &'static str {
         match self {
-            Event::Alerts(changes) => event_name(changes.first().map(|change| change.action)),
-            Event::Digest(..) => DIGEST_EVENT,
-            Event::Test => event_name(None),
+            HookEvent::Alerts(changes) => event_name(changes.first().map(|change| change.action)),
+            HookEvent::Digest(..) => DIGEST_EVENT,
+            HookEvent::Test => event_name(None),
         }
     }
 
     /// The alerts that it tells of, the gravest first; none in a test.
-    pub fn changes(&self) -> &[Change] {
+    pub fn changes(&self) -> &[AlertTransition] {
         match self {
-            Event::Alerts(changes) | Event::Digest(_, changes) => changes,
-            Event::Test => &[],
+            HookEvent::Alerts(changes) | HookEvent::Digest(_, changes) => changes,
+            HookEvent::Test => &[],
         }
     }
 }

@@ -13,4 +13,4 @@ pub mod resolver;
 pub mod sign;
 pub mod target;
 
-pub use message::{Change, DIGEST_EVENT, Event, HookKind, Message, event_name};
+pub use message::{AlertTransition, DIGEST_EVENT, HookEvent, HookKind, HookMessage, event_name};

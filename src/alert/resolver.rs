@@ -12,13 +12,13 @@ use crate::core::message::Message;
 use crate::message;
 use crate::wire::cause;
 
-type Lookup = Pin<Box<dyn Future<Output = io::Result<Vec<IpAddr>>> + Send>>;
+type AddressLookup = Pin<Box<dyn Future<Output = io::Result<Vec<IpAddr>>> + Send>>;
 
 /// Asks the system, or whom a test says, and keeps what the policy allows. A pooled connection was dialled through here
 /// once, so that a name that changes its mind gains nothing.
 pub struct GuardedResolver {
     policy: TargetPolicy,
-    lookup: Arc<dyn Fn(String) -> Lookup + Send + Sync>,
+    lookup: Arc<dyn Fn(String) -> AddressLookup + Send + Sync>,
     /// Names of proxies: whoever runs the service has named them, wherever they are.
     trusted: Vec<String>,
 }
@@ -56,7 +56,7 @@ impl GuardedResolver {
     }
 
     /// Asks `lookup` instead of the system.
-    pub fn with_lookup(policy: TargetPolicy, lookup: impl Fn(String) -> Lookup + Send + Sync + 'static) -> Self {
+    pub fn with_lookup(policy: TargetPolicy, lookup: impl Fn(String) -> AddressLookup + Send + Sync + 'static) -> Self {
         Self { policy, lookup: Arc::new(lookup), trusted: Vec::new() }
     }
 

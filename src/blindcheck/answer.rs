@@ -7,10 +7,10 @@ use serde::Deserialize;
 pub struct Answer {
     pub verdict: String,
     #[serde(default)]
-    pub effects: Vec<Named>,
+    pub effects: Vec<AnsweredEffect>,
     /// Closure by all adopted effects together.
     #[serde(default)]
-    pub closure: Option<HeldOut>,
+    pub closure: Option<AnsweredHeldOut>,
     /// What the noise is beyond white and independent, where the answer says it.
     #[serde(default)]
     pub noise: Option<serde_json::Value>,
@@ -21,28 +21,28 @@ pub struct Answer {
     pub not_identifiable: Vec<Unseen>,
     /// Coefficients that are reported as moved.
     #[serde(default)]
-    pub impact: Vec<Shift>,
+    pub impact: Vec<AnsweredShift>,
     #[serde(default)]
-    pub impact_within_noise: Vec<Shift>,
+    pub impact_within_noise: Vec<AnsweredShift>,
 }
 
 /// An adopted effect.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-pub struct Named {
+pub struct AnsweredEffect {
     pub effect: String,
     #[serde(default)]
     pub class: Vec<String>,
     #[serde(default)]
     pub gyros: Vec<String>,
     #[serde(default)]
-    pub held_out: Option<HeldOut>,
+    pub held_out: Option<AnsweredHeldOut>,
     /// The part of the campaign in which it acts, where that is not all of it.
     #[serde(default)]
     pub acts_in: Option<serde_json::Value>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-pub struct HeldOut {
+pub struct AnsweredHeldOut {
     pub closure: Option<f64>,
     pub interval: Option<[f64; 2]>,
 }
@@ -59,7 +59,7 @@ pub struct Unseen {
 
 /// By how much a coefficient moves when the adopted effects are in the model: augmented less plain.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-pub struct Shift {
+pub struct AnsweredShift {
     pub slot: String,
     pub coefficient: String,
     pub shift: f64,
@@ -68,7 +68,7 @@ pub struct Shift {
     pub plain: Option<f64>,
 }
 
-impl Named {
+impl AnsweredEffect {
     /// Whether this entry means `id`: by name, or as a member of the class that cannot be told apart.
     pub fn means(&self, id: &str) -> bool {
         self.effect == id || self.class.iter().any(|member| member == id)

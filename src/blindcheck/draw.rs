@@ -10,9 +10,9 @@ use super::reach::Structure;
 use crate::core::named::named;
 use crate::simulate::cause::{CATALOGUE, Injectable, SEAT, ShownBy};
 use crate::simulate::outside::FAMILIES;
-use crate::simulate::programme::{Order, Positions, Programme, any_direction};
+use crate::simulate::programme::{DwellOrder, Positions, Programme, any_direction};
 use crate::simulate::scenario::{
-    AxesChoice, EffectChoice, GeometryChoice, GyroChoice, Noise, Profile, Scenario, StandardErrors, Temperature,
+    AxesChoice, EffectChoice, GeometryChoice, GyroChoice, OutputNoise, Profile, Scenario, StandardErrors, Temperature,
 };
 use crate::simulate::{Simulated, simulate};
 
@@ -247,10 +247,10 @@ pub(super) fn style(rng: &mut ChaCha8Rng) -> Scenario {
     let (declination, dip): (f64, f64) = (rng.random_range(-0.15..0.15), rng.random_range(0.3..1.2));
     scenario.site.magnetic_field_nav = [declination.sin() * dip.cos(), declination.cos() * dip.cos(), -dip.sin()];
     scenario.site.states_magnetic_field = rng.random_bool(0.3);
-    scenario.noise = Noise {
+    scenario.noise = OutputNoise {
         angle_random_walk_deg_per_sqrt_h: rng.random_range(1.5e-4..5e-4),
         rate_noise_ppm: rng.random_range(0.0..0.4),
-        ..Noise::default()
+        ..OutputNoise::default()
     };
     let count = one_of([3, 3, 3, 3, 3, 3, 2, 1], rng);
     scenario.gyros =
@@ -274,7 +274,10 @@ fn programme(rng: &mut ChaCha8Rng) -> Programme {
         positions: one_of([TwentyFour, TwentyFour, WithEdges, WithTilts, WithTilts], rng),
         repeats: one_of([0, 3, 6, 6, 12], rng),
         rates_arcsec_s: one_of(rates, rng).to_vec(),
-        order: one_of([Order::Random, Order::Random, Order::Random, Order::Mixed, Order::Fixed], rng),
+        order: one_of(
+            [DwellOrder::Random, DwellOrder::Random, DwellOrder::Random, DwellOrder::Mixed, DwellOrder::Fixed],
+            rng,
+        ),
         dwell_s: one_of([120.0, 180.0, 300.0], rng),
         ..Programme::default()
     }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::answer::Answer;
-use super::run::{Diagnoser, timed};
+use super::run::{CampaignDiagnoser, timed};
 use super::tally::Tally;
 use crate::core::effects::Effect;
 use crate::core::fault::Faults;
@@ -64,7 +64,7 @@ pub enum NoReport {
     NotPossible(#[from] NotPossible),
 }
 
-struct Outcome {
+struct TrialOutcome {
     size: f64,
     answer: Result<Answer, String>,
 }
@@ -78,11 +78,11 @@ pub fn hypothesis(
     effect: Effect,
     design: (&Scenario, u64, usize),
     detectabilities: &[f64],
-    diagnose: &Diagnoser<'_>,
+    diagnose: &CampaignDiagnoser<'_>,
     done: &(dyn Fn() + Sync),
 ) -> Result<HypothesisReport, NoReport> {
     let (base, seed, count) = design;
-    let of = |row: usize, d: Option<f64>| -> Result<Vec<Outcome>, NoReport> {
+    let of = |row: usize, d: Option<f64>| -> Result<Vec<TrialOutcome>, NoReport> {
         let one = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(1 + number as u64 + ((1 + row as u64) << 40));
@@ -91,7 +91,7 @@ pub fn hypothesis(
             let size = d.map(|d| hidden(&mut simulated, effect, d, &mut rng)).transpose()?.unwrap_or(0.0);
             let (answer, _) = timed(&wire::campaign::to_json(&simulated.campaign), diagnose);
             done();
-            Ok(Outcome { size, answer })
+            Ok(TrialOutcome { size, answer })
         };
         (0..count).into_par_iter().map(one).collect()
     };
@@ -134,12 +134,12 @@ fn names(answer: &Answer, id: &str) -> bool {
     answer.effects.iter().any(|named| named.means(id))
 }
 
-fn errors(outcomes: &[Outcome]) -> Vec<String> {
+fn errors(outcomes: &[TrialOutcome]) -> Vec<String> {
     outcomes.iter().filter_map(|outcome| outcome.answer.as_ref().err().cloned()).collect()
 }
 
 impl HiddenRow {
-    fn of(detectability: f64, id: &str, outcomes: Vec<Outcome>) -> Self {
+    fn of(detectability: f64, id: &str, outcomes: Vec<TrialOutcome>) -> Self {
         let mut sizes: Vec<f64> = outcomes.iter().map(|outcome| outcome.size).collect();
         sizes.sort_by(f64::total_cmp);
         let answers: Vec<Answer> = outcomes.into_iter().filter_map(|outcome| outcome.answer.ok()).collect();

@@ -2,7 +2,7 @@
 //! can reproduce in this campaign. One effect's columns come from the simulator's physics, one coefficient at a time.
 
 use crate::simulate::Simulated;
-use crate::simulate::cause::{ALWAYS, COMMON, Cause, Effect, Kind};
+use crate::simulate::cause::{ALWAYS, COMMON, Cause, CauseKind, Mechanism};
 use crate::simulate::detectability::{Sight, extend, norm, without};
 use crate::simulate::world::World;
 
@@ -64,12 +64,12 @@ impl<'a> Structure<'a> {
     }
 
     /// Columns of one coefficient: one for a common effect, else one a gyro.
-    fn columns(&self, effect: &str, kind: Effect, slots: &[String]) -> Vec<Vec<f64>> {
+    fn columns(&self, effect: &str, kind: Mechanism, slots: &[String]) -> Vec<Vec<f64>> {
         let unit = Cause {
             label: effect.into(),
             size: 1e-6,
             weights: [1.0; 3],
-            kind: Kind::Catalogue(kind),
+            kind: CauseKind::Catalogue(kind),
             acts_in_h: ALWAYS,
         };
         let each = self.whitened(std::slice::from_ref(&unit));
@@ -99,16 +99,16 @@ impl<'a> Structure<'a> {
     }
 
     /// Alternatives of an effect, each with one member for every free coefficient.
-    fn shapes(&self, effect: &str) -> Option<Vec<Vec<Effect>>> {
+    fn shapes(&self, effect: &str) -> Option<Vec<Vec<Mechanism>>> {
         let span_h = self.world.mid_h().last().copied()?;
-        Effect::alternatives(effect, span_h, self.world.plan.len(), &self.true_times())
+        Mechanism::alternatives(effect, span_h, self.world.plan.len(), &self.true_times())
     }
 
     /// Time constants and periods of the hidden causes themselves, so that a right name explains all.
     fn true_times(&self) -> Vec<f64> {
         let time = |cause: &Cause| match &cause.kind {
-            Kind::Catalogue(effect) => effect.own_time_h(),
-            Kind::Outside(_) => None,
+            CauseKind::Catalogue(effect) => effect.own_time_h(),
+            CauseKind::Outside(_) => None,
         };
         self.causes.iter().filter_map(time).collect()
     }

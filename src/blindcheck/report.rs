@@ -14,7 +14,7 @@ pub struct Report {
     /// SHA-256 of the key, printed before the first diagnosis.
     pub seal: String,
     pub campaigns: usize,
-    pub rows: Vec<Row>,
+    pub rows: Vec<Rate>,
     pub by_effect: BTreeMap<String, Tally>,
     pub by_design: BTreeMap<String, Tally>,
     pub by_standard_errors: BTreeMap<String, Tally>,
@@ -28,7 +28,7 @@ pub struct Report {
 
 /// One line of the table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub struct Rate {
     pub what: &'static str,
     pub tally: Tally,
     pub rate: Option<f64>,
@@ -54,7 +54,7 @@ pub struct Milliseconds {
     pub most: f64,
 }
 
-impl Row {
+impl Rate {
     fn new(what: &'static str, to_reach: Option<Goal>, tally: Tally) -> Self {
         let reached = tally.rate().zip(to_reach).map(|(rate, goal)| match goal {
             Goal::AtLeast(share) => rate >= share,
@@ -88,7 +88,7 @@ impl Report {
     }
 }
 
-fn rows(scores: &[Score]) -> Vec<Row> {
+fn rows(scores: &[Score]) -> Vec<Rate> {
     let at_least = |share| Some(Goal::AtLeast(share));
     let of = |case: Case| scores.iter().filter(move |s| s.case == case);
     let stated = |s: &&Score| s.sem != "absent";
@@ -99,65 +99,65 @@ fn rows(scores: &[Score]) -> Vec<Row> {
     let structured = || scores.iter().filter(|s| nameable.contains(&s.case) && s.all_found() && s.wrong == 0);
     let shifts = || structured().filter_map(|s| s.shift);
     vec![
-        Row::new("one effect, d >= 8: named", at_least(0.99), found(&mut of(Case::One).filter(stated))),
-        Row::new("  and its gyros right", at_least(0.95), Tally::of(of(Case::One).filter(stated).map(gyros))),
-        Row::new("  and nothing else named", None, Tally::of(of(Case::One).filter(stated).map(alone))),
-        Row::new(
+        Rate::new("one effect, d >= 8: named", at_least(0.99), found(&mut of(Case::One).filter(stated))),
+        Rate::new("  and its gyros right", at_least(0.95), Tally::of(of(Case::One).filter(stated).map(gyros))),
+        Rate::new("  and nothing else named", None, Tally::of(of(Case::One).filter(stated).map(alone))),
+        Rate::new(
             "  and nothing said to remain",
             None,
             Tally::of(of(Case::One).filter(stated).filter(|s| s.all_found()).map(|s| s.verdict == "explained")),
         ),
-        Row::new(
+        Rate::new(
             "  its class no wider than the design forces",
             None,
             Tally::of(of(Case::One).filter(stated).flat_map(|s| s.classes.clone())),
         ),
-        Row::new(
+        Rate::new(
             "one effect, d >= 8, no standard errors: named",
             None,
             found(&mut of(Case::One).filter(|s| s.sem == "absent")),
         ),
-        Row::new("one effect, d = 5: named", at_least(0.70), found(&mut of(Case::Faint))),
-        Row::new(
+        Rate::new("one effect, d = 5: named", at_least(0.70), found(&mut of(Case::Faint))),
+        Rate::new(
             "clean: an effect named",
             Some(Goal::AtMost(0.01)),
             Tally::of(of(Case::Clean).map(Score::false_alarm)),
         ),
-        Row::new(
+        Rate::new(
             "  said to have a gap",
             Some(Goal::AtMost(0.05)),
             Tally::of(of(Case::Clean).map(|s| s.verdict != "no_gap")),
         ),
-        Row::new("two effects, d = 12 each: both named", at_least(0.95), found(&mut of(Case::Pair))),
-        Row::new("  and nothing else named", at_least(0.95), Tally::of(of(Case::Pair).map(alone))),
-        Row::new(
+        Rate::new("two effects, d = 12 each: both named", at_least(0.95), found(&mut of(Case::Pair))),
+        Rate::new("  and nothing else named", at_least(0.95), Tally::of(of(Case::Pair).map(alone))),
+        Rate::new(
             "outside the catalogue, d >= 15: partly or not explained",
             at_least(0.95),
             Tally::of(of(Case::Outside).map(Score::honest_about_outside)),
         ),
-        Row::new(
+        Rate::new(
             "unseen by the design: listed as such",
             at_least(1.0),
             Tally::of(of(Case::Unseen).map(|s| s.listed_as_unseen == Some(true))),
         ),
-        Row::new("  an effect named", Some(Goal::AtMost(0.01)), Tally::of(of(Case::Unseen).map(Score::false_alarm))),
-        Row::new(
+        Rate::new("  an effect named", Some(Goal::AtMost(0.01)), Tally::of(of(Case::Unseen).map(Score::false_alarm))),
+        Rate::new(
             "closure of the truth within its interval",
             at_least(0.90),
             Tally::of(structured().flat_map(|s| s.closures.iter().map(|c| c.covered()).collect::<Vec<_>>())),
         ),
-        Row::new(
+        Rate::new(
             "D_I, D_S reported as moved: nearer to the truth",
             at_least(0.95),
             Tally::of(structured().flat_map(|s| s.moved.clone())),
         ),
-        Row::new(
+        Rate::new(
             "  all of a campaign's together, where any is",
             at_least(0.95),
             Tally::of(shifts().filter(|s| s.material).map(|s| s.nearer())),
         ),
-        Row::new("  in every campaign, moved or not", None, Tally::of(shifts().map(|s| s.nearer()))),
-        Row::new("a term withheld from the model: named", at_least(0.99), found(&mut of(Case::Withheld))),
+        Rate::new("  in every campaign, moved or not", None, Tally::of(shifts().map(|s| s.nearer()))),
+        Rate::new("a term withheld from the model: named", at_least(0.99), found(&mut of(Case::Withheld))),
     ]
 }
 

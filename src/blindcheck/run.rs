@@ -10,10 +10,10 @@ use crate::wire;
 
 use super::answer::Answer;
 use super::draw::{Case, Draw};
-use super::score::{Known, Score};
+use super::score::{CampaignTruth, Score};
 
 /// Turns the JSON of a campaign into what a diagnosis of it says.
-pub type Diagnoser<'a> = dyn Fn(&str) -> Result<Answer, String> + Sync + 'a;
+pub type CampaignDiagnoser<'a> = dyn Fn(&str) -> Result<Answer, String> + Sync + 'a;
 
 /// A campaign that somebody made, as it lies in a folder.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +40,7 @@ pub fn key_text(key: &Key) -> String {
 }
 
 /// Diagnoses and scores the drawn campaigns; `done` is called after each.
-pub fn drawn(draw: &Draw, count: usize, diagnose: &Diagnoser<'_>, done: &(dyn Fn() + Sync)) -> Vec<Score> {
+pub fn drawn(draw: &Draw, count: usize, diagnose: &CampaignDiagnoser<'_>, done: &(dyn Fn() + Sync)) -> Vec<Score> {
     (0..count)
         .into_par_iter()
         .map(|number| {
@@ -49,7 +49,7 @@ pub fn drawn(draw: &Draw, count: usize, diagnose: &Diagnoser<'_>, done: &(dyn Fn
             let (answer, milliseconds) = timed(&text, diagnose);
             let slots: Vec<String> =
                 trial.simulated.campaign.gyros.iter().map(|gyro| gyro.slot.name().to_owned()).collect();
-            let known = Known {
+            let known = CampaignTruth {
                 campaign: &file_name(number),
                 case: trial.case,
                 key: &trial.simulated.truth,
@@ -66,7 +66,7 @@ pub fn drawn(draw: &Draw, count: usize, diagnose: &Diagnoser<'_>, done: &(dyn Fn
 /// Diagnoses and scores campaigns of another maker.
 pub fn foreign(
     campaigns: &[Foreign],
-    diagnose: &Diagnoser<'_>,
+    diagnose: &CampaignDiagnoser<'_>,
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<Score>, Faults> {
     campaigns
@@ -75,14 +75,14 @@ pub fn foreign(
             let slots = slots(one)?;
             let (answer, milliseconds) = timed(&one.text, diagnose);
             let case = case_of(&one.key);
-            let known = Known { campaign: &one.name, case, key: &one.key, slots: &slots, simulated: None };
+            let known = CampaignTruth { campaign: &one.name, case, key: &one.key, slots: &slots, simulated: None };
             done();
             Ok(known.score(&answer, milliseconds))
         })
         .collect()
 }
 
-pub(super) fn timed(text: &str, diagnose: &Diagnoser<'_>) -> (Result<Answer, String>, f64) {
+pub(super) fn timed(text: &str, diagnose: &CampaignDiagnoser<'_>) -> (Result<Answer, String>, f64) {
     let begun = Instant::now();
     let answer = diagnose(text);
     (answer, begun.elapsed().as_secs_f64() * 1e3)

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::simulate::Simulated;
 use crate::simulate::truth::{GyroKey, KeyEntry, OUTSIDE};
 
-use super::answer::{Answer, Named, Shift};
+use super::answer::{Answer, AnsweredEffect, AnsweredShift};
 use super::draw::Case;
 use super::reach::Structure;
 
@@ -82,7 +82,7 @@ impl ShiftScore {
 }
 
 /// What is known about a campaign besides its file.
-pub struct Known<'a> {
+pub struct CampaignTruth<'a> {
     pub campaign: &'a str,
     pub case: Case,
     pub key: &'a KeyEntry,
@@ -92,7 +92,7 @@ pub struct Known<'a> {
     pub simulated: Option<&'a Simulated>,
 }
 
-impl Known<'_> {
+impl CampaignTruth<'_> {
     /// Scores `answer`, which took `milliseconds`.
     pub fn score(&self, answer: &Result<Answer, String>, milliseconds: f64) -> Score {
         let mut score = self.blank(milliseconds);
@@ -178,7 +178,7 @@ impl Known<'_> {
     }
 
     /// Every gyro with a detectability of its own of 4.5 or more is listed, and none that has nothing of the effect.
-    fn gyros_right(&self, effect: usize, named: &Named) -> bool {
+    fn gyros_right(&self, effect: usize, named: &AnsweredEffect) -> bool {
         let own = self.own_detectability(effect);
         own.iter().all(|(slot, d)| {
             let listed = named.gyros.contains(slot);
@@ -199,7 +199,7 @@ impl Known<'_> {
         self.slots.iter().map(|slot| (slot.clone(), d(slot))).collect()
     }
 
-    fn class_is_forced(&self, effect: usize, id: &str, named: &Named) -> Option<bool> {
+    fn class_is_forced(&self, effect: usize, id: &str, named: &AnsweredEffect) -> Option<bool> {
         let simulated = self.simulated?;
         let cause = simulated.causes.get(effect)?;
         let structure = Structure::of_causes(&simulated.world, std::slice::from_ref(cause));
@@ -223,7 +223,7 @@ impl Known<'_> {
 
     fn shift(&self, answer: &Answer) -> Option<ShiftScore> {
         let gyros: Vec<&String> = answer.effects.iter().flat_map(|named| &named.gyros).collect();
-        let named = |entry: &&Shift| gyros.contains(&&entry.slot);
+        let named = |entry: &&AnsweredShift| gyros.contains(&&entry.slot);
         let (mut plain, mut augmented, mut count) = (0.0, 0.0, 0);
         for entry in answer.impact.iter().chain(&answer.impact_within_noise).filter(named) {
             let Some((before, after)) = self.errors(entry) else { continue };
@@ -237,7 +237,7 @@ impl Known<'_> {
     }
 
     /// Errors of the plain and of the augmented value of a coefficient, without their signs.
-    fn errors(&self, entry: &Shift) -> Option<(f64, f64)> {
+    fn errors(&self, entry: &AnsweredShift) -> Option<(f64, f64)> {
         let (truth, before) = (self.true_coefficient(&entry.slot, &entry.coefficient)?, entry.plain?);
         Some(((before - truth).abs(), (before + entry.shift - truth).abs()))
     }
@@ -254,12 +254,12 @@ impl Known<'_> {
 }
 
 /// What each name claims to close, given those before it, beside the share of what is hidden that it can reproduce.
-pub(super) fn closures(simulated: &Simulated, effects: &[Named]) -> Vec<Closure> {
+pub(super) fn closures(simulated: &Simulated, effects: &[AnsweredEffect]) -> Vec<Closure> {
     if simulated.causes.is_empty() {
         return Vec::new();
     }
     let mut structure = Structure::of(simulated);
-    let closure = |named: &Named| {
+    let closure = |named: &AnsweredEffect| {
         let before = structure.left();
         structure.name(&named.effect, &named.gyros);
         let (claimed, interval) = named.claim().filter(|_| before > 1.0)?;

@@ -69,7 +69,7 @@ impl std::error::Error for Trouble {}
 
 /// One line of the answer of `POST /v1/import`.
 #[derive(Debug, Deserialize)]
-pub struct LineAnswer {
+pub struct ImportLineAnswer {
     pub status: u16,
     #[serde(default)]
     pub error: Option<ProblemBody>,
@@ -198,7 +198,7 @@ impl Service {
     }
 
     /// Posts a batch of lines; one answer a line, in order.
-    pub async fn import(&self, lines: Bytes, count: usize) -> Result<Vec<LineAnswer>, Trouble> {
+    pub async fn import(&self, lines: Bytes, count: usize) -> Result<Vec<ImportLineAnswer>, Trouble> {
         let (status, after, body) = self.call("/v1/import", NDJSON, lines).await?;
         if status != StatusCode::OK {
             return Err(match sort(status, after, &body)? {
@@ -208,7 +208,7 @@ impl Service {
                 Sent::Stored(_) | Sent::Known(_) => Trouble::stop(status, format!("status {status} from /v1/import")),
             });
         }
-        let answers: Result<Vec<LineAnswer>, _> =
+        let answers: Result<Vec<ImportLineAnswer>, _> =
             body.split(|&b| b == b'\n').filter(|line| !line.is_empty()).map(serde_json::from_slice).collect();
         match answers {
             Ok(answers) if answers.len() == count => Ok(answers),

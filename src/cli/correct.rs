@@ -22,7 +22,7 @@ pub struct Void {
     id: String,
 
     #[command(flatten)]
-    remark: Remark,
+    remark: ReasonArgs,
 
     #[command(flatten)]
     connection: Connection,
@@ -41,7 +41,7 @@ pub struct Revise {
     of: Option<String>,
 
     #[command(flatten)]
-    remark: Remark,
+    remark: ReasonArgs,
 
     #[command(flatten)]
     connection: Connection,
@@ -49,7 +49,7 @@ pub struct Revise {
 
 /// Who says so, and why.
 #[derive(Debug, clap::Args)]
-struct Remark {
+struct ReasonArgs {
     /// Who says so
     #[arg(long)]
     author: String,
@@ -88,7 +88,7 @@ impl Revise {
         let bytes = document::read(&self.file)?;
         block_on(async {
             let service = self.connection.service()?;
-            let said = Said { author: &self.remark.author, reason: &self.remark.reason };
+            let said = SignedReason { author: &self.remark.author, reason: &self.remark.reason };
             match replace(&service, &bytes, self.of.as_deref(), said).await? {
                 Ok(done) => document::print(&format!("{name}: {done}")),
                 Err(refused) => bail!("{name}: {refused}"),
@@ -99,7 +99,7 @@ impl Revise {
 
 /// Who says so, and why.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Said<'a> {
+pub(super) struct SignedReason<'a> {
     pub author: &'a str,
     pub reason: &'a str,
 }
@@ -113,7 +113,7 @@ pub(super) async fn replace(
     service: &Service,
     bytes: &[u8],
     of: Option<&str>,
-    said: Said<'_>,
+    said: SignedReason<'_>,
 ) -> Result<Result<String, String>, Trouble> {
     let (kind, member, new) = match read(bytes) {
         Ok(read) => read,
@@ -216,7 +216,11 @@ fn known(answer: &Value) -> String {
 }
 
 /// What a stored item stands in the place of, where the same person said so in the same words.
-async fn revised_by(service: &Service, (kind, id): (&str, &str), said: Said<'_>) -> Result<Option<String>, Trouble> {
+async fn revised_by(
+    service: &Service,
+    (kind, id): (&str, &str),
+    said: SignedReason<'_>,
+) -> Result<Option<String>, Trouble> {
     let stored = service.ask(&format!("/v1/{kind}/{id}")).await?;
     let revises = &stored["revises"];
     let same = revises["author"] == said.author && revises["reason"] == said.reason;

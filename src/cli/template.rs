@@ -26,7 +26,7 @@ const MAP: &str = include_str!("../../examples/maps/pulses-on-a-table.toml");
 #[derive(Debug, clap::Args)]
 pub struct Template {
     #[arg(value_enum)]
-    of: Of,
+    of: TemplateOf,
 
     /// csv, json or xlsx; of a programme csv or xlsx; a map is TOML
     #[arg(long, value_enum)]
@@ -38,7 +38,7 @@ pub struct Template {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Of {
+enum TemplateOf {
     /// Dwells of an IMU
     Campaign,
     /// Parameters that the station has fitted itself
@@ -61,31 +61,26 @@ enum As {
 
 impl Template {
     pub fn run(self) -> anyhow::Result<()> {
-        let of_name = self.out.as_deref().and_then(Path::extension).and_then(|e| match e.to_str()? {
-            "csv" => Some(As::Csv),
-            "json" => Some(As::Json),
-            "xlsx" => Some(As::Xlsx),
-            "toml" => Some(As::Toml),
-            _ => None,
-        });
+        let extension = self.out.as_deref().and_then(Path::extension);
+        let of_name = extension.and_then(|e| As::from_str(e.to_str()?, false).ok());
         let usual = match self.of {
-            Of::Campaign | Of::Programme => As::Csv,
-            Of::Record | Of::Bench => As::Json,
-            Of::Map => As::Toml,
+            TemplateOf::Campaign | TemplateOf::Programme => As::Csv,
+            TemplateOf::Record | TemplateOf::Bench => As::Json,
+            TemplateOf::Map => As::Toml,
         };
         let text = match (self.of, self.format.or(of_name).unwrap_or(usual)) {
-            (Of::Campaign, As::Json) => serde_json::to_string(&example())? + "\n",
-            (Of::Campaign, As::Csv) => body_to_csv(&example()),
-            (Of::Campaign, As::Xlsx) => return self.sheet(&body_to_csv(&example())),
-            (Of::Record, As::Json) => RECORD.to_owned(),
-            (Of::Bench, As::Json) => BENCH.to_owned(),
-            (Of::Record, As::Csv) => RECORD_TABLE.to_owned(),
-            (Of::Bench, As::Csv) => BENCH_TABLE.to_owned(),
-            (Of::Record, As::Xlsx) => return self.sheet(RECORD_TABLE),
-            (Of::Bench, As::Xlsx) => return self.sheet(BENCH_TABLE),
-            (Of::Programme, As::Csv) => programme(),
-            (Of::Programme, As::Xlsx) => return self.sheet(&programme()),
-            (Of::Map, As::Toml) => MAP.to_owned(),
+            (TemplateOf::Campaign, As::Json) => serde_json::to_string(&example())? + "\n",
+            (TemplateOf::Campaign, As::Csv) => body_to_csv(&example()),
+            (TemplateOf::Campaign, As::Xlsx) => return self.sheet(&body_to_csv(&example())),
+            (TemplateOf::Record, As::Json) => RECORD.to_owned(),
+            (TemplateOf::Bench, As::Json) => BENCH.to_owned(),
+            (TemplateOf::Record, As::Csv) => RECORD_TABLE.to_owned(),
+            (TemplateOf::Bench, As::Csv) => BENCH_TABLE.to_owned(),
+            (TemplateOf::Record, As::Xlsx) => return self.sheet(RECORD_TABLE),
+            (TemplateOf::Bench, As::Xlsx) => return self.sheet(BENCH_TABLE),
+            (TemplateOf::Programme, As::Csv) => programme(),
+            (TemplateOf::Programme, As::Xlsx) => return self.sheet(&programme()),
+            (TemplateOf::Map, As::Toml) => MAP.to_owned(),
             (of, wanted) => {
                 let name = |value: Option<PossibleValue>| value.map_or_else(String::new, |v| v.get_name().to_owned());
                 let (of, wanted) = (name(of.to_possible_value()), name(wanted.to_possible_value()));

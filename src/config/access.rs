@@ -6,14 +6,14 @@ use super::ConfigError;
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Access {
+pub struct AccessConfig {
     pub open: bool,
     pub failures_per_minute: usize,
     pub requests_per_second: f64,
     pub session_hours: f64,
 }
 
-impl Access {
+impl AccessConfig {
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         let wrong = |key: &str, detail: String| Err(ConfigError::Key { key: format!("access.{key}"), detail });
         if self.failures_per_minute == 0 {

@@ -7,7 +7,7 @@ use crate::core::alert_decision::Policy;
 
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Alerts {
+pub struct AlertsConfig {
     pub repeat_days: f64,
     pub resolve_below: f64,
     pub resolve_after: u32,
@@ -15,7 +15,7 @@ pub struct Alerts {
     pub backfill_days: f64,
 }
 
-impl Alerts {
+impl AlertsConfig {
     pub fn policy(&self) -> Policy {
         let Self { repeat_days, resolve_below, resolve_after, backfill_days, tick_s: _ } = *self;
         Policy { repeat_days, resolve_below, resolve_after, backfill_days }

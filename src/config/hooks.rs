@@ -16,7 +16,7 @@ use crate::system::Proxies;
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Hooks {
+pub struct HooksConfig {
     #[serde(deserialize_with = "networks")]
     pub allow: Vec<IpNet>,
     pub external_url: String,
@@ -36,7 +36,7 @@ pub struct Hooks {
 /// No target, and no recipient of an e-mail, may hold an attempt for longer.
 const LONGEST_ATTEMPT_S: f64 = 15.0;
 
-impl Hooks {
+impl HooksConfig {
     pub fn limits(&self) -> AttemptLimits {
         AttemptLimits {
             connect: Duration::from_secs_f64(self.connect_timeout_s),

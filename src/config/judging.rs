@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::core::judge::limits::{DriftLimits, Limit, LimitKey, Limits, Requirement};
-use crate::core::judge::{Noise, Verdict, requirement};
+use crate::core::judge::{NoiseParameters, Verdict, requirement};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::name::{Name, normal_form};
 use crate::core::separate::JudgedMethod;
@@ -45,8 +45,8 @@ pub struct NoiseKeys {
 }
 
 impl NoiseKeys {
-    fn noise(&self) -> Noise {
-        Noise { phi: self.phi, walk: self.walk, of_fleet: self.fitted.is_some() }
+    fn noise(&self) -> NoiseParameters {
+        NoiseParameters { phi: self.phi, walk: self.walk, of_fleet: self.fitted.is_some() }
     }
 }
 

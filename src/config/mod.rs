@@ -26,14 +26,14 @@ use crate::core::time::UtcMicros;
 use crate::store::{Options, Secrets, without_password};
 
 pub use crate::core::separate::JudgedMethod;
-pub use access::Access;
-pub use alerts::Alerts;
+pub use access::AccessConfig;
+pub use alerts::AlertsConfig;
 pub use error::ConfigError;
-pub use hooks::Hooks;
+pub use hooks::HooksConfig;
 pub use judging::{Judging, Override};
 pub use requirement::SlotRequirements;
-pub use rules::{FixedBaseline, RuleKeys};
-pub use stations::{Stated, Stations};
+pub use rules::FixedBaseline;
+pub use stations::{StatedUncertainty, Stations};
 
 /// What `server.plain_http` must say for HTTP beyond this machine.
 pub const PLAIN_HTTP: &str = "anybody on the network can read tokens and records, and change them";
@@ -46,12 +46,12 @@ const DEFAULTS: &str = include_str!("../../config/default.toml");
 #[serde(deny_unknown_fields)]
 pub struct Config {
     pub server: Server,
-    pub access: Access,
+    pub access: AccessConfig,
     pub database: Database,
     pub judging: Judging,
     pub stations: Stations,
-    pub alerts: Alerts,
-    pub hooks: Hooks,
+    pub alerts: AlertsConfig,
+    pub hooks: HooksConfig,
     pub plausibility: PlausibilityKeys,
     pub log: Log,
     /// The key that the secrets of hooks are encrypted with: of the environment alone, in no file.

@@ -11,20 +11,20 @@ use crate::words::Language;
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stations {
-    pub uncertainty: Vec<Stated>,
+    pub uncertainty: Vec<StatedUncertainty>,
 }
 
 /// What one station states, or all.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Stated {
+pub struct StatedUncertainty {
     pub station: Option<String>,
     pub levelling_arcsec: Option<f64>,
     pub azimuth_arcsec: Option<f64>,
     pub fixture_arcsec: Option<f64>,
 }
 
-impl Stated {
+impl StatedUncertainty {
     fn sizes(&self) -> StationUncertaintyBody {
         let Self { levelling_arcsec, azimuth_arcsec, fixture_arcsec, .. } = *self;
         StationUncertaintyBody { levelling_arcsec, azimuth_arcsec, fixture_arcsec }
@@ -35,7 +35,8 @@ impl Stations {
     /// The campaign with what it leaves unsaid of its station.
     pub fn complete(&self, mut campaign: Campaign) -> Campaign {
         let station = normal_form(campaign.station.as_str());
-        let matching = |stated: &&Stated| stated.station.as_deref().is_none_or(|name| normal_form(name) == station);
+        let matching =
+            |stated: &&StatedUncertainty| stated.station.as_deref().is_none_or(|name| normal_form(name) == station);
         let stated = self.uncertainty.iter().rev().filter(matching).filter_map(|stated| stated.sizes().to_core().ok());
         campaign.station_uncertainty = stated.fold(campaign.station_uncertainty, StationUncertainty::or);
         campaign

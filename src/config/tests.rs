@@ -1,6 +1,6 @@
 use super::*;
 use crate::core::judge::limits::{Bounds, Limit, LimitKey, Requirement};
-use crate::core::judge::{Noise, Rule};
+use crate::core::judge::{NoiseParameters, Rule};
 use crate::core::mounting::Slot;
 
 fn with(variables: &[(&str, &str)]) -> Result<Config, ConfigError> {
@@ -141,9 +141,9 @@ fn keys_of_the_rule_that_shift_has_replaced_are_read_and_do_nothing() {
 #[test]
 fn constants_of_the_fleet_are_told_from_the_defaults_by_the_day_of_their_fit() {
     let noise = |text: &str| judging_of(text).map(|judging| judging.limits("", "").noise);
-    assert_eq!(noise("").unwrap(), Noise::default());
+    assert_eq!(noise("").unwrap(), NoiseParameters::default());
     let fitted = "[judging]\nnoise = { phi = 0.25, walk = 7.5e-4, fitted = \"2026-11-25\" }\n";
-    assert_eq!(noise(fitted).unwrap(), Noise { phi: 0.25, walk: 7.5e-4, of_fleet: true });
+    assert_eq!(noise(fitted).unwrap(), NoiseParameters { phi: 0.25, walk: 7.5e-4, of_fleet: true });
     for (text, key) in [
         ("phi = 1.0", "judging.noise.phi"),
         ("phi = -0.1", "judging.noise.phi"),

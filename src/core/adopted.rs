@@ -5,7 +5,7 @@ use super::mounting::Slot;
 
 /// What a model says of one coefficient of an effect in one gyro.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Known {
+pub struct KnownCoefficient {
     pub slot: Slot,
     pub effect: Effect,
     pub name: &'static str,

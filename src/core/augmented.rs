@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-pub use super::adopted::{Adopted, Known};
+pub use super::adopted::{Adopted, KnownCoefficient};
 use super::campaign::Campaign;
 use super::effects::{Effect, Estimate};
 use super::imu_model::Identified;
@@ -25,7 +25,7 @@ pub struct Options {
     /// Effects that the model in use holds already.
     pub adopted: Vec<Adopted>,
     /// What the model of the very gyros says of these.
-    pub known: Vec<Known>,
+    pub known: Vec<KnownCoefficient>,
     /// Temperature at which the coefficients are stated, deg C; the campaign's mean where none is given.
     pub reference_c: Option<f64>,
     /// Hypotheses of one's own, which compete with the catalogue.
@@ -115,7 +115,7 @@ impl AugmentedModel {
     }
 
     /// What is known of the effects of the very gyros of `imu`.
-    pub fn known(&self, imu: &Name, gyros: &[(Slot, &Name)]) -> Vec<Known> {
+    pub fn known(&self, imu: &Name, gyros: &[(Slot, &Name)]) -> Vec<KnownCoefficient> {
         let identified = self.identified.as_ref().filter(|identified| identified.imu == *imu);
         let is_same = |slot| {
             let own = identified.and_then(|identified| identified.gyro(slot));
@@ -125,9 +125,9 @@ impl AugmentedModel {
             let effect = known.adopted.effect;
             let one = |estimate: &Estimate| {
                 let Estimate { slot, name, value, sd, .. } = *estimate;
-                Some(Known { slot: slot.filter(|slot| is_same(*slot))?, effect, name, value, sd })
+                Some(KnownCoefficient { slot: slot.filter(|slot| is_same(*slot))?, effect, name, value, sd })
             };
-            known.estimates.iter().filter_map(one).collect::<Vec<Known>>()
+            known.estimates.iter().filter_map(one).collect::<Vec<KnownCoefficient>>()
         };
         self.effects.iter().flat_map(of).collect()
     }

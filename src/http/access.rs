@@ -36,7 +36,7 @@ pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next)
     };
     // A method that the route does not take: its handler says so, to whoever may read at all.
     let least = rules.get(request.method(), route.as_str()).unwrap_or(VIEWER);
-    let origin = Origin::of(request.method(), request.headers());
+    let origin = RequestOrigin::of(request.method(), request.headers());
     let source = request.extensions().get::<ConnectInfo<SocketAddr>>().map(|ConnectInfo(peer)| peer.ip());
     // Without an address (a request that came over no connection) it is nobody's, and certainly not this machine's.
     let source = source.unwrap_or(IpAddr::V4(Ipv4Addr::UNSPECIFIED));
@@ -49,7 +49,7 @@ pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next)
         Ok(caller) => {
             Caller { agent: headers.get(USER_AGENT).and_then(|sent| Caller::agent(sent.as_bytes())), ..caller }
         }
-        Err(_) if least == ANYONE && origin != Origin::Foreign => return next.run(request).await,
+        Err(_) if least == ANYONE && origin != RequestOrigin::Foreign => return next.run(request).await,
         Err(_) if least == ANYONE => return foreign().into_response(),
         Err(denied) => return refuse(&denied, &request),
     };
@@ -59,7 +59,7 @@ pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next)
     let by_cookie = matches!(caller.by, By::Session { .. });
     let by_token = matches!(caller.by, By::Token(_) | By::Setup);
     // A page of another site can make a browser send its cookie, or reach this machine; it cannot make it send a token.
-    if (origin == Origin::Foreign && !by_token) || (origin == Origin::Unsaid && by_cookie) {
+    if (origin == RequestOrigin::Foreign && !by_token) || (origin == RequestOrigin::Unsaid && by_cookie) {
         return foreign().into_response();
     }
     if let Some(role) = least.filter(|role| caller.role < *role) {
@@ -94,14 +94,14 @@ fn is_probed(route: &str) -> bool {
 
 /// Whether a request that changes something was sent by a page of this service.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Origin {
+enum RequestOrigin {
     Own,
     Foreign,
     /// No browser, or an old one.
     Unsaid,
 }
 
-impl Origin {
+impl RequestOrigin {
     /// By the browser's word, which no page can forge. What changes nothing may come from anywhere.
     fn of(method: &Method, headers: &HeaderMap) -> Self {
         if method.is_safe() {
@@ -203,29 +203,29 @@ fn later(problem: Problem, wait: Duration) -> Response {
 mod tests {
     use super::*;
 
-    fn origin(method: Method, headers: &[(&'static str, &str)]) -> Origin {
+    fn origin(method: Method, headers: &[(&'static str, &str)]) -> RequestOrigin {
         let mut map = HeaderMap::new();
         map.insert(HOST, "gyros.example:8080".parse().unwrap());
         for (name, value) in headers {
             map.insert(*name, value.parse().unwrap());
         }
-        Origin::of(&method, &map)
+        RequestOrigin::of(&method, &map)
     }
 
     #[test]
     fn only_pages_of_this_service_change_anything_with_a_browsers_hands() {
         for (headers, expected) in [
-            (&[][..], Origin::Unsaid),
-            (&[("sec-fetch-site", "same-origin")], Origin::Own),
-            (&[("sec-fetch-site", "cross-site")], Origin::Foreign),
-            (&[("sec-fetch-site", "same-site")], Origin::Foreign),
-            (&[("origin", "https://gyros.example:8080")], Origin::Own),
-            (&[("origin", "https://evil.example")], Origin::Foreign),
-            (&[("origin", "null")], Origin::Foreign),
-            (&[("sec-fetch-site", "cross-site"), ("origin", "https://gyros.example:8080")], Origin::Foreign),
+            (&[][..], RequestOrigin::Unsaid),
+            (&[("sec-fetch-site", "same-origin")], RequestOrigin::Own),
+            (&[("sec-fetch-site", "cross-site")], RequestOrigin::Foreign),
+            (&[("sec-fetch-site", "same-site")], RequestOrigin::Foreign),
+            (&[("origin", "https://gyros.example:8080")], RequestOrigin::Own),
+            (&[("origin", "https://evil.example")], RequestOrigin::Foreign),
+            (&[("origin", "null")], RequestOrigin::Foreign),
+            (&[("sec-fetch-site", "cross-site"), ("origin", "https://gyros.example:8080")], RequestOrigin::Foreign),
         ] {
             assert_eq!(origin(Method::POST, headers), expected, "{headers:?}");
-            assert_eq!(origin(Method::GET, headers), Origin::Own, "{headers:?}");
+            assert_eq!(origin(Method::GET, headers), RequestOrigin::Own, "{headers:?}");
         }
     }
 

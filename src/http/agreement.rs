@@ -7,9 +7,9 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::app::App;
 use super::query::{self, Parameters};
+use crate::http::problem::Answer;
 use crate::pipeline::{Compared, Comparison};
 use crate::wire::answer::{FigureBody, VerdictBody};
-use crate::wire::problem::Problem;
 use crate::wire::time;
 
 #[derive(Debug, Deserialize, IntoParams)]
@@ -77,7 +77,7 @@ pub async fn get_agreement(
     State(app): State<App>,
     Path(serial): Path<String>,
     Parameters(asked): Parameters<AgreementQuery>,
-) -> Result<Json<Agreement>, Problem> {
+) -> Answer<Json<Agreement>> {
     let gyro = query::gyro(&app, &serial)?;
     let span = match (&asked.from, &asked.to) {
         (None, None) => None,

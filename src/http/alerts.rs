@@ -2,8 +2,8 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::header::{CONTENT_TYPE, LINK};
-use axum::http::{HeaderMap, HeaderValue, Uri};
+use axum::http::header::CONTENT_TYPE;
+use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -16,6 +16,7 @@ use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{AlertChange, AlertOrder, AlertStep};
 use crate::wire::alert::AlertBody;
@@ -80,7 +81,7 @@ pub async fn get_alerts(
     Parameters(asked): Parameters<AlertsQuery>,
     uri: Uri,
     headers: HeaderMap,
-) -> Result<Response, Problem> {
+) -> Answer<Response> {
     let csv = query::wants_csv(asked.format.as_deref(), &headers)?;
     let limit = query::limit(asked.limit, if csv { MOST_ALERTS } else { DEFAULT_ALERTS }, MOST_ALERTS)?;
     let before = query::position(List::Alerts, asked.cursor.as_deref())?.map(Id);
@@ -88,20 +89,16 @@ pub async fn get_alerts(
     let found = app.pipeline.alerts.find(&filter, before, limit as u32 + 1).await?;
     let (found, next) = query::page(List::Alerts, found, limit, |(id, _)| Some(*id));
     let alerts: Vec<AlertBody> = found.into_iter().map(|(_, alert)| alert).collect();
-    let link = next.as_deref().and_then(|next| HeaderValue::from_str(&query::link_to(&uri, next)).ok());
-    let mut response = if csv {
-        ([(CONTENT_TYPE, "text/csv; charset=utf-8")], alert_csv::to_csv(&alerts)).into_response()
-    } else {
-        let listed = |alert: AlertBody| ListedAlert { group: alert.group(), alert };
-        Json(Alerts { alerts: alerts.into_iter().map(listed).collect(), next }).into_response()
-    };
-    if let Some(link) = link {
-        response.headers_mut().insert(LINK, link);
+    let link = query::link(&uri, next.as_deref());
+    if csv {
+        let text = alert_csv::to_csv(&alerts);
+        return Ok((link, [(CONTENT_TYPE, "text/csv; charset=utf-8")], text).into_response());
     }
-    Ok(response)
+    let listed = |alert: AlertBody| ListedAlert { group: alert.group(), alert };
+    Ok((link, Json(Alerts { alerts: alerts.into_iter().map(listed).collect(), next })).into_response())
 }
 
-fn filter(app: &App, asked: &AlertsQuery) -> Result<AlertFilter, Problem> {
+fn filter(app: &App, asked: &AlertsQuery) -> Answer<AlertFilter> {
     Ok(AlertFilter {
         standing: query::named("state", asked.state.as_deref())?,
         gyro: asked.serial.as_deref().map(|serial| query::gyro(app, serial)).transpose()?,
@@ -151,7 +148,7 @@ impl From<AlertStep> for StepBody {
 /// One alert with its history.
 #[utoipa::path(get, path = "/v1/alerts/{id}", tag = "alerts",
     responses((status = 200, description = "the alert", body = AlertDetail)))]
-pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result<Json<AlertDetail>, Problem> {
+pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<AlertDetail>> {
     let number = read_id(&id)?;
     let found = app.pipeline.alerts.get(number).await?.ok_or_else(|| Problem::unknown_alert(&id))?;
     let inhibited = app.pipeline.alerts.inhibited_by(number).await?;
@@ -162,7 +159,7 @@ pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result
     }))
 }
 
-fn read_id(id: &str) -> Result<Id, Problem> {
+fn read_id(id: &str) -> Answer<Id> {
     id.parse().map_err(|_| Problem::unknown_alert(id))
 }
 
@@ -187,7 +184,7 @@ pub async fn post_acknowledge(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
-) -> Result<Json<AlertBody>, Problem> {
+) -> Answer<Json<AlertBody>> {
     signed(&app, &id, AlertChange::Acknowledge, &body).await
 }
 
@@ -198,11 +195,11 @@ pub async fn post_unacknowledge(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
-) -> Result<Json<AlertBody>, Problem> {
+) -> Answer<Json<AlertBody>> {
     signed(&app, &id, AlertChange::Unacknowledge, &body).await
 }
 
-async fn signed(app: &App, id: &str, change: AlertChange, body: &Document) -> Result<Json<AlertBody>, Problem> {
+async fn signed(app: &App, id: &str, change: AlertChange, body: &Document) -> Answer<Json<AlertBody>> {
     let Signed { by, reason } = Signed::read(body)?;
     Ok(Json(app.pipeline.alerts.change(AlertOrder { alert: read_id(id)?, change, by, reason }).await?))
 }
@@ -210,11 +207,7 @@ async fn signed(app: &App, id: &str, change: AlertChange, body: &Document) -> Re
 /// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
 #[utoipa::path(post, operation_id = "silence_alert", path = "/v1/alerts/{id}/silence", tag = "alerts", request_body = SilenceOrder,
     responses((status = 200, description = "the alert, silenced", body = AlertBody)))]
-pub async fn post_silence(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Result<Json<AlertBody>, Problem> {
+pub async fn post_silence(State(app): State<App>, Path(id): Path<String>, body: Document) -> Answer<Json<AlertBody>> {
     let (change, (by, reason)) = body.read(|bytes| {
         let SilenceOrder { until, by, reason } = json::parse(bytes)?;
         let mut faults = Faults::default();

@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::State;
-use axum::http::header::{CONTENT_TYPE, LINK};
+use axum::http::header::CONTENT_TYPE;
 use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -13,6 +13,7 @@ use super::app::App;
 use super::query::{self, Parameters};
 use crate::core::access::{AuditEntry, AuditFilter};
 use crate::core::id::Id;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::wire::csv_text::csv_text;
 use crate::wire::cursor::List;
@@ -87,7 +88,7 @@ pub async fn get_audit(
     headers: HeaderMap,
     uri: Uri,
     Parameters(asked): Parameters<AuditQuery>,
-) -> Result<Response, Problem> {
+) -> Answer<Response> {
     let csv = query::wants_csv(asked.format.as_deref(), &headers)?;
     let limit = query::limit(asked.limit, 100, MOST_LINES)?;
     let before = query::position(List::Audit, asked.cursor.as_deref())?.map(Id);
@@ -96,7 +97,7 @@ pub async fn get_audit(
     let filter = AuditFilter { from: Some(span.from), to: Some(span.to), who, action, subject };
     let rows = app.pipeline.access.audit(&filter, before, limit as u32 + 1).await?;
     let (rows, next) = query::page(List::Audit, rows, limit, |last| Some(last.id));
-    let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
+    let link = query::link(&uri, next.as_deref());
     if csv {
         let text = csv_text("id,at,who,token,source,action,subject,before,after,agent", rows.into_iter().map(cells));
         return Ok((link, [(CONTENT_TYPE, "text/csv; charset=utf-8")], text).into_response());
@@ -105,7 +106,7 @@ pub async fn get_audit(
     Ok((link, Json(Audit { lines, next })).into_response())
 }
 
-fn line(row: AuditEntry) -> Result<AuditLine, Problem> {
+fn line(row: AuditEntry) -> Answer<AuditLine> {
     let damaged = |_| Problem::new(500, "title_damaged_database", message!("audit_not_json", id = row.id.to_string()));
     let json = |text: Option<String>| text.map(RawValue::from_string).transpose().map_err(damaged);
     let (before, after) = (json(row.before)?, json(row.after)?);

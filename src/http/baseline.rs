@@ -8,14 +8,14 @@ use utoipa::ToSchema;
 
 use super::app::App;
 use super::document::Document;
-use super::remark::{self, Said};
+use super::remark::{self, SentRemark};
 use crate::core::fault::Faults;
 use crate::core::judge::{Event, FixedLevels, Measured};
 use crate::core::message::text;
 use crate::core::record::Name;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{Actor, GyroEvent};
-use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
 
 /// Why and from when on a new baseline counts.
@@ -105,7 +105,7 @@ pub async fn post_baseline(
     State(app): State<App>,
     Path(serial): Path<String>,
     body: Document,
-) -> Result<(StatusCode, Json<BaselineAnswer>), Problem> {
+) -> Answer<(StatusCode, Json<BaselineAnswer>)> {
     let (status, id, event) = remark::post(&app, &serial, &body, read, message!("baseline_there")).await?;
     let GyroEvent { at, fixed, reason, author, .. } = event;
     let (id, at, fixed) = (id.to_string(), time::format(at), FixedBody::of(&fixed));
@@ -115,7 +115,7 @@ pub async fn post_baseline(
 fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
     let BaselineBody { reason, at, author, fixed } = json::parse(bytes)?;
     let mut faults = Faults::default();
-    let (reason, at, author) = Said { reason, at, author }.read(app, message!("baseline_reason"), &mut faults);
+    let (reason, at, author) = SentRemark { reason, at, author }.read(app, message!("baseline_reason"), &mut faults);
     let most = app.config.plausibility.max_drift_deg_per_h_g0;
     let fixed = fixed.map_or([None; 2], |fixed| fixed.checked(most, &mut faults));
     faults.or(GyroEvent {

@@ -12,8 +12,9 @@ use super::app::App;
 use super::corrections::{StandingBody, standing};
 use super::document::{Document, outcome};
 use super::document_post::{DocumentPost, IdempotencyKey};
-use super::telling::Telling;
+use super::notify_query::NotifyQuery;
 use crate::core::id::Id;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{Sent, Submission};
 use crate::wire::bench::BenchBody;
@@ -32,7 +33,7 @@ struct BenchAnswer {
 
 /// Stores a bench result; the same rules as for records.
 #[utoipa::path(post, path = "/v1/bench-results", tag = "bench results", request_body = BenchBody,
-    params(IdempotencyKey, Telling),
+    params(IdempotencyKey, NotifyQuery),
     responses(
         (status = 201, description = "stored", body = BenchAnswer, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "was stored before with the same content", body = BenchAnswer),
@@ -41,7 +42,7 @@ pub async fn post_bench_result(
     State(app): State<App>,
     post: DocumentPost,
     Document(bytes): Document,
-) -> Result<Response, Problem> {
+) -> Answer<Response> {
     let read = app.pipeline.reader.bench_result(&bytes);
     let mut bench = read.map_err(|faults| Document::refused_as(DocumentKind::Bench, &bytes, faults))?;
     bench.idempotency_key = post.key()?;
@@ -75,7 +76,7 @@ pub struct StoredBench {
 /// A stored bench result, as it was sent or as it was fitted.
 #[utoipa::path(get, path = "/v1/bench-results/{id}", tag = "bench results",
     responses((status = 200, description = "the bench result", body = StoredBench)))]
-pub async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredBench>, Problem> {
+pub async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<StoredBench>> {
     let no_such = || Problem::no_such_bench_result(&id);
     let number: Id = id.parse().map_err(|_| no_such())?;
     let row = app.pipeline.queries.records.bench(number).await?.ok_or_else(no_such)?;

@@ -16,11 +16,12 @@ use super::app::App;
 use super::corrections::{StandingBody, standing};
 use super::document::{Document, check_media_type};
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
-use super::prefer_header::{MinimalAnswer, Wanted};
+use super::notify_query::NotifyQuery;
+use super::prefer_header::{MinimalAnswer, Prefer};
 use super::query::{Parameters, bad};
-use super::telling::Telling;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{DiagnosisAnswer, Fitted, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission};
 use crate::wire::calibration::CampaignAnswer;
@@ -63,14 +64,14 @@ enum CampaignAsWanted {
 ///
 /// A raw single-gyro bench test (`"test": "torque_feedback"` or `"turntable_servo"`) becomes a bench result.
 #[utoipa::path(post, path = "/v1/campaigns", tag = "campaigns", request_body(content((CampaignBody = "application/json"), (String = "text/csv"))),
-    params(IdempotencyKey, Telling, Wanted),
+    params(IdempotencyKey, NotifyQuery, Prefer),
     responses(
         (status = 201, description = "stored and judged", body = CampaignAsWanted,
             headers(("Location" = String, description = "where it is"), ("Preference-Applied" = Option<String>, description = "`return=minimal` where it was preferred"))),
         (status = 200, description = "was stored before with the same content", body = CampaignAsWanted),
         (status = 409, description = "the same IMU and time with other content"),
         (status = 422, description = "what cannot be stored; the places are named")))]
-pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwells) -> Result<Response, Problem> {
+pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwells) -> Answer<Response> {
     let Dwells(bytes, form) = body;
     let key = post.key()?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
@@ -127,7 +128,7 @@ pub struct StoredCampaignBody {
 /// A stored campaign: what was sent, the fit with its evidence, what was separated, and how it is judged.
 #[utoipa::path(get, path = "/v1/campaigns/{id}", tag = "campaigns",
     responses((status = 200, description = "the campaign", body = StoredCampaignBody)))]
-pub async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredCampaignBody>, Problem> {
+pub async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<StoredCampaignBody>> {
     let id: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
     let StoredCampaign { item, answer, .. } = stored(&app, id).await?;
     let campaign = RawValue::from_string(item.body.to_string())
@@ -151,7 +152,7 @@ pub async fn get_diagnosis(
     State(app): State<App>,
     Path(id): Path<String>,
     Parameters(query): Parameters<DiagnosisQuery>,
-) -> Result<Response, Problem> {
+) -> Answer<Response> {
     let number: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
     let patience = match query.wait.unwrap_or(PATIENCE_S) {
         wait if wait <= PATIENCE_S => Duration::from_secs(wait),
@@ -194,7 +195,7 @@ pub struct DiagnosisQuery {
     wait: Option<u64>,
 }
 
-async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) -> Result<SplitBody, Problem> {
+async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) -> Answer<SplitBody> {
     let unknown = || Problem::no_such_reference(reference);
     let number: Id = reference.parse().map_err(|_| unknown())?;
     app.pipeline.diagnoses.split(id, diagnosis, number).await.map_err(|why| match why {
@@ -204,6 +205,6 @@ async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) 
     })
 }
 
-async fn stored(app: &App, id: Id) -> Result<StoredCampaign, Problem> {
+async fn stored(app: &App, id: Id) -> Answer<StoredCampaign> {
     app.pipeline.queries.records.campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))
 }

@@ -10,6 +10,7 @@ use super::corrections::{StandingBody, standing};
 use super::document::Document;
 use super::signed::Signed;
 use crate::core::id::Id;
+use crate::http::problem::Answer;
 use crate::pipeline::{Accepted, Actor, Confirmation, Submission};
 use crate::wire::problem::Problem;
 
@@ -32,7 +33,7 @@ pub async fn confirm_record(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
-) -> Result<Json<ConfirmedBody>, Problem> {
+) -> Answer<Json<ConfirmedBody>> {
     let id: Id = id.parse().map_err(|_| Problem::no_such_record(&id))?;
     let Signed { by: author, reason } = Signed::read(&body)?;
     let sent = Confirmation { id, of_window: false, author, reason, by: Actor::by_caller(), restated: None };

@@ -15,6 +15,7 @@ use crate::core::correction::CorrectionItem;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
+use crate::http::problem::Answer;
 use crate::pipeline::{Actor, Calibration, Corrected, Correction, Fitted, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::calibration::CampaignAnswer;
@@ -89,7 +90,7 @@ impl From<&CorrectionItem> for RemarkBody {
 }
 
 /// How a stored item stands.
-pub async fn standing(app: &App, id: Id) -> Result<StandingBody, Problem> {
+pub async fn standing(app: &App, id: Id) -> Answer<StandingBody> {
     let status = app.pipeline.queries.records.status(id).await?;
     let said = &status.corrections;
     let voided = said.iter().find(|row| row.item == id && row.replaced_by.is_none()).map(RemarkBody::from);
@@ -139,7 +140,7 @@ pub async fn void_record(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
-) -> Result<Json<CorrectedBody>, Problem> {
+) -> Answer<Json<CorrectedBody>> {
     void(&app, Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None }, &body).await
 }
 
@@ -152,7 +153,7 @@ pub async fn void_campaign(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
-) -> Result<Json<CorrectedBody>, Problem> {
+) -> Answer<Json<CorrectedBody>> {
     void(&app, campaign(&id)?, &body).await
 }
 
@@ -165,11 +166,11 @@ pub async fn void_bench_result(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
-) -> Result<Json<CorrectedBody>, Problem> {
+) -> Answer<Json<CorrectedBody>> {
     void(&app, Corrected::Bench(named(&id, Problem::no_such_bench_result)?), &body).await
 }
 
-async fn void(app: &App, item: Corrected, body: &Document) -> Result<Json<CorrectedBody>, Problem> {
+async fn void(app: &App, item: Corrected, body: &Document) -> Answer<Json<CorrectedBody>> {
     let VoidOrder { author, reason } = body.read(VoidOrder::read)?;
     submit(app, Correction { item, author, reason, replacement: None, by: Actor::by_caller() }).await?;
     let id = item.id();
@@ -196,11 +197,7 @@ struct RecordRevision {
         (status = 201, description = "the new record is stored and judged", body = Standing<RecordAnswer>, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "the same was said before", body = Standing<RecordAnswer>),
         (status = 409, description = "it was revised before, or another stands at the new one's time")))]
-pub async fn revise_record(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Result<Response, Problem> {
+pub async fn revise_record(State(app): State<App>, Path(id): Path<String>, body: Document) -> Answer<Response> {
     let item = Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None };
     let problem = |faults| Document::problem(&body.0, faults);
     let RecordRevision { author, reason, record } = json::parse(&body.0).map_err(problem)?;
@@ -232,11 +229,7 @@ struct CampaignRevision {
         (status = 201, description = "the new campaign is stored and judged", body = Standing<CampaignAnswer>, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "the same was said before", body = Standing<CampaignAnswer>),
         (status = 409, description = "it was revised before, or another stands at the new one's time")))]
-pub async fn revise_campaign(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Result<Response, Problem> {
+pub async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, body: Document) -> Answer<Response> {
     let item = campaign(&id)?;
     let problem = |faults| Document::problem(&body.0, faults);
     let CampaignRevision { author, reason, campaign } = json::parse(&body.0).map_err(problem)?;
@@ -275,7 +268,7 @@ fn revision(
     }
 }
 
-async fn submit(app: &App, correction: Correction) -> Result<(StatusCode, Id), Problem> {
+async fn submit(app: &App, correction: Correction) -> Answer<(StatusCode, Id)> {
     let place = correction.replacement.as_ref().map(|new| match new.kind {
         Kind::Record => "/record",
         Kind::Campaign => "/campaign",
@@ -291,10 +284,10 @@ async fn submit(app: &App, correction: Correction) -> Result<(StatusCode, Id), P
     })
 }
 
-fn campaign(id: &str) -> Result<Corrected, Problem> {
+fn campaign(id: &str) -> Answer<Corrected> {
     Ok(Corrected::Calibration { id: named(id, Problem::no_such_campaign)?, kind: Some(Kind::Campaign) })
 }
 
-fn named<'a>(id: &'a str, no_such: fn(&'a str) -> Problem) -> Result<Id, Problem> {
+fn named<'a>(id: &'a str, no_such: fn(&'a str) -> Problem) -> Answer<Id> {
     id.parse().map_err(|_| no_such(id))
 }

@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::header::{CONTENT_TYPE, LINK, LOCATION};
+use axum::http::header::{CONTENT_TYPE, LOCATION};
 use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
@@ -14,6 +14,7 @@ use super::query::{self, Parameters, bad, with_sign};
 use crate::core::fault::Fault;
 use crate::core::id::Id;
 use crate::core::message::list;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{Accepted, DiagnosisOrder};
 use crate::wire::cursor::List;
@@ -33,7 +34,7 @@ const MOST_FAILURES: usize = 1000;
         (status = 202, description = "taken; `Location` says how it goes", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
         (status = 200, description = "the same is being worked off", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
         (status = 422, description = "an unknown IMU or station, no time …; the places are named")))]
-pub async fn post_diagnoses(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+pub async fn post_diagnoses(State(app): State<App>, body: Document) -> Answer<Response> {
     let wanted = body.read(|bytes| app.pipeline.diagnoses.read_wanted(bytes))?;
     let (status, id) = match app.pipeline.diagnoses.order(DiagnosisOrder::Start(wanted)).await? {
         Accepted::Stored { id, .. } => (StatusCode::ACCEPTED, id),
@@ -53,7 +54,7 @@ pub struct PageQuery {
 }
 
 impl PageQuery {
-    fn position(&self, list: List) -> Result<Option<Id>, Problem> {
+    fn position(&self, list: List) -> Answer<Option<Id>> {
         Ok(query::position(list, self.cursor.as_deref())?.map(Id))
     }
 }
@@ -67,12 +68,11 @@ pub async fn get_diagnoses(
     State(app): State<App>,
     uri: Uri,
     Parameters(asked): Parameters<PageQuery>,
-) -> Result<Response, Problem> {
+) -> Answer<Response> {
     let limit = query::limit(asked.limit, 20, MOST_ORDERS)?;
     let diagnoses = app.pipeline.diagnoses.jobs(asked.position(List::DiagnosisOrders)?, limit as u32 + 1).await?;
     let (diagnoses, next) = query::page(List::DiagnosisOrders, diagnoses, limit, |last| last.id.parse().ok());
-    let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
-    Ok((link, Json(JobsBody { diagnoses, next })).into_response())
+    Ok((query::link(&uri, next.as_deref()), Json(JobsBody { diagnoses, next })).into_response())
 }
 
 /// One order: how far it has come, and which campaigns could not be diagnosed, and why.
@@ -85,17 +85,16 @@ pub async fn get_one(
     uri: Uri,
     Path(id): Path<String>,
     Parameters(asked): Parameters<PageQuery>,
-) -> Result<Response, Problem> {
+) -> Answer<Response> {
     let limit = query::limit(asked.limit, 100, MOST_FAILURES)?;
     let job = one(&app, number(&id)?, asked.position(List::DiagnosisFailures)?, limit).await?;
-    let link = job.next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
-    Ok((link, Json(job)).into_response())
+    Ok((query::link(&uri, job.next.as_deref()), Json(job)).into_response())
 }
 
 /// Cancels an order. What is done stays done; what is in work is finished.
 #[utoipa::path(delete, operation_id = "cancel_diagnosis_order", path = "/v1/diagnoses/{id}", tag = "diagnoses",
     responses((status = 204, description = "canceled, now or before"), (status = 409, description = "it has ended")))]
-pub async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+pub async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Answer<StatusCode> {
     app.pipeline.diagnoses.order(DiagnosisOrder::Cancel(number(&id)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
@@ -129,7 +128,7 @@ pub async fn get_summary(
     State(app): State<App>,
     headers: HeaderMap,
     Parameters(asked): Parameters<SummaryQuery>,
-) -> Result<Response, Problem> {
+) -> Answer<Response> {
     let csv = query::wants_csv(asked.format.as_deref(), &headers)?;
     let SummaryQuery { imu, station, effect, since, until, .. } = asked;
     let [since, until] = [since, until].map(|time| time.map(|text| with_sign(&text).into_owned()));
@@ -151,10 +150,10 @@ pub async fn get_summary(
     Ok(Json(summary).into_response())
 }
 
-async fn one(app: &App, id: Id, after: Option<Id>, limit: usize) -> Result<JobDetailBody, Problem> {
+async fn one(app: &App, id: Id, after: Option<Id>, limit: usize) -> Answer<JobDetailBody> {
     app.pipeline.diagnoses.job(id, after, limit as u32).await?.ok_or_else(|| Problem::no_such_diagnoses(id))
 }
 
-fn number(id: &str) -> Result<Id, Problem> {
+fn number(id: &str) -> Answer<Id> {
     id.parse().map_err(|_| Problem::no_such_diagnoses(id))
 }

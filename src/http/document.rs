@@ -9,6 +9,7 @@ use bytes::Bytes;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::core::message::Message;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::Accepted;
 use crate::wire::document::DocumentKind;
@@ -34,7 +35,7 @@ impl<S: Send + Sync> FromRequest<S> for Document {
 
 impl Document {
     /// What it says, as `read` takes it.
-    pub fn read<T>(&self, read: impl FnOnce(&[u8]) -> Result<T, Faults>) -> Result<T, Problem> {
+    pub fn read<T>(&self, read: impl FnOnce(&[u8]) -> Result<T, Faults>) -> Answer<T> {
         read(&self.0).map_err(|faults| Self::problem(&self.0, faults))
     }
 
@@ -69,7 +70,7 @@ pub fn outcome(accepted: &Accepted) -> (StatusCode, Id) {
 }
 
 /// Which of `accepted` a body is sent as; one that is none of them, or of another coding than gzip, is refused.
-pub fn check_media_type(headers: &HeaderMap, accepted: &[&'static str]) -> Result<&'static str, Problem> {
+pub fn check_media_type(headers: &HeaderMap, accepted: &[&'static str]) -> Answer<&'static str> {
     let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?").trim().to_owned());
     let media_type = text(CONTENT_TYPE);
     let essence = media_type.as_deref().map(|t| t.split(';').next().unwrap_or(t).trim().to_ascii_lowercase());

@@ -11,13 +11,14 @@ use utoipa::IntoParams;
 
 use super::app::App;
 use super::corrections::{Standing, StandingBody};
-use super::prefer_header::{AsWanted, MinimalAnswer, Wanted};
+use super::notify_query::NotifyQuery;
+use super::prefer_header::{AsWanted, MinimalAnswer, Prefer};
 use super::query::IDEMPOTENCY_KEY;
-use super::telling::Telling;
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::core::judge::State;
 use crate::core::note::Note;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{Accepted, Caller, Judged, Sent, Submission};
 use crate::wire::answer::VerdictBody;
@@ -28,8 +29,8 @@ use crate::wire::problem::Problem;
 pub struct DocumentPost {
     caller: Caller,
     key: Result<IdempotencyKey, Problem>,
-    pub wanted: Wanted,
-    telling: Telling,
+    pub wanted: Prefer,
+    telling: NotifyQuery,
     /// What the document itself shows, beside what is found of it.
     noted: Option<Note>,
 }
@@ -47,15 +48,15 @@ impl<S: Send + Sync> FromRequestParts<S> for DocumentPost {
         let Extension(caller) =
             Extension::from_request_parts(parts, state).await.map_err(IntoResponse::into_response)?;
         let key = IdempotencyKey::of(parts);
-        let Ok(wanted) = Wanted::from_request_parts(parts, state).await;
-        let telling = Telling::from_request_parts(parts, state).await.map_err(IntoResponse::into_response)?;
+        let Ok(wanted) = Prefer::from_request_parts(parts, state).await;
+        let telling = NotifyQuery::from_request_parts(parts, state).await.map_err(IntoResponse::into_response)?;
         Ok(Self { caller, key, wanted, telling, noted: None })
     }
 }
 
 impl DocumentPost {
     /// The idempotency key, where it is one. What is wrong with the document is said first.
-    pub fn key(&self) -> Result<Option<String>, Problem> {
+    pub fn key(&self) -> Answer<Option<String>> {
         self.key.clone().map(|key| key.0)
     }
 
@@ -65,7 +66,7 @@ impl DocumentPost {
     }
 
     /// Stores it.
-    pub async fn submit(&self, app: &App, item: Submission) -> Result<Accepted, Problem> {
+    pub async fn submit(&self, app: &App, item: Submission) -> Answer<Accepted> {
         item.may_be_sent_by(&self.caller)?;
         let late = self.telling.late_or(Late::Quiet);
         let accepted = app.pipeline.ingest.submit_late(item, late).await?;
@@ -80,15 +81,15 @@ impl DocumentPost {
         (item, sent): (Submission, Sent<'_>),
         collection: &str,
         whole: impl Fn(Id, Vec<NoteBody>, Vec<VerdictBody>) -> T,
-    ) -> Result<PostOutcome, Problem> {
+    ) -> Answer<PostOutcome> {
         let accepted = self.submit(app, item).await?;
         let Accepted::Stored { id, judged, notes } = &accepted else {
             return Ok(PostOutcome::There(app.pipeline.ingest.settle(&accepted, sent).await?));
         };
         let notes = self.noted.iter().chain(notes.iter()).map(NoteBody::of).collect();
         let answer = match self.wanted {
-            Wanted::Whole => Json(whole(*id, notes, verdicts_of(judged))).into_response(),
-            Wanted::Minimal => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),
+            Prefer::Whole => Json(whole(*id, notes, verdicts_of(judged))).into_response(),
+            Prefer::Minimal => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),
         };
         Ok(PostOutcome::New((StatusCode::CREATED, self.located(collection, *id), answer).into_response()))
     }
@@ -124,7 +125,7 @@ pub struct IdempotencyKey(
 );
 
 impl IdempotencyKey {
-    fn of(parts: &Parts) -> Result<Self, Problem> {
+    fn of(parts: &Parts) -> Answer<Self> {
         let Some(value) = parts.headers.get(IDEMPOTENCY_KEY) else { return Ok(Self(None)) };
         let key = value.to_str().ok().filter(|key| (1..=255).contains(&key.len()));
         let key =

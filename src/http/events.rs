@@ -10,14 +10,14 @@ use super::app::App;
 use super::baseline::FixedBody;
 use super::document::Document;
 use super::query;
-use super::remark::{self, Said};
+use super::remark::{self, SentRemark};
 use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
 use crate::core::record::Name;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{Actor, EventItem, GyroEvent};
 use crate::wire::event::read_test;
-use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
 
 /// What was done to a gyro.
@@ -70,7 +70,7 @@ pub struct Events {
 /// What was done to a gyro, oldest first.
 #[utoipa::path(get, path = "/v1/gyros/{serial}/events", tag = "gyros",
     responses((status = 200, description = "the events", body = Events)))]
-pub async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<Events>, Problem> {
+pub async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Answer<Json<Events>> {
     let events = app.pipeline.queries.histories.events(query::gyro(&app, &serial)?).await?;
     Ok(Json(Events { serial, events: events.iter().map(EventBody::of).collect() }))
 }
@@ -108,7 +108,7 @@ pub async fn post_event(
     State(app): State<App>,
     Path(serial): Path<String>,
     body: Document,
-) -> Result<(StatusCode, Json<EventBody>), Problem> {
+) -> Answer<(StatusCode, Json<EventBody>)> {
     let (status, id, event) = remark::post(&app, &serial, &body, read, message!("event_there")).await?;
     let GyroEvent { at, event, until, test, fixed, reason, author, .. } = event;
     let row = EventItem { id, at, event, until, test, fixed, reason, author };
@@ -121,7 +121,7 @@ fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
     // People write re-installation in more than one way.
     let event = if matches!(&*event, "re_installation" | "re-installation") { "reinstallation" } else { &event };
     let event = text::named("/event", event, &mut faults).unwrap_or(Event::Note);
-    let (reason, at, author) = Said { reason, at, author }.read(app, message!("empty_text"), &mut faults);
+    let (reason, at, author) = SentRemark { reason, at, author }.read(app, message!("empty_text"), &mut faults);
     let (until, test) = read_test(event, at, (to, kind), &mut faults);
     let (fixed, by) = ([None; 2], Actor::by_caller());
     faults.or(GyroEvent { serial, at, event, until, test, fixed, reason, author, by })

@@ -5,8 +5,8 @@ use axum::extract::{Path, State};
 
 use super::app::App;
 use super::query;
+use crate::http::problem::Answer;
 use crate::wire::history::HistoryDiagnosisBody;
-use crate::wire::problem::Problem;
 use crate::words::asked;
 
 /// Why the coefficients of the gyro changed: a station's offset, drift or step, ageing, an event, a re-mounting,
@@ -17,7 +17,7 @@ use crate::words::asked;
 pub async fn get_gyro_diagnosis(
     State(app): State<App>,
     Path(serial): Path<String>,
-) -> Result<Json<HistoryDiagnosisBody>, Problem> {
+) -> Answer<Json<HistoryDiagnosisBody>> {
     let number = query::gyro(&app, &serial)?;
     let explained = app.pipeline.queries.histories.explain(number, &serial).await?;
     let coefficients = &explained.coefficients;

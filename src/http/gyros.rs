@@ -2,7 +2,6 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::header::LINK;
 use axum::http::{HeaderMap, Uri};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
@@ -22,6 +21,7 @@ use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
 use crate::core::judge::{Event, Measured, Outlook, Reach, State as Judgement, Status};
 use crate::core::record::Name;
 use crate::core::time::Span;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{
     Accepted, Actor, AttributesOrder, FleetFilter, Names, Queries, Standing, StandingFilter, Submission, sample_of,
@@ -68,7 +68,7 @@ pub struct GyrosQuery {
 }
 
 /// What a list is narrowed down to besides.
-fn fleet_filter(asked: &GyrosQuery) -> Result<FleetFilter<'_>, Problem> {
+fn fleet_filter(asked: &GyrosQuery) -> Answer<FleetFilter<'_>> {
     let start = |name: &'static str, said: &Option<String>| query::instant(name, said.as_deref(), time::parse_start);
     let station = asked.station.as_deref().unwrap_or_default();
     let (now, ever) = match asked.station_when.as_deref() {
@@ -91,7 +91,7 @@ fn fleet_filter(asked: &GyrosQuery) -> Result<FleetFilter<'_>, Problem> {
 }
 
 /// What a list is narrowed down to.
-fn filter_of(asked: &GyrosQuery) -> Result<StandingFilter, Problem> {
+fn filter_of(asked: &GyrosQuery) -> Answer<StandingFilter> {
     let (status, state) = (asked.status.as_deref(), asked.state.as_deref());
     Ok(StandingFilter { status: query::named("status", status)?, state: query::named("state", state)? })
 }
@@ -269,7 +269,7 @@ pub async fn get_gyros(
     State(app): State<App>,
     Parameters(asked): Parameters<GyrosQuery>,
     uri: Uri,
-) -> Result<Response, Problem> {
+) -> Answer<Response> {
     let limit = query::limit(asked.limit, 1000, MOST_GYROS)?;
     let (of_status, of_fleet) = (filter_of(&asked)?, fleet_filter(&asked)?);
     let list = List::Gyros(of_fleet.order.unwrap_or(FleetOrder::Serial));
@@ -278,8 +278,7 @@ pub async fn get_gyros(
     let next = standings.last().filter(|_| more).map(|standing| cursor::encode(list, i64::from(standing.number)));
     let names = app.pipeline.queries.names();
     let gyros = standings.iter().map(|standing| Gyro::of(standing, app.config.judging.method, &names));
-    let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
-    Ok((link, Json(Gyros { gyros: gyros.collect(), next })).into_response())
+    Ok((query::link(&uri, next.as_deref()), Json(Gyros { gyros: gyros.collect(), next })).into_response())
 }
 
 /// One gyro.
@@ -300,7 +299,7 @@ pub struct GyroDetail {
 /// One gyro: its newest figures, how they are judged, and what was done to it.
 #[utoipa::path(get, path = "/v1/gyros/{serial}", tag = "gyros",
     responses((status = 200, description = "the gyro", body = GyroDetail)))]
-pub async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<GyroDetail>, Problem> {
+pub async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Answer<Json<GyroDetail>> {
     let number = query::gyro(&app, &serial)?;
     let Queries { fleet, histories, .. } = &app.pipeline.queries;
     let found = fleet.standing_in_words(number).await?;
@@ -323,7 +322,7 @@ pub async fn patch_gyro(
     State(app): State<App>,
     Path(serial): Path<String>,
     body: Document,
-) -> Result<Json<GyroDetail>, Problem> {
+) -> Answer<Json<GyroDetail>> {
     let patch = body.read(|bytes| json::parse::<AttributesPatchBody>(bytes)?.to_core())?;
     query::gyro(&app, &serial)?;
     let name = Name::parse(&serial).map_err(|_| Problem::unknown_gyro(&serial))?;
@@ -346,11 +345,7 @@ pub struct AttributesChanged {
 #[utoipa::path(patch, path = "/v1/gyros", tag = "gyros",
     request_body(content = String, content_type = "text/csv"),
     responses((status = 200, description = "what has changed", body = AttributesChanged)))]
-pub async fn patch_gyros(
-    State(app): State<App>,
-    headers: HeaderMap,
-    body: Bytes,
-) -> Result<Json<AttributesChanged>, Problem> {
+pub async fn patch_gyros(State(app): State<App>, headers: HeaderMap, body: Bytes) -> Answer<Json<AttributesChanged>> {
     check_media_type(&headers, &["text/csv"])?;
     let of_faults = |faults| Problem::of_faults(422, "title_cannot_be_stored", faults);
     let rows = gyro_table::parse(&body).map_err(of_faults)?;

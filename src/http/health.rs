@@ -9,6 +9,7 @@ use utoipa::ToSchema;
 
 use super::app::App;
 use crate::core::message::Message;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::WriteError;
 use crate::wire::problem::Problem;
@@ -43,7 +44,7 @@ fn unwritten(error: &WriteError) -> Message {
     responses(
         (status = 200, description = "ready", body = Health),
         (status = 503, description = "not ready, and why")))]
-pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
+pub async fn readyz(State(app): State<App>) -> Answer<Json<Health>> {
     let not_ready = |why: Message| Problem::new(503, "title_not_ready", why);
     app.pipeline.ping().await.map_err(|error| not_ready(message!("not_reading", why = format_args!("{error}"))))?;
     match tokio::time::timeout(PATIENCE, app.pipeline.probe()).await {

@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::header::{LINK, LOCATION};
+use axum::http::header::LOCATION;
 use axum::http::{StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -12,6 +12,7 @@ use super::app::App;
 use super::document::Document;
 use super::query::{self, Parameters};
 use crate::core::id::Id;
+use crate::http::problem::Answer;
 use crate::pipeline::{DeliveryPage, Order};
 use crate::wire::cursor::List;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
@@ -28,7 +29,7 @@ pub struct Hooks {
 /// Every hook, without its secrets.
 #[utoipa::path(get, path = "/v1/hooks", tag = "hooks",
     responses((status = 200, description = "the hooks", body = Hooks)))]
-pub async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
+pub async fn get_hooks(State(app): State<App>) -> Answer<Json<Hooks>> {
     Ok(Json(Hooks { hooks: app.pipeline.hooks.all().await? }))
 }
 
@@ -40,7 +41,7 @@ pub async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
         (status = 201, description = "set up", body = HookBody, headers(("Location" = String, description = "where it is"))),
         (status = 409, description = "there are too many"),
         (status = 422, description = "an unknown kind, a forbidden address, a short secret …; the places are named")))]
-pub async fn post_hook(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+pub async fn post_hook(State(app): State<App>, body: Document) -> Answer<Response> {
     let new = body.read(|bytes| app.pipeline.hooks.read(bytes))?;
     let drawn = new.drawn();
     let id = app.pipeline.hooks.order(Order::Create(new)).await?;
@@ -51,7 +52,7 @@ pub async fn post_hook(State(app): State<App>, body: Document) -> Result<Respons
 /// One hook.
 #[utoipa::path(get, path = "/v1/hooks/{id}", tag = "hooks",
     responses((status = 200, description = "the hook", body = HookBody)))]
-pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Json<HookBody>, Problem> {
+pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<HookBody>> {
     let hook = app.pipeline.hooks.get(hook_id(&id)?, None).await?;
     Ok(Json(hook.ok_or_else(|| Problem::no_such_hook(id))?))
 }
@@ -62,11 +63,7 @@ pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<
     responses(
         (status = 200, description = "changed", body = HookBody),
         (status = 422, description = "a forbidden address, a short secret …; the places are named")))]
-pub async fn patch_hook(
-    State(app): State<App>,
-    Path(id): Path<String>,
-    body: Document,
-) -> Result<Json<HookBody>, Problem> {
+pub async fn patch_hook(State(app): State<App>, Path(id): Path<String>, body: Document) -> Answer<Json<HookBody>> {
     let id = hook_id(&id)?;
     let patch = body.read(|bytes| app.pipeline.hooks.read_patch(bytes))?;
     let drawn = patch.drawn();
@@ -76,7 +73,7 @@ pub async fn patch_hook(
 
 /// Deletes a hook and what it was still to be told.
 #[utoipa::path(delete, path = "/v1/hooks/{id}", tag = "hooks", responses((status = 204, description = "deleted")))]
-pub async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+pub async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Answer<StatusCode> {
     app.pipeline.hooks.order(Order::Delete(hook_id(&id)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
@@ -86,7 +83,7 @@ pub async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Resu
     responses(
         (status = 202, description = "queued", body = DeliveryBody, headers(("Location" = String, description = "its delivery"))),
         (status = 409, description = "the hook is disabled")))]
-pub async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
+pub async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Answer<Response> {
     let delivery = app.pipeline.hooks.order(Order::Test(hook_id(&id)?)).await?;
     queued(&app, delivery).await
 }
@@ -121,7 +118,7 @@ pub async fn get_deliveries(
     uri: Uri,
     Path(id): Path<String>,
     Parameters(asked): Parameters<DeliveriesQuery>,
-) -> Result<Response, Problem> {
+) -> Answer<Response> {
     let hook = hook_id(&id)?;
     let state = query::named("state", asked.state.as_deref())?;
     let limit = query::limit(asked.limit, 100, MOST_DELIVERIES)?;
@@ -132,14 +129,13 @@ pub async fn get_deliveries(
     let page = DeliveryPage { state, before, limit: limit as u32 + 1 };
     let deliveries = app.pipeline.hooks.deliveries(hook, page).await?;
     let (deliveries, next) = query::page(List::Deliveries, deliveries, limit, |last| last.id.parse().ok());
-    let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
-    Ok((link, Json(Deliveries { deliveries, next })).into_response())
+    Ok((query::link(&uri, next.as_deref()), Json(Deliveries { deliveries, next })).into_response())
 }
 
 /// One delivery with every attempt.
 #[utoipa::path(get, path = "/v1/deliveries/{id}", tag = "hooks",
     responses((status = 200, description = "the delivery", body = DeliveryBody)))]
-pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Result<Json<DeliveryBody>, Problem> {
+pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<DeliveryBody>> {
     let delivery = app.pipeline.hooks.delivery(delivery_id(&id)?).await?;
     Ok(Json(delivery.ok_or_else(|| Problem::no_such_delivery(id))?))
 }
@@ -149,20 +145,20 @@ pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Res
     responses(
         (status = 202, description = "queued again", body = DeliveryBody, headers(("Location" = String, description = "the delivery"))),
         (status = 409, description = "an earlier one comes first, it was dropped, or the hook is disabled")))]
-pub async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
+pub async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Answer<Response> {
     let delivery = app.pipeline.hooks.order(Order::Redeliver(delivery_id(&id)?)).await?;
     queued(&app, delivery).await
 }
 
-async fn queued(app: &App, id: Id) -> Result<Response, Problem> {
+async fn queued(app: &App, id: Id) -> Answer<Response> {
     let delivery = app.pipeline.hooks.delivery(id).await?.ok_or_else(|| Problem::no_such_delivery(id))?;
     Ok((StatusCode::ACCEPTED, [(LOCATION, format!("/v1/deliveries/{id}"))], Json(delivery)).into_response())
 }
 
-fn hook_id(text: &str) -> Result<Id, Problem> {
+fn hook_id(text: &str) -> Answer<Id> {
     text.parse().map_err(|_| Problem::no_such_hook(text))
 }
 
-fn delivery_id(text: &str) -> Result<Id, Problem> {
+fn delivery_id(text: &str) -> Answer<Id> {
     text.parse().map_err(|_| Problem::no_such_delivery(text))
 }

@@ -11,6 +11,7 @@ use utoipa::ToSchema;
 use super::app::App;
 use super::document::{Document, outcome};
 use crate::core::fault::Faults;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{HypothesisOrder, StoredHypothesis};
 use crate::wire::hypothesis::HypothesisBody;
@@ -70,7 +71,7 @@ pub async fn get_hypotheses(State(app): State<App>) -> Json<HypothesesBody> {
         (status = 200, description = "it did before", body = StoredHypothesisBody),
         (status = 409, description = "another has its name, or there are too many"),
         (status = 422, description = "it makes no sense; the places are named")))]
-pub async fn post_hypothesis(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+pub async fn post_hypothesis(State(app): State<App>, body: Document) -> Answer<Response> {
     let order = body.read(read)?;
     let (status, id) = outcome(&app.pipeline.diagnoses.order_hypothesis(order).await?);
     let stored = app.pipeline.diagnoses.hypotheses().into_iter().find(|stored| stored.id == id);
@@ -96,7 +97,7 @@ fn read(bytes: &[u8]) -> Result<HypothesisOrder, Faults> {
 /// Takes a hypothesis out of the competition. What a model holds of it stays.
 #[utoipa::path(delete, path = "/v1/hypotheses/{id}", tag = "diagnoses",
     responses((status = 204, description = "it competes no more")))]
-pub async fn delete_hypothesis(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+pub async fn delete_hypothesis(State(app): State<App>, Path(id): Path<String>) -> Answer<StatusCode> {
     app.pipeline.diagnoses.order_hypothesis(HypothesisOrder::End(id)).await?;
     Ok(StatusCode::NO_CONTENT)
 }

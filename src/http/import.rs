@@ -20,7 +20,7 @@ use bytes::Bytes;
 use futures::future::BoxFuture;
 use futures::stream::Peekable;
 use futures::{FutureExt, StreamExt};
-use lines::{Line, Longest, lines};
+use lines::{ImportLine, Longest, lines};
 use serde::Serialize;
 use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc};
 use utoipa::ToSchema;
@@ -28,10 +28,11 @@ use utoipa::ToSchema;
 use super::app::App;
 use super::document::{Document, check_media_type};
 use super::edge::Forwarded;
-use super::telling::Telling;
+use super::notify_query::NotifyQuery;
 use crate::core::alert_decision::Late;
 use crate::core::fault::Faults;
 use crate::core::note::Note;
+use crate::http::problem::Answer;
 use crate::pipeline::{Accepted, Caller, Origin, Pipeline, ReadDocument, Reply, Submission};
 use crate::wire::json::on_a_line;
 use crate::wire::note::NoteBody;
@@ -69,15 +70,15 @@ struct LineAnswer {
 /// What a gyro did long ago and is found now (`alerts.backfill_days`) is told in one message a hook when the import
 /// ends, as far as it fires still.
 #[utoipa::path(post, path = "/v1/import", tag = "records", request_body(content = String, content_type = "application/x-ndjson", description = "one JSON document a line"),
-    params(Telling),
+    params(NotifyQuery),
     responses(
         (status = 200, description = "one line an answer, in order", body = LineAnswer, content_type = "application/x-ndjson")))]
 pub async fn post_import(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
-    telling: Telling,
+    telling: NotifyQuery,
     request: Request,
-) -> Result<Response, Problem> {
+) -> Answer<Response> {
     check_media_type(request.headers(), &["application/x-ndjson", "application/ndjson", "application/jsonl"])?;
     let asks_to_go_on = request.headers().contains_key(EXPECT);
     // nginx, whose requests have HTTP/1.0 unless it is told otherwise, sends no more of a body once the answer to it
@@ -91,7 +92,7 @@ pub async fn post_import(
     let (sender, receiver) = mpsc::unbounded_channel();
     let room = Arc::new(Semaphore::new(MAX_UNREAD_ANSWERS));
     let full = Arc::new(Notify::new());
-    let answers = Answers { sender, room, full: Arc::clone(&full) };
+    let answers = AnswerSender { sender, room, full: Arc::clone(&full) };
     let language = words::asked();
     let done = tokio::spawn(async move {
         let late = telling.late_or(Late::Digest);
@@ -117,14 +118,14 @@ pub async fn post_import(
 }
 
 /// The way of answers back to the client.
-struct Answers {
+struct AnswerSender {
     sender: mpsc::UnboundedSender<(Bytes, OwnedSemaphorePermit)>,
     room: Arc<Semaphore>,
     /// Told when there is no room for a further answer.
     full: Arc<Notify>,
 }
 
-impl Answers {
+impl AnswerSender {
     /// False when the client has gone.
     async fn send(&self, text: Bytes) -> bool {
         let wanted = text.len().min(MAX_UNREAD_ANSWERS) as u32;
@@ -141,7 +142,7 @@ impl Answers {
     }
 }
 
-async fn import(app: &App, caller: Caller, late: Late, body: Peekable<BodyDataStream>, answers: &Answers) {
+async fn import(app: &App, caller: Caller, late: Late, body: Peekable<BodyDataStream>, answers: &AnswerSender) {
     let server = &app.config.server;
     let lines = lines(body, Longest { line: server.max_import_line_bytes, body: server.max_import_bytes });
     let pipeline = app.pipeline.clone();
@@ -166,7 +167,11 @@ async fn import(app: &App, caller: Caller, late: Late, body: Peekable<BodyDataSt
 }
 
 /// Puts a chunk into the queue of writes; what is returned waits for the disk and gives the answers as text.
-async fn queue(chunk: Option<Chunk>, pipeline: Arc<Pipeline>, late: Late) -> BoxFuture<'static, Option<(Bytes, Room)>> {
+async fn queue(
+    chunk: Option<Chunk>,
+    pipeline: Arc<Pipeline>,
+    late: Late,
+) -> BoxFuture<'static, Option<(Bytes, Permits)>> {
     let Some(mut chunk) = chunk else { return async { None }.boxed() };
     let replies = pipeline.ingest.enqueue(std::mem::take(&mut chunk.items), late).await;
     async move { Some(chunk.answered(replies.await, &pipeline).await) }.boxed()
@@ -176,11 +181,11 @@ async fn queue(chunk: Option<Chunk>, pipeline: Arc<Pipeline>, late: Late) -> Box
 struct Chunk {
     items: Vec<Submission>,
     lines: Vec<ReadLine>,
-    room: Room,
+    room: Permits,
 }
 
 /// What the lines of a chunk take of what may be under way, until they are answered.
-type Room = Vec<OwnedSemaphorePermit>;
+type Permits = Vec<OwnedSemaphorePermit>;
 
 /// A line after reading: what is needed to answer it.
 struct ReadLine {
@@ -192,10 +197,10 @@ struct ReadLine {
 
 impl Chunk {
     /// Reads, checks and separates: computing, not waiting.
-    fn read(lines: Vec<Line>, pipeline: &Pipeline, caller: &Caller) -> Self {
+    fn read(lines: Vec<ImportLine>, pipeline: &Pipeline, caller: &Caller) -> Self {
         let (mut items, mut read_lines) = (Vec::with_capacity(lines.len()), Vec::with_capacity(lines.len()));
         let mut taken = Vec::with_capacity(lines.len());
-        for Line { number, text, room } in lines {
+        for ImportLine { number, text, room } in lines {
             taken.push(room);
             let read = text
                 .and_then(|bytes| pipeline.reader.document(&bytes).map_err(|faults| problem_of(&bytes, faults)))
@@ -213,7 +218,7 @@ impl Chunk {
     }
 
     /// The answers as text, and the room that is free again when it has gone out.
-    async fn answered(self, replies: Vec<Reply>, pipeline: &Pipeline) -> (Bytes, Room) {
+    async fn answered(self, replies: Vec<Reply>, pipeline: &Pipeline) -> (Bytes, Permits) {
         let mut replies = replies.into_iter();
         let mut text = Vec::with_capacity(64 * self.lines.len());
         for line in self.lines {
@@ -247,7 +252,7 @@ fn problem_of(line: &[u8], faults: Faults) -> Problem {
     Document::problem(line, on_a_line(faults))
 }
 
-async fn settled(reply: Reply, origin: &Origin, pipeline: &Pipeline) -> Result<(u16, String, Vec<NoteBody>), Problem> {
+async fn settled(reply: Reply, origin: &Origin, pipeline: &Pipeline) -> Answer<(u16, String, Vec<NoteBody>)> {
     let accepted = reply?;
     if let Accepted::Stored { id, notes, .. } = &accepted {
         return Ok((201, id.to_string(), notes.iter().map(NoteBody::of).collect()));

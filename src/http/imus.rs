@@ -3,7 +3,6 @@
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::Uri;
-use axum::http::header::LINK;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -12,9 +11,9 @@ use super::app::App;
 use super::gyros::Gyro;
 use super::query::{self, Parameters};
 use crate::core::judge::Status;
+use crate::http::problem::Answer;
 use crate::pipeline::{Seats, Standing};
 use crate::wire::cursor::{self, List};
-use crate::wire::problem::Problem;
 use crate::wire::time;
 
 const DEFAULT_IMUS: usize = 100;
@@ -70,11 +69,7 @@ pub struct ImuDetail {
 #[utoipa::path(get, path = "/v1/imus", tag = "imus", params(ImusQuery),
     responses((status = 200, description = "the IMUs", body = Imus,
         headers(("Link" = Option<String>, description = "the next page")))))]
-pub async fn get_imus(
-    State(app): State<App>,
-    Parameters(asked): Parameters<ImusQuery>,
-    uri: Uri,
-) -> Result<Response, Problem> {
+pub async fn get_imus(State(app): State<App>, Parameters(asked): Parameters<ImusQuery>, uri: Uri) -> Answer<Response> {
     let limit = query::limit(asked.limit, DEFAULT_IMUS, MOST_IMUS)?;
     let after = query::number_before(List::Imus, asked.cursor.as_deref())?;
     let (found, more) = app.pipeline.queries.fleet.imus(after, limit as u32).await?;
@@ -85,14 +80,13 @@ pub async fn get_imus(
         gyros: found.seats.now.iter().map(|standing| standing.serial.to_string()).collect(),
         calibrated_at: newest(&found.seats),
     });
-    let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
-    Ok((link, Json(Imus { imus: imus.collect(), next })).into_response())
+    Ok((query::link(&uri, next.as_deref()), Json(Imus { imus: imus.collect(), next })).into_response())
 }
 
 /// One IMU: its gyros and how each stands.
 #[utoipa::path(get, path = "/v1/imus/{imu}", tag = "imus",
     responses((status = 200, description = "the IMU", body = ImuDetail)))]
-pub async fn get_imu(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuDetail>, Problem> {
+pub async fn get_imu(State(app): State<App>, Path(imu): Path<String>) -> Answer<Json<ImuDetail>> {
     let number = app.pipeline.queries.names().imu_number(&imu);
     let number = number.ok_or_else(|| query::unknown_imu(&app, &imu))?;
     let seats = app.pipeline.queries.fleet.seated_in(number).await?;

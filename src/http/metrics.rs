@@ -10,14 +10,14 @@ use metrics::{counter, gauge, histogram};
 
 use super::app::App;
 use crate::core::judge::{Severity, Status};
-use crate::routes::Rule;
+use crate::http::problem::Answer;
+use crate::routes::AccessRule;
 use crate::telemetry;
-use crate::wire::problem::Problem;
 
 /// What the service counts about itself, in Prometheus' text format.
 #[utoipa::path(get, path = "/metrics", tag = "service",
     responses((status = 200, description = "the metrics", body = String, content_type = "text/plain")))]
-pub async fn get_metrics(State(app): State<App>) -> Result<Response, Problem> {
+pub async fn get_metrics(State(app): State<App>) -> Answer<Response> {
     let (database, log) = app.pipeline.sizes().await?;
     gauge!(telemetry::DATABASE).set(database as f64);
     gauge!(telemetry::LOG).set(log as f64);
@@ -70,7 +70,7 @@ impl Counted {
 
 /// The failures of every route begin at 0: `rate` and `increase` see nothing of a series that begins at 1. What else is
 /// answered comes as it is asked for.
-pub fn begin_at_zero(rules: &[Rule]) {
+pub fn begin_at_zero(rules: &[AccessRule]) {
     for (rule, status) in rules.iter().flat_map(|rule| FAILURES.map(|status| (rule, status))) {
         let (method, route) = (known(&rule.method), rule.path.clone());
         counter!(telemetry::REQUESTS, "method" => method, "route" => route, "status" => status).absolute(0);

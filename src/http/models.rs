@@ -12,6 +12,7 @@ use utoipa::{IntoParams, ToSchema};
 use super::app::App;
 use super::document::{Document, outcome};
 use super::query::{self, Parameters};
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{AdoptedModel, Adoption};
 use crate::wire::forecast::ForecastSeriesBody;
@@ -44,7 +45,7 @@ pub struct AdoptedBody {
 /// The error model in force for the IMU, with its history.
 #[utoipa::path(get, path = "/v1/imus/{imu}/model", tag = "imus",
     responses((status = 200, description = "the model and its history", body = ImuModelBody)))]
-pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuModelBody>, Problem> {
+pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Answer<Json<ImuModelBody>> {
     let models = app.pipeline.diagnoses.models(&imu).await?;
     let models = models.ok_or_else(|| query::unknown_imu(&app, &imu))?;
     let adopted = |adopted: AdoptedModel| AdoptedBody {
@@ -74,7 +75,7 @@ pub async fn post_model(
     State(app): State<App>,
     Path(imu): Path<String>,
     body: Document,
-) -> Result<(StatusCode, Json<AdoptedBody>), Problem> {
+) -> Answer<(StatusCode, Json<AdoptedBody>)> {
     let (model, author, reason) = body.read(|bytes| json::parse::<AdoptionBody>(bytes)?.to_core_of(&imu))?;
     let adoption = Adoption { imu: imu.clone(), model: Arc::new(model), author, reason };
     let (status, id) = outcome(&app.pipeline.diagnoses.adopt(adoption).await?);
@@ -108,7 +109,7 @@ pub async fn get_forecast(
     State(app): State<App>,
     Path(imu): Path<String>,
     Parameters(asked): Parameters<ForecastQuery>,
-) -> Result<Json<ForecastSeriesBody>, Problem> {
+) -> Answer<Json<ForecastSeriesBody>> {
     let limit = query::limit(asked.limit, 20, MOST_FORECASTS)?;
     let series = app.pipeline.diagnoses.forecasts(&imu, limit as u32).await?;
     series.map(Json).ok_or_else(|| query::unknown_imu(&app, &imu))

@@ -5,7 +5,7 @@ use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
 use utoipa::openapi::{OpenApi, Server};
 
 use super::app::App;
-use super::{examples, members, operation};
+use super::{constraints, examples, operation};
 use crate::routes::{Routes, Rules};
 use crate::wire::problem::ProblemBody;
 
@@ -19,14 +19,14 @@ use crate::wire::problem::ProblemBody;
     ),
     components(schemas(ProblemBody))
 )]
-struct Head;
+struct ApiInfo;
 
 /// The whole document, of a service whose paths begin with `base_path`.
 pub fn description(api: &Routes<App>, base_path: &str) -> OpenApi {
-    let mut openapi = Head::openapi();
+    let mut openapi = ApiInfo::openapi();
     openapi.merge(api.description().clone());
     operation::complete(&mut openapi, &Rules::of(api.rules()));
-    members::describe(&mut openapi);
+    constraints::describe(&mut openapi);
     examples::describe(&mut openapi);
     let token = SecurityScheme::Http(Http::new(HttpAuthScheme::Bearer));
     openapi.components.get_or_insert_default().add_security_scheme(operation::TOKEN, token);

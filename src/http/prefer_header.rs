@@ -18,12 +18,12 @@ use crate::wire::note::NoteBody;
 
 /// What `Prefer` says of the answer to something that was sent; all that is not understood is passed over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wanted {
+pub enum Prefer {
     Whole,
     Minimal,
 }
 
-impl<S: Sync> FromRequestParts<S> for Wanted {
+impl<S: Sync> FromRequestParts<S> for Prefer {
     type Rejection = Infallible;
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Infallible> {
@@ -31,7 +31,7 @@ impl<S: Sync> FromRequestParts<S> for Wanted {
     }
 }
 
-impl IntoParams for Wanted {
+impl IntoParams for Prefer {
     fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
         let minimal = "`return=minimal`: the answer is the identifier and how many verdicts there are of each state";
         let prefer = Parameter::builder().name("Prefer").parameter_in(ParameterIn::Header).description(Some(minimal));
@@ -39,7 +39,7 @@ impl IntoParams for Wanted {
     }
 }
 
-impl Wanted {
+impl Prefer {
     fn of(headers: &HeaderMap) -> Self {
         let said = headers.get_all("prefer").iter().filter_map(|value| value.to_str().ok());
         let preferences = said.flat_map(|value| outside_quotes(value, ','));
@@ -117,10 +117,10 @@ pub enum AsWanted<T> {
 
 impl<T> AsWanted<T> {
     /// `whole`, or what is left of it: the identifier, the `states` of its verdicts and its notes.
-    pub fn of(wanted: Wanted, whole: T, id: Id, states: impl Iterator<Item = State>, notes: Vec<NoteBody>) -> Self {
+    pub fn of(wanted: Prefer, whole: T, id: Id, states: impl Iterator<Item = State>, notes: Vec<NoteBody>) -> Self {
         match wanted {
-            Wanted::Whole => Self::Whole(whole),
-            Wanted::Minimal => Self::Minimal(MinimalAnswer::of(id, states, notes)),
+            Prefer::Whole => Self::Whole(whole),
+            Prefer::Minimal => Self::Minimal(MinimalAnswer::of(id, states, notes)),
         }
     }
 }
@@ -133,25 +133,25 @@ mod tests {
     use super::*;
 
     #[rstest]
-    #[case::nothing(&[], Wanted::Whole)]
-    #[case::alone(&["return=minimal"], Wanted::Minimal)]
-    #[case::in_any_case(&["Return=Minimal"], Wanted::Minimal)]
-    #[case::quoted(&["return=\"minimal\""], Wanted::Minimal)]
-    #[case::among_others(&["respond-async, wait=10, return=minimal"], Wanted::Minimal)]
-    #[case::with_parameters(&["return = minimal ; foo=bar"], Wanted::Minimal)]
-    #[case::in_another_line(&["respond-async", "return=minimal"], Wanted::Minimal)]
-    #[case::the_first_counts(&["return=representation, return=minimal"], Wanted::Whole)]
-    #[case::in_a_quotation(&["note=\"a, return=minimal\""], Wanted::Whole)]
-    #[case::in_a_quotation_with_a_quotation_mark(&["note=\"a\\\", return=minimal\""], Wanted::Whole)]
-    #[case::of_another_name(&["returns=minimal"], Wanted::Whole)]
-    #[case::without_a_value(&["return"], Wanted::Whole)]
-    #[case::the_first_counts_without_a_value_too(&["return, return=minimal"], Wanted::Whole)]
-    #[case::no_text(&["\u{fc}\u{ff}"], Wanted::Whole)]
-    fn a_preference_is_read_as_rfc_7240_has_it(#[case] values: &[&'static str], #[case] wanted: Wanted) {
+    #[case::nothing(&[], Prefer::Whole)]
+    #[case::alone(&["return=minimal"], Prefer::Minimal)]
+    #[case::in_any_case(&["Return=Minimal"], Prefer::Minimal)]
+    #[case::quoted(&["return=\"minimal\""], Prefer::Minimal)]
+    #[case::among_others(&["respond-async, wait=10, return=minimal"], Prefer::Minimal)]
+    #[case::with_parameters(&["return = minimal ; foo=bar"], Prefer::Minimal)]
+    #[case::in_another_line(&["respond-async", "return=minimal"], Prefer::Minimal)]
+    #[case::the_first_counts(&["return=representation, return=minimal"], Prefer::Whole)]
+    #[case::in_a_quotation(&["note=\"a, return=minimal\""], Prefer::Whole)]
+    #[case::in_a_quotation_with_a_quotation_mark(&["note=\"a\\\", return=minimal\""], Prefer::Whole)]
+    #[case::of_another_name(&["returns=minimal"], Prefer::Whole)]
+    #[case::without_a_value(&["return"], Prefer::Whole)]
+    #[case::the_first_counts_without_a_value_too(&["return, return=minimal"], Prefer::Whole)]
+    #[case::no_text(&["\u{fc}\u{ff}"], Prefer::Whole)]
+    fn a_preference_is_read_as_rfc_7240_has_it(#[case] values: &[&'static str], #[case] wanted: Prefer) {
         let mut headers = HeaderMap::new();
         for value in values {
             headers.append("prefer", HeaderValue::from_bytes(value.as_bytes()).unwrap());
         }
-        assert_eq!(Wanted::of(&headers), wanted);
+        assert_eq!(Prefer::of(&headers), wanted);
     }
 }

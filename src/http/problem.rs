@@ -9,6 +9,9 @@ use crate::core::message::Message;
 use crate::wire::problem::Problem;
 use crate::{message, words};
 
+/// What is answered, or the problem that there is.
+pub type Answer<T> = Result<T, Problem>;
+
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
 /// When to try again after a 503: the queue of writes empties within a second.

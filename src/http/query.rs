@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use axum::extract::{FromRequestParts, Query, Request};
-use axum::http::header::ACCEPT;
+use axum::http::header::{ACCEPT, HeaderName, LINK};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, Method, Uri};
 use serde::de::DeserializeOwned;
@@ -14,6 +14,7 @@ use crate::core::id::Id;
 use crate::core::message::{Message, list};
 use crate::core::named::Named;
 use crate::core::time::{Span, UtcMicros};
+use crate::http::problem::Answer;
 use crate::message;
 use crate::routes::Takes;
 use crate::wire::cursor::{self, List};
@@ -28,7 +29,7 @@ pub struct Parameters<T>(pub T);
 impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Parameters<T> {
     type Rejection = Problem;
 
-    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Answer<Self> {
         let Query(parameters) = Query::from_request_parts(parts, state)
             .await
             .map_err(|rejection| bad(unreadable::in_words(&rejection.body_text())))?;
@@ -64,13 +65,13 @@ pub fn not_one_of(parameter: &'static str, known: impl IntoIterator<Item = &'sta
 }
 
 /// The value that a parameter names.
-pub fn named<T: Named>(parameter: &'static str, asked: Option<&str>) -> Result<Option<T>, Problem> {
+pub fn named<T: Named>(parameter: &'static str, asked: Option<&str>) -> Answer<Option<T>> {
     let value = |name: &str| T::from_name(name).ok_or_else(|| not_one_of(parameter, T::NAMES.iter().copied(), name));
     asked.map(value).transpose()
 }
 
 /// `format`, or else `Accept`: whether CSV is asked for and not JSON.
-pub fn wants_csv(format: Option<&str>, headers: &HeaderMap) -> Result<bool, Problem> {
+pub fn wants_csv(format: Option<&str>, headers: &HeaderMap) -> Answer<bool> {
     match format {
         Some("csv") => Ok(true),
         Some("json") => Ok(false),
@@ -80,7 +81,7 @@ pub fn wants_csv(format: Option<&str>, headers: &HeaderMap) -> Result<bool, Prob
 }
 
 /// `limit`: how many items at most.
-pub fn limit(asked: Option<usize>, default: usize, most: usize) -> Result<usize, Problem> {
+pub fn limit(asked: Option<usize>, default: usize, most: usize) -> Answer<usize> {
     match asked.unwrap_or(default) {
         limit if (1..=most).contains(&limit) => Ok(limit),
         limit => Err(bad(message!("parameter_range", parameter = "limit", least = 1_usize, most, value = limit))),
@@ -92,13 +93,13 @@ pub fn instant(
     name: &'static str,
     text: Option<&str>,
     read: fn(&str) -> Result<UtcMicros, Message>,
-) -> Result<Option<UtcMicros>, Problem> {
+) -> Answer<Option<UtcMicros>> {
     let fault = |fault| bad(message!("parameter_fault", parameter = name, fault));
     text.map(|text| read(&with_sign(text)).map_err(fault)).transpose()
 }
 
 /// `from` and `to`: a stretch of time, both ends included.
-pub fn span(from: Option<&str>, to: Option<&str>) -> Result<Span, Problem> {
+pub fn span(from: Option<&str>, to: Option<&str>) -> Answer<Span> {
     let from = instant("from", from, time::parse_start)?.unwrap_or(Span::EVER.from);
     let to = instant("to", to, time::parse_end)?.unwrap_or(Span::EVER.to);
     let span = Span { from, to };
@@ -117,12 +118,12 @@ pub fn with_sign(text: &str) -> Cow<'_, str> {
 }
 
 /// The position that a cursor of a list stands for, where one is given.
-pub fn position(list: List, cursor: Option<&str>) -> Result<Option<i64>, Problem> {
+pub fn position(list: List, cursor: Option<&str>) -> Answer<Option<i64>> {
     cursor.map(|cursor| cursor::decode(list, cursor).map_err(bad)).transpose()
 }
 
 /// The number after which a page of a list by numbers begins.
-pub fn number_before(list: List, cursor: Option<&str>) -> Result<u32, Problem> {
+pub fn number_before(list: List, cursor: Option<&str>) -> Answer<u32> {
     let after = position(list, cursor)?.unwrap_or_default();
     u32::try_from(after).map_err(|_| bad(message!("invalid_cursor")))
 }
@@ -140,15 +141,16 @@ pub fn page<T>(
     (found, next)
 }
 
-/// The same address with another cursor (RFC 8288).
-pub fn link_to(uri: &Uri, next: &str) -> String {
+/// Where a list goes on, if it does: the same address with another cursor (RFC 8288).
+pub fn link(uri: &Uri, next: Option<&str>) -> Option<[(HeaderName, String); 1]> {
+    let next = next?;
     let kept = uri.query().unwrap_or_default().split('&').filter(|p| !p.is_empty() && !p.starts_with("cursor="));
     let query: Vec<String> = kept.map(str::to_owned).chain([format!("cursor={next}")]).collect();
-    format!("<{}?{}>; rel=\"next\"", uri.path(), query.join("&"))
+    Some([(LINK, format!("<{}?{}>; rel=\"next\"", uri.path(), query.join("&")))])
 }
 
 /// The number of a gyro by its serial.
-pub fn gyro(app: &App, serial: &str) -> Result<u32, Problem> {
+pub fn gyro(app: &App, serial: &str) -> Answer<u32> {
     let number = app.pipeline.queries.names().gyro_number(serial);
     number.ok_or_else(|| Problem::unknown_gyro(serial))
 }

@@ -3,7 +3,6 @@
 use axum::Json;
 use axum::extract::State;
 use axum::http::Uri;
-use axum::http::header::LINK;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -12,9 +11,9 @@ use super::app::App;
 use super::query::{self, Parameters};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
+use crate::http::problem::Answer;
 use crate::pipeline::{ListFilter, ListedRecord};
 use crate::wire::cursor::{self, List};
-use crate::wire::problem::Problem;
 use crate::wire::time;
 
 const DEFAULT_RECORDS: usize = 100;
@@ -90,10 +89,9 @@ pub async fn get_records(
     State(app): State<App>,
     Parameters(asked): Parameters<RecordsQuery>,
     uri: Uri,
-) -> Result<Response, Problem> {
+) -> Answer<Response> {
     let (records, next) = listed(&app, &asked, None).await?;
-    let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
-    Ok((link, Json(RecordList { records, next })).into_response())
+    Ok((query::link(&uri, next.as_deref()), Json(RecordList { records, next })).into_response())
 }
 
 /// Campaigns of the fleet, the last to arrive first.
@@ -104,17 +102,16 @@ pub async fn get_campaigns(
     State(app): State<App>,
     Parameters(asked): Parameters<RecordsQuery>,
     uri: Uri,
-) -> Result<Response, Problem> {
+) -> Answer<Response> {
     let (campaigns, next) = listed(&app, &asked, Some(Kind::Campaign)).await?;
-    let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
-    Ok((link, Json(CampaignList { campaigns, next })).into_response())
+    Ok((query::link(&uri, next.as_deref()), Json(CampaignList { campaigns, next })).into_response())
 }
 
 async fn listed(
     app: &App,
     asked: &RecordsQuery,
     kind: Option<Kind>,
-) -> Result<(Vec<ListedRecordBody>, Option<String>), Problem> {
+) -> Answer<(Vec<ListedRecordBody>, Option<String>)> {
     let limit = query::limit(asked.limit, DEFAULT_RECORDS, MOST_RECORDS)?;
     let list = kind.map_or(List::Records, |_| List::Campaigns);
     let before = Id(query::position(list, asked.cursor.as_deref())?.unwrap_or(i64::MAX));

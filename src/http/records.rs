@@ -11,10 +11,11 @@ use super::app::App;
 use super::corrections::{StandingBody, standing};
 use super::document::Document;
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
-use super::prefer_header::{MinimalAnswer, Wanted};
-use super::telling::Telling;
+use super::notify_query::NotifyQuery;
+use super::prefer_header::{MinimalAnswer, Prefer};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::{Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
@@ -40,22 +41,18 @@ enum RecordAsWanted {
 /// The record is on disk before the answer. The same content again answers 200 with the same id; the same IMU and
 /// time with other content 409.
 #[utoipa::path(post, path = "/v1/records", tag = "records", request_body = RecordBody,
-    params(IdempotencyKey, Telling, Wanted),
+    params(IdempotencyKey, NotifyQuery, Prefer),
     responses(
         (status = 201, description = "stored and judged", body = RecordAsWanted,
             headers(("Location" = String, description = "where it is"), ("Preference-Applied" = Option<String>, description = "`return=minimal` where it was preferred"))),
         (status = 200, description = "was stored before with the same content", body = RecordAsWanted),
         (status = 409, description = "the same IMU and time with other content")))]
-pub async fn post_record(
-    State(app): State<App>,
-    post: DocumentPost,
-    Document(bytes): Document,
-) -> Result<Response, Problem> {
+pub async fn post_record(State(app): State<App>, post: DocumentPost, Document(bytes): Document) -> Answer<Response> {
     let read = app.pipeline.reader.record(&bytes);
     let mut calibration = read.map_err(|faults| Document::refused_as(DocumentKind::Record, &bytes, faults))?;
     calibration.idempotency_key = post.key()?;
     let (body, kind) = (calibration.body.clone(), Kind::Record);
-    let separations = (post.wanted == Wanted::Whole).then(|| app.pipeline.reader.separations(&calibration.gyros));
+    let separations = (post.wanted == Prefer::Whole).then(|| app.pipeline.reader.separations(&calibration.gyros));
     let of_model = app.pipeline.reader.notes_of_model(&calibration);
     let whole = |id: Id, notes: Vec<NoteBody>, verdicts| {
         let separations = separations.clone().unwrap_or_default();
@@ -98,7 +95,7 @@ struct StoredRecordBody {
     responses(
         (status = 200, description = "the record", body = StoredRecordBody),
         (status = 308, description = "it is a campaign", headers(("Location" = String, description = "where it is")))))]
-pub async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
+pub async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Answer<Response> {
     let no_such = || Problem::no_such_record(&id);
     let id: Id = id.parse().map_err(|_| no_such())?;
     let StoredRecord { item, answer, .. } = stored(&app, id).await?;
@@ -116,17 +113,14 @@ pub async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Resul
 #[utoipa::path(get, path = "/v1/records/{id}/diagnosis", tag = "records",
     params(("id" = String, Path, description = "identifier of the record, or of a campaign")),
     responses((status = 200, description = "the diagnosis of the closure", body = ClosureBody)))]
-pub async fn get_record_diagnosis(
-    State(app): State<App>,
-    Path(id): Path<String>,
-) -> Result<Json<ClosureBody>, Problem> {
+pub async fn get_record_diagnosis(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<ClosureBody>> {
     let no_such = || Problem::no_such_record(&id);
     let number: Id = id.parse().map_err(|_| no_such())?;
     let closures = app.pipeline.queries.records.closures(number).await?.ok_or_else(no_such)?;
     Ok(Json(ClosureBody::from(&closures)))
 }
 
-async fn stored(app: &App, id: Id) -> Result<StoredRecord, Problem> {
+async fn stored(app: &App, id: Id) -> Answer<StoredRecord> {
     let stored = app.pipeline.queries.records.record(id).await?;
     stored.ok_or_else(|| Problem::no_such_record(id))
 }

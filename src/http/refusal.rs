@@ -27,14 +27,10 @@ impl From<Refused> for Problem {
                 Self::new(409, "title_already_corrected", detail).with_existing(existing)
             }
             Refused::NotSetAside { .. } => Self::new(409, "title_not_set_aside", detail),
-            Refused::AnotherImu => {
-                let (pointer, place) = ("/imu", detail.clone());
-                Self::new(422, "title_cannot_be_stored", detail).with_place(pointer, place)
-            }
+            Refused::AnotherImu => Self::new(422, "title_cannot_be_stored", detail).at("/imu"),
             Refused::TimeTaken { existing, kind } => {
                 let member = if kind == Kind::Record { "calibrated_at" } else { "measured_at" };
-                let (pointer, place) = (format!("/{member}"), detail.clone());
-                Self::new(409, "title_time_taken", detail).with_existing(existing).with_place(pointer, place)
+                Self::new(409, "title_time_taken", detail).with_existing(existing).at(format!("/{member}"))
             }
             Refused::UnknownGyro { serial } => Self::unknown_gyro(&serial),
             Refused::UnknownStation { name } => Self::no_such_station(&name),
@@ -48,7 +44,7 @@ impl From<AccessError> for Problem {
     fn from(error: AccessError) -> Self {
         let detail = error.message();
         match error {
-            AccessError::NoSuchToken { .. } => Self::new(404, "title_no_such_token", detail),
+            AccessError::NoSuchToken(_) => Self::new(404, "title_no_such_token", detail),
             AccessError::SetupOver => Self::new(401, "title_token_not_valid", detail),
             AccessError::NoRandomNumbers => Self::new(503, "title_try_again", detail),
             AccessError::Write(error) => error.into(),
@@ -60,20 +56,14 @@ impl From<HookError> for Problem {
     fn from(error: HookError) -> Self {
         let detail = error.message();
         match error {
-            HookError::NoSuchHook { .. } => Self::new(404, "title_no_such_hook", detail),
-            HookError::NoSuchDelivery { .. } => Self::new(404, "title_no_such_delivery", detail),
-            HookError::HookDisabled { .. } => Self::new(409, "title_hook_disabled", detail),
-            HookError::StillBehind { .. } => Self::new(409, "title_not_its_turn", detail),
-            HookError::Dropped { .. } => Self::new(409, "title_delivery_dropped", detail),
-            HookError::TooManyHooks { .. } => Self::new(409, "title_too_many_hooks", detail),
-            HookError::SecretNeeded => {
-                let (pointer, place) = ("/secret", detail.clone());
-                Self::new(422, "title_cannot_be_stored", detail).with_place(pointer, place)
-            }
-            HookError::OtherKind => {
-                let (pointer, place) = ("/url", detail.clone());
-                Self::new(422, "title_cannot_be_stored", detail).with_place(pointer, place)
-            }
+            HookError::NoSuchHook(_) => Self::new(404, "title_no_such_hook", detail),
+            HookError::NoSuchDelivery(_) => Self::new(404, "title_no_such_delivery", detail),
+            HookError::HookDisabled(_) => Self::new(409, "title_hook_disabled", detail),
+            HookError::StillBehind(_) => Self::new(409, "title_not_its_turn", detail),
+            HookError::Dropped(_) => Self::new(409, "title_delivery_dropped", detail),
+            HookError::TooManyHooks(_) => Self::new(409, "title_too_many_hooks", detail),
+            HookError::SecretNeeded => Self::new(422, "title_cannot_be_stored", detail).at("/secret"),
+            HookError::OtherKind => Self::new(422, "title_cannot_be_stored", detail).at("/url"),
             HookError::Write(error) => error.into(),
         }
     }
@@ -83,16 +73,13 @@ impl From<DiagnosisError> for Problem {
     fn from(error: DiagnosisError) -> Self {
         let detail = error.message();
         match error {
-            DiagnosisError::NoSuchDiagnoses { .. } => Self::new(404, "title_no_such_diagnoses", detail),
-            DiagnosisError::DiagnosesEnded { .. } => Self::new(409, "title_diagnoses_ended", detail),
-            DiagnosisError::OtherGyros(_) => {
-                let place = detail.clone();
-                Self::new(422, "title_cannot_be_stored", detail).with_place("/identified", place)
-            }
-            DiagnosisError::UnknownImu { .. } => Self::new(404, "title_unknown_imu", detail),
-            DiagnosisError::NoSuchHypothesis { .. } => Self::new(404, "title_no_such_hypothesis", detail),
-            DiagnosisError::HypothesisTaken { .. } => Self::new(409, "title_hypothesis_taken", detail),
-            DiagnosisError::TooManyHypotheses { .. } => Self::new(409, "title_too_many_hypotheses", detail),
+            DiagnosisError::NoSuchDiagnoses(_) => Self::new(404, "title_no_such_diagnoses", detail),
+            DiagnosisError::DiagnosesEnded(_) => Self::new(409, "title_diagnoses_ended", detail),
+            DiagnosisError::OtherGyros(_) => Self::new(422, "title_cannot_be_stored", detail).at("/identified"),
+            DiagnosisError::UnknownImu(_) => Self::new(404, "title_unknown_imu", detail),
+            DiagnosisError::NoSuchHypothesis(_) => Self::new(404, "title_no_such_hypothesis", detail),
+            DiagnosisError::HypothesisTaken(_) => Self::new(409, "title_hypothesis_taken", detail),
+            DiagnosisError::TooManyHypotheses(_) => Self::new(409, "title_too_many_hypotheses", detail),
             DiagnosisError::Write(error) => error.into(),
         }
     }
@@ -102,10 +89,10 @@ impl From<AlertError> for Problem {
     fn from(error: AlertError) -> Self {
         let detail = error.message();
         match error {
-            AlertError::UnknownAlert { .. } => Self::new(404, "title_unknown_alert", detail),
-            AlertError::UnknownSilence { .. } => Self::new(404, "title_unknown_silence", detail),
-            AlertError::TooManySilences { .. } => Self::new(409, "title_too_many_silences", detail),
-            AlertError::AlertResolved { .. } => Self::new(409, "title_alert_resolved", detail),
+            AlertError::UnknownAlert(_) => Self::new(404, "title_unknown_alert", detail),
+            AlertError::UnknownSilence(_) => Self::new(404, "title_unknown_silence", detail),
+            AlertError::TooManySilences(_) => Self::new(409, "title_too_many_silences", detail),
+            AlertError::AlertResolved(_) => Self::new(409, "title_alert_resolved", detail),
             AlertError::Write(error) => error.into(),
         }
     }

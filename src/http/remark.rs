@@ -9,18 +9,19 @@ use crate::core::id::Id;
 use crate::core::message::Message;
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
+use crate::http::problem::Answer;
 use crate::pipeline::{Accepted, GyroEvent, Submission};
 use crate::wire::problem::Problem;
 use crate::wire::text;
 
 /// Why, when and who, as they were sent.
-pub struct Said {
+pub struct SentRemark {
     pub reason: String,
     pub at: Option<String>,
     pub author: Option<String>,
 }
 
-impl Said {
+impl SentRemark {
     /// Checked; `blank` is what is told of a reason that says nothing. Without a time, now.
     pub fn read(self, app: &App, blank: Message, faults: &mut Faults) -> (String, UtcMicros, Option<String>) {
         if self.reason.trim().is_empty() {
@@ -46,7 +47,7 @@ pub async fn post(
     body: &Document,
     read: impl FnOnce(&App, Name, &[u8]) -> Result<GyroEvent, Faults>,
     otherwise: Message,
-) -> Result<(StatusCode, Id, GyroEvent), Problem> {
+) -> Answer<(StatusCode, Id, GyroEvent)> {
     let serial = Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))?;
     let event = body.read(|bytes| read(app, serial, bytes))?;
     match app.pipeline.ingest.submit(Submission::Event(event.clone())).await? {

@@ -5,7 +5,7 @@ use utoipa::ToSchema;
 
 use super::document::Document;
 use crate::core::fault::Faults;
-use crate::wire::problem::Problem;
+use crate::http::problem::Answer;
 use crate::wire::{json, text};
 
 /// Who does it, and why.
@@ -19,7 +19,7 @@ pub struct Signed {
 }
 
 impl Signed {
-    pub fn read(body: &Document) -> Result<Self, Problem> {
+    pub fn read(body: &Document) -> Answer<Self> {
         body.read(|bytes| {
             let Self { by, reason } = json::parse(bytes)?;
             let mut faults = Faults::default();

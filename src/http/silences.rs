@@ -19,6 +19,7 @@ use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::message::sent;
 use crate::core::time::UtcMicros;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::SilenceOrder;
 use crate::wire::problem::Problem;
@@ -45,7 +46,7 @@ pub struct Silences {
 pub async fn get_silences(
     State(app): State<App>,
     Parameters(asked): Parameters<SilencesQuery>,
-) -> Result<Json<Silences>, Problem> {
+) -> Answer<Json<Silences>> {
     let all = match asked.state.as_deref() {
         None | Some("active") => false,
         Some("all") => true,
@@ -60,7 +61,7 @@ pub async fn get_silences(
     responses(
         (status = 201, description = "it holds", body = MatchingSilenceBody, headers(("Location" = String, description = "where it is"))),
         (status = 409, description = "there are too many")))]
-pub async fn post_matching_silence(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+pub async fn post_matching_silence(State(app): State<App>, body: Document) -> Answer<Response> {
     let order = body.read(|bytes| read(bytes, app.clock.now()))?;
     let id = app.pipeline.alerts.order_silence(order).await?;
     let silence = shown(&app, id).await?;
@@ -95,11 +96,11 @@ fn matchers_of(body: MatchersBody, faults: &mut Faults) -> Matchers {
 /// One silence.
 #[utoipa::path(get, path = "/v1/silences/{id}", tag = "alerts",
     responses((status = 200, description = "the silence", body = MatchingSilenceBody)))]
-pub async fn get_silence(State(app): State<App>, Path(id): Path<String>) -> Result<Json<MatchingSilenceBody>, Problem> {
+pub async fn get_silence(State(app): State<App>, Path(id): Path<String>) -> Answer<Json<MatchingSilenceBody>> {
     Ok(Json(shown(&app, id.parse().map_err(|_| Problem::unknown_silence(&id))?).await?))
 }
 
-async fn shown(app: &App, id: Id) -> Result<MatchingSilenceBody, Problem> {
+async fn shown(app: &App, id: Id) -> Answer<MatchingSilenceBody> {
     app.pipeline.alerts.silence(id).await?.ok_or_else(|| Problem::unknown_silence(id))
 }
 
@@ -110,7 +111,7 @@ pub async fn post_end_silence(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
-) -> Result<Json<MatchingSilenceBody>, Problem> {
+) -> Answer<Json<MatchingSilenceBody>> {
     let Signed { by, reason } = Signed::read(&body)?;
     let silence: Id = id.parse().map_err(|_| Problem::unknown_silence(&id))?;
     app.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;

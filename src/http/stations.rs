@@ -9,6 +9,7 @@ use super::app::App;
 use super::document::Document;
 use crate::core::fault::Faults;
 use crate::core::suspect_window::{Mark, SuspectWindow};
+use crate::http::problem::Answer;
 use crate::pipeline::{Actor, Refused, WindowMark, WindowOutcome};
 use crate::wire::problem::Problem;
 use crate::wire::stations::{StationBody, StationsBody, SuspectWindowBody};
@@ -18,7 +19,7 @@ use crate::wire::{json, text};
 /// the stations spread (gauge repeatability and reproducibility), each with its uncertainty.
 #[utoipa::path(get, path = "/v1/stations", tag = "stations",
     responses((status = 200, description = "the stations, by name", body = StationsBody)))]
-pub async fn get_stations(State(app): State<App>) -> Result<Json<StationsBody>, Problem> {
+pub async fn get_stations(State(app): State<App>) -> Answer<Json<StationsBody>> {
     let fleet = &app.pipeline.queries.fleet;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
     Ok(Json(StationsBody::of(found.as_deref(), &overdue)))
@@ -27,7 +28,7 @@ pub async fn get_stations(State(app): State<App>) -> Result<Json<StationsBody>, 
 /// One station.
 #[utoipa::path(get, path = "/v1/stations/{name}", tag = "stations",
     responses((status = 200, description = "the station", body = StationBody)))]
-pub async fn get_station(State(app): State<App>, Path(name): Path<String>) -> Result<Json<StationBody>, Problem> {
+pub async fn get_station(State(app): State<App>, Path(name): Path<String>) -> Answer<Json<StationBody>> {
     let fleet = &app.pipeline.queries.fleet;
     let windows = app.pipeline.queries.suspect_windows(&name).await?.ok_or_else(|| Problem::no_such_station(&name))?;
     let (found, overdue) = (fleet.station_figures().await?, fleet.overdue_of_stations().await?);
@@ -78,7 +79,7 @@ pub async fn suspect_window(
     State(app): State<App>,
     Path(name): Path<String>,
     body: Document,
-) -> Result<Json<WindowBody>, Problem> {
+) -> Answer<Json<WindowBody>> {
     marked(&app, name, &body, false).await
 }
 
@@ -89,11 +90,11 @@ pub async fn trust_window(
     State(app): State<App>,
     Path(name): Path<String>,
     body: Document,
-) -> Result<Json<WindowBody>, Problem> {
+) -> Answer<Json<WindowBody>> {
     marked(&app, name, &body, true).await
 }
 
-async fn marked(app: &App, station: String, body: &Document, trusted: bool) -> Result<Json<WindowBody>, Problem> {
+async fn marked(app: &App, station: String, body: &Document, trusted: bool) -> Answer<Json<WindowBody>> {
     let window = body.read(|bytes| {
         let WindowOrder { from, to, by, reason } = json::parse(bytes)?;
         let mut faults = Faults::default();

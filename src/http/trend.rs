@@ -17,10 +17,11 @@ use self::answer::{answer, etag, is_known, not_modified};
 use self::body::{ColumnTrend, Point, Trend};
 use self::periods::PeriodTrend;
 use self::point::{Seen, bench_point, seen_bench, separated_point};
-use self::request::{Method, Request, TrendQuery, Written};
+use self::request::{PointMethod, Request, TrendQuery, TrendText};
 use super::app::App;
 use super::events::EventBody;
 use super::query::{self, Parameters};
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::BenchItem;
 use crate::wire::problem::Problem;
@@ -48,7 +49,7 @@ pub async fn get_trend(
     Parameters(asked): Parameters<TrendQuery>,
     uri: Uri,
     headers: HeaderMap,
-) -> Result<Response, Problem> {
+) -> Answer<Response> {
     let gyro = query::gyro(&app, &serial)?;
     let request = Request::read(&app, &asked, &headers)?;
     let mut events = app.pipeline.queries.histories.events(gyro).await?;
@@ -71,7 +72,7 @@ pub async fn get_trend(
     let levels = request.levels(&app, gyro, &serial).await?;
     let tag;
     let body = match request.method {
-        Method::Separated(method) => {
+        PointMethod::Separated(method) => {
             let (rows, next) = request.history(&app, gyro).await?;
             let (column, figures) = (request.column(), rows.iter().map(|row| &row.figures));
             let statuses = app.pipeline.queries.histories.statuses(gyro, figures, &[column]).await?;
@@ -84,7 +85,7 @@ pub async fn get_trend(
             let points = rows.iter().map(|row| separated_point(row, (column, &statuses), method, &names));
             written(&request, &serial, points.map(|point| point.held_against(levels.as_ref())).collect(), &done, next)?
         }
-        Method::Bench(method) => {
+        PointMethod::Bench(method) => {
             let (rows, next) = request.benches(&app, gyro, method).await?;
             tag = etag(&request, &(seen(&mut rows.iter().map(seen_bench)), &levels), &next);
             if is_known(&headers, &tag) {
@@ -104,7 +105,7 @@ fn written(
     points: Vec<Point<'_>>,
     events: &[EventBody],
     next: Option<String>,
-) -> Result<Written, Problem> {
+) -> Answer<TrendText> {
     let trend = Trend {
         serial,
         coefficient: request.coefficient.name(),
@@ -119,5 +120,5 @@ fn written(
         None => json::written(&trend),
     };
     let text = text.ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
-    Ok(Written { text, csv: request.csv, next })
+    Ok(TrendText { text, csv: request.csv, next })
 }

@@ -10,7 +10,7 @@ use super::gyro::known;
 use super::gyro_head::own_first;
 use super::layout::{Page, Section, encoded, symbol};
 use super::viewer::{Viewer, Visit};
-use crate::core::changes::{Budget, HistoryDiagnosis, cause_word};
+use crate::core::changes::{DriftBudget, HistoryDiagnosis, cause_word};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ExplainedHistory;
 use crate::wire::problem::Problem;
@@ -39,7 +39,7 @@ pub(super) async fn page(
 fn section(
     viewer: &Viewer,
     serial: &str,
-    (answer, budget): (&HistoryDiagnosis, Option<Budget>),
+    (answer, budget): (&HistoryDiagnosis, Option<DriftBudget>),
     explained: &ExplainedHistory,
 ) -> Markup {
     let t = viewer.text();
@@ -91,7 +91,7 @@ fn section(
 }
 
 /// The records about their baseline, what explains them, and what the stations did under it.
-fn drawn(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, budget: Option<Budget>) -> Markup {
+fn drawn(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, budget: Option<DriftBudget>) -> Markup {
     let t = viewer.text();
     let n = answer.course.len().max(1) as f64;
     let mean = answer.course.iter().map(|one| one.measured.value).sum::<f64>() / n;

@@ -45,27 +45,26 @@ use write_queue::{Job, WriteQueue};
 
 pub use crate::alert::HookKind;
 pub use access::{
-    Access, AccessError, AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret, SignedIn,
-    Token, create_beside, revoke_beside,
+    Access, AccessError, AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Token, create_beside,
+    revoke_beside,
 };
-pub use alerts::{AlertChange, AlertError, AlertOrder, AlertRecord, AlertStep, Alerts, SilenceOrder};
+pub use alerts::{AlertChange, AlertError, AlertOrder, AlertStep, Alerts, SilenceOrder};
 pub use diagnoses::{
-    AdoptedModel, Adoption, Conclusion, Diagnosed, Diagnoses, DiagnosisAnswer, DiagnosisError, DiagnosisOrder,
-    HypothesisOrder, InForce, NotSplit, StoredHypothesis, SummaryFilter, WantedDiagnoses,
+    AdoptedModel, Adoption, Conclusion, Diagnoses, DiagnosisAnswer, DiagnosisError, DiagnosisOrder, HypothesisOrder,
+    NotSplit, StoredHypothesis,
 };
 pub use error::{StorageError, StorageFault, WriteError};
-pub use hooks::{DeliveryPage, HookError, HookPatch, Hooks, NewHook, Order, Outbox, OutboxError};
+pub use hooks::{DeliveryPage, HookError, Hooks, Order, Outbox};
 pub use ingest::{
-    Accepted, AttributesOrder, BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt,
-    Fitted, GyroEvent, Ingest, Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Sent,
-    Submission, WindowMark,
+    Accepted, AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, Fitted,
+    GyroEvent, Ingest, Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Sent, Submission,
+    WindowMark,
 };
 pub use queries::{
-    BEYOND, Baseline, BenchItem, CommonShift, Compared, Comparison, Course, DUE_DAYS, DueDate, DueImu, EventItem,
-    ExplainedHistory, FirstOf, Fleet, FleetFilter, FleetPage, Forecast, Foreseen, Histories, ItemStatus, Levels,
-    ListFilter, ListedImu, ListedRecord, Names, Queries, RecentValues, RecordItem, RecordSummary, Records, Seats,
-    Standing, StandingFilter, Statuses, StoredCampaign, StoredRecord, Tested, Today, Together, Verified, Violation,
-    WallPage, sample_of, today,
+    BEYOND, Baseline, BenchItem, CommonShift, Compared, Comparison, Course, DueDate, DueImu, EventItem,
+    ExplainedHistory, FirstOf, FleetFilter, FleetPage, Forecast, Foreseen, Levels, ListFilter, ListedRecord, Names,
+    Queries, RecentValues, RecordSummary, Seats, Standing, StandingFilter, Statuses, StoredCampaign, StoredRecord,
+    Tested, Today, Together, Verified, Violation, sample_of, today,
 };
 
 pub use suspect::WindowOutcome;

@@ -46,8 +46,8 @@ pub fn augment(simulated: &mut Simulated, model: &AugmentedModel) -> Result<(), 
         reference_c.is_some() && (known.adopted.effect.entry().missing)(&setting) == Some(Lack::TemperatureChange)
     };
     let acting: Vec<&KnownEffect> = model.effects.iter().filter(|known| !idle(known)).collect();
-    let responses: Vec<Response> =
-        acting.iter().map(|known| Response::of(known, &setting)).collect::<Result<_, _>>()?;
+    let responses: Vec<EffectResponse> =
+        acting.iter().map(|known| EffectResponse::of(known, &setting)).collect::<Result<_, _>>()?;
     for (known, response) in acting.iter().zip(&responses) {
         for (k, dwell) in simulated.campaign.dwells.iter_mut().enumerate() {
             dwell.output_pulse_s.iter_mut().zip(&response.pulses).for_each(|(output, pulses)| *output += pulses[k]);
@@ -64,7 +64,7 @@ pub fn augment(simulated: &mut Simulated, model: &AugmentedModel) -> Result<(), 
 /// As [`augment`].
 pub fn detectability(simulated: &Simulated, known: &KnownEffect) -> Result<Option<f64>, NotPossible> {
     let (setting, _) = axes::setting(&simulated.campaign)?;
-    let response = Response::of(known, &setting)?;
+    let response = EffectResponse::of(known, &setting)?;
     let Some(sights) = simulated.sights() else { return Ok(None) };
     let each = |of: fn(&Sight, &[f64]) -> f64| {
         norm(&sights.iter().zip(&response.pulses).map(|(sight, pulses)| of(sight, pulses)).collect::<Vec<_>>())
@@ -74,14 +74,14 @@ pub fn detectability(simulated: &Simulated, known: &KnownEffect) -> Result<Optio
 }
 
 /// What one effect adds.
-struct Response {
+struct EffectResponse {
     /// pulse/s, by gyro and dwell.
     pulses: Vec<Vec<f64>>,
     /// The coefficient of the greatest magnitude.
     largest: f64,
 }
 
-impl Response {
+impl EffectResponse {
     fn of(known: &KnownEffect, setting: &Setting) -> Result<Self, NotPossible> {
         let (entry, shape) = (known.adopted.effect.entry(), known.adopted.shape);
         if let Some(missing) = (entry.missing)(setting) {
@@ -109,7 +109,7 @@ impl Response {
 }
 
 impl Simulated {
-    fn reveal(&mut self, id: &str, response: &Response) {
+    fn reveal(&mut self, id: &str, response: &EffectResponse) {
         let sights = self.sights();
         let truth = &mut self.truth;
         truth.effects.push(id.to_owned());
@@ -129,7 +129,7 @@ impl Simulated {
     }
 
     /// Everything that was put in, together.
-    fn reveal_detectability(&mut self, responses: &[Response]) {
+    fn reveal_detectability(&mut self, responses: &[EffectResponse]) {
         let Some(sights) = self.sights() else { return };
         let (with, without) = (self.world.outputs(&self.causes), self.world.outputs(&[]));
         let each: Vec<f64> = (0..sights.len())

@@ -4,13 +4,13 @@ use nalgebra::{Rotation3, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::felt::{Action, Felt, Situation};
 use super::outside::{FAMILIES, Outside};
 use super::programme::any_direction;
+use super::sensed::{Disturbance, Sensed, Situation};
 
 /// An effect of the catalogue with its hidden particulars; vectors are per gyro, unit length.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Effect {
+pub enum Mechanism {
     GLinear([Vector3<f64>; 3]),
     GSquared([Vector3<f64>; 3]),
     TemperatureBias,
@@ -163,7 +163,7 @@ pub struct Cause {
     pub label: String,
     pub size: f64,
     pub weights: [f64; 3],
-    pub kind: Kind,
+    pub kind: CauseKind,
     /// From when to when it acts, hours.
     pub acts_in_h: [f64; 2],
 }
@@ -173,8 +173,8 @@ pub const ALWAYS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Whether the diagnosis has an entry for a cause.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Kind {
-    Catalogue(Effect),
+pub enum CauseKind {
+    Catalogue(Mechanism),
     Outside(Outside),
 }
 
@@ -186,7 +186,7 @@ pub struct Particulars {
     pub direction: Option<Vector3<f64>>,
 }
 
-impl Effect {
+impl Mechanism {
     /// The effect of a catalogue id with its particulars; none where the id is unknown.
     /// `starts_h` holds the mid-times of the dwells.
     pub fn draw(id: &str, fixed: &Particulars, starts_h: &[f64], rng: &mut ChaCha8Rng) -> Option<Self> {
@@ -322,9 +322,11 @@ impl Cause {
     pub fn table_from_nav(&self, at: &Situation) -> Rotation3<f64> {
         let tilt = |east: f64, north: f64, up: f64| Rotation3::new(Vector3::new(east, north, up) * self.size);
         match self.kind {
-            Kind::Catalogue(Effect::Levelling { east, north }) if self.is_acting(at) => tilt(east, north, 0.0),
-            Kind::Catalogue(Effect::Relevelling { east, north, first }) if at.index >= first => tilt(east, north, 0.0),
-            Kind::Catalogue(Effect::Azimuth) if self.is_acting(at) => tilt(0.0, 0.0, 1.0),
+            CauseKind::Catalogue(Mechanism::Levelling { east, north }) if self.is_acting(at) => tilt(east, north, 0.0),
+            CauseKind::Catalogue(Mechanism::Relevelling { east, north, first }) if at.index >= first => {
+                tilt(east, north, 0.0)
+            }
+            CauseKind::Catalogue(Mechanism::Azimuth) if self.is_acting(at) => tilt(0.0, 0.0, 1.0),
             _ => Rotation3::identity(),
         }
     }
@@ -332,7 +334,7 @@ impl Cause {
     /// How the IMU sits in its fixture, as the body axes of one dwell see it.
     pub fn seat(&self, at: &Situation) -> Rotation3<f64> {
         match self.kind {
-            Kind::Catalogue(Effect::Reseating { about, first })
+            CauseKind::Catalogue(Mechanism::Reseating { about, first })
                 if first.map_or(at.turning, |first| at.index >= first) =>
             {
                 Rotation3::new(about * self.size)
@@ -344,34 +346,34 @@ impl Cause {
     /// Rotation of the spin axis about the input axis, radians.
     pub fn clocking(&self, gyro: usize) -> f64 {
         match self.kind {
-            Kind::Catalogue(Effect::MountClocking) => self.size * self.weights[gyro],
+            CauseKind::Catalogue(Mechanism::MountClocking) => self.size * self.weights[gyro],
             _ => 0.0,
         }
     }
 
     /// What it adds to one gyro at one moment.
-    pub fn acts(&self, gyro: usize, felt: &Felt, at: &Situation) -> Action {
+    pub fn acts(&self, gyro: usize, sensed: &Sensed, at: &Situation) -> Disturbance {
         let k = self.size * self.weights[gyro];
         if k == 0.0 || !self.is_acting(at) {
-            return Action::default();
+            return Disturbance::default();
         }
         let unit = match &self.kind {
-            Kind::Catalogue(effect) => effect.at_unit_size(gyro, felt, at),
-            Kind::Outside(outside) => outside.at_unit_size(gyro, felt, at),
+            CauseKind::Catalogue(effect) => effect.at_unit_size(gyro, sensed, at),
+            CauseKind::Outside(outside) => outside.at_unit_size(gyro, sensed, at),
         };
-        Action { drift: k * unit.drift, scale: k * unit.scale }
+        Disturbance { drift: k * unit.drift, scale: k * unit.scale }
     }
 }
 
-impl Effect {
-    fn at_unit_size(&self, gyro: usize, felt: &Felt, at: &Situation) -> Action {
-        let Felt { a, w, .. } = felt;
+impl Mechanism {
+    fn at_unit_size(&self, gyro: usize, sensed: &Sensed, at: &Situation) -> Disturbance {
+        let Sensed { a, w, .. } = sensed;
         let t = at.temperature_k;
-        let drift = |drift: f64| Action { drift, scale: 0.0 };
-        let scale = |scale: f64| Action { drift: 0.0, scale };
+        let drift = |drift: f64| Disturbance { drift, scale: 0.0 };
+        let scale = |scale: f64| Disturbance { drift: 0.0, scale };
         match self {
-            Self::GLinear(k) => drift(k[gyro].dot(&felt.body.a)),
-            Self::GSquared(k) => drift(k[gyro].dot(&felt.body.a.component_mul(&felt.body.a))),
+            Self::GLinear(k) => drift(k[gyro].dot(&sensed.body.a)),
+            Self::GSquared(k) => drift(k[gyro].dot(&sensed.body.a.component_mul(&sensed.body.a))),
             Self::TemperatureBias => drift(t),
             Self::TemperatureG(k) => drift(t * k[gyro].dot(a)),
             Self::TemperatureScale => scale(t),
@@ -380,13 +382,13 @@ impl Effect {
             Self::BiasStep { first } => drift(f64::from(at.index >= *first)),
             Self::OutlierDwell { index } => drift(f64::from(at.index == *index)),
             Self::Periodic { period_h, phase } => drift((std::f64::consts::TAU * at.time_h / period_h + phase).sin()),
-            Self::Hysteresis => drift(felt.a_before.map_or(0.0, |a| a.z)),
+            Self::Hysteresis => drift(sensed.a_before.map_or(0.0, |a| a.z)),
             Self::ScaleAsymmetry => scale(w.x.signum()),
             Self::ScaleQuadratic => drift(w.x * w.x),
             Self::ScaleCubic => drift(w.x.powi(3)),
             Self::Anisoinertia => drift(w.x * w.y),
             Self::GRateCoupling => scale(a.x),
-            Self::Magnetic(k) => drift(k[gyro].dot(&felt.field)),
+            Self::Magnetic(k) => drift(k[gyro].dot(&sensed.field)),
             Self::CrossCompliance(k) => drift(k[gyro].dot(&Vector3::new(a.x * a.y, a.x * a.z, a.z * a.y))),
             Self::CubicG => drift(a.x.powi(3)),
             Self::OutputAxisG => drift(a.z),
@@ -394,7 +396,7 @@ impl Effect {
             | Self::Azimuth
             | Self::Relevelling { .. }
             | Self::Reseating { .. }
-            | Self::MountClocking => Action::default(),
+            | Self::MountClocking => Disturbance::default(),
         }
     }
 }
@@ -408,11 +410,11 @@ mod tests {
     fn every_listed_id_can_be_drawn_and_no_other() {
         let mut rng = random(1, Stream::Causes);
         for Injectable { id, typical, .. } in CATALOGUE {
-            assert!(Effect::draw(id, &Particulars::default(), &[0.1, 0.2, 0.3, 0.4], &mut rng).is_some(), "{id}");
+            assert!(Mechanism::draw(id, &Particulars::default(), &[0.1, 0.2, 0.3, 0.4], &mut rng).is_some(), "{id}");
             assert!(typical > 0.0);
-            assert!(Effect::alternatives(id, 1.0, 4, &[]).is_some_and(|all| !all.is_empty()), "{id}");
+            assert!(Mechanism::alternatives(id, 1.0, 4, &[]).is_some_and(|all| !all.is_empty()), "{id}");
         }
         assert!(COMMON.iter().all(|id| CATALOGUE.iter().any(|known| known.id == *id)));
-        assert!(Effect::draw("time_rampp", &Particulars::default(), &[0.1], &mut rng).is_none());
+        assert!(Mechanism::draw("time_rampp", &Particulars::default(), &[0.1], &mut rng).is_none());
     }
 }

@@ -13,9 +13,10 @@ use crate::core::campaign::TestKind;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::units::radians;
 
-use super::programme::{Order, Positions, Programme};
+use super::programme::{DwellOrder, Positions, Programme};
 use super::scenario::{
-    AxesChoice, Columns, EffectChoice, GeometryChoice, GyroChoice, Population, Scenario, StandardErrors, StatedE,
+    AxesChoice, EffectChoice, GeometryChoice, GyroChoice, OptionalColumns, Population, Scenario, StandardErrors,
+    StatedE,
 };
 use super::{Stream, gaussian, random};
 
@@ -116,7 +117,7 @@ fn system(seed: u64, gyros: Vec<GyroChoice>, measured_at: String, rng: &mut ChaC
         effects: table_errors(rng),
         gyros,
         programme: Programme { dwell_s: SYSTEM_DWELL_S, ..Programme::default() },
-        columns: Columns { standard_errors: StandardErrors::Noisy, ..Columns::default() },
+        columns: OptionalColumns { standard_errors: StandardErrors::Noisy, ..OptionalColumns::default() },
         ..Scenario::default()
     }
 }
@@ -138,13 +139,13 @@ fn bench(slot: Slot, gyro: GyroChoice, measured_at: String, rng: &mut ChaCha8Rng
             repeats: 0,
             cycles: 2,
             rates_arcsec_s: Vec::new(),
-            order: Order::Fixed,
+            order: DwellOrder::Fixed,
             dwell_s: BENCH_DWELL_S,
             ..Programme::default()
         },
         gyros: vec![GyroChoice { misalignment_arcmin: Some(fixture), states_e: StatedE::Nominal, ..gyro }],
         effects: table_errors(rng),
-        columns: Columns { standard_errors: StandardErrors::Noisy, ..Columns::default() },
+        columns: OptionalColumns { standard_errors: StandardErrors::Noisy, ..OptionalColumns::default() },
         ..Scenario::default()
     }
 }

@@ -93,7 +93,7 @@ pub fn gyros(
             let nominal = geometry
                 .triad(slot)
                 .ok_or_else(|| fault(&format!("/gyros/{k}/slot"), message!("no_axes_for", slot = text(slot.name()))))?;
-            let drawn = Drawn::new(population, rng)?;
+            let drawn = DrawnGyro::new(population, rng)?;
             let arcmin = choice.misalignment_arcmin.map_or(drawn.misalignment_arcmin, Vector3::from);
             let in_mount = Rotation3::new(arcmin.map(radians_from_arcmin));
             let scale_factor = choice.scale_factor.unwrap_or(drawn.scale_factor);
@@ -114,13 +114,13 @@ pub fn gyros(
         .collect()
 }
 
-struct Drawn {
+struct DrawnGyro {
     scale_factor: f64,
     misalignment_arcmin: Vector3<f64>,
     drift: Drift,
 }
 
-impl Drawn {
+impl DrawnGyro {
     fn new(population: &Population, rng: &mut ChaCha8Rng) -> Result<Self, Faults> {
         let mut draw = |name: &str, mean: f64, sd: f64| {
             let refuse =

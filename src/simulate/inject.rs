@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::core::fault::Faults;
 
-use super::cause::{ALWAYS, CATALOGUE, COMMON, Cause, Effect, Kind, Particulars, known};
+use super::cause::{ALWAYS, CATALOGUE, COMMON, Cause, CauseKind, Mechanism, Particulars, known};
 use super::detectability::norm;
 use super::fault_at::fault;
 use super::outside::Outside;
@@ -33,11 +33,11 @@ pub fn injected(world: &World, choice: &EffectChoice, pointer: &str, rng: &mut C
         fault(&format!("{pointer}/effect"), unknown)
     };
     let (kind, typical) = match choice.effect.strip_prefix("outside:") {
-        Some(family) => (Kind::Outside(Outside::draw(family, &mid_h, rng).ok_or_else(unknown)?), 1e-6),
+        Some(family) => (CauseKind::Outside(Outside::draw(family, &mid_h, rng).ok_or_else(unknown)?), 1e-6),
         None => {
             let typical = CATALOGUE.iter().find(|known| known.id == choice.effect).ok_or_else(unknown)?.typical;
-            let effect = Effect::draw(&choice.effect, &fixed, &mid_h, rng).ok_or_else(unknown)?;
-            (Kind::Catalogue(effect), typical)
+            let effect = Mechanism::draw(&choice.effect, &fixed, &mid_h, rng).ok_or_else(unknown)?;
+            (CauseKind::Catalogue(effect), typical)
         }
     };
     let weights = weights(world, choice, pointer, rng)?;

@@ -8,7 +8,7 @@
 //! # In reading order
 //!
 //! [`scenario`] what can be asked for, [`presets`] ready ones, [`experiment`] the paper's; [`programme`] the table's
-//! positions and rates in time; [`station`] what the IMU feels in each dwell ([`felt`]: at one moment); [`gyro`] how
+//! positions and rates in time; [`station`] what the IMU feels in each dwell ([`sensed`]: at one moment); [`gyro`] how
 //! it answers; [`cause`] and [`outside`] what may go wrong, [`inject`] how much of it; [`world`] puts them together;
 //! [`noise`] and [`environment`] chance; [`detectability`] how visible a cause is; [`truth`] what is written apart
 //! from the campaign. [`of_model`] and [`augment`] take gyros and effects from a model file
@@ -20,7 +20,6 @@ pub mod detectability;
 pub mod environment;
 pub mod experiment;
 mod fault_at;
-pub mod felt;
 pub mod gyro;
 pub mod inject;
 pub mod noise;
@@ -31,6 +30,7 @@ pub mod presets;
 pub mod programme;
 pub mod run;
 pub mod scenario;
+pub mod sensed;
 pub mod station;
 pub mod truth;
 pub mod world;

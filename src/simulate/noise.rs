@@ -7,7 +7,7 @@ use crate::core::fault::Faults;
 
 use super::gaussian;
 use super::programme::Planned;
-use super::scenario::Noise;
+use super::scenario::OutputNoise;
 use crate::core::message::text;
 use crate::message;
 
@@ -18,7 +18,7 @@ const INSTABILITY_TIMES_H: [f64; 5] = [0.03, 0.1, 0.3, 1.0, 3.0];
 /// Sub-intervals over which a Gauss-Markov process is averaged within a dwell.
 const STEPS_A_DWELL: usize = 6;
 
-impl Noise {
+impl OutputNoise {
     /// Checks that every figure makes sense.
     ///
     /// # Errors
@@ -72,25 +72,25 @@ impl Noise {
     }
 }
 
-/// White noise of the mean over a dwell of `duration_s` seconds, pulse/s, without the grain (which [`Noise::counted`]
-/// makes): sd (sqrt(r) shared + sqrt(1 - r) own), with r the correlation between gyros, `shared` the standard normal
-/// deviate that all of them have in common, and sd that of [`Noise::white_sd_pulse_s`] at the rate `w_input` about the
-/// input axis.
+/// White noise of the mean over a dwell of `duration_s` seconds, pulse/s, without the grain (which
+/// [`OutputNoise::counted`] makes): sd (sqrt(r) shared + sqrt(1 - r) own), with r the correlation between gyros,
+/// `shared` the standard normal deviate that all of them have in common, and sd that of
+/// [`OutputNoise::white_sd_pulse_s`] at the rate `w_input` about the input axis.
 pub fn white(
-    noise: &Noise,
+    noise: &OutputNoise,
     duration_s: f64,
     w_input: f64,
     scale_factor: f64,
     shared: f64,
     rng: &mut ChaCha8Rng,
 ) -> f64 {
-    let smooth = Noise { pulse_quantum: 0.0, ..noise.clone() };
+    let smooth = OutputNoise { pulse_quantum: 0.0, ..noise.clone() };
     let deviate = noise.correlation.sqrt() * shared + (1.0 - noise.correlation).sqrt() * gaussian(rng);
     smooth.white_sd_pulse_s(duration_s, w_input, scale_factor) * deviate
 }
 
 /// How the bias of one gyro wanders: its mean over each dwell, deg/h.
-pub fn bias_wander(noise: &Noise, plan: &[Planned], rng: &mut ChaCha8Rng) -> Vec<f64> {
+pub fn bias_wander(noise: &OutputNoise, plan: &[Planned], rng: &mut ChaCha8Rng) -> Vec<f64> {
     let mut bias = rate_random_walk(noise.rate_random_walk_deg_per_h_sqrt_h, plan, rng);
     let each = noise.bias_instability_deg_per_h / (INSTABILITY_TIMES_H.len() as f64).sqrt();
     for tau_h in INSTABILITY_TIMES_H {
@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn white_noise_averages_down_with_the_root_of_time() {
-        let noise = Noise { rate_noise_ppm: 0.0, ..Default::default() };
+        let noise = OutputNoise { rate_noise_ppm: 0.0, ..Default::default() };
         let mut rng = random(2, Stream::Noise);
         let means: Vec<f64> = (0..40_000).map(|_| white(&noise, 180.0, 0.0, 1.0, 0.0, &mut rng)).collect();
         // sigma^2(tau) = N^2/tau of IEEE 952, tau in hours.
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn rate_random_walk_has_the_allan_variance_of_the_standard() {
-        let noise = Noise { rate_random_walk_deg_per_h_sqrt_h: 0.01, ..Default::default() };
+        let noise = OutputNoise { rate_random_walk_deg_per_h_sqrt_h: 0.01, ..Default::default() };
         let dwells = contiguous(600, 180.0);
         let means = bias_wander(&noise, &dwells, &mut random(7, Stream::Noise));
         // sigma^2(tau) = K^2 tau/3 of IEEE 952.
@@ -191,7 +191,7 @@ mod tests {
 
     #[test]
     fn bias_instability_has_a_flat_allan_deviation_over_its_decades() {
-        let noise = Noise { bias_instability_deg_per_h: 0.01, ..Default::default() };
+        let noise = OutputNoise { bias_instability_deg_per_h: 0.01, ..Default::default() };
         let dwells = contiguous(1200, 180.0);
         let means = bias_wander(&noise, &dwells, &mut random(9, Stream::Noise));
         let deviations: Vec<f64> = [1, 2, 4, 8, 16].iter().map(|&m| allan(&means, m).sqrt()).collect();
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn a_counter_steps_by_its_quantum_and_is_right_on_average() {
-        let noise = Noise { pulse_quantum: 1.0, angle_random_walk_deg_per_sqrt_h: 0.0, ..Default::default() };
+        let noise = OutputNoise { pulse_quantum: 1.0, angle_random_walk_deg_per_sqrt_h: 0.0, ..Default::default() };
         let mut rng = random(4, Stream::Noise);
         let true_rate = 3.217_4;
         let counted: Vec<f64> = (0..20_000).map(|_| noise.counted(true_rate, 180.0, &mut rng) * 180.0).collect();
@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn bias_changes_between_power_ups_only() {
-        let noise = Noise { turn_on_bias_deg_per_h: 0.1, ..Default::default() };
+        let noise = OutputNoise { turn_on_bias_deg_per_h: 0.1, ..Default::default() };
         let programme = Programme { power_ups: 3, ..Default::default() };
         let dwells = plan(&programme, 0.6, &mut random(1, Stream::Programme)).unwrap();
         let bias = bias_wander(&noise, &dwells, &mut random(3, Stream::Noise));
@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn a_negative_noise_is_refused_by_name() {
-        let noise = Noise { pulse_quantum: -1.0, ..Default::default() };
+        let noise = OutputNoise { pulse_quantum: -1.0, ..Default::default() };
         assert_eq!(noise.check().unwrap_err().0[0].pointer, "/noise/pulse_quantum");
     }
 }

@@ -5,8 +5,8 @@ use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use super::felt::{Action, Felt, Situation};
 use super::gaussian;
+use super::sensed::{Disturbance, Sensed, Situation};
 
 /// Families of such causes, each with its hidden particulars.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,22 +117,22 @@ impl Outside {
         })
     }
 
-    pub(super) fn at_unit_size(&self, gyro: usize, felt: &Felt, at: &Situation) -> Action {
+    pub(super) fn at_unit_size(&self, gyro: usize, sensed: &Sensed, at: &Situation) -> Disturbance {
         let t = at.temperature_k;
-        let drift = |drift: f64| Action { drift, scale: 0.0 };
+        let drift = |drift: f64| Disturbance { drift, scale: 0.0 };
         match self {
-            Self::Orientation(waves) => drift(waves[gyro].iter().map(|wave| wave.at(felt)).sum()),
+            Self::Orientation(waves) => drift(waves[gyro].iter().map(|wave| wave.at(sensed)).sum()),
             Self::Series(values) => drift(values[at.index][gyro]),
             Self::TemperatureSquared => drift(t * t),
-            Self::TemperatureRate => drift(t * felt.w.y),
+            Self::TemperatureRate => drift(t * sensed.w.y),
             Self::TemperatureTime => drift(t * at.time_h),
             Self::Sawtooth { period_h, phase } => drift((at.time_h / period_h + phase).fract() - 0.5),
             Self::FaceAge => drift(at.since_face_change_h),
-            Self::RateTime => Action { drift: 0.0, scale: at.time_h },
-            Self::GTime => drift(felt.a.y * at.time_h),
-            Self::ScaleStep { first } => Action { drift: 0.0, scale: f64::from(at.index >= *first) },
-            Self::RateMemory => drift(felt.w_before.map_or(0.0, |w| w.y)),
-            Self::SpinRateRoot => drift(felt.w.y.signum() * felt.w.y.abs().sqrt()),
+            Self::RateTime => Disturbance { drift: 0.0, scale: at.time_h },
+            Self::GTime => drift(sensed.a.y * at.time_h),
+            Self::ScaleStep { first } => Disturbance { drift: 0.0, scale: f64::from(at.index >= *first) },
+            Self::RateMemory => drift(sensed.w_before.map_or(0.0, |w| w.y)),
+            Self::SpinRateRoot => drift(sensed.w.y.signum() * sensed.w.y.abs().sqrt()),
         }
     }
 }
@@ -142,8 +142,8 @@ impl Wave {
         Self { k: Vector6::from_fn(|_, _| 1.5 * gaussian(rng)), phase: rng.random_range(0.0..std::f64::consts::TAU) }
     }
 
-    fn at(&self, felt: &Felt) -> f64 {
-        let (up, north) = (felt.body.a.normalize(), felt.body.north);
+    fn at(&self, sensed: &Sensed) -> f64 {
+        let (up, north) = (sensed.body.a.normalize(), sensed.body.north);
         (self.k.dot(&Vector6::new(up.x, up.y, up.z, north.x, north.y, north.z)) + self.phase).cos()
     }
 }

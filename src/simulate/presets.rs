@@ -1,7 +1,7 @@
 //! Ready scenarios.
 
-use super::programme::{Order, Positions, Programme};
-use super::scenario::{Columns, GeometryChoice, Noise, Scenario, StandardErrors, StatedE};
+use super::programme::{DwellOrder, Positions, Programme};
+use super::scenario::{GeometryChoice, OptionalColumns, OutputNoise, Scenario, StandardErrors, StatedE};
 
 /// Name, one line about it.
 pub const PRESETS: [(&str, &str); 6] = [
@@ -20,7 +20,7 @@ pub fn preset(name: &str) -> Option<Scenario> {
         "24-position" => base,
         "24-bare" => {
             let programme =
-                Programme { repeats: 0, rates_arcsec_s: Vec::new(), order: Order::Fixed, ..Programme::default() };
+                Programme { repeats: 0, rates_arcsec_s: Vec::new(), order: DwellOrder::Fixed, ..Programme::default() };
             let mut bare = Scenario { programme, ..base };
             bare.gyros.iter_mut().for_each(|gyro| gyro.states_e = StatedE::True);
             bare
@@ -31,7 +31,7 @@ pub fn preset(name: &str) -> Option<Scenario> {
             let long = positions(base, Positions::WithTilts);
             Scenario {
                 programme: Programme { cycles: 8, repeats: 18, power_ups: 4, ..long.programme },
-                noise: Noise {
+                noise: OutputNoise {
                     bias_instability_deg_per_h: 5e-4,
                     rate_random_walk_deg_per_h_sqrt_h: 2e-4,
                     pulse_quantum: 1.0 / 64.0,
@@ -44,13 +44,17 @@ pub fn preset(name: &str) -> Option<Scenario> {
             let mut mems = Scenario {
                 geometry: GeometryChoice::Named("orthogonal".into()),
                 programme: Programme { rates_arcsec_s: Vec::new(), ..Programme::default() },
-                noise: Noise {
+                noise: OutputNoise {
                     angle_random_walk_deg_per_sqrt_h: 0.2,
                     bias_instability_deg_per_h: 5.0,
                     pulse_quantum: 1.0,
-                    ..Noise::default()
+                    ..OutputNoise::default()
                 },
-                columns: Columns { temperature: false, attitude: true, standard_errors: StandardErrors::Absent },
+                columns: OptionalColumns {
+                    temperature: false,
+                    attitude: true,
+                    standard_errors: StandardErrors::Absent,
+                },
                 ..base
             };
             mems.population.scale_factor = 1.0;

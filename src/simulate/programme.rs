@@ -32,7 +32,7 @@ pub struct Programme {
     pub both_senses: bool,
     /// Each body axis up and down, or up only.
     pub both_ups: bool,
-    pub order: Order,
+    pub order: DwellOrder,
     pub dwell_s: f64,
     /// Dwells last from `dwell_s` to this, each as it comes (evenly in the logarithm); left out, all alike.
     pub longest_dwell_s: Option<f64>,
@@ -71,7 +71,7 @@ pub enum Positions {
 /// In which order the dwells are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Order {
+pub enum DwellOrder {
     /// As listed: face by face, heading by heading, statics before rates.
     Fixed,
     /// Statics shuffled, then rates shuffled.
@@ -89,7 +89,7 @@ impl Default for Programme {
             rates_arcsec_s: vec![360.0, 1800.0, 3600.0, 7200.0],
             both_senses: true,
             both_ups: true,
-            order: Order::Random,
+            order: DwellOrder::Random,
             dwell_s: 180.0,
             longest_dwell_s: None,
             settle_s: 60.0,
@@ -169,13 +169,13 @@ fn one_cycle(programme: &Programme, pole_elevation: f64, rng: &mut ChaCha8Rng) -
     }
     let mut turns = turns(programme);
     match programme.order {
-        Order::Fixed => statics.append(&mut turns),
-        Order::Random => {
+        DwellOrder::Fixed => statics.append(&mut turns),
+        DwellOrder::Random => {
             statics.shuffle(rng);
             turns.shuffle(rng);
             statics.append(&mut turns);
         }
-        Order::Mixed => {
+        DwellOrder::Mixed => {
             statics.append(&mut turns);
             statics.shuffle(rng);
         }

@@ -19,7 +19,7 @@ use super::fault_at::fault;
 use super::gyro::TrueGyro;
 use super::inject::{injected, is_visible};
 use super::noise::{bias_wander, white};
-use super::scenario::{Columns, Scenario, StandardErrors};
+use super::scenario::{OptionalColumns, Scenario, StandardErrors};
 use super::truth::{GyroKey, KeyEntry, OUTSIDE};
 use super::world::{World, clocked};
 use super::{Stream, random};
@@ -166,7 +166,7 @@ impl World {
         self.gyros.iter().zip(ideal).map(noisy).collect()
     }
 
-    fn stated_standard_errors(&self, columns: &Columns, seed: u64) -> Option<Vec<Vec<f64>>> {
+    fn stated_standard_errors(&self, columns: &OptionalColumns, seed: u64) -> Option<Vec<Vec<f64>>> {
         let mut rng = random(seed, Stream::StandardErrors);
         let mut wrong = || (1.0 + NOISY * rng.sample::<f64, _>(StandardNormal)).max(0.3);
         match columns.standard_errors {

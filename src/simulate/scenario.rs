@@ -37,8 +37,8 @@ pub struct Scenario {
     pub population: Population,
     pub gyros: Vec<GyroChoice>,
     pub temperature: Temperature,
-    pub noise: Noise,
-    pub columns: Columns,
+    pub noise: OutputNoise,
+    pub columns: OptionalColumns,
     pub effects: Vec<EffectChoice>,
 }
 
@@ -155,7 +155,7 @@ pub enum Profile {
 /// Chance in the output.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Noise {
+pub struct OutputNoise {
     /// Angle random walk N: a mean over T hours has a standard deviation of N/sqrt(T) deg/h.
     pub angle_random_walk_deg_per_sqrt_h: f64,
     /// Noise of the torquer current: parts per million of the input rate, in the mean of a dwell.
@@ -180,7 +180,7 @@ pub struct Noise {
 /// Which optional columns the station writes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Columns {
+pub struct OptionalColumns {
     pub temperature: bool,
     pub attitude: bool,
     pub standard_errors: StandardErrors,
@@ -267,8 +267,8 @@ impl Default for Scenario {
             population: Population::default(),
             gyros: Slot::ALL.iter().map(|slot| GyroChoice { slot: slot.name().into(), ..Default::default() }).collect(),
             temperature: Temperature::default(),
-            noise: Noise::default(),
-            columns: Columns::default(),
+            noise: OutputNoise::default(),
+            columns: OptionalColumns::default(),
             effects: Vec::new(),
         }
     }
@@ -307,7 +307,7 @@ impl Default for Temperature {
     }
 }
 
-impl Default for Noise {
+impl Default for OutputNoise {
     /// Some 0.001 deg/h in a mean of three minutes, doubled at 2 deg/s; no grain, no wander.
     fn default() -> Self {
         Self {
@@ -324,7 +324,7 @@ impl Default for Noise {
     }
 }
 
-impl Default for Columns {
+impl Default for OptionalColumns {
     fn default() -> Self {
         Self { temperature: true, attitude: true, standard_errors: StandardErrors::Exact }
     }

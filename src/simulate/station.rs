@@ -168,10 +168,10 @@ mod tests {
     fn at_rest_the_imu_feels_what_the_station_commands() {
         let earth = Earth::at(&SiteChoice::default()).unwrap();
         let dwell = turning(Vector3::new(0.5, -0.3, 0.8), 0.0);
-        let felt = moments(&dwell, &earth, &TableErrors::none());
+        let sensed = moments(&dwell, &earth, &TableErrors::none());
         let (a, w) = commanded(&dwell, &earth);
-        assert_eq!(felt.len(), 1);
-        assert!((felt[0].a - a).norm() < 1e-15 && (felt[0].w - w).norm() < 1e-13);
+        assert_eq!(sensed.len(), 1);
+        assert!((sensed[0].a - a).norm() < 1e-15 && (sensed[0].w - w).norm() < 1e-13);
     }
 
     #[test]
@@ -180,15 +180,15 @@ mod tests {
         let up = Vector3::new(0.0, 0.6, -0.8);
         for arcsec_s in [3600.0, -7200.0] {
             let dwell = turning(up, arcsec_s);
-            let felt = moments(&dwell, &earth, &TableErrors::none());
-            let n = felt.len() as f64;
-            let mean_w: Vector3<f64> = felt.iter().map(|m| m.w).sum::<Vector3<f64>>() / n;
+            let sensed = moments(&dwell, &earth, &TableErrors::none());
+            let n = sensed.len() as f64;
+            let mean_w: Vector3<f64> = sensed.iter().map(|m| m.w).sum::<Vector3<f64>>() / n;
             let (a, w) = commanded(&dwell, &earth);
             assert!((mean_w - w).norm() < 1e-9);
-            assert!(felt.iter().all(|m| (m.a - a).norm() < 1e-15), "gravity does not turn with the table");
+            assert!(sensed.iter().all(|m| (m.a - a).norm() < 1e-15), "gravity does not turn with the table");
             // Across the vertical, the mean square of the horizontal Earth rate is N^2/2 in every direction.
             let across = Vector3::x();
-            let mean_square = felt.iter().map(|m| m.w.dot(&across).powi(2)).sum::<f64>() / n;
+            let mean_square = sensed.iter().map(|m| m.w.dot(&across).powi(2)).sum::<f64>() / n;
             assert!((mean_square - 0.5 * earth.rate.y.powi(2)).abs() < 1e-9);
         }
     }
@@ -200,9 +200,9 @@ mod tests {
         let errors = TableErrors { table_from_nav: Rotation3::new(Vector3::new(tilt, 0.0, 0.0)) };
         let dwell = turning(Vector3::y(), 0.0);
         let (a, _) = commanded(&dwell, &earth);
-        let felt = moments(&dwell, &earth, &errors)[0];
-        assert!((felt.a.angle(&a) - tilt).abs() < 1e-12);
-        assert!((felt.a.norm() - a.norm()).abs() < 1e-15);
+        let sensed = moments(&dwell, &earth, &errors)[0];
+        assert!((sensed.a.angle(&a) - tilt).abs() < 1e-12);
+        assert!((sensed.a.norm() - a.norm()).abs() < 1e-15);
     }
 
     #[test]

@@ -11,10 +11,10 @@ use super::cause::Cause;
 use super::detectability::Sight;
 use super::environment::temperatures;
 use super::fault_at::fault;
-use super::felt::{Action, Felt, Situation};
 use super::gyro::{TrueGyro, gyros};
 use super::programme::{Planned, plan};
 use super::scenario::Scenario;
+use super::sensed::{Disturbance, Sensed, Situation};
 use super::station::{Earth, Moment, TableErrors, commanded, moments};
 use super::{Stream, random};
 use crate::message;
@@ -85,29 +85,29 @@ impl World {
 
     /// Noise-free means of every gyro, pulse/s: `[gyro][dwell]`.
     pub fn outputs(&self, causes: &[Cause]) -> Vec<Vec<f64>> {
-        let felt: Vec<Vec<Moment>> =
-            self.plan.iter().zip(&self.situations).map(|(dwell, at)| self.felt(dwell, at, causes)).collect();
+        let sensed: Vec<Vec<Moment>> =
+            self.plan.iter().zip(&self.situations).map(|(dwell, at)| self.sensed(dwell, at, causes)).collect();
         self.gyros
             .iter()
             .map(|gyro| {
                 let axes = clocked(gyro, causes);
-                felt.iter().zip(&self.situations).map(|(m, at)| mean_output(gyro, &axes, causes, m, at)).collect()
+                sensed.iter().zip(&self.situations).map(|(m, at)| mean_output(gyro, &axes, causes, m, at)).collect()
             })
             .collect()
     }
 
     /// What the IMU feels in one dwell.
-    fn felt(&self, dwell: &Planned, at: &Situation, causes: &[Cause]) -> Vec<Moment> {
+    fn sensed(&self, dwell: &Planned, at: &Situation, causes: &[Cause]) -> Vec<Moment> {
         let one = Rotation3::identity();
         let table_from_nav = causes.iter().fold(one, |r, cause| cause.table_from_nav(at) * r);
         let seat = causes.iter().fold(one, |r, cause| cause.seat(at) * r);
-        let mut felt = moments(dwell, &self.earth, &TableErrors { table_from_nav });
-        for moment in &mut felt {
+        let mut sensed = moments(dwell, &self.earth, &TableErrors { table_from_nav });
+        for moment in &mut sensed {
             for vector in [&mut moment.a, &mut moment.w, &mut moment.field, &mut moment.north] {
                 *vector = seat * *vector;
             }
         }
-        felt
+        sensed
     }
 
     /// Detectability of a set of causes, gyro by gyro, and the power of their response, seen or not.
@@ -168,7 +168,7 @@ pub(super) fn clocked(gyro: &TrueGyro, causes: &[Cause]) -> Matrix3<f64> {
 /// K (1 + scale changes)(w_I + drift), averaged over the moments of one dwell, pulse/s.
 fn mean_output(gyro: &TrueGyro, axes: &Matrix3<f64>, causes: &[Cause], moments: &[Moment], at: &Situation) -> f64 {
     let one = |moment: &Moment| {
-        let felt = Felt {
+        let sensed = Sensed {
             a: axes * moment.a,
             w: axes * moment.w,
             field: axes * moment.field,
@@ -177,11 +177,11 @@ fn mean_output(gyro: &TrueGyro, axes: &Matrix3<f64>, causes: &[Cause], moments: 
             body: *moment,
         };
         let slot = gyro.slot.index();
-        let sum = causes.iter().fold(Action::default(), |sum, cause| {
-            let more = cause.acts(slot, &felt, at);
-            Action { drift: sum.drift + more.drift, scale: sum.scale + more.scale }
+        let sum = causes.iter().fold(Disturbance::default(), |sum, cause| {
+            let more = cause.acts(slot, &sensed, at);
+            Disturbance { drift: sum.drift + more.drift, scale: sum.scale + more.scale }
         });
-        gyro.scale_factor * (1.0 + sum.scale) * (felt.w.x + gyro.drift.rate(&felt.a) + sum.drift)
+        gyro.scale_factor * (1.0 + sum.scale) * (sensed.w.x + gyro.drift.rate(&sensed.a) + sum.drift)
     };
     moments.iter().map(one).sum::<f64>() / moments.len() as f64
 }

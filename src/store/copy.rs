@@ -20,14 +20,14 @@ const BLOCK_ROWS: usize = 5_000;
 const BLOCK_BYTES: usize = 8 << 20;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum ColumnType {
     Whole,
     Real,
     Text,
     Bytes,
 }
 
-impl Kind {
+impl ColumnType {
     /// Of a column of a STRICT table.
     fn of(declared: &str) -> Result<Self, StoreError> {
         match declared {
@@ -41,9 +41,9 @@ impl Kind {
 }
 
 /// A table as the schema of the file has it: its name, its columns, in what order it is read.
-struct Table {
+struct CopiedTable {
     name: &'static str,
-    columns: Vec<(String, Kind)>,
+    columns: Vec<(String, ColumnType)>,
     order: String,
 }
 
@@ -82,7 +82,7 @@ const TABLES: [&str; 31] = [
     "audit",
 ];
 
-impl Table {
+impl CopiedTable {
     async fn of(name: &'static str, source: &mut SqliteConnection) -> Result<Self, StoreError> {
         let sql = "SELECT name, type, pk FROM pragma_table_info($1) ORDER BY cid";
         let found: Vec<(String, String, i64)> = sqlx::query_as(sql).bind(name).fetch_all(source).await?;
@@ -91,7 +91,7 @@ impl Table {
         key.sort_unstable();
         let key: Vec<&str> = key.into_iter().map(|(_, column)| column).collect();
         let order = if key.is_empty() { "rowid".to_owned() } else { quoted(&key) };
-        let kinds = found.iter().map(|(column, declared, _)| Ok((column.clone(), Kind::of(declared)?)));
+        let kinds = found.iter().map(|(column, declared, _)| Ok((column.clone(), ColumnType::of(declared)?)));
         Ok(Self { name, columns: kinds.collect::<Result<_, StoreError>>()?, order })
     }
 
@@ -109,10 +109,10 @@ impl Table {
 
     fn insert(&self) -> String {
         let arrays = self.columns.iter().zip(1..).map(|((_, kind), place)| match kind {
-            Kind::Whole => format!("CAST(${place} AS BIGINT[])"),
-            Kind::Real => format!("CAST(${place} AS DOUBLE PRECISION[])"),
-            Kind::Text => format!("CAST(${place} AS TEXT[])"),
-            Kind::Bytes => format!("CAST(${place} AS BYTEA[])"),
+            ColumnType::Whole => format!("CAST(${place} AS BIGINT[])"),
+            ColumnType::Real => format!("CAST(${place} AS DOUBLE PRECISION[])"),
+            ColumnType::Text => format!("CAST(${place} AS TEXT[])"),
+            ColumnType::Bytes => format!("CAST(${place} AS BYTEA[])"),
         });
         let arrays: Vec<String> = arrays.collect();
         format!("INSERT INTO {} ({}) SELECT * FROM unnest({})", self.name, self.columns(), arrays.join(", "))
@@ -159,7 +159,7 @@ pub async fn copy(
     claim(&mut target, &from.file()?.display().to_string()).await?;
     let mut tables = Vec::with_capacity(TABLES.len());
     for name in TABLES {
-        tables.push(Table::of(name, &mut source).await?);
+        tables.push(CopiedTable::of(name, &mut source).await?);
     }
     for table in &tables {
         copy_table(table, &mut source, &mut target, &mut each).await?;
@@ -243,7 +243,7 @@ async fn release_mark(target: &mut PgConnection) -> Result<(), StoreError> {
 }
 
 /// Opens the copy to servers: identifiers go on after the greatest.
-async fn release(tables: &[Table], target: &mut PgConnection) -> Result<(), StoreError> {
+async fn release(tables: &[CopiedTable], target: &mut PgConnection) -> Result<(), StoreError> {
     let newest = tables.iter().filter(|table| table.columns[0].0 == "id" && !NAMES.contains(&table.name));
     let newest: Vec<String> =
         newest.map(|table| format!("coalesce((SELECT max(id) FROM {}), 0)", table.name)).collect();
@@ -263,7 +263,7 @@ async fn release(tables: &[Table], target: &mut PgConnection) -> Result<(), Stor
 const NAMES: [&str; 3] = ["imu", "station", "gyro"];
 
 async fn copy_table(
-    table: &Table,
+    table: &CopiedTable,
     source: &mut SqliteConnection,
     target: &mut PgConnection,
     each: &mut impl FnMut(&'static str, u64),
@@ -296,27 +296,27 @@ async fn copy_table(
     }
 }
 
-fn size(table: &Table, row: &SqliteRow) -> Result<usize, sqlx::Error> {
+fn size(table: &CopiedTable, row: &SqliteRow) -> Result<usize, sqlx::Error> {
     let mut size = 0;
     for (place, (_, kind)) in table.columns.iter().enumerate() {
         size += match kind {
-            Kind::Text => row.try_get::<Option<&str>, _>(place)?.map_or(0, str::len),
-            Kind::Bytes => row.try_get::<Option<&[u8]>, _>(place)?.map_or(0, <[u8]>::len),
-            Kind::Whole | Kind::Real => 8,
+            ColumnType::Text => row.try_get::<Option<&str>, _>(place)?.map_or(0, str::len),
+            ColumnType::Bytes => row.try_get::<Option<&[u8]>, _>(place)?.map_or(0, <[u8]>::len),
+            ColumnType::Whole | ColumnType::Real => 8,
         };
     }
     Ok(size)
 }
 
 /// One transaction: the rows, and how many there are now.
-async fn put(table: &Table, rows: &[SqliteRow], done: i64, target: &mut PgConnection) -> Result<(), StoreError> {
+async fn put(table: &CopiedTable, rows: &[SqliteRow], done: i64, target: &mut PgConnection) -> Result<(), StoreError> {
     let mut insert = sqlx::query(AssertSqlSafe(table.insert()));
     for (place, (_, kind)) in table.columns.iter().enumerate() {
         insert = match kind {
-            Kind::Whole => insert.bind(column::<i64>(rows, place)?),
-            Kind::Real => insert.bind(column::<f64>(rows, place)?),
-            Kind::Text => insert.bind(column::<String>(rows, place)?),
-            Kind::Bytes => insert.bind(column::<Vec<u8>>(rows, place)?),
+            ColumnType::Whole => insert.bind(column::<i64>(rows, place)?),
+            ColumnType::Real => insert.bind(column::<f64>(rows, place)?),
+            ColumnType::Text => insert.bind(column::<String>(rows, place)?),
+            ColumnType::Bytes => insert.bind(column::<Vec<u8>>(rows, place)?),
         };
     }
     let mut block = target.begin().await?;
@@ -333,18 +333,18 @@ where
     rows.iter().map(|row| row.try_get(place)).collect()
 }
 
-async fn source_sum(table: &Table, source: &mut SqliteConnection) -> Result<(u64, u128), StoreError> {
+async fn source_sum(table: &CopiedTable, source: &mut SqliteConnection) -> Result<(u64, u128), StoreError> {
     sum(table, sqlx::query(AssertSqlSafe(table.select(HISTORY))).fetch(source)).await
 }
 
-async fn target_sum(table: &Table, target: &mut PgConnection) -> Result<(u64, u128), StoreError> {
+async fn target_sum(table: &CopiedTable, target: &mut PgConnection) -> Result<(u64, u128), StoreError> {
     let sql = AssertSqlSafe(format!("SELECT {} FROM {}", table.columns(), table.name));
     sum(table, sqlx::query(sql).fetch(target)).await
 }
 
 /// How many rows, and the sum of half the SHA-256 of each: the same in whatever order they come.
 async fn sum<R: Row>(
-    table: &Table,
+    table: &CopiedTable,
     mut rows: impl futures::Stream<Item = Result<R, sqlx::Error>> + Unpin,
 ) -> Result<(u64, u128), StoreError>
 where
@@ -359,10 +359,10 @@ where
         bytes.clear();
         for (place, (_, kind)) in table.columns.iter().enumerate() {
             match kind {
-                Kind::Whole => add(&mut bytes, row.try_get::<Option<i64>, _>(place)?.map(i64::to_le_bytes)),
-                Kind::Real => add(&mut bytes, row.try_get::<Option<f64>, _>(place)?.map(f64::to_le_bytes)),
-                Kind::Text => add(&mut bytes, row.try_get::<Option<String>, _>(place)?),
-                Kind::Bytes => add(&mut bytes, row.try_get::<Option<Vec<u8>>, _>(place)?),
+                ColumnType::Whole => add(&mut bytes, row.try_get::<Option<i64>, _>(place)?.map(i64::to_le_bytes)),
+                ColumnType::Real => add(&mut bytes, row.try_get::<Option<f64>, _>(place)?.map(f64::to_le_bytes)),
+                ColumnType::Text => add(&mut bytes, row.try_get::<Option<String>, _>(place)?),
+                ColumnType::Bytes => add(&mut bytes, row.try_get::<Option<Vec<u8>>, _>(place)?),
             }
         }
         let hash = sha256(&bytes);
@@ -414,8 +414,8 @@ mod tests {
         let mut known = [TABLES.as_slice(), &NOT_COPIED].concat();
         known.sort_unstable();
         assert_eq!(there, known);
-        let alert = Table::of("alert", &mut source).await.unwrap();
-        assert!(alert.columns.contains(&("imu".to_owned(), Kind::Whole)), "{}", alert.columns());
+        let alert = CopiedTable::of("alert", &mut source).await.unwrap();
+        assert!(alert.columns.contains(&("imu".to_owned(), ColumnType::Whole)), "{}", alert.columns());
         assert_eq!(alert.order, "\"id\"");
     }
 }

@@ -24,7 +24,7 @@ mod tables;
 mod token_beside;
 mod writer;
 
-pub use crate::store::name_tables::{Names, NamesOf, NewName, Table, Tables};
+pub use crate::store::name_tables::{NamesOf, NewName, Table, Tables};
 pub use crate::store::packed::history_row::HistoryRow;
 pub use crate::store::packed::verdicts::{StoredVerdict, VerdictSheet};
 pub(crate) use crate::store::postgres::hosts::without_password;
@@ -34,9 +34,8 @@ pub use crate::store::sqlite::backup::{
 pub use crate::store::tables::access::{AccessChanges, SessionRow, TokenRow};
 pub use crate::store::tables::alerts::{AlertOf, AlertRow, Remark, StepRow};
 pub use crate::store::tables::bench::BenchRow;
-pub use crate::store::tables::correction::Withdrawn;
 pub use crate::store::tables::delivery::{
-    AttemptRow, DeliveryRow, DueDelivery, NewDelivery, OutboxChanges, Part, Progress, Subject,
+    AttemptRow, DeliveryRow, DeliverySubject, DueDelivery, NewDelivery, OutboxChanges, Part, Progress,
 };
 pub use crate::store::tables::diagnosis::{DiagnosisRow, NewDiagnosis};
 pub use crate::store::tables::diagnosis_digest::GistRow;
@@ -54,11 +53,11 @@ pub use crate::store::tables::model::ModelRow;
 pub use crate::store::tables::record::{
     RecordAt, RecordEntry, RecordFilter, RecordHead, RecordRow, RejudgedSheet, StationTotals,
 };
-pub use crate::store::tables::set_aside::{ConfirmationRow, SetAside, StoredAside};
+pub use crate::store::tables::set_aside::{ConfirmationRow, StoredAside};
 pub use crate::store::tables::silence::SilenceRow;
 pub use crate::store::tables::suspect_window::WindowMarkRow;
-pub use cells::{Cells, cell_of};
-pub use changes::{Changes, Rejudged, RestatedRow};
+pub use cells::Cells;
+pub use changes::{Changes, RestatedRow};
 pub use copy::{Copied, copy};
 pub use error::StoreError;
 pub use handle::{Options, Store};

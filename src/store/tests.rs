@@ -194,7 +194,11 @@ async fn judging_again_changes_states_and_verdicts_and_nothing_else() {
     assert!(!sheet.sheet.replace(2, vec![]));
     let mut anew = row.clone();
     anew.figures.states = States([Some(State::Exceeded), None, None]);
-    let rejudged = Rejudged { history: vec![anew.clone()], sheets: vec![(id, sheet.clone())], ..Rejudged::default() };
+    let rejudged = changes::Rejudged {
+        history: vec![anew.clone()],
+        sheets: vec![(id, sheet.clone())],
+        ..changes::Rejudged::default()
+    };
     writer.commit(&Changes { rejudged, ..Changes::default() }).await.unwrap();
     assert_eq!(store::history::oldest(&store, 1, Span::EVER, 9).await.unwrap(), [anew.figures]);
     let stored = store::record::get(&store, id).await.unwrap().unwrap();

@@ -9,7 +9,7 @@ use super::note::NoteBody;
 use super::reason::Reason;
 use super::triple::Triple;
 use crate::core::calibrate::GyroCalibration;
-use crate::core::calibrate::uncertainty::Budget;
+use crate::core::calibrate::uncertainty::UncertaintyBudget;
 use crate::core::judge::Verdict;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::separate::{self, JudgedMethod, Separation};
@@ -56,9 +56,15 @@ pub struct UncertaintyBody {
     pub fixture: Option<f64>,
 }
 
-impl From<Budget> for UncertaintyBody {
-    fn from(budget: Budget) -> Self {
-        let Budget { statistical, station, of_station: [levelling, azimuth, fixture], discrepancy, combined } = budget;
+impl From<UncertaintyBudget> for UncertaintyBody {
+    fn from(budget: UncertaintyBudget) -> Self {
+        let UncertaintyBudget {
+            statistical,
+            station,
+            of_station: [levelling, azimuth, fixture],
+            discrepancy,
+            combined,
+        } = budget;
         Self { statistical, station, discrepancy, combined, levelling, azimuth, fixture }
     }
 }

@@ -12,7 +12,7 @@ use super::note::NoteBody;
 use super::time;
 use super::triple::Triple;
 use crate::core::calibrate::bench::BenchCalibration;
-use crate::core::calibrate::noise::Noise;
+use crate::core::calibrate::noise::NoiseScale;
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::calibrate::repeats_between::Repeated;
 use crate::core::calibrate::{GyroCalibration, Parameter, ScaleSource};
@@ -341,7 +341,7 @@ impl GyroFitBody {
         Self {
             slot: gyro.slot,
             serial: gyro.serial.to_string(),
-            e_source: scale_source(gyro.scale_source),
+            e_source: gyro.scale_source.name().to_owned(),
             parameters: gyro.parameters.iter().enumerate().map(|(i, p)| ParameterBody::of(p, gyro, i)).collect(),
             effects: gyro.effects.iter().map(EffectParameterBody::of).collect(),
             e_pulse_per_arcsec: gyro.e().map(Triple::from),
@@ -369,7 +369,7 @@ impl GyroFitBody {
         Self {
             slot: gyro.slot,
             serial: gyro.serial.to_string(),
-            e_source: scale_source(bench.scale_source),
+            e_source: bench.scale_source.name().to_owned(),
             parameters: bench
                 .coefficients
                 .iter()
@@ -415,7 +415,7 @@ impl GyroFitBody {
 }
 
 impl NoiseBody {
-    fn of(noise: &Noise, sigma: Option<&DVector<f64>>, has_sem: bool, scale: Option<f64>) -> Self {
+    fn of(noise: &NoiseScale, sigma: Option<&DVector<f64>>, has_sem: bool, scale: Option<f64>) -> Self {
         let rms = sigma.map(|s| (s.norm_squared() / s.len() as f64).sqrt());
         Self {
             source: noise.source.name().to_owned(),
@@ -429,15 +429,6 @@ impl NoiseBody {
             pure_error_dof: noise.pure_error.dof,
         }
     }
-}
-
-fn scale_source(source: ScaleSource) -> String {
-    match source {
-        ScaleSource::Fitted => "fitted",
-        ScaleSource::Held => "held",
-        ScaleSource::Missing => "missing",
-    }
-    .to_owned()
 }
 
 fn names(terms: Terms) -> Vec<String> {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::geometry::GeometryBody;
 use super::numbers::{Numbers, in_range, tidy};
 use super::{json, text};
-use crate::core::campaign::commanded::Part;
+use crate::core::campaign::commanded::AffectedDwells;
 use crate::core::campaign::{
     Campaign, CampaignGyro, CampaignLimits, Dwell, Phase, Site, StationPart, StationUncertainty, TestKind,
     check_dwells, with_earth_rate,
@@ -253,7 +253,7 @@ impl CampaignBody {
     fn inertial(&self, campaign: Campaign) -> Result<Campaign, Faults> {
         match self.rates.as_deref() {
             None | Some(INERTIAL) => Ok(campaign),
-            Some(_) => with_earth_rate(&campaign, Part::All).map_err(|lacks| {
+            Some(_) => with_earth_rate(&campaign, AffectedDwells::All).map_err(|lacks| {
                 let mut missing = Vec::new();
                 missing.extend(lacks.site.then(|| message!("site_missing")));
                 missing.extend(lacks.attitudes.first().map(|first| {

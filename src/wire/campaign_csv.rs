@@ -20,7 +20,7 @@ mod write;
 
 pub use write::{body_to_csv, to_csv};
 
-use cells::{Columns, Row};
+use cells::{DwellRow, DwellTableColumns};
 use head::Head;
 
 use super::campaign::{CampaignBody, commanded};
@@ -80,14 +80,14 @@ pub fn parse_csv_as_sent(bytes: &[u8]) -> Result<(CampaignBody, Campaign), Fault
 }
 
 /// Adds the line and column to faults that only know their JSON pointer.
-fn located(part: Faults, head: &Head, columns: &Columns, rows: &[Row], faults: &mut Faults) {
+fn located(part: Faults, head: &Head, columns: &DwellTableColumns, rows: &[DwellRow], faults: &mut Faults) {
     for fault in part.0 {
         let message = placed(fault.message, &fault.pointer, head, columns, rows);
         faults.push(fault.pointer, message);
     }
 }
 
-fn placed(fault: Message, pointer: &str, head: &Head, columns: &Columns, rows: &[Row]) -> Message {
+fn placed(fault: Message, pointer: &str, head: &Head, columns: &DwellTableColumns, rows: &[DwellRow]) -> Message {
     let mut tokens = pointer.split('/').skip(1);
     let first = tokens.next().unwrap_or_default();
     if first != "dwells" {

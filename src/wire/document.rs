@@ -24,7 +24,7 @@ const LONGEST_RECORD: usize = 64 * 1024;
 
 /// The members that tell the kinds apart.
 #[derive(Deserialize)]
-struct Marks {
+struct KindMembers {
     method: Option<IgnoredAny>,
     imu: Option<IgnoredAny>,
     measured_at: Option<IgnoredAny>,
@@ -35,7 +35,7 @@ struct Marks {
     d_s_deg_per_h_g0: Option<IgnoredAny>,
 }
 
-impl Marks {
+impl KindMembers {
     /// None of what is no object, which serde would take for the members in their order.
     fn of(bytes: &[u8]) -> Option<Self> {
         let text = without_mark(bytes);
@@ -63,14 +63,14 @@ impl DocumentKind {
     /// that the others have.
     fn is_bench(bytes: &[u8]) -> bool {
         let of_others =
-            |m: &Marks| m.imu.is_some() || m.calibrated_at.is_some() || m.gyros.is_some() || m.dwells.is_some();
-        let marks = Marks::of(bytes).filter(|marks| !of_others(marks));
+            |m: &KindMembers| m.imu.is_some() || m.calibrated_at.is_some() || m.gyros.is_some() || m.dwells.is_some();
+        let marks = KindMembers::of(bytes).filter(|marks| !of_others(marks));
         marks.is_some_and(|m| m.method.is_some() || m.d_i_deg_per_h_g0.is_some() || m.d_s_deg_per_h_g0.is_some())
     }
 
     /// Whether a document shows that it is a calibration record, complete or not: by its time, or by the E of a gyro.
     pub fn is_record(bytes: &[u8]) -> bool {
-        let Some(marks) = Marks::of(bytes).filter(|marks| marks.dwells.is_none()) else { return false };
+        let Some(marks) = KindMembers::of(bytes).filter(|marks| marks.dwells.is_none()) else { return false };
         marks.calibrated_at.is_some() || bytes.len() <= LONGEST_RECORD && has_e(bytes)
     }
 
@@ -80,7 +80,7 @@ impl DocumentKind {
         if is_csv(bytes) {
             return memchr::memmem::find(bytes, b"specific_force_g0_x").is_some();
         }
-        Marks::of(bytes).is_some_and(|marks| marks.dwells.is_some())
+        KindMembers::of(bytes).is_some_and(|marks| marks.dwells.is_some())
     }
 
     /// A document that is none of them is read as a record, and refused as one.
@@ -89,9 +89,9 @@ impl DocumentKind {
         if memchr::memmem::find(bytes, b"\"measured_at\"").is_none() {
             return Self::Record;
         }
-        match Marks::of(bytes) {
-            Some(Marks { dwells: Some(_), .. }) => Self::Campaign,
-            Some(Marks { method: Some(_), measured_at: Some(_), gyros: None, .. }) => Self::Bench,
+        match KindMembers::of(bytes) {
+            Some(KindMembers { dwells: Some(_), .. }) => Self::Campaign,
+            Some(KindMembers { method: Some(_), measured_at: Some(_), gyros: None, .. }) => Self::Bench,
             Some(_) | None => Self::Record,
         }
     }

@@ -10,8 +10,8 @@ use crate::core::campaign::Campaign;
 use crate::core::effects;
 use crate::core::id::Id;
 use crate::core::imu_model::{
-    Changed, ChangedEffect, Closing, Comparison, DriftShift, Forecast, GyroComparison, GyroForecast, Identified, Miss,
-    Rung, Telling,
+    Changed, ChangedEffect, Closing, DriftShift, Forecast, ForecastComparison, GyroComparison, GyroForecast,
+    Identified, Miss, Rung, Telling,
 };
 use crate::core::judge;
 use crate::core::judge::{Coefficient, Finding, Limit, LimitKey, Limits, Rule, State, Unseen, Verdict};
@@ -434,7 +434,7 @@ impl ForecastBody {
     /// With what was measured; `limits`: of the rule `forecast`, the steps of D_I and D_S that are to show.
     pub fn compared(
         mut self,
-        comparison: &Comparison,
+        comparison: &ForecastComparison,
         ladder: &[Rung],
         changed: Option<&Changed>,
         (model, limits): (&Identified, [Option<Limit>; 2]),
@@ -465,7 +465,7 @@ impl GyroForecastBody {
 
 impl ComparedBody {
     /// `verdict` is kept, `said` is what the rule says, judged or not.
-    fn of(c: &Comparison, ladder: &[Rung], verdict: Option<&Verdict>, said: Option<&Verdict>) -> Self {
+    fn of(c: &ForecastComparison, ladder: &[Rung], verdict: Option<&Verdict>, said: Option<&Verdict>) -> Self {
         let state = match said.map(|verdict| verdict.state) {
             Some(State::Exceeded) => OUTSIDE,
             Some(State::Within) => "as_foretold",

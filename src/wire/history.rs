@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::core::changes::{
-    AsOf, Due, Estimate, Excess, HeldOut, HistoryDiagnosis, NamedCause, Outlier, Rejected, Wander,
+    AsOf, CauseEstimate, Due, Excess, HistoryDiagnosis, HistoryHeldOut, NamedCause, Outlier, Rejected, Wander,
 };
 use crate::core::time::UtcMicros;
 use crate::wire::body::{ToBody, bodies};
@@ -182,8 +182,8 @@ impl RejectedBody {
 }
 
 bodies! {
-    HistoryEstimateBody of Estimate: name, value, sd, unit;
-    LeftOutBody of HeldOut: before, after, closure, interval;
+    HistoryEstimateBody of CauseEstimate: name, value, sd, unit;
+    LeftOutBody of HistoryHeldOut: before, after, closure, interval;
     OutlierBody of Outlier: calibrated_at = at, deviation, sd;
     WanderBody of Wander: process, size, p_value;
     ExcessBody of Excess: sd, expected, p_value;

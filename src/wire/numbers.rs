@@ -98,8 +98,8 @@ impl Serialize for Numbers {
 
 impl<'de> Deserialize<'de> for Numbers {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct List;
-        impl<'de> Visitor<'de> for List {
+        struct NumberList;
+        impl<'de> Visitor<'de> for NumberList {
             type Value = Numbers;
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -117,7 +117,7 @@ impl<'de> Deserialize<'de> for Numbers {
                 Ok(list)
             }
         }
-        deserializer.deserialize_seq(List)
+        deserializer.deserialize_seq(NumberList)
     }
 }
 

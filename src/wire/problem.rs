@@ -102,6 +102,12 @@ impl Problem {
         self
     }
 
+    /// Names the place in the document that its message is about.
+    pub fn at(self, pointer: impl Into<String>) -> Self {
+        let message = self.message.clone();
+        self.with_place(pointer, message)
+    }
+
     /// Adds a place in the document, by its JSON pointer.
     pub fn with_place(mut self, pointer: impl Into<String>, message: Message) -> Self {
         self.places.push(Fault { pointer: pointer.into(), message });

@@ -47,14 +47,14 @@ struct TimeForm {
 
 /// What a row is.
 #[derive(Clone, Copy)]
-enum Kind {
+enum RowKind {
     /// A gyro of a record.
     Record,
     Bench,
 }
 
 /// A member of the JSON, and the columns that make it.
-struct Field {
+struct TableField {
     name: &'static str,
     parts: &'static [&'static str],
     is_number: bool,
@@ -66,27 +66,27 @@ struct Field {
 const ONE: &[&str] = &[""];
 const XYZ: &[&str] = &["_x", "_y", "_z"];
 
-const fn text(name: &'static str) -> Field {
-    Field { name, parts: ONE, is_number: false, of_gyro: false, is_required: false }
+const fn text(name: &'static str) -> TableField {
+    TableField { name, parts: ONE, is_number: false, of_gyro: false, is_required: false }
 }
 
-const fn figure(name: &'static str) -> Field {
-    Field { is_number: true, ..text(name) }
+const fn figure(name: &'static str) -> TableField {
+    TableField { is_number: true, ..text(name) }
 }
 
-const fn vector(name: &'static str) -> Field {
-    Field { parts: XYZ, of_gyro: true, ..figure(name) }
+const fn vector(name: &'static str) -> TableField {
+    TableField { parts: XYZ, of_gyro: true, ..figure(name) }
 }
 
-const fn required(field: Field) -> Field {
-    Field { is_required: true, ..field }
+const fn required(field: TableField) -> TableField {
+    TableField { is_required: true, ..field }
 }
 
-const fn of_gyro(field: Field) -> Field {
-    Field { of_gyro: true, ..field }
+const fn of_gyro(field: TableField) -> TableField {
+    TableField { of_gyro: true, ..field }
 }
 
-static RECORD: [Field; 17] = [
+static RECORD: [TableField; 17] = [
     required(text("imu")),
     required(text("station")),
     required(text("calibrated_at")),
@@ -106,7 +106,7 @@ static RECORD: [Field; 17] = [
     vector("g_sd"),
 ];
 
-static BENCH: [Field; 11] = [
+static BENCH: [TableField; 11] = [
     required(text("serial")),
     required(text("station")),
     required(text("measured_at")),
@@ -120,7 +120,7 @@ static BENCH: [Field; 11] = [
     text("note"),
 ];
 
-impl Kind {
+impl RowKind {
     /// By a column that only it has.
     fn of(names: &[Option<String>]) -> Option<Self> {
         let has = |name: &str| names.iter().flatten().any(|column| column == name);
@@ -130,7 +130,7 @@ impl Kind {
         has("d_i_deg_per_h_g0").then_some(Self::Bench)
     }
 
-    fn fields(self) -> &'static [Field] {
+    fn fields(self) -> &'static [TableField] {
         match self {
             Self::Record => &RECORD,
             Self::Bench => &BENCH,
@@ -138,11 +138,11 @@ impl Kind {
     }
 
     fn columns(self) -> impl Iterator<Item = String> {
-        self.fields().iter().flat_map(Field::columns)
+        self.fields().iter().flat_map(TableField::columns)
     }
 }
 
-impl Field {
+impl TableField {
     fn columns(&self) -> impl Iterator<Item = String> {
         self.parts.iter().map(|part| format!("{}{part}", self.name))
     }
@@ -162,14 +162,14 @@ pub fn documents(text: &str, map: &TableMap) -> Option<Result<Vec<(usize, Value)
     let mut rows = reader.records();
     let header = rows.next()?.ok()?;
     let mut faults = Faults::default();
-    let table = Table::new(kind, &header, map, (text, first), &mut faults);
+    let table = RecordTable::new(kind, &header, map, (text, first), &mut faults);
     let mut documents = Documents::default();
     for row in rows.filter(|_| faults.is_empty()).collect::<Vec<_>>() {
         match row {
             Ok(row) if row.iter().all(str::is_empty) => {}
             Ok(row) => {
                 let line = first + row.position().map_or(0, |p| p.line() as usize);
-                documents.add(&Row { line, cells: &row, table: &table }, &mut faults);
+                documents.add(&TableRow { line, cells: &row, table: &table }, &mut faults);
             }
             Err(error) => faults.push("", message!("table_unreadable", why = format_args!("{error}"))),
         }
@@ -196,11 +196,11 @@ pub fn is_table(text: &str, map: &TableMap) -> bool {
 }
 
 /// The line of the header, counted from 0, and what the rows below it are.
-fn found(text: &str, map: &TableMap) -> Option<(usize, Kind)> {
+fn found(text: &str, map: &TableMap) -> Option<(usize, RowKind)> {
     let first = text.lines().position(|line| !line.trim().is_empty() && comment(line).is_none())?;
     let header = reader(text, first).records().next()?.ok()?;
     let names: Vec<Option<String>> = header.iter().map(|name| map.ours(name)).collect();
-    Some((first, Kind::of(&names).or_else(|| map.kind())?))
+    Some((first, RowKind::of(&names).or_else(|| map.kind())?))
 }
 
 impl TableMap {
@@ -211,13 +211,13 @@ impl TableMap {
     }
 
     /// What the tables of a map are, where the columns do not tell.
-    fn kind(&self) -> Option<Kind> {
+    fn kind(&self) -> Option<RowKind> {
         let of_record = |name: &String| {
             RECORD.iter().any(|field| field.of_gyro && name.starts_with(field.name) && name != "serial")
         };
         let mut told = self.columns.keys().chain(self.values.keys()).peekable();
         told.peek()?;
-        Some(if told.any(of_record) { Kind::Record } else { Kind::Bench })
+        Some(if told.any(of_record) { RowKind::Record } else { RowKind::Bench })
     }
 
     fn leaves_aside(&self) -> bool {
@@ -226,8 +226,8 @@ impl TableMap {
 }
 
 /// What is known of a table before its rows are read.
-struct Table<'a> {
-    kind: Kind,
+struct RecordTable<'a> {
+    kind: RowKind,
     header: &'a csv::StringRecord,
     /// By column of ours, the index of theirs.
     places: HashMap<String, usize>,
@@ -236,9 +236,9 @@ struct Table<'a> {
     map: &'a TableMap,
 }
 
-impl<'a> Table<'a> {
+impl<'a> RecordTable<'a> {
     fn new(
-        kind: Kind,
+        kind: RowKind,
         header: &'a csv::StringRecord,
         map: &'a TableMap,
         (text, first): (&str, usize),
@@ -301,7 +301,7 @@ impl<'a> Table<'a> {
         }
         let table = Self { kind, header, places, values, map };
         let given = |name: &String| table.places.contains_key(name) || table.values.contains_key(name);
-        let is_there = |field: &Field| field.columns().any(|name| given(&name));
+        let is_there = |field: &TableField| field.columns().any(|name| given(&name));
         for field in kind.fields().iter().filter(|field| field.is_required || is_there(field)) {
             let is_missing = |name: &String| !given(name) && !otherwise.contains(name);
             let missing: Vec<String> = field.columns().filter(is_missing).collect();
@@ -319,13 +319,13 @@ fn plain(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
-struct Row<'a> {
+struct TableRow<'a> {
     line: usize,
     cells: &'a csv::StringRecord,
-    table: &'a Table<'a>,
+    table: &'a RecordTable<'a>,
 }
 
-impl Row<'_> {
+impl TableRow<'_> {
     /// What the row says of a column of ours: its cell, or what holds for every row.
     fn said(&self, name: &str) -> &str {
         let cell = self.table.places.get(name).and_then(|column| self.cells.get(*column)).unwrap_or_default();
@@ -340,7 +340,7 @@ impl Row<'_> {
     }
 
     /// None where it is left empty, or faulty.
-    fn value(&self, field: &Field, faults: &mut Faults) -> Option<Value> {
+    fn value(&self, field: &TableField, faults: &mut Faults) -> Option<Value> {
         let names: Vec<String> = field.columns().collect();
         if !field.is_required && names.iter().all(|name| self.said(name).is_empty()) {
             return None;
@@ -355,7 +355,7 @@ impl Row<'_> {
         (values.len() == field.parts.len()).then(|| if field.parts == ONE { values.remove(0) } else { values.into() })
     }
 
-    fn one(&self, field: &Field, name: &str) -> Result<Value, Message> {
+    fn one(&self, field: &TableField, name: &str) -> Result<Value, Message> {
         let said = self.said(name);
         if said.is_empty() {
             return Err(message!("empty_cell"));
@@ -397,7 +397,7 @@ impl TimeForm {
 struct Documents(Vec<(usize, Value)>);
 
 impl Documents {
-    fn add(&mut self, row: &Row<'_>, faults: &mut Faults) {
+    fn add(&mut self, row: &TableRow<'_>, faults: &mut Faults) {
         let table = row.table;
         if row.cells.iter().skip(table.header.len()).any(|cell| !cell.is_empty()) {
             let columns = table.header.len();
@@ -416,7 +416,7 @@ impl Documents {
         if faults.0.len() > before {
             return;
         }
-        if matches!(table.kind, Kind::Bench) {
+        if matches!(table.kind, RowKind::Bench) {
             self.0.push((row.line, own.into()));
             return;
         }

@@ -11,7 +11,7 @@ use crate::message;
 /// Reads an RFC 3339 time (section 5.6): date, `T`, time with seconds, `Z` or `+hh:mm`. Digits beyond
 /// microseconds are cut off. A leap second (`:60`) is read as the second after it, as POSIX time counts.
 pub fn parse(text: &str) -> Result<UtcMicros, Message> {
-    let shape = Shape::of(text).ok_or(message!("not_rfc3339"))?;
+    let shape = StampShape::of(text).ok_or(message!("not_rfc3339"))?;
     if !shape.has_offset {
         return Err(message!("no_utc_offset"));
     }
@@ -71,14 +71,14 @@ fn after_leap_second(read_as_59: Timestamp) -> Result<UtcMicros, Message> {
 }
 
 /// What the digits do not show: whether there is an offset, whether the second is the 60th.
-struct Shape {
+struct StampShape {
     has_offset: bool,
     offset_hours: u8,
     offset_minutes: u8,
     leap_second: bool,
 }
 
-impl Shape {
+impl StampShape {
     /// None where `text` is not `YYYY-MM-DDThh:mm:ss`, an optional fraction and an optional offset.
     fn of(text: &str) -> Option<Self> {
         let bytes = text.as_bytes();

@@ -3,7 +3,7 @@
 use super::Language;
 use crate::core::bench::BenchMethod;
 use crate::core::judge::{
-    Coefficient, Finding, History, LimitKey, Limits, Measured, Rule, Sample, Seat, Series, Source, State, Unseen,
+    Coefficient, FigureSource, Finding, History, LimitKey, Limits, Measured, Rule, Sample, Seat, Series, State, Unseen,
     Verdict, judge,
 };
 use crate::core::mounting::Slot;
@@ -66,7 +66,7 @@ fn samples() -> Vec<Verdict> {
         )
     };
     let shift = Finding::Shift { level: 3.0, before: 27, since: day(20.0), now: 3.0251, scatter: 1e-3, least: 2.5e-3 };
-    let lowest = (Source::Bench(BenchMethod::TorqueFeedback), day(1.0), 4.192621);
+    let lowest = (FigureSource::Bench(BenchMethod::TorqueFeedback), day(1.0), 4.192621);
     let others = [Some("E_z"), Some("|E|"), None];
     vec![
         nothing(Rule::Step, Finding::TooFew { have: 1, need: 2 }),
@@ -124,7 +124,7 @@ fn samples() -> Vec<Verdict> {
         foretold(None, None, false),
         verdict(
             Rule::Agreement,
-            Finding::Agreement { results: 3, lowest, highest: (Source::Separation, day(2.0), 4.217721) },
+            Finding::Agreement { results: 3, lowest, highest: (FigureSource::Separation, day(2.0), 4.217721) },
         ),
         Verdict {
             coefficient: Coefficient::E,

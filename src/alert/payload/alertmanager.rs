@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::body::{Context, MOST_LISTED, Payload, alert_page, summary, to_json};
-use crate::alert::message::{Change, Event, Message};
+use crate::alert::message::{AlertTransition, HookEvent, HookMessage};
 use crate::core::alert_decision::Action;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
@@ -29,7 +29,7 @@ type Labels = BTreeMap<&'static str, String>;
 
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
-struct Alert {
+struct PostedAlert {
     labels: Labels,
     annotations: Labels,
     starts_at: String,
@@ -42,7 +42,7 @@ struct Alert {
 struct ReceivedAlert {
     status: &'static str,
     #[serde(flatten)]
-    alert: Alert,
+    alert: PostedAlert,
     fingerprint: String,
 }
 
@@ -63,8 +63,8 @@ struct Webhook<'a> {
 }
 
 /// `POST /api/v2/alerts` of a message.
-pub fn render_push(message: &Message, context: &Context<'_>) -> Payload {
-    let alerts: Vec<Alert> = alerts_of(message, context, &time::format(expiry(context)))
+pub fn render_push(message: &HookMessage, context: &Context<'_>) -> Payload {
+    let alerts: Vec<PostedAlert> = alerts_of(message, context, &time::format(expiry(context)))
         .into_iter()
         .map(|received| received.alert)
         .collect();
@@ -78,14 +78,14 @@ pub fn render_push(message: &Message, context: &Context<'_>) -> Payload {
 pub fn push_firing(firing: &[(String, AlertBody)], context: &Context<'_>) -> Payload {
     let expiry = time::format(expiry(context));
     let told = |(severity, alert): &(String, AlertBody)| of_alert(alert, severity, &expiry, context);
-    let alerts: Vec<Alert> = firing.iter().map(told).collect();
+    let alerts: Vec<PostedAlert> = firing.iter().map(told).collect();
     json_payload(&alerts)
 }
 
 /// The body that an Alertmanager would post to its webhook receivers.
-pub fn render_webhook(message: &Message, context: &Context<'_>) -> Payload {
+pub fn render_webhook(message: &HookMessage, context: &Context<'_>) -> Payload {
     let mut alerts = alerts_of(message, context, NO_END);
-    let most = if matches!(message.event, Event::Digest(..)) { MOST_LISTED } else { usize::MAX };
+    let most = if matches!(message.event, HookEvent::Digest(..)) { MOST_LISTED } else { usize::MAX };
     let truncated_alerts = alerts.len().saturating_sub(most);
     alerts.truncate(most);
     let status = if alerts.iter().any(|alert| alert.status == "firing") { "firing" } else { "resolved" };
@@ -116,8 +116,8 @@ fn expiry(context: &Context<'_>) -> UtcMicros {
 
 /// The alerts of the message, each that has changed its severity followed by that of the other severity, resolved: the
 /// severity is a label, and with other labels it is another alert.
-fn alerts_of(message: &Message, context: &Context<'_>, open_end: &str) -> Vec<ReceivedAlert> {
-    if message.event == Event::Test {
+fn alerts_of(message: &HookMessage, context: &Context<'_>, open_end: &str) -> Vec<ReceivedAlert> {
+    if message.event == HookEvent::Test {
         return vec![received("firing", test_alert(message, context, open_end))];
     }
     let at = time::format(message.at);
@@ -125,7 +125,7 @@ fn alerts_of(message: &Message, context: &Context<'_>, open_end: &str) -> Vec<Re
 }
 
 fn alerts_of_change(
-    Change { action, alert }: &Change,
+    AlertTransition { action, alert }: &AlertTransition,
     at: &str,
     context: &Context<'_>,
     open_end: &str,
@@ -141,7 +141,7 @@ fn alerts_of_change(
     alerts
 }
 
-fn of_alert(alert: &AlertBody, severity: &str, ends_at: &str, context: &Context<'_>) -> Alert {
+fn of_alert(alert: &AlertBody, severity: &str, ends_at: &str, context: &Context<'_>) -> PostedAlert {
     let mut labels = identity(alert);
     labels.insert("severity", severity.to_owned());
     let finding = &alert.finding;
@@ -161,7 +161,7 @@ fn of_alert(alert: &AlertBody, severity: &str, ends_at: &str, context: &Context<
     annotate("station", finding.station.clone());
     annotate("record", finding.record.clone());
     annotate("calibrated_at", finding.calibrated_at.clone());
-    Alert {
+    PostedAlert {
         labels,
         annotations,
         starts_at: alert.fired_at.clone(),
@@ -170,9 +170,9 @@ fn of_alert(alert: &AlertBody, severity: &str, ends_at: &str, context: &Context<
     }
 }
 
-fn test_alert(message: &Message, context: &Context<'_>, ends_at: &str) -> Alert {
+fn test_alert(message: &HookMessage, context: &Context<'_>, ends_at: &str) -> PostedAlert {
     let summary = format!("Test of the hook {}: nothing is wrong", context.hook);
-    Alert {
+    PostedAlert {
         labels: Labels::from([("alertname", "GyrowatchTest".to_owned()), ("severity", "none".to_owned())]),
         annotations: Labels::from([("summary", summary)]),
         starts_at: time::format(message.at),
@@ -198,8 +198,8 @@ fn identity(alert: &AlertBody) -> Labels {
 }
 
 /// What all alerts of the message have in common of what makes each this alert.
-fn group_labels(event: &Event) -> Labels {
-    if *event == Event::Test {
+fn group_labels(event: &HookEvent) -> Labels {
+    if *event == HookEvent::Test {
         return Labels::from([("alertname", "GyrowatchTest".to_owned())]);
     }
     let identities: Vec<Labels> = event.changes().iter().map(|change| identity(&change.alert)).collect();
@@ -232,7 +232,7 @@ fn common<'l>(mut all: impl Iterator<Item = &'l Labels>) -> Labels {
     common
 }
 
-fn received(status: &'static str, alert: Alert) -> ReceivedAlert {
+fn received(status: &'static str, alert: PostedAlert) -> ReceivedAlert {
     let fingerprint = format!("{:016x}", fingerprint(&alert.labels));
     ReceivedAlert { status, alert, fingerprint }
 }

@@ -5,11 +5,11 @@ use serde_json::Value;
 
 use super::body::{Context, Payload, to_json};
 use super::standard;
-use crate::alert::message::{Event, Message};
+use crate::alert::message::{HookEvent, HookMessage};
 use crate::wire::time;
 
 #[derive(Serialize)]
-struct Body<'a> {
+struct CloudEvent<'a> {
     specversion: &'static str,
     id: &'a str,
     source: &'a str,
@@ -21,17 +21,17 @@ struct Body<'a> {
     data: Value,
 }
 
-pub fn render(message: &Message, context: &Context<'_>) -> Payload {
+pub fn render(message: &HookMessage, context: &Context<'_>) -> Payload {
     let subject = match &message.event {
-        Event::Alerts(changes) => changes.first().map(|change| change.alert.name()),
-        Event::Digest(..) | Event::Test => None,
+        HookEvent::Alerts(changes) => changes.first().map(|change| change.alert.name()),
+        HookEvent::Digest(..) | HookEvent::Test => None,
     };
     // An attribute beside `data` may hold no list.
     let mut data = standard::data(&message.event, context);
     if let Some(alerts) = standard::alerts(&message.event, context) {
         data["alerts"] = alerts.into();
     }
-    let body = Body {
+    let body = CloudEvent {
         specversion: "1.0",
         id: &message.id,
         source: context.external_url.unwrap_or("/gyrowatch"),

@@ -1,16 +1,16 @@
 //! E-mail: the subject, an empty line, and what a person reads.
 
 use super::body::{Context, MOST_LISTED, Payload, page, summary};
-use crate::alert::message::{Change, Event, Message};
+use crate::alert::message::{AlertTransition, HookEvent, HookMessage};
 use crate::message;
 use crate::wire::time;
 use crate::words::asked;
 
-pub fn render(message: &Message, context: &Context<'_>) -> Payload {
+pub fn render(message: &HookMessage, context: &Context<'_>) -> Payload {
     let changes = message.event.changes();
-    let line = |Change { alert, .. }: &Change| summary(alert, alert.state == "resolved");
+    let line = |AlertTransition { alert, .. }: &AlertTransition| summary(alert, alert.state == "resolved");
     let subject = match (&message.event, changes) {
-        (Event::Test, _) | (_, []) => asked().words(&message!("mail_test", hook = context.hook.to_owned())),
+        (HookEvent::Test, _) | (_, []) => asked().words(&message!("mail_test", hook = context.hook.to_owned())),
         (_, [only]) => line(only),
         (_, [gravest, rest @ ..]) => {
             let others = rest.len();

@@ -7,13 +7,13 @@ mod cloudevents;
 mod email;
 mod standard;
 
-use super::message::{HookKind, Message};
+use super::message::{HookKind, HookMessage};
 
-pub use alertmanager::{EXPIRES_AFTER_RESENDS, push_firing};
+pub use alertmanager::push_firing;
 pub use body::{Context, Payload};
 
 /// Body and headers of a message in the form of one kind of hook.
-pub fn render(kind: HookKind, message: &Message, context: &Context<'_>) -> Payload {
+pub fn render(kind: HookKind, message: &HookMessage, context: &Context<'_>) -> Payload {
     match kind {
         HookKind::StandardWebhooks => standard::render(message, context),
         HookKind::AlertmanagerWebhook => alertmanager::render_webhook(message, context),

@@ -4,11 +4,11 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::body::{Context, MOST_LISTED, Payload, alert_page, page, to_json};
-use crate::alert::message::{Change, Event, Message, event_name};
+use crate::alert::message::{AlertTransition, HookEvent, HookMessage, event_name};
 use crate::wire::time;
 
 #[derive(Serialize)]
-struct Body {
+struct StandardBody {
     r#type: &'static str,
     timestamp: String,
     data: Value,
@@ -16,8 +16,8 @@ struct Body {
     alerts: Option<Vec<Value>>,
 }
 
-pub fn render(message: &Message, context: &Context<'_>) -> Payload {
-    let body = Body {
+pub fn render(message: &HookMessage, context: &Context<'_>) -> Payload {
+    let body = StandardBody {
         r#type: message.event.name(),
         timestamp: time::format(message.at),
         data: data(&message.event, context),
@@ -27,23 +27,23 @@ pub fn render(message: &Message, context: &Context<'_>) -> Payload {
 }
 
 /// The gravest alert as `GET /v1/alerts/{id}` shows it, as it was when the message came about; of a digest its counts.
-pub fn data(event: &Event, context: &Context<'_>) -> Value {
+pub fn data(event: &HookEvent, context: &Context<'_>) -> Value {
     match event {
-        Event::Alerts(changes) => changes.first().map_or(Value::Null, |change| alert(change, context)),
-        Event::Digest(counts, changes) => {
+        HookEvent::Alerts(changes) => changes.first().map_or(Value::Null, |change| alert(change, context)),
+        HookEvent::Digest(counts, changes) => {
             let mut data = serde_json::to_value(counts).expect("counts have string keys");
             data["listed"] = changes.len().min(MOST_LISTED).into();
             data["links"] = json!({ "alerts": format!("{}/alerts", context.external_url.unwrap_or_default()) });
             data
         }
-        Event::Test => json!({ "test": true }),
+        HookEvent::Test => json!({ "test": true }),
     }
 }
 
 /// Every alert that the message tells of, each with its own `event`; of a digest the first of them. None for a test.
-pub fn alerts(event: &Event, context: &Context<'_>) -> Option<Vec<Value>> {
-    let most = if matches!(event, Event::Digest(..)) { MOST_LISTED } else { usize::MAX };
-    let told = |change: &Change| {
+pub fn alerts(event: &HookEvent, context: &Context<'_>) -> Option<Vec<Value>> {
+    let most = if matches!(event, HookEvent::Digest(..)) { MOST_LISTED } else { usize::MAX };
+    let told = |change: &AlertTransition| {
         let mut told = alert(change, context);
         told["event"] = event_name(Some(change.action)).into();
         told
@@ -52,7 +52,7 @@ pub fn alerts(event: &Event, context: &Context<'_>) -> Option<Vec<Value>> {
     (!changes.is_empty()).then(|| changes.iter().take(most).map(told).collect())
 }
 
-fn alert(change: &Change, context: &Context<'_>) -> Value {
+fn alert(change: &AlertTransition, context: &Context<'_>) -> Value {
     let mut alert =
         serde_json::to_value(&change.alert).expect("an alert has string keys, and every figure is finite or null");
     let mut links = json!({ "alert": alert_page(context, &change.alert) });

@@ -2,7 +2,7 @@ use insta::assert_json_snapshot;
 use serde_json::Value;
 
 use super::*;
-use crate::alert::message::{Change, Event};
+use crate::alert::message::{AlertTransition, HookEvent};
 use crate::core::alert_decision::Action;
 use crate::core::time::UtcMicros;
 use crate::message;
@@ -43,17 +43,17 @@ fn alert() -> AlertBody {
     }
 }
 
-fn message(action: Action) -> Message {
+fn message(action: Action) -> HookMessage {
     let mut alert = alert();
     if action == Action::Resolve {
         alert.state = "resolved".into();
         alert.resolved_at = Some("2026-03-01T09:00:00Z".into());
     }
     // 2026-03-01T09:00:00Z
-    Message {
+    HookMessage {
         id: "evt_1".into(),
         at: UtcMicros(1_772_355_600_000_000),
-        event: Event::Alerts(vec![Change { action, alert }]),
+        event: HookEvent::Alerts(vec![AlertTransition { action, alert }]),
     }
 }
 
@@ -64,7 +64,7 @@ const CONTEXT: Context<'static> = Context {
     now: UtcMicros(1_772_355_610_000_000),
 };
 
-fn rendered(kind: HookKind, message: &Message) -> Value {
+fn rendered(kind: HookKind, message: &HookMessage) -> Value {
     serde_json::from_slice(&render(kind, message, &CONTEXT).body).unwrap()
 }
 
@@ -150,8 +150,8 @@ fn an_alertmanager_is_told_that_the_warning_ended_when_the_alert_became_critical
 fn an_alertmanager_is_told_that_the_critical_alert_ended_when_it_is_confirmed_no_more() {
     let body = rendered(
         HookKind::Alertmanager,
-        &Message {
-            event: Event::Alerts(vec![Change {
+        &HookMessage {
+            event: HookEvent::Alerts(vec![AlertTransition {
                 action: Action::Lower,
                 alert: AlertBody { severity: "warning".into(), ..alert() },
             }]),
@@ -237,11 +237,13 @@ fn the_webhook_body_is_what_alertmanager_posts() {
 }
 
 /// Two alerts of one gyro, the second of which has ended.
-fn batch() -> Message {
+fn batch() -> HookMessage {
     let ended = AlertBody { id: "a2".into(), rule: "step".into(), state: "resolved".into(), ..alert() };
-    let changes =
-        vec![Change { action: Action::Escalate, alert: alert() }, Change { action: Action::Resolve, alert: ended }];
-    Message { event: Event::Alerts(changes), ..message(Action::Fire) }
+    let changes = vec![
+        AlertTransition { action: Action::Escalate, alert: alert() },
+        AlertTransition { action: Action::Resolve, alert: ended },
+    ];
+    HookMessage { event: HookEvent::Alerts(changes), ..message(Action::Fire) }
 }
 
 #[test]
@@ -272,8 +274,8 @@ fn a_digest_counts_all_and_lists_the_first_hundred() {
         })
         .collect();
     let counts = crate::wire::hook::DigestBody::of(&all.iter().collect::<Vec<_>>());
-    let changes = all.into_iter().map(|alert| Change { action: Action::Fire, alert }).collect();
-    let message = Message { event: Event::Digest(counts, changes), ..message(Action::Fire) };
+    let changes = all.into_iter().map(|alert| AlertTransition { action: Action::Fire, alert }).collect();
+    let message = HookMessage { event: HookEvent::Digest(counts, changes), ..message(Action::Fire) };
     let body = rendered(HookKind::StandardWebhooks, &message);
     assert_eq!(body["type"], "alerts.digest");
     assert_eq!(
@@ -312,7 +314,7 @@ fn a_mail_has_a_subject_an_empty_line_and_a_link() {
 
 #[test]
 fn a_test_says_that_nothing_is_wrong() {
-    let test = Message { id: "evt_2".into(), at: CONTEXT.now, event: Event::Test };
+    let test = HookMessage { id: "evt_2".into(), at: CONTEXT.now, event: HookEvent::Test };
     assert_eq!(rendered(HookKind::StandardWebhooks, &test)["type"], "hook.test");
     assert_eq!(rendered(HookKind::CloudEvents, &test)["type"], "gyrowatch.hook.test");
     for kind in [HookKind::Alertmanager, HookKind::AlertmanagerWebhook] {

@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::core::changes::{Entry, GyroHistory};
+use crate::core::changes::{GyroHistory, HistoryEntry};
 use crate::core::judge::{Event, Mark, Measured};
 use crate::core::mounting::Slot;
 use crate::core::named::named;
@@ -15,7 +15,7 @@ use crate::core::time::UtcMicros;
 named! {
     /// What is hidden in a fleet.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-    pub enum Kind {
+    pub enum HiddenCause {
         Nothing = "nothing",
         Ageing = "ageing",
         StepAtEvent = "step_at_event",
@@ -40,8 +40,8 @@ named! {
 
 /// Records of a gyro that the service would hold, with the truth beside them.
 #[derive(Debug, Clone)]
-pub struct Fleet {
-    pub kind: Kind,
+pub struct DrawnFleet {
+    pub kind: HiddenCause,
     pub gyros: Vec<GyroHistory>,
     /// The gyro and the column (D_I, D_S, D_O) that are asked about.
     pub asked: usize,
@@ -77,7 +77,7 @@ pub struct HiddenBudget {
     pub years_from_first: f64,
 }
 
-impl Fleet {
+impl DrawnFleet {
     /// Half as far again as the coefficient has aged by the newest record.
     pub fn budget(&self) -> Option<HiddenBudget> {
         let Ageing { level, slope, begins } = self.ageing?;
@@ -85,7 +85,7 @@ impl Fleet {
         Some(HiddenBudget { baseline: level, limit, years_from_first: begins + limit / slope.abs() })
     }
 
-    pub(super) fn entries(&self) -> &[Entry] {
+    pub(super) fn entries(&self) -> &[HistoryEntry] {
         &self.gyros[self.asked].entries
     }
 
@@ -96,7 +96,7 @@ impl Fleet {
 }
 
 /// One fleet.
-pub struct Draw {
+pub struct FleetDraw {
     rng: ChaCha8Rng,
 }
 
@@ -107,7 +107,7 @@ struct Occasion {
     temperature_c: f64,
 }
 
-impl Draw {
+impl FleetDraw {
     /// Fleet `number` of a seed.
     pub fn of(seed: u64, number: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -128,18 +128,20 @@ impl Draw {
     }
 
     /// Draws gyros, stations and records, with the cause of this kind hidden in one of them.
-    pub fn fleet(mut self, kind: Kind) -> Fleet {
-        let lone = kind == Kind::LoneImuMoved;
+    pub fn fleet(mut self, kind: HiddenCause) -> DrawnFleet {
+        let lone = kind == HiddenCause::LoneImuMoved;
         let imus = if lone { 1 } else { self.rng.random_range(5..=8) };
         let records = self.rng.random_range(20..=30);
         let span = self.between(1.5, 2.5);
         let stated = self.between(4e-4, 8e-4);
         let sigma = stated * self.between(0.85, 1.1);
-        let single = matches!(kind, Kind::StationDrifts | Kind::StationRelevelled | Kind::StationOff);
-        let moves = matches!(kind, Kind::MovedWithPeers | Kind::StepAtStationChange | Kind::LoneImuMoved);
-        let noisy = if kind == Kind::NoisyStation { self.between(3.0, 6.0) } else { 1.0 };
+        let single =
+            matches!(kind, HiddenCause::StationDrifts | HiddenCause::StationRelevelled | HiddenCause::StationOff);
+        let moves =
+            matches!(kind, HiddenCause::MovedWithPeers | HiddenCause::StepAtStationChange | HiddenCause::LoneImuMoved);
+        let noisy = if kind == HiddenCause::NoisyStation { self.between(3.0, 6.0) } else { 1.0 };
         let (asked_imu, asked_slot) = (self.rng.random_range(0..imus), self.rng.random_range(0..3_usize));
-        let column = if kind == Kind::Clocking { 2 } else { self.rng.random_range(0..2_usize) };
+        let column = if kind == HiddenCause::Clocking { 2 } else { self.rng.random_range(0..2_usize) };
 
         // The moves of a fleet: the asked IMU and some others go to the second station for good.
         let moved: Vec<bool> = (0..imus).map(|imu| imu == asked_imu || imu % 2 == asked_imu % 2).collect();
@@ -156,7 +158,7 @@ impl Draw {
         let station_slope = self.sign() * sigma * self.between(4.5, 9.0) / span;
         let instant = span * self.between(0.3, 0.7);
         let walk = self.walk(&occasions[asked_imu], sigma, span);
-        let off = if kind == Kind::StationOff { self.window(&occasions[asked_imu]) } else { [0.0; 2] };
+        let off = if kind == HiddenCause::StationOff { self.window(&occasions[asked_imu]) } else { [0.0; 2] };
 
         let mut gyros = Vec::new();
         let mut signal = Vec::new();
@@ -176,40 +178,46 @@ impl Draw {
                     let spin = spin * (0.7 * (occasion.years * 5.0 + phase).sin() + 0.8 * late);
                     let own = if asked { 1.0 } else { 0.0 };
                     let change = match kind {
-                        Kind::Nothing => 0.0,
-                        Kind::Ageing | Kind::NoisyStation => own * slope * occasion.years,
-                        Kind::StepAtEvent | Kind::Step => own * step * late,
-                        Kind::Temperature | Kind::TemperatureMissing => own * per_kelvin * occasion.temperature_c,
-                        Kind::StationOffset | Kind::MovedWithPeers | Kind::LoneImuMoved => offset * there,
-                        Kind::StationDrifts => station_slope * occasion.years,
-                        Kind::StationRelevelled => step * late,
-                        Kind::StationOff if (off[0]..off[1]).contains(&occasion.years) => step,
-                        Kind::StationOff => 0.0,
-                        Kind::OneOfTwoDrifts => 1.5 * station_slope * occasion.years * there,
-                        Kind::StepAtStationChange => own * step * there,
-                        Kind::Clocking => own * clocking * spin,
-                        Kind::AgeingAndStation => own * slope * occasion.years + offset * there,
-                        Kind::Wanders => own * walk[k],
-                        Kind::AgeingLate => own * late_slope * (occasion.years - instant).max(0.0),
+                        HiddenCause::Nothing => 0.0,
+                        HiddenCause::Ageing | HiddenCause::NoisyStation => own * slope * occasion.years,
+                        HiddenCause::StepAtEvent | HiddenCause::Step => own * step * late,
+                        HiddenCause::Temperature | HiddenCause::TemperatureMissing => {
+                            own * per_kelvin * occasion.temperature_c
+                        }
+                        HiddenCause::StationOffset | HiddenCause::MovedWithPeers | HiddenCause::LoneImuMoved => {
+                            offset * there
+                        }
+                        HiddenCause::StationDrifts => station_slope * occasion.years,
+                        HiddenCause::StationRelevelled => step * late,
+                        HiddenCause::StationOff if (off[0]..off[1]).contains(&occasion.years) => step,
+                        HiddenCause::StationOff => 0.0,
+                        HiddenCause::OneOfTwoDrifts => 1.5 * station_slope * occasion.years * there,
+                        HiddenCause::StepAtStationChange => own * step * there,
+                        HiddenCause::Clocking => own * clocking * spin,
+                        HiddenCause::AgeingAndStation => own * slope * occasion.years + offset * there,
+                        HiddenCause::Wanders => own * walk[k],
+                        HiddenCause::AgeingLate => own * late_slope * (occasion.years - instant).max(0.0),
                     };
                     let more = if occasion.station == 1 { noisy } else { 1.0 };
                     let mut d = [0, 1, 2].map(|c| level[c] + sigma * more * self.normal());
                     d[column] += change;
-                    if kind == Kind::Clocking && asked {
+                    if kind == HiddenCause::Clocking && asked {
                         d[1] += spin;
                     }
                     if asked {
                         signal.push(change);
                         let (level, first) = (level[column], occasions[0].years);
                         ageing = match kind {
-                            Kind::Ageing | Kind::NoisyStation => {
+                            HiddenCause::Ageing | HiddenCause::NoisyStation => {
                                 Some(Ageing { level: level + slope * first, slope, begins: 0.0 })
                             }
-                            Kind::AgeingLate => Some(Ageing { level, slope: late_slope, begins: instant - first }),
+                            HiddenCause::AgeingLate => {
+                                Some(Ageing { level, slope: late_slope, begins: instant - first })
+                            }
                             _ => None,
                         };
                     }
-                    entries.push(Entry {
+                    entries.push(HistoryEntry {
                         at: at(occasion.years),
                         station: Arc::from(["ST-A", "ST-B"][occasion.station]),
                         imu: Arc::from(format!("IMU-{imu}")),
@@ -224,24 +232,24 @@ impl Draw {
         let asked = 3 * asked_imu + asked_slot;
         self.finish(kind, &mut gyros, asked, instant);
         let truth: Vec<&'static str> = match kind {
-            Kind::Nothing | Kind::Wanders => vec![],
-            Kind::Ageing | Kind::NoisyStation | Kind::AgeingLate => vec!["ageing"],
-            Kind::StepAtEvent => vec!["step_at_event"],
-            Kind::Step | Kind::StepAtStationChange => vec!["step"],
-            Kind::Temperature | Kind::TemperatureMissing => vec!["temperature"],
-            Kind::Clocking => vec!["clocking"],
-            Kind::AgeingAndStation => vec!["station", "ageing"],
+            HiddenCause::Nothing | HiddenCause::Wanders => vec![],
+            HiddenCause::Ageing | HiddenCause::NoisyStation | HiddenCause::AgeingLate => vec!["ageing"],
+            HiddenCause::StepAtEvent => vec!["step_at_event"],
+            HiddenCause::Step | HiddenCause::StepAtStationChange => vec!["step"],
+            HiddenCause::Temperature | HiddenCause::TemperatureMissing => vec!["temperature"],
+            HiddenCause::Clocking => vec!["clocking"],
+            HiddenCause::AgeingAndStation => vec!["station", "ageing"],
             _ => vec!["station"],
         };
         let class = if lone { vec!["station", "step"] } else { truth.clone() };
         let shared = truth.contains(&"station");
-        Fleet { kind, gyros, asked, column, truth, class, signal, ageing, shared }
+        DrawnFleet { kind, gyros, asked, column, truth, class, signal, ageing, shared }
     }
 
     /// Gyros of IMUs of their own, calibrated weekly by one of two stations; nothing is hidden.
     pub fn weekly(mut self, gyros: usize, records: usize) -> Vec<GyroHistory> {
         let of_gyro = |gyro: usize| {
-            let entry = |k: usize| Entry {
+            let entry = |k: usize| HistoryEntry {
                 at: at(k as f64 / 52.0),
                 station: Arc::from(["ST-A", "ST-B"][self.rng.random_range(0..2)]),
                 imu: Arc::from(format!("IMU-{gyro}")),
@@ -255,11 +263,11 @@ impl Draw {
     }
 
     /// What only some kinds have: an event, a temperature that nobody wrote down, ordinary events elsewhere.
-    fn finish(&mut self, kind: Kind, gyros: &mut [GyroHistory], asked: usize, instant: f64) {
-        if kind == Kind::StepAtEvent {
+    fn finish(&mut self, kind: HiddenCause, gyros: &mut [GyroHistory], asked: usize, instant: f64) {
+        if kind == HiddenCause::StepAtEvent {
             gyros[asked].marks.push(Mark::of(at(instant), Event::Transport));
         }
-        if kind == Kind::TemperatureMissing {
+        if kind == HiddenCause::TemperatureMissing {
             let n = gyros[asked].entries.len();
             let missing = self.rng.random_range(0..n);
             let first = asked - asked % 3;

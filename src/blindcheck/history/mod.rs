@@ -11,8 +11,8 @@ pub mod speed;
 
 use rayon::prelude::*;
 
-use draw::{Draw, Kind};
-use score::{Diagnoser, Score};
+use draw::{FleetDraw, HiddenCause};
+use score::{FleetDiagnoser, FleetScore};
 
 /// `count` fleets of each of `kinds`.
 ///
@@ -21,15 +21,15 @@ use score::{Diagnoser, Score};
 pub fn run(
     seed: u64,
     count: usize,
-    kinds: &[Kind],
-    ask: &Diagnoser<'_>,
+    kinds: &[HiddenCause],
+    ask: &FleetDiagnoser<'_>,
     done: &(dyn Fn() + Sync),
-) -> Result<Vec<Score>, String> {
-    let all: Vec<(u64, Kind)> = (kinds.iter().enumerate())
+) -> Result<Vec<FleetScore>, String> {
+    let all: Vec<(u64, HiddenCause)> = (kinds.iter().enumerate())
         .flat_map(|(k, kind)| (0..count).map(move |number| ((number * 64 + k) as u64, *kind)))
         .collect();
-    let score = |(number, kind): (u64, Kind)| {
-        let fleet = Draw::of(seed, number).fleet(kind);
+    let score = |(number, kind): (u64, HiddenCause)| {
+        let fleet = FleetDraw::of(seed, number).fleet(kind);
         let score = ask(&fleet).map(|answers| fleet.score(answers));
         done();
         score

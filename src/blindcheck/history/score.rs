@@ -2,18 +2,18 @@
 
 use crate::core::changes::{HistoryDiagnosis, HistoryVerdict};
 
-use super::draw::{Fleet, Kind, YEAR_DAYS};
+use super::draw::{DrawnFleet, HiddenCause, YEAR_DAYS};
 
 /// What is answered of D_I, D_S and D_O of each gyro of a fleet, in the fleet's order.
 pub type Answers = Vec<Vec<HistoryDiagnosis>>;
 
 /// What diagnoses a fleet, the service with its real ingest; or the reason why it could not.
-pub type Diagnoser<'a> = dyn Fn(&Fleet) -> Result<Answers, String> + Sync + 'a;
+pub type FleetDiagnoser<'a> = dyn Fn(&DrawnFleet) -> Result<Answers, String> + Sync + 'a;
 
 /// One fleet, scored.
 #[derive(Debug, Clone)]
-pub struct Score {
-    pub kind: Kind,
+pub struct FleetScore {
+    pub kind: HiddenCause,
     /// The causes that are hidden, and no other.
     pub right: bool,
     /// Whether the class of what leads holds what has to be in it.
@@ -33,15 +33,15 @@ pub struct Score {
     pub named: Vec<&'static str>,
 }
 
-impl Fleet {
+impl DrawnFleet {
     /// Holds what was answered of every gyro and coefficient against what is hidden.
-    pub fn score(&self, answers: Answers) -> Score {
+    pub fn score(&self, answers: Answers) -> FleetScore {
         let mut false_names = (0, 0);
         let mut own = None;
         for (g, answers) in answers.into_iter().enumerate() {
             for (column, answer) in answers.into_iter().enumerate() {
                 let asked = g == self.asked && column == self.column;
-                let moved = self.kind == Kind::Clocking && g == self.asked && column == 1;
+                let moved = self.kind == HiddenCause::Clocking && g == self.asked && column == 1;
                 if asked {
                     own = Some(answer);
                 } else if !(moved || self.shared && column == self.column) {
@@ -59,18 +59,18 @@ impl Fleet {
         let mut sorted = named.clone();
         sorted.sort_unstable();
         sorted.dedup();
-        let lone = self.kind == Kind::LoneImuMoved;
+        let lone = self.kind == HiddenCause::LoneImuMoved;
         let in_class = |id: &&str| own.causes.iter().any(|cause| cause.class.contains(id));
         let class = (!self.class.is_empty()).then(|| self.class.iter().all(in_class));
         let right = if lone { class == Some(true) && own.causes.len() == 1 } else { sorted == truth };
         let station = self.truth == ["station"] && !lone;
-        Score {
+        FleetScore {
             kind: self.kind,
             right,
             class,
             false_names,
             gyro_blamed: station.then(|| named.iter().any(|id| *id != "station")),
-            explained: (self.kind == Kind::Wanders).then_some(own.verdict == HistoryVerdict::Explained),
+            explained: (self.kind == HiddenCause::Wanders).then_some(own.verdict == HistoryVerdict::Explained),
             closure_covered: self.closure_covered(&own),
             in_time: left
                 .zip(own.due.as_ref().and_then(|due| due.calibrate_by))

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::draw::Fleet;
+use super::draw::DrawnFleet;
 use crate::core::changes::GyroHistory;
 use crate::core::mounting::Geometry;
 use crate::core::record::{GyroParameters, Name, Record};
@@ -19,7 +19,7 @@ pub fn serial(gyro: usize) -> Name {
 
 /// A record for the three gyros of an IMU at a time, oldest first. E is that of the mounting, so D_I, D_S and D_O are
 /// what was drawn.
-pub fn records(fleet: &Fleet) -> Vec<Record> {
+pub fn records(fleet: &DrawnFleet) -> Vec<Record> {
     let of_imu = |(imu, gyros): (usize, &[GyroHistory])| {
         (0..gyros[0].entries.len()).map(|k| record(imu * AN_IMU, gyros, k)).collect::<Vec<_>>()
     };

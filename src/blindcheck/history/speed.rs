@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::draw::{Draw, Fleet, Kind};
+use super::draw::{DrawnFleet, FleetDraw, HiddenCause};
 use crate::core::changes::{GyroHistory, diagnose_history};
 
 /// Records of the one gyro, and its peers, as many as the service asks for.
@@ -31,11 +31,11 @@ pub struct Speed {
 
 /// Diagnoses fleets of every kind, `gyros` at the least, on all threads; then one gyro again and again.
 pub fn measure(seed: u64, gyros: usize) -> Speed {
-    let mut fleets: Vec<Fleet> = Vec::new();
-    let count = |fleets: &[Fleet]| fleets.iter().map(|fleet| fleet.gyros.len()).sum::<usize>();
+    let mut fleets: Vec<DrawnFleet> = Vec::new();
+    let count = |fleets: &[DrawnFleet]| fleets.iter().map(|fleet| fleet.gyros.len()).sum::<usize>();
     while count(&fleets) < gyros {
         let number = fleets.len();
-        fleets.push(Draw::of(seed, number as u64).fleet(Kind::ALL[number % Kind::ALL.len()]));
+        fleets.push(FleetDraw::of(seed, number as u64).fleet(HiddenCause::ALL[number % HiddenCause::ALL.len()]));
     }
     let begun = Instant::now();
     fleets
@@ -43,8 +43,8 @@ pub fn measure(seed: u64, gyros: usize) -> Speed {
         .flat_map(|fleet| (0..fleet.gyros.len()).into_par_iter().map(move |g| (fleet, g)))
         .for_each(|(fleet, g)| drop(diagnose_history(&fleet.gyros[g], &without(&fleet.gyros, g), [None; 3])));
     let fleet_s = begun.elapsed().as_secs_f64();
-    let all = Draw::of(seed, u64::MAX).weekly(1, RECORDS);
-    let peers = Draw::of(seed, u64::MAX - 1).weekly(PEERS, OF_A_PEER);
+    let all = FleetDraw::of(seed, u64::MAX).weekly(1, RECORDS);
+    let peers = FleetDraw::of(seed, u64::MAX - 1).weekly(PEERS, OF_A_PEER);
     let others: Vec<&GyroHistory> = peers.iter().collect();
     let mut took: Vec<Duration> = (0..ROUNDS)
         .map(|_| {

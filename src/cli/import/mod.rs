@@ -1,11 +1,11 @@
 //! `import`: sends files to a running service. Sending again does no harm, so that is how to resume.
 
+mod answer_summary;
 #[cfg(unix)]
 mod folder;
 #[cfg(windows)]
 #[path = "folder_windows.rs"]
 mod folder;
-mod gist;
 mod revise;
 mod send;
 pub(super) mod source;
@@ -27,9 +27,9 @@ use crate::logs::text::of_any;
 use crate::wire::record_table::TableMap;
 use crate::wire::text::toml_fault;
 use crate::{message, words};
-use gist::Gist;
-pub(super) use gist::withdrawn;
-use send::{Event, Importer, PATIENCE, Tally, end};
+use answer_summary::AnswerSummary;
+pub(super) use answer_summary::withdrawn;
+use send::{Event, ImportCounts, Importer, PATIENCE, end};
 use source::Content;
 
 /// Send records, campaigns and bench results (JSON, NDJSON, CSV) to a running service
@@ -142,11 +142,11 @@ async fn import(
     pauses: &[Duration],
 ) -> anyhow::Result<()> {
     let bar = progress_bar(files);
-    let mut total = Tally::default();
+    let mut total = ImportCounts::default();
     for path in files {
         let name = path.display();
         bar.set_message(name.to_string());
-        let mut gist = String::new();
+        let mut summary = String::new();
         let tally = match source::open(path, map)? {
             Ok(content) => {
                 let mut tell = |event: Event<'_>| match event {
@@ -154,7 +154,7 @@ async fn import(
                     Event::Refused(refusal) => {
                         bar.suspend(|| eprintln!("{name}:{}{refusal}", if refusal.line.is_some() { "" } else { " " }))
                     }
-                    Event::Answered(answer) => gist = Gist(answer).to_string(),
+                    Event::Answered(answer) => summary = AnswerSummary(answer).to_string(),
                     Event::Noted { line, note } => {
                         bar.suspend(|| eprintln!("{name}:{line}: {}", document::note(note)));
                     }
@@ -164,10 +164,10 @@ async fn import(
             }
             Err(unreadable) => {
                 bar.suspend(|| eprintln!("{name}: {}", unreadable.why));
-                Tally { refused: 1, ..Tally::default() }
+                ImportCounts { refused: 1, ..ImportCounts::default() }
             }
         };
-        bar.suspend(|| document::print(format!("{name}: {tally}\n{gist}").trim_end()))?;
+        bar.suspend(|| document::print(format!("{name}: {tally}\n{summary}").trim_end()))?;
         total += tally;
     }
     bar.finish_and_clear();

@@ -10,7 +10,7 @@ use anyhow::Context;
 use super::folder::Dir;
 use super::source::MAX_DOCUMENT_BYTES;
 use crate::cli::client::Service;
-use crate::cli::correct::{Said, replace};
+use crate::cli::correct::{SignedReason, replace};
 use crate::logs::sheet::readable;
 use crate::logs::text::of_any;
 use crate::message;
@@ -23,7 +23,7 @@ pub const WHY: &str = ".why.txt";
 const ASKED: &str = "author: \nreason: \n";
 
 /// What became of a file.
-pub enum Fate {
+pub enum RevisionOutcome {
     /// Nobody has said yet who and why.
     Asked {
         now: bool,
@@ -36,11 +36,16 @@ pub enum Fate {
 ///
 /// # Errors
 /// Trouble with the folder or the service: it is tried again.
-pub async fn deliver(dir: &Dir, name: &OsStr, settle: Duration, service: &Service) -> anyhow::Result<Option<Fate>> {
+pub async fn deliver(
+    dir: &Dir,
+    name: &OsStr,
+    settle: Duration,
+    service: &Service,
+) -> anyhow::Result<Option<RevisionOutcome>> {
     let why = beside(name);
     let Some(said) = text(dir, &why)? else {
         dir.write(&why, ASKED.as_bytes()).with_context(|| why.display().to_string())?;
-        return Ok(Some(Fate::Asked { now: true }));
+        return Ok(Some(RevisionOutcome::Asked { now: true }));
     };
     let now = SystemTime::UNIX_EPOCH + Duration::from_micros(Clock::System.now().0.unsigned_abs());
     let still = |name: &OsStr| {
@@ -53,7 +58,7 @@ pub async fn deliver(dir: &Dir, name: &OsStr, settle: Duration, service: &Servic
     let said = of_any(&said);
     let Some((author, reason)) = remark(&said) else {
         if said.trim() == ASKED.trim() {
-            return Ok(Some(Fate::Asked { now: false }));
+            return Ok(Some(RevisionOutcome::Asked { now: false }));
         }
         let why = why.display().to_string();
         anyhow::bail!("{}", words::asked().words(&message!("terminal_revise_unsaid", file = why)));
@@ -62,12 +67,12 @@ pub async fn deliver(dir: &Dir, name: &OsStr, settle: Duration, service: &Servic
     let Some(bytes) = text(dir, name)? else { return Ok(None) };
     let bytes = match readable(bytes) {
         Ok(bytes) => bytes,
-        Err(fault) => return Ok(Some(Fate::Refused(words::asked().words(&fault)))),
+        Err(fault) => return Ok(Some(RevisionOutcome::Refused(words::asked().words(&fault)))),
     };
-    let said = Said { author: &author, reason: &reason };
+    let said = SignedReason { author: &author, reason: &reason };
     let fate = match replace(service, &bytes, None, said).await? {
-        Ok(done) => Fate::Done(done),
-        Err(refused) => Fate::Refused(refused),
+        Ok(done) => RevisionOutcome::Done(done),
+        Err(refused) => RevisionOutcome::Refused(refused),
     };
     // One that changed meanwhile stays, to be sent as it is now.
     Ok((dir.stamp(name) == as_sent).then_some(fate))

@@ -8,8 +8,8 @@ use bytes::Bytes;
 use reqwest::StatusCode;
 use serde_json::Value;
 
-use super::source::{Content, Document, MAX_DOCUMENT_BYTES, read_line};
-use crate::cli::client::{LineAnswer, Sent, Service, Trouble};
+use super::source::{Content, ImportDocument, MAX_DOCUMENT_BYTES, read_line};
+use crate::cli::client::{ImportLineAnswer, Sent, Service, Trouble};
 use crate::cli::faults;
 use crate::core::message::list;
 use crate::core::note::Note;
@@ -34,13 +34,13 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 
 /// What became of the documents of one file.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Tally {
+pub struct ImportCounts {
     pub stored: u64,
     pub known: u64,
     pub refused: u64,
 }
 
-impl AddAssign for Tally {
+impl AddAssign for ImportCounts {
     fn add_assign(&mut self, other: Self) {
         self.stored += other.stored;
         self.known += other.known;
@@ -52,7 +52,7 @@ fn count(of: u64) -> String {
     of.to_string()
 }
 
-impl std::fmt::Display for Tally {
+impl std::fmt::Display for ImportCounts {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { stored, known, refused } = *self;
         f.write_str(&words::asked().words(&message!(
@@ -103,17 +103,17 @@ pub struct Importer<'a> {
     pauses: &'a [Duration],
     /// Rows of a table are being sent: nobody wrote the documents that they come to, nor their pointers.
     of_table: bool,
-    tally: Tally,
+    tally: ImportCounts,
 }
 
 impl<'a> Importer<'a> {
     pub fn new(service: &'a Service, pauses: &'a [Duration], tell: &'a mut dyn FnMut(Event<'_>)) -> Self {
-        Self { service, tell, pauses, of_table: false, tally: Tally::default() }
+        Self { service, tell, pauses, of_table: false, tally: ImportCounts::default() }
     }
 
     /// Stops at the first document of which nothing can be said (service gone, token wrong); what went before is
     /// stored, and sending it again does no harm.
-    pub async fn carry(mut self, content: Content) -> anyhow::Result<Tally> {
+    pub async fn carry(mut self, content: Content) -> anyhow::Result<ImportCounts> {
         match content {
             Content::One(document) => self.carry_one(document).await?,
             Content::Lines(mut reader) => {
@@ -137,15 +137,15 @@ impl<'a> Importer<'a> {
 
     async fn carry_members(&mut self, members: &[(u64, Vec<u8>)]) -> Result<(), Trouble> {
         for members in members.chunks(BATCH_LINES) {
-            let mut batch = Batch::default();
+            let mut batch = UploadBatch::default();
             members.iter().for_each(|(number, text)| batch.push(*number, text.clone()));
             self.carry_batch(batch).await?;
         }
         Ok(())
     }
 
-    async fn carry_one(&mut self, document: Document) -> Result<(), Trouble> {
-        let Document { route, content_type, body } = document;
+    async fn carry_one(&mut self, document: ImportDocument) -> Result<(), Trouble> {
+        let ImportDocument { route, content_type, body } = document;
         let (bytes, body) = (body.len() as u64, Bytes::from(body));
         match patiently(self.pauses, async || self.service.post(route, content_type, body.clone()).await).await? {
             Sent::Stored(answer) => {
@@ -165,14 +165,14 @@ impl<'a> Importer<'a> {
     }
 
     /// Sends a batch; lines that the service was too busy for go again until they are decided.
-    async fn carry_batch(&mut self, mut batch: Batch) -> Result<(), Trouble> {
+    async fn carry_batch(&mut self, mut batch: UploadBatch) -> Result<(), Trouble> {
         let bytes = batch.bytes;
         patiently(self.pauses, async || {
             let answers = self.service.import(batch.body(), batch.lines.len()).await?;
             let mut busy = None;
             let mut answers = answers.into_iter();
             batch.lines.retain(|(number, text)| {
-                let answer = answers.next().unwrap_or(LineAnswer { status: 503, error: None, notes: Vec::new() });
+                let answer = answers.next().unwrap_or(ImportLineAnswer { status: 503, error: None, notes: Vec::new() });
                 match self.decide(*number, text, answer) {
                     Ok(()) => false,
                     Err(trouble) => {
@@ -188,7 +188,7 @@ impl<'a> Importer<'a> {
         Ok(())
     }
 
-    fn decide(&mut self, line: u64, text: &[u8], answer: LineAnswer) -> Result<(), Trouble> {
+    fn decide(&mut self, line: u64, text: &[u8], answer: ImportLineAnswer) -> Result<(), Trouble> {
         let why = || {
             answer
                 .error
@@ -220,8 +220,8 @@ impl<'a> Importer<'a> {
     }
 
     /// The next lines that are not blank, with their numbers; none at the end of the file.
-    fn next_batch(&mut self, reader: &mut dyn BufRead, line: &mut u64) -> std::io::Result<Option<Batch>> {
-        let mut batch = Batch::default();
+    fn next_batch(&mut self, reader: &mut dyn BufRead, line: &mut u64) -> std::io::Result<Option<UploadBatch>> {
+        let mut batch = UploadBatch::default();
         while batch.lines.len() < BATCH_LINES && batch.bytes < BATCH_BYTES {
             let mut text = Vec::new();
             if read_line(reader, &mut text)? == 0 {
@@ -240,13 +240,13 @@ impl<'a> Importer<'a> {
 }
 
 #[derive(Default)]
-struct Batch {
+struct UploadBatch {
     /// Number in the file, and text.
     lines: Vec<(u64, Vec<u8>)>,
     bytes: u64,
 }
 
-impl Batch {
+impl UploadBatch {
     fn push(&mut self, number: u64, text: Vec<u8>) {
         self.bytes += text.len() as u64;
         self.lines.push((number, text));

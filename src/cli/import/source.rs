@@ -29,7 +29,7 @@ pub const MAX_DOCUMENT_BYTES: u64 = 16 << 20;
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 pub enum Content {
-    One(Document),
+    One(ImportDocument),
     /// NDJSON: one document a line.
     Lines(Box<dyn BufRead + Send>),
     /// The members of a JSON array by their number.
@@ -46,7 +46,7 @@ pub enum Patience {
 }
 
 #[derive(Debug, PartialEq)]
-pub struct Document {
+pub struct ImportDocument {
     pub route: &'static str,
     pub content_type: &'static str,
     pub body: Vec<u8>,
@@ -128,11 +128,11 @@ fn read(
 }
 
 /// The one document that a file holds.
-pub fn single(text: Vec<u8>) -> Result<Document, Unreadable> {
+pub fn single(text: Vec<u8>) -> Result<ImportDocument, Unreadable> {
     match classify(text, &TableMap::default(), Patience::TakesAsItIs)? {
         Content::One(document) => Ok(document),
         Content::Members(mut all) | Content::Table(mut all, _) => match (all.pop(), all.len()) {
-            (Some((_, body)), 0) => Ok(Document { route: route_of(&body)?, content_type: JSON, body }),
+            (Some((_, body)), 0) => Ok(ImportDocument { route: route_of(&body)?, content_type: JSON, body }),
             (_, others) => Err(unreadable(&message!("file_of_several", count = others + 1), Duration::ZERO)),
         },
         Content::Lines(_) => Err(unreadable(&message!("file_of_lines"), Duration::ZERO)),
@@ -169,10 +169,10 @@ fn classify(text: Vec<u8>, map: &TableMap, patience: Patience) -> Result<Content
             return Err(unreadable(&message!("dwells_told", told, have), COUNTED));
         }
         let content_type = "text/csv";
-        return Ok(Content::One(Document { route: "/v1/campaigns", content_type, body: text }));
+        return Ok(Content::One(ImportDocument { route: "/v1/campaigns", content_type, body: text }));
     }
     let route = route_of(without_mark(&text))?;
-    Ok(Content::One(Document { route, content_type: JSON, body: text }))
+    Ok(Content::One(ImportDocument { route, content_type: JSON, body: text }))
 }
 
 /// Of a table whose head says how many dwells follow (`# dwells: 78`) and that has fewer: both numbers.

@@ -9,7 +9,7 @@ use std::time::Duration;
 use axum::http::StatusCode;
 use clap::Parser;
 
-use super::send::{Event, Importer, Tally};
+use super::send::{Event, ImportCounts, Importer};
 use super::source::Content;
 use super::watch::watch;
 use crate::cli::client::{Connection, JSON, Sent, Service, Trouble};
@@ -60,7 +60,7 @@ const RECORD: &str = "{\"gyros\": []}\n";
 const STORED: &str = r#"{"id":"r1"}"#;
 const REFUSED: &str = r#"{"title":"t","status":422,"detail":"d","errors":[{"pointer":"/imu","detail":"is missing"}]}"#;
 
-async fn carry(service: &Service, text: &'static str) -> (anyhow::Result<Tally>, Vec<String>) {
+async fn carry(service: &Service, text: &'static str) -> (anyhow::Result<ImportCounts>, Vec<String>) {
     let mut refusals = Vec::new();
     let mut tell = |event: Event<'_>| {
         if let Event::Refused(refusal) = event {
@@ -87,7 +87,7 @@ async fn lines_that_the_service_was_too_busy_for_go_again_alone() {
     );
     let service = script.clone().serve().await;
     let (carried, refusals) = carry(&service, "one\n\ntwo\nthree\n").await;
-    assert_eq!(carried.unwrap(), Tally { stored: 1, known: 1, refused: 1 });
+    assert_eq!(carried.unwrap(), ImportCounts { stored: 1, known: 1, refused: 1 });
     assert_eq!(refusals, ["4: no such thing"], "blank lines count");
     assert_eq!(script.heard(), ["one\ntwo\nthree\n", "one\ntwo\nthree\n", "two\n"]);
 }

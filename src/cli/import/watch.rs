@@ -13,10 +13,10 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 
+use super::answer_summary::AnswerSummary;
 use super::folder::{Dir, FileStamp};
-use super::gist::Gist;
 use super::revise::{self, REVISE, WHY};
-use super::send::{Event, Importer, Refusal, Tally, end};
+use super::send::{Event, ImportCounts, Importer, Refusal, end};
 use super::source::{self, Content, Patience};
 use crate::cli::client::{Service, Trouble};
 use crate::cli::document;
@@ -98,7 +98,7 @@ struct Waiting {
 }
 
 enum Fate {
-    Stored(Tally),
+    Stored(ImportCounts),
     Refused(Vec<Refusal>),
     /// Breaks off, and is young.
     Unfinished,
@@ -192,8 +192,8 @@ impl Folder {
         let shown = name.to_string_lossy();
         let settle = self.settle.unwrap_or_else(|| usual_settle(name));
         let (to, words) = match revise::deliver(dir, name, settle, service).await? {
-            None | Some(revise::Fate::Asked { now: false }) => return Ok(()),
-            Some(revise::Fate::Asked { now: true }) => {
+            None | Some(revise::RevisionOutcome::Asked { now: false }) => return Ok(()),
+            Some(revise::RevisionOutcome::Asked { now: true }) => {
                 let file = shown.into_owned();
                 announce(&message!(
                     "terminal_revise_asked",
@@ -202,8 +202,8 @@ impl Folder {
                 ));
                 return Ok(());
             }
-            Some(revise::Fate::Done(words)) => (SENT, words),
-            Some(revise::Fate::Refused(words)) => (REFUSED, words),
+            Some(revise::RevisionOutcome::Done(words)) => (SENT, words),
+            Some(revise::RevisionOutcome::Refused(words)) => (REFUSED, words),
         };
         let target = self.within(to)?;
         let new_name = free_name(&target, name);
@@ -261,10 +261,10 @@ impl Folder {
             Err(unreadable) if age < unreadable.may_go_on => return Ok(Fate::Unfinished),
             Err(unreadable) => return Ok(Fate::Refused(vec![Refusal { line: None, why: unreadable.why }])),
         };
-        let (mut refusals, mut gist) = (Vec::new(), String::new());
+        let (mut refusals, mut summary) = (Vec::new(), String::new());
         let mut tell = |event: Event<'_>| match event {
             Event::Refused(refusal) => refusals.push(refusal),
-            Event::Answered(answer) => gist = Gist(answer).to_string(),
+            Event::Answered(answer) => summary = AnswerSummary(answer).to_string(),
             Event::Noted { line, note } => say(&format!("{}:{line}: {}", path.display(), document::note(note))),
             Event::Carried { .. } => {}
         };
@@ -273,8 +273,8 @@ impl Folder {
         if self.digest && tally.stored + tally.known > 0 {
             end(service).await;
         }
-        if !gist.is_empty() {
-            say(&format!("{}\n{}", path.display(), gist.trim_end()));
+        if !summary.is_empty() {
+            say(&format!("{}\n{}", path.display(), summary.trim_end()));
         }
         Ok(if refusals.is_empty() { Fate::Stored(tally) } else { Fate::Refused(refusals) })
     }

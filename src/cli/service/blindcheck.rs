@@ -13,7 +13,7 @@ use super::tallies::{figures, percent, progress};
 use crate::blindcheck::answer::Answer;
 use crate::blindcheck::draw::{Case, Draw};
 use crate::blindcheck::hypothesis::{FOUND, HypothesisReport};
-use crate::blindcheck::kind::{KINDS, Kind, KindRow, row};
+use crate::blindcheck::kind::{CampaignKind, KINDS, KindRow, row};
 use crate::blindcheck::report::{Goal, Report};
 use crate::blindcheck::run::{Foreign, drawn, file_name, foreign, key, key_text};
 use crate::blindcheck::score::Score;
@@ -38,7 +38,7 @@ use crate::{blindcheck, wire};
 #[command(args_conflicts_with_subcommands = true)]
 pub struct Blindcheck {
     #[command(subcommand)]
-    of: Option<Of>,
+    of: Option<BlindcheckOf>,
     /// Number of campaigns to draw; of --kind and --hypothesis, for each line of the table [default: 1000, with
     /// --hypothesis 100].
     #[arg(long, value_parser = count, conflicts_with = "campaigns")]
@@ -81,7 +81,7 @@ pub struct Blindcheck {
 
 /// What is checked besides campaigns.
 #[derive(Debug, clap::Subcommand)]
-enum Of {
+enum BlindcheckOf {
     History(super::blindcheck_history::History),
 }
 
@@ -124,7 +124,7 @@ fn cases_help() -> String {
 
 impl Blindcheck {
     pub fn run(self) -> anyhow::Result<()> {
-        if let Some(Of::History(history)) = self.of {
+        if let Some(BlindcheckOf::History(history)) = self.of {
             return history.run();
         }
         if !self.kind.is_empty() {
@@ -147,7 +147,7 @@ impl Blindcheck {
     }
 
     fn kinds(&self) -> anyhow::Result<()> {
-        let wanted = |kind: &&Kind| self.kind.iter().any(|name| *name == ALL || *name == kind.name);
+        let wanted = |kind: &&CampaignKind| self.kind.iter().any(|name| *name == ALL || *name == kind.name);
         let rows: Vec<KindRow> =
             KINDS.iter().filter(wanted).map(|kind| row(kind, self.seed, self.count.unwrap_or(COUNT), &plain)).collect();
         self.format.show(&rows, || kind_table(&rows))

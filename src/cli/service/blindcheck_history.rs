@@ -7,8 +7,8 @@ use clap::Args;
 
 use super::blindcheck_service::ask;
 use super::tallies::{figures, percent, progress};
-use crate::blindcheck::history::draw::{Fleet, Kind};
-use crate::blindcheck::history::report::{Report, Row};
+use crate::blindcheck::history::draw::{DrawnFleet, HiddenCause};
+use crate::blindcheck::history::report::{HistoryRate, HistoryReport};
 use crate::blindcheck::history::run;
 use crate::blindcheck::history::speed::{Speed, measure};
 use crate::cli::document::{Format, print, print_json, table};
@@ -26,7 +26,7 @@ pub struct History {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     #[arg(long, value_delimiter = ',', value_parser = kind, help = kinds_help())]
-    kind: Vec<Kind>,
+    kind: Vec<HiddenCause>,
     /// Instead: how long the diagnosis of so many gyros takes on all threads, and that of one with 1,000 records.
     #[arg(long, value_name = "GYROS", conflicts_with_all = ["count", "kind", "strict"])]
     speed: Option<usize>,
@@ -37,12 +37,13 @@ pub struct History {
     strict: bool,
 }
 
-fn kind(text: &str) -> Result<Kind, String> {
-    Kind::from_name(text).ok_or_else(|| format!("kinds are {}", Kind::ALL.map(Kind::name).join(", ")))
+fn kind(text: &str) -> Result<HiddenCause, String> {
+    HiddenCause::from_name(text)
+        .ok_or_else(|| format!("kinds are {}", HiddenCause::ALL.map(HiddenCause::name).join(", ")))
 }
 
 fn kinds_help() -> String {
-    format!("Only these kinds; all where left out: {}", Kind::ALL.map(Kind::name).join(", "))
+    format!("Only these kinds; all where left out: {}", HiddenCause::ALL.map(HiddenCause::name).join(", "))
 }
 
 impl History {
@@ -54,14 +55,14 @@ impl History {
                 Format::Table => print(&shown(&speed)),
             };
         }
-        let kinds = if self.kind.is_empty() { Kind::ALL.to_vec() } else { self.kind.clone() };
+        let kinds = if self.kind.is_empty() { HiddenCause::ALL.to_vec() } else { self.kind.clone() };
         let bar = progress(kinds.len() * self.count as usize, "fleets");
         let begun = Instant::now();
         let services = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("cannot start")?;
-        let answers = |fleet: &Fleet| services.block_on(ask(fleet)).map_err(|error| format!("{error:#}"));
+        let answers = |fleet: &DrawnFleet| services.block_on(ask(fleet)).map_err(|error| format!("{error:#}"));
         let scores = run(self.seed, self.count as usize, &kinds, &answers, &|| bar.inc(1)).map_err(Error::msg)?;
         bar.finish_and_clear();
-        let report = Report::of(self.seed, &scores);
+        let report = HistoryReport::of(self.seed, &scores);
         match self.format {
             Format::Json => print_json(&report)?,
             Format::Table => print(&tables(&report, begun.elapsed().as_secs_f64()))?,
@@ -81,9 +82,9 @@ fn shown(speed: &Speed) -> String {
     )
 }
 
-fn tables(report: &Report, seconds: f64) -> String {
+fn tables(report: &HistoryReport, seconds: f64) -> String {
     let mut rows = table(["what", "hits", "trials", "rate", "95 % interval", "to reach", ""], 1..4);
-    for Row { what, tally, at_least, at_most, reached } in &report.rows {
+    for HistoryRate { what, tally, at_least, at_most, reached } in &report.rows {
         let goal = at_least.map(|share| format!(">= {}", percent(share)));
         let goal = goal.or(at_most.map(|share| format!("<= {}", percent(share)))).unwrap_or_default();
         let mark = reached.map_or("", |reached| if reached { "reached" } else { "NOT REACHED" });

@@ -10,7 +10,7 @@ use serde_json::json;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 
-use crate::blindcheck::history::draw::Fleet;
+use crate::blindcheck::history::draw::DrawnFleet;
 use crate::blindcheck::history::score::Answers;
 use crate::blindcheck::history::sent::{records, serial};
 use crate::cli::client::{JSON, Sent, Service};
@@ -28,7 +28,7 @@ use crate::wire::time;
 const GRACE: Duration = Duration::from_secs(5);
 
 /// Sends the fleet's records and events to a new service, on a new file, and asks it for the diagnosis of every gyro.
-pub(super) async fn ask(fleet: &Fleet) -> anyhow::Result<Answers> {
+pub(super) async fn ask(fleet: &DrawnFleet) -> anyhow::Result<Answers> {
     let dir = tempfile::tempdir().context("no directory for a database")?;
     let mut config = Config::defaults();
     config.access.open = true;
@@ -70,7 +70,7 @@ pub(super) async fn ask(fleet: &Fleet) -> anyhow::Result<Answers> {
 }
 
 /// The budget that the asked gyro has, where it has one: from a stated baseline.
-fn limits(fleet: &Fleet) -> anyhow::Result<Option<crate::config::Override>> {
+fn limits(fleet: &DrawnFleet) -> anyhow::Result<Option<crate::config::Override>> {
     let Some(budget) = fleet.budget() else { return Ok(None) };
     let coefficient = ["D_I", "D_S"][fleet.column];
     let limits = json!({
@@ -81,7 +81,7 @@ fn limits(fleet: &Fleet) -> anyhow::Result<Option<crate::config::Override>> {
     Ok(Some(serde_json::from_value(limits)?))
 }
 
-async fn send(service: &Service, fleet: &Fleet) -> anyhow::Result<()> {
+async fn send(service: &Service, fleet: &DrawnFleet) -> anyhow::Result<()> {
     let records = records(fleet);
     let mut lines = Vec::new();
     for record in &records {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use super::separate::{BENCH_RESULT, Method, drift_and_mounting, figure};
+use super::separate::{BENCH_RESULT, SeparationMethod, drift_and_mounting, figure};
 use super::{model, settings};
 use crate::cli::document::{self, Format, part_of, table_of};
 use crate::config::Config;
@@ -35,14 +35,14 @@ pub struct Calibrate {
 
     /// In the JSON: the method of d_i and d_s; the other is always reported beside it
     #[arg(long, value_enum, default_value_t)]
-    method: Method,
+    method: SeparationMethod,
 
     #[arg(long, value_enum, default_value_t)]
     format: Format,
 }
 
 /// A campaign, its fit and what is answered.
-struct Fitted {
+struct FittedFile {
     file: String,
     campaign: Campaign,
     outcome: Outcome,
@@ -81,7 +81,7 @@ impl Calibrate {
         }
     }
 
-    fn fitted(&self, path: &Path, config: &Config) -> anyhow::Result<Fitted> {
+    fn fitted(&self, path: &Path, config: &Config) -> anyhow::Result<FittedFile> {
         let bytes = document::read(path)?;
         let file = || document::name(path);
         match DocumentKind::instead_of(DocumentKind::Campaign, &bytes) {
@@ -105,16 +105,16 @@ impl Calibrate {
         campaign.check_known_scales(&limits).with_context(file)?;
         let outcome = evaluate_with(&campaign, &options, &limits).with_context(file)?;
         let answer = CampaignAnswer::of(&campaign, &outcome, self.method.into());
-        Ok(Fitted { file: file(), campaign, outcome, answer })
+        Ok(FittedFile { file: file(), campaign, outcome, answer })
     }
 }
 
 /// D_I and D_S of every campaign, and what repeats between them.
-fn tables_between(fitted: &[Fitted], between: &[RepeatedBody]) -> String {
+fn tables_between(fitted: &[FittedFile], between: &[RepeatedBody]) -> String {
     let mut each = table_of("terminal_campaigns_head", 4..6);
     let (imu, count) = (fitted[0].answer.imu.clone(), fitted.len().to_string());
     let mut text = format!("{}\n\n", asked().words(&message!("terminal_campaigns", imu, count)));
-    for Fitted { file, answer, .. } in fitted {
+    for FittedFile { file, answer, .. } in fitted {
         for s in &answer.separations {
             each.add_row([
                 file.clone(),
@@ -152,7 +152,7 @@ fn tables_between(fitted: &[Fitted], between: &[RepeatedBody]) -> String {
         [] => message!("terminal_repeats_none"),
         some => message!("terminal_repeats_beyond", coefficients = some.join(", ")),
     }));
-    for Fitted { file, answer, .. } in fitted {
+    for FittedFile { file, answer, .. } in fitted {
         for remark in remarks(answer) {
             text.push_str(&format!("\n{file}: {remark}"));
         }

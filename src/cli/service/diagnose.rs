@@ -69,7 +69,7 @@ pub struct Diagnose {
     gyro: Option<String>,
 
     #[command(flatten)]
-    fleet: diagnose_all::Fleet,
+    fleet: diagnose_all::FleetArgs,
 }
 
 impl Diagnose {

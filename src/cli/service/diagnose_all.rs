@@ -28,7 +28,7 @@ const MOST_NAMED: usize = 1000;
 /// Which service, and which of its campaigns.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "With --all")]
-pub struct Fleet {
+pub struct FleetArgs {
     /// Campaigns of this IMU alone
     #[arg(long, conflicts_with = "campaign")]
     imu: Option<String>,
@@ -53,7 +53,7 @@ pub struct Fleet {
     connection: Connection,
 }
 
-impl Fleet {
+impl FleetArgs {
     /// The service that is asked.
     pub fn service(&self) -> anyhow::Result<Service> {
         self.connection.service()
@@ -83,12 +83,12 @@ impl Fleet {
     }
 }
 
-pub fn run(fleet: &Fleet, format: Format) -> anyhow::Result<()> {
+pub fn run(fleet: &FleetArgs, format: Format) -> anyhow::Result<()> {
     let service = fleet.service()?;
     crate::cli::common::block_on(all(fleet, &service, format))
 }
 
-async fn all(fleet: &Fleet, service: &Service, format: Format) -> anyhow::Result<()> {
+async fn all(fleet: &FleetArgs, service: &Service, format: Format) -> anyhow::Result<()> {
     let order = order(fleet, service).await?;
     let ended = follow(service, order).await?;
     for failure in &ended.failures {
@@ -106,7 +106,7 @@ async fn all(fleet: &Fleet, service: &Service, format: Format) -> anyhow::Result
 }
 
 /// Begins an order, or finds the one that is being worked off.
-async fn order(fleet: &Fleet, service: &Service) -> anyhow::Result<JobDetailBody> {
+async fn order(fleet: &FleetArgs, service: &Service) -> anyhow::Result<JobDetailBody> {
     let body = Bytes::from(serde_json::to_vec(&fleet.which()).context("cannot write the order")?);
     let begun = Instant::now();
     let answer = loop {

@@ -2,14 +2,14 @@
 
 use anyhow::Context;
 
-use super::diagnose_all::Fleet;
+use super::diagnose_all::FleetArgs;
 use crate::cli::document::{Format, table_of};
 use crate::message;
 use crate::wire::history::{CoefficientBody, HistoryDiagnosisBody};
 use crate::wire::text::encoded;
 use crate::words::asked;
 
-pub fn run(serial: &str, fleet: &Fleet, format: Format) -> anyhow::Result<()> {
+pub fn run(serial: &str, fleet: &FleetArgs, format: Format) -> anyhow::Result<()> {
     let service = fleet.service()?;
     let route = format!("/v1/gyros/{}/diagnosis", encoded(serial));
     let answer = crate::cli::common::block_on(async { service.get(&route).await })?;

@@ -9,7 +9,7 @@ use clap::Args;
 use crate::cli::common::block_on;
 use crate::cli::document;
 use crate::config::Config;
-use crate::core::judge::{FleetNoise as Found, Noise, Spacing};
+use crate::core::judge::{FleetNoise as Found, NoiseParameters, Spacing};
 use crate::pipeline::Pipeline;
 use crate::store;
 use crate::system::Clock;
@@ -18,13 +18,13 @@ use crate::wire::time;
 /// Fit the fleet's noise constants (correlation, random walk, what stations differ by) to the stored history, and print
 /// the lines for the configuration
 #[derive(Debug, Args)]
-pub struct FleetNoise {
+pub struct FleetNoiseArgs {
     /// Configuration file that names the database; repeat for several, later ones win [default: config/*.toml]
     #[arg(long = "config", value_name = "FILE")]
     config: Vec<PathBuf>,
 }
 
-impl FleetNoise {
+impl FleetNoiseArgs {
     pub fn run(self) -> anyhow::Result<()> {
         let config = Config::load(&self.config, std::env::vars())?;
         let url = config.database.options().shown();
@@ -52,7 +52,7 @@ fn report(found: &Found, between: [f64; 2], today: &str) -> String {
         );
     }
     match (fitted, scatter) {
-        (Some(Noise { phi, walk, .. }), Some(scatter)) => {
+        (Some(NoiseParameters { phi, walk, .. }), Some(scatter)) => {
             text += &format!(
                 "fitted: scatter {scatter:.6} deg/(h g0), correlation {phi:.2}, walk {walk:.6} deg/(h g0) a root year\n\
                  For the configuration (drawn towards the defaults by 100 weekly means):\n\n\

@@ -40,7 +40,7 @@ pub struct Gap {
 
 /// The ladder of one campaign.
 #[derive(Debug, Serialize)]
-struct Ladder {
+struct ModelLadder {
     measured_at: String,
     station: String,
     rungs: Vec<RungBody>,
@@ -57,7 +57,7 @@ impl Gap {
     }
 
     /// The campaigns of an IMU that a service stores, each from the model in force when it came in.
-    fn of_service(&self) -> anyhow::Result<(String, Vec<Ladder>)> {
+    fn of_service(&self) -> anyhow::Result<(String, Vec<ModelLadder>)> {
         if self.model.is_file() {
             return Err(Usage("a model file wants campaigns to hold it against".to_owned()).into());
         }
@@ -71,11 +71,12 @@ impl Gap {
                 eprintln!("{}: {why}", point.measured_at);
             }
         }
-        let ladder = |point: ForecastPointBody| Some(Ladder::of(point.measured_at, point.station, point.compared?));
+        let ladder =
+            |point: ForecastPointBody| Some(ModelLadder::of(point.measured_at, point.station, point.compared?));
         Ok((imu, series.points.into_iter().filter_map(ladder).collect()))
     }
 
-    fn of_files(&self) -> anyhow::Result<(String, Vec<Ladder>)> {
+    fn of_files(&self) -> anyhow::Result<(String, Vec<ModelLadder>)> {
         let model = identified(&self.model)?;
         let mut ladders = Vec::new();
         for path in &self.campaigns {
@@ -86,20 +87,20 @@ impl Gap {
             let body = ForecastBody::of(&model, &campaign, &comparison.forecast, None);
             let judged = (&*model, Limits::default().forecast());
             let Some(compared) = body.compared(&comparison, &steps, None, judged).compared else { continue };
-            ladders.push(Ladder::of(time::format(campaign.measured_at), campaign.station.to_string(), compared));
+            ladders.push(ModelLadder::of(time::format(campaign.measured_at), campaign.station.to_string(), compared));
         }
         Ok((model.imu.to_string(), ladders))
     }
 }
 
-impl Ladder {
+impl ModelLadder {
     fn of(measured_at: String, station: String, compared: ComparedBody) -> Self {
         let ComparedBody { ladder, noise_deg_per_h, closing, state, .. } = compared;
         Self { measured_at, station, rungs: ladder, noise_deg_per_h, closing, state }
     }
 }
 
-fn tables(imu: &str, ladders: &[Ladder]) -> String {
+fn tables(imu: &str, ladders: &[ModelLadder]) -> String {
     if ladders.is_empty() {
         return format!("{}\n", asked().words(&message!("terminal_gap_none", imu = imu.to_owned())));
     }

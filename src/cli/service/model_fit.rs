@@ -12,7 +12,7 @@ use crate::core::augmented::{Adopted, AugmentedModel};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::Verdict;
 use crate::core::effects::Effect;
-use crate::core::imu_model::{Chosen, Identified, Of, Sample, asked_for, identify, named};
+use crate::core::imu_model::{CampaignSample, Chosen, Identified, Of, asked_for, identify, named};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
 use crate::message;
@@ -26,12 +26,12 @@ use crate::words;
 #[derive(Debug, Args)]
 pub struct Model {
     #[command(subcommand)]
-    what: What,
+    what: ModelCommand,
 }
 
 #[derive(Debug, Subcommand)]
-enum What {
-    Fit(Fit),
+enum ModelCommand {
+    Fit(FitArgs),
 }
 
 /// Fit the coefficients of one IMU to one or several of its campaigns
@@ -39,7 +39,7 @@ enum What {
 /// The model file holds D0, G, P and E of every gyro, the effects, and the covariance of all of them. It is for
 /// `predict`, `gap`, `diagnose --model`, `calibrate --model`, `simulate --model` and POST /v1/imus/{imu}/model.
 #[derive(Debug, Args)]
-struct Fit {
+struct FitArgs {
     /// Campaigns of one IMU, in JSON or CSV, in any order
     #[arg(required = true)]
     campaigns: Vec<PathBuf>,
@@ -77,7 +77,7 @@ fn terms(argument: &str) -> Result<Terms, String> {
 impl Model {
     pub fn run(self) -> anyhow::Result<()> {
         match self.what {
-            What::Fit(fit) => fit.run(),
+            ModelCommand::Fit(fit) => fit.run(),
         }
     }
 }
@@ -91,8 +91,8 @@ fn read(path: &Path) -> anyhow::Result<(Campaign, String)> {
     Ok((campaign, format!("sha256:{hash}")))
 }
 
-fn samples<'a>(read: &'a [(Campaign, String)], occasions: &[Vec<Adopted>]) -> Vec<Sample<'a>> {
-    let one = |((campaign, source), occasions): (&'a (Campaign, String), &Vec<Adopted>)| Sample {
+fn samples<'a>(read: &'a [(Campaign, String)], occasions: &[Vec<Adopted>]) -> Vec<CampaignSample<'a>> {
+    let one = |((campaign, source), occasions): (&'a (Campaign, String), &Vec<Adopted>)| CampaignSample {
         campaign,
         source: Some(source.clone()),
         occasions: occasions.clone(),
@@ -100,7 +100,7 @@ fn samples<'a>(read: &'a [(Campaign, String)], occasions: &[Vec<Adopted>]) -> Ve
     read.iter().zip(occasions).map(one).collect()
 }
 
-impl Fit {
+impl FitArgs {
     fn run(self) -> anyhow::Result<()> {
         if let Some(path) = &self.out {
             model::may_be_replaced(path)?;

@@ -91,7 +91,7 @@ fn body(model: &Identified, campaign: &Campaign) -> anyhow::Result<ForecastBody>
 /// The forecast of a measured campaign, with how far it came true.
 fn held_against(model: &Identified, campaign: &Campaign) -> anyhow::Result<ForecastBody> {
     let compared = compare(model, campaign)?;
-    let changed = if model.effects.is_empty() { None } else { changed(model, campaign).ok() };
+    let changed = if model.effects.is_empty() { None } else { changed(model, campaign) };
     let limits = Limits::default().forecast();
     Ok(body(model, campaign)?.compared(&compared, &ladder(model, campaign)?, changed.as_ref(), (model, limits)))
 }

@@ -32,14 +32,14 @@ pub struct Separate {
 
     /// In the JSON: the method of d_i and d_s; the other is always reported beside it
     #[arg(long, value_enum, default_value_t)]
-    method: Method,
+    method: SeparationMethod,
 
     #[arg(long, value_enum, default_value_t)]
     format: Format,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Method {
+pub(super) enum SeparationMethod {
     /// The nominal triad carried along to the measured input axis
     #[default]
     Rigid,
@@ -47,11 +47,11 @@ pub(super) enum Method {
     Published,
 }
 
-impl From<Method> for JudgedMethod {
-    fn from(method: Method) -> Self {
+impl From<SeparationMethod> for JudgedMethod {
+    fn from(method: SeparationMethod) -> Self {
         match method {
-            Method::Rigid => Self::Rigid,
-            Method::Published => Self::Published,
+            SeparationMethod::Rigid => Self::Rigid,
+            SeparationMethod::Published => Self::Published,
         }
     }
 }
@@ -96,7 +96,12 @@ fn separate_all(record: &Record) -> anyhow::Result<Vec<Separation>> {
     record.gyros.iter().enumerate().map(one).collect()
 }
 
-fn answer(record: &Record, separations: &[Separation], verdicts: &[Requirements], method: Method) -> RecordAnswer {
+fn answer(
+    record: &Record,
+    separations: &[Separation],
+    verdicts: &[Requirements],
+    method: SeparationMethod,
+) -> RecordAnswer {
     let body = |(gyro, s): (&GyroParameters, _)| SeparationBody::of(gyro.serial.as_str(), s, method.into());
     let separations = record.gyros.iter().zip(separations).map(body).collect();
     let said = |(gyro, verdicts): (&GyroParameters, &Requirements)| {

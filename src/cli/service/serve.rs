@@ -188,14 +188,14 @@ fn start_log(log: &Log) -> anyhow::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::routes::Rule;
+    use crate::routes::AccessRule;
 
     #[test]
     fn the_table_of_the_documentation_is_that_of_the_service() {
         let config = Config::defaults();
         let (api, pages) = (http::routes(&config.server), pages::routes());
         let description = serde_json::to_value(api.description()).unwrap();
-        let row = |rule: &Rule| {
+        let row = |rule: &AccessRule| {
             let role = rule.least.map_or("-", |role| role.name());
             format!("| {} | `{}` | {role} |", rule.method, rule.path)
         };

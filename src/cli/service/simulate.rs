@@ -79,7 +79,7 @@ pub struct Simulate {
     csv: bool,
     /// How campaigns are written.
     #[arg(long, value_enum, default_value_t)]
-    format: Written,
+    format: CampaignFormat,
     /// List the presets.
     #[arg(long, conflicts_with_all = ["count", "out", "truth", "print_scenario"])]
     list: bool,
@@ -90,14 +90,14 @@ pub struct Simulate {
 
 /// How a campaign is written.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
-enum Written {
+enum CampaignFormat {
     #[default]
     Json,
     /// One row a dwell, as a station's table program writes it
     Csv,
 }
 
-impl Written {
+impl CampaignFormat {
     fn text(self, campaign: &Campaign) -> String {
         match self {
             Self::Json => wire::campaign::to_json(campaign),
@@ -242,7 +242,7 @@ fn list(mut out: impl Write) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn many(scenario: &Scenario, put_in: &PutIn, count: u64, dir: &Path, form: Written) -> anyhow::Result<()> {
+fn many(scenario: &Scenario, put_in: &PutIn, count: u64, dir: &Path, form: CampaignFormat) -> anyhow::Result<()> {
     if scenario.seed.checked_add(count).is_none() {
         bail!("seeds end at {}", u64::MAX);
     }
@@ -258,7 +258,7 @@ fn write_all(
     scenarios: impl Iterator<Item = (String, Scenario)>,
     put_in: &PutIn,
     dir: &Path,
-    form: Written,
+    form: CampaignFormat,
 ) -> anyhow::Result<()> {
     let mut key = Key::new();
     let campaigns = scenarios.map(|(name, scenario)| {

@@ -21,9 +21,9 @@ use crate::{message, words};
 
 /// Make, list and revoke access tokens
 #[derive(Debug, Args)]
-pub struct Token {
+pub struct TokenArgs {
     #[command(subcommand)]
-    order: Order,
+    order: TokenCommand,
     /// Configuration file that names the database, as GYROWATCH_DATABASE_URL does too; repeat for several, later ones
     /// win [default: config/*.toml]
     #[arg(long = "config", value_name = "FILE", global = true)]
@@ -31,7 +31,7 @@ pub struct Token {
 }
 
 #[derive(Debug, Subcommand)]
-enum Order {
+enum TokenCommand {
     /// Make a token and print it, this once
     Create {
         /// Who or what will use it
@@ -63,12 +63,12 @@ fn role(name: &str) -> Result<Role, String> {
     Role::from_name(name).ok_or_else(|| format!("must be one of {}", Role::ALL.map(Role::name).join(", ")))
 }
 
-impl Token {
+impl TokenArgs {
     pub fn run(self) -> anyhow::Result<()> {
         let Config { database, server, .. } = Config::load(&self.config, std::env::vars())?;
         let (order, options) = (self.order, database.options());
         let is_new = options.file().is_ok_and(|file| matches!(file.try_exists(), Ok(false)));
-        if is_new && !matches!(order, Order::Create { .. }) {
+        if is_new && !matches!(order, TokenCommand::Create { .. }) {
             bail!("there is no database {}", options.shown());
         }
         let is_unnamed = database.url == Config::defaults().database.url;
@@ -111,7 +111,7 @@ fn in_words(error: anyhow::Error) -> anyhow::Error {
     }
 }
 
-impl Order {
+impl TokenCommand {
     async fn carry_out(self, database: &mut Beside, now: UtcMicros) -> anyhow::Result<()> {
         match self {
             Self::Create { name, role, station, expires_at, days } => {

@@ -12,9 +12,9 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::bench_form::{Form, Squares};
+use super::bench_form::{BenchForm, Squares};
 use super::gyro_fit::standardised;
-use super::noise::{Evidence, Noise, noise};
+use super::noise::{Evidence, NoiseScale, noise};
 use super::{ScaleSource, sem_scatter, weights_sd};
 use crate::core::bench::{Alias, BenchMethod, BenchResult};
 use crate::core::campaign::repeats::{PureError, repeats};
@@ -35,7 +35,7 @@ const LEAST_SCALE_TO_NOISE: f64 = 10.0;
 
 /// One coefficient of eq. (5).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coefficient {
+pub struct BenchCoefficient {
     pub name: &'static str,
     pub unit: &'static str,
     pub value: f64,
@@ -55,7 +55,7 @@ pub struct BenchCalibration {
     /// Axes on which drift was resolved: the stated ones, carried along with the measured input axis.
     pub axes: Matrix3<f64>,
     /// D_F, D_I, D_S and, where the positions allow, D_II, D_SS and D_O.
-    pub coefficients: Vec<Coefficient>,
+    pub coefficients: Vec<BenchCoefficient>,
     pub gauge: Option<&'static str>,
     /// Products that eq. (5) leaves out here and that these positions do not tell from D_I or D_S.
     pub aliases: Vec<Alias>,
@@ -66,7 +66,7 @@ pub struct BenchCalibration {
     /// Chance of residuals as large as these if eq. (5) and the noise scale are right; none where nothing tells.
     pub p_value: Option<f64>,
     pub rank: usize,
-    pub noise: Noise,
+    pub noise: NoiseScale,
     /// Standard deviation of each output, none without a noise scale.
     pub sigma: Option<DVector<f64>>,
     /// Residuals over their own standard deviations, sigma sqrt(1 - leverage).
@@ -117,7 +117,7 @@ impl NotFitted {
 }
 
 /// What is fitted besides the drift, and the axes that follow from it.
-struct Scale {
+struct BenchScale {
     source: ScaleSource,
     /// Held E, or none where columns of w are fitted.
     held: Option<Vector3<f64>>,
@@ -125,7 +125,7 @@ struct Scale {
     fitted: Vec<Vector3<f64>>,
 }
 
-struct Problem<'a> {
+struct BenchProblem<'a> {
     campaign: &'a Campaign,
     triad: Triad,
     sd: Vec<f64>,
@@ -145,19 +145,19 @@ pub fn calibrate_bench(campaign: &Campaign) -> Result<BenchCalibration, NotFitte
     let gyro = campaign.gyros.first().ok_or(NotFitted::NotABench)?;
     let triad = campaign.geometry.triad(gyro.slot).ok_or(NotFitted::NoAxes(gyro.slot.name()))?;
     let squares = campaign.terms().contains(Term::GSquared);
-    let problem = Problem { campaign, triad, sd: weights_sd(campaign, 0), squares };
+    let problem = BenchProblem { campaign, triad, sd: weights_sd(campaign, 0), squares };
     let scale = problem.scale(method, gyro.known_e)?;
     problem.fit(method, &scale)
 }
 
-impl Problem<'_> {
-    fn scale(&self, method: BenchMethod, known_e: Option<Vector3<f64>>) -> Result<Scale, NotFitted> {
-        let held = |e| Scale { source: ScaleSource::Held, held: Some(e), fitted: Vec::new() };
+impl BenchProblem<'_> {
+    fn scale(&self, method: BenchMethod, known_e: Option<Vector3<f64>>) -> Result<BenchScale, NotFitted> {
+        let held = |e| BenchScale { source: ScaleSource::Held, held: Some(e), fitted: Vec::new() };
         if let Some(e) = known_e {
             return Ok(held(e));
         }
         let input = self.triad.input();
-        let fit_along = |fitted: Vec<Vector3<f64>>| Scale { source: ScaleSource::Fitted, held: None, fitted };
+        let fit_along = |fitted: Vec<Vector3<f64>>| BenchScale { source: ScaleSource::Fitted, held: None, fitted };
         if method == BenchMethod::TorqueFeedback {
             let whole = fit_along(vec![Vector3::x(), Vector3::y(), Vector3::z()]);
             let single = fit_along(vec![input]);
@@ -180,7 +180,7 @@ impl Problem<'_> {
         Ok(held(input * answer.signum()))
     }
 
-    fn determines_scale(&self, scale: &Scale) -> bool {
+    fn determines_scale(&self, scale: &BenchScale) -> bool {
         let (design, _) = self.design(scale, &self.axes(self.triad.input()));
         let (columns, q) = (scale.fitted.len(), design.ncols());
         let rows = design.nrows();
@@ -190,7 +190,7 @@ impl Problem<'_> {
     }
 
     /// Standard deviation of the first column's parameter for the weights as given.
-    fn scale_sd(&self, scale: &Scale) -> f64 {
+    fn scale_sd(&self, scale: &BenchScale) -> f64 {
         let (design, _) = self.design(scale, &self.axes(self.triad.input()));
         Factor::new(design, &self.sd).covariance()[(0, 0)].max(0.0).sqrt()
     }
@@ -208,11 +208,11 @@ impl Problem<'_> {
 
     /// Columns: the fitted rates, 1, a_I, a_S and, where they are asked for and seen, the squares (as their
     /// difference in the gauge) and a_O. The second value says which.
-    fn design(&self, scale: &Scale, axes: &Matrix3<f64>) -> (DMatrix<f64>, Form) {
+    fn design(&self, scale: &BenchScale, axes: &Matrix3<f64>) -> (DMatrix<f64>, BenchForm) {
         let dwells = &self.campaign.dwells;
         let forces: Vec<Vector3<f64>> = dwells.iter().map(|d| axes * d.specific_force_g0).collect();
         let squares = if self.squares { Squares::seen_in(&forces) } else { Squares::Left };
-        let with = |form: Form| {
+        let with = |form: BenchForm| {
             let rows: Vec<f64> = dwells
                 .iter()
                 .zip(&forces)
@@ -224,14 +224,14 @@ impl Problem<'_> {
             DMatrix::from_row_iterator(dwells.len(), rows.len() / dwells.len(), rows)
         };
         let forms = [(squares, true), (squares, false), (Squares::Left, true)];
-        for form in forms.map(|(squares, output)| Form { squares, output }) {
+        for form in forms.map(|(squares, output)| BenchForm { squares, output }) {
             let full = with(form);
             let factor = Factor::new(full.clone(), &self.sd);
             if factor.rank() == full.ncols() && full.nrows() > full.ncols() {
                 return (full, form);
             }
         }
-        let least = Form { squares: Squares::Left, output: false };
+        let least = BenchForm { squares: Squares::Left, output: false };
         (with(least), least)
     }
 
@@ -240,7 +240,7 @@ impl Problem<'_> {
         dwells.iter().map(|d| (axes * d.specific_force_g0).xy().norm_squared()).sum::<f64>() / dwells.len() as f64
     }
 
-    fn fit(&self, method: BenchMethod, scale: &Scale) -> Result<BenchCalibration, NotFitted> {
+    fn fit(&self, method: BenchMethod, scale: &BenchScale) -> Result<BenchCalibration, NotFitted> {
         // With E fitted, its direction carries the axes; one more pass suffices, as the axes move by arc-minutes.
         let mut e = scale.held.unwrap_or_else(|| self.triad.input());
         let passes = if scale.fitted.len() == 3 { 2 } else { 1 };
@@ -255,7 +255,7 @@ impl Problem<'_> {
         self.finish(method, scale, solved)
     }
 
-    fn solve(&self, scale: &Scale, direction: &Vector3<f64>) -> Result<Solved, NotFitted> {
+    fn solve(&self, scale: &BenchScale, direction: &Vector3<f64>) -> Result<BenchSolution, NotFitted> {
         let along = direction.normalize();
         // A table that cancels the gyro has E against the input axis; the gyro's axes do not turn round with it.
         let axes = self.axes(if along.dot(&self.triad.input()) < 0.0 { -along } else { along });
@@ -281,7 +281,7 @@ impl Problem<'_> {
         let fit = factor.fit(&y);
         let fitted: Vector3<f64> = scale.fitted.iter().zip(fit.estimate.iter()).map(|(axis, k)| axis * *k).sum();
         let aliases = self.aliases(&factor, &axes, first);
-        Ok(Solved { e: held + fitted, axes, form, fit, y, aliases })
+        Ok(BenchSolution { e: held + fitted, axes, form, fit, y, aliases })
     }
 
     /// A product's column fitted by what is fitted: what D_I and D_S take of it.
@@ -301,8 +301,13 @@ impl Problem<'_> {
         found
     }
 
-    fn finish(&self, method: BenchMethod, scale: &Scale, solved: Solved) -> Result<BenchCalibration, NotFitted> {
-        let Solved { e, axes, form, fit, y, aliases } = solved;
+    fn finish(
+        &self,
+        method: BenchMethod,
+        scale: &BenchScale,
+        solved: BenchSolution,
+    ) -> Result<BenchCalibration, NotFitted> {
+        let BenchSolution { e, axes, form, fit, y, aliases } = solved;
         let groups = repeats(&self.campaign.dwells);
         let has_sem = self.campaign.states_errors();
         let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
@@ -335,7 +340,7 @@ impl Problem<'_> {
                 _ => 0.0,
             }
         };
-        let coefficients: Vec<Coefficient> = form
+        let coefficients: Vec<BenchCoefficient> = form
             .names()
             .map(|(name, unit, column, sign)| {
                 let value = sign * fit.estimate[first + column] / k;
@@ -345,7 +350,7 @@ impl Problem<'_> {
                     gradient[i] = by_turn(name, &scale.fitted[i]) - value * share / k;
                 }
                 let sd = covariance.as_ref().map(|c| gradient.dot(&(c * &gradient)).max(0.0).sqrt());
-                Coefficient { name, unit, value, sd }
+                BenchCoefficient { name, unit, value, sd }
             })
             .collect();
         // Outputs next to nothing have a scale next to nothing, which nothing can be divided by.
@@ -375,10 +380,10 @@ impl Problem<'_> {
     }
 }
 
-struct Solved {
+struct BenchSolution {
     e: Vector3<f64>,
     axes: Matrix3<f64>,
-    form: Form,
+    form: BenchForm,
     fit: Fit,
     y: DVector<f64>,
     aliases: Vec<Alias>,
@@ -386,7 +391,7 @@ struct Solved {
 
 impl BenchCalibration {
     /// The coefficient of that name, where it was fitted.
-    pub fn coefficient(&self, name: &str) -> Option<&Coefficient> {
+    pub fn coefficient(&self, name: &str) -> Option<&BenchCoefficient> {
         self.coefficients.iter().find(|c| c.name == name)
     }
 

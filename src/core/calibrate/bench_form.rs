@@ -45,14 +45,14 @@ impl Squares {
 
 /// Which columns follow 1, a_I and a_S.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Form {
+pub(super) struct BenchForm {
     pub squares: Squares,
     /// a_O: eq. (5) has no such term, but a gyro clocked about I on its fixture has, and what is left out leaks into
     /// E and D_F.
     pub output: bool,
 }
 
-impl Form {
+impl BenchForm {
     /// Columns of one dwell beyond 1, a_I and a_S; `a` is the specific force along I, S and O, g0.
     pub fn columns(self, a: &Vector3<f64>) -> Vec<f64> {
         self.squares.columns(a).into_iter().chain(self.output.then_some(a.z)).collect()

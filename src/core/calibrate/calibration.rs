@@ -3,25 +3,28 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::design;
-use super::noise::{self, Noise};
+use super::noise::{self, NoiseScale};
 use super::noise_found::NoiseFound;
 use super::uncertainty::Uncertainty;
 use crate::core::campaign::{Campaign, CampaignNote};
 use crate::core::effects::{Coefficient, Effect};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
+use crate::core::named::named;
 use crate::core::numerics::median::median_of;
 use crate::core::record::Name;
 
+named! {
 /// Where a gyro's E comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScaleSource {
     /// Fitted: the model has the scale term.
-    Fitted,
+    Fitted = "fitted",
     /// Held at `known_e_pulse_per_arcsec`.
-    Held,
+    Held = "held",
     /// Neither. The outputs stay in pulse/s.
-    Missing,
+    Missing = "missing",
+}
 }
 
 /// One fitted number.
@@ -83,7 +86,7 @@ pub struct GyroCalibration {
     pub dof: usize,
     /// Chance of residuals as large as these if the model and the noise scale are right.
     pub p_value: Option<f64>,
-    pub noise: Noise,
+    pub noise: NoiseScale,
     /// Standard deviation of each output as the noise scale has it, pulse/s; none without a noise scale.
     pub sigma: Option<DVector<f64>>,
     /// Measured less fitted, pulse/s, by dwell.
@@ -195,11 +198,6 @@ impl GyroCalibration {
     pub fn of(&self, term: Term) -> Option<&[Parameter]> {
         let first = design::first_column(self.terms, term);
         self.terms.contains(term).then(|| &self.parameters[first..first + term.columns()])
-    }
-
-    /// Names of the parameters that the dwells do not determine.
-    pub fn undetermined(&self) -> impl Iterator<Item = &'static str> {
-        self.parameters.iter().filter(|p| !p.determined).map(|p| p.name)
     }
 
     /// Reduced chi-square against the standard errors as given; none where nothing is left over.

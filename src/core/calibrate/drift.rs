@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::uncertainty::Budget;
+use super::uncertainty::UncertaintyBudget;
 use super::{Calibration, GyroCalibration, ScaleSource};
 use crate::core::message::{Message, figure, list};
 use crate::core::model::Term;
@@ -103,7 +103,7 @@ impl GyroCalibration {
 
     /// How uncertain D_I, D_S, D_O and |E| are, and why; D_I and D_S by the published equations where those are asked
     /// for and defined.
-    pub fn budgets(&self, geometry: &Geometry, published: bool) -> Option<[Budget; 4]> {
+    pub fn budgets(&self, geometry: &Geometry, published: bool) -> Option<[UncertaintyBudget; 4]> {
         let (e, g) = (self.e()?, self.g()?);
         self.uncertainty.as_ref()?.budgets(|covariance| {
             let separated = separate(geometry, self.slot, &e, &g, Some(&self.eg_of(covariance))).ok()?;

@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::design::Design;
 use super::regressor::{Regressor, adding, told_apart};
-use crate::core::augmented::{Adopted, Known};
-use crate::core::calibrate::shared_coefficients::Shared;
+use crate::core::augmented::{Adopted, KnownCoefficient};
+use crate::core::calibrate::shared_coefficients::SharedRegressors;
 use crate::core::campaign::{Campaign, CampaignNote, LeftOut, Temperatures, any_kelvin};
 use crate::core::effects::{Effect, Entry, Lack, OwnHypothesis, Scope, Setting, Shape, axes};
 use crate::core::mounting::Slot;
@@ -22,9 +22,9 @@ pub(super) struct Regressors {
     /// Of each gyro for itself.
     pub own: Vec<Vec<Regressor>>,
     /// Of coefficients that all gyros share.
-    pub shared: Vec<Shared>,
+    pub shared: Vec<SharedRegressors>,
     /// What the model says of them.
-    pub known: Vec<Known>,
+    pub known: Vec<KnownCoefficient>,
     /// Effects of temperature where nobody states one. Their regressors are root mean squares over any temperature, to
     /// be held at zero with the size of the coefficient as the standard deviation.
     pub any_temperature: Vec<Effect>,
@@ -34,7 +34,7 @@ pub(super) struct Regressors {
 
 pub(super) fn regressors(
     campaign: &Campaign,
-    (adopted, known): (&[Adopted], &[Known]),
+    (adopted, known): (&[Adopted], &[KnownCoefficient]),
     reference_c: Option<f64>,
 ) -> Regressors {
     let none = |notes| Regressors {
@@ -136,9 +136,9 @@ pub(super) fn to_hold<'a>(
     (design, sd, base): &(Design, Vec<f64>, Factor),
     y: &DVector<f64>,
     regressors: Vec<Regressor>,
-    known: &[&'a Known],
+    known: &[&'a KnownCoefficient],
     variance: impl Fn(&Fit) -> f64,
-) -> (Vec<Regressor>, Vec<(Regressor, &'a Known)>) {
+) -> (Vec<Regressor>, Vec<(Regressor, &'a KnownCoefficient)>) {
     let known_of = |one: &Regressor| {
         known.iter().copied().find(|known| known.effect == one.effect && known.name == one.coefficient.name)
     };

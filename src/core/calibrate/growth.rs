@@ -16,14 +16,14 @@ const OTHER_DURATION: f64 = 0.2;
 
 /// Variance of a dwell's mean up to a factor.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Law {
+pub struct NoiseGrowth {
     /// rho: by how much the variance at the fastest rate exceeds that at rest.
     pub growth: f64,
     /// p: power with which it falls with duration.
     pub fall: f64,
 }
 
-impl Law {
+impl NoiseGrowth {
     /// That of each dwell, over that of the first one's duration at rest.
     pub fn variances(&self, dwells: &Exposure) -> DVector<f64> {
         dwells.rate.zip_map(&dwells.duration, |x, duration| (1.0 + self.growth * x) * duration.powf(-self.fall))
@@ -72,23 +72,23 @@ pub struct Unweighted<'a> {
 
 impl Unweighted<'_> {
     /// s^2: E(r^2) = s^2 sum v_k (1 - h_k), the trace of M V.
-    pub fn variance(&self, law: Law) -> f64 {
+    pub fn variance(&self, law: NoiseGrowth) -> f64 {
         self.residuals.norm_squared() / self.shares(law).sum()
     }
 
     /// Degrees of freedom of that variance (Satterthwaite).
-    pub fn dof(&self, law: Law) -> f64 {
+    pub fn dof(&self, law: NoiseGrowth) -> f64 {
         let shares = self.shares(law);
         let second: f64 = shares.zip_map(self.leverage, |share, h| share * share / (1.0 - h).max(1e-9)).sum();
         shares.sum().powi(2) / second
     }
 
-    fn shares(&self, law: Law) -> DVector<f64> {
+    fn shares(&self, law: NoiseGrowth) -> DVector<f64> {
         law.variances(self.dwells).zip_map(self.leverage, |v, h| v * (1.0 - h))
     }
 
     /// Log-likelihood of the residuals, their scale at its best.
-    fn log_likelihood(&self, law: Law) -> f64 {
+    fn log_likelihood(&self, law: NoiseGrowth) -> f64 {
         let seen = law.variances(self.dwells).zip_map(self.leverage, |v, h| (v, 1.0 - h));
         let (mut squares, mut logs, mut count) = (0.0, 0.0, 0.0);
         for (r, (v, left)) in self.residuals.iter().zip(&seen).filter(|(_, (_, left))| *left > 1e-6) {
@@ -101,17 +101,17 @@ impl Unweighted<'_> {
 }
 
 /// The likelier law, all gyros together.
-pub fn law(gyros: &[Unweighted]) -> Law {
+pub fn law(gyros: &[Unweighted]) -> NoiseGrowth {
     let falls = gyros.first().map_or(&[0.0][..], |gyro| gyro.dwells.falls());
-    let laws = falls.iter().map(|&fall| Law { growth: growth(gyros, fall), fall });
-    let likelihood = |law: &Law| gyros.iter().map(|gyro| gyro.log_likelihood(*law)).sum::<f64>();
+    let laws = falls.iter().map(|&fall| NoiseGrowth { growth: growth(gyros, fall), fall });
+    let likelihood = |law: &NoiseGrowth| gyros.iter().map(|gyro| gyro.log_likelihood(*law)).sum::<f64>();
     laws.max_by(|a, b| likelihood(a).total_cmp(&likelihood(b))).unwrap_or_default()
 }
 
 /// rho >= 0, by least squares on the squared residuals with weights 1/v^2 (as their own scatter asks), all gyros
 /// together. Zero where there is nothing to see it by.
 fn growth(gyros: &[Unweighted], fall: f64) -> f64 {
-    let mut law = Law { growth: 0.0, fall };
+    let mut law = NoiseGrowth { growth: 0.0, fall };
     for _ in 0..ROUNDS {
         let (mut slope, mut curvature) = (0.0, 0.0);
         for gyro in gyros {
@@ -119,7 +119,7 @@ fn growth(gyros: &[Unweighted], fall: f64) -> f64 {
             if s2 <= 0.0 || !s2.is_finite() {
                 continue;
             }
-            let still = Law { growth: 0.0, fall }.variances(gyro.dwells);
+            let still = NoiseGrowth { growth: 0.0, fall }.variances(gyro.dwells);
             for (k, r) in gyro.residuals.iter().enumerate() {
                 let (left, x) = (1.0 - gyro.leverage[k], gyro.dwells.rate[k]);
                 if left > 1e-6 {
@@ -176,7 +176,7 @@ mod tests {
             let found = law(&gyros);
             assert!((found.growth / rho - 1.0).abs() < 5e-3 && found.fall == 0.0, "{found:?} is not {rho}");
             for (gyro, s) in gyros.iter().zip([0.02_f64, 7.0]) {
-                let s2 = gyro.variance(Law { growth: rho, fall: 0.0 });
+                let s2 = gyro.variance(NoiseGrowth { growth: rho, fall: 0.0 });
                 assert!((s2 / (s * s) - 1.0).abs() < 1e-12);
             }
         }
@@ -238,7 +238,7 @@ mod tests {
         let (residuals, x) = (vector(2, |_| 1.0), vector(2, |k| k as f64));
         let dwells = dwells(x, 0);
         let gyro = Unweighted { residuals: &residuals, leverage: &vector(2, |k| [0.5, 0.25][k]), dwells: &dwells };
-        let dof = gyro.dof(Law { growth: 1.0, fall: 0.0 });
+        let dof = gyro.dof(NoiseGrowth { growth: 1.0, fall: 0.0 });
         assert!((dof - 4.0 / 3.5).abs() < 1e-12, "{dof}");
     }
 
@@ -252,12 +252,12 @@ mod tests {
         let residuals = &m * vector(12, |k| (7.3 * k as f64).sin());
         let leverage = vector(12, |_| 1.0 / 12.0);
         let dwells = dwells(x, 5);
-        let law = Law { growth: rho, fall: 1.0 };
+        let law = NoiseGrowth { growth: rho, fall: 1.0 };
         let v = v * DMatrix::from_diagonal(&dwells.duration.map(|d| 1.0 / d));
         let gyro = Unweighted { residuals: &residuals, leverage: &leverage, dwells: &dwells };
         let trace = (&m * &v).trace();
         assert!((gyro.variance(law) - residuals.norm_squared() / trace).abs() < 1e-12);
-        assert!((gyro.dof(Law::default()) - 11.0).abs() < 1e-12);
+        assert!((gyro.dof(NoiseGrowth::default()) - 11.0).abs() < 1e-12);
         // Satterthwaite has tr(MV)^2/tr(MVMV); the sum over the dwells is that but for terms of the order of 1/n.
         let exact = trace * trace / (&m * &v * &m * &v).trace();
         assert!((gyro.dof(law) / exact - 1.0).abs() < 0.5 / n as f64, "{} {exact}", gyro.dof(law));

@@ -5,13 +5,13 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::calibration::{EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource, weights_sd};
 use super::design::{self, Design};
 use super::growth::{Exposure, Unweighted};
-use super::memory::{self, Fitted};
-use super::noise::{Evidence, Noise};
-use super::uncertainty::{Response, Uncertainty};
-use crate::core::augmented::Known;
+use super::memory::{self, FittedGyro};
+use super::noise::{Evidence, NoiseScale};
+use super::uncertainty::{StationResponse, Uncertainty};
+use crate::core::augmented::KnownCoefficient;
 use crate::core::calibrate::effect_columns;
 use crate::core::calibrate::regressor::Regressor;
-use crate::core::calibrate::shared_coefficients::{CommonFit, Own};
+use crate::core::calibrate::shared_coefficients::{CommonFit, OwnFit};
 use crate::core::campaign::repeats::PureError;
 use crate::core::campaign::{Campaign, CampaignGyro, Dwell, StationPart};
 use crate::core::effects::Effect;
@@ -70,7 +70,7 @@ pub(super) struct GyroFit {
     pub even: DVector<f64>,
     pub evidence: Evidence,
     /// What each stated rotation of the station makes of the fit.
-    pub station: Vec<Response>,
+    pub station: Vec<StationResponse>,
     /// Residuals that speak of the noise, and their degrees of freedom, where those of the fit hold more than that.
     net: Option<(DVector<f64>, usize)>,
 }
@@ -98,7 +98,7 @@ pub(super) fn fit_gyro(
     c: &Campaign,
     j: usize,
     terms: Terms,
-    (regressors, known): (Vec<Regressor>, &[Known]),
+    (regressors, known): (Vec<Regressor>, &[KnownCoefficient]),
     repeats: &[Vec<usize>],
     shared: &mut SharedFactors,
 ) -> GyroFit {
@@ -111,7 +111,7 @@ pub(super) fn fit_gyro(
     );
     let sd = weights_sd(c, j);
     let plain = shared.index(&c.dwells, fitted, &sd);
-    let known: Vec<&Known> = known.iter().filter(|known| known.slot == c.gyros[j].slot).collect();
+    let known: Vec<&KnownCoefficient> = known.iter().filter(|known| known.slot == c.gyros[j].slot).collect();
     let (mut regressors, to_hold) = match known.is_empty() {
         true => (regressors, Vec::new()),
         false => {
@@ -179,10 +179,10 @@ impl GyroFit {
 
     /// The gyro as its own columns leave it; without standard errors its residuals say how it weighs against the
     /// others.
-    pub fn own<'a>(&'a self, has_sem: bool, shared: &'a SharedFactors) -> Own<'a> {
+    pub fn own<'a>(&'a self, has_sem: bool, shared: &'a SharedFactors) -> OwnFit<'a> {
         let scatter = || self.fit.chi2 / self.fit.dof.max(1) as f64;
         let variance = if has_sem { 1.0 } else { scatter().max(f64::MIN_POSITIVE) };
-        Own { factor: &shared.0[self.factor].2, residuals: &self.fit.residuals, variance }
+        OwnFit { factor: &shared.0[self.factor].2, residuals: &self.fit.residuals, variance }
     }
 
     /// Takes the shared coefficients out, which cost this gyro `dof` degrees of freedom.
@@ -284,16 +284,16 @@ impl GyroFit {
     }
 
     /// What the search for a memory of the noise needs.
-    pub fn fitted<'a>(&'a self, shared: &'a SharedFactors) -> Fitted<'a> {
+    pub fn fitted<'a>(&'a self, shared: &'a SharedFactors) -> FittedGyro<'a> {
         let (_, _, factor) = &shared.0[self.factor];
         let Self { variances, even, .. } = self;
         let (basis, weights) = (factor.basis(), factor.weights());
         let (residuals, dof) = self.left();
-        Fitted { basis, weights, variances, even, residuals, dof }
+        FittedGyro { basis, weights, variances, even, residuals, dof }
     }
 
     /// Covariance of the coordinates on the design's basis without a memory of the noise.
-    pub fn coordinates(&self, noise: &Noise, shared: &SharedFactors) -> Option<DMatrix<f64>> {
+    pub fn coordinates(&self, noise: &NoiseScale, shared: &SharedFactors) -> Option<DMatrix<f64>> {
         let basis = shared.0[self.factor].2.basis();
         Some(memory::scaled(basis, &self.variances) * noise.covariance_scale()?)
     }
@@ -302,7 +302,7 @@ impl GyroFit {
     pub fn finish(
         self,
         gyro: &CampaignGyro,
-        noise: Noise,
+        noise: NoiseScale,
         coordinates: Option<DMatrix<f64>>,
         is_other_noise: bool,
         shared: &SharedFactors,
@@ -348,8 +348,9 @@ impl GyroFit {
         let of_part = |part: StationPart| {
             let responses = || station.iter().filter(move |response| response.part == part);
             let is_there = responses().next().is_some();
-            is_there
-                .then(|| (part, Response::covariance(responses(), &design.expand).view((0, 0), (p, p)).into_owned()))
+            is_there.then(|| {
+                (part, StationResponse::covariance(responses(), &design.expand).view((0, 0), (p, p)).into_owned())
+            })
         };
         let uncertainty = covariance.map(|c| Uncertainty {
             fit: c.view((0, 0), (p, p)).into_owned(),

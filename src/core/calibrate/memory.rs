@@ -67,7 +67,7 @@ impl Memory {
     fn times(self, times: &[f64], x: DMatrix<f64>) -> DMatrix<f64> {
         let n = times.len();
         let mut product = DMatrix::zeros(n, x.ncols());
-        let clock = Clock::of(times);
+        let clock = DwellTimes::of(times);
         match self {
             Self::Flicker => {
                 for tau in TIMES {
@@ -101,7 +101,7 @@ impl Memory {
 
     /// `L^-1 X` and ln det L, with `L L' = diag(d^2) + power K`.
     fn whitened(self, times: &[f64], d: &DVector<f64>, power: f64, mut x: DMatrix<f64>) -> (DMatrix<f64>, f64) {
-        let clock = Clock::of(times);
+        let clock = DwellTimes::of(times);
         let m = x.ncols();
         // What the states are expected to be, column by column of X, and their covariance.
         let mut expected = DMatrix::<f64>::zeros(4, m);
@@ -138,7 +138,7 @@ impl Memory {
 }
 
 /// Times of dwells as the kernels need them.
-struct Clock {
+struct DwellTimes {
     /// Since the dwell before, s.
     steps: Vec<f64>,
     /// Usual one.
@@ -147,7 +147,7 @@ struct Clock {
     mean: f64,
 }
 
-impl Clock {
+impl DwellTimes {
     fn of(times: &[f64]) -> Self {
         let steps: Vec<f64> = (0..times.len()).map(|k| if k > 0 { times[k] - times[k - 1] } else { 0.0 }).collect();
         let spacing = median_of(steps.iter().skip(1).copied()).map_or(1.0, |step| step.max(f64::MIN_POSITIVE));
@@ -157,7 +157,7 @@ impl Clock {
 }
 
 /// One gyro as its fit leaves it.
-pub(super) struct Fitted<'a> {
+pub(super) struct FittedGyro<'a> {
     /// Orthonormal basis of the design over `weights`, n x q.
     pub basis: &'a DMatrix<f64>,
     pub weights: &'a DVector<f64>,
@@ -172,7 +172,7 @@ pub(super) struct Fitted<'a> {
 
 /// Noise other than white and as stated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Kind {
+pub enum NoiseDeparture {
     Law(Law),
     /// A kernel with its power phi.
     Memory(Memory, f64),
@@ -180,12 +180,12 @@ pub enum Kind {
 
 /// What the noise is, by weight.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Found {
+pub struct DepartureWeights {
     /// Kinds with their probabilities; white noise as stated has the rest.
-    pub kinds: Vec<(Kind, f64)>,
+    pub kinds: Vec<(NoiseDeparture, f64)>,
 }
 
-impl Fitted<'_> {
+impl FittedGyro<'_> {
     fn deviations(&self) -> DVector<f64> {
         self.variances.zip_map(self.weights, |v, w| v.sqrt() / w)
     }
@@ -231,12 +231,17 @@ impl Fitted<'_> {
 
 /// Weighs what the noise may be by what the residuals of all gyros say. Each gyro's covariance of the coordinates on
 /// its basis (q x q), given for white noise as stated, becomes the mean over all kinds.
-pub(super) fn weigh(course: &Course, gyros: &[Fitted], plain: &mut [Option<DMatrix<f64>>], stated: bool) -> Found {
-    let d: Vec<DVector<f64>> = gyros.iter().map(Fitted::deviations).collect();
+pub(super) fn weigh(
+    course: &Course,
+    gyros: &[FittedGyro],
+    plain: &mut [Option<DMatrix<f64>>],
+    stated: bool,
+) -> DepartureWeights {
+    let d: Vec<DVector<f64>> = gyros.iter().map(FittedGyro::deviations).collect();
     let white = gyros.iter().zip(&d).map(|(gyro, d)| gyro.independent(d, stated)).collect::<Option<Vec<_>>>();
     let Some(white) = white.filter(|_| gyros.iter().all(|gyro| gyro.dof > LEAST_DOF && gyro.residuals.norm() > 0.0))
     else {
-        return Found::default();
+        return DepartureWeights::default();
     };
     let usual: Vec<f64> = d.iter().map(|d| median_of(d.iter().copied()).unwrap_or(1.0)).collect();
     // Without standard errors the duration is in the variances, and the rate along the input axis.
@@ -245,21 +250,21 @@ pub(super) fn weigh(course: &Course, gyros: &[Fitted], plain: &mut [Option<DMatr
     let of_laws = ((1.0 - AS_STATED) / laws.len() as f64).ln();
     let of_pairs = ((1.0 - WITHOUT_MEMORY) / (Memory::ALL.len() * POWERS.len()) as f64).ln();
     let pairs = Memory::ALL.into_iter().flat_map(|memory| POWERS.map(|power| (memory, power * memory.size())));
-    let kinds = laws.into_iter().map(|law| (Kind::Law(law), of_laws));
-    let kinds = kinds.chain(pairs.map(|(memory, power)| (Kind::Memory(memory, power), of_pairs)));
-    let under = |kind: Kind, j: usize| match kind {
-        Kind::Law(law) => {
+    let kinds = laws.into_iter().map(|law| (NoiseDeparture::Law(law), of_laws));
+    let kinds = kinds.chain(pairs.map(|(memory, power)| (NoiseDeparture::Memory(memory, power), of_pairs)));
+    let under = |kind: NoiseDeparture, j: usize| match kind {
+        NoiseDeparture::Law(law) => {
             let variances = gyros[j].under(law, course);
             gyros[j].independent(&variances.zip_map(gyros[j].weights, |v, w| v.sqrt() / w), stated)
         }
-        Kind::Memory(memory, power) => {
+        NoiseDeparture::Memory(memory, power) => {
             let whitened = memory.whitened(course.times, &d[j], power * usual[j].powi(2), gyros[j].columns());
             gyros[j].restricted(whitened, stated)
         }
     };
     let as_stated = (AS_STATED - (1.0 - WITHOUT_MEMORY)).ln();
     let mut all = LogSum::of(&[as_stated]);
-    let mut likely: Vec<(Kind, f64, Vec<f64>)> = Vec::new();
+    let mut likely: Vec<(NoiseDeparture, f64, Vec<f64>)> = Vec::new();
     for (kind, prior) in kinds {
         let Some(found) = (0..gyros.len()).map(|j| under(kind, j)).collect::<Option<Vec<_>>>() else { continue };
         let gain: f64 = found.iter().zip(&white).map(|((log, _), (white, _))| log - white).sum();
@@ -275,14 +280,15 @@ pub(super) fn weigh(course: &Course, gyros: &[Fitted], plain: &mut [Option<DMatr
         let nu = gyro.dof as f64 + k;
         let x = DMatrix::from_fn(gyro.basis.nrows(), gyro.basis.ncols(), |k, c| gyro.basis[(k, c)] * gyro.weights[k]);
         let shared = Memory::ALL.map(|memory| {
-            let is_likely = likely.iter().any(|(kind, ..)| matches!(kind, Kind::Memory(of, _) if *of == memory));
+            let is_likely =
+                likely.iter().any(|(kind, ..)| matches!(kind, NoiseDeparture::Memory(of, _) if *of == memory));
             is_likely.then(|| x.tr_mul(&memory.times(course.times, x.clone())))
         });
         *covariance *= weight(as_stated);
         for (kind, log, rss) in &likely {
             let own = match *kind {
-                Kind::Law(law) => scaled(gyro.basis, &gyro.under(law, course)),
-                Kind::Memory(memory, power) => {
+                NoiseDeparture::Law(law) => scaled(gyro.basis, &gyro.under(law, course)),
+                NoiseDeparture::Memory(memory, power) => {
                     let shared = shared[usize::from(memory == Memory::Walk)].iter();
                     let within = scaled(gyro.basis, gyro.variances);
                     shared.fold(within, |sum, shared| sum + shared * (power * usual[j].powi(2)))
@@ -291,7 +297,7 @@ pub(super) fn weigh(course: &Course, gyros: &[Fitted], plain: &mut [Option<DMatr
             *covariance += own * (weight(*log) * (k + rss[j]) / (nu - 2.0));
         }
     }
-    Found { kinds: likely.into_iter().map(|(kind, log, _)| (kind, weight(log))).collect() }
+    DepartureWeights { kinds: likely.into_iter().map(|(kind, log, _)| (kind, weight(log))).collect() }
 }
 
 /// Degrees of freedom from which on a memory is looked for.
@@ -347,7 +353,7 @@ mod tests {
         let rates = vec![nalgebra::Vector3::zeros(); 20];
         let course = Course { times: &times, durations: &[180.0; 20], rates: &rates };
         for (residuals, dof) in [(d.clone(), LEAST_DOF), (DVector::zeros(20), 17)] {
-            let fitted = Fitted {
+            let fitted = FittedGyro {
                 basis: &basis,
                 weights: &weights,
                 variances: &variances,
@@ -356,7 +362,7 @@ mod tests {
                 dof,
             };
             let mut covariance = [Some(DMatrix::identity(3, 3))];
-            assert_eq!(weigh(&course, &[fitted], &mut covariance, true), Found::default());
+            assert_eq!(weigh(&course, &[fitted], &mut covariance, true), DepartureWeights::default());
             assert_eq!(covariance, [Some(DMatrix::identity(3, 3))]);
         }
     }
@@ -364,25 +370,25 @@ mod tests {
     /// What [`weigh`] is defined to give, by matrices: kinds with their weights, and the covariance of each gyro.
     fn by_matrices(
         course: &Course,
-        gyros: &[Fitted],
+        gyros: &[FittedGyro],
         plain: &[DMatrix<f64>],
         stated: bool,
-    ) -> (Vec<(Kind, f64)>, Vec<DMatrix<f64>>) {
+    ) -> (Vec<(NoiseDeparture, f64)>, Vec<DMatrix<f64>>) {
         let k = if stated { 4.0 } else { 0.0 };
         let over = |v: &DVector<f64>, w: &DVector<f64>| DMatrix::from_diagonal(&v.zip_map(w, |v, w| v / (w * w)));
-        let covariance = |kind: Option<Kind>, gyro: &Fitted| match kind {
+        let covariance = |kind: Option<NoiseDeparture>, gyro: &FittedGyro| match kind {
             None => over(gyro.variances, gyro.weights),
-            Some(Kind::Law(law)) => {
+            Some(NoiseDeparture::Law(law)) => {
                 let factors = DVector::from_vec(law.factors(course)).map(|f| f * f);
                 over(&gyro.even.component_mul(&factors), gyro.weights)
             }
-            Some(Kind::Memory(memory, power)) => {
+            Some(NoiseDeparture::Memory(memory, power)) => {
                 let white = over(gyro.variances, gyro.weights);
                 let usual = median_of(white.diagonal().iter().map(|v| v.sqrt())).unwrap_or(1.0);
                 white + power * usual * usual * memory.kernel(course.times)
             }
         };
-        let restricted = |v: &DMatrix<f64>, gyro: &Fitted| {
+        let restricted = |v: &DMatrix<f64>, gyro: &FittedGyro| {
             let design = DMatrix::from_fn(20, 3, |n, c| gyro.basis[(n, c)] / gyro.weights[n]);
             let inverse = v.clone().cholesky().expect("it is positive").inverse();
             let normal = design.transpose() * &inverse * &design;
@@ -392,23 +398,25 @@ mod tests {
             let log = -0.5 * v.determinant().ln() - 0.5 * normal.determinant().ln();
             (log - 0.5 * (gyro.dof as f64 + k) * (k + rss).ln(), rss)
         };
-        let laws: Vec<Kind> = Law::all(course).into_iter().map(Kind::Law).collect();
-        let laws = laws.into_iter().filter(|kind| stated || !matches!(kind, Kind::Law(Law::Duration(_))));
-        let laws: Vec<(Kind, f64)> = laws.map(|kind| (kind, 0.2)).collect();
+        let laws: Vec<NoiseDeparture> = Law::all(course).into_iter().map(NoiseDeparture::Law).collect();
+        let laws = laws.into_iter().filter(|kind| stated || !matches!(kind, NoiseDeparture::Law(Law::Duration(_))));
+        let laws: Vec<(NoiseDeparture, f64)> = laws.map(|kind| (kind, 0.2)).collect();
         let of_law = 0.2 / laws.len() as f64;
-        let flicker = [0.15, 0.5, 1.5, 5.0, 20.0].map(|power| (Kind::Memory(Memory::Flicker, power), 0.0005));
-        let walks = [0.15, 0.5, 1.5, 5.0, 20.0].map(|power| (Kind::Memory(Memory::Walk, power * 3.0), 0.0005));
+        let flicker = [0.15, 0.5, 1.5, 5.0, 20.0].map(|power| (NoiseDeparture::Memory(Memory::Flicker, power), 0.0005));
+        let walks =
+            [0.15, 0.5, 1.5, 5.0, 20.0].map(|power| (NoiseDeparture::Memory(Memory::Walk, power * 3.0), 0.0005));
         let kinds = laws.into_iter().map(|(kind, _)| (kind, of_law)).chain(flicker).chain(walks);
         let white: f64 = gyros.iter().map(|gyro| restricted(&covariance(None, gyro), gyro).0).sum();
-        let weight = |kind: Kind, prior: f64| {
+        let weight = |kind: NoiseDeparture, prior: f64| {
             let log: f64 = gyros.iter().map(|gyro| restricted(&covariance(Some(kind), gyro), gyro).0).sum();
             prior * (log - white).exp()
         };
         let likely =
             kinds.map(|(kind, prior)| (kind, weight(kind, prior))).filter(|(_, weight)| *weight > NOTHING.exp());
-        let likely: Vec<(Kind, f64)> = likely.collect();
+        let likely: Vec<(NoiseDeparture, f64)> = likely.collect();
         let all = 0.795 + likely.iter().map(|(_, weight)| weight).sum::<f64>();
-        let likely: Vec<(Kind, f64)> = likely.into_iter().map(|(kind, weight)| (kind, weight / all)).collect();
+        let likely: Vec<(NoiseDeparture, f64)> =
+            likely.into_iter().map(|(kind, weight)| (kind, weight / all)).collect();
         let mixed = gyros.iter().zip(plain).map(|(gyro, plain)| {
             let mut mixed = plain * (0.795 / all);
             for (kind, weight) in &likely {
@@ -446,9 +454,9 @@ mod tests {
                     (basis, weights.clone(), left.component_div(&weights))
                 })
                 .into();
-            let gyros: Vec<Fitted> = fits
+            let gyros: Vec<FittedGyro> = fits
                 .iter()
-                .map(|(basis, weights, residuals)| Fitted {
+                .map(|(basis, weights, residuals)| FittedGyro {
                     basis,
                     weights,
                     variances: &variances,

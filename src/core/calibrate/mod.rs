@@ -26,23 +26,23 @@ mod station;
 pub mod uncertainty;
 
 pub use calibration::{
-    Calibration, EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource, weights_sd,
+    Calibration, EffectParameter, GyroCalibration, NullDirection, Parameter, ScaleSource, weights_sd,
 };
 
 use nalgebra::DMatrix;
 
-use super::augmented::{Adopted, Known, Options};
+use super::augmented::{Adopted, KnownCoefficient, Options};
 use super::campaign::{Campaign, CampaignNote, Dwell, LeftOut, Phase, StationUncertainty};
 use super::effects::Effect;
 use super::model::Terms;
 use crate::core::calibrate::effect_columns::Regressors;
-use crate::core::calibrate::shared_coefficients::{CommonFit, Own, Shared};
+use crate::core::calibrate::shared_coefficients::{CommonFit, OwnFit, SharedRegressors};
 use crate::core::campaign::repeats::PureError;
-use growth::{Exposure, Law};
+use growth::{Exposure, NoiseGrowth};
 use gyro_fit::{GyroFit, SharedFactors, fit_gyro};
 use law::Course;
-use memory::Fitted;
-use noise::{Evidence, Noise};
+use memory::FittedGyro;
+use noise::{Evidence, NoiseScale};
 
 /// Fits `terms` to every gyro of a campaign that passed [`Campaign::check`].
 ///
@@ -113,7 +113,7 @@ fn calibrate_in(
     kinds: Kinds,
     campaign: &Campaign,
     terms: Terms,
-    (adopted, known): (&[Adopted], &[Known]),
+    (adopted, known): (&[Adopted], &[KnownCoefficient]),
     reference_c: Option<f64>,
     stated: &StationUncertainty,
 ) -> Calibration {
@@ -142,8 +142,8 @@ fn calibrate_in(
     }
     let growth = if has_sem { 0.0 } else { unequal_variances(campaign, &repeats, &mut fits) };
     let evidence: Vec<Evidence> = fits.iter().map(|f| f.evidence).collect();
-    let scatter = |(j, noise): (usize, Noise)| noise.with_scatter(sem_scatter(dwells, j));
-    let noises: Vec<Noise> = noise::noise(&evidence, has_sem).into_iter().enumerate().map(scatter).collect();
+    let scatter = |(j, noise): (usize, NoiseScale)| noise.with_scatter(sem_scatter(dwells, j));
+    let noises: Vec<NoiseScale> = noise::noise(&evidence, has_sem).into_iter().enumerate().map(scatter).collect();
     let mut coordinates: Vec<_> =
         fits.iter().zip(&noises).map(|(fit, noise)| fit.coordinates(noise, &shared)).collect();
     let found = (kinds == Kinds::All).then(|| weigh(dwells, has_sem, &fits, &mut coordinates, &shared));
@@ -169,8 +169,8 @@ fn weigh(
     fits: &[GyroFit],
     coordinates: &mut [Option<DMatrix<f64>>],
     shared: &SharedFactors,
-) -> memory::Found {
-    let fitted: Vec<Fitted> = fits.iter().map(|fit| fit.fitted(shared)).collect();
+) -> memory::DepartureWeights {
+    let fitted: Vec<FittedGyro> = fits.iter().map(|fit| fit.fitted(shared)).collect();
     let times: Vec<f64> = dwells.iter().map(Dwell::mid_s).collect();
     let (durations, rates): (Vec<f64>, Vec<_>) = dwells.iter().map(|d| (d.duration_s, d.rate_arcsec_s)).unzip();
     let course = Course { times: &times, durations: &durations, rates: &rates };
@@ -179,13 +179,13 @@ fn weigh(
 
 /// Fits what all gyros share and takes it out of each gyro's fit.
 fn fit_common(
-    of_all: Vec<Shared>,
+    of_all: Vec<SharedRegressors>,
     fits: &mut [GyroFit],
     has_sem: bool,
     repeats: &[Vec<usize>],
     shared: &SharedFactors,
 ) -> CommonFit {
-    let own: Vec<Own> = fits.iter().map(|fit| fit.own(has_sem, shared)).collect();
+    let own: Vec<OwnFit> = fits.iter().map(|fit| fit.own(has_sem, shared)).collect();
     let common = shared_coefficients::fit(of_all, &own);
     let taken = shared_coefficients::in_whole_numbers(common.leverage.iter().map(|share| share.sum()));
     for (j, (fit, taken)) in fits.iter_mut().zip(taken).enumerate() {
@@ -201,7 +201,7 @@ fn unequal_variances(campaign: &Campaign, repeats: &[Vec<usize>], fits: &mut [Gy
     let law = growth::law(&unweighted);
     for (fit, dwells) in fits.iter_mut().zip(&exposures) {
         fit.variances = law.variances(dwells);
-        fit.even = Law { growth: 0.0, ..law }.variances(dwells);
+        fit.even = NoiseGrowth { growth: 0.0, ..law }.variances(dwells);
         let (left, dof) = fit.left();
         let scaled = left.zip_map(&fit.variances, |r, v| r * r / v);
         let pure_error = PureError::of(repeats, |k| fit.of_position[k], |k| fit.variances[k].sqrt());

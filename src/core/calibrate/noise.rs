@@ -48,7 +48,7 @@ const LACK_OF_FIT: f64 = 0.05;
 named! {
 /// Where the scale of the noise comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Source {
+pub enum NoiseSource {
     /// Standard errors at their word.
     Sem = "sem",
     /// Standard errors times a factor from repeats.
@@ -68,8 +68,8 @@ pub enum Source {
 
 /// The noise scale of one gyro.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Noise {
-    pub source: Source,
+pub struct NoiseScale {
+    pub source: NoiseSource,
     /// f: what the weights' standard deviations are multiplied by; a factor on the standard errors, or the noise of
     /// one dwell in pulse/s where there are none. None without a source.
     pub factor: Option<f64>,
@@ -86,8 +86,8 @@ pub struct Noise {
     pub sem_scatter: f64,
 }
 
-impl Noise {
-    fn of(source: Source, squared: f64, dof: f64, pure_error: PureError) -> Self {
+impl NoiseScale {
+    fn of(source: NoiseSource, squared: f64, dof: f64, pure_error: PureError) -> Self {
         let factor = squared.sqrt();
         let factor_sd = Some(factor / (2.0 * dof).sqrt());
         let repeated = (pure_error.chi2, pure_error.dof as f64);
@@ -105,7 +105,7 @@ impl Noise {
 
     /// f^2 without what the model leaves out: the Birge ratio covers that too.
     pub fn floor(&self) -> Option<f64> {
-        if self.source == Source::SemAndResiduals { Some(1.0) } else { self.factor.map(|f| f * f) }
+        if self.source == NoiseSource::SemAndResiduals { Some(1.0) } else { self.factor.map(|f| f * f) }
     }
 
     /// What a covariance for the weights as given is multiplied by: f^2 dof/(dof - 2) (1 + 4 c^2).
@@ -118,18 +118,18 @@ impl Noise {
     /// where no residuals have shown that.
     pub fn output_scale(&self) -> Option<f64> {
         let f = self.factor?;
-        let unseen = if self.source == Source::Sem { 3.0 * self.sem_scatter.powi(2) } else { 0.0 };
+        let unseen = if self.source == NoiseSource::Sem { 3.0 * self.sem_scatter.powi(2) } else { 0.0 };
         (self.dof > 2.0).then_some(f * f * t_variance(self.dof) * (1.0 + unseen))
     }
 }
 
-impl Noise {
+impl NoiseScale {
     /// Chance of residuals as large as these if the model is right: against the standard errors as stated
     /// (chi-square), or against repeats, with what is stated where there is that (F).
     pub fn p_value(&self, evidence: &Evidence) -> Option<f64> {
         match self.source {
-            Source::Sem | Source::SemAndResiduals => chi2_tail(evidence.chi2, evidence.dof),
-            Source::None => None,
+            NoiseSource::Sem | NoiseSource::SemAndResiduals => chi2_tail(evidence.chi2, evidence.dof),
+            NoiseSource::None => None,
             _ => mean_squares_tail(evidence.lack_of_fit(), self.repeated),
         }
     }
@@ -148,16 +148,16 @@ pub struct Share {
     pub discrepancy: Option<f64>,
 }
 
-impl Noise {
+impl NoiseScale {
     /// Where residuals exceed the noise (p < 0.001), the Birge ratio R = sqrt(chi2/dof)/f (Phys. Rev. 40, 1932) says by
     /// how much: 1 - 1/f^2 of the variance where f is that ratio itself, R^2 - 1 beside it where f is of repeats.
     /// `is_other_noise`: what exceeds it is noise of another kind, and in the variance as such.
     pub fn share(&self, evidence: &Evidence, is_other_noise: bool) -> Share {
         let (statistical, discrepancy) = match (self.source, self.p_value(evidence), self.factor, evidence.residual) {
             (_, None, ..) | (_, _, None, _) | (.., None) => (1.0, None),
-            (_, Some(p), ..) if p >= BEYOND_CHANCE && self.source != Source::SemAndResiduals => (1.0, Some(0.0)),
+            (_, Some(p), ..) if p >= BEYOND_CHANCE && self.source != NoiseSource::SemAndResiduals => (1.0, Some(0.0)),
             _ if is_other_noise => (1.0, Some(0.0)),
-            (Source::SemAndResiduals, _, Some(f), _) => (1.0 / (f * f), Some(1.0 - 1.0 / (f * f))),
+            (NoiseSource::SemAndResiduals, _, Some(f), _) => (1.0 / (f * f), Some(1.0 - 1.0 / (f * f))),
             (_, _, Some(f), Some((squared, _))) => (1.0, Some((squared / (f * f) - 1.0).max(0.0))),
         };
         Share { statistical, discrepancy }
@@ -205,7 +205,7 @@ impl Evidence {
 }
 
 /// The noise scale of every gyro, from that of all.
-pub fn noise(evidence: &[Evidence], has_sem: bool) -> Vec<Noise> {
+pub fn noise(evidence: &[Evidence], has_sem: bool) -> Vec<NoiseScale> {
     if !has_sem {
         return evidence.iter().map(unweighted).collect();
     }
@@ -218,8 +218,8 @@ pub fn noise(evidence: &[Evidence], has_sem: bool) -> Vec<Noise> {
         }
         let (chi2, dof) = (pooled.chi2, pooled.dof);
         Some(match chi2_tail(chi2, dof).is_some_and(|p| p < BEYOND_CHANCE) {
-            true => Noise::of(Source::SemAndResiduals, chi2 / dof as f64, dof as f64, e.pure_error),
-            false => Noise::of(Source::Sem, 1.0, f64::INFINITY, e.pure_error),
+            true => NoiseScale::of(NoiseSource::SemAndResiduals, chi2 / dof as f64, dof as f64, e.pure_error),
+            false => NoiseScale::of(NoiseSource::Sem, 1.0, f64::INFINITY, e.pure_error),
         })
     };
     evidence.iter().enumerate().filter_map(of).collect()
@@ -254,7 +254,7 @@ pub fn with_stated(chi2: f64, dof: f64) -> (f64, f64) {
 }
 
 /// `prior` degrees of freedom speak for what is stated.
-fn with_repeats(own: &Evidence, pooled: &Evidence, prior: f64) -> Noise {
+fn with_repeats(own: &Evidence, pooled: &Evidence, prior: f64) -> NoiseScale {
     let (mine, all) = (own.pure_error, pooled.pure_error);
     let others = (all.chi2 - mine.chi2, (all.dof - mine.dof) as f64);
     let odd =
@@ -264,22 +264,22 @@ fn with_repeats(own: &Evidence, pooled: &Evidence, prior: f64) -> Noise {
     let rest = used.lack_of_fit();
     if rest.1 > 0.0 && mean_squares_tail(rest, stated).is_some_and(|p| p >= LACK_OF_FIT) {
         let (chi2, dof) = (stated.0 + rest.0, stated.1 + rest.1);
-        return Noise::of(Source::SemRepeatsAndResiduals, chi2 / dof, dof, mine).held_against(stated);
+        return NoiseScale::of(NoiseSource::SemRepeatsAndResiduals, chi2 / dof, dof, mine).held_against(stated);
     }
-    Noise::of(Source::SemAndRepeats, stated.0 / stated.1, stated.1, mine).held_against(stated)
+    NoiseScale::of(NoiseSource::SemAndRepeats, stated.0 / stated.1, stated.1, mine).held_against(stated)
 }
 
-fn unweighted(e: &Evidence) -> Noise {
+fn unweighted(e: &Evidence) -> NoiseScale {
     let repeats = e.pure_error;
     let spread = (repeats.chi2, repeats.dof as f64);
     if mean_squares_tail(e.lack_of_fit(), spread).is_some_and(|p| p < BEYOND_CHANCE) {
-        return Noise::of(Source::Repeats, spread.0 / spread.1, spread.1, repeats);
+        return NoiseScale::of(NoiseSource::Repeats, spread.0 / spread.1, spread.1, repeats);
     }
     match e.residual {
-        Some((squared, dof)) => Noise::of(Source::Residuals, squared, dof, repeats),
+        Some((squared, dof)) => NoiseScale::of(NoiseSource::Residuals, squared, dof, repeats),
         None => {
-            let none = Noise::of(Source::None, 0.0, 0.0, repeats);
-            Noise { factor: None, factor_sd: None, ..none }
+            let none = NoiseScale::of(NoiseSource::None, 0.0, 0.0, repeats);
+            NoiseScale { factor: None, factor_sd: None, ..none }
         }
     }
 }

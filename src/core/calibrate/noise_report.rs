@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::GyroCalibration;
-use super::memory::{Found, Kind};
+use super::memory::{DepartureWeights, NoiseDeparture};
 use super::noise_found::{MemoryFound, NoiseFound};
 use crate::core::mounting::Slot;
 use crate::core::numerics::tails::chi2_tail;
@@ -15,32 +15,32 @@ const CERTAIN: f64 = 0.98;
 const SHARED: f64 = 1e-3;
 
 /// Whether the noise is said to be other than white, independent and as stated.
-pub(super) fn is_other(found: &Found) -> bool {
+pub(super) fn is_other(found: &DepartureWeights) -> bool {
     let weight = |memory: bool| -> f64 {
-        let of_kind = found.kinds.iter().filter(|(kind, _)| matches!(kind, Kind::Memory(..)) == memory);
+        let of_kind = found.kinds.iter().filter(|(kind, _)| matches!(kind, NoiseDeparture::Memory(..)) == memory);
         of_kind.map(|(_, weight)| weight).sum()
     };
     weight(true) > CERTAIN || weight(false) > CERTAIN
 }
 
 /// What the residuals of a fit say.
-pub(super) fn report(found: &Found, gyros: &[GyroCalibration]) -> NoiseFound {
-    let certain = |of_kind: &dyn Fn(&Kind) -> bool| {
+pub(super) fn report(found: &DepartureWeights, gyros: &[GyroCalibration]) -> NoiseFound {
+    let certain = |of_kind: &dyn Fn(&NoiseDeparture) -> bool| {
         let those = found.kinds.iter().filter(|(kind, _)| of_kind(kind));
         let probability: f64 = those.clone().map(|(_, weight)| weight).sum();
         let likeliest = those.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(kind, _)| *kind);
         likeliest.filter(|_| probability > CERTAIN).map(|kind| (kind, probability))
     };
-    let memory = match certain(&|kind| matches!(kind, Kind::Memory(..))) {
-        Some((Kind::Memory(memory, power), probability)) => Some(MemoryFound {
+    let memory = match certain(&|kind| matches!(kind, NoiseDeparture::Memory(..))) {
+        Some((NoiseDeparture::Memory(memory, power), probability)) => Some(MemoryFound {
             kind: memory.name(),
             deg_per_h: gyros.iter().filter_map(|gyro| Some((gyro.slot, gyro.wander(power)?))).collect(),
             probability,
         }),
         _ => None,
     };
-    let laws = match certain(&|kind| matches!(kind, Kind::Law(_))) {
-        Some((Kind::Law(law), _)) => vec![law.found()],
+    let laws = match certain(&|kind| matches!(kind, NoiseDeparture::Law(_))) {
+        Some((NoiseDeparture::Law(law), _)) => vec![law.found()],
         _ => Vec::new(),
     };
     // Gyros that wander each for itself seem to go together, too.

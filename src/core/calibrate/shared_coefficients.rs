@@ -20,7 +20,7 @@ use crate::core::numerics::least_squares::Factor;
 
 /// One shared coefficient: its regressor in each gyro, pulse/s per unit; none where the gyro is not one of those that
 /// have it.
-pub(super) type Shared = Vec<Option<Regressor>>;
+pub(super) type SharedRegressors = Vec<Option<Regressor>>;
 
 /// Degrees of freedom that gyros share, in whole numbers of the same sum.
 pub(super) fn in_whole_numbers(shares: impl Iterator<Item = f64>) -> impl Iterator<Item = usize> {
@@ -32,7 +32,7 @@ pub(super) fn in_whole_numbers(shares: impl Iterator<Item = f64>) -> impl Iterat
 }
 
 /// One gyro as its own columns leave it.
-pub(super) struct Own<'a> {
+pub(super) struct OwnFit<'a> {
     pub factor: &'a Factor,
     /// Residuals of its own fit, pulse/s.
     pub residuals: &'a DVector<f64>,
@@ -43,7 +43,7 @@ pub(super) struct Own<'a> {
 /// The shared coefficients, and how much of each gyro they take.
 pub(super) struct CommonFit {
     /// By coefficient, and in each gyro that has it the regressor.
-    pub kept: Vec<Shared>,
+    pub kept: Vec<SharedRegressors>,
     pub hidden: Vec<Effect>,
     pub estimate: DVector<f64>,
     pub covariance: DMatrix<f64>,
@@ -54,10 +54,10 @@ pub(super) struct CommonFit {
 }
 
 /// Fits what all gyros share beside what each has for itself.
-pub(super) fn fit(shared: Vec<Shared>, gyros: &[Own]) -> CommonFit {
+pub(super) fn fit(shared: Vec<SharedRegressors>, gyros: &[OwnFit]) -> CommonFit {
     let columns: Vec<DVector<f64>> = shared.iter().map(|regressor| stacked(regressor, gyros)).collect();
-    let raw = |regressor: &Shared| -> f64 {
-        let power = |(r, own): (&Option<Regressor>, &Own)| {
+    let raw = |regressor: &SharedRegressors| -> f64 {
+        let power = |(r, own): (&Option<Regressor>, &OwnFit)| {
             r.as_ref().map_or(0.0, |r| r.column.component_mul(own.factor.weights()).norm_squared() / own.variance)
         };
         regressor.iter().zip(gyros).map(power).sum()
@@ -69,7 +69,7 @@ pub(super) fn fit(shared: Vec<Shared>, gyros: &[Own]) -> CommonFit {
     let fitted: Vec<&DVector<f64>> = columns.iter().zip(&adds).filter(|(_, adds)| **adds).map(|(c, _)| c).collect();
     let (kept, hidden) = told_apart(shared, &adds, |regressor| regressor.iter().flatten().map(|r| r.effect).next());
     let m = kept.len();
-    let whitened = |own: &Own| own.residuals.component_mul(own.factor.weights()).unscale(own.variance.sqrt());
+    let whitened = |own: &OwnFit| own.residuals.component_mul(own.factor.weights()).unscale(own.variance.sqrt());
     let side: Vec<f64> = gyros.iter().flat_map(|own| whitened(own).data.as_vec().clone()).collect();
     let along = basis.tr_mul(&DVector::from_vec(side));
     // The kept columns are R on the basis, upper triangular, as Gram and Schmidt leave them.
@@ -81,8 +81,8 @@ pub(super) fn fit(shared: Vec<Shared>, gyros: &[Own]) -> CommonFit {
 }
 
 /// Z of all gyros end to end, each over its noise.
-fn stacked(regressor: &Shared, gyros: &[Own]) -> DVector<f64> {
-    let of_gyro = |(regressor, own): (&Option<Regressor>, &Own)| -> Vec<f64> {
+fn stacked(regressor: &SharedRegressors, gyros: &[OwnFit]) -> DVector<f64> {
+    let of_gyro = |(regressor, own): (&Option<Regressor>, &OwnFit)| -> Vec<f64> {
         let Some(regressor) = regressor else { return vec![0.0; own.residuals.len()] };
         let whitened = regressor.column.component_mul(own.factor.weights()).unscale(own.variance.sqrt());
         let mut left: Vec<f64> = whitened.data.into();
@@ -122,8 +122,8 @@ mod tests {
         let x = [[column(1000), column(1100)], [column(1200), column(1300)]];
         let factors: Vec<Factor> = (0..2).map(|j| Factor::new(designs[j].clone(), &sd[j])).collect();
         let residuals: Vec<DVector<f64>> = (0..2).map(|j| factors[j].fit(&outputs[j]).residuals).collect();
-        let own: Vec<Own> =
-            (0..2).map(|j| Own { factor: &factors[j], residuals: &residuals[j], variance: variances[j] }).collect();
+        let own: Vec<OwnFit> =
+            (0..2).map(|j| OwnFit { factor: &factors[j], residuals: &residuals[j], variance: variances[j] }).collect();
         let shared = x.iter().map(|gyros| gyros.iter().map(|c| regressor(c.clone())).collect()).collect();
         let found = fit(shared, &own);
 
@@ -161,7 +161,7 @@ mod tests {
     fn what_the_gyros_own_columns_span_is_not_fitted() {
         let factor = Factor::new(DMatrix::from_fn(N, 2, |k, c| number(10 + 50 * c + k)), &[1.0; N]);
         let residuals = factor.fit(&column(800)).residuals;
-        let own = [Own { factor: &factor, residuals: &residuals, variance: 1.0 }];
+        let own = [OwnFit { factor: &factor, residuals: &residuals, variance: 1.0 }];
         let hidden = DVector::from_fn(N, |k, _| number(10 + k) - 2.0 * number(60 + k));
         let found = fit(vec![vec![regressor(hidden)], vec![regressor(column(1000))]], &own);
         assert_eq!((found.kept.len(), found.hidden), (1, vec![Effect::Levelling]));

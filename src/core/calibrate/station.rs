@@ -16,14 +16,14 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::gyro_fit::{GyroFit, SharedFactors};
-use super::shared_coefficients::{self, CommonFit, Own};
-use super::uncertainty::Response;
+use super::shared_coefficients::{self, CommonFit, OwnFit};
+use super::uncertainty::StationResponse;
 use crate::core::campaign::{Campaign, CampaignNote, StationLack, StationPart, StationUncertainty};
 use crate::core::effects::{Effect, GyroAxes, Setting, Shape};
 use crate::core::numerics::least_squares::Fit;
 
 /// One rotation and its standard uncertainty.
-struct Rotation {
+struct StationRotation {
     part: StationPart,
     /// Standard uncertainty, rad.
     sd: f64,
@@ -51,9 +51,9 @@ pub(super) fn spread(
             let own = |(j, seen): (usize, _)| {
                 let seen: &Fit = seen;
                 let (factor, variance) = (fits[j].factor(shared), common.variances[j]);
-                Own { factor, residuals: &seen.residuals, variance }
+                OwnFit { factor, residuals: &seen.residuals, variance }
             };
-            let owns: Vec<Own> = seen.iter().enumerate().map(own).collect();
+            let owns: Vec<OwnFit> = seen.iter().enumerate().map(own).collect();
             let taken = shared_coefficients::fit(common.kept.clone(), &owns).estimate;
             for (j, seen) in seen.iter_mut().enumerate() {
                 for (regressor, k) in common.kept.iter().zip(taken.iter()) {
@@ -65,7 +65,7 @@ pub(super) fn spread(
             }
         }
         for ((fit, seen), column) in fits.iter_mut().zip(seen).zip(&rotation.columns) {
-            let response = Response { part: rotation.part, estimate: seen.estimate, residuals: seen.residuals };
+            let response = StationResponse { part: rotation.part, estimate: seen.estimate, residuals: seen.residuals };
             fit.station.extend(column.as_ref().map(|_| response));
         }
     }
@@ -78,7 +78,7 @@ fn rotations(
     stated: &StationUncertainty,
     fits: &[GyroFit],
     shared: &SharedFactors,
-) -> (Vec<Rotation>, Vec<CampaignNote>) {
+) -> (Vec<StationRotation>, Vec<CampaignNote>) {
     let parts = || StationPart::ALL.into_iter().filter(|part| stated.of(*part).is_some());
     let left_out = |parts: Vec<StationPart>, why| CampaignNote::StationLeftOut { parts, why };
     let mut notes = Vec::new();
@@ -97,7 +97,7 @@ fn rotations(
     if setting.nav_to_body.is_none() && !of_table.is_empty() && !known.is_empty() {
         notes.push(left_out(of_table, StationLack::Attitude));
     }
-    let mut rotations: Vec<Rotation> = Vec::new();
+    let mut rotations: Vec<StationRotation> = Vec::new();
     for part in parts() {
         let (effect, shape) = match part {
             StationPart::Levelling => (Effect::Levelling, Shape::Tilt { with_rate: false }),
@@ -115,7 +115,7 @@ fn rotations(
             for (c, column) in columns.into_iter().enumerate() {
                 if first + c == rotations.len() {
                     let (sd, columns) = (stated.of(part).unwrap_or(0.0), vec![None; campaign.gyros.len()]);
-                    rotations.push(Rotation { part, sd, columns });
+                    rotations.push(StationRotation { part, sd, columns });
                 }
                 rotations[first + c].columns[*j] = Some(scale * DVector::from_vec(column));
             }

@@ -18,7 +18,7 @@ pub struct Uncertainty {
 
 /// What one rotation of its standard uncertainty makes of a gyro's fit.
 #[derive(Debug, Clone)]
-pub(super) struct Response {
+pub(super) struct StationResponse {
     pub part: StationPart,
     /// Of the estimates.
     pub estimate: DVector<f64>,
@@ -26,7 +26,7 @@ pub(super) struct Response {
     pub residuals: DVector<f64>,
 }
 
-impl Response {
+impl StationResponse {
     /// S diag(u^2) S' of the parameters that `expand` makes of the estimates, over the rotations of one part.
     pub fn covariance<'a>(of_part: impl Iterator<Item = &'a Self>, expand: &DMatrix<f64>) -> DMatrix<f64> {
         let p = expand.nrows();
@@ -37,7 +37,7 @@ impl Response {
 
 /// Standard deviations of one figure. `combined` is the root of the sum of the squares of the others.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Budget {
+pub struct UncertaintyBudget {
     pub statistical: f64,
     /// None where nothing is stated, or the campaign cannot tell.
     pub station: Option<f64>,
@@ -62,7 +62,7 @@ impl Uncertainty {
     pub fn budgets<const N: usize>(
         &self,
         variances: impl Fn(&DMatrix<f64>) -> Option<[f64; N]>,
-    ) -> Option<[Budget; N]> {
+    ) -> Option<[UncertaintyBudget; N]> {
         let fit = variances(&self.fit)?;
         let mut of_station = [None; 3];
         for (part, covariance) in &self.station {
@@ -75,7 +75,7 @@ impl Uncertainty {
             let station = (!self.station.is_empty()).then(|| of_station.iter().flatten().sum::<f64>());
             let discrepancy = discrepancy.map(|share| share * fit[i]);
             let combined = statistical * fit[i] + station.unwrap_or(0.0) + discrepancy.unwrap_or(0.0);
-            Budget {
+            UncertaintyBudget {
                 statistical: sd(statistical * fit[i]),
                 station: station.map(sd),
                 of_station: of_station.map(|part| part.map(sd)),

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use super::commanded::findings;
 use super::temperatures::Temperatures;
-use super::{Campaign, CampaignNote, Column, Dwell, Phase};
+use super::{Campaign, CampaignNote, Dwell, DwellColumn, Phase};
 use crate::core::note::Note;
 
 /// What the dwells lack and what is odd about them: for the campaign's answer.
@@ -14,10 +14,10 @@ pub fn notes(campaign: &Campaign) -> Vec<Note> {
         notes.extend(rate_not_of_attitude(campaign));
     }
     let mut notes: Vec<Note> = notes.into_iter().map(Note::Campaign).collect();
-    let (none, some) = lacks(campaign, Column::Attitude, |d| d.attitude.is_some());
+    let (none, some) = lacks(campaign, DwellColumn::Attitude, |d| d.attitude.is_some());
     notes.extend(none.then_some(Note::NoAttitudes).or(some));
     notes.extend(campaign.site.is_none().then_some(Note::NoSite));
-    let (none, some) = lacks(campaign, Column::Temperature, |d| d.temperature_c.is_some());
+    let (none, some) = lacks(campaign, DwellColumn::Temperature, |d| d.temperature_c.is_some());
     notes.extend(none.then_some(Note::NoTemperatures).or(some));
     notes.extend(temperature_outliers(campaign));
     let stated = [Temperatures::of(campaign).median].into_iter().chain(campaign.temperature_c);
@@ -31,7 +31,7 @@ pub fn notes(campaign: &Campaign) -> Vec<Note> {
 const CALIBRATED_AT: RangeInclusive<f64> = -60.0..=100.0;
 
 /// Whether all dwells lack a column, and what to note where some do.
-fn lacks(campaign: &Campaign, column: Column, has: fn(&Dwell) -> bool) -> (bool, Option<Note>) {
+fn lacks(campaign: &Campaign, column: DwellColumn, has: fn(&Dwell) -> bool) -> (bool, Option<Note>) {
     let of = campaign.dwells.len();
     let dwells: Vec<usize> = (0..of).filter(|&k| !has(&campaign.dwells[k])).collect();
     let all = dwells.len() == of;
@@ -40,7 +40,7 @@ fn lacks(campaign: &Campaign, column: Column, has: fn(&Dwell) -> bool) -> (bool,
 
 /// Dwells whose standard errors are filled in.
 pub(crate) fn missing_errors(campaign: &Campaign) -> Option<Note> {
-    lacks(campaign, Column::StandardErrors, |d| d.output_sem_pulse_s.is_some()).1
+    lacks(campaign, DwellColumn::StandardErrors, |d| d.output_sem_pulse_s.is_some()).1
 }
 
 /// Dwells whose temperature is left out.

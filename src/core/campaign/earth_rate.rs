@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::commanded::Part;
+use super::commanded::AffectedDwells;
 use super::{Campaign, Phase};
 use crate::core::frames::Vector;
 
@@ -20,7 +20,7 @@ pub struct NoEarthRate {
 ///
 /// # Errors
 /// What is missing for it.
-pub fn with_earth_rate(campaign: &Campaign, part: Part) -> Result<Campaign, NoEarthRate> {
+pub fn with_earth_rate(campaign: &Campaign, part: AffectedDwells) -> Result<Campaign, NoEarthRate> {
     let still = |k: &usize| campaign.dwells[*k].phase == Phase::Static;
     let attitudes: Vec<usize> =
         (0..campaign.dwells.len()).filter(still).filter(|k| campaign.dwells[*k].attitude.is_none()).collect();
@@ -31,9 +31,9 @@ pub fn with_earth_rate(campaign: &Campaign, part: Part) -> Result<Campaign, NoEa
     let mut whole = campaign.clone();
     for dwell in &mut whole.dwells {
         dwell.rate_arcsec_s += match (dwell.phase, dwell.attitude) {
-            (Phase::Static, Some(c)) if part != Part::Turning => (c * earth).0,
-            (Phase::Rate, Some(c)) if part != Part::Static => (c * Vector::new(earth.0.z * Vector3::z())).0,
-            (Phase::Rate, None) if part != Part::Static => {
+            (Phase::Static, Some(c)) if part != AffectedDwells::Turning => (c * earth).0,
+            (Phase::Rate, Some(c)) if part != AffectedDwells::Static => (c * Vector::new(earth.0.z * Vector3::z())).0,
+            (Phase::Rate, None) if part != AffectedDwells::Static => {
                 earth.0.z * dwell.specific_force_g0.try_normalize(0.0).unwrap_or_default()
             }
             _ => Vector3::zeros(),

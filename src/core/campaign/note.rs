@@ -1,17 +1,18 @@
 //! What is worth knowing about a campaign's dwells and their fit.
 
-use super::commanded::Finding;
+use super::commanded::CommandFinding;
 use super::station_uncertainty::StationPart;
 use crate::core::bench::Alias;
 use crate::core::effects::{Effect, Lack, Refusal};
 use crate::core::mounting::Slot;
+use crate::core::named::named;
 
 /// What a campaign could not be checked for, or what was left out of it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CampaignNote {
     /// Some dwells lack an optional column; by index.
     Missing {
-        column: Column,
+        column: DwellColumn,
         dwells: Vec<usize>,
         of: usize,
     },
@@ -26,7 +27,7 @@ pub enum CampaignNote {
         median: f64,
     },
     /// What was commanded contradicts itself, where that hardly matters.
-    Commanded(Finding),
+    Commanded(CommandFinding),
     /// Static dwells whose rate is not the Earth's at their attitude: how many of how many, and the worst of them.
     RateNotOfAttitude {
         off: usize,
@@ -97,12 +98,14 @@ pub enum StationLack {
     BenchTest,
 }
 
-/// An optional column of a campaign's dwells.
+named! {
+/// An optional column of a campaign's dwells, by its member of a dwell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Column {
-    Attitude,
-    Temperature,
-    StandardErrors,
+pub enum DwellColumn {
+    Attitude = "attitude",
+    Temperature = "temperature_c",
+    StandardErrors = "output_sem_pulse_s",
+}
 }
 
 /// Why an effect of the model was not fitted.
@@ -121,9 +124,9 @@ impl CampaignNote {
     /// Its name in answers; never changes once it has been given out.
     pub fn code(&self) -> &'static str {
         match self {
-            Self::Missing { column: Column::Attitude, .. } => "attitudes_missing",
-            Self::Missing { column: Column::Temperature, .. } => "temperatures_missing",
-            Self::Missing { column: Column::StandardErrors, .. } => "standard_errors_missing",
+            Self::Missing { column: DwellColumn::Attitude, .. } => "attitudes_missing",
+            Self::Missing { column: DwellColumn::Temperature, .. } => "temperatures_missing",
+            Self::Missing { column: DwellColumn::StandardErrors, .. } => "standard_errors_missing",
             Self::TemperatureOutlier { .. } => "temperature_outlier",
             Self::TemperatureUnit { .. } => "temperature_unit",
             Self::Commanded(finding) => finding.symptom.name(),

@@ -14,7 +14,7 @@ pub(super) const YEAR_DAYS: f64 = 365.25;
 
 /// One record of one gyro, with what else was recorded of the occasion.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
+pub struct HistoryEntry {
     pub at: UtcMicros,
     pub station: Arc<str>,
     /// A change of IMU or slot is a re-mounting. Gyros of one IMU are calibrated together.
@@ -28,7 +28,7 @@ pub struct Entry {
 /// One gyro's records and events, oldest first.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct GyroHistory {
-    pub entries: Vec<Entry>,
+    pub entries: Vec<HistoryEntry>,
     pub marks: Vec<Mark>,
 }
 
@@ -96,7 +96,7 @@ pub enum Tie {
 
 impl Tie {
     /// The regressor of the cause at a record; years count from `origin`, and constants do not matter.
-    pub fn regressor(&self, entry: &Entry, origin: UtcMicros) -> f64 {
+    pub fn regressor(&self, entry: &HistoryEntry, origin: UtcMicros) -> f64 {
         let years = entry.at.days_since(origin) / YEAR_DAYS;
         let since = |at: UtcMicros| f64::from(u8::from(entry.at >= at));
         let years_after = |at: UtcMicros| entry.at.days_since(at) / YEAR_DAYS;
@@ -159,7 +159,7 @@ impl Tie {
 
 /// An estimated parameter and its standard deviation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Estimate {
+pub struct CauseEstimate {
     pub name: &'static str,
     pub value: f64,
     pub sd: f64,
@@ -168,7 +168,7 @@ pub struct Estimate {
 
 /// Errors of predicting blocks of time that were left out, rms in deg/(h g0), and what share of the change is closed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HeldOut {
+pub struct HistoryHeldOut {
     pub before: f64,
     pub after: f64,
     pub closure: f64,
@@ -193,7 +193,7 @@ pub fn cause_word(cause: &str) -> Message {
 
 /// One record as it is drawn, deg/(h g0).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drawn {
+pub struct DrawnRecord {
     pub at: UtcMicros,
     pub measured: Measured,
     /// What the stations did to it, about their mean.
@@ -209,15 +209,15 @@ pub struct NamedCause {
     /// Every id that explains this change equally well, itself included.
     pub class: Vec<&'static str>,
     pub tie: Tie,
-    pub estimate: Estimate,
+    pub estimate: CauseEstimate,
     /// None where no block can be predicted from the others, or where they say nothing of it.
-    pub held_out: Option<HeldOut>,
+    pub held_out: Option<HistoryHeldOut>,
     pub p_value_adjusted: f64,
 }
 
 /// Why a candidate was not taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum WhyNot {
+pub enum WhyRejected {
     /// These records do not tell it from what is named.
     NotSeparable,
     NotSignificant {
@@ -236,7 +236,7 @@ pub enum WhyNot {
     },
 }
 
-impl WhyNot {
+impl WhyRejected {
     /// The reason as a code with parameters.
     pub fn message(&self) -> Message {
         use crate::core::message::{figure, signed};
@@ -261,7 +261,7 @@ impl WhyNot {
 pub struct Rejected {
     pub cause: &'static str,
     pub tie: Tie,
-    pub why: WhyNot,
+    pub why: WhyRejected,
 }
 
 /// A record that stands apart from those before and after it, and was left out.
@@ -350,7 +350,7 @@ pub struct HistoryDiagnosis {
     /// Where it ages and its budget is known.
     pub due: Option<Due>,
     /// The records, where there are enough of them.
-    pub course: Vec<Drawn>,
+    pub course: Vec<DrawnRecord>,
 }
 
 /// Fewest records of which anything is said: a constant, a cause, and four left to judge the scatter by.

@@ -7,8 +7,8 @@ use crate::core::judge::{Coefficient, Event, Mark};
 use crate::core::time::UtcMicros;
 
 use super::answer::{StationForm, Tie, YEAR_DAYS};
-use super::series::{Row, Series};
-use super::station::{Course, Part};
+use super::series::{Observation, RecordSeries};
+use super::station::{CoursePart, StationCourse};
 
 /// A candidate is only tried where so many records stand on either side of its change.
 const FEWEST_ON_A_SIDE: usize = 2;
@@ -27,7 +27,7 @@ const FEWEST_TEMPERATURES: usize = 5;
 
 /// One column of regressors and what it stands for.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Candidate {
+pub(super) struct CandidateCause {
     pub cause: &'static str,
     pub tie: Tie,
     pub parameter: &'static str,
@@ -36,7 +36,7 @@ pub(super) struct Candidate {
     /// How many columns of this kind were tried to find the best.
     pub tried: usize,
     /// What the station would have done, where the candidate is its doing.
-    pub part: Option<Part>,
+    pub part: Option<CoursePart>,
     /// Rows of which the regressor is not known, and the variance that it has among the others.
     pub missing: Vec<usize>,
     pub spread: f64,
@@ -45,12 +45,12 @@ pub(super) struct Candidate {
 /// Every candidate that the records can tell from a constant. Offsets count from station `reference`; a station steps at
 /// instants at which `course` does not say whether it does.
 pub(super) fn all(
-    series: &Series,
+    series: &RecordSeries,
     marks: &[Mark],
     coefficient: Coefficient,
     reference: usize,
-    course: &Course,
-) -> Vec<Candidate> {
+    course: &StationCourse,
+) -> Vec<CandidateCause> {
     let mut found = ageing(series, marks);
     found.extend(steps_at_events(series, marks));
     found.extend(re_mountings(series));
@@ -68,24 +68,24 @@ pub(super) fn all(
     found
 }
 
-fn candidate(cause: &'static str, tie: Tie, unit: &'static str, column: Vec<f64>) -> Candidate {
-    Candidate { cause, tie, parameter: "k", unit, column, tried: 1, part: None, missing: Vec::new(), spread: 0.0 }
+fn candidate(cause: &'static str, tie: Tie, unit: &'static str, column: Vec<f64>) -> CandidateCause {
+    CandidateCause { cause, tie, parameter: "k", unit, column, tried: 1, part: None, missing: Vec::new(), spread: 0.0 }
 }
 
 /// One slope, or one before and one after the last repair.
-fn ageing(series: &Series, marks: &[Mark]) -> Vec<Candidate> {
+fn ageing(series: &RecordSeries, marks: &[Mark]) -> Vec<CandidateCause> {
     let slope = |tie, column| candidate("ageing", tie, "deg/(h*g0)/year", column);
     let is_within = |at| series.rows[0].at < at && series.rows.last().is_some_and(|newest| at <= newest.at);
     let repair = marks.iter().rev().find(|mark| mark.event == Event::Repair && is_within(mark.at));
     let Some(Mark { at, .. }) = repair else { return vec![slope(Tie::Slope, series.column(|row| row.years))] };
-    let years = |row: &Row| row.at.days_since(*at) / YEAR_DAYS;
+    let years = |row: &Observation| row.at.days_since(*at) / YEAR_DAYS;
     vec![
         slope(Tie::SlopeUntil(*at), series.column(|row| years(row).min(0.0))),
         slope(Tie::SlopeAfter(*at), series.column(|row| years(row).max(0.0))),
     ]
 }
 
-fn steps_at_events(series: &Series, marks: &[Mark]) -> Vec<Candidate> {
+fn steps_at_events(series: &RecordSeries, marks: &[Mark]) -> Vec<CandidateCause> {
     let mut gaps: BTreeMap<usize, Vec<(Event, UtcMicros)>> = BTreeMap::new();
     for mark in marks.iter().filter(|mark| mark.event.may_move_a_gyro()) {
         gaps.entry(series.rows.partition_point(|row| row.at < mark.at)).or_default().push((mark.event, mark.at));
@@ -97,8 +97,8 @@ fn steps_at_events(series: &Series, marks: &[Mark]) -> Vec<Candidate> {
     gaps.into_iter().filter_map(step).collect()
 }
 
-fn re_mountings(series: &Series) -> Vec<Candidate> {
-    let name = |row: &Row| format!("{}/{}", row.seat.0, row.seat.1.name());
+fn re_mountings(series: &RecordSeries) -> Vec<CandidateCause> {
+    let name = |row: &Observation| format!("{}/{}", row.seat.0, row.seat.1.name());
     (1..series.len())
         .filter(|&k| series.rows[k].seat != series.rows[k - 1].seat)
         .filter_map(|cut| {
@@ -110,7 +110,7 @@ fn re_mountings(series: &Series) -> Vec<Candidate> {
 }
 
 /// k (T - mean T). Where T is not known the column is zero, and the row's variance grows by k^2 var T.
-fn temperature(series: &Series) -> Option<Candidate> {
+fn temperature(series: &RecordSeries) -> Option<CandidateCause> {
     let known: Vec<f64> = series.rows.iter().filter_map(|row| row.temperature_c).collect();
     if known.len() < FEWEST_TEMPERATURES {
         return None;
@@ -121,11 +121,11 @@ fn temperature(series: &Series) -> Option<Candidate> {
     (variance.sqrt() > LEAST_TEMPERATURE_SD).then(|| {
         let tie = Tie::Temperature { mean_c: mean, missing: missing.len() };
         let column = series.column(|row| row.temperature_c.map_or(0.0, |t| t - mean));
-        Candidate { missing, spread: variance, ..candidate("temperature", tie, "deg/(h*g0)/K", column) }
+        CandidateCause { missing, spread: variance, ..candidate("temperature", tie, "deg/(h*g0)/K", column) }
     })
 }
 
-fn stations(series: &Series, reference: usize, course: &Course) -> Vec<Candidate> {
+fn stations(series: &RecordSeries, reference: usize, course: &StationCourse) -> Vec<CandidateCause> {
     let mut found = Vec::new();
     for station in 0..series.stations.len() {
         let there = series.rows.iter().filter(|row| row.station == station).count();
@@ -151,58 +151,58 @@ fn stations(series: &Series, reference: usize, course: &Course) -> Vec<Candidate
     found
 }
 
-fn of_station(series: &Series, reference: usize, station: usize, form: StationForm) -> Option<Candidate> {
-    let part = Part { station, form };
+fn of_station(series: &RecordSeries, reference: usize, station: usize, form: StationForm) -> Option<CandidateCause> {
+    let part = CoursePart { station, form };
     let unit = if form == StationForm::Drift { "deg/(h*g0)/year" } else { "deg/(h*g0)" };
     let column = series.column(|row| part.at(row.station, row.at, row.years));
     let tried = if form.is_searched() { series.len() } else { 1 };
     let tie = tie(series, reference, &part);
-    Some(Candidate { part: Some(part), tried, ..candidate("station", tie, unit, column) })
+    Some(CandidateCause { part: Some(part), tried, ..candidate("station", tie, unit, column) })
 }
 
-pub(super) fn tie(series: &Series, reference: usize, part: &Part) -> Tie {
+pub(super) fn tie(series: &RecordSeries, reference: usize, part: &CoursePart) -> Tie {
     let name = |station: usize| -> Arc<str> { series.stations[station].clone() };
     Tie::Station { name: name(part.station), against: name(reference), form: part.form }
 }
 
 /// D_O = delta D_S: told from a constant only where D_S moved by clearly more than it is known.
-fn clocking(series: &Series) -> Option<Candidate> {
+fn clocking(series: &RecordSeries) -> Option<CandidateCause> {
     let n = series.len() as f64;
     let mean = series.rows.iter().map(|row| row.d_s).sum::<f64>() / n;
     let spread = (series.rows.iter().map(|row| (row.d_s - mean).powi(2)).sum::<f64>() / n).sqrt();
-    (spread > 5.0 * series.d_s_sd && spread > 1e-9 * mean.abs()).then(|| Candidate {
+    (spread > 5.0 * series.d_s_sd && spread > 1e-9 * mean.abs()).then(|| CandidateCause {
         parameter: "delta",
         ..candidate("clocking", Tie::Proportion, "rad", series.column(|row| row.d_s - mean))
     })
 }
 
 /// A slope that begins at a record.
-fn onsets_of_ageing(series: &Series) -> Vec<Candidate> {
+fn onsets_of_ageing(series: &RecordSeries) -> Vec<CandidateCause> {
     let end = series.len().saturating_sub(FEWEST_OF_A_SLOPE);
     let cuts = FEWEST_ON_A_SIDE - 1..end;
     let tried = cuts.len();
     cuts.map(|cut| {
         let began = series.rows[cut].years;
         let column = series.column(|row| (row.years - began).max(0.0));
-        Candidate { tried, ..candidate("ageing", Tie::SlopeSince(series.rows[cut].at), "deg/(h*g0)/year", column) }
+        CandidateCause { tried, ..candidate("ageing", Tie::SlopeSince(series.rows[cut].at), "deg/(h*g0)/year", column) }
     })
     .collect()
 }
 
-fn free_steps(series: &Series) -> Vec<Candidate> {
+fn free_steps(series: &RecordSeries) -> Vec<CandidateCause> {
     let cuts: Vec<(usize, Vec<f64>)> =
         (1..series.len()).filter_map(|cut| Some((cut, step_column(series, cut)?))).collect();
     let tried = cuts.len();
     cuts.into_iter()
         .map(|(cut, column)| {
             let tie = Tie::Instant { after: series.rows[cut - 1].at, before: series.rows[cut].at };
-            Candidate { tried, ..candidate("step", tie, "deg/(h*g0)", column) }
+            CandidateCause { tried, ..candidate("step", tie, "deg/(h*g0)", column) }
         })
         .collect()
 }
 
 /// 0 before row `cut`, 1 from there on; none where too few rows stand on a side, or where nothing lies between.
-fn step_column(series: &Series, cut: usize) -> Option<Vec<f64>> {
+fn step_column(series: &RecordSeries, cut: usize) -> Option<Vec<f64>> {
     let n = series.len();
     (cut >= FEWEST_ON_A_SIDE && n - cut.min(n) >= FEWEST_ON_A_SIDE && series.rows[cut].at > series.rows[cut - 1].at)
         .then(|| (0..n).map(|k| f64::from(k >= cut)).collect())

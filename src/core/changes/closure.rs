@@ -4,7 +4,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::answer::HeldOut;
+use super::answer::HistoryHeldOut;
 
 const BLOCKS: usize = 8;
 /// Remaining power, in standard deviations of what noise alone leaves, from which something is left.
@@ -12,7 +12,7 @@ const LEFT: f64 = 2.5;
 
 /// Of column `k` among `columns`, the others in the model both times. So much of its course as `open` may be another's,
 /// which the residuals of the blocks need not show.
-pub(super) fn held_out(y: &[f64], variance: &[f64], columns: &[&[f64]], k: usize, open: f64) -> Option<HeldOut> {
+pub(super) fn held_out(y: &[f64], variance: &[f64], columns: &[&[f64]], k: usize, open: f64) -> Option<HistoryHeldOut> {
     let others: Vec<&[f64]> = columns.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, column)| *column).collect();
     summed(y, y, variance, &others, columns, open)
 }
@@ -24,7 +24,7 @@ pub(super) fn held_out_known(
     columns: &[&[f64]],
     column: &[f64],
     value: f64,
-) -> Option<HeldOut> {
+) -> Option<HistoryHeldOut> {
     let whole: Vec<f64> = y.iter().zip(column).map(|(y, c)| y + value * c).collect();
     summed(&whole, y, variance, columns, columns, 0.0)
 }
@@ -36,7 +36,7 @@ fn summed(
     without: &[&[f64]],
     with: &[&[f64]],
     open: f64,
-) -> Option<HeldOut> {
+) -> Option<HistoryHeldOut> {
     let n = y_with.len();
     let blocks = BLOCKS.min(n / 2).max(1);
     let mut waiting: Vec<std::ops::Range<usize>> = (0..blocks).map(|b| b * n / blocks..(b + 1) * n / blocks).collect();
@@ -82,7 +82,7 @@ fn summed(
     let share = |gain: f64, left: f64| if gain > 0.0 { gain / (gain + left) } else { 0.0 };
     let closure = share(gain, left);
     let sd = (noise / count).sqrt();
-    Some(HeldOut {
+    Some(HistoryHeldOut {
         before: sd * (1.0 + (gain + left) / count).sqrt(),
         after: sd * (1.0 + left / count).sqrt(),
         closure,

@@ -5,12 +5,12 @@
 //! Where it is not known when the ageing began, that is the mean over the instants, weighted by their likelihoods.
 
 use super::answer::{Due, YEAR_DAYS};
-use super::search::{Level, student};
+use super::search::{NewestLevel, student};
 use crate::core::time::UtcMicros;
 
 /// What a coefficient may differ from its baseline by, deg/(h g0).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Budget {
+pub struct DriftBudget {
     pub baseline: f64,
     pub limit: f64,
     /// The first records from this instant on made the baseline, by their stations; none where it is stated.
@@ -22,12 +22,12 @@ const FARTHEST: f64 = 200.0;
 
 /// `levels` with their weights, that of what is named first. The newest record is so many days younger than the row at
 /// which they stand.
-pub(super) fn due(levels: &[(f64, Level)], younger: f64, budget: Budget) -> Option<Due> {
+pub(super) fn due(levels: &[(f64, NewestLevel)], younger: f64, budget: DriftBudget) -> Option<Due> {
     let (_, first) = levels.first().filter(|(_, first)| first.ages && first.slope != 0.0)?;
     let sign = first.slope.signum();
     let whole: f64 = levels.iter().map(|(weight, _)| weight).sum();
     let chance = |t: f64| {
-        let of = |(weight, level): &(f64, Level)| {
+        let of = |(weight, level): &(f64, NewestLevel)| {
             let [v, w, c] = level.covariance;
             let sd = (v + t * t * w + 2.0 * t * c).max(f64::MIN_POSITIVE).sqrt();
             let beyond = sign * (level.value + level.slope * t - budget.baseline) - budget.limit;

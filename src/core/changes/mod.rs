@@ -37,14 +37,14 @@ use std::collections::HashSet;
 
 use super::judge::{BASELINE_RECORDS, Coefficient};
 use super::time::UtcMicros;
-use series::Series;
-use station::{Course, Part};
+use series::RecordSeries;
+use station::{CoursePart, StationCourse};
 
 pub use answer::{
-    AsOf, Drawn, Due, Entry, Estimate, Excess, FEWEST_RECORDS, GyroHistory, HeldOut, HistoryDiagnosis, HistoryVerdict,
-    NamedCause, Outlier, Rejected, StationForm, Tie, Wander, WhyNot, cause_word,
+    AsOf, CauseEstimate, DrawnRecord, Due, Excess, FEWEST_RECORDS, GyroHistory, HistoryDiagnosis, HistoryEntry,
+    HistoryHeldOut, HistoryVerdict, NamedCause, Outlier, Rejected, StationForm, Wander, cause_word,
 };
-pub use due::Budget;
+pub use due::DriftBudget;
 pub use reproducibility::{FleetStations, Shared, Spread, StationColumn, StationFigures, stations};
 pub use station::CoursePoint;
 
@@ -58,7 +58,7 @@ const SHORTEST_DAYS: f64 = 1.0;
 pub fn diagnose_history(
     gyro: &GyroHistory,
     others: &[&GyroHistory],
-    budgets: [Option<Budget>; 3],
+    budgets: [Option<DriftBudget>; 3],
 ) -> Vec<HistoryDiagnosis> {
     let all: Vec<&GyroHistory> = std::iter::once(gyro).chain(others.iter().copied()).collect();
     let uneven = [0, 1, 2].map(|column| station_scatter::of_stations(&all, column));
@@ -69,7 +69,7 @@ pub fn diagnose_history(
     of_weighed(&weighed[0], &weighed[1..].iter().collect::<Vec<_>>(), budgets)
 }
 
-fn of_weighed(gyro: &GyroHistory, others: &[&GyroHistory], budgets: [Option<Budget>; 3]) -> Vec<HistoryDiagnosis> {
+fn of_weighed(gyro: &GyroHistory, others: &[&GyroHistory], budgets: [Option<DriftBudget>; 3]) -> Vec<HistoryDiagnosis> {
     let is_mate = is_mate_of(gyro);
     let (mates, peers): (Vec<&GyroHistory>, Vec<&GyroHistory>) = others.iter().partition(|other| is_mate(other));
     let entries = series::distinct(&gyro.entries);
@@ -85,14 +85,14 @@ pub fn is_mate_of(gyro: &GyroHistory) -> impl Fn(&GyroHistory) -> bool + use<'_>
 
 fn diagnose(
     gyro: &GyroHistory,
-    entries: &[Entry],
+    entries: &[HistoryEntry],
     mates: &[&GyroHistory],
     peers: &[&GyroHistory],
     coefficient: Coefficient,
     column: usize,
-    budget: Option<Budget>,
+    budget: Option<DriftBudget>,
 ) -> HistoryDiagnosis {
-    let mut series = Series::of(entries, column);
+    let mut series = RecordSeries::of(entries, column);
     let mut answer = HistoryDiagnosis {
         coefficient,
         verdict: HistoryVerdict::TooFew,
@@ -120,10 +120,10 @@ fn diagnose(
     }
     let names: Vec<&str> = series.stations.iter().map(|name| &**name).collect();
     let reference = series.reference();
-    let mut course = Course::of(peers, &names, series.origin, column);
+    let mut course = StationCourse::of(peers, &names, series.origin, column);
     course.take(reference, |part, common, taken| station::is_borne_out(common, own_estimate(&series, part, taken)));
     place_steps(&series, &mut course);
-    let mates = Course::of(mates, &names, series.origin, column);
+    let mates = StationCourse::of(mates, &names, series.origin, column);
     for (part, common) in &course.taken {
         for row in &mut series.rows {
             row.y -= common.value * part.at(row.station, row.at, row.years);
@@ -131,7 +131,7 @@ fn diagnose(
     }
     answer.outliers = series.take_outliers();
     series.condense(&gyro.marks);
-    let question = search::Question {
+    let question = search::CauseSearch {
         series: &series,
         marks: &gyro.marks,
         coefficient,
@@ -149,11 +149,12 @@ fn diagnose(
         (false, false) => HistoryVerdict::Explained,
         (false, true) => HistoryVerdict::PartlyExplained,
     };
-    let of_station =
-        |budget: &Budget| budget.measured_since.map_or(0.0, |since| baseline_part(&series, &course, entries, since));
+    let of_station = |budget: &DriftBudget| {
+        budget.measured_since.map_or(0.0, |since| baseline_part(&series, &course, entries, since))
+    };
     answer.due = budget.and_then(|budget| {
         let since = entries.last()?.at.days_since(series.rows.last()?.at);
-        due::due(&found.levels, since, Budget { baseline: budget.baseline - of_station(&budget), ..budget })
+        due::due(&found.levels, since, DriftBudget { baseline: budget.baseline - of_station(&budget), ..budget })
     });
     answer.causes = found.named;
     answer.rejected = found.rejected;
@@ -165,9 +166,9 @@ fn diagnose(
 }
 
 /// What the stations did to the records that made the baseline: the median, as the baseline is.
-fn baseline_part(series: &Series, course: &Course, entries: &[Entry], since: UtcMicros) -> f64 {
+fn baseline_part(series: &RecordSeries, course: &StationCourse, entries: &[HistoryEntry], since: UtcMicros) -> f64 {
     let first = entries.iter().filter(|entry| entry.at >= since).take(BASELINE_RECORDS);
-    let part = |entry: &Entry| -> f64 {
+    let part = |entry: &HistoryEntry| -> f64 {
         let station = series.stations.binary_search(&entry.station).unwrap_or(0);
         let years = entry.at.days_since(series.origin) / answer::YEAR_DAYS;
         course.taken.iter().map(|(part, common)| common.value * part.at(station, entry.at, years)).sum()
@@ -176,7 +177,12 @@ fn baseline_part(series: &Series, course: &Course, entries: &[Entry], since: Utc
 }
 
 /// The scale of the noise as the fleet shows it, or one or two other gyros do; without any, as it is stated.
-fn prior(series: &Series, [peers, mates]: [&Course; 2], entries: &[Entry], column: usize) -> search::Prior {
+fn prior(
+    series: &RecordSeries,
+    [peers, mates]: [&StationCourse; 2],
+    entries: &[HistoryEntry],
+    column: usize,
+) -> search::NoisePrior {
     let stated = entries.iter().any(|entry| entry.d[column].sd.is_some_and(|sd| sd > 0.0));
     let of_stated = series.scatter.of_stated;
     let fleet = peers.scatter.filter(|_| peers.gyros() >= 3);
@@ -194,13 +200,13 @@ fn prior(series: &Series, [peers, mates]: [&Course; 2], entries: &[Entry], colum
     };
     // Figures without any noise have that of their rounding.
     let rounding = 1e-9 * (series.mean.abs() + series.spread());
-    search::Prior { freedom: freedom.max(0.1), variance: sd.max(rounding).powi(2) }
+    search::NoisePrior { freedom: freedom.max(0.1), variance: sd.max(rounding).powi(2) }
 }
 
 /// The records with what is named of them. What stations did stands about its mean, what is explained about the level of
 /// the records.
-fn drawn(entries: &[Entry], answer: &HistoryDiagnosis, column: usize, origin: UtcMicros) -> Vec<Drawn> {
-    let of = |entry: &Entry, station: bool| -> f64 {
+fn drawn(entries: &[HistoryEntry], answer: &HistoryDiagnosis, column: usize, origin: UtcMicros) -> Vec<DrawnRecord> {
+    let of = |entry: &HistoryEntry, station: bool| -> f64 {
         let causes = answer.causes.iter().filter(|cause| !station || cause.cause == "station");
         causes.map(|cause| cause.estimate.value * cause.tie.regressor(entry, origin)).sum()
     };
@@ -208,7 +214,7 @@ fn drawn(entries: &[Entry], answer: &HistoryDiagnosis, column: usize, origin: Ut
     let station = entries.iter().map(|entry| of(entry, true)).sum::<f64>() / n;
     // An outlier moves the median of what is left by nothing.
     let level = median_of(entries.iter().map(|entry| entry.d[column].value - of(entry, false))).unwrap_or(0.0);
-    let one = |entry: &Entry| Drawn {
+    let one = |entry: &HistoryEntry| DrawnRecord {
         at: entry.at,
         measured: entry.d[column],
         station: of(entry, true) - station,
@@ -219,7 +225,7 @@ fn drawn(entries: &[Entry], answer: &HistoryDiagnosis, column: usize, origin: Ut
 
 /// Where a station's step or window begins and ends is somewhere between two records of peers. Of the gyro's own records
 /// between them, those after it are told by how well they fit.
-fn place_steps(series: &Series, course: &mut Course) {
+fn place_steps(series: &RecordSeries, course: &mut StationCourse) {
     for k in 0..course.taken.len() {
         let station = course.taken[k].0.station;
         for edge in 0..2 {
@@ -243,10 +249,10 @@ fn place_steps(series: &Series, course: &mut Course) {
 
 /// Weighted squares of how what is left of a gyro's records differs from one to the next, beside what the stations do,
 /// the `k`th part in another form. A gyro that ages or steps by itself hardly alters them.
-fn misfit(series: &Series, course: &Course, k: usize, form: StationForm) -> f64 {
-    let left = |row: &series::Row| {
-        let of_part = |(i, (part, common)): (usize, &(Part, station::Common))| {
-            let part = if i == k { Part { form, ..*part } } else { *part };
+fn misfit(series: &RecordSeries, course: &StationCourse, k: usize, form: StationForm) -> f64 {
+    let left = |row: &series::Observation| {
+        let of_part = |(i, (part, common)): (usize, &(CoursePart, station::SharedCourse))| {
+            let part = if i == k { CoursePart { form, ..*part } } else { *part };
             common.value * part.at(row.station, row.at, row.years)
         };
         row.y - course.taken.iter().enumerate().map(of_part).sum::<f64>()
@@ -256,7 +262,11 @@ fn misfit(series: &Series, course: &Course, k: usize, form: StationForm) -> f64 
 }
 
 /// What the gyro's own records say of a part, beside a level: estimate and standard deviation.
-fn own_estimate(series: &Series, part: &Part, taken: &[(Part, station::Common)]) -> Option<(f64, f64)> {
+fn own_estimate(
+    series: &RecordSeries,
+    part: &CoursePart,
+    taken: &[(CoursePart, station::SharedCourse)],
+) -> Option<(f64, f64)> {
     let [mut w, mut wc, mut wcc, mut wy, mut wcy] = [0.0; 5];
     for row in &series.rows {
         let c = part.at(row.station, row.at, row.years);

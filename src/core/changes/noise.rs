@@ -41,7 +41,7 @@ const POWERS: [f64; 7] = [0.5, 2.0, 8.0, 32.0, 128.0, 512.0, 8192.0];
 
 /// One covariance, as its lower Cholesky factor, row by row.
 #[derive(Debug, Clone)]
-pub(super) struct Noise {
+pub(super) struct NoiseCovariance {
     pub process: Process,
     pub power: f64,
     n: usize,
@@ -49,7 +49,7 @@ pub(super) struct Noise {
     pub half_log_det: f64,
 }
 
-impl Noise {
+impl NoiseCovariance {
     /// Row-packed lower triangle of a covariance; none where it is not positive definite.
     fn of(process: Process, power: f64, n: usize, mut a: Vec<f64>) -> Option<Self> {
         let at = |i: usize, j: usize| i * (i + 1) / 2 + j;
@@ -90,7 +90,7 @@ impl Noise {
 
 /// White noise first, then every process at every power. `variance` is that of each record, `known` are columns whose
 /// coefficient is known with a variance.
-pub(super) fn models(t: &[f64], variance: &[f64], known: &[(Vec<f64>, f64)]) -> Vec<Noise> {
+pub(super) fn models(t: &[f64], variance: &[f64], known: &[(Vec<f64>, f64)]) -> Vec<NoiseCovariance> {
     let n = t.len();
     let mut base = Vec::with_capacity(n * (n + 1) / 2);
     for i in 0..n {
@@ -99,7 +99,7 @@ pub(super) fn models(t: &[f64], variance: &[f64], known: &[(Vec<f64>, f64)]) -> 
             base.push(shared + if i == j { variance[i] } else { 0.0 });
         }
     }
-    let mut all: Vec<Noise> = Noise::of(Process::White, 0.0, n, base.clone()).into_iter().collect();
+    let mut all: Vec<NoiseCovariance> = NoiseCovariance::of(Process::White, 0.0, n, base.clone()).into_iter().collect();
     for process in [Process::RandomWalk, Process::WalkByRecord, Process::Flicker] {
         let mut shape = Vec::with_capacity(base.len());
         for i in 0..n {
@@ -107,7 +107,7 @@ pub(super) fn models(t: &[f64], variance: &[f64], known: &[(Vec<f64>, f64)]) -> 
         }
         all.extend(POWERS.iter().filter_map(|power| {
             let sum = base.iter().zip(&shape).map(|(a, b)| a + power * b).collect();
-            Noise::of(process, *power, n, sum)
+            NoiseCovariance::of(process, *power, n, sum)
         }));
     }
     all

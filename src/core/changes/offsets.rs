@@ -10,10 +10,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::series::robust;
-use super::station::{Cell, Common, HUBER};
+use super::station::{HUBER, SharedCourse, StationCell};
 
 /// The fit with one set of weights.
-struct Fitted {
+struct FittedOffsets {
     offsets: DVector<f64>,
     inverse: DMatrix<f64>,
     /// Of each cell.
@@ -24,17 +24,17 @@ struct Fitted {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Offsets {
     /// By station, against `reference`.
-    pub by_station: BTreeMap<usize, Common>,
+    pub by_station: BTreeMap<usize, SharedCourse>,
     /// What their own uncertainty adds to their variance about their mean, that of the reference included.
     pub of_spread: f64,
 }
 
 /// Of those that `compared` holds, against `reference`.
-pub(super) fn offsets(cells: &[Cell], reference: usize, compared: &[bool]) -> Offsets {
+pub(super) fn offsets(cells: &[StationCell], reference: usize, compared: &[bool]) -> Offsets {
     let places: BTreeMap<usize, usize> =
         (0..compared.len()).filter(|station| compared[*station]).enumerate().map(|(k, station)| (station, k)).collect();
-    let counts = |cell: &&Cell| cell.station == reference || places.contains_key(&cell.station);
-    let cells: Vec<Cell> = cells.iter().filter(counts).copied().collect();
+    let counts = |cell: &&StationCell| cell.station == reference || places.contains_key(&cell.station);
+    let cells: Vec<StationCell> = cells.iter().filter(counts).copied().collect();
     let mut found = Offsets::default();
     if places.is_empty() {
         return found;
@@ -67,9 +67,9 @@ pub(super) fn offsets(cells: &[Cell], reference: usize, compared: &[bool]) -> Of
     let few = if imus > 2.0 { imus / (imus - 1.0) } else { 2.0 };
     let sandwich = &fitted.inverse * outer * &fitted.inverse * few;
     for (station, place) in &places {
-        let here: Vec<&Cell> = cells.iter().filter(|cell| cell.station == *station).collect();
+        let here: Vec<&StationCell> = cells.iter().filter(|cell| cell.station == *station).collect();
         let noise = excess * excess * fitted.inverse[(*place, *place)];
-        let common = Common {
+        let common = SharedCourse {
             value: fitted.offsets[*place],
             sd: noise.max(sandwich[(*place, *place)]).sqrt(),
             gyros: here.len(),
@@ -88,7 +88,7 @@ pub(super) fn offsets(cells: &[Cell], reference: usize, compared: &[bool]) -> Of
     found
 }
 
-fn fit(cells: &[Cell], weights: &[f64], places: &BTreeMap<usize, usize>) -> Option<Fitted> {
+fn fit(cells: &[StationCell], weights: &[f64], places: &BTreeMap<usize, usize>) -> Option<FittedOffsets> {
     let mut by_gyro: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
     for (k, (cell, weight)) in cells.iter().zip(weights).enumerate() {
         by_gyro.entry(cell.gyro).or_default().push((k, *weight));
@@ -120,5 +120,5 @@ fn fit(cells: &[Cell], weights: &[f64], places: &BTreeMap<usize, usize>) -> Opti
         let mean = level(own, &|k| cells[k].mean - offset(k));
         own.iter().for_each(|(k, _)| residuals[*k] = cells[*k].mean - offset(*k) - mean);
     }
-    Some(Fitted { offsets, inverse, residuals })
+    Some(FittedOffsets { offsets, inverse, residuals })
 }

@@ -12,10 +12,10 @@ use crate::core::numerics::median::median_of;
 use crate::core::numerics::tails;
 use crate::core::time::UtcMicros;
 
-use super::answer::{Entry, GyroHistory, StationForm};
+use super::answer::{GyroHistory, HistoryEntry, StationForm};
 use super::offsets::{Offsets, offsets};
 use super::series::robust;
-use super::station::{Common, Course, CoursePoint, OF_SCALE, Part, TAKEN};
+use super::station::{CoursePart, CoursePoint, OF_SCALE, SharedCourse, StationCourse, TAKEN};
 
 /// Points of a station's course, at most.
 const POINTS: usize = 60;
@@ -45,8 +45,8 @@ impl Shared {
     }
 }
 
-impl From<&Common> for Shared {
-    fn from(common: &Common) -> Self {
+impl From<&SharedCourse> for Shared {
+    fn from(common: &SharedCourse) -> Self {
         Self { value: common.value, sd: common.sd, gyros: common.gyros, imus: common.imus }
     }
 }
@@ -149,11 +149,11 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
         of_group.for_each(|(figures, _)| figures.against = Some(names[*reference].into()));
     }
     for (column, reproducibility) in reproducibility.iter_mut().enumerate() {
-        let raw = Course::of(&gyros, &names, origin, column);
+        let raw = StationCourse::of(&gyros, &names, origin, column);
         let (mut course, cells) = (raw.clone(), raw.cells());
         for (reference, compared) in &groups {
             for (station, offset) in offsets(&cells, *reference, compared).by_station {
-                course.subtract(&Part { station, form: StationForm::Offset }, offset.value);
+                course.subtract(&CoursePart { station, form: StationForm::Offset }, offset.value);
             }
         }
         course.take(reference, |_, common, _| common.imus >= 2);
@@ -198,7 +198,7 @@ fn groups(fleet: &[GyroHistory], names: &[&str], records: &[usize]) -> Vec<(usiz
 fn compared(fleet: &[GyroHistory], names: &[&str], reference: usize) -> Vec<bool> {
     let mut reached = vec![false; names.len()];
     reached[reference] = true;
-    let number = |entry: &Entry| names.binary_search(&&*entry.station).ok();
+    let number = |entry: &HistoryEntry| names.binary_search(&&*entry.station).ok();
     let of_gyros: Vec<BTreeSet<usize>> =
         fleet.iter().map(|gyro| gyro.entries.iter().filter_map(number).collect()).collect();
     loop {
@@ -211,12 +211,12 @@ fn compared(fleet: &[GyroHistory], names: &[&str], reference: usize) -> Vec<bool
 }
 
 fn of_station(
-    [raw, course]: [&Course; 2],
+    [raw, course]: [&StationCourse; 2],
     station: usize,
-    offset: Option<Common>,
+    offset: Option<SharedCourse>,
     repeatability: Option<Spread>,
 ) -> StationColumn {
-    let part = Part { station, form: StationForm::Drift };
+    let part = CoursePart { station, form: StationForm::Drift };
     let taken = course.taken.iter().find(|(taken, _)| *taken == part).map(|(_, common)| *common);
     let drift = taken.or_else(|| course.estimate(&part));
     let (mut steps, mut windows) = (Vec::new(), Vec::new());
@@ -245,8 +245,8 @@ fn of_station(
 /// Spread of what single gyros show beyond the common offset, their records' noise taken off. A gyro's offset is against
 /// the mean of its other stations, which share it too: of k alike its variance is that of noise and (1 + 1/k) times that
 /// of gyro x station.
-fn by_gyro(course: &Course, station: usize) -> Option<Spread> {
-    let common = course.estimate(&Part { station, form: StationForm::Offset })?.value;
+fn by_gyro(course: &StationCourse, station: usize) -> Option<Spread> {
+    let common = course.estimate(&CoursePart { station, form: StationForm::Offset })?.value;
     let each = course.offsets_of_gyros(station);
     let count = each.len();
     if count < 3 {

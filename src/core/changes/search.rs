@@ -8,12 +8,12 @@ use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::normal::normal_cdf;
 use crate::core::numerics::tails::{chi2_tail, f_tail, squares_tail};
 
-use super::answer::{Estimate, Excess, NamedCause, Rejected, StationForm, Tie, Wander, WhyNot};
-use super::candidates::{self, Candidate};
+use super::answer::{CauseEstimate, Excess, NamedCause, Rejected, StationForm, Tie, Wander, WhyRejected};
+use super::candidates::{self, CandidateCause};
 use super::closure;
-use super::noise::{self, Noise, Process};
-use super::series::Series;
-use super::station::{Common, Course, Part};
+use super::noise::{self, NoiseCovariance, Process};
+use super::series::RecordSeries;
+use super::station::{CoursePart, SharedCourse, StationCourse};
 
 /// Adjusted significance below which a cause is named.
 const SIGNIFICANCE: f64 = 0.005;
@@ -41,24 +41,24 @@ const SEEN: f64 = 3.0;
 const MOST_CAUSES: usize = 4;
 
 /// The rows under every noise model, with what is named projected out.
-struct Fitted {
-    models: Vec<Noise>,
+struct FittedRows {
+    models: Vec<NoiseCovariance>,
     bases: Vec<Basis>,
     left: Vec<Vec<f64>>,
     squares: Vec<f64>,
     n: usize,
-    prior: Prior,
+    prior: NoisePrior,
 }
 
 /// What is known of the scale of the noise beforehand: as though so many degrees of freedom had given this variance.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Prior {
+pub(super) struct NoisePrior {
     pub freedom: f64,
     pub variance: f64,
 }
 
-impl Fitted {
-    fn of(models: Vec<Noise>, y: &[f64], columns: &[&[f64]], prior: Prior) -> Self {
+impl FittedRows {
+    fn of(models: Vec<NoiseCovariance>, y: &[f64], columns: &[&[f64]], prior: NoisePrior) -> Self {
         let n = y.len();
         let (mut bases, mut left, mut squares) = (Vec::new(), Vec::new(), Vec::new());
         for model in &models {
@@ -124,7 +124,7 @@ impl Fitted {
 
 /// A candidate beside what is named.
 #[derive(Clone, Copy)]
-struct Trial {
+struct CandidateTrial {
     white: f64,
     best: f64,
     value: f64,
@@ -134,19 +134,19 @@ struct Trial {
 }
 
 /// What was found, and the fit that it ended with.
-pub(super) struct Found {
+pub(super) struct SearchResult {
     pub named: Vec<NamedCause>,
     pub rejected: Vec<Rejected>,
     pub wander: Option<Wander>,
     pub excess: Option<Excess>,
     pub remaining_p_value: f64,
     /// By the instants at which ageing may have begun, with their likelihoods over that of the one named, which is the first.
-    pub levels: Vec<(f64, Level)>,
+    pub levels: Vec<(f64, NewestLevel)>,
 }
 
 /// Level and slope as they are believed at the newest row.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Level {
+pub(super) struct NewestLevel {
     pub value: f64,
     pub slope: f64,
     /// Variances of level and slope, and their covariance.
@@ -155,21 +155,21 @@ pub(super) struct Level {
     pub ages: bool,
 }
 
-pub(super) struct Question<'a> {
-    pub series: &'a Series,
+pub(super) struct CauseSearch<'a> {
+    pub series: &'a RecordSeries,
     pub marks: &'a [Mark],
     pub coefficient: Coefficient,
     pub reference: usize,
-    pub course: &'a Course,
+    pub course: &'a StationCourse,
     /// Gyros of the same IMU.
-    pub mates: &'a Course,
-    pub prior: Prior,
+    pub mates: &'a StationCourse,
+    pub prior: NoisePrior,
 }
 
-impl Question<'_> {
+impl CauseSearch<'_> {
     /// Names causes one by one, each significant against white noise and against a wandering coefficient. None where
     /// the records allow no model of white noise.
-    pub fn answer(&self) -> Option<Found> {
+    pub fn answer(&self) -> Option<SearchResult> {
         let series = self.series;
         let y = series.column(|row| row.y);
         let mut variance = series.column(|row| row.variance);
@@ -178,18 +178,18 @@ impl Question<'_> {
             (self.course.taken.iter()).map(|(part, common)| (self.column(part), (common.sd / scale).powi(2))).collect();
         let mut pool = candidates::all(series, self.marks, self.coefficient, self.reference, self.course);
         let kinds = kinds(&pool);
-        let mut taken: Vec<Candidate> = Vec::new();
+        let mut taken: Vec<CandidateCause> = Vec::new();
         let mut named: Vec<NamedCause> = Vec::new();
         let mut open: Vec<f64> = Vec::new();
         let models = noise::models(&series.column(|row| row.years), &variance, &known);
         if models.first()?.process != Process::White {
             return None;
         }
-        let mut fitted = Fitted::of(models, &y, &[], self.prior);
+        let mut fitted = FittedRows::of(models, &y, &[], self.prior);
         let mut white = whitened(&fitted, &pool);
         let mut rejected;
         loop {
-            let trials: Vec<Option<Trial>> = (pool.iter().zip(&white))
+            let trials: Vec<Option<CandidateTrial>> = (pool.iter().zip(&white))
                 .map(|(candidate, white)| self.trial(&fitted, &y, &variance, &known, &taken, candidate, white, kinds))
                 .collect();
             let lead = (named.len() < MOST_CAUSES).then(|| self.lead(&pool, &trials)).flatten();
@@ -213,14 +213,14 @@ impl Question<'_> {
             taken.push(candidate);
             let models = noise::models(&series.column(|row| row.years), &variance, &known);
             let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
-            fitted = Fitted::of(models, &y, &columns, self.prior);
+            fitted = FittedRows::of(models, &y, &columns, self.prior);
             white = whitened(&fitted, &pool);
         }
         let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
         let (estimates, level) = self.together(&fitted, &y, &taken);
         let levels = self.levels((&fitted, level), &y, &taken, &pool);
         for (cause, (value, sd)) in named.iter_mut().zip(estimates) {
-            cause.estimate = Estimate { value, sd, ..cause.estimate.clone() };
+            cause.estimate = CauseEstimate { value, sd, ..cause.estimate.clone() };
         }
         let noise_variance = fitted.variance(fitted.squares[0]);
         let stated: Vec<f64> = variance.iter().map(|v| v * noise_variance).collect();
@@ -233,25 +233,25 @@ impl Question<'_> {
         let wander = (remaining_p_value < REMAINS).then(|| self.wander(&fitted, model, remaining_p_value));
         let mut stations = self.stations_named(&y, &stated, &columns);
         stations.append(&mut named);
-        Some(Found { named: stations, rejected, wander, excess: fitted.excess(), remaining_p_value, levels })
+        Some(SearchResult { named: stations, rejected, wander, excess: fitted.excess(), remaining_p_value, levels })
     }
 
-    fn column(&self, part: &Part) -> Vec<f64> {
+    fn column(&self, part: &CoursePart) -> Vec<f64> {
         self.series.column(|row| part.at(row.station, row.at, row.years))
     }
 
     #[expect(clippy::too_many_arguments, reason = "the parts of one linear model")]
     fn trial(
         &self,
-        fitted: &Fitted,
+        fitted: &FittedRows,
         y: &[f64],
         variance: &[f64],
         known: &[(Vec<f64>, f64)],
-        taken: &[Candidate],
-        candidate: &Candidate,
+        taken: &[CandidateCause],
+        candidate: &CandidateCause,
         white: &[Vec<f64>],
         kinds: usize,
-    ) -> Option<Trial> {
+    ) -> Option<CandidateTrial> {
         let own;
         let (fit, white) = if candidate.missing.is_empty() {
             (fitted, white)
@@ -262,7 +262,7 @@ impl Question<'_> {
             inflate(&mut variance, candidate, value / (self.series.unit * self.series.scatter.of_stated));
             let models = noise::models(&self.series.column(|row| row.years), &variance, known);
             let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
-            let fit = Fitted::of(models, y, &columns, self.prior);
+            let fit = FittedRows::of(models, y, &columns, self.prior);
             let white = whitened(&fit, std::slice::from_ref(candidate)).remove(0);
             own = (fit, white);
             (&own.0, &*own.1)
@@ -272,7 +272,7 @@ impl Question<'_> {
         if fitted.n < fitted.parameters() + 3 {
             return None;
         }
-        let mut trial: Option<Trial> = None;
+        let mut trial: Option<CandidateTrial> = None;
         let mut each = Vec::with_capacity(fit.models.len());
         for (m, white) in white.iter().enumerate() {
             let (value, information) = along(fit, m, white)?;
@@ -281,7 +281,7 @@ impl Question<'_> {
             let sd = (fit.variance(squares) / information).sqrt();
             each.push(l);
             match &mut trial {
-                None => trial = Some(Trial { white: l, best: l, value, sd, p_white: 1.0, p_wandering: 1.0 }),
+                None => trial = Some(CandidateTrial { white: l, best: l, value, sd, p_white: 1.0, p_wandering: 1.0 }),
                 Some(trial) if l > trial.best => (trial.best, trial.value, trial.sd) = (l, value, sd),
                 Some(_) => {}
             }
@@ -295,21 +295,21 @@ impl Question<'_> {
     }
 
     /// The candidate that leads, and the class of those that explain as much.
-    fn lead(&self, pool: &[Candidate], trials: &[Option<Trial>]) -> Option<(usize, Vec<&'static str>)> {
-        let possible: Vec<(usize, Trial)> = (0..pool.len())
+    fn lead(&self, pool: &[CandidateCause], trials: &[Option<CandidateTrial>]) -> Option<(usize, Vec<&'static str>)> {
+        let possible: Vec<(usize, CandidateTrial)> = (0..pool.len())
             .filter_map(|k| Some((k, trials[k]?)))
             .filter(|(k, trial)| self.denied(&pool[*k], trial).is_none())
             .collect();
-        let significant = |trial: &Trial| trial.p_white < SIGNIFICANCE && trial.p_wandering < BEYOND_WANDERING;
+        let significant = |trial: &CandidateTrial| trial.p_white < SIGNIFICANCE && trial.p_wandering < BEYOND_WANDERING;
         let best = possible.iter().filter(|(_, trial)| significant(trial)).map(|(_, trial)| trial.best);
         let best = best.max_by(f64::total_cmp)?;
-        let equals: Vec<&(usize, Trial)> =
+        let equals: Vec<&(usize, CandidateTrial)> =
             possible.iter().filter(|(_, trial)| 2.0 * (best - trial.best) <= EQUALLY_GOOD).collect();
         let rank = |k: usize| rank(&pool[k]);
         let named = equals.iter().filter(|(_, trial)| significant(trial));
         let (lead, _) = named.min_by(|a, b| rank(a.0).cmp(&rank(b.0)).then(b.1.best.total_cmp(&a.1.best)))?;
         let recorded = matches!(pool[*lead].cause, "step_at_event" | "re_mounting");
-        let counts = |candidate: &Candidate| !recorded || rank_of_searched(candidate).is_none();
+        let counts = |candidate: &CandidateCause| !recorded || rank_of_searched(candidate).is_none();
         let mut class: Vec<&'static str> =
             equals.iter().map(|(k, _)| &pool[*k]).filter(|c| counts(c)).map(|c| c.cause).collect();
         class.push(pool[*lead].cause);
@@ -322,8 +322,15 @@ impl Question<'_> {
 
     /// What share of a named course is open: the largest squared distance from it to the course of a candidate that
     /// explains as much, another instant among them, over its own square. Level and named causes count in neither.
-    fn open(&self, fitted: &Fitted, pool: &[Candidate], trials: &[Option<Trial>], named: usize) -> f64 {
-        let possible = |(k, trial): (usize, &Option<Trial>)| trial.filter(|one| self.denied(&pool[k], one).is_none());
+    fn open(
+        &self,
+        fitted: &FittedRows,
+        pool: &[CandidateCause],
+        trials: &[Option<CandidateTrial>],
+        named: usize,
+    ) -> f64 {
+        let possible =
+            |(k, trial): (usize, &Option<CandidateTrial>)| trial.filter(|one| self.denied(&pool[k], one).is_none());
         let best = trials.iter().enumerate().filter_map(possible).map(|one| one.best).fold(f64::NEG_INFINITY, f64::max);
         let course = |k: usize| -> Option<Vec<f64>> {
             let trial = possible((k, &trials[k])).filter(|one| 2.0 * (best - one.best) <= EQUALLY_GOOD)?;
@@ -338,7 +345,7 @@ impl Question<'_> {
     }
 
     /// What the other gyros, or those of the same IMU, say against a station.
-    fn denied(&self, candidate: &Candidate, trial: &Trial) -> Option<Common> {
+    fn denied(&self, candidate: &CandidateCause, trial: &CandidateTrial) -> Option<SharedCourse> {
         let part = candidate.part?;
         if let Some(others) = self.course.estimate(&part) {
             let sd = trial.sd.hypot(others.sd).hypot(others.between);
@@ -353,30 +360,30 @@ impl Question<'_> {
         (still && (trial.value - mates.value).abs() > 4.0 * trial.sd.hypot(mates.sd)).then_some(mates)
     }
 
-    fn rejected(&self, pool: &[Candidate], trials: &[Option<Trial>]) -> Vec<Rejected> {
+    fn rejected(&self, pool: &[CandidateCause], trials: &[Option<CandidateTrial>]) -> Vec<Rejected> {
         // Of what was searched for the best of its kind.
-        let mut best: Vec<(f64, Option<Part>, Rejected)> = Vec::new();
+        let mut best: Vec<(f64, Option<CoursePart>, Rejected)> = Vec::new();
         let mut out = Vec::new();
         for (candidate, trial) in pool.iter().zip(trials) {
             let searched = rank_of_searched(candidate).is_some();
             let why = match trial {
-                None => WhyNot::NotSeparable,
+                None => WhyRejected::NotSeparable,
                 Some(trial) => match self.denied(candidate, trial) {
-                    Some(others) => WhyNot::OthersDeny {
+                    Some(others) => WhyRejected::OthersDeny {
                         own: trial.value,
                         others: others.value,
                         sd: others.sd,
                         gyros: others.gyros,
                     },
-                    None if trial.p_white >= SIGNIFICANCE => WhyNot::NotSignificant { p: trial.p_white },
-                    None => WhyNot::NoBetterThanWandering { p: trial.p_wandering },
+                    None if trial.p_white >= SIGNIFICANCE => WhyRejected::NotSignificant { p: trial.p_white },
+                    None => WhyRejected::NoBetterThanWandering { p: trial.p_wandering },
                 },
             };
             let one = Rejected { cause: candidate.cause, tie: candidate.tie.clone(), why };
             match trial {
                 _ if !searched => out.push(one),
                 Some(trial) if candidate.cause != "ageing" && !self.is_taken(candidate) => {
-                    let is_kind = |(_, part, known): &(f64, Option<Part>, Rejected)| {
+                    let is_kind = |(_, part, known): &(f64, Option<CoursePart>, Rejected)| {
                         known.cause == one.cause && is_alike(part.as_ref(), candidate.part.as_ref())
                     };
                     match best.iter_mut().find(|known| is_kind(known)) {
@@ -393,17 +400,17 @@ impl Question<'_> {
     }
 
     /// Whether the like of it is known of its station already.
-    fn is_taken(&self, candidate: &Candidate) -> bool {
+    fn is_taken(&self, candidate: &CandidateCause) -> bool {
         let Some(part) = candidate.part else { return false };
         self.course.taken.iter().any(|(taken, _)| is_alike(Some(taken), Some(&part)))
     }
 
     /// Estimates of all named causes from one fit of them together, and level and slope at the newest row.
-    fn together(&self, fitted: &Fitted, y: &[f64], taken: &[Candidate]) -> (Vec<(f64, f64)>, Level) {
+    fn together(&self, fitted: &FittedRows, y: &[f64], taken: &[CandidateCause]) -> (Vec<(f64, f64)>, NewestLevel) {
         let (_, m) = fitted.best();
         let model = &fitted.models[m];
         let goes_on =
-            |candidate: &&Candidate| matches!(candidate.tie, Tie::Slope | Tie::SlopeAfter(_) | Tie::SlopeSince(_));
+            |candidate: &&CandidateCause| matches!(candidate.tie, Tie::Slope | Tie::SlopeAfter(_) | Tie::SlopeSince(_));
         let columns = taken.iter().map(|candidate| {
             let newest = Some(candidate).filter(goes_on).and_then(|one| one.column.last().copied()).unwrap_or(0.0);
             candidate.column.iter().map(|value| value - newest).collect()
@@ -430,7 +437,7 @@ impl Question<'_> {
             }
         }
         let of_level = &covariance * &here;
-        let level = Level {
+        let level = NewestLevel {
             value: self.series.mean + here.dot(&estimate),
             slope: slope.dot(&estimate),
             covariance: [here.dot(&of_level), slope.dot(&(&covariance * &slope)), slope.dot(&of_level)],
@@ -444,23 +451,23 @@ impl Question<'_> {
     /// beforehand as from all instants after it together.
     fn levels(
         &self,
-        (fitted, level): (&Fitted, Level),
+        (fitted, level): (&FittedRows, NewestLevel),
         y: &[f64],
-        taken: &[Candidate],
-        pool: &[Candidate],
-    ) -> Vec<(f64, Level)> {
-        let is_onset = |candidate: &Candidate| matches!(candidate.tie, Tie::SlopeSince(_));
-        let ages = |candidate: &Candidate| candidate.tie == Tie::Slope || is_onset(candidate);
+        taken: &[CandidateCause],
+        pool: &[CandidateCause],
+    ) -> Vec<(f64, NewestLevel)> {
+        let is_onset = |candidate: &CandidateCause| matches!(candidate.tie, Tie::SlopeSince(_));
+        let ages = |candidate: &CandidateCause| candidate.tie == Tie::Slope || is_onset(candidate);
         let mut levels = vec![(1.0, level)];
         let Some(place) = taken.iter().position(ages) else { return levels };
         let instants = taken.iter().chain(pool).filter(|candidate| is_onset(candidate)).count() as f64;
-        let likely = |candidate: &Candidate| if is_onset(candidate) { 1.0 / instants } else { 1.0 };
+        let likely = |candidate: &CandidateCause| if is_onset(candidate) { 1.0 / instants } else { 1.0 };
         let beforehand = likely(&taken[place]);
         for other in pool.iter().filter(|candidate| ages(candidate)) {
             let mut taken = taken.to_vec();
             taken[place] = other.clone();
             let columns: Vec<&[f64]> = taken.iter().map(|candidate| &*candidate.column).collect();
-            let another = Fitted::of(fitted.models.clone(), y, &columns, self.prior);
+            let another = FittedRows::of(fitted.models.clone(), y, &columns, self.prior);
             let gain = another.best().0 - fitted.best().0;
             if -2.0 * gain <= EQUALLY_GOOD {
                 levels.push((gain.exp() * likely(other) / beforehand, self.together(&another, y, &taken).1));
@@ -469,7 +476,7 @@ impl Question<'_> {
         levels
     }
 
-    fn wander(&self, fitted: &Fitted, model: usize, p_value: f64) -> Wander {
+    fn wander(&self, fitted: &FittedRows, model: usize, p_value: f64) -> Wander {
         let noise = &fitted.models[model];
         let variance = fitted.variance(fitted.squares[model]) * noise.power;
         let rows = &self.series.rows;
@@ -484,7 +491,7 @@ impl Question<'_> {
 
     /// Whether the gyros that share a station's drift do not go on alike where they are elsewhere: then they do not all age
     /// so. Where none of them is, that is not known.
-    fn is_parted_from_ageing(&self, station: usize, drift: &Common) -> bool {
+    fn is_parted_from_ageing(&self, station: usize, drift: &SharedCourse) -> bool {
         let elsewhere = self.course.slope_elsewhere(station, self.series);
         elsewhere.is_some_and(|slope| (drift.value - slope.value).abs() > SEEN * slope.sd.hypot(drift.sd))
     }
@@ -507,7 +514,7 @@ impl Question<'_> {
                 cause: "station",
                 class: if may_age { vec!["ageing", "station"] } else { vec!["station"] },
                 tie,
-                estimate: Estimate { name: "k", value: common.value, sd: common.sd, unit },
+                estimate: CauseEstimate { name: "k", value: common.value, sd: common.sd, unit },
                 held_out: closure::held_out_known(y, variance, columns, &column, common.value),
                 p_value_adjusted: normal_tail(common.significance()),
             });
@@ -517,7 +524,7 @@ impl Question<'_> {
 }
 
 /// The estimate of a whitened column beside what is named, and its information; none where nothing of it is left.
-fn along(fitted: &Fitted, m: usize, white: &[f64]) -> Option<(f64, f64)> {
+fn along(fitted: &FittedRows, m: usize, white: &[f64]) -> Option<(f64, f64)> {
     let before = dot(white, white);
     let mut column = white.to_vec();
     fitted.bases[m].project_out(&mut column);
@@ -525,42 +532,43 @@ fn along(fitted: &Fitted, m: usize, white: &[f64]) -> Option<(f64, f64)> {
     (information > 1e-9 * before).then(|| (dot(&column, &fitted.left[m]) / information, information))
 }
 
-fn whitened(fitted: &Fitted, pool: &[Candidate]) -> Vec<Vec<Vec<f64>>> {
+fn whitened(fitted: &FittedRows, pool: &[CandidateCause]) -> Vec<Vec<Vec<f64>>> {
     pool.iter().map(|c| fitted.models.iter().map(|model| model.whiten(&c.column)).collect()).collect()
 }
 
-fn inflate(variance: &mut [f64], candidate: &Candidate, per_unit: f64) {
+fn inflate(variance: &mut [f64], candidate: &CandidateCause, per_unit: f64) {
     for k in &candidate.missing {
         variance[*k] += per_unit * per_unit * candidate.spread;
     }
 }
 
-fn estimate(candidate: &Candidate, value: f64, sd: f64) -> Estimate {
-    Estimate { name: candidate.parameter, value, sd, unit: candidate.unit }
+fn estimate(candidate: &CandidateCause, value: f64, sd: f64) -> CauseEstimate {
+    CauseEstimate { name: candidate.parameter, value, sd, unit: candidate.unit }
 }
 
 /// What was recorded of the occasion comes before an instant that was only searched for, and that before what a
 /// station would have had to do to nobody else that is known.
-fn rank(candidate: &Candidate) -> u8 {
+fn rank(candidate: &CandidateCause) -> u8 {
     rank_of_searched(candidate).unwrap_or(1)
 }
 
-fn rank_of_searched(candidate: &Candidate) -> Option<u8> {
+fn rank_of_searched(candidate: &CandidateCause) -> Option<u8> {
     match candidate.part {
-        Some(Part { form, .. }) if form == StationForm::Drift || form.is_searched() => Some(3),
+        Some(CoursePart { form, .. }) if form == StationForm::Drift || form.is_searched() => Some(3),
         _ => (candidate.cause == "step" || matches!(candidate.tie, Tie::SlopeSince(_))).then_some(2),
     }
 }
 
 /// Whether two parts are of one station and form, whatever their instants.
-fn is_alike(a: Option<&Part>, b: Option<&Part>) -> bool {
-    let kind = |part: &Part| (part.station, std::mem::discriminant(&part.form));
+fn is_alike(a: Option<&CoursePart>, b: Option<&CoursePart>) -> bool {
+    let kind = |part: &CoursePart| (part.station, std::mem::discriminant(&part.form));
     a.map(kind) == b.map(kind)
 }
 
-fn kinds(pool: &[Candidate]) -> usize {
-    let recorded: Vec<&Candidate> = pool.iter().filter(|candidate| rank_of_searched(candidate).is_none()).collect();
-    let is_new = |(k, one): &(usize, &&Candidate)| recorded[..*k].iter().all(|other| other.column != one.column);
+fn kinds(pool: &[CandidateCause]) -> usize {
+    let recorded: Vec<&CandidateCause> =
+        pool.iter().filter(|candidate| rank_of_searched(candidate).is_none()).collect();
+    let is_new = |(k, one): &(usize, &&CandidateCause)| recorded[..*k].iter().all(|other| other.column != one.column);
     recorded.iter().enumerate().filter(is_new).count() + 2
 }
 

@@ -9,7 +9,7 @@ use crate::core::numerics::median::{median, median_of};
 use crate::core::numerics::normal::SD_OF_MEDIAN;
 use crate::core::time::UtcMicros;
 
-use super::answer::{Entry, Outlier, YEAR_DAYS};
+use super::answer::{HistoryEntry, Outlier, YEAR_DAYS};
 
 /// Of more records than this, neighbours of one station and seat are averaged.
 const MOST_ROWS: usize = 72;
@@ -22,7 +22,7 @@ const REPEATED_WITHIN_DAYS: f64 = 1.0;
 
 /// How records scatter about their neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Scatter {
+pub(super) struct RecordScatter {
     /// Standard deviation of one record, deg/(h g0).
     pub absolute: f64,
     /// The same in units of the stated standard deviations; drawn towards 1 where there are few differences.
@@ -31,8 +31,8 @@ pub(super) struct Scatter {
 
 /// From differences of successive records of one station: median |d|/(0.6745 sqrt 2), which a step or a slow drift
 /// hardly moves.
-pub(super) fn scatter_of(entries: &[Entry], column: usize) -> Scatter {
-    let mut last: BTreeMap<&str, &Entry> = BTreeMap::new();
+pub(super) fn scatter_of(entries: &[HistoryEntry], column: usize) -> RecordScatter {
+    let mut last: BTreeMap<&str, &HistoryEntry> = BTreeMap::new();
     let mut plain = Vec::new();
     let mut stated = Vec::new();
     for entry in entries {
@@ -49,7 +49,7 @@ pub(super) fn scatter_of(entries: &[Entry], column: usize) -> Scatter {
     let count = stated.len() as f64;
     let seen = robust(&mut stated).unwrap_or(1.0);
     let of_stated = ((count * seen * seen + 4.0) / (count + 4.0)).sqrt();
-    Scatter { absolute: robust(&mut plain).unwrap_or(0.0), of_stated }
+    RecordScatter { absolute: robust(&mut plain).unwrap_or(0.0), of_stated }
 }
 
 /// Standard deviation of normal figures from the median of their absolute values.
@@ -58,7 +58,7 @@ pub(super) fn robust(absolute: &mut [f64]) -> Option<f64> {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Row {
+pub(super) struct Observation {
     pub at: UtcMicros,
     /// Since the gyro's first record.
     pub years: f64,
@@ -74,22 +74,22 @@ pub(super) struct Row {
 
 /// The rows, oldest first.
 #[derive(Debug, Clone)]
-pub(super) struct Series {
-    pub rows: Vec<Row>,
+pub(super) struct RecordSeries {
+    pub rows: Vec<Observation>,
     pub stations: Vec<Arc<str>>,
     pub origin: UtcMicros,
     pub mean: f64,
     /// Standard deviation of a record of variance 1, as stated (or, where nothing is, as they scatter).
     pub unit: f64,
-    pub scatter: Scatter,
+    pub scatter: RecordScatter,
     /// Largest stated standard deviation of D_S; where none is stated, that of its scatter.
     pub d_s_sd: f64,
 }
 
-impl Series {
+impl RecordSeries {
     /// One coefficient of a history, oldest first: its mean taken off, its variances in units of a typical one.
     /// `column` is the place in `Entry::d`.
-    pub fn of(entries: &[Entry], column: usize) -> Self {
+    pub fn of(entries: &[HistoryEntry], column: usize) -> Self {
         let mut stations: Vec<Arc<str>> = entries.iter().map(|entry| entry.station.clone()).collect();
         stations.sort_unstable();
         stations.dedup();
@@ -101,7 +101,7 @@ impl Series {
         let unit = if stated.is_empty() { scatter.absolute } else { squares.sqrt() };
         let unit = if unit > 0.0 { unit } else { 1e-9 * mean.abs().max(1e-3) };
         let origin = entries.first().map_or(UtcMicros(0), |entry| entry.at);
-        let row = |entry: &Entry| Row {
+        let row = |entry: &HistoryEntry| Observation {
             at: entry.at,
             years: entry.at.days_since(origin) / YEAR_DAYS,
             station: stations.binary_search(&entry.station).unwrap_or(0),
@@ -123,7 +123,7 @@ impl Series {
     }
 
     /// One figure of every record, in order of time.
-    pub fn column(&self, of: impl Fn(&Row) -> f64) -> Vec<f64> {
+    pub fn column(&self, of: impl Fn(&Observation) -> f64) -> Vec<f64> {
         self.rows.iter().map(of).collect()
     }
 
@@ -148,7 +148,7 @@ impl Series {
         let sides = |k: usize| -> Vec<f64> {
             let before = &self.rows[k.saturating_sub(3)..k];
             let after = &self.rows[k + 1..(k + 4).min(n)];
-            let middle = |rows: &[Row]| median_of(rows.iter().map(|row| row.y));
+            let middle = |rows: &[Observation]| median_of(rows.iter().map(|row| row.y));
             let nearest = [before.last(), after.first()].into_iter().flatten().map(|row| row.y);
             [middle(before), middle(after)].into_iter().flatten().chain(nearest).collect()
         };
@@ -196,7 +196,7 @@ impl Series {
             }
             if groups.len() <= MOST_ROWS || bins < 8 {
                 let apart = groups.values().flat_map(|group| self.apart(group));
-                let mut rows: Vec<Row> = apart.map(|group| self.average(group)).collect();
+                let mut rows: Vec<Observation> = apart.map(|group| self.average(group)).collect();
                 rows.sort_by_key(|row| row.at);
                 self.rows = rows;
                 break;
@@ -229,15 +229,17 @@ impl Series {
         [before, after].into_iter().filter(|some| !some.is_empty())
     }
 
-    fn average(&self, group: &[usize]) -> Row {
+    fn average(&self, group: &[usize]) -> Observation {
         let weight = |k: &usize| 1.0 / self.rows[*k].variance;
         let total: f64 = group.iter().map(weight).sum();
-        let mean = |of: &dyn Fn(&Row) -> f64| group.iter().map(|k| weight(k) * of(&self.rows[*k])).sum::<f64>() / total;
+        let mean = |of: &dyn Fn(&Observation) -> f64| {
+            group.iter().map(|k| weight(k) * of(&self.rows[*k])).sum::<f64>() / total
+        };
         let first = &self.rows[group[0]];
         let temperatures: Vec<f64> = group.iter().filter_map(|k| self.rows[*k].temperature_c).collect();
         let known = 2 * temperatures.len() > group.len();
         let years = mean(&|row| row.years);
-        Row {
+        Observation {
             at: self.origin.plus_days(years * YEAR_DAYS),
             years,
             temperature_c: known.then(|| temperatures.iter().sum::<f64>() / temperatures.len() as f64),
@@ -250,10 +252,10 @@ impl Series {
 }
 
 /// The entries without those that are another measurement sent again.
-pub(super) fn distinct(entries: &[Entry]) -> Vec<Entry> {
-    let mut kept: Vec<Entry> = Vec::with_capacity(entries.len());
+pub(super) fn distinct(entries: &[HistoryEntry]) -> Vec<HistoryEntry> {
+    let mut kept: Vec<HistoryEntry> = Vec::with_capacity(entries.len());
     for entry in entries {
-        let repeats = |before: &Entry| {
+        let repeats = |before: &HistoryEntry| {
             entry.at.days_since(before.at).abs() < REPEATED_WITHIN_DAYS
                 && entry.d.iter().zip(&before.d).all(|(a, b)| a.value.to_bits() == b.value.to_bits())
         };

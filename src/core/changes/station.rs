@@ -10,7 +10,7 @@
 use std::collections::BTreeMap;
 
 use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
-use super::series::{Scatter, Series, scatter_of};
+use super::series::{RecordScatter, RecordSeries, scatter_of};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::SD_OF_MEDIAN;
@@ -52,12 +52,12 @@ const SCATTERS: usize = 3;
 
 /// A part of a station's course.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Part {
+pub(super) struct CoursePart {
     pub station: usize,
     pub form: StationForm,
 }
 
-impl Part {
+impl CoursePart {
     /// Its column; `at` and `years` of one record.
     pub fn at(&self, station: usize, at: UtcMicros, years: f64) -> f64 {
         if station == self.station { self.form.at(at, years) } else { 0.0 }
@@ -66,7 +66,7 @@ impl Part {
 
 /// What gyros share of a part, deg/(h g0), and a year for a drift.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Common {
+pub(super) struct SharedCourse {
     pub value: f64,
     pub sd: f64,
     pub gyros: usize,
@@ -77,7 +77,7 @@ pub(super) struct Common {
     pub(super) gain: f64,
 }
 
-impl Common {
+impl SharedCourse {
     /// |value|/sd; zero where the standard deviation is unknown.
     pub fn significance(&self) -> f64 {
         if self.sd > 0.0 { self.value.abs() / self.sd } else { 0.0 }
@@ -95,7 +95,7 @@ pub struct CoursePoint {
 
 /// The records of one gyro at one station.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cell {
+pub(super) struct StationCell {
     pub gyro: usize,
     pub imu: usize,
     pub station: usize,
@@ -113,7 +113,7 @@ pub(super) struct OffsetOfGyro {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Row {
+struct PeerRecord {
     at: UtcMicros,
     years: f64,
     station: usize,
@@ -124,22 +124,22 @@ struct Row {
 #[derive(Debug, Clone)]
 struct Peer {
     imu: usize,
-    rows: Vec<Row>,
+    rows: Vec<PeerRecord>,
     /// As they were measured, of each station that it has been to.
-    measured: Vec<Vec<Row>>,
+    measured: Vec<Vec<PeerRecord>>,
 }
 
 /// Courses of the stations that one gyro has been to, for one coefficient.
 #[derive(Debug, Clone)]
-pub(super) struct Course {
+pub(super) struct StationCourse {
     peers: Vec<Peer>,
     /// Median scatter of the peers.
-    pub scatter: Option<Scatter>,
+    pub scatter: Option<RecordScatter>,
     stations: usize,
-    pub taken: Vec<(Part, Common)>,
+    pub taken: Vec<(CoursePart, SharedCourse)>,
 }
 
-impl Course {
+impl StationCourse {
     /// Of `peers` at `stations`; years count from `origin`. Nothing is taken yet.
     pub fn of(peers: &[&GyroHistory], stations: &[&str], origin: UtcMicros, column: usize) -> Self {
         let mut imus: Vec<&str> = Vec::new();
@@ -153,19 +153,19 @@ impl Course {
             });
             let scatter = scatter_of(&peer.entries, column);
             let place = |name: &str| stations.iter().position(|known| *known == name);
-            let mut there: BTreeMap<&str, Vec<Row>> = BTreeMap::new();
+            let mut there: BTreeMap<&str, Vec<PeerRecord>> = BTreeMap::new();
             for entry in &peer.entries {
                 let sd = entry.d[column].sd.filter(|sd| *sd > 0.0);
                 let weight = sd.map_or(scatter.absolute, |sd| sd * scatter.of_stated).powi(-2);
                 let (station, years) = (place(&entry.station), entry.at.days_since(origin) / YEAR_DAYS);
                 if weight.is_finite() && weight > 0.0 {
                     let station = station.unwrap_or(stations.len());
-                    let row = Row { at: entry.at, years, station, y: entry.d[column].value, weight };
+                    let row = PeerRecord { at: entry.at, years, station, y: entry.d[column].value, weight };
                     there.entry(&entry.station).or_default().push(row);
                 }
             }
-            let measured: Vec<Vec<Row>> = there.into_values().collect();
-            let mut rows: Vec<Row> =
+            let measured: Vec<Vec<PeerRecord>> = there.into_values().collect();
+            let mut rows: Vec<PeerRecord> =
                 measured.iter().flatten().filter(|row| row.station < stations.len()).copied().collect();
             rows.sort_by_key(|row| row.at);
             if rows.len() >= SCATTERS {
@@ -175,9 +175,9 @@ impl Course {
                 out.push(Peer { imu, rows: about_their_mean(rows), measured });
             }
         }
-        let of = |of: fn(&Scatter) -> f64| median_of(scatters.iter().map(of));
+        let of = |of: fn(&RecordScatter) -> f64| median_of(scatters.iter().map(of));
         let scatter = of(|one| one.absolute).zip(of(|one| one.of_stated));
-        let scatter = scatter.map(|(absolute, of_stated)| Scatter { absolute, of_stated });
+        let scatter = scatter.map(|(absolute, of_stated)| RecordScatter { absolute, of_stated });
         Self { peers: out, scatter, stations: stations.len(), taken: Vec::new() }
     }
 
@@ -196,24 +196,25 @@ impl Course {
     }
 
     /// What the peers and the gyro itself do in a year at other stations than one, beside the steps there.
-    pub fn slope_elsewhere(&self, station: usize, own: &Series) -> Option<Common> {
+    pub fn slope_elsewhere(&self, station: usize, own: &RecordSeries) -> Option<SharedCourse> {
         let mut each: Vec<(usize, f64, f64)> = Vec::new();
-        let mut add = |imu: usize, rows: &[Row]| {
+        let mut add = |imu: usize, rows: &[PeerRecord]| {
             let slope = slope_beside_steps(rows).filter(|_| rows[0].station != station);
             each.extend(slope.map(|(value, information)| (imu, value, information)));
         };
         for peer in &self.peers {
             for rows in &peer.measured {
-                let beside = |row: &Row| Row { y: row.y - self.made(row, StationForm::is_searched), ..*row };
+                let beside =
+                    |row: &PeerRecord| PeerRecord { y: row.y - self.made(row, StationForm::is_searched), ..*row };
                 add(peer.imu, &rows.iter().map(beside).collect::<Vec<_>>());
             }
         }
         // All that is taken is out of the gyro's own rows: what is no step is put back.
         let sd = own.unit * own.scatter.of_stated;
-        let row = |row: &super::series::Row| {
+        let row = |row: &super::series::Observation| {
             let weight = 1.0 / (row.variance * sd * sd);
-            let row = Row { at: row.at, years: row.years, station: row.station, y: row.y, weight };
-            Row { y: row.y + self.made(&row, |form| !form.is_searched()), ..row }
+            let row = PeerRecord { at: row.at, years: row.years, station: row.station, y: row.y, weight };
+            PeerRecord { y: row.y + self.made(&row, |form| !form.is_searched()), ..row }
         };
         for other in 0..self.stations {
             let here = own.rows.iter().filter(|row| row.station == other);
@@ -223,7 +224,7 @@ impl Course {
     }
 
     /// What the parts of some forms that are taken have made of a row.
-    fn made(&self, row: &Row, of: impl Fn(StationForm) -> bool) -> f64 {
+    fn made(&self, row: &PeerRecord, of: impl Fn(StationForm) -> bool) -> f64 {
         let taken = self.taken.iter().filter(|(part, _)| of(part.form));
         taken.map(|(part, common)| common.value * part.at(row.station, row.at, row.years)).sum()
     }
@@ -242,14 +243,14 @@ impl Course {
     }
 
     /// Means of the records of every gyro at every station.
-    pub fn cells(&self) -> Vec<Cell> {
-        let mut cells: Vec<Cell> = Vec::new();
+    pub fn cells(&self) -> Vec<StationCell> {
+        let mut cells: Vec<StationCell> = Vec::new();
         for (gyro, peer) in self.peers.iter().enumerate() {
             for station in 0..self.stations {
                 let here = peer.rows.iter().filter(|row| row.station == station);
                 let (weight, sum) = here.fold((0.0, 0.0), |(w, sum), row| (w + row.weight, sum + row.weight * row.y));
                 if weight > 0.0 {
-                    cells.push(Cell { gyro, imu: peer.imu, station, mean: sum / weight, weight });
+                    cells.push(StationCell { gyro, imu: peer.imu, station, mean: sum / weight, weight });
                 }
             }
         }
@@ -270,7 +271,7 @@ impl Course {
 
     /// What each gyro says of a station's offset against its others.
     pub fn offsets_of_gyros(&self, station: usize) -> Vec<OffsetOfGyro> {
-        let part = Part { station, form: StationForm::Offset };
+        let part = CoursePart { station, form: StationForm::Offset };
         let of = |peer: &Peer| {
             let (value, information) = own(&part, &peer.rows)?;
             let mut others = vec![0.0; self.stations];
@@ -286,10 +287,10 @@ impl Course {
     /// What the peers read at a station about their levels, in so many bins of records.
     pub fn course_of(&self, station: usize, bins: usize) -> Vec<CoursePoint> {
         let rows = self.at(station).flat_map(|peer| peer.rows.iter().map(move |row| (peer.imu, row)));
-        let mut rows: Vec<(usize, &Row)> = rows.filter(|(_, row)| row.station == station).collect();
+        let mut rows: Vec<(usize, &PeerRecord)> = rows.filter(|(_, row)| row.station == station).collect();
         rows.sort_by_key(|(_, row)| row.at);
         let size = rows.len().div_ceil(bins).max(1);
-        let point = |some: &[(usize, &Row)]| {
+        let point = |some: &[(usize, &PeerRecord)]| {
             let each: Vec<(usize, f64, f64)> = some.iter().map(|(imu, row)| (*imu, row.y, row.weight)).collect();
             let common = combined(&each)?;
             let middle = some[some.len() / 2].1.at;
@@ -299,7 +300,7 @@ impl Course {
     }
 
     /// What the peers say of a part beside what is taken; none where no peer can tell.
-    pub fn estimate(&self, part: &Part) -> Option<Common> {
+    pub fn estimate(&self, part: &CoursePart) -> Option<SharedCourse> {
         let each: Vec<(usize, f64, f64)> = self
             .at(part.station)
             .filter_map(|peer| own(part, &peer.rows).map(|(b, info)| (peer.imu, b, info)))
@@ -310,7 +311,11 @@ impl Course {
     /// Takes the parts that the peers show and `is_borne_out` does not object to, which is also told what is taken.
     /// `reference` is the station that offsets count from. Where several stations drift, a step of one may come first,
     /// which follows the drift of another: the drifts together are another beginning, and what explains more is kept.
-    pub fn take(&mut self, reference: usize, is_borne_out: impl Fn(&Part, &Common, &[(Part, Common)]) -> bool) {
+    pub fn take(
+        &mut self,
+        reference: usize,
+        is_borne_out: impl Fn(&CoursePart, &SharedCourse, &[(CoursePart, SharedCourse)]) -> bool,
+    ) {
         self.take_what_explains_most(reference, is_borne_out);
         self.widen();
     }
@@ -318,7 +323,7 @@ impl Course {
     fn take_what_explains_most(
         &mut self,
         reference: usize,
-        is_borne_out: impl Fn(&Part, &Common, &[(Part, Common)]) -> bool,
+        is_borne_out: impl Fn(&CoursePart, &SharedCourse, &[(CoursePart, SharedCourse)]) -> bool,
     ) {
         let mut drifting = self.clone();
         self.take_one_by_one(reference, &is_borne_out);
@@ -326,8 +331,8 @@ impl Course {
             return;
         }
         drifting.take_drifts();
-        let is_told = |(k, (part, common)): (usize, &(Part, Common))| {
-            let others: Vec<(Part, Common)> =
+        let is_told = |(k, (part, common)): (usize, &(CoursePart, SharedCourse))| {
+            let others: Vec<(CoursePart, SharedCourse)> =
                 drifting.taken.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, one)| *one).collect();
             drifting.is_shared(part, common) && is_borne_out(part, common, &others)
         };
@@ -343,7 +348,7 @@ impl Course {
     /// The drifts of all stations that are significant beside one another.
     fn take_drifts(&mut self) {
         for station in 0..self.stations {
-            let part = Part { station, form: StationForm::Drift };
+            let part = CoursePart { station, form: StationForm::Drift };
             if let Some(common) = self.estimate(&part) {
                 self.subtract(&part, common.value);
                 self.taken.push((part, common));
@@ -372,16 +377,21 @@ impl Course {
         left + self.taken.iter().map(|(part, _)| by_chance(part.form) + TAKEN).sum::<f64>()
     }
 
-    fn take_one_by_one(&mut self, reference: usize, is_borne_out: &impl Fn(&Part, &Common, &[(Part, Common)]) -> bool) {
-        let mut refused: Vec<Part> = Vec::new();
+    fn take_one_by_one(
+        &mut self,
+        reference: usize,
+        is_borne_out: &impl Fn(&CoursePart, &SharedCourse, &[(CoursePart, SharedCourse)]) -> bool,
+    ) {
+        let mut refused: Vec<CoursePart> = Vec::new();
         // Where a drift or a step is refused, instants are found that follow it for a while.
         let mut not_searched: Vec<usize> = Vec::new();
         for _ in 0..2 * MOST_PARTS {
-            let known = |part: &Part| {
+            let known = |part: &CoursePart| {
                 let is_not = part.form.is_searched() && not_searched.contains(&part.station);
                 is_not || self.taken.iter().any(|(taken, _)| taken == part) || refused.contains(part)
             };
-            let candidates: Vec<Part> = self.candidates(reference).into_iter().filter(|part| !known(part)).collect();
+            let candidates: Vec<CoursePart> =
+                self.candidates(reference).into_iter().filter(|part| !known(part)).collect();
             let best = candidates
                 .into_iter()
                 .filter_map(|part| Some((part, self.estimate(&part)?)))
@@ -404,7 +414,7 @@ impl Course {
 
     /// Whether it is what the gyros share: a window that one IMU tells is its own where few others stand by, and the gyros
     /// do not differ in it as those that age each by itself do. They may differ in an offset: gyro x station.
-    fn is_shared(&self, part: &Part, common: &Common) -> bool {
+    fn is_shared(&self, part: &CoursePart, common: &SharedCourse) -> bool {
         let is_told = match part.form {
             StationForm::Between(..) => common.imus > 1 || self.imus_at(part.station) > 2,
             StationForm::Drift | StationForm::Step(_) => true,
@@ -418,20 +428,20 @@ impl Course {
         self.instants(station).into_iter().rfind(|instant| *instant < at)
     }
 
-    fn candidates(&self, reference: usize) -> Vec<Part> {
+    fn candidates(&self, reference: usize) -> Vec<CoursePart> {
         let mut all = Vec::new();
         for station in 0..self.stations {
             if station != reference {
-                all.push(Part { station, form: StationForm::Offset });
+                all.push(CoursePart { station, form: StationForm::Offset });
             }
-            all.push(Part { station, form: StationForm::Drift });
+            all.push(CoursePart { station, form: StationForm::Drift });
             let instants = self.instants(station);
             let every = instants.len().div_ceil(INSTANTS).max(1);
             // Near the ends of its records a step is an offset.
             let edge = instants.len() / 16 + 1;
             let inner = instants.iter().skip(edge).take(instants.len().saturating_sub(2 * edge));
             let steps = inner.step_by(every).map(|at| StationForm::Step(*at)).chain(self.windows(station));
-            all.extend(steps.map(|form| Part { station, form }));
+            all.extend(steps.map(|form| CoursePart { station, form }));
         }
         all
     }
@@ -447,7 +457,7 @@ impl Course {
     /// Of each length the window in which the records at a station are furthest off together; none that begins with the
     /// first record or ends with the last, which are steps.
     fn windows(&self, station: usize) -> impl Iterator<Item = StationForm> {
-        let mut rows: Vec<&Row> =
+        let mut rows: Vec<&PeerRecord> =
             self.at(station).flat_map(|peer| &peer.rows).filter(|row| row.station == station).collect();
         rows.sort_by_key(|row| row.at);
         // Each record's estimate times its weight, and the weight.
@@ -474,7 +484,7 @@ impl Course {
     }
 
     /// The best instants of a step or a window among those about its own.
-    fn refined(&self, part: Part, common: Common) -> (Part, Common) {
+    fn refined(&self, part: CoursePart, common: SharedCourse) -> (CoursePart, SharedCourse) {
         let instants = self.instants(part.station);
         let reach = instants.len().div_ceil(INSTANTS).max(1);
         match part.form {
@@ -496,16 +506,16 @@ impl Course {
         instants: &[UtcMicros],
         at: UtcMicros,
         reach: usize,
-        found: (Part, Common),
+        found: (CoursePart, SharedCourse),
         form: impl Fn(UtcMicros) -> StationForm,
-    ) -> (Part, Common) {
+    ) -> (CoursePart, SharedCourse) {
         let (mut best, mut k) = (found, instants.partition_point(|instant| *instant < at));
         let mut stride = reach.div_ceil(ABOUT);
         loop {
             let first = k.saturating_sub(ABOUT * stride).max(1);
             let about = (first..instants.len().min(k + ABOUT * stride + 1)).step_by(stride);
             for place in about {
-                let part = Part { form: form(instants[place]), ..best.0 };
+                let part = CoursePart { form: form(instants[place]), ..best.0 };
                 let Some(common) = self.estimate(&part) else { continue };
                 if common.gain > best.1.gain {
                     (best, k) = ((part, common), place);
@@ -519,7 +529,7 @@ impl Course {
     }
 
     /// Takes `value` times a station's part off every peer's records.
-    pub fn subtract(&mut self, part: &Part, value: f64) {
+    pub fn subtract(&mut self, part: &CoursePart, value: f64) {
         for row in self.peers.iter_mut().flat_map(|peer| &mut peer.rows) {
             row.y -= value * part.at(row.station, row.at, row.years);
         }
@@ -528,15 +538,15 @@ impl Course {
     /// Each part was estimated as though the others were known: their uncertainty widens its own, sqrt(N_kk (N^-1)_kk), N
     /// the normal matrix of all beside the peers' levels.
     fn widen(&mut self) {
-        let parts: Vec<Part> = self.taken.iter().map(|(part, _)| *part).collect();
+        let parts: Vec<CoursePart> = self.taken.iter().map(|(part, _)| *part).collect();
         if parts.len() < 2 {
             return;
         }
         let mut normal = nalgebra::DMatrix::<f64>::zeros(parts.len(), parts.len());
         for peer in &self.peers {
             let level = Basis::of([peer.rows.iter().map(|row| row.weight.sqrt()).collect::<Vec<_>>()]);
-            let column = |part: &Part| {
-                let of = |row: &Row| row.weight.sqrt() * part.at(row.station, row.at, row.years);
+            let column = |part: &CoursePart| {
+                let of = |row: &PeerRecord| row.weight.sqrt() * part.at(row.station, row.at, row.years);
                 let mut column: Vec<f64> = peer.rows.iter().map(of).collect();
                 level.project_out(&mut column);
                 column
@@ -578,7 +588,7 @@ impl Course {
 
     /// Each part again, beside the others, which were not there when its instants were found. What is significant no
     /// more is given up, and answered.
-    fn estimate_again(&mut self) -> Vec<Part> {
+    fn estimate_again(&mut self) -> Vec<CoursePart> {
         self.settle();
         let mut given_up = Vec::new();
         while let Some(k) = self.taken.iter().position(|(part, common)| common.significance() < 0.8 * threshold(part)) {
@@ -592,7 +602,7 @@ impl Course {
 
 /// Whether the gyro's own estimate lets the part be taken out of its records: beside one IMU it must agree, and beside
 /// more it must not be nothing where they show something.
-pub(super) fn is_borne_out(common: &Common, own: Option<(f64, f64)>) -> bool {
+pub(super) fn is_borne_out(common: &SharedCourse, own: Option<(f64, f64)>) -> bool {
     let Some((value, sd)) = own else { return common.imus > 1 };
     let apart = (value - common.value).abs() / sd.hypot(common.sd);
     let is_nothing = value.abs() < AGREES * sd;
@@ -604,7 +614,7 @@ pub(super) fn is_borne_out(common: &Common, own: Option<(f64, f64)>) -> bool {
 }
 
 /// The gain of a part, less what the best of many gains by chance.
-fn rated((part, common): &(Part, Common)) -> f64 {
+fn rated((part, common): &(CoursePart, SharedCourse)) -> f64 {
     common.gain - by_chance(part.form)
 }
 
@@ -616,15 +626,15 @@ fn by_chance(form: StationForm) -> f64 {
     }
 }
 
-fn is_taken((part, common): &(Part, Common)) -> bool {
+fn is_taken((part, common): &(CoursePart, SharedCourse)) -> bool {
     common.significance() > threshold(part)
 }
 
-fn threshold(part: &Part) -> f64 {
+fn threshold(part: &CoursePart) -> f64 {
     if part.form.is_searched() { TAKEN_SEARCHED } else { TAKEN }
 }
 
-fn about_their_mean(mut rows: Vec<Row>) -> Vec<Row> {
+fn about_their_mean(mut rows: Vec<PeerRecord>) -> Vec<PeerRecord> {
     let weight: f64 = rows.iter().map(|row| row.weight).sum();
     let mean = rows.iter().map(|row| row.weight * row.y).sum::<f64>() / weight;
     rows.iter_mut().for_each(|row| row.y -= mean);
@@ -632,7 +642,7 @@ fn about_their_mean(mut rows: Vec<Row>) -> Vec<Row> {
 }
 
 /// One peer's estimate beside its own level, and 1/variance.
-fn own(part: &Part, rows: &[Row]) -> Option<(f64, f64)> {
+fn own(part: &CoursePart, rows: &[PeerRecord]) -> Option<(f64, f64)> {
     let [mut w, mut wc, mut wcc, mut wy, mut wcy] = [0.0; 5];
     let (mut with, mut without) = (0, 0);
     let is_searched = part.form.is_searched();
@@ -654,11 +664,12 @@ fn own(part: &Part, rows: &[Row]) -> Option<(f64, f64)> {
 
 /// The slope of rows of one station, a year, and one over its variance: beside the level, and beside steps that are
 /// significant beside level and slope.
-fn slope_beside_steps(rows: &[Row]) -> Option<(f64, f64)> {
+fn slope_beside_steps(rows: &[PeerRecord]) -> Option<(f64, f64)> {
     if rows.len() < 3 {
         return None;
     }
-    let white = |of: &dyn Fn(&Row) -> f64| -> Vec<f64> { rows.iter().map(|row| of(row) * row.weight.sqrt()).collect() };
+    let white =
+        |of: &dyn Fn(&PeerRecord) -> f64| -> Vec<f64> { rows.iter().map(|row| of(row) * row.weight.sqrt()).collect() };
     let (years, y) = (white(&|row| row.years), white(&|row| row.y));
     let step = |k: usize| white(&|row| f64::from(row.at >= rows[k].at));
     let mut named = Basis::of([white(&|_| 1.0)]);
@@ -686,7 +697,7 @@ fn slope_beside_steps(rows: &[Row]) -> Option<(f64, f64)> {
 }
 
 /// The robust mean of estimates (IMU, estimate, 1/variance).
-fn combined(each: &[(usize, f64, f64)]) -> Option<Common> {
+fn combined(each: &[(usize, f64, f64)]) -> Option<SharedCourse> {
     if each.is_empty() {
         return None;
     }
@@ -734,7 +745,7 @@ fn combined(each: &[(usize, f64, f64)]) -> Option<Common> {
     let noise = excess * excess / weights;
     let sandwich = by_imu.iter().map(|(_, sum)| sum * sum).sum::<f64>() / (weights * weights);
     let sandwich = if imus > 2 { sandwich * imus as f64 / (imus - 1) as f64 } else { 2.0 * sandwich };
-    Some(Common {
+    Some(SharedCourse {
         value,
         sd: noise.max(sandwich).sqrt(),
         gyros: each.len(),

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::answer::{Entry, GyroHistory};
+use super::answer::{GyroHistory, HistoryEntry};
 use super::reproducibility::OF_SUCCESSIVE;
 use super::series::robust;
 
@@ -51,13 +51,13 @@ pub(super) fn of_stations<'a>(histories: &[&'a GyroHistory], column: usize) -> B
 }
 
 /// Differences of a gyro's successive records at each station, in stated standard deviations where there are any.
-fn differences(entries: &[Entry], column: usize) -> BTreeMap<&str, Vec<f64>> {
-    let mut last: BTreeMap<&str, &Entry> = BTreeMap::new();
+fn differences(entries: &[HistoryEntry], column: usize) -> BTreeMap<&str, Vec<f64>> {
+    let mut last: BTreeMap<&str, &HistoryEntry> = BTreeMap::new();
     let mut all: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     let is_stated = entries.iter().all(|entry| entry.d[column].sd.is_some_and(|sd| sd > 0.0));
     for entry in entries {
         if let Some(before) = last.insert(&entry.station, entry) {
-            let sd = |entry: &Entry| entry.d[column].sd.filter(|_| is_stated).unwrap_or(1.0);
+            let sd = |entry: &HistoryEntry| entry.d[column].sd.filter(|_| is_stated).unwrap_or(1.0);
             let difference = (entry.d[column].value - before.d[column].value).abs();
             all.entry(&entry.station).or_default().push(difference / sd(entry).hypot(sd(before)));
         }

@@ -2,6 +2,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
+use super::answer::Tie;
 use super::*;
 use crate::core::judge::{Event, Mark, Measured};
 use crate::core::mounting::Slot;
@@ -25,7 +26,7 @@ impl Fleet {
     /// A record a month; every third one at the second station.
     fn gyro(&mut self, records: usize) -> GyroHistory {
         let entries = (0..records)
-            .map(|k| Entry {
+            .map(|k| HistoryEntry {
                 at: UtcMicros(k as i64 * 30 * UtcMicros::DAY),
                 station: if k % 3 == 2 { "ST-2".into() } else { "ST-1".into() },
                 imu: "IMU-01".into(),
@@ -38,7 +39,7 @@ impl Fleet {
     }
 }
 
-fn change(gyro: &mut GyroHistory, column: usize, by: impl Fn(usize, &Entry) -> f64) {
+fn change(gyro: &mut GyroHistory, column: usize, by: impl Fn(usize, &HistoryEntry) -> f64) {
     for (k, entry) in gyro.entries.iter_mut().enumerate() {
         entry.d[column].value += by(k, entry);
     }
@@ -69,7 +70,7 @@ fn ageing_is_named_with_its_slope() {
     change(&mut gyro, 0, |k, _| 0.01 * k as f64 * 30.0 / 365.25);
     let answer = of(&gyro, &[], Coefficient::DI);
     assert_eq!(answer.causes[0].cause, "ageing", "{answer:?}");
-    let Estimate { value, sd, .. } = &answer.causes[0].estimate;
+    let CauseEstimate { value, sd, .. } = &answer.causes[0].estimate;
     assert!((value - 0.01).abs() < 3.0 * sd, "{value} +- {sd}");
     assert!(*sd < 1e-3);
     assert_eq!(answer.verdict, HistoryVerdict::Explained);
@@ -84,7 +85,7 @@ fn what_aged_before_a_repair_does_not_age_after_it() {
         let mut gyro = Fleet::seeded(500 + seed).gyro(28);
         change(&mut gyro, 1, |k, _| if k < 14 { -0.02 * k as f64 * 30.0 / 365.25 } else { 0.004 });
         gyro.marks.push(Mark::of(repair, Event::Repair));
-        let budget = Budget { baseline: gyro.entries[0].d[1].value, limit: 0.01, measured_since: None };
+        let budget = DriftBudget { baseline: gyro.entries[0].d[1].value, limit: 0.01, measured_since: None };
         let answer = super::diagnose_history(&gyro, &[], [Some(budget); 3]).swap_remove(1);
         let ages = |tie: &Tie| answer.causes.iter().any(|one| one.cause == "ageing" && one.tie == *tie);
         before += usize::from(ages(&Tie::SlopeUntil(repair)));
@@ -140,7 +141,7 @@ fn notes_do_not_keep_a_long_history_from_being_averaged() {
     gyro.marks = gyro.entries.iter().map(|entry| Mark::of(entry.at, Event::Note)).collect();
     assert_eq!(of(&gyro, &[], Coefficient::DI), plain);
     let entries = series::distinct(&gyro.entries);
-    let mut series = Series::of(&entries, 0);
+    let mut series = RecordSeries::of(&entries, 0);
     let transports: Vec<Mark> = gyro.entries.iter().map(|entry| Mark::of(entry.at, Event::Transport)).collect();
     series.condense(&transports);
     assert!(series.len() < 200, "{} rows", series.len());
@@ -182,7 +183,7 @@ fn dates(seeds: std::ops::Range<u64>, onset: impl Fn(u64) -> f64) -> [usize; 4] 
         let mut gyro = Fleet::seeded(seed).gyro(24);
         change(&mut gyro, 0, |k, _| slope * (k as f64 - onset).max(0.0));
         let limit = 1.5 * slope * (23.0 - onset);
-        let budget = Budget { baseline: 3.0, limit, measured_since: None };
+        let budget = DriftBudget { baseline: 3.0, limit, measured_since: None };
         let Some(due) = diagnose_history(&gyro, &[], [Some(budget), None, None])[0].due else { continue };
         let truth = 30.0 * (limit / slope - (23.0 - onset));
         let holds = |[early, late]: [Option<f64>; 2]| {
@@ -227,7 +228,7 @@ fn temperature_is_named_with_its_sensitivity() {
     change(&mut gyro, 0, |_, e| 0.004 * (e.temperature_c.expect("recorded") - 47.0));
     let answer = of(&gyro, &[], Coefficient::DI);
     assert_eq!(answer.causes[0].cause, "temperature");
-    let Estimate { value, sd, .. } = &answer.causes[0].estimate;
+    let CauseEstimate { value, sd, .. } = &answer.causes[0].estimate;
     assert!((value - 0.004).abs() < 3.0 * sd && *sd < 4e-4, "{value} +- {sd}");
 }
 
@@ -242,7 +243,7 @@ fn what_a_station_does_to_all_is_the_stations() {
     let answer = of(&gyros[0], &gyros[1..], Coefficient::DI);
     assert_eq!(answer.causes[0].cause, "station");
     assert_eq!(answer.causes[0].class, ["station"]);
-    let Estimate { value, sd, .. } = &answer.causes[0].estimate;
+    let CauseEstimate { value, sd, .. } = &answer.causes[0].estimate;
     assert!((value - 0.008).abs() < 3.0 * sd, "{value} +- {sd}");
 }
 
@@ -271,7 +272,7 @@ fn a_clocked_spin_axis_moves_d_o_with_d_s() {
     change(&mut gyro, 2, |k, _| 0.05 * (ds[k] - 4.0));
     let answer = of(&gyro, &[], Coefficient::DO);
     assert_eq!(answer.causes[0].cause, "clocking", "{answer:?}");
-    let Estimate { value, sd, .. } = &answer.causes[0].estimate;
+    let CauseEstimate { value, sd, .. } = &answer.causes[0].estimate;
     assert!((value - 0.05).abs() < 3.0 * sd, "{value} +- {sd}");
 }
 
@@ -315,9 +316,9 @@ fn peers(fleet: &mut Fleet, imus: usize, records: usize) -> Vec<GyroHistory> {
 
 #[test]
 fn a_station_that_drifts_or_is_re_levelled_is_not_blamed_on_the_gyro() {
-    let drift = |k: usize, entry: &Entry| if &*entry.station == "ST-1" { 3e-4 * k as f64 } else { 0.0 };
-    let step = |k: usize, entry: &Entry| if &*entry.station == "ST-1" && k >= 12 { 6e-3 } else { 0.0 };
-    let changes: [&dyn Fn(usize, &Entry) -> f64; 2] = [&drift, &step];
+    let drift = |k: usize, entry: &HistoryEntry| if &*entry.station == "ST-1" { 3e-4 * k as f64 } else { 0.0 };
+    let step = |k: usize, entry: &HistoryEntry| if &*entry.station == "ST-1" && k >= 12 { 6e-3 } else { 0.0 };
+    let changes: [&dyn Fn(usize, &HistoryEntry) -> f64; 2] = [&drift, &step];
     for (seed, what) in (20..26).flat_map(|seed| changes.map(|change| (seed, change))) {
         let mut fleet = Fleet::seeded(seed);
         let mut others = peers(&mut fleet, 5, 24);
@@ -334,7 +335,7 @@ fn a_station_that_drifts_or_is_re_levelled_is_not_blamed_on_the_gyro() {
 
 /// The first gyro's answer, where two stations drift at once.
 fn of_two_that_drift(seed: u64, slopes: [f64; 2], offset: f64) -> HistoryDiagnosis {
-    let years = |entry: &Entry| entry.at.0 as f64 / (365.25 * UtcMicros::DAY as f64);
+    let years = |entry: &HistoryEntry| entry.at.0 as f64 / (365.25 * UtcMicros::DAY as f64);
     let mut gyros = peers(&mut Fleet::seeded(seed), 5, 24);
     for gyro in &mut gyros {
         change(gyro, 0, |_, entry| match &*entry.station {
@@ -508,7 +509,7 @@ fn records_without_a_temperature_stay_in_with_what_they_have() {
     let answer = of(&gyro, &[], Coefficient::DI);
     assert_eq!((answer.causes[0].cause, answer.records), ("temperature", 24), "{answer:?}");
     assert!(matches!(answer.causes[0].tie, Tie::Temperature { missing: 2, .. }));
-    let Estimate { value, sd, .. } = &answer.causes[0].estimate;
+    let CauseEstimate { value, sd, .. } = &answer.causes[0].estimate;
     assert!((value - 0.002).abs() < 3.0 * sd && *sd < 4e-4, "{value} +- {sd}");
 }
 
@@ -543,7 +544,7 @@ fn an_outlier_is_named_and_left_out() {
 fn the_budget_is_reached_when_the_slope_reaches_it() {
     let mut gyro = Fleet::seeded(35).gyro(24);
     change(&mut gyro, 0, |k, _| 5e-4 * k as f64);
-    let budget = Budget { baseline: 3.0, limit: 0.02, measured_since: None };
+    let budget = DriftBudget { baseline: 3.0, limit: 0.02, measured_since: None };
     let answer = &diagnose_history(&gyro, &[], [Some(budget), None, None])[0];
     let due = answer.due.expect("it ages");
     let truth = 30.0 * (0.02 / 5e-4 - 23.0);
@@ -714,7 +715,7 @@ fn a_closure_covers_what_an_onset_that_was_searched_for_explains() {
         let [cause] = &answer.causes[..] else { continue };
         let Some(held_out) = cause.held_out else { continue };
         let origin = gyro.entries[0].at;
-        let explained = |entry: &Entry| cause.estimate.value * cause.tie.regressor(entry, origin);
+        let explained = |entry: &HistoryEntry| cause.estimate.value * cause.tie.regressor(entry, origin);
         let power = |values: Vec<f64>| {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             values.iter().map(|value| (value - mean).powi(2)).sum::<f64>()
@@ -731,7 +732,7 @@ fn a_closure_covers_what_an_onset_that_was_searched_for_explains() {
 fn days_count_from_the_newest_record_of_a_long_history() {
     let mut gyro = Fleet::seeded(80).gyro(1000);
     change(&mut gyro, 0, |k, _| 2e-4 * k as f64);
-    let budget = Budget { baseline: 3.0, limit: 0.3, measured_since: None };
+    let budget = DriftBudget { baseline: 3.0, limit: 0.3, measured_since: None };
     let due = diagnose_history(&gyro, &[], [Some(budget), None, None])[0].due.expect("it ages");
     let truth = 30.0 * (0.3 / 2e-4 - 999.0);
     let [early, late] = due.p95.map(|end| end.expect("closed"));
@@ -767,7 +768,7 @@ fn a_step_within_what_is_averaged_is_one_step() {
         let answer = of(&gyro, &[], Coefficient::DI);
         let [cause] = &answer.causes[..] else { panic!("{seed}: {answer:?}") };
         assert_eq!(cause.cause, "step", "{seed}: {answer:?}");
-        let Estimate { value, sd, .. } = cause.estimate;
+        let CauseEstimate { value, sd, .. } = cause.estimate;
         assert!((value - 0.02).abs() < 4.0 * sd, "{seed}: {answer:?}");
     }
 }

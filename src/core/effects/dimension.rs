@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use super::equation::{Equation, Function, Operator, What};
+use super::equation::{Equation, Function, Instruction, Operator};
 use crate::core::message::{Message, sent, text};
 use crate::message;
 
@@ -130,14 +130,14 @@ pub(super) fn checked(equation: &Equation, names: &[Quantity]) -> Result<Quantit
     let nothing = Quantity::of(Dimension::NUMBER);
     for step in equation.steps() {
         let next = match step.what {
-            What::Number(value) => Quantity::constant(value),
-            What::Name(place) => names[place],
-            What::Minus => {
+            Instruction::Number(value) => Quantity::constant(value),
+            Instruction::Name(place) => names[place],
+            Instruction::Minus => {
                 let x = stack.pop().unwrap_or(nothing);
                 Quantity { constant: x.constant.map(|x| -x), ..x }
             }
-            What::Function(function) => of_function(function, stack.pop().unwrap_or(nothing), step.at)?,
-            What::Two(operator) => {
+            Instruction::Function(function) => of_function(function, stack.pop().unwrap_or(nothing), step.at)?,
+            Instruction::Two(operator) => {
                 let b = stack.pop().unwrap_or(nothing);
                 of_two(operator, stack.pop().unwrap_or(nothing), b, step.at)?
             }

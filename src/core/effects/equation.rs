@@ -19,12 +19,12 @@ const DEEPEST: usize = 32;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Equation {
     steps: Vec<Step>,
-    names: Vec<Name>,
+    names: Vec<EquationName>,
 }
 
 /// A name in an equation, and the character (from 1) at which it stands first.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Name {
+pub(super) struct EquationName {
     pub name: String,
     pub at: usize,
 }
@@ -32,12 +32,12 @@ pub(super) struct Name {
 /// One step, and the character at which its sign stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Step {
-    pub what: What,
+    pub what: Instruction,
     pub at: usize,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum What {
+pub(super) enum Instruction {
     Number(f64),
     /// By its place among the names.
     Name(usize),
@@ -130,7 +130,7 @@ impl Equation {
             return Err(message!("equation_too_long", have = length, most = LONGEST));
         }
         let mut reader =
-            Reader { rest: text.char_indices().collect(), next: 0, depth: 0, steps: vec![], names: vec![] };
+            EquationParser { rest: text.char_indices().collect(), next: 0, depth: 0, steps: vec![], names: vec![] };
         reader.sum()?;
         match reader.peek() {
             Some(_) => Err(reader.unexpected(message!("equation_operator"))),
@@ -139,7 +139,7 @@ impl Equation {
     }
 
     /// Names in the order of their first use.
-    pub fn names(&self) -> &[Name] {
+    pub fn names(&self) -> &[EquationName] {
         &self.names
     }
 
@@ -154,11 +154,11 @@ impl Equation {
         let pop = |stack: &mut Vec<f64>| stack.pop().unwrap_or(f64::NAN);
         for step in &self.steps {
             let value = match step.what {
-                What::Number(number) => number,
-                What::Name(place) => names[place],
-                What::Minus => -pop(&mut stack),
-                What::Function(function) => function.of(pop(&mut stack)),
-                What::Two(operator) => {
+                Instruction::Number(number) => number,
+                Instruction::Name(place) => names[place],
+                Instruction::Minus => -pop(&mut stack),
+                Instruction::Function(function) => function.of(pop(&mut stack)),
+                Instruction::Two(operator) => {
                     let b = pop(&mut stack);
                     operator.of(pop(&mut stack), b)
                 }
@@ -169,15 +169,15 @@ impl Equation {
     }
 }
 
-struct Reader {
+struct EquationParser {
     rest: Vec<(usize, char)>,
     next: usize,
     depth: usize,
     steps: Vec<Step>,
-    names: Vec<Name>,
+    names: Vec<EquationName>,
 }
 
-impl Reader {
+impl EquationParser {
     fn peek(&mut self) -> Option<char> {
         while self.rest.get(self.next).is_some_and(|(_, c)| c.is_whitespace()) {
             self.next += 1;
@@ -191,7 +191,7 @@ impl Reader {
         Some((found, self.next))
     }
 
-    fn push(&mut self, what: What, at: usize) {
+    fn push(&mut self, what: Instruction, at: usize) {
         self.steps.push(Step { what, at });
     }
 
@@ -199,7 +199,7 @@ impl Reader {
         self.product()?;
         while let Some((sign, at)) = self.take(&['+', '-']) {
             self.product()?;
-            self.push(What::Two(if sign == '+' { Operator::Plus } else { Operator::Minus }), at);
+            self.push(Instruction::Two(if sign == '+' { Operator::Plus } else { Operator::Minus }), at);
         }
         Ok(())
     }
@@ -208,7 +208,7 @@ impl Reader {
         self.factor()?;
         while let Some((sign, at)) = self.take(&['*', '/']) {
             self.factor()?;
-            self.push(What::Two(if sign == '*' { Operator::Times } else { Operator::Over }), at);
+            self.push(Instruction::Two(if sign == '*' { Operator::Times } else { Operator::Over }), at);
         }
         Ok(())
     }
@@ -216,13 +216,13 @@ impl Reader {
     fn factor(&mut self) -> Result<(), Message> {
         if let Some((_, at)) = self.take(&['-']) {
             self.deeper(Self::factor)?;
-            self.push(What::Minus, at);
+            self.push(Instruction::Minus, at);
             return Ok(());
         }
         self.atom()?;
         if let Some((_, at)) = self.take(&['^']) {
             self.deeper(Self::factor)?;
-            self.push(What::Two(Operator::Power), at);
+            self.push(Instruction::Two(Operator::Power), at);
         }
         Ok(())
     }
@@ -239,7 +239,7 @@ impl Reader {
                 let number = self.number();
                 let value = number.parse().ok().filter(|value: &f64| value.is_finite());
                 let value = value.ok_or_else(|| message!("equation_number", place = at, found = sent(&number)))?;
-                self.push(What::Number(value), at);
+                self.push(Instruction::Number(value), at);
                 Ok(())
             }
             c if c.is_alphabetic() => {
@@ -250,14 +250,14 @@ impl Reader {
                         message!("equation_function", place = at, name = sent(&name), known = known())
                     })?;
                     self.closed()?;
-                    self.push(What::Function(function), at);
+                    self.push(Instruction::Function(function), at);
                     return Ok(());
                 }
                 let place = self.names.iter().position(|known| known.name == name).unwrap_or_else(|| {
-                    self.names.push(Name { name, at });
+                    self.names.push(EquationName { name, at });
                     self.names.len() - 1
                 });
-                self.push(What::Name(place), at);
+                self.push(Instruction::Name(place), at);
                 Ok(())
             }
             _ => {

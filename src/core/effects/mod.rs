@@ -29,7 +29,7 @@ mod thermal;
 mod time;
 
 pub use dimension::regressor_unit;
-pub use entry::{Coefficient, Effect, Entry, Own, Parameter, Prior, Scope, Shape, Typical};
+pub use entry::{Coefficient, Effect, Entry, Own, Parameter, Prior, Scope, Shape};
 pub use estimate::Estimate;
 pub use own::own;
 pub use own_hypothesis::{OwnHypothesis, Range, Written};

@@ -73,12 +73,12 @@ enum Input {
     /// By its place.
     Coefficient(usize),
     Parameter,
-    Of(Of),
+    Signal(Signal),
 }
 
 /// A quantity of a dwell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Of {
+enum Signal {
     Force(Axis),
     Rate(Axis),
     ForceBefore(Axis),
@@ -102,32 +102,32 @@ enum Axis {
 use Axis::{I, O, S};
 
 /// Every quantity that an equation may hold.
-const QUANTITIES: [(&str, Of); 25] = [
-    ("a_I", Of::Force(I)),
-    ("a_S", Of::Force(S)),
-    ("a_O", Of::Force(O)),
-    ("w_I", Of::Rate(I)),
-    ("w_S", Of::Rate(S)),
-    ("w_O", Of::Rate(O)),
-    ("a_I_before", Of::ForceBefore(I)),
-    ("a_S_before", Of::ForceBefore(S)),
-    ("a_O_before", Of::ForceBefore(O)),
-    ("w_I_before", Of::RateBefore(I)),
-    ("w_S_before", Of::RateBefore(S)),
-    ("w_O_before", Of::RateBefore(O)),
-    ("I_E", Of::Attitude(I, 0)),
-    ("I_N", Of::Attitude(I, 1)),
-    ("I_U", Of::Attitude(I, 2)),
-    ("S_E", Of::Attitude(S, 0)),
-    ("S_N", Of::Attitude(S, 1)),
-    ("S_U", Of::Attitude(S, 2)),
-    ("O_E", Of::Attitude(O, 0)),
-    ("O_N", Of::Attitude(O, 1)),
-    ("O_U", Of::Attitude(O, 2)),
-    ("T", Of::Temperature),
-    ("dT/dt", Of::TemperatureSlope),
-    ("t", Of::Time),
-    ("pi", Of::HalfTurn),
+const QUANTITIES: [(&str, Signal); 25] = [
+    ("a_I", Signal::Force(I)),
+    ("a_S", Signal::Force(S)),
+    ("a_O", Signal::Force(O)),
+    ("w_I", Signal::Rate(I)),
+    ("w_S", Signal::Rate(S)),
+    ("w_O", Signal::Rate(O)),
+    ("a_I_before", Signal::ForceBefore(I)),
+    ("a_S_before", Signal::ForceBefore(S)),
+    ("a_O_before", Signal::ForceBefore(O)),
+    ("w_I_before", Signal::RateBefore(I)),
+    ("w_S_before", Signal::RateBefore(S)),
+    ("w_O_before", Signal::RateBefore(O)),
+    ("I_E", Signal::Attitude(I, 0)),
+    ("I_N", Signal::Attitude(I, 1)),
+    ("I_U", Signal::Attitude(I, 2)),
+    ("S_E", Signal::Attitude(S, 0)),
+    ("S_N", Signal::Attitude(S, 1)),
+    ("S_U", Signal::Attitude(S, 2)),
+    ("O_E", Signal::Attitude(O, 0)),
+    ("O_N", Signal::Attitude(O, 1)),
+    ("O_U", Signal::Attitude(O, 2)),
+    ("T", Signal::Temperature),
+    ("dT/dt", Signal::TemperatureSlope),
+    ("t", Signal::Time),
+    ("pi", Signal::HalfTurn),
 ];
 
 /// More coefficients than this are no hypothesis.
@@ -158,7 +158,7 @@ impl OwnHypothesis {
                 let known = |name: &Input| match name {
                     Input::Coefficient(_) => Quantity::coefficient(dimension),
                     Input::Parameter => Quantity::of(of_parameter),
-                    Input::Of(of) => of.quantity(),
+                    Input::Signal(of) => of.quantity(),
                 };
                 if let Err(message) = is_drift(&equation, &names.iter().map(known).collect::<Vec<_>>(), dimension) {
                     faults.push("/equation", message);
@@ -180,29 +180,31 @@ impl OwnHypothesis {
         self.coefficients.iter().map(String::as_str)
     }
 
-    fn holds(&self, wanted: impl Fn(Of) -> bool) -> bool {
-        self.names.iter().any(|name| matches!(name, Input::Of(of) if wanted(*of)))
+    fn holds(&self, wanted: impl Fn(Signal) -> bool) -> bool {
+        self.names.iter().any(|name| matches!(name, Input::Signal(of) if wanted(*of)))
     }
 
     /// Whether it holds the temperature or its change.
     pub fn is_of_temperature(&self) -> bool {
-        self.holds(Of::is_thermal)
+        self.holds(Signal::is_thermal)
     }
 
     /// Whether it holds an axis in east, north or up.
     pub fn needs_attitude(&self) -> bool {
-        self.holds(|of| matches!(of, Of::Attitude(..)))
+        self.holds(|of| matches!(of, Signal::Attitude(..)))
     }
 
     /// Whether nothing but time and temperature changes it from dwell to dwell.
     pub fn follows_time(&self) -> bool {
-        let slow = |of| matches!(of, Of::Time | Of::Temperature | Of::TemperatureSlope | Of::HalfTurn);
-        !self.holds(|of| !slow(of)) && self.holds(|of| of != Of::HalfTurn)
+        let slow = |of| matches!(of, Signal::Time | Signal::Temperature | Signal::TemperatureSlope | Signal::HalfTurn);
+        !self.holds(|of| !slow(of)) && self.holds(|of| of != Signal::HalfTurn)
     }
 
     /// Whether it asks when a dwell was, or what came before it.
     pub fn is_of_order(&self) -> bool {
-        self.holds(|of| matches!(of, Of::Time | Of::ForceBefore(_) | Of::RateBefore(_) | Of::TemperatureSlope))
+        self.holds(|of| {
+            matches!(of, Signal::Time | Signal::ForceBefore(_) | Signal::RateBefore(_) | Signal::TemperatureSlope)
+        })
     }
 
     /// Whether time alone changes it from dwell to dwell.
@@ -245,11 +247,11 @@ impl OwnHypothesis {
         columns
     }
 
-    fn values(&self, parameter: f64, of: impl Fn(Of) -> f64) -> Vec<f64> {
+    fn values(&self, parameter: f64, of: impl Fn(Signal) -> f64) -> Vec<f64> {
         let value = |name: &Input| match name {
             Input::Coefficient(_) => 0.0,
             Input::Parameter => parameter,
-            Input::Of(quantity) => of(*quantity),
+            Input::Signal(quantity) => of(*quantity),
         };
         self.names.iter().map(value).collect()
     }
@@ -280,14 +282,14 @@ impl OwnHypothesis {
         let mut found = AtReference::Nothing;
         for (parameter, point) in parameters.into_iter().flat_map(|value| (0..POINTS).map(move |point| (value, point)))
         {
-            let drawn = |of: Of, point: usize| {
+            let drawn = |of: Signal, point: usize| {
                 let place = QUANTITIES.iter().position(|(_, known)| *known == of).unwrap_or(0);
                 spread(point * QUANTITIES.len() + place) * of.extent()
             };
-            let at = |force_and_rate: &dyn Fn(Of) -> f64, others: usize| {
-                let of = |of: Of| match of {
-                    Of::Force(_) | Of::Rate(_) => force_and_rate(of),
-                    Of::HalfTurn => std::f64::consts::PI,
+            let at = |force_and_rate: &dyn Fn(Signal) -> f64, others: usize| {
+                let of = |of: Signal| match of {
+                    Signal::Force(_) | Signal::Rate(_) => force_and_rate(of),
+                    Signal::HalfTurn => std::f64::consts::PI,
                     _ => drawn(of, others),
                 };
                 self.by_coefficient(&mut self.values(parameter * self.parameter, of))
@@ -324,7 +326,7 @@ impl OwnHypothesis {
     }
 }
 
-impl Of {
+impl Signal {
     fn quantity(self) -> Quantity {
         match self {
             Self::Force(_) | Self::ForceBefore(_) => Quantity::of(Dimension::FORCE),
@@ -394,7 +396,7 @@ fn named(equation: &Equation, written: &Written) -> Result<(Vec<Input>, Vec<Stri
     for name in equation.names() {
         let known = QUANTITIES.iter().find(|(known, _)| *known == name.name);
         let input = match known {
-            Some((_, of)) => Input::Of(*of),
+            Some((_, of)) => Input::Signal(*of),
             None if written.range.as_ref().is_some_and(|range| range.name == name.name) => Input::Parameter,
             None if name.name.starts_with('k') => {
                 coefficients.push(name.name.clone());

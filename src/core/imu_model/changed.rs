@@ -2,15 +2,14 @@
 
 use nalgebra::DVector;
 
-use super::fit::{NotIdentified, Sample, identify_at};
+use super::fit::{CampaignSample, identify_at};
 use super::identified::Identified;
-use super::programme::{Knowledge, NoForecast, Programme, effect_of, scaled_inverse};
+use super::programme::{Knowledge, StackedDesign, effect_of, scaled_inverse};
 use crate::core::augmented::{AugmentedModel, KnownEffect, Options};
 use crate::core::calibrate::noise::t_variance;
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Verdict, diagnose};
 use crate::core::effects::{Coefficient, Effect, Parameter};
-use crate::core::message::Message;
 use crate::core::mounting::Slot;
 use crate::core::numerics::tails::squares_tail;
 use crate::core::separate::Rigid;
@@ -53,25 +52,6 @@ pub struct DriftShift {
     pub sd: f64,
 }
 
-/// Why nothing can be compared.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum NotCompared {
-    #[error(transparent)]
-    NoForecast(#[from] NoForecast),
-    #[error(transparent)]
-    NotIdentified(#[from] NotIdentified),
-}
-
-impl NotCompared {
-    /// The reason as a code with parameters.
-    pub fn message(&self) -> Message {
-        match self {
-            Self::NoForecast(why) => why.message(),
-            Self::NotIdentified(why) => why.message(),
-        }
-    }
-}
-
 /// Fits the model's effects to the campaign anew, at the model's temperature, and holds them against the model:
 ///
 /// ```text
@@ -80,18 +60,15 @@ impl NotCompared {
 /// ```
 ///
 /// with `C` as the scales of the noise are estimated, m coefficients, and nu after Welch (1947): either campaign may
-/// know its noise by a few repeats only.
-///
-/// # Errors
-/// [`NotCompared`].
-pub fn changed(model: &Identified, campaign: &Campaign) -> Result<Changed, NotCompared> {
-    Programme::of_another(model, campaign)?;
+/// know its noise by a few repeats only. None where nothing can be compared.
+pub fn changed(model: &Identified, campaign: &Campaign) -> Option<Changed> {
+    StackedDesign::of_another(model, campaign).ok()?;
     // The phase of a cycle is another each time: nothing to compare.
     let lasting = model.effects.iter().filter(|adopted| adopted.effect.entry().parameter != Parameter::Period);
     let effects = lasting.map(|adopted| KnownEffect { adopted: adopted.clone(), estimates: Vec::new() }).collect();
     let as_model = AugmentedModel { terms: Some(model.terms), effects, ..AugmentedModel::default() };
-    let sample = Sample { campaign, source: None, occasions: Vec::new() };
-    let now = identify_at(&[sample], &as_model, model.reference_c)?;
+    let sample = CampaignSample { campaign, source: None, occasions: Vec::new() };
+    let now = identify_at(&[sample], &as_model, model.reference_c).ok()?;
     let mut groups: Vec<(usize, Option<Slot>)> = Vec::new();
     for (place, coefficient) in now.coefficients.iter().enumerate() {
         if let Some((effect, _)) = effect_of(&now, place)
@@ -117,7 +94,7 @@ pub fn changed(model: &Identified, campaign: &Campaign) -> Result<Changed, NotCo
         found.push(one);
     }
     let shifts = if places.is_empty() { Vec::new() } else { shifts(&now, &places) };
-    Ok(Changed { effects: found, shifts })
+    Some(Changed { effects: found, shifts })
 }
 
 /// Gyros in which the campaign shows more than the model with the effects that are fitted to it anew, and how much in
@@ -142,7 +119,7 @@ fn lacking(now: &Identified, campaign: &Campaign) -> (Vec<Slot>, f64) {
 /// As [`changed`], where the model in use is one of the very IMU, holds effects, and can be compared.
 pub fn changed_since(model: &AugmentedModel, campaign: &Campaign) -> Option<Changed> {
     let identified = model.identified.as_ref().filter(|identified| !identified.effects.is_empty())?;
-    changed(identified, campaign).ok()
+    changed(identified, campaign)
 }
 
 /// The comparison, the places of the coefficients in the campaign's own fit with the model's values, and the sum of

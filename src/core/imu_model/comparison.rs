@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::forecast::{Forecast, foretold};
 use super::identified::Identified;
-use super::programme::{Asked, Knowledge, NoForecast, Programme};
+use super::programme::{GyroOfBoth, Knowledge, NoForecast, StackedDesign};
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
 use crate::core::judge::{Foretold, ForetoldGyro, Unseen};
@@ -31,7 +31,7 @@ const NORMAL_95: f64 = 1.959_963_985;
 
 /// A forecast held against what was measured.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Comparison {
+pub struct ForecastComparison {
     pub forecast: Forecast,
     pub gyros: Vec<GyroComparison>,
     /// Dwells and gyros that were foretold.
@@ -70,7 +70,7 @@ pub struct GyroComparison {
     pub foretold: ForetoldGyro,
 }
 
-impl Comparison {
+impl ForecastComparison {
     /// As a rule judges it.
     pub fn foretold(&self, model: &Identified) -> Foretold {
         let of_note = |note: &Message| Unseen::from_name(&note.code);
@@ -116,8 +116,8 @@ pub struct Rung {
 ///
 /// # Errors
 /// [`NoForecast`]; also where the model was fitted to the campaign.
-pub fn compare(model: &Identified, campaign: &Campaign) -> Result<Comparison, NoForecast> {
-    let programme = Programme::of_another(model, campaign)?;
+pub fn compare(model: &Identified, campaign: &Campaign) -> Result<ForecastComparison, NoForecast> {
+    let programme = StackedDesign::of_another(model, campaign)?;
     let knowledge = Knowledge::of(model, campaign, model.effects.len());
     let measured = programme.measured(campaign);
     let mut compared = compared(&programme, &knowledge, &measured);
@@ -136,7 +136,7 @@ pub fn promised(model: &Identified, campaign: &Campaign) -> Result<Option<Closin
     if model.effects.is_empty() {
         return Ok(None);
     }
-    let programme = Programme::of(model, campaign)?;
+    let programme = StackedDesign::of(model, campaign)?;
     let (knowledge, plain) = (Knowledge::of(model, campaign, model.effects.len()), Knowledge::of(model, campaign, 0));
     let forecast = foretold(&programme, &knowledge);
     Ok(Some(Weighed::of(&programme, &knowledge, &plain, &forecast).promised()))
@@ -147,7 +147,7 @@ pub fn promised(model: &Identified, campaign: &Campaign) -> Result<Option<Closin
 /// # Errors
 /// As [`compare`].
 pub fn ladder(model: &Identified, campaign: &Campaign) -> Result<Vec<Rung>, NoForecast> {
-    let programme = Programme::of_another(model, campaign)?;
+    let programme = StackedDesign::of_another(model, campaign)?;
     let measured = programme.measured(campaign);
     let rung = |effects: usize| {
         let compared = compared(&programme, &Knowledge::of(model, campaign, effects), &measured);
@@ -160,13 +160,13 @@ pub fn ladder(model: &Identified, campaign: &Campaign) -> Result<Vec<Rung>, NoFo
     Ok((0..=model.effects.len()).map(rung).collect())
 }
 
-fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64>) -> Comparison {
+fn compared(programme: &StackedDesign, knowledge: &Knowledge, measured: &DVector<f64>) -> ForecastComparison {
     let forecast = foretold(programme, knowledge);
     let n = programme.dwells;
     let is_told = |i: usize| forecast.gyros[i / n].foretold[i % n];
     let innovations = innovations(programme, knowledge, measured, is_told);
-    let judged = Judged::of(programme, knowledge, measured, (&forecast, &innovations));
-    let mut scale = Scale::of(scale_dof(programme));
+    let judged = JudgedInnovations::of(programme, knowledge, measured, (&forecast, &innovations));
+    let mut scale = VarianceScale::of(scale_dof(programme));
     let mut gyros = Vec::new();
     let mut missed = Vec::new();
     let (mut squares, mut all_independent, mut count) = (0.0, 0.0, 0);
@@ -177,11 +177,11 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
         let z: Vec<f64> = (0..n).map(|k| if gyro.foretold[k] { error[k] / gyro.sd[k] } else { 0.0 }).collect();
         let told: Vec<usize> = (0..n).filter(|k| gyro.foretold[*k]).collect();
         let of_gyro: f64 = z.iter().map(|z| z * z).sum();
-        let Asked { dof, t_variance, .. } = programme.gyros[j];
+        let GyroOfBoth { dof, t_variance, .. } = programme.gyros[j];
         let independent: Vec<f64> = told.iter().map(|k| innovations[j * n + k][0] * t_variance.sqrt()).collect();
         let squares_of_gyro: f64 = independent.iter().map(|error| error * error).sum();
         if !programme.one_scale {
-            scale = Scale::of(dof);
+            scale = VarianceScale::of(dof);
         }
         for k in &told {
             let weight = (gyro.scale / gyro.noise[*k]).powi(2);
@@ -207,7 +207,7 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
     missed.retain(|miss| miss.z.abs() > limit);
     missed.sort_by(|a, b| b.z.abs().total_cmp(&a.z.abs()));
     let pit: Vec<f64> = gyros.iter().flat_map(|gyro| &gyro.pit).copied().collect();
-    Comparison {
+    ForecastComparison {
         gyros,
         count,
         rms_over_sd: (squares / count.max(1) as f64).sqrt(),
@@ -223,14 +223,14 @@ fn compared(programme: &Programme, knowledge: &Knowledge, measured: &DVector<f64
 }
 
 /// What a rule judges: the dwells of which the model has seen the like, where they are half of all.
-struct Judged {
+struct JudgedInnovations {
     is_mostly_seen: bool,
     innovations: Vec<[f64; 3]>,
 }
 
-impl Judged {
+impl JudgedInnovations {
     fn of(
-        programme: &Programme,
+        programme: &StackedDesign,
         knowledge: &Knowledge,
         measured: &DVector<f64>,
         (forecast, of_all): (&Forecast, &[[f64; 3]]),
@@ -245,12 +245,18 @@ impl Judged {
         Self { is_mostly_seen, innovations: innovations(programme, knowledge, measured, is_judged) }
     }
 
-    fn counts(&self, programme: &Programme, dwell: usize) -> bool {
+    fn counts(&self, programme: &StackedDesign, dwell: usize) -> bool {
         programme.seen[dwell] || !self.is_mostly_seen
     }
 }
 
-fn foretold_gyro(programme: &Programme, forecast: &Forecast, judged: &Judged, j: usize, z: &[f64]) -> ForetoldGyro {
+fn foretold_gyro(
+    programme: &StackedDesign,
+    forecast: &Forecast,
+    judged: &JudgedInnovations,
+    j: usize,
+    z: &[f64],
+) -> ForetoldGyro {
     let (n, gyro) = (programme.dwells, &programme.gyros[j]);
     let foretold = &forecast.gyros[j].foretold;
     let told: Vec<usize> = (0..n).filter(|k| foretold[*k] && judged.counts(programme, *k)).collect();
@@ -267,7 +273,7 @@ fn foretold_gyro(programme: &Programme, forecast: &Forecast, judged: &Judged, j:
 
 /// Degrees of freedom of the noise of all gyros together: one scale is known as well as by any of them, scales of
 /// their own add up.
-fn scale_dof(programme: &Programme) -> f64 {
+fn scale_dof(programme: &StackedDesign) -> f64 {
     let dof = programme.gyros.iter().map(|gyro| gyro.dof);
     if programme.one_scale { dof.fold(f64::INFINITY, f64::min) } else { dof.sum() }
 }
@@ -275,7 +281,7 @@ fn scale_dof(programme: &Programme) -> f64 {
 /// Errors one by one, each over its standard deviation given those before, and what a step of D_I and of D_S of the
 /// row's gyro by 1 deg/(h g0) adds to it; zero of what is left out.
 fn innovations(
-    programme: &Programme,
+    programme: &StackedDesign,
     knowledge: &Knowledge,
     measured: &DVector<f64>,
     is_told: impl Fn(usize) -> bool,
@@ -307,13 +313,13 @@ fn innovations(
 }
 
 /// What the scale of the noise is known by: of the model, then of the errors before as well.
-struct Scale {
+struct VarianceScale {
     /// Over the variance that the model has.
     squares: f64,
     dof: f64,
 }
 
-impl Scale {
+impl VarianceScale {
     fn of(dof: f64) -> Self {
         Self { squares: dof, dof }
     }
@@ -364,7 +370,7 @@ struct Weighed {
 }
 
 impl Weighed {
-    fn of(programme: &Programme, with: &Knowledge, without: &Knowledge, forecast: &Forecast) -> Self {
+    fn of(programme: &StackedDesign, with: &Knowledge, without: &Knowledge, forecast: &Forecast) -> Self {
         let n = programme.dwells;
         let rows: Vec<usize> = (0..programme.noise.len()).filter(|i| forecast.gyros[i / n].foretold[i % n]).collect();
         let x = programme.columns.select_rows(&rows);
@@ -484,13 +490,13 @@ mod tests {
     #[test]
     fn a_scale_that_is_estimated_makes_t_of_errors_and_is_known_better_after_each() {
         // P(t < 1) of 3 degrees of freedom, then P(t < 2) of 4 (Abramowitz and Stegun 26.7.3, 26.7.4).
-        let mut estimated = Scale::of(3.0);
+        let mut estimated = VarianceScale::of(3.0);
         let expected = [0.804_499, 0.941_942];
         for (error, expected) in [1.0, 2.0].into_iter().zip(expected) {
             let found = estimated.transformed(error);
             assert!((found - expected).abs() < 1e-5, "{found} {expected}");
         }
-        let mut known = Scale::of(f64::INFINITY);
+        let mut known = VarianceScale::of(f64::INFINITY);
         assert!(known.transformed(9.0) > 0.999 && (known.transformed(1.644_853_627) - 0.95).abs() < 1e-9);
     }
 

@@ -18,7 +18,7 @@ use super::columns::columns;
 use super::identified::{FittedCampaign, Identified, ModelCoefficient, ModelGyro, NoiseLaw, Of, Validity};
 use crate::core::augmented::{Adopted, AugmentedModel, KnownEffect, Provenance};
 use crate::core::calibrate::design::Design;
-use crate::core::calibrate::noise::Source;
+use crate::core::calibrate::noise::NoiseSource;
 use crate::core::calibrate::{Calibration, calibrate_referred};
 use crate::core::campaign::{Campaign, CampaignGyro, Dwell, Temperatures, TestKind};
 use crate::core::effects::{Estimate, GyroAxes, Refusal, Scope, Setting, axes};
@@ -32,7 +32,7 @@ use crate::message;
 
 /// One campaign to fit.
 #[derive(Debug, Clone)]
-pub struct Sample<'a> {
+pub struct CampaignSample<'a> {
     pub campaign: &'a Campaign,
     /// Its identifier or the hash of its document.
     pub source: Option<String>,
@@ -98,7 +98,7 @@ const FAMILIES: [Term; 3] = [Term::Bias, Term::GLinear, Term::Scale];
 ///
 /// # Errors
 /// [`NotIdentified`], naming what does not fit together.
-pub fn identify(samples: &[Sample], model: &AugmentedModel) -> Result<Identified, NotIdentified> {
+pub fn identify(samples: &[CampaignSample], model: &AugmentedModel) -> Result<Identified, NotIdentified> {
     identify_at(samples, model, mean_temperature(samples))
 }
 
@@ -107,15 +107,16 @@ pub fn identify(samples: &[Sample], model: &AugmentedModel) -> Result<Identified
 /// # Errors
 /// As [`identify`].
 pub fn identify_at(
-    samples: &[Sample],
+    samples: &[CampaignSample],
     model: &AugmentedModel,
     reference_c: Option<f64>,
 ) -> Result<Identified, NotIdentified> {
     let slots: Vec<Slot> =
         samples.iter().take(1).flat_map(|sample| &sample.campaign.gyros).map(|gyro| gyro.slot).collect();
     let ordered: Vec<Cow<Campaign>> = samples.iter().map(|sample| sample.campaign.in_order_of(&slots)).collect();
-    let with_gyros = |(sample, campaign)| Sample { campaign, ..Sample::clone(sample) };
-    let mut samples: Vec<Sample> = samples.iter().zip(ordered.iter().map(Cow::as_ref)).map(with_gyros).collect();
+    let with_gyros = |(sample, campaign)| CampaignSample { campaign, ..CampaignSample::clone(sample) };
+    let mut samples: Vec<CampaignSample> =
+        samples.iter().zip(ordered.iter().map(Cow::as_ref)).map(with_gyros).collect();
     samples.sort_by_key(|sample| sample.campaign.measured_at);
     check(&samples)?;
     let newest = samples.last().ok_or(NotIdentified::NoCampaign)?.campaign;
@@ -130,7 +131,7 @@ pub fn identify_at(
     let mut effects: Vec<Adopted> = adopted().filter(lasts).cloned().collect();
     let axes = axes_of(&samples)?;
     loop {
-        let problem = Problem::new(&samples, terms, &effects, reference_c, &axes)?;
+        let problem = ModelProblem::new(&samples, terms, &effects, reference_c, &axes)?;
         match problem.undetermined() {
             Some(effect) => _ = effects.remove(effect),
             None => return Ok(problem.solved(&effects)),
@@ -138,7 +139,7 @@ pub fn identify_at(
     }
 }
 
-fn check(samples: &[Sample]) -> Result<(), NotIdentified> {
+fn check(samples: &[CampaignSample]) -> Result<(), NotIdentified> {
     of_one_imu(&samples.iter().map(|sample| sample.campaign).collect::<Vec<_>>())
 }
 
@@ -176,13 +177,13 @@ pub fn of_one_imu(campaigns: &[&Campaign]) -> Result<(), NotIdentified> {
     if at_once { Err(NotIdentified::SameInstant) } else { Ok(()) }
 }
 
-fn mean_temperature(samples: &[Sample]) -> Option<f64> {
+fn mean_temperature(samples: &[CampaignSample]) -> Option<f64> {
     let known: Vec<f64> = samples.iter().filter_map(|s| Temperatures::stated(s.campaign)).flatten().collect();
     (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
 }
 
 /// Axes as the campaign with the fastest rate shows them.
-fn axes_of(samples: &[Sample]) -> Result<Vec<GyroAxes>, Refusal> {
+fn axes_of(samples: &[CampaignSample]) -> Result<Vec<GyroAxes>, Refusal> {
     let fastest = samples.iter().max_by(|a, b| fastest(a.campaign).total_cmp(&fastest(b.campaign)));
     Ok(fastest.map(|s| axes::setting(s.campaign)).transpose()?.map(|(s, _)| s.gyros).unwrap_or_default())
 }
@@ -192,18 +193,18 @@ fn fastest(campaign: &Campaign) -> f64 {
 }
 
 /// One campaign on its way into the fit.
-struct Part<'a> {
-    sample: &'a Sample<'a>,
+struct CampaignPart<'a> {
+    sample: &'a CampaignSample<'a>,
     calibration: Calibration,
     setting: Setting,
     /// Of the noise, gyro by gyro.
     sd: Vec<Vec<f64>>,
-    scales: Vec<Scale>,
+    scales: Vec<ScatterScale>,
 }
 
 /// How far outputs of one gyro scatter about the model.
 #[derive(Debug, Clone, Copy)]
-struct Scale {
+struct ScatterScale {
     /// Over the standard deviations that the calibration finds, for the covariance of what is fitted.
     of_sigma: f64,
     /// Over the standard errors as stated, or 1 pulse/s, for an output to come.
@@ -211,14 +212,14 @@ struct Scale {
     dof: f64,
 }
 
-impl Scale {
+impl ScatterScale {
     /// As the calibration's covariance has it. Where repeats scatter less than the residuals do, the residuals count:
     /// what the model leaves out is in the next campaign, too.
     fn of(calibration: &Calibration, j: usize) -> Option<Self> {
         let gyro = &calibration.gyros[j];
         let factor = gyro.noise.factor.filter(|f| *f > 0.0)?;
         let [found, output] = [gyro.noise.covariance_scale()?.sqrt(), gyro.noise.output_scale()?.sqrt()];
-        let by_repeats = matches!(gyro.noise.source, Source::SemAndRepeats | Source::Repeats);
+        let by_repeats = matches!(gyro.noise.source, NoiseSource::SemAndRepeats | NoiseSource::Repeats);
         let gyros = if calibration.has_sem { &calibration.gyros[..] } else { std::slice::from_ref(gyro) };
         let squares: f64 =
             gyros.iter().filter_map(|g| Some(g.residuals.component_div(g.sigma.as_ref()?).norm_squared())).sum();
@@ -231,8 +232,8 @@ impl Scale {
     }
 }
 
-struct Problem<'a> {
-    parts: Vec<Part<'a>>,
+struct ModelProblem<'a> {
+    parts: Vec<CampaignPart<'a>>,
     terms: Terms,
     reference_c: Option<f64>,
     coefficients: Vec<ModelCoefficient>,
@@ -242,27 +243,27 @@ struct Problem<'a> {
     side: DVector<f64>,
 }
 
-impl<'a> Problem<'a> {
+impl<'a> ModelProblem<'a> {
     fn new(
-        samples: &'a [Sample<'a>],
+        samples: &'a [CampaignSample<'a>],
         terms: Terms,
         effects: &[Adopted],
         reference_c: Option<f64>,
         axes: &[GyroAxes],
     ) -> Result<Self, NotIdentified> {
-        let part = |sample: &'a Sample<'a>| -> Result<Part<'a>, NotIdentified> {
+        let part = |sample: &'a CampaignSample<'a>| -> Result<CampaignPart<'a>, NotIdentified> {
             let c = sample.campaign;
             let all: Vec<Adopted> = effects.iter().chain(&sample.occasions).cloned().collect();
             let calibration = calibrate_referred(c, terms, &all, reference_c);
-            let scales =
-                (0..c.gyros.len()).map(|j| Scale::of(&calibration, j).ok_or(NotIdentified::NoNoise(c.gyros[j].slot)));
-            let scales = scales.collect::<Result<Vec<Scale>, _>>()?;
+            let scales = (0..c.gyros.len())
+                .map(|j| ScatterScale::of(&calibration, j).ok_or(NotIdentified::NoNoise(c.gyros[j].slot)));
+            let scales = scales.collect::<Result<Vec<ScatterScale>, _>>()?;
             let sd = calibration.gyros.iter().zip(&scales).map(|(gyro, scale)| {
                 gyro.sigma.iter().flat_map(|sigma| sigma.iter()).map(|s| s * scale.of_sigma).collect()
             });
             let sd = sd.collect();
             let setting = Setting::of(c, axes.to_vec()).referred_to(c, reference_c);
-            Ok(Part { sample, calibration, setting, sd, scales })
+            Ok(CampaignPart { sample, calibration, setting, sd, scales })
         };
         let parts = samples.iter().map(part).collect::<Result<Vec<_>, _>>()?;
         let between = between(&parts);
@@ -376,14 +377,14 @@ fn expand(coefficients: &[ModelCoefficient], gauged: bool) -> DMatrix<f64> {
 
 /// The design of all campaigns, their own coefficients after the common ones, and the outputs.
 fn stacked(
-    parts: &[Part],
+    parts: &[CampaignPart],
     coefficients: &[ModelCoefficient],
     effects: &[Adopted],
     expand: &DMatrix<f64>,
 ) -> (Factor, DVector<f64>) {
     let q = expand.ncols();
     let varying: Vec<usize> = (0..coefficients.len()).filter(|c| coefficients[*c].between > 0.0).collect();
-    let own = |part: &Part| -> Vec<ModelCoefficient> {
+    let own = |part: &CampaignPart| -> Vec<ModelCoefficient> {
         let gyros = &part.sample.campaign.gyros;
         let axes = &part.setting.gyros;
         coefficients_of_occasions(gyros, &part.sample.occasions, axes)
@@ -431,10 +432,10 @@ fn coefficients_of_occasions(
 }
 
 /// tau of each family, over |E|, from all gyros and components together.
-fn between(parts: &[Part]) -> [f64; 3] {
+fn between(parts: &[CampaignPart]) -> [f64; 3] {
     FAMILIES.map(|term| {
         let of_component = |(j, i): (usize, usize)| {
-            let of_part = |part: &Part| {
+            let of_part = |part: &CampaignPart| {
                 let parameter = part.calibration.gyros[j].of(term)?[i];
                 let scale = part.setting.gyros[j].scale;
                 Some((parameter.value / scale, parameter.sd.filter(|sd| *sd > 0.0)? / scale))
@@ -448,7 +449,7 @@ fn between(parts: &[Part]) -> [f64; 3] {
 }
 
 /// The law that the noise of gyro `j` follows over all campaigns: least squares of sd^2 in shares of itself.
-fn noise(parts: &[Part], j: usize) -> NoiseLaw {
+fn noise(parts: &[CampaignPart], j: usize) -> NoiseLaw {
     let (mut uu, mut uv, mut vv, mut u1, mut v1) = (0.0, 0.0, 0.0, 0.0, 0.0);
     let (mut factors, mut dof) = (Vec::new(), 0.0);
     for part in parts {
@@ -482,7 +483,7 @@ fn noise(parts: &[Part], j: usize) -> NoiseLaw {
     }
 }
 
-fn fitted(sample: &Sample) -> FittedCampaign {
+fn fitted(sample: &CampaignSample) -> FittedCampaign {
     let c = sample.campaign;
     FittedCampaign {
         station: c.station.clone(),
@@ -492,7 +493,7 @@ fn fitted(sample: &Sample) -> FittedCampaign {
     }
 }
 
-fn validity(parts: &[Part]) -> Validity {
+fn validity(parts: &[CampaignPart]) -> Validity {
     let temperatures = || parts.iter().filter_map(|p| Temperatures::stated(p.sample.campaign)).flatten();
     let (low, high) = (temperatures().fold(f64::INFINITY, f64::min), temperatures().fold(f64::NEG_INFINITY, f64::max));
     let mut directions: Vec<Vector3<f64>> = Vec::new();

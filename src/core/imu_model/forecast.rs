@@ -2,7 +2,7 @@
 //! outputs taken.
 
 use super::identified::Identified;
-use super::programme::{Knowledge, NoForecast, Programme};
+use super::programme::{Knowledge, NoForecast, StackedDesign};
 use crate::core::campaign::Campaign;
 use crate::core::message::Message;
 use crate::core::mounting::Slot;
@@ -42,11 +42,11 @@ pub struct GyroForecast {
 /// # Errors
 /// [`NoForecast`], where the model is of something else.
 pub fn forecast(model: &Identified, campaign: &Campaign) -> Result<Forecast, NoForecast> {
-    let programme = Programme::of(model, campaign)?;
+    let programme = StackedDesign::of(model, campaign)?;
     Ok(foretold(&programme, &Knowledge::of(model, campaign, model.effects.len())))
 }
 
-pub(super) fn foretold(programme: &Programme, knowledge: &Knowledge) -> Forecast {
+pub(super) fn foretold(programme: &StackedDesign, knowledge: &Knowledge) -> Forecast {
     let n = programme.dwells;
     let predicted = &programme.columns * &knowledge.values + &programme.held;
     let spread = &programme.columns * &knowledge.covariance;

@@ -16,11 +16,11 @@ mod identified;
 mod programme;
 mod telling;
 
-pub use changed::{Changed, ChangedEffect, DriftShift, NotCompared, changed, changed_since};
-pub use comparison::{Closing, Comparison, GyroComparison, Miss, Rung, compare, ladder, promised};
+pub use changed::{Changed, ChangedEffect, DriftShift, changed, changed_since};
+pub use comparison::{Closing, ForecastComparison, GyroComparison, Miss, Rung, compare, ladder, promised};
 pub use draw::drawn;
 pub use effects::{Chosen, asked_for, named};
-pub use fit::{NotIdentified, Sample, identify, identify_at, of_one_imu};
+pub use fit::{CampaignSample, NotIdentified, identify, of_one_imu};
 pub use forecast::{Forecast, GyroForecast, forecast};
 pub use identified::{FittedCampaign, Identified, ModelCoefficient, ModelGyro, NoiseLaw, Of, Validity};
 pub use programme::NoForecast;

@@ -54,7 +54,7 @@ const WARMER_K: f64 = 0.5;
 
 /// One gyro that both know.
 #[derive(Debug, Clone)]
-pub(super) struct Asked {
+pub(super) struct GyroOfBoth {
     /// Among the campaign's gyros.
     pub place: usize,
     pub slot: Slot,
@@ -69,8 +69,8 @@ pub(super) struct Asked {
 
 /// Rows of all gyros one after the other, dwell by dwell.
 #[derive(Debug, Clone)]
-pub(super) struct Programme {
-    pub gyros: Vec<Asked>,
+pub(super) struct StackedDesign {
+    pub gyros: Vec<GyroOfBoth>,
     pub dwells: usize,
     /// pulse/s per unit of each coefficient.
     pub columns: DMatrix<f64>,
@@ -87,7 +87,7 @@ pub(super) struct Programme {
     pub notes: Vec<Message>,
 }
 
-impl Programme {
+impl StackedDesign {
     /// Columns, noise and sensitivities of a campaign's dwells for the gyros that the model knows. What it cannot
     /// forecast is noted.
     ///
@@ -138,7 +138,7 @@ impl Programme {
             [axes.input, axes.spin].map(|axis| axes.scale * axis.dot(&setting.force[k]))
         };
         let steps = (0..known.len() * n).map(|i| along(i / n, i % n)).collect();
-        let asked = known.iter().zip(&setting.gyros).map(|((place, gyro), axes)| Asked {
+        let asked = known.iter().zip(&setting.gyros).map(|((place, gyro), axes)| GyroOfBoth {
             place: *place,
             slot: gyro.slot,
             serial: gyro.serial.clone(),

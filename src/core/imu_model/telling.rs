@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::identified::Identified;
-use super::programme::{Knowledge, NoForecast, Programme};
+use super::programme::{Knowledge, NoForecast, StackedDesign};
 use crate::core::campaign::Campaign;
 
 /// A dwell that is worth measuring.
@@ -22,7 +22,7 @@ pub struct Telling {
 /// # Errors
 /// [`NoForecast`].
 pub fn most_telling(model: &Identified, campaign: &Campaign, most: usize) -> Result<Vec<Telling>, NoForecast> {
-    let programme = Programme::of(model, campaign)?;
+    let programme = StackedDesign::of(model, campaign)?;
     let mut covariance = Knowledge::of(model, campaign, model.effects.len()).covariance;
     let mut chosen: Vec<Telling> = Vec::new();
     while chosen.len() < most {
@@ -46,12 +46,12 @@ pub fn most_telling(model: &Identified, campaign: &Campaign, most: usize) -> Res
 /// Nats below which a dwell tells nothing.
 const LEAST: f64 = 1e-3;
 
-fn rows(programme: &Programme, dwell: usize) -> impl Iterator<Item = usize> {
+fn rows(programme: &StackedDesign, dwell: usize) -> impl Iterator<Item = usize> {
     let n = programme.dwells;
     (0..programme.gyros.len()).map(move |j| j * n + dwell)
 }
 
-fn told(programme: &Programme, covariance: &DMatrix<f64>, dwell: usize) -> Telling {
+fn told(programme: &StackedDesign, covariance: &DMatrix<f64>, dwell: usize) -> Telling {
     let ratios = rows(programme, dwell).map(|row| {
         let column = programme.columns.row(row).transpose();
         column.dot(&(covariance * &column)).max(0.0) / programme.noise[row].powi(2)

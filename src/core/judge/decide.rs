@@ -9,13 +9,13 @@ use crate::core::numerics::normal::{normal_cdf, range_cdf};
 
 /// A state, and the probability that the true value lies beyond the limit, where uncertainty is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Outcome {
+pub(crate) struct Conformity {
     pub state: State,
     pub probability: Option<f64>,
 }
 
 /// Judges |difference| against `limit`.
-pub(crate) fn beyond(difference: Measured, limit: f64, confidence: f64) -> Outcome {
+pub(crate) fn beyond(difference: Measured, limit: f64, confidence: f64) -> Conformity {
     outside(difference, -limit, limit, confidence)
 }
 
@@ -23,15 +23,15 @@ pub(crate) fn beyond(difference: Measured, limit: f64, confidence: f64) -> Outco
 /// value ~ N(value, sd^2), and a verdict is reached where it passes `confidence` or falls below 1 - confidence.
 /// Without one, the figure is compared as it stands. A figure that lies inside never exceeds, however uncertain it
 /// is.
-pub(crate) fn outside(figure: Measured, low: f64, high: f64, confidence: f64) -> Outcome {
+pub(crate) fn outside(figure: Measured, low: f64, high: f64, confidence: f64) -> Conformity {
     let Measured { value, sd } = figure;
     let Some(sd) = sd.filter(|&sd| sd > 0.0) else {
         let state = if value < low || value > high { State::Exceeded } else { State::Within };
-        return Outcome { state, probability: None };
+        return Conformity { state, probability: None };
     };
     let probability = (normal_cdf((value - high) / sd) + normal_cdf((low - value) / sd)).min(1.0);
     let is_outside = value < low || value > high;
-    Outcome { state: by_probability(is_outside, probability, confidence), probability: Some(probability) }
+    Conformity { state: by_probability(is_outside, probability, confidence), probability: Some(probability) }
 }
 
 /// Two figures, the lower one first, and what each belongs to.
@@ -50,7 +50,7 @@ impl<T> Pair<T> {
     }
 
     /// Judges their difference, which is the widest among `n` figures.
-    pub fn outcome(&self, n: usize, limit: f64, confidence: f64) -> Outcome {
+    pub fn outcome(&self, n: usize, limit: f64, confidence: f64) -> Conformity {
         range_beyond(self.difference(), n, limit, confidence)
     }
 
@@ -97,14 +97,14 @@ pub(crate) fn widest<T: Copy>(
 /// probability is that of the pair; above it, it is 1 - p/2 where p is the chance that noise alone opens the range of n
 /// equal figures by the excess (Tukey's studentised range; Kramer's form for unequal standard deviations). For n = 2
 /// both are the same formula.
-pub(crate) fn range_beyond(range: Measured, n: usize, limit: f64, confidence: f64) -> Outcome {
+pub(crate) fn range_beyond(range: Measured, n: usize, limit: f64, confidence: f64) -> Conformity {
     let excess = range.value - limit;
     let Some(sd) = range.sd.filter(|&sd| sd > 0.0) else {
-        return Outcome { state: plain(range.value, limit), probability: None };
+        return Conformity { state: plain(range.value, limit), probability: None };
     };
     let inside = normal_cdf(excess / sd) + normal_cdf((-limit - range.value) / sd);
     let probability = if excess <= 0.0 { inside } else { 1.0 - 0.5 * (1.0 - range_cdf(excess / sd * SQRT_2, n)) };
-    Outcome { state: by_probability(excess > 0.0, probability, confidence), probability: Some(probability) }
+    Conformity { state: by_probability(excess > 0.0, probability, confidence), probability: Some(probability) }
 }
 
 pub(crate) fn plain(value: f64, limit: f64) -> State {

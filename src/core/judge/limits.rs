@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 
 use super::coefficient::Coefficient;
-use super::noise::Noise;
+use super::noise::NoiseParameters;
 use super::rule::Rule;
 use super::sample::Measured;
 
@@ -59,7 +59,7 @@ pub struct Limits {
     /// `overdue` fires so many days after the last calibration.
     pub interval_days: Option<Limit>,
     /// How the figures of unmoved gyros scatter.
-    pub noise: Noise,
+    pub noise: NoiseParameters,
     /// Standard deviation of D_I and D_S from station to station, deg/(h g0); 0 where the fleet does not tell it.
     pub between_stations: [f64; 2],
 }
@@ -95,11 +95,6 @@ pub struct ShiftLimits {
 }
 
 impl DriftLimits {
-    /// No rule judges.
-    pub fn none() -> Self {
-        Self { single: [None; Rule::ALL.len()], fixed_baseline: None, trend: None, shift: None }
-    }
-
     /// The limit of a rule that has one; none where it does not judge.
     pub fn of(&self, rule: Rule) -> Option<Limit> {
         self.single[rule as usize]
@@ -151,7 +146,7 @@ impl Limits {
             range_days: 30.0,
             range_min_records: 3,
             interval_days: None,
-            noise: Noise::default(),
+            noise: NoiseParameters::default(),
             between_stations: [0.0; 2],
         }
     }

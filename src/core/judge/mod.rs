@@ -27,16 +27,16 @@ mod verdict;
 pub use coefficient::Coefficient;
 pub use event::{Event, FixedLevels, Mark, baseline_since, reset_before, stated_level};
 pub use history::{History, Need};
-pub use limits::{Bounds, DriftLimits, Limit, LimitKey, Limits, Requirement, ShiftLimits, TrendLimits};
+pub use limits::{DriftLimits, Limit, LimitKey, Limits, ShiftLimits, TrendLimits};
 pub use load::Load;
-pub use noise::{FleetNoise, Noise, Spacing, fit_fleet};
+pub use noise::{FleetNoise, NoiseParameters, Spacing, fit_fleet};
 pub use outlook::{Outlook, Reach};
 pub use range_summary::Older;
-pub use reason::{digits, sd_digits, turn_arcmin};
-pub use rule::{Finding, LimitKind, Rule, Source, Unit, Unseen};
+pub use reason::{digits, sd_digits};
+pub use rule::{FigureSource, Finding, LimitKind, Rule, Unit, Unseen};
 pub use rules::{
-    Calibrated, Foretold, ForetoldGyro, Group, ImuQuestion, LATELY, ShiftQuestion, SourcedResult, Suspected, agreement,
-    forecast, group_shift, has_grown, imu_shift, in_common, is_explained, overdue, requirement,
+    Foretold, ForetoldGyro, Group, ImuQuestion, LATELY, NewestCalibration, ShiftQuestion, SourcedResult, Suspected,
+    agreement, forecast, group_shift, has_grown, imu_shift, in_common, is_explained, overdue, requirement,
 };
 pub use sample::{BASELINE_RECORDS, Measured, Sample, Seat};
 pub use series::Series;

@@ -13,7 +13,7 @@ use crate::core::numerics::median::median;
 
 /// What is known of the noise of a whole fleet.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Noise {
+pub struct NoiseParameters {
     /// Correlation of the scatter from one cell to the next.
     pub phi: f64,
     /// Random walk of the level, deg/(h g0) a root year.
@@ -23,14 +23,14 @@ pub struct Noise {
     pub of_fleet: bool,
 }
 
-impl Default for Noise {
+impl Default for NoiseParameters {
     /// Before there is a fleet: the middle of what gyros show.
     fn default() -> Self {
         Self { phi: 0.4, walk: 5e-4, of_fleet: false }
     }
 }
 
-impl Noise {
+impl NoiseParameters {
     /// sum_ij u_i w_j phi^|i-j|: covariance of two weighted sums for scatter of variance one. O(n).
     pub(super) fn of_scatter(&self, u: &[f64], w: &[f64]) -> f64 {
         let (mut before_u, mut before_w, mut sum) = (0.0, 0.0, 0.0);
@@ -68,7 +68,7 @@ impl Noise {
 
 /// A gyro's own scatter: what its cells show, drawn towards what a gyro is expected to have.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Prior {
+pub(super) struct ScatterPrior {
     /// Expected scatter, deg/(h g0).
     pub scatter: f64,
     /// Scatter is taken no smaller.
@@ -78,7 +78,7 @@ pub(super) struct Prior {
 /// Cells that the expectation counts for.
 const WEIGHT: f64 = 5.0;
 
-impl Prior {
+impl ScatterPrior {
     /// For a budget, and cells with these stated standard deviations.
     ///
     /// No smaller than a twentieth of the budget: less does not matter. No smaller than what the stations state of
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn covariances_are_those_of_the_full_matrix() {
-        let noise = Noise { phi: 0.6, walk: 2e-3, of_fleet: true };
+        let noise = NoiseParameters { phi: 0.6, walk: 2e-3, of_fleet: true };
         let t: [f64; 5] = [-2.0, -1.4, -1.1, -0.2, 0.0];
         let (u, w) = ([0.3, -0.5, 0.1, 0.6, -0.5], [-0.2, 0.4, 0.3, -0.9, 0.4]);
         let (mut scatter, mut walk) = (0.0, 0.0);
@@ -129,11 +129,11 @@ mod tests {
 
     #[test]
     fn scatter_is_drawn_towards_what_is_expected_and_never_below_what_is_stated() {
-        let prior = Prior::of(0.01, &[Some(1e-4), None, Some(3e-4), Some(2e-4)]);
+        let prior = ScatterPrior::of(0.01, &[Some(1e-4), None, Some(3e-4), Some(2e-4)]);
         assert_eq!((prior.scatter, prior.least), (1e-3, 5e-4));
         assert!((prior.variance(0.0, 5.0) - 0.5e-6).abs() < 1e-18, "half of the expected variance");
         assert!((prior.variance(9e-6 * 45.0, 45.0) - (5e-6 + 405e-6) / 50.0).abs() < 1e-15);
-        let noisy = Prior::of(0.01, &[Some(1e-4), Some(1e-4), Some(1e-4), Some(0.2), Some(0.3)]);
+        let noisy = ScatterPrior::of(0.01, &[Some(1e-4), Some(1e-4), Some(1e-4), Some(0.2), Some(0.3)]);
         assert_eq!(noisy.least, 0.2, "the newest three decide too");
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 
 use super::rule::Rule;
-use super::rule::{Finding, Source, Unit, Unseen};
+use super::rule::{FigureSource, Finding, Unit, Unseen};
 use super::rules::FALSE_ALARMS;
 use super::verdict::{State, Status, Verdict};
 use crate::core::message::{Message, Parameter, figure, list, p_value, signed, significant, text};
@@ -280,7 +280,7 @@ impl Verdict {
                 said
             }
             Finding::Agreement { results, lowest, highest } => {
-                let of = |(source, at, result): (Source, UtcMicros, f64)| {
+                let of = |(source, at, result): (FigureSource, UtcMicros, f64)| {
                     message!("result_of_method", value = shown(result), method = source.word(), at = day(at))
                 };
                 vec![message!("agreement", name, value = value(), results, lowest = of(lowest), highest = of(highest),)]

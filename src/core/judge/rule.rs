@@ -281,8 +281,8 @@ pub enum Finding {
     },
     Agreement {
         results: usize,
-        lowest: (Source, UtcMicros, f64),
-        highest: (Source, UtcMicros, f64),
+        lowest: (FigureSource, UtcMicros, f64),
+        highest: (FigureSource, UtcMicros, f64),
     },
     /// pulse/arcsec or pulse/(s g0).
     Requirement {
@@ -320,18 +320,18 @@ impl Unseen {
 
 /// Where a figure comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Source {
+pub enum FigureSource {
     /// Separated from a calibration of the IMU.
     Separation,
     Bench(BenchMethod),
 }
 
-impl Source {
+impl FigureSource {
     /// What people read.
     pub fn word(self) -> Message {
         match self {
-            Source::Separation => message!("method_separation"),
-            Source::Bench(method) => method.word(),
+            FigureSource::Separation => message!("method_separation"),
+            FigureSource::Bench(method) => method.word(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Each rule and how they act together. Longer than 400 lines: it is mostly tables of expected verdicts, which read
 //! best in one place.
 
+use super::limits::Requirement;
 use super::*;
 use crate::core::time::UtcMicros;
 
@@ -242,7 +243,7 @@ fn more_evidence_makes_no_violation_less_certain() {
     let measured = |value, sd| Measured { value, sd: Some(sd) };
     // Two certain results disagree; a third one is worth nothing.
     let of = |(i, (value, sd)): (usize, (f64, f64))| SourcedResult {
-        source: Source::Separation,
+        source: FigureSource::Separation,
         at: day(i as f64),
         measured: measured(value, sd),
     };
@@ -458,7 +459,7 @@ fn series(n: usize, value: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
 fn a_ramp_is_told_with_its_slope_and_the_dates_at_which_the_budget_is_reached() {
     // 0.0002 a fortnight: 0.0052178 a year. Record 40 lies 0.0078 from the baseline (median of records 0 to 2, that
     // is record 1); the remaining 0.0022 take 11 fortnights, 154 days, from day 560.
-    let limits = Limits { noise: Noise { phi: 0.0, walk: 0.0, of_fleet: true }, ..Limits::default() };
+    let limits = Limits { noise: NoiseParameters { phi: 0.0, walk: 0.0, of_fleet: true }, ..Limits::default() };
     let ramp = |n: usize| {
         let points = samples(None, &series(n, |i| 3.0 + 2e-4 * i as f64 + 1e-8 * scatter(i)));
         verdict(&points, &[], n - 1, Rule::Trend, &limits)
@@ -493,7 +494,7 @@ fn a_ramp_is_told_with_its_slope_and_the_dates_at_which_the_budget_is_reached() 
 fn the_standard_deviation_of_a_line_counts_level_slope_scatter_and_walk() {
     // Independent scatter, no walk, and a stated level: var(x0 + b t) = s^2 (1/n + (t - mean t)^2/Sxx), and s^2 is
     // the budget's tenth drawn to the residuals, here (5 s0^2 + 0)/(5 + 22).
-    let mut limits = Limits { noise: Noise { phi: 0.0, walk: 0.0, of_fleet: true }, ..Limits::default() };
+    let mut limits = Limits { noise: NoiseParameters { phi: 0.0, walk: 0.0, of_fleet: true }, ..Limits::default() };
     limits.d_i.fixed_baseline = Some(Measured { value: 3.0, sd: Some(3e-4) });
     let points = samples(None, &series(30, |i| 3.0 + 2e-4 * i as f64));
     let expected = |walk: f64, v: &Verdict| {
@@ -521,7 +522,7 @@ fn the_standard_deviation_of_a_line_counts_level_slope_scatter_and_walk() {
 
 #[test]
 fn a_step_is_no_trend_and_scatter_is_none_either() {
-    let limits = Limits { noise: Noise { phi: 0.0, walk: 0.0, of_fleet: true }, ..Limits::default() };
+    let limits = Limits { noise: NoiseParameters { phi: 0.0, walk: 0.0, of_fleet: true }, ..Limits::default() };
     let trend = |n: usize, value: &dyn Fn(usize) -> f64| {
         let points = samples(None, &series(n, value));
         verdict(&points, &[], n - 1, Rule::Trend, &limits)
@@ -690,7 +691,7 @@ fn a_shift_that_does_not_matter_raises_nothing_and_noise_widens_the_limit() {
 fn the_standard_deviation_of_a_shift_follows_the_noise_model() {
     // k equal cells before: s^2 = 5 s0^2/(5 + k - F), and no less than s0^2/4, with F = k var(mean of k) of AR(1),
     // here by the matrix.
-    let noise = Noise { phi: 0.5, walk: 8e-4, of_fleet: true };
+    let noise = NoiseParameters { phi: 0.5, walk: 8e-4, of_fleet: true };
     let limits = Limits { noise, ..Limits::default() };
     for n in [10, 14, 40] {
         let v = verdict(
@@ -820,11 +821,11 @@ fn table_5_agrees_by_its_range_column() {
         ([1.686599, 1.686447, 1.6865143], 1.520),
         ([-9.977666, -9.976657, -9.976365], 13.010),
     ];
-    let bench = Source::Bench(crate::core::bench::BenchMethod::TorqueFeedback);
+    let bench = FigureSource::Bench(crate::core::bench::BenchMethod::TorqueFeedback);
     let limit = Limit { value: 1e-3, from: LimitKey::BUDGET };
     for (values, range) in table_5 {
         let result = |(i, value)| SourcedResult {
-            source: if i == 1 { Source::Separation } else { bench },
+            source: if i == 1 { FigureSource::Separation } else { bench },
             at: day(i as f64),
             measured: Measured::exact(value),
         };

@@ -15,7 +15,7 @@ use crate::wire::problem::Problem;
 pub const UNDER_WAY_KIB: u32 = 2048;
 
 /// A line of the body.
-pub struct Line {
+pub struct ImportLine {
     /// Counting from 1.
     pub number: u64,
     /// Or what is wrong with it already.
@@ -33,7 +33,7 @@ pub struct Longest {
 
 /// Splits a body into its lines, each when there is room for it. Empty ones are left out but counted. Reading ends
 /// with a problem when the body is too long or breaks off.
-pub fn lines<B>(body: B, longest: Longest) -> impl Stream<Item = Line>
+pub fn lines<B>(body: B, longest: Longest) -> impl Stream<Item = ImportLine>
 where
     B: Stream<Item = Result<Bytes, axum::Error>> + Unpin,
 {
@@ -49,7 +49,7 @@ where
             Ok(taken) => taken,
             Err(_) => Arc::clone(&room).acquire_many_owned(kib).await.expect("nobody closes it"),
         };
-        Some((Line { number, text, room: taken }, (splitter, room)))
+        Some((ImportLine { number, text, room: taken }, (splitter, room)))
     })
 }
 
@@ -151,7 +151,7 @@ mod tests {
 
     const LONGEST: Longest = Longest { line: 8 << 20, body: 64 << 20 };
 
-    fn lines_of(text: String) -> impl Stream<Item = Line> {
+    fn lines_of(text: String) -> impl Stream<Item = ImportLine> {
         lines(futures::stream::iter([Ok(Bytes::from(text))]), LONGEST)
     }
 

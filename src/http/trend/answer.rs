@@ -3,11 +3,11 @@
 use std::fmt::Write as _;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use axum::http::header::{CONTENT_TYPE, ETAG, IF_NONE_MATCH, LINK, VARY};
+use axum::http::header::{CONTENT_TYPE, ETAG, IF_NONE_MATCH, VARY};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 
-use super::request::{Request, Written};
+use super::request::{Request, TrendText};
 use crate::http::query;
 
 /// A tag of what the answer holds (rows by identifier and what is shown of them, or periods with the events), and how it
@@ -33,13 +33,8 @@ pub(super) fn not_modified(tag: &HeaderValue) -> Response {
     (StatusCode::NOT_MODIFIED, [(ETAG, tag.clone())]).into_response()
 }
 
-pub(super) fn answer(body: Written, tag: &HeaderValue, uri: &Uri) -> Response {
+pub(super) fn answer(body: TrendText, tag: &HeaderValue, uri: &Uri) -> Response {
     let media_type = if body.csv { "text/csv; charset=utf-8" } else { "application/json" };
-    let link = body.next.and_then(|next| HeaderValue::from_str(&query::link_to(uri, &next)).ok());
-    let mut response = ([(CONTENT_TYPE, media_type), (VARY, "accept")], body.text).into_response();
-    response.headers_mut().insert(ETAG, tag.clone());
-    if let Some(link) = link {
-        response.headers_mut().insert(LINK, link);
-    }
-    response
+    let link = query::link(uri, body.next.as_deref());
+    (link, [(CONTENT_TYPE, media_type), (VARY, "accept")], [(ETAG, tag.clone())], body.text).into_response()
 }

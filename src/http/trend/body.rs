@@ -7,9 +7,9 @@ use crate::core::id::Id;
 use crate::core::named::named;
 use crate::core::time::UtcMicros;
 use crate::http::events::EventBody;
+use crate::http::problem::Answer;
 use crate::http::query::not_one_of;
 use crate::pipeline::Levels;
-use crate::wire::problem::Problem;
 use crate::wire::time::Stamp;
 
 /// The history of one coefficient, oldest first.
@@ -141,7 +141,7 @@ pub enum PointColumn {
 
 impl PointColumn {
     /// Those of a query: names separated by commas, or `all`.
-    pub fn read(asked: &str) -> Result<Vec<Self>, Problem> {
+    pub fn read(asked: &str) -> Answer<Vec<Self>> {
         if asked == "all" {
             return Ok(Self::ALL.to_vec());
         }

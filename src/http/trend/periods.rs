@@ -3,13 +3,14 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::request::{Method, Request, Written};
+use super::request::{PointMethod, Request, TrendText};
 use crate::config::JudgedMethod;
 use crate::core::period::{Gatherer, Period, Summary};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::http::App;
 use crate::http::events::EventBody;
+use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::sample_of;
 use crate::wire::body::bodies;
@@ -51,16 +52,11 @@ struct PeriodBody {
 
 impl Request {
     /// One page of periods, and where the next begins.
-    pub(super) async fn periods(
-        &self,
-        app: &App,
-        gyro: u32,
-        period: Period,
-    ) -> Result<(Vec<Summary>, Option<String>), Problem> {
+    pub(super) async fn periods(&self, app: &App, gyro: u32, period: Period) -> Answer<(Vec<Summary>, Option<String>)> {
         let mut gatherer = Gatherer::new(period);
         match self.method {
-            Method::Separated(method) => self.gather(app, gyro, method, &mut gatherer).await?,
-            Method::Bench(method) => {
+            PointMethod::Separated(method) => self.gather(app, gyro, method, &mut gatherer).await?,
+            PointMethod::Bench(method) => {
                 let Some(column) = self.coefficient.column().filter(|&column| column < 2) else {
                     return Ok((Vec::new(), None));
                 };
@@ -81,7 +77,7 @@ impl Request {
         Ok((summaries, next))
     }
 
-    async fn gather(&self, app: &App, gyro: u32, method: JudgedMethod, gatherer: &mut Gatherer) -> Result<(), Problem> {
+    async fn gather(&self, app: &App, gyro: u32, method: JudgedMethod, gatherer: &mut Gatherer) -> Answer<()> {
         let column = self.coefficient.column().unwrap_or_default();
         let mut span = self.span;
         loop {
@@ -105,7 +101,7 @@ impl Request {
         summaries: &[Summary],
         events: &[EventBody],
         next: Option<String>,
-    ) -> Result<Written, Problem> {
+    ) -> Answer<TrendText> {
         let trend = PeriodTrend {
             serial,
             coefficient: self.coefficient.name(),
@@ -118,7 +114,7 @@ impl Request {
         };
         let text = if self.csv { csv(&trend) } else { serde_json::to_vec(&trend).ok() };
         let text = text.ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
-        Ok(Written { text, csv: self.csv, next })
+        Ok(TrendText { text, csv: self.csv, next })
     }
 }
 

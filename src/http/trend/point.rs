@@ -7,19 +7,19 @@ use crate::core::judge::{Coefficient, State as Judgement};
 use crate::pipeline::{BenchItem, Names, Statuses, sample_of};
 
 /// A record or an event that an answer holds, and what is shown of the record: another model in force restates it.
-pub(super) type Seen = (i64, Option<Shown>);
+pub(super) type Seen = (i64, Option<PointContent>);
 
 /// Value and standard deviation, bit by bit; state and status; whether it is set aside.
-pub(super) type Shown = ([Option<u64>; 2], [&'static str; 2], bool);
+pub(super) type PointContent = ([Option<u64>; 2], [&'static str; 2], bool);
 
 /// A record of the gyro; whether it does not count any more, where that is asked for.
-pub(super) struct Row {
+pub(super) struct TrendRow {
     pub figures: Figures,
     pub voided: Option<bool>,
     pub set_aside: bool,
 }
 
-impl Row {
+impl TrendRow {
     pub fn seen(&self, statuses: &Statuses, column: usize, method: JudgedMethod) -> Seen {
         let measured = sample_of(&self.figures, method).d[column];
         let judged = statuses.get(&self.figures, column).name();
@@ -39,7 +39,7 @@ fn state_of(figures: &Figures, column: usize) -> &'static str {
 }
 
 pub(super) fn separated_point<'t>(
-    Row { figures, voided, set_aside }: &Row,
+    TrendRow { figures, voided, set_aside }: &TrendRow,
     (column, statuses): (usize, &Statuses),
     method: JudgedMethod,
     names: &'t Names<'_>,

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use utoipa::IntoParams;
 
 use super::body::PointColumn;
-use super::point::Row;
+use super::point::TrendRow;
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
 use crate::core::figures::Figures;
@@ -14,11 +14,11 @@ use crate::core::period::Period;
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::http::App;
+use crate::http::problem::Answer;
 use crate::http::query::{self, bad, not_one_of};
 use crate::message;
 use crate::pipeline::{BenchItem, Levels};
 use crate::wire::cursor::{self, List};
-use crate::wire::problem::Problem;
 
 /// Points of one JSON answer unless `limit` says otherwise, and at the most.
 const DEFAULT_POINTS: usize = 1000;
@@ -55,7 +55,7 @@ pub struct TrendQuery {
 }
 
 /// `include` or `exclude`, which is the default.
-fn included(name: &'static str, asked: Option<&str>) -> Result<bool, Problem> {
+fn included(name: &'static str, asked: Option<&str>) -> Answer<bool> {
     match asked {
         None | Some("exclude") => Ok(false),
         Some("include") => Ok(true),
@@ -64,12 +64,12 @@ fn included(name: &'static str, asked: Option<&str>) -> Result<bool, Problem> {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Method {
+pub(super) enum PointMethod {
     Separated(JudgedMethod),
     Bench(BenchMethod),
 }
 
-impl Method {
+impl PointMethod {
     pub fn name(self) -> &'static str {
         match self {
             Self::Separated(method) => method.name(),
@@ -82,7 +82,7 @@ impl Method {
 #[derive(Debug)]
 pub(super) struct Request {
     pub coefficient: Coefficient,
-    pub method: Method,
+    pub method: PointMethod,
     pub span: Span,
     pub limit: usize,
     pub newest: bool,
@@ -95,26 +95,26 @@ pub(super) struct Request {
 }
 
 /// The points as text.
-pub(super) struct Written {
+pub(super) struct TrendText {
     pub text: Vec<u8>,
     pub csv: bool,
     pub next: Option<String>,
 }
 
 impl Request {
-    pub fn read(app: &App, asked: &TrendQuery, headers: &HeaderMap) -> Result<Self, Problem> {
+    pub fn read(app: &App, asked: &TrendQuery, headers: &HeaderMap) -> Answer<Self> {
         let coefficient = asked.coefficient.as_deref().unwrap_or("D_I");
         let coefficient = Coefficient::from_name(coefficient)
             .filter(|c| c.column().is_some())
             .ok_or_else(|| not_one_of("coefficient", ["D_I", "D_S", "D_O"], coefficient))?;
         let method = match asked.method.as_deref() {
-            None => Method::Separated(app.config.judging.method),
+            None => PointMethod::Separated(app.config.judging.method),
             Some(name) => {
-                let separated = JudgedMethod::from_name(name).map(Method::Separated);
+                let separated = JudgedMethod::from_name(name).map(PointMethod::Separated);
                 let known = JudgedMethod::ALL.map(JudgedMethod::name).into_iter();
                 let known = known.chain(BenchMethod::ALL.map(BenchMethod::name));
                 separated
-                    .or_else(|| BenchMethod::from_name(name).map(Method::Bench))
+                    .or_else(|| BenchMethod::from_name(name).map(PointMethod::Bench))
                     .ok_or_else(|| not_one_of("method", known, name))?
             }
         };
@@ -144,7 +144,7 @@ impl Request {
     }
 
     /// `every`, which goes with what counts only, and with nothing that is of a point.
-    fn period(name: Option<&str>, of_points: bool) -> Result<Option<Period>, Problem> {
+    fn period(name: Option<&str>, of_points: bool) -> Answer<Option<Period>> {
         let period = query::named("every", name)?;
         if period.is_some() && of_points {
             return Err(bad(message!("every_counts_only")));
@@ -153,27 +153,27 @@ impl Request {
     }
 
     /// What points are held against, where that is asked for; those of a bench by the judged method.
-    pub async fn levels(&self, app: &App, gyro: u32, serial: &str) -> Result<Option<Levels>, Problem> {
+    pub async fn levels(&self, app: &App, gyro: u32, serial: &str) -> Answer<Option<Levels>> {
         if !self.levels {
             return Ok(None);
         }
         let method = match self.method {
-            Method::Separated(method) => method,
-            Method::Bench(_) => app.config.judging.method,
+            PointMethod::Separated(method) => method,
+            PointMethod::Bench(_) => app.config.judging.method,
         };
         Ok(Some(app.pipeline.queries.histories.levels(gyro, serial, method, self.column()).await?))
     }
 
     /// One page of rows, and where the next begins.
-    pub async fn history(&self, app: &App, gyro: u32) -> Result<(Vec<Row>, Option<String>), Problem> {
+    pub async fn history(&self, app: &App, gyro: u32) -> Answer<(Vec<TrendRow>, Option<String>)> {
         let histories = &app.pipeline.queries.histories;
         let counting = match self.newest {
             true => histories.newest(gyro, self.span, self.limit).await?,
             false => histories.oldest(gyro, self.span, self.limit + 1).await?,
         };
         let flag = |voided: bool| self.voided.then_some(voided);
-        let row = |figures, voided, set_aside| Row { figures, voided: flag(voided), set_aside };
-        let mut rows: Vec<Row> = counting.into_iter().map(|figures| row(figures, false, false)).collect();
+        let row = |figures, voided, set_aside| TrendRow { figures, voided: flag(voided), set_aside };
+        let mut rows: Vec<TrendRow> = counting.into_iter().map(|figures| row(figures, false, false)).collect();
         if self.voided {
             // What lies beyond the last row of a page that is full belongs to a later page.
             let full = !self.newest && rows.len() > self.limit;
@@ -197,12 +197,7 @@ impl Request {
         self.cut(rows, at)
     }
 
-    pub async fn benches(
-        &self,
-        app: &App,
-        gyro: u32,
-        method: BenchMethod,
-    ) -> Result<(Vec<BenchItem>, Option<String>), Problem> {
+    pub async fn benches(&self, app: &App, gyro: u32, method: BenchMethod) -> Answer<(Vec<BenchItem>, Option<String>)> {
         let mut rows = app.pipeline.queries.histories.all_benches(gyro, self.span).await?;
         rows.retain(|row| row.method == method && (self.voided || !row.voided));
         let next = self.page(&mut rows, |row| row.measured_at);

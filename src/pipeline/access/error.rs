@@ -8,9 +8,7 @@ use crate::pipeline::error::{WriteError, unwritten};
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum AccessError {
-    NoSuchToken {
-        id: Id,
-    },
+    NoSuchToken(Id),
     SetupOver,
     NoRandomNumbers,
     #[error(transparent)]
@@ -20,7 +18,7 @@ pub enum AccessError {
 impl AccessError {
     pub fn message(&self) -> Message {
         match self {
-            Self::NoSuchToken { id } => message!("no_such_token", id = text(id)),
+            Self::NoSuchToken(id) => message!("no_such_token", id = text(id)),
             Self::SetupOver => message!("setup_over"),
             Self::NoRandomNumbers => message!("no_random_numbers"),
             Self::Write(error) => error.message(),

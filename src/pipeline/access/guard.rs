@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use super::audit::{By, Caller, SETUP};
 use super::limits::{Allowance, Failures};
 use super::secret::Secret;
-use crate::config::Access;
+use crate::config::AccessConfig;
 use crate::core::access::Role;
 use crate::core::id::Id;
 use crate::core::message::Message;
@@ -71,7 +71,7 @@ pub struct Guard(Arc<Inner>);
 #[derive(Debug)]
 struct Inner {
     store: Store,
-    settings: Access,
+    settings: AccessConfig,
     cache: RwLock<CredentialCache>,
     failures: Mutex<Failures>,
     allowances: Mutex<HashMap<Id, Allowance>>,
@@ -85,7 +85,7 @@ struct Inner {
 
 impl Guard {
     /// Reads the cache, and goes on reading it as long as a clone is alive.
-    pub async fn start(store: Store, settings: Access, behind_proxy: bool) -> Result<Self, StoreError> {
+    pub async fn start(store: Store, settings: AccessConfig, behind_proxy: bool) -> Result<Self, StoreError> {
         let failures = Mutex::new(Failures::new(settings.failures_per_minute));
         let setup = Secret::draw(Id(0)).map_err(|error| StoreError::Other(error.into()))?;
         let setup = (!settings.open).then_some(setup);

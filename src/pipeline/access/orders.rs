@@ -44,7 +44,7 @@ pub struct SignedIn {
 
 /// A token as the audit trail has it.
 #[derive(Serialize)]
-struct Audited<'a> {
+struct AuditedToken<'a> {
     id: String,
     name: &'a str,
     role: &'static str,
@@ -53,7 +53,7 @@ struct Audited<'a> {
     revoked_at: Option<String>,
 }
 
-impl<'a> From<&'a TokenRow> for Audited<'a> {
+impl<'a> From<&'a TokenRow> for AuditedToken<'a> {
     fn from(row: &'a TokenRow) -> Self {
         Self {
             id: row.id.to_string(),
@@ -95,7 +95,7 @@ impl AccessHandler<'_> {
                 drawn = Some(secret);
             }
             AccessOrder::Revoke(id) => {
-                let row = known.iter().find(|row| row.id == *id).ok_or(AccessError::NoSuchToken { id: *id })?;
+                let row = known.iter().find(|row| row.id == *id).ok_or(AccessError::NoSuchToken(*id))?;
                 let Some((row, audit)) = revoked(by, line, row, now) else { return Ok(None) };
                 access.tokens.push(row);
                 access.audit.push(audit);
@@ -143,7 +143,7 @@ fn token_row(new: &NewToken, secret: &Secret, now: UtcMicros) -> TokenRow {
 
 fn created(by: &Actor, line: Id, row: &TokenRow) -> AuditEntry {
     let what = ("create token", format!("tokens/{}", row.id));
-    by.line(line, row.created_at, what, NOTHING, Some(&Audited::from(row)))
+    by.line(line, row.created_at, what, NOTHING, Some(&AuditedToken::from(row)))
 }
 
 /// None where it was revoked before.
@@ -153,7 +153,7 @@ fn revoked(by: &Actor, line: Id, row: &TokenRow, now: UtcMicros) -> Option<(Toke
     }
     let after = TokenRow { revoked_at: Some(now), ..row.clone() };
     let what = ("revoke token", format!("tokens/{}", row.id));
-    let audit = by.line(line, now, what, Some(&Audited::from(row)), Some(&Audited::from(&after)));
+    let audit = by.line(line, now, what, Some(&AuditedToken::from(row)), Some(&AuditedToken::from(&after)));
     Some((after, audit))
 }
 
@@ -175,7 +175,7 @@ pub async fn create_beside(database: &mut Beside, new: &NewToken, now: UtcMicros
 /// [`AccessError::NoSuchToken`], or what the database says.
 pub async fn revoke_beside(database: &mut Beside, id: Id, now: UtcMicros) -> Result<bool, AccessError> {
     let known = database.tokens().await?;
-    let row = known.iter().find(|row| row.id == id).ok_or(AccessError::NoSuchToken { id })?;
+    let row = known.iter().find(|row| row.id == id).ok_or(AccessError::NoSuchToken(id))?;
     let Some((row, audit)) = revoked(&Actor::by_command_line(), database.next_id(now), row, now) else {
         return Ok(false);
     };

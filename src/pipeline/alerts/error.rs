@@ -8,18 +8,10 @@ use crate::pipeline::error::{WriteError, unwritten};
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum AlertError {
-    UnknownAlert {
-        id: Id,
-    },
-    AlertResolved {
-        id: Id,
-    },
-    UnknownSilence {
-        id: Id,
-    },
-    TooManySilences {
-        most: usize,
-    },
+    UnknownAlert(Id),
+    AlertResolved(Id),
+    UnknownSilence(Id),
+    TooManySilences(usize),
     #[error(transparent)]
     Write(#[from] WriteError),
 }
@@ -27,10 +19,10 @@ pub enum AlertError {
 impl AlertError {
     pub fn message(&self) -> Message {
         match self {
-            Self::UnknownAlert { id } => message!("unknown_alert", id = text(id)),
-            Self::AlertResolved { id } => message!("alert_resolved", id = text(id)),
-            Self::UnknownSilence { id } => message!("unknown_silence", id = text(id)),
-            Self::TooManySilences { most } => message!("too_many_silences", most = *most),
+            Self::UnknownAlert(id) => message!("unknown_alert", id = text(id)),
+            Self::AlertResolved(id) => message!("alert_resolved", id = text(id)),
+            Self::UnknownSilence(id) => message!("unknown_silence", id = text(id)),
+            Self::TooManySilences(most) => message!("too_many_silences", most = *most),
             Self::Write(error) => error.message(),
         }
     }

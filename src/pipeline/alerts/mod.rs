@@ -6,7 +6,7 @@
 //! this keeps the states, finds what each verdict is about, and writes down what became of it.
 
 mod body;
-mod book;
+mod cache;
 mod error;
 mod orders;
 mod shared;
@@ -34,7 +34,7 @@ pub use error::AlertError;
 pub use orders::{AlertChange, AlertOrder, SilenceOrder};
 
 pub(super) use body::{Naming, Origin, finding_of, status_of};
-pub(super) use book::{AlertCache, News, Pen};
+pub(super) use cache::{AlertCache, News, Pen};
 pub(super) use shared::SharedVerdict;
 pub(super) use sources::{Causes, follow_clock, follow_group};
 

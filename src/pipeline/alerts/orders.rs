@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::book::{AlertCache, Pen};
+use super::cache::{AlertCache, Pen};
 use super::error::AlertError;
 use super::silences::{MOST_SILENCES, body};
 use crate::core::access::AuditEntry;
@@ -59,12 +59,12 @@ impl AlertCache {
     /// Does what somebody has said; returns the alert as it then is. What a silence that ends has left untold is told
     /// at once.
     pub fn obey(&mut self, order: &AlertOrder, pen: &mut Pen<'_>) -> Result<AlertRow, AlertError> {
-        let unknown = || AlertError::UnknownAlert { id: order.alert };
+        let unknown = || AlertError::UnknownAlert(order.alert);
         let row = self.alert(order.alert).ok_or_else(unknown)?;
         let remark = Remark { by: order.by.clone(), reason: order.reason.clone(), at: pen.now };
         match order.change {
             AlertChange::Acknowledge if row.alert.status == alert_decision::Status::Resolved => {
-                return Err(AlertError::AlertResolved { id: order.alert });
+                return Err(AlertError::AlertResolved(order.alert));
             }
             // There is nothing to take back.
             AlertChange::Unacknowledge if !row.alert.acknowledged => return Ok(row.clone()),
@@ -115,7 +115,7 @@ impl AlertCache {
             (SilenceOrder::Begin { matchers, until, by, reason }, _) => {
                 self.silences.pass(pen.now);
                 if self.silences.0.len() >= MOST_SILENCES as usize {
-                    return Err(AlertError::TooManySilences { most: MOST_SILENCES as usize });
+                    return Err(AlertError::TooManySilences(MOST_SILENCES as usize));
                 }
                 let said = Remark { by: by.clone(), reason: reason.clone(), at: pen.now };
                 let id = pen.writer.next_id(pen.now);
@@ -123,7 +123,7 @@ impl AlertCache {
                 self.silences.0.push(row.clone());
                 (None, row, "begin silence")
             }
-            (SilenceOrder::End { silence, .. }, None) => return Err(AlertError::UnknownSilence { id: *silence }),
+            (SilenceOrder::End { silence, .. }, None) => return Err(AlertError::UnknownSilence(*silence)),
             // It is over already.
             (SilenceOrder::End { silence, .. }, Some(row)) if row.ended.is_some() || row.until <= pen.now => {
                 return Ok((*silence, changes));

@@ -32,7 +32,7 @@ pub(super) struct Explained {
 }
 
 /// What a gyro exceeds a limit by, since when, and where, by a rule that may be shared.
-struct Excess<'a> {
+struct CoefficientExcess<'a> {
     gyro: u32,
     station: Option<u32>,
     imu: Option<u32>,
@@ -109,7 +109,7 @@ impl<'a> SharedAlerts<'a> {
         };
         let (coefficient, suspected) = (verdict.coefficient, Suspected::of(verdict));
         let Origin { station, imu, .. } = *origin;
-        self.explaining_excess(&Excess { gyro, station, imu, coefficient, severity, since, suspected, row })
+        self.explaining_excess(&CoefficientExcess { gyro, station, imu, coefficient, severity, since, suspected, row })
     }
 
     /// As [`SharedAlerts::explaining`], of an alert by the last verdict that it has followed.
@@ -121,7 +121,7 @@ impl<'a> SharedAlerts<'a> {
         };
         let AlertFindingBody { value, limit, sd, reason, station, imu, .. } = finding;
         let above = is_above(&reason.0);
-        self.explaining_excess(&Excess {
+        self.explaining_excess(&CoefficientExcess {
             gyro,
             station: station.and_then(|name| naming.tables.stations.number(&name)),
             imu: imu.and_then(|name| naming.tables.imus.number(&name)),
@@ -133,7 +133,7 @@ impl<'a> SharedAlerts<'a> {
         })
     }
 
-    fn explaining_excess(&self, of: &Excess<'_>) -> Explained {
+    fn explaining_excess(&self, of: &CoefficientExcess<'_>) -> Explained {
         let Some(suspected) = &of.suspected else { return Explained::default() };
         let by_group = |group: AlertOf| {
             let (row, shift) = self.shift(group, of.coefficient)?;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::body::Origin;
-use super::book::{AlertCache, Pen};
+use super::cache::{AlertCache, Pen};
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Verdict, overdue};

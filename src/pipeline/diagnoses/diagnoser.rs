@@ -20,7 +20,7 @@ use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_other
 use crate::pipeline::diagnoses::digest::seats;
 use crate::pipeline::diagnoses::foretelling::Foretelling;
 use crate::pipeline::diagnoses::hypotheses::Competing;
-use crate::pipeline::diagnoses::made::{Diagnosed, Known, Made, Outcome};
+use crate::pipeline::diagnoses::made::{Diagnosed, DiagnosisOutcome, KeptDiagnosis, Made};
 use crate::pipeline::diagnoses::models::{InForce, ModelCache};
 use crate::pipeline::ingest::fitted::damaged;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
@@ -64,7 +64,7 @@ pub(in crate::pipeline) struct Diagnoser {
     pub(super) at_once: usize,
     turns: Arc<Semaphore>,
     under_way: Arc<Mutex<UnderWay>>,
-    known: Arc<Mutex<VecDeque<Known>>>,
+    known: Arc<Mutex<VecDeque<KeptDiagnosis>>>,
 }
 
 /// What a campaign is compared with.
@@ -130,7 +130,13 @@ impl Diagnoser {
         };
         let diagnosed = Arc::new(if kept.refused { Err(from_stored(&kept.body)) } else { Ok(read(&kept.body)?) });
         let (model, program) = (kept.model, kept.program);
-        self.remember(Known { campaign: row.id, imu: row.imu, model, program, diagnosed: Arc::clone(&diagnosed) });
+        self.remember(KeptDiagnosis {
+            campaign: row.id,
+            imu: row.imu,
+            model,
+            program,
+            diagnosed: Arc::clone(&diagnosed),
+        });
         Ok(Some(diagnosed))
     }
 
@@ -165,11 +171,11 @@ impl Diagnoser {
             let (campaign, model, program) = key.clone();
             let outcome = match &made {
                 Some(diagnosed) => {
-                    let known = Known { campaign, imu, model, program, diagnosed: Arc::clone(diagnosed) };
+                    let known = KeptDiagnosis { campaign, imu, model, program, diagnosed: Arc::clone(diagnosed) };
                     diagnoser.remember(known.clone());
-                    Outcome::Known { known, gyros }
+                    DiagnosisOutcome::Known { known, gyros }
                 }
-                None => Outcome::Failed(to_stored(&message!("computation_broke_off"))),
+                None => DiagnosisOutcome::Failed(to_stored(&message!("computation_broke_off"))),
             };
             let ended_at = diagnoser.clock.now();
             let made_so = Made { campaign, begun_at, ended_at, outcome };
@@ -260,7 +266,7 @@ impl Diagnoser {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).retain(|known| known.campaign != campaign);
     }
 
-    fn remember(&self, new: Known) {
+    fn remember(&self, new: KeptDiagnosis) {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known.retain(|known| known.campaign != new.campaign);
         known.truncate(IN_MEMORY - 1);

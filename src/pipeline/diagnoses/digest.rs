@@ -25,9 +25,9 @@ pub(super) struct Digest {
     /// As the diagnosis names it, or [`REFUSED`].
     pub verdict: String,
     /// All of the campaign.
-    pub gyros: Vec<Seat>,
-    pub effects: Vec<Named>,
-    pub impact: Vec<Shift>,
+    pub gyros: Vec<MountedGyro>,
+    pub effects: Vec<NamedDigest>,
+    pub impact: Vec<ShiftDigest>,
     pub signs: Vec<Sign>,
     /// Where the campaign lies outside what was foretold of it; [`OUTSIDE`] finds it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -49,13 +49,13 @@ pub(super) struct OutsideForecast {
 
 /// Which gyro was where.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Seat {
+pub(super) struct MountedGyro {
     pub slot: String,
     pub serial: String,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Named {
+pub(super) struct NamedDigest {
     pub effect: String,
     pub class: Vec<String>,
     /// Slots.
@@ -65,7 +65,7 @@ pub(super) struct Named {
 
 /// Of D_I or D_S by all named effects, beyond its noise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Shift {
+pub(super) struct ShiftDigest {
     pub slot: String,
     pub coefficient: String,
     pub shift: f64,
@@ -81,8 +81,8 @@ pub(super) struct Sign {
 }
 
 /// The gyros of a campaign.
-pub(super) fn seats(campaign: &Campaign) -> Vec<Seat> {
-    let seat = |gyro: &crate::core::campaign::CampaignGyro| Seat {
+pub(super) fn seats(campaign: &Campaign) -> Vec<MountedGyro> {
+    let seat = |gyro: &crate::core::campaign::CampaignGyro| MountedGyro {
         slot: gyro.slot.name().to_owned(),
         serial: gyro.serial.to_string(),
     };
@@ -90,7 +90,7 @@ pub(super) fn seats(campaign: &Campaign) -> Vec<Seat> {
 }
 
 impl Digest {
-    pub fn of(gyros: Vec<Seat>, diagnosed: &Result<DiagnosisBody, Message>) -> Self {
+    pub fn of(gyros: Vec<MountedGyro>, diagnosed: &Result<DiagnosisBody, Message>) -> Self {
         let nothing = Self {
             verdict: REFUSED.to_owned(),
             gyros,
@@ -100,13 +100,13 @@ impl Digest {
             outside_forecast: None,
         };
         let Ok(d) = diagnosed else { return nothing };
-        let effects = d.effects.iter().map(|e| Named {
+        let effects = d.effects.iter().map(|e| NamedDigest {
             effect: e.effect.clone(),
             class: e.class.clone(),
             gyros: e.gyros.clone(),
             closure: e.held_out.closure,
         });
-        let impact = d.impact.iter().map(|i| Shift {
+        let impact = d.impact.iter().map(|i| ShiftDigest {
             slot: i.slot.clone(),
             coefficient: i.coefficient.clone(),
             shift: i.shift,

@@ -11,26 +11,14 @@ use crate::store::StoreError;
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum DiagnosisError {
-    NoSuchDiagnoses {
-        id: Id,
-    },
-    DiagnosesEnded {
-        id: Id,
-    },
-    UnknownImu {
-        imu: String,
-    },
+    NoSuchDiagnoses(Id),
+    DiagnosesEnded(Id),
+    UnknownImu(String),
     /// A model of other gyros, or another geometry, than the IMU's newest campaign has.
     OtherGyros(NoForecast),
-    NoSuchHypothesis {
-        name: String,
-    },
-    HypothesisTaken {
-        name: String,
-    },
-    TooManyHypotheses {
-        most: usize,
-    },
+    NoSuchHypothesis(String),
+    HypothesisTaken(String),
+    TooManyHypotheses(usize),
     #[error(transparent)]
     Write(#[from] WriteError),
 }
@@ -38,13 +26,13 @@ pub enum DiagnosisError {
 impl DiagnosisError {
     pub fn message(&self) -> Message {
         match self {
-            Self::NoSuchDiagnoses { id } => message!("no_such_diagnoses", id = text(id)),
-            Self::DiagnosesEnded { id } => message!("diagnoses_ended", id = text(id)),
+            Self::NoSuchDiagnoses(id) => message!("no_such_diagnoses", id = text(id)),
+            Self::DiagnosesEnded(id) => message!("diagnoses_ended", id = text(id)),
             Self::OtherGyros(why) => message!("model_of_other_gyros", why = why.message()),
-            Self::UnknownImu { imu } => message!("unknown_imu", imu = imu.clone()),
-            Self::NoSuchHypothesis { name } => message!("no_such_hypothesis", name = sent(name)),
-            Self::HypothesisTaken { name } => message!("hypothesis_taken", name = sent(name)),
-            Self::TooManyHypotheses { most } => message!("hypotheses_too_many", most = *most),
+            Self::UnknownImu(imu) => message!("unknown_imu", imu = imu.clone()),
+            Self::NoSuchHypothesis(name) => message!("no_such_hypothesis", name = sent(name)),
+            Self::HypothesisTaken(name) => message!("hypothesis_taken", name = sent(name)),
+            Self::TooManyHypotheses(most) => message!("hypotheses_too_many", most = *most),
             Self::Write(error) => error.message(),
         }
     }

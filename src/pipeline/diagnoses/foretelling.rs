@@ -6,7 +6,7 @@ use super::models::{InForce, read};
 use crate::config::Judging;
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::id::Id;
-use crate::core::imu_model::{Identified, Sample, changed, compare, identify, ladder, promised};
+use crate::core::imu_model::{CampaignSample, Identified, changed, compare, identify, ladder, promised};
 use crate::core::judge::Limit;
 use crate::core::kind::Kind;
 use crate::core::message::Message;
@@ -86,14 +86,15 @@ impl Foretelling {
         let comparison = compare(&model, campaign).map_err(|why| why.message())?;
         let steps = ladder(&model, campaign).map_err(|why| why.message())?;
         let promised = promised(&model, campaign).map_err(|why| why.message())?;
-        let changed = if model.effects.is_empty() { None } else { changed(&model, campaign).ok() };
+        let changed = if model.effects.is_empty() { None } else { changed(&model, campaign) };
         let body = ForecastBody::of(&model, campaign, &comparison.forecast, promised);
         Ok(body.compared(&comparison, &steps, changed.as_ref(), (&model, limits)))
     }
 
     fn of_campaigns(&self) -> Result<Identified, Message> {
-        let sample = |(id, campaign)| Sample { campaign, source: Some(ToString::to_string(id)), occasions: Vec::new() };
-        let samples: Vec<Sample> = self.before.iter().map(|(id, campaign)| sample((id, campaign))).collect();
+        let sample =
+            |(id, campaign)| CampaignSample { campaign, source: Some(ToString::to_string(id)), occasions: Vec::new() };
+        let samples: Vec<CampaignSample> = self.before.iter().map(|(id, campaign)| sample((id, campaign))).collect();
         if samples.is_empty() {
             return Err(message!("nothing_to_foretell_from"));
         }

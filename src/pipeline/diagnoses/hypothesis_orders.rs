@@ -47,8 +47,8 @@ impl HypothesisHandler<'_> {
                     Some((same, _)) if same.effect == *effect => {
                         return Ok(Accepted::There { id: same.id, same_bytes: true, counts: true });
                     }
-                    Some(_) => return Err(DiagnosisError::HypothesisTaken { name }),
-                    None if known.len() >= MOST => return Err(DiagnosisError::TooManyHypotheses { most: MOST }),
+                    Some(_) => return Err(DiagnosisError::HypothesisTaken(name)),
+                    None if known.len() >= MOST => return Err(DiagnosisError::TooManyHypotheses(MOST)),
                     None => {}
                 }
                 let written = effect.hypothesis().map(|own| HypothesisBody::of(&own.written));
@@ -58,7 +58,7 @@ impl HypothesisHandler<'_> {
                 (row, "add hypothesis", name)
             }
             HypothesisOrder::End(name) => {
-                let (_, row) = named(name).ok_or_else(|| DiagnosisError::NoSuchHypothesis { name: name.clone() })?;
+                let (_, row) = named(name).ok_or_else(|| DiagnosisError::NoSuchHypothesis(name.clone()))?;
                 (HypothesisRow { ended_at: Some(self.now), ..row.clone() }, "end hypothesis", name.clone())
             }
         };

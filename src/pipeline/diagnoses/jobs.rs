@@ -65,10 +65,10 @@ impl DiagnosisHandler<'_> {
     }
 
     async fn cancel(&mut self, id: Id, by: &Actor) -> Result<Accepted, DiagnosisError> {
-        let row = store::diagnosis_job::get(self.store, id).await?.ok_or(DiagnosisError::NoSuchDiagnoses { id })?;
+        let row = store::diagnosis_job::get(self.store, id).await?.ok_or(DiagnosisError::NoSuchDiagnoses(id))?;
         match (row.canceled, row.ended_at) {
             (true, _) => return Ok(Accepted::There { id, same_bytes: true, counts: true }),
-            (false, Some(_)) => return Err(DiagnosisError::DiagnosesEnded { id }),
+            (false, Some(_)) => return Err(DiagnosisError::DiagnosesEnded(id)),
             (false, None) => {}
         }
         let canceled = JobChanges { canceled: vec![(id, self.now)], ..JobChanges::default() };

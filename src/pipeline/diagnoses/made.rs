@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::core::id::Id;
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
-use crate::pipeline::diagnoses::digest::{Digest, Seat};
+use crate::pipeline::diagnoses::digest::{Digest, MountedGyro};
 use crate::pipeline::diagnoses::models::ModelCache;
 use crate::store::{Changes, DiagnosisRow, JobChanges, NewDiagnosis, SettledTask};
 use crate::wire::diagnosis::DiagnosisBody;
@@ -17,7 +17,7 @@ pub type Diagnosed = Arc<Result<DiagnosisBody, Message>>;
 
 /// One diagnosis, and what it was made against.
 #[derive(Debug, Clone)]
-pub(super) struct Known {
+pub(super) struct KeptDiagnosis {
     pub(super) campaign: Id,
     pub(super) imu: u32,
     pub(super) model: Option<Id>,
@@ -32,20 +32,20 @@ pub(in crate::pipeline) struct Made {
     pub(super) campaign: Id,
     pub(super) begun_at: UtcMicros,
     pub(super) ended_at: UtcMicros,
-    pub(super) outcome: Outcome,
+    pub(super) outcome: DiagnosisOutcome,
 }
 
 #[derive(Debug)]
-pub(super) enum Outcome {
+pub(super) enum DiagnosisOutcome {
     Known {
-        known: Known,
-        gyros: Vec<Seat>,
+        known: KeptDiagnosis,
+        gyros: Vec<MountedGyro>,
     },
     /// There is no answer, not even why the campaign leaves none: a fault of the program or of the disk.
     Failed(String),
 }
 
-impl Known {
+impl KeptDiagnosis {
     /// Whether it was made against the model in force, with the hypotheses that compete.
     pub(super) fn is_of_now(&self, models: &ModelCache) -> bool {
         models.of(Some(self.imu)).id == self.model && models.competing().program == self.program
@@ -71,13 +71,13 @@ impl Made {
         let Self { campaign, begun_at, ended_at, outcome } = self;
         let mut changes = Changes::default();
         let failed = match outcome {
-            Outcome::Known { known, .. } if !known.is_of_now(models) => return None,
-            Outcome::Known { known, gyros } => {
+            DiagnosisOutcome::Known { known, .. } if !known.is_of_now(models) => return None,
+            DiagnosisOutcome::Known { known, gyros } => {
                 let gist = text(&Digest::of(gyros.clone(), &known.diagnosed));
                 changes.diagnoses.push(NewDiagnosis { row: known.row(), gist });
                 known.diagnosed.as_ref().as_ref().err().map(to_stored)
             }
-            Outcome::Failed(why) => Some(why.clone()),
+            DiagnosisOutcome::Failed(why) => Some(why.clone()),
         };
         let settled = vec![SettledTask { record: *campaign, begun_at: *begun_at, ended_at: *ended_at, failed }];
         changes.diagnosis_jobs = JobChanges { settled, ..JobChanges::default() };
@@ -86,7 +86,7 @@ impl Made {
 
     /// The campaign, its IMU, and what was foretold of it.
     pub fn foretold(&self) -> Option<(Id, u32, &ForecastPointBody)> {
-        let Outcome::Known { known, .. } = &self.outcome else { return None };
+        let DiagnosisOutcome::Known { known, .. } = &self.outcome else { return None };
         let body = known.diagnosed.as_ref().as_ref().ok()?;
         Some((self.campaign, known.imu, body.forecast.as_ref()?))
     }

@@ -70,7 +70,6 @@ pub(super) use hypothesis_orders::HypothesisHandler;
 pub use hypothesis_orders::HypothesisOrder;
 pub(super) use jobs::DiagnosisHandler;
 pub use jobs::{DiagnosisOrder, WantedDiagnoses};
-pub use made::Diagnosed;
 pub(super) use made::Made;
 pub use models::{Adoption, InForce};
 pub use summary::SummaryFilter;

@@ -100,7 +100,7 @@ pub(crate) async fn adopted(
     adoption: &Adoption,
     by: &Actor,
 ) -> Result<Result<Changes, Accepted>, DiagnosisError> {
-    let unknown = || DiagnosisError::UnknownImu { imu: adoption.imu.clone() };
+    let unknown = || DiagnosisError::UnknownImu(adoption.imu.clone());
     let imu = store.names().read().imus.number(&adoption.imu).ok_or_else(unknown)?;
     let body = model::to_json(&adoption.model);
     if let Some(newest) = store::model::of_imu(store, imu).await?.first()

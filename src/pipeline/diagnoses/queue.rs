@@ -13,7 +13,7 @@ use tokio::sync::watch;
 use tokio::time::Instant;
 
 use super::diagnoser::Diagnoser;
-use super::made::{Made, Outcome};
+use super::made::{DiagnosisOutcome, Made};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::pipeline::diagnoses::background::Awaited;
@@ -157,7 +157,7 @@ impl Diagnoser {
             Ok(()) => {}
             Err(StoreError::Damaged(why)) => {
                 let ended_at = self.clock.now();
-                self.have_kept(Made { campaign: id, begun_at, ended_at, outcome: Outcome::Failed(why) }).await;
+                self.have_kept(Made { campaign: id, begun_at, ended_at, outcome: DiagnosisOutcome::Failed(why) }).await;
             }
             Err(error) => tracing::warn!(%error, campaign = %id, "a campaign could not be read; it is tried again"),
         }

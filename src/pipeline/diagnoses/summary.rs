@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use crate::core::effects::Effect;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::diagnoses::digest::{Digest, Named, OUTSIDE, OutsideForecast, REFUSED};
+use crate::pipeline::diagnoses::digest::{Digest, NamedDigest, OUTSIDE, OutsideForecast, REFUSED};
 use crate::store;
 use crate::store::{CampaignFilter, GistRow, Store, StoreError, Table, Tables};
 use crate::wire::diagnoses::{
@@ -33,7 +33,7 @@ struct Sighting {
 
 /// A gyro in an IMU, as far as its campaigns have been passed.
 #[derive(Debug, Default)]
-struct Course {
+struct GyroCampaigns {
     campaigns: u64,
     stations: BTreeMap<u32, u64>,
     last: Option<UtcMicros>,
@@ -41,7 +41,7 @@ struct Course {
 
 /// One effect in one gyro.
 #[derive(Debug)]
-struct Finding {
+struct GyroEffect {
     class: Vec<String>,
     slot: String,
     stations: BTreeMap<u32, u64>,
@@ -76,15 +76,15 @@ struct Overview {
 
 /// What has been passed so far.
 #[derive(Debug, Default)]
-struct Tally {
+struct SummaryTally {
     effect: Option<&'static str>,
     coverage: CoverageBody,
     /// By IMU and serial.
-    courses: HashMap<(u32, String), Course>,
+    courses: HashMap<(u32, String), GyroCampaigns>,
     /// Diagnosed campaigns of each IMU.
     imus: HashMap<u32, u64>,
     /// By effect, IMU and serial.
-    findings: BTreeMap<(String, u32, String), Finding>,
+    findings: BTreeMap<(String, u32, String), GyroEffect>,
     overview: BTreeMap<String, Overview>,
     /// By verdict and IMU.
     doubts: BTreeMap<(String, u32), Doubt>,
@@ -92,7 +92,7 @@ struct Tally {
     outside: BTreeMap<u32, Vec<(Sighting, OutsideForecast)>>,
 }
 
-impl Tally {
+impl SummaryTally {
     fn add(&mut self, row: &GistRow, digest: &Digest, program: &str) {
         self.cover(row, digest, program);
         if digest.verdict == REFUSED {
@@ -133,7 +133,7 @@ impl Tally {
     }
 
     /// An effect that a campaign names. The campaign itself has not been added to the courses of its gyros yet.
-    fn note(&mut self, imu: u32, seen: Sighting, digest: &Digest, named: &Named) {
+    fn note(&mut self, imu: u32, seen: Sighting, digest: &Digest, named: &NamedDigest) {
         let new = || Overview { campaigns: 0, first: seen.at, last: seen.at };
         let overview = self.overview.entry(named.effect.clone()).or_insert_with(new);
         overview.campaigns += 1;
@@ -142,7 +142,7 @@ impl Tally {
             let Some(serial) = digest.serial(slot) else { continue };
             let course = self.courses.get(&(imu, serial.to_owned()));
             let key = (named.effect.clone(), imu, serial.to_owned());
-            let finding = self.findings.entry(key).or_insert_with(|| Finding {
+            let finding = self.findings.entry(key).or_insert_with(|| GyroEffect {
                 class: named.class.clone(),
                 slot: slot.clone(),
                 stations: BTreeMap::new(),
@@ -206,7 +206,7 @@ impl Tally {
     fn finding_body(
         &self,
         (effect, imu, serial): &(String, u32, String),
-        found: &Finding,
+        found: &GyroEffect,
         tables: &Tables,
     ) -> FindingBody {
         let course = self.courses.get(&(*imu, serial.clone()));
@@ -249,8 +249,8 @@ impl Tally {
     }
 }
 
-impl Finding {
-    fn add(&mut self, seen: Sighting, slot: &str, digest: &Digest, named: &Named) {
+impl GyroEffect {
+    fn add(&mut self, seen: Sighting, slot: &str, digest: &Digest, named: &NamedDigest) {
         self.campaigns += 1;
         self.last = seen;
         slot.clone_into(&mut self.slot);
@@ -325,7 +325,7 @@ fn closures(all: &[f64]) -> ClosuresBody {
 impl SummaryFilter {
     /// Campaigns that count no more are left out.
     pub(super) async fn summary(&self, store: &Store, program: &str) -> Result<SummaryBody, StoreError> {
-        let mut tally = Tally { effect: self.effect.map(Effect::id), ..Tally::default() };
+        let mut tally = SummaryTally { effect: self.effect.map(Effect::id), ..SummaryTally::default() };
         let add = |row: GistRow| {
             tally.add(&row, &Digest::of_row(&row)?, program);
             Ok(())

@@ -15,9 +15,9 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
 use crate::pipeline::error::WriteError;
 use crate::pipeline::hooks::error::HookError;
-use crate::pipeline::hooks::registry::{OutboxContext, Standing, Subscription, introduce};
+use crate::pipeline::hooks::registry::{CurrentAlert, OutboxContext, Subscription, introduce};
 use crate::store::{
-    AttemptRow, Changes, HookRow, NewDelivery, OutboxChanges, Progress, Store, StoreError, Subject, Writer,
+    AttemptRow, Changes, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Store, StoreError, Writer,
 };
 use crate::wire::message::to_stored;
 use crate::wire::time;
@@ -42,7 +42,7 @@ pub enum Order {
 /// A hook as the audit trail has it. Of what is secret it says whether it is there; the address may hold a token, so
 /// that only where it leads is said: of e-mail, to whom.
 #[derive(Serialize)]
-struct Audited<'a> {
+struct AuditedHook<'a> {
     name: &'a str,
     kind: &'a str,
     origin: String,
@@ -54,7 +54,7 @@ struct Audited<'a> {
     expect: Option<&'a str>,
 }
 
-impl<'a> From<&'a HookRow> for Audited<'a> {
+impl<'a> From<&'a HookRow> for AuditedHook<'a> {
     fn from(hook: &'a HookRow) -> Self {
         let origin = match url::Url::parse(&hook.url) {
             Ok(url) if url.scheme() == "mailto" => hook.url.clone(),
@@ -119,7 +119,7 @@ pub(crate) struct HookHandler<'a> {
     /// How long a secret that is replaced signs as well.
     pub old_secret_until: UtcMicros,
     /// Every alert, where an order may let a hook hear of it.
-    pub alerts: Vec<Standing>,
+    pub alerts: Vec<CurrentAlert>,
     /// What the hook of the order has heard of them.
     pub heard: HashMap<Id, Severity>,
 }
@@ -167,7 +167,7 @@ impl HookHandler<'_> {
             Order::Create(_) | Order::Test(_) | Order::Redeliver(_) => None,
         };
         let after = changes.hooks.first().filter(|hook| hook.deleted_at.is_none());
-        let (before, after) = (before.as_ref().map(Audited::from), after.map(Audited::from));
+        let (before, after) = (before.as_ref().map(AuditedHook::from), after.map(AuditedHook::from));
         Ok(by.line(self.writer.next_id(self.now), self.now, (action, subject), before.as_ref(), after.as_ref()))
     }
 
@@ -186,7 +186,7 @@ impl HookHandler<'_> {
 
     async fn create(&mut self, new: &NewHook, changes: &mut Changes) -> Result<Id, HookError> {
         if store::hook::all(self.store).await?.len() >= MOST_HOOKS {
-            return Err(HookError::TooManyHooks { most: MOST_HOOKS });
+            return Err(HookError::TooManyHooks(MOST_HOOKS));
         }
         let id = self.writer.next_id(self.now);
         let row = HookRow {
@@ -298,18 +298,18 @@ impl HookHandler<'_> {
     async fn test(&mut self, hook: Id, changes: &mut Changes) -> Result<Id, HookError> {
         self.enabled_hook(hook).await?;
         let id = self.writer.next_id(self.now);
-        let (subject, queued_at) = (Subject::Test, self.now);
+        let (subject, queued_at) = (DeliverySubject::Test, self.now);
         let test = NewDelivery { id, hook, subject, queued_at, action: None, parts: Vec::new(), digest: None };
         changes.outbox.queued.push(test);
         Ok(id)
     }
 
     async fn redeliver(&mut self, id: Id, outbox: &mut OutboxChanges) -> Result<Id, HookError> {
-        let delivery = store::outbox::get(self.store, id).await?.ok_or(HookError::NoSuchDelivery { id })?;
+        let delivery = store::outbox::get(self.store, id).await?.ok_or(HookError::NoSuchDelivery(id))?;
         self.enabled_hook(delivery.hook).await?;
         match delivery.state {
-            DeliveryState::Behind => Err(HookError::StillBehind { id }),
-            DeliveryState::Dropped => Err(HookError::Dropped { id }),
+            DeliveryState::Behind => Err(HookError::StillBehind(id)),
+            DeliveryState::Dropped => Err(HookError::Dropped(id)),
             DeliveryState::Waiting | DeliveryState::Delivered | DeliveryState::Dead => {
                 outbox.replayed.push((id, self.now));
                 Ok(id)
@@ -357,12 +357,12 @@ impl HookHandler<'_> {
     }
 
     async fn hook(&self, id: Id) -> Result<HookRow, HookError> {
-        store::hook::get(self.store, id).await?.ok_or(HookError::NoSuchHook { id })
+        store::hook::get(self.store, id).await?.ok_or(HookError::NoSuchHook(id))
     }
 
     async fn enabled_hook(&self, id: Id) -> Result<HookRow, HookError> {
         let hook = self.hook(id).await?;
-        if hook.enabled { Ok(hook) } else { Err(HookError::HookDisabled { id }) }
+        if hook.enabled { Ok(hook) } else { Err(HookError::HookDisabled(id)) }
     }
 }
 

@@ -12,8 +12,8 @@ mod show;
 
 pub use crate::pipeline::hooks::commands::Order;
 pub(super) use crate::pipeline::hooks::commands::{Attempted, Found, HookHandler};
-pub(super) use crate::pipeline::hooks::registry::{HookCache, OutboxContext, Standing, heard_by};
-pub use delivery::{Outbox, OutboxError};
+pub(super) use crate::pipeline::hooks::registry::{CurrentAlert, HookCache, OutboxContext, heard_by};
+pub use delivery::Outbox;
 pub use error::HookError;
 pub use read::{HookPatch, NewHook};
 pub(super) use show::webhook_id;

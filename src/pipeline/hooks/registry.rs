@@ -12,7 +12,7 @@ use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::News;
 use crate::store;
-use crate::store::{HookRow, IdSource, NewDelivery, OutboxChanges, Part, Store, StoreError, Subject};
+use crate::store::{DeliverySubject, HookRow, IdSource, NewDelivery, OutboxChanges, Part, Store, StoreError};
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::{DigestBody, FilterBody};
 
@@ -47,7 +47,7 @@ impl Subscription {
 
 /// An alert as it stands.
 #[derive(Debug, Clone)]
-pub(crate) struct Standing {
+pub(crate) struct CurrentAlert {
     pub id: Id,
     pub alert: Alert,
     pub body: AlertBody,
@@ -146,7 +146,7 @@ impl HookCache {
             context.outbox.queued.push(NewDelivery {
                 id: context.ids.next(context.now),
                 hook: subscription.hook,
-                subject: Subject::Many,
+                subject: DeliverySubject::Many,
                 queued_at: context.now,
                 action: Some(DIGEST),
                 parts,
@@ -196,11 +196,11 @@ fn severity_of(hook: Id, name: &str) -> Result<Severity, StoreError> {
 pub(crate) fn introduce<'a>(
     subscription: &Subscription,
     heard: &HashMap<Id, Severity>,
-    alerts: impl Iterator<Item = &'a Standing>,
+    alerts: impl Iterator<Item = &'a CurrentAlert>,
     context: &mut OutboxContext<'_>,
 ) {
     let mut told = Vec::new();
-    for Standing { id, alert, body } in alerts {
+    for CurrentAlert { id, alert, body } in alerts {
         // It hears what others were spared because it was found late.
         let alert = Alert { hushed: None, ..*alert };
         let Some(action) = alert_decision::for_hook(&alert, heard.get(id).copied(), Action::Silent, context.now) else {
@@ -274,9 +274,9 @@ fn queue(hook: Id, mut told: Vec<Notification>, context: &mut OutboxContext<'_>)
     for parts in parts.chunks(MOST_OF_A_MESSAGE) {
         let (subject, parts) = match parts {
             [part @ Part { alert, step: Some(step), .. }] => {
-                (Subject::Step { step: *step, alert: *alert }, std::slice::from_ref(part))
+                (DeliverySubject::Step { step: *step, alert: *alert }, std::slice::from_ref(part))
             }
-            many => (Subject::Many, many),
+            many => (DeliverySubject::Many, many),
         };
         context.outbox.queued.push(NewDelivery {
             id: context.ids.next(context.now),
@@ -284,7 +284,7 @@ fn queue(hook: Id, mut told: Vec<Notification>, context: &mut OutboxContext<'_>)
             subject,
             queued_at: context.now,
             action: parts.first().map(|part| part.action),
-            parts: if subject == Subject::Many { parts.to_vec() } else { Vec::new() },
+            parts: if subject == DeliverySubject::Many { parts.to_vec() } else { Vec::new() },
             digest: None,
         });
     }

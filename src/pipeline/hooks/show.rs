@@ -7,7 +7,7 @@ use crate::core::alert_decision::Action;
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::{AttemptRow, DeliveryRow, HookRow, StoreError, Subject};
+use crate::store::{AttemptRow, DeliveryRow, DeliverySubject, HookRow, StoreError};
 use crate::wire::hook::{AttemptBody, DeliveryBody, FilterBody, HookBody, QueueBody};
 use crate::wire::message::{MessageBody, from_stored};
 use crate::wire::time;
@@ -48,10 +48,10 @@ pub(super) fn filter(row: &HookRow) -> Result<FilterBody, StoreError> {
 }
 
 /// The identifier of a message, the same at every attempt and replay; that of a single step also at every hook.
-pub(in crate::pipeline) fn webhook_id(delivery: Id, subject: Subject) -> String {
+pub(in crate::pipeline) fn webhook_id(delivery: Id, subject: DeliverySubject) -> String {
     match subject {
-        Subject::Step { step, .. } => format!("evt_{step}"),
-        Subject::Many | Subject::Test => format!("evt_{delivery}"),
+        DeliverySubject::Step { step, .. } => format!("evt_{step}"),
+        DeliverySubject::Many | DeliverySubject::Test => format!("evt_{delivery}"),
     }
 }
 

@@ -38,8 +38,8 @@ pub use reader::Reader;
 pub use refused::Refused;
 pub use same_content::Sent;
 pub use submission::{
-    AttributesOrder, BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, GyroEvent,
-    Submission, WindowMark,
+    AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, GyroEvent, Submission,
+    WindowMark,
 };
 
 /// The way in. Cheap to clone.

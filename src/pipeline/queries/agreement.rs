@@ -4,7 +4,7 @@ use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::BenchMethod;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::judge::{Coefficient, Event, Rule, Source, SourcedResult, Verdict, agreement};
+use crate::core::judge::{Coefficient, Event, FigureSource, Rule, SourcedResult, Verdict, agreement};
 use crate::core::judge::{Mark, Measured};
 use crate::core::mounting::Slot;
 use crate::core::time::Span;
@@ -27,7 +27,7 @@ pub struct Comparison {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
     pub method: &'static str,
-    pub source: Source,
+    pub source: FigureSource,
     pub at: UtcMicros,
     pub station: String,
     /// IMU and slot of a separation.
@@ -203,7 +203,7 @@ fn around_it(benches: Vec<BenchRow>, at: Option<UtcMicros>) -> Vec<BenchRow> {
 fn of_bench(bench: &BenchRow, tables: &Tables) -> Compared {
     Compared {
         method: bench.method.name(),
-        source: Source::Bench(bench.method),
+        source: FigureSource::Bench(bench.method),
         at: bench.measured_at,
         station: tables.stations.name(bench.station).map_or_else(String::new, |name| name.to_string()),
         seat: None,
@@ -218,7 +218,7 @@ fn of_separation(figures: &Figures, method: JudgedMethod, judged: JudgedMethod, 
     let name = |name: Option<&std::sync::Arc<str>>| name.map_or_else(String::new, |name| name.to_string());
     Compared {
         method: method.name(),
-        source: Source::Separation,
+        source: FigureSource::Separation,
         at: figures.at,
         station: name(tables.stations.name(figures.station)),
         seat: Some((name(tables.imus.name(figures.imu)), figures.slot)),

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::entries::{PEER_RECORDS, entries};
 use super::fleet::level;
-use crate::core::changes::{AsOf, Budget, GyroHistory, HistoryDiagnosis, diagnose_history, is_mate_of};
+use crate::core::changes::{AsOf, DriftBudget, GyroHistory, HistoryDiagnosis, diagnose_history, is_mate_of};
 use crate::core::figures::Figures;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
 use crate::core::judge::{Limits, Mark, Measured, Sample, baseline_since, stated_level};
@@ -35,7 +35,7 @@ pub struct ExplainedHistory {
     /// D_I, D_S, D_O.
     pub coefficients: Vec<HistoryDiagnosis>,
     /// Of each; none without a baseline.
-    pub budgets: [Option<Budget>; 3],
+    pub budgets: [Option<DriftBudget>; 3],
 }
 
 impl Histories {
@@ -120,7 +120,7 @@ impl Histories {
     }
 
     /// How far D_I, D_S and D_O may be from their baselines, where these are known.
-    fn budgets(&self, serial: &str, own: &[Figures], marks: &[Mark]) -> [Option<Budget>; 3] {
+    fn budgets(&self, serial: &str, own: &[Figures], marks: &[Mark]) -> [Option<DriftBudget>; 3] {
         let Some(newest) = own.last() else { return [None; 3] };
         let limits = self.limits(serial, own);
         let samples = distinct(own.iter().map(|figures| sample_of(figures, self.config.judging.method)));
@@ -129,7 +129,11 @@ impl Histories {
             let stated =
                 column < 2 && (stated_level(marks, newest.at, column).is_some() || fixed(&limits, column).is_some());
             let measured_since = (!stated).then(|| baseline_since(marks, newest.at).unwrap_or(UtcMicros(i64::MIN)));
-            Some(Budget { baseline: baseline(&samples, marks, newest.at, &limits, column)?, limit, measured_since })
+            Some(DriftBudget {
+                baseline: baseline(&samples, marks, newest.at, &limits, column)?,
+                limit,
+                measured_since,
+            })
         })
     }
 }

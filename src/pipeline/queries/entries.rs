@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 use crate::config::JudgedMethod;
-use crate::core::changes::{Entry, GyroHistory};
+use crate::core::changes::{GyroHistory, HistoryEntry};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::time::Span;
@@ -51,10 +51,10 @@ pub(super) fn entries(
     method: JudgedMethod,
     rows: &[Figures],
     temperatures: &HashMap<Id, f64>,
-) -> Vec<Entry> {
+) -> Vec<HistoryEntry> {
     let tables = store.names().read();
     let name = |name: Option<&Arc<str>>| name.cloned().unwrap_or_default();
-    let entry = |figures: &Figures| Entry {
+    let entry = |figures: &Figures| HistoryEntry {
         at: figures.at,
         station: name(tables.stations.name(figures.station)),
         imu: name(tables.imus.name(figures.imu)),

@@ -31,14 +31,14 @@ pub use crate::pipeline::ingest::judge::gyro_window::sample_of;
 pub use agreement::{Compared, Comparison};
 pub use changes_explained::ExplainedHistory;
 pub use dues::{DueDate, Dues};
-pub use fleet::{BEYOND, Fleet, FleetFilter, FleetPage, ListedImu, RecentValues, Seats, StandingFilter, WallPage};
+pub use fleet::{BEYOND, Fleet, FleetFilter, FleetPage, RecentValues, Seats, StandingFilter};
 pub use foreseen::{Forecast, Foreseen};
 pub use gyro_history::{Baseline, Course, Histories, Levels, Tested};
-pub use items::{BenchItem, EventItem, ItemStatus, ListedRecord, Names, RecordItem, RecordSummary};
+pub use items::{BenchItem, EventItem, ListedRecord, Names, RecordSummary};
 pub use record::{ListFilter, Records, StoredCampaign, StoredRecord};
 pub use standing::{Standing, Violation};
 pub use status::Statuses;
-pub use today::{CommonShift, DUE_DAYS, DueImu, FirstOf, Today, Together, today};
+pub use today::{CommonShift, DueImu, FirstOf, Today, Together, today};
 pub use verify::Verified;
 
 /// What is stored, as it is asked for. Cheap to clone.

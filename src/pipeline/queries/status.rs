@@ -32,17 +32,17 @@ fn worst(verdicts: &[StoredVerdict], coefficient: Coefficient) -> Option<Status>
 /// What the rules say of a gyro's records. Its history keeps a state for each coefficient; where that may mean
 /// several things, the verdicts themselves tell.
 #[derive(Debug, Clone, Default)]
-pub struct Statuses(HashMap<Id, [Said; 3]>);
+pub struct Statuses(HashMap<Id, [CoefficientStatus; 3]>);
 
 /// What the verdicts on one coefficient of a record come to.
 #[derive(Debug, Clone, Default)]
-struct Said {
+struct CoefficientStatus {
     status: Option<Status>,
     /// The rules that say that a limit is passed.
     rules: Vec<Rule>,
 }
 
-impl Said {
+impl CoefficientStatus {
     fn of(verdicts: &[StoredVerdict], coefficient: Coefficient) -> Self {
         let beyond = |verdict: &&StoredVerdict| (verdict.coefficient, verdict.state) == (coefficient, State::Exceeded);
         let rules = verdicts.iter().filter(beyond).map(|verdict| verdict.rule).collect();
@@ -67,7 +67,7 @@ impl Statuses {
         let sheets = store::record::verdict_sheets(store, records.into_iter()).await?;
         let of_gyro = sheets.iter().filter_map(|(record, sheet)| {
             let (_, verdicts) = sheet.0.iter().find(|(number, _)| *number == gyro)?;
-            Some((*record, COLUMNS.map(|coefficient| Said::of(verdicts, coefficient))))
+            Some((*record, COLUMNS.map(|coefficient| CoefficientStatus::of(verdicts, coefficient))))
         });
         Ok(Self(of_gyro.collect()))
     }

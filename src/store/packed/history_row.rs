@@ -24,6 +24,7 @@ use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::error::StoreError;
+use crate::store::packed::Fields;
 use crate::store::rows::Rows;
 
 /// What a record says of a gyro.
@@ -107,25 +108,33 @@ impl Figures {
     /// # Errors
     /// [`StoreError::Damaged`] where the bytes are not what was packed for this gyro.
     pub(crate) fn unpack(gyro: u32, bytes: &[u8; PACKED_LEN]) -> Result<Self, StoreError> {
-        let mut reader = Reader(bytes);
-        let [version, slot, branch, states] = reader.take();
+        Self::read(gyro, bytes)
+            .ok_or_else(|| StoreError::Damaged(format!("a history row of gyro number {gyro} fails its checksum")))
+    }
+
+    fn read(gyro: u32, bytes: &[u8; PACKED_LEN]) -> Option<Self> {
+        let (content, sum) = bytes.split_last_chunk()?;
+        if checksum(gyro, content) != u32::from_le_bytes(*sum) {
+            return None;
+        }
+        let mut fields = Fields(content);
+        let [version, slot, branch, states] = fields.take()?;
         let figures = Self {
-            imu: u32::from_le_bytes(reader.take()),
-            station: u32::from_le_bytes(reader.take()),
-            at: UtcMicros(i64::from_le_bytes(reader.take())),
-            record: Id(i64::from_le_bytes(reader.take())),
+            imu: u32::from_le_bytes(fields.take()?),
+            station: u32::from_le_bytes(fields.take()?),
+            at: UtcMicros(i64::from_le_bytes(fields.take()?)),
+            record: Id(i64::from_le_bytes(fields.take()?)),
             slot: Slot::ALL[usize::from(slot).min(2)],
-            rigid: reader.figures(),
-            rigid_sd: known(reader.figures()),
-            published: reader.published(branch),
+            rigid: fields.figures()?,
+            rigid_sd: known(fields.figures()?),
+            published: {
+                let ([d_i, d_s, closure_rms], sd) = (fields.figures()?, known(fields.figures()?));
+                (branch != 0).then_some(PublishedFigures { branch, d: [d_i, d_s], closure_rms, sd })
+            },
             states: States::unpacked(states),
             voided: states & VOIDED != 0,
         };
-        let sum = u32::from_le_bytes(reader.take());
-        if version != VERSION || sum != checksum(gyro, &bytes[..PACKED_LEN - 4]) {
-            return Err(StoreError::Damaged(format!("a history row of gyro number {gyro} fails its checksum")));
-        }
-        Ok(figures)
+        (version == VERSION).then_some(figures)
     }
 }
 
@@ -139,26 +148,6 @@ fn checksum(gyro: u32, bytes: &[u8]) -> u32 {
 
 fn known<const N: usize>(figures: [f64; N]) -> Option<[f64; N]> {
     figures.iter().all(|f| !f.is_nan()).then_some(figures)
-}
-
-struct Reader<'a>(&'a [u8]);
-
-impl Reader<'_> {
-    fn take<const N: usize>(&mut self) -> [u8; N] {
-        let (head, rest) = self.0.split_first_chunk().expect("the fields fill the packed length exactly");
-        self.0 = rest;
-        *head
-    }
-
-    fn figures<const N: usize>(&mut self) -> [f64; N] {
-        std::array::from_fn(|_| f64::from_le_bytes(self.take()))
-    }
-
-    fn published(&mut self, branch: u8) -> Option<PublishedFigures> {
-        let [d_i, d_s, closure_rms] = self.figures();
-        let sd = known(self.figures());
-        (branch != 0).then_some(PublishedFigures { branch, d: [d_i, d_s], closure_rms, sd })
-    }
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Finding, LimitKey, Rule, State, Status, Verdict};
 use crate::store::error::StoreError;
+use crate::store::packed::Fields;
 
 const VERSION: u8 = 2;
 /// Every limit written out.
@@ -93,7 +94,7 @@ impl VerdictSheet {
     pub(crate) fn pack(&self, record: Id, out: &mut Vec<u8>) {
         let start = out.len();
         out.push(VERSION);
-        let mut limits = Limits::default();
+        let mut limits = WrittenLimits::default();
         for (gyro, verdicts) in &self.0 {
             out.extend(gyro.to_le_bytes());
             out.push(u8::try_from(verdicts.len()).expect("a gyro has a few dozen verdicts at most"));
@@ -115,17 +116,17 @@ impl VerdictSheet {
             return None;
         }
         let (version, content) = content.split_first()?;
-        let mut reader = Reader(content);
+        let mut fields = Fields(content);
         let mut sheet = Self::default();
         let mut limits = match *version {
             FIRST_VERSION => None,
-            VERSION => Some(Limits::default()),
+            VERSION => Some(WrittenLimits::default()),
             _ => return None,
         };
-        while !reader.0.is_empty() {
-            let gyro = u32::from_le_bytes(reader.take()?);
-            let count = reader.byte()?;
-            let verdicts = (0..count).map(|_| reader.verdict(limits.as_mut())).collect::<Option<_>>()?;
+        while !fields.0.is_empty() {
+            let gyro = u32::from_le_bytes(fields.take()?);
+            let [count] = fields.take()?;
+            let verdicts = (0..count).map(|_| read_one(&mut fields, limits.as_mut())).collect::<Option<_>>()?;
             sheet.0.push((gyro, verdicts));
         }
         Some(sheet)
@@ -139,9 +140,9 @@ const HAS_PROBABILITY: u8 = 32;
 
 /// The limits of a sheet that have been written out, as many as a place can name.
 #[derive(Debug, Default)]
-struct Limits(Vec<f64>);
+struct WrittenLimits(Vec<f64>);
 
-impl Limits {
+impl WrittenLimits {
     fn push(&mut self, limit: f64) {
         if self.0.len() < usize::from(NEW_LIMIT) {
             self.0.push(limit);
@@ -158,19 +159,19 @@ impl Limits {
         }
     }
 
-    fn read(&mut self, reader: &mut Reader<'_>) -> Option<f64> {
-        match reader.byte()? {
-            NEW_LIMIT => {
-                let limit = reader.figure()?;
+    fn read(&mut self, fields: &mut Fields<'_>) -> Option<f64> {
+        match fields.take()? {
+            [NEW_LIMIT] => {
+                let limit = f64::from_le_bytes(fields.take()?);
                 self.push(limit);
                 Some(limit)
             }
-            place => self.0.get(usize::from(place)).copied(),
+            [place] => self.0.get(usize::from(place)).copied(),
         }
     }
 }
 
-fn pack_one(verdict: &StoredVerdict, limits: &mut Limits, out: &mut Vec<u8>) {
+fn pack_one(verdict: &StoredVerdict, limits: &mut WrittenLimits, out: &mut Vec<u8>) {
     let flag = |set: bool, flag: u8| if set { flag } else { 0 };
     let flags = place(&State::ALL, verdict.state)
         | flag(verdict.confirmed, CONFIRMED)
@@ -196,42 +197,27 @@ fn checksum(record: Id, bytes: &[u8]) -> u32 {
     hasher.finalize()
 }
 
-struct Reader<'a>(&'a [u8]);
-
-impl Reader<'_> {
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (head, rest) = self.0.split_first_chunk()?;
-        self.0 = rest;
-        Some(*head)
-    }
-
-    fn byte(&mut self) -> Option<u8> {
-        self.take::<1>().map(|[byte]| byte)
-    }
-
-    fn figure(&mut self) -> Option<f64> {
-        self.take().map(f64::from_le_bytes)
-    }
-
-    /// `limits` are those read before; none where each is written out.
-    fn verdict(&mut self, limits: Option<&mut Limits>) -> Option<StoredVerdict> {
-        let [rule, coefficient, flags] = self.take()?;
-        let limit = match limits {
-            Some(limits) => limits.read(self)?,
-            None => self.figure()?,
-        };
-        let mut optional = |flag| if flags & flag == 0 { Some(None) } else { self.figure().map(Some) };
-        Some(StoredVerdict {
-            value: optional(HAS_VALUE)?,
-            sd: optional(HAS_SD)?,
-            probability: optional(HAS_PROBABILITY)?,
-            rule: *Rule::ALL.get(usize::from(rule))?,
-            coefficient: *Coefficient::ALL.get(usize::from(coefficient))?,
-            state: *State::ALL.get(usize::from(flags & 3))?,
-            confirmed: flags & CONFIRMED != 0,
-            limit,
-        })
-    }
+/// `limits` are those read before; none where each is written out.
+fn read_one(fields: &mut Fields<'_>, limits: Option<&mut WrittenLimits>) -> Option<StoredVerdict> {
+    let [rule, coefficient, flags] = fields.take()?;
+    let limit = match limits {
+        Some(limits) => limits.read(fields)?,
+        None => f64::from_le_bytes(fields.take()?),
+    };
+    let mut optional = |flag| match flags & flag {
+        0 => Some(None),
+        _ => fields.take().map(f64::from_le_bytes).map(Some),
+    };
+    Some(StoredVerdict {
+        value: optional(HAS_VALUE)?,
+        sd: optional(HAS_SD)?,
+        probability: optional(HAS_PROBABILITY)?,
+        rule: *Rule::ALL.get(usize::from(rule))?,
+        coefficient: *Coefficient::ALL.get(usize::from(coefficient))?,
+        state: *State::ALL.get(usize::from(flags & 3))?,
+        confirmed: flags & CONFIRMED != 0,
+        limit,
+    })
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ use crate::store::rows::Rows;
 
 /// What a delivery tells of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Subject {
+pub enum DeliverySubject {
     Step {
         step: Id,
         alert: Id,
@@ -28,11 +28,11 @@ pub enum Subject {
     Test,
 }
 
-impl Subject {
+impl DeliverySubject {
     fn columns(self) -> [Option<Id>; 2] {
         match self {
-            Subject::Step { step, alert } => [Some(step), Some(alert)],
-            Subject::Many | Subject::Test => [None, None],
+            DeliverySubject::Step { step, alert } => [Some(step), Some(alert)],
+            DeliverySubject::Many | DeliverySubject::Test => [None, None],
         }
     }
 }
@@ -53,7 +53,7 @@ pub struct Part {
 pub struct NewDelivery {
     pub id: Id,
     pub hook: Id,
-    pub subject: Subject,
+    pub subject: DeliverySubject,
     pub queued_at: UtcMicros,
     /// What is told, where that is not what the step says; of many, of the gravest.
     pub action: Option<&'static str>,
@@ -67,7 +67,7 @@ pub struct NewDelivery {
 pub struct DueDelivery {
     pub id: Id,
     pub hook: Id,
-    pub subject: Subject,
+    pub subject: DeliverySubject,
     pub queued_at: UtcMicros,
     pub attempts: u32,
     pub first_attempt_at: Option<UtcMicros>,
@@ -108,7 +108,7 @@ pub enum Progress {
 pub struct DeliveryRow {
     pub id: Id,
     pub hook: Id,
-    pub subject: Subject,
+    pub subject: DeliverySubject,
     /// Of a delivery of many, the gravest; `digest` of one that ends an import.
     pub action: Option<String>,
     /// The first of many.
@@ -216,7 +216,7 @@ fn insert(queued: &[NewDelivery], batch: &mut Batch) {
     let (mut rows, mut parts) = (Rows::default(), Rows::default());
     for new in queued {
         let [step, alert] = new.subject.columns();
-        let is_test = new.subject == Subject::Test;
+        let is_test = new.subject == DeliverySubject::Test;
         let state = if is_test { DeliveryState::Waiting } else { DeliveryState::Behind };
         let mut row = rows.row();
         row.put(&new.id).put(&new.hook).put(&step).put(&alert).put(&new.queued_at).put(&state);

@@ -2,7 +2,7 @@
 
 use sqlx::AssertSqlSafe;
 
-use super::delivery::{AttemptRow, DeliveryRow, DueDelivery, Subject};
+use super::delivery::{AttemptRow, DeliveryRow, DeliverySubject, DueDelivery};
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
@@ -11,12 +11,12 @@ use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns};
 
-fn subject(row: &impl AnyRow) -> Result<Subject, StoreError> {
+fn subject(row: &impl AnyRow) -> Result<DeliverySubject, StoreError> {
     let (of, action): ([Option<Id>; 2], Option<String>) = (row.part(&["step", "alert"])?, row.part(&["action"])?);
     Ok(match (of, action) {
-        ([Some(step), Some(alert)], _) => Subject::Step { step, alert },
-        (_, Some(_)) => Subject::Many,
-        (_, None) => Subject::Test,
+        ([Some(step), Some(alert)], _) => DeliverySubject::Step { step, alert },
+        (_, Some(_)) => DeliverySubject::Many,
+        (_, None) => DeliverySubject::Test,
     })
 }
 
@@ -39,7 +39,7 @@ pub async fn due_of_hook(
         let query = sqlx::query(sql).bind(hook.0).bind(now.0).bind(horizon.0).bind(Whole(limit));
         let rows = query.fetch_all(db).await?;
         let mut found: Vec<DueDelivery> = rows.iter().map(due).collect::<Result<_, _>>()?;
-        for due in found.iter_mut().filter(|due| due.subject == Subject::Many) {
+        for due in found.iter_mut().filter(|due| due.subject == DeliverySubject::Many) {
             due.content = sqlx::query_as(PARTS).bind(due.id.0).fetch_all(db).await?;
         }
         Ok(found)

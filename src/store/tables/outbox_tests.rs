@@ -107,7 +107,7 @@ impl Bench {
             .map(|i| NewDelivery {
                 id: Id(10 + i),
                 hook: HOOK,
-                subject: Subject::Step { step: Id(i), alert: Id(1 + i % 2) },
+                subject: DeliverySubject::Step { step: Id(i), alert: Id(1 + i % 2) },
                 queued_at: UtcMicros(100),
                 action: None,
                 parts: Vec::new(),
@@ -207,7 +207,7 @@ fn many(id: i64, alerts: &[i64]) -> NewDelivery {
     NewDelivery {
         id: Id(id),
         hook: HOOK,
-        subject: Subject::Many,
+        subject: DeliverySubject::Many,
         queued_at: UtcMicros(100),
         action: Some("fire"),
         parts,
@@ -221,7 +221,7 @@ async fn a_message_of_many_alerts_keeps_the_order_of_each() {
     use DeliveryState::{Behind, Waiting};
     let mut bench = Bench::new().await;
     let one = |id, step, alert| NewDelivery {
-        subject: Subject::Step { step: Id(step), alert: Id(alert) },
+        subject: DeliverySubject::Step { step: Id(step), alert: Id(alert) },
         action: None,
         parts: Vec::new(),
         ..many(id, &[])
@@ -246,11 +246,11 @@ async fn a_message_of_many_alerts_says_of_each_what_its_step_says_or_what_it_was
     let digest = NewDelivery { digest: Some("{\"total\":2}".into()), ..many(40, &[2, 1]) };
     bench.change(OutboxChanges { queued: vec![digest], ..OutboxChanges::default() }).await;
     let due = store::outbox::due_of_hook(&bench.store, HOOK, UtcMicros(100), HORIZON, 1).await.unwrap().remove(0);
-    assert_eq!((due.subject, due.at, due.digest.as_deref()), (Subject::Many, None, Some("{\"total\":2}")));
+    assert_eq!((due.subject, due.at, due.digest.as_deref()), (DeliverySubject::Many, None, Some("{\"total\":2}")));
     let fire = |body: String| ("fire".to_owned(), body);
     assert_eq!(due.content, [fire(step(Id(31), Id(2)).body), fire("{\"as\": \"it 是\"}".into())]);
     let row = store::outbox::get(&bench.store, Id(40)).await.unwrap().unwrap();
-    assert_eq!((row.subject, row.action.as_deref(), row.alert), (Subject::Many, Some("fire"), Some(Id(2))));
+    assert_eq!((row.subject, row.action.as_deref(), row.alert), (DeliverySubject::Many, Some("fire"), Some(Id(2))));
 }
 
 #[tokio::test]
@@ -276,7 +276,7 @@ async fn what_a_hook_has_heard_is_kept_and_forgotten_and_known_from_what_it_took
     assert_eq!(store::hook::delivered_firing(&bench.store, HOOK).await.unwrap(), []);
     let ends = NewDelivery {
         action: Some("resolve"),
-        subject: Subject::Step { step: Id(32), alert: Id(1) },
+        subject: DeliverySubject::Step { step: Id(32), alert: Id(1) },
         parts: Vec::new(),
         ..many(41, &[])
     };
@@ -318,7 +318,7 @@ async fn a_line_that_grows_later_stays_in_order() {
     assert_eq!(bench.due(150).await, [41]);
     let new = |id| NewDelivery {
         id: Id(id),
-        subject: Subject::Step { step: Id(30), alert: Id(1) },
+        subject: DeliverySubject::Step { step: Id(30), alert: Id(1) },
         queued_at: UtcMicros(200),
         ..many(0, &[])
     };
@@ -350,11 +350,11 @@ async fn times_that_a_mad_clock_wrote_hold_nothing_up() {
 async fn a_test_comes_before_whatever_waits() {
     let mut bench = Bench::new().await;
     bench.queue().await;
-    let test = NewDelivery { subject: Subject::Test, action: None, ..many(60, &[]) };
+    let test = NewDelivery { subject: DeliverySubject::Test, action: None, ..many(60, &[]) };
     bench.change(OutboxChanges { queued: vec![test], ..OutboxChanges::default() }).await;
     assert_eq!(bench.due(100).await, [60, 40, 41]);
     let row = store::outbox::get(&bench.store, Id(60)).await.unwrap().unwrap();
-    assert_eq!((row.subject, row.action), (Subject::Test, None));
+    assert_eq!((row.subject, row.action), (DeliverySubject::Test, None));
 }
 
 #[tokio::test]

@@ -4,7 +4,7 @@
 use serde_json::{Value, json};
 
 use crate::core::calibrate::outcome::evaluate;
-use crate::core::campaign::commanded::{Cause, Finding, Part, Symptom, Vectors, findings};
+use crate::core::campaign::commanded::{AffectedDwells, CommandFinding, MistakeKind, Symptom, Vectors, findings};
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::fault::{Fault, Faults};
 use crate::core::message::{Message, Parameter, figure, signed};
@@ -39,7 +39,7 @@ pub(super) fn explained(campaign: &Campaign, faults: Faults) -> Faults {
         return faults;
     }
     let found = findings(campaign);
-    let known: Vec<&Finding> = found.iter().filter(|f| f.matters && !f.single && !f.causes.is_empty()).collect();
+    let known: Vec<&CommandFinding> = found.iter().filter(|f| f.matters && !f.single && !f.causes.is_empty()).collect();
     if known.is_empty() {
         return faults;
     }
@@ -48,11 +48,11 @@ pub(super) fn explained(campaign: &Campaign, faults: Faults) -> Faults {
     Faults(together)
 }
 
-fn faults_of(finding: &Finding) -> Vec<Fault> {
+fn faults_of(finding: &CommandFinding) -> Vec<Fault> {
     let fault = |pointer, message| Fault { pointer, message };
     if finding.single {
         let one = |(k, value): &(usize, f64)| {
-            let alone = Finding { dwells: vec![(*k, *value)], ..finding.clone() };
+            let alone = CommandFinding { dwells: vec![(*k, *value)], ..finding.clone() };
             fault(pointer(finding, *k), message(&alone))
         };
         return finding.dwells.iter().map(one).collect();
@@ -60,21 +60,21 @@ fn faults_of(finding: &Finding) -> Vec<Fault> {
     vec![fault(pointer(finding, finding.dwells[0].0), message(finding))]
 }
 
-fn pointer(finding: &Finding, dwell: usize) -> String {
+fn pointer(finding: &CommandFinding, dwell: usize) -> String {
     let field = match (finding.causes.first(), finding.symptom) {
-        (Some(Cause::LatitudeReversed), _) => return "/site/latitude_deg".to_owned(),
+        (Some(MistakeKind::LatitudeReversed), _) => return "/site/latitude_deg".to_owned(),
         (
             Some(
-                Cause::ForceReversed
-                | Cause::ForceUnit { .. }
-                | Cause::ForceNormalised
-                | Cause::ForceScale { .. }
-                | Cause::AxisReversed { of: Vectors::Force | Vectors::Both, .. }
-                | Cause::AxesExchanged { of: Vectors::Force | Vectors::Both, .. },
+                MistakeKind::ForceReversed
+                | MistakeKind::ForceUnit { .. }
+                | MistakeKind::ForceNormalised
+                | MistakeKind::ForceScale { .. }
+                | MistakeKind::AxisReversed { of: Vectors::Force | Vectors::Both, .. }
+                | MistakeKind::AxesExchanged { of: Vectors::Force | Vectors::Both, .. },
             ),
             _,
         ) => "specific_force_g0",
-        (Some(Cause::AttitudeInverted), _) | (_, Symptom::Attitude) => "attitude",
+        (Some(MistakeKind::AttitudeInverted), _) | (_, Symptom::Attitude) => "attitude",
         (_, Symptom::Gravity | Symptom::Output) => "specific_force_g0",
         (
             _,
@@ -85,7 +85,7 @@ fn pointer(finding: &Finding, dwell: usize) -> String {
 }
 
 /// What it most likely is, then what was measured.
-pub(crate) fn message(finding: &Finding) -> Message {
+pub(crate) fn message(finding: &CommandFinding) -> Message {
     let mut causes = finding.causes.iter().map(cause);
     let likely = match (causes.next(), causes.next(), causes.next()) {
         (None, ..) => message!("commanded_wrong"),
@@ -102,7 +102,7 @@ pub(crate) fn message(finding: &Finding) -> Message {
     }
 }
 
-fn measured(finding: &Finding) -> Message {
+fn measured(finding: &CommandFinding) -> Message {
     let (n, of, value) = (finding.dwells.len(), finding.of, finding.measured());
     let share = match finding.single && n == 1 {
         true => message!("this_dwell"),
@@ -126,7 +126,7 @@ fn measured(finding: &Finding) -> Message {
     }
 }
 
-fn cause(cause: &Cause) -> Message {
+fn cause(cause: &MistakeKind) -> Message {
     let axis = |k: usize| ["x", "y", "z"][k];
     let vectors = |of: Vectors| match of {
         Vectors::Force => Parameter::from("specific_force_g0"),
@@ -134,37 +134,39 @@ fn cause(cause: &Cause) -> Message {
         Vectors::Both => message!("force_and_rate").into(),
     };
     match *cause {
-        Cause::ForceReversed => message!("force_reversed"),
-        Cause::RateReversed => message!("rates_reversed"),
-        Cause::LatitudeReversed => message!("latitude_reversed"),
-        Cause::NedForEnu => message!("ned_for_enu"),
-        Cause::AttitudeInverted => message!("attitude_inverted"),
-        Cause::EarthRateLeftOut => message!("earth_rate_left_out"),
-        Cause::RateUnit { unit, part } => {
+        MistakeKind::ForceReversed => message!("force_reversed"),
+        MistakeKind::RateReversed => message!("rates_reversed"),
+        MistakeKind::LatitudeReversed => message!("latitude_reversed"),
+        MistakeKind::NedForEnu => message!("ned_for_enu"),
+        MistakeKind::AttitudeInverted => message!("attitude_inverted"),
+        MistakeKind::EarthRateLeftOut => message!("earth_rate_left_out"),
+        MistakeKind::RateUnit { unit, part } => {
             let dwells = match part {
-                Part::All => message!("all_dwells"),
-                Part::Static => message!("static_dwells"),
-                Part::Turning => message!("rate_dwells"),
+                AffectedDwells::All => message!("all_dwells"),
+                AffectedDwells::Static => message!("static_dwells"),
+                AffectedDwells::Turning => message!("rate_dwells"),
             };
             message!("rate_unit", dwells, unit)
         }
-        Cause::AxisReversed { axis: k, of } => message!("axis_reversed", axis = axis(k), vectors = vectors(of)),
-        Cause::AxesExchanged { axes: (a, b), of } => {
+        MistakeKind::AxisReversed { axis: k, of } => {
+            message!("axis_reversed", axis = axis(k), vectors = vectors(of))
+        }
+        MistakeKind::AxesExchanged { axes: (a, b), of } => {
             message!("axes_exchanged", first = axis(a), second = axis(b), vectors = vectors(of))
         }
-        Cause::OtherLatitude { degrees } => message!("other_latitude", degrees = figure(degrees, 3)),
-        Cause::OtherEarthRate { arcsec_s } => message!("other_earth_rate", rate = figure(arcsec_s, 3)),
-        Cause::OtherHeadings => message!("other_headings"),
-        Cause::ForceUnit { unit } => message!("force_unit", unit),
-        Cause::ForceNormalised => message!("force_normalised"),
-        Cause::ForceScale { ratio } => message!("force_scale", ratio = figure(ratio, 5)),
+        MistakeKind::OtherLatitude { degrees } => message!("other_latitude", degrees = figure(degrees, 3)),
+        MistakeKind::OtherEarthRate { arcsec_s } => message!("other_earth_rate", rate = figure(arcsec_s, 3)),
+        MistakeKind::OtherHeadings => message!("other_headings"),
+        MistakeKind::ForceUnit { unit } => message!("force_unit", unit),
+        MistakeKind::ForceNormalised => message!("force_normalised"),
+        MistakeKind::ForceScale { ratio } => message!("force_scale", ratio = figure(ratio, 5)),
     }
 }
 
 /// Parameters of a note, for programs.
-pub(crate) fn parameters(finding: &Finding) -> Value {
+pub(crate) fn parameters(finding: &CommandFinding) -> Value {
     json!({
-        "causes": finding.causes.iter().map(Cause::code).collect::<Vec<_>>(),
+        "causes": finding.causes.iter().map(MistakeKind::code).collect::<Vec<_>>(),
         "pointer": pointer(finding, finding.dwells[0].0),
         "dwells": finding.dwells.len(),
         "of": finding.of,

@@ -23,7 +23,7 @@ pub(super) const FIELDS: &[(&str, &[&str], bool)] = &[
 ];
 
 /// Which column holds which part of which field.
-pub(super) struct Columns {
+pub(super) struct DwellTableColumns {
     names: Vec<String>,
     /// By field of [`FIELDS`] and part, the column's index.
     places: Vec<Vec<Option<usize>>>,
@@ -32,14 +32,14 @@ pub(super) struct Columns {
 }
 
 /// One dwell's cells; none where a cell is empty.
-pub(super) struct Row {
+pub(super) struct DwellRow {
     pub line: usize,
     phase: String,
     numbers: Vec<Option<f64>>,
 }
 
 /// Reads header and rows from `first_line` (counted from 0) on; none without a usable header.
-pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option<(Columns, Vec<Row>)> {
+pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option<(DwellTableColumns, Vec<DwellRow>)> {
     if text.lines().nth(first_line).is_none() {
         faults.push("/dwells", message!("no_table"));
         return None;
@@ -55,7 +55,7 @@ pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option
         faults.push("", message!("at_line", line = first_line + 1, fault = foreign));
         return None;
     }
-    let columns = Columns::read(&header, first_line + 1, faults);
+    let columns = DwellTableColumns::read(&header, first_line + 1, faults);
     let mut rows = Vec::new();
     let mut dwell = 0;
     let records: Vec<_> = records.collect();
@@ -99,7 +99,7 @@ fn foreign(header: &csv::StringRecord) -> Option<Message> {
     (known == 0).then(|| message!("table_foreign", names = names(&named)))
 }
 
-impl Columns {
+impl DwellTableColumns {
     fn read(header: &csv::StringRecord, line: usize, faults: &mut Faults) -> Self {
         let names: Vec<String> = header.iter().map(str::to_owned).collect();
         let mut places: Vec<Vec<Option<usize>>> = FIELDS.iter().map(|(_, parts, _)| vec![None; parts.len()]).collect();
@@ -171,11 +171,11 @@ impl Columns {
     fn row(
         &self,
         record: &csv::StringRecord,
-        ranges: &[Range],
+        ranges: &[IndexRange],
         dwell: usize,
         line: usize,
         faults: &mut Faults,
-    ) -> Option<Row> {
+    ) -> Option<DwellRow> {
         if record.len() > self.names.len() && record.iter().skip(self.names.len()).any(|cell| !cell.is_empty()) {
             faults.push(format!("/dwells/{dwell}"), self.too_many(record, ranges, line));
             return None;
@@ -197,7 +197,7 @@ impl Columns {
         if faults.0.len() == before {
             self.check_filled(&numbers, record.len(), (dwell, line), faults);
         }
-        (faults.0.len() == before).then_some(Row { line, phase, numbers })
+        (faults.0.len() == before).then_some(DwellRow { line, phase, numbers })
     }
 
     /// Empty cells: a vector has all its cells or none, and a required field all.
@@ -220,7 +220,7 @@ impl Columns {
 
     /// More cells than columns: most often decimal commas. Of cells that look like half a number it names, in columns
     /// with decimal points if it can, the one without which most of the row is in the ranges of its columns.
-    fn too_many(&self, record: &csv::StringRecord, ranges: &[Range], line: usize) -> Message {
+    fn too_many(&self, record: &csv::StringRecord, ranges: &[IndexRange], line: usize) -> Message {
         let digits = |cell: &str| !cell.is_empty() && cell.bytes().all(|b| b.is_ascii_digit());
         let half = |i: usize| {
             let whole = record.get(i).unwrap_or_default();
@@ -245,7 +245,7 @@ impl Columns {
 }
 
 /// What a column's cells are like.
-struct Range {
+struct IndexRange {
     /// Least and largest number, twice as far apart as they are.
     least: f64,
     most: f64,
@@ -253,10 +253,14 @@ struct Range {
     pointed: bool,
 }
 
-fn ranges<'a>(whole: impl Iterator<Item = &'a csv::StringRecord>) -> Vec<Range> {
-    let mut ranges: Vec<Range> = Vec::new();
+fn ranges<'a>(whole: impl Iterator<Item = &'a csv::StringRecord>) -> Vec<IndexRange> {
+    let mut ranges: Vec<IndexRange> = Vec::new();
     for record in whole {
-        ranges.resize_with(record.len(), || Range { least: f64::INFINITY, most: f64::NEG_INFINITY, pointed: false });
+        ranges.resize_with(record.len(), || IndexRange {
+            least: f64::INFINITY,
+            most: f64::NEG_INFINITY,
+            pointed: false,
+        });
         for (range, cell) in ranges.iter_mut().zip(record) {
             let number: f64 = cell.parse().unwrap_or(f64::NAN);
             (range.least, range.most) = (range.least.min(number), range.most.max(number));
@@ -271,14 +275,14 @@ fn ranges<'a>(whole: impl Iterator<Item = &'a csv::StringRecord>) -> Vec<Range> 
 }
 
 /// Cells within the ranges of their columns, where the cells `i` and `i + 1` are one number.
-fn within(record: &csv::StringRecord, ranges: &[Range], i: usize) -> usize {
+fn within(record: &csv::StringRecord, ranges: &[IndexRange], i: usize) -> usize {
     let merged = format!("{}.{}", record.get(i).unwrap_or_default(), record.get(i + 1).unwrap_or_default());
     let cell = |k: usize| match k {
         _ if k < i => record.get(k),
         _ if k == i => Some(merged.as_str()),
         _ => record.get(k + 1),
     };
-    let is_within = |(k, range): (usize, &Range)| {
+    let is_within = |(k, range): (usize, &IndexRange)| {
         let number = cell(k).and_then(|cell| cell.parse::<f64>().ok());
         number.is_some_and(|number| (range.least..=range.most).contains(&number))
     };
@@ -289,9 +293,9 @@ fn last_given(places: &[Option<usize>]) -> usize {
     places.iter().rposition(Option::is_some).map_or(0, |last| last + 1)
 }
 
-impl Row {
+impl DwellRow {
     /// The dwell as the JSON would have it. All cells that must be filled are.
-    pub fn dwell(&self, columns: &Columns) -> DwellBody {
+    pub fn dwell(&self, columns: &DwellTableColumns) -> DwellBody {
         let list = |field: &str| {
             let places = FIELDS.iter().zip(&columns.places).find(|((name, ..), _)| *name == field)?.1;
             let values: Vec<f64> = places.iter().flatten().filter_map(|&column| self.numbers[column]).collect();

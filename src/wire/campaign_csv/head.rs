@@ -19,7 +19,7 @@ pub(super) struct Head {
 
 /// What a key's bare (not JSON) value is.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum ValueKind {
     Text,
     Number,
     Numbers,
@@ -28,31 +28,31 @@ pub(super) enum Kind {
 }
 
 /// Keys as they may be written, the JSON pointer that each stands for, and how its value reads.
-pub(super) const KEYS: &[(&str, &str, Kind)] = &[
-    ("imu", "/imu", Kind::Text),
-    ("station", "/station", Kind::Text),
-    ("measured_at", "/measured_at", Kind::Text),
-    ("geometry", "/geometry", Kind::Text),
-    ("rates", "/rates", Kind::Text),
-    ("test", "/test", Kind::Text),
-    ("operator", "/operator", Kind::Text),
-    ("note", "/note", Kind::Text),
-    ("temperature_c", "/temperature_c", Kind::Number),
-    ("model", "/model", Kind::Names),
-    ("site", "/site", Kind::Text),
-    ("latitude_deg", "/site/latitude_deg", Kind::Number),
-    ("gravity_g0", "/site/gravity_g0", Kind::Number),
-    ("magnetic_field_nav", "/site/magnetic_field_nav", Kind::Numbers),
-    ("station_uncertainty", "/station_uncertainty", Kind::Text),
-    ("levelling_arcsec", "/station_uncertainty/levelling_arcsec", Kind::Number),
-    ("azimuth_arcsec", "/station_uncertainty/azimuth_arcsec", Kind::Number),
-    ("fixture_arcsec", "/station_uncertainty/fixture_arcsec", Kind::Number),
-    ("gyros", "/gyros", Kind::Gyros),
+pub(super) const KEYS: &[(&str, &str, ValueKind)] = &[
+    ("imu", "/imu", ValueKind::Text),
+    ("station", "/station", ValueKind::Text),
+    ("measured_at", "/measured_at", ValueKind::Text),
+    ("geometry", "/geometry", ValueKind::Text),
+    ("rates", "/rates", ValueKind::Text),
+    ("test", "/test", ValueKind::Text),
+    ("operator", "/operator", ValueKind::Text),
+    ("note", "/note", ValueKind::Text),
+    ("temperature_c", "/temperature_c", ValueKind::Number),
+    ("model", "/model", ValueKind::Names),
+    ("site", "/site", ValueKind::Text),
+    ("latitude_deg", "/site/latitude_deg", ValueKind::Number),
+    ("gravity_g0", "/site/gravity_g0", ValueKind::Number),
+    ("magnetic_field_nav", "/site/magnetic_field_nav", ValueKind::Numbers),
+    ("station_uncertainty", "/station_uncertainty", ValueKind::Text),
+    ("levelling_arcsec", "/station_uncertainty/levelling_arcsec", ValueKind::Number),
+    ("azimuth_arcsec", "/station_uncertainty/azimuth_arcsec", ValueKind::Number),
+    ("fixture_arcsec", "/station_uncertainty/fixture_arcsec", ValueKind::Number),
+    ("gyros", "/gyros", ValueKind::Gyros),
 ];
 /// A station that writes while it measures says with it when its table is whole.
 const DWELLS: &str = "dwells";
-pub(super) const GYRO_KEYS: &[(&str, Kind)] =
-    &[("slot", Kind::Text), ("serial", Kind::Text), ("known_e_pulse_per_arcsec", Kind::Numbers)];
+pub(super) const GYRO_KEYS: &[(&str, ValueKind)] =
+    &[("slot", ValueKind::Text), ("serial", ValueKind::Text), ("known_e_pulse_per_arcsec", ValueKind::Numbers)];
 
 impl Head {
     /// Reads the lines above the table; the second value is the table's first line (counted from 0).
@@ -113,7 +113,7 @@ impl Head {
 
 /// Pointer and kind of a key. `site.latitude_deg`, `site_latitude_deg` and `latitude_deg` are the same; a gyro's
 /// keys end in `_1 _2 _3`, or stand as `gyros.0.serial`.
-fn meaning(key: &str) -> Option<(String, Kind)> {
+fn meaning(key: &str) -> Option<(String, ValueKind)> {
     let plain =
         ["site.", "site_", "station_uncertainty."].into_iter().find_map(|of| key.strip_prefix(of)).unwrap_or(key);
     if let Some((_, pointer, kind)) = KEYS.iter().find(|(name, ..)| *name == plain) {
@@ -131,23 +131,23 @@ pub(super) fn is_key(name: &str) -> bool {
     meaning(name).is_some()
 }
 
-fn read_value(text: &str, kind: Kind) -> Result<Value, Message> {
+fn read_value(text: &str, kind: ValueKind) -> Result<Value, Message> {
     if text.starts_with(['{', '[', '"']) {
         return serde_json::from_str(text)
             .map_err(|error| message!("value_not_json", why = crate::wire::json::said_of(&error)));
     }
     match kind {
-        Kind::Text => Ok(Value::from(text)),
-        Kind::Number => number(text).map(Value::from),
-        Kind::Numbers => text
+        ValueKind::Text => Ok(Value::from(text)),
+        ValueKind::Number => number(text).map(Value::from),
+        ValueKind::Numbers => text
             .split([' ', ';', '\t', ','])
             .filter(|part| !part.is_empty())
             .map(|part| number(part).map(Value::from))
             .collect(),
-        Kind::Names => {
+        ValueKind::Names => {
             Ok(text.split([',', ' ', ';']).map(str::trim).filter(|name| !name.is_empty()).map(Value::from).collect())
         }
-        Kind::Gyros => text.split([',', ';']).map(gyro).collect(),
+        ValueKind::Gyros => text.split([',', ';']).map(gyro).collect(),
     }
 }
 

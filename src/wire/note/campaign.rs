@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::core::bench::Alias;
-use crate::core::campaign::{CampaignNote, Column, LeftOut, StationLack};
+use crate::core::campaign::{CampaignNote, DwellColumn, LeftOut, StationLack};
 use crate::core::message::{Message, Parameter, figure, list, signed, significant, text};
 use crate::core::mounting::Slot;
 use crate::message;
@@ -17,12 +17,12 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::Missing { column, dwells, of } => {
             let (count, of, dwells) = (dwells.len(), *of, places(dwells));
             match column {
-                Column::Attitude => message!("some_attitudes_missing", count, of, dwells),
-                Column::Temperature if 2 * count > of => {
+                DwellColumn::Attitude => message!("some_attitudes_missing", count, of, dwells),
+                DwellColumn::Temperature if 2 * count > of => {
                     message!("temperatures_mostly_missing", count, of, dwells)
                 }
-                Column::Temperature => message!("temperatures_missing", count, of, dwells),
-                Column::StandardErrors => message!("standard_errors_missing", count, of, dwells),
+                DwellColumn::Temperature => message!("temperatures_missing", count, of, dwells),
+                DwellColumn::StandardErrors => message!("standard_errors_missing", count, of, dwells),
             }
         }
         CampaignNote::TemperatureOutlier { dwell, celsius, median } => {
@@ -103,12 +103,7 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
     };
     let value = match note {
         CampaignNote::Missing { column, dwells, of } => {
-            let field = match column {
-                Column::Attitude => "attitude",
-                Column::Temperature => "temperature_c",
-                Column::StandardErrors => "output_sem_pulse_s",
-            };
-            json!({"pointers": pointers(dwells, field), "of": of})
+            json!({"pointers": pointers(dwells, column.name()), "of": of})
         }
         CampaignNote::TemperatureOutlier { dwell, celsius, median } => json!({
             "pointer": format!("/dwells/{dwell}/temperature_c"), "value": celsius, "median": median

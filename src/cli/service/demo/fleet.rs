@@ -69,7 +69,7 @@ struct Gyro {
 }
 
 /// A gyro in its place for a while. Every installation has its own mounting.
-struct Seat {
+struct Stay {
     imu: usize,
     slot: Slot,
     gyro: usize,
@@ -139,7 +139,7 @@ impl Gyro {
 }
 
 /// Who sits where and when: three gyros an IMU, in order of their numbers, and the moves of [`stories`].
-fn seats(rng: &mut ChaCha8Rng) -> Vec<Seat> {
+fn seats(rng: &mut ChaCha8Rng) -> Vec<Stay> {
     let (out, back) = (stories::TAKEN_OUT, stories::BACK);
     let (one, other, swapped) = stories::SWAPPED;
     let (remounted, remounted_on) = stories::REMOUNTED;
@@ -147,7 +147,7 @@ fn seats(rng: &mut ChaCha8Rng) -> Vec<Seat> {
     let mut sit = |place: usize, gyro: usize, from: f64, to: f64| {
         let (imu, slot) = (place / 3, Slot::ALL[place % 3]);
         let mounting = mounting(slot, rng);
-        seats.push(Seat { imu, slot, gyro, from, to, mounting });
+        seats.push(Stay { imu, slot, gyro, from, to, mounting });
     };
     let (spare, displaced, falling) = (3 * IMUS, 25, stories::FALLING.0);
     for place in 0..3 * IMUS {
@@ -200,7 +200,7 @@ fn station(imu: usize, day: f64) -> &'static str {
     if imu.is_multiple_of(2) && !moved { "ST-1" } else { "ST-2" }
 }
 
-fn record(imu: usize, day: f64, at: UtcMicros, gyros: &[Gyro], seats: &[Seat], rng: &mut ChaCha8Rng) -> RecordBody {
+fn record(imu: usize, day: f64, at: UtcMicros, gyros: &[Gyro], seats: &[Stay], rng: &mut ChaCha8Rng) -> RecordBody {
     let station = station(imu, day);
     let seated = seats.iter().filter(|seat| seat.imu == imu && (seat.from..seat.to).contains(&day));
     RecordBody {
@@ -217,7 +217,7 @@ fn record(imu: usize, day: f64, at: UtcMicros, gyros: &[Gyro], seats: &[Seat], r
 }
 
 /// E and G as the station's fit gives them: the gyro's rows in body axes, and their scatter.
-fn parameters(seat: &Seat, gyro: &Gyro, station: &str, day: f64, rng: &mut ChaCha8Rng) -> GyroBody {
+fn parameters(seat: &Stay, gyro: &Gyro, station: &str, day: f64, rng: &mut ChaCha8Rng) -> GyroBody {
     let nominal = Geometry::Skewed.triad(seat.slot).expect("the skewed geometry names every slot");
     let [input, spin] = [nominal.input(), nominal.spin()].map(|axis| seat.mounting * axis);
     let [mut d_i, d_s] = gyro.drift(seat.gyro, day);

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::columns::{COLUMNS, Cells, Row};
+use super::columns::{COLUMNS, CellValue, ExportRow};
 use crate::wire::time;
 
 pub struct Csv<W: Write>(csv::Writer<W>);
@@ -14,7 +14,7 @@ impl<W: Write> Csv<W> {
         Ok(Self(writer))
     }
 
-    pub fn write(&mut self, rows: &[Row]) -> anyhow::Result<()> {
+    pub fn write(&mut self, rows: &[ExportRow]) -> anyhow::Result<()> {
         for row in rows {
             self.0.write_record(COLUMNS.iter().map(|column| cell(column.cells, row)))?;
         }
@@ -27,13 +27,13 @@ impl<W: Write> Csv<W> {
 }
 
 /// Empty where there is nothing to say.
-fn cell(cells: Cells, row: &Row) -> String {
+fn cell(cells: CellValue, row: &ExportRow) -> String {
     match cells {
-        Cells::Text(of) => of(row),
-        Cells::Word(of) => of(row).unwrap_or_default().to_owned(),
-        Cells::Instant(of) => time::format(of(row)),
-        Cells::Number(of) => of(row).map(|number| number.to_string()).unwrap_or_default(),
-        Cells::Count(of) => of(row).map(|count| count.to_string()).unwrap_or_default(),
-        Cells::Flag(of) => of(row).to_string(),
+        CellValue::Text(of) => of(row),
+        CellValue::Word(of) => of(row).unwrap_or_default().to_owned(),
+        CellValue::Instant(of) => time::format(of(row)),
+        CellValue::Number(of) => of(row).map(|number| number.to_string()).unwrap_or_default(),
+        CellValue::Count(of) => of(row).map(|count| count.to_string()).unwrap_or_default(),
+        CellValue::Flag(of) => of(row).to_string(),
     }
 }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
 
-use self::columns::Row;
+use self::columns::ExportRow;
 use self::csv::Csv;
 #[cfg(feature = "parquet")]
 use self::parquet::Parquet;
@@ -31,7 +31,7 @@ pub struct Export {
     /// The file to write; it must not exist. What follows its last dot says the form, unless --format does
     file: PathBuf,
     #[arg(long)]
-    format: Option<Form>,
+    format: Option<ExportFormat>,
     /// Only this gyro; repeat for several
     #[arg(long = "serial", value_name = "SERIAL")]
     serials: Vec<String>,
@@ -50,7 +50,7 @@ pub struct Export {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Form {
+enum ExportFormat {
     Csv,
     Parquet,
 }
@@ -79,10 +79,10 @@ impl Export {
         Ok(())
     }
 
-    fn form(&self) -> anyhow::Result<Form> {
+    fn form(&self) -> anyhow::Result<ExportFormat> {
         let named = || {
             let ending = self.file.extension().and_then(|ending| ending.to_str());
-            ending.and_then(|ending| Form::from_str(ending, true).ok())
+            ending.and_then(|ending| ExportFormat::from_str(ending, true).ok())
         };
         let unsaid = || Usage(format!("{}: neither .csv nor .parquet; say --format", self.file.display()));
         Ok(self.format.or_else(named).ok_or_else(unsaid)?)
@@ -135,11 +135,11 @@ fn named(
     block: &[Figures],
     statuses: &Statuses,
     voided: bool,
-) -> anyhow::Result<Vec<Row>> {
+) -> anyhow::Result<Vec<ExportRow>> {
     let tables = store.names().read();
     let rows = block.iter().map(|figures| {
         let missing = |what| anyhow!("record {}: its {what} has no name", figures.record);
-        Ok(Row {
+        Ok(ExportRow {
             serial: serial.clone(),
             imu: tables.imus.name(figures.imu).cloned().ok_or_else(|| missing("IMU"))?,
             station: tables.stations.name(figures.station).cloned().ok_or_else(|| missing("station"))?,
@@ -160,17 +160,19 @@ enum Sink {
 }
 
 impl Sink {
-    fn new(form: Form, file: File) -> anyhow::Result<Self> {
+    fn new(form: ExportFormat, file: File) -> anyhow::Result<Self> {
         match form {
-            Form::Csv => Ok(Self::Csv(Csv::new(BufWriter::new(file))?)),
+            ExportFormat::Csv => Ok(Self::Csv(Csv::new(BufWriter::new(file))?)),
             #[cfg(feature = "parquet")]
-            Form::Parquet => Ok(Self::Parquet(Parquet::new(file)?)),
+            ExportFormat::Parquet => Ok(Self::Parquet(Parquet::new(file)?)),
             #[cfg(not(feature = "parquet"))]
-            Form::Parquet => bail!("this program was built without Parquet: cargo build --release --features parquet"),
+            ExportFormat::Parquet => {
+                bail!("this program was built without Parquet: cargo build --release --features parquet")
+            }
         }
     }
 
-    fn write(&mut self, rows: Vec<Row>) -> anyhow::Result<usize> {
+    fn write(&mut self, rows: Vec<ExportRow>) -> anyhow::Result<usize> {
         let count = rows.len();
         match self {
             Self::Csv(csv) => csv.write(&rows)?,

@@ -10,14 +10,14 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 
-use super::columns::{COLUMNS, Cells, Column, Row};
+use super::columns::{COLUMNS, CellValue, ExportColumn, ExportRow};
 
 /// Rows that are held in memory and written together.
 const GROUP: usize = 65_536;
 
 pub struct Parquet {
     writer: SerializedFileWriter<File>,
-    waiting: Vec<Row>,
+    waiting: Vec<ExportRow>,
 }
 
 impl Parquet {
@@ -31,7 +31,7 @@ impl Parquet {
         Ok(Self { writer, waiting: Vec::new() })
     }
 
-    pub fn write(&mut self, rows: Vec<Row>) -> anyhow::Result<()> {
+    pub fn write(&mut self, rows: Vec<ExportRow>) -> anyhow::Result<()> {
         self.waiting.extend(rows);
         if self.waiting.len() >= GROUP {
             self.write_group()?;
@@ -51,7 +51,7 @@ impl Parquet {
             return Ok(());
         }
         let mut group = self.writer.next_row_group()?;
-        for Column { cells, .. } in &COLUMNS {
+        for ExportColumn { cells, .. } in &COLUMNS {
             let Some(column) = group.next_column()? else { break };
             write_column(column, *cells, &rows)?;
         }
@@ -66,35 +66,35 @@ fn schema() -> anyhow::Result<TypePtr> {
     Ok(Arc::new(Type::group_type_builder("history").with_fields(fields).build()?))
 }
 
-fn field(column: &Column) -> anyhow::Result<Type> {
+fn field(column: &ExportColumn) -> anyhow::Result<Type> {
     let instant = LogicalType::timestamp(true, TimeUnit::MICROS);
     let (physical, logical, repetition) = match column.cells {
-        Cells::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::REQUIRED),
-        Cells::Word(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::OPTIONAL),
-        Cells::Instant(_) => (Physical::INT64, Some(instant), Repetition::REQUIRED),
-        Cells::Number(_) => (Physical::DOUBLE, None, Repetition::OPTIONAL),
-        Cells::Count(_) => (Physical::INT32, None, Repetition::OPTIONAL),
-        Cells::Flag(_) => (Physical::BOOLEAN, None, Repetition::REQUIRED),
+        CellValue::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::REQUIRED),
+        CellValue::Word(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::OPTIONAL),
+        CellValue::Instant(_) => (Physical::INT64, Some(instant), Repetition::REQUIRED),
+        CellValue::Number(_) => (Physical::DOUBLE, None, Repetition::OPTIONAL),
+        CellValue::Count(_) => (Physical::INT32, None, Repetition::OPTIONAL),
+        CellValue::Flag(_) => (Physical::BOOLEAN, None, Repetition::REQUIRED),
     };
     let builder = Type::primitive_type_builder(column.name, physical);
     Ok(builder.with_logical_type(logical).with_repetition(repetition).build()?)
 }
 
-fn write_column(column: SerializedColumnWriter<'_>, cells: Cells, rows: &[Row]) -> anyhow::Result<()> {
+fn write_column(column: SerializedColumnWriter<'_>, cells: CellValue, rows: &[ExportRow]) -> anyhow::Result<()> {
     match cells {
-        Cells::Text(of) => required::<ByteArrayType>(column, rows, |row| ByteArray::from(of(row).into_bytes())),
-        Cells::Word(of) => optional::<ByteArrayType>(column, rows, |row| of(row).map(ByteArray::from)),
-        Cells::Instant(of) => required::<Int64Type>(column, rows, |row| of(row).0),
-        Cells::Number(of) => optional::<DoubleType>(column, rows, of),
-        Cells::Count(of) => optional::<Int32Type>(column, rows, of),
-        Cells::Flag(of) => required::<BoolType>(column, rows, of),
+        CellValue::Text(of) => required::<ByteArrayType>(column, rows, |row| ByteArray::from(of(row).into_bytes())),
+        CellValue::Word(of) => optional::<ByteArrayType>(column, rows, |row| of(row).map(ByteArray::from)),
+        CellValue::Instant(of) => required::<Int64Type>(column, rows, |row| of(row).0),
+        CellValue::Number(of) => optional::<DoubleType>(column, rows, of),
+        CellValue::Count(of) => optional::<Int32Type>(column, rows, of),
+        CellValue::Flag(of) => required::<BoolType>(column, rows, of),
     }
 }
 
 fn required<T: DataType>(
     mut column: SerializedColumnWriter<'_>,
-    rows: &[Row],
-    of: impl Fn(&Row) -> T::T,
+    rows: &[ExportRow],
+    of: impl Fn(&ExportRow) -> T::T,
 ) -> anyhow::Result<()> {
     let values: Vec<T::T> = rows.iter().map(of).collect();
     column.typed::<T>().write_batch(&values, None, None)?;
@@ -104,8 +104,8 @@ fn required<T: DataType>(
 /// A definition level of 1 says that the row has a value.
 fn optional<T: DataType>(
     mut column: SerializedColumnWriter<'_>,
-    rows: &[Row],
-    of: impl Fn(&Row) -> Option<T::T>,
+    rows: &[ExportRow],
+    of: impl Fn(&ExportRow) -> Option<T::T>,
 ) -> anyhow::Result<()> {
     let cells: Vec<Option<T::T>> = rows.iter().map(of).collect();
     let levels: Vec<i16> = cells.iter().map(|cell| i16::from(cell.is_some())).collect();

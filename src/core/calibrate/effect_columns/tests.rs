@@ -178,13 +178,19 @@ fn what_the_model_knows_better_is_held_and_states_the_bias_at_its_temperature() 
         adopted(Effect::TimeRamp, Shape::Linear, &both[..1]),
         adopted(Effect::TemperatureBias, Shape::Linear, &both),
     ];
-    let known = |sd: f64| -> Vec<Known> {
-        let one = |(slot, value): (Slot, f64)| Known { slot, effect: Effect::TemperatureBias, name: "k", value, sd };
+    let known = |sd: f64| -> Vec<KnownCoefficient> {
+        let one = |(slot, value): (Slot, f64)| KnownCoefficient {
+            slot,
+            effect: Effect::TemperatureBias,
+            name: "k",
+            value,
+            sd,
+        };
         both.into_iter().zip(BY_TEMPERATURE).map(one).collect()
     };
     let mut campaign = campaign();
     let mean = campaign.dwells.iter().filter_map(|dwell| dwell.temperature_c).sum::<f64>() / 30.0;
-    let fit = |campaign: &Campaign, known: Vec<Known>| {
+    let fit = |campaign: &Campaign, known: Vec<KnownCoefficient>| {
         let model = Options { adopted: adopted.clone(), known, ..Options::default() };
         calibrate_at_station(campaign, Terms::MODEL_6, &model, Some(mean))
     };
@@ -193,7 +199,9 @@ fn what_the_model_knows_better_is_held_and_states_the_bias_at_its_temperature() 
         (bias.value / SCALES[j], bias.sd.expect("stated") / SCALES[j])
     };
     // What these dwells tell as well is fitted, and what they contradict.
-    for known in [known(1.0), known(1e-6).into_iter().map(|one| Known { value: one.value + 0.1, ..one }).collect()] {
+    for known in
+        [known(1.0), known(1e-6).into_iter().map(|one| KnownCoefficient { value: one.value + 0.1, ..one }).collect()]
+    {
         let found = fit(&campaign, known);
         assert!(found.notes.is_empty() && (bias(&found, 1).0 - 0.3).abs() < 1e-8, "{:?}", found.notes);
     }
@@ -262,7 +270,7 @@ fn what_any_temperature_does_need_not_be_linear_in_it() {
         range: None,
     };
     let effect = own(OwnHypothesis::of(written).expect("it makes sense")).expect("there is room");
-    let known = vec![Known { slot: Slot::G2, effect, name: "k", value: 1e-3, sd: 0.0 }];
+    let known = vec![KnownCoefficient { slot: Slot::G2, effect, name: "k", value: 1e-3, sd: 0.0 }];
     let model = Options { adopted: vec![adopted(effect, Shape::Linear, &[Slot::G2])], known, ..Options::default() };
     let mut campaign = campaign();
     campaign.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None);
@@ -284,7 +292,7 @@ fn a_scale_factor_at_another_temperature_leaves_the_drift_as_it_is() {
     let both = [Slot::G1, Slot::G2];
     let known = both.map(|slot| {
         let (effect, value, sd) = (Effect::TemperatureScale, BY_KELVIN, 1e-6);
-        Known { slot, effect, name: "k", value, sd }
+        KnownCoefficient { slot, effect, name: "k", value, sd }
     });
     let mut campaign = campaign();
     for dwell in &mut campaign.dwells {

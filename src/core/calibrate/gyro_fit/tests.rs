@@ -1,8 +1,8 @@
 //! Three gyros against one least squares of all of them together, made of full matrices.
 
 use super::*;
-use crate::core::calibrate::noise::Source;
-use crate::core::calibrate::shared_coefficients::Shared;
+use crate::core::calibrate::noise::NoiseSource;
+use crate::core::calibrate::shared_coefficients::SharedRegressors;
 use crate::core::calibrate::{calibrate, calibrate_in_white_noise, fit_common, noise};
 use crate::core::campaign::repeats;
 use crate::core::campaign::{Phase, StationUncertainty, TestKind};
@@ -128,7 +128,7 @@ fn gyros_with_effects_of_their_own_and_shared_ones_are_those_of_one_fit() {
         // One coefficient of all, one that G1 is not part of, and one that nothing tells from model (6).
         let level = |j: usize| regressor(Effect::Levelling, numbers(N, 800 + 50 * j));
         let north = |j: usize| regressor(Effect::Azimuth, numbers(N, 1000 + 50 * j));
-        let shared: Vec<Shared> = vec![
+        let shared: Vec<SharedRegressors> = vec![
             (0..3).map(|j| Some(level(j))).collect(),
             (0..3).map(|_| Some(regressor(Effect::Magnetic, absorbed.clone()))).collect(),
             vec![None, Some(north(1)), Some(north(2))],
@@ -294,7 +294,7 @@ fn noise_that_grows_with_the_rate_is_in_the_covariance_and_in_every_sigma() {
     let one = DVector::from_vec(vec![1.0, 0.0, 0.0, 1.0]);
     let variance = one.dot(&(found.covariance.as_ref().expect("s") * &one));
     close(variance / (s2 * dof / (dof - 2.0) * sum / (n * n)), 1.0, "variance of the mean");
-    assert_eq!(found.noise.source, Source::Residuals);
+    assert_eq!(found.noise.source, NoiseSource::Residuals);
     let pair = (campaign.dwells[0].output_pulse_s[0] - campaign.dwells[1].output_pulse_s[0]).powi(2) / 2.0;
     close(found.noise.pure_error.chi2, pair, "the pair at rest");
 

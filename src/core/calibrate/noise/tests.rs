@@ -11,7 +11,7 @@ fn close(a: f64, b: f64) {
 }
 
 /// f^2, its degrees of freedom, and what a covariance is multiplied by.
-fn figures(noise: &Noise) -> (f64, f64, Option<f64>) {
+fn figures(noise: &NoiseScale) -> (f64, f64, Option<f64>) {
     (noise.factor.expect("a scale").powi(2), noise.dof, noise.covariance_scale())
 }
 
@@ -20,7 +20,7 @@ fn repeats_of_all_gyros_are_pooled_unless_one_is_odd() {
     // 30 on 20 and 34 on 20, and residuals that are far larger: f^2 = (30 + 34 + 4)/(40 + 4).
     let alike = [evidence(900.0, 60, (30.0, 20)), evidence(950.0, 60, (34.0, 20))];
     for (noise, own) in noise(&alike, true).iter().zip([30.0, 34.0]) {
-        assert_eq!((noise.source, noise.pure_error.chi2), (Source::SemAndRepeats, own));
+        assert_eq!((noise.source, noise.pure_error.chi2), (NoiseSource::SemAndRepeats, own));
         let (squared, dof, scale) = figures(noise);
         close(squared, 68.0 / 44.0);
         close(dof, 44.0);
@@ -42,7 +42,7 @@ fn repeats_of_all_gyros_are_pooled_unless_one_is_odd() {
 fn residuals_that_scatter_no_more_than_repeats_join_them() {
     // Beyond the repeats 36 on 40, against (20 + 4)/(20 + 4): together (24 + 36)/(24 + 40).
     let agreeing = noise(&[evidence(56.0, 60, (20.0, 20))], true)[0];
-    assert_eq!(agreeing.source, Source::SemRepeatsAndResiduals);
+    assert_eq!(agreeing.source, NoiseSource::SemRepeatsAndResiduals);
     let (squared, dof, scale) = figures(&agreeing);
     close(squared, 60.0 / 64.0);
     close(dof, 64.0);
@@ -50,7 +50,7 @@ fn residuals_that_scatter_no_more_than_repeats_join_them() {
     // F of 40 and 24 exceeds 1.892 with a chance of 5 %.
     for (ratio, joins) in [(1.88, true), (1.91, false)] {
         let source = noise(&[evidence(20.0 + 40.0 * ratio, 60, (20.0, 20))], true)[0].source;
-        assert_eq!(source == Source::SemRepeatsAndResiduals, joins, "{ratio}");
+        assert_eq!(source == NoiseSource::SemRepeatsAndResiduals, joins, "{ratio}");
     }
     // Their chance is told against the repeats with what is stated.
     let p = |ratio: f64| {
@@ -60,19 +60,19 @@ fn residuals_that_scatter_no_more_than_repeats_join_them() {
     assert!((p(1.892) - 0.05).abs() < 1e-3, "{}", p(1.892));
     // Where nothing is left over beyond repeats, there is nothing to hold against them.
     let all = evidence(20.0, 20, (20.0, 20));
-    assert_eq!(noise(&[all], true)[0].source, Source::SemAndRepeats);
+    assert_eq!(noise(&[all], true)[0].source, NoiseSource::SemAndRepeats);
     assert_eq!(noise(&[all], true)[0].p_value(&all), None);
 }
 
 #[test]
 fn stated_errors_alone_hold_until_all_residuals_exceed_them() {
     // Chi-square of 20 exceeds 45.31 with a chance of 1e-3; the two gyros have ten each.
-    for (chi2, source) in [(44.9, Source::Sem), (45.8, Source::SemAndResiduals)] {
+    for (chi2, source) in [(44.9, NoiseSource::Sem), (45.8, NoiseSource::SemAndResiduals)] {
         let both = [evidence(chi2 - 12.0, 10, (0.0, 0)), evidence(12.0, 10, (0.0, 0))];
         for (noise, own) in noise(&both, true).iter().zip(&both) {
             assert_eq!(noise.source, source);
             let (squared, dof, scale) = figures(noise);
-            if source == Source::Sem {
+            if source == NoiseSource::Sem {
                 assert_eq!((squared, dof, scale, noise.factor_sd), (1.0, f64::INFINITY, Some(1.0), Some(0.0)));
             } else {
                 close(squared, chi2 / 20.0);
@@ -89,23 +89,24 @@ fn without_stated_errors_each_gyro_speaks_for_itself() {
     // Residuals of 3 on 12; and 8 beyond repeats of 2 on 4, that is 1 and 1/2: no lack of fit.
     let noises = noise(&[evidence(3.0, 12, (0.0, 0)), evidence(10.0, 12, (2.0, 4))], false);
     for (noise, chi2) in noises.iter().zip([3.0, 10.0]) {
-        assert_eq!(noise.source, Source::Residuals);
+        assert_eq!(noise.source, NoiseSource::Residuals);
         close(figures(noise).0, chi2 / 12.0);
         close(figures(noise).2.expect("12 dof"), chi2 / 10.0);
     }
     // F of 10 and 10 exceeds 8.75 with a chance of 1e-3: then the repeats alone speak.
-    for (ratio, source) in [(8.6, Source::Residuals), (8.9, Source::Repeats)] {
+    for (ratio, source) in [(8.6, NoiseSource::Residuals), (8.9, NoiseSource::Repeats)] {
         let evidence = evidence(5.0 + 5.0 * ratio, 20, (5.0, 10));
         let noise = noise(&[evidence], false)[0];
         assert_eq!(noise.source, source);
-        let (squared, dof) = if source == Source::Repeats { (0.5, 10.0) } else { ((5.0 + 5.0 * ratio) / 20.0, 20.0) };
+        let (squared, dof) =
+            if source == NoiseSource::Repeats { (0.5, 10.0) } else { ((5.0 + 5.0 * ratio) / 20.0, 20.0) };
         close(figures(&noise).0, squared);
         close(figures(&noise).1, dof);
         assert!((noise.p_value(&evidence).expect("both") - 1e-3).abs() < 2e-4);
     }
     let nothing = evidence(0.0, 0, (0.0, 0));
     let none = noise(&[nothing], false)[0];
-    assert_eq!((none.source, none.factor, none.factor_sd), (Source::None, None, None));
+    assert_eq!((none.source, none.factor, none.factor_sd), (NoiseSource::None, None, None));
     assert_eq!((none.covariance_scale(), none.p_value(&nothing)), (None, None));
     // A t of two degrees of freedom has no variance; of three it has three times its scale.
     let scale = |dof: usize| noise(&[evidence(dof as f64, dof, (0.0, 0))], false)[0].covariance_scale();

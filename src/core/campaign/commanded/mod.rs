@@ -54,7 +54,7 @@ pub enum Vectors {
 
 /// Which dwells' rates a mistake was made in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum AffectedDwells {
     All,
     Static,
     Turning,
@@ -62,7 +62,7 @@ pub enum Part {
 
 /// What it most likely is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Cause {
+pub enum MistakeKind {
     ForceReversed,
     RateReversed,
     /// The sign of the site's latitude, or of the one that the rates were made with.
@@ -75,7 +75,7 @@ pub enum Cause {
     /// Rates in `unit` instead of arcsec/s.
     RateUnit {
         unit: &'static str,
-        part: Part,
+        part: AffectedDwells,
     },
     AxisReversed {
         axis: usize,
@@ -106,7 +106,7 @@ pub enum Cause {
     },
 }
 
-impl Cause {
+impl MistakeKind {
     /// Its name in answers.
     pub fn code(&self) -> &'static str {
         match self {
@@ -131,10 +131,10 @@ impl Cause {
 
 /// One thing that was commanded as the Earth does not allow it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Finding {
+pub struct CommandFinding {
     pub symptom: Symptom,
     /// As likely as one another; empty where no mistake that is known explains it.
-    pub causes: Vec<Cause>,
+    pub causes: Vec<MistakeKind>,
     /// The dwells that show it, by index, and what they measure: arcsec/s, g0 or degrees; never empty.
     pub dwells: Vec<(usize, f64)>,
     /// Of how many dwells of that kind.
@@ -147,7 +147,7 @@ pub struct Finding {
     pub matters: bool,
 }
 
-impl Finding {
+impl CommandFinding {
     /// Median over the dwells of what they measure.
     pub fn measured(&self) -> f64 {
         median_of(self.dwells.iter().map(|(_, value)| *value)).unwrap_or(0.0)

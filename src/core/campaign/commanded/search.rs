@@ -4,7 +4,7 @@ use super::measure::{HEADING_ROOM, Measures, RATE_ROOM};
 use super::senses::senses;
 use super::transform::{Mistake, mistakes, other_headings, single_axes};
 use super::worth::{Tried, Worth};
-use super::{Cause, EARTH, Finding, Part, Symptom};
+use super::{AffectedDwells, CommandFinding, EARTH, MistakeKind, Symptom};
 use crate::core::campaign::{Campaign, Dwell, Phase};
 use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::{MEDIAN_ERROR, SD_OF_MEDIAN};
@@ -35,9 +35,9 @@ const CLEARLY: f64 = 100.0;
 const GRAVITY_ON_EARTH: (f64, f64) = (0.995, 1.003);
 
 /// Everything that was commanded as the Earth does not allow it.
-pub fn findings(campaign: &Campaign) -> Vec<Finding> {
+pub fn findings(campaign: &Campaign) -> Vec<CommandFinding> {
     let measures = Measures::of(campaign);
-    let mut found: Vec<Finding> = rates(campaign, &measures).into_iter().collect();
+    let mut found: Vec<CommandFinding> = rates(campaign, &measures).into_iter().collect();
     for look in [common_offset, headings, outputs] {
         if found.is_empty() {
             found.extend(look(campaign, &measures));
@@ -51,7 +51,7 @@ pub fn findings(campaign: &Campaign) -> Vec<Finding> {
 }
 
 /// What is wrong with rates, directions and attitudes.
-fn rates(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
+fn rates(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
     let symptoms = measures.symptoms();
     let bad: Vec<usize> = (0..symptoms.len()).filter(|&k| symptoms[k].is_some()).collect();
     let symptom = *bad.iter().find_map(|&k| symptoms[k].as_ref())?;
@@ -68,7 +68,7 @@ fn rates(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
         let these = |k: usize| bad.contains(&k);
         let silent = bad.iter().all(|&k| measures.dwells[k].rate < NO_RATE);
         let found = explained(campaign, measures, mistakes(), these, &mut worth);
-        if found.is_empty() && silent { vec![Cause::EarthRateLeftOut] } else { found }
+        if found.is_empty() && silent { vec![MistakeKind::EarthRateLeftOut] } else { found }
     } else {
         let in_phase =
             |phase| explained(campaign, measures, mistakes(), |k| campaign.dwells[k].phase == phase, &mut worth);
@@ -82,7 +82,7 @@ fn rates(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     let phase = if symptom == Symptom::TurningRate { Phase::Rate } else { Phase::Static };
     let kind = |d: &&Dwell| symptom == Symptom::Attitude || single || d.phase == phase;
     let of = campaign.dwells.iter().filter(kind).count();
-    Some(Finding {
+    Some(CommandFinding {
         symptom,
         causes,
         single,
@@ -105,7 +105,7 @@ fn explained(
     families: impl IntoIterator<Item = Vec<Mistake>>,
     concerned: impl Fn(usize) -> bool + Copy,
     worth: &mut Worth,
-) -> Vec<Cause> {
+) -> Vec<MistakeKind> {
     let n = measures.dwells.len();
     let some = !(0..n).all(concerned);
     let needed = if some { n } else { n - (LEFT_OVER * n as f64) as usize };
@@ -117,17 +117,21 @@ fn explained(
             let good = Measures::of(right).good();
             good >= needed && good > before
         });
-        let tried: Vec<(Cause, Tried)> = passing.map(|(cause, right)| (cause, Tried::of(&right))).collect();
+        let tried: Vec<(MistakeKind, Tried)> = passing.map(|(cause, right)| (cause, Tried::of(&right))).collect();
         let mut causes = worth.best(tried, 1.0);
-        if let Some(Cause::RateUnit { unit, .. }) =
-            causes.iter().find(|cause| matches!(cause, Cause::RateUnit { part: Part::All, .. })).copied()
+        if let Some(MistakeKind::RateUnit { unit, .. }) = causes
+            .iter()
+            .find(|cause| matches!(cause, MistakeKind::RateUnit { part: AffectedDwells::All, .. }))
+            .copied()
         {
-            let same =
-                |c: &Cause| matches!(c, Cause::RateUnit { unit: other, part } if *other == unit && *part != Part::All);
+            let same = |c: &MistakeKind| match c {
+                MistakeKind::RateUnit { unit: other, part } => *other == unit && *part != AffectedDwells::All,
+                _ => false,
+            };
             causes.retain(|cause| !same(cause));
         }
-        if causes.iter().any(|cause| matches!(cause, Cause::RateUnit { .. })) {
-            causes.retain(|cause| *cause != Cause::EarthRateLeftOut);
+        if causes.iter().any(|cause| matches!(cause, MistakeKind::RateUnit { .. })) {
+            causes.retain(|cause| *cause != MistakeKind::EarthRateLeftOut);
         }
         if !causes.is_empty() {
             causes.truncate(MOST_CAUSES);
@@ -138,7 +142,7 @@ fn explained(
 }
 
 /// What the medians over all static dwells say where no mistake explains each of them.
-fn of_all(measures: &Measures) -> Vec<Cause> {
+fn of_all(measures: &Measures) -> Vec<MistakeKind> {
     let most = |test: &dyn Fn(f64, f64) -> bool| {
         let (count, all) =
             measures.still().fold((0, 0), |(c, n), m| (c + usize::from(test(m.rate, m.vertical)), n + 1));
@@ -149,13 +153,13 @@ fn of_all(measures: &Measures) -> Vec<Cause> {
     let is_earths = (rate - EARTH).abs() <= RATE_ROOM;
     let is_of_site = measures.vertical.is_some_and(|expected| (vertical - expected).abs() <= RATE_ROOM);
     if most(&|rate, _| rate < NO_RATE) {
-        vec![Cause::EarthRateLeftOut]
+        vec![MistakeKind::EarthRateLeftOut]
     } else if is_earths && is_of_site {
         Vec::new()
     } else if most(&|r, v| (r - EARTH).abs() <= RATE_ROOM && (v - vertical).abs() <= RATE_ROOM) {
-        vec![Cause::OtherLatitude { degrees: (vertical / rate).clamp(-1.0, 1.0).asin().to_degrees() }]
+        vec![MistakeKind::OtherLatitude { degrees: (vertical / rate).clamp(-1.0, 1.0).asin().to_degrees() }]
     } else if !is_earths && most(&|r, _| (r - rate).abs() <= RATE_ROOM) {
-        vec![Cause::OtherEarthRate { arcsec_s: rate }]
+        vec![MistakeKind::OtherEarthRate { arcsec_s: rate }]
     } else {
         Vec::new()
     }
@@ -168,7 +172,7 @@ fn still(campaign: &Campaign, measures: &Measures, symptom: Symptom) -> Vec<(usi
 }
 
 /// A small deviation that all static dwells share: another value of the Earth's rate, the latitude of another place.
-fn common_offset(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
+fn common_offset(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
     let site = campaign.site?;
     let (sin, expected) = (site.latitude.sin(), measures.vertical?);
     let rate = median_of(measures.still().map(|m| m.rate))?;
@@ -181,12 +185,12 @@ fn common_offset(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     let shift = if rate_is_other { shift.abs().max((rate - EARTH).abs() * sin.abs()) } else { shift.abs() };
     let degrees = (vertical / rate).clamp(-1.0, 1.0).asin().to_degrees();
     let dwells = still(campaign, measures, if rate_is_other { Symptom::StaticRate } else { Symptom::VerticalRate });
-    Some(Finding {
+    Some(CommandFinding {
         symptom: if rate_is_other { Symptom::StaticRate } else { Symptom::VerticalRate },
         causes: vec![if rate_is_other {
-            Cause::OtherEarthRate { arcsec_s: rate }
+            MistakeKind::OtherEarthRate { arcsec_s: rate }
         } else {
-            Cause::OtherLatitude { degrees }
+            MistakeKind::OtherLatitude { degrees }
         }],
         of: dwells.len(),
         dwells,
@@ -198,7 +202,7 @@ fn common_offset(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
 
 /// Rates that are the Earth's, but not at the attitude: only the outputs tell which of the two is wrong, and the fit
 /// rests on the rates.
-fn headings(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
+fn headings(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
     let (n, of) = (measures.dwells.len(), measures.still().count());
     let off = |k: &usize| measures.dwells[*k].off.is_some_and(|off| off > HEADING_ROOM);
     let dwells: Vec<usize> = (0..n).filter(off).collect();
@@ -210,7 +214,7 @@ fn headings(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     let causes = explained(campaign, measures, families, |_| true, &mut worth);
     let matters = worth.fits_better_undone() && worth.earth_is_above_noise();
     let dwells = dwells.into_iter().map(|k| (k, measures.dwells[k].value(Symptom::Heading))).collect();
-    (matters && !causes.is_empty()).then_some(Finding {
+    (matters && !causes.is_empty()).then_some(CommandFinding {
         symptom: Symptom::Heading,
         causes,
         dwells,
@@ -223,7 +227,7 @@ fn headings(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
 
 /// A mirrored body leaves specific force and rate at peace with the Earth and with one another. Where E is fitted its
 /// direction tells; where it is held, and no attitude speaks, the outputs do.
-fn outputs(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
+fn outputs(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
     let held = campaign.gyros.iter().all(|gyro| gyro.known_e.is_some());
     if !held || measures.dwells.iter().any(|m| m.tilt.is_some()) {
         return None;
@@ -236,7 +240,7 @@ fn outputs(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     let mut causes = worth.best(right.collect(), CLEARLY);
     causes.truncate(MOST_CAUSES);
     let of = campaign.dwells.len();
-    (!causes.is_empty()).then(|| Finding {
+    (!causes.is_empty()).then(|| CommandFinding {
         symptom: Symptom::Output,
         causes,
         dwells: (0..of).map(|k| (k, left)).collect(),
@@ -248,7 +252,7 @@ fn outputs(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
 }
 
 /// Whether specific force has the length that gravity has.
-fn gravity(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
+fn gravity(campaign: &Campaign, measures: &Measures) -> Option<CommandFinding> {
     let expected = campaign.site.map(|site| site.gravity_g0);
     let gravity = expected.unwrap_or(1.0);
     let dwells = still(campaign, measures, Symptom::Gravity);
@@ -257,12 +261,12 @@ fn gravity(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     let finding = |cause, matters| {
         let of = dwells.len();
         let (symptom, causes, dwells) = (Symptom::Gravity, Vec::from_iter(cause), dwells.clone());
-        Some(Finding { symptom, causes, dwells, of, single: false, expected: Some(gravity), matters })
+        Some(CommandFinding { symptom, causes, dwells, of, single: false, expected: Some(gravity), matters })
     };
     if (ratio - 1.0).abs() > FORCE_ROOM {
         let units = [("m/s^2", 9.806_65), ("mg", 1e3), ("cm/s^2", 980.665), ("ft/s^2", 32.174)];
         let unit = units.into_iter().find(|(_, size)| (ratio / size - 1.0).abs() < FORCE_ROOM);
-        return finding(unit.map(|(unit, _)| Cause::ForceUnit { unit }), true);
+        return finding(unit.map(|(unit, _)| MistakeKind::ForceUnit { unit }), true);
     }
     let spread = median_of(ratios().map(|r| (r - ratio).abs())).unwrap_or(0.0);
     let error = MEDIAN_ERROR * SD_OF_MEDIAN * spread / (dwells.len() as f64).sqrt();
@@ -274,7 +278,7 @@ fn gravity(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     }
     let matters = Worth::new(campaign).moved_by_force(ratio);
     let normalised = expected.is_some() && (ratio * gravity - 1.0).abs() < 1e-5 + 3.0 * error;
-    let cause = if normalised { Cause::ForceNormalised } else { Cause::ForceScale { ratio } };
+    let cause = if normalised { MistakeKind::ForceNormalised } else { MistakeKind::ForceScale { ratio } };
     // A measured specific force is rarely right to a per mille; where it moves nothing, nothing is said of less.
     if matters || (ratio - 1.0).abs() > 1e-3 { finding(Some(cause), matters) } else { None }
 }

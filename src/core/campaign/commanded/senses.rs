@@ -7,7 +7,7 @@
 use nalgebra::{DVector, Matrix3, Vector3};
 
 use super::transform::RATE_UNITS;
-use super::{Cause, Finding, Part, Symptom, Vectors};
+use super::{AffectedDwells, CommandFinding, MistakeKind, Symptom, Vectors};
 use crate::core::calibrate::design::Design;
 use crate::core::campaign::{Campaign, Phase};
 use crate::core::model::{Term, Terms};
@@ -88,7 +88,7 @@ impl Senses {
     }
 
     /// The unit of the turning rates, where E differs by it.
-    fn unit(&self) -> Option<Cause> {
+    fn unit(&self) -> Option<MistakeKind> {
         let squares = |all: &[Vector3<f64>]| all.iter().map(Vector3::norm_squared).sum::<f64>();
         let (still, turning) = (squares(&self.still), squares(&self.turning));
         let ratio = 0.5 * (turning / still).ln();
@@ -97,11 +97,11 @@ impl Senses {
             return None;
         }
         let unit = RATE_UNITS.iter().find(|(_, size)| (ratio - size.ln()).abs() < UNIT_ROOM)?;
-        Some(Cause::RateUnit { unit: unit.0, part: Part::Turning })
+        Some(MistakeKind::RateUnit { unit: unit.0, part: AffectedDwells::Turning })
     }
 
     /// What was done to the turning rates, where E says that something was.
-    fn causes(&self) -> Option<Vec<Cause>> {
+    fn causes(&self) -> Option<Vec<MistakeKind>> {
         if let Some(unit) = self.unit() {
             return Some(vec![unit]);
         }
@@ -114,7 +114,7 @@ impl Senses {
             return None;
         }
         let as_good = |left: f64| left < least + 0.1 * (as_sent - least);
-        let mut causes: Vec<Cause> =
+        let mut causes: Vec<MistakeKind> =
             tried.iter().filter(|(_, left)| as_good(*left)).filter_map(|(m, _)| cause(m)).collect();
         causes.truncate(MOST_CAUSES);
         Some(causes)
@@ -135,21 +135,21 @@ fn signed_permutations() -> impl Iterator<Item = Matrix3<f64>> {
     })
 }
 
-fn cause(m: &Matrix3<f64>) -> Option<Cause> {
+fn cause(m: &Matrix3<f64>) -> Option<MistakeKind> {
     let of = Vectors::Rate;
     if *m == -Matrix3::identity() {
-        return Some(Cause::RateReversed);
+        return Some(MistakeKind::RateReversed);
     }
     let moved: Vec<usize> = (0..3).filter(|&i| m[(i, i)] != 1.0).collect();
     match moved[..] {
-        [axis] => Some(Cause::AxisReversed { axis, of }),
-        [a, b] if m[(a, b)] == 1.0 && m[(b, a)] == 1.0 => Some(Cause::AxesExchanged { axes: (a, b), of }),
+        [axis] => Some(MistakeKind::AxisReversed { axis, of }),
+        [a, b] if m[(a, b)] == 1.0 && m[(b, a)] == 1.0 => Some(MistakeKind::AxesExchanged { axes: (a, b), of }),
         _ => None,
     }
 }
 
 /// Turning rates whose axes or unit are not those of the static ones.
-pub(super) fn senses(campaign: &Campaign) -> Option<Finding> {
+pub(super) fn senses(campaign: &Campaign) -> Option<CommandFinding> {
     let senses = Senses::of(campaign)?;
     let causes = senses.causes()?;
     let turning = campaign.dwells.iter().enumerate().filter(|(_, d)| d.phase == Phase::Rate);
@@ -157,7 +157,7 @@ pub(super) fn senses(campaign: &Campaign) -> Option<Finding> {
     let apart = senses.still.iter().zip(&senses.turning).map(angle).fold(0.0, f64::max);
     let dwells: Vec<(usize, f64)> = turning.map(|(k, _)| (k, apart)).collect();
     let of = dwells.len();
-    Some(Finding { symptom: Symptom::Senses, causes, dwells, of, single: false, expected: None, matters: true })
+    Some(CommandFinding { symptom: Symptom::Senses, causes, dwells, of, single: false, expected: None, matters: true })
 }
 
 #[cfg(test)]

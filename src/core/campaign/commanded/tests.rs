@@ -56,13 +56,13 @@ fn faces() -> Campaign {
     }
 }
 
-fn with(change: impl Fn(usize, &mut Dwell)) -> Vec<Finding> {
+fn with(change: impl Fn(usize, &mut Dwell)) -> Vec<CommandFinding> {
     let mut campaign = faces();
     campaign.dwells.iter_mut().enumerate().for_each(|(k, dwell)| change(k, dwell));
     findings(&campaign)
 }
 
-fn only(mut found: Vec<Finding>) -> Finding {
+fn only(mut found: Vec<CommandFinding>) -> CommandFinding {
     assert_eq!(found.len(), 1, "{found:?}");
     found.remove(0)
 }
@@ -77,7 +77,7 @@ fn what_the_earth_allows_is_no_finding() {
 #[test]
 fn a_reversed_force_and_a_reversed_latitude_are_one_to_vectors_without_attitudes() {
     let finding = only(with(|_, d| d.specific_force_g0 *= -1.0));
-    assert_eq!(finding.causes, [Cause::ForceReversed, Cause::LatitudeReversed]);
+    assert_eq!(finding.causes, [MistakeKind::ForceReversed, MistakeKind::LatitudeReversed]);
     assert_eq!((finding.symptom, finding.dwells.len(), finding.of), (Symptom::VerticalRate, 12, 12));
     assert!(
         (finding.measured() + 7.520_53).abs() < 1e-4 && finding.expected.is_some_and(|e| (e - 7.520_53).abs() < 1e-4)
@@ -93,24 +93,24 @@ fn single_dwells_are_named_and_the_others_believed() {
         }
     }));
     assert_eq!(finding.dwells.iter().map(|(k, _)| *k).collect::<Vec<_>>(), [4]);
-    assert!(finding.single && finding.matters && finding.causes.contains(&Cause::ForceReversed), "{finding:?}");
+    assert!(finding.single && finding.matters && finding.causes.contains(&MistakeKind::ForceReversed), "{finding:?}");
     let finding = only(with(|k, d| {
         if k == 7 {
             d.rate_arcsec_s.fill(0.0);
         }
     }));
-    assert_eq!((finding.causes, finding.dwells), (vec![Cause::EarthRateLeftOut], vec![(7, 0.0)]));
+    assert_eq!((finding.causes, finding.dwells), (vec![MistakeKind::EarthRateLeftOut], vec![(7, 0.0)]));
 }
 
 #[test]
 fn a_common_scale_of_the_force_is_seen_where_it_moves_drift_by_a_tenth_of_the_budget() {
     // 1/0.998 of 3 deg/(h g0) is 0.006 of it; 1.0002 is 0.0006.
     let finding = only(with(|_, d| d.specific_force_g0 /= 0.998));
-    assert_eq!((finding.symptom, finding.causes), (Symptom::Gravity, vec![Cause::ForceNormalised]));
+    assert_eq!((finding.symptom, finding.causes), (Symptom::Gravity, vec![MistakeKind::ForceNormalised]));
     assert!(finding.matters);
     assert_eq!(with(|_, d| d.specific_force_g0 *= 1.0002), []);
     let finding = only(with(|_, d| d.specific_force_g0 *= 1.001));
-    assert!(matches!(finding.causes[..], [Cause::ForceScale { ratio }] if (ratio - 1.001).abs() < 1e-9));
+    assert!(matches!(finding.causes[..], [MistakeKind::ForceScale { ratio }] if (ratio - 1.001).abs() < 1e-9));
     assert!(finding.matters);
 }
 
@@ -123,7 +123,7 @@ fn what_the_noise_hides_does_not_matter() {
         d.rate_arcsec_s.fill(0.0);
     };
     let finding = only(with(noisy));
-    assert_eq!(finding.causes, [Cause::EarthRateLeftOut]);
+    assert_eq!(finding.causes, [MistakeKind::EarthRateLeftOut]);
     assert!(!finding.matters);
     let small_errors = |k: usize, d: &mut Dwell| {
         noisy(k, d);
@@ -136,25 +136,28 @@ fn what_the_noise_hides_does_not_matter() {
 fn units_are_told_by_the_earths_own_rate() {
     for (unit, size) in [("deg/s", 3600.0), ("rad/s", 206_264.806), ("arcmin/s", 60.0)] {
         let finding = only(with(|_, d| d.rate_arcsec_s /= size));
-        assert!(matches!(finding.causes[..], [Cause::RateUnit { unit: told, .. }] if told == unit), "{finding:?}");
+        assert!(
+            matches!(finding.causes[..], [MistakeKind::RateUnit { unit: told, .. }] if told == unit),
+            "{finding:?}"
+        );
     }
     let finding = only(with(|_, d| d.specific_force_g0 *= 9.80665));
-    assert_eq!(finding.causes, [Cause::ForceUnit { unit: "m/s^2" }]);
+    assert_eq!(finding.causes, [MistakeKind::ForceUnit { unit: "m/s^2" }]);
 }
 
 #[test]
 fn one_axis_is_told_by_the_dwells_that_it_spoils() {
     let finding = only(with(|_, d| d.specific_force_g0.y *= -1.0));
-    assert_eq!(finding.causes, [Cause::AxisReversed { axis: 1, of: Vectors::Force }]);
+    assert_eq!(finding.causes, [MistakeKind::AxisReversed { axis: 1, of: Vectors::Force }]);
     assert_eq!(finding.dwells.len(), 4, "a third of them has it up or down");
     let finding = only(with(|_, d| d.rate_arcsec_s.swap_rows(0, 2)));
-    assert_eq!(finding.causes, [Cause::AxesExchanged { axes: (0, 2), of: Vectors::Rate }]);
+    assert_eq!(finding.causes, [MistakeKind::AxesExchanged { axes: (0, 2), of: Vectors::Rate }]);
     let finding = only(with(|_, d| {
         d.rate_arcsec_s.swap_rows(0, 1);
         d.specific_force_g0.swap_rows(0, 1);
     }));
     assert_eq!((finding.symptom, finding.matters), (Symptom::Output, true), "only the outputs tell: {finding:?}");
-    assert!(finding.causes.contains(&Cause::AxesExchanged { axes: (0, 1), of: Vectors::Both }), "{finding:?}");
+    assert!(finding.causes.contains(&MistakeKind::AxesExchanged { axes: (0, 1), of: Vectors::Both }), "{finding:?}");
 }
 
 /// The faces, and each of them turning at 1 deg/s, to and fro.
@@ -178,7 +181,7 @@ fn axes_that_are_exchanged_in_one_kind_of_dwells_are_told_and_the_latitude_is_no
         let of_kind = campaign.dwells.iter_mut().filter(|dwell| dwell.phase == phase);
         of_kind.for_each(|dwell| dwell.rate_arcsec_s.swap_rows(0, 1));
         let finding = only(findings(&campaign));
-        assert_eq!(finding.causes, [Cause::AxesExchanged { axes: (0, 1), of: Vectors::Rate }], "{phase:?}");
+        assert_eq!(finding.causes, [MistakeKind::AxesExchanged { axes: (0, 1), of: Vectors::Rate }], "{phase:?}");
         assert_eq!((finding.symptom, finding.single, finding.matters), (symptom, false, true));
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::{Cause, EARTH, Part, Vectors};
+use super::{AffectedDwells, EARTH, MistakeKind, Vectors};
 use crate::core::campaign::{Campaign, Dwell, Phase, with_earth_rate};
 use crate::core::frames::{Body, Nav, Rotation};
 
@@ -22,7 +22,7 @@ pub(super) const RATE_UNITS: [(&str, f64); 10] = [
 
 /// A mistake, and how to undo it in one dwell.
 pub(super) struct Mistake {
-    pub cause: Cause,
+    pub cause: MistakeKind,
     undo: Undo,
 }
 
@@ -30,7 +30,7 @@ enum Undo {
     /// Specific force and rate, each times a matrix.
     Vectors(Matrix3<f64>, Matrix3<f64>),
     /// Rates of some dwells times a factor.
-    Rate(f64, Part),
+    Rate(f64, AffectedDwells),
     /// The Earth's rate of static dwells back from North-East-Down; whether the table's rate is reversed too.
     EarthFromNed {
         turning_too: bool,
@@ -43,7 +43,7 @@ enum Undo {
     /// Static dwells with the Earth's rate at their attitude.
     OfAttitude,
     /// The Earth's rate added, to static dwells or to all.
-    AddEarth(Part),
+    AddEarth(AffectedDwells),
 }
 
 impl Mistake {
@@ -55,7 +55,7 @@ impl Mistake {
             Undo::OfAttitude => {
                 let still = |d: &mut Dwell| d.phase == Phase::Static;
                 right.dwells.iter_mut().filter_map(|d| still(d).then_some(d)).for_each(|d| d.rate_arcsec_s.fill(0.0));
-                return with_earth_rate(&right, Part::Static).ok();
+                return with_earth_rate(&right, AffectedDwells::Static).ok();
             }
             Undo::AddEarth(part) => return with_earth_rate(campaign, part).ok(),
             _ => {
@@ -85,9 +85,9 @@ impl Undo {
             }
             Self::Rate(factor, part) => {
                 let concerned = match part {
-                    Part::All => true,
-                    Part::Static => dwell.phase == Phase::Static,
-                    Part::Turning => dwell.phase == Phase::Rate,
+                    AffectedDwells::All => true,
+                    AffectedDwells::Static => dwell.phase == Phase::Static,
+                    AffectedDwells::Turning => dwell.phase == Phase::Rate,
                 };
                 if concerned {
                     dwell.rate_arcsec_s *= *factor;
@@ -118,7 +118,7 @@ fn attitude(matrix: Matrix3<f64>) -> Rotation<Nav, Body> {
 
 /// What only the attitude tells: rates that are the Earth's at other headings.
 pub(super) fn other_headings() -> Vec<Mistake> {
-    vec![Mistake { cause: Cause::OtherHeadings, undo: Undo::OfAttitude }]
+    vec![Mistake { cause: MistakeKind::OtherHeadings, undo: Undo::OfAttitude }]
 }
 
 /// All others: those of whole vectors before those of single axes.
@@ -126,19 +126,19 @@ pub(super) fn mistakes() -> [Vec<Mistake>; 2] {
     let one = Matrix3::identity();
     let of = |cause, undo| Mistake { cause, undo };
     let mut whole = vec![
-        of(Cause::ForceReversed, Undo::Vectors(-one, one)),
-        of(Cause::LatitudeReversed, Undo::Latitude),
-        of(Cause::NedForEnu, Undo::EarthFromNed { turning_too: false }),
-        of(Cause::NedForEnu, Undo::EarthFromNed { turning_too: true }),
-        of(Cause::NedForEnu, Undo::AttitudeFromNed),
-        of(Cause::RateReversed, Undo::Vectors(one, -one)),
-        of(Cause::AttitudeInverted, Undo::AttitudeInverted),
-        of(Cause::EarthRateLeftOut, Undo::AddEarth(Part::All)),
-        of(Cause::EarthRateLeftOut, Undo::AddEarth(Part::Static)),
+        of(MistakeKind::ForceReversed, Undo::Vectors(-one, one)),
+        of(MistakeKind::LatitudeReversed, Undo::Latitude),
+        of(MistakeKind::NedForEnu, Undo::EarthFromNed { turning_too: false }),
+        of(MistakeKind::NedForEnu, Undo::EarthFromNed { turning_too: true }),
+        of(MistakeKind::NedForEnu, Undo::AttitudeFromNed),
+        of(MistakeKind::RateReversed, Undo::Vectors(one, -one)),
+        of(MistakeKind::AttitudeInverted, Undo::AttitudeInverted),
+        of(MistakeKind::EarthRateLeftOut, Undo::AddEarth(AffectedDwells::All)),
+        of(MistakeKind::EarthRateLeftOut, Undo::AddEarth(AffectedDwells::Static)),
     ];
     for (unit, factor) in RATE_UNITS {
-        let part = |part| of(Cause::RateUnit { unit, part }, Undo::Rate(factor, part));
-        whole.extend([Part::All, Part::Static, Part::Turning].map(part));
+        let part = |part| of(MistakeKind::RateUnit { unit, part }, Undo::Rate(factor, part));
+        whole.extend([AffectedDwells::All, AffectedDwells::Static, AffectedDwells::Turning].map(part));
     }
     [whole, single_axes()]
 }
@@ -155,13 +155,13 @@ pub(super) fn single_axes() -> Vec<Mistake> {
         for axis in 0..3 {
             let mut signs = Vector3::repeat(1.0);
             signs[axis] = -1.0;
-            let cause = Cause::AxisReversed { axis, of };
+            let cause = MistakeKind::AxisReversed { axis, of };
             found.push(Mistake { cause, undo: undo(Matrix3::from_diagonal(&signs)) });
         }
         for axes in [(0, 1), (1, 2), (0, 2)] {
             let mut swap = one;
             swap.swap_rows(axes.0, axes.1);
-            found.push(Mistake { cause: Cause::AxesExchanged { axes, of }, undo: undo(swap) });
+            found.push(Mistake { cause: MistakeKind::AxesExchanged { axes, of }, undo: undo(swap) });
         }
     }
     found

@@ -1,6 +1,6 @@
 //! Whether D_I and D_S can still be relied on.
 
-use super::{Cause, EARTH};
+use super::{EARTH, MistakeKind};
 use crate::core::calibrate::{Calibration, calibrate_in_white_noise};
 use crate::core::campaign::Campaign;
 use crate::core::numerics::median::median_of;
@@ -90,7 +90,7 @@ impl<'a> Worth<'a> {
 
     /// The causes whose fit is about as good as the best, each once; with an impossible E only where there is no
     /// other. All must leave `times` fewer squares than what was sent, where that is more than one.
-    pub fn best(&mut self, mut tried: Vec<(Cause, Tried)>, times: f64) -> Vec<Cause> {
+    pub fn best(&mut self, mut tried: Vec<(MistakeKind, Tried)>, times: f64) -> Vec<MistakeKind> {
         if times > 1.0 {
             let most = self.as_sent().squares / times;
             tried.retain(|(_, t)| t.squares <= most);
@@ -99,7 +99,7 @@ impl<'a> Worth<'a> {
         let eligible = |t: &Tried| t.plausible || !any;
         let least = tried.iter().filter(|(_, t)| eligible(t)).map(|(_, t)| t.squares).fold(f64::INFINITY, f64::min);
         let good = |t: &Tried| eligible(t) && t.squares <= WORSE * least + f64::MIN_POSITIVE;
-        let mut causes: Vec<Cause> = Vec::new();
+        let mut causes: Vec<MistakeKind> = Vec::new();
         for (cause, tried) in tried {
             if good(&tried) && !causes.contains(&cause) {
                 causes.push(cause);

@@ -3,7 +3,7 @@
 //! Stated standard errors are themselves estimates: where they scatter about a smooth law in rate and duration, half
 //! of the scatter is believed. Where none are stated, the law is found from what a generous model leaves behind.
 
-use crate::core::calibrate::growth::{Exposure, Law};
+use crate::core::calibrate::growth::{Exposure, NoiseGrowth};
 use crate::core::calibrate::noise::with_stated;
 use crate::core::campaign::Campaign;
 use crate::core::campaign::repeats::repeats;
@@ -21,7 +21,7 @@ pub(crate) struct Noise {
     /// Whether the station stated standard errors.
     pub stated: bool,
     /// The law of noise where none is stated.
-    pub law: Option<Law>,
+    pub law: Option<NoiseGrowth>,
     /// Standard deviation of the logarithm of what is still unsure in each `sd`.
     pub log_scatter: f64,
     /// Per gyro: smallest variance that is believed over that of `sd`, mean over dwells; 1 where rounding is all
@@ -73,7 +73,7 @@ impl Noise {
 
     /// The same with another growth of the noise with rate, where no errors are stated.
     pub fn with_growth(&self, s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], growth: f64) -> Self {
-        let Some(law) = self.law.map(|law| Law { growth, ..law }) else { return self.clone() };
+        let Some(law) = self.law.map(|law| NoiseGrowth { growth, ..law }) else { return self.clone() };
         let (sd, rounding) = above_rounding(law_sd(s, outputs, designs, law), outputs);
         Self { sd, rounding, law: Some(law), ..self.clone() }
     }
@@ -143,11 +143,11 @@ fn law_of(s: &Setting, j: usize, sem: &[f64], p: f64) -> Vec<f64> {
 
 /// Without stated errors: growth with rate and power of duration, from what the model with a generous set of further
 /// columns leaves. Student's t (5 dof) keeps single bad dwells from deciding.
-fn unstated(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>]) -> Law {
+fn unstated(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>]) -> NoiseGrowth {
     let generous = generous_residuals(s, outputs, designs);
-    let mut best = (f64::NEG_INFINITY, Law::default());
+    let mut best = (f64::NEG_INFINITY, NoiseGrowth::default());
     for &fall in exposure(s, 0).falls() {
-        for law in GROWTHS.map(|growth| Law { growth, fall }) {
+        for law in GROWTHS.map(|growth| NoiseGrowth { growth, fall }) {
             let fit: f64 = generous.iter().enumerate().map(|(j, (e, v))| robust_fit(e, v, &shape(s, j, law)).1).sum();
             if fit > best.0 {
                 best = (fit, law);
@@ -158,7 +158,7 @@ fn unstated(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>]) -> Law
 }
 
 /// Standard deviations by the law, each gyro scaled to what the generous model leaves it.
-fn law_sd(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], law: Law) -> Vec<Vec<f64>> {
+fn law_sd(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], law: NoiseGrowth) -> Vec<Vec<f64>> {
     generous_residuals(s, outputs, designs)
         .iter()
         .enumerate()

@@ -3,7 +3,7 @@
 //! The law is that of [`crate::core::calibrate::growth`]. A large growth and an effect of rate can pass for one
 //! another, so evidence is averaged over the growth before an effect is believed.
 
-use crate::core::calibrate::growth::{Exposure, Law};
+use crate::core::calibrate::growth::{Exposure, NoiseGrowth};
 use crate::core::effects::Setting;
 use crate::core::numerics::basis::{Basis, dot};
 
@@ -15,7 +15,7 @@ pub(crate) fn exposure(s: &Setting, j: usize) -> Exposure {
 }
 
 /// Standard deviation of each dwell of gyro `j` up to a factor.
-pub(crate) fn shape(s: &Setting, j: usize, law: Law) -> Vec<f64> {
+pub(crate) fn shape(s: &Setting, j: usize, law: NoiseGrowth) -> Vec<f64> {
     law.variances(&exposure(s, j)).map(f64::sqrt).data.into()
 }
 
@@ -42,6 +42,6 @@ pub(crate) fn restricted(output: &[f64], design: &[Vec<f64>], shape: &[f64]) -> 
 
 /// Restricted likelihood of all gyros at each of [`GROWTHS`].
 pub(crate) fn profile(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], fall: f64) -> [f64; GROWTHS.len()] {
-    let of = |j: usize, law: Law| restricted(&outputs[j], &designs[j], &shape(s, j, law));
-    GROWTHS.map(|growth| (0..outputs.len()).map(|j| of(j, Law { growth, fall })).sum())
+    let of = |j: usize, law: NoiseGrowth| restricted(&outputs[j], &designs[j], &shape(s, j, law));
+    GROWTHS.map(|growth| (0..outputs.len()).map(|j| of(j, NoiseGrowth { growth, fall })).sum())
 }

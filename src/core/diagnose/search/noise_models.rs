@@ -16,7 +16,7 @@ use super::projections::{State, each_by_itself};
 use super::shared_noise::Shared;
 use super::temperature_odds::odds_of_temperature;
 use crate::core::calibrate::law::{AS_STATED, Course, Law};
-use crate::core::calibrate::memory::{Memory, POWERS, WITHOUT_MEMORY};
+use crate::core::calibrate::memory::{Memory, NoiseDeparture, POWERS, WITHOUT_MEMORY};
 use crate::core::calibrate::noise_found::{MemoryFound, NoiseFound};
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
@@ -39,15 +39,8 @@ fn course(s: &Setting) -> Course<'_> {
     Course { times: &s.time, durations: &s.duration, rates: &s.rate }
 }
 
-/// What an alternative supposes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
-    Law(Law),
-    Memory(Memory, f64),
-}
-
 struct Model {
-    kind: Kind,
+    kind: NoiseDeparture,
     frame: Frame,
     bank: Bank,
     /// ln of its prior odds against noise as it is stated.
@@ -133,24 +126,27 @@ impl NoiseModels {
                 (pooled, log_likelihood(frame, columns, pooled))
             })
             .collect();
-        let mut tried: Vec<(Kind, f64, Frame)> = Vec::new();
+        let mut tried: Vec<(NoiseDeparture, f64, Frame)> = Vec::new();
         if frame.noise.stated {
             let laws = Law::all(&course(s));
             let odds = ((1.0 - AS_STATED) / AS_STATED / laws.len().max(1) as f64).ln();
-            let framed = |law: Law| Some((Kind::Law(law), odds, frame.with_factors(&law.factors(&course(s))).ok()?));
+            let framed =
+                |law: Law| Some((NoiseDeparture::Law(law), odds, frame.with_factors(&law.factors(&course(s))).ok()?));
             tried.extend(laws.into_iter().filter_map(framed));
         }
         let odds = ((1.0 - WITHOUT_MEMORY) / WITHOUT_MEMORY / (2 * POWERS.len()) as f64).ln() - odds_of_temperature(s);
         for memory in Memory::ALL {
             let kernel = memory.kernel(&s.time);
             for power in POWERS.map(|power| memory.size() * power) {
-                let framed =
-                    frame.with_memory(&kernel, power).map(|framed| (Kind::Memory(memory, power), odds, framed));
+                let framed = frame
+                    .with_memory(&kernel, power)
+                    .map(|framed| (NoiseDeparture::Memory(memory, power), odds, framed));
                 tried.extend(framed);
             }
         }
         let gain = |framed: &Frame, i: usize| log_likelihood(framed, designs[i], plain[i].0) - plain[i].1;
-        let weighs = |(_, odds, framed): &(Kind, f64, Frame)| (0..2).any(|i| odds + gain(framed, i) > NOTHING);
+        let weighs =
+            |(_, odds, framed): &(NoiseDeparture, f64, Frame)| (0..2).any(|i| odds + gain(framed, i) > NOTHING);
         let models = tried.into_iter().filter(weighs).map(|(kind, log_odds, frame)| {
             let bank = Bank::closer(&frame, more);
             Model { kind, frame, bank, log_odds }
@@ -204,7 +200,7 @@ impl NoiseModels {
         let weigh = |model: &Model| model.log_odds + log_likelihood(&model.frame, columns, pooled) - plain;
         let weights: Vec<f64> = self.models.iter().map(weigh).collect();
         let shared = self.shared.map(|log_odds| (log_odds, Shared::of(frame, state())));
-        let with_memory = |model: &Model| matches!(model.kind, Kind::Memory(..));
+        let with_memory = |model: &Model| matches!(model.kind, NoiseDeparture::Memory(..));
         let memories: Vec<(f64, &Model)> =
             weights.iter().copied().zip(&self.models).filter(|(_, model)| with_memory(model)).collect();
         let mut without = LogSum::of(&[0.0]);
@@ -214,8 +210,8 @@ impl NoiseModels {
         let without = (without.log() - of_all.log()).exp().min(1.0);
         let likeliest = memories.iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let memory = likeliest.filter(|_| 1.0 - without > CERTAIN).and_then(|(_, model)| match model.kind {
-            Kind::Memory(memory, power) => Some((memory, power, without)),
-            Kind::Law(_) => None,
+            NoiseDeparture::Memory(memory, power) => Some((memory, power, without)),
+            NoiseDeparture::Law(_) => None,
         });
         let between_gyros = shared
             .filter(|(log_odds, shared)| shared.is_of_noise() && log_odds + shared.log_gain > 0.0)

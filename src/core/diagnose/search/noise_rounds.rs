@@ -4,7 +4,7 @@
 //! adopted in the model, the search is run again where it moved, and what was adopted must earn its place with the
 //! growth averaged out, not only at its best value.
 
-use crate::core::calibrate::growth::Law;
+use crate::core::calibrate::growth::NoiseGrowth;
 use crate::core::calibrate::law;
 use crate::core::diagnose::diagnosis::Variable;
 use crate::core::diagnose::residuals::augmented_fit::{self, Part};
@@ -287,7 +287,7 @@ impl Settled {
 
 /// Drops what owes its evidence to one value of the growth: ln of the ratio of mean to value at that of `law`, with the
 /// choice and without it, is added to its evidence.
-fn confirmed(search: &Search, law: Law, mut found: Vec<Choice>) -> Vec<Choice> {
+fn confirmed(search: &Search, law: NoiseGrowth, mut found: Vec<Choice>) -> Vec<Choice> {
     let frame = search.frame;
     let Some(at) = GROWTHS.iter().position(|growth| *growth == law.growth) else { return found };
     let excess = |designs: &[Vec<Vec<f64>>]| {
@@ -315,7 +315,7 @@ fn confirmed(search: &Search, law: Law, mut found: Vec<Choice>) -> Vec<Choice> {
 }
 
 /// The growth to search with next: the likeliest with what was found, a lower one where nothing was found.
-fn next_growth(frame: &Frame, bank: &Bank, found: &[Choice], law: Law) -> Option<f64> {
+fn next_growth(frame: &Frame, bank: &Bank, found: &[Choice], law: NoiseGrowth) -> Option<f64> {
     let at = GROWTHS.iter().position(|growth| *growth == law.growth)?;
     if found.is_empty() {
         return (at > 0).then(|| GROWTHS[at.saturating_sub(LOWER)]);

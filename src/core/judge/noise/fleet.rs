@@ -1,6 +1,6 @@
 //! The fleet's noise constants from its history: correlation and walk from how differences grow with the time between.
 
-use super::Noise;
+use super::NoiseParameters;
 use crate::core::judge::Series;
 use crate::core::judge::cells::DAYS_A_YEAR;
 use crate::core::numerics::median::median;
@@ -32,9 +32,9 @@ pub struct Spacing {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FleetNoise {
     /// As fitted, drawn towards the default by [`WEIGHT`] cells: what the rules are to use.
-    pub noise: Noise,
+    pub noise: NoiseParameters,
     /// As fitted alone; none where the history is too short for a fit.
-    pub fitted: Option<Noise>,
+    pub fitted: Option<NoiseParameters>,
     /// Scatter of a cell about its level, deg/(h g0), as fitted.
     pub scatter: Option<f64>,
     /// Cells that were used, and coefficients of gyros that they belong to.
@@ -59,12 +59,12 @@ pub fn fit_fleet<'a>(histories: impl IntoIterator<Item = &'a Series>) -> FleetNo
     let cells = still.iter().map(Vec::len).sum::<usize>();
     let best = (spacings.len() >= 3).then(|| fit(&spacings)).flatten();
     let n = if best.is_some() { cells as f64 } else { 0.0 };
-    let default = Noise::default();
+    let default = NoiseParameters::default();
     let fitted = best.map(|(noise, _)| noise);
     let of = fitted.unwrap_or(default);
     let drawn = |fitted: f64, default: f64| (n * fitted + WEIGHT * default) / (n + WEIGHT);
     FleetNoise {
-        noise: Noise {
+        noise: NoiseParameters {
             phi: drawn(of.phi, default.phi),
             walk: drawn(of.walk * of.walk, default.walk * default.walk).sqrt(),
             of_fleet: fitted.is_some(),
@@ -122,7 +122,7 @@ fn spacing(stretches: &[Stretch], lag: usize) -> Option<Spacing> {
 }
 
 /// The noise, and the scatter s.
-fn fit(spacings: &[Spacing]) -> Option<(Noise, f64)> {
+fn fit(spacings: &[Spacing]) -> Option<(NoiseParameters, f64)> {
     let of_phi = |phi: f64| {
         // Relative errors: a s^2 + b q^2 against 1.
         let rows = spacings
@@ -149,5 +149,5 @@ fn fit(spacings: &[Spacing]) -> Option<(Noise, f64)> {
     };
     let all = (0..=95).map(|hundredth| of_phi(f64::from(hundredth) / 100.0));
     let (misfit, phi, s2, q2) = all.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    misfit.is_finite().then(|| (Noise { phi, walk: q2.sqrt(), of_fleet: true }, s2.sqrt()))
+    misfit.is_finite().then(|| (NoiseParameters { phi, walk: q2.sqrt(), of_fleet: true }, s2.sqrt()))
 }

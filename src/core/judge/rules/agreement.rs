@@ -2,7 +2,7 @@
 
 use crate::core::judge::decide::widest;
 use crate::core::judge::limits::Limit;
-use crate::core::judge::rule::Source;
+use crate::core::judge::rule::FigureSource;
 use crate::core::judge::sample::Measured;
 use crate::core::judge::{Coefficient, Finding, Rule, Verdict};
 use crate::core::time::UtcMicros;
@@ -10,7 +10,7 @@ use crate::core::time::UtcMicros;
 /// One figure of one gyro by one method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SourcedResult {
-    pub source: Source,
+    pub source: FigureSource,
     pub at: UtcMicros,
     pub measured: Measured,
 }

@@ -11,7 +11,7 @@ use crate::core::time::UtcMicros;
 pub(super) const LEVEL_RECORDS: usize = BASELINE_RECORDS + 1;
 
 /// The level that a record is measured from.
-pub(super) struct Level {
+pub(super) struct BaselineLevel {
     pub level: Measured,
     /// First of the records that make it; none where it is fixed.
     pub since: Option<UtcMicros>,
@@ -19,7 +19,7 @@ pub(super) struct Level {
     pub records: Option<[Sample; BASELINE_RECORDS]>,
 }
 
-impl Level {
+impl BaselineLevel {
     /// The level that the last baseline mark states, or else the configured one, or the median of `first`, the first
     /// [`BASELINE_RECORDS`] records that count; an error with the number of records since then, the judged one among
     /// them, where those are not complete before it.
@@ -56,7 +56,7 @@ impl Level {
 ///
 /// `confirmed` when the record before (since the mark) lay beyond the limit on the same side.
 pub(crate) fn baseline(case: &Case<'_>, limit: Limit, fixed: Option<Measured>) -> Verdict {
-    let level = match Level::of(case, fixed, case.history.baseline) {
+    let level = match BaselineLevel::of(case, fixed, case.history.baseline) {
         Ok(level) => level,
         Err(have) => return case.too_few(Rule::Baseline, limit, have, LEVEL_RECORDS),
     };

@@ -4,7 +4,7 @@ use std::f64::consts::SQRT_2;
 
 use crate::core::judge::cells::{Points, Window};
 use crate::core::judge::coefficient::Coefficient;
-use crate::core::judge::decide::{Outcome, beyond};
+use crate::core::judge::decide::{Conformity, beyond};
 use crate::core::judge::history::History;
 use crate::core::judge::limits::{Limit, Limits};
 use crate::core::judge::rule::Finding;
@@ -81,7 +81,7 @@ impl<'a> Case<'a> {
     }
 
     /// Where |`difference`| is against `limit`, both deg/(h g0), at the configured confidence.
-    pub fn beyond(&self, difference: Measured, limit: f64) -> Outcome {
+    pub fn beyond(&self, difference: Measured, limit: f64) -> Conformity {
         beyond(difference, limit, self.limits.confidence)
     }
 
@@ -106,7 +106,7 @@ impl<'a> Case<'a> {
     }
 
     /// A verdict on |`value`|, deg/(h g0), with the state and probability of `outcome`.
-    pub fn verdict(&self, rule: Rule, limit: Limit, value: Measured, outcome: Outcome, finding: Finding) -> Verdict {
+    pub fn verdict(&self, rule: Rule, limit: Limit, value: Measured, outcome: Conformity, finding: Finding) -> Verdict {
         Verdict {
             state: outcome.state,
             value: Some(value.value.abs()),

@@ -1,7 +1,7 @@
 //! `closure`: the closure moved from its baseline: D_O, in which neither D_I nor D_S has a part.
 
 use super::Case;
-use super::baseline::{LEVEL_RECORDS, Level};
+use super::baseline::{BaselineLevel, LEVEL_RECORDS};
 use crate::core::judge::limits::Limit;
 use crate::core::judge::{Coefficient, Finding, Rule, Verdict};
 
@@ -13,7 +13,7 @@ use crate::core::judge::{Coefficient, Finding, Rule, Verdict};
 pub(crate) fn closure(case: &Case<'_>, limit: Limit) -> Verdict {
     let first = case.history.seat_baseline;
     let moved = first.first().zip(case.history.baseline.first()).is_some_and(|(here, ever)| here.at != ever.at);
-    let level = match Level::of(case, None, first) {
+    let level = match BaselineLevel::of(case, None, first) {
         Ok(level) => level,
         Err(have) if moved => {
             let since = first.first().map_or(case.now().at, |first| first.at);

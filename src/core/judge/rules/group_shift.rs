@@ -36,7 +36,7 @@ const GYROS_TO_STAY: usize = 3;
 
 /// A gyro's newest calibration.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Calibrated {
+pub struct NewestCalibration {
     pub gyro: u32,
     pub imu: u32,
     pub station: u32,
@@ -64,7 +64,7 @@ impl Group {
     }
 
     /// Whether a calibrated gyro belongs to it.
-    pub fn holds(&self, one: &Calibrated) -> bool {
+    pub fn holds(&self, one: &NewestCalibration) -> bool {
         match self {
             Self::Station(station) => one.station == *station,
             Self::Batch(batch) => one.batch.as_ref() == Some(batch),
@@ -77,8 +77,8 @@ impl Group {
     }
 
     /// What else most of these gyros have in common: the batch of a station's, the station of a batch's.
-    fn rival(&self, gyros: &[&Calibrated]) -> Option<Self> {
-        let of = |one: &&Calibrated| match self {
+    fn rival(&self, gyros: &[&NewestCalibration]) -> Option<Self> {
+        let of = |one: &&NewestCalibration| match self {
             Self::Station(_) => one.batch.clone().map(Self::Batch),
             Self::Batch(_) => Some(Self::Station(one.station)),
         };
@@ -99,16 +99,16 @@ pub struct ShiftQuestion {
 
 /// Judges what the gyros of `group` share among `newest` (column 0: D_I, 1: D_S), the newest calibrations of a fleet.
 /// With too few gyros there is nothing to compare.
-pub fn group_shift(newest: &[Calibrated], group: &Group, column: usize, asked: &ShiftQuestion) -> Verdict {
+pub fn group_shift(newest: &[NewestCalibration], group: &Group, column: usize, asked: &ShiftQuestion) -> Verdict {
     let coefficient = [Coefficient::DI, Coefficient::DS][column];
     let few = |have: usize, need: usize| {
         Verdict::undecided(coefficient, group.rule(), asked.limit, Finding::TooFew { have, need })
     };
-    let here: Vec<&Calibrated> = newest.iter().filter(|one| group.holds(one)).collect();
+    let here: Vec<&NewestCalibration> = newest.iter().filter(|one| group.holds(one)).collect();
     let Some(last) = here.iter().map(|one| one.at).max() else { return few(0, GYROS) };
     let together =
-        |one: &&Calibrated| one.deviation[column].is_some() && last.days_since(one.at) <= group.together_days();
-    let mut here: Vec<&Calibrated> = here.into_iter().filter(together).collect();
+        |one: &&NewestCalibration| one.deviation[column].is_some() && last.days_since(one.at) <= group.together_days();
+    let mut here: Vec<&NewestCalibration> = here.into_iter().filter(together).collect();
     if let Group::Station(_) = group {
         here = newest_of(here);
     }
@@ -117,11 +117,11 @@ pub fn group_shift(newest: &[Calibrated], group: &Group, column: usize, asked: &
     let Some(shift) = shared(&here, column).filter(|_| enough) else { return few(gyros, GYROS) };
     let outcome = beyond(shift, asked.limit.value, asked.confidence);
     let exceeds = outcome.state == State::Exceeded;
-    let counted: Vec<&Calibrated> =
+    let counted: Vec<&NewestCalibration> =
         here.iter().filter(|one| !exceeds || has_moved(one, column, shift)).copied().collect();
     let (gyros, imus) = (counted.len(), imus_of(&counted));
     let alone = || imus_that_moved(&here, column, shift) < 2;
-    let lately: Vec<&Calibrated> = newest.iter().filter(|one| last.days_since(one.at) <= LATELY).collect();
+    let lately: Vec<&NewestCalibration> = newest.iter().filter(|one| last.days_since(one.at) <= LATELY).collect();
     let is_groups = !exceeds || (!alone() && is_of_group(&lately, &here, group, column, shift));
     let times = || counted.iter().map(|one| one.at);
     Verdict {
@@ -142,9 +142,9 @@ pub fn group_shift(newest: &[Calibrated], group: &Group, column: usize, asked: &
 }
 
 /// The newest of them, IMU by IMU, as many as are looked at.
-fn newest_of(mut here: Vec<&Calibrated>) -> Vec<&Calibrated> {
+fn newest_of(mut here: Vec<&NewestCalibration>) -> Vec<&NewestCalibration> {
     here.sort_by_key(|one| (std::cmp::Reverse(one.at), one.imu));
-    let mut counted: Vec<&Calibrated> = Vec::new();
+    let mut counted: Vec<&NewestCalibration> = Vec::new();
     for one in here {
         let is_known = counted.iter().any(|known| known.imu == one.imu);
         if !is_known && counted.len() >= GYROS && imus_of(&counted) >= IMUS {
@@ -155,7 +155,7 @@ fn newest_of(mut here: Vec<&Calibrated>) -> Vec<&Calibrated> {
     counted
 }
 
-fn imus_of(gyros: &[&Calibrated]) -> usize {
+fn imus_of(gyros: &[&NewestCalibration]) -> usize {
     let mut imus: Vec<u32> = gyros.iter().map(|one| one.imu).collect();
     imus.sort_unstable();
     imus.dedup();
@@ -163,7 +163,7 @@ fn imus_of(gyros: &[&Calibrated]) -> usize {
 }
 
 /// The median deviation, and its standard error.
-fn shared(gyros: &[&Calibrated], column: usize) -> Option<Measured> {
+fn shared(gyros: &[&NewestCalibration], column: usize) -> Option<Measured> {
     let deviations: Vec<Measured> = gyros.iter().filter_map(|one| one.deviation[column]).collect();
     let stated = median_of(deviations.iter().filter_map(|one| one.sd)).unwrap_or(0.0);
     let values: Vec<f64> = deviations.iter().map(|one| one.value).collect();
@@ -180,15 +180,15 @@ pub fn in_common(values: &[f64], independent: usize, least: f64) -> Option<Measu
 }
 
 /// Whether a gyro has moved by at least half of the shift.
-fn has_moved(one: &Calibrated, column: usize, shift: Measured) -> bool {
+fn has_moved(one: &NewestCalibration, column: usize, shift: Measured) -> bool {
     one.deviation[column].is_some_and(|of| is_half_of(of, shift))
 }
 
 /// IMUs of which most gyros have: one of them may have by chance.
-fn imus_that_moved(here: &[&Calibrated], column: usize, shift: Measured) -> usize {
+fn imus_that_moved(here: &[&NewestCalibration], column: usize, shift: Measured) -> usize {
     let imus: BTreeSet<u32> = here.iter().map(|one| one.imu).collect();
     let has_moved = |imu: &u32| {
-        let of_imu: Vec<&Calibrated> = here.iter().filter(|one| one.imu == *imu).copied().collect();
+        let of_imu: Vec<&NewestCalibration> = here.iter().filter(|one| one.imu == *imu).copied().collect();
         shared(&of_imu, column).is_some_and(|of| is_half_of(of, shift))
     };
     imus.into_iter().filter(has_moved).count()
@@ -199,20 +199,27 @@ fn is_half_of(of: Measured, shift: Measured) -> bool {
 }
 
 /// Whether neither the rest of the fleet has moved alike, nor only those of its gyros that have something else in common.
-fn is_of_group(newest: &[&Calibrated], here: &[&Calibrated], group: &Group, column: usize, shift: Measured) -> bool {
+fn is_of_group(
+    newest: &[&NewestCalibration],
+    here: &[&NewestCalibration],
+    group: &Group,
+    column: usize,
+    shift: Measured,
+) -> bool {
     // None where too few tell.
-    let moved = |gyros: &[&Calibrated], fewest: usize| {
-        let known: Vec<&Calibrated> = gyros.iter().filter(|one| one.deviation[column].is_some()).copied().collect();
+    let moved = |gyros: &[&NewestCalibration], fewest: usize| {
+        let known: Vec<&NewestCalibration> =
+            gyros.iter().filter(|one| one.deviation[column].is_some()).copied().collect();
         shared(&known, column).filter(|_| known.len() >= fewest).map(|of| is_half_of(of, shift))
     };
     let is_station = matches!(group, Group::Station(_));
-    let rest: Vec<&Calibrated> = newest.iter().filter(|one| !group.holds(one)).copied().collect();
+    let rest: Vec<&NewestCalibration> = newest.iter().filter(|one| !group.holds(one)).copied().collect();
     if moved(&rest, GYROS).unwrap_or(!is_station) {
         return false;
     }
     let Some(rival) = group.rival(here) else { return true };
-    let without: Vec<&Calibrated> = here.iter().filter(|one| !rival.holds(one)).copied().collect();
-    let of_rival: Vec<&Calibrated> = rest.into_iter().filter(|one| rival.holds(one)).collect();
+    let without: Vec<&NewestCalibration> = here.iter().filter(|one| !rival.holds(one)).copied().collect();
+    let of_rival: Vec<&NewestCalibration> = rest.into_iter().filter(|one| rival.holds(one)).collect();
     let others_moved = moved(&without, GYROS_TO_STAY);
     others_moved.or_else(|| moved(&of_rival, GYROS_TO_STAY).map(|moved| !moved)).unwrap_or(is_station)
 }
@@ -289,8 +296,8 @@ mod tests {
     }
 
     /// IMUs of three gyros, a day apart, `d_i` from their baselines beside the scatter.
-    fn imus(station: u32, first: u32, count: u32, d_i: f64) -> Vec<Calibrated> {
-        let gyro = |k: u32| Calibrated {
+    fn imus(station: u32, first: u32, count: u32, d_i: f64) -> Vec<NewestCalibration> {
+        let gyro = |k: u32| NewestCalibration {
             gyro: k,
             imu: k / 3,
             station,
@@ -301,7 +308,7 @@ mod tests {
         (3 * first..3 * (first + count)).map(gyro).collect()
     }
 
-    fn state(newest: &[Calibrated]) -> State {
+    fn state(newest: &[NewestCalibration]) -> State {
         group_shift(newest, &ST_1, 0, &asked(false)).state
     }
 
@@ -320,7 +327,7 @@ mod tests {
         assert_eq!(group_shift(&fleet, &ST_1, 1, &asked(false)).value, None, "nothing is known of D_S");
     }
 
-    fn imus_shifted(by: f64) -> Vec<Calibrated> {
+    fn imus_shifted(by: f64) -> Vec<NewestCalibration> {
         imus(1, 0, 5, by)
     }
 
@@ -391,8 +398,8 @@ mod tests {
     }
 
     /// Two stations of five IMUs each; gyros of batch B-7 are in IMUs of both, or of some IMUs of one.
-    fn batch_of(imus_of_it: &[u32], d_i: f64) -> Vec<Calibrated> {
-        let mut fleet: Vec<Calibrated> = imus(1, 0, 5, 0.0);
+    fn batch_of(imus_of_it: &[u32], d_i: f64) -> Vec<NewestCalibration> {
+        let mut fleet: Vec<NewestCalibration> = imus(1, 0, 5, 0.0);
         fleet.extend(imus(2, 5, 5, 0.0));
         for one in fleet.iter_mut().filter(|one| imus_of_it.contains(&one.imu)) {
             one.batch = Some("B-7".into());
@@ -401,7 +408,7 @@ mod tests {
         fleet
     }
 
-    fn of_batch(newest: &[Calibrated]) -> Verdict {
+    fn of_batch(newest: &[NewestCalibration]) -> Verdict {
         group_shift(newest, &Group::Batch("B-7".into()), 0, &asked(false))
     }
 
@@ -425,7 +432,7 @@ mod tests {
     #[test]
     fn what_a_station_or_an_imu_does_to_gyros_of_a_batch_is_not_the_batchs() {
         let mut fleet = batch_of(&[1, 3, 4, 6], 0.0);
-        let shift = |fleet: &mut [Calibrated], of: &dyn Fn(&Calibrated) -> bool| {
+        let shift = |fleet: &mut [NewestCalibration], of: &dyn Fn(&NewestCalibration) -> bool| {
             fleet.iter_mut().filter(|one| of(one)).for_each(|one| one.deviation[0].as_mut().unwrap().value += 0.015);
         };
         shift(&mut fleet, &|one| one.station == 1);
@@ -440,7 +447,7 @@ mod tests {
         only.iter_mut().for_each(|one| one.batch = Some("B-7".into()));
         only.extend(imus(2, 5, 5, 0.0));
         assert_eq!((of_batch(&only).state, state(&only)), (State::Indeterminate, State::Exceeded));
-        let few: Vec<Calibrated> = batch_of(&[1, 6], 0.015);
+        let few: Vec<NewestCalibration> = batch_of(&[1, 6], 0.015);
         assert_eq!(of_batch(&few).state, State::Indeterminate, "of two IMUs: too few");
     }
 
@@ -452,7 +459,7 @@ mod tests {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(36);
         let (mut told, mut asked_of) = ([0; 2], [0; 2]);
         for _ in 0..500 {
-            let mut fleet: Vec<Calibrated> = Vec::new();
+            let mut fleet: Vec<NewestCalibration> = Vec::new();
             for imu in 0..20 {
                 let [station, day] = [rng.random_range(1..3), rng.random_range(0..60)];
                 let of_imu: f64 = StandardNormal.sample(&mut rng);
@@ -462,7 +469,7 @@ mod tests {
                     let at = UtcMicros(0).plus_days(f64::from(day));
                     let value = 5e-3 * own + 2.5e-3 * of_imu;
                     let deviation = [Some(Measured { value, sd: Some(SD) }), None];
-                    fleet.push(Calibrated { gyro: 3 * imu + slot, imu, station, at, deviation, batch });
+                    fleet.push(NewestCalibration { gyro: 3 * imu + slot, imu, station, at, deviation, batch });
                 }
             }
             let batches = ["B-1", "B-2", "B-3"].map(|name| Group::Batch(name.into()));

@@ -7,7 +7,7 @@
 //! before, the IMU, its mounting or that calibration is to be looked at first. Signs and sizes may differ: each gyro has
 //! its own place in the IMU.
 
-use super::group_shift::Calibrated;
+use super::group_shift::NewestCalibration;
 use crate::core::judge::decide::beyond;
 use crate::core::judge::limits::Limit;
 use crate::core::judge::{Coefficient, Finding, Measured, Rule, State, Verdict};
@@ -21,14 +21,14 @@ const GYROS: usize = 3;
 pub struct ImuQuestion<'a> {
     pub limit: Limit,
     pub confidence: f64,
-    pub shared: &'a dyn Fn(&Calibrated) -> Vec<Measured>,
+    pub shared: &'a dyn Fn(&NewestCalibration) -> Vec<Measured>,
     pub one_did_before: bool,
     pub confirmed: bool,
 }
 
 /// Judges the gyros of one IMU in its newest calibration (column 0: D_I, 1: D_S); `newest` are theirs. Those without a
 /// baseline have nothing to be compared with.
-pub fn imu_shift(newest: &[&Calibrated], column: usize, asked: &ImuQuestion<'_>) -> Verdict {
+pub fn imu_shift(newest: &[&NewestCalibration], column: usize, asked: &ImuQuestion<'_>) -> Verdict {
     let coefficient = [Coefficient::DI, Coefficient::DS][column];
     let few = |have: usize| {
         Verdict::undecided(coefficient, Rule::ImuShift, asked.limit, Finding::TooFew { have, need: GYROS })
@@ -39,7 +39,7 @@ pub fn imu_shift(newest: &[&Calibrated], column: usize, asked: &ImuQuestion<'_>)
         let left = Measured { value: of.value - shift.value, ..of.beside(shift.sd.unwrap_or(0.0)) };
         if left.value.abs() < of.value.abs() { left } else { of }
     };
-    let own = |one: &&Calibrated| Some((asked.shared)(one).iter().fold(one.deviation[column]?, beside));
+    let own = |one: &&NewestCalibration| Some((asked.shared)(one).iter().fold(one.deviation[column]?, beside));
     let moved: Vec<Measured> = together.filter_map(own).collect();
     let least = moved.iter().min_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
     let Some(least) = least.filter(|_| moved.len() >= GYROS) else { return few(moved.len()) };
@@ -66,8 +66,8 @@ mod tests {
     const LIMIT: f64 = 0.01;
     const SD: f64 = 5e-4;
 
-    fn gyros(deviations: &[Option<f64>]) -> Vec<Calibrated> {
-        let of = |(k, d_s): (usize, &Option<f64>)| Calibrated {
+    fn gyros(deviations: &[Option<f64>]) -> Vec<NewestCalibration> {
+        let of = |(k, d_s): (usize, &Option<f64>)| NewestCalibration {
             gyro: k as u32,
             imu: 1,
             station: 1,
@@ -78,13 +78,17 @@ mod tests {
         deviations.iter().enumerate().map(of).collect()
     }
 
-    fn told(newest: &[Calibrated], station: Option<Measured>, confirmed: bool) -> Verdict {
+    fn told(newest: &[NewestCalibration], station: Option<Measured>, confirmed: bool) -> Verdict {
         judged(newest, station, [false, confirmed])
     }
 
-    fn judged(newest: &[Calibrated], station: Option<Measured>, [one_did_before, confirmed]: [bool; 2]) -> Verdict {
+    fn judged(
+        newest: &[NewestCalibration],
+        station: Option<Measured>,
+        [one_did_before, confirmed]: [bool; 2],
+    ) -> Verdict {
         let limit = Limit { value: LIMIT, from: LimitKey::BUDGET };
-        let shared = |_: &Calibrated| station.into_iter().collect();
+        let shared = |_: &NewestCalibration| station.into_iter().collect();
         let asked = ImuQuestion { limit, confidence: 0.95, shared: &shared, one_did_before, confirmed };
         imu_shift(&newest.iter().collect::<Vec<_>>(), 1, &asked)
     }

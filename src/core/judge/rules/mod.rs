@@ -19,7 +19,7 @@ mod trend;
 pub use agreement::{SourcedResult, agreement};
 pub use forecast::{FALSE_ALARMS, Foretold, ForetoldGyro, forecast};
 pub use group_shift::{
-    Calibrated, Group, LATELY, ShiftQuestion, Suspected, group_shift, has_grown, in_common, is_explained,
+    Group, LATELY, NewestCalibration, ShiftQuestion, Suspected, group_shift, has_grown, in_common, is_explained,
 };
 pub use imu_shift::{ImuQuestion, imu_shift};
 pub use overdue::overdue;

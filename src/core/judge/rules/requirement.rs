@@ -2,21 +2,21 @@
 
 use nalgebra::Vector3;
 
-use crate::core::judge::decide::{Outcome, outside};
+use crate::core::judge::decide::{Conformity, outside};
 use crate::core::judge::limits::{Bounds, Limit, Requirement};
 use crate::core::judge::rule::MOST_FIGURES;
 use crate::core::judge::sample::Measured;
 use crate::core::judge::{Coefficient, Finding, Rule, State, Verdict};
 
 /// A figure of the record, its name, and what it must lie between.
-struct Figure {
+struct NamedFigure {
     name: &'static str,
     measured: Measured,
     bounds: Bounds,
-    outcome: Outcome,
+    outcome: Conformity,
 }
 
-impl Figure {
+impl NamedFigure {
     /// How far outside (positive) or inside (negative) it lies, in widths of its bounds.
     fn excess(&self) -> f64 {
         let Bounds { low, high, .. } = self.bounds;
@@ -72,9 +72,9 @@ fn judged(
 ) -> Option<Verdict> {
     let required = figures.filter_map(|(name, measured, bounds)| {
         let bounds = bounds?;
-        Some(Figure { name, measured, bounds, outcome: outside(measured, bounds.low, bounds.high, confidence) })
+        Some(NamedFigure { name, measured, bounds, outcome: outside(measured, bounds.low, bounds.high, confidence) })
     });
-    let all: Vec<Figure> = required.collect();
+    let all: Vec<NamedFigure> = required.collect();
     let worst = all.iter().max_by(|a, b| {
         let (a, b) = (a.rank(), b.rank());
         a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
@@ -99,10 +99,10 @@ mod tests {
     use super::*;
     use crate::core::judge::LimitKey;
 
-    fn figure(value: f64, low: f64, high: f64) -> Figure {
+    fn figure(value: f64, low: f64, high: f64) -> NamedFigure {
         let measured = Measured::exact(value);
         let bounds = Bounds { low, high, from: LimitKey::BUDGET };
-        Figure { name: "E_x", measured, bounds, outcome: outside(measured, low, high, 0.95) }
+        NamedFigure { name: "E_x", measured, bounds, outcome: outside(measured, low, high, 0.95) }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! `rms_successive`: root mean square of successive differences, the criterion that Apollo's gyros were watched by.
 
 use super::Case;
-use crate::core::judge::decide::{Outcome, by_probability, plain};
+use crate::core::judge::decide::{Conformity, by_probability, plain};
 use crate::core::judge::limits::{Limit, RMS_RECORDS};
 use crate::core::judge::sample::{Measured, Sample};
 use crate::core::judge::{Finding, Rule, Verdict};
@@ -22,7 +22,7 @@ pub(crate) fn rms_successive(case: &Case<'_>, limit: Limit) -> Verdict {
     let Some(window) = samples.len().checked_sub(RMS_RECORDS).map(|start| &samples[start..]) else {
         return case.too_few(Rule::RmsSuccessive, limit, samples.len(), RMS_RECORDS);
     };
-    let least = (0..RMS_RECORDS).map(|left_out| Differences::of(case, window, left_out));
+    let least = (0..RMS_RECORDS).map(|left_out| SuccessiveDifferences::of(case, window, left_out));
     let Some(differences) = least.min_by(|a, b| a.mean_square().total_cmp(&b.mean_square())) else {
         return case.too_few(Rule::RmsSuccessive, limit, samples.len(), RMS_RECORDS);
     };
@@ -32,16 +32,16 @@ pub(crate) fn rms_successive(case: &Case<'_>, limit: Limit) -> Verdict {
     let rms = differences.mean_square().sqrt();
     let between = differences.of_two_stations * (case.between_two_stations() / scale).powi(2);
     let noise = differences.noise().map(|noise| noise.and(between));
-    let noise = noise.or_else(|| (between > 0.0).then(|| Noise::NONE.and(between)));
+    let noise = noise.or_else(|| (between > 0.0).then(|| NoiseShare::NONE.and(between)));
     let (outcome, sd) = match noise {
         Some(noise) if noise.variance > 0.0 => {
             let excess = rms * rms - noise.explained - (limit.value / (FACTOR * scale)).powi(2);
             let probability = normal_cdf(excess / noise.variance.sqrt());
             let state = by_probability(excess > 0.0, probability, case.limits.confidence);
             let sd = if rms > 0.0 { noise.variance.sqrt() / (2.0 * rms) } else { noise.explained.sqrt() };
-            (Outcome { state, probability: Some(probability) }, Some(FACTOR * sd * scale))
+            (Conformity { state, probability: Some(probability) }, Some(FACTOR * sd * scale))
         }
-        _ => (Outcome { state: plain(FACTOR * rms * scale, limit.value), probability: None }, None),
+        _ => (Conformity { state: plain(FACTOR * rms * scale, limit.value), probability: None }, None),
     };
     let finding = Finding::RmsSuccessive {
         since: window[0].at,
@@ -55,7 +55,7 @@ const KEPT: usize = RMS_RECORDS - 1;
 
 /// Successive differences d and the tridiagonal covariance V of their errors: sums of two variances on its diagonal,
 /// minus the shared one beside it.
-struct Differences {
+struct SuccessiveDifferences {
     d: [f64; KEPT - 1],
     /// Variances of the records themselves.
     variance: Option<[f64; KEPT]>,
@@ -65,14 +65,14 @@ struct Differences {
 
 /// What measurement noise does to the mean square m = d.d/n, to second order in the noise.
 #[derive(Clone, Copy)]
-struct Noise {
+struct NoiseShare {
     /// tr V / n: the part of m that it explains.
     explained: f64,
     /// (2 tr V^2 + 4 delta.V delta)/n^2, with delta.V delta estimated by d.V d - tr V^2 >= 0.
     variance: f64,
 }
 
-impl Noise {
+impl NoiseShare {
     const NONE: Self = Self { explained: 0.0, variance: 0.0 };
 
     /// Beside a part that a normal figure makes, squared, of which only the mean is known.
@@ -81,7 +81,7 @@ impl Noise {
     }
 }
 
-impl Differences {
+impl SuccessiveDifferences {
     fn of(case: &Case<'_>, window: &[Sample], left_out: usize) -> Self {
         let value = |i: usize| case.value(&window[if i < left_out { i } else { i + 1 }]);
         let d = std::array::from_fn(|i| value(i + 1).value - value(i).value);
@@ -107,7 +107,7 @@ impl Differences {
         self.d.iter().map(|d| d * d).sum::<f64>() / self.d.len() as f64
     }
 
-    fn noise(&self) -> Option<Noise> {
+    fn noise(&self) -> Option<NoiseShare> {
         let variance = self.variance?;
         let n = self.d.len();
         let (mut trace, mut trace_of_square, mut d_v_d) = (0.0, 0.0, 0.0);
@@ -124,6 +124,6 @@ impl Differences {
         }
         let n = n as f64;
         let structure = (d_v_d - trace_of_square).max(0.0);
-        Some(Noise { explained: trace / n, variance: (2.0 * trace_of_square + 4.0 * structure) / (n * n) })
+        Some(NoiseShare { explained: trace / n, variance: (2.0 * trace_of_square + 4.0 * structure) / (n * n) })
     }
 }

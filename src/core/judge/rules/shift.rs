@@ -2,9 +2,9 @@
 
 use super::Case;
 use crate::core::judge::cells::CELLS;
-use crate::core::judge::decide::{Outcome, plain};
+use crate::core::judge::decide::{Conformity, plain};
 use crate::core::judge::limits::{Limit, ShiftLimits};
-use crate::core::judge::noise::Prior;
+use crate::core::judge::noise::ScatterPrior;
 use crate::core::judge::sample::Measured;
 use crate::core::judge::{Finding, Rule, State, Verdict};
 use crate::core::numerics::median::median;
@@ -33,7 +33,7 @@ pub(crate) fn shift(case: &Case<'_>, limits: &ShiftLimits) -> Verdict {
         return case.too_few(Rule::Shift, limits.least, points.len(), SHIFT_MIN_CELLS);
     }
     let (noise, budget, n) = (&case.limits.noise, limits.budget, points.len());
-    let prior = Prior::of(budget, points.sd);
+    let prior = ScatterPrior::of(budget, points.sd);
     let k = n - NEWEST;
     let (before, newest) = points.x.split_at(k);
     let mut sorted = [0.0; CELLS];
@@ -72,5 +72,6 @@ pub(crate) fn shift(case: &Case<'_>, limits: &ShiftLimits) -> Verdict {
         scatter: variance.sqrt(),
         least: limits.least.value,
     };
-    case.verdict(Rule::Shift, limit, departure, Outcome { state, probability: None }, finding).between_stations(between)
+    case.verdict(Rule::Shift, limit, departure, Conformity { state, probability: None }, finding)
+        .between_stations(between)
 }

@@ -3,13 +3,13 @@
 mod line;
 
 use super::Case;
-use super::baseline::{LEVEL_RECORDS, Level};
-use crate::core::judge::decide::Outcome;
+use super::baseline::{BaselineLevel, LEVEL_RECORDS};
+use crate::core::judge::decide::Conformity;
 use crate::core::judge::limits::TrendLimits;
-use crate::core::judge::noise::Prior;
+use crate::core::judge::noise::ScatterPrior;
 use crate::core::judge::sample::Measured;
 use crate::core::judge::{Finding, Rule, State, Verdict};
-use line::{Forecast, Line};
+use line::{Line, LinePrediction};
 
 /// Cells that a slope is taken over, the longest first: a course that bends within one is looked at over the next.
 pub const TREND_CELLS: [usize; 5] = [24, 20, 16, 12, 8];
@@ -33,16 +33,16 @@ pub(crate) fn trend(case: &Case<'_>, limits: &TrendLimits, fixed: Option<Measure
     if points.len() < shortest {
         return case.too_few(Rule::Trend, limit, points.len(), shortest);
     }
-    let level = match Level::of(case, fixed, case.history.baseline) {
+    let level = match BaselineLevel::of(case, fixed, case.history.baseline) {
         Ok(level) => level,
         Err(have) => return case.too_few(Rule::Trend, limit, have, LEVEL_RECORDS),
     };
-    let (noise, prior) = (&case.limits.noise, Prior::of(limit.value, points.sd));
+    let (noise, prior) = (&case.limits.noise, ScatterPrior::of(limit.value, points.sd));
     let now = case.now().at;
     let nothing = |deviation: f64, step| {
         let cells = points.len().min(longest);
         let finding = Finding::NoTrend { cells, since: points.newest(cells).first[0], step };
-        let outcome = Outcome { state: State::Within, probability: None };
+        let outcome = Conformity { state: State::Within, probability: None };
         case.verdict(Rule::Trend, limit, Measured::exact(deviation), outcome, finding)
     };
     let straight = TREND_CELLS.iter().filter(|n| **n <= points.len()).find_map(|n| {
@@ -57,7 +57,7 @@ pub(crate) fn trend(case: &Case<'_>, limits: &TrendLimits, fixed: Option<Measure
     if let Some(step) = line.step_that_fits_better() {
         return nothing(line.now() - level.level.value, Some(step));
     }
-    let forecast = Forecast::of(&line, &level, now);
+    let forecast = LinePrediction::of(&line, &level, now);
     let horizon = limits.horizon_days.min(line.span_days());
     let ahead = forecast.at(horizon);
     let finding = Finding::Trend {

@@ -4,18 +4,18 @@ use std::collections::HashSet;
 use std::time::Duration;
 
 use super::context::DeliveryContext;
-use crate::alert::deliver::{Attempt, Destination, Outcome};
+use crate::alert::deliver::{Attempt, DeliveryOutcome, Destination};
 use crate::alert::ladder::{Ladder, Next};
 use crate::alert::payload::{self, Context, Payload};
 use crate::alert::sign::{self, Secret};
-use crate::alert::{Change, Event, HookKind, Message};
+use crate::alert::{AlertTransition, HookEvent, HookKind, HookMessage};
 use crate::core::alert_decision::Action;
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::core::message::text;
 use crate::core::time::UtcMicros;
 use crate::pipeline::hooks::{Attempted, webhook_id};
-use crate::store::{DueDelivery, HookRow, Progress, Subject};
+use crate::store::{DeliverySubject, DueDelivery, HookRow, Progress};
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::ExpectBody;
 use crate::wire::message::to_stored;
@@ -60,10 +60,10 @@ impl DeliveryContext {
                 let payload = payload::render(to.kind, &message, &self.context(&to.row.name, now));
                 self.send(to, &message.id, payload, now).await
             }
-            Ok(None) => unsent(Outcome::Needless, Some(message!("end_of_what_was_never_told"))),
+            Ok(None) => unsent(DeliveryOutcome::Needless, Some(message!("end_of_what_was_never_told"))),
             Err(why) => {
                 let detail = message!("stored_message_unreadable", why = text(why));
-                unsent(Outcome::Failed { retry_after: None }, Some(detail))
+                unsent(DeliveryOutcome::Failed { retry_after: None }, Some(detail))
             }
         }
     }
@@ -92,11 +92,11 @@ impl DeliveryContext {
 
 /// What a delivery tells, as the target has to hear it: what it never took begins, and does not end. None where
 /// nothing is left.
-fn message(due: &DueDelivery, never_taken: &HashSet<Id>) -> Result<Option<Message>, String> {
+fn message(due: &DueDelivery, never_taken: &HashSet<Id>) -> Result<Option<HookMessage>, String> {
     let id = webhook_id(due.id, due.subject);
     let at = due.at.unwrap_or(due.queued_at);
-    if due.subject == Subject::Test {
-        return Ok(Some(Message { id, at, event: Event::Test }));
+    if due.subject == DeliverySubject::Test {
+        return Ok(Some(HookMessage { id, at, event: HookEvent::Test }));
     }
     if due.content.is_empty() {
         return Err("there is nothing that it tells of".to_owned());
@@ -107,19 +107,19 @@ fn message(due: &DueDelivery, never_taken: &HashSet<Id>) -> Result<Option<Messag
         let is_news = alert.id.parse().is_ok_and(|id| never_taken.contains(&id));
         Ok(match action {
             Action::Resolve if is_news => None,
-            _ if is_news => Some(Change { action: Action::Fire, alert }),
-            _ => Some(Change { action, alert }),
+            _ if is_news => Some(AlertTransition { action: Action::Fire, alert }),
+            _ => Some(AlertTransition { action, alert }),
         })
     });
-    let changes: Vec<Change> = changes.filter_map(Result::transpose).collect::<Result<_, String>>()?;
+    let changes: Vec<AlertTransition> = changes.filter_map(Result::transpose).collect::<Result<_, String>>()?;
     if changes.is_empty() {
         return Ok(None);
     }
     let event = match &due.digest {
-        Some(counts) => Event::Digest(serde_json::from_str(counts).map_err(|error| error.to_string())?, changes),
-        None => Event::Alerts(changes),
+        Some(counts) => HookEvent::Digest(serde_json::from_str(counts).map_err(|error| error.to_string())?, changes),
+        None => HookEvent::Alerts(changes),
     };
-    Ok(Some(Message { id, at, event }))
+    Ok(Some(HookMessage { id, at, event }))
 }
 
 /// What is written down of an attempt that was made at `at`.
@@ -139,11 +139,11 @@ pub(super) fn report(
         }
     };
     let progress = match attempt.outcome {
-        Outcome::Delivered => Progress::Done(DeliveryState::Delivered),
-        Outcome::Refused | Outcome::Gone => Progress::Done(DeliveryState::Dead),
-        Outcome::Needless => Progress::Done(DeliveryState::Dropped),
-        Outcome::Failed { retry_after } => again(retry_after),
-        Outcome::Partly => again(None),
+        DeliveryOutcome::Delivered => Progress::Done(DeliveryState::Delivered),
+        DeliveryOutcome::Refused | DeliveryOutcome::Gone => Progress::Done(DeliveryState::Dead),
+        DeliveryOutcome::Needless => Progress::Done(DeliveryState::Dropped),
+        DeliveryOutcome::Failed { retry_after } => again(retry_after),
+        DeliveryOutcome::Partly => again(None),
     };
     Attempted {
         delivery: due.id,
@@ -154,7 +154,7 @@ pub(super) fn report(
         answer: attempt.answer.clone(),
         took_us: i64::try_from(attempt.took.as_micros()).unwrap_or(i64::MAX),
         progress,
-        gone: (attempt.outcome == Outcome::Gone).then(|| to.row.url.clone()),
+        gone: (attempt.outcome == DeliveryOutcome::Gone).then(|| to.row.url.clone()),
         hasten: false,
         tell_anew: false,
         perhaps_written: false,

@@ -11,13 +11,13 @@ use tokio::sync::watch;
 
 use super::context::{DeliveryContext, OFF_DUTY};
 use crate::alert::HookKind;
-use crate::alert::deliver::{Attempt, Outcome};
+use crate::alert::deliver::{Attempt, DeliveryOutcome};
 use crate::alert::ladder::HORIZON;
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::error::{StorageFault, WriteError};
-use crate::pipeline::hooks::delivery::circuit::Health;
+use crate::pipeline::hooks::delivery::circuit::Circuit;
 use crate::pipeline::hooks::delivery::message;
 use crate::pipeline::hooks::delivery::message::Addressee;
 use crate::pipeline::hooks::{Attempted, Found};
@@ -33,7 +33,7 @@ const IDLE: Duration = Duration::from_secs(30);
 const BREATH: Duration = Duration::from_secs(1);
 
 /// What has happened to a delivery under way.
-enum Event {
+enum QueueEvent {
     Attempted(Arc<Addressee>, Box<DueDelivery>, Attempt),
     WrittenDown(Id),
     /// What waits has been made due.
@@ -47,12 +47,12 @@ pub(super) struct DeliveryQueue {
     hook: Id,
     stopping: watch::Receiver<bool>,
     wake: watch::Receiver<u64>,
-    health: Health,
+    health: Circuit,
     /// The hook as it was when [`DeliveryQueue::health`] was last without blemish for its sake.
     changed_at: Option<UtcMicros>,
     /// Due and fetched, not yet begun.
     ready: VecDeque<DueDelivery>,
-    under_way: FuturesUnordered<BoxFuture<'static, Event>>,
+    under_way: FuturesUnordered<BoxFuture<'static, QueueEvent>>,
     /// The deliveries that are under way.
     held: HashSet<Id>,
     /// There may be more due than `ready` holds.
@@ -72,7 +72,7 @@ impl DeliveryQueue {
             hook,
             stopping,
             wake,
-            health: Health::default(),
+            health: Circuit::default(),
             changed_at: None,
             ready: VecDeque::new(),
             under_way: FuturesUnordered::new(),
@@ -115,7 +115,7 @@ impl DeliveryQueue {
         };
         // Whoever has changed the hook has mended something.
         if self.changed_at.replace(row.changed_at) != Some(row.changed_at) {
-            self.health = Health::default();
+            self.health = Circuit::default();
         }
         let to = Addressee::of(row).map_err(|why| StoreError::Damaged(format!("hook {}: {why}", self.hook)))?;
         Ok(Some(Arc::new(to)))
@@ -207,35 +207,35 @@ impl DeliveryQueue {
         let (context, to, never_taken) = (Arc::clone(&self.context), Arc::clone(to), Arc::clone(&self.never_taken));
         self.under_way.push(Box::pin(async move {
             let attempt = context.attempt(&to, &due, &never_taken).await;
-            Event::Attempted(to, Box::new(due), attempt)
+            QueueEvent::Attempted(to, Box::new(due), attempt)
         }));
     }
 
-    fn go_on(&mut self, event: Event) {
+    fn go_on(&mut self, event: QueueEvent) {
         match event {
-            Event::Attempted(to, due, attempt) => {
+            QueueEvent::Attempted(to, due, attempt) => {
                 // What an address does that the hook has no longer says nothing of the one that it has.
                 let is_current = self.changed_at == Some(to.row.changed_at);
                 let hasten = is_current && self.health.note(&attempt, self.context.ladder.first_wait(), Instant::now());
                 let at = self.context.hooks.clock.now();
                 let attempted = message::report(&to, &due, &attempt, at, &self.context.ladder);
                 // It takes messages, so that it can be told what it was not there for.
-                let tell_anew = attempt.outcome == Outcome::Delivered && !self.never_taken.is_empty();
+                let tell_anew = attempt.outcome == DeliveryOutcome::Delivered && !self.never_taken.is_empty();
                 let attempted = Attempted { hasten, tell_anew, ..attempted };
                 count(to.kind, &attempted, &attempt);
                 let context = Arc::clone(&self.context);
                 self.under_way.push(Box::pin(async move {
                     let delivery = attempted.delivery;
                     let written = context.write_down(Found::Attempted(attempted)).await;
-                    if written { Event::WrittenDown(delivery) } else { Event::Unwritten }
+                    if written { QueueEvent::WrittenDown(delivery) } else { QueueEvent::Unwritten }
                 }));
             }
-            Event::WrittenDown(delivery) => {
+            QueueEvent::WrittenDown(delivery) => {
                 self.held.remove(&delivery);
                 self.look_again = true;
             }
-            Event::Hastened => self.look_again = true,
-            Event::Unwritten => {}
+            QueueEvent::Hastened => self.look_again = true,
+            QueueEvent::Unwritten => {}
         }
     }
 
@@ -253,10 +253,10 @@ impl DeliveryQueue {
         if self.health.note(&attempt, self.context.ladder.first_wait(), Instant::now()) {
             let (context, back) = (Arc::clone(&self.context), Found::Back(self.hook));
             self.under_way.push(Box::pin(async move {
-                if context.write_down(back).await { Event::Hastened } else { Event::Unwritten }
+                if context.write_down(back).await { QueueEvent::Hastened } else { QueueEvent::Unwritten }
             }));
         }
-        if attempt.outcome != Outcome::Delivered {
+        if attempt.outcome != DeliveryOutcome::Delivered {
             tracing::warn!(hook = %self.hook, why = said(&attempt), "an Alertmanager could not be sent what fires");
         }
         Ok(())
@@ -296,8 +296,8 @@ fn said(attempt: &Attempt) -> String {
 
 fn count(kind: HookKind, attempted: &Attempted, attempt: &Attempt) {
     let outcome = match (attempted.progress, attempt.outcome) {
-        (_, Outcome::Gone) => "gone",
-        (_, Outcome::Needless) => "needless",
+        (_, DeliveryOutcome::Gone) => "gone",
+        (_, DeliveryOutcome::Needless) => "needless",
         (Progress::Done(DeliveryState::Dead), _) => "dead",
         (Progress::Done(_), _) => "delivered",
         (Progress::RetryAt(_), _) => "failed",

@@ -11,7 +11,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
 use crate::pipeline::alerts::{AlertError, AlertOrder, Causes, Naming, Pen, SharedVerdict, SilenceOrder, follow_group};
 use crate::pipeline::error::WriteError;
-use crate::pipeline::hooks::{OutboxContext, Standing};
+use crate::pipeline::hooks::{CurrentAlert, OutboxContext};
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
@@ -112,12 +112,12 @@ impl WriterState {
     }
 
     /// Every alert as it stands.
-    pub(super) async fn standings(&self, now: UtcMicros) -> Result<Vec<Standing>, StoreError> {
+    pub(super) async fn standings(&self, now: UtcMicros) -> Result<Vec<CurrentAlert>, StoreError> {
         let rows = store::alerts::all(&self.store).await?;
         let naming = Naming { tables: &self.store.names().read(), new: None };
         // One that cannot be read is told to nobody; the next look at it names the damage.
         let standing =
-            |row: &AlertRow| Some(Standing { id: row.id, alert: row.alert, body: naming.alert(row, now).ok()? });
+            |row: &AlertRow| Some(CurrentAlert { id: row.id, alert: row.alert, body: naming.alert(row, now).ok()? });
         Ok(rows.iter().filter_map(standing).collect())
     }
 

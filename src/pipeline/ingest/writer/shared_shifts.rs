@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use crate::config::Config;
 use crate::core::judge::{
-    Calibrated, Coefficient, Group, ImuQuestion, LATELY, Measured, Rule, Severity, ShiftQuestion, State, Verdict,
-    group_shift, imu_shift,
+    Coefficient, Group, ImuQuestion, LATELY, Measured, NewestCalibration, Rule, Severity, ShiftQuestion, State,
+    Verdict, group_shift, imu_shift,
 };
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::alerts::{AlertCache, Naming, Origin, SharedVerdict};
@@ -109,12 +109,12 @@ impl SharedShifts<'_> {
     /// Stored calibrations with those of a group in their place.
     fn with_group(
         &self,
-        stored: Vec<Calibrated>,
+        stored: Vec<NewestCalibration>,
         found: &Judged,
         changes: &Changes,
         batches: &HashMap<u32, Arc<str>>,
-    ) -> Vec<Calibrated> {
-        let mut newest: HashMap<u32, Calibrated> = stored.into_iter().map(|row| (row.gyro, row)).collect();
+    ) -> Vec<NewestCalibration> {
+        let mut newest: HashMap<u32, NewestCalibration> = stored.into_iter().map(|row| (row.gyro, row)).collect();
         let tables = self.store.names().read();
         let naming = Naming { tables: &tables, new: Some(changes) };
         for Newest { gyro, figures } in &found.newest {
@@ -123,7 +123,7 @@ impl SharedShifts<'_> {
             let deviation = [0, 1].map(|column| times(loads[column], budgets[column]));
             let batch = batches.get(gyro).cloned();
             let (imu, station, at) = (figures.imu, figures.station, figures.at);
-            newest.insert(*gyro, Calibrated { gyro: *gyro, imu, station, at, deviation, batch });
+            newest.insert(*gyro, NewestCalibration { gyro: *gyro, imu, station, at, deviation, batch });
         }
         newest.into_values().collect()
     }
@@ -149,7 +149,7 @@ impl SharedShifts<'_> {
     }
 
     /// Those that tell what stations and batches do; where a shared alert fires, those since it does.
-    fn lately(&self, newest: &[Calibrated]) -> Vec<Calibrated> {
+    fn lately(&self, newest: &[NewestCalibration]) -> Vec<NewestCalibration> {
         let from = self.lately_from();
         newest.iter().filter(|one| one.at >= from).cloned().collect()
     }
@@ -159,14 +159,14 @@ impl SharedShifts<'_> {
         self.now.plus_days(-LATELY).min(began)
     }
 
-    fn of_stations(&self, newest: &[Calibrated], stations: &BTreeSet<u32>) -> Vec<SharedVerdict> {
+    fn of_stations(&self, newest: &[NewestCalibration], stations: &BTreeSet<u32>) -> Vec<SharedVerdict> {
         let of = |station: &u32| self.of_group(newest, AlertOf::Station(*station), &Group::Station(*station));
         stations.iter().flat_map(of).collect()
     }
 
     /// Of these batches, or of all. A batch goes by one of its gyros, and by that for good once it has had an alert,
     /// whatever becomes of that gyro.
-    fn of_batches(&self, newest: &[Calibrated], asked: Option<&BTreeSet<Arc<str>>>) -> Vec<SharedVerdict> {
+    fn of_batches(&self, newest: &[NewestCalibration], asked: Option<&BTreeSet<Arc<str>>>) -> Vec<SharedVerdict> {
         let mut batches = self.alerts.shared().batches();
         let mut taken: BTreeSet<u32> = batches.values().copied().collect();
         let mut gyros: Vec<(u32, &Arc<str>)> =
@@ -183,7 +183,7 @@ impl SharedShifts<'_> {
         batches.into_iter().filter(|(batch, _)| is_asked(batch)).flat_map(of).collect()
     }
 
-    fn of_group(&self, newest: &[Calibrated], of: AlertOf, group: &Group) -> Vec<SharedVerdict> {
+    fn of_group(&self, newest: &[NewestCalibration], of: AlertOf, group: &Group) -> Vec<SharedVerdict> {
         let (limits, budgets) = (self.config.judging.limits("", ""), self.budgets("", ""));
         let mut found = Vec::new();
         for (column, coefficient) in COEFFICIENTS.into_iter().enumerate() {
@@ -204,14 +204,14 @@ impl SharedShifts<'_> {
     /// What the gyros of IMUs have done beside what their stations and batches have.
     fn of_imus(
         &self,
-        newest: &[Calibrated],
+        newest: &[NewestCalibration],
         imus: &BTreeSet<u32>,
         of_groups: &[SharedVerdict],
         exceed: &[Exceeding],
     ) -> Vec<SharedVerdict> {
         let mut exceeding: HashMap<(u32, usize), Vec<&Exceeding>> = HashMap::new();
         exceed.iter().for_each(|one| exceeding.entry((one.gyro, one.column)).or_default().push(one));
-        let mut gyros: BTreeMap<u32, Vec<&Calibrated>> = imus.iter().map(|imu| (*imu, Vec::new())).collect();
+        let mut gyros: BTreeMap<u32, Vec<&NewestCalibration>> = imus.iter().map(|imu| (*imu, Vec::new())).collect();
         newest.iter().for_each(|one| gyros.get_mut(&one.imu).into_iter().for_each(|gyros| gyros.push(one)));
         let shifts = shifts(of_groups);
         let mut found = Vec::new();
@@ -225,7 +225,7 @@ impl SharedShifts<'_> {
                 let its = || gyros.iter().filter_map(|one| exceeding.get(&(one.gyro, column))).flatten();
                 let told = self.alerts.shared().since(of, coefficient);
                 let since = told.unwrap_or(at);
-                let shared = |one: &Calibrated| {
+                let shared = |one: &NewestCalibration| {
                     let is_its = |(of, gyros, _): &&Shift| *of == coefficient && gyros.contains(&one.gyro);
                     shifts.iter().filter(is_its).map(|(.., shift)| *shift).collect()
                 };
@@ -253,7 +253,7 @@ impl SharedShifts<'_> {
     }
 
     /// The newest calibrations of the fleet, or of one station, made no earlier than `from`.
-    async fn calibrated(&self, from: UtcMicros, station: Option<u32>) -> Result<Vec<Calibrated>, StoreError> {
+    async fn calibrated(&self, from: UtcMicros, station: Option<u32>) -> Result<Vec<NewestCalibration>, StoreError> {
         let rows = store::head::calibrated_since(self.store, from, station).await?;
         // Without overrides all have the same.
         let of_all = self.config.judging.overrides.is_empty().then(|| self.budgets("", ""));
@@ -263,7 +263,7 @@ impl SharedShifts<'_> {
             let budgets = of_all.unwrap_or_else(|| self.budgets(&naming.imu(row.imu), &naming.gyro(row.gyro)));
             let deviation = [0, 1].map(|column| times(row.load[column], budgets[column]));
             let store::head::CalibratedRow { gyro, imu, station, at, batch, .. } = row;
-            Calibrated { gyro, imu, station, at, deviation, batch }
+            NewestCalibration { gyro, imu, station, at, deviation, batch }
         });
         Ok(calibrated.collect())
     }

@@ -3,8 +3,8 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::core::judge::cells::{CELLS, DAYS_A_YEAR, Points};
-use crate::core::judge::noise::{Noise, Prior};
-use crate::core::judge::rules::baseline::Level;
+use crate::core::judge::noise::{NoiseParameters, ScatterPrior};
+use crate::core::judge::rules::baseline::BaselineLevel;
 use crate::core::judge::sample::{BASELINE_RECORDS, Measured};
 use crate::core::numerics::normal::normal_quantile;
 use crate::core::time::UtcMicros;
@@ -24,7 +24,7 @@ type Weights = [f64; CELLS];
 /// value there is the level now.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line<'a> {
-    noise: &'a Noise,
+    noise: &'a NoiseParameters,
     /// Standard deviation of what one station adds.
     between: f64,
     stations: [Option<u32>; CELLS],
@@ -51,7 +51,7 @@ pub(super) struct Line<'a> {
 impl<'a> Line<'a> {
     /// Least squares through the points, the outliers among them left out. `prior` is on the variance of their scatter,
     /// `between` the standard deviation of one station's offset, deg/(h g0).
-    pub fn through(points: Points<'_>, noise: &'a Noise, prior: Prior, between: f64) -> Self {
+    pub fn through(points: Points<'_>, noise: &'a NoiseParameters, prior: ScatterPrior, between: f64) -> Self {
         let mut line = Self {
             noise,
             between,
@@ -103,7 +103,7 @@ impl<'a> Line<'a> {
     }
 
     /// The cell that is farthest off the line through the others, if far enough; scatter is that of the others.
-    fn outlier(&self, prior: Prior) -> Option<usize> {
+    fn outlier(&self, prior: ScatterPrior) -> Option<usize> {
         let (n, squares) = (self.n as f64, self.squares());
         let off = |i: usize| {
             let leverage = 1.0 / n + (self.t[i] - self.mean_t).powi(2) / self.spread;
@@ -124,7 +124,7 @@ impl<'a> Line<'a> {
     }
 
     /// Scatter, and the bend in its standard deviations.
-    fn weigh(&mut self, prior: Prior) {
+    fn weigh(&mut self, prior: ScatterPrior) {
         let n = self.n as f64;
         let (mean, slope) = (self.mean_weights(), self.slope_weights());
         let (of_mean, of_slope) = (self.of_scatter(&mean, &mean), self.of_scatter(&slope, &slope));
@@ -258,7 +258,7 @@ impl<'a> Line<'a> {
 /// The deviation from the baseline, carried on from the judged record: variance v0 + (2 c + q^2) tau + vb tau^2, tau
 /// in years.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Forecast {
+pub(super) struct LinePrediction {
     deviation: f64,
     per_year: f64,
     v0: f64,
@@ -269,11 +269,11 @@ pub(super) struct Forecast {
     stations: [f64; 3],
 }
 
-impl Forecast {
+impl LinePrediction {
     /// The scatter's part weighs the cells as the line does, less those that make the baseline. The walk's part
     /// weighs them as the line does, less the newest: the walk from the baseline to the judged record is no error,
     /// the gyro is there. Stations' part weighs cells and baseline as the scatter's does.
-    pub fn of(line: &Line<'_>, level: &Level, now: UtcMicros) -> Self {
+    pub fn of(line: &Line<'_>, level: &BaselineLevel, now: UtcMicros) -> Self {
         let (slope, of_now) = (line.slope_weights(), line.level_weights());
         let (in_window, apart) = baseline_weights(line, level, now);
         let mut of_scatter = of_now;
@@ -352,7 +352,7 @@ impl Forecast {
 
 /// Weights of the records that make the baseline, on the cells of the line that hold them, and of those that came
 /// before it.
-fn baseline_weights(line: &Line<'_>, level: &Level, now: UtcMicros) -> (Weights, [f64; BASELINE_RECORDS]) {
+fn baseline_weights(line: &Line<'_>, level: &BaselineLevel, now: UtcMicros) -> (Weights, [f64; BASELINE_RECORDS]) {
     let (mut inside, mut apart) = ([0.0; CELLS], [0.0; BASELINE_RECORDS]);
     let Some(records) = level.records else { return (inside, apart) };
     let share = 1.0 / BASELINE_RECORDS as f64;
@@ -371,7 +371,7 @@ mod tests {
     use super::*;
 
     /// By bisection, where the band's edge `sign` t sd meets the budget.
-    fn meets(forecast: &Forecast, budget: f64, sign: f64) -> Option<f64> {
+    fn meets(forecast: &LinePrediction, budget: f64, sign: f64) -> Option<f64> {
         let t = StudentsT::new(0.0, 1.0, forecast.freedom).unwrap().inverse_cdf(DATES);
         let edge = |days: f64| {
             let Measured { value, sd } = forecast.at(days);
@@ -395,7 +395,7 @@ mod tests {
             [(1e-7, 0.0, 1e-7), (4e-7, -1e-7, 9e-7), (1e-7, 5e-7, 2e-7), (1e-8, 1e-6, 1e-6), (1e-7, 0.0, 9e-6)]
         {
             let forecast =
-                Forecast { deviation: 0.002, per_year: 0.006, v0, v1, vb, freedom: 11.0, stations: [0.0; 3] };
+                LinePrediction { deviation: 0.002, per_year: 0.006, v0, v1, vb, freedom: 11.0, stations: [0.0; 3] };
             let [first, middle, last] = forecast.reaches(budget);
             assert!((middle.unwrap() - 0.008 / 0.006 * DAYS_A_YEAR).abs() < 1e-6);
             let near = |what: &str, got: Option<f64>, expected: Option<f64>| match (got, expected) {
@@ -405,7 +405,7 @@ mod tests {
             near("first", first, meets(&forecast, budget, 1.0));
             near("last", last, meets(&forecast, budget, -1.0));
         }
-        let falling = Forecast {
+        let falling = LinePrediction {
             deviation: -0.002,
             per_year: -0.006,
             v0: 1e-7,
@@ -414,18 +414,18 @@ mod tests {
             freedom: 11.0,
             stations: [0.0; 3],
         };
-        let rising = Forecast { deviation: 0.002, per_year: 0.006, ..falling };
+        let rising = LinePrediction { deviation: 0.002, per_year: 0.006, ..falling };
         assert_eq!(falling.reaches(budget), rising.reaches(budget), "the side makes no difference");
     }
 
     #[test]
     fn a_straight_line_has_no_bend_at_uneven_times() {
-        let noise = Noise { phi: 0.0, walk: 0.0, of_fleet: true };
+        let noise = NoiseParameters { phi: 0.0, walk: 0.0, of_fleet: true };
         let t = [-9.0, -4.0, -2.0, -1.0, -0.5, 0.0];
         let bend = |x: fn(f64) -> f64| {
             let (x, first, sd) = (t.map(x), [UtcMicros(0); 6], [None; 6]);
             let points = Points { first: &first, t: &t, stations: &[Some(1); 12][..t.len()], x: &x, sd: &sd };
-            Line::through(points, &noise, Prior { least: 1e-6, ..Prior::of(1e-3, &sd) }, 0.0).bend
+            Line::through(points, &noise, ScatterPrior { least: 1e-6, ..ScatterPrior::of(1e-3, &sd) }, 0.0).bend
         };
         assert!(bend(|t| 3.0 + 2.0 * t).abs() < 1e-6, "{}", bend(|t| 3.0 + 2.0 * t));
         assert!(bend(|t| 1e-2 * t * t) > 1.0 && bend(|t| -1e-2 * t * t) < -1.0);
@@ -435,7 +435,7 @@ mod tests {
     fn a_point_is_left_out_by_the_scatter_of_the_others() {
         // Level but for +-1 by turns and one that is off by `off`: its distance from the others in their standard
         // deviations is known to fit between 4 sqrt((n - 3)/n) and 4 by the choice of `off`.
-        let noise = Noise { phi: 0.0, walk: 0.0, of_fleet: true };
+        let noise = NoiseParameters { phi: 0.0, walk: 0.0, of_fleet: true };
         let line = |off: f64| {
             let n = 12;
             let t: Vec<f64> = (0..n).map(|i| f64::from(i) - 11.0).collect();
@@ -444,7 +444,7 @@ mod tests {
             let first = vec![UtcMicros(0); 12];
             let sd = vec![None; 12];
             let points = Points { first: &first, t: &t, stations: &[Some(1); 12][..t.len()], x: &x, sd: &sd };
-            Line::through(points, &noise, Prior { least: 1e-6, ..Prior::of(1e-3, &sd) }, 0.0).n
+            Line::through(points, &noise, ScatterPrior { least: 1e-6, ..ScatterPrior::of(1e-3, &sd) }, 0.0).n
         };
         // Through the eleven others by hand: their line and its residuals' sum of squares over n - 3 = 9.
         let others: Vec<(f64, f64)> =

@@ -40,7 +40,7 @@ pub(crate) struct AlertCache {
 }
 
 /// Who said something that became a step, and why.
-type Said = (Option<String>, Option<String>);
+type StepRemark = (Option<String>, Option<String>);
 
 /// What it takes to write an entry: the time, identifiers, names; what caused it, and how it is told if it comes late.
 pub(crate) struct Pen<'a> {
@@ -212,7 +212,7 @@ impl AlertCache {
         self.end(of.into(), ends, &(None, None), pen);
     }
 
-    fn end(&mut self, of: AlertOf, ends: impl Fn(&AlertRow) -> bool, said: &Said, pen: &mut Pen<'_>) {
+    fn end(&mut self, of: AlertOf, ends: impl Fn(&AlertRow) -> bool, said: &StepRemark, pen: &mut Pen<'_>) {
         for place in 0..self.alerts.get(&of).map_or(0, Vec::len) {
             let row = &self.alerts[&of][place];
             if row.alert.status == Status::Firing && ends(row) {
@@ -368,7 +368,7 @@ impl AlertCache {
     }
 
     /// Makes a decision the alert's state, and a step of it, where it changes how the alert stands or tells somebody.
-    fn enter(&mut self, at: (AlertOf, usize), decision: Decision, began: bool, said: Said, pen: &mut Pen<'_>) {
+    fn enter(&mut self, at: (AlertOf, usize), decision: Decision, began: bool, said: StepRemark, pen: &mut Pen<'_>) {
         let Some(alert) = decision.alert else { return };
         let row = &mut self.alerts.entry(at.0).or_default()[at.1];
         let earlier = (!began).then_some(row.alert);
@@ -398,7 +398,7 @@ impl AlertCache {
         row: &AlertRow,
         action: &str,
         told: bool,
-        (author, reason): Said,
+        (author, reason): StepRemark,
         pen: &mut Pen<'_>,
     ) -> (Id, String) {
         // The finding was written by this program, in this run or an earlier one; the next look at the alert names

@@ -8,12 +8,13 @@ use utoipa::IntoParams;
 use super::app::App;
 use super::query::not_one_of;
 use crate::core::alert_decision::Late;
+use crate::http::problem::Answer;
 use crate::wire::problem::Problem;
 
 /// What a request that brings measurements says of telling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, IntoParams)]
 #[into_params(parameter_in = Query)]
-pub struct Telling {
+pub struct NotifyQuery {
     /// How what fires since longer than `alerts.backfill_days` is told. `all`: every change of every alert by itself.
     /// `digest`: what fires still, in one message at the end of the import; so for an import unless it is given.
     /// `none`: not at all.
@@ -25,16 +26,16 @@ pub struct Telling {
     more: bool,
 }
 
-impl<S: Send + Sync> FromRequestParts<S> for Telling {
+impl<S: Send + Sync> FromRequestParts<S> for NotifyQuery {
     type Rejection = Problem;
 
-    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Answer<Self> {
         Self::of(parts.uri.query().unwrap_or_default())
     }
 }
 
-impl Telling {
-    fn of(query: &str) -> Result<Self, Problem> {
+impl NotifyQuery {
+    fn of(query: &str) -> Answer<Self> {
         let mut telling = Self::default();
         for (name, value) in form_urlencoded::parse(query.as_bytes()) {
             match (&*name, &*value) {
@@ -73,14 +74,14 @@ mod tests {
 
     #[test]
     fn what_is_asked_is_read_and_what_cannot_be_is_refused_with_the_choices() {
-        assert_eq!(Telling::of("").unwrap(), Telling::default());
-        assert_eq!(Telling::of("").unwrap().late_or(Late::Quiet), Late::Quiet);
+        assert_eq!(NotifyQuery::of("").unwrap(), NotifyQuery::default());
+        assert_eq!(NotifyQuery::of("").unwrap().late_or(Late::Quiet), Late::Quiet);
         for (asked, late) in [("all", Late::Told), ("digest", Late::Digest), ("none", Late::Never)] {
-            let telling = Telling::of(&format!("x=1&notify={asked}&more=true")).unwrap();
+            let telling = NotifyQuery::of(&format!("x=1&notify={asked}&more=true")).unwrap();
             assert_eq!((telling.late_or(Late::Quiet), telling.more), (late, true));
         }
         for (wrong, says) in [("notify=some", "all, digest, none"), ("more=1", "true, false")] {
-            let problem = Telling::of(wrong).unwrap_err();
+            let problem = NotifyQuery::of(wrong).unwrap_err();
             assert_eq!(problem.status, 400);
             let (code, log) = (&problem.message.code, problem.message.to_string());
             assert!(code == "parameter_one_of" && log.contains(says), "{log}");

@@ -25,7 +25,7 @@ pub struct Situation {
 
 /// One moment in the axes of one gyro (components along I, S, O).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Felt {
+pub struct Sensed {
     pub a: Vector3<f64>,
     pub w: Vector3<f64>,
     pub field: Vector3<f64>,
@@ -37,7 +37,7 @@ pub struct Felt {
 
 /// What a cause adds: drift in deg/h, and a relative change of the scale factor.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Action {
+pub struct Disturbance {
     pub drift: f64,
     pub scale: f64,
 }

@@ -49,7 +49,7 @@ const DAY_OR_TIME: &str = "^[0-9]{4}-(0[1-9]|1[0-2])-(0[1-9]|[12][0-9]|3[01])\
                            ([Zz]|[+-]([01][0-9]|2[0-3]):[0-5][0-9]))?$";
 const HYPOTHESIS_ID: &str = "^[a-z][a-z0-9_]{0,47}$";
 
-enum What {
+enum Constraint {
     Time,
     /// A regular expression, and the least and most characters.
     Text(&'static str, usize, usize),
@@ -62,8 +62,8 @@ enum What {
     Members(usize),
 }
 
-fn one_of<const N: usize>(names: [&'static str; N]) -> What {
-    What::OneOf(names.to_vec())
+fn one_of<const N: usize>(names: [&'static str; N]) -> Constraint {
+    Constraint::OneOf(names.to_vec())
 }
 
 /// Describes members and parameters in the whole document.
@@ -93,11 +93,11 @@ pub fn describe(openapi: &mut OpenApi) {
     }
 }
 
-fn describe_one(schema: &mut Schema, what: Option<What>) {
+fn describe_one(schema: &mut Schema, what: Option<Constraint>) {
     match (schema, what) {
         (Schema::Array(Array { items: ArrayItems::RefOrSchema(items), unique_items, .. }), Some(what)) => {
             if let RefOr::T(schema) = &mut **items {
-                *unique_items = matches!(what, What::Set(_));
+                *unique_items = matches!(what, Constraint::Set(_));
                 describe_one(schema, Some(what));
             }
         }
@@ -111,7 +111,7 @@ fn describe_one(schema: &mut Schema, what: Option<What>) {
     }
 }
 
-impl What {
+impl Constraint {
     fn put(self, object: &mut Object) {
         let is = |wanted: &Type| match &object.schema_type {
             SchemaType::Type(of) => of == wanted,
@@ -149,8 +149,8 @@ impl What {
 }
 
 /// What a member is; some limits hold only for what is `sent`: answers may hold what was stored under others.
-fn of_member((schema, member): (&str, &str), sent: bool) -> Option<What> {
-    use What::{Members, Number, OneOf, Positive, Set, Text, Time};
+fn of_member((schema, member): (&str, &str), sent: bool) -> Option<Constraint> {
+    use Constraint::{Members, Number, OneOf, Positive, Set, Text, Time};
     let name = || Text(SPOKEN_LINE, 1, MAX_NAME_CHARS);
     let slots = Slot::ALL.map(Slot::name);
     Some(match (schema, member) {
@@ -217,8 +217,8 @@ fn of_member((schema, member): (&str, &str), sent: bool) -> Option<What> {
     })
 }
 
-fn of_parameter(operation: &str, parameter: &str) -> Option<What> {
-    use What::{Number, Text};
+fn of_parameter(operation: &str, parameter: &str) -> Option<Constraint> {
+    use Constraint::{Number, Text};
     Some(match (operation, parameter) {
         ("get_alerts", "state") => one_of(Standing::ALL.map(Standing::name)),
         ("get_gyros", "state") => one_of(State::ALL.map(State::name)),

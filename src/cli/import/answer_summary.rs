@@ -11,9 +11,9 @@ use crate::{message, words};
 
 /// Displays D_I and D_S of each gyro or why there are none, how many verdicts there are of each status, what was
 /// judged beyond its limit, and what could not be checked; nothing for other answers.
-pub struct Gist<'a>(pub &'a Value);
+pub struct AnswerSummary<'a>(pub &'a Value);
 
-impl fmt::Display for Gist<'_> {
+impl fmt::Display for AnswerSummary<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // The figures of what counts no more would be read as those in force.
         if let Some(standing) = withdrawn(self.0) {
@@ -114,7 +114,7 @@ mod tests {
             "  note: no temperature column",
             "  note: LFG-1 has moved",
         ];
-        assert_eq!(Gist(&answer).to_string(), lines.map(|line| format!("{line}\n")).concat());
-        assert_eq!(Gist(&json!({"id": "b1"})).to_string(), "");
+        assert_eq!(AnswerSummary(&answer).to_string(), lines.map(|line| format!("{line}\n")).concat());
+        assert_eq!(AnswerSummary(&json!({"id": "b1"})).to_string(), "");
     }
 }

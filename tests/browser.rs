@@ -502,6 +502,32 @@ async fn today_tells_what_the_pages_of_stations_and_gyros_tell() {
     browser.goto("/fleet?q=LFG-0014").await;
     let listed = browser.eval("document.querySelector('table.fleet tbody tr').innerText").await;
     assert!(listed.as_str().unwrap().contains(dates[1].as_str().unwrap()), "{dates} against {listed}");
+    // By date, as the column shows them.
+    browser.goto("/fleet?sort=eta").await;
+    let dates = "[...document.querySelectorAll('table.fleet tbody tr')].map((e) => e.querySelector('.slope time')?.dateTime ?? '9')";
+    let dates = browser.eval(dates).await;
+    let dates: Vec<&str> = dates.as_array().unwrap().iter().map(|date| date.as_str().unwrap()).collect();
+    assert!(dates[0] < "9" && dates.is_sorted(), "{dates:?}");
+    // Beyond its budget, one date: the day on which it got there.
+    browser.goto("/gyros/LFG-0004").await;
+    let causes = browser.eval("document.querySelector('.causes').innerText").await;
+    let causes = causes.as_str().unwrap();
+    assert!(causes.contains("it reached its budget on") && !causes.contains("The rule trend"), "{causes}");
+    // The page of the causes begins with them, that of a station with what it did.
+    browser.goto("/gyros/LFG-0004/diagnosis").await;
+    let first = browser.eval("document.querySelector('#D_I h2 + p').innerText").await;
+    assert!(first.as_str().unwrap().starts_with("ageing (a steady slope) +0.01"), "{first}");
+    browser.goto("/stations/ST-2").await;
+    browser.sees(&format!("Off {from} … {until}, +{percent} ± ")).await;
+    assert_eq!(browser.eval("document.querySelector('#D_I ol.flags').innerText.trim()").await, format!("{from} Off"));
+    // An overdue gyro that was replaced stands for itself.
+    browser.goto("/").await;
+    browser.sees("no longer in IMU-09").await;
+    // What acknowledging does, and what silencing does, are two things.
+    browser.goto("/alerts/bulk?gyro=LFG-0004").await;
+    for there in ["Acknowledge: Stops the repeats", "Silence: Nobody is told", "Days of silence"] {
+        browser.sees(there).await;
+    }
     // An alert whose figure is within its limit again says why it still fires.
     browser.goto("/alerts?serial=LFG-0008").await;
     let renewed = "[...document.querySelectorAll('table.alerts tbody tr')].filter((e) => e.textContent.includes('once the figure is in tolerance')) \
@@ -1003,6 +1029,11 @@ async fn a_report_prints_on_a_few_sheets_with_its_plots_and_without_what_is_for_
         assert_eq!(browser.eval("getComputedStyle(document.body).backgroundColor").await, "rgb(255, 255, 255)");
         let faint = format!("{FAULTS}.filter((fault) => fault.startsWith('too faint'))");
         assert_eq!(browser.eval(&faint).await, serde_json::json!([]), "{path} in {language}");
+        let overlaid = "[...document.querySelectorAll('table.judged tr')].filter((e) => e.checkVisibility()).flatMap((row) => { \
+            const cells = [...row.cells].filter((e) => e.textContent.trim() && getComputedStyle(e).display !== 'contents').map((e) => { \
+                const range = document.createRange(); range.selectNodeContents(e); return range.getBoundingClientRect(); }); \
+            return cells.slice(1).filter((b, k) => cells[k].right > b.left && cells[k].top < b.bottom && b.top < cells[k].bottom).map(() => row.innerText); })";
+        assert_eq!(browser.eval(overlaid).await, serde_json::json!([]), "{path}: verdicts lie on one another");
         let cut = "[...document.querySelectorAll('.scroll')].filter((e) => e.scrollWidth > document.documentElement.clientWidth).map((e) => e.textContent.slice(0, 80)).join('; ')";
         assert_eq!(browser.eval(cut).await, "", "tables wider than the sheet");
         browser.picture(&pictures().join(format!("paper-{name}-{language}.png"))).await;

@@ -43,7 +43,7 @@ pub(super) fn rounded(load: Measured) -> String {
 pub(super) fn of_coefficient(t: &Text, standing: &Standing, column: usize) -> Markup {
     html! {
         @if let Some(load) = standing.outlook.load[column] {
-            (symbol(DRIFTS[column])) " " (bar(load, standing.drift[column])) " " span.n { (percent(load)) (t.percent_sign) }
+            span.leading { (symbol(DRIFTS[column])) } (bar(load, standing.drift[column])) " " span.n { (percent(load)) (t.percent_sign) }
         }
     }
 }

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
 use super::figure;
+use super::history_plot::list;
 use super::layout::symbol;
 use crate::core::time::UtcMicros;
 
@@ -13,8 +14,9 @@ pub(super) struct Course<'a> {
     pub symbol: &'a str,
     pub unit: &'a str,
     pub name: &'a str,
-    /// Either side of zero.
+    /// Either side of zero, and how the axis of its parts is called.
     pub budget: Option<f64>,
+    pub of_budget: &'a str,
     /// With standard deviations where they are known.
     pub points: Vec<(UtcMicros, f64, Option<f64>)>,
     /// By class of the style sheet.
@@ -38,7 +40,7 @@ impl Course<'_> {
             x: millis(*at),
             until: None,
             number: k + 1,
-            anchor: self.symbol.to_owned(),
+            anchor: format!("{}-{}", self.symbol, k + 1),
             label: format!("{} {label}", at.date()),
         };
         let track = Track { class: "measured".into(), dots: self.points.iter().map(dot).collect(), ..Track::default() };
@@ -47,7 +49,12 @@ impl Course<'_> {
         };
         let (x, budget) = (widened(ends, 0.02, 8.64e7), self.budget);
         let level = Level { from: x.0, until: x.1, budget, ..Level::default() };
-        let caption = html! { span { (symbol(self.symbol)) ", " (self.unit) } };
+        let caption = html! {
+            span { (symbol(self.symbol)) ", " (self.unit) }
+            @if budget.is_some() { span.quiet { (self.of_budget) } }
+        };
+        let flags: Vec<Flag> = self.marks.iter().enumerate().map(flag).collect();
+        let named = list(&flags);
         let label = format!("{} {}", self.name, self.symbol);
         let chart = Chart {
             around: budget.unwrap_or(1e-3),
@@ -56,10 +63,10 @@ impl Course<'_> {
             levels: budget.map(|_| level).into_iter().collect(),
             tracks: vec![track],
             lines: self.lines.iter().map(line).collect(),
-            flags: self.marks.iter().enumerate().map(flag).collect(),
+            flags,
             ..Chart::new(label, caption, Across::Time, x)
         };
-        chart.markup()
+        html! { (chart.markup()) (named) }
     }
 }
 
@@ -75,6 +82,7 @@ mod tests {
             unit: "deg/(h g0)",
             name: "A",
             budget: None,
+            of_budget: "%",
             points: vec![(day(0), 1.0, Some(0.1)), (day(9), 2.0, None)],
             lines: vec![("explained", vec![(day(0), 1.0), (day(9), 2.0)])],
             marks: vec![(day(4), "transport".into())],

@@ -155,7 +155,7 @@ fn overview(t: &Text, effects: &[OverviewBody]) -> Markup {
     html! {
         div.scroll tabindex="0" { table {
             thead { tr {
-                th { (t.effect) } th { (t.imu) } th.n { (t.gyros) } th { (t.station) } th.n { (t.campaigns) }
+                th { (t.effect) } th { (t.imu) } th.n.capital { (t.gyros) } th { (t.station) } th.n { (t.campaigns) }
                 th { (t.first_seen) } th { (t.last_seen_in) }
             } }
             tbody { @for one in effects {

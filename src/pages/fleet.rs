@@ -26,6 +26,8 @@ pub(super) use filters::{Filters, as_day, bad_parameter};
 const ROWS: usize = 40;
 const VALUES: usize = 24;
 const SPAN_DAYS: f64 = 365.0;
+/// By when the budget is reached.
+const BY_DATE: &str = "eta";
 /// How long the page waits for the dates of gyros that drift.
 const PATIENCE: Duration = Duration::from_millis(60);
 
@@ -48,7 +50,10 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let table = {
         let names = queries.names();
         let row = |(standing, recent)| Row::of(standing, recent, &by_history, &names);
-        let rows: Vec<Row<'_>> = gyros.iter().copied().zip(&recent_values).map(row).collect();
+        let mut rows: Vec<Row<'_>> = gyros.iter().copied().zip(&recent_values).map(row).collect();
+        if filters.sort == BY_DATE {
+            by_date(&mut rows);
+        }
         html! { (table(viewer, pages, filters, &rows, now)) }
     };
     let body = html! {
@@ -63,6 +68,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         } @else {
             p.note { (found.found) " " (t.gyros_of) " " (t.load_note) span.of-spark { " " (t.spark_note) } }
             (table)
+            @if filters.sort == BY_DATE && found.last > 0 { p.note { (t.by_date_note) } }
             @if undated > 0 { p.note { (t.dates_of_others) " " (t.count_of_gyros(undated)) } }
             (filters.pager(viewer, found.number, found.last))
             (selection(viewer))
@@ -95,6 +101,12 @@ impl<'a> Row<'a> {
         let station = newest.map_or("", |figures| names.station(figures.station)).to_owned();
         Self { standing, recent, due: due.filter(|_| is_ahead), imu, station }
     }
+}
+
+/// Dates as they are shown, the first one first. A page was chosen by the dates of the rule `trend`, which is all that
+/// the fleet can be put in order by.
+fn by_date(rows: &mut [Row<'_>]) {
+    rows.sort_by_key(|row| (row.due.is_none(), row.due.map(|due| due.at)));
 }
 
 /// How many of those that the other filters find have each status; each leads to them.
@@ -131,7 +143,7 @@ fn table(viewer: &Viewer, pages: &Pages, filters: &Filters, rows: &[Row<'_>], no
                     th { (t.imu) }
                     (head("load", html! { (symbol("D_I")) (t.of_budget_unit) }))
                     th { (symbol("D_S")) (t.of_budget_unit) }
-                    (head("eta", html! { (t.slope_a_year) }))
+                    (head(BY_DATE, html! { (t.slope_or_date) }))
                     th { (t.violates_besides) }
                     th { (t.since) }
                     (head("age", html! { (t.calibrated) }))
@@ -167,7 +179,7 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, first: bool, now: UtcMicr
                     }
                 }
             }
-            td data-label=(t.slope_a_year) { (slopes(t, standing)) (reaches(t, row.due)) }
+            td data-label=(t.slope_or_date) { (slopes(t, standing)) (reaches(t, row.due)) }
             td data-label=(t.violates) { (violated(t, &besides(&standing.violations))) }
             td data-label=(t.since) { @if let Some(since) = standing.since.filter(|_| is_worse) { (day(since)) } }
             td data-label=(t.calibrated) { @if let Some(figures) = &standing.newest { (age(viewer, figures.at, now, &row.station)) } }
@@ -214,7 +226,7 @@ fn reaches(t: &Text, due: Option<DueDate>) -> Markup {
     html! {
         @if let Some(due) = due {
             span.slope.quiet title=(t.reaches_budget) {
-                "→ " (symbol(due.coefficient.name())) " " (day(due.at)) @if due.provisional { " ?" }
+                (symbol(due.coefficient.name())) " " (day(due.at)) @if due.provisional { " ?" }
             }
         }
     }

@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use super::course::Course;
 use super::figure;
 use super::gyro::known;
-use super::gyro_head::own_first;
+use super::gyro_head::{named, own_first};
 use super::layout::{Page, Section, encoded, symbol};
 use super::viewer::{Viewer, Visit};
 use crate::core::changes::{DriftBudget, HistoryDiagnosis, cause_word};
@@ -47,7 +47,7 @@ fn section(
     html! {
         section id=(name) {
             h2 { (symbol(name)) }
-            p { (t.words(&answer.opening())) }
+            p.lead { (named(t, answer)) (t.words(&answer.opening())) }
             @for said in answer.besides(explained.as_of).into_iter().chain(answer.looked_at(explained.as_of.records)) { p { (t.words(&said)) } }
             (drawn(viewer, serial, answer, budget))
             @if !answer.causes.is_empty() {
@@ -105,6 +105,7 @@ fn drawn(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, budget: Optio
         unit: t.unit,
         name: serial,
         budget: budget.map(|budget| budget.limit),
+        of_budget: t.percent_of_budget,
         points: answer.course.iter().map(|one| (one.at, one.measured.value - zero, one.measured.sd)).collect(),
         lines: explained.into_iter().chain(station.map(|line| ("station", line))).collect(),
         marks: answer.outliers.iter().map(|one| (one.at, t.outlier.to_owned())).collect(),

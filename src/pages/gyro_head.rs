@@ -133,15 +133,21 @@ impl Facts {
         days.min_by(f64::total_cmp).map(|days| newest.plus_days(days))
     }
 
-    /// When the rule `trend` sees a coefficient reach its budget.
+    /// When the rule `trend` sees a coefficient reach its budget, where that lies ahead.
     fn reach_by_trend(&self, coefficient: Coefficient) -> Option<UtcMicros> {
+        let newest = self.course.figures.last()?.at;
         let of_it = |verdict: &&Verdict| verdict.coefficient == coefficient;
         self.verdicts.iter().filter_map(|said| said.seen.as_ref()).filter(of_it).find_map(|verdict| {
             match verdict.finding {
-                Finding::Trend { reach: [_, at, _], .. } => at,
+                Finding::Trend { reach: [_, at, _], .. } => at.filter(|at| *at > newest),
                 _ => None,
             }
         })
+    }
+
+    /// Whether a coefficient is so bad that its cause is asked for.
+    fn drifts(&self) -> bool {
+        self.standing.as_ref().is_some_and(|standing| standing.drift.iter().any(|drift| *drift >= Status::Drifting))
     }
 
     /// What the history says of the coefficients that are so bad at least.
@@ -190,6 +196,9 @@ pub(super) fn head(
         (loads(t, &facts.stands(judged)))
         div.causes {
             (causes(t, facts, explained))
+            @if explained.is_none() && facts.drifts() {
+                p { strong { (t.cause) (t.colon) } a href={ "/gyros/" (encoded(serial)) "/diagnosis" } { (t.cause_elsewhere) } }
+            }
         }
         (decided(viewer, serial, facts, explained))
     }
@@ -267,19 +276,7 @@ pub(super) fn causes(t: &Text, facts: &Facts, explained: Option<&ExplainedHistor
         @for answer in facts.answers(explained, Status::Drifting) {
             p {
                 strong { (t.cause) " " (symbol(answer.coefficient.name())) (t.colon) } " "
-                @for (k, cause) in own_first(answer).take(MOST_CAUSES).enumerate() {
-                    @if k > 0 { (t.semicolon) }
-                    (t.words(&cause_word(cause.cause))) " ("
-                    (t.words(&cause.tie.message())) ") "
-                    span.nowrap {
-                        (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) " "
-                        (t.unit_of(cause.estimate.unit))
-                    }
-                    @for other in cause.class.iter().filter(|id| **id != cause.cause) {
-                        ", " (t.or_as_well) " " (t.words(&cause_word(other)))
-                    }
-                }
-                @if !answer.causes.is_empty() { (t.stop) " " }
+                (named(t, answer))
                 (t.words(&answer.opening()))
                 @for said in explained.into_iter().flat_map(|explained| answer.ahead(explained.as_of)) { " " (t.words(&said)) }
                 @if let Some(at) = answer.due.as_ref().and(facts.reach_by_trend(answer.coefficient)) {
@@ -287,6 +284,25 @@ pub(super) fn causes(t: &Text, facts: &Facts, explained: Option<&ExplainedHistor
                 }
             }
         }
+    }
+}
+
+/// The causes with their sizes, as a sentence; nothing where none is named.
+pub(super) fn named(t: &Text, answer: &HistoryDiagnosis) -> Markup {
+    html! {
+        @for (k, cause) in own_first(answer).take(MOST_CAUSES).enumerate() {
+            @if k > 0 { (t.semicolon) }
+            (t.words(&cause_word(cause.cause))) " ("
+            (t.words(&cause.tie.message())) ") "
+            span.nowrap {
+                (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) " "
+                (t.unit_of(cause.estimate.unit))
+            }
+            @for other in cause.class.iter().filter(|id| **id != cause.cause) {
+                ", " (t.or_as_well) " " (t.words(&cause_word(other)))
+            }
+        }
+        @if !answer.causes.is_empty() { (t.stop) " " }
     }
 }
 

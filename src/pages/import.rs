@@ -516,7 +516,11 @@ fn doubted(t: &Text, calibration: &Calibration, forecast: &Forecast) -> Markup {
                 li { strong translate="no" { (gyro.serial) } ": " (symbol(DRIFTS[column])) " " (bullet::percent(change)) (t.share_of_budget_unit) ", " (t.from_last_value) }
             }
             @for one in &foreseen.unmet {
-                li { strong translate="no" { (gyro.serial) } ": " (violated(t, std::slice::from_ref(one))) " " (t.status(one.status)) }
+                @let verdict = gyro.requirements.iter().flatten().find(|verdict| verdict.coefficient == one.coefficient);
+                li {
+                    strong translate="no" { (gyro.serial) } ": " (violated(t, std::slice::from_ref(one)))
+                    @for said in verdict.into_iter().flat_map(|verdict| verdict.messages().into_iter().take(1)) { (t.colon) (t.words(&said)) }
+                }
             }
         }
     }

@@ -2,6 +2,7 @@
 //! plots drawn by the service; the style sheet keeps what belongs together on one sheet of paper.
 
 use std::collections::BTreeSet;
+use std::time::Duration;
 
 use axum::extract::Path;
 use axum::response::Response;
@@ -24,6 +25,8 @@ use crate::{system, words};
 
 /// Calibrations that a report on a gyro lists; all are in its pictures.
 const ROWS: usize = super::gyro::MOST_ROWS;
+/// How long a report waits for the diagnosis of a history: paper has no page to turn to.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 pub(super) async fn gyro(
     Visit { ref pages, ref viewer }: Visit,
@@ -41,7 +44,7 @@ pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Res
     let number = known(pages, serial)?;
     let view = View::whole(pages.config.judging.method);
     let facts = Facts::of(pages, number, serial, &view, 0).await?;
-    let explained = explained(pages, number, serial, &facts).await?;
+    let explained = explained(pages, number, serial, &facts, PATIENCE).await?;
     let rested_on = rested_on(pages, &facts).await?;
     let parameters = match facts.course.figures.last() {
         Some(newest) => imu::parameters_of(pages, t, newest.record, Some(serial)).await?,
@@ -191,7 +194,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
     let mut gyros = Vec::new();
     for standing in &found.seats.now {
         let facts = Facts::of(pages, standing.number, &standing.serial, &view, 0).await?;
-        let explained = explained(pages, standing.number, &standing.serial, &facts).await?;
+        let explained = explained(pages, standing.number, &standing.serial, &facts, PATIENCE).await?;
         gyros.push((standing.serial.clone(), facts, explained));
     }
     let names = pages.pipeline.queries.names();

@@ -125,7 +125,7 @@ fn tokens(pages: &Pages, t: &Text, tokens: &[Token]) -> Markup {
         section {
             h2 { (t.tokens) }
             p.note { (t.tokens_note) }
-            div.scroll tabindex="0" { table {
+            @if tokens.is_empty() { p { (t.no_tokens) } } @else { div.scroll tabindex="0" { table {
                 thead { tr { th { (t.name_word) } th { (t.role_word) } th { (t.station) } th { (t.created) } th { (t.expires) } th { (t.status_word) } } }
                 tbody { @for token in tokens {
                     tr {
@@ -137,7 +137,7 @@ fn tokens(pages: &Pages, t: &Text, tokens: &[Token]) -> Markup {
                         td { @if holds(token) { (t.valid) } @else { span.quiet { (t.not_valid) } } }
                     }
                 } }
-            } }
+            } } }
         }
     }
 }

@@ -4,14 +4,16 @@ use axum::extract::Path;
 use maud::{Markup, html};
 
 use super::alerts::is_open_of;
+use super::bullet::percent;
 use super::course::Course;
-use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, day, encoded, instant, symbol};
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
 use super::{alerts, figure};
 use crate::core::access::Role;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::changes::{FleetStations, Shared, Spread, StationColumn, StationFigures};
+use crate::core::judge::Measured;
 use crate::core::suspect_window::SuspectWindow;
 use crate::core::time::UtcMicros;
 use crate::message;
@@ -36,12 +38,13 @@ pub(super) async fn page(
     let body = html! {
         h1 { (t.station) " " (name) }
         @if let Some((_, figures)) = known { p.lead {
-            (t.last_seen) " " (instant(figures.last)) " · " (figures.records) " " (t.calibrations_seen)
+            (t.last_seen) " " (instant(figures.last)) " · " (t.words(&message!("calibrations_counted", count = figures.records)))
             " · " a href={ "/fleet?station=" (encoded(name)) "&station_when=ever" } { (t.count_of_gyros(figures.gyros)) }
             @if figures.imus > 0 { " · " (t.words(&message!("imus_counted", count = figures.imus))) }
-            " · " (overdue) " " (t.overdue_gyros)
+            " · " (t.words(&message!("overdue_counted", count = overdue)))
             " · " a href={ "/v1/stations/" (encoded(name)) } { "JSON" }
         } } @else { p.lead { (t.nothing_counts) } }
+        @if let Some((_, figures)) = known { (did(t, figures, pages.config.judging.budget)) }
         @if !open.is_empty() { (alerts::table(viewer, open.into_iter(), false, None)) }
         @if viewer.may(Role::Engineer) {
             p {
@@ -53,6 +56,25 @@ pub(super) async fn page(
         @if let Some((found, figures)) = known { (compared(viewer, name, found, figures, pages.config.judging.budget)) }
     };
     Ok(Page { title: format!("{} {name}", t.station), section: Section::Stations, body })
+}
+
+/// The newest change of each coefficient, and its drift where it has one: nothing, where it did nothing.
+fn did(t: &Text, figures: &StationFigures, budget: f64) -> Markup {
+    let share = |size: &Shared| percent(Measured { value: size.value, sd: Some(size.sd) }.in_units_of(budget));
+    html! {
+        @for (column, coefficient) in figures.columns.iter().zip(DRIFTS) {
+            @if let Some((from, until, size)) = changes(column).pop() {
+                p.lead {
+                    strong { (symbol(coefficient)) (t.colon) } (found(t, until)) " " (day(from))
+                    @if let Some(until) = until { " … " (day(until)) }
+                    ", " (share(size)) (t.share_of_budget_unit)
+                }
+            }
+            @if let Some(drift) = column.drift.as_ref().filter(|_| column.drifts) {
+                p.lead { strong { (symbol(coefficient)) (t.colon) } (t.drift_a_year) " " (share(drift)) (t.share_of_budget_unit) }
+            }
+        }
+    }
 }
 
 /// What it does beside the other stations, coefficient by coefficient.
@@ -68,7 +90,7 @@ fn compared(viewer: &Viewer, name: &str, found: &FleetStations, figures: &Statio
             section {
                 h2 { (t.reproducibility) }
                 p.note { (t.reproducibility_note) }
-                dl { @for (spread, coefficient) in found.reproducibility.iter().zip(DRIFTS) {
+                dl.facts { @for (spread, coefficient) in found.reproducibility.iter().zip(DRIFTS) {
                     dt { (symbol(coefficient)) } dd { (said(spread.as_ref())) }
                 } }
             }
@@ -110,6 +132,7 @@ fn section(
         unit: t.unit,
         name,
         budget: Some(budget),
+        of_budget: t.percent_of_budget,
         points: column.course.iter().map(|point| (point.at, point.value, Some(point.sd))).collect(),
         lines: Vec::new(),
         marks: changes(column).into_iter().map(|(from, until, _)| (from, found(t, until).to_owned())).collect(),
@@ -118,7 +141,7 @@ fn section(
         section id=(coefficient) {
             h2 { (symbol(coefficient)) }
             (course.markup())
-            dl {
+            dl.facts {
                 dt { (t.repeatability) } dd { (said(column.repeatability.as_ref())) }
                 @if let Some(offset) = &column.offset {
                     dt { (t.offset_against) " " (against) } dd { (shared(offset)) }
@@ -167,7 +190,7 @@ pub(super) fn changes(column: &StationColumn) -> Vec<(UtcMicros, Option<UtcMicro
 }
 
 fn shared(shared: &Shared) -> Markup {
-    html! { (figure::with_sd(shared.value, Some(shared.sd), 6)) }
+    html! { (figure::signed_drift(shared.value, Some(shared.sd))) }
 }
 
 /// A standard deviation with its interval.

@@ -324,7 +324,13 @@ impl<'a> Approaching<'a> {
             div.scroll tabindex="0" { table.lines { tbody { @for one in &self.first {
                 @let Approach { standing, due } = one;
                 tr {
-                    td.nowrap { strong { (day(due.at)) } @if due.provisional { " ?" } }
+                    td.nowrap {
+                        strong { (day(due.at)) } @if due.provisional { " ?" }
+                        div.quiet {
+                            @let [early, late] = due.between;
+                            @if let Some(early) = early { (day(early)) } " … " @if let Some(late) = late { (day(late)) } @else { (t.never) }
+                        }
+                    }
                     (gyro(standing, false, names))
                     td.nowrap {
                         (bullet::of_coefficient(t, standing, due.coefficient.column().unwrap_or_default()))
@@ -332,10 +338,6 @@ impl<'a> Approaching<'a> {
                     td {
                         @if let Some(by) = due.calibrate_by { (t.calibrate_by) " " (day(by)) }
                         @else { (slopes(t, standing)) }
-                        div.quiet {
-                            @let [early, late] = due.between;
-                            @if let Some(early) = early { (day(early)) } " … " @if let Some(late) = late { (day(late)) } @else { (t.never) }
-                        }
                     }
                 }
             } } } }
@@ -358,12 +360,19 @@ fn due(t: &Text, today: &Today, gone: &HashMap<Arc<str>, Vec<Arc<str>>>, now: Ut
             @for due in &list.first {
                 tr {
                     td { @if is_over { (badges::badge(t, Some(Status::Overdue))) } @else { span.quiet { (t.due_word) } } }
-                    th scope="row" { a.id href={ "/imus/" (encoded(&due.imu)) } { (due.imu) } }
-                    td {
-                        span.nowrap { (t.count_of_gyros(due.gyros)) }
-                        @if let Some(gone) = gone.get(&due.imu).filter(|_| is_over) {
-                            " · " (t.gyros_before) (t.colon)
-                            @for serial in gone { " " a.id href={ "/gyros/" (encoded(serial)) } { (serial) } }
+                    @let gone = gone.get(&due.imu).filter(|_| is_over);
+                    @let imu = html! { a.id href={ "/imus/" (encoded(&due.imu)) } { (due.imu) } };
+                    @let serials = html! {
+                        @for serial in gone.into_iter().flatten() { a.id href={ "/gyros/" (encoded(serial)) } { (serial) } " " }
+                    };
+                    @if gone.is_some_and(|gone| gone.len() >= due.gyros) {
+                        th scope="row" { (serials) }
+                        td { (t.last_in) " " (imu) }
+                    } @else {
+                        th scope="row" { (imu) }
+                        td {
+                            span.nowrap { (t.count_of_gyros(due.gyros)) }
+                            @if gone.is_some() { " · " (t.gyros_before) (t.colon) (serials) }
                         }
                     }
                     td.nowrap { (day(due.at)) " " span.quiet { (days_to(t, due.at, now)) } }

@@ -66,7 +66,7 @@ fn folded(t: &Text, rest: &[&Said], shown: &Markup) -> Markup {
     let waiting = rest.iter().filter(|said| said.status() == Status::NotEnoughData).count();
     html! {
         @if !rest.is_empty() {
-            details {
+            details.passed {
                 summary {
                     (t.passed) " " (rest.len() - waiting) (t.stop)
                     @if waiting > 0 { " " (t.too_few) " " (waiting) (t.stop) }

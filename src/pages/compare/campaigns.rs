@@ -19,6 +19,9 @@ use crate::wire::problem::Problem;
 /// How long the page waits for a diagnosis that is being made.
 const PATIENCE: Duration = Duration::from_secs(2);
 
+/// The class of a difference beyond three standard deviations.
+const FAR: &str = "beyond3";
+
 /// What a diagnosis found; none while it is being made.
 type Found = Option<Vec<(String, Vec<String>)>>;
 
@@ -39,7 +42,7 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, ids: [&str; 2]) -> Resu
             }
         } }
         @if both[0].answer.imu != both[1].answer.imu { p.note { (t.other_imus) } }
-        @if pairs.is_empty() { p { (t.no_common_slot) } }
+        @if pairs.is_empty() { p { (t.no_common_slot) } } @else { (differing(t, &both, &pairs)) }
         @for (slot, a, b) in &pairs {
             section.pair {
                 h2 { (slot.name()) " " (serials(a, b)) }
@@ -49,7 +52,7 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, ids: [&str; 2]) -> Resu
                 @let extent = residuals::extent(of_both.flatten());
                 @for (name, fit) in [("A", a), ("B", b)] {
                     @if let Some(residuals) = &fit.residuals.deg_per_h {
-                        (residuals::in_rate(t, &format!("{name} {}", fit.serial), residuals, extent))
+                        (residuals::in_rate(t, &format!("{name} {}{}{}", fit.serial, t.colon, t.residual_word), residuals, extent))
                     }
                 }
             }
@@ -70,6 +73,27 @@ fn pairs(both: &[StoredCampaign; 2]) -> Vec<(Slot, &GyroFitBody, &GyroFitBody)> 
     let [a, b] = both.each_ref().map(|stored| &stored.answer.calibration.gyros);
     let other = |fit: &GyroFitBody| b.iter().find(|other| other.slot == fit.slot);
     a.iter().filter_map(|fit| Some((fit.slot, fit, other(fit)?))).collect()
+}
+
+/// What lies beyond three standard deviations, slot by slot.
+fn differing(t: &Text, both: &[StoredCampaign; 2], pairs: &[(Slot, &GyroFitBody, &GyroFitBody)]) -> Markup {
+    let of_slot = |(slot, a, b): &(Slot, &GyroFitBody, &GyroFitBody)| {
+        let far = lines(both, *slot, a, b).into_iter().filter_map(|line| Some((line.over_sd()?, line.name)));
+        let far = far.filter(|(over, _)| beyond(*over).is_some_and(|(class, _)| class == FAR));
+        far.map(|(over, name)| (slot.name(), name, over)).collect::<Vec<_>>()
+    };
+    let all: Vec<_> = pairs.iter().flat_map(of_slot).collect();
+    html! {
+        p.lead {
+            @if all.is_empty() { (t.differs_nowhere) } @else {
+                (t.differs) (t.colon)
+                @for (k, (slot, name, over)) in all.iter().enumerate() {
+                    @if k > 0 { (t.semicolon) }
+                    span.nowrap { (slot) " " (symbol(name)) " " (figure::signed(*over, 1)) " σ" }
+                }
+            }
+        }
+    }
 }
 
 async fn found(pages: &Pages, stored: &StoredCampaign) -> Result<Found, Problem> {
@@ -179,7 +203,7 @@ fn parameter(t: &Text, line: &Line) -> Markup {
 /// The class and the mark of a difference beyond two or three standard deviations.
 fn beyond(over: f64) -> Option<(&'static str, &'static str)> {
     match over.abs() {
-        size if size > 3.0 => Some(("beyond3", "▲")),
+        size if size > 3.0 => Some((FAR, "▲")),
         size if size > 2.0 => Some(("beyond2", "△")),
         _ => None,
     }

@@ -100,7 +100,7 @@ fn table(t: &Text, view: &View, all: &[Compared<'_>], names: &Names<'_>) -> Mark
                 @for name in DRIFTS { th.n { (t.axis_deviation) " " (symbol(name)) ", %" } }
                 @for name in &DRIFTS[..2] { th.n { (t.trend_a_year) " " (symbol(name)) ", %" } }
                 @for name in &DRIFTS[..2] { th.n { (t.scatter) " " (symbol(name)) " / " (t.limit_within) } }
-                th { (t.baseline_word) } th.n { (t.records_word) }
+                th.capital { (t.baseline_word) } th.n { (t.records_word) }
             } }
             tbody { @for one in all { (row(t, view, one, names)) } }
         } }

@@ -261,7 +261,7 @@ fn located(t: &Text, d: &DiagnosisBody, slots: &[(String, String)], settings: &[
             h2 { (t.located) }
             p.note { (t.heat_note) }
             (residuals::signed_maps(t, &d.residuals, &names, settings))
-            div.scroll tabindex="0" { table {
+            @if d.verdict != "no_gap" { div.scroll tabindex="0" { table {
                 thead { tr { th { (t.place) } th.n { (t.share) } } }
                 tbody {
                     @for gyro in &d.located.gyros { tr { td { (gyro.slot) " " (serial(&gyro.slot)) } td.n { (percent(gyro.share)) } } }
@@ -273,7 +273,7 @@ fn located(t: &Text, d: &DiagnosisBody, slots: &[(String, String)], settings: &[
                         }
                     }
                 }
-            } }
+            } } }
         }
     }
 }

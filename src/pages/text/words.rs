@@ -52,7 +52,7 @@ words_of_pages! {
     // One gyro.
     history plot_note since_baseline whole_history save_picture verdicts passed too_few before_after
     before_after_test_note coefficient last_before first_after difference not_compared agreement agreement_note
-    not_counted one_result events no_events calibrations history_diagnosis peers_of_stations cause tied_to estimate
+    not_counted one_result events no_events calibrations history_diagnosis peers_of_stations cause cause_elsewhere tied_to estimate
     change_closed ruled_out outlier about_mean line_explained line_station station_figures_note repeatability offset
     last_step repeatability_short suspect_from_here offset_against drift_a_year within_chance drift_of_gyros off_found
     step_found
@@ -62,7 +62,7 @@ words_of_pages! {
     axis_deviation axis_absolute span_word last_year since_then a_year probability alert_word never_calibrated
 
     // Several beside one another.
-    compare compare_gyros compare_chosen compare_campaigns beyond_note same_time time_since_baseline days_since_baseline compare_note trend_a_year scale_factor_moved
+    compare compare_gyros compare_chosen compare_campaigns differs differs_nowhere beyond_note same_time time_since_baseline days_since_baseline compare_note trend_a_year scale_factor_moved
     measured_at effects_found other_imus other_gyros no_common_slot
 
     // One calibration.
@@ -92,7 +92,7 @@ words_of_pages! {
 
     // An IMU; stations.
     gyros_in_it none_in_it never_in_it gyros_before gyros_before_note seat_taken last_calibrated_in_it newest_parameters
-    records kind kind_record kind_campaign stations_note scatter calibrations_seen
+    records kind kind_record kind_campaign stations_note scatter
 
     // Import.
     import import_note choose_file or_paste preview no_document can_be_stored cannot_be_stored first_foreseen store
@@ -141,7 +141,7 @@ words_of_pages! {
     adopted_models
     adopted_models_note plain_model adopt adopt_what undo_model in_force_again undo_model_what adopted_at model_word stated_at campaigns_stated author in_force all_moved_by
     budgets_or_more wrong_file median_word share_of_budget_unit percent_sign percent_a_year of_budget_unit
-    slope_a_year days_short violates_besides reaches_budget gyros_of load_note spark_note choose with_selected compare_ticked
+    slope_or_date by_date_note days_short violates_besides reaches_budget last_in gyros_of load_note spark_note choose with_selected compare_ticked
     reports more_filters calibrated_there calibrated_last calibrated_ever calibrated_since changed_since as_list
     by_imu imus_worst_first all_of_them
 
@@ -150,7 +150,7 @@ words_of_pages! {
     what_word told_word told_yes step_fires step_escalates step_lowered step_repeats step_silent
 
     // The head of every page, and how the service is set up.
-    find_short find_hint times_are_in setup setup_limits limits_note set_by_key layer_default layer_file layer_environment nothing_required overrides tokens tokens_note
+    find_short find_hint times_are_in setup setup_limits limits_note set_by_key layer_default layer_file layer_environment nothing_required overrides tokens tokens_note no_tokens
     name_word role_word created expires valid not_valid audit audit_note subject from_where
 
     // What a file would come to.

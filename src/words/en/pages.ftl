@@ -161,6 +161,8 @@ page_effects_found = Effects found
 page_other_imus = The two are of different IMUs.
 page_other_gyros = Another gyro was in this slot: the difference is that of two gyros.
 page_no_common_slot = The two have no slot in common.
+page_differs = Beyond three standard deviations of the difference
+page_differs_nowhere = No parameter differs by more than three standard deviations.
 page_beyond_note = △: beyond two standard deviations of the difference; ▲: beyond three.
 
 ## One calibration.
@@ -340,6 +342,8 @@ page_notes = Notes
 page_gyros_in_it = Gyros in it
 page_none_in_it = None: what was calibrated in it last has been calibrated in another IMU since.
 page_never_in_it = None: no calibration that counts has separated a gyro in it.
+page_cause_elsewhere = takes longer to find, see its own page
+page_last_in = no longer in
 page_gyros_before = In it before
 page_gyros_before_note = Another gyro has been calibrated in their slot since; they themselves nowhere.
 page_seat_taken = Another gyro has been calibrated in its slot since:
@@ -351,7 +355,6 @@ page_kind_record = record
 page_kind_campaign = campaign
 page_stations_note = All in % of the budget, furthest out first. Offset: difference between this station and the others on the same gyros. Repeatability: standard deviation of one record. Drifts: those beyond chance.
 page_scatter = Scatter
-page_calibrations_seen = calibrations
 
 ## Import.
 page_import = Import
@@ -415,7 +418,7 @@ page_unsilence_title = End the silence of an alert
 page_silence = Silence
 page_silence_title = Silence an alert
 page_silence_what = Nobody is told of this alert before the silence ends. What has changed by then is told at its end.
-page_silence_days = For how many days
+page_silence_days = Days of silence
 page_silences = Silences
 page_silence_of = Alerts with
 page_silence_many = Silence alerts by gyro, IMU, station or rule
@@ -583,6 +586,11 @@ gyros_of_imus = { $gyros ->
     [one] one IMU
    *[other] { $imus } IMUs
 }
+calibrations_counted = { $count ->
+    [one] { $count } calibration
+   *[other] { $count } calibrations
+}
+overdue_counted = { $count } overdue
 imus_counted = { $count ->
     [one] one IMU
    *[other] { $count } IMUs
@@ -641,7 +649,8 @@ page_share_of_budget_unit = {" "}% of budget
 page_percent_sign = {" "}%
 page_percent_a_year = {" "}%/yr
 page_of_budget_unit = , % of budget
-page_slope_a_year = Trend a year
+page_slope_or_date = Trend a year, or budget reached
+page_by_date_note = Pages are ordered by the dates of the rule trend, the gyros of one page by the dates shown.
 page_days_short = d
 page_violates_besides = Also violates
 page_reaches_budget = Reaches the budget about then: by the diagnosis of its history, else by the rule trend
@@ -683,7 +692,7 @@ page_step_repeats = still fires
 page_step_silent = judged again
 
 ## The head of every page, and how the service is set up.
-page_find_short = Search ( / )
+page_find_short = Search /
 page_find_hint = Find a gyro, an IMU, a station or a record
 page_times_are_in = Times are in this zone
 page_setup = Setup
@@ -696,6 +705,7 @@ page_layer_environment = environment
 page_nothing_required = Nothing is required of E and G.
 page_overrides = Overrides
 page_tokens = Tokens
+page_no_tokens = No token: whoever reaches this address may do everything.
 page_tokens_note = Made and revoked on the command line or by the API.
 page_name_word = Name
 page_role_word = Role

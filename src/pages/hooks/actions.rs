@@ -104,18 +104,19 @@ pub(crate) async fn add(
     let id = pages.pipeline.hooks.order(Order::Create(hook)).await?;
     let hook = pages.pipeline.hooks.get(id, drawn.as_ref()).await?;
     match hook.and_then(|hook| hook.secret) {
-        Some(secret) => Ok((StatusCode::CREATED, shown_once(viewer, id, &secret)).into_response()),
+        Some(secret) => Ok((StatusCode::CREATED, shown_once(viewer, id, &new.name, &secret)).into_response()),
         None => Ok(see_other(&format!("/hooks/{id}"))),
     }
 }
 
-fn shown_once(viewer: &Viewer, id: Id, secret: &str) -> Page {
+fn shown_once(viewer: &Viewer, id: Id, name: &str, secret: &str) -> Page {
     let t = viewer.text();
     let body = html! {
         h1 { (t.hook_set_up) }
         p.lead { (t.hook_secret_shown) }
         p { code { (secret) } }
-        p { a href={ "/hooks/" (id) } { (t.hook) } }
+        form.actions action={ "/hooks/" (id) "/test" } method="post" { button { (t.test_hook) } }
+        p { a href={ "/hooks/" (id) } { @if name.is_empty() { (t.hook) } @else { span translate="no" { (name) } } } }
     };
     Page { title: t.hook_set_up.into(), section: Section::Hooks, body }
 }

@@ -129,7 +129,7 @@ impl Viewer {
             @if !problem.places.is_empty() {
                 ul { @for place in &problem.places { li { code { (place.pointer) } " " (t.words(&place.message)) } } }
             }
-            p { a href="/" { (t.error_back) } }
+            p { a href="/fleet" { (t.error_back) } }
         };
         Page { title: t.error_title.into(), section: Section::None, body }
     }

@@ -14,7 +14,7 @@ page_skip_to_first = 跳到首个陀螺
 page_skip_to_verdicts = 跳到判定
 page_navigation = 页面导航
 page_error_title = 出错了
-page_error_back = 返回陀螺总览
+page_error_back = 返回全部陀螺
 
 ## Quantities.
 page_unit = (°)/(h·g0)

@@ -488,8 +488,10 @@ async fn today_tells_what_the_pages_of_stations_and_gyros_tell() {
     browser.sees("LFG-0031").await;
     // When the gyro that ages reaches its budget, and until when to calibrate it.
     let row = "[...document.querySelectorAll('.block')].find((e) => e.textContent.includes('Will reach')).innerText";
+    reloads_until(&browser, &format!("{row}.includes('Calibrate by')")).await;
     let today = browser.eval(row).await.as_str().unwrap().to_owned();
     browser.goto("/gyros/LFG-0014").await;
+    reloads_until(&browser, "document.querySelector('.causes').innerText.includes('budget on')").await;
     let dates = browser
         .eval("document.querySelector('.causes').innerText.match(/budget on (\\S+) .* Calibrate it by (\\S+):/s)")
         .await;
@@ -509,13 +511,13 @@ async fn today_tells_what_the_pages_of_stations_and_gyros_tell() {
     let dates: Vec<&str> = dates.as_array().unwrap().iter().map(|date| date.as_str().unwrap()).collect();
     assert!(dates[0] < "9" && dates.is_sorted(), "{dates:?}");
     // Beyond its budget, one date: the day on which it got there.
-    browser.goto("/gyros/LFG-0004").await;
+    browser.goto("/gyros/LFG-0004/report").await;
     let causes = browser.eval("document.querySelector('.causes').innerText").await;
     let causes = causes.as_str().unwrap();
     assert!(causes.contains("it reached its budget on") && !causes.contains("The rule trend"), "{causes}");
     // The page of the causes begins with them, that of a station with what it did.
     browser.goto("/gyros/LFG-0004/diagnosis").await;
-    let first = browser.eval("document.querySelector('#D_I h2 + p').innerText").await;
+    let first = browser.eval("document.querySelector('#D_I h2 + p').textContent").await;
     assert!(first.as_str().unwrap().starts_with("ageing (a steady slope) +0.01"), "{first}");
     browser.goto("/stations/ST-2").await;
     browser.sees(&format!("Off {from} … {until}, +{percent} ± ")).await;

@@ -47,7 +47,7 @@ fn section(
     html! {
         section id=(name) {
             h2 { (symbol(name)) }
-            p.lead { (named(t, answer)) (t.words(&answer.opening())) }
+            p.lead.capital { (named(t, answer)) (t.words(&answer.opening())) }
             @for said in answer.besides(explained.as_of).into_iter().chain(answer.looked_at(explained.as_of.records)) { p { (t.words(&said)) } }
             (drawn(viewer, serial, answer, budget))
             @if !answer.causes.is_empty() {

@@ -115,6 +115,12 @@ fn a_log_may_come_through_a_pipe() {
         command.current_dir(dir.path()).args(["dwells", log, "--map"]).arg(map("hi91-csv.toml")).write_stdin(text);
         check_by_hand(&campaign(&command.output().unwrap()));
     }
+    for what in [&["--guess"][..], &["--map", map("hi91-csv.toml").to_str().unwrap()]] {
+        let mut command = Command::cargo_bin("gyrowatch").unwrap();
+        command.args(["dwells", "-"]).args(what).write_stdin("");
+        let said = refused(&command.output().unwrap());
+        assert!(said.contains("standard input: ") && !said.contains("-:"), "{said}");
+    }
 }
 
 /// An array as numpy.save writes it.
@@ -842,13 +848,10 @@ fn units_that_cannot_be_shifted_cells_and_motion_are_refused() {
     };
     for (unit, other, expected) in [
         ("[s]", "[h]", "`time` (or `rate_hz`) is in another unit"),
-        (
-            "[deg/s]",
-            "[rad/s]",
-            "turned 57.3 times as fast by `rate` in the log as by the programme: `rate` looks like deg/s",
-        ),
-        ("[deg/s]", "[rpm]", "turned 6.00 times as fast"),
-        ("[deg/s]", "[mdeg/s]", "turned 0.00100 times as fast"),
+        ("[s]", "[min]", "`time` looks like s"),
+        ("[deg/s]", "[rad/s]", "`rate` of the log looks like deg/s"),
+        ("[deg/s]", "[rpm]", "`rate` of the log looks like deg/s"),
+        ("[deg/s]", "[mdeg/s]", "`rate` of the log looks like deg/s"),
     ] {
         let said = refused(&made(text.replace(unit, other)));
         assert!(said.contains(expected), "{other}: {said}");

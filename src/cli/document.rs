@@ -11,6 +11,7 @@ use serde::Serialize;
 use crate::core::message::Message;
 use crate::logs::error::LogError;
 use crate::logs::sheet::readable;
+pub use crate::logs::source::name;
 use crate::message;
 use crate::words::asked;
 
@@ -48,11 +49,6 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
     read.with_context(|| name(path))?;
     ensure!(bytes.len() as u64 <= MAX_BYTES, "{}: is larger than {MAX_BYTES} bytes", name(path));
     readable(bytes).map_err(|fault| LogError::new(name(path), fault).into())
-}
-
-/// The file as messages name it.
-pub fn name(path: &Path) -> String {
-    if path == Path::new("-") { "standard input".to_owned() } else { path.display().to_string() }
 }
 
 /// Writes a file as [`put`] does, and says on standard error where it took the place of another.

@@ -17,7 +17,7 @@ use crate::core::dwells::noise::Noise;
 use crate::core::dwells::programme::{
     Clock, Position, REST_ARCSEC_S, Seen, Table, attitude, clock_factor, clock_offset, exchanged,
 };
-use crate::core::dwells::turns::WHOLE;
+use crate::core::dwells::turns::{TURN_ARCSEC, WHOLE};
 use crate::core::frames::{Body, Nav, Rotation, Vector};
 use crate::core::message::{Message, figure, list, significant, text};
 use crate::core::numerics::median::median_of;
@@ -54,7 +54,6 @@ pub const OFF_COMMANDED: f64 = 0.14;
 const OFF_RATE: f64 = 0.2;
 /// Turning of gyros that measure rates themselves, where nothing else says that the table turns: arcsec/s (1 deg/s).
 pub const TURNING: f64 = 3600.0;
-const WHOLE_TURN_ARCSEC: f64 = 1_296_000.0;
 /// Part of a usual dwell from which a turn without dwell is said, and part of it that dwells must cover.
 const SHORT_TURN: f64 = 0.3;
 const COVERED: f64 = 0.3;
@@ -62,6 +61,9 @@ const COVERED: f64 = 0.3;
 const SAMPLE_S: std::ops::Range<f64> = 2e-5..600.0;
 const LOG_S: f64 = 28.0 * 86_400.0;
 const USUAL_S: f64 = 86_400.0;
+/// Time from sample to sample, and length of a usual dwell, s, from which the unit of time is asked about.
+const SELDOM_S: f64 = 5.0;
+const LONG_S: f64 = 3600.0;
 /// Part of a turn that may be about what is level.
 const LEVEL_TURN: f64 = 0.05;
 /// Cosine below which two verticals are different orientations (10 deg).
@@ -86,6 +88,8 @@ struct Work<'a> {
     site: Option<Site>,
     table: Option<Table>,
     turns: Turns,
+    /// Whether noise may be another in each dwell. Of counts whose time is known it is not.
+    differs: bool,
     remarks: Vec<Message>,
 }
 
@@ -101,16 +105,20 @@ pub fn assemble(
 ) -> Result<Assembled, LogError> {
     let is_watched = |role: &Role| matches!(role, Role::Output(_) | Role::Force(_) | Role::Rate(_) | Role::Turn(_));
     let watched: Vec<usize> = (0..log.roles.len()).filter(|&k| is_watched(&log.roles[k])).collect();
-    if log.stamps_are_the_counts() {
+    let by_stamps = log.stamps_are_the_counts();
+    if by_stamps {
         log.by_own_time();
     }
     let turns = turning::take_out(log, map.min_s, programme);
-    let other_unit = programme.and_then(|rows| turning::of_other_unit(log, rows));
+    let other_unit = turning::of_other_unit(log, programme).or_else(|| turns.other_unit.clone());
     let (breaks, keep_short) = (log.breaks.clone(), programme.is_some());
     let search = Search { min_s: map.min_s, breaks, keep_short, room: Vec::new() };
     let found = find(&mut log.series, &watched, &search);
-    log.by_own_time();
-    let mut work = Work { map, log, site, table: table(map)?, turns, remarks: log.remarks.clone() };
+    if !log.is_regular {
+        log.by_own_time();
+    }
+    let differs = !by_stamps && !log.is_regular;
+    let mut work = Work { map, log, site, table: table(map)?, turns, differs, remarks: log.remarks.clone() };
     work.assemble(found, programme, other_unit).map_err(|fault| LogError::new("log", fault))
 }
 
@@ -172,6 +180,11 @@ impl Work<'_> {
             return Err(below_min(message!("no_interval", seconds = figure(span, 1), least = least)));
         }
         self.note(&found, usual);
+        let is_proved = self.log.unix_s.is_some() || self.turns.proved;
+        if !is_proved && (self.log.sample_s >= SELDOM_S || usual >= LONG_S) {
+            let [step, usual] = [self.log.sample_s, usual].map(|value| significant(value, 3));
+            self.remarks.push(message!("time_unproved", step = step, usual = usual));
+        }
         let span = |i: &Interval| (self.log.series.start_s(i.from), self.log.series.end_s(i.to));
         let seen: Vec<(f64, f64)> = found.intervals.iter().chain(&found.short).map(span).collect();
         if let [only] = found.intervals[..] {
@@ -194,9 +207,6 @@ impl Work<'_> {
         }
         let mut made = self.dwells(candidates)?;
         made.remarks.extend(self.without_dwell(&made.dwells, &seen));
-        if one_orientation(&made.dwells) {
-            made.remarks.push(message!("one_orientation", count = made.dwells.len()));
-        }
         Ok(made)
     }
 
@@ -400,7 +410,15 @@ impl Work<'_> {
                         duration_s: None,
                     });
                 }
-                if candidates.is_empty() { Err(message!("all_turning")) } else { Ok(()) }
+                if candidates.is_empty() {
+                    return Err(message!("all_turning"));
+                }
+                let by_map = self.remarks.iter().any(|remark| remark.code == "unit_of_map");
+                let by_itself = candidates.iter().all(|c| c.attitude.is_none());
+                if by_map && by_itself && self.log.unit.counts == Counts::Angular {
+                    self.remarks.push(message!("scale_unproved"));
+                }
+                Ok(())
             }
         }
     }
@@ -598,11 +616,11 @@ impl Work<'_> {
         }
         let series = &self.log.series;
         let i = candidate.interval;
-        let turns = (series.end_s(i.to) - series.start_s(i.from)) * turn.abs() / WHOLE_TURN_ARCSEC;
+        let turns = (series.end_s(i.to) - series.start_s(i.from)) * turn.abs() / TURN_ARCSEC;
         if turns < 1.0 {
             return;
         }
-        let end = series.start_s(i.from) + turns.floor() * WHOLE_TURN_ARCSEC / turn.abs();
+        let end = series.start_s(i.from) + turns.floor() * TURN_ARCSEC / turn.abs();
         candidate.interval.to = series.number.partition_point(|&n| (n as f64 + 0.5) * series.block_s < end).min(i.to);
     }
 
@@ -617,7 +635,7 @@ impl Work<'_> {
             // Of less than a turn the swing is in the mean.
             let averaged = self.track(Role::Raw(k)).filter(|_| is_part).unwrap_or(track);
             output.push(averaged.mean_of(i.from, i.to));
-            output_sem.push(standard_error(series, track, noise, i, self.log.sample_s));
+            output_sem.push(standard_error(series, track, (noise, self.differs), i, self.log.sample_s));
         }
         let (start, end) = (series.start_s(i.from), series.end_s(i.to));
         Ok(Dwell {
@@ -778,7 +796,7 @@ pub fn missing(taken: &[usize], programme: &[Position]) -> Option<Message> {
 }
 
 /// Whether all dwells have one vertical.
-fn one_orientation(dwells: &[Dwell]) -> bool {
+pub fn one_orientation(dwells: &[Dwell]) -> bool {
     let ups: Vec<Vector3<f64>> = dwells.iter().filter_map(|d| d.force_g0.try_normalize(0.0)).collect();
     ups.iter().all(|up| up.dot(&ups[0]) > SAME_UP)
 }

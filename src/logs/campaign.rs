@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::assemble::{Dwell, assemble};
+use super::assemble::{Dwell, assemble, one_orientation};
 use super::error::LogError;
 use super::gather::{Gathered, gather};
 use super::map::Map;
-use super::source::Source;
+use super::source::{Source, name};
 use super::units::{Counts, Quantity, Unit};
 use super::{averaged, programme};
 use crate::core::campaign::{Campaign, Phase, Site};
@@ -94,7 +94,7 @@ fn contradicted(campaign: &Campaign) -> Option<Message> {
 /// Why they hold none, with the file, and with line and column where there is one.
 pub fn campaign_of(files: &[PathBuf], map: &Map, programme: Option<&str>) -> Result<Made, LogError> {
     let positions = programme.map(programme::read).transpose()?;
-    let open = |path: &PathBuf| Ok((path.display().to_string(), Source::open(path)?));
+    let open = |path: &PathBuf| Ok((name(path), Source::open(path)?));
     let sources = files.iter().map(open).collect::<Result<Vec<_>, LogError>>()?;
     campaign_from(sources, map, positions.as_deref())
 }
@@ -109,7 +109,7 @@ pub fn campaign_from(
     positions: Option<&[Position]>,
 ) -> Result<Made, LogError> {
     let site = site_of(map);
-    let (dwells, unit, remarks, gathered) = if map.averaged {
+    let (dwells, unit, mut remarks, gathered) = if map.averaged {
         let (dwells, unit, remarks) = averaged::dwells(map, &mut sources, site, positions)?;
         (dwells, unit, remarks, None)
     } else {
@@ -119,6 +119,9 @@ pub fn campaign_from(
             .map_err(|error| if error.place == "log" { LogError { place, ..error } } else { error })?;
         (made.dwells, gathered.unit, made.remarks, Some(gathered))
     };
+    if one_orientation(&dwells) {
+        remarks.push(message!("one_orientation", count = dwells.len()));
+    }
     let mut made = Made { body: body(map, &dwells, gathered.as_ref())?, dwells, remarks, gathered, unit };
     hold_e(&mut made, map)?;
     Ok(made)

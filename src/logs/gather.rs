@@ -2,6 +2,7 @@
 
 use super::error::LogError;
 use super::map::{Columns, Found, Header, Map, Reading};
+use super::sampling::Sampling;
 use super::source::Source;
 use super::text::LeftOut;
 use super::units::{Counts, Quantity, Unit};
@@ -37,10 +38,14 @@ pub struct Gathered {
     pub unit: Unit,
     /// What a rate of one is in arcsec/s; zero where the log has none.
     pub rate_factor: f64,
+    /// What a time of one is, s.
+    pub time_factor: f64,
     /// Times at which another log begins.
     pub breaks: Vec<f64>,
     /// Usual time from sample to sample, s.
     pub sample_s: f64,
+    /// Counts are of that time each, whatever their stamps say.
+    pub is_regular: bool,
     /// First time of the log, where its clock counts from 1970, s.
     pub unix_s: Option<f64>,
     pub remarks: Vec<Message>,
@@ -526,6 +531,8 @@ struct Reader {
     hz: Option<f64>,
     absolute: bool,
     time_factor: f64,
+    /// Of the log with the outputs.
+    sampling: Sampling,
     rate_factor: f64,
     breaks: Vec<f64>,
     rows: u64,
@@ -545,6 +552,7 @@ impl Reader {
             hz: map.rate_hz,
             absolute: false,
             time_factor: 1.0,
+            sampling: Sampling::default(),
             rate_factor: 0.0,
             breaks: Vec::new(),
             rows: 0,
@@ -566,6 +574,7 @@ impl Reader {
     fn follow(&mut self) {
         if let Some(last) = self.clock.last {
             self.breaks.push(last);
+            self.sampling.pause();
         }
     }
 
@@ -607,6 +616,9 @@ impl Reader {
             }
             let Some(at) = self.clock.at(stamp, self.time_factor)? else { return Ok(()) };
             self.rows += 1;
+            if per_interval {
+                self.sampling.see(at, self.clock.interval);
+            }
             let is_next = before.as_ref().is_some_and(|(earlier, _)| at - earlier <= 1.5 * self.clock.interval);
             numbers.clear();
             for (k, (channel, &value)) in channels.iter().zip(values).enumerate() {
@@ -750,7 +762,9 @@ impl Reader {
                 self.remarks.push(message);
             }
         };
-        let interval = if clock.interval > 0.0 { clock.interval } else { self.hz.map_or(1.0, f64::recip) };
+        let usual = if clock.interval > 0.0 { clock.interval } else { self.hz.map_or(1.0, f64::recip) };
+        let regular = self.sampling.regular_s();
+        let interval = regular.unwrap_or(usual);
         say(clock.lost, message!("samples_lost", lost = clock.lost, gaps = clock.gaps, rows = self.rows));
         say(clock.repeated, message!("samples_repeated", count = clock.repeated));
         say(clock.disordered, message!("samples_disordered", count = clock.disordered));
@@ -778,8 +792,10 @@ impl Reader {
             roles,
             unit: self.unit,
             rate_factor: self.rate_factor,
+            time_factor: self.time_factor,
             breaks: self.breaks,
             sample_s: interval,
+            is_regular: regular.is_some(),
             unix_s,
             remarks: self.remarks,
         })

@@ -1,11 +1,11 @@
 //! A first map for a log that nobody has described yet, with the reason for every line. It is to be checked by somebody
 //! who knows the station: what the file does not say stays a question mark, which `dwells` refuses.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::column::Column;
 use super::error::LogError;
-use super::source::Source;
+use super::source::{Source, name};
 use super::units::{Counts, Quantity};
 use crate::core::message::{Message, figure, text};
 use crate::core::units::STANDARD_GRAVITY_M_S2;
@@ -61,8 +61,8 @@ struct Line {
 /// # Errors
 /// As [`Source::open`].
 pub fn guess(paths: &[PathBuf], language: Language) -> Result<String, LogError> {
-    let name = |path: &PathBuf| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    let open = |path: &PathBuf| Ok((name(path), Source::open(path)?));
+    let last = |path: &PathBuf| name(Path::new(path.file_name().unwrap_or(path.as_os_str())));
+    let open = |path: &PathBuf| Ok((last(path), Source::open(path)?));
     guess_of(paths.iter().map(open).collect::<Result<_, LogError>>()?, language)
 }
 

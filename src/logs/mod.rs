@@ -19,6 +19,7 @@ mod npy;
 mod parquet;
 pub mod programme;
 pub mod report;
+mod sampling;
 pub mod sheet;
 pub mod source;
 #[cfg(test)]

@@ -31,13 +31,18 @@ struct Sheet {
     clocks: Vec<usize>,
 }
 
+/// The file as messages name it.
+pub fn name(path: &Path) -> String {
+    if path == Path::new("-") { "standard input".to_owned() } else { path.display().to_string() }
+}
+
 impl Source {
     /// Opens a log, or standard input for `-`, and looks at its layout.
     ///
     /// # Errors
     /// What it is, where it is no table; what the operating system says.
     pub fn open(path: &Path) -> Result<Self, LogError> {
-        let place = path.display().to_string();
+        let place = name(path);
         if path == Path::new("-") {
             return Self::read(&place, std::io::stdin());
         }

@@ -10,7 +10,7 @@ use crate::core::dwells::intervals::{Interval, Search, find};
 use crate::core::dwells::programme::{Position, REST_ARCSEC_S};
 use crate::core::dwells::turns;
 use crate::core::frames::{Body, Nav, Rotation};
-use crate::core::message::{Message, significant};
+use crate::core::message::Message;
 use crate::message;
 
 /// A stretch by the log's clock.
@@ -27,12 +27,19 @@ pub struct Turned {
 pub struct Turns {
     pub stretches: Vec<Turned>,
     pub known: bool,
+    /// Whether the Earth's rate in the outputs shows that rates and times are in their units.
+    pub proved: bool,
+    /// That they are in another.
+    pub other_unit: Option<Message>,
 }
 
 /// Part by which rates may be off those in another unit.
 const OTHER_UNIT: f64 = 0.05;
 /// Blocks of a stretch, at least.
 const FEWEST: usize = 8;
+/// Turns by whose swing units are known, and parts of a turn that are sampled, at least.
+const TURNS: usize = 3;
+const PARTS: f64 = 8.0;
 
 /// Takes the swing of all turns out of the outputs and the force. What was there is kept as [`Role::Raw`].
 pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Position]>) -> Turns {
@@ -53,6 +60,7 @@ pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Posi
         log.roles.push(Role::Raw(k));
         log.series.tracks.push(log.series.tracks[output].clone());
     }
+    let found: Vec<Interval> = turns.iter().map(|(turn, _)| *turn).collect();
     let series = &mut log.series;
     let mut stretches = Vec::new();
     for (turn, angles) in turns {
@@ -60,22 +68,71 @@ pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Posi
         let turns = if angles.is_empty() { 0.0 } else { turns::take_out(series, &channels, turn, angles) };
         stretches.push(Turned { from_s, to_s, turns });
     }
-    Turns { stretches, known }
+    let (proved, other_unit) = by_swing(log, &found, programme);
+    Turns { stretches, known, proved, other_unit }
 }
 
-/// That the log's rate is that of the programme in another unit: all its turns are faster, or slower, by one factor.
-pub fn of_other_unit(log: &Gathered, programme: &[Position]) -> Option<Message> {
-    let is_rate = |(role, _): &(&Role, &Track)| matches!(role, Role::Rate(_));
-    let tracks: Vec<&Track> =
-        log.roles.iter().zip(&log.series.tracks).filter(is_rate).map(|(_, track)| track).collect();
-    if tracks.is_empty() {
-        return None;
+/// Whether the outputs swing in turns as the Earth's rate makes them, and the unit of rate or time in which they would.
+fn by_swing(log: &Gathered, found: &[Interval], programme: Option<&[Position]>) -> (bool, Option<Message>) {
+    let series = &log.series;
+    let is_raw = |k: &usize| matches!(log.roles[*k], Role::Raw(_));
+    let raw: Vec<usize> = (0..log.roles.len()).filter(is_raw).collect();
+    let rates = rates(log);
+    let told = |turn: &Interval| match &rates {
+        Some(rates) => vec![mean(rates, *turn).norm()],
+        None => told(programme.unwrap_or_default()),
+    };
+    // Turns have the largest outputs.
+    let level =
+        |turn: &Interval| raw.iter().map(|&k| series.tracks[k].mean_of(turn.from, turn.to).powi(2)).sum::<f64>();
+    let mut turns: Vec<(f64, Interval)> = found.iter().map(|turn| (level(turn), *turn)).collect();
+    turns.sort_by(|a, b| b.0.total_cmp(&a.0));
+    turns.truncate(TURNS);
+    let explains = |times: f64| {
+        let fastest = turns::TURN_ARCSEC / PARTS / series.block_s;
+        let is_explained = |(_, turn): &(f64, Interval)| {
+            let rates: Vec<f64> = told(turn).iter().map(|rate| rate * times).filter(|rate| *rate < fastest).collect();
+            turns::likeliest(series, &raw, *turn, &rates).is_some()
+        };
+        turns.len() == TURNS && turns.iter().all(is_explained)
+    };
+    if explains(1.0) {
+        return (true, None);
     }
-    let of = |k: usize| Vector3::from_fn(|c, _| tracks.get(c).map_or(0.0, |track| track.mean[k]));
-    let rates: Vec<Vector3<f64>> = (0..log.series.number.len()).map(of).collect();
+    let other = |of: Quantity, own: f64| {
+        of.units().iter().find(|name| {
+            let times = of.unit(name).map_or(0.0, |unit| unit.factor) / own;
+            own > 0.0 && (times - 1.0).abs() > OTHER_UNIT && explains(times)
+        })
+    };
+    let rate = other(Quantity::Rate, log.rate_factor).map(|unit| message!("rate_other_unit", unit = *unit));
+    let time = || other(Quantity::Time, log.time_factor).map(|unit| message!("time_other_unit", unit = *unit));
+    (false, rate.or_else(time))
+}
+
+/// Rates of turn of a programme, arcsec/s, each once.
+fn told(programme: &[Position]) -> Vec<f64> {
+    let mut told: Vec<f64> = programme.iter().map(|p| p.turn_arcsec_s.abs()).filter(|rate| *rate > 0.0).collect();
+    told.sort_by(f64::total_cmp);
+    told.dedup();
+    told
+}
+
+fn mean(rates: &[Vector3<f64>], of: Interval) -> Vector3<f64> {
+    rates[of.from..of.to].iter().sum::<Vector3<f64>>() / (of.to - of.from) as f64
+}
+
+/// That the log's rate is that of the programme, of the table's angles or of the attitude in another unit: all its
+/// turns are faster, or slower, by one factor.
+pub fn of_other_unit(log: &Gathered, programme: Option<&[Position]>) -> Option<Message> {
+    let rates = by_blocks(log, Role::Rate)?;
     let turns = turns::steady_turns(&log.series, &rates, REST_ARCSEC_S);
     let seen: Vec<f64> = turns.iter().map(|turn| rates[(turn.from + turn.to) / 2].norm()).collect();
-    let told: Vec<f64> = programme.iter().map(|p| p.turn_arcsec_s.abs()).filter(|rate| *rate > 0.0).collect();
+    let of_log = || {
+        let rates = by_blocks(log, Role::Turn).or_else(|| by_blocks(log, Role::Spin)).unwrap_or_default();
+        turns.iter().filter(|turn| turn.to <= rates.len()).map(|turn| mean(&rates, *turn).norm()).collect()
+    };
+    let told: Vec<f64> = programme.map_or_else(of_log, told);
     let all_at = |times: f64| {
         let is_at = |seen: &f64| told.iter().any(|told| (seen / times / told - 1.0).abs() < OTHER_UNIT);
         !seen.is_empty() && seen.iter().all(is_at)
@@ -90,7 +147,7 @@ pub fn of_other_unit(log: &Gathered, programme: &[Position]) -> Option<Message> 
         factor != log.rate_factor && (factor * times / log.rate_factor - 1.0).abs() < OTHER_UNIT
     };
     let unit = Quantity::Rate.units().iter().find(is_unit)?;
-    Some(message!("rate_other_unit", times = significant(times, 3), unit = *unit))
+    Some(message!("rate_other_unit", unit = *unit))
 }
 
 /// Rate of turn of a stated attitude, East North Up, arcsec/s, as three tracks more.
@@ -118,12 +175,14 @@ fn spin_of_attitude(log: &mut Gathered) {
 /// Rate of turn by block, in any axes.
 fn rates(log: &Gathered) -> Option<Vec<Vector3<f64>>> {
     let kinds: [fn(usize) -> Role; 3] = [Role::Rate, Role::Turn, Role::Spin];
-    let tracks = |kind: &fn(usize) -> Role| -> Vec<usize> {
-        (0..3).filter_map(|k| log.roles.iter().position(|role| *role == kind(k))).collect()
-    };
-    let own = kinds.iter().map(tracks).find(|own| !own.is_empty())?;
+    kinds.into_iter().find_map(|kind| by_blocks(log, kind))
+}
+
+/// The same by one kind of columns.
+fn by_blocks(log: &Gathered, kind: fn(usize) -> Role) -> Option<Vec<Vector3<f64>>> {
+    let own: Vec<usize> = (0..3).filter_map(|k| log.roles.iter().position(|role| *role == kind(k))).collect();
     let rate = |k: usize| Vector3::from_fn(|c, _| own.get(c).map_or(0.0, |&place| log.series.tracks[place].mean[k]));
-    Some((0..log.series.number.len()).map(rate).collect())
+    (!own.is_empty()).then(|| (0..log.series.number.len()).map(rate).collect())
 }
 
 /// Stretches in which the outputs change by no more than the Earth's rate can change them, with the angles of the rate
@@ -135,10 +194,7 @@ fn by_outputs(
     programme: Option<&[Position]>,
 ) -> Vec<(Interval, Vec<f64>)> {
     let series = &log.series;
-    let mut told: Vec<f64> = programme.unwrap_or_default().iter().map(|p| p.turn_arcsec_s.abs()).collect();
-    told.retain(|rate| *rate > 0.0);
-    told.sort_by(f64::total_cmp);
-    told.dedup();
+    let told = told(programme.unwrap_or_default());
     let Some(&slowest) = told.first() else { return Vec::new() };
     let search = |room: Vec<f64>| Search { min_s, breaks: log.breaks.clone(), keep_short: true, room };
     let mut own = series.clone();

@@ -79,15 +79,21 @@ fn octaves_of(series: &Series, track: &Track, i: Interval) -> Vec<Octave> {
     found
 }
 
-/// Standard error of a channel's mean over an interval. Where rounding or white noise is plainly other in this dwell
-/// than in those that the noise is of, it is its own: where stamps jitter, it goes with the rate of turn. Of a
-/// converter that reads the same all the while it is that of one reading, count/sqrt(12): no noise rounds it sometimes
-/// up and sometimes down.
-pub fn standard_error(series: &Series, track: &Track, noise: &Noise, interval: Interval, sample_s: f64) -> f64 {
+/// Standard error of a channel's mean over an interval. Where the noise `differs` from dwell to dwell, and rounding or
+/// white noise is plainly other in this one than in those that the noise is of, it is its own: where stamps jitter, it
+/// goes with the rate of turn. Of a converter that reads the same all the while it is that of one reading,
+/// count/sqrt(12): no noise rounds it sometimes up and sometimes down.
+pub fn standard_error(
+    series: &Series,
+    track: &Track,
+    (noise, differs): (&Noise, bool),
+    interval: Interval,
+    sample_s: f64,
+) -> f64 {
     let dwell_s = series.end_s(interval.to) - series.start_s(interval.from);
     let samples: f64 = track.weight[interval.from..interval.to].iter().sum();
     let log_s = series.end_s(series.number.len()) - series.start_s(0);
-    let own = noise.with_own(&octaves_of(series, track, interval), track.pulse);
+    let own = if differs { noise.with_own(&octaves_of(series, track, interval), track.pulse) } else { *noise };
     let of_noise = own.standard_error(dwell_s, (samples * sample_s).min(dwell_s), log_s);
     let first = track.mean[interval.from];
     let reads_the_same = (interval.from..interval.to).all(|k| track.spread[k] == 0.0 && track.mean[k] == first);

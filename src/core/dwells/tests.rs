@@ -111,7 +111,7 @@ fn measure(seeds: std::ops::Range<u64>, hz: f64) -> (usize, Vec<f64>) {
         for (c, (track, [of, _])) in series.tracks.iter().zip(of).enumerate() {
             for (k, interval) in cut.iter().enumerate() {
                 let interval = settled(&series, &[(track, of)], *interval);
-                let sem = standard_error(&series, track, &of, interval, hz.recip());
+                let sem = standard_error(&series, track, (&of, true), interval, hz.recip());
                 errors.push((track.mean_of(interval.from, interval.to) - levels[k][c]) / sem);
             }
         }
@@ -338,9 +338,9 @@ fn a_converter_that_reads_the_same_all_the_while_is_known_to_its_rounding() {
     let first = Interval { from: 2, to: 90 };
     let of = noise(&series, &[track], &[first, Interval { from: 110, to: 190 }], &[]);
     // The smallest difference that was seen is four.
-    assert!((standard_error(&series, track, &of[0][0], first, 1.0) - 4.0 / 12f64.sqrt()).abs() < 1e-12);
+    assert!((standard_error(&series, track, (&of[0][0], true), first, 1.0) - 4.0 / 12f64.sqrt()).abs() < 1e-12);
     let both = Interval { from: 2, to: 190 };
-    assert!(standard_error(&series, track, &of[0][0], both, 1.0) < 1e-6, "it does not read the same");
+    assert!(standard_error(&series, track, (&of[0][0], true), both, 1.0) < 1e-6, "it does not read the same");
 }
 
 /// Rates counted in whole pulses: a mean over T is off by a pulse at both ends, pulse/(T sqrt 6), whether the counts
@@ -374,7 +374,7 @@ fn a_mean_of_counts_is_known_to_a_pulse_at_both_ends() {
     let pulse = 1.0 / 58.0 / 6_f64.sqrt();
     let mut squares = Vec::new();
     for (k, interval) in still.iter().chain(&turning).enumerate() {
-        let sem = standard_error(&series, track, &of[usize::from(k >= 20)], *interval, 1.0 / HZ);
+        let sem = standard_error(&series, track, (&of[usize::from(k >= 20)], true), *interval, 1.0 / HZ);
         // Of one gyro, flicker of such a size would not be seen.
         assert!((0.95..3.0).contains(&(sem / pulse)), "{}: {sem} {pulse}", rates[k]);
         squares.push(((track.mean_of(interval.from, interval.to) - rates[k]) / sem).powi(2));

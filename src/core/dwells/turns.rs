@@ -34,7 +34,7 @@ pub const WHOLE: f64 = 0.9;
 const TWO: f64 = 2.0;
 /// Part of a turn by whose swing a rate is known, and the whole of it, arcsec.
 const PART: f64 = 0.3;
-const TURN_ARCSEC: f64 = 1_296_000.0;
+pub const TURN_ARCSEC: f64 = 1_296_000.0;
 /// Rounds of the fit by least absolute values, and residuals, in their median, that are then left out of it.
 const ROUNDS: usize = 20;
 const OUTLIER: f64 = 9.0;

@@ -40,7 +40,7 @@ use crate::message;
 
 /// Raised with every change of what a diagnosis finds: one that was kept is then made again. A new entry of the
 /// catalogue raises it by itself: there were 48 when it was 8.
-pub const METHOD: u32 = 13 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
+pub const METHOD: u32 = 14 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one
 /// before returned. Where the first look names something or sees a gap, the search and what follows are done once more
@@ -144,7 +144,7 @@ fn closed(names: Names<'_>) -> Closed<'_> {
     let Names { settled, search, named, parts, fit, calibrated, .. } = &names;
     let frame = &settled.frame;
     let signs = closure::signs(settled, search, named, fit, &names.doubts);
-    let remains = signs.p_value < closure::level(named);
+    let remains = signs.remain(named);
     let variances = closure::floor_variances(frame, fit, remains);
     let noise_floor = noise_floor::report(frame, &variances, !remains, calibrated.augmented());
     let gap = closure::gap(settled, search, &variances, &signs, named.is_empty(), &calibrated.plain);
@@ -154,10 +154,10 @@ fn closed(names: Names<'_>) -> Closed<'_> {
         (false, false) => Verdict::Explained,
         (false, true) => Verdict::PartlyExplained,
     };
-    let effects = closure::effects(settled, named, parts, fit, &variances, &noise_floor, &signs.changes);
+    let effects = closure::effects(settled, named, parts, fit, &variances, &noise_floor, &signs);
     let all: Vec<&Part> = parts.iter().collect();
     let held_out = || {
-        let errors = held_out::errors(frame, &[], &all, &variances);
+        let errors = held_out::errors(frame, &[], &all, &variances, remains);
         errors.held_out(noise_floor.deg_per_h, fit.fitted.len() as f64, UNSEEN)
     };
     let closure = (!parts.is_empty()).then(held_out);
@@ -214,7 +214,7 @@ fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
         effects,
         closure,
         remaining,
-        candidates: why_not_named::candidates(settled, &search, &named, &variances),
+        candidates: why_not_named::candidates(settled, &search, &named, &variances, remains),
         not_identifiable: identifiability::not_identifiable(frame, bank, &mimics),
         impact: impact::impact(&calibrated, &campaign.geometry),
         next_dwells: next_dwells::next_dwells(frame, bank, &parts, &fit, &classes, &mimics),

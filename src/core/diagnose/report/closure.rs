@@ -35,7 +35,7 @@ pub(crate) const UNSEEN: f64 = 10.0;
 /// What the probability that noise has no memory counts as at most, where it is certain enough to be said.
 const CERTAIN: f64 = 1e-2;
 
-pub(crate) fn level(named: &[Named]) -> f64 {
+fn level(named: &[Named]) -> f64 {
     if named.is_empty() { REMAINS } else { REMAINS_BESIDE_A_NAME }
 }
 
@@ -59,6 +59,13 @@ pub(crate) struct Signs {
     pub p_value: f64,
     /// Names that are not the same throughout.
     pub changes: Vec<Change>,
+}
+
+impl Signs {
+    /// Whether what is left beside the names is significant.
+    pub fn remain(&self, named: &[Named]) -> bool {
+        self.p_value < level(named)
+    }
 }
 
 /// What is left beside the named effects: competitors that the search adopted, rivals, and tests that know no
@@ -163,9 +170,10 @@ pub(crate) fn effects(
     fit: &Fit,
     variances: &[f64],
     noise_floor: &NoiseFloor,
-    changes: &[Change],
+    signs: &Signs,
 ) -> Vec<NamedEffect> {
     let frame = &settled.frame;
+    let remains = signs.remain(named);
     let rss = |fit: &Fit| fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum::<f64>();
     (0..named.len())
         .map(|p| {
@@ -174,7 +182,7 @@ pub(crate) fn effects(
             let earlier: Vec<&Part> = parts[..p].iter().collect();
             let others: Vec<Part> =
                 parts.iter().enumerate().filter(|(q, _)| *q != p).map(|(_, part)| part.clone()).collect();
-            let errors = held_out::errors(frame, &earlier, &[&parts[p]], variances);
+            let errors = held_out::errors(frame, &earlier, &[&parts[p]], variances, remains);
             let coefficients = fit.fitted.iter().filter(|f| f.part == p).count() as f64;
             NamedEffect {
                 effect: parts[p].effect,
@@ -184,7 +192,7 @@ pub(crate) fn effects(
                     .map(|(j, class)| (frame.setting.gyros[*j].slot, class.clone()))
                     .collect(),
                 gyros: slots(frame, &parts[p].members),
-                acts_in: changes.iter().find(|change| change.named == p).and_then(|change| change.acts_in),
+                acts_in: (signs.changes.iter()).find(|change| change.named == p).and_then(|change| change.acts_in),
                 estimates: estimates(frame, parts, p, fit),
                 held_out: errors.held_out(noise_floor.deg_per_h, coefficients, UNSEEN),
                 p_value_adjusted: settled.null.p_value(named[p].evidence),

@@ -4,7 +4,8 @@
 //! are exactly `(1 - Q_f Q_f')^-1 r_f`: no fold is ever fitted again. Of a fold with more dwells than the basis has
 //! columns this is `r_f + Q_f (1 - Q_f'Q_f)^-1 Q_f'r_f` (Woodbury), and the trace of that inverse the trace of this
 //! one and the difference of the two sizes. Folds keep repeats of one orientation together; for effects that follow
-//! time they are blocks of time.
+//! time they are blocks of time. What a cause that is not named leaves counts there by how far the fold is from the
+//! others; the interval is therefore that of the share of the dwells as they were fitted.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -28,17 +29,31 @@ pub(crate) struct Errors {
     pub floor: f64,
     /// Number of dwells predicted.
     pub count: usize,
+    /// What the effects take of the dwells as they are fitted.
+    pub taken: f64,
+    /// What they leave of those beyond noise, and its degrees of freedom.
+    pub left: f64,
+    pub dof: f64,
+    /// Whether something is said to remain beside the names.
+    pub remains: bool,
 }
 
 /// Errors of all gyros without and with the effects in question, `kept` in the model both times. A gyro that they leave
-/// alone counts too: what other causes leave in it is part of the gap that is not closed.
-pub(crate) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: &[f64]) -> Errors {
+/// alone counts too: what other causes leave in it is part of the gap that is not closed. Where something `remains`,
+/// repeats may scatter by that too, and what is left is held against no more noise than is stated.
+pub(crate) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: &[f64], remains: bool) -> Errors {
     let by_time = asked.iter().any(|part| part.effect.entry().follows_time);
-    let mut errors = Errors::default();
+    let mut errors = Errors { remains, ..Errors::default() };
     for (j, &variance) in variances.iter().enumerate() {
         let without = basis(frame, j, kept, None);
         let with = basis(frame, j, kept, Some(asked));
         let (plain, augmented) = (residual(frame, j, &without), residual(frame, j, &with));
+        let noise = if remains && frame.noise.stated { variance.min(1.0) } else { variance };
+        let (before, after) = (dot(&plain, &plain) / noise, dot(&augmented, &augmented) / noise);
+        let dof = frame.dwells().saturating_sub(with.rank()) as f64;
+        errors.taken += before - after;
+        errors.left += after - dof;
+        errors.dof += dof;
         let lost: Vec<usize> = asked.iter().filter(|part| part.members[j]).filter_map(|part| part.dwell()).collect();
         for fold in folds(frame.dwells(), &frame.noise.repeats, by_time) {
             for fold in predictable(&with, fold, &lost) {
@@ -71,22 +86,10 @@ impl Errors {
     pub fn held_out(&self, floor_deg_per_h: f64, coefficients: f64, unseen: f64) -> HeldOut {
         let n = (self.count as f64).max(1.0);
         let gain = (self.without - self.with).max(0.0);
-        // Of n squares of noise alone, and of as many with a structure of power `over` in them (non-central
-        // chi-square).
-        let scatter = (2.0 * n).sqrt();
         let over = self.with - self.floor;
-        let significant = over > 2.5 * scatter;
-        let over_scatter = (2.0 * n + 4.0 * over.max(0.0)).sqrt();
-        let left = if significant { over } else { coefficients };
+        let left = if is_significant(over, n) { over } else { coefficients };
         let closure = if gain > 0.0 { gain / (gain + left) } else { 0.0 };
-        // Selected because it was large: the lower end takes off what selection adds.
-        let low_gain = (gain.sqrt() - 2.0).max(0.0).powi(2);
-        let high_left =
-            if significant { over + 2.0 * over_scatter } else { coefficients + unseen + over.max(0.0).min(scatter) };
-        let low = if low_gain > 0.0 { low_gain / (low_gain + high_left) } else { 0.0 };
-        let high_gain = (gain.sqrt() + 2.0).powi(2);
-        let low_left = if significant { (over - 2.0 * over_scatter).max(0.0) } else { 0.0 };
-        let high = high_gain / (high_gain + low_left);
+        let [low, high] = self.interval(coefficients, unseen);
         let rms = |structure: f64| floor_deg_per_h * (1.0 + structure / n).sqrt();
         HeldOut {
             before_deg_per_h: rms(gain + left),
@@ -95,6 +98,30 @@ impl Errors {
             interval: [low.min(closure), high.max(closure)],
         }
     }
+
+    /// The share that the effects close of the dwells as they are fitted, from its lowest to its highest.
+    fn interval(&self, coefficients: f64, unseen: f64) -> [f64; 2] {
+        // Selected because it was large: the lower end takes off what selection adds.
+        let taken = [-2.0, 2.0].map(|sd| (self.taken.max(0.0).sqrt() + sd).max(0.0).powi(2));
+        // Of squares of noise with a structure in them (non-central chi-square).
+        let structure = self.left.max(0.0);
+        let scatter = (2.0 * self.dof).sqrt();
+        let left = match (is_significant(self.left, self.dof), self.remains) {
+            (true, _) => {
+                let twice = 2.0 * (2.0 * self.dof + 4.0 * structure).sqrt();
+                [(structure - twice).max(0.0), structure + twice]
+            }
+            (false, true) => [0.0, coefficients + unseen + structure + 2.0 * scatter],
+            (false, false) => [0.0, coefficients + unseen + structure.min(scatter)],
+        };
+        let share = |taken: f64, left: f64| if taken > 0.0 { taken / (taken + left) } else { 0.0 };
+        [share(taken[0], left[1]), share(taken[1], left[0])]
+    }
+}
+
+/// Whether squares of `count` errors exceed those of noise by more than chance.
+fn is_significant(over: f64, count: f64) -> bool {
+    over > 2.5 * (2.0 * count).sqrt()
 }
 
 fn basis(frame: &Frame, j: usize, kept: &[&Part], asked: Option<&[&Part]>) -> Basis {
@@ -250,5 +277,16 @@ mod tests {
         let basis = Basis::of([vec![1.0; 5], vec![0.0, 0.0, 0.0, 1.0, 2.0]]);
         assert!(determined(&basis, &[0, 1]) && determined(&basis, &[3]));
         assert!(!determined(&basis, &[3, 4]) && !determined(&basis, &[2, 3, 4]));
+    }
+
+    #[test]
+    fn the_interval_is_that_of_the_fitted_share_and_says_what_may_remain() {
+        let of = |left: f64, remains: bool| Errors { taken: 144.0, left, dof: 200.0, remains, ..Errors::default() };
+        let near = |a: [f64; 2], b: [f64; 2]| (0..2).all(|i| (a[i] - b[i]).abs() < 1e-3);
+        // sqrt(2 200 + 4 288) = 39.4: between 10^2 over 100 + 288 + 78.8 and 14^2 over 196 + 288 - 78.8.
+        assert!(near(of(288.0, true).interval(3.0, 10.0), [0.2142, 0.4837]));
+        // No more than 2.5 deviations of 20: at most 40 and two deviations where something remains, else one.
+        assert!(near(of(40.0, true).interval(3.0, 10.0), [100.0 / 193.0, 1.0]));
+        assert!(near(of(40.0, false).interval(3.0, 10.0), [100.0 / 133.0, 1.0]));
     }
 }

@@ -73,7 +73,13 @@ impl WhyNot<'_> {
 }
 
 /// Every other entry that was tried, best first, with why it was not taken.
-pub(crate) fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[f64]) -> Vec<Candidate> {
+pub(crate) fn candidates(
+    settled: &Settled,
+    search: &Search,
+    named: &[Named],
+    variances: &[f64],
+    remains: bool,
+) -> Vec<Candidate> {
     let (frame, known) = (&settled.frame, search.scores(&[]));
     let why_not = WhyNot { settled, search, named };
     let open = |score: &&Score| score.kind.is_nameable() && !named.iter().any(|n| n.part.effect == score.kind);
@@ -86,7 +92,7 @@ pub(crate) fn candidates(settled: &Settled, search: &Search, named: &[Named], va
         let visible = identifiability::visible(&settled.bank, effect) > INVISIBLE;
         let held_out = visible.then(|| {
             let coefficients = part.columns(frame, 0).len() as f64;
-            held_out::errors(frame, &[], &[&part], variances).held_out(1.0, coefficients, UNSEEN)
+            held_out::errors(frame, &[], &[&part], variances, remains).held_out(1.0, coefficients, UNSEEN)
         });
         Some(Candidate {
             effect,

@@ -62,7 +62,7 @@ pub(crate) fn closing(frame: &Frame, parts: &[Part]) -> Vec<bool> {
     let variances = augmented_fit::fit(frame, parts).variances;
     let closes = |p: usize| {
         let earlier: Vec<&Part> = parts[..p].iter().collect();
-        let errors = held_out::errors(frame, &earlier, &[&parts[p]], &variances);
+        let errors = held_out::errors(frame, &earlier, &[&parts[p]], &variances, false);
         parts[p].dwell().is_some() || errors.with < errors.without
     };
     (0..parts.len()).map(closes).collect()

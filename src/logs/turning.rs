@@ -5,7 +5,6 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::gather::{Gathered, Role};
 use super::units::Quantity;
-use crate::core::dwells::blocks::Track;
 use crate::core::dwells::intervals::{Interval, Search, find};
 use crate::core::dwells::programme::{Position, REST_ARCSEC_S};
 use crate::core::dwells::turns;

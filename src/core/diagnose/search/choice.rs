@@ -22,11 +22,6 @@ impl Choice {
     pub fn is_competitor(&self) -> bool {
         !self.kind.is_nameable()
     }
-
-    /// Whether it is a smooth competitor: not a few columns.
-    pub fn is_smooth(&self, bank: &Bank) -> bool {
-        bank.hypotheses[self.hypothesis].blocks.iter().any(|block| block.len > MOST_COLUMNS)
-    }
 }
 
 /// More columns than these make a competitor smooth.

@@ -49,14 +49,6 @@ pub(crate) fn sharpened(search: &Search, found: &[Choice]) -> Vec<(Effect, Shape
     for (i, _) in named.iter().enumerate().filter(|(_, choice)| choice.evidence > STRONG) {
         shapes.extend(best(search, &parts, i));
     }
-    // Two shapes of one entry may be what the grid leaves of one between them.
-    for own in &parts {
-        let mut alone: Vec<Part> = parts.iter().filter(|part| part.effect != own.effect).cloned().collect();
-        if alone.len() + 1 < parts.len() {
-            alone.push(own.clone());
-            shapes.extend(best(search, &alone, alone.len() - 1));
-        }
-    }
     shapes
 }
 

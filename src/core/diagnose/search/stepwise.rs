@@ -12,7 +12,7 @@ use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::noise_models::{NoiseModels, Under};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::{Products, State, each_by_itself, state};
-use crate::core::effects::{Effect, Shape};
+use crate::core::effects::Effect;
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::log_sum::LogSum;
 
@@ -193,7 +193,6 @@ impl Search<'_> {
         }
         let found = self.fewest(self.prune(found));
         let found = self.fewest(self.contract_first(found));
-        let found = self.fewest(self.drift_beside_a_warmup(found));
         let count = found.len();
         let mut found = self.most_plausible_first(merged(found));
         if found.len() < count {
@@ -313,34 +312,6 @@ impl Search<'_> {
             let earned = self.earned(&others, best.kind) > self.needed(&others);
             if earned && best.evidence > competitor.evidence - CONTRACT_FIRST {
                 choices[i] = Choice { rival: Some(competitor.kind), ..best };
-            }
-        }
-        choices
-    }
-
-    /// Of two warm-ups in a gyro, one whose time constant is half the campaign or more is nearly a drift in time, which
-    /// stands for it where it is hardly worse: no gyro warms up twice at once.
-    fn drift_beside_a_warmup(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
-        let shape = |choice: &Choice| self.bank.hypotheses[choice.hypothesis].shape;
-        let span = self.frame.setting.span();
-        for i in 0..choices.len() {
-            let own = &choices[i];
-            let again = |other: &Choice| {
-                let both = other.members.iter().zip(&own.members).any(|(a, b)| *a && *b);
-                other.kind == own.kind && other.hypothesis != own.hypothesis && both
-            };
-            let drifts = matches!(shape(own), Shape::Tau(tau) if tau > 0.5 * span);
-            if !drifts || !choices.iter().any(again) {
-                continue;
-            }
-            let others = without(&choices, i);
-            let (held, ramp) = (self.evidence(&others, own.kind), self.evidence(&others, Effect::TimeRamp));
-            let earned = self.earned(&others, Effect::TimeRamp) > self.needed(&others);
-            if earned
-                && ramp > held - CONTRACT_FIRST
-                && let Some(score) = self.scores(&others).iter().find(|score| score.kind == Effect::TimeRamp)
-            {
-                choices[i] = self.choice(score);
             }
         }
         choices

@@ -19,7 +19,7 @@ use crate::core::dwells::programme::{
 };
 use crate::core::dwells::turns::{TURN_ARCSEC, WHOLE};
 use crate::core::frames::{Body, Nav, Rotation, Vector};
-use crate::core::message::{Message, figure, list, significant, text};
+use crate::core::message::{Message, Parameter, figure, list, significant, text};
 use crate::core::numerics::median::median_of;
 use crate::core::units::EARTH_RATE_DEG_H;
 use crate::message;
@@ -413,7 +413,12 @@ impl Work<'_> {
                 if candidates.is_empty() {
                     return Err(message!("all_turning"));
                 }
-                let by_map = self.remarks.iter().any(|remark| remark.code == "unit_of_map");
+                let of_output = |remark: &Message| {
+                    let is_output = |key: &Parameter| matches!(key, Parameter::Text(key) if key == "output");
+                    ["unit_of_map", "unit_of_map_alone"].contains(&&*remark.code)
+                        && remark.parameter("key").is_some_and(is_output)
+                };
+                let by_map = self.remarks.iter().any(of_output);
                 let by_itself = candidates.iter().all(|c| c.attitude.is_none());
                 if by_map && by_itself && self.log.unit.counts == Counts::Angular {
                     self.remarks.push(message!("scale_unproved"));

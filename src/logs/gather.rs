@@ -38,8 +38,8 @@ pub struct Gathered {
     pub unit: Unit,
     /// What a rate of one is in arcsec/s; zero where the log has none.
     pub rate_factor: f64,
-    /// What a time of one is, s.
-    pub time_factor: f64,
+    /// Unit of the column of time, s; zero where there is none.
+    pub time_unit_s: f64,
     /// Times at which another log begins.
     pub breaks: Vec<f64>,
     /// Usual time from sample to sample, s.
@@ -531,6 +531,7 @@ struct Reader {
     hz: Option<f64>,
     absolute: bool,
     time_factor: f64,
+    time_unit_s: f64,
     /// Of the log with the outputs.
     sampling: Sampling,
     rate_factor: f64,
@@ -552,6 +553,7 @@ impl Reader {
             hz: map.rate_hz,
             absolute: false,
             time_factor: 1.0,
+            time_unit_s: 0.0,
             sampling: Sampling::default(),
             rate_factor: 0.0,
             breaks: Vec::new(),
@@ -729,6 +731,7 @@ impl Reader {
         let name = own.columns.first().ok_or_else(|| fail(message!("map_no_columns")))?;
         let (column, _) = name.find(source).map_err(fail)?;
         let (found, unit, _) = own.unit(Quantity::Time, source).map_err(fail)?;
+        self.time_unit_s = found.factor;
         self.time_factor = found.factor * own.scale.first().unwrap_or(&1.0);
         self.absolute = unit.trim().to_lowercase().starts_with("unix_");
         Ok(Some(column))
@@ -792,7 +795,7 @@ impl Reader {
             roles,
             unit: self.unit,
             rate_factor: self.rate_factor,
-            time_factor: self.time_factor,
+            time_unit_s: self.time_unit_s,
             breaks: self.breaks,
             sample_s: interval,
             is_regular: regular.is_some(),

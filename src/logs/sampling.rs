@@ -30,6 +30,9 @@ const OF_LATE: f64 = 0.125;
 const REGULAR: f64 = 1.2;
 /// Part of an interval to which stamps are as good as regular.
 const EXACT: f64 = 1e-3;
+/// Stamps, at least, and part of the interval to which they have to tell it.
+const FEWEST: f64 = 1000.0;
+const TOLD: f64 = 1e-5;
 
 impl Sampling {
     /// The next stamp, and the median interval of the first ones.
@@ -77,7 +80,9 @@ impl Sampling {
         let about_line = (deviations - slope * products) / self.samples;
         let of_steps = squares / steps - (sum / steps).powi(2);
         let most = (REGULAR * 0.5 * of_steps).max((EXACT * self.nominal_s).powi(2));
-        (about_line < most).then_some(self.nominal_s + slope)
+        let sd = (about_line.max(0.0) / numbers).sqrt();
+        let is_told = self.samples >= FEWEST && sd < TOLD * self.nominal_s;
+        (is_told && about_line < most).then_some(self.nominal_s + slope)
     }
 }
 
@@ -100,7 +105,7 @@ mod tests {
             sampling.regular_s()
         };
         let found = seen(1e-3, 0.0).unwrap();
-        assert!((found - 0.01).abs() < 1e-10, "{found}");
+        assert!((found - 0.01).abs() < 3e-10, "{found}");
         assert_eq!(seen(1e-3, 1e-8), None, "the clock runs ever slower");
         assert!((seen(0.0, 0.0).unwrap() - 0.01).abs() < 1e-10);
     }
@@ -114,6 +119,15 @@ mod tests {
             sampling.see(0.01 * f64::from(k) + late, 0.01);
         }
         assert!((sampling.regular_s().unwrap() - 0.01).abs() < 1e-9);
+    }
+
+    #[test]
+    fn few_stamps_tell_no_interval() {
+        let (mut sampling, mut rng) = (Sampling::default(), ChaCha8Rng::seed_from_u64(7));
+        for k in 0..260 {
+            sampling.see(0.01 * f64::from(k) + 1e-3 * rng.random_range(-1.0..1.0), 0.01);
+        }
+        assert_eq!(sampling.regular_s(), None);
     }
 
     #[test]

@@ -168,7 +168,7 @@ fn log(seed: u64, hz: f64, told: Told) -> (Gathered, Vec<Position>, Vec<Truth>) 
         roles,
         unit: Unit { factor: 1.0, offset: 0.0, counts: Counts::Rate },
         rate_factor: 0.0,
-        time_factor: 1.0,
+        time_unit_s: 1.0,
         breaks: Vec::new(),
         sample_s: step,
         is_regular: true,

@@ -36,9 +36,11 @@ pub struct Turns {
 const OTHER_UNIT: f64 = 0.05;
 /// Blocks of a stretch, at least.
 const FEWEST: usize = 8;
-/// Turns by whose swing units are known, and parts of a turn that are sampled, at least.
+/// Turns by whose swing units are known, parts of a turn that are sampled, and how far a swing by another unit turns: at
+/// least. A part of a turn, or one, fits whatever drifts.
 const TURNS: usize = 3;
 const PARTS: f64 = 8.0;
+const ROUNDS: f64 = 2.0;
 
 /// Takes the swing of all turns out of the outputs and the force. What was there is kept as [`Role::Raw`].
 pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Position]>) -> Turns {
@@ -72,8 +74,13 @@ pub fn take_out(log: &mut Gathered, min_s: Option<f64>, programme: Option<&[Posi
 }
 
 /// Whether the outputs swing in turns as the Earth's rate makes them, and the unit of rate or time in which they would.
+/// Angles turn as far whatever the unit of time: they tell neither.
 fn by_swing(log: &Gathered, found: &[Interval], programme: Option<&[Position]>) -> (bool, Option<Message>) {
     let series = &log.series;
+    let of_angles = [Role::Turn, Role::Spin].into_iter().any(|kind| by_blocks(log, kind).is_some());
+    if of_angles && by_blocks(log, Role::Rate).is_none() {
+        return (false, None);
+    }
     let is_raw = |k: &usize| matches!(log.roles[*k], Role::Raw(_));
     let raw: Vec<usize> = (0..log.roles.len()).filter(is_raw).collect();
     let rates = rates(log);
@@ -84,16 +91,24 @@ fn by_swing(log: &Gathered, found: &[Interval], programme: Option<&[Position]>) 
     // Turns have the largest outputs.
     let level =
         |turn: &Interval| raw.iter().map(|&k| series.tracks[k].mean_of(turn.from, turn.to).powi(2)).sum::<f64>();
-    let mut turns: Vec<(f64, Interval)> = found.iter().map(|turn| (level(turn), *turn)).collect();
-    turns.sort_by(|a, b| b.0.total_cmp(&a.0));
-    turns.truncate(TURNS);
+    let mut turns: Vec<Interval> = found.to_vec();
+    turns.sort_by(|a, b| level(b).total_cmp(&level(a)));
+    let fastest = turns::TURN_ARCSEC / PARTS / series.block_s;
+    let at = |turn: &Interval, times: f64| {
+        let rates = told(turn).into_iter().map(|rate| rate * times);
+        rates.filter(|rate| *rate < fastest).collect::<Vec<f64>>()
+    };
     let explains = |times: f64| {
-        let fastest = turns::TURN_ARCSEC / PARTS / series.block_s;
-        let is_explained = |(_, turn): &(f64, Interval)| {
-            let rates: Vec<f64> = told(turn).iter().map(|rate| rate * times).filter(|rate| *rate < fastest).collect();
-            turns::likeliest(series, &raw, *turn, &rates).is_some()
+        let sampled = turns.iter().map(|turn| (turn, at(turn, times))).filter(|(_, rates)| !rates.is_empty());
+        let asked: Vec<(&Interval, Vec<f64>)> = sampled.take(TURNS).collect();
+        let is_explained = |(turn, rates): &(&Interval, Vec<f64>)| {
+            let duration_s = series.time_s[turn.to - 1] - series.time_s[turn.from];
+            let is_told = (times - 1.0).abs() < OTHER_UNIT;
+            let far = |rate: &&f64| is_told || **rate * duration_s >= ROUNDS * turns::TURN_ARCSEC;
+            let rates: Vec<f64> = rates.iter().filter(far).copied().collect();
+            turns::likeliest(series, &raw, **turn, &rates).is_some()
         };
-        turns.len() == TURNS && turns.iter().all(is_explained)
+        asked.len() == TURNS && asked.iter().all(is_explained)
     };
     if explains(1.0) {
         return (true, None);
@@ -104,8 +119,10 @@ fn by_swing(log: &Gathered, found: &[Interval], programme: Option<&[Position]>) 
             own > 0.0 && (times - 1.0).abs() > OTHER_UNIT && explains(times)
         })
     };
-    let rate = other(Quantity::Rate, log.rate_factor).map(|unit| message!("rate_other_unit", unit = *unit));
-    let time = || other(Quantity::Time, log.time_factor).map(|unit| message!("time_other_unit", unit = *unit));
+    // The unit of the rate is known by the programme, where there is one.
+    let of_rate = if programme.is_some() { None } else { other(Quantity::Rate, log.rate_factor) };
+    let rate = of_rate.map(|unit| message!("rate_other_unit", unit = *unit));
+    let time = || other(Quantity::Time, log.time_unit_s).map(|unit| message!("time_other_unit", unit = *unit));
     (false, rate.or_else(time))
 }
 
@@ -138,7 +155,9 @@ pub fn of_other_unit(log: &Gathered, programme: Option<&[Position]>) -> Option<M
     };
     let fastest = |rates: &[f64]| rates.iter().copied().fold(0.0, f64::max);
     let times = fastest(&seen) / fastest(&told);
-    if all_at(1.0) || !all_at(times) {
+    // Few turns are off by one factor whatever the cause.
+    let is_few = programme.is_none() && turns.len() < TURNS;
+    if is_few || all_at(1.0) || !all_at(times) {
         return None;
     }
     let is_unit = |name: &&&str| {

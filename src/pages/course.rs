@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
 use super::figure;
-use super::history_plot::list;
+use super::history_plot::{MOST_FLAGS, list};
 use super::layout::symbol;
 use crate::core::time::UtcMicros;
 
@@ -53,8 +53,9 @@ impl Course<'_> {
             span { (symbol(self.symbol)) ", " (self.unit) }
             @if budget.is_some() { span.quiet { (self.of_budget) } }
         };
-        let flags: Vec<Flag> = self.marks.iter().enumerate().map(flag).collect();
-        let named = list(&flags);
+        let earlier = self.marks.len().saturating_sub(MOST_FLAGS);
+        let flags: Vec<Flag> = self.marks.iter().enumerate().skip(earlier).map(flag).collect();
+        let named = if self.points.is_empty() { Markup::default() } else { list(&flags) };
         let label = format!("{} {}", self.name, self.symbol);
         let chart = Chart {
             around: budget.unwrap_or(1e-3),
@@ -94,7 +95,7 @@ mod tests {
         let heights: Vec<f64> =
             drawn.split("cy=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse().unwrap()).collect();
         assert!(heights[1] < heights[0], "{heights:?}");
-        let none = Course { points: vec![], lines: vec![], marks: vec![], ..course };
+        let none = Course { points: vec![], lines: vec![], ..course };
         assert_eq!(none.markup().into_string(), "");
     }
 }

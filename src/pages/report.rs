@@ -2,7 +2,7 @@
 //! plots drawn by the service; the style sheet keeps what belongs together on one sheet of paper.
 
 use std::collections::BTreeSet;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use axum::extract::Path;
 use axum::response::Response;
@@ -25,26 +25,27 @@ use crate::{system, words};
 
 /// Calibrations that a report on a gyro lists; all are in its pictures.
 const ROWS: usize = super::gyro::MOST_ROWS;
-/// How long a report waits for the diagnosis of a history: paper has no page to turn to.
-const PATIENCE: Duration = Duration::from_secs(10);
+/// How long a report waits for the diagnoses of all its histories: paper has no page to turn to.
+pub(super) const PATIENCE: Duration = Duration::from_secs(10);
 
 pub(super) async fn gyro(
     Visit { ref pages, ref viewer }: Visit,
     Path(serial): Path<String>,
 ) -> Result<Response, Problem> {
-    Ok(viewer.show_for_paper(&of_gyro(pages, viewer, &serial).await?, &[&serial]))
+    Ok(viewer.show_for_paper(&of_gyro(pages, viewer, &serial, Instant::now() + PATIENCE).await?, &[&serial]))
 }
 
 pub(super) async fn imu(Visit { ref pages, ref viewer }: Visit, Path(imu): Path<String>) -> Result<Response, Problem> {
     Ok(viewer.show_for_paper(&of_imu(pages, viewer, &imu).await?, &[&imu]))
 }
 
-pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, Problem> {
+/// Of one gyro, with the cause of its changes where that is found by `until`.
+pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str, until: Instant) -> Result<Page, Problem> {
     let t = viewer.text();
     let number = known(pages, serial)?;
     let view = View::whole(pages.config.judging.method);
     let facts = Facts::of(pages, number, serial, &view, 0).await?;
-    let explained = explained(pages, number, serial, &facts, PATIENCE).await?;
+    let explained = explained(pages, number, serial, &facts, until.saturating_duration_since(Instant::now())).await?;
     let rested_on = rested_on(pages, &facts).await?;
     let parameters = match facts.course.figures.last() {
         Some(newest) => imu::parameters_of(pages, t, newest.record, Some(serial)).await?,
@@ -191,10 +192,18 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
     let t = viewer.text();
     let found = imu::Facts::of(pages, viewer, name).await?;
     let view = View::whole(pages.config.judging.method);
+    let until = Instant::now() + PATIENCE;
     let mut gyros = Vec::new();
     for standing in &found.seats.now {
         let facts = Facts::of(pages, standing.number, &standing.serial, &view, 0).await?;
-        let explained = explained(pages, standing.number, &standing.serial, &facts, PATIENCE).await?;
+        let explained = explained(
+            pages,
+            standing.number,
+            &standing.serial,
+            &facts,
+            until.saturating_duration_since(Instant::now()),
+        )
+        .await?;
         gyros.push((standing.serial.clone(), facts, explained));
     }
     let names = pages.pipeline.queries.names();

@@ -1,5 +1,7 @@
 //! `/reports`: the reports on several gyros, each on sheets of its own.
 
+use std::time::Instant;
+
 use axum::response::Response;
 use maud::html;
 
@@ -19,9 +21,10 @@ pub(super) async fn page(
     let serials = asked.iter().filter(|(name, _)| name == "gyro").map(|(_, serial)| serial.as_str());
     let serials: Vec<&str> = serials.take(MOST).collect();
     let t = viewer.text();
+    let until = Instant::now() + report::PATIENCE;
     let mut sheets = Vec::new();
     for serial in &serials {
-        sheets.push(report::of_gyro(pages, viewer, serial).await?.body);
+        sheets.push(report::of_gyro(pages, viewer, serial, until).await?.body);
     }
     let body = html! {
         @if sheets.is_empty() { h1 { (t.reports) } p.lead { (t.none_selected) } }

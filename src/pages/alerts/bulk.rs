@@ -147,8 +147,8 @@ fn form(viewer: &Viewer, said: &Said, found: &[AlertBody], faults: &Faults) -> P
         h1 { (t.bulk_title) }
         (fault_list(t, faults))
         @if found.is_empty() { p.lead { (t.no_alerts) } } @else { (table(viewer, found.iter(), true, None)) }
-        p.note { strong { (t.acknowledge) (t.colon) } " " (t.acknowledge_what) }
-        p.note { strong { (t.silence) (t.colon) } " " (t.silence_what) }
+        p.note { strong { (t.acknowledge) (t.colon) } (t.acknowledge_what) }
+        p.note { strong { (t.silence) (t.colon) } (t.silence_what) }
         form.deed action="/alerts/bulk" method="post" {
             input type="hidden" name="back" value=(said.back());
             @for alert in found { input type="hidden" name="alert" value=(alert.id); }

@@ -65,7 +65,7 @@ pub(in crate::pages) async fn page(
                 input type="hidden" name="deed" value="comment";
                 input type="hidden" name="back" value=(here);
                 label { (t.who) input name="by" value=(viewer.signed_in.as_deref().unwrap_or_default()) required maxlength="128" autocomplete="name"; }
-                label { (t.comment) textarea name="reason" rows="3" required maxlength="4096" {} }
+                label { (t.reason_word) textarea name="reason" rows="3" required maxlength="4096" {} }
                 p { button.primary { (t.comment) } }
             }
         }

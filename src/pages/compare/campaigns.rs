@@ -78,18 +78,21 @@ fn pairs(both: &[StoredCampaign; 2]) -> Vec<(Slot, &GyroFitBody, &GyroFitBody)> 
 /// What lies beyond three standard deviations, slot by slot.
 fn differing(t: &Text, both: &[StoredCampaign; 2], pairs: &[(Slot, &GyroFitBody, &GyroFitBody)]) -> Markup {
     let of_slot = |(slot, a, b): &(Slot, &GyroFitBody, &GyroFitBody)| {
-        let far = lines(both, *slot, a, b).into_iter().filter_map(|line| Some((line.over_sd()?, line.name)));
-        let far = far.filter(|(over, _)| beyond(*over).is_some_and(|(class, _)| class == FAR));
-        far.map(|(over, name)| (slot.name(), name, over)).collect::<Vec<_>>()
+        let compared = lines(both, *slot, a, b).into_iter().filter_map(|line| Some((line.over_sd()?, line.name)));
+        compared.map(|(over, name)| (slot.name(), name, over)).collect::<Vec<_>>()
     };
-    let all: Vec<_> = pairs.iter().flat_map(of_slot).collect();
+    let compared: Vec<_> = pairs.iter().flat_map(of_slot).collect();
+    let is_far = |(.., over): &&(&str, String, f64)| beyond(*over).is_some_and(|(class, _)| class == FAR);
+    let far: Vec<_> = compared.iter().filter(is_far).collect();
     html! {
-        p.lead {
-            @if all.is_empty() { (t.differs_nowhere) } @else {
-                (t.differs) (t.colon)
-                @for (k, (slot, name, over)) in all.iter().enumerate() {
-                    @if k > 0 { (t.semicolon) }
-                    span.nowrap { (slot) " " (symbol(name)) " " (figure::signed(*over, 1)) " σ" }
+        @if !compared.is_empty() {
+            p.lead {
+                @if far.is_empty() { (t.differs_nowhere) } @else {
+                    (t.differs) (t.colon)
+                    @for (k, (slot, name, over)) in far.iter().enumerate() {
+                        @if k > 0 { (t.semicolon) }
+                        span.nowrap { (slot) " " (symbol(name)) " " (figure::signed(*over, 1)) " σ" }
+                    }
                 }
             }
         }

@@ -29,7 +29,7 @@ pub(crate) struct Errors {
     pub floor: f64,
     /// Number of dwells predicted.
     pub count: usize,
-    /// What the effects take of the dwells as they are fitted.
+    /// What the effects take of the dwells as they are fitted, beyond what their coefficients take of noise.
     pub taken: f64,
     /// What they leave of those beyond noise, and its degrees of freedom.
     pub left: f64,
@@ -51,7 +51,7 @@ pub(crate) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: 
         let noise = if remains && frame.noise.stated { variance.min(1.0) } else { variance };
         let (before, after) = (dot(&plain, &plain) / noise, dot(&augmented, &augmented) / noise);
         let dof = frame.dwells().saturating_sub(with.rank()) as f64;
-        errors.taken += before - after;
+        errors.taken += before - after - with.rank().saturating_sub(without.rank()) as f64;
         errors.left += after - dof;
         errors.dof += dof;
         let lost: Vec<usize> = asked.iter().filter(|part| part.members[j]).filter_map(|part| part.dwell()).collect();

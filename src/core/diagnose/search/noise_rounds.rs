@@ -157,7 +157,7 @@ impl Settled {
         let bank = Bank::closer(&plain.frame, &plain.more);
         let mut closer = Self {
             frame: plain.frame.clone(),
-            noise: NoiseModels::of(&plain.frame, &bank, &plain.found, &plain.more),
+            noise: NoiseModels::of(&plain.frame, &plain.bank, &plain.found, &plain.more),
             bank,
             null: plain.null.clone(),
             threshold: plain.threshold,

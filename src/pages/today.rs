@@ -324,11 +324,12 @@ impl<'a> Approaching<'a> {
             div.scroll tabindex="0" { table.lines { tbody { @for one in &self.first {
                 @let Approach { standing, due } = one;
                 tr {
-                    td.nowrap {
-                        strong { (day(due.at)) } @if due.provisional { " ?" }
+                    td {
+                        strong.nowrap { (day(due.at)) @if due.provisional { " ?" } }
                         div.quiet {
                             @let [early, late] = due.between;
-                            @if let Some(early) = early { (day(early)) } " … " @if let Some(late) = late { (day(late)) } @else { (t.never) }
+                            span.nowrap { @if let Some(early) = early { (day(early)) } " …" } " "
+                            span.nowrap { @if let Some(late) = late { (day(late)) } @else { (t.never) } }
                         }
                     }
                     (gyro(standing, false, names))

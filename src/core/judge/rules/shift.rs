@@ -25,8 +25,8 @@ const CLIPPED_AT: f64 = 3.0;
 ///
 /// Scatter comes from the cells before (clipped at three robust scatters, so that single outliers have no part),
 /// drawn towards a tenth of the budget with the weight of five cells, and no smaller than a twentieth of it;
-/// correlation and walk are the fleet's ([`crate::core::judge::Noise`]), and so is what stations differ by, where the
-/// cells are of several. `confirmed` is never set: three campaigns have spoken already.
+/// correlation and walk are the fleet's ([`crate::core::judge::NoiseParameters`]), and so is what stations differ by,
+/// where the cells are of several. `confirmed` is never set: three campaigns have spoken already.
 pub(crate) fn shift(case: &Case<'_>, limits: &ShiftLimits) -> Verdict {
     let points = case.points();
     if points.len() < SHIFT_MIN_CELLS {

@@ -6,6 +6,7 @@ use std::time::Duration;
 use axum::extract::Path;
 use maud::{Markup, html};
 use serde::Deserialize;
+use tokio::time::Instant;
 
 use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
 use super::text::Text;
@@ -120,7 +121,7 @@ pub(super) async fn page(
     let view = View::asked(&asked.view, judged);
     let skip = asked.skip.parse().unwrap_or(0);
     let facts = Facts::of(pages, number, serial, &view, skip).await?;
-    let explained = explained(pages, number, serial, &facts, PATIENCE).await?;
+    let explained = explained(pages, number, serial, &facts, Instant::now() + PATIENCE).await?;
     let names = pages.pipeline.queries.names();
     let judges = !facts.verdicts.is_empty() || !facts.alerts.is_empty();
     let body = html! {
@@ -141,18 +142,18 @@ pub(super) async fn page(
 /// How long the page waits for the diagnosis of the history; it has a page of its own.
 const PATIENCE: Duration = Duration::from_millis(400);
 
-/// Why its coefficients changed; none for a gyro without calibrations, and where that takes longer than `patience`.
+/// Why its coefficients changed; none for a gyro without calibrations, and where it is not found by `until`.
 pub(super) async fn explained(
     pages: &Pages,
     number: u32,
     serial: &str,
     facts: &Facts,
-    patience: Duration,
+    until: Instant,
 ) -> Result<Option<ExplainedHistory>, Problem> {
     if facts.course.figures.is_empty() {
         return Ok(None);
     }
-    let explained = tokio::time::timeout(patience, pages.pipeline.queries.histories.explain(number, serial)).await;
+    let explained = tokio::time::timeout_at(until, pages.pipeline.queries.histories.explain(number, serial)).await;
     Ok(explained.ok().transpose()?)
 }
 

@@ -2,11 +2,12 @@
 //! plots drawn by the service; the style sheet keeps what belongs together on one sheet of paper.
 
 use std::collections::BTreeSet;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use axum::extract::Path;
 use axum::response::Response;
 use maud::{Markup, html};
+use tokio::time::Instant;
 
 use super::gyro::{Facts, agreement, calibration_table, explained, known};
 use super::layout::{DRIFTS, Page, Section, instant, symbol};
@@ -45,7 +46,7 @@ pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str, until:
     let number = known(pages, serial)?;
     let view = View::whole(pages.config.judging.method);
     let facts = Facts::of(pages, number, serial, &view, 0).await?;
-    let explained = explained(pages, number, serial, &facts, until.saturating_duration_since(Instant::now())).await?;
+    let explained = explained(pages, number, serial, &facts, until).await?;
     let rested_on = rested_on(pages, &facts).await?;
     let parameters = match facts.course.figures.last() {
         Some(newest) => imu::parameters_of(pages, t, newest.record, Some(serial)).await?,
@@ -196,14 +197,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
     let mut gyros = Vec::new();
     for standing in &found.seats.now {
         let facts = Facts::of(pages, standing.number, &standing.serial, &view, 0).await?;
-        let explained = explained(
-            pages,
-            standing.number,
-            &standing.serial,
-            &facts,
-            until.saturating_duration_since(Instant::now()),
-        )
-        .await?;
+        let explained = explained(pages, standing.number, &standing.serial, &facts, until).await?;
         gyros.push((standing.serial.clone(), facts, explained));
     }
     let names = pages.pipeline.queries.names();

@@ -1,9 +1,8 @@
 //! `/reports`: the reports on several gyros, each on sheets of its own.
 
-use std::time::Instant;
-
 use axum::response::Response;
 use maud::html;
+use tokio::time::Instant;
 
 use super::layout::{Page, Section};
 use super::report;

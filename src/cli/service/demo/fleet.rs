@@ -1,6 +1,7 @@
 //! A fleet to look at: a dozen IMUs, two stations, two years, and what happens to gyros in that time.
 //!
-//! Everything is drawn from one seed, so the same fleet comes out every day; only its dates count back from the last Friday.
+//! Everything is drawn from one seed, so the same fleet comes out every day; only its dates count back from the last
+//! Friday.
 //! G follows from eq. (5)'s linear terms seen through the actual triad: G = |E| (D_I I + D_S S + D_O O).
 
 use nalgebra::{Rotation3, Vector3};

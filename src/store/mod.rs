@@ -32,7 +32,7 @@ pub use crate::store::sqlite::backup::{
     Holdings, backup, check, check_all_but_records, check_checksums, open_to_read, restore,
 };
 pub use crate::store::tables::access::{AccessChanges, SessionRow, TokenRow};
-pub use crate::store::tables::alerts::{AlertOf, AlertRow, Remark, StepRow};
+pub use crate::store::tables::alerts::{AlertOf, AlertRow, ExcessRow, Remark, StepRow};
 pub use crate::store::tables::bench::BenchRow;
 pub use crate::store::tables::delivery::{
     AttemptRow, DeliveryRow, DeliverySubject, DueDelivery, NewDelivery, OutboxChanges, Part, Progress,

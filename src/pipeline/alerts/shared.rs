@@ -69,6 +69,12 @@ impl<'a> SharedAlerts<'a> {
         named.collect()
     }
 
+    /// What may explain the alerts of gyros, once what was `found` is told: what fires or will, and the gyros of batches.
+    pub fn that_explain(&self, found: &[SharedVerdict]) -> (BTreeSet<AlertOf>, Vec<u32>) {
+        let will_fire = found.iter().filter(|one| one.verdict.severity().is_some()).map(|one| one.of);
+        (self.firing().map(|row| row.of).chain(will_fire).collect(), self.mates.keys().copied().collect())
+    }
+
     fn firing_of(&self, of: AlertOf, coefficient: Coefficient) -> Option<&'a AlertRow> {
         self.alerts.get(&of)?.iter().find(|row| row.coefficient == coefficient && fires(row))
     }

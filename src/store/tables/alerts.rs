@@ -1,6 +1,6 @@
 //! Alerts, and the steps by which they came to be what they are.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use sqlx::AssertSqlSafe;
 
@@ -101,6 +101,16 @@ pub struct AlertRow {
     pub finding: String,
 }
 
+/// A gyro exceeds a limit: of its alert, what tells whether others do too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ExcessRow {
+    pub gyro: u32,
+    pub coefficient: Coefficient,
+    pub rule: Rule,
+    pub severity: Severity,
+    pub since: UtcMicros,
+}
+
 /// Something became of an alert.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepRow {
@@ -114,6 +124,10 @@ pub struct StepRow {
     pub reason: Option<String>,
     /// The alert as it then was, as clients read it, JSON.
     pub body: String,
+}
+
+columns! {
+    ExcessRow in "alert" { gyro, coefficient, rule, severity, since }
 }
 
 columns! {
@@ -396,11 +410,33 @@ pub async fn digest_began(store: &Store) -> Result<Option<UtcMicros>, StoreError
     Ok(at.map(UtcMicros))
 }
 
-/// Alerts that fire by rules of which a station or an IMU can be the cause.
-pub async fn firing_that_may_be_shared(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
+/// Alerts that fire, of gyros, by rules of which a station, a batch or an IMU can be the cause.
+pub async fn excesses(store: &Store) -> Result<Vec<ExcessRow>, StoreError> {
+    read!(store, all, AssertSqlSafe(format!("SELECT {} FROM alert WHERE {}", ExcessRow::COLUMNS, may_be_shared())))
+}
+
+/// Those of them that another alert explains, and those of gyros that one of these subjects may be the cause of: gyros
+/// that they calibrated last, or hold, or that are among `gyros`.
+pub async fn explicable(store: &Store, by: &BTreeSet<AlertOf>, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
+    let listed = |parameter: &str| store.readers.words(LISTED).replace("$1", parameter);
+    let sql = select(&format!(
+        "{} AND (inhibited_by IS NOT NULL OR alert.gyro IN ({}) OR alert.gyro IN (SELECT gyro FROM head WHERE station IN ({}))
+                 OR alert.gyro IN (SELECT gyro FROM head WHERE imu IN ({})))",
+        may_be_shared(),
+        listed("$1"),
+        listed("$2"),
+        listed("$3")
+    ));
+    let json = |numbers: Vec<u32>| serde_json::json!(numbers).to_string();
+    let stations = json(by.iter().filter_map(|of| of.station()).collect());
+    let imus = json(by.iter().filter_map(|of| of.imu()).collect());
+    read!(store, all, sql, serde_json::json!(gyros).to_string(), stations, imus)
+}
+
+fn may_be_shared() -> String {
     let rules = Rule::ALL.into_iter().filter(|rule| rule.can_be_shared());
     let rules: Vec<String> = rules.map(|rule| format!("'{}'", rule.name())).collect();
-    read!(store, all, select(&format!("status = 'firing' AND alert.rule IN ({})", rules.join(", "))))
+    format!("status = 'firing' AND alert.rule IN ({})", rules.join(", "))
 }
 
 /// Every alert, in the order in which they first fired: as many as there are troubled gyros, not records.

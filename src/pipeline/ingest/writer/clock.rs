@@ -12,7 +12,7 @@ use crate::core::judge::Rule;
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::alerts::{Naming, Pen, SharedVerdict, follow_clock};
 use crate::store;
-use crate::store::{AlertOf, Cells, Changes, Duty, StoreError};
+use crate::store::{AlertOf, AlertRow, Cells, Changes, Duty, StoreError};
 
 /// Gyros, stations and IMUs that one transaction of the clock is about.
 const AT_ONCE: usize = 1000;
@@ -128,9 +128,7 @@ impl ClockTick<'_> {
         }
         self.state.nothing_shared = None;
         self.state.alerts.recall(&self.state.store, [], now).await?;
-        let rows = store::alerts::firing_that_may_be_shared(&self.state.store).await?;
-        let found = self.shared_shifts().all(&rows).await?;
-        self.state.alerts.learn_mates(&found);
+        let (found, rows) = self.shared_and_explicable().await?;
         let is_anything = {
             let tables = self.state.store.names().read();
             let naming = Naming { tables: &tables, new: None };
@@ -151,11 +149,10 @@ impl ClockTick<'_> {
 
     async fn follow_shared_in_turn(&mut self) -> Result<(), StoreError> {
         let now = self.now;
-        let rows = store::alerts::firing_that_may_be_shared(&self.state.store).await?;
+        let (found, rows) = self.shared_and_explicable().await?;
         let gyros: BTreeSet<u32> = rows.iter().filter_map(|row| row.of.gyro()).collect();
         self.state.alerts.recall(&self.state.store, gyros, now).await?;
-        let (found, mut changes) = (self.shared_shifts().all(&rows).await?, Changes::default());
-        self.state.alerts.learn_mates(&found);
+        let mut changes = Changes::default();
         {
             let naming = Naming { tables: &self.state.store.names().read(), new: None };
             // What lies long ago is history, whenever it is found.
@@ -172,6 +169,17 @@ impl ClockTick<'_> {
         self.state.note(&mut changes, now).await?;
         self.state.enter_heads(&mut changes).await?;
         if changes.is_empty() { Ok(()) } else { self.state.commit(&changes).await }
+    }
+
+    /// What is shared, and the alerts of gyros that it explains, or did.
+    async fn shared_and_explicable(&mut self) -> Result<(Vec<SharedVerdict>, Vec<AlertRow>), StoreError> {
+        let store = &self.state.store;
+        let found = self.shared_shifts().all(&store::alerts::excesses(store).await?).await?;
+        self.state.alerts.learn_mates(&found);
+        let shared = self.state.alerts.shared();
+        let (subjects, gyros) = shared.that_explain(&found);
+        let rows = store::alerts::explicable(&self.state.store, &subjects, &gyros).await?;
+        Ok((found, rows))
     }
 
     fn shared_shifts(&self) -> SharedShifts<'_> {

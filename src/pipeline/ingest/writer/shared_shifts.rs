@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
 use crate::config::Config;
+use crate::core::alert_decision::Alert;
 use crate::core::judge::{
     Coefficient, Group, ImuQuestion, LATELY, Measured, NewestCalibration, Rule, Severity, ShiftQuestion, State,
     Verdict, group_shift, imu_shift,
@@ -16,7 +17,7 @@ use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::alerts::{AlertCache, Naming, Origin, SharedVerdict};
 use crate::pipeline::ingest::judge::{Judged, Newest};
 use crate::store;
-use crate::store::{AlertOf, AlertRow, Changes, Store, StoreError};
+use crate::store::{AlertOf, AlertRow, Changes, ExcessRow, Store, StoreError};
 
 /// Those that gyros may share, by column.
 const COEFFICIENTS: [Coefficient; 2] = [Coefficient::DI, Coefficient::DS];
@@ -31,11 +32,15 @@ struct Exceeding {
 }
 
 impl Exceeding {
-    fn of(row: &AlertRow) -> Option<Self> {
-        let alert = &row.alert;
-        row.rule.can_be_shared().then_some(())?;
-        let (gyro, column) = (row.of.gyro()?, row.coefficient.column()?);
-        Some(Self { gyro, column, since: alert.since, severity: alert.severity })
+    fn of(row: &ExcessRow) -> Option<Self> {
+        let ExcessRow { gyro, coefficient, rule, severity, since } = *row;
+        rule.can_be_shared().then_some(())?;
+        Some(Self { gyro, column: coefficient.column()?, since, severity })
+    }
+
+    fn of_alert(row: &AlertRow) -> Option<Self> {
+        let AlertRow { coefficient, rule, alert: Alert { severity, since, .. }, .. } = *row;
+        Self::of(&ExcessRow { gyro: row.of.gyro()?, coefficient, rule, severity, since })
     }
 }
 
@@ -71,7 +76,7 @@ impl SharedShifts<'_> {
         let mut exceed: Vec<Exceeding> = Vec::new();
         for newest in &found.newest {
             let firing = || self.alerts.firing(newest.gyro);
-            exceed.extend(firing().filter_map(Exceeding::of));
+            exceed.extend(firing().filter_map(Exceeding::of_alert));
             for verdict in verdicts(newest).into_iter().flatten().filter(|verdict| verdict.rule.can_be_shared()) {
                 let is_its = |row: &&AlertRow| (row.coefficient, row.rule) == (verdict.coefficient, verdict.rule);
                 let since = firing().find(is_its).map_or(newest.figures.at, |row| row.alert.since);
@@ -129,8 +134,8 @@ impl SharedShifts<'_> {
     }
 
     /// What the gyros of every station, batch and IMU have done lately, of those that have an alert, and of IMUs with a
-    /// gyro that has one, whenever that was calibrated. `firing`: alerts of gyros that may be shared.
-    pub async fn all(&self, firing: &[AlertRow]) -> Result<Vec<SharedVerdict>, StoreError> {
+    /// gyro that has one, whenever that was calibrated. `firing`: those of gyros that may be shared.
+    pub async fn all(&self, firing: &[ExcessRow]) -> Result<Vec<SharedVerdict>, StoreError> {
         let newest = self.calibrated(Span::EVER.from, None).await?;
         let exceed: Vec<Exceeding> = firing.iter().filter_map(Exceeding::of).collect();
         let exceeding: BTreeSet<u32> = exceed.iter().map(|one| one.gyro).collect();

@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use tokio::sync::mpsc;
-use tokio::time::{Interval, MissedTickBehavior, interval};
+use tokio::time::{Interval, MissedTickBehavior, interval_at};
 
 use super::admit::Memory;
 use crate::config::Config;
@@ -47,6 +47,8 @@ pub(crate) use state::{After, Duties, Task};
 
 /// How long a transaction may keep others from its cells, as far as that can be foretold.
 const TURN: Duration = Duration::from_millis(500);
+/// The clock is looked at for the first time so long after the start.
+const AFTER_START: Duration = Duration::from_secs(1);
 /// Items of one transaction, as many as are stored in a [`TURN`].
 const ITEMS: RangeInclusive<usize> = 64..=8192;
 
@@ -218,7 +220,9 @@ impl Task {
     }
 
     fn ticks(&self) -> Interval {
-        let mut ticks = interval(Duration::from_secs_f64(self.state.config.alerts.tick_s));
+        let period = Duration::from_secs_f64(self.state.config.alerts.tick_s);
+        // Of a large fleet the first takes a second: who waits for the start does not wait for that.
+        let mut ticks = interval_at(tokio::time::Instant::now() + period.min(AFTER_START), period);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
         ticks
     }

@@ -220,7 +220,7 @@ const LEAST_TOGETHER: f64 = 4.0;
 const MOST_DESCRIBED: usize = 2;
 
 /// ln of evidence that a name in time or temperature needs more where the noise has a memory.
-const UNDER_MEMORY: f64 = 8.0;
+const UNDER_MEMORY: f64 = 4.0;
 
 /// And that any name needs more where the noise does not go as stated: its law is then known from the same residuals.
 const UNDER_LAW: f64 = 2.0;

@@ -29,18 +29,6 @@ async fn on_both(change: impl Fn(&mut Config)) -> Vec<Lab> {
     labs
 }
 
-/// Changes what is stored behind the service's back; how many rows.
-async fn change(lab: &Lab, sql: &str) -> u64 {
-    let sql = AssertSqlSafe(sql.to_owned());
-    if lab.config.database.url.starts_with("sqlite") {
-        let mut connection: SqliteConnection =
-            sqlx::sqlite::SqliteConnectOptions::new().filename(lab.database()).connect().await.unwrap();
-        return sqlx::query(sql).execute(&mut connection).await.unwrap().rows_affected();
-    }
-    let mut connection = PgConnection::connect(&lab.config.database.url).await.unwrap();
-    sqlx::query(sql).execute(&mut connection).await.unwrap().rows_affected()
-}
-
 /// What a column of the row of a gyro says.
 async fn says(lab: &Lab, serial: &str, column: &str) -> String {
     let sql = AssertSqlSafe(format!("SELECT CAST({column} AS TEXT) FROM head WHERE serial = '{serial}'"));
@@ -227,25 +215,25 @@ async fn a_row_that_is_wrong_or_missing_is_found_and_limits_that_change_make_all
             ("d_i_load = d_i_load + 0.1", "d_i_load = d_i_load - 0.1"),
             ("reach_of = 'D_I', reach_at = 5", "reach_of = NULL, reach_at = NULL"),
         ] {
-            assert_eq!(change(&lab, &format!("UPDATE head SET {wrong} WHERE serial = 'B'")).await, 1);
+            assert_eq!(lab.change(&format!("UPDATE head SET {wrong} WHERE serial = 'B'")).await, 1);
             let faults = lab.verified().await.faults;
             assert!(faults.len() == 1 && faults[0].starts_with("gyro B: the table head has"), "{wrong}: {faults:?}");
-            change(&lab, &format!("UPDATE head SET {right} WHERE serial = 'B'")).await;
+            lab.change(&format!("UPDATE head SET {right} WHERE serial = 'B'")).await;
         }
-        change(&lab, "UPDATE head SET load = (SELECT load FROM head WHERE serial = 'A') WHERE serial = 'B'").await;
+        lab.change("UPDATE head SET load = (SELECT load FROM head WHERE serial = 'A') WHERE serial = 'B'").await;
         stand(&lab, "as it was before").await;
         // A start that was broken off goes on after the last that it has made.
         lab.stop().await;
         let load = says(&lab, "A", "load").await;
-        change(&lab, "UPDATE head SET load = 77 WHERE serial = 'A'").await;
-        change(&lab, "UPDATE head_made SET through = 'A'").await;
-        assert_eq!(change(&lab, "DELETE FROM head WHERE serial <> 'A'").await, 2);
+        lab.change("UPDATE head SET load = 77 WHERE serial = 'A'").await;
+        lab.change("UPDATE head_made SET through = 'A'").await;
+        assert_eq!(lab.change("DELETE FROM head WHERE serial <> 'A'").await, 2);
         lab.start().await;
         assert_eq!(says(&lab, "A", "load").await.parse(), Ok(77.0), "it was made before");
-        change(&lab, &format!("UPDATE head SET load = {load} WHERE serial = 'A'")).await;
+        lab.change(&format!("UPDATE head SET load = {load} WHERE serial = 'A'")).await;
         stand(&lab, "a start that went on").await;
         lab.stop().await;
-        assert_eq!(change(&lab, "DELETE FROM head WHERE serial = 'B'").await, 1);
+        assert_eq!(lab.change("DELETE FROM head WHERE serial = 'B'").await, 1);
         lab.start().await;
         let faults = lab.verified().await.faults;
         assert_eq!(faults, ["gyro B: is missing from the table head"]);
@@ -328,8 +316,8 @@ async fn the_fleet_is_narrowed_down_by_station_imu_rule_and_time_and_says_where_
         assert!(gyro["latest"]["reach"].is_null());
         // What stations have ever calibrated is made anew where it is missing.
         lab.stop().await;
-        change(&lab, "DELETE FROM gyro_station").await;
-        change(&lab, "UPDATE head_made SET limits = ''").await;
+        lab.change("DELETE FROM gyro_station").await;
+        lab.change("UPDATE head_made SET limits = ''").await;
         lab.start().await;
         assert_eq!(listed(&lab, "station=ST-1&station_when=ever").await, ["A", "B"]);
         stand(&lab, "made anew").await;

@@ -189,6 +189,19 @@ async fn a_station_that_shifts_is_one_alert_and_a_gyro_that_moves_by_itself_anot
     assert_eq!(lab.verified().await.faults, Vec::<String>::new());
 }
 
+#[tokio::test]
+async fn the_clock_goes_on_beside_alerts_of_a_version_that_did_not_keep_since_when() {
+    let lab = lab().await;
+    lab.clock_shows(&day(34));
+    sent(&lab, &shifted(0..6)).await;
+    become_so(&lab, |alerts| station_is(alerts, "firing") && of_gyros(alerts, "inhibited").count() >= 17).await;
+    let of_before = "UPDATE alert SET since = NULL WHERE status = 'firing' AND gyro IS NOT NULL";
+    assert!(lab.change(of_before).await >= 17);
+    lab.clock_shows(&day(41));
+    sent(&lab, &(0..6).map(|imu| calibrated(imu, 35 + imu, "ST-2", |_| 0.0)).collect::<Vec<_>>()).await;
+    become_so(&lab, |alerts| station_is(alerts, "resolved")).await;
+}
+
 /// As a person sees it, on the clock of this machine.
 #[tokio::test]
 async fn pages_show_the_station_and_what_its_alert_explains() {

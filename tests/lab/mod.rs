@@ -27,6 +27,8 @@ use gyrowatch::wire::time;
 use reqwest::header::{CONTENT_TYPE, HeaderMap};
 use reqwest::{Client, Method, RequestBuilder};
 use serde_json::{Value, json};
+use sqlx::sqlite::SqliteConnectOptions;
+use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection};
 use tempfile::TempDir;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
@@ -125,6 +127,17 @@ impl Lab {
         let verified = reading.queries.records.verify().await.expect("all can be read");
         store.close().await;
         verified
+    }
+
+    /// Changes what is stored behind the service's back; how many rows.
+    pub async fn change(&self, sql: &str) -> u64 {
+        let sql = AssertSqlSafe(sql.to_owned());
+        if self.config.database.url.starts_with("sqlite") {
+            let mut connection = SqliteConnectOptions::new().filename(self.database()).connect().await.unwrap();
+            return sqlx::query(sql).execute(&mut connection).await.unwrap().rows_affected();
+        }
+        let mut connection = PgConnection::connect(&self.config.database.url).await.unwrap();
+        sqlx::query(sql).execute(&mut connection).await.unwrap().rows_affected()
     }
 
     pub fn database(&self) -> PathBuf {

@@ -72,7 +72,10 @@ impl<'a> SharedAlerts<'a> {
     /// What may explain the alerts of gyros, once what was `found` is told: what fires or will, and the gyros of batches.
     pub fn that_explain(&self, found: &[SharedVerdict]) -> (BTreeSet<AlertOf>, Vec<u32>) {
         let will_fire = found.iter().filter(|one| one.verdict.severity().is_some()).map(|one| one.of);
-        (self.firing().map(|row| row.of).chain(will_fire).collect(), self.mates.keys().copied().collect())
+        let subjects: BTreeSet<AlertOf> = self.firing().map(|row| row.of).chain(will_fire).collect();
+        let is_of_these = |(_, batch): &(&u32, &u32)| subjects.contains(&AlertOf::Batch(**batch));
+        let gyros = self.mates.iter().filter(is_of_these).map(|(gyro, _)| *gyro).collect();
+        (subjects, gyros)
     }
 
     fn firing_of(&self, of: AlertOf, coefficient: Coefficient) -> Option<&'a AlertRow> {

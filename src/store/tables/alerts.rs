@@ -412,16 +412,25 @@ pub async fn digest_began(store: &Store) -> Result<Option<UtcMicros>, StoreError
 
 /// Alerts that fire, of gyros, by rules of which a station, a batch or an IMU can be the cause.
 pub async fn excesses(store: &Store) -> Result<Vec<ExcessRow>, StoreError> {
-    read!(store, all, AssertSqlSafe(format!("SELECT {} FROM alert WHERE {}", ExcessRow::COLUMNS, may_be_shared())))
+    read!(
+        store,
+        all,
+        AssertSqlSafe(format!(
+            "SELECT gyro, coefficient, rule, severity, coalesce(since, fired_at) AS since FROM alert WHERE {}",
+            may_be_shared()
+        ))
+    )
 }
 
 /// Those of them that another alert explains, and those of gyros that one of these subjects may be the cause of: gyros
-/// that they calibrated last, or hold, or that are among `gyros`.
+/// that they calibrated last, or hold, or that are among `gyros`, or whose newest calibration is not the one that their
+/// alert tells of.
 pub async fn explicable(store: &Store, by: &BTreeSet<AlertOf>, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
     let listed = |parameter: &str| store.readers.words(LISTED).replace("$1", parameter);
     let sql = select(&format!(
         "{} AND (inhibited_by IS NOT NULL OR alert.gyro IN ({}) OR alert.gyro IN (SELECT gyro FROM head WHERE station IN ({}))
-                 OR alert.gyro IN (SELECT gyro FROM head WHERE imu IN ({})))",
+                 OR alert.gyro IN (SELECT gyro FROM head WHERE imu IN ({}))
+                 OR NOT EXISTS (SELECT 1 FROM head WHERE head.gyro = alert.gyro AND head.calibrated_at = alert.record_at))",
         may_be_shared(),
         listed("$1"),
         listed("$2"),

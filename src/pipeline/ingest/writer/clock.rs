@@ -127,7 +127,6 @@ impl ClockTick<'_> {
             return Ok(());
         }
         self.state.nothing_shared = None;
-        self.state.alerts.recall(&self.state.store, [], now).await?;
         let (found, rows) = self.shared_and_explicable().await?;
         let is_anything = {
             let tables = self.state.store.names().read();
@@ -173,6 +172,7 @@ impl ClockTick<'_> {
 
     /// What is shared, and the alerts of gyros that it explains, or did.
     async fn shared_and_explicable(&mut self) -> Result<(Vec<SharedVerdict>, Vec<AlertRow>), StoreError> {
+        self.state.alerts.recall(&self.state.store, [], self.now).await?;
         let store = &self.state.store;
         let found = self.shared_shifts().all(&store::alerts::excesses(store).await?).await?;
         self.state.alerts.learn_mates(&found);

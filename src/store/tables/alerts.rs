@@ -436,10 +436,10 @@ pub async fn explicable(store: &Store, by: &BTreeSet<AlertOf>, gyros: &[u32]) ->
         listed("$2"),
         listed("$3")
     ));
-    let json = |numbers: Vec<u32>| serde_json::json!(numbers).to_string();
-    let stations = json(by.iter().filter_map(|of| of.station()).collect());
-    let imus = json(by.iter().filter_map(|of| of.imu()).collect());
-    read!(store, all, sql, serde_json::json!(gyros).to_string(), stations, imus)
+    let json = |numbers: &[u32]| serde_json::json!(numbers).to_string();
+    let stations: Vec<u32> = by.iter().filter_map(|of| of.station()).collect();
+    let imus: Vec<u32> = by.iter().filter_map(|of| of.imu()).collect();
+    read!(store, all, sql, json(gyros), json(&stations), json(&imus))
 }
 
 fn may_be_shared() -> String {

@@ -173,11 +173,10 @@ impl ClockTick<'_> {
     /// What is shared, and the alerts of gyros that it explains, or did.
     async fn shared_and_explicable(&mut self) -> Result<(Vec<SharedVerdict>, Vec<AlertRow>), StoreError> {
         self.state.alerts.recall(&self.state.store, [], self.now).await?;
-        let store = &self.state.store;
-        let found = self.shared_shifts().all(&store::alerts::excesses(store).await?).await?;
+        let excesses = store::alerts::excesses(&self.state.store).await?;
+        let found = self.shared_shifts().all(&excesses).await?;
         self.state.alerts.learn_mates(&found);
-        let shared = self.state.alerts.shared();
-        let (subjects, gyros) = shared.that_explain(&found);
+        let (subjects, gyros) = self.state.alerts.shared().that_explain(&found);
         let rows = store::alerts::explicable(&self.state.store, &subjects, &gyros).await?;
         Ok((found, rows))
     }

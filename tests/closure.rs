@@ -36,7 +36,17 @@ fn the_paper_s_tables_have_a_gap_of_one_class_and_say_what_would_tell_it_apart()
     for next in answer["next_measurements"].as_array().unwrap() {
         assert_eq!(next["separates"], json!(["output_axis_g", "mount_clocking"]));
     }
-    assert!(answer["next_measurements"][0]["measurement"].as_str().unwrap().contains("after D_S has changed"));
+    let first = &answer["next_measurements"][0];
+    assert_eq!(
+        (&first["code"], first["parameters"]["changes"].as_array().unwrap().len()),
+        (&json!("closure_after_change"), 3)
+    );
+    assert!(
+        first["measurement"].as_str().unwrap().contains("after D_S has changed (G1 by 1.83, G2 by 0.50,"),
+        "{first}"
+    );
+    let codes: Vec<&Value> = answer["note_codes"].as_array().unwrap().iter().map(|note| &note["code"]).collect();
+    assert_eq!(codes, ["closure_without_deviations", "closure_is_not_tested"]);
 }
 
 #[test]

@@ -6,7 +6,11 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::core::diagnose::{CLOSURE_CLASS, ClosureDiagnosis, GyroClosure};
+use crate::core::message::{Message, figure, list};
 use crate::core::mounting::Slot;
+use crate::message;
+use crate::wire::message::MessageBody;
+use crate::words::asked;
 
 const D_O_UNIT: &str = "deg/(h*g0)";
 
@@ -20,7 +24,11 @@ pub struct ClosureBody {
     pub effects: Vec<ClosureEffectBody>,
     pub impact: Vec<ClosureImpactBody>,
     pub next_measurements: Vec<MeasurementBody>,
+    /// In the language that the request asks for.
     pub notes: Vec<String>,
+    /// The notes for programs.
+    #[serde(default)]
+    pub note_codes: Vec<MessageBody>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -87,7 +95,11 @@ pub struct ClosureImpactBody {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MeasurementBody {
+    /// In the language that the request asks for.
     pub measurement: String,
+    /// The same for programs.
+    #[serde(flatten)]
+    pub message: MessageBody,
     pub separates: Vec<String>,
 }
 
@@ -96,16 +108,9 @@ impl From<&ClosureDiagnosis> for ClosureBody {
         let total: f64 = d.gyros.iter().map(|g| g.d_o * g.d_o).sum();
         let out: Vec<&GyroClosure> = d.gyros.iter().filter(|g| g.stands_out).collect();
         let p_values = d.gyros.iter().filter_map(|g| g.p_value);
-        let mut notes = Vec::new();
-        if d.gyros.iter().any(|g| g.sd.is_none()) {
-            notes.push(
-                "the record states no standard deviations of E and G: a closure counts where it exceeds the budget"
-                    .to_owned(),
-            );
-        }
-        if !out.is_empty() {
-            notes.push("one number a gyro closes itself: nothing can be held out, and neither reading is tested by this record".to_owned());
-        }
+        let unstated = d.gyros.iter().any(|g| g.sd.is_none()).then(|| message!("closure_without_deviations"));
+        let untested = (!out.is_empty()).then(|| message!("closure_is_not_tested"));
+        let notes: Vec<Message> = unstated.into_iter().chain(untested).collect();
         Self {
             verdict: d.verdict.name().to_owned(),
             gap: ClosureGapBody {
@@ -117,7 +122,8 @@ impl From<&ClosureDiagnosis> for ClosureBody {
             effects: if out.is_empty() { Vec::new() } else { vec![ClosureEffectBody::of(&out)] },
             impact: out.iter().map(|g| ClosureImpactBody::of(g)).collect(),
             next_measurements: if out.is_empty() { Vec::new() } else { measurements(&out) },
-            notes,
+            notes: notes.iter().map(|note| asked().words(note)).collect(),
+            note_codes: notes.iter().map(|note| MessageBody::of(note, asked())).collect(),
         }
     }
 }
@@ -182,25 +188,17 @@ fn class() -> Vec<String> {
 
 /// What would take the class apart, the cheapest first.
 fn measurements(out: &[&GyroClosure]) -> Vec<MeasurementBody> {
-    let by = |g: &&GyroClosure| g.telling_change.map(|change| format!("{} by {change:.2}", g.slot.name()));
-    let changes: Vec<String> = out.iter().filter_map(by).collect();
-    let mut list = Vec::new();
-    if !changes.is_empty() {
-        list.push(format!(
-            "another calibration after D_S has changed ({} deg/(h g0)): a clocked D_O moves in proportion to D_S, a true one stays; \
-             the gyro's own diagnosis asks its history for this",
-            changes.join(", ")
-        ));
-    }
-    list.push(
-        "the gyro taken out, seated again and the IMU calibrated anew: a clocking of the seat changes with the seating, a \
-         true D_O comes back as it was"
-            .to_owned(),
-    );
-    list.push(
-        "a single-gyro bench test on a fixture that takes S from the case's own reference face: it gives D_S and D_O in \
-         the gyro's own axes"
-            .to_owned(),
-    );
-    list.into_iter().map(|measurement| MeasurementBody { measurement, separates: class() }).collect()
+    let change = |g: &&GyroClosure| {
+        g.telling_change.map(|change| message!("closure_of_change", slot = g.slot.name(), change = figure(change, 2)))
+    };
+    let changes: Vec<Message> = out.iter().filter_map(change).collect();
+    let by_change = (!changes.is_empty()).then(|| message!("closure_after_change", changes = list(changes)));
+    let others = [message!("closure_seated_again"), message!("closure_on_bench")];
+    let all = by_change.into_iter().chain(others);
+    let body = |measurement: Message| MeasurementBody {
+        measurement: asked().words(&measurement),
+        message: MessageBody::of(&measurement, asked()),
+        separates: class(),
+    };
+    all.map(body).collect()
 }

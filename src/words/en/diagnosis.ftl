@@ -246,6 +246,15 @@ diagnosis_partly_explained = Partly explained by the causes below. Significant r
 diagnosis_unexplained = Unexplained: no effect in the catalogue accounts for the gap.
 diagnosis_by_pattern = The residuals are no larger than noise alone would leave. The gap shows in their pattern over the dwells, not in their size.
 
+## What the closure of a record says
+
+closure_without_deviations = the record states no standard deviations of E and G: a closure counts where it exceeds the budget
+closure_is_not_tested = one number a gyro closes itself: nothing can be held out, and neither reading is tested by this record
+closure_of_change = { $slot } by { $change }
+closure_after_change = another calibration after D_S has changed ({ $changes } deg/(h g0)): a clocked D_O moves in proportion to D_S, a true one stays; the gyro's own diagnosis asks its history for this
+closure_seated_again = the gyro taken out, seated again and the IMU calibrated anew: a clocking of the seat changes with the seating, a true D_O comes back as it was
+closure_on_bench = a single-gyro bench test on a fixture that takes S from the case's own reference face: it gives D_S and D_O in the gyro's own axes
+
 ## A forecast that failed
 
 campaign_outside_forecast = Outside its forecast: { $slot } has rms(error/sd) { $rms }, p { $p } over all gyros. Something has changed that the model does not hold.

@@ -246,6 +246,15 @@ diagnosis_partly_explained = 差异部分由下列原因解释，仍有显著残
 diagnosis_unexplained = 差异未得到解释：目录中没有能说明它的效应。
 diagnosis_by_pattern = 残差并不大于噪声所应留下的残差。差异体现在残差随测点的形态上，而不是大小上。
 
+## 记录的闭合差说明什么
+
+closure_without_deviations = 记录未给出E与G的标准差：闭合差超出允许范围即计入
+closure_is_not_tested = 每个陀螺仅有的一个数由其自身闭合：没有可留出的数据，本记录对两种解释均未作检验
+closure_of_change = { $slot } { $change }
+closure_after_change = 在D_S变化后（{ $changes } (°)/(h·g0)）再次标定：转角引起的D_O随D_S按比例变化，真实的D_O不变；陀螺自身的诊断据其履历检验这一点
+closure_seated_again = 拆下陀螺重新安装并重新标定IMU：安装座的转角随重新安装而改变，真实的D_O保持不变
+closure_on_bench = 在以壳体基准面定S轴的夹具上作单表测试：得到陀螺自身轴系中的D_S与D_O
+
 ## 未应验的预报
 
 campaign_outside_forecast = 本次试验超出预报：{ $slot } 误差与标准差之比的均方根 { $rms }，各陀螺合计 p { $p }。模型之外的某项已改变。

@@ -13,6 +13,7 @@ use crate::alert::message::{AlertTransition, HookEvent, HookMessage};
 use crate::core::alert_decision::Action;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::wire::alert::AlertBody;
 use crate::wire::{time, unit};
 use crate::words::asked;
@@ -171,7 +172,7 @@ fn of_alert(alert: &AlertBody, severity: &str, ends_at: &str, context: &Context<
 }
 
 fn test_alert(message: &HookMessage, context: &Context<'_>, ends_at: &str) -> PostedAlert {
-    let summary = format!("Test of the hook {}: nothing is wrong", context.hook);
+    let summary = asked().words(&message!("mail_test", hook = context.hook.to_owned()));
     PostedAlert {
         labels: Labels::from([("alertname", "GyrowatchTest".to_owned()), ("severity", "none".to_owned())]),
         annotations: Labels::from([("summary", summary)]),

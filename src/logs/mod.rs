@@ -22,8 +22,9 @@ pub mod report;
 mod sampling;
 pub mod sheet;
 pub mod source;
-#[cfg(test)]
-mod tests;
 pub mod text;
 mod turning;
 mod units;
+
+#[cfg(test)]
+mod tests;

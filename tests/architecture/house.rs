@@ -250,7 +250,23 @@ fn names_of(path: &syn::Path) -> Vec<String> {
     path.segments.iter().map(|segment| segment.ident.to_string()).collect()
 }
 
-fn is_for_tests(attributes: &[syn::Attribute]) -> bool {
+/// Whether an item is compiled for unit tests alone.
+pub fn is_for_tests(item: &syn::Item) -> bool {
+    use syn::Item;
+    let attributes = match item {
+        Item::Const(i) => &i.attrs,
+        Item::Enum(i) => &i.attrs,
+        Item::Fn(i) => &i.attrs,
+        Item::Impl(i) => &i.attrs,
+        Item::Macro(i) => &i.attrs,
+        Item::Mod(i) => &i.attrs,
+        Item::Static(i) => &i.attrs,
+        Item::Struct(i) => &i.attrs,
+        Item::Trait(i) => &i.attrs,
+        Item::Type(i) => &i.attrs,
+        Item::Use(i) => &i.attrs,
+        _ => return false,
+    };
     attributes
         .iter()
         .any(|a| a.path().is_ident("cfg") && a.meta.require_list().is_ok_and(|l| l.tokens.to_string() == "test"))
@@ -293,16 +309,7 @@ impl Source {
 impl<'ast> Visit<'ast> for Source {
     fn visit_item(&mut self, item: &'ast syn::Item) {
         use syn::Item;
-        let attributes = match item {
-            Item::Mod(i) => &i.attrs,
-            Item::Fn(i) => &i.attrs,
-            Item::Use(i) => &i.attrs,
-            Item::Impl(i) => &i.attrs,
-            Item::Struct(i) => &i.attrs,
-            Item::Const(i) => &i.attrs,
-            _ => &Vec::new(),
-        };
-        if is_for_tests(attributes) {
+        if is_for_tests(item) {
             return;
         }
         match item {

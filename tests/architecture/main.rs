@@ -76,6 +76,14 @@ fn production(text: &str) -> &str {
     text.find("\n#[cfg(test)]").map_or(text, |end| &text[..end])
 }
 
+/// What `production` would not show: items after those for unit tests.
+fn code_after_unit_tests(text: &str) -> Vec<String> {
+    let items = syn::parse_file(text).unwrap().items;
+    let hidden = items.iter().skip_while(|item| !house::is_for_tests(item)).filter(|item| !house::is_for_tests(item));
+    let hidden = hidden.count();
+    if hidden > 0 { vec![format!("{hidden} items stand after those for unit tests")] } else { Vec::new() }
+}
+
 /// Production code without its comments.
 fn code(text: &str) -> String {
     production(text).lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n")
@@ -290,6 +298,13 @@ fn core_uses_only_std_nalgebra_thiserror_and_statrs() {
     assert!(core_is_pure("use nalgebra::Vector3;\nuse std::fmt;\nuse crate::core::units;\n// serde::x").is_empty());
     assert!(core_is_pure("fn f() {}\n#[cfg(test)]\nmod tests { use rand::Rng; }").is_empty());
     keep("src/core", |_, text| core_is_pure(text));
+}
+
+#[test]
+fn unit_tests_end_a_file() {
+    assert_eq!(code_after_unit_tests("fn a() {}\n#[cfg(test)]\nmod tests;\nmod b;\nfn c() {}").len(), 1);
+    assert!(code_after_unit_tests("fn a() {}\n#[cfg(test)]\nfn b() {}\n#[cfg(test)]\nmod tests;").is_empty());
+    keep("src", |_, text| code_after_unit_tests(text));
 }
 
 #[test]

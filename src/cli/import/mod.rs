@@ -11,9 +11,6 @@ mod send;
 pub(super) mod source;
 mod watch;
 
-#[cfg(test)]
-mod tests;
-
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -190,3 +187,6 @@ fn progress_bar(files: &[PathBuf]) -> ProgressBar {
         .unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(sizes.sum()).with_style(style)
 }
+
+#[cfg(test)]
+mod tests;

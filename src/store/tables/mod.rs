@@ -20,9 +20,10 @@ pub mod keys;
 pub mod model;
 pub mod names;
 pub mod outbox;
-#[cfg(test)]
-pub(super) mod outbox_tests;
 pub mod record;
 pub mod set_aside;
 pub mod silence;
 pub mod suspect_window;
+
+#[cfg(test)]
+pub(super) mod outbox_tests;

@@ -2,12 +2,8 @@
 //! nothing is.
 
 pub(crate) mod history_log;
-#[cfg(test)]
-pub(crate) mod history_log_tests;
 pub(crate) mod queues;
 pub(crate) mod record_index;
-#[cfg(test)]
-pub(crate) mod record_index_tests;
 
 use sqlx::SqliteConnection;
 
@@ -30,3 +26,8 @@ impl Unplaced {
         Ok(Self { tail, calendar })
     }
 }
+
+#[cfg(test)]
+pub(crate) mod history_log_tests;
+#[cfg(test)]
+pub(crate) mod record_index_tests;

@@ -206,15 +206,20 @@ impl House {
         Some([&base, rest].concat())
     }
 
-    fn hands_on(&self, module: &Module, name: &str) -> bool {
+    fn hands_on(&self, module: &[String], name: &str) -> bool {
         self.modules.get(module).is_some_and(|s| s.defines.contains(name) || s.uses.contains_key(name))
     }
 
     /// The module that defines what a path names, through all that hand it on, with the name that is taken.
     fn resolve(&self, module: &Module, path: &[String]) -> Option<(&Module, String)> {
+        let is_local = path.len() == 1;
         let mut path = self.absolute(module, path)?;
         for _ in 0..8 {
-            let known = (0..=path.len()).rev().find(|&n| self.modules.contains_key(&path[..n]))?;
+            let mut known = (0..=path.len()).rev().find(|&n| self.modules.contains_key(&path[..n]))?;
+            // `store::open` is what the store hands on by that name, not the module; `open` alone may be a variable.
+            if !is_local && known == path.len() && known > 0 && self.hands_on(&path[..known - 1], &path[known - 1]) {
+                known -= 1;
+            }
             let (home, source) = self.modules.get_key_value(&path[..known])?;
             let name = path.get(known)?;
             if source.defines.contains(name) {

@@ -386,12 +386,17 @@ fn nothing_but_the_pipeline_and_whoever_keeps_the_database_takes_from_the_store(
     let broken = [
         ("pages/a.rs", "use crate::pipeline::{Row, store};\nfn f(row: &Row) { store::g() }"),
         ("pipeline/mod.rs", "pub use crate::store;\npub use crate::store::Row;"),
+        ("cli/a.rs", "use crate::store;\nfn f() { store::open() }"),
         ("cli/service/copy.rs", "use crate::store::Row;"),
         ("http.rs", "use crate::store::{open, Kept};"),
         ("store/mod.rs", "mod open;\npub use open::{open, Kept};\npub struct Row;\npub fn g() {}"),
         ("store/open.rs", "pub struct Kept;\npub fn open() {}"),
     ];
-    let found = ["http.rs -> store/open.rs: Kept", "pages/a.rs -> store/mod.rs: Row, g"];
+    let found = [
+        "cli/a.rs -> store/open.rs: open",
+        "http.rs -> store/open.rs: Kept, open",
+        "pages/a.rs -> store/mod.rs: Row, g",
+    ];
     assert_eq!(takes_from_the_store(&House::of(&broken)), found);
     let taken = takes_from_the_store(&the_house());
     assert!(taken.is_empty(), "\n{}", taken.join("\n"));

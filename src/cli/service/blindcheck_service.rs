@@ -10,6 +10,7 @@ use serde_json::json;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 
+use super::serve;
 use crate::blindcheck::history::draw::DrawnFleet;
 use crate::blindcheck::history::score::Answers;
 use crate::blindcheck::history::sent::{records, serial};
@@ -17,9 +18,7 @@ use crate::cli::client::{JSON, Sent, Service};
 use crate::config::Config;
 use crate::core::judge::Mark;
 use crate::http::{self, App};
-use crate::pipeline::Pipeline;
 use crate::routes::Routes;
-use crate::store;
 use crate::system::Clock;
 use crate::wire::record::RecordBody;
 use crate::wire::time;
@@ -36,8 +35,7 @@ pub(super) async fn ask(fleet: &DrawnFleet) -> anyhow::Result<Answers> {
     config.judging.overrides.extend(limits(fleet)?);
     let config = Arc::new(config);
 
-    let (store, writer) = store::open(&config.database.options()).await?;
-    let (pipeline, written) = Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await?;
+    let (pipeline, written) = serve::open(&config).await?;
     let pipeline = Arc::new(pipeline);
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await?;
     let address = listener.local_addr()?;

@@ -11,6 +11,7 @@ use clap::Args;
 use tokio::net::TcpListener;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
+use tokio::task::JoinHandle;
 use tracing_subscriber::EnvFilter;
 
 use super::notify;
@@ -89,15 +90,7 @@ async fn serve(
         config.hooks.external_url.clone_from(&url);
     }
     let config = Arc::new(config);
-    let database = || format!("cannot use the database {} (database.url)", config.database.options().shown());
-    let (store, mut writer) = store::open(&config.database.options()).await.with_context(database)?;
-    let store = store.with(config.secrets.clone());
-    let hidden = store::hide_stored_secrets(&store, &mut writer).await.with_context(database)?;
-    if hidden > 0 {
-        tracing::info!(hooks = hidden, "the secrets of hooks are encrypted now");
-    }
-    let (pipeline, writing) =
-        Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await.with_context(database)?;
+    let (pipeline, writing) = open(&config).await?;
     let served = serve_with(pipeline, config, (listener, address, &url), tls, stop, ready).await;
     // The router and the worker are gone, and with them the last sender: the writer finishes what is queued and
     // closes the database.
@@ -105,6 +98,18 @@ async fn serve(
     served?;
     tracing::info!("stopped");
     Ok(())
+}
+
+/// The pipeline on the database of the configuration, and the end of its writing.
+pub(super) async fn open(config: &Arc<Config>) -> anyhow::Result<(Pipeline, JoinHandle<()>)> {
+    let database = || format!("cannot use the database {} (database.url)", config.database.options().shown());
+    let (store, mut writer) = store::open(&config.database.options()).await.with_context(database)?;
+    let store = store.with(config.secrets.clone());
+    let hidden = store::hide_stored_secrets(&store, &mut writer).await.with_context(database)?;
+    if hidden > 0 {
+        tracing::info!(hooks = hidden, "the secrets of hooks are encrypted now");
+    }
+    Pipeline::start(store, writer, Arc::clone(config), Clock::System).await.with_context(database)
 }
 
 async fn serve_with(

@@ -1,81 +1,68 @@
 //! `/records/{id}/confirm`: the time of a record that was set aside is right, said on a page that shows what it is
 //! about.
 
-use axum::extract::Path;
 use axum::response::Response;
 use maud::html;
 
 use super::Pages;
-use super::form::{Deed, Word, see_other};
-use super::layout::{Page, Section, instant};
+use super::form::{Deed, ItemAction, Word, see_other};
+use super::layout::{Section, instant};
 use super::notes::noted;
-use super::viewer::{Viewer, Visit};
+use super::viewer::Viewer;
 use crate::core::id::Id;
 use crate::core::message::text;
 use crate::message;
-use crate::pages::sent::{Form, Query};
 use crate::pipeline::{Actor, Confirmation, Submission};
 use crate::wire::note;
 use crate::wire::problem::Problem;
 
-pub(super) async fn ask(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(id): Path<String>,
-    Query(word): Query<Word>,
-) -> Result<Page, Problem> {
-    let (_, form) = set_aside(pages, viewer, &id, &word).await?;
-    Ok(form.fresh(viewer, &word))
-}
+/// Of a record that is set aside.
+pub(super) struct ConfirmTime;
 
-pub(super) async fn act(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(id): Path<String>,
-    Form(word): Form<Word>,
-) -> Result<Response, Problem> {
-    let (id, form) = set_aside(pages, viewer, &id, &word).await?;
-    if let Some(again) = form.incomplete(viewer, &word) {
-        return Ok(again);
-    }
-    let confirmation = Confirmation {
-        id,
-        of_window: false,
-        author: word.by,
-        reason: word.reason,
-        by: Actor::by_caller(),
-        restated: None,
-    };
-    pages.pipeline.ingest.submit(Submission::Confirmation(confirmation)).await?;
-    Ok(see_other(&form.back))
-}
+impl ItemAction for ConfirmTime {
+    type Item = Id;
 
-/// A record that is set aside, and the form that asks whether its time is right.
-async fn set_aside(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Id, Deed), Problem> {
-    let unknown = || Problem::no_such_record(id);
-    let number: Id = id.parse().map_err(|_| unknown())?;
-    let records = &pages.pipeline.queries.records;
-    let item = records.sent(number).await?.ok_or_else(unknown)?;
-    if !records.status(number).await?.set_aside {
-        let detail = message!("not_set_aside", id = text(number));
-        return Err(Problem::new(409, "title_not_set_aside", detail));
+    async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Id, Deed), Problem> {
+        let unknown = || Problem::no_such_record(id);
+        let number: Id = id.parse().map_err(|_| unknown())?;
+        let records = &pages.pipeline.queries.records;
+        let item = records.sent(number).await?.ok_or_else(unknown)?;
+        if !records.status(number).await?.set_aside {
+            let detail = message!("not_set_aside", id = text(number));
+            return Err(Problem::new(409, "title_not_set_aside", detail));
+        }
+        let t = viewer.text();
+        let form = Deed {
+            section: Section::Fleet,
+            title: t.confirm_time.into(),
+            what: html! {
+                p.lead {
+                    (item.imu) " · " (t.station) " " (item.station)
+                    " · " (t.calibrated) " " (instant(item.calibrated_at)) " · " (t.received) " " (instant(item.received_at))
+                }
+                (noted(t, &note::read(item.notes.as_deref())))
+                p.lead { (t.confirm_what) }
+            },
+            fields: html! {},
+            action: format!("/records/{number}/confirm"),
+            button: t.confirm_time,
+            back: word.back_or(&format!("/records/{number}")).to_owned(),
+            reasoned: true,
+            is_final: false,
+        };
+        Ok((number, form))
     }
-    let t = viewer.text();
-    let form = Deed {
-        section: Section::Fleet,
-        title: t.confirm_time.into(),
-        what: html! {
-            p.lead {
-                (item.imu) " · " (t.station) " " (item.station)
-                " · " (t.calibrated) " " (instant(item.calibrated_at)) " · " (t.received) " " (instant(item.received_at))
-            }
-            (noted(t, &note::read(item.notes.as_deref())))
-            p.lead { (t.confirm_what) }
-        },
-        fields: html! {},
-        action: format!("/records/{number}/confirm"),
-        button: t.confirm_time,
-        back: word.back_or(&format!("/records/{number}")).to_owned(),
-        reasoned: true,
-        is_final: false,
-    };
-    Ok((number, form))
+
+    async fn run(pages: &Pages, id: Id, form: Deed, word: Word) -> Result<Response, Problem> {
+        let confirmation = Confirmation {
+            id,
+            of_window: false,
+            author: word.by,
+            reason: word.reason,
+            by: Actor::by_caller(),
+            restated: None,
+        };
+        pages.pipeline.ingest.submit(Submission::Confirmation(confirmation)).await?;
+        Ok(see_other(&form.back))
+    }
 }

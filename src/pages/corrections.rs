@@ -1,14 +1,13 @@
 //! `…/void`: a record, a campaign or a bench result counts no more, said on a page that tells what that changes; and
 //! how an item stands that was voided or revised.
 
-use axum::extract::Path;
 use axum::response::Response;
 use maud::{Markup, html};
 
-use super::form::{Deed, Word, see_other};
-use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
+use super::form::{Deed, ItemAction, Word, see_other};
+use super::layout::{DRIFTS, Section, encoded, instant, label, symbol};
 use super::text::Text;
-use super::viewer::{Viewer, Visit};
+use super::viewer::Viewer;
 use super::{Pages, figure};
 use crate::core::access::Role;
 use crate::core::correction::{CorrectedResult, CorrectionItem};
@@ -17,113 +16,90 @@ use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pages::sent::{Form, Query};
 use crate::pipeline::{Actor, Corrected, Correction, Submission};
 use crate::wire::problem::Problem;
 
-pub(super) async fn ask_record(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(id): Path<String>,
-    Query(word): Query<Word>,
-) -> Result<Page, Problem> {
-    let (_, form) = calibration(pages, viewer, &id, &word).await?;
-    Ok(form.fresh(viewer, &word))
-}
-
-pub(super) async fn ask_bench(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(id): Path<String>,
-    Query(word): Query<Word>,
-) -> Result<Page, Problem> {
-    let (_, form) = bench(pages, viewer, &id, &word).await?;
-    Ok(form.fresh(viewer, &word))
-}
-
-pub(super) async fn void_record(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(id): Path<String>,
-    Form(word): Form<Word>,
-) -> Result<Response, Problem> {
-    void(pages, viewer, calibration(pages, viewer, &id, &word).await?, word).await
-}
-
-pub(super) async fn void_bench(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(id): Path<String>,
-    Form(word): Form<Word>,
-) -> Result<Response, Problem> {
-    void(pages, viewer, bench(pages, viewer, &id, &word).await?, word).await
-}
-
-async fn void(
-    pages: &Pages,
-    viewer: &Viewer,
-    (item, form): (Corrected, Deed),
-    word: Word,
-) -> Result<Response, Problem> {
-    if let Some(again) = form.incomplete(viewer, &word) {
-        return Ok(again);
-    }
+async fn void(pages: &Pages, item: Corrected, form: Deed, word: Word) -> Result<Response, Problem> {
     let Word { by: author, reason, .. } = word;
     let correction = Correction { item, author, reason, replacement: None, by: Actor::by_caller() };
     pages.pipeline.ingest.submit(Submission::Correction(Box::new(correction))).await?;
     Ok(see_other(&form.back))
 }
 
-/// A record or campaign that still counts, and the form that asks whether it is to be voided.
-async fn calibration(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Corrected, Deed), Problem> {
-    let unknown = || Problem::no_such_record(id);
-    let number: Id = id.parse().map_err(|_| unknown())?;
-    let stored = pages.pipeline.queries.records.record(number).await?.ok_or_else(unknown)?;
-    still_counts(pages, number).await?;
-    let t = viewer.text();
-    let item = &stored.item;
-    let campaign = item.kind == Kind::Campaign;
-    let shown = html! {
-        p.lead {
-            (if campaign { t.campaign } else { t.record }) " · " (item.imu)
-            " · " (t.station) " " (item.station)
-            " · " (t.calibrated) " " (instant(item.calibrated_at))
-        }
-        div.scroll tabindex="0" { table.cards {
-            thead { tr { th { (t.serial) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } } }
-            tbody { @for one in &stored.answer.separations {
-                tr {
-                    th scope="row" { (one.slot.name()) " " (one.serial) }
-                    @for (value, name) in [&one.d_i, &one.d_s, &one.d_o].into_iter().zip(DRIFTS) {
-                        td.n { (label("", name)) (figure::drift(value.value, value.sd)) }
+/// Of a record or campaign that still counts.
+pub(super) struct VoidCalibration;
+
+impl ItemAction for VoidCalibration {
+    type Item = Corrected;
+
+    async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Corrected, Deed), Problem> {
+        let unknown = || Problem::no_such_record(id);
+        let number: Id = id.parse().map_err(|_| unknown())?;
+        let stored = pages.pipeline.queries.records.record(number).await?.ok_or_else(unknown)?;
+        still_counts(pages, number).await?;
+        let t = viewer.text();
+        let item = &stored.item;
+        let campaign = item.kind == Kind::Campaign;
+        let shown = html! {
+            p.lead {
+                (if campaign { t.campaign } else { t.record }) " · " (item.imu)
+                " · " (t.station) " " (item.station)
+                " · " (t.calibrated) " " (instant(item.calibrated_at))
+            }
+            div.scroll tabindex="0" { table.cards {
+                thead { tr { th { (t.serial) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } } }
+                tbody { @for one in &stored.answer.separations {
+                    tr {
+                        th scope="row" { (one.slot.name()) " " (one.serial) }
+                        @for (value, name) in [&one.d_i, &one.d_s, &one.d_o].into_iter().zip(DRIFTS) {
+                            td.n { (label("", name)) (figure::drift(value.value, value.sd)) }
+                        }
                     }
-                }
+                } }
             } }
-        } }
-    };
-    let place = if campaign { "campaigns" } else { "records" };
-    let home = format!("/{place}/{number}");
-    let title = if campaign { t.void_campaign } else { t.void_record };
-    let form = form(t, title, &shown, (&format!("{home}/void"), word.back_or(&home)));
-    Ok((Corrected::Calibration { id: number, kind: Some(item.kind) }, form))
+        };
+        let place = if campaign { "campaigns" } else { "records" };
+        let home = format!("/{place}/{number}");
+        let title = if campaign { t.void_campaign } else { t.void_record };
+        let form = form(t, title, &shown, (&format!("{home}/void"), word.back_or(&home)));
+        Ok((Corrected::Calibration { id: number, kind: Some(item.kind) }, form))
+    }
+
+    async fn run(pages: &Pages, item: Corrected, form: Deed, word: Word) -> Result<Response, Problem> {
+        void(pages, item, form, word).await
+    }
 }
 
-async fn bench(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Corrected, Deed), Problem> {
-    let unknown = || Problem::no_such_bench_result(id);
-    let number: Id = id.parse().map_err(|_| unknown())?;
-    let bench = pages.pipeline.queries.records.bench(number).await?.ok_or_else(unknown)?;
-    still_counts(pages, number).await?;
-    let t = viewer.text();
-    let serial = &bench.serial;
-    let shown = html! {
-        p.lead {
-            (serial) " · " (t.method(bench.method.name())) " · " (t.station) " " (bench.station)
-            " · " (t.measured) " " (instant(bench.measured_at))
-        }
-        p {
-            (symbol("D_I")) " " (figure::drift(bench.d[0], bench.sd[0])) " · "
-            (symbol("D_S")) " " (figure::drift(bench.d[1], bench.sd[1])) " " (t.unit)
-        }
-    };
-    let home = format!("/gyros/{}", encoded(serial));
-    let action = format!("/bench-results/{number}/void");
-    Ok((Corrected::Bench(number), form(t, t.void_bench, &shown, (&action, word.back_or(&home)))))
+pub(super) struct VoidBench;
+
+impl ItemAction for VoidBench {
+    type Item = Corrected;
+
+    async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Corrected, Deed), Problem> {
+        let unknown = || Problem::no_such_bench_result(id);
+        let number: Id = id.parse().map_err(|_| unknown())?;
+        let bench = pages.pipeline.queries.records.bench(number).await?.ok_or_else(unknown)?;
+        still_counts(pages, number).await?;
+        let t = viewer.text();
+        let serial = &bench.serial;
+        let shown = html! {
+            p.lead {
+                (serial) " · " (t.method(bench.method.name())) " · " (t.station) " " (bench.station)
+                " · " (t.measured) " " (instant(bench.measured_at))
+            }
+            p {
+                (symbol("D_I")) " " (figure::drift(bench.d[0], bench.sd[0])) " · "
+                (symbol("D_S")) " " (figure::drift(bench.d[1], bench.sd[1])) " " (t.unit)
+            }
+        };
+        let home = format!("/gyros/{}", encoded(serial));
+        let action = format!("/bench-results/{number}/void");
+        Ok((Corrected::Bench(number), form(t, t.void_bench, &shown, (&action, word.back_or(&home)))))
+    }
+
+    async fn run(pages: &Pages, item: Corrected, form: Deed, word: Word) -> Result<Response, Problem> {
+        void(pages, item, form, word).await
+    }
 }
 
 async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {

@@ -1,18 +1,22 @@
 //! Forms for whatever changes something: with who and why, and that it is meant where it cannot be undone. That they come from this site's own
 //! pages is seen to where every request is admitted.
 
+use axum::extract::Path;
 use axum::http::header::LOCATION;
 use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 use serde::Deserialize;
 
+use super::Pages;
 use super::layout::{Page, Section};
 use super::text::Text;
-use super::viewer::{Viewer, is_local};
+use super::viewer::{Viewer, Visit, is_local};
 use crate::core::fault::Faults;
 use crate::core::judge::Rule;
 use crate::core::message::Message;
+use crate::pages::sent::{Form, Query};
+use crate::wire::problem::Problem;
 use crate::wire::{text, time};
 
 /// Goes on with another page, which may be loaded again without sending the form again.
@@ -100,7 +104,7 @@ impl Deed {
     }
 
     /// The form again where something that it asks for is missing; none where all of it was sent.
-    pub fn incomplete(&self, viewer: &Viewer, word: &Word) -> Option<Response> {
+    fn incomplete(&self, viewer: &Viewer, word: &Word) -> Option<Response> {
         let mut faults = Faults::default();
         if self.reasoned {
             word.check(&mut faults);
@@ -114,6 +118,47 @@ impl Deed {
     /// What was sent cannot be done as it is: the form again, with why.
     pub fn again(&self, viewer: &Viewer, word: &Word, faults: &Faults) -> Response {
         (StatusCode::UNPROCESSABLE_ENTITY, self.page(viewer, word, faults)).into_response()
+    }
+}
+
+/// Something that is done to one item, on a page whose `GET` asks and whose `POST` does it.
+pub(super) trait ItemAction {
+    type Item: Send;
+
+    /// The item of the path, and the form that asks whether it is to be done.
+    fn form(
+        pages: &Pages,
+        viewer: &Viewer,
+        id: &str,
+        word: &Word,
+    ) -> impl Future<Output = Result<(Self::Item, Deed), Problem>> + Send;
+
+    fn run(
+        pages: &Pages,
+        item: Self::Item,
+        form: Deed,
+        word: Word,
+    ) -> impl Future<Output = Result<Response, Problem>> + Send;
+}
+
+pub(super) async fn ask<A: ItemAction>(
+    Visit { ref pages, ref viewer }: Visit,
+    Path(id): Path<String>,
+    Query(word): Query<Word>,
+) -> Result<Page, Problem> {
+    let (_, form) = A::form(pages, viewer, &id, &word).await?;
+    Ok(form.fresh(viewer, &word))
+}
+
+pub(super) async fn act<A: ItemAction>(
+    Visit { ref pages, ref viewer }: Visit,
+    Path(id): Path<String>,
+    Form(word): Form<Word>,
+) -> Result<Response, Problem> {
+    let (item, form) = A::form(pages, viewer, &id, &word).await?;
+    match form.incomplete(viewer, &word) {
+        Some(again) => Ok(again),
+        None => A::run(pages, item, form, word).await,
     }
 }
 

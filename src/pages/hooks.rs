@@ -14,9 +14,7 @@ use crate::core::judge::{Rule, Severity, Status};
 use crate::wire::hook::{FilterBody, HookBody};
 use crate::wire::problem::Problem;
 
-pub(super) use crate::pages::hooks::actions::{
-    add, ask_add, ask_delete, delete, redeliver, redeliver_dead, switch, test,
-};
+pub(super) use crate::pages::hooks::actions::{DeleteHook, add, ask_add, redeliver, redeliver_dead, switch, test};
 pub(super) use deliveries::page as one;
 
 pub(super) async fn page(Visit { ref pages, ref viewer }: Visit) -> Result<Page, Problem> {

@@ -1,12 +1,11 @@
 //! Silences of many alerts: those that hold, on the page of alerts; begun and ended on pages of their own.
 
-use axum::extract::Path;
 use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, Word, rule_choice, see_other};
+use super::form::{Deed, ItemAction, Word, rule_choice, see_other};
 use super::layout::{Page, Section, remark, written};
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
@@ -20,7 +19,7 @@ use crate::core::time::UtcMicros;
 use crate::pages::sent::Form;
 use crate::pipeline::SilenceOrder;
 use crate::wire::problem::Problem;
-use crate::wire::silence::{MatchersBody, MatchingSilenceBody};
+use crate::wire::silence::MatchersBody;
 use crate::wire::text;
 
 /// Longest silence, days.
@@ -146,42 +145,33 @@ fn form(viewer: &Viewer, new: &NewSilence) -> Deed {
     }
 }
 
-async fn known(pages: &Pages, id: &str) -> Result<(Id, MatchingSilenceBody), Problem> {
-    let unknown = || Problem::unknown_silence(id);
-    let number: Id = id.parse().map_err(|_| unknown())?;
-    Ok((number, pages.pipeline.alerts.silence(number).await?.ok_or_else(unknown)?))
-}
+pub(super) struct EndSilence;
 
-pub(super) async fn ask_end(Visit { ref pages, ref viewer }: Visit, Path(id): Path<String>) -> Result<Page, Problem> {
-    let (_, silence) = known(pages, &id).await?;
-    Ok(end_form(viewer, &silence).fresh(viewer, &Word::default()))
-}
+impl ItemAction for EndSilence {
+    type Item = Id;
 
-pub(super) async fn end(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(id): Path<String>,
-    Form(word): Form<Word>,
-) -> Result<Response, Problem> {
-    let (silence, body) = known(pages, &id).await?;
-    if let Some(again) = end_form(viewer, &body).incomplete(viewer, &word) {
-        return Ok(again);
+    async fn form(pages: &Pages, viewer: &Viewer, id: &str, _: &Word) -> Result<(Id, Deed), Problem> {
+        let unknown = || Problem::unknown_silence(id);
+        let number: Id = id.parse().map_err(|_| unknown())?;
+        let silence = pages.pipeline.alerts.silence(number).await?.ok_or_else(unknown)?;
+        let t = viewer.text();
+        let form = Deed {
+            section: Section::Alerts,
+            title: t.end_silence_title.into(),
+            what: html! { p { (of(viewer, &silence.matchers)) } p.lead { (t.end_silence_what) } },
+            fields: html! {},
+            action: format!("/silences/{number}/end"),
+            button: t.end_silence,
+            back: "/alerts".into(),
+            reasoned: true,
+            is_final: false,
+        };
+        Ok((number, form))
     }
-    let Word { by, reason, .. } = word;
-    pages.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
-    Ok(see_other("/alerts"))
-}
 
-fn end_form(viewer: &Viewer, silence: &MatchingSilenceBody) -> Deed {
-    let t = viewer.text();
-    Deed {
-        section: Section::Alerts,
-        title: t.end_silence_title.into(),
-        what: html! { p { (of(viewer, &silence.matchers)) } p.lead { (t.end_silence_what) } },
-        fields: html! {},
-        action: format!("/silences/{}/end", silence.id),
-        button: t.end_silence,
-        back: "/alerts".into(),
-        reasoned: true,
-        is_final: false,
+    async fn run(pages: &Pages, silence: Id, _: Deed, word: Word) -> Result<Response, Problem> {
+        let Word { by, reason, .. } = word;
+        pages.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
+        Ok(see_other("/alerts"))
     }
 }

@@ -15,7 +15,7 @@ use crate::core::judge::{Severity, Status};
 use crate::core::message::text;
 use crate::message;
 use crate::pages::Pages;
-use crate::pages::form::{Deed, Word, choice, see_other};
+use crate::pages::form::{Deed, ItemAction, Word, choice, see_other};
 use crate::pages::layout::{Page, Section};
 use crate::pages::sent::Form;
 use crate::pages::viewer::{Viewer, Visit};
@@ -152,39 +152,31 @@ fn form(viewer: &Viewer, new: &NewHook) -> Deed {
     }
 }
 
-pub(crate) async fn ask_delete(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(id): Path<String>,
-) -> Result<Page, Problem> {
-    let (id, hook) = known(pages, &id).await?;
-    Ok(delete_form(viewer, id, &hook.url).fresh(viewer, &Word::default()))
-}
+pub(crate) struct DeleteHook;
 
-pub(crate) async fn delete(
-    Visit { ref pages, ref viewer }: Visit,
-    Path(id): Path<String>,
-    Form(word): Form<Word>,
-) -> Result<Response, Problem> {
-    let (id, hook) = known(pages, &id).await?;
-    if let Some(again) = delete_form(viewer, id, &hook.url).incomplete(viewer, &word) {
-        return Ok(again);
+impl ItemAction for DeleteHook {
+    type Item = Id;
+
+    async fn form(pages: &Pages, viewer: &Viewer, id: &str, _: &Word) -> Result<(Id, Deed), Problem> {
+        let (id, hook) = known(pages, id).await?;
+        let t = viewer.text();
+        let form = Deed {
+            section: Section::Hooks,
+            title: t.delete_hook_title.into(),
+            what: html! { p { code { (hook.url) } } p.lead { (t.delete_hook_what) } },
+            fields: html! {},
+            action: format!("/hooks/{id}/delete"),
+            button: t.delete_hook,
+            back: "/hooks".into(),
+            reasoned: false,
+            is_final: true,
+        };
+        Ok((id, form))
     }
-    pages.pipeline.hooks.order(Order::Delete(id)).await?;
-    Ok(see_other("/hooks"))
-}
 
-fn delete_form(viewer: &Viewer, id: Id, url: &str) -> Deed {
-    let t = viewer.text();
-    Deed {
-        section: Section::Hooks,
-        title: t.delete_hook_title.into(),
-        what: html! { p { code { (url) } } p.lead { (t.delete_hook_what) } },
-        fields: html! {},
-        action: format!("/hooks/{id}/delete"),
-        button: t.delete_hook,
-        back: "/hooks".into(),
-        reasoned: false,
-        is_final: true,
+    async fn run(pages: &Pages, id: Id, _: Deed, _: Word) -> Result<Response, Problem> {
+        pages.pipeline.hooks.order(Order::Delete(id)).await?;
+        Ok(see_other("/hooks"))
     }
 }
 

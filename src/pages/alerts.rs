@@ -2,6 +2,7 @@
 
 mod bulk;
 mod one;
+mod table;
 
 use std::collections::HashMap;
 
@@ -11,17 +12,14 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::form::{Deed, Word, choice, rule_choice, see_other};
-use super::layout::{Page, Section, encoded, symbol, written, written_day};
+use super::layout::{Page, Section, encoded, written, written_day};
 use super::silences::{days_field, silent_until};
-use super::text::Text;
-use super::verdicts::{actions, remarks};
 use super::viewer::{Viewer, Visit};
 use super::{Pages, bullet, silences};
 use crate::core::access::Role;
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
-use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity, Status};
 use crate::core::named::named;
 use crate::message;
@@ -30,11 +28,10 @@ use crate::pages::status;
 use crate::pipeline::{self, AlertChange, AlertOrder, BEYOND, Violation};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
+use table::{known, violated};
 
 /// Gyros on one page.
 const ROWS: usize = 30;
-/// Alerts of one gyro, one for each coefficient and rule: never more than so many.
-const MOST_OF_A_GYRO: u32 = 200;
 /// Gyros of an IMU with one cause: of one record more likely the file or the station than each of them; overdue, one
 /// job for a station.
 const TOGETHER: usize = 3;
@@ -282,28 +279,6 @@ fn of_gyro(viewer: &Viewer, gyro: &Alerted, first_of_page: bool, may: bool, here
     }
 }
 
-/// Alerts of a gyro that are not resolved, critical ones first, then the newest.
-pub(super) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>, Problem> {
-    let filter = AlertFilter { gyro: Some(gyro), ..AlertFilter::default() };
-    let found = pages.pipeline.alerts.find(&filter, None, MOST_OF_A_GYRO).await?;
-    let resolved = Standing::Resolved.name();
-    let mut open: Vec<AlertBody> =
-        found.into_iter().map(|(_, alert)| alert).filter(|alert| alert.state != resolved).collect();
-    open.sort_by_key(|alert| alert.severity != Severity::Critical.name());
-    Ok(open)
-}
-
-/// Whether it has not been resolved.
-pub(super) fn is_open(alert: &AlertBody) -> bool {
-    alert.state != Standing::Resolved.name()
-}
-
-/// Whether the figure that it followed last is within its limit again, which is not to say that it is in tolerance.
-fn is_back_within(alert: &AlertBody) -> bool {
-    let of_one_limit = alert.rule != Rule::Requirement.name();
-    of_one_limit && alert.finding.value.is_some_and(|value| value <= alert.finding.limit)
-}
-
 /// Whether this alert of a station has not been resolved.
 pub(super) fn is_open_of(alert: &AlertBody, station: &str) -> bool {
     alert.is_of_station() && alert.name() == station && is_open(alert)
@@ -319,69 +294,9 @@ pub(super) fn violation(alert: &AlertBody) -> Option<Violation> {
     })
 }
 
-fn violated(t: &Text, alert: &AlertBody) -> Markup {
-    html! { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
-}
-
-fn heading(viewer: &Viewer, gyros: bool) -> Markup {
-    let t = viewer.text();
-    html! {
-        thead { tr {
-            th { (t.status_word) }
-            @if gyros { th { (t.serial) } }
-            th { (t.violates) } th { (t.reason_word) } th { (t.since) } th { (t.fired) } th { (t.handling) }
-        } }
-    }
-}
-
-/// `gyros`: whether each line names its gyro. `here`: where to come back to from what is done; none where nothing can
-/// be.
-pub(super) fn table<'a>(
-    viewer: &Viewer,
-    alerts: impl Iterator<Item = &'a AlertBody>,
-    gyros: bool,
-    here: Option<&str>,
-) -> Markup {
-    html! {
-        div.scroll tabindex="0" { table.alerts {
-            (heading(viewer, gyros))
-            tbody { @for alert in alerts { (line(viewer, alert, gyros, here)) } }
-        } }
-    }
-}
-
-fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> Markup {
-    let t = viewer.text();
-    let open = alert.state != Standing::Resolved.name();
-    html! {
-        tr {
-            td { (status::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
-            @if gyros { th scope="row" { a.id href=(alert.page()) { (alert.name()) } } }
-            td.nowrap { (violated(t, alert)) }
-            td.words {
-                (t.reason(&alert.finding.reason))
-                @if let Some(record) = alert.finding.record.as_ref().filter(|_| alert.rule != Rule::Agreement.name()) {
-                    @if alert.subject == AlertBody::OF_IMU {
-                        " " a href={ "/campaigns/" (record) "/diagnosis#forecast" } { (t.forecast) }
-                    } @else { " " a href={ "/records/" (record) } { (t.record) } }
-                }
-            }
-            td data-label=(t.since) { @if let Some(since) = &alert.since { (written(since)) } }
-            td data-label=(t.fired) { a href={ "/alerts/" (alert.id) } { (written(&alert.fired_at)) } }
-            td.words {
-                (t.standing(&alert.state))
-                @if is_open(alert) && is_back_within(alert) { " " span.quiet { (t.ends_in_tolerance) } }
-                @if let Some(station) = &alert.inhibited_by { " " a href={ "/alerts/" (station) } { (t.explained_by_another) } }
-                (remarks(t, alert))
-                @if let Some(at) = &alert.resolved_at { " " (written(at)) }
-                (actions(viewer, alert, here.filter(|_| open)))
-            }
-        }
-    }
-}
-
 pub(super) use bulk::{act as act_bulk, ask as ask_bulk, done as done_to_alerts};
 pub(super) use one::page as one;
+pub(super) use table::{is_open, open_ones, table};
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
@@ -410,12 +325,6 @@ impl Doing {
             || Problem::new(404, "title_no_such_page", message!("not_done_to_alerts", action = deed.to_owned()));
         Self::from_name(deed).ok_or_else(unknown)
     }
-}
-
-async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
-    let unknown = || Problem::unknown_alert(id);
-    let number = id.parse::<Id>().map_err(|_| unknown())?;
-    Ok((number, pages.pipeline.alerts.get(number).await?.ok_or_else(unknown)?.alert))
 }
 
 /// The page on which something is done about an alert.

@@ -5,11 +5,11 @@ use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
+use super::Pages;
 use super::form::{Deed, Word, see_other, typed_time};
 use super::layout::{Page, Section, encoded};
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
-use super::{Pages, gyro};
 use crate::core::fault::Faults;
 use crate::core::judge::Event;
 use crate::core::record::Name;
@@ -74,7 +74,7 @@ pub(super) async fn ask(
 }
 
 fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
-    gyro::known(pages, serial)?;
+    pages.gyro_number(serial)?;
     Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))
 }
 

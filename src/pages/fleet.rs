@@ -18,7 +18,7 @@ use crate::core::judge::{Coefficient, Measured, Rule, Status};
 use crate::core::time::{Span, UtcMicros};
 use crate::pages::sent::Query;
 use crate::pages::status as badges;
-use crate::pipeline::{BEYOND, DueDate, FleetPage, Names, RecentValues, Standing, Violation, sample_of};
+use crate::pipeline::{BEYOND, DueDate, Names, RecentValues, Standing, Violation, sample_of};
 use crate::wire::problem::Problem;
 pub(super) use filters::{Filters, as_day, bad_parameter};
 
@@ -59,7 +59,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let body = html! {
         @if !gyros.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
         h1 { (t.fleet) }
-        (tiles(viewer, &found, filters))
+        (filters.tiles(viewer, &found))
         (filters.form(viewer, &found))
         @if found.total == 0 {
             p.lead { (t.nothing_yet) }
@@ -107,27 +107,6 @@ impl<'a> Row<'a> {
 /// the fleet can be put in order by.
 fn by_date(rows: &mut [Row<'_>]) {
     rows.sort_by_key(|row| (row.due.is_none(), row.due.map(|due| due.at)));
-}
-
-/// How many of those that the other filters find have each status; each leads to them.
-pub(super) fn tiles(viewer: &Viewer, fleet: &FleetPage, filters: &Filters) -> Markup {
-    let t = viewer.text();
-    let of_status = |status: Status| (status.name(), t.status(status), fleet.of_status[status as usize]);
-    let there = |(name, _, count): &(&str, &str, usize)| *count > 0 || filters.status == *name;
-    let counts = Status::ALL.into_iter().rev().map(of_status).filter(there);
-    let counts = counts.chain([("", t.all_states, fleet.of_any)]);
-    html! {
-        ul.tiles {
-            @for (status, name, count) in counts {
-                li {
-                    a.(if status.is_empty() { "total" } else { status }) href=(filters.of_status(status))
-                        aria-current=[(filters.status == status && filters.state.is_empty()).then_some("true")] {
-                        strong { (count) } span { (name) }
-                    }
-                }
-            }
-        }
-    }
 }
 
 fn table(viewer: &Viewer, pages: &Pages, filters: &Filters, rows: &[Row<'_>], now: UtcMicros) -> Markup {

@@ -1,6 +1,5 @@
 //! `/gyros/{serial}`: one gyro, from its plot down to every figure.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::Path;
@@ -9,30 +8,22 @@ use serde::Deserialize;
 use tokio::time::Instant;
 
 use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
-use super::text::Text;
 use super::verdicts::{self, Said};
 use super::viewer::{Viewer, Visit};
-use super::{Pages, alerts, before_after, figure, gyro_attributes};
+use super::{Pages, before_after, figure, gyro_attributes};
 use crate::core::access::Role;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::judge::{State, Status};
+use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
-use crate::pages::history_plot::{self, Epochs, Seen};
+use crate::pages::gyro_facts::{Facts, ROWS, first_row};
+use crate::pages::history_plot;
 use crate::pages::sent::Query;
 use crate::pages::view::{AskedView, Shown, View};
 use crate::pages::{gyro_head, history, status};
-use crate::pipeline::{Comparison, Course, ExplainedHistory, Names, Standing, Statuses, sample_of};
-use crate::wire::alert::AlertBody;
+use crate::pipeline::{Comparison, Course, ExplainedHistory, Names, Statuses, sample_of};
 use crate::wire::answer::VerdictBody;
 use crate::wire::problem::Problem;
-
-/// Records of a run that are told from what is only drifting; an older one began before.
-const LONGEST_RUN: usize = 400;
-
-/// Calibrations in one table, on the page and in a report.
-const ROWS: usize = 30;
-pub(super) const MOST_ROWS: usize = 40;
 
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct Asked {
@@ -43,80 +34,12 @@ pub(super) struct Asked {
     skip: String,
 }
 
-/// All that is known of a gyro, by the method that is shown.
-pub(super) struct Facts {
-    pub course: Course,
-    /// What its course is held against.
-    pub epochs: Epochs,
-    pub comparison: Comparison,
-    /// How it stands; none for a gyro that has neither a calibration nor a bench result.
-    pub standing: Option<Standing>,
-    /// What the rules say of the records that are drawn and listed.
-    pub statuses: Statuses,
-    /// On its newest record.
-    pub verdicts: Vec<Said>,
-    /// Those that are not resolved.
-    pub alerts: Vec<AlertBody>,
-    /// The gyro that has been calibrated in its slot since.
-    pub successor: Option<Arc<str>>,
-}
-
-impl Facts {
-    /// `skip`: how many of the newest records the table passes over.
-    pub async fn of(pages: &Pages, number: u32, serial: &str, view: &View, skip: usize) -> Result<Self, Problem> {
-        let pipeline = &pages.pipeline;
-        let method = view.shown.separation();
-        let course = pipeline.queries.histories.course(number, serial, method).await?;
-        let comparison = pipeline.queries.histories.compare_methods(number, None).await?;
-        let epochs = history_plot::epochs(&course, method);
-        let standing = pipeline.queries.fleet.standings(vec![(number, course.figures.last().copied())]).await?.pop();
-        let mut verdicts = newest_verdicts(pages, serial, &course).await?;
-        for violation in standing.iter().flat_map(|standing| &standing.violations) {
-            verdicts.iter_mut().for_each(|said| said.is_known_to_be(violation));
-        }
-        let drawn = history_plot::drawn(&course, view).into_iter();
-        let listed = course.figures.iter().rev().skip(first_row(skip, course.figures.len())).take(MOST_ROWS);
-        let beyond = |row: &&Figures| row.states.worst() == Some(State::Exceeded);
-        let run = course.figures.iter().rev().take_while(beyond).take(LONGEST_RUN);
-        let asked = drawn.chain(listed).chain(run);
-        let statuses = pipeline.queries.histories.statuses(number, asked, &[0, 1, 2]).await?;
-        let alerts = alerts::open_ones(pages, number).await?;
-        let successor = match course.figures.last() {
-            Some(newest) => pipeline.queries.fleet.seated_in(newest.imu).await?.successor(number),
-            None => None,
-        };
-        Ok(Self { course, epochs, comparison, standing, statuses, verdicts, alerts, successor })
-    }
-
-    /// Its status, and that it is out of use where it is.
-    pub fn badge(&self, t: &Text) -> Markup {
-        let (status, ended) = self.standing.as_ref().map_or((None, None), |one| (one.status, one.out_of_use));
-        html! { (status::badge(t, status)) " " (status::out_of_use(t, ended)) }
-    }
-
-    /// What its plot is made from.
-    pub fn seen(&self) -> Seen<'_> {
-        Seen { course: &self.course, epochs: &self.epochs, statuses: &self.statuses, verdicts: &self.verdicts }
-    }
-}
-
-/// Where a page of the table begins; beyond the oldest there is the last page.
-fn first_row(skip: usize, count: usize) -> usize {
-    if skip < count { skip } else { count.saturating_sub(1) / ROWS * ROWS }
-}
-
-/// The number of a gyro.
-pub(super) fn known(pages: &Pages, serial: &str) -> Result<u32, Problem> {
-    let number = pages.pipeline.queries.names().gyro_number(serial);
-    number.ok_or_else(|| Problem::unknown_gyro(serial))
-}
-
 pub(super) async fn page(
     Visit { ref pages, ref viewer }: Visit,
     Path(ref serial): Path<String>,
     Query(ref asked): Query<Asked>,
 ) -> Result<Page, Problem> {
-    let number = known(pages, serial)?;
+    let number = pages.gyro_number(serial)?;
     let judged = pages.config.judging.method;
     let view = View::asked(&asked.view, judged);
     let skip = asked.skip.parse().unwrap_or(0);
@@ -155,12 +78,6 @@ pub(super) async fn explained(
     }
     let explained = tokio::time::timeout_at(until, pages.pipeline.queries.histories.explain(number, serial)).await;
     Ok(explained.ok().transpose()?)
-}
-
-async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result<Vec<Said>, Problem> {
-    let Some(newest) = course.figures.last() else { return Ok(Vec::new()) };
-    let stored = pages.pipeline.queries.records.record(newest.record).await?;
-    Ok(stored.map_or_else(Vec::new, |stored| Said::of_gyro(serial, &stored.answer.verdicts, &stored.seen)))
 }
 
 fn verdict_section(viewer: &Viewer, facts: &Facts) -> Markup {

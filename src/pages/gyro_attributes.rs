@@ -13,7 +13,6 @@ use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::gyro_attributes::{GyroAttributes, GyroAttributesPatch};
 use crate::core::record::Name;
-use crate::pages::gyro;
 use crate::pages::sent::Form;
 use crate::pipeline::{Actor, AttributesOrder, Submission};
 use crate::wire::problem::Problem;
@@ -60,7 +59,7 @@ pub(super) async fn ask(
     Visit { ref pages, ref viewer }: Visit,
     Path(ref serial): Path<String>,
 ) -> Result<Page, Problem> {
-    let number = gyro::known(pages, serial)?;
+    let number = pages.gyro_number(serial)?;
     let found = pages.pipeline.queries.fleet.standing_in_words(number).await?;
     let (standing, _) = found.ok_or_else(|| Problem::unknown_gyro(serial))?;
     let GyroAttributes { batch, r#type, unit } = standing.attributes;
@@ -74,7 +73,7 @@ pub(super) async fn act(
     Path(ref serial): Path<String>,
     Form(ref said): Form<Attributes>,
 ) -> Result<Response, Problem> {
-    gyro::known(pages, serial)?;
+    pages.gyro_number(serial)?;
     let name = Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))?;
     let mut faults = Faults::default();
     let mut word = |pointer: &str, word: &str| match word.trim() {

@@ -6,7 +6,6 @@ use maud::{Markup, html};
 
 use super::course::Course;
 use super::figure;
-use super::gyro::known;
 use super::gyro_head::{named, own_first};
 use super::layout::{Page, Section, encoded, symbol};
 use super::viewer::{Viewer, Visit};
@@ -20,7 +19,7 @@ pub(super) async fn page(
     Path(ref serial): Path<String>,
 ) -> Result<Page, Problem> {
     let t = viewer.text();
-    let number = known(pages, serial)?;
+    let number = pages.gyro_number(serial)?;
     let explained = pages.pipeline.queries.histories.explain(number, serial).await?;
     let body = html! {
         h1 { (serial) ": " (t.history_diagnosis) }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::gyro::Facts;
+use super::gyro_facts::Facts;
 use super::history::seat;
 use super::history_plot::epoch_of;
 use super::layout::{DRIFTS, day, encoded, instant, symbol};

@@ -28,6 +28,7 @@ mod form;
 mod gyro;
 mod gyro_attributes;
 mod gyro_diagnosis;
+mod gyro_facts;
 mod gyro_head;
 mod history;
 mod history_plot;

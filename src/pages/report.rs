@@ -9,7 +9,8 @@ use axum::response::Response;
 use maud::{Markup, html};
 use tokio::time::Instant;
 
-use super::gyro::{Facts, agreement, calibration_table, explained, known};
+use super::gyro::{agreement, calibration_table, explained};
+use super::gyro_facts::{Facts, MOST_ROWS};
 use super::layout::{DRIFTS, Page, Section, instant, symbol};
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
@@ -25,7 +26,7 @@ use crate::wire::problem::Problem;
 use crate::{system, words};
 
 /// Calibrations that a report on a gyro lists; all are in its pictures.
-const ROWS: usize = super::gyro::MOST_ROWS;
+const ROWS: usize = MOST_ROWS;
 /// How long a report waits for the diagnoses of all its histories: paper has no page to turn to.
 pub(super) const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -43,7 +44,7 @@ pub(super) async fn imu(Visit { ref pages, ref viewer }: Visit, Path(imu): Path<
 /// Of one gyro, with the cause of its changes where that is found by `until`.
 pub(super) async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str, until: Instant) -> Result<Page, Problem> {
     let t = viewer.text();
-    let number = known(pages, serial)?;
+    let number = pages.gyro_number(serial)?;
     let view = View::whole(pages.config.judging.method);
     let facts = Facts::of(pages, number, serial, &view, 0).await?;
     let explained = explained(pages, number, serial, &facts, until).await?;

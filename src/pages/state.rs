@@ -7,6 +7,7 @@ use serde_json::Value;
 use crate::config::Config;
 use crate::pipeline::Pipeline;
 use crate::system::Clock;
+use crate::wire::problem::Problem;
 use crate::words;
 
 /// Cheap to clone.
@@ -17,6 +18,13 @@ pub struct Pages {
     pub pipeline: Arc<Pipeline>,
     /// The OpenAPI document.
     pub api: Arc<Value>,
+}
+
+impl Pages {
+    /// The number of a gyro.
+    pub(super) fn gyro_number(&self, serial: &str) -> Result<u32, Problem> {
+        self.pipeline.queries.names().gyro_number(serial).ok_or_else(|| Problem::unknown_gyro(serial))
+    }
 }
 
 /// For what takes its time: other requests are not to wait for it.

@@ -11,7 +11,7 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::alerts::{self, done_to_alerts, is_open, open_ones};
-use super::fleet::{Filters, as_day, bad_parameter, slopes, tiles, violated};
+use super::fleet::{Filters, as_day, bad_parameter, slopes, violated};
 use super::layout::{DRIFTS, Page, Section, day, encoded, symbol, written_day};
 use super::station::changes;
 use super::text::Text;
@@ -93,7 +93,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Pr
         @if !today.worse.first.is_empty() || !out.is_empty() { a.skip href="#first" { (t.skip_to_first) } }
         h1 { (t.today_title) }
         (done_to_alerts(viewer, &asked.deed, &asked.done, "/"))
-        (tiles(viewer, &fleet, &Filters::default()))
+        (Filters::default().tiles(viewer, &fleet))
         div.blocks {
             (worse(viewer, &today.worse, since, &known, &names))
             (still_out(viewer, &fleet, (&today.worse, &out), &known, &names))

@@ -351,5 +351,13 @@ impl<'ast> Visit<'ast> for Source {
         visit::visit_path(self, path);
     }
 
+    /// What a macro is given is not parsed: its paths are read from its text.
+    fn visit_macro(&mut self, of: &'ast syn::Macro) {
+        let text = of.tokens.to_string().replace(" :: ", "::").replace(":: ", "::");
+        let words = text.split(|c: char| !super::is_ident(c) && c != ':').filter(|word| word.contains("::"));
+        self.paths.extend(words.map(|path| path.split("::").map(str::to_owned).collect()));
+        visit::visit_macro(self, of);
+    }
+
     fn visit_visibility(&mut self, _: &'ast syn::Visibility) {}
 }

@@ -377,6 +377,9 @@ fn no_files_take_from_one_another_in_a_circle() {
     assert_eq!(House::of(&broken).circles(), [["a/c.rs", "b.rs"]]);
     let handed_on = [("a/mod.rs", "mod c;\npub use c::C;\npub struct A;"), ("a/c.rs", "pub struct C(super::A);")];
     assert!(House::of(&handed_on).circles().is_empty());
+    let in_macros =
+        [("a.rs", "fn f() { html! { (crate::b::g()) } }\npub fn h() {}"), ("b.rs", "pub fn g() { crate::a::h() }")];
+    assert_eq!(House::of(&in_macros).circles(), [["a.rs", "b.rs"]]);
     let circles = circles(&the_house());
     assert!(circles.is_empty(), "{} circles\n{}", circles.len(), circles.join("\n"));
 }

@@ -4,7 +4,7 @@ use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 
-use super::{open_ones, table};
+use super::table::{known, open_ones, table};
 use crate::core::alert_decision::Standing;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
@@ -68,7 +68,7 @@ impl Said {
             found.extend(open_ones(pages, gyro).await?);
         }
         for id in self.alerts.iter().take(MOST) {
-            found.push(super::known(pages, id).await?.1);
+            found.push(known(pages, id).await?.1);
         }
         found.truncate(MOST);
         Ok(found)

@@ -3,7 +3,7 @@
 use axum::extract::Path;
 use maud::html;
 
-use super::table;
+use super::table::table;
 use crate::core::access::Role;
 use crate::core::alert_decision::Action;
 use crate::core::id::Id;

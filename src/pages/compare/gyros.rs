@@ -6,7 +6,7 @@ use crate::core::id::Id;
 use crate::core::judge::{Finding, Measured, Rule, Status};
 use crate::core::time::UtcMicros;
 use crate::pages::chart::{Across, Chart, Dot, Flag, Level, Track, bounds, millis, widened};
-use crate::pages::gyro::{Facts, known};
+use crate::pages::gyro_facts::Facts;
 use crate::pages::history::event_label;
 use crate::pages::history_plot::{MOST_FLAGS, epoch_of, list};
 use crate::pages::layout::{DRIFTS, Page, Section, encoded, label, symbol};
@@ -47,7 +47,7 @@ pub(super) async fn page(pages: &Pages, viewer: &Viewer, serials: &[&str], align
     let view = View::whole(pages.config.judging.method);
     let mut all = Vec::new();
     for serial in serials {
-        let number = known(pages, serial)?;
+        let number = pages.gyro_number(serial)?;
         let facts = Facts::of(pages, number, serial, &view, 0).await?;
         let rows = &facts.course.figures;
         let began = facts.epochs[0].last().map_or(UtcMicros(0), |epoch| epoch.from);

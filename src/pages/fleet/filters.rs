@@ -50,6 +50,27 @@ pub(in crate::pages) struct Filters {
 }
 
 impl Filters {
+    /// How many of those that the other filters find have each status; each leads to them.
+    pub fn tiles(&self, viewer: &Viewer, fleet: &FleetPage) -> Markup {
+        let t = viewer.text();
+        let of_status = |status: Status| (status.name(), t.status(status), fleet.of_status[status as usize]);
+        let there = |(name, _, count): &(&str, &str, usize)| *count > 0 || self.status == *name;
+        let counts = Status::ALL.into_iter().rev().map(of_status).filter(there);
+        let counts = counts.chain([("", t.all_states, fleet.of_any)]);
+        html! {
+            ul.tiles {
+                @for (status, name, count) in counts {
+                    li {
+                        a.(if status.is_empty() { "total" } else { status }) href=(self.of_status(status))
+                            aria-current=[(self.status == status && self.state.is_empty()).then_some("true")] {
+                            strong { (count) } span { (name) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
     pub fn is_wall(&self) -> bool {
         self.view == "imu"
     }

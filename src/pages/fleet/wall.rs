@@ -21,7 +21,7 @@ pub(super) async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> 
     let wall = fleet.wall(&filter, filters.page, IMUS).await?;
     let body = html! {
         h1 { (t.fleet) " · " (t.by_imu) }
-        (super::tiles(viewer, &counted, filters))
+        (filters.tiles(viewer, &counted))
         (filters.form(viewer, &counted))
         @if wall.imus.is_empty() { p.lead { (t.none_found) } }
         @else {

@@ -1,0 +1,107 @@
+//! One table of alerts, wherever some are shown.
+
+use maud::{Markup, html};
+
+use crate::core::alert_decision::Standing;
+use crate::core::alert_filter::AlertFilter;
+use crate::core::id::Id;
+use crate::core::judge::{Rule, Severity, Status};
+use crate::pages::layout::{symbol, written};
+use crate::pages::text::Text;
+use crate::pages::verdicts::{actions, remarks};
+use crate::pages::viewer::Viewer;
+use crate::pages::{Pages, status};
+use crate::wire::alert::AlertBody;
+use crate::wire::problem::Problem;
+
+/// Alerts of one gyro, one for each coefficient and rule: never more than so many.
+const MOST_OF_A_GYRO: u32 = 200;
+
+/// Alerts of a gyro that are not resolved, critical ones first, then the newest.
+pub(in crate::pages) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>, Problem> {
+    let filter = AlertFilter { gyro: Some(gyro), ..AlertFilter::default() };
+    let found = pages.pipeline.alerts.find(&filter, None, MOST_OF_A_GYRO).await?;
+    let resolved = Standing::Resolved.name();
+    let mut open: Vec<AlertBody> =
+        found.into_iter().map(|(_, alert)| alert).filter(|alert| alert.state != resolved).collect();
+    open.sort_by_key(|alert| alert.severity != Severity::Critical.name());
+    Ok(open)
+}
+
+/// Whether it has not been resolved.
+pub(in crate::pages) fn is_open(alert: &AlertBody) -> bool {
+    alert.state != Standing::Resolved.name()
+}
+
+/// Whether the figure that it followed last is within its limit again, which is not to say that it is in tolerance.
+fn is_back_within(alert: &AlertBody) -> bool {
+    let of_one_limit = alert.rule != Rule::Requirement.name();
+    of_one_limit && alert.finding.value.is_some_and(|value| value <= alert.finding.limit)
+}
+
+pub(super) fn violated(t: &Text, alert: &AlertBody) -> Markup {
+    html! { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
+}
+
+fn heading(viewer: &Viewer, gyros: bool) -> Markup {
+    let t = viewer.text();
+    html! {
+        thead { tr {
+            th { (t.status_word) }
+            @if gyros { th { (t.serial) } }
+            th { (t.violates) } th { (t.reason_word) } th { (t.since) } th { (t.fired) } th { (t.handling) }
+        } }
+    }
+}
+
+/// `gyros`: whether each line names its gyro. `here`: where to come back to from what is done; none where nothing can
+/// be.
+pub(in crate::pages) fn table<'a>(
+    viewer: &Viewer,
+    alerts: impl Iterator<Item = &'a AlertBody>,
+    gyros: bool,
+    here: Option<&str>,
+) -> Markup {
+    html! {
+        div.scroll tabindex="0" { table.alerts {
+            (heading(viewer, gyros))
+            tbody { @for alert in alerts { (line(viewer, alert, gyros, here)) } }
+        } }
+    }
+}
+
+fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> Markup {
+    let t = viewer.text();
+    let open = alert.state != Standing::Resolved.name();
+    html! {
+        tr {
+            td { (status::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
+            @if gyros { th scope="row" { a.id href=(alert.page()) { (alert.name()) } } }
+            td.nowrap { (violated(t, alert)) }
+            td.words {
+                (t.reason(&alert.finding.reason))
+                @if let Some(record) = alert.finding.record.as_ref().filter(|_| alert.rule != Rule::Agreement.name()) {
+                    @if alert.subject == AlertBody::OF_IMU {
+                        " " a href={ "/campaigns/" (record) "/diagnosis#forecast" } { (t.forecast) }
+                    } @else { " " a href={ "/records/" (record) } { (t.record) } }
+                }
+            }
+            td data-label=(t.since) { @if let Some(since) = &alert.since { (written(since)) } }
+            td data-label=(t.fired) { a href={ "/alerts/" (alert.id) } { (written(&alert.fired_at)) } }
+            td.words {
+                (t.standing(&alert.state))
+                @if is_open(alert) && is_back_within(alert) { " " span.quiet { (t.ends_in_tolerance) } }
+                @if let Some(station) = &alert.inhibited_by { " " a href={ "/alerts/" (station) } { (t.explained_by_another) } }
+                (remarks(t, alert))
+                @if let Some(at) = &alert.resolved_at { " " (written(at)) }
+                (actions(viewer, alert, here.filter(|_| open)))
+            }
+        }
+    }
+}
+
+pub(super) async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
+    let unknown = || Problem::unknown_alert(id);
+    let number = id.parse::<Id>().map_err(|_| unknown())?;
+    Ok((number, pages.pipeline.alerts.get(number).await?.ok_or_else(unknown)?.alert))
+}

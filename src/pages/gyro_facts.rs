@@ -1,0 +1,92 @@
+//! What the pages and reports of a gyro show, read once.
+
+use std::sync::Arc;
+
+use maud::{Markup, html};
+
+use super::text::Text;
+use super::verdicts::Said;
+use super::{Pages, alerts};
+use crate::core::figures::Figures;
+use crate::core::judge::State;
+use crate::pages::history_plot::{self, Epochs, Seen};
+use crate::pages::status;
+use crate::pages::view::View;
+use crate::pipeline::{Comparison, Course, Standing, Statuses};
+use crate::wire::alert::AlertBody;
+use crate::wire::problem::Problem;
+
+/// Records of a run that are told from what is only drifting; an older one began before.
+const LONGEST_RUN: usize = 400;
+
+/// Calibrations in one table, on the page and in a report.
+pub(super) const ROWS: usize = 30;
+pub(super) const MOST_ROWS: usize = 40;
+
+/// All that is known of a gyro, by the method that is shown.
+pub(super) struct Facts {
+    pub course: Course,
+    /// What its course is held against.
+    pub epochs: Epochs,
+    pub comparison: Comparison,
+    /// How it stands; none for a gyro that has neither a calibration nor a bench result.
+    pub standing: Option<Standing>,
+    /// What the rules say of the records that are drawn and listed.
+    pub statuses: Statuses,
+    /// On its newest record.
+    pub verdicts: Vec<Said>,
+    /// Those that are not resolved.
+    pub alerts: Vec<AlertBody>,
+    /// The gyro that has been calibrated in its slot since.
+    pub successor: Option<Arc<str>>,
+}
+
+impl Facts {
+    /// `skip`: how many of the newest records the table passes over.
+    pub async fn of(pages: &Pages, number: u32, serial: &str, view: &View, skip: usize) -> Result<Self, Problem> {
+        let pipeline = &pages.pipeline;
+        let method = view.shown.separation();
+        let course = pipeline.queries.histories.course(number, serial, method).await?;
+        let comparison = pipeline.queries.histories.compare_methods(number, None).await?;
+        let epochs = history_plot::epochs(&course, method);
+        let standing = pipeline.queries.fleet.standings(vec![(number, course.figures.last().copied())]).await?.pop();
+        let mut verdicts = newest_verdicts(pages, serial, &course).await?;
+        for violation in standing.iter().flat_map(|standing| &standing.violations) {
+            verdicts.iter_mut().for_each(|said| said.is_known_to_be(violation));
+        }
+        let drawn = history_plot::drawn(&course, view).into_iter();
+        let listed = course.figures.iter().rev().skip(first_row(skip, course.figures.len())).take(MOST_ROWS);
+        let beyond = |row: &&Figures| row.states.worst() == Some(State::Exceeded);
+        let run = course.figures.iter().rev().take_while(beyond).take(LONGEST_RUN);
+        let asked = drawn.chain(listed).chain(run);
+        let statuses = pipeline.queries.histories.statuses(number, asked, &[0, 1, 2]).await?;
+        let alerts = alerts::open_ones(pages, number).await?;
+        let successor = match course.figures.last() {
+            Some(newest) => pipeline.queries.fleet.seated_in(newest.imu).await?.successor(number),
+            None => None,
+        };
+        Ok(Self { course, epochs, comparison, standing, statuses, verdicts, alerts, successor })
+    }
+
+    /// Its status, and that it is out of use where it is.
+    pub fn badge(&self, t: &Text) -> Markup {
+        let (status, ended) = self.standing.as_ref().map_or((None, None), |one| (one.status, one.out_of_use));
+        html! { (status::badge(t, status)) " " (status::out_of_use(t, ended)) }
+    }
+
+    /// What its plot is made from.
+    pub fn seen(&self) -> Seen<'_> {
+        Seen { course: &self.course, epochs: &self.epochs, statuses: &self.statuses, verdicts: &self.verdicts }
+    }
+}
+
+/// Where a page of the table begins; beyond the oldest there is the last page.
+pub(super) fn first_row(skip: usize, count: usize) -> usize {
+    if skip < count { skip } else { count.saturating_sub(1) / ROWS * ROWS }
+}
+
+async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result<Vec<Said>, Problem> {
+    let Some(newest) = course.figures.last() else { return Ok(Vec::new()) };
+    let stored = pages.pipeline.queries.records.record(newest.record).await?;
+    Ok(stored.map_or_else(Vec::new, |stored| Said::of_gyro(serial, &stored.answer.verdicts, &stored.seen)))
+}

@@ -12,7 +12,7 @@ use super::postgres;
 use crate::store::packed::history_row::PACKED_LEN;
 use crate::store::sqlite::lock;
 use crate::store::sqlite::lock::Lock;
-use crate::store::sqlite::write_behind::history_log::Tail;
+use crate::store::sqlite::write_behind::history_log::PendingHistory;
 use crate::system::sha256;
 
 /// Rows of a block, and about how many bytes of them.
@@ -183,12 +183,12 @@ async fn open_source(from: &Options) -> Result<(SqliteConnection, Lock), StoreEr
     let connect = SqliteConnectOptions::new().filename(&file).read_only(true).disable_statement_logging();
     let mut source = connect.connect().await?;
     crate::store::sqlite::backup::check_schema(&mut source, &file).await?;
-    let tail = Tail::load(&mut source).await?;
+    let pending = PendingHistory::load(&mut source).await?;
     let create =
         "CREATE TEMP TABLE waiting (gyro INTEGER NOT NULL, calibrated_at INTEGER NOT NULL, record INTEGER NOT NULL,
                       figures BLOB NOT NULL, PRIMARY KEY (gyro, calibrated_at)) STRICT, WITHOUT ROWID";
     sqlx::query(create).execute(&mut source).await?;
-    for (gyro, figures) in tail.rows() {
+    for (gyro, figures) in pending.rows() {
         let mut packed = Vec::with_capacity(PACKED_LEN);
         figures.pack(gyro, &mut packed);
         sqlx::query("INSERT INTO waiting VALUES ($1, $2, $3, $4)")

@@ -10,7 +10,7 @@ use super::postgres::hosts::without_password;
 use super::postgres::{Duty, Moves, Neighbours};
 use super::secrets::Secrets;
 use super::sqlite::lock;
-use super::sqlite::write_behind::Unplaced;
+use super::sqlite::write_behind::WriteBehind;
 
 /// Where the database is, and how it is held open.
 #[derive(Debug, Clone)]
@@ -34,7 +34,7 @@ pub struct Options {
 pub struct Store {
     pub(in crate::store) readers: Readers,
     pub(in crate::store) names: Names,
-    pub(in crate::store) unplaced: Unplaced,
+    pub(in crate::store) write_behind: WriteBehind,
     pub(in crate::store) place: Place,
     pub(in crate::store) secrets: Secrets,
 }

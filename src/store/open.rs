@@ -22,7 +22,7 @@ use super::writer::Writer;
 use crate::store::sqlite::checkpoint::Checkpoints;
 use crate::store::sqlite::checksum::{Summing, settle};
 use crate::store::sqlite::halt::Halt;
-use crate::store::sqlite::write_behind::Unplaced;
+use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::sqlite::writer::{FileWriter, waiting_for_disk};
 use crate::store::sqlite::{lock, private};
 use crate::store::tables::hook;
@@ -103,7 +103,7 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
     check_structure(&mut connection).await?;
     migrate(&mut connection).await?;
     let names = Names::new(load_names(&mut connection).await?);
-    let unplaced = Unplaced::load(&mut connection).await?;
+    let write_behind = WriteBehind::load(&mut connection).await?;
     let last_id = last_id(&mut connection).await?;
     let (writing, checkpointing) = (open_to_write(&file, options)?, open_to_write(&file, options)?);
     settle(&writing)?;
@@ -122,7 +122,7 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
     let store = Store {
         readers: Readers::Sqlite(readers),
         names: names.clone(),
-        unplaced: unplaced.clone(),
+        write_behind: write_behind.clone(),
         place,
         secrets: Secrets::default(),
     };
@@ -133,7 +133,7 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
         Err(StoreError::Full) => tracing::warn!("the disk is full: the write-ahead log stays as it was left"),
         copied => copied?,
     }
-    let writer = FileWriter::new(writing, names, unplaced, checkpoints, halt, lock);
+    let writer = FileWriter::new(writing, names, write_behind, checkpoints, halt, lock);
     Ok((store, Writer::of_file(IdSource::after(last_id), writer)))
 }
 

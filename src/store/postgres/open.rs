@@ -16,7 +16,7 @@ use crate::store::error::StoreError;
 use crate::store::handle::{Options, Place, Store};
 use crate::store::name_tables::{Names, Tables};
 use crate::store::secrets::Secrets;
-use crate::store::sqlite::write_behind::Unplaced;
+use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::writer::Writer;
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
@@ -69,7 +69,7 @@ fn opened(readers: PgReaders, names: Names, writer: CellWriter, neighbours: Neig
     let store = Store {
         readers: Readers::Postgres(readers),
         names,
-        unplaced: Unplaced::default(),
+        write_behind: WriteBehind::default(),
         place,
         secrets: Secrets::default(),
     };
@@ -133,7 +133,7 @@ pub(in crate::store) async fn open_to_read(options: &Options) -> Result<Store, S
     Ok(Store {
         readers: Readers::Postgres(readers),
         names,
-        unplaced: Unplaced::default(),
+        write_behind: WriteBehind::default(),
         place,
         secrets: Secrets::default(),
     })

@@ -19,7 +19,7 @@ use crate::store::name_tables::Names;
 use crate::store::open::{MIGRATIONS, connect_options, finds_nothing, load_names, migrate};
 use crate::store::postgres;
 use crate::store::secrets::Secrets;
-use crate::store::sqlite::write_behind::Unplaced;
+use crate::store::sqlite::write_behind::WriteBehind;
 use crate::system::{fill_random, sha256};
 
 impl Options {
@@ -207,12 +207,12 @@ pub async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
 async fn store_of(readers: SqlitePool, file: &Path) -> Result<Store, StoreError> {
     let mut connection = readers.acquire().await?;
     let names = Names::new(load_names(&mut connection).await?);
-    let unplaced = Unplaced::load(&mut connection).await?;
+    let write_behind = WriteBehind::load(&mut connection).await?;
     drop(connection);
     Ok(Store {
         readers: Readers::Sqlite(readers),
         names,
-        unplaced,
+        write_behind,
         place: Place::File(file.to_owned()),
         secrets: Secrets::default(),
     })

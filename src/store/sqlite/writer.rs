@@ -12,7 +12,7 @@ use super::lock::Lock;
 use crate::store::changes::Changes;
 use crate::store::error::StoreError;
 use crate::store::name_tables::Names;
-use crate::store::sqlite::write_behind::Unplaced;
+use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::sqlite::write_behind::record_index::{IndexChanges, NewRecord};
 use crate::store::statements::batch_of;
 use crate::store::tables::diagnosis;
@@ -22,7 +22,7 @@ use crate::store::tables::record::RecordRow;
 pub(crate) struct FileWriter {
     connection: Summing,
     names: Names,
-    unplaced: Unplaced,
+    write_behind: WriteBehind,
     checkpoints: Checkpoints,
     halt: Halt,
     /// The last write failed: whether writing works again, only writing can tell.
@@ -34,12 +34,12 @@ impl FileWriter {
     pub fn new(
         connection: Summing,
         names: Names,
-        unplaced: Unplaced,
+        write_behind: WriteBehind,
         checkpoints: Checkpoints,
         halt: Halt,
         lock: Lock,
     ) -> Self {
-        Self { connection, names, unplaced, checkpoints, halt, in_doubt: false, _lock: lock }
+        Self { connection, names, write_behind, checkpoints, halt, in_doubt: false, _lock: lock }
     }
 
     /// See [`crate::store::Writer::commit`].
@@ -50,16 +50,16 @@ impl FileWriter {
         self.halt.heed(finished)?;
         let mut batch = batch_of(changes);
         let fold = {
-            let tail = self.unplaced.tail.read();
-            let fold = tail.due(changes.history_rows().count());
-            tail.write(changes.history_rows(), &fold, &mut batch);
+            let history = self.write_behind.history.read();
+            let fold = history.due(changes.history_rows().count());
+            history.write(changes.history_rows(), &fold, &mut batch);
             fold
         };
         let indexed = indexed(changes);
         let entering = {
-            let calendar = self.unplaced.calendar.read();
-            let entering = calendar.due(&indexed);
-            calendar.write(&entering, &indexed, &mut batch);
+            let index = self.write_behind.index.read();
+            let entering = index.due(&indexed);
+            index.write(&entering, &indexed, &mut batch);
             diagnosis::make_due(&changes.models, &mut batch);
             entering
         };
@@ -69,8 +69,8 @@ impl FileWriter {
         self.halt.heed(committed)?;
         // First, so that whoever finds a row knows its names.
         self.names.learn(changes.new_names());
-        self.unplaced.tail.change(|tail| tail.committed(changes.history_rows(), &fold));
-        self.unplaced.calendar.change(|calendar| calendar.committed(&entering, &indexed));
+        self.write_behind.history.change(|history| history.committed(changes.history_rows(), &fold));
+        self.write_behind.index.change(|index| index.committed(&entering, &indexed));
         self.checkpoints.written(pages);
         Ok(())
     }

@@ -79,8 +79,8 @@ async fn marked_of_many(
     newest_first: bool,
 ) -> Result<Vec<Vec<Figures>>, StoreError> {
     let waiting: Vec<Vec<Figures>> = {
-        let tail = store.unplaced.tail.read();
-        of.iter().map(|&(gyro, span)| tail.first_of(gyro, span, limit, newest_first)).collect()
+        let pending = store.write_behind.history.read();
+        of.iter().map(|&(gyro, span)| pending.first_of(gyro, span, limit, newest_first)).collect()
     };
     let newest = if newest_first { "DESC" } else { "" };
     let sql = AssertSqlSafe(match &store.readers {

@@ -192,7 +192,7 @@ pub async fn ids(store: &Store) -> Result<Vec<Id>, StoreError> {
 /// The records of an IMU at an instant: the one that counts first (there is one at the most), then those that do not.
 pub async fn at(store: &Store, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>, StoreError> {
     // On a server nothing waits, and $3 is null.
-    let waiting = store.unplaced.calendar.read().at(imu, at).map(|id| id.0);
+    let waiting = store.write_behind.index.read().at(imu, at).map(|id| id.0);
     let sql = store.readers.words(Sql {
         sqlite: "SELECT id, imu, calibrated_at, body_sha256, voided <> 0 FROM record WHERE id = $3
                  OR id IN (SELECT record FROM calendar WHERE imu = $1 AND calibrated_at = $2) ORDER BY voided",
@@ -215,7 +215,7 @@ pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<V
     let Readers::Postgres(db) = &store.readers else {
         let mut all = Vec::with_capacity(places.len());
         for (imu, time) in places {
-            let is_new = store.unplaced.calendar.read().newest_of(*imu).is_none_or(|newest| newest < *time);
+            let is_new = store.write_behind.index.read().newest_of(*imu).is_none_or(|newest| newest < *time);
             all.push(if is_new { Vec::new() } else { at(store, *imu, *time).await? });
         }
         return Ok(all);
@@ -238,7 +238,7 @@ pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<V
 
 /// When the newest record of an IMU was made, whether it counts or not.
 pub async fn newest_of_imu(store: &Store, imu: u32) -> Result<Option<UtcMicros>, StoreError> {
-    let Readers::Postgres(db) = &store.readers else { return Ok(store.unplaced.calendar.read().newest_of(imu)) };
+    let Readers::Postgres(db) = &store.readers else { return Ok(store.write_behind.index.read().newest_of(imu)) };
     let sql = "SELECT max(calibrated_at) FROM record WHERE imu = $1";
     let newest: Option<i64> = sqlx::query_scalar(sql).bind(Whole(imu)).fetch_one(db).await?;
     Ok(newest.map(UtcMicros))
@@ -246,7 +246,7 @@ pub async fn newest_of_imu(store: &Store, imu: u32) -> Result<Option<UtcMicros>,
 
 /// As [`newest_of_imu`], of a database in a file.
 pub fn newest_in_file(store: &Store, imu: u32) -> Option<UtcMicros> {
-    store.unplaced.calendar.read().newest_of(imu)
+    store.write_behind.index.read().newest_of(imu)
 }
 
 /// Which IMU and gyros a record is of, where there is such a record.
@@ -296,7 +296,7 @@ pub async fn of_imu_before(
     limit: u32,
 ) -> Result<Vec<RecordHead>, StoreError> {
     // What waits counts. On a server nothing does, and $3 says so.
-    let waiting: Vec<Id> = store.unplaced.calendar.read().last_of(imu, before, limit as usize).collect();
+    let waiting: Vec<Id> = store.write_behind.index.read().last_of(imu, before, limit as usize).collect();
     let sql = store.readers.words(Sql {
         sqlite: "SELECT id, kind, station, calibrated_at FROM record WHERE voided = 0 AND id IN
                      (SELECT value FROM json_each($3) UNION ALL SELECT record FROM
@@ -321,7 +321,7 @@ pub async fn listed(
     let (waiting, order, of_imu) = match filter.imu {
         None => (Vec::new(), "id", "$3 IS NULL AND $4 IS NOT NULL"),
         Some(imu) => (
-            store.unplaced.calendar.read().last_of(imu, Span::EVER.to, usize::MAX).collect(),
+            store.write_behind.index.read().last_of(imu, Span::EVER.to, usize::MAX).collect(),
             "id + 0",
             store.readers.words(Sql {
                 sqlite: "id IN (SELECT value FROM json_each($4)

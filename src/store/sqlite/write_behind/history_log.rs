@@ -23,7 +23,7 @@ const GYRO_LEN: usize = 4;
 
 /// Rows that wait, by gyro; those of a gyro in order of time, one an instant.
 #[derive(Debug, Default)]
-pub(crate) struct Tail {
+pub(crate) struct PendingHistory {
     waiting: Waiting<Figures>,
     last_entry: i64,
 }
@@ -32,12 +32,12 @@ pub(crate) struct Tail {
 #[derive(Debug, Default)]
 pub(crate) struct Fold(BTreeSet<u32>);
 
-impl Tail {
+impl PendingHistory {
     /// Reads the log, as it was left.
     pub async fn load(connection: &mut SqliteConnection) -> Result<Self, StoreError> {
         let entries: Vec<(i64, Vec<u8>)> =
             sqlx::query_as("SELECT id, rows FROM history_log ORDER BY id").fetch_all(connection).await?;
-        let mut tail = Self::default();
+        let mut pending = Self::default();
         for (entry, packed) in entries {
             let (rows, rest) = packed.as_chunks::<{ GYRO_LEN + PACKED_LEN }>();
             if !rest.is_empty() {
@@ -47,11 +47,11 @@ impl Tail {
                 let (gyro, figures) = row.split_first_chunk().expect("a row is longer than a number");
                 let figures = figures.try_into().expect("the rest of a row is as long as its figures");
                 let gyro = u32::from_le_bytes(*gyro);
-                tail.insert(entry, gyro, Figures::unpack(gyro, figures)?);
+                pending.insert(entry, gyro, Figures::unpack(gyro, figures)?);
             }
-            tail.last_entry = entry;
+            pending.last_entry = entry;
         }
-        Ok(tail)
+        Ok(pending)
     }
 
     /// Every waiting row, with its gyro.

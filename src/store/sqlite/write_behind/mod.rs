@@ -8,22 +8,22 @@ pub(crate) mod record_index;
 use sqlx::SqliteConnection;
 
 use crate::store::error::StoreError;
-use crate::store::sqlite::write_behind::history_log::Tail;
+use crate::store::sqlite::write_behind::history_log::PendingHistory;
 use crate::store::sqlite::write_behind::queues::Shared;
-use crate::store::sqlite::write_behind::record_index::Calendar;
+use crate::store::sqlite::write_behind::record_index::PendingIndex;
 
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Unplaced {
-    pub tail: Shared<Tail>,
-    pub calendar: Shared<Calendar>,
+pub(crate) struct WriteBehind {
+    pub history: Shared<PendingHistory>,
+    pub index: Shared<PendingIndex>,
 }
 
-impl Unplaced {
+impl WriteBehind {
     /// Reads what was left.
     pub async fn load(connection: &mut SqliteConnection) -> Result<Self, StoreError> {
-        let tail = Shared::new(Tail::load(&mut *connection).await?);
-        let calendar = Shared::new(Calendar::load(connection).await?);
-        Ok(Self { tail, calendar })
+        let history = Shared::new(PendingHistory::load(&mut *connection).await?);
+        let index = Shared::new(PendingIndex::load(connection).await?);
+        Ok(Self { history, index })
     }
 }
 

@@ -28,7 +28,7 @@ struct Entry {
 
 /// What is not in the table yet.
 #[derive(Debug, Default)]
-pub(crate) struct Calendar {
+pub(crate) struct PendingIndex {
     waiting: Waiting<Entry>,
     /// The newest instant of each IMU, whether what was calibrated then counts or not.
     newest: HashMap<u32, UtcMicros>,
@@ -62,13 +62,13 @@ pub(crate) struct Entering {
     at_once: BTreeSet<u32>,
 }
 
-impl Calendar {
+impl PendingIndex {
     /// Reads what is not in the table.
     pub async fn load(connection: &mut SqliteConnection) -> Result<Self, StoreError> {
         let newest = "SELECT id, (SELECT max(calibrated_at) FROM calendar WHERE imu = imu.id) FROM imu";
         let newest: Vec<(Whole<u32>, Option<i64>)> = sqlx::query_as(newest).fetch_all(&mut *connection).await?;
         let newest = newest.into_iter().filter_map(|(Whole(imu), at)| Some((imu, UtcMicros(at?)))).collect();
-        let mut calendar = Self { waiting: Waiting::default(), newest };
+        let mut pending = Self { waiting: Waiting::default(), newest };
         let since = "SELECT id, imu, calibrated_at, voided <> 0, EXISTS (SELECT 1 FROM calendar WHERE record = since.id
                          AND (imu, calibrated_at, voided) = (since.imu, since.calibrated_at, since.voided))
                      FROM record AS since WHERE id >= coalesce((SELECT record FROM calendar_begun), 0) ORDER BY id";
@@ -76,15 +76,15 @@ impl Calendar {
         for (record, Whole(imu), at, voided, entered) in since {
             let (record, at) = (Id(record), UtcMicros(at));
             if entered {
-                calendar.waiting.pass(1);
-            } else if voided || !calendar.is_newest(imu, at) {
+                pending.waiting.pass(1);
+            } else if voided || !pending.is_newest(imu, at) {
                 let why = "does not count or is not the newest of its IMU, and is not in the calendar";
                 return Err(StoreError::Damaged(format!("record {record} {why}")));
             } else {
-                calendar.enter(imu, Entry { at, record });
+                pending.enter(imu, Entry { at, record });
             }
         }
-        Ok(calendar)
+        Ok(pending)
     }
 
     fn is_newest(&self, imu: u32, at: UtcMicros) -> bool {

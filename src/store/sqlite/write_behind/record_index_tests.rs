@@ -127,7 +127,7 @@ async fn a_second_record_of_an_imu_and_instant_is_refused_wherever_the_first_sta
     let of = |id: Id, at| Changes { records: vec![of_imu(1, id, at)], ..Changes::default() };
     writer.commit(&Changes { records: vec![of_imu(1, ids[0], 20)], ..first_names() }).await.unwrap();
     for entered in [false, true] {
-        assert_eq!(store.unplaced.calendar.read().at(1, UtcMicros(20)).is_none(), entered);
+        assert_eq!(store.write_behind.index.read().at(1, UtcMicros(20)).is_none(), entered);
         assert!(matches!(writer.commit(&of(ids[1], 20)).await, Err(StoreError::Refused(_))));
         assert_eq!(store::record::get(&store, ids[1]).await.unwrap(), None);
         let there: Vec<Id> =
@@ -138,7 +138,7 @@ async fn a_second_record_of_an_imu_and_instant_is_refused_wherever_the_first_sta
         writer.commit(&of(ids[2 + usize::from(entered)], late)).await.unwrap();
     }
     writer.commit(&of(ids[4], 30)).await.unwrap();
-    assert!(store.unplaced.calendar.read().at(1, UtcMicros(30)).is_some());
+    assert!(store.write_behind.index.read().at(1, UtcMicros(30)).is_some());
     let all: Vec<Id> = store::record::of_imu(&store, 1, 9).await.unwrap().iter().map(|head| head.id).collect();
     assert_eq!(all, [ids[4], ids[0], ids[2], ids[3]]);
 }

@@ -38,7 +38,7 @@ pub use crate::store::tables::delivery::{
     AttemptRow, DeliveryRow, DeliverySubject, DueDelivery, NewDelivery, OutboxChanges, Part, Progress,
 };
 pub use crate::store::tables::diagnosis::{DiagnosisRow, NewDiagnosis};
-pub use crate::store::tables::diagnosis_digest::GistRow;
+pub use crate::store::tables::diagnosis_digest::DigestRow;
 pub use crate::store::tables::diagnosis_job::{
     CampaignFilter, FailedTask, JobChanges, JobRow, NewJob, SettledTask, TaskCounts,
 };

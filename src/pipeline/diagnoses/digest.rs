@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::core::campaign::Campaign;
 use crate::core::message::Message;
-use crate::store::{GistRow, StoreError};
+use crate::store::{DigestRow, StoreError};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::forecast::{ComparedBody, ForecastPointBody};
 
@@ -132,7 +132,7 @@ impl Digest {
     ///
     /// # Errors
     /// [`StoreError::Damaged`].
-    pub fn of_row(row: &GistRow) -> Result<Self, StoreError> {
+    pub fn of_row(row: &DigestRow) -> Result<Self, StoreError> {
         serde_json::from_str(&row.gist)
             .map_err(|error| StoreError::Damaged(format!("the gist of diagnosis {}: {error}", row.record)))
     }

@@ -9,7 +9,7 @@ use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::digest::{Digest, NamedDigest, OUTSIDE, OutsideForecast, REFUSED};
 use crate::store;
-use crate::store::{CampaignFilter, GistRow, Store, StoreError, Table, Tables};
+use crate::store::{CampaignFilter, DigestRow, Store, StoreError, Table, Tables};
 use crate::wire::diagnoses::{
     AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OutsideForecastBody,
     OverviewBody, SightingBody, SummaryBody,
@@ -93,7 +93,7 @@ struct SummaryTally {
 }
 
 impl SummaryTally {
-    fn add(&mut self, row: &GistRow, digest: &Digest, program: &str) {
+    fn add(&mut self, row: &DigestRow, digest: &Digest, program: &str) {
         self.cover(row, digest, program);
         if digest.verdict == REFUSED {
             return;
@@ -119,7 +119,7 @@ impl SummaryTally {
         }
     }
 
-    fn cover(&mut self, row: &GistRow, digest: &Digest, program: &str) {
+    fn cover(&mut self, row: &DigestRow, digest: &Digest, program: &str) {
         let of_verdict = match digest.verdict.as_str() {
             "no_gap" => &mut self.coverage.no_gap,
             "explained" => &mut self.coverage.explained,
@@ -301,7 +301,7 @@ pub(in crate::pipeline) async fn outside_forecasts(
 ) -> Result<(Vec<OutsideForecastBody>, usize), StoreError> {
     let (rows, of) = store::diagnosis_digest::holding(store, OUTSIDE, since, limit).await?;
     let tables = store.names().read();
-    let body = |row: &GistRow| {
+    let body = |row: &DigestRow| {
         let outside = serde_json::from_str::<Digest>(&row.gist).ok()?.outside_forecast?;
         let seen = Sighting { record: row.record, at: row.measured_at, station: row.station };
         Some(outside_body(row.imu, &(seen, outside), &tables))
@@ -326,7 +326,7 @@ impl SummaryFilter {
     /// Campaigns that count no more are left out.
     pub(super) async fn summary(&self, store: &Store, program: &str) -> Result<SummaryBody, StoreError> {
         let mut tally = SummaryTally { effect: self.effect.map(Effect::id), ..SummaryTally::default() };
-        let add = |row: GistRow| {
+        let add = |row: DigestRow| {
             tally.add(&row, &Digest::of_row(&row)?, program);
             Ok(())
         };

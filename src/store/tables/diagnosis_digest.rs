@@ -16,7 +16,7 @@ use crate::store::rows::{AnyRow, Columns, Rows};
 
 /// The gist of one campaign's diagnosis.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct GistRow {
+pub struct DigestRow {
     pub record: Id,
     pub imu: u32,
     pub station: u32,
@@ -28,7 +28,7 @@ pub struct GistRow {
 }
 
 columns! {
-    GistRow in "diagnosis_gist" { record, imu, station, measured_at, program, gist }
+    DigestRow in "diagnosis_gist" { record, imu, station, measured_at, program, gist }
 }
 
 pub(crate) fn upsert(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
@@ -56,21 +56,21 @@ pub(crate) fn upsert(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
 pub async fn each(
     store: &Store,
     of: &CampaignFilter,
-    mut each: impl FnMut(GistRow) -> Result<(), StoreError>,
+    mut each: impl FnMut(DigestRow) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
     let sql = AssertSqlSafe(format!(
         "SELECT {} FROM diagnosis_gist
          WHERE measured_at BETWEEN $1 AND $2 AND ($3 IS NULL OR imu = $3) AND ($4 IS NULL OR station = $4)
              AND record NOT IN (SELECT item FROM correction)
          ORDER BY measured_at, record",
-        GistRow::COLUMNS
+        DigestRow::COLUMNS
     ));
     let (from, to) = (of.measured.from.0, of.measured.to.0);
     let (imu, station) = (of.imu.map(Whole), of.station.map(Whole));
     on!(store.readers, db => {
         let mut rows = sqlx::query(sql).bind(from).bind(to).bind(imu).bind(station).fetch(db);
         while let Some(row) = rows.try_next().await? {
-            each(GistRow::get_all(&row)?)?;
+            each(DigestRow::get_all(&row)?)?;
         }
     });
     Ok(())
@@ -83,12 +83,12 @@ pub async fn holding(
     words: &str,
     since: UtcMicros,
     limit: usize,
-) -> Result<(Vec<GistRow>, usize), StoreError> {
+) -> Result<(Vec<DigestRow>, usize), StoreError> {
     let sql = AssertSqlSafe(format!(
         "SELECT {}, count(*) OVER () AS many FROM diagnosis_gist
          WHERE measured_at >= $1 AND gist LIKE $2 AND record NOT IN (SELECT item FROM correction)
          ORDER BY measured_at DESC, record DESC LIMIT $3",
-        GistRow::COLUMNS
+        DigestRow::COLUMNS
     ));
     let limit = i64::try_from(limit).unwrap_or(i64::MAX);
     on!(store.readers, db => {

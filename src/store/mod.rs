@@ -26,7 +26,7 @@ mod writer;
 
 pub use crate::store::name_tables::{NamesOf, NewName, Table, Tables};
 pub use crate::store::packed::history_row::HistoryRow;
-pub use crate::store::packed::verdicts::{StoredVerdict, VerdictSheet};
+pub use crate::store::packed::verdicts::{RecordVerdicts, StoredVerdict};
 pub(crate) use crate::store::postgres::hosts::without_password;
 pub use crate::store::sqlite::backup::{
     Holdings, backup, check, check_all_but_records, check_checksums, open_to_read, restore,

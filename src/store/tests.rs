@@ -52,7 +52,7 @@ pub(super) fn record(id: Id, at: i64, note: &str) -> RecordRow {
         received_at: UtcMicros(at + 5),
         body: format!("{{\"note\": \"{note}\"}}").into(),
         body_sha256: [7; 32],
-        verdicts: VerdictSheet(vec![(1, vec![verdict])]),
+        verdicts: RecordVerdicts(vec![(1, vec![verdict])]),
         voided: false,
         notes: None,
         sent_by: None,

@@ -14,7 +14,7 @@ use crate::pipeline::alerts::{finding_of, status_of};
 use crate::pipeline::ingest::judge::gyro_window::sample_of;
 use crate::pipeline::queries::status;
 use crate::store;
-use crate::store::{AlertRow, HeadRow, NewestRow, Store, StoreError, StoredVerdict, VerdictSheet};
+use crate::store::{AlertRow, HeadRow, NewestRow, RecordVerdicts, Store, StoreError, StoredVerdict};
 
 /// How one gyro stands.
 #[derive(Debug, Clone, PartialEq)]
@@ -269,7 +269,7 @@ fn load(verdict: &StoredVerdict) -> Option<f64> {
 /// What is stored of some gyros that their standing follows from, besides their newest figures.
 #[derive(Debug)]
 pub(crate) struct StoredFacts {
-    sheets: HashMap<Id, VerdictSheet>,
+    sheets: HashMap<Id, RecordVerdicts>,
     alerted: HashMap<u32, Alerted>,
     out_of_use: HashMap<u32, (UtcMicros, Event)>,
     outlooks: HashMap<u32, Outlook>,
@@ -312,7 +312,7 @@ impl StoredFacts {
 }
 
 /// The verdicts of a record's sheet on a gyro.
-pub(crate) fn verdicts_on(sheet: Option<&VerdictSheet>, gyro: u32) -> &[StoredVerdict] {
+pub(crate) fn verdicts_on(sheet: Option<&RecordVerdicts>, gyro: u32) -> &[StoredVerdict] {
     let found = sheet.and_then(|sheet| sheet.0.iter().find(|(number, _)| *number == gyro));
     found.map_or(&[], |(_, verdicts)| verdicts)
 }

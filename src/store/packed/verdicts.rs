@@ -78,9 +78,9 @@ impl StoredVerdict {
 
 /// The verdicts of one record by gyro number, in the order of the record's gyros.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct VerdictSheet(pub Vec<(u32, Vec<StoredVerdict>)>);
+pub struct RecordVerdicts(pub Vec<(u32, Vec<StoredVerdict>)>);
 
-impl VerdictSheet {
+impl RecordVerdicts {
     pub fn states(&self) -> impl Iterator<Item = State> {
         self.0.iter().flat_map(|(_, verdicts)| verdicts).map(|verdict| verdict.state)
     }
@@ -224,7 +224,7 @@ fn read_one(fields: &mut Fields<'_>, limits: Option<&mut WrittenLimits>) -> Opti
 mod tests {
     use super::*;
 
-    fn sheet() -> VerdictSheet {
+    fn sheet() -> RecordVerdicts {
         let verdict = StoredVerdict {
             coefficient: Coefficient::DS,
             rule: Rule::Step,
@@ -237,14 +237,14 @@ mod tests {
         };
         let bare =
             StoredVerdict { value: None, probability: None, confirmed: false, state: State::Indeterminate, ..verdict };
-        VerdictSheet(vec![
+        RecordVerdicts(vec![
             (7, vec![verdict, bare]),
             (8, vec![]),
             (9, vec![StoredVerdict { sd: Some(1e-4), ..verdict }]),
         ])
     }
 
-    fn packed(sheet: &VerdictSheet) -> Vec<u8> {
+    fn packed(sheet: &RecordVerdicts) -> Vec<u8> {
         let mut out = Vec::new();
         sheet.pack(Id(5), &mut out);
         out
@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn verdicts_come_back_as_they_were_decided() {
-        assert_eq!(VerdictSheet::unpack(Id(5), &packed(&sheet())).unwrap(), sheet());
+        assert_eq!(RecordVerdicts::unpack(Id(5), &packed(&sheet())).unwrap(), sheet());
     }
 
     #[test]
@@ -267,33 +267,33 @@ mod tests {
             old.extend(0.0123_f64.to_le_bytes());
         }
         old.extend(checksum(Id(5), &old).to_le_bytes());
-        let VerdictSheet(mut expected) = sheet();
+        let RecordVerdicts(mut expected) = sheet();
         expected.truncate(1);
         expected[0].1.truncate(1);
         expected[0].1[0].probability = None;
         expected.push((8, expected[0].1.clone()));
-        assert_eq!(VerdictSheet::unpack(Id(5), &old).unwrap(), VerdictSheet(expected));
+        assert_eq!(RecordVerdicts::unpack(Id(5), &old).unwrap(), RecordVerdicts(expected));
     }
 
     #[test]
     fn more_limits_than_a_place_can_name_come_back_too() {
         let [(_, verdicts), ..] = &sheet().0[..] else { panic!("a gyro") };
         let of = |from: usize| (from..from + 150).map(|k| StoredVerdict { limit: k as f64, ..verdicts[0] }).collect();
-        let many = VerdictSheet(vec![(1, of(0)), (2, of(150)), (3, of(200))]);
-        assert_eq!(VerdictSheet::unpack(Id(5), &packed(&many)).unwrap(), many);
+        let many = RecordVerdicts(vec![(1, of(0)), (2, of(150)), (3, of(200))]);
+        assert_eq!(RecordVerdicts::unpack(Id(5), &packed(&many)).unwrap(), many);
     }
 
     #[test]
     fn every_flipped_bit_a_cut_and_another_record_are_found_out() {
         let good = packed(&sheet());
-        assert!(VerdictSheet::unpack(Id(6), &good).is_err());
+        assert!(RecordVerdicts::unpack(Id(6), &good).is_err());
         for bit in 0..good.len() * 8 {
             let mut bad = good.clone();
             bad[bit / 8] ^= 1 << (bit % 8);
-            assert!(VerdictSheet::unpack(Id(5), &bad).is_err(), "bit {bit}");
+            assert!(RecordVerdicts::unpack(Id(5), &bad).is_err(), "bit {bit}");
         }
         for len in 0..good.len() {
-            assert!(VerdictSheet::unpack(Id(5), &good[..len]).is_err(), "{len} bytes");
+            assert!(RecordVerdicts::unpack(Id(5), &good[..len]).is_err(), "{len} bytes");
         }
     }
 

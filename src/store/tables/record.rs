@@ -14,7 +14,7 @@ use crate::store::db::{Readers, Sql, Whole, listed, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::packed::text;
-use crate::store::packed::verdicts::VerdictSheet;
+use crate::store::packed::verdicts::RecordVerdicts;
 use crate::store::rows::{AnyRow, CellKind, Column, Columns, Row, Rows};
 use crate::store::tables::names::look_up_numbers;
 
@@ -50,7 +50,7 @@ pub struct RecordRow {
     /// Word for word.
     pub body: Arc<str>,
     pub body_sha256: [u8; 32],
-    pub verdicts: VerdictSheet,
+    pub verdicts: RecordVerdicts,
     /// It does not count: it was voided or revised, or is set aside until its time is confirmed.
     pub voided: bool,
     /// What was noted about it, as versioned JSON.
@@ -131,7 +131,7 @@ const COLUMNS: &str = "id, kind, imu, station, calibrated_at, received_at, body,
 /// may be at home in different cells: whoever changes those of one must not undo what others have made of another.
 #[derive(Debug, Clone)]
 pub struct RejudgedSheet {
-    pub sheet: VerdictSheet,
+    pub sheet: RecordVerdicts,
     packed_before: Vec<u8>,
 }
 
@@ -163,7 +163,7 @@ fn row(row: &impl AnyRow) -> Result<RecordRow, StoreError> {
         received_at: row.part(&["received_at"])?,
         body: text::unpack(row.cell("body")?, row.cell("packed")?, || format!("record {id}"))?.into(),
         body_sha256: row.part(&["body_sha256"])?,
-        verdicts: VerdictSheet::unpack(id, &row.cell::<Vec<u8>>("verdicts")?)?,
+        verdicts: RecordVerdicts::unpack(id, &row.cell::<Vec<u8>>("verdicts")?)?,
         voided: row.part(&["voided"])?,
         notes: row.part(&["notes"])?,
         sent_by: row.part(&["sent_by"])?,
@@ -254,13 +254,13 @@ pub async fn whose(store: &Store, id: Id) -> Result<Option<(u32, Vec<u32>)>, Sto
     let sql = "SELECT imu, verdicts FROM record WHERE id = $1";
     let found: Option<(Whole<u32>, Vec<u8>)> = read!(store, query_as.fetch_optional, sql, id.0);
     let whose = |(Whole(imu), verdicts): (Whole<u32>, Vec<u8>)| {
-        let sheet = VerdictSheet::unpack(id, &verdicts)?;
+        let sheet = RecordVerdicts::unpack(id, &verdicts)?;
         Ok((imu, sheet.0.into_iter().map(|(gyro, _)| gyro).collect()))
     };
     found.map(whose).transpose()
 }
 
-pub async fn verdict_sheet(store: &Store, id: Id) -> Result<Option<VerdictSheet>, StoreError> {
+pub async fn verdict_sheet(store: &Store, id: Id) -> Result<Option<RecordVerdicts>, StoreError> {
     Ok(sheet_to_rejudge(store, id).await?.map(|found| found.sheet))
 }
 
@@ -268,8 +268,9 @@ pub async fn verdict_sheet(store: &Store, id: Id) -> Result<Option<VerdictSheet>
 pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSheet>, StoreError> {
     let sql = "SELECT verdicts FROM record WHERE id = $1";
     let found: Option<Vec<u8>> = read!(store, query_scalar.fetch_optional, sql, id.0);
-    let sheet =
-        |packed_before: Vec<u8>| Ok(RejudgedSheet { sheet: VerdictSheet::unpack(id, &packed_before)?, packed_before });
+    let sheet = |packed_before: Vec<u8>| {
+        Ok(RejudgedSheet { sheet: RecordVerdicts::unpack(id, &packed_before)?, packed_before })
+    };
     found.map(sheet).transpose()
 }
 
@@ -277,10 +278,10 @@ pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSh
 pub async fn verdict_sheets(
     store: &Store,
     records: impl Iterator<Item = Id>,
-) -> Result<Vec<(Id, VerdictSheet)>, StoreError> {
+) -> Result<Vec<(Id, RecordVerdicts)>, StoreError> {
     let sql = store.readers.words(listed!("SELECT id, verdicts FROM record WHERE id"));
     let rows: Vec<(i64, Vec<u8>)> = read!(store, query_as.fetch_all, sql, json_of(records));
-    rows.into_iter().map(|(id, bytes)| Ok((Id(id), VerdictSheet::unpack(Id(id), &bytes)?))).collect()
+    rows.into_iter().map(|(id, bytes)| Ok((Id(id), RecordVerdicts::unpack(Id(id), &bytes)?))).collect()
 }
 
 /// The newest `limit` records of an IMU that count, newest first, without their bodies.

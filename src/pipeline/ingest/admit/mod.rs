@@ -27,8 +27,8 @@ use crate::pipeline::ingest::submission::{
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
 use crate::store::{
-    BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RestatedRow, Store, StoreError,
-    StoredVerdict, VerdictSheet,
+    BenchRow, EventRow, GyroAttributeRow, HistoryRow, NamesOf, NewName, RecordRow, RecordVerdicts, RestatedRow, Store,
+    StoreError, StoredVerdict,
 };
 use crate::wire::{history_note, time};
 pub(crate) use ahead::Ahead;
@@ -91,7 +91,7 @@ impl Admission<'_> {
         let home = store::names::cell_of_imu(self.store, sent.imu.as_str());
         let imu = self.take_number(NamesOf::Imus, sent.imu.as_str(), home, group);
         let station = self.take_number(NamesOf::Stations, sent.station.as_str(), home, group);
-        let mut sheet = VerdictSheet::default();
+        let mut sheet = RecordVerdicts::default();
         for gyro in &sent.gyros {
             let number = self.take_number(NamesOf::Gyros, gyro.serial.as_str(), home, group);
             let figures = figures_of(&gyro.separation, id, at, imu, station);

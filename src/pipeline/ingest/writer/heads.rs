@@ -14,7 +14,7 @@ use crate::pipeline::queries::heads::{HeadNames, checksum, stations_of, stored_o
 use crate::pipeline::queries::standing::{Alerted, Facts, verdicts_on};
 use crate::store;
 use crate::store::{
-    Cells, Changes, HeadChanges, HeadRow, HeadsMade, HistoryRow, Store, StoreError, VerdictSheet, Writer,
+    Cells, Changes, HeadChanges, HeadRow, HeadsMade, HistoryRow, RecordVerdicts, Store, StoreError, Writer,
 };
 
 /// Rows of one transaction where all are made.
@@ -33,7 +33,7 @@ impl Heads<'_> {
     /// How these gyros will stand once `changes` are stored.
     pub async fn rows(&self, gyros: &[u32], changes: &Changes) -> Result<Vec<HeadRow>, StoreError> {
         let newest = self.newest_after(gyros, changes).await?;
-        let mut sheets: HashMap<Id, &VerdictSheet> =
+        let mut sheets: HashMap<Id, &RecordVerdicts> =
             changes.records.iter().map(|record| (record.id, &record.verdicts)).collect();
         sheets.extend(changes.rejudged.sheets.iter().map(|(record, again)| (*record, &again.sheet)));
         let records = newest.values().map(|figures| figures.record).filter(|record| !sheets.contains_key(record));

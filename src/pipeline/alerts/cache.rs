@@ -43,7 +43,7 @@ pub(crate) struct AlertCache {
 type StepRemark = (Option<String>, Option<String>);
 
 /// What it takes to write an entry: the time, identifiers, names; what caused it, and how it is told if it comes late.
-pub(crate) struct Pen<'a> {
+pub(crate) struct AlertContext<'a> {
     pub now: UtcMicros,
     pub writer: &'a mut Writer,
     pub naming: Naming<'a>,
@@ -155,19 +155,25 @@ impl AlertCache {
     }
 
     /// Follows a verdict on the newest figures of a gyro, on what a station does, or on the newest campaign of an IMU.
-    pub fn follow(&mut self, of: impl Into<AlertOf>, verdict: &Verdict, origin: &Origin, pen: &mut Pen<'_>) {
+    pub fn follow(
+        &mut self,
+        of: impl Into<AlertOf>,
+        verdict: &Verdict,
+        origin: &Origin,
+        context: &mut AlertContext<'_>,
+    ) {
         let of = of.into();
         let place = self.place(of, |row| row.coefficient == verdict.coefficient && row.rule == verdict.rule);
         let earlier = place.map(|place| &self.alerts[&of][place]);
-        let naming = pen.naming;
-        let muting = self.silences.of(of, verdict, origin, &naming, pen.now);
+        let naming = context.naming;
+        let muting = self.silences.of(of, verdict, origin, &naming, context.now);
         let (muted, muted_until) = muting.map(|(muted, until)| (Some(muted), Some(until))).unwrap_or_default();
         let since = earlier.filter(|row| row.alert.status == Status::Firing).map_or(origin.at, |row| row.alert.since);
         let fires = earlier.filter(|row| row.alert.status == Status::Firing);
         let explained = of.gyro().map(|gyro| self.shared().explaining(gyro, verdict, origin, since, fires));
         let Explained { by: inhibited_by, with_imu } = explained.unwrap_or_default();
         let inhibited = inhibited_by.is_some();
-        let arrival = Arrival { record_at: origin.at, now: pen.now, late: pen.late, muted_until, inhibited };
+        let arrival = Arrival { record_at: origin.at, now: context.now, late: context.late, muted_until, inhibited };
         let decision = alert_decision::hear(earlier.map(|row| &row.alert), verdict, &arrival, &self.policy);
         let Some(alert) = decision.alert else { return };
         let finding = || AlertFindingBody { with_imu, ..naming.finding(verdict, origin) }.kept();
@@ -184,7 +190,7 @@ impl AlertCache {
             }
             _ => {
                 let row = AlertRow {
-                    id: pen.writer.next_id(pen.now),
+                    id: context.writer.next_id(context.now),
                     of,
                     coefficient: verdict.coefficient,
                     rule: verdict.rule,
@@ -203,21 +209,27 @@ impl AlertCache {
         let row = &mut self.alerts.entry(of).or_default()[place];
         (row.finding, row.muted) = (finding(), muted);
         row.inhibited_by = inhibited_by.or(row.inhibited_by).filter(|_| alert.inhibited);
-        self.enter((of, place), decision, began, (None, None), pen);
+        self.enter((of, place), decision, began, (None, None), context);
     }
 
     /// Ends what fires where `ends` says so: a rule that does not judge any more, or whose history an event has cut
     /// off.
-    pub fn reset(&mut self, of: impl Into<AlertOf>, ends: impl Fn(&AlertRow) -> bool, pen: &mut Pen<'_>) {
-        self.end(of.into(), ends, &(None, None), pen);
+    pub fn reset(&mut self, of: impl Into<AlertOf>, ends: impl Fn(&AlertRow) -> bool, context: &mut AlertContext<'_>) {
+        self.end(of.into(), ends, &(None, None), context);
     }
 
-    fn end(&mut self, of: AlertOf, ends: impl Fn(&AlertRow) -> bool, said: &StepRemark, pen: &mut Pen<'_>) {
+    fn end(
+        &mut self,
+        of: AlertOf,
+        ends: impl Fn(&AlertRow) -> bool,
+        said: &StepRemark,
+        context: &mut AlertContext<'_>,
+    ) {
         for place in 0..self.alerts.get(&of).map_or(0, Vec::len) {
             let row = &self.alerts[&of][place];
             if row.alert.status == Status::Firing && ends(row) {
-                let decision = alert_decision::reset(&row.alert, pen.now);
-                self.enter((of, place), decision, false, said.clone(), pen);
+                let decision = alert_decision::reset(&row.alert, context.now);
+                self.enter((of, place), decision, false, said.clone(), context);
             }
         }
     }
@@ -229,7 +241,7 @@ impl AlertCache {
         of: impl Into<AlertOf>,
         still: impl Fn(&AlertRow) -> Option<Severity>,
         undone: &Undone,
-        pen: &mut Pen<'_>,
+        context: &mut AlertContext<'_>,
     ) {
         let of = of.into();
         for place in 0..self.alerts.get(&of).map_or(0, Vec::len) {
@@ -237,11 +249,11 @@ impl AlertCache {
             let decision = match still(row) {
                 _ if row.alert.status == Status::Resolved => continue,
                 Some(severity) if severity >= row.alert.severity => continue,
-                Some(severity) => alert_decision::lower(&row.alert, severity, pen.now),
-                None => alert_decision::reset(&row.alert, pen.now),
+                Some(severity) => alert_decision::lower(&row.alert, severity, context.now),
+                None => alert_decision::reset(&row.alert, context.now),
             };
             let said = (Some(undone.author.clone()), Some(undone.reason.clone()));
-            self.enter((of, place), decision, false, said, pen);
+            self.enter((of, place), decision, false, said, context);
         }
     }
 
@@ -266,59 +278,59 @@ impl AlertCache {
 
     /// Lets the alerts of these gyros follow those of what they share: of what is explained nobody is told; of what is
     /// not any more everybody is told what was held back.
-    pub fn explain(&mut self, gyros: &BTreeSet<u32>, pen: &mut Pen<'_>) {
+    pub fn explain(&mut self, gyros: &BTreeSet<u32>, context: &mut AlertContext<'_>) {
         for at in self.places(&gyros.iter().map(|gyro| AlertOf::Gyro(*gyro)).collect()) {
             let row = &self.alerts[&at.0][at.1];
-            let Explained { by, with_imu } = self.shared().explaining_row(row, &pen.naming);
+            let Explained { by, with_imu } = self.shared().explaining_row(row, &context.naming);
             if by == row.inhibited_by {
                 continue;
             }
-            let decision = alert_decision::inhibit(&row.alert, by.is_some(), pen.now);
+            let decision = alert_decision::inhibit(&row.alert, by.is_some(), context.now);
             if let Some(row) = self.alerts.get_mut(&at.0).and_then(|rows| rows.get_mut(at.1)) {
                 row.inhibited_by = by;
                 if let Ok(finding) = finding_of(row) {
                     row.finding = AlertFindingBody { with_imu, ..finding }.kept();
                 }
             }
-            self.enter(at, decision, false, (None, None), pen);
+            self.enter(at, decision, false, (None, None), context);
             // A hook that came meanwhile has not heard of it.
             if by.is_none() && decision.action == Action::Silent {
-                self.tell_as_it_stands(at, pen);
+                self.tell_as_it_stands(at, context);
             }
         }
     }
 
     /// Lets these alerts follow the clock: repeats, and tells what a silence has held back.
-    pub fn tick(&mut self, all: &BTreeSet<AlertOf>, pen: &mut Pen<'_>) {
-        self.silences.pass(pen.now);
+    pub fn tick(&mut self, all: &BTreeSet<AlertOf>, context: &mut AlertContext<'_>) {
+        self.silences.pass(context.now);
         for at in self.places(all) {
             let before = self.alerts[&at.0][at.1].alert;
-            let decision = alert_decision::tick(&before, pen.now, &self.policy);
+            let decision = alert_decision::tick(&before, context.now, &self.policy);
             let Some(after) = decision.alert.filter(|after| *after != before) else { continue };
-            self.enter(at, decision, false, (None, None), pen);
+            self.enter(at, decision, false, (None, None), context);
             let silence_ended =
                 (before.silenced_until, before.muted_until) != (after.silenced_until, after.muted_until);
             // The world was told before the silence; a hook that came during it was not.
             if silence_ended && decision.action == Action::Silent {
-                self.tell_as_it_stands(at, pen);
+                self.tell_as_it_stands(at, context);
             }
         }
     }
 
     /// Tells those who have not heard how an alert stands.
-    fn tell_as_it_stands(&mut self, at: (AlertOf, usize), pen: &Pen<'_>) {
+    fn tell_as_it_stands(&mut self, at: (AlertOf, usize), context: &AlertContext<'_>) {
         let row = self.alerts[&at.0][at.1].clone();
-        let body = pen.naming.alert(&row, pen.now).map(|body| body.kept()).unwrap_or_default();
-        self.tell(&row, Action::Silent, None, body, pen);
+        let body = context.naming.alert(&row, context.now).map(|body| body.kept()).unwrap_or_default();
+        self.tell(&row, Action::Silent, None, body, context);
     }
 
     /// What waits of these gyros for the digest of an import is told; true where something did.
-    pub fn tell_digest(&mut self, all: &BTreeSet<AlertOf>, pen: &mut Pen<'_>) -> bool {
+    pub fn tell_digest(&mut self, all: &BTreeSet<AlertOf>, context: &mut AlertContext<'_>) -> bool {
         let mut any = false;
         for at in self.places(all) {
-            let Some(decision) = alert_decision::digest(&self.alerts[&at.0][at.1].alert, pen.now) else { continue };
+            let Some(decision) = alert_decision::digest(&self.alerts[&at.0][at.1].alert, context.now) else { continue };
             any = true;
-            self.enter(at, decision, false, (None, None), pen);
+            self.enter(at, decision, false, (None, None), context);
             if decision.action != Action::Silent
                 && let Some(step) = self.steps.last_mut()
             {
@@ -341,7 +353,7 @@ impl AlertCache {
         action: &str,
         remark: &Remark,
         change: impl FnOnce(&mut AlertRow),
-        pen: &mut Pen<'_>,
+        context: &mut AlertContext<'_>,
     ) -> Option<AlertRow> {
         let at = self.find(id)?;
         let row = &mut self.alerts.get_mut(&at.0)?[at.1];
@@ -349,7 +361,7 @@ impl AlertCache {
         let row = row.clone();
         self.changed.insert(at);
         let said = (Some(remark.by.clone()), Some(remark.reason.clone()));
-        self.step(&row, action, false, said, pen);
+        self.step(&row, action, false, said, context);
         Some(row)
     }
 
@@ -368,7 +380,14 @@ impl AlertCache {
     }
 
     /// Makes a decision the alert's state, and a step of it, where it changes how the alert stands or tells somebody.
-    fn enter(&mut self, at: (AlertOf, usize), decision: Decision, began: bool, said: StepRemark, pen: &mut Pen<'_>) {
+    fn enter(
+        &mut self,
+        at: (AlertOf, usize),
+        decision: Decision,
+        began: bool,
+        said: StepRemark,
+        context: &mut AlertContext<'_>,
+    ) {
         let Some(alert) = decision.alert else { return };
         let row = &mut self.alerts.entry(at.0).or_default()[at.1];
         let earlier = (!began).then_some(row.alert);
@@ -384,13 +403,13 @@ impl AlertCache {
         self.changed.insert(at);
         let action = if decision.action == Action::Silent { untold(earlier, alert) } else { Some(decision.action) };
         if let Some(action) = action {
-            let (step, body) = self.step(&row, action.name(), decision.action != Action::Silent, said, pen);
-            self.tell(&row, action, Some(step), body, pen);
+            let (step, body) = self.step(&row, action.name(), decision.action != Action::Silent, said, context);
+            self.tell(&row, action, Some(step), body, context);
         }
     }
 
-    fn tell(&mut self, row: &AlertRow, action: Action, step: Option<Id>, body: String, pen: &Pen<'_>) {
-        self.news.push(News { id: row.id, alert: row.alert, action, step, body, cause: pen.cause });
+    fn tell(&mut self, row: &AlertRow, action: Action, step: Option<Id>, body: String, context: &AlertContext<'_>) {
+        self.news.push(News { id: row.id, alert: row.alert, action, step, body, cause: context.cause });
     }
 
     fn step(
@@ -399,16 +418,16 @@ impl AlertCache {
         action: &str,
         told: bool,
         (author, reason): StepRemark,
-        pen: &mut Pen<'_>,
+        context: &mut AlertContext<'_>,
     ) -> (Id, String) {
         // The finding was written by this program, in this run or an earlier one; the next look at the alert names
         // the damage.
-        let body = pen.naming.alert(row, pen.now).map(|body| body.kept()).unwrap_or_default();
-        let id = pen.writer.next_id(pen.now);
+        let body = context.naming.alert(row, context.now).map(|body| body.kept()).unwrap_or_default();
+        let id = context.writer.next_id(context.now);
         self.steps.push(StepRow {
             id,
             alert: row.id,
-            at: pen.now,
+            at: context.now,
             action: action.to_owned(),
             told,
             author,

@@ -34,7 +34,7 @@ pub use error::AlertError;
 pub use orders::{AlertChange, AlertOrder, SilenceOrder};
 
 pub(super) use body::{Naming, Origin, finding_of, status_of};
-pub(super) use cache::{AlertCache, News, Pen};
+pub(super) use cache::{AlertCache, AlertContext, News};
 pub(super) use shared::SharedVerdict;
 pub(super) use sources::{Causes, follow_clock, follow_group};
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::cache::{AlertCache, Pen};
+use super::cache::{AlertCache, AlertContext};
 use super::error::AlertError;
 use super::silences::{MOST_SILENCES, body};
 use crate::core::access::AuditEntry;
@@ -58,10 +58,10 @@ pub enum SilenceOrder {
 impl AlertCache {
     /// Does what somebody has said; returns the alert as it then is. What a silence that ends has left untold is told
     /// at once.
-    pub fn obey(&mut self, order: &AlertOrder, pen: &mut Pen<'_>) -> Result<AlertRow, AlertError> {
+    pub fn obey(&mut self, order: &AlertOrder, context: &mut AlertContext<'_>) -> Result<AlertRow, AlertError> {
         let unknown = || AlertError::UnknownAlert(order.alert);
         let row = self.alert(order.alert).ok_or_else(unknown)?;
-        let remark = Remark { by: order.by.clone(), reason: order.reason.clone(), at: pen.now };
+        let remark = Remark { by: order.by.clone(), reason: order.reason.clone(), at: context.now };
         match order.change {
             AlertChange::Acknowledge if row.alert.status == alert_decision::Status::Resolved => {
                 return Err(AlertError::AlertResolved(order.alert));
@@ -71,7 +71,7 @@ impl AlertCache {
             AlertChange::Unsilence if row.alert.silenced_until.is_none() => return Ok(row.clone()),
             _ => {}
         }
-        let now = pen.now;
+        let now = context.now;
         let change = |row: &mut AlertRow| match order.change {
             AlertChange::Unacknowledge => {
                 row.alert = alert_decision::unacknowledge(&row.alert);
@@ -92,9 +92,9 @@ impl AlertCache {
                 row.silenced = None;
             }
         };
-        let of = self.say(order.alert, order.change.name(), &remark, change, pen).ok_or_else(unknown)?.of;
+        let of = self.say(order.alert, order.change.name(), &remark, change, context).ok_or_else(unknown)?.of;
         if order.change == AlertChange::Unsilence {
-            self.tick(&BTreeSet::from([of]), pen);
+            self.tick(&BTreeSet::from([of]), context);
         }
         self.alert(order.alert).cloned().ok_or_else(unknown)
     }
@@ -108,29 +108,29 @@ impl AlertCache {
         order: &SilenceOrder,
         known: Option<SilenceRow>,
         by: &Actor,
-        pen: &mut Pen<'_>,
+        context: &mut AlertContext<'_>,
     ) -> Result<(Id, Changes), AlertError> {
         let mut changes = Changes::default();
         let (before, after, action) = match (order, known) {
             (SilenceOrder::Begin { matchers, until, by, reason }, _) => {
-                self.silences.pass(pen.now);
+                self.silences.pass(context.now);
                 if self.silences.0.len() >= MOST_SILENCES as usize {
                     return Err(AlertError::TooManySilences(MOST_SILENCES as usize));
                 }
-                let said = Remark { by: by.clone(), reason: reason.clone(), at: pen.now };
-                let id = pen.writer.next_id(pen.now);
+                let said = Remark { by: by.clone(), reason: reason.clone(), at: context.now };
+                let id = context.writer.next_id(context.now);
                 let row = SilenceRow { id, matchers: matchers.clone(), until: *until, said, ended: None };
                 self.silences.0.push(row.clone());
                 (None, row, "begin silence")
             }
             (SilenceOrder::End { silence, .. }, None) => return Err(AlertError::UnknownSilence(*silence)),
             // It is over already.
-            (SilenceOrder::End { silence, .. }, Some(row)) if row.ended.is_some() || row.until <= pen.now => {
+            (SilenceOrder::End { silence, .. }, Some(row)) if row.ended.is_some() || row.until <= context.now => {
                 return Ok((*silence, changes));
             }
             (SilenceOrder::End { silence, by, reason }, Some(row)) => {
                 self.silences.0.retain(|one| one.id != *silence);
-                let ended = Some(Remark { by: by.clone(), reason: reason.clone(), at: pen.now });
+                let ended = Some(Remark { by: by.clone(), reason: reason.clone(), at: context.now });
                 (Some(row.clone()), SilenceRow { ended, ..row }, "end silence")
             }
         };
@@ -138,9 +138,9 @@ impl AlertCache {
         for at in self.places(&all) {
             let row = &self.alerts[&at.0][at.1];
             let was_muted = row.alert.muted_until.is_some();
-            let muting = self.silences.of_row(row, &pen.naming, pen.now);
+            let muting = self.silences.of_row(row, &context.naming, context.now);
             // One that ends now is over with the tick that follows.
-            let until = muting.as_ref().map(|(_, until)| *until).or(was_muted.then_some(pen.now));
+            let until = muting.as_ref().map(|(_, until)| *until).or(was_muted.then_some(context.now));
             if until != row.alert.muted_until {
                 let row = &mut self.alerts.get_mut(&at.0).expect("it was found")[at.1];
                 row.alert.muted_until = until;
@@ -148,16 +148,22 @@ impl AlertCache {
                 self.changed.insert(at);
             }
         }
-        self.tick(&all, pen);
-        changes.access.audit.push(audited(pen, by, action, before.as_ref(), &after));
+        self.tick(&all, context);
+        changes.access.audit.push(audited(context, by, action, before.as_ref(), &after));
         let id = after.id;
         changes.silences.push(after);
         Ok((id, changes))
     }
 }
 
-fn audited(pen: &mut Pen<'_>, by: &Actor, action: &str, before: Option<&SilenceRow>, after: &SilenceRow) -> AuditEntry {
-    let (before, now) = (before.map(|row| body(row, pen.now)), pen.now);
-    let line = pen.writer.next_id(now);
+fn audited(
+    context: &mut AlertContext<'_>,
+    by: &Actor,
+    action: &str,
+    before: Option<&SilenceRow>,
+    after: &SilenceRow,
+) -> AuditEntry {
+    let (before, now) = (before.map(|row| body(row, context.now)), context.now);
+    let line = context.writer.next_id(now);
     by.line(line, now, (action, format!("silences/{}", after.id)), before.as_ref(), Some(&body(after, now)))
 }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::body::Origin;
-use super::cache::{AlertCache, Pen};
+use super::cache::{AlertCache, AlertContext};
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, Verdict, overdue};
@@ -37,10 +37,10 @@ impl Causes {
     }
 
     /// The cause is the item that was judged itself, where it is of the group, else the last that is of the gyro.
-    fn sign(&self, gyro: u32, item: Option<Id>, pen: &mut Pen<'_>) {
+    fn sign(&self, gyro: u32, item: Option<Id>, context: &mut AlertContext<'_>) {
         let item = item.filter(|item| self.items.contains_key(item)).or_else(|| self.gyros.get(&gyro).copied());
-        pen.cause = item;
-        pen.late = item.and_then(|item| self.items.get(&item)).copied().unwrap_or_default();
+        context.cause = item;
+        context.late = item.and_then(|item| self.items.get(&item)).copied().unwrap_or_default();
     }
 }
 
@@ -54,10 +54,10 @@ pub(crate) fn follow_group(
     sent: &HashMap<Id, &Calibration>,
     agreements: &[Agreement],
     causes: &Causes,
-    pen: &mut Pen<'_>,
+    context: &mut AlertContext<'_>,
 ) {
     for (gyro, undone) in &judged.undone {
-        causes.sign(*gyro, None, pen);
+        causes.sign(*gyro, None, context);
         let fires = undone.fires.as_ref();
         let still = |row: &AlertRow| match row.rule {
             Rule::Agreement => {
@@ -70,23 +70,23 @@ pub(crate) fn follow_group(
             Rule::Overdue => Some(row.alert.severity),
             rule => fires.map_or(Some(row.alert.severity), |fires| fires.get(&(row.coefficient, rule)).copied()),
         };
-        alerts.undo(*gyro, still, undone, pen);
+        alerts.undo(*gyro, still, undone, context);
         // The newest that counts may be older than before.
         if let Some(Newest { figures, .. }) = judged.newest.iter().rfind(|newest| newest.gyro == *gyro) {
-            follow_clock(alerts, judge, *gyro, figures.at, figures.imu, pen);
+            follow_clock(alerts, judge, *gyro, figures.at, figures.imu, context);
         }
     }
     for newest in &judged.newest {
-        causes.sign(newest.gyro, Some(newest.figures.record), pen);
-        follow_newest(alerts, judge, judged, newest, sent, pen);
+        causes.sign(newest.gyro, Some(newest.figures.record), context);
+        follow_newest(alerts, judge, judged, newest, sent, context);
     }
     for agreement in agreements {
-        causes.sign(agreement.gyro, agreement.origin.item, pen);
+        causes.sign(agreement.gyro, agreement.origin.item, context);
         for verdict in &agreement.verdicts {
-            alerts.follow(agreement.gyro, verdict, &agreement.origin, pen);
+            alerts.follow(agreement.gyro, verdict, &agreement.origin, context);
         }
         let judged = |row: &AlertRow| agreement.verdicts.iter().any(|verdict| verdict.coefficient == row.coefficient);
-        alerts.reset(agreement.gyro, |row| row.rule == Rule::Agreement && !judged(row), pen);
+        alerts.reset(agreement.gyro, |row| row.rule == Rule::Agreement && !judged(row), context);
     }
 }
 
@@ -96,7 +96,7 @@ fn follow_newest(
     judged: &Judged,
     newest: &Newest,
     sent: &HashMap<Id, &Calibration>,
-    pen: &mut Pen<'_>,
+    context: &mut AlertContext<'_>,
 ) {
     let Newest { gyro, figures } = newest;
     let by_history = judged.verdicts.get(&(figures.record, *gyro)).map(Vec::as_slice);
@@ -109,7 +109,7 @@ fn follow_newest(
     // An event since the newest record has cut it off from what comes: its verdict is of the past.
     let is_past = |rule: Rule| rule != Rule::Overdue && judge.is_reset_since(*gyro, figures.at, rule);
     for verdict in verdicts().filter(|verdict| !is_past(verdict.rule)) {
-        alerts.follow(*gyro, verdict, &origin, pen);
+        alerts.follow(*gyro, verdict, &origin, context);
     }
     let is_switched_off = |row: &AlertRow| {
         let was_asked = match row.rule {
@@ -119,8 +119,8 @@ fn follow_newest(
         };
         was_asked && !verdicts().any(|verdict| (verdict.coefficient, verdict.rule) == (row.coefficient, row.rule))
     };
-    alerts.reset(*gyro, |row| is_past(row.rule) || is_switched_off(row), pen);
-    follow_clock(alerts, judge, *gyro, figures.at, figures.imu, pen);
+    alerts.reset(*gyro, |row| is_past(row.rule) || is_switched_off(row), context);
+    follow_clock(alerts, judge, *gyro, figures.at, figures.imu, context);
 }
 
 fn requirements(gyro: &CalibratedGyro) -> impl Iterator<Item = &Verdict> {
@@ -134,16 +134,16 @@ pub(crate) fn follow_clock(
     gyro: u32,
     last: UtcMicros,
     imu: u32,
-    pen: &mut Pen<'_>,
+    context: &mut AlertContext<'_>,
 ) {
     let fires = alerts.firing(gyro).any(|row| row.rule == Rule::Overdue);
-    let interval = judge.interval_days(gyro, last, imu, &pen.naming);
+    let interval = judge.interval_days(gyro, last, imu, &context.naming);
     match interval {
-        Some(days) if fires || pen.now.days_since(last) > days.value => {
+        Some(days) if fires || context.now.days_since(last) > days.value => {
             let origin = Origin { at: last, item: None, imu: Some(imu), slot: None, station: None, batch: None };
-            alerts.follow(gyro, &overdue(last, pen.now, days), &origin, pen);
+            alerts.follow(gyro, &overdue(last, context.now, days), &origin, context);
         }
-        None if fires => alerts.reset(gyro, |row| row.rule == Rule::Overdue, pen),
+        None if fires => alerts.reset(gyro, |row| row.rule == Rule::Overdue, context),
         _ => {}
     }
 }

@@ -9,7 +9,9 @@ use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
-use crate::pipeline::alerts::{AlertError, AlertOrder, Causes, Naming, Pen, SharedVerdict, SilenceOrder, follow_group};
+use crate::pipeline::alerts::{
+    AlertContext, AlertError, AlertOrder, Causes, Naming, SharedVerdict, SilenceOrder, follow_group,
+};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::hooks::{CurrentAlert, OutboxContext};
 use crate::pipeline::ingest::judge::Judged;
@@ -60,11 +62,11 @@ impl WriterState {
         self.alerts.learn_mates(&shifts);
         {
             let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
-            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: causes.late() };
+            let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late: causes.late() };
             for SharedVerdict { of, verdict, origin, .. } in &shifts {
-                self.alerts.follow(*of, verdict, origin, &mut pen);
+                self.alerts.follow(*of, verdict, origin, &mut context);
             }
-            follow_group(&mut self.alerts, &self.judge, found, sent, agreements, causes, &mut pen);
+            follow_group(&mut self.alerts, &self.judge, found, sent, agreements, causes, &mut context);
         }
         self.note(changes, now).await
     }
@@ -134,8 +136,8 @@ impl WriterState {
         self.alerts.recall(&self.store, gyros_of(&waiting), now).await?;
         let any = {
             let naming = Naming { tables: &self.store.names().read(), new: None };
-            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
-            self.alerts.tell_digest(&waiting, &mut pen)
+            let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
+            self.alerts.tell_digest(&waiting, &mut context)
         };
         if !any {
             return Ok(());
@@ -177,8 +179,8 @@ impl WriterState {
         };
         let (id, mut changes) = {
             let naming = Naming { tables: &self.store.names().read(), new: None };
-            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
-            self.alerts.order_silence(order, known, by, &mut pen)?
+            let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
+            self.alerts.order_silence(order, known, by, &mut context)?
         };
         let noted = self.note(&mut changes, now).await;
         self.commit_or_forget(noted, &mut changes).await?;
@@ -193,8 +195,8 @@ impl WriterState {
         let (before, body) = {
             let naming = Naming { tables: &self.store.names().read(), new: None };
             let before = self.alerts.alert(order.alert).map(|row| naming.alert(row, now)).transpose()?;
-            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Quiet };
-            let row = self.alerts.obey(order, &mut pen)?;
+            let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late: Late::Quiet };
+            let row = self.alerts.obey(order, &mut context)?;
             (before, naming.alert(&row, now)?)
         };
         let mut changes = Changes::default();

@@ -10,7 +10,7 @@ use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::time::{Span, UtcMicros};
-use crate::pipeline::alerts::{Naming, Pen, SharedVerdict, follow_clock};
+use crate::pipeline::alerts::{AlertContext, Naming, SharedVerdict, follow_clock};
 use crate::store;
 use crate::store::{AlertOf, AlertRow, Cells, Changes, Duty, StoreError};
 
@@ -100,17 +100,25 @@ impl ClockTick<'_> {
         let newest = store::histories::newest(&self.state.store, &ever, 1).await?;
         {
             let naming = Naming { tables: &self.state.store.names().read(), new: None };
-            let mut pen = Pen { now, writer: &mut self.state.writer, naming, cause: None, late: Late::Clock };
+            let mut context =
+                AlertContext { now, writer: &mut self.state.writer, naming, cause: None, late: Late::Clock };
             for (gyro, newest) in gyros.into_iter().zip(newest) {
                 let in_use = |newest: &&Figures| out_of_use.get(&gyro).is_none_or(|(at, _)| *at < newest.at);
                 match newest.last().filter(in_use) {
                     Some(newest) => {
-                        follow_clock(&mut self.state.alerts, &self.state.judge, gyro, newest.at, newest.imu, &mut pen);
+                        follow_clock(
+                            &mut self.state.alerts,
+                            &self.state.judge,
+                            gyro,
+                            newest.at,
+                            newest.imu,
+                            &mut context,
+                        );
                     }
-                    None => self.state.alerts.reset(gyro, |row| row.rule == Rule::Overdue, &mut pen),
+                    None => self.state.alerts.reset(gyro, |row| row.rule == Rule::Overdue, &mut context),
                 }
             }
-            self.state.alerts.tick(found, &mut pen);
+            self.state.alerts.tick(found, &mut context);
         }
         self.state.note(&mut changes, now).await?;
         self.state.enter_heads(&mut changes).await?;
@@ -155,15 +163,16 @@ impl ClockTick<'_> {
         {
             let naming = Naming { tables: &self.state.store.names().read(), new: None };
             // What lies long ago is history, whenever it is found.
-            let mut pen = Pen { now, writer: &mut self.state.writer, naming, cause: None, late: Late::Quiet };
+            let mut context =
+                AlertContext { now, writer: &mut self.state.writer, naming, cause: None, late: Late::Quiet };
             let off: Vec<(AlertOf, Id)> =
                 self.state.alerts.shared().not_judged(&found).map(|row| (row.of, row.id)).collect();
-            off.into_iter().for_each(|(of, id)| self.state.alerts.reset(of, |row| row.id == id, &mut pen));
+            off.into_iter().for_each(|(of, id)| self.state.alerts.reset(of, |row| row.id == id, &mut context));
             for SharedVerdict { of, verdict, origin, .. } in &found {
-                self.state.alerts.follow(*of, verdict, origin, &mut pen);
+                self.state.alerts.follow(*of, verdict, origin, &mut context);
             }
             let anew = self.state.alerts.shared().explained_anew(&rows, &naming);
-            self.state.alerts.explain(&anew, &mut pen);
+            self.state.alerts.explain(&anew, &mut context);
         }
         self.state.note(&mut changes, now).await?;
         self.state.enter_heads(&mut changes).await?;

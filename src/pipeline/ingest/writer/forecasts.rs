@@ -8,7 +8,7 @@ use super::state::WriterState;
 use crate::core::alert_decision::Late;
 use crate::core::judge::{Finding, Rule, Verdict};
 use crate::core::time::UtcMicros;
-use crate::pipeline::alerts::{Naming, Origin, Pen};
+use crate::pipeline::alerts::{AlertContext, Naming, Origin};
 use crate::pipeline::diagnoses::{Adoption, Made, newest_verdict};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::ingest::judge::Undone;
@@ -48,8 +48,8 @@ impl ForecastAlerts<'_> {
         {
             let naming = Naming { tables: &self.state.store.names().read(), new: None };
             let (cause, late) = (Some(head.id), Late::Quiet);
-            let mut pen = Pen { now: self.now, writer: &mut self.state.writer, naming, cause, late };
-            self.state.alerts.follow(AlertOf::Imu(imu), &verdict, &origin(imu, &head, &verdict), &mut pen);
+            let mut context = AlertContext { now: self.now, writer: &mut self.state.writer, naming, cause, late };
+            self.state.alerts.follow(AlertOf::Imu(imu), &verdict, &origin(imu, &head, &verdict), &mut context);
         }
         self.state.note(changes, self.now).await?;
         Ok((head.id == campaign).then_some(verdict))
@@ -89,12 +89,13 @@ impl ForecastAlerts<'_> {
 
     fn undo(&mut self, (imu, left): (u32, Option<Verdict>), undone: &Undone) {
         let naming = Naming { tables: &self.state.store.names().read(), new: None };
-        let mut pen = Pen { now: self.now, writer: &mut self.state.writer, naming, cause: None, late: Late::Quiet };
+        let mut context =
+            AlertContext { now: self.now, writer: &mut self.state.writer, naming, cause: None, late: Late::Quiet };
         let still = |row: &AlertRow| match row.rule {
             Rule::Forecast => left.and_then(|verdict| verdict.severity()),
             _ => Some(row.alert.severity),
         };
-        self.state.alerts.undo(AlertOf::Imu(imu), still, undone, &mut pen);
+        self.state.alerts.undo(AlertOf::Imu(imu), still, undone, &mut context);
     }
 }
 

@@ -73,7 +73,7 @@ pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
 /// # Errors
 /// [`StoreError::Key`] where something is encrypted, and not with this key.
 pub async fn hide_stored_secrets(store: &Store, writer: &mut Writer) -> Result<usize, StoreError> {
-    writer.take_turn(&Cells::all()).await?;
+    writer.lock_cells(&Cells::all()).await?;
     let hidden = hide_in_turn(store, writer).await;
     writer.give_back().await;
     hidden

@@ -36,7 +36,7 @@ impl Beside {
     pub async fn open(options: &Options) -> Result<Self, StoreError> {
         if options.is_server() {
             let (store, mut writer) = postgres::open::open_beside(options).await?;
-            writer.take_turn(&Cells::one(ACCESS_CELL)).await?;
+            writer.lock_cells(&Cells::one(ACCESS_CELL)).await?;
             return Ok(Self(Aside::Server { store, writer: Box::new(writer) }));
         }
         let connect = connect_options(options)?;

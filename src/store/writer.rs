@@ -68,11 +68,11 @@ impl Writer {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn take_turn(&mut self, cells: &Cells) -> Result<Missed, StoreError> {
+    pub async fn lock_cells(&mut self, cells: &Cells) -> Result<Missed, StoreError> {
         match &mut self.engine {
             Engine::File(_) => Ok(Missed::default()),
             Engine::Server(writer) => {
-                let (missed, ids) = writer.take_turn(cells).await?;
+                let (missed, ids) = writer.lock_cells(cells).await?;
                 self.ids = ids;
                 Ok(missed)
             }

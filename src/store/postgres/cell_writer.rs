@@ -65,8 +65,8 @@ impl CellWriter {
         }
     }
 
-    /// See [`crate::store::Writer::take_turn`]. Also where identifiers come from meanwhile.
-    pub async fn take_turn(&mut self, cells: &Cells) -> Result<(Missed, IdSource), StoreError> {
+    /// See [`crate::store::Writer::lock_cells`]. Also where identifiers come from meanwhile.
+    pub async fn lock_cells(&mut self, cells: &Cells) -> Result<(Missed, IdSource), StoreError> {
         debug_assert!(self.held.is_empty(), "what was held before has been given back");
         self.held = self.begin(cells).await?;
         let learned = names::learn_cells(&self.readers, &self.names, &self.held).await;

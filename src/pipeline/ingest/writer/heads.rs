@@ -167,7 +167,7 @@ pub(crate) async fn make_missing(store: &Store, writer: &mut Writer, config: &Co
     let all = store.names().read().gyros.len();
     let mut done = 0;
     loop {
-        writer.take_turn(&Cells::all()).await?;
+        writer.lock_cells(&Cells::all()).await?;
         let made = store::head::made(store).await?;
         if is_made(&made) {
             // Another server has.

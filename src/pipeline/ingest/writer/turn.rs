@@ -65,7 +65,7 @@ pub(super) async fn next_of(moves: &mut Option<Moves>) -> Option<Missed> {
 impl WriterState {
     /// Holds `cells` and catches up with what others have written in them.
     pub(super) async fn begin(&mut self, cells: &Cells) -> Result<(), StoreError> {
-        let missed = self.writer.take_turn(cells).await?;
+        let missed = self.writer.lock_cells(cells).await?;
         if std::mem::take(&mut self.behind) {
             self.start_over();
         }

@@ -93,7 +93,7 @@ fn put(path: &Path, text: &str) -> anyhow::Result<bool> {
     let mut part = target.clone().into_os_string();
     part.push(format!(".{}.part", std::process::id()));
     let part = PathBuf::from(part);
-    let written = write_beside(&part, &target, text, replaced);
+    let written = write_and_rename(&part, &target, text, replaced);
     if written.is_err() {
         let _may_not_be_there = std::fs::remove_file(&part);
     }
@@ -101,7 +101,7 @@ fn put(path: &Path, text: &str) -> anyhow::Result<bool> {
     Ok(replaced)
 }
 
-fn write_beside(part: &Path, target: &Path, text: &str, replaces: bool) -> std::io::Result<()> {
+fn write_and_rename(part: &Path, target: &Path, text: &str, replaces: bool) -> std::io::Result<()> {
     let mut file = File::create_new(part)?;
     if replaces {
         file.set_permissions(std::fs::metadata(target)?.permissions())?;

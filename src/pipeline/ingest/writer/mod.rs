@@ -238,7 +238,7 @@ impl Task {
     }
 
     async fn process(&mut self, jobs: Vec<StoreJob>) {
-        if let Some(jobs) = self.write_beside(jobs).await {
+        if let Some(jobs) = self.write_overlapped(jobs).await {
             self.store_all(jobs).await;
         }
     }

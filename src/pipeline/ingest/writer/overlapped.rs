@@ -46,7 +46,7 @@ impl Task {
     }
 
     /// Has a group written beside, where it can be; otherwise gives it back, and nothing is under way.
-    pub(super) async fn write_beside(&mut self, jobs: Vec<StoreJob>) -> Option<Vec<StoreJob>> {
+    pub(super) async fn write_overlapped(&mut self, jobs: Vec<StoreJob>) -> Option<Vec<StoreJob>> {
         let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
         if !self.can_go_beside(&items) {
             self.finish().await;

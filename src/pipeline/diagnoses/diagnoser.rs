@@ -18,7 +18,7 @@ use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
 use crate::pipeline::diagnoses::digest::seats;
-use crate::pipeline::diagnoses::foretelling::Foretelling;
+use crate::pipeline::diagnoses::forecaster::Forecaster;
 use crate::pipeline::diagnoses::hypotheses::Competing;
 use crate::pipeline::diagnoses::made::{Diagnosed, DiagnosisOutcome, KeptDiagnosis, Made};
 use crate::pipeline::diagnoses::models::{InForce, ModelCache};
@@ -160,13 +160,13 @@ impl Diagnoser {
         tokio::spawn(async move {
             let gyros = seats(&campaign);
             let judging = &diagnoser.config.judging;
-            let foretelling = Foretelling::of(&diagnoser.store, judging, (key.0, imu), &campaign).await;
-            let foretelling = foretelling.inspect_err(|error| {
+            let forecaster = Forecaster::of(&diagnoser.store, judging, (key.0, imu), &campaign).await;
+            let forecaster = forecaster.inspect_err(|error| {
                 tracing::warn!(%error, campaign = %key.0, "what foretells a campaign cannot be read");
             });
             // Without what foretells it, it is an answer for now: it is still due.
-            let is_whole = !matches!(&foretelling, Err(error) if !matches!(error, StoreError::Damaged(_)));
-            let asked = (campaign, foretelling.ok());
+            let is_whole = !matches!(&forecaster, Err(error) if !matches!(error, StoreError::Damaged(_)));
+            let asked = (campaign, forecaster.ok());
             let (begun_at, made) = diagnoser.compute(asked, (&in_force, &competing), awaited).await;
             let (campaign, model, program) = key.clone();
             let outcome = match &made {
@@ -193,7 +193,7 @@ impl Diagnoser {
     /// When it is its turn: since when, and the answer; none where it panicked.
     async fn compute(
         &self,
-        (campaign, foretelling): (Campaign, Option<Foretelling>),
+        (campaign, forecaster): (Campaign, Option<Forecaster>),
         (in_force, competing): (&InForce, &Competing),
         awaited: Awaited,
     ) -> (UtcMicros, Option<Diagnosed>) {
@@ -207,7 +207,7 @@ impl Diagnoser {
                 let changed = changed_since(&model, &campaign).map(|changed| ChangedBody::from(&changed));
                 let body = DiagnosisBody { effects_against_model: changed, ..DiagnosisBody::from(&diagnosis) };
                 let body = body.noted(model.notes_of_others(&campaign));
-                Ok(body.foretold(foretelling.map(|foretelling| foretelling.point(&campaign))))
+                Ok(body.foretold(forecaster.map(|forecaster| forecaster.point(&campaign))))
             }
             Err(why) => Err(why.message()),
         };

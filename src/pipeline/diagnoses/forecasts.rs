@@ -7,7 +7,7 @@
 use serde::Deserialize;
 
 use super::Diagnoses;
-use super::foretelling::{Foretelling, stored};
+use super::forecaster::{Forecaster, stored};
 use super::models::InForce;
 use crate::core::id::Id;
 use crate::core::judge::{State, Verdict};
@@ -53,10 +53,10 @@ impl Diagnoses {
     /// The forecast of a campaign made now, and dwell by dwell; none where there is no such campaign.
     async fn made(&self, id: Id, imu: u32) -> Result<Option<(ForecastPointBody, Option<ForecastBody>)>, StorageError> {
         let Some(campaign) = stored(&self.store, id).await? else { return Ok(None) };
-        let foretelling = Foretelling::of(&self.store, &self.reader.config.judging, (id, imu), &campaign).await?;
+        let forecaster = Forecaster::of(&self.store, &self.reader.config.judging, (id, imu), &campaign).await?;
         let work = words::spawn_blocking(move || {
-            let told = foretelling.foretold(&campaign);
-            (foretelling.point_of(&campaign, told.as_ref()), told.ok())
+            let told = forecaster.foretold(&campaign);
+            (forecaster.point_of(&campaign, told.as_ref()), told.ok())
         });
         let failed = |error| StoreError::Damaged(format!("forecasts could not be made: {error}"));
         Ok(Some(work.await.map_err(failed)?))

@@ -23,7 +23,7 @@ const FITTED: usize = 5;
 const LOOKED_THROUGH: u32 = 32;
 
 /// What foretells a stored campaign.
-pub(super) struct Foretelling {
+pub(super) struct Forecaster {
     id: Id,
     /// Of the same IMU with the same gyros, newest first.
     before: Vec<(Id, Campaign)>,
@@ -33,7 +33,7 @@ pub(super) struct Foretelling {
     limits: [Option<Limit>; 2],
 }
 
-impl Foretelling {
+impl Forecaster {
     /// Of the campaign `id` of the IMU with number `imu`.
     pub async fn of(
         store: &Store,

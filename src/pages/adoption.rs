@@ -11,7 +11,7 @@ use super::calibration::stored_campaign;
 use super::diagnosis::PATIENCE;
 use super::diagnosis::sections::found;
 use super::forecast::held;
-use super::form::{Deed, ItemAction, Word, see_other};
+use super::form::{ActionForm, ItemAction, Word, see_other};
 use super::layout::{Section, encoded, instant};
 use super::viewer::Viewer;
 use crate::core::augmented::AugmentedModel;
@@ -27,7 +27,7 @@ pub(super) struct Adopt;
 impl ItemAction for Adopt {
     type Item = Id;
 
-    async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Id, Deed), Problem> {
+    async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Id, ActionForm), Problem> {
         let t = viewer.text();
         let stored = stored_campaign(pages, id).await?;
         let number = stored.item.id;
@@ -39,7 +39,7 @@ impl ItemAction for Adopt {
         let diagnosis =
             diagnosis.filter(|diagnosis| !diagnosis.effects.is_empty()).ok_or_else(|| nothing_named(number))?;
         let diagnosis = diagnosis.clone().said_in(words::asked());
-        let form = Deed {
+        let form = ActionForm {
             section: Section::Fleet,
             title: format!("{} · {}", t.adopt, stored.answer.imu),
             what: html! {
@@ -57,7 +57,7 @@ impl ItemAction for Adopt {
         Ok((number, form))
     }
 
-    async fn run(pages: &Pages, id: Id, _: Deed, word: Word) -> Result<Response, Problem> {
+    async fn run(pages: &Pages, id: Id, _: ActionForm, word: Word) -> Result<Response, Problem> {
         let adoption = pages.pipeline.diagnoses.adoption(id, word.by, word.reason).await?;
         put(pages, adoption.ok_or_else(|| nothing_named(id))?).await
     }
@@ -81,7 +81,7 @@ impl ItemAction for UndoModel {
     /// The IMU, and what is to hold of it.
     type Item = (String, Arc<AugmentedModel>);
 
-    async fn form(pages: &Pages, viewer: &Viewer, imu: &str, word: &Word) -> Result<(Self::Item, Deed), Problem> {
+    async fn form(pages: &Pages, viewer: &Viewer, imu: &str, word: &Word) -> Result<(Self::Item, ActionForm), Problem> {
         let t = viewer.text();
         let models = pages.pipeline.diagnoses.models(imu).await?;
         let unknown = || Problem::new(404, "title_unknown_imu", pages.pipeline.queries.names().unknown_imu(imu));
@@ -90,7 +90,7 @@ impl ItemAction for UndoModel {
             Problem::new(409, "title_nothing_to_adopt", message!("no_model_to_undo", imu = imu.to_owned()))
         })?;
         let model = models.get(1).map_or_else(Arc::default, |before| Arc::clone(&before.model));
-        let form = Deed {
+        let form = ActionForm {
             section: Section::Fleet,
             title: format!("{} · {imu}", t.undo_model),
             what: html! {
@@ -108,7 +108,7 @@ impl ItemAction for UndoModel {
         Ok(((imu.to_owned(), model), form))
     }
 
-    async fn run(pages: &Pages, (imu, model): Self::Item, _: Deed, word: Word) -> Result<Response, Problem> {
+    async fn run(pages: &Pages, (imu, model): Self::Item, _: ActionForm, word: Word) -> Result<Response, Problem> {
         put(pages, Adoption { imu, model, author: word.by, reason: word.reason }).await
     }
 }

@@ -11,7 +11,7 @@ use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::form::{Deed, Word, choice, rule_choice, see_other};
+use super::form::{ActionForm, Word, choice, rule_choice, see_other};
 use super::layout::{Page, Section, encoded, written, written_day};
 use super::silences::{days_field, silent_until};
 use super::viewer::{Viewer, Visit};
@@ -362,7 +362,7 @@ pub(super) async fn act(
     Ok(see_other(said.word.back_or("/alerts")))
 }
 
-fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said) -> Deed {
+fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said) -> ActionForm {
     let t = viewer.text();
     let (title, does, button) = match doing {
         Doing::Acknowledge => (t.acknowledge_title, t.acknowledge_what, t.acknowledge),
@@ -372,7 +372,7 @@ fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said) -> Deed {
     };
     let what = html! { (table(viewer, std::iter::once(alert), true, None)) p.lead { (does) } };
     let fields = html! { @if doing == Doing::Silence { (days_field(t, &said.days, true)) } };
-    Deed {
+    ActionForm {
         section: Section::Alerts,
         title: title.into(),
         what,

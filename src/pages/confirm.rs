@@ -5,7 +5,7 @@ use axum::response::Response;
 use maud::html;
 
 use super::Pages;
-use super::form::{Deed, ItemAction, Word, see_other};
+use super::form::{ActionForm, ItemAction, Word, see_other};
 use super::layout::{Section, instant};
 use super::notes::noted;
 use super::viewer::Viewer;
@@ -22,7 +22,7 @@ pub(super) struct ConfirmTime;
 impl ItemAction for ConfirmTime {
     type Item = Id;
 
-    async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Id, Deed), Problem> {
+    async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Id, ActionForm), Problem> {
         let unknown = || Problem::no_such_record(id);
         let number: Id = id.parse().map_err(|_| unknown())?;
         let records = &pages.pipeline.queries.records;
@@ -32,7 +32,7 @@ impl ItemAction for ConfirmTime {
             return Err(Problem::new(409, "title_not_set_aside", detail));
         }
         let t = viewer.text();
-        let form = Deed {
+        let form = ActionForm {
             section: Section::Fleet,
             title: t.confirm_time.into(),
             what: html! {
@@ -53,7 +53,7 @@ impl ItemAction for ConfirmTime {
         Ok((number, form))
     }
 
-    async fn run(pages: &Pages, id: Id, form: Deed, word: Word) -> Result<Response, Problem> {
+    async fn run(pages: &Pages, id: Id, form: ActionForm, word: Word) -> Result<Response, Problem> {
         let confirmation = Confirmation {
             id,
             of_window: false,

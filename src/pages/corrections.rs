@@ -4,7 +4,7 @@
 use axum::response::Response;
 use maud::{Markup, html};
 
-use super::form::{Deed, ItemAction, Word, see_other};
+use super::form::{ActionForm, ItemAction, Word, see_other};
 use super::layout::{DRIFTS, Section, encoded, instant, label, symbol};
 use super::text::Text;
 use super::viewer::Viewer;
@@ -19,7 +19,7 @@ use crate::message;
 use crate::pipeline::{Actor, Corrected, Correction, Submission};
 use crate::wire::problem::Problem;
 
-async fn void(pages: &Pages, item: Corrected, form: Deed, word: Word) -> Result<Response, Problem> {
+async fn void(pages: &Pages, item: Corrected, form: ActionForm, word: Word) -> Result<Response, Problem> {
     let Word { by: author, reason, .. } = word;
     let correction = Correction { item, author, reason, replacement: None, by: Actor::by_caller() };
     pages.pipeline.ingest.submit(Submission::Correction(Box::new(correction))).await?;
@@ -32,7 +32,7 @@ pub(super) struct VoidCalibration;
 impl ItemAction for VoidCalibration {
     type Item = Corrected;
 
-    async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Corrected, Deed), Problem> {
+    async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Corrected, ActionForm), Problem> {
         let unknown = || Problem::no_such_record(id);
         let number: Id = id.parse().map_err(|_| unknown())?;
         let stored = pages.pipeline.queries.records.record(number).await?.ok_or_else(unknown)?;
@@ -65,7 +65,7 @@ impl ItemAction for VoidCalibration {
         Ok((Corrected::Calibration { id: number, kind: Some(item.kind) }, form))
     }
 
-    async fn run(pages: &Pages, item: Corrected, form: Deed, word: Word) -> Result<Response, Problem> {
+    async fn run(pages: &Pages, item: Corrected, form: ActionForm, word: Word) -> Result<Response, Problem> {
         void(pages, item, form, word).await
     }
 }
@@ -75,7 +75,7 @@ pub(super) struct VoidBench;
 impl ItemAction for VoidBench {
     type Item = Corrected;
 
-    async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Corrected, Deed), Problem> {
+    async fn form(pages: &Pages, viewer: &Viewer, id: &str, word: &Word) -> Result<(Corrected, ActionForm), Problem> {
         let unknown = || Problem::no_such_bench_result(id);
         let number: Id = id.parse().map_err(|_| unknown())?;
         let bench = pages.pipeline.queries.records.bench(number).await?.ok_or_else(unknown)?;
@@ -97,7 +97,7 @@ impl ItemAction for VoidBench {
         Ok((Corrected::Bench(number), form(t, t.void_bench, &shown, (&action, word.back_or(&home)))))
     }
 
-    async fn run(pages: &Pages, item: Corrected, form: Deed, word: Word) -> Result<Response, Problem> {
+    async fn run(pages: &Pages, item: Corrected, form: ActionForm, word: Word) -> Result<Response, Problem> {
         void(pages, item, form, word).await
     }
 }
@@ -111,8 +111,8 @@ async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {
 }
 
 /// Sent to `action`; `back` is where to go on.
-fn form(t: &Text, title: &'static str, shown: &Markup, (action, back): (&str, &str)) -> Deed {
-    Deed {
+fn form(t: &Text, title: &'static str, shown: &Markup, (action, back): (&str, &str)) -> ActionForm {
+    ActionForm {
         section: Section::Fleet,
         title: title.into(),
         what: html! { (shown) p.lead { (t.void_what) } },

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, Word, see_other, typed_time};
+use super::form::{ActionForm, Word, see_other, typed_time};
 use super::layout::{Page, Section, encoded};
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
@@ -119,7 +119,7 @@ pub(super) async fn act(
     }
 }
 
-fn form(viewer: &Viewer, serial: &Name, said: &Said) -> Deed {
+fn form(viewer: &Viewer, serial: &Name, said: &Said) -> ActionForm {
     let t = viewer.text();
     let about = About::of(Event::from_name(&said.event));
     let title = about.title(t);
@@ -139,7 +139,7 @@ fn form(viewer: &Viewer, serial: &Name, said: &Said) -> Deed {
             label { (t.event_test_to) input name="to" value=(said.to) data-time placeholder="2026-03-03 16:00"; }
         }
     };
-    Deed {
+    ActionForm {
         section: Section::Fleet,
         title: format!("{title}: {serial}"),
         what: what_it_resets(viewer, about),

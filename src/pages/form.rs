@@ -56,7 +56,7 @@ impl Word {
 
 /// Something that changes what is stored, on a page of its own: what it does, who does it and why; and that it is
 /// meant, where it cannot be undone.
-pub(super) struct Deed {
+pub(super) struct ActionForm {
     pub section: Section,
     pub title: String,
     /// What it is about, and what it does.
@@ -73,7 +73,7 @@ pub(super) struct Deed {
     pub is_final: bool,
 }
 
-impl Deed {
+impl ActionForm {
     /// Before anything was sent.
     pub fn fresh(&self, viewer: &Viewer, word: &Word) -> Page {
         self.page(viewer, word, &Faults::default())
@@ -131,12 +131,12 @@ pub(super) trait ItemAction {
         viewer: &Viewer,
         id: &str,
         word: &Word,
-    ) -> impl Future<Output = Result<(Self::Item, Deed), Problem>> + Send;
+    ) -> impl Future<Output = Result<(Self::Item, ActionForm), Problem>> + Send;
 
     fn run(
         pages: &Pages,
         item: Self::Item,
-        form: Deed,
+        form: ActionForm,
         word: Word,
     ) -> impl Future<Output = Result<Response, Problem>> + Send;
 }

@@ -5,7 +5,7 @@ use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::form::{Deed, Word, see_other};
+use super::form::{ActionForm, Word, see_other};
 use super::layout::{Page, Section, encoded};
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
@@ -91,10 +91,10 @@ pub(super) async fn act(
     Ok(see_other(&format!("/gyros/{}", encoded(serial))))
 }
 
-fn form(viewer: &Viewer, serial: &str, said: &Attributes) -> Deed {
+fn form(viewer: &Viewer, serial: &str, said: &Attributes) -> ActionForm {
     let t = viewer.text();
     let home = format!("/gyros/{}", encoded(serial));
-    Deed {
+    ActionForm {
         section: Section::Fleet,
         title: t.edit_attributes.into(),
         what: html! { p.lead translate="no" { (serial) } p { (t.edit_attributes_what) } },

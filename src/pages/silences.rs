@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, ItemAction, Word, rule_choice, see_other};
+use super::form::{ActionForm, ItemAction, Word, rule_choice, see_other};
 use super::layout::{Page, Section, remark, written};
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
@@ -124,7 +124,7 @@ pub(super) async fn begin(
     Ok(see_other("/alerts"))
 }
 
-fn form(viewer: &Viewer, new: &NewSilence) -> Deed {
+fn form(viewer: &Viewer, new: &NewSilence) -> ActionForm {
     let t = viewer.text();
     let names = [("serial", t.serial, &new.serial), ("imu", t.imu, &new.imu), ("station", t.station, &new.station)];
     let fields = html! {
@@ -132,7 +132,7 @@ fn form(viewer: &Viewer, new: &NewSilence) -> Deed {
         (rule_choice(t, &new.rule))
         (days_field(t, &new.days, true))
     };
-    Deed {
+    ActionForm {
         section: Section::Alerts,
         title: t.silence_many.into(),
         what: html! { p.lead { (t.silence_many_what) } },
@@ -150,12 +150,12 @@ pub(super) struct EndSilence;
 impl ItemAction for EndSilence {
     type Item = Id;
 
-    async fn form(pages: &Pages, viewer: &Viewer, id: &str, _: &Word) -> Result<(Id, Deed), Problem> {
+    async fn form(pages: &Pages, viewer: &Viewer, id: &str, _: &Word) -> Result<(Id, ActionForm), Problem> {
         let unknown = || Problem::unknown_silence(id);
         let number: Id = id.parse().map_err(|_| unknown())?;
         let silence = pages.pipeline.alerts.silence(number).await?.ok_or_else(unknown)?;
         let t = viewer.text();
-        let form = Deed {
+        let form = ActionForm {
             section: Section::Alerts,
             title: t.end_silence_title.into(),
             what: html! { p { (of(viewer, &silence.matchers)) } p.lead { (t.end_silence_what) } },
@@ -169,7 +169,7 @@ impl ItemAction for EndSilence {
         Ok((number, form))
     }
 
-    async fn run(pages: &Pages, silence: Id, _: Deed, word: Word) -> Result<Response, Problem> {
+    async fn run(pages: &Pages, silence: Id, _: ActionForm, word: Word) -> Result<Response, Problem> {
         let Word { by, reason, .. } = word;
         pages.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
         Ok(see_other("/alerts"))

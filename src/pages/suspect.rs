@@ -7,7 +7,7 @@ use maud::html;
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, Word, see_other, typed_time};
+use super::form::{ActionForm, Word, see_other, typed_time};
 use super::layout::{Page, Section, encoded};
 use super::viewer::{Viewer, Visit};
 use crate::core::fault::Faults;
@@ -62,12 +62,12 @@ pub(super) async fn act<const TRUSTED: bool>(
     }
 }
 
-fn form(viewer: &Viewer, name: &str, said: &Window, trusted: bool) -> Deed {
+fn form(viewer: &Viewer, name: &str, said: &Window, trusted: bool) -> ActionForm {
     let t = viewer.text();
     let (title, what, path) =
         if trusted { (t.trust_window, t.trust_what, "trust") } else { (t.suspect_window, t.suspect_what, "suspect") };
     let home = format!("/stations/{}", encoded(name));
-    Deed {
+    ActionForm {
         section: Section::Stations,
         title: title.into(),
         what: html! { p.lead { (t.station) " " span translate="no" { (name) } } p { (what) } },

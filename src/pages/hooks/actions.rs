@@ -15,7 +15,7 @@ use crate::core::judge::{Severity, Status};
 use crate::core::message::text;
 use crate::message;
 use crate::pages::Pages;
-use crate::pages::form::{Deed, ItemAction, Word, choice, see_other};
+use crate::pages::form::{ActionForm, ItemAction, Word, choice, see_other};
 use crate::pages::layout::{Page, Section};
 use crate::pages::sent::Form;
 use crate::pages::viewer::{Viewer, Visit};
@@ -121,7 +121,7 @@ fn shown_once(viewer: &Viewer, id: Id, name: &str, secret: &str) -> Page {
     Page { title: t.hook_set_up.into(), section: Section::Hooks, body }
 }
 
-fn form(viewer: &Viewer, new: &NewHook) -> Deed {
+fn form(viewer: &Viewer, new: &NewHook) -> ActionForm {
     let t = viewer.text();
     let fields = html! {
         label { (t.hook_name) input name="name" value=(new.name) maxlength="128"; }
@@ -139,7 +139,7 @@ fn form(viewer: &Viewer, new: &NewHook) -> Deed {
         }
         label { (t.hook_expect) input name="expect" value=(new.expect) placeholder="errcode = 0" translate="no"; }
     };
-    Deed {
+    ActionForm {
         section: Section::Hooks,
         title: t.add_hook.into(),
         what: html! { p.lead { (t.add_hook_what) } },
@@ -157,10 +157,10 @@ pub(crate) struct DeleteHook;
 impl ItemAction for DeleteHook {
     type Item = Id;
 
-    async fn form(pages: &Pages, viewer: &Viewer, id: &str, _: &Word) -> Result<(Id, Deed), Problem> {
+    async fn form(pages: &Pages, viewer: &Viewer, id: &str, _: &Word) -> Result<(Id, ActionForm), Problem> {
         let (id, hook) = known(pages, id).await?;
         let t = viewer.text();
-        let form = Deed {
+        let form = ActionForm {
             section: Section::Hooks,
             title: t.delete_hook_title.into(),
             what: html! { p { code { (hook.url) } } p.lead { (t.delete_hook_what) } },
@@ -174,7 +174,7 @@ impl ItemAction for DeleteHook {
         Ok((id, form))
     }
 
-    async fn run(pages: &Pages, id: Id, _: Deed, _: Word) -> Result<Response, Problem> {
+    async fn run(pages: &Pages, id: Id, _: ActionForm, _: Word) -> Result<Response, Problem> {
         pages.pipeline.hooks.order(Order::Delete(id)).await?;
         Ok(see_other("/hooks"))
     }

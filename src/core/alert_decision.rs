@@ -90,7 +90,7 @@ pub struct Alert {
     /// Nobody is told that it fires, or that it has become worse: it was found late.
     pub hushed: Option<Hushed>,
     /// What the world believes: that it fires, as it was last told; none where it believes that all is well.
-    pub told: Option<Told>,
+    pub told: Option<LastNotification>,
 }
 
 impl Alert {
@@ -130,7 +130,7 @@ pub struct Arrival {
 
 /// The last that was told of a firing alert.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Told {
+pub struct LastNotification {
     pub at: UtcMicros,
     pub severity: Severity,
 }
@@ -255,7 +255,7 @@ pub fn tick(alert: &Alert, now: UtcMicros, policy: &Policy) -> Decision {
     if alert.status == Status::Resolved || alert.acknowledged || is_held_back(alert, now) {
         return decision;
     }
-    let told_now = Some(Told { at: now, ..told });
+    let told_now = Some(LastNotification { at: now, ..told });
     // A clock set back: count from here, so that the alert does not fall silent for as long as it was set back.
     let action = match now.days_since(told.at) {
         days if days < 0.0 => Action::Silent,
@@ -380,7 +380,7 @@ fn announce(alert: Alert, now: UtcMicros) -> Decision {
     let told = match action {
         Action::Silent => alert.told,
         Action::Resolve => None,
-        _ => Some(Told { at: now, severity: alert.severity }),
+        _ => Some(LastNotification { at: now, severity: alert.severity }),
     };
     Decision { alert: Some(Alert { told, ..alert }), action }
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use sqlx::AssertSqlSafe;
 
-use crate::core::alert_decision::{Alert, Hushed, Standing, Told};
+use crate::core::alert_decision::{Alert, Hushed, LastNotification, Standing};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity};
@@ -207,7 +207,7 @@ fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
             muted_until: instant("muted_until")?,
             inhibited: inhibited_by.is_some(),
             hushed: instant("hushed_at")?.map(|at| Hushed { at, digest }),
-            told: told.map(|(at, severity)| Told { at, severity }),
+            told: told.map(|(at, severity)| LastNotification { at, severity }),
         },
         acknowledged,
         silenced: row.part(&["silenced_by", "silenced_reason", "silenced_at"])?,

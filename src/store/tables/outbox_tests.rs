@@ -3,7 +3,7 @@ use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::id::Id;
 use tempfile::TempDir;
 
-use crate::core::alert_decision::{Alert, Hushed, Status, Told};
+use crate::core::alert_decision::{Alert, Hushed, LastNotification, Status};
 use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
 use crate::store;
@@ -31,7 +31,7 @@ fn alert(id: Id, gyro: u32) -> AlertRow {
             muted_until: None,
             inhibited: true,
             hushed: Some(Hushed { at: UtcMicros(11), digest: true }),
-            told: Some(Told { at: UtcMicros(10), severity: Severity::Warning }),
+            told: Some(LastNotification { at: UtcMicros(10), severity: Severity::Warning }),
         },
         acknowledged: None,
         silenced: None,

@@ -300,7 +300,7 @@ pub(super) use table::{is_open, open_ones, table};
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Said {
+pub(super) struct AlertForm {
     #[serde(flatten)]
     word: Word,
     /// How long a silence lasts.
@@ -335,14 +335,14 @@ pub(super) async fn ask(
 ) -> Result<Page, Problem> {
     let doing = Doing::of(deed)?;
     let (_, alert) = known(pages, id).await?;
-    let said = Said { word, ..Said::default() };
+    let said = AlertForm { word, ..AlertForm::default() };
     Ok(form(viewer, &alert, doing, &said).fresh(viewer, &said.word))
 }
 
 pub(super) async fn act(
     Visit { ref pages, ref viewer }: Visit,
     Path((ref id, ref deed)): Path<(String, String)>,
-    Form(ref said): Form<Said>,
+    Form(ref said): Form<AlertForm>,
 ) -> Result<Response, Problem> {
     let doing = Doing::of(deed)?;
     let (number, alert) = known(pages, id).await?;
@@ -362,7 +362,7 @@ pub(super) async fn act(
     Ok(see_other(said.word.back_or("/alerts")))
 }
 
-fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said) -> ActionForm {
+fn form(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &AlertForm) -> ActionForm {
     let t = viewer.text();
     let (title, does, button) = match doing {
         Doing::Acknowledge => (t.acknowledge_title, t.acknowledge_what, t.acknowledge),

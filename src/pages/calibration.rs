@@ -10,7 +10,7 @@ use super::layout::{Page, Section, encoded, instant, label, symbol};
 use super::notes::noted;
 use super::parameters::{self, Parameters};
 use super::text::Text;
-use super::verdicts::{self, Said};
+use super::verdicts::{self, SeenVerdict};
 use super::viewer::{Viewer, Visit};
 use super::{Pages, corrections, figure, residuals, separation};
 use crate::core::diagnose::{ClosureDiagnosis, GyroClosure};
@@ -216,7 +216,7 @@ fn judged<'a>(
             h2 { (t.verdicts_of_record) }
             @if !counts { p.note { (t.uncounted_note) } }
             @for (slot, serial) in gyros {
-                @let own = Said::of_gyro(serial, bodies, seen);
+                @let own = SeenVerdict::of_gyro(serial, bodies, seen);
                 h3 { (slot.name()) " " a href={ "/gyros/" (encoded(serial)) } { (serial) } }
                 @if own.is_empty() { p.quiet { (t.not_judged) } } @else { (verdicts::list(viewer, &own)) }
             }

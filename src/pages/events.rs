@@ -22,7 +22,7 @@ use crate::wire::text;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Said {
+pub(super) struct EventForm {
     #[serde(flatten)]
     word: Word,
     event: String,
@@ -68,7 +68,7 @@ impl About {
 pub(super) async fn ask(
     Visit { ref pages, ref viewer }: Visit,
     Path(serial): Path<String>,
-    Query(said): Query<Said>,
+    Query(said): Query<EventForm>,
 ) -> Result<Page, Problem> {
     Ok(form(viewer, &known(pages, &serial)?, &said).fresh(viewer, &said.word))
 }
@@ -81,7 +81,7 @@ fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
 pub(super) async fn act(
     Visit { ref pages, ref viewer }: Visit,
     Path(ref serial): Path<String>,
-    Form(ref said): Form<Said>,
+    Form(ref said): Form<EventForm>,
 ) -> Result<Response, Problem> {
     let name = known(pages, serial)?;
     let mut faults = Faults::default();
@@ -119,7 +119,7 @@ pub(super) async fn act(
     }
 }
 
-fn form(viewer: &Viewer, serial: &Name, said: &Said) -> ActionForm {
+fn form(viewer: &Viewer, serial: &Name, said: &EventForm) -> ActionForm {
     let t = viewer.text();
     let about = About::of(Event::from_name(&said.event));
     let title = about.title(t);

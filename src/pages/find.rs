@@ -14,13 +14,13 @@ use crate::wire::problem::Problem;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Asked {
+pub(super) struct FindQuery {
     q: String,
 }
 
 pub(super) async fn page(
     Visit { ref pages, ref viewer }: Visit,
-    Query(asked): Query<Asked>,
+    Query(asked): Query<FindQuery>,
 ) -> Result<Response, Problem> {
     let place = place(pages, asked.q.trim()).await?;
     Ok(see_other(&format!("{}{place}", viewer.base_path)))

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use tokio::time::Instant;
 
 use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
-use super::verdicts::{self, Said};
+use super::verdicts::{self, SeenVerdict};
 use super::viewer::{Viewer, Visit};
 use super::{Pages, before_after, figure, gyro_attributes};
 use crate::core::access::Role;
@@ -26,7 +26,7 @@ use crate::wire::answer::VerdictBody;
 use crate::wire::problem::Problem;
 
 #[derive(Debug, Default, Deserialize)]
-pub(super) struct Asked {
+pub(super) struct GyroQuery {
     #[serde(flatten)]
     view: AskedView,
     /// Names of older calibrations: how many to pass over.
@@ -37,7 +37,7 @@ pub(super) struct Asked {
 pub(super) async fn page(
     Visit { ref pages, ref viewer }: Visit,
     Path(ref serial): Path<String>,
-    Query(ref asked): Query<Asked>,
+    Query(ref asked): Query<GyroQuery>,
 ) -> Result<Page, Problem> {
     let number = pages.gyro_number(serial)?;
     let judged = pages.config.judging.method;
@@ -175,7 +175,7 @@ pub(super) fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) 
                         }
                     } }
                 } }
-                @let verdicts: Vec<_> = comparison.verdicts.iter().map(|v| Said { body: VerdictBody::of(serial, v), seen: Some(*v) }).collect();
+                @let verdicts: Vec<_> = comparison.verdicts.iter().map(|v| SeenVerdict { body: VerdictBody::of(serial, v), seen: Some(*v) }).collect();
                 (verdicts::list(viewer, &verdicts))
             }
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use maud::{Markup, html};
 
 use super::text::Text;
-use super::verdicts::Said;
+use super::verdicts::SeenVerdict;
 use super::{Pages, alerts};
 use crate::core::figures::Figures;
 use crate::core::judge::State;
@@ -34,7 +34,7 @@ pub(super) struct Facts {
     /// What the rules say of the records that are drawn and listed.
     pub statuses: Statuses,
     /// On its newest record.
-    pub verdicts: Vec<Said>,
+    pub verdicts: Vec<SeenVerdict>,
     /// Those that are not resolved.
     pub alerts: Vec<AlertBody>,
     /// The gyro that has been calibrated in its slot since.
@@ -85,8 +85,8 @@ pub(super) fn first_row(skip: usize, count: usize) -> usize {
     if skip < count { skip } else { count.saturating_sub(1) / ROWS * ROWS }
 }
 
-async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result<Vec<Said>, Problem> {
+async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result<Vec<SeenVerdict>, Problem> {
     let Some(newest) = course.figures.last() else { return Ok(Vec::new()) };
     let stored = pages.pipeline.queries.records.record(newest.record).await?;
-    Ok(stored.map_or_else(Vec::new, |stored| Said::of_gyro(serial, &stored.answer.verdicts, &stored.seen)))
+    Ok(stored.map_or_else(Vec::new, |stored| SeenVerdict::of_gyro(serial, &stored.answer.verdicts, &stored.seen)))
 }

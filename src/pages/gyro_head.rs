@@ -7,7 +7,7 @@ use super::history::seat;
 use super::history_plot::epoch_of;
 use super::layout::{DRIFTS, day, encoded, instant, symbol};
 use super::text::Text;
-use super::verdicts::Said;
+use super::verdicts::SeenVerdict;
 use super::viewer::Viewer;
 use super::{bullet, figure, gyro_attributes};
 use crate::config::JudgedMethod;
@@ -119,7 +119,7 @@ impl Facts {
             verdicts: judged.chain(told).collect(),
             unsteady: standing.violations.iter().any(|one| matches!(one.rule, Rule::Trend | Rule::RmsSuccessive)),
             stepped_at_event: out.peek().is_some() && out.all(HistoryDiagnosis::is_one_event),
-            awaits_baseline: self.verdicts.iter().any(Said::awaits_baseline),
+            awaits_baseline: self.verdicts.iter().any(SeenVerdict::awaits_baseline),
             overdue: standing.overdue_days.is_some(),
             reaches_in_days: seen.filter_map(early).chain(due).min_by(f64::total_cmp),
             interval_days: self.course.limits.interval_days.map(|limit| limit.value),

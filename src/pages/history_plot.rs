@@ -9,7 +9,7 @@ use super::history::{event_label, seat};
 use super::layout::{DRIFTS, clock, symbol};
 use super::status::sign;
 use super::text::Text;
-use super::verdicts::Said;
+use super::verdicts::SeenVerdict;
 use super::view::{Shown, View};
 use super::viewer::Viewer;
 use super::{bullet, figure};
@@ -64,7 +64,7 @@ pub(super) struct Seen<'a> {
     pub epochs: &'a Epochs,
     pub statuses: &'a Statuses,
     /// On its newest record.
-    pub verdicts: &'a [Said],
+    pub verdicts: &'a [SeenVerdict],
 }
 
 /// The pictures, and what explains their signs.

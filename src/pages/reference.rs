@@ -21,7 +21,7 @@ const OFFERED: u32 = 60;
 
 /// `?reference=ID`; the newest calibration before the campaign where left out.
 #[derive(Debug, Default, Deserialize)]
-pub(super) struct Asked {
+pub(super) struct ReferenceQuery {
     reference: Option<String>,
 }
 
@@ -40,7 +40,7 @@ impl Against {
         pages: &Pages,
         stored: &StoredCampaign,
         diagnosis: &DiagnosisBody,
-        asked: &Asked,
+        asked: &ReferenceQuery,
     ) -> Result<Self, Problem> {
         let imu = pages.pipeline.queries.names().imu_number(&stored.item.imu);
         let mut offered = match imu {

@@ -18,7 +18,7 @@ use crate::pipeline::{Caller, Denied, SESSION_COOKIE};
 use crate::wire::problem::Problem;
 
 #[derive(Debug, Deserialize)]
-pub(super) struct Asked {
+pub(super) struct SignInQuery {
     back: Option<String>,
     /// The role that the page takes from which somebody was sent here.
     takes: Option<String>,
@@ -30,7 +30,7 @@ pub(super) struct Shown {
     back: Option<String>,
 }
 
-pub(super) async fn page(viewer: Viewer, Query(asked): Query<Asked>) -> Page {
+pub(super) async fn page(viewer: Viewer, Query(asked): Query<SignInQuery>) -> Page {
     let t = viewer.text();
     let lacking =
         asked.takes.as_deref().and_then(Role::from_name).map(|role| format!("{}{}", t.takes_role, t.role(role)));

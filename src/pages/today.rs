@@ -45,7 +45,7 @@ const OF_FLEET: [&str; 5] = ["q", "status", "state", "station", "page"];
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(super) struct Asked {
+pub(super) struct TodayQuery {
     /// A day, or a time.
     since: String,
     /// What has just been done, and to which alerts, parted by commas: that can be taken back.
@@ -56,7 +56,7 @@ pub(super) struct Asked {
 pub(super) async fn page(
     Visit { ref pages, ref viewer }: Visit,
     uri: Uri,
-    Query(asked): Query<Asked>,
+    Query(asked): Query<TodayQuery>,
 ) -> Result<Response, Problem> {
     let query = uri.query().unwrap_or_default();
     let is_of_fleet = |one: &str| OF_FLEET.contains(&one.split('=').next().unwrap_or_default());
@@ -66,7 +66,7 @@ pub(super) async fn page(
     Ok(build(pages, viewer, &asked).await?.into_response())
 }
 
-async fn build(pages: &Pages, viewer: &Viewer, asked: &Asked) -> Result<Page, Problem> {
+async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Page, Problem> {
     let (t, now) = (viewer.text(), pages.clock.now());
     let since = match asked.since.trim() {
         "" => now.plus_days(-DAYS),

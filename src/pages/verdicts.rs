@@ -16,12 +16,12 @@ use crate::wire::answer::VerdictBody;
 
 /// A verdict, and what its rule saw, from which words are made in the viewer's language.
 #[derive(Clone)]
-pub(super) struct Said {
+pub(super) struct SeenVerdict {
     pub body: VerdictBody,
     pub seen: Option<Verdict>,
 }
 
-impl Said {
+impl SeenVerdict {
     /// Of one gyro, from the verdicts of a record and what was seen, side by side.
     pub fn of_gyro(serial: &str, bodies: &[VerdictBody], seen: &[Option<Verdict>]) -> Vec<Self> {
         let all = bodies.iter().zip(seen).filter(|(body, _)| body.serial == serial);
@@ -51,10 +51,11 @@ impl Said {
 }
 
 /// What is the matter in full, the worst first; the rest folded.
-pub(super) fn list(viewer: &Viewer, verdicts: &[Said]) -> Markup {
+pub(super) fn list(viewer: &Viewer, verdicts: &[SeenVerdict]) -> Markup {
     let t = viewer.text();
     let calm = |status: Status| matches!(status, Status::InTolerance | Status::NotEnoughData);
-    let (rest, grave): (Vec<&Said>, Vec<&Said>) = sorted(verdicts).into_iter().partition(|said| calm(said.status()));
+    let (rest, grave): (Vec<&SeenVerdict>, Vec<&SeenVerdict>) =
+        sorted(verdicts).into_iter().partition(|said| calm(said.status()));
     html! {
         ul.verdicts { @for verdict in grave { (one(viewer, verdict)) } }
         (folded(t, &rest, &html! { ul.verdicts { @for verdict in &rest { (one(viewer, verdict)) } } }))
@@ -62,7 +63,7 @@ pub(super) fn list(viewer: &Viewer, verdicts: &[Said]) -> Markup {
 }
 
 /// What has passed, and what waits for data: counted, and shown when asked for.
-fn folded(t: &Text, rest: &[&Said], shown: &Markup) -> Markup {
+fn folded(t: &Text, rest: &[&SeenVerdict], shown: &Markup) -> Markup {
     let waiting = rest.iter().filter(|said| said.status() == Status::NotEnoughData).count();
     html! {
         @if !rest.is_empty() {
@@ -79,19 +80,19 @@ fn folded(t: &Text, rest: &[&Said], shown: &Markup) -> Markup {
 
 /// One line for each verdict, the alert on it beside it, and the alerts that no verdict on this record stands for. What
 /// is the matter comes first; the rest is folded.
-pub(super) fn table(viewer: &Viewer, verdicts: &[Said], alerts: &[AlertBody], here: Option<&str>) -> Markup {
+pub(super) fn table(viewer: &Viewer, verdicts: &[SeenVerdict], alerts: &[AlertBody], here: Option<&str>) -> Markup {
     let t = viewer.text();
-    let calm = |said: &&Said| matches!(said.status(), Status::InTolerance | Status::NotEnoughData);
-    let alert_of = |said: &Said| {
+    let calm = |said: &&SeenVerdict| matches!(said.status(), Status::InTolerance | Status::NotEnoughData);
+    let alert_of = |said: &SeenVerdict| {
         alerts.iter().find(|alert| (&alert.rule, &alert.coefficient) == (&said.body.rule, &said.body.coefficient))
     };
-    let (rest, grave): (Vec<&Said>, Vec<&Said>) =
+    let (rest, grave): (Vec<&SeenVerdict>, Vec<&SeenVerdict>) =
         sorted(verdicts).into_iter().partition(|said| calm(said) && alert_of(said).is_none());
     let alone = alerts.iter().filter(|alert| {
         verdicts.iter().all(|said| (&alert.rule, &alert.coefficient) != (&said.body.rule, &said.body.coefficient))
     });
     let alone: Vec<&AlertBody> = alone.collect();
-    let rows = |all: &[&Said]| html! { @for said in all { (row(viewer, said, alert_of(said), here)) } };
+    let rows = |all: &[&SeenVerdict]| html! { @for said in all { (row(viewer, said, alert_of(said), here)) } };
     html! {
         @if verdicts.is_empty() && alerts.is_empty() { p { (t.not_judged) } }
         @if !grave.is_empty() || !alone.is_empty() {
@@ -113,7 +114,7 @@ fn framed(t: &Text, rows: &Markup) -> Markup {
     }
 }
 
-fn row(viewer: &Viewer, said: &Said, alert: Option<&AlertBody>, here: Option<&str>) -> Markup {
+fn row(viewer: &Viewer, said: &SeenVerdict, alert: Option<&AlertBody>, here: Option<&str>) -> Markup {
     let (t, VerdictBody { value, limit, .. }) = (viewer.text(), &said.body);
     let (rule, coefficient) = (Rule::from_name(&said.body.rule), Coefficient::from_name(&said.body.coefficient));
     let unit = rule.zip(coefficient).map(|(rule, coefficient)| rule.unit(coefficient));
@@ -223,8 +224,8 @@ pub(super) fn actions(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) ->
 }
 
 /// The worst first; what has passed before what waits for data.
-fn sorted(verdicts: &[Said]) -> Vec<&Said> {
-    let mut sorted: Vec<&Said> = verdicts.iter().collect();
+fn sorted(verdicts: &[SeenVerdict]) -> Vec<&SeenVerdict> {
+    let mut sorted: Vec<&SeenVerdict> = verdicts.iter().collect();
     sorted.sort_by_key(|said| {
         let status = said.status();
         (status == Status::NotEnoughData, std::cmp::Reverse(status))
@@ -232,7 +233,7 @@ fn sorted(verdicts: &[Said]) -> Vec<&Said> {
     sorted
 }
 
-fn one(viewer: &Viewer, said: &Said) -> Markup {
+fn one(viewer: &Viewer, said: &SeenVerdict) -> Markup {
     let (t, verdict) = (viewer.text(), &said.body);
     let rule = Rule::from_name(&verdict.rule);
     let coefficient = Coefficient::from_name(&verdict.coefficient);
@@ -250,7 +251,7 @@ fn one(viewer: &Viewer, said: &Said) -> Markup {
 
 /// What the reason does not say: the figures of what has passed, and of what was judged by other limits; else the
 /// limit, where there is nothing yet to compare with it.
-fn figures(t: &Text, said: &Said, unit: Unit) -> Markup {
+fn figures(t: &Text, said: &SeenVerdict, unit: Unit) -> Markup {
     let (VerdictBody { value, limit_from, .. }, unit) = (&said.body, t.word(&unit.word()));
     let unsaid = said.seen.as_ref().is_none_or(|seen| seen.phrase().is_some());
     html! {
@@ -265,7 +266,7 @@ fn figures(t: &Text, said: &Said, unit: Unit) -> Markup {
 }
 
 /// What was found, to as many places as its limit; that of a requirement to those of its standard deviation.
-fn found(said: &Said, value: f64) -> String {
+fn found(said: &SeenVerdict, value: f64) -> String {
     let VerdictBody { rule, limit, sd, .. } = &said.body;
     match sd {
         _ if rule == Rule::Requirement.name() => figure::with_sd(value, *sd, digits(*limit)),
@@ -275,7 +276,7 @@ fn found(said: &Said, value: f64) -> String {
 }
 
 /// The limit; of a requirement both ends, where they are known.
-fn limits(said: &Said) -> String {
+fn limits(said: &SeenVerdict) -> String {
     match said.seen.map(|seen| seen.finding) {
         Some(Finding::Requirement { low, high, .. }) => format!("{low} … {high}"),
         _ => format!("{:.*}", digits(said.body.limit), said.body.limit),
@@ -306,7 +307,7 @@ mod tests {
             confirmed: false,
             reason: Reason(vec![message!("decided_before")]),
         };
-        let earlier = Said { body, seen: None };
+        let earlier = SeenVerdict { body, seen: None };
         let shown =
             |language: Language| figures(language.text(), &earlier, Rule::Cusum.unit(Coefficient::DI)).into_string();
         assert!(shown(Language::English).contains("40.30 standard deviations, limit 5.14."));
@@ -329,7 +330,7 @@ mod tests {
         };
         let passed = |finding, state| {
             let verdict = Verdict { finding, state, ..whole };
-            let said = Said { body: VerdictBody::of("A", &verdict), seen: Some(verdict) };
+            let said = SeenVerdict { body: VerdictBody::of("A", &verdict), seen: Some(verdict) };
             figures(Language::English.text(), &said, Unit::Drift).into_string()
         };
         let shown = passed(finding, State::Within);
@@ -339,10 +340,10 @@ mod tests {
         let range = Finding::Requirement { figure: "|E|", low: 1.0, high: 3.0, others: Default::default() };
         let required = Verdict { rule: Rule::Requirement, value: Some(1.47), sd: Some(3e-6), limit: 1.0, ..whole };
         let required = Verdict { finding: range, coefficient: Coefficient::E, ..required };
-        let said = |seen| Said { body: VerdictBody::of("A", &required), seen };
+        let said = |seen| SeenVerdict { body: VerdictBody::of("A", &required), seen };
         assert_eq!(limits(&said(Some(required))), "1 … 3");
         assert_eq!(found(&said(None), 1.47), "1.4700000 ± 0.0000030");
-        let waiting = Said {
+        let waiting = SeenVerdict {
             body: VerdictBody { value: None, limit_from: Some("judging.budget".into()), ..earlier.body.clone() },
             seen: None,
         };

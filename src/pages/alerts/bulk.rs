@@ -27,7 +27,7 @@ const MOST_DONE: usize = 60;
 
 /// What is said of alerts, and of which.
 #[derive(Debug, Default)]
-struct Said {
+struct BulkForm {
     gyros: Vec<String>,
     alerts: Vec<String>,
     deed: String,
@@ -37,7 +37,7 @@ struct Said {
     back: String,
 }
 
-impl Said {
+impl BulkForm {
     fn of(fields: Vec<(String, String)>) -> Self {
         let mut said = Self::default();
         for (name, value) in fields {
@@ -79,7 +79,7 @@ pub(in crate::pages) async fn ask(
     Visit { ref pages, ref viewer }: Visit,
     Query(fields): Query<Vec<(String, String)>>,
 ) -> Result<Page, Problem> {
-    let said = Said::of(fields);
+    let said = BulkForm::of(fields);
     let found = said.found(pages).await?;
     Ok(form(viewer, &said, &found, &Faults::default()))
 }
@@ -88,7 +88,7 @@ pub(in crate::pages) async fn act(
     Visit { ref pages, ref viewer }: Visit,
     Form(fields): Form<Vec<(String, String)>>,
 ) -> Result<Response, Problem> {
-    let said = Said::of(fields);
+    let said = BulkForm::of(fields);
     let found = said.found(pages).await?;
     let by = viewer.signed_in.clone().filter(|_| said.by.trim().is_empty()).unwrap_or_else(|| said.by.clone());
     let mut faults = Faults::default();
@@ -132,7 +132,7 @@ pub(in crate::pages) async fn act(
 }
 
 /// What is about to be said of which alerts, on a page of its own.
-fn form(viewer: &Viewer, said: &Said, found: &[AlertBody], faults: &Faults) -> Page {
+fn form(viewer: &Viewer, said: &BulkForm, found: &[AlertBody], faults: &Faults) -> Page {
     let t = viewer.text();
     let by = if said.by.is_empty() { viewer.signed_in.as_deref().unwrap_or_default() } else { &said.by };
     let deeds = [

@@ -11,7 +11,7 @@ use crate::pages::history::event_label;
 use crate::pages::history_plot::{MOST_FLAGS, epoch_of, list};
 use crate::pages::layout::{DRIFTS, Page, Section, encoded, label, symbol};
 use crate::pages::text::Text;
-use crate::pages::verdicts::Said;
+use crate::pages::verdicts::SeenVerdict;
 use crate::pages::view::View;
 use crate::pages::viewer::Viewer;
 use crate::pages::{Pages, bullet, figure, history, status};
@@ -112,7 +112,7 @@ fn row(t: &Text, view: &View, one: &Compared<'_>, names: &Names<'_>) -> Markup {
     let facts = &one.facts;
     let stands = facts.stands(view.judged);
     let newest = facts.course.figures.last();
-    let of_scatter = |said: &&Said| said.body.rule == Rule::RmsSuccessive.name();
+    let of_scatter = |said: &&SeenVerdict| said.body.rule == Rule::RmsSuccessive.name();
     let scatter = |name: &str| facts.verdicts.iter().filter(of_scatter).find(|said| said.body.coefficient == name);
     html! {
         tr {

@@ -32,7 +32,7 @@ use crate::words;
 pub(super) async fn page(
     Visit { ref pages, ref viewer }: Visit,
     Path(id): Path<String>,
-    Query(asked): Query<reference::Asked>,
+    Query(asked): Query<reference::ReferenceQuery>,
 ) -> Result<Response, Problem> {
     let page = build(pages, viewer, &id, &asked).await?;
     Ok(page.map_or_else(|| waiting(viewer), IntoResponse::into_response))
@@ -50,7 +50,12 @@ fn waiting(viewer: &Viewer) -> Response {
 pub(super) const PATIENCE: Duration = Duration::from_secs(10);
 
 /// The page; none while the diagnosis waits for others.
-async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Asked) -> Result<Option<Page>, Problem> {
+async fn build(
+    pages: &Pages,
+    viewer: &Viewer,
+    id: &str,
+    asked: &reference::ReferenceQuery,
+) -> Result<Option<Page>, Problem> {
     let t = viewer.text();
     let stored = stored_campaign(pages, id).await?;
     let diagnosis = match pages.pipeline.diagnoses.of_campaign(stored.item.id, PATIENCE).await? {

@@ -95,8 +95,8 @@ impl Pipeline {
         clock: Clock,
     ) -> Result<(Self, JoinHandle<()>), StoreError> {
         writer::make_missing(&store, &mut writer, &config).await?;
-        let lanes: Vec<Writer> = (0..config.database.writers).map_while(|_| writer.another()).collect();
-        let (queue, queues) = WriteQueue::new(config.database.max_waiting_writes, lanes.len());
+        let partitions: Vec<Writer> = (0..config.database.writers).map_while(|_| writer.another()).collect();
+        let (queue, queues) = WriteQueue::new(config.database.max_waiting_writes, partitions.len());
         let pipeline = Self::assemble(store, config, clock, queue).await?;
         let (due, watched) = watch::channel(0);
         let Self { access, diagnoses, hooks, ingest, reader, .. } = &pipeline;
@@ -106,8 +106,8 @@ impl Pipeline {
         tokio::spawn(diagnoses.diagnoser.clone().run(watched));
         let (queue, idle) = (pipeline.queue.downgrade(), ingest.activity.clone());
         tokio::spawn(StaleCalibrations { reader: reader.clone(), queue, idle }.run());
-        let writers =
-            std::iter::once((writer, Duties::Orders)).chain(lanes.into_iter().map(|lane| (lane, Duties::Lane)));
+        let writers = std::iter::once((writer, Duties::Orders))
+            .chain(partitions.into_iter().map(|partition| (partition, Duties::Partition)));
         // Each on a thread of its own: among other tasks a writer would wait its turn behind all whom it has just
         // answered.
         let runtime = Handle::current();

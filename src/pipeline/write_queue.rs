@@ -59,47 +59,47 @@ pub(super) struct WriteQueue {
     /// To the one who carries out orders, and stores where there is nobody else.
     orders: mpsc::Sender<Job>,
     /// To those who store: each of them what is at home in its share of the cells.
-    lanes: Arc<[mpsc::Sender<Job>]>,
+    partitions: Arc<[mpsc::Sender<Job>]>,
 }
 
 /// As a [`WriteQueue`], but the writers do not wait for its end.
 #[derive(Debug, Clone)]
 pub(super) struct WeakWriteQueue {
     orders: mpsc::WeakSender<Job>,
-    lanes: Arc<[mpsc::WeakSender<Job>]>,
+    partitions: Arc<[mpsc::WeakSender<Job>]>,
 }
 
 impl WriteQueue {
-    /// To one writer for orders, and `lanes` others who store; with none, the one does all. Each has `room`.
-    pub fn new(room: usize, lanes: usize) -> (Self, Vec<mpsc::Receiver<Job>>) {
+    /// To one writer for orders, and `partitions` others who store; with none, the one does all. Each has `room`.
+    pub fn new(room: usize, partitions: usize) -> (Self, Vec<mpsc::Receiver<Job>>) {
         let (orders, queue) = mpsc::channel(room);
         let mut queues = vec![queue];
-        let others = (0..lanes).map(|_| {
-            let (lane, queue) = mpsc::channel(room);
+        let others = (0..partitions).map(|_| {
+            let (partition, queue) = mpsc::channel(room);
             queues.push(queue);
-            lane
+            partition
         });
-        let lanes: Vec<_> = others.collect();
-        let lanes = if lanes.is_empty() { vec![orders.clone()] } else { lanes };
-        (Self { orders, lanes: lanes.into() }, queues)
+        let partitions: Vec<_> = others.collect();
+        let partitions = if partitions.is_empty() { vec![orders.clone()] } else { partitions };
+        (Self { orders, partitions: partitions.into() }, queues)
     }
 
     pub fn downgrade(&self) -> WeakWriteQueue {
-        let lanes = self.lanes.iter().map(mpsc::Sender::downgrade).collect();
-        WeakWriteQueue { orders: self.orders.downgrade(), lanes }
+        let partitions = self.partitions.iter().map(mpsc::Sender::downgrade).collect();
+        WeakWriteQueue { orders: self.orders.downgrade(), partitions }
     }
 
     /// Writes that wait, and how many may.
     pub fn waiting(&self) -> (usize, usize) {
         let waiting = |queue: &mpsc::Sender<Job>| queue.max_capacity() - queue.capacity();
-        let orders = Some(&self.orders).filter(|orders| !self.lanes[0].same_channel(orders));
-        let queues = || self.lanes.iter().chain(orders);
+        let orders = Some(&self.orders).filter(|orders| !self.partitions[0].same_channel(orders));
+        let queues = || self.partitions.iter().chain(orders);
         (queues().map(waiting).sum(), queues().map(mpsc::Sender::max_capacity).sum())
     }
 
     /// Whose it is to store an item.
-    pub fn lane_of(&self, store: &Store, item: &Submission) -> usize {
-        if self.lanes.len() == 1 {
+    pub fn partition_of(&self, store: &Store, item: &Submission) -> usize {
+        if self.partitions.len() == 1 {
             return 0;
         }
         let cell = match item {
@@ -109,17 +109,17 @@ impl WriteQueue {
             Submission::Attributes(sent) => store::names::cell_of_gyro(store, sent.serial.as_str()),
             Submission::Correction(_) | Submission::Confirmation(_) | Submission::Doubt(_) | Submission::Window(_) => 0,
         };
-        usize::from(cell) % self.lanes.len()
+        usize::from(cell) % self.partitions.len()
     }
 
     /// Queues what is to be stored.
-    pub fn offer_to(&self, lane: usize, job: Job) -> Result<(), WriteError> {
-        offer(&self.lanes[lane], job)
+    pub fn offer_to(&self, partition: usize, job: Job) -> Result<(), WriteError> {
+        offer(&self.partitions[partition], job)
     }
 
     /// As [`WriteQueue::offer_to`], but waits for room.
-    pub async fn send_to(&self, lane: usize, job: Job) -> Result<(), WriteError> {
-        self.lanes[lane].send(job).await.map_err(|_| WriteError::Stopping)
+    pub async fn send_to(&self, partition: usize, job: Job) -> Result<(), WriteError> {
+        self.partitions[partition].send(job).await.map_err(|_| WriteError::Stopping)
     }
 
     /// Queues an order that need not be answered here; waits for room.
@@ -151,8 +151,8 @@ fn offer(queue: &mpsc::Sender<Job>, job: Job) -> Result<(), WriteError> {
 
 impl WeakWriteQueue {
     pub fn upgrade(&self) -> Option<WriteQueue> {
-        let lanes = self.lanes.iter().map(mpsc::WeakSender::upgrade).collect::<Option<Vec<_>>>()?;
-        Some(WriteQueue { orders: self.orders.upgrade()?, lanes: lanes.into() })
+        let partitions = self.partitions.iter().map(mpsc::WeakSender::upgrade).collect::<Option<Vec<_>>>()?;
+        Some(WriteQueue { orders: self.orders.upgrade()?, partitions: partitions.into() })
     }
 }
 
@@ -162,12 +162,12 @@ mod tests {
 
     #[tokio::test]
     async fn what_waits_in_any_queue_is_counted_once() {
-        for (lanes, most) in [(0, 4), (2, 12)] {
-            let (queue, _queues) = WriteQueue::new(4, lanes);
+        for (partitions, most) in [(0, 4), (2, 12)] {
+            let (queue, _queues) = WriteQueue::new(4, partitions);
             let probe = || Job::Probe(oneshot::channel().0);
             queue.send(probe()).await.unwrap();
             queue.send_to(0, probe()).await.unwrap();
-            assert_eq!(queue.waiting(), (2, most), "{lanes} lanes");
+            assert_eq!(queue.waiting(), (2, most), "{partitions} partitions");
         }
     }
 }

@@ -68,10 +68,10 @@ impl Ingest {
     /// As [`Ingest::submit`].
     pub async fn submit_late(&self, item: Submission, late: Late) -> Result<Accepted, Refused> {
         self.activity.note_activity();
-        let lane = self.queue.lane_of(&self.store, &item);
+        let partition = self.queue.partition_of(&self.store, &item);
         let (reply, answer) = oneshot::channel();
         let (items, by) = (vec![item], Actor::by_caller());
-        self.queue.offer_to(lane, Job::Store { items, by, with_verdicts: true, late, reply })?;
+        self.queue.offer_to(partition, Job::Store { items, by, with_verdicts: true, late, reply })?;
         let mut replies = answer.await.map_err(|_| WriteError::Stopping)?;
         replies.pop().unwrap_or(Err(WriteError::Stopping.into()))
     }
@@ -80,19 +80,19 @@ impl Ingest {
     /// the queues; what it then returns waits for the disk, so that the next items can be made ready meanwhile.
     pub async fn enqueue(&self, items: Vec<Submission>, late: Late) -> impl Future<Output = Vec<Reply>> + use<> {
         self.activity.note_activity();
-        let mut lanes: BTreeMap<usize, (Vec<usize>, Vec<Submission>)> = BTreeMap::new();
+        let mut partitions: BTreeMap<usize, (Vec<usize>, Vec<Submission>)> = BTreeMap::new();
         let count = items.len();
         for (place, item) in items.into_iter().enumerate() {
-            let (places, of_lane) = lanes.entry(self.queue.lane_of(&self.store, &item)).or_default();
+            let (places, of_partition) = partitions.entry(self.queue.partition_of(&self.store, &item)).or_default();
             places.push(place);
-            of_lane.push(item);
+            of_partition.push(item);
         }
-        let mut answers = Vec::with_capacity(lanes.len());
-        for (lane, (places, items)) in lanes {
+        let mut answers = Vec::with_capacity(partitions.len());
+        for (partition, (places, items)) in partitions {
             let (reply, answer) = oneshot::channel();
             let job = Job::Store { items, by: Actor::by_caller(), with_verdicts: false, late, reply };
             // Where the writer is gone, the reply is dropped with the job, and the answer says so.
-            let _queued = self.queue.send_to(lane, job).await;
+            let _queued = self.queue.send_to(partition, job).await;
             answers.push((places, answer));
         }
         async move {

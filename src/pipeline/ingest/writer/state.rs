@@ -58,7 +58,7 @@ pub(super) struct WriterState {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Duties {
     /// It stores, and nothing else.
-    Lane,
+    Partition,
     /// It carries out orders and follows the clock; alone, it stores as well.
     Orders,
 }

@@ -14,7 +14,7 @@ use lettre::{Address, AsyncSmtpTransport, AsyncTransport, Tokio1Executor};
 use url::Url;
 
 use super::payload::Payload;
-use crate::core::message::{Message, text};
+use crate::core::message::{Message, Parameter, list, text};
 use crate::message;
 
 /// Recipients that a hook may have.
@@ -96,8 +96,8 @@ impl Mailer {
         for recipient in to {
             mail = mail.to(recipient);
         }
-        let unsendable = |why: &str| Unsent::later(message!("mail_failed", why = text(why)));
-        let mail = mail.body(body.to_owned()).map_err(|error| unsendable(&error.to_string()))?;
+        let unsendable = |why: Parameter| Unsent::later(message!("mail_failed", why));
+        let mail = mail.body(body.to_owned()).map_err(|error| unsendable(text(error)))?;
         let (envelope, mail) = (mail.envelope(), mail.formatted());
         let taken = self.taken_of(id);
         let left = envelope.to().iter().filter(|recipient| !taken.contains(recipient));
@@ -111,10 +111,10 @@ impl Mailer {
                     accepted = Some(code);
                     self.note(id, recipient);
                 }
-                Err(NotTaken { why, for_good: true, .. }) => refused.push(format!("{recipient}: {why}")),
+                Err(NotTaken { why, for_good: true, .. }) => refused.push(unserved(&recipient, why)),
                 Err(NotTaken { why, said, .. }) => {
                     status = status.or(said);
-                    later.push(format!("{recipient}: {why}"));
+                    later.push(unserved(&recipient, why));
                 }
             }
         }
@@ -126,18 +126,18 @@ impl Mailer {
             }
         }
         let for_good = later.is_empty();
-        let why = later.into_iter().chain(refused).collect::<Vec<_>>().join("; ");
-        Err(Unsent { for_good, status, taken_by_some: accepted.is_some(), ..unsendable(&why) })
+        let why = list(later.into_iter().chain(refused));
+        Err(Unsent { for_good, status, taken_by_some: accepted.is_some(), ..unsendable(why) })
     }
 
     async fn hand_over(&self, recipient: Address, mail: &[u8]) -> (Address, Result<u16, NotTaken>) {
         let sending = async {
             let alone = Envelope::new(Some(self.from.email.clone()), vec![recipient.clone()])
-                .map_err(|error| NotTaken { why: error.to_string(), said: None, for_good: false })?;
+                .map_err(|error| NotTaken { why: Message::verbatim(error), said: None, for_good: false })?;
             self.transport.send_raw(&alone, mail).await.map_err(|error| NotTaken::of(&error))
         };
         let sent = tokio::time::timeout(self.limit, sending).await;
-        let in_vain = || NotTaken { why: "no answer in time".to_owned(), said: None, for_good: false };
+        let in_vain = || NotTaken { why: message!("no_answer_in_time"), said: None, for_good: false };
         (recipient, sent.unwrap_or_else(|_| Err(in_vain())).map(|answer| answer.code().into()))
     }
 
@@ -173,7 +173,7 @@ impl Unsent {
 
 /// Why one recipient was not served.
 struct NotTaken {
-    why: String,
+    why: Message,
     /// What the server says of the message.
     said: Option<u16>,
     for_good: bool,
@@ -182,8 +182,12 @@ struct NotTaken {
 impl NotTaken {
     fn of(error: &Error) -> Self {
         let said = error.status().map(u16::from).filter(|code| *code != CLOSING);
-        Self { why: error.to_string(), said, for_good: is_for_good(error) }
+        Self { why: Message::verbatim(error), said, for_good: is_for_good(error) }
     }
+}
+
+fn unserved(recipient: &Address, why: Message) -> Message {
+    message!("recipient_not_served", recipient = recipient.to_string(), why)
 }
 
 /// 55x: what the server says of a mailbox (RFC 5321, 4.2.1), not of the account or the conversation.

@@ -224,6 +224,7 @@ no_answer_in_time = it does not answer in time
 no_answer_within = no answer within { $seconds } s
 no_mail_server = no mail server is configured: set hooks.smtp_url and hooks.mail_from
 mail_failed = the mail server: { $why }
+recipient_not_served = { $recipient }: { $why }
 tls_failed = TLS failed: { $why }
 no_connection = no connection: { $why }
 no_http_answer = no HTTP answer: { $why }

@@ -224,6 +224,7 @@ no_answer_in_time = 没有及时答复
 no_answer_within = { $seconds } s内没有答复
 no_mail_server = 没有配置邮件服务器：请设置hooks.smtp_url和hooks.mail_from
 mail_failed = 邮件服务器：{ $why }
+recipient_not_served = { $recipient }：{ $why }
 tls_failed = TLS失败：{ $why }
 no_connection = 未能连接：{ $why }
 no_http_answer = 没有HTTP答复：{ $why }

@@ -7,7 +7,9 @@ use clap::Args;
 
 use crate::cli::common::block_on;
 use crate::config::Config;
+use crate::message;
 use crate::store::{self, Holdings};
+use crate::words::asked;
 
 /// Copy the database into one file, served or not, and check the copy
 #[derive(Debug, Args)]
@@ -32,5 +34,11 @@ impl Backup {
 /// What was found whole.
 pub(super) fn in_words(holdings: &Holdings) -> String {
     let Holdings { gyros, records, figures, bench_results } = holdings;
-    format!("whole; {records} records, {bench_results} bench results, {figures} calibrations of {gyros} gyros")
+    asked().words(&message!(
+        "terminal_holdings",
+        records = records.to_string(),
+        bench_results = bench_results.to_string(),
+        figures = figures.to_string(),
+        gyros = gyros.to_string()
+    ))
 }

@@ -7,7 +7,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::cli::common::block_on;
 use crate::cli::document;
 use crate::config::Config;
+use crate::message;
 use crate::store::{self, Copied, Options};
+use crate::words::asked;
 
 /// Copy a database from a file to an empty one on PostgreSQL and compare the two; interrupted, it goes on when run
 /// again
@@ -38,17 +40,18 @@ impl Copy {
         let compared = compared.with_context(|| format!("{} was not copied to {}", from.shown(), to.shown()))?;
         document::print(&shown(&compared))?;
         if !compared.iter().all(Copied::is_whole) {
-            bail!("the copy is not what the file holds now; begin again with an empty database");
+            bail!(asked().word("terminal_copy_differs"));
         }
-        document::print(&format!("{} is {} now: the copy is whole", from.shown(), to.shown()))
+        let copied = message!("terminal_copied", from = from.shown().to_string(), to = to.shown().to_string());
+        document::print(&asked().words(&copied))
     }
 }
 
 fn shown(compared: &[Copied]) -> String {
-    let mut table = document::table(["table", "rows", "copied", "checksum", ""], 1..3);
+    let mut table = document::table_of("terminal_copied_head", 1..3);
     for copied in compared {
         let [rows, found] = copied.rows;
-        let verdict = if copied.is_whole() { "same" } else { "DIFFERENT" };
+        let verdict = asked().word(if copied.is_whole() { "terminal_same" } else { "terminal_different" });
         let checksum = format!("{:032x}", copied.checksums[0]);
         table.add_row([copied.table, &rows.to_string(), &found.to_string(), &checksum[..16], verdict]);
     }

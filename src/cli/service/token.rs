@@ -12,6 +12,7 @@ use crate::cli::document;
 use crate::config::Config;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
+use crate::core::message::sent;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{AccessError, NewToken, create_beside, revoke_beside};
 use crate::store::{Beside, StoreError, TokenRow};
@@ -117,17 +118,26 @@ impl TokenCommand {
             Self::Create { name, role, station, expires_at, days } => {
                 let new = checked(name, role, station, expiry(expires_at.as_deref(), days, now)?, now)?;
                 let secret = create_beside(database, &new, now).await?;
-                eprintln!("token {} ({}, {}): keep it now, it is shown this once", secret.id, new.name, role.name());
+                let made = message!(
+                    "terminal_token_made",
+                    id = secret.id.to_string(),
+                    name = new.name.to_string(),
+                    role = role.name()
+                );
+                eprintln!("{}", words::asked().words(&made));
                 document::print(&secret.reveal())
             }
             Self::List => document::print(&table(&database.tokens().await?, now)),
             Self::Revoke { id } => {
-                let Ok(id) = id.parse() else { bail!("{id:?} is no identifier of a token; `token list` shows them") };
+                let Ok(id) = id.parse() else {
+                    bail!(words::asked().words(&message!("terminal_no_token_id", id = sent(&id))))
+                };
                 let now_revoked = revoke_beside(database, id, now).await?;
-                document::print(&format!(
-                    "token {id} {}",
-                    if now_revoked { "is revoked" } else { "was revoked before" }
-                ))
+                let id = id.to_string();
+                document::print(&words::asked().words(&match now_revoked {
+                    true => message!("terminal_token_revoked", id),
+                    false => message!("terminal_token_revoked_before", id),
+                }))
             }
         }
     }

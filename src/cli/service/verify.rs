@@ -9,9 +9,11 @@ use clap::Args;
 use crate::cli::common::block_on;
 use crate::cli::document;
 use crate::config::Config;
+use crate::message;
 use crate::pipeline::{Pipeline, Verified};
 use crate::store;
 use crate::system::Clock;
+use crate::words::asked;
 
 /// Compute every stored separation and verdict again from what was sent, and compare; exit status 1 names what differs
 #[derive(Debug, Args)]
@@ -49,20 +51,25 @@ fn report(verified: &Verified) -> anyhow::Result<()> {
     for fault in faults.iter().take(MOST_SHOWN) {
         document::print(fault)?;
     }
-    document::print(&format!(
-        "{records} records, {separations} separations, {verdicts} verdicts, {bench_results} bench results computed again"
-    ))?;
-    document::print(&heads.map_or_else(
-        || "lists of gyros were made with other limits: not compared, a start makes them anew".to_owned(),
-        |gyros| format!("{gyros} gyros compared in lists with what is stored of them"),
-    ))?;
+    let mut said = vec![
+        message!(
+            "terminal_verified",
+            records = records.to_string(),
+            separations = separations.to_string(),
+            verdicts = verdicts.to_string(),
+            bench_results = bench_results.to_string()
+        ),
+        match heads {
+            Some(gyros) => message!("terminal_lists_verified", gyros = gyros.to_string()),
+            None => message!("terminal_lists_not_compared"),
+        },
+    ];
     if *not_compared > 0 {
-        document::print(&format!(
-            "{not_compared} verdicts were decided with other limits than those in force, or on records that count no more: not compared"
-        ))?;
+        said.push(message!("terminal_not_compared", verdicts = not_compared.to_string()));
     }
+    said.iter().try_for_each(|line| document::print(&asked().words(line)))?;
     if !faults.is_empty() {
-        bail!("{} differ from what was sent", faults.len());
+        bail!(asked().words(&message!("terminal_differ", count = faults.len().to_string())));
     }
     Ok(())
 }

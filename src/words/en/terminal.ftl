@@ -198,3 +198,22 @@ terminal_was_new = nothing was stored for this IMU and time; it is stored as { $
 terminal_is_voided = { $id } is voided
 terminal_bench_revise = is a bench result: `gyrowatch void ID --author NAME --reason WHY` takes the wrong one out, then send this one with `gyrowatch import`
 replace_bench = if this one is right, `gyrowatch void { $id } --author NAME --reason WHY` takes the other out; then send this one again
+
+## Databases and tokens
+
+terminal_copied_head = table | rows | copied | checksum | result
+terminal_same = same
+terminal_different = DIFFERENT
+terminal_copied = { $from } is copied to { $to }: row counts and checksums match
+terminal_copy_differs = the copy is not what the file holds now; begin again with an empty database
+terminal_holdings = whole; { $records } records, { $bench_results } bench results, { $figures } calibrations of { $gyros } gyros
+terminal_verified = { $records } records, { $separations } separations, { $verdicts } verdicts, { $bench_results } bench results computed again
+terminal_lists_verified = { $gyros } gyros compared in lists with what is stored of them
+terminal_lists_not_compared = lists of gyros were made with other limits: not compared, a start makes them anew
+terminal_not_compared = { $verdicts } verdicts were decided with other limits than those in force, or on records that count no more: not compared
+terminal_differ = { $count } differ from what was sent
+terminal_exported = { $rows } rows of { $gyros } gyros
+terminal_token_made = token { $id } ({ $name }, { $role }): keep it now, it is shown this once
+terminal_no_token_id = "{ $id }" is no identifier of a token; `token list` shows them
+terminal_token_revoked = token { $id } is revoked
+terminal_token_revoked_before = token { $id } was revoked before

@@ -186,3 +186,22 @@ terminal_was_new = 此IMU在该时间没有存储；已存为{ $id }。若要替
 terminal_is_voided = { $id }已作废
 terminal_bench_revise = 是台架结果：请用`gyrowatch void ID --author NAME --reason WHY`作废错误的一份，再用`gyrowatch import`发送
 replace_bench = 若此份正确，请用`gyrowatch void { $id } --author NAME --reason WHY`作废另一份，再发送一次
+
+## 数据库与令牌
+
+terminal_copied_head = 表 | 行数 | 已复制 | 校验和 | 结果
+terminal_same = 一致
+terminal_different = 不一致
+terminal_copied = 已将{ $from }复制到{ $to }：行数与校验和一致
+terminal_copy_differs = 副本与文件当前内容不符；应以空数据库重新开始
+terminal_holdings = 完整；{ $records }个记录，{ $bench_results }个单表测试结果，{ $gyros }个陀螺的{ $figures }次标定
+terminal_verified = 重新计算了{ $records }个记录、{ $separations }次分离、{ $verdicts }个判定、{ $bench_results }个单表测试结果
+terminal_lists_verified = 列表中{ $gyros }个陀螺已与其存储内容比较
+terminal_lists_not_compared = 陀螺列表按其他限值生成：未比较，启动服务时将重新生成
+terminal_not_compared = { $verdicts }个判定所用的限值与现行限值不同，或其记录已不再计入：未比较
+terminal_differ = { $count }处与发送的内容不符
+terminal_exported = { $gyros }个陀螺的{ $rows }行
+terminal_token_made = 令牌{ $id }（{ $name }，{ $role }）：请立即保存，仅显示这一次
+terminal_no_token_id = “{ $id }”不是令牌的标识；token list列出全部令牌
+terminal_token_revoked = 令牌{ $id }已撤销
+terminal_token_revoked_before = 令牌{ $id }此前已撤销

@@ -21,8 +21,10 @@ use crate::cli::common::{Usage, block_on, end, start};
 use crate::config::Config;
 use crate::core::figures::Figures;
 use crate::core::time::{Span, UtcMicros};
+use crate::message;
 use crate::pipeline::Statuses;
 use crate::store::{self, Store};
+use crate::words::asked;
 
 /// Write the history of every gyro into one file, CSV or Parquet: one row per gyro and calibration, all methods, all
 /// verdicts
@@ -75,7 +77,8 @@ impl Export {
             let _may_be_gone = std::fs::remove_file(&self.file);
         }
         let (rows, gyros) = written?;
-        eprintln!("{}: {rows} rows of {gyros} gyros", self.file.display());
+        let exported = message!("terminal_exported", rows = rows.to_string(), gyros = gyros.to_string());
+        eprintln!("{}: {}", self.file.display(), asked().words(&exported));
         Ok(())
     }
 

@@ -26,14 +26,13 @@ use crate::message;
 use crate::pages::sent::Query;
 use crate::pages::status as badges;
 use crate::pipeline::{
-    CommonShift, DueDate, DueImu, FirstOf, FleetFilter, FleetPage, Names, Standing, Today, Together, Violation, today,
+    CommonShift, DueDate, DueImu, FirstOf, FleetFilter, FleetPage, LINES, Names, Standing, Today, Together, Violation,
+    today,
 };
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
-/// Lines of a block.
-const LINES: usize = 6;
 /// Gyros that drift whose dates are asked for.
 const DATED: usize = 12;
 /// How long the page waits for the dates of gyros that drift, and for the stations to be compared.
@@ -73,7 +72,7 @@ async fn build(pages: &Pages, viewer: &Viewer, asked: &TodayQuery) -> Result<Pag
         said => time::parse_start(said).map_err(|fault| bad_parameter("since", fault))?,
     };
     let queries = &pages.pipeline.queries;
-    let today = today(&queries.fleet, since, LINES).await?;
+    let today = today(&queries.fleet, since).await?;
     let fleet = queries.fleet.page(&FleetFilter::default(), 0, LINES).await?;
     let shown = fleet.gyros.iter().chain(&today.worse.first);
     let known = known_of(pages, viewer, shown, since).await?;

@@ -22,6 +22,7 @@ mod diagnoses;
 mod error;
 mod hooks;
 mod ingest;
+mod kept;
 mod queries;
 mod suspect;
 mod write_queue;
@@ -62,9 +63,9 @@ pub use ingest::{
 };
 pub use queries::{
     BEYOND, Baseline, BenchItem, CommonShift, Compared, Comparison, Course, DueDate, DueImu, EventItem,
-    ExplainedHistory, FirstOf, FleetFilter, FleetPage, Forecast, Foreseen, Levels, ListFilter, ListedRecord, Names,
-    Queries, RecentValues, RecordSummary, Seats, Standing, StandingFilter, Statuses, StoredCampaign, StoredRecord,
-    Tested, Today, Together, Verified, Violation, sample_of, today,
+    ExplainedHistory, FirstOf, FleetFilter, FleetPage, Forecast, Foreseen, LINES, Levels, ListFilter, ListedRecord,
+    Names, Queries, RecentValues, RecordSummary, Seats, Standing, StandingFilter, Statuses, StoredCampaign,
+    StoredRecord, Tested, Today, Together, Verified, Violation, sample_of, today,
 };
 
 pub use suspect::WindowOutcome;
@@ -151,7 +152,7 @@ impl Pipeline {
         let reader = Reader { store: store.clone(), config: config.clone(), clock: clock.clone(), models };
         Ok(Self {
             access: Access { store: store.clone(), clock: clock.clone(), guard, queue: queue.clone() },
-            alerts: Alerts { store: store.clone(), clock: clock.clone(), queue: queue.clone() },
+            alerts: Alerts { store: store.clone(), clock: clock.clone(), queue: queue.clone(), counts: Arc::default() },
             diagnoses: Diagnoses { store: store.clone(), diagnoser, queue: queue.clone(), reader: reader.clone() },
             hooks: Hooks::new(store.clone(), config.clone(), clock.clone(), queue.clone()),
             ingest: Ingest {

@@ -14,6 +14,7 @@ mod silences;
 mod sources;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::access::Actor;
 use super::error::StorageError;
@@ -23,6 +24,7 @@ use crate::core::alert_filter::AlertFilter;
 use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
+use crate::pipeline::kept::Kept;
 use crate::store;
 use crate::store::{AlertRow, StepRow, Store, StoreError};
 use crate::system::Clock;
@@ -68,6 +70,8 @@ pub struct Alerts {
     pub(super) store: Store,
     pub(super) clock: Clock,
     pub(super) queue: WriteQueue,
+    /// How many of all stand how.
+    pub(super) counts: Arc<Kept<HashMap<Standing, usize>>>,
 }
 
 impl Alerts {
@@ -156,7 +160,13 @@ impl Alerts {
     /// # Errors
     /// [`StorageError`].
     pub async fn standings(&self, filter: &AlertFilter) -> Result<HashMap<Standing, usize>, StorageError> {
-        Ok(store::alerts::standings(&self.store, filter, self.clock.now()).await?)
+        let (store, now) = (&self.store, self.clock.now());
+        let count = store::alerts::standings(store, filter, now);
+        if *filter != AlertFilter::default() {
+            return Ok(count.await?);
+        }
+        let of_all = async { Ok::<_, StoreError>((count.await?, store::alerts::same_until(store, now).await?)) };
+        Ok((*self.counts.at(store::alerts::version(store), now, of_all).await?).clone())
     }
 
     /// How many alerts fire, acknowledged and silenced ones among them, of each severity.

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 
+use super::common_shift::CommonShift;
 use super::entries::fleet_histories;
 use super::found_until::found_until;
 use super::record::Records;
@@ -22,8 +23,9 @@ use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
+use crate::pipeline::kept::Kept;
 use crate::store;
-use crate::store::head::{Narrowed, Ranks, Sought, Standings, StationTally, Tally};
+use crate::store::head::{DueImus, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
 use crate::store::{RecordHead, Store, StoreError, Stretch, Table};
 use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
@@ -75,18 +77,21 @@ pub struct Fleet {
     pub(super) config: Arc<Config>,
     pub(super) clock: Clock,
     pub(super) records: Records,
-    pub(super) stations: CachedStations,
+    pub(super) known: Arc<KnownOfFleet>,
 }
 
-pub(super) type CachedStations = Arc<KnownStations>;
-
-/// What the stations do.
+/// What is found by a look at many gyros.
 #[derive(Debug, Default)]
-pub(super) struct KnownStations {
-    /// And of which heads that was found. Held while it is computed: who asks meanwhile needs the same.
-    current: tokio::sync::Mutex<Option<([i64; 2], Option<Arc<FleetStations>>)>>,
+pub(super) struct KnownOfFleet {
+    counts: Kept<(Vec<Tally>, Vec<StationTally>)>,
+    imus: Kept<usize>,
+    pub dues: Kept<[DueImus; 2]>,
+    /// Since an instant.
+    pub shifts: Kept<Vec<CommonShift>>,
+    /// What the stations do.
+    stations: Kept<Option<Arc<FleetStations>>>,
     /// As it was found last, and how long that took.
-    last: Mutex<(Option<Arc<FleetStations>>, Duration)>,
+    last_stations: Mutex<(Option<Arc<FleetStations>>, Duration)>,
     totals: tokio::sync::Mutex<Option<KnownTotals>>,
 }
 
@@ -189,16 +194,14 @@ impl Fleet {
     /// A page of the fleet.
     pub async fn page(&self, filter: &FleetFilter<'_>, number: usize, rows: usize) -> Result<FleetPage, StorageError> {
         let now = self.clock.now();
-        let (all, of_stations) = store::head::counts(&self.store, now).await?;
-        let total = all.iter().map(|tally| tally.gyros).sum();
+        let counted = self.counted(now).await?;
         let narrowed = self.narrowed(filter).await?;
         let of_filter = match &narrowed {
             None => Vec::new(),
-            Some(narrowed) if *narrowed == Narrowed::default() => all,
+            Some(narrowed) if *narrowed == Narrowed::default() => counted.0.clone(),
             Some(narrowed) => store::head::tallies(&self.store, narrowed, now).await?,
         };
-        let mut page = self.counts(&of_filter, &of_stations);
-        page.total = total;
+        let mut page = self.counts(&of_filter, &counted);
         let narrowed = narrowed.unwrap_or_default();
         let size = |ranks: &Ranks| -> usize {
             of_filter.iter().filter(|tally| is_of(tally, ranks)).map(|tally| tally.gyros).sum()
@@ -234,11 +237,16 @@ impl Fleet {
             let part = [number.saturating_mul(imus), imus];
             store::head::imus(&self.store, ranks.as_deref(), &narrowed, (now, overdue), part).await
         };
-        let (mut shown, found) = part(number).await?;
+        let count = store::head::imus_found(&self.store, ranks.as_deref(), &narrowed, now);
+        let found = match ranks.is_none() && narrowed == Narrowed::default() {
+            true => {
+                let count = async { Ok::<_, StoreError>((count.await?, Span::EVER.to)) };
+                *self.known.imus.at(store::head::version(&self.store), now, count).await?
+            }
+            false => count.await?,
+        };
         let last = found.saturating_sub(1) / imus;
-        if number > last {
-            shown = part(last).await?.0;
-        }
+        let shown = part(number.min(last)).await?;
         let gyros = store::head::of_imus(&self.store, &shown).await?;
         let gyros: Vec<u32> = gyros.iter().map(|row| row.gyro).collect();
         let mut of_imu: HashMap<u32, BTreeMap<Slot, Standing>> = HashMap::new();
@@ -313,14 +321,21 @@ impl Fleet {
     /// # Errors
     /// [`StorageError`].
     pub async fn totals(&self) -> Result<FleetPage, StorageError> {
-        let (all, of_stations) = store::head::counts(&self.store, self.clock.now()).await?;
-        let total = all.iter().map(|tally| tally.gyros).sum();
-        Ok(FleetPage { total, ..self.counts(&all, &of_stations) })
+        let counted = self.counted(self.clock.now()).await?;
+        Ok(self.counts(&counted.0, &counted))
     }
 
-    fn counts(&self, all: &[Tally], of_stations: &[StationTally]) -> FleetPage {
-        let mut page = FleetPage::default();
-        for tally in all {
+    async fn counted(&self, now: UtcMicros) -> Result<Arc<(Vec<Tally>, Vec<StationTally>)>, StorageError> {
+        let count = async {
+            let counts = store::head::counts(&self.store, now).await?;
+            Ok::<_, StoreError>((counts, store::head::next_overdue(&self.store, now).await?))
+        };
+        self.known.counts.at(store::head::version(&self.store), now, count).await
+    }
+
+    fn counts(&self, found: &[Tally], (all, of_stations): &(Vec<Tally>, Vec<StationTally>)) -> FleetPage {
+        let mut page = FleetPage { total: all.iter().map(|tally| tally.gyros).sum(), ..FleetPage::default() };
+        for tally in found {
             page.of_any += tally.gyros;
             let (status, overdue) = (status_of(tally), tally.is_overdue.then_some(Status::Overdue));
             for status in status.into_iter().chain(overdue.filter(|_| status != overdue)) {
@@ -392,13 +407,12 @@ impl Fleet {
     /// # Errors
     /// [`StorageError`].
     pub async fn station_figures(&self) -> Result<Option<Arc<FleetStations>>, StorageError> {
-        let mut cached = self.stations.current.lock().await;
-        let version = store::head::version(&self.store).await?;
-        if let Some((of, figures)) = &*cached
-            && *of == version
-        {
-            return Ok(figures.clone());
-        }
+        let version = store::head::version(&self.store);
+        let found = self.known.stations.at(version, self.clock.now(), self.find_stations()).await?;
+        Ok((*found).clone())
+    }
+
+    async fn find_stations(&self) -> Result<(Option<Arc<FleetStations>>, UtcMicros), StorageError> {
         let began = Instant::now();
         let histories = fleet_histories(&self.store, self.config.judging.method).await?;
         let figures = words::spawn_blocking(move || changes::stations(&histories)).await;
@@ -408,9 +422,8 @@ impl Fleet {
             self.count_all(figures).await?;
         }
         let figures = figures.map(Arc::new);
-        *cached = Some((version, figures.clone()));
         *self.last_stations() = (figures.clone(), began.elapsed());
-        Ok(figures)
+        Ok((figures, Span::EVER.to))
     }
 
     /// The same; where that takes longer than `patience`, as they were found last: none before they first were. Who
@@ -419,7 +432,7 @@ impl Fleet {
     /// # Errors
     /// [`StorageError`].
     pub async fn station_figures_within(&self, patience: Duration) -> Result<Option<Arc<FleetStations>>, StorageError> {
-        if self.stations.current.try_lock().is_ok() {
+        if !self.known.stations.is_sought() {
             let (fleet, took) = (self.clone(), self.last_stations().1);
             let patience = if took > patience { Duration::ZERO } else { patience };
             let found = found_until(Instant::now() + patience, async move { fleet.station_figures().await });
@@ -431,11 +444,11 @@ impl Fleet {
     }
 
     fn last_stations(&self) -> std::sync::MutexGuard<'_, (Option<Arc<FleetStations>>, Duration)> {
-        self.stations.last.lock().unwrap_or_else(PoisonError::into_inner)
+        self.known.last_stations.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     async fn station_totals(&self) -> Result<Arc<HashMap<u32, store::StationTotals>>, StoreError> {
-        let mut known = self.stations.totals.lock().await;
+        let mut known = self.known.totals.lock().await;
         if let Some(known) = known.as_ref().filter(|known| known.is_recent()) {
             return Ok(known.of.clone());
         }

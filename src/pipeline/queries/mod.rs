@@ -2,6 +2,7 @@
 
 pub(super) mod agreement;
 mod changes_explained;
+mod common_shift;
 mod dues;
 mod entries;
 mod fleet;
@@ -30,6 +31,7 @@ use crate::system::Clock;
 pub use crate::pipeline::ingest::judge::gyro_window::sample_of;
 pub use agreement::{Compared, Comparison};
 pub use changes_explained::ExplainedHistory;
+pub use common_shift::{CommonShift, Together};
 pub use dues::{DueDate, Dues};
 pub use fleet::{BEYOND, Fleet, FleetFilter, FleetPage, RecentValues, Seats, StandingFilter};
 pub use foreseen::{Forecast, Foreseen};
@@ -38,7 +40,7 @@ pub use items::{BenchItem, EventItem, ListedRecord, Names, RecordSummary};
 pub use record::{ListFilter, Records, StoredCampaign, StoredRecord};
 pub use standing::{Standing, Violation};
 pub use status::Statuses;
-pub use today::{CommonShift, DueImu, FirstOf, Today, Together, today};
+pub use today::{DueImu, FirstOf, LINES, Today, today};
 pub use verify::Verified;
 
 /// What is stored, as it is asked for. Cheap to clone.
@@ -57,8 +59,8 @@ impl Queries {
         let histories = Histories { store: store.clone(), config: config.clone(), clock: clock.clone() };
         let dues = Dues::new(histories.clone());
         let records = Records { store: store.clone(), config: config.clone(), reader };
-        let stations = Default::default();
-        let fleet = Fleet { store: store.clone(), config, clock, records: records.clone(), stations };
+        let known = Default::default();
+        let fleet = Fleet { store: store.clone(), config, clock, records: records.clone(), known };
         Self { store, records, fleet, histories, dues }
     }
 

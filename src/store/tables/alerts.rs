@@ -15,6 +15,7 @@ use crate::store::db::{LISTED, Sql, Whole, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row};
+use crate::store::tables::head::STAMPS;
 
 /// Who said so, why and when.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -380,6 +381,23 @@ pub async fn standings(
         counts.extend(rows);
     }
     Ok(counts)
+}
+
+/// Another one after every change of an alert.
+pub async fn version(store: &Store) -> Result<[i64; 2], StoreError> {
+    let sqlite = "SELECT rows, sum FROM checksum WHERE name = 'alert'";
+    let (of_rows, of_sums) = read!(store, query_as.fetch_one, store.readers.words(Sql { sqlite, postgres: STAMPS }));
+    Ok([of_rows, of_sums])
+}
+
+/// Until when the clock alone changes how no alert stands.
+pub async fn same_until(store: &Store, now: UtcMicros) -> Result<UtcMicros, StoreError> {
+    let sql = "SELECT min(silenced_until) FROM alert
+               WHERE (silenced_until IS NOT NULL OR muted_until IS NOT NULL) AND silenced_until > $1
+               UNION ALL SELECT min(muted_until) FROM alert
+               WHERE (silenced_until IS NOT NULL OR muted_until IS NOT NULL) AND muted_until > $1";
+    let ends: Vec<Option<i64>> = read!(store, query_scalar.fetch_all, sql, now.0);
+    Ok(UtcMicros(ends.into_iter().flatten().min().map_or(i64::MAX, |end| end - 1)))
 }
 
 /// Alerts that may change at `now` with the clock alone: of which somebody is to be told, that are silenced, or that were

@@ -271,16 +271,27 @@ pub struct StationTally {
     pub last_calibrated: Option<UtcMicros>,
 }
 
+/// Of a server's database, another one after every commit.
+pub(super) const STAMPS: &str =
+    "SELECT CAST(sum(stamp / 4294967296) AS BIGINT), CAST(sum(stamp % 4294967296) AS BIGINT) FROM cell";
+
 /// Another one after every record, correction or attribute of a gyro: of a file by the checksums of their tables, of a
 /// server's database by the stamps of its cells.
 pub async fn version(store: &Store) -> Result<[i64; 2], StoreError> {
     let sql = store.readers.words(Sql {
         sqlite: "SELECT sum(rows), sum(sum % 1000000000000000) FROM checksum
                  WHERE name IN ('head', 'history', 'history_log', 'voided_history', 'record', 'correction', 'gyro_attribute')",
-        postgres: "SELECT CAST(sum(stamp / 4294967296) AS BIGINT), CAST(sum(stamp % 4294967296) AS BIGINT) FROM cell",
+        postgres: STAMPS,
     });
     let (of_rows, of_sums) = read!(store, query_as.fetch_one, sql);
     Ok([of_rows, of_sums])
+}
+
+/// When the first gyro becomes overdue that is not at an instant: until then what is counted of them stays.
+pub async fn next_overdue(store: &Store, at: UtcMicros) -> Result<UtcMicros, StoreError> {
+    let sql = "SELECT min(overdue_at) FROM head WHERE overdue_at IS NOT NULL AND overdue_at >= $1";
+    let next: Option<i64> = read!(store, query_scalar.fetch_one, sql, at.0);
+    Ok(UtcMicros(next.unwrap_or(i64::MAX)))
 }
 
 /// Counts the whole fleet as it stands at `now`, in one index from end to end.
@@ -540,13 +551,12 @@ async fn first_and_count(
     Ok((rows.into_iter().map(|Whole(gyro)| gyro).collect(), count.unsigned_abs() as usize))
 }
 
+/// The first IMUs with gyros that are due: number, when the first is due, how many are; and how many IMUs there are.
+pub type DueImus = (Vec<(u32, UtcMicros, usize)>, usize);
+
 /// IMUs with gyros that are due from one instant until before another, those whose first is due the longest ago first:
 /// number, when the first was or is due, how many are; as many as `limit`, of all.
-pub async fn due(
-    store: &Store,
-    [from, until]: [UtcMicros; 2],
-    limit: usize,
-) -> Result<(Vec<(u32, UtcMicros, usize)>, usize), StoreError> {
+pub async fn due(store: &Store, [from, until]: [UtcMicros; 2], limit: usize) -> Result<DueImus, StoreError> {
     let sql = "SELECT imu, overdue_at FROM head
                WHERE overdue_at IS NOT NULL AND overdue_at >= $1 AND overdue_at < $2 AND imu IS NOT NULL
                ORDER BY overdue_at, imu LIMIT $3";
@@ -652,7 +662,7 @@ pub async fn moved(store: &Store, since: UtcMicros, loads: f64, limit: usize) ->
     read!(store, all, sql, since.0, loads, i64::try_from(limit).unwrap_or(i64::MAX))
 }
 
-/// IMUs by their worst gyro, then by the largest load, and how many there are. `overdue`: the rank that a gyro has at the
+/// IMUs by their worst gyro, then by the largest load. `overdue`: the rank that a gyro has at the
 /// least that is overdue `now`.
 pub async fn imus(
     store: &Store,
@@ -660,7 +670,7 @@ pub async fn imus(
     narrowed: &Narrowed,
     (now, overdue): (UtcMicros, i64),
     [skip, limit]: [usize; 2],
-) -> Result<(Vec<u32>, usize), StoreError> {
+) -> Result<Vec<u32>, StoreError> {
     let conditions = conditions(store, narrowed, "$1", 2);
     let ranks = among_ranks(of_ranks);
     let sql = sqlx::AssertSqlSafe(format!(
@@ -668,17 +678,28 @@ pub async fn imus(
          GROUP BY imu
          ORDER BY max(CASE WHEN overdue_at < $1 AND rank < {overdue} THEN {overdue} ELSE rank END) DESC, max(extreme) DESC, imu LIMIT $10 OFFSET $11"
     ));
-    let counted = sqlx::AssertSqlSafe(format!(
-        "SELECT count(DISTINCT imu) FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}"
-    ));
     let rows: Vec<Whole<u32>> = on!(store.readers, db => bound!(sqlx::query_scalar(sql).bind(now.0), narrowed)
         .bind(i64::try_from(limit).unwrap_or(i64::MAX))
         .bind(i64::try_from(skip).unwrap_or(i64::MAX))
         .fetch_all(db)
         .await?);
+    Ok(rows.into_iter().map(|Whole(imu)| imu).collect())
+}
+
+/// How many IMUs [`imus`] finds in all.
+pub async fn imus_found(
+    store: &Store,
+    of_ranks: Option<&[Ranks]>,
+    narrowed: &Narrowed,
+    now: UtcMicros,
+) -> Result<usize, StoreError> {
+    let (conditions, ranks) = (conditions(store, narrowed, "$1", 2), among_ranks(of_ranks));
+    let counted = sqlx::AssertSqlSafe(format!(
+        "SELECT count(DISTINCT imu) FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}"
+    ));
     let count: i64 =
         on!(store.readers, db => bound!(sqlx::query_scalar(counted).bind(now.0), narrowed).fetch_one(db).await?);
-    Ok((rows.into_iter().map(|Whole(imu)| imu).collect(), count.unsigned_abs() as usize))
+    Ok(count.unsigned_abs() as usize)
 }
 
 /// Gyros whose newest calibration was made in any of these IMUs.

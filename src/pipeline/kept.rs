@@ -1,0 +1,69 @@
+//! What was found by a look at many rows, kept for who asks next.
+
+use std::sync::Arc;
+
+use tokio::sync::Mutex;
+use tokio::time::Instant;
+
+use crate::core::time::UtcMicros;
+use crate::pipeline::error::StorageError;
+use crate::store::StoreError;
+
+/// The last answer to a question: it holds until something is written that it is about, by any server, or an instant
+/// has passed.
+#[derive(Debug)]
+pub(in crate::pipeline) struct Kept<T>(Mutex<Option<Answer<T>>>);
+
+#[derive(Debug)]
+struct Answer<T> {
+    found: Arc<T>,
+    version: [i64; 2],
+    /// First and last instant at which the answer is the same.
+    holds: [UtcMicros; 2],
+    begun: Instant,
+}
+
+impl<T> Default for Kept<T> {
+    fn default() -> Self {
+        Self(Mutex::new(None))
+    }
+}
+
+impl<T> Kept<T> {
+    /// What `find` finds at an instant; with it comes the last instant at which it would find the same where the
+    /// version is the same. Who asks while it is sought waits for it.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn at<E>(
+        &self,
+        version: impl Future<Output = Result<[i64; 2], StoreError>>,
+        now: UtcMicros,
+        find: impl Future<Output = Result<(T, UtcMicros), E>>,
+    ) -> Result<Arc<T>, StorageError>
+    where
+        StorageError: From<E>,
+    {
+        let asked = Instant::now();
+        let mut kept = self.0.lock().await;
+        // Read before the rows: what is written meanwhile is another version.
+        let version = version.await?;
+        let holds = |answer: &&Answer<T>| {
+            let is_current = answer.version == version || answer.begun >= asked;
+            is_current && answer.holds[0] <= now && now <= answer.holds[1]
+        };
+        if let Some(answer) = kept.as_ref().filter(holds) {
+            return Ok(answer.found.clone());
+        }
+        let begun = Instant::now();
+        let (found, until) = find.await?;
+        let found = Arc::new(found);
+        *kept = Some(Answer { found: found.clone(), version, holds: [now, until], begun });
+        Ok(found)
+    }
+
+    /// Whether an answer is being sought.
+    pub fn is_sought(&self) -> bool {
+        self.0.try_lock().is_err()
+    }
+}

@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::str::FromStr;
 
-use futures::TryStreamExt as _;
 use rusqlite::OpenFlags;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions};
@@ -28,7 +27,7 @@ use crate::store::sqlite::{lock, private};
 use crate::store::tables::hook;
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 28] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 29] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -57,6 +56,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 28] = [
     (26, "scale", include_str!("../../migrations/sqlite/0026_scale.sql")),
     (27, "suspect_windows", include_str!("../../migrations/sqlite/0027_suspect_windows.sql")),
     (28, "bounded_lists", include_str!("../../migrations/sqlite/0028_bounded_lists.sql")),
+    (29, "imu_order", include_str!("../../migrations/sqlite/0029_imu_order.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.
@@ -227,22 +227,35 @@ fn migrator() -> Migrator {
 }
 
 pub(super) async fn load_names(connection: &mut SqliteConnection) -> Result<Tables, StoreError> {
+    let imus = "SELECT json_group_array(json_array(id, name)) FROM (
+                    SELECT id, name FROM imu WHERE id > $1 ORDER BY id LIMIT 10000)";
+    let stations = "SELECT json_group_array(json_array(id, name)) FROM (
+                    SELECT id, name FROM station WHERE id > $1 ORDER BY id LIMIT 10000)";
+    let gyros = "SELECT json_group_array(json_array(id, serial)) FROM (
+                    SELECT id, serial FROM gyro WHERE id > $1 ORDER BY id LIMIT 10000)";
     Ok(Tables {
-        imus: load_table(connection, "SELECT id, name FROM imu ORDER BY id").await?,
-        stations: load_table(connection, "SELECT id, name FROM station ORDER BY id").await?,
-        gyros: load_table(connection, "SELECT id, serial FROM gyro ORDER BY id").await?,
+        imus: load_table(connection, imus).await?,
+        stations: load_table(connection, stations).await?,
+        gyros: load_table(connection, gyros).await?,
         ..Tables::default()
     })
 }
 
+/// Thousands in one row: of 10^5 names a row each would take most of a start.
 async fn load_table(connection: &mut SqliteConnection, sql: &'static str) -> Result<Table, StoreError> {
-    let (mut rows, mut table) = (sqlx::query_as::<_, (u32, String)>(sql).fetch(connection), Table::default());
-    while let Some((number, name)) = rows.try_next().await? {
-        if !table.add(number, 0, &name) {
-            return Err(StoreError::Damaged(format!("`{name}` has more than one number")));
+    let (mut table, mut last) = (Table::default(), -1);
+    loop {
+        let names: String = sqlx::query_scalar(sql).bind(last).fetch_one(&mut *connection).await?;
+        let names: Vec<(u32, String)> =
+            serde_json::from_str(&names).map_err(|error| StoreError::Damaged(format!("names: {error}")))?;
+        let Some((number, _)) = names.last() else { return Ok(table) };
+        last = i64::from(*number);
+        for (number, name) in names {
+            if !table.add(number, 0, &name) {
+                return Err(StoreError::Damaged(format!("`{name}` has more than one number")));
+            }
         }
     }
-    Ok(table)
 }
 
 pub(super) async fn last_id(connection: &mut SqliteConnection) -> Result<i64, StoreError> {

@@ -134,6 +134,21 @@ macro_rules! listed {
 
 pub(super) use {among, listed, on, read};
 
+/// Numbers of gyros, IMUs or stations as they were read.
+pub(crate) fn numbers(rows: Vec<Whole<u32>>) -> Vec<u32> {
+    rows.into_iter().map(|Whole(number)| number).collect()
+}
+
+/// What `count(*)` finds.
+pub(crate) fn counted(count: i64) -> usize {
+    count.unsigned_abs() as usize
+}
+
+/// For `LIMIT` and `OFFSET`.
+pub(crate) fn at_most(rows: usize) -> i64 {
+    i64::try_from(rows).unwrap_or(i64::MAX)
+}
+
 /// A whole number that is narrower here than in the database, where all are 64 bits wide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Whole<T>(pub T);

@@ -11,7 +11,7 @@ use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
-use crate::store::db::{LISTED, Sql, Whole, on, read};
+use crate::store::db::{LISTED, Sql, Whole, at_most, counted, numbers, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row};
@@ -327,12 +327,11 @@ pub async fn gyros_found(
              ORDER BY head.rank DESC, head.load DESC, head.serial LIMIT $8 OFFSET $9"
         ),
     });
-    let rows: Vec<Whole<u32>> = on!(store.readers, db => bound!(sqlx::query_scalar(sql), filter, now)
-        .bind(i64::try_from(limit).unwrap_or(i64::MAX))
-        .bind(i64::try_from(skip).unwrap_or(i64::MAX))
+    Ok(numbers(on!(store.readers, db => bound!(sqlx::query_scalar(sql), filter, now)
+        .bind(at_most(limit))
+        .bind(at_most(skip))
         .fetch_all(db)
-        .await?);
-    Ok(rows.into_iter().map(|Whole(gyro)| gyro).collect())
+        .await?)))
 }
 
 /// Alerts below which their gyros are looked up and sorted.
@@ -373,7 +372,7 @@ pub async fn standings(
     for sql in [by_status, handled] {
         let rows: Vec<(String, i64)> =
             on!(store.readers, db => bound!(sqlx::query_as(sql), filter, now).fetch_all(db).await?);
-        let known = |(name, count): (String, i64)| Some((Standing::from_name(&name)?, count.unsigned_abs() as usize));
+        let known = |(name, count): (String, i64)| Some((Standing::from_name(&name)?, counted(count)));
         let rows: Vec<(Standing, usize)> = rows.into_iter().filter_map(known).collect();
         if let Some(firing) = counts.get_mut(&Standing::Firing) {
             *firing = firing.saturating_sub(rows.iter().map(|(_, count)| count).sum());

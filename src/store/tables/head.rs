@@ -10,7 +10,7 @@ use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
-use crate::store::db::{LISTED, Sql, Whole, on, read};
+use crate::store::db::{LISTED, Sql, Whole, at_most, counted, numbers, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row, Rows};
@@ -239,10 +239,11 @@ impl Sought {
     }
 }
 
-/// Binds what a list is narrowed down to: eight parameters.
-macro_rules! bound {
-    ($query:expr, $narrowed:expr) => {
-        $query
+/// Asks of the fleet: its time is `$1`, what it is narrowed down to stands from `$2` on, what else is bound from `$10` on.
+macro_rules! of_fleet {
+    ($store:expr, $query:ident.$fetch:ident, $sql:expr, $narrowed:expr, $now:expr $(, $bound:expr)* $(,)?) => {
+        on!($store.readers, db => sqlx::$query(sqlx::AssertSqlSafe($sql))
+            .bind($now.0)
             .bind($narrowed.sought.as_ref().map(Sought::words))
             .bind($narrowed.station.map(Whole))
             .bind($narrowed.ever.map(Whole))
@@ -251,6 +252,9 @@ macro_rules! bound {
             .bind($narrowed.calibrated_since.map(|at| at.0))
             .bind($narrowed.changed_since.map(|at| at.0))
             .bind($narrowed.batch.as_deref())
+            $(.bind($bound))*
+            .$fetch(db)
+            .await?)
     };
 }
 
@@ -302,7 +306,7 @@ pub async fn counts(store: &Store, now: UtcMicros) -> Result<(Vec<Tally>, Vec<St
     let rows: Vec<Row> = read!(store, query_as.fetch_all, sql, now.0);
     let (mut of_ranks, mut of_stations) = (BTreeMap::<i64, [usize; 2]>::new(), Vec::new());
     for (station, rank, gyros, overdue, last) in rows {
-        let [gyros, overdue] = [gyros, overdue].map(|count| count.unsigned_abs() as usize);
+        let [gyros, overdue] = [gyros, overdue].map(counted);
         let [all, of_them] = of_ranks.entry(rank).or_default();
         (*all, *of_them) = (*all + gyros, *of_them + overdue);
         let (station, last_calibrated) = (station.map(|Whole(station)| station), last.map(UtcMicros));
@@ -319,18 +323,17 @@ fn tallies_of((rank, [all, overdue]): (i64, [usize; 2])) -> impl Iterator<Item =
 
 /// Counts what is left of the fleet where it is narrowed down.
 pub async fn tallies(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Result<Vec<Tally>, StoreError> {
-    let conditions = conditions(store, narrowed, "$1", 2);
-    let sql = sqlx::AssertSqlSafe(format!(
+    let conditions = conditions(store, narrowed);
+    let sql = format!(
         "SELECT rank + 0, count(*), count(*) FILTER (WHERE overdue_at < $1) FROM head WHERE {conditions} GROUP BY 1"
-    ));
-    let rows: Vec<(i64, i64, i64)> =
-        on!(store.readers, db => bound!(sqlx::query_as(sql).bind(now.0), narrowed).fetch_all(db).await?);
-    let count = |(rank, all, overdue): (i64, i64, i64)| (rank, [all, overdue].map(|n| n.unsigned_abs() as usize));
+    );
+    let rows: Vec<(i64, i64, i64)> = of_fleet!(store, query_as.fetch_all, sql, narrowed, now);
+    let count = |(rank, all, overdue): (i64, i64, i64)| (rank, [all, overdue].map(counted));
     Ok(rows.into_iter().map(count).flat_map(tallies_of).collect())
 }
 
-/// How a fleet is narrowed down. The time is the parameter `now`; those of [`bound`] stand from place `first` on.
-fn conditions(store: &Store, narrowed: &Narrowed, now: &str, first: usize) -> String {
+/// How a fleet is narrowed down, by the parameters of `of_fleet`.
+fn conditions(store: &Store, narrowed: &Narrowed) -> String {
     let sought = match narrowed.sought {
         Some(Sought::Found(_)) => format!("gyro IN ({})", store.readers.words(LISTED).replace("$1", "$")),
         _ => r"sought LIKE $ ESCAPE '\'".to_owned(),
@@ -355,20 +358,18 @@ fn conditions(store: &Store, narrowed: &Narrowed, now: &str, first: usize) -> St
         (narrowed.batch.is_some(), "gyro IN (SELECT gyro FROM gyro_attribute WHERE batch = $)".to_owned()),
     ];
     let condition = |(place, (is_asked, words)): (usize, &(bool, String))| match is_asked {
-        true => words.replace('$', &format!("${}", first + place)).replace("NOW", now),
-        false => format!("${} IS NULL", first + place),
+        true => words.replace('$', &format!("${}", 2 + place)).replace("NOW", "$1"),
+        false => format!("${} IS NULL", 2 + place),
     };
-    asked.iter().enumerate().map(condition).collect::<Vec<_>>().join(" AND ")
+    // The time is a parameter even where nothing asks for it.
+    asked.iter().enumerate().map(condition).chain(["$1 = $1".to_owned()]).collect::<Vec<_>>().join(" AND ")
 }
 
 /// Gyros that a search finds among those of the other filters, where it finds few: what is asked next then need not
 /// look through the fleet.
 pub async fn sought(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Result<Option<Sought>, StoreError> {
-    let conditions = conditions(store, narrowed, "$1", 2);
-    let sql = sqlx::AssertSqlSafe(format!("SELECT gyro FROM head WHERE $1 = $1 AND {conditions} LIMIT {}", FEW + 1));
-    let rows: Vec<Whole<u32>> =
-        on!(store.readers, db => bound!(sqlx::query_scalar(sql).bind(now.0), narrowed).fetch_all(db).await?);
-    let gyros: Vec<u32> = rows.into_iter().map(|Whole(gyro)| gyro).collect();
+    let sql = format!("SELECT gyro FROM head WHERE {} LIMIT {}", conditions(store, narrowed), FEW + 1);
+    let gyros = numbers(of_fleet!(store, query_scalar.fetch_all, sql, narrowed, now));
     Ok((gyros.len() <= FEW).then(|| Sought::Found(serde_json::json!(gyros).to_string())))
 }
 
@@ -392,7 +393,7 @@ pub async fn of_ranks(
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>, StoreError> {
     let Ranks { lowest, highest, is_overdue } = ranks;
-    let conditions = conditions(store, narrowed, "$1", 2);
+    let conditions = conditions(store, narrowed);
     let overdue = if is_overdue { "overdue_at < $1" } else { "(overdue_at IS NULL OR overdue_at >= $1)" };
     // Of one rank the index has the order, and what is found often is soon found in it. Who narrows the fleet down
     // further reads it through: in the order of an index each row would be looked up by itself.
@@ -411,16 +412,11 @@ pub async fn of_ranks(
              ORDER BY load DESC, serial LIMIT $10 + $11) AS part"
         )
     };
-    let sql = sqlx::AssertSqlSafe(format!(
+    let sql = format!(
         "SELECT gyro FROM ({}) AS parts ORDER BY load DESC, serial LIMIT $10 OFFSET $11",
         parts.iter().map(part).collect::<Vec<_>>().join(" UNION ALL ")
-    ));
-    let rows: Vec<(Whole<u32>,)> = on!(store.readers, db => bound!(sqlx::query_as(sql).bind(now.0), narrowed)
-        .bind(i64::try_from(limit).unwrap_or(i64::MAX))
-        .bind(i64::try_from(skip).unwrap_or(i64::MAX))
-        .fetch_all(db)
-        .await?);
-    Ok(rows.into_iter().map(|(Whole(gyro),)| gyro).collect())
+    );
+    Ok(numbers(of_fleet!(store, query_scalar.fetch_all, sql, narrowed, now, at_most(limit), at_most(skip))))
 }
 
 /// What a list by serial is narrowed down to besides.
@@ -453,27 +449,25 @@ pub async fn listed(
     now: UtcMicros,
     limit: u32,
 ) -> Result<Vec<u32>, StoreError> {
-    let conditions = conditions(store, narrowed, "$4", 7);
-    let (key, by_serial) = (key(order), order == FleetOrder::Serial);
+    let (conditions, key, by_serial) = (conditions(store, narrowed), key(order), order == FleetOrder::Serial);
     let after_it = match by_serial {
-        true => "serial > coalesce((SELECT serial FROM gyro WHERE id = $1), '')".to_owned(),
+        true => "serial > coalesce((SELECT serial FROM gyro WHERE id = $10), '')".to_owned(),
         false => format!(
-            "(CAST($1 AS BIGINT) = 0 OR ({key}, serial) > (SELECT {key}, serial FROM head AS last WHERE last.gyro = $1))"
+            "(CAST($10 AS BIGINT) = 0 OR ({key}, serial) > (SELECT {key}, serial FROM head AS last WHERE last.gyro = $10))"
         ),
     };
     let by = if by_serial { "serial".to_owned() } else { format!("{key}, serial") };
-    let sql = sqlx::AssertSqlSafe(format!(
+    let sql = format!(
         "SELECT gyro FROM head WHERE {after_it}
-             AND ($2 IS NULL OR rank = $2 OR rank = $2 + 10)
-             AND ($3 IS NULL OR $3 = (overdue_at IS NOT NULL AND overdue_at < $4)) AND ($5 IS NULL OR state = $5)
+             AND ($11 IS NULL OR rank = $11 OR rank = $11 + 10)
+             AND ($12 IS NULL OR $12 = (overdue_at IS NOT NULL AND overdue_at < $1)) AND ($13 IS NULL OR state = $13)
              AND {conditions}
-         ORDER BY {by} LIMIT $6"
-    ));
-    let rows: Vec<(Whole<u32>,)> = on!(store.readers, db => {
-        let query = sqlx::query_as(sql).bind(Whole(after)).bind(standings.rank).bind(standings.is_overdue).bind(now.0);
-        bound!(query.bind(standings.state.map(State::name)).bind(Whole(limit)), narrowed).fetch_all(db).await?
-    });
-    Ok(rows.into_iter().map(|(Whole(gyro),)| gyro).collect())
+         ORDER BY {by} LIMIT $14"
+    );
+    let Standings { rank, is_overdue, state } = standings;
+    let (after, state, limit) = (Whole(after), state.map(State::name), Whole(limit));
+    let rows = of_fleet!(store, query_scalar.fetch_all, sql, narrowed, now, after, rank, is_overdue, state, limit);
+    Ok(numbers(rows))
 }
 
 /// `$1` is the time.
@@ -483,8 +477,8 @@ fn among_ranks(of_ranks: Option<&[Ranks]>) -> String {
         format!("(rank BETWEEN {lowest} AND {highest} AND {overdue})")
     };
     match of_ranks {
-        None => "$1 = $1".to_owned(),
-        Some([]) => "$1 <> $1".to_owned(),
+        None => "true".to_owned(),
+        Some([]) => "false".to_owned(),
         Some(ranks) => format!("({})", ranks.iter().map(one).collect::<Vec<_>>().join(" OR ")),
     }
 }
@@ -498,57 +492,48 @@ pub async fn in_order(
     now: UtcMicros,
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>, StoreError> {
-    let conditions = conditions(store, narrowed, "$1", 2);
-    let ranks = among_ranks(of_ranks);
+    let (conditions, ranks) = (conditions(store, narrowed), among_ranks(of_ranks));
     // As the indices have them.
     let by = match order {
         FleetOrder::Load => "extreme DESC, serial".to_owned(),
         FleetOrder::Reach | FleetOrder::Age => format!("{}, serial", key(order)),
         FleetOrder::Serial => "serial".to_owned(),
     };
-    let sql = sqlx::AssertSqlSafe(format!(
-        "SELECT gyro FROM head WHERE {ranks} AND {conditions} ORDER BY {by} LIMIT $10 OFFSET $11"
-    ));
-    let rows: Vec<(Whole<u32>,)> = on!(store.readers, db => bound!(sqlx::query_as(sql).bind(now.0), narrowed)
-        .bind(i64::try_from(limit).unwrap_or(i64::MAX))
-        .bind(i64::try_from(skip).unwrap_or(i64::MAX))
-        .fetch_all(db)
-        .await?);
-    Ok(rows.into_iter().map(|(Whole(gyro),)| gyro).collect())
+    let sql = format!("SELECT gyro FROM head WHERE {ranks} AND {conditions} ORDER BY {by} LIMIT $10 OFFSET $11");
+    Ok(numbers(of_fleet!(store, query_scalar.fetch_all, sql, narrowed, now, at_most(limit), at_most(skip))))
 }
 
 /// Gyros of which something began to be worse no earlier than `since`, the newest first: as many as `limit`, of all.
 pub async fn changed(store: &Store, since: UtcMicros, limit: usize) -> Result<(Vec<u32>, usize), StoreError> {
-    let (of, counted) = (
+    let (of, count) = (
         "SELECT gyro FROM head WHERE changed_at >= $1 AND rank > 10 ORDER BY changed_at DESC, serial LIMIT $2",
         "SELECT count(*) FROM head WHERE changed_at >= $1 AND rank > 10",
     );
-    first_and_count(store, of, counted, [since.0, i64::try_from(limit).unwrap_or(i64::MAX)]).await
+    first_and_count(store, of, count, [since.0, at_most(limit)]).await
 }
 
 /// Gyros in use that are not beyond a limit and that their trends carry to the budget after `now`, the first to reach it
 /// first: as many as `limit`, of all.
 pub async fn approaching(store: &Store, now: UtcMicros, limit: usize) -> Result<(Vec<u32>, usize), StoreError> {
     // The rank is no way to find them: nearly all gyros have one of these.
-    let (of, counted) = (
+    let (of, count) = (
         "SELECT gyro FROM head
          WHERE coalesce(reach_at, 9223372036854775807) BETWEEN $1 AND 9223372036854775806 AND rank + 0 BETWEEN 10 AND 16
          ORDER BY coalesce(reach_at, 9223372036854775807), serial LIMIT $2",
         "SELECT count(*) FROM head
          WHERE coalesce(reach_at, 9223372036854775807) BETWEEN $1 AND 9223372036854775806 AND rank + 0 BETWEEN 10 AND 16",
     );
-    first_and_count(store, of, counted, [now.0, i64::try_from(limit).unwrap_or(i64::MAX)]).await
+    first_and_count(store, of, count, [now.0, at_most(limit)]).await
 }
 
 async fn first_and_count(
     store: &Store,
     of: &'static str,
-    counted: &'static str,
+    count: &'static str,
     [at, limit]: [i64; 2],
 ) -> Result<(Vec<u32>, usize), StoreError> {
-    let rows: Vec<Whole<u32>> = read!(store, query_scalar.fetch_all, of, at, limit);
-    let count: i64 = read!(store, query_scalar.fetch_one, counted, at);
-    Ok((rows.into_iter().map(|Whole(gyro)| gyro).collect(), count.unsigned_abs() as usize))
+    let gyros = numbers(read!(store, query_scalar.fetch_all, of, at, limit));
+    Ok((gyros, counted(read!(store, query_scalar.fetch_one, count, at))))
 }
 
 /// The first IMUs with gyros that are due: number, when the first is due, how many are; and how many IMUs there are.
@@ -563,7 +548,7 @@ pub async fn due(store: &Store, [from, until]: [UtcMicros; 2], limit: usize) -> 
     // An IMU has a few gyros; where it has more, more are read.
     let mut read: i64 = 4;
     let first: Vec<(u32, UtcMicros)> = loop {
-        read = read.saturating_mul(i64::try_from(limit).unwrap_or(i64::MAX).max(2));
+        read = read.saturating_mul(at_most(limit).max(2));
         let rows: Vec<(Whole<u32>, i64)> = read!(store, query_as.fetch_all, sql, from.0, until.0, read);
         let mut seen = HashSet::new();
         let is_first = |(Whole(imu), at): &(Whole<u32>, i64)| seen.insert(*imu).then_some((*imu, UtcMicros(*at)));
@@ -579,13 +564,13 @@ pub async fn due(store: &Store, [from, until]: [UtcMicros; 2], limit: usize) -> 
     ));
     let rows: Vec<(Whole<u32>, i64)> =
         read!(store, query_as.fetch_all, of_imus, serde_json::json!(imus).to_string(), from.0, until.0);
-    let gyros: HashMap<u32, i64> = rows.into_iter().map(|(Whole(imu), gyros)| (imu, gyros)).collect();
-    let counted = "SELECT count(*) FROM (
+    let gyros: HashMap<u32, usize> = rows.into_iter().map(|(Whole(imu), gyros)| (imu, counted(gyros))).collect();
+    let all = "SELECT count(*) FROM (
                        SELECT DISTINCT imu FROM head
                        WHERE overdue_at IS NOT NULL AND overdue_at >= $1 AND overdue_at < $2 AND imu IS NOT NULL) AS due";
-    let count: i64 = read!(store, query_scalar.fetch_one, counted, from.0, until.0);
-    let row = |(imu, at): (u32, UtcMicros)| (imu, at, gyros.get(&imu).map_or(0, |gyros| gyros.unsigned_abs() as usize));
-    Ok((first.into_iter().map(row).collect(), count.unsigned_abs() as usize))
+    let all = counted(read!(store, query_scalar.fetch_one, all, from.0, until.0));
+    let row = |(imu, at): (u32, UtcMicros)| (imu, at, gyros.get(&imu).copied().unwrap_or_default());
+    Ok((first.into_iter().map(row).collect(), all))
 }
 
 /// A gyro's newest calibration, for what its station has done to others too.
@@ -630,8 +615,7 @@ pub async fn near(store: &Store, station: u32, gyro: u32, most: usize) -> Result
     let above = "SELECT gyro FROM gyro_station WHERE station = $1 AND gyro > $2 ORDER BY gyro LIMIT $3";
     let mut found: Vec<u32> = Vec::new();
     for sql in [below, above] {
-        let rows: Vec<Whole<u32>> = read!(store, query_scalar.fetch_all, sql, Whole(station), Whole(gyro), most as i64);
-        found.extend(rows.into_iter().map(|row| row.0));
+        found.extend(numbers(read!(store, query_scalar.fetch_all, sql, Whole(station), Whole(gyro), at_most(most))));
     }
     found.sort_by_key(|other| other.abs_diff(gyro));
     found.truncate(most);
@@ -659,7 +643,7 @@ pub async fn moved(store: &Store, since: UtcMicros, loads: f64, limit: usize) ->
     let sql = "SELECT record, imu, max(calibrated_at) AS at, count(*) AS gyros, min(extreme) AS least FROM head
                WHERE changed_at >= $1 AND extreme >= $2 GROUP BY record, imu HAVING count(*) >= 3
                ORDER BY 5 DESC, 1 LIMIT $3";
-    read!(store, all, sql, since.0, loads, i64::try_from(limit).unwrap_or(i64::MAX))
+    read!(store, all, sql, since.0, loads, at_most(limit))
 }
 
 /// IMUs by their worst gyro, then by the largest load. `overdue`: the rank that a gyro has at the
@@ -671,19 +655,13 @@ pub async fn imus(
     (now, overdue): (UtcMicros, i64),
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>, StoreError> {
-    let conditions = conditions(store, narrowed, "$1", 2);
-    let ranks = among_ranks(of_ranks);
-    let sql = sqlx::AssertSqlSafe(format!(
+    let (conditions, ranks) = (conditions(store, narrowed), among_ranks(of_ranks));
+    let sql = format!(
         "SELECT imu FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}
          GROUP BY imu
          ORDER BY max(CASE WHEN overdue_at < $1 AND rank < {overdue} THEN {overdue} ELSE rank END) DESC, max(extreme) DESC, imu LIMIT $10 OFFSET $11"
-    ));
-    let rows: Vec<Whole<u32>> = on!(store.readers, db => bound!(sqlx::query_scalar(sql).bind(now.0), narrowed)
-        .bind(i64::try_from(limit).unwrap_or(i64::MAX))
-        .bind(i64::try_from(skip).unwrap_or(i64::MAX))
-        .fetch_all(db)
-        .await?);
-    Ok(rows.into_iter().map(|Whole(imu)| imu).collect())
+    );
+    Ok(numbers(of_fleet!(store, query_scalar.fetch_all, sql, narrowed, now, at_most(limit), at_most(skip))))
 }
 
 /// How many IMUs [`imus`] finds in all.
@@ -693,13 +671,9 @@ pub async fn imus_found(
     narrowed: &Narrowed,
     now: UtcMicros,
 ) -> Result<usize, StoreError> {
-    let (conditions, ranks) = (conditions(store, narrowed, "$1", 2), among_ranks(of_ranks));
-    let counted = sqlx::AssertSqlSafe(format!(
-        "SELECT count(DISTINCT imu) FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}"
-    ));
-    let count: i64 =
-        on!(store.readers, db => bound!(sqlx::query_scalar(counted).bind(now.0), narrowed).fetch_one(db).await?);
-    Ok(count.unsigned_abs() as usize)
+    let (conditions, ranks) = (conditions(store, narrowed), among_ranks(of_ranks));
+    let sql = format!("SELECT count(DISTINCT imu) FROM head WHERE imu IS NOT NULL AND {ranks} AND {conditions}");
+    Ok(counted(of_fleet!(store, query_scalar.fetch_one, sql, narrowed, now)))
 }
 
 /// Gyros whose newest calibration was made in any of these IMUs.
@@ -713,8 +687,7 @@ pub async fn of_imus(store: &Store, imus: &[u32]) -> Result<Vec<HeadRow>, StoreE
 /// The gyros whose newest calibration was made in an IMU.
 pub async fn of_imu(store: &Store, imu: u32) -> Result<Vec<u32>, StoreError> {
     let sql = "SELECT gyro FROM head WHERE imu = $1 ORDER BY serial";
-    let rows: Vec<(Whole<u32>,)> = read!(store, query_as.fetch_all, sql, Whole(imu));
-    Ok(rows.into_iter().map(|(Whole(gyro),)| gyro).collect())
+    Ok(numbers(read!(store, query_scalar.fetch_all, sql, Whole(imu))))
 }
 
 /// The gyros whose calibration is due no later than `now` and of which no alert says so, or of which an alert says so
@@ -724,8 +697,7 @@ pub async fn newly_overdue_or_not(store: &Store, now: UtcMicros) -> Result<Vec<u
                    SELECT 1 FROM alert WHERE status = 'firing' AND rule = 'overdue' AND alert.gyro = head.gyro)
                UNION ALL SELECT gyro FROM alert WHERE status = 'firing' AND rule = 'overdue' AND NOT EXISTS (
                    SELECT 1 FROM head WHERE head.gyro = alert.gyro AND overdue_at <= $1)";
-    let rows: Vec<Whole<u32>> = read!(store, query_scalar.fetch_all, sql, now.0);
-    Ok(rows.into_iter().map(|Whole(gyro)| gyro).collect())
+    Ok(numbers(read!(store, query_scalar.fetch_all, sql, now.0)))
 }
 
 /// The rows of some gyros, in no order.

@@ -67,3 +67,36 @@ impl<T> Kept<T> {
         self.0.try_lock().is_err()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    async fn asked(kept: &Kept<i64>, version: i64, now: i64, finds: i64) -> i64 {
+        let find = async {
+            tokio::time::sleep(Duration::from_millis(20)).await;
+            Ok::<_, StoreError>((finds, UtcMicros(now + 10)))
+        };
+        *kept.at(async { Ok([version, 0]) }, UtcMicros(now), find).await.unwrap()
+    }
+
+    #[tokio::test]
+    async fn an_answer_is_kept_until_something_is_written_or_time_changes_it() {
+        let kept = Kept::default();
+        for (version, now, finds, found) in
+            [(1, 100, 7, 7), (1, 110, 8, 7), (1, 111, 8, 8), (1, 100, 9, 9), (2, 105, 10, 10), (2, 105, 11, 10)]
+        {
+            assert_eq!(asked(&kept, version, now, finds).await, found, "version {version} at {now}");
+        }
+    }
+
+    #[tokio::test]
+    async fn who_waits_shares_what_was_sought_after_they_asked_and_nothing_older() {
+        let kept = Kept::default();
+        let all = tokio::join!(asked(&kept, 1, 100, 7), asked(&kept, 2, 100, 8), asked(&kept, 3, 100, 9));
+        assert_eq!(all, (7, 8, 8));
+        assert_eq!(asked(&kept, 4, 100, 10).await, 10);
+    }
+}

@@ -106,7 +106,7 @@ async fn dues(store: &Store, now: UtcMicros) -> Result<([DueImus; 2], UtcMicros)
 /// What the newest calibrations since an instant have in common, and until which instant they are the same.
 async fn shifts(store: &Store, since: UtcMicros) -> Result<(Vec<CommonShift>, UtcMicros), StoreError> {
     let newest = store::head::calibrated_since(store, since, None).await?;
-    let first = newest.iter().map(|row| row.at).min().unwrap_or(since);
+    let first = newest.iter().map(|row| row.at).min().unwrap_or(UtcMicros(i64::MAX));
     let tables = store.names().read();
     let station = |station: u32| tables.stations.name(station).cloned().unwrap_or_default();
     Ok((shifts_of(&newest, station), first))

@@ -1,7 +1,8 @@
 //! Proportions with honest intervals.
 
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, Normal};
+
+use crate::core::numerics::normal::normal_quantile;
 
 /// Successes out of trials.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -33,7 +34,7 @@ impl Tally {
     pub fn interval(&self) -> Option<[f64; 2]> {
         let p = self.rate()?;
         let n = self.trials as f64;
-        let z = Normal::standard().inverse_cdf(0.975);
+        let z = normal_quantile(0.975);
         let centre = p + z * z / (2.0 * n);
         let half = z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
         let scale = 1.0 + z * z / n;

@@ -21,6 +21,7 @@ use super::uncertainty::StationResponse;
 use crate::core::campaign::{Campaign, CampaignNote, StationLack, StationPart, StationUncertainty};
 use crate::core::effects::{Effect, GyroAxes, Setting, Shape};
 use crate::core::numerics::least_squares::Fit;
+use crate::core::numerics::normal_equations::{NormalEquations, Solution};
 
 /// One rotation and its standard uncertainty.
 struct StationRotation {
@@ -152,16 +153,14 @@ fn take_out(fits: &mut [GyroFit], has_sem: bool, shared: &SharedFactors) {
         (0..fits.len()).map(|j| if has_sem { 1.0 } else { scatter(j, &residuals[j], 0.0) }).collect();
     let mut net: Vec<(DVector<f64>, f64)> = Vec::new();
     for _ in 0..if has_sem { 1 } else { ROUNDS } {
-        let mut normal = DMatrix::identity(m, m);
-        let mut side = DVector::zeros(m);
+        let mut normal = NormalEquations { matrix: DMatrix::identity(m, m), right: DVector::zeros(m) };
         for j in 0..fits.len() {
-            normal += left[j].tr_mul(&left[j]) / variances[j];
-            side += left[j].tr_mul(&residuals[j]) / variances[j];
+            normal.matrix += left[j].tr_mul(&left[j]) / variances[j];
+            normal.right += left[j].tr_mul(&residuals[j]) / variances[j];
         }
-        let Some(inverse) = normal.cholesky().map(|factor| factor.inverse()) else { return };
-        let likely = &inverse * side;
+        let Some(Solution { estimate: likely, covariance }) = normal.solve() else { return };
         let of_gyro = |j: usize| {
-            let taken = (&inverse * left[j].tr_mul(&left[j])).trace() / variances[j];
+            let taken = (&covariance * left[j].tr_mul(&left[j])).trace() / variances[j];
             (&residuals[j] - &left[j] * &likely, taken)
         };
         net = (0..fits.len()).map(of_gyro).collect();

@@ -2,13 +2,16 @@
 //!
 //! Errors are in units of the noise variance; what noise alone gives, the fit's own error included, is taken off both.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::answer::HistoryHeldOut;
+use crate::core::numerics::normal_equations::NormalEquations;
 
 const BLOCKS: usize = 8;
 /// Remaining power, in standard deviations of what noise alone leaves, from which something is left.
 const LEFT: f64 = 2.5;
+/// Share of what all records tell of a coefficient that those outside of a block must tell of it beside the others.
+const TOLD_ELSEWHERE: f64 = 0.05 * 0.05;
 
 /// Of column `k` among `columns`, the others in the model both times. So much of its course as `open` may be another's,
 /// which the residuals of the blocks need not show.
@@ -94,35 +97,21 @@ fn summed(
 fn errors(y: &[f64], variance: &[f64], columns: &[&[f64]], block: &std::ops::Range<usize>) -> Option<(f64, f64)> {
     let p = columns.len() + 1;
     let row = |k: usize| -> DVector<f64> { DVector::from_fn(p, |c, _| if c == 0 { 1.0 } else { columns[c - 1][k] }) };
-    let mut normal: DMatrix<f64> = DMatrix::zeros(p, p);
-    let mut right: DVector<f64> = DVector::zeros(p);
+    let mut normal = NormalEquations::new(p);
     let mut whole: DVector<f64> = DVector::zeros(p);
     for k in 0..y.len() {
         let x = row(k);
-        for c in 0..p {
-            whole[c] += x[c] * x[c] / variance[k];
-        }
+        whole += x.component_mul(&x) / variance[k];
         if !block.contains(&k) {
-            normal.ger(1.0 / variance[k], &x, &x, 1.0);
-            right.axpy(y[k] / variance[k], &x, 1.0);
+            normal.add(&x, y[k], 1.0 / variance[k]);
         }
     }
-    for i in 0..p {
-        for j in 0..p {
-            normal[(i, j)] /= (whole[i] * whole[j]).sqrt();
-        }
-        right[i] /= whole[i].sqrt();
-    }
-    let factor = Cholesky::new(normal)?;
-    if factor.l_dirty().diagonal().iter().any(|pivot| *pivot < 0.05) {
-        return None;
-    }
-    let estimate = factor.solve(&right);
+    let elsewhere = normal.solve_beyond(&whole, TOLD_ELSEWHERE)?;
     let (mut sum, mut noise) = (0.0, 0.0);
     for k in block.clone() {
-        let x = row(k).component_div(&whole.map(f64::sqrt));
-        sum += (y[k] - x.dot(&estimate)).powi(2) / variance[k];
-        noise += 1.0 + x.dot(&factor.solve(&x)) / variance[k];
+        let x = row(k);
+        sum += (y[k] - x.dot(&elsewhere.estimate)).powi(2) / variance[k];
+        noise += 1.0 + x.dot(&(&elsewhere.covariance * &x)) / variance[k];
     }
     Some((sum, noise))
 }

@@ -5,7 +5,8 @@
 //! Where it is not known when the ageing began, that is the mean over the instants, weighted by their likelihoods.
 
 use super::answer::{Due, YEAR_DAYS};
-use super::search::{NewestLevel, student};
+use super::search::NewestLevel;
+use crate::core::numerics::tails::t_cdf;
 use crate::core::time::UtcMicros;
 
 /// What a coefficient may differ from its baseline by, deg/(h g0).
@@ -31,7 +32,7 @@ pub(super) fn due(levels: &[(f64, NewestLevel)], younger: f64, budget: DriftBudg
             let [v, w, c] = level.covariance;
             let sd = (v + t * t * w + 2.0 * t * c).max(f64::MIN_POSITIVE).sqrt();
             let beyond = sign * (level.value + level.slope * t - budget.baseline) - budget.limit;
-            weight * student(beyond / sd, level.freedom)
+            weight * t_cdf(beyond / sd, level.freedom)
         };
         levels.iter().map(of).sum::<f64>() / whole
     };

@@ -7,15 +7,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::series::robust;
 use super::station::{HUBER, SharedCourse, StationCell};
+use crate::core::numerics::normal_equations::{NormalEquations, Solution};
 
 /// The fit with one set of weights.
 struct FittedOffsets {
     offsets: DVector<f64>,
-    inverse: DMatrix<f64>,
+    covariance: DMatrix<f64>,
     /// Of each cell.
     residuals: Vec<f64>,
 }
@@ -65,10 +66,10 @@ pub(super) fn offsets(cells: &[StationCell], reference: usize, compared: &[bool]
     let outer =
         scores.values().fold(DMatrix::zeros(places.len(), places.len()), |sum, one| sum + one * one.transpose());
     let few = if imus > 2.0 { imus / (imus - 1.0) } else { 2.0 };
-    let sandwich = &fitted.inverse * outer * &fitted.inverse * few;
+    let sandwich = &fitted.covariance * outer * &fitted.covariance * few;
     for (station, place) in &places {
         let here: Vec<&StationCell> = cells.iter().filter(|cell| cell.station == *station).collect();
-        let noise = excess * excess * fitted.inverse[(*place, *place)];
+        let noise = excess * excess * fitted.covariance[(*place, *place)];
         let common = SharedCourse {
             value: fitted.offsets[*place],
             sd: noise.max(sandwich[(*place, *place)]).sqrt(),
@@ -81,8 +82,9 @@ pub(super) fn offsets(cells: &[StationCell], reference: usize, compared: &[bool]
     }
     // Of offsets x with covariance V and a zero among them: E[sum (x - mean)^2] = tr V - 1'V 1/(m + 1).
     let sd = DVector::from_iterator(places.len(), found.by_station.values().map(|offset| offset.sd));
-    let scale = DVector::from_fn(places.len(), |k, _| sd[k] / fitted.inverse[(k, k)].sqrt());
-    let covariance = DMatrix::from_fn(places.len(), places.len(), |i, j| scale[i] * fitted.inverse[(i, j)] * scale[j]);
+    let scale = DVector::from_fn(places.len(), |k, _| sd[k] / fitted.covariance[(k, k)].sqrt());
+    let covariance =
+        DMatrix::from_fn(places.len(), places.len(), |i, j| scale[i] * fitted.covariance[(i, j)] * scale[j]);
     let m = places.len() as f64;
     found.of_spread = (covariance.trace() - covariance.sum() / (m + 1.0)) / m;
     found
@@ -94,7 +96,7 @@ fn fit(cells: &[StationCell], weights: &[f64], places: &BTreeMap<usize, usize>) 
         by_gyro.entry(cell.gyro).or_default().push((k, *weight));
     }
     let m = places.len();
-    let (mut normal, mut right): (DMatrix<f64>, DVector<f64>) = (DMatrix::zeros(m, m), DVector::zeros(m));
+    let mut normal = NormalEquations::new(m);
     let level = |own: &[(usize, f64)], of: &dyn Fn(usize) -> f64| {
         own.iter().map(|(k, weight)| weight * of(*k)).sum::<f64>() / own.iter().map(|(_, weight)| weight).sum::<f64>()
     };
@@ -103,22 +105,21 @@ fn fit(cells: &[StationCell], weights: &[f64], places: &BTreeMap<usize, usize>) 
         let mean = level(own, &|k| cells[k].mean);
         for (a, of_a) in own {
             let Some(i) = places.get(&cells[*a].station) else { continue };
-            normal[(*i, *i)] += of_a;
-            right[*i] += of_a * (cells[*a].mean - mean);
+            normal.matrix[(*i, *i)] += of_a;
+            normal.right[*i] += of_a * (cells[*a].mean - mean);
             for (b, of_b) in own {
                 if let Some(j) = places.get(&cells[*b].station) {
-                    normal[(*i, *j)] -= of_a * of_b / whole;
+                    normal.matrix[(*i, *j)] -= of_a * of_b / whole;
                 }
             }
         }
     }
-    let inverse = Cholesky::new(normal)?.inverse();
-    let offsets: DVector<f64> = &inverse * right;
+    let Solution { estimate: offsets, covariance } = normal.solve()?;
     let offset = |k: usize| places.get(&cells[k].station).map_or(0.0, |place| offsets[*place]);
     let mut residuals = vec![0.0; cells.len()];
     for own in by_gyro.values() {
         let mean = level(own, &|k| cells[k].mean - offset(k));
         own.iter().for_each(|(k, _)| residuals[*k] = cells[*k].mean - offset(*k) - mean);
     }
-    Some(FittedOffsets { offsets, inverse, residuals })
+    Some(FittedOffsets { offsets, covariance, residuals })
 }

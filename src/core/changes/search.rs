@@ -1,11 +1,12 @@
 //! Forward selection against noise that may remember, with corrected significance and classes of equals.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use nalgebra::DVector;
 
 use crate::core::judge::{Coefficient, Mark};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::normal::normal_cdf;
+use crate::core::numerics::normal_equations::{NormalEquations, Solution};
 use crate::core::numerics::tails::{chi2_tail, f_tail, squares_tail};
 
 use super::answer::{CauseEstimate, Excess, NamedCause, Rejected, StationForm, Tie, Wander, WhyRejected};
@@ -217,10 +218,13 @@ impl CauseSearch<'_> {
             white = whitened(&fitted, &pool);
         }
         let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
-        let (estimates, level) = self.together(&fitted, &y, &taken);
-        let levels = self.levels((&fitted, level), &y, &taken, &pool);
-        for (cause, (value, sd)) in named.iter_mut().zip(estimates) {
-            cause.estimate = CauseEstimate { value, sd, ..cause.estimate.clone() };
+        let mut levels = Vec::new();
+        // What is not told apart in one fit keeps the estimates that it was named with, and has no level.
+        if let Some((estimates, level)) = self.together(&fitted, &y, &taken) {
+            levels = self.levels((&fitted, level), &y, &taken, &pool);
+            for (cause, (value, sd)) in named.iter_mut().zip(estimates) {
+                cause.estimate = CauseEstimate { value, sd, ..cause.estimate.clone() };
+            }
         }
         let noise_variance = fitted.variance(fitted.squares[0]);
         let stated: Vec<f64> = variance.iter().map(|v| v * noise_variance).collect();
@@ -405,8 +409,14 @@ impl CauseSearch<'_> {
         self.course.taken.iter().any(|(taken, _)| is_alike(Some(taken), Some(&part)))
     }
 
-    /// Estimates of all named causes from one fit of them together, and level and slope at the newest row.
-    fn together(&self, fitted: &FittedRows, y: &[f64], taken: &[CandidateCause]) -> (Vec<(f64, f64)>, NewestLevel) {
+    /// Estimates of all named causes from one fit of them together, and level and slope at the newest row; none where
+    /// the rows do not tell them apart.
+    fn together(
+        &self,
+        fitted: &FittedRows,
+        y: &[f64],
+        taken: &[CandidateCause],
+    ) -> Option<(Vec<(f64, f64)>, NewestLevel)> {
         let (_, m) = fitted.best();
         let model = &fitted.models[m];
         let goes_on =
@@ -417,18 +427,12 @@ impl CauseSearch<'_> {
         });
         let columns = std::iter::once(vec![1.0; y.len()]).chain(columns);
         let design: Vec<Vec<f64>> = columns.map(|column| model.whiten(&column)).collect();
-        let r = model.whiten(y);
-        let variance = fitted.variance(fitted.squares[m]);
         let p = design.len();
-        let normal = nalgebra::DMatrix::from_fn(p, p, |i, j| dot(&design[i], &design[j]));
-        let right = nalgebra::DVector::from_fn(p, |i, _| dot(&design[i], &r));
-        let inverse =
-            nalgebra::Cholesky::new(normal).map_or_else(|| nalgebra::DMatrix::zeros(p, p), |factor| factor.inverse());
-        let estimate = &inverse * right;
-        let covariance = inverse * variance;
-        let estimates = (1..p).map(|k| (estimate[k], covariance[(k, k)].max(0.0).sqrt())).collect();
+        let Solution { estimate, covariance } = NormalEquations::of_columns(&design, &model.whiten(y)).solve()?;
+        let covariance = covariance * fitted.variance(fitted.squares[m]);
+        let estimates = (1..p).map(|k| (estimate[k], covariance[(k, k)].sqrt())).collect();
         // Steps and offsets that stand at the newest row belong to the level there.
-        let (mut here, mut slope) = (nalgebra::DVector::zeros(p), nalgebra::DVector::zeros(p));
+        let (mut here, mut slope) = (DVector::zeros(p), DVector::zeros(p));
         here[0] = 1.0;
         for (k, candidate) in taken.iter().enumerate() {
             slope[k + 1] = f64::from(u8::from(goes_on(&candidate)));
@@ -444,7 +448,7 @@ impl CauseSearch<'_> {
             freedom: fitted.freedom(),
             ages: taken.iter().any(|candidate| goes_on(&candidate)),
         };
-        (estimates, level)
+        Some((estimates, level))
     }
 
     /// Levels with another beginning of what ages, where that explains as much. From the first record on is as likely
@@ -470,7 +474,8 @@ impl CauseSearch<'_> {
             let another = FittedRows::of(fitted.models.clone(), y, &columns, self.prior);
             let gain = another.best().0 - fitted.best().0;
             if -2.0 * gain <= EQUALLY_GOOD {
-                levels.push((gain.exp() * likely(other) / beforehand, self.together(&another, y, &taken).1));
+                let level = self.together(&another, y, &taken).map(|(_, level)| level);
+                levels.extend(level.map(|level| (gain.exp() * likely(other) / beforehand, level)));
             }
         }
         levels
@@ -516,7 +521,7 @@ impl CauseSearch<'_> {
                 tie,
                 estimate: CauseEstimate { name: "k", value: common.value, sd: common.sd, unit },
                 held_out: closure::held_out_known(y, variance, columns, &column, common.value),
-                p_value_adjusted: normal_tail(common.significance()),
+                p_value_adjusted: 2.0 * normal_cdf(-common.significance()),
             });
         }
         out
@@ -570,14 +575,4 @@ fn kinds(pool: &[CandidateCause]) -> usize {
         pool.iter().filter(|candidate| rank_of_searched(candidate).is_none()).collect();
     let is_new = |(k, one): &(usize, &&CandidateCause)| recorded[..*k].iter().all(|other| other.column != one.column);
     recorded.iter().enumerate().filter(is_new).count() + 2
-}
-
-/// P(T <= t) of Student's distribution.
-pub(super) fn student(t: f64, freedom: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(0.5, |student| student.cdf(t))
-}
-
-/// P(|normal| > z).
-fn normal_tail(z: f64) -> f64 {
-    2.0 * normal_cdf(-z.abs())
 }

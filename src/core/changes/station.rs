@@ -14,6 +14,7 @@ use super::series::{RecordScatter, RecordSeries, scatter_of};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::median::median_of;
 use crate::core::numerics::normal::SD_OF_MEDIAN;
+use crate::core::numerics::normal_equations::{NormalEquations, gram};
 use crate::core::time::UtcMicros;
 
 /// |b|/sd from which a part is taken: of an offset or a drift, and of a step or a window, which are searched for.
@@ -542,7 +543,7 @@ impl StationCourse {
         if parts.len() < 2 {
             return;
         }
-        let mut normal = nalgebra::DMatrix::<f64>::zeros(parts.len(), parts.len());
+        let mut normal = NormalEquations::new(parts.len());
         for peer in &self.peers {
             let level = Basis::of([peer.rows.iter().map(|row| row.weight.sqrt()).collect::<Vec<_>>()]);
             let column = |part: &CoursePart| {
@@ -552,14 +553,11 @@ impl StationCourse {
                 column
             };
             let columns: Vec<Vec<f64>> = parts.iter().map(column).collect();
-            for (i, j) in (0..parts.len()).flat_map(|i| (0..parts.len()).map(move |j| (i, j))) {
-                normal[(i, j)] += dot(&columns[i], &columns[j]);
-            }
+            normal.matrix += gram(&columns);
         }
-        let Some(factor) = nalgebra::Cholesky::new(normal.clone()) else { return };
-        let inverse = factor.inverse();
+        let Some(beside) = normal.solve() else { return };
         for (k, (_, common)) in self.taken.iter_mut().enumerate() {
-            common.sd *= (normal[(k, k)] * inverse[(k, k)]).max(1.0).sqrt();
+            common.sd *= (normal.matrix[(k, k)] * beside.covariance[(k, k)]).max(1.0).sqrt();
         }
     }
 

@@ -6,11 +6,10 @@
 //! them against. They part only where D_S changes: a true D_O stays, a clocked one moves by tan(phi) times the
 //! change.
 
-use statrs::distribution::{ContinuousCDF, Normal};
-
 use crate::core::diagnose::diagnosis::{BUDGET_DEG_PER_H_G0, Verdict};
 use crate::core::effects::Effect;
 use crate::core::mounting::Slot;
+use crate::core::numerics::normal::normal_cdf;
 use crate::core::separate::Separation;
 
 /// The two readings of a closure: one class.
@@ -72,7 +71,7 @@ impl GyroClosure {
         let (d_s, d_o) = (rigid.d_s, rigid.d_o);
         let sd = rigid.sd().map(|sd| sd[2]).filter(|sd| *sd > 0.0);
         let of_budget = d_o.abs() / BUDGET_DEG_PER_H_G0;
-        let p_value = sd.map(|sd| (2.0 * Normal::standard().sf(d_o.abs() / sd) * tried as f64).min(1.0));
+        let p_value = sd.map(|sd| (2.0 * normal_cdf(-d_o.abs() / sd) * tried as f64).min(1.0));
         let stands_out = p_value.map_or(of_budget > 1.0, |p| p < FALSE_ALARM);
         let ratio = (d_o / d_s).abs();
         let scatter = sd.map_or(BUDGET_DEG_PER_H_G0, |sd| sd * std::f64::consts::SQRT_2);

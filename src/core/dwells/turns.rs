@@ -12,11 +12,12 @@
 //! axis that is not quite vertical; second: their squares. Only the harmonics are subtracted, so that a mean over whole
 //! turns stays what it was. The fit is by least absolute values, so that starts, stops and knocks do not bend it.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DVector, Vector3};
 
 use super::blocks::{Series, Track};
 use super::intervals::{Interval, quantile};
 use crate::core::numerics::normal::SD_OF_MEDIAN;
+use crate::core::numerics::normal_equations::NormalEquations;
 use crate::core::units::EARTH_RATE_DEG_H;
 
 /// Seconds over which the rate of the table is averaged before it is compared with the next.
@@ -282,20 +283,14 @@ fn parts(track: &Track, turn: Interval, angles: &[f64], width: usize) -> Vec<Par
 
 /// Weighted least squares of `width` unknowns; none where they are not told apart.
 fn least_squares(rows: impl Iterator<Item = ([f64; 6], f64, f64)>, width: usize) -> Option<Vec<f64>> {
-    let (mut normal, mut right) = (DMatrix::zeros(width, width), DVector::zeros(width));
-    for (row, value, weight) in rows {
-        for k in 0..width {
-            for j in 0..width {
-                normal[(k, j)] += weight * row[k] * row[j];
-            }
-            right[k] += weight * row[k] * value;
-        }
-    }
+    let mut normal = NormalEquations::new(width);
+    rows.for_each(|(row, value, weight)| normal.add(&DVector::from_column_slice(&row[..width]), value, weight));
     // A whisper of a ridge: what is not told apart stays small, and what is not there is zero.
     for k in 0..width {
-        normal[(k, k)] = if normal[(k, k)] == 0.0 { 1.0 } else { normal[(k, k)] * (1.0 + 1e-12) };
+        let own = &mut normal.matrix[(k, k)];
+        *own = if *own == 0.0 { 1.0 } else { *own * (1.0 + 1e-12) };
     }
-    let found = normal.lu().solve(&right)?;
+    let found = normal.solve()?.estimate;
     found.iter().all(|f| f.is_finite()).then(|| found.iter().copied().collect())
 }
 

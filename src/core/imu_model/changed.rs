@@ -4,13 +4,14 @@ use nalgebra::DVector;
 
 use super::fit::{CampaignSample, identify_at};
 use super::identified::Identified;
-use super::programme::{Knowledge, StackedDesign, effect_of, scaled_inverse};
+use super::programme::{Knowledge, StackedDesign, effect_of};
 use crate::core::augmented::{AugmentedModel, KnownEffect, Options};
 use crate::core::calibrate::noise::t_variance;
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Verdict, diagnose};
 use crate::core::effects::{Coefficient, Effect, Parameter};
 use crate::core::mounting::Slot;
+use crate::core::numerics::normal_equations::inverse_of_covariance;
 use crate::core::numerics::tails::squares_tail;
 use crate::core::separate::Rigid;
 
@@ -149,7 +150,7 @@ fn held_against(
     let scales = [now, model].map(|identified| identified.dof(slot));
     let [of_now, of_model] = [(now, &own, scales[0]), (model, &then, scales[1])]
         .map(|(identified, places, dof)| block(identified, places) / t_variance(dof));
-    let inverse = scaled_inverse(&(&of_now + &of_model))?;
+    let inverse = inverse_of_covariance(&(&of_now + &of_model))?;
     let count_of = own.len();
     let shares = [of_now, of_model].map(|of| (&inverse * of).trace() / count_of as f64);
     let dofs = [scales[0], scales[1] * model.campaigns.len() as f64];

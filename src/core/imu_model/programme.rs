@@ -9,6 +9,7 @@ use crate::core::campaign::{Campaign, Temperatures, TestKind};
 use crate::core::effects::{Parameter, Refusal, Scope, Setting};
 use crate::core::message::{Message, figure, text};
 use crate::core::mounting::Slot;
+use crate::core::numerics::normal_equations::inverse_of_covariance;
 use crate::core::record::Name;
 use crate::message;
 
@@ -284,7 +285,7 @@ impl Knowledge {
         }
         let across = self.covariance.select_columns(places);
         let within = across.select_rows(places);
-        let Some(inverse) = scaled_inverse(&within) else { return };
+        let Some(inverse) = inverse_of_covariance(&within) else { return };
         let gain = across * inverse;
         self.values -= &gain * (self.values.select_rows(places) - values);
         let told = &gain * self.covariance.select_rows(places);
@@ -303,15 +304,6 @@ impl Knowledge {
         self.covariance.column_mut(place).fill(0.0);
         self.covariance[(place, place)] = variance;
     }
-}
-
-/// Inverse of a covariance whose units may be far apart.
-pub(super) fn scaled_inverse(covariance: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let sd: Vec<f64> = covariance.diagonal().iter().map(|v| v.max(f64::MIN_POSITIVE).sqrt()).collect();
-    let m = sd.len();
-    let correlation = DMatrix::from_fn(m, m, |i, j| covariance[(i, j)] / (sd[i] * sd[j]));
-    let inverse = correlation.cholesky()?.inverse();
-    Some(DMatrix::from_fn(m, m, |i, j| inverse[(i, j)] / (sd[i] * sd[j])))
 }
 
 /// The place of an effect's coefficient in words: its effect and number.

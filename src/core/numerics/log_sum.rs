@@ -1,6 +1,7 @@
 //! Sums of what is only known by its logarithm.
 
 /// ln of a sum of exponentials, kept in units of its largest term: one exponential a term, one logarithm in the end.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct LogSum {
     pub top: f64,
     pub sum: f64,
@@ -23,6 +24,11 @@ impl LogSum {
         sum
     }
 
+    /// Of one term.
+    pub fn of_one(log: f64) -> Self {
+        Self { top: log, sum: 1.0 }
+    }
+
     /// Adds e^`log`.
     pub fn add(&mut self, log: f64) {
         if log > self.top {
@@ -38,8 +44,13 @@ impl LogSum {
         self.top + self.sum.ln()
     }
 
+    /// The sum over `count`.
+    pub fn mean(&self, count: usize) -> Self {
+        Self { top: self.top, sum: self.sum / count as f64 }
+    }
+
     /// ln of the sum over `count`.
     pub fn log_mean(&self, count: usize) -> f64 {
-        self.top + (self.sum / count as f64).ln()
+        self.mean(count).log()
     }
 }

@@ -6,4 +6,6 @@ pub mod least_squares;
 pub(super) mod log_sum;
 pub(crate) mod median;
 pub(crate) mod normal;
+pub(crate) mod normal_equations;
+pub(crate) mod pivoted_cholesky;
 pub mod tails;

@@ -45,12 +45,9 @@ const SHARED: f64 = 1.1;
 /// Evidence that speaks for the strongest of several entries or for one like it: of alternatives that exclude one
 /// another the Bayes factors add. A campaign may tell that one of them is there before it tells which.
 pub(crate) fn together(logs: impl Iterator<Item = f64>) -> f64 {
-    let (mut sum, mut top) = (LogSum::default(), f64::NEG_INFINITY);
-    for log in logs {
-        sum.add(log);
-        top = top.max(log);
-    }
-    sum.log().min(top + SHARED)
+    let mut sum = LogSum::default();
+    logs.for_each(|log| sum.add(log));
+    sum.log().min(sum.top + SHARED)
 }
 
 /// Scores one kind of hypothesis.
@@ -68,32 +65,13 @@ pub(crate) fn score(bank: &Bank, kind: Effect, range: std::ops::Range<usize>, se
     score
 }
 
-/// A Bayes factor as `sum e^top`: only the largest in a search is ever asked for its logarithm.
-#[derive(Debug, Clone, Copy)]
-struct BayesFactor {
-    top: f64,
-    sum: f64,
-}
-
-impl BayesFactor {
-    const ONE: Self = Self { top: 0.0, sum: 1.0 };
-
-    fn of_log(log: f64) -> Self {
-        Self { top: log, sum: 1.0 }
-    }
-
-    fn log(self) -> f64 {
-        self.top + self.sum.ln()
-    }
-}
-
 /// ln(weight x Bayes factor) of one hypothesis, and the factor of each gyro.
-fn log_bayes(hypothesis: &Hypothesis, seen: &[Seen]) -> (f64, [BayesFactor; MAX_GYROS]) {
+fn log_bayes(hypothesis: &Hypothesis, seen: &[Seen]) -> (f64, [LogSum; MAX_GYROS]) {
     if hypothesis.common {
         let log = Common::of(hypothesis, seen).map_or(0.0, |common| common.log_bayes(hypothesis.powers));
-        return (hypothesis.log_weight + log, [BayesFactor::of_log(log); MAX_GYROS]);
+        return (hypothesis.log_weight + log, [LogSum::of_one(log); MAX_GYROS]);
     }
-    let mut factors = [BayesFactor::ONE; MAX_GYROS];
+    let mut factors = [LogSum::of_one(0.0); MAX_GYROS];
     for ((factor, block), seen) in factors.iter_mut().zip(&hypothesis.blocks).zip(seen) {
         *factor = bayes_factor(hypothesis.powers, block, seen);
     }
@@ -111,9 +89,9 @@ pub(crate) fn log_bayes_in(hypothesis: &Hypothesis, members: &[bool], seen: &[Se
 }
 
 /// Bayes factor of one gyro, averaged over the powers.
-fn bayes_factor(powers: &[f64], block: &Block, seen: &Seen) -> BayesFactor {
+fn bayes_factor(powers: &[f64], block: &Block, seen: &Seen) -> LogSum {
     if block.len == 0 {
-        return BayesFactor::ONE;
+        return LogSum::of_one(0.0);
     }
     let mut sum = LogSum::default();
     let projected = Projected::of(block, seen);
@@ -121,11 +99,11 @@ fn bayes_factor(powers: &[f64], block: &Block, seen: &Seen) -> BayesFactor {
         let (explained, log_det) = projected.explained(power, block.log_dets[p]);
         sum.add(seen.gain(explained) - 0.5 * log_det);
     }
-    BayesFactor { top: sum.top, sum: sum.sum / powers.len() as f64 }
+    sum.mean(powers.len())
 }
 
 /// ln of the mean over non-empty subsets of gyros of the product of their Bayes factors.
-fn log_membership(factors: &[BayesFactor]) -> f64 {
+fn log_membership(factors: &[LogSum]) -> f64 {
     // Large factors are added as logarithms, the rest multiplied: one logarithm instead of one a gyro.
     const LARGE: f64 = 30.0;
     let (mut product, mut log) = (1.0, 0.0);

@@ -19,6 +19,7 @@ use crate::core::diagnose::diagnosis::Variable;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::Setting;
 use crate::core::numerics::log_sum::LogSum;
+use crate::core::numerics::pivoted_cholesky::pivoted_cholesky;
 
 /// Observations of unit noise that the stated errors are worth.
 const K: f64 = 4.0;
@@ -57,7 +58,7 @@ pub(crate) fn components(s: &Setting) -> Vec<Component> {
     let n = s.dwells();
     let mut found = Vec::new();
     let mut component = |variable: Variable, competes: bool, like: &dyn Fn(usize, usize) -> f64| {
-        let factor = factor(&DMatrix::from_fn(n, n, like));
+        let factor = pivoted_cholesky(&DMatrix::from_fn(n, n, like), MOST, LEFT_OUT);
         if factor.ncols() > 0 {
             found.push(Component { variable, competes, factor });
         }
@@ -229,24 +230,6 @@ fn log_bayes(columns: &[Vec<f64>], y: &[f64], nu: f64, stated: bool) -> f64 {
     sum.log_mean(POWERS.len())
 }
 
-/// B with K = B B' up to a share of its trace: Cholesky's factor with the largest pivot first.
-fn factor(kernel: &DMatrix<f64>) -> DMatrix<f64> {
-    let n = kernel.nrows();
-    let mut left: Vec<f64> = kernel.diagonal().iter().copied().collect();
-    let trace: f64 = left.iter().sum();
-    let mut columns: Vec<Vec<f64>> = Vec::new();
-    while columns.len() < MOST && left.iter().sum::<f64>() > LEFT_OUT * trace {
-        let Some(pivot) = (0..n).max_by(|&a, &b| left[a].total_cmp(&left[b])).filter(|&p| left[p] > 0.0) else { break };
-        let root = left[pivot].sqrt();
-        let column: Vec<f64> = (0..n)
-            .map(|k| (kernel[(k, pivot)] - columns.iter().map(|c| c[k] * c[pivot]).sum::<f64>()) / root)
-            .collect();
-        left.iter_mut().zip(&column).for_each(|(left, x)| *left = (*left - x * x).max(0.0));
-        columns.push(column);
-    }
-    DMatrix::from_fn(n, columns.len(), |k, c| columns[c][k])
-}
-
 fn range(values: &[f64]) -> f64 {
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
     high - low
@@ -269,14 +252,6 @@ mod tests {
     use super::*;
     use crate::core::diagnose::search::projections::GyroState;
     use crate::core::numerics::basis::Basis;
-
-    #[test]
-    fn a_kernel_is_its_factor_times_itself() {
-        let kernel = DMatrix::from_fn(30, 30, |a, b| (-0.5 * ((a as f64 - b as f64) / 6.0).powi(2)).exp());
-        let factor = factor(&kernel);
-        assert!(factor.ncols() < 15, "{}", factor.ncols());
-        assert!((&factor * factor.transpose() - &kernel).abs().max() < 0.03);
-    }
 
     #[test]
     fn a_component_is_worth_what_the_determinants_say() {

@@ -9,7 +9,7 @@ use super::figure;
 use super::gyro_head::{named, own_first};
 use super::layout::{Page, Section, encoded, symbol};
 use super::viewer::{Viewer, Visit};
-use crate::core::changes::{DriftBudget, HistoryDiagnosis, cause_word};
+use crate::core::changes::{DriftBudget, HistoryDiagnosis};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ExplainedHistory;
 use crate::wire::problem::Problem;
@@ -57,7 +57,7 @@ fn section(
                     } }
                     tbody { @for cause in own_first(answer) {
                         tr {
-                            th scope="row" { (t.words(&cause_word(cause.cause))) }
+                            th scope="row" { (t.words(&cause.cause.word())) }
                             td data-label=(t.tied_to) {
                                 (t.words(&cause.tie.message()))
                                 @if let Some(others) = cause.others() { ". " (t.words(&others)) }
@@ -77,7 +77,7 @@ fn section(
                         thead { tr { th { (t.cause) } th { (t.tied_to) } th { (t.why) } } }
                         tbody { @for one in &answer.rejected {
                             tr {
-                                th scope="row" { (t.words(&cause_word(one.cause))) }
+                                th scope="row" { (t.words(&one.cause.word())) }
                                 td data-label=(t.tied_to) { (t.words(&one.tie.message())) }
                                 td data-label=(t.why) { (t.words(&one.why.message())) }
                             }

@@ -12,7 +12,7 @@ use super::viewer::Viewer;
 use super::{bullet, figure, gyro_attributes};
 use crate::config::JudgedMethod;
 use crate::core::access::Role;
-use crate::core::changes::{HistoryDiagnosis, NamedCause, cause_word};
+use crate::core::changes::{ChangeCause, HistoryDiagnosis, NamedCause};
 use crate::core::judge::{
     Coefficient, Event, Finding, Load, Measured, Rule, Standpoint, Status, Suggestion, Verdict, suggest,
 };
@@ -292,14 +292,14 @@ pub(super) fn named(t: &Text, answer: &HistoryDiagnosis) -> Markup {
     html! {
         @for (k, cause) in own_first(answer).take(MOST_CAUSES).enumerate() {
             @if k > 0 { (t.semicolon) }
-            (t.words(&cause_word(cause.cause))) " ("
+            (t.words(&cause.cause.word())) " ("
             (t.words(&cause.tie.message())) ") "
             span.nowrap {
                 (figure::signed_drift(cause.estimate.value, Some(cause.estimate.sd))) " "
                 (t.unit_of(cause.estimate.unit))
             }
-            @for other in cause.class.iter().filter(|id| **id != cause.cause) {
-                ", " (t.or_as_well) " " (t.words(&cause_word(other)))
+            @for other in cause.class.iter().filter(|one| **one != cause.cause) {
+                ", " (t.or_as_well) " " (t.words(&other.word()))
             }
         }
         @if !answer.causes.is_empty() { (t.stop) " " }
@@ -308,7 +308,7 @@ pub(super) fn named(t: &Text, answer: &HistoryDiagnosis) -> Markup {
 
 /// The gyro's own causes, then what its stations did.
 pub(super) fn own_first(answer: &HistoryDiagnosis) -> impl Iterator<Item = &NamedCause> {
-    let of_station = |cause: &&NamedCause| cause.cause == "station";
+    let of_station = |cause: &&NamedCause| cause.cause == ChangeCause::Station;
     let own = answer.causes.iter().filter(move |cause| !of_station(cause));
     own.chain(answer.causes.iter().filter(of_station))
 }

@@ -105,7 +105,7 @@ pub struct OutlierBody {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct WanderBody {
     /// `random_walk`, `walk_by_record` or `flicker`.
-    pub process: Cow<'static, str>,
+    pub process: String,
     /// Standard deviation after a year, from one record to the next, or altogether.
     pub size: f64,
     pub p_value: f64,
@@ -164,8 +164,8 @@ impl CoefficientBody {
 impl CauseBody {
     fn new(cause: &NamedCause, language: Language) -> Self {
         Self {
-            cause: cause.cause.into(),
-            class: cause.class.iter().map(|&id| id.into()).collect(),
+            cause: cause.cause.name().into(),
+            class: cause.class.iter().map(|one| one.name().into()).collect(),
             detail: language.words(&cause.tie.message()),
             estimates: vec![cause.estimate.to_body()],
             held_out: cause.held_out.to_body(),
@@ -177,7 +177,7 @@ impl CauseBody {
 impl RejectedBody {
     fn new(rejected: &Rejected, language: Language) -> Self {
         let [detail, reason] = [rejected.tie.message(), rejected.why.message()].map(|said| language.words(&said));
-        Self { cause: rejected.cause.into(), detail, reason }
+        Self { cause: rejected.cause.name().into(), detail, reason }
     }
 }
 

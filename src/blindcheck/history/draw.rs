@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::core::changes::{GyroHistory, HistoryEntry};
+use crate::core::changes::{ChangeCause, GyroHistory, HistoryEntry};
 use crate::core::judge::{Event, Mark, Measured};
 use crate::core::mounting::Slot;
 use crate::core::named::named;
@@ -47,9 +47,9 @@ pub struct DrawnFleet {
     pub asked: usize,
     pub column: usize,
     /// Causes that the asked coefficient has.
-    pub truth: Vec<&'static str>,
+    pub truth: Vec<ChangeCause>,
     /// Causes that have to be in the class of what is named.
-    pub class: Vec<&'static str>,
+    pub class: Vec<ChangeCause>,
     /// What they did to each record of the asked gyro, deg/(h g0).
     pub signal: Vec<f64>,
     /// How the asked coefficient ages, where its date is asked for.
@@ -231,18 +231,18 @@ impl FleetDraw {
         }
         let asked = 3 * asked_imu + asked_slot;
         self.finish(kind, &mut gyros, asked, instant);
-        let truth: Vec<&'static str> = match kind {
+        let truth: Vec<ChangeCause> = match kind {
             HiddenCause::Nothing | HiddenCause::Wanders => vec![],
-            HiddenCause::Ageing | HiddenCause::NoisyStation | HiddenCause::AgeingLate => vec!["ageing"],
-            HiddenCause::StepAtEvent => vec!["step_at_event"],
-            HiddenCause::Step | HiddenCause::StepAtStationChange => vec!["step"],
-            HiddenCause::Temperature | HiddenCause::TemperatureMissing => vec!["temperature"],
-            HiddenCause::Clocking => vec!["clocking"],
-            HiddenCause::AgeingAndStation => vec!["station", "ageing"],
-            _ => vec!["station"],
+            HiddenCause::Ageing | HiddenCause::NoisyStation | HiddenCause::AgeingLate => vec![ChangeCause::Ageing],
+            HiddenCause::StepAtEvent => vec![ChangeCause::StepAtEvent],
+            HiddenCause::Step | HiddenCause::StepAtStationChange => vec![ChangeCause::Step],
+            HiddenCause::Temperature | HiddenCause::TemperatureMissing => vec![ChangeCause::Temperature],
+            HiddenCause::Clocking => vec![ChangeCause::Clocking],
+            HiddenCause::AgeingAndStation => vec![ChangeCause::Station, ChangeCause::Ageing],
+            _ => vec![ChangeCause::Station],
         };
-        let class = if lone { vec!["station", "step"] } else { truth.clone() };
-        let shared = truth.contains(&"station");
+        let class = if lone { vec![ChangeCause::Station, ChangeCause::Step] } else { truth.clone() };
+        let shared = truth.contains(&ChangeCause::Station);
         DrawnFleet { kind, gyros, asked, column, truth, class, signal, ageing, shared }
     }
 

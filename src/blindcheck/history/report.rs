@@ -62,7 +62,8 @@ impl HistoryReport {
         row("calibrated in time".into(), all(&|score| score.in_time), Some(0.92), None);
         let mut confusion: BTreeMap<&'static str, BTreeMap<String, usize>> = BTreeMap::new();
         for score in scores.iter().filter(|score| !score.right) {
-            let named = if score.named.is_empty() { "-".to_owned() } else { score.named.join("+") };
+            let named: Vec<&str> = score.named.iter().map(|cause| cause.name()).collect();
+            let named = if named.is_empty() { "-".to_owned() } else { named.join("+") };
             *confusion.entry(score.kind.name()).or_default().entry(named).or_default() += 1;
         }
         Self { fleets: scores.len(), seed, rows, confusion }

@@ -1,6 +1,6 @@
 //! What a diagnosis of a drawn fleet got right.
 
-use crate::core::changes::{HistoryDiagnosis, HistoryVerdict};
+use crate::core::changes::{ChangeCause, HistoryDiagnosis, HistoryVerdict};
 
 use super::draw::{DrawnFleet, HiddenCause, YEAR_DAYS};
 
@@ -30,7 +30,7 @@ pub struct FleetScore {
     /// Whether a calibration on the day that is asked for would have found it within its budget.
     pub in_time: Option<bool>,
     /// What was named.
-    pub named: Vec<&'static str>,
+    pub named: Vec<ChangeCause>,
 }
 
 impl DrawnFleet {
@@ -52,7 +52,7 @@ impl DrawnFleet {
         }
         let left = self.budget().map(|budget| budget.years_from_first - self.years(self.signal.len() - 1));
         let own = own.expect("the asked gyro is one of the fleet");
-        let mut named: Vec<&'static str> = own.causes.iter().map(|cause| cause.cause).collect();
+        let mut named: Vec<ChangeCause> = own.causes.iter().map(|cause| cause.cause).collect();
         named.dedup();
         let mut truth = self.truth.clone();
         truth.sort_unstable();
@@ -60,16 +60,16 @@ impl DrawnFleet {
         sorted.sort_unstable();
         sorted.dedup();
         let lone = self.kind == HiddenCause::LoneImuMoved;
-        let in_class = |id: &&str| own.causes.iter().any(|cause| cause.class.contains(id));
+        let in_class = |cause: &ChangeCause| own.causes.iter().any(|named| named.class.contains(cause));
         let class = (!self.class.is_empty()).then(|| self.class.iter().all(in_class));
         let right = if lone { class == Some(true) && own.causes.len() == 1 } else { sorted == truth };
-        let station = self.truth == ["station"] && !lone;
+        let station = self.truth == [ChangeCause::Station] && !lone;
         FleetScore {
             kind: self.kind,
             right,
             class,
             false_names,
-            gyro_blamed: station.then(|| named.iter().any(|id| *id != "station")),
+            gyro_blamed: station.then(|| named.iter().any(|cause| *cause != ChangeCause::Station)),
             explained: (self.kind == HiddenCause::Wanders).then_some(own.verdict == HistoryVerdict::Explained),
             closure_covered: self.closure_covered(&own),
             in_time: left

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::noise::Process;
 use crate::core::judge::{Coefficient, Event, Mark, Measured};
 use crate::core::message::{Message, figure, list, signed, text};
 use crate::core::mounting::Slot;
@@ -176,18 +177,26 @@ pub struct HistoryHeldOut {
     pub interval: [f64; 2],
 }
 
-/// The name of a cause, for people.
-pub fn cause_word(cause: &str) -> Message {
-    use crate::message;
-    match cause {
-        "station" => message!("cause_station"),
-        "ageing" => message!("cause_ageing"),
-        "step_at_event" => message!("cause_step_at_event"),
-        "re_mounting" => message!("cause_re_mounting"),
-        "temperature" => message!("cause_temperature"),
-        "clocking" => message!("cause_clocking"),
-        "wandering" => message!("cause_wandering"),
-        _ => message!("cause_step"),
+named! {
+/// What a change of a coefficient is put down to, in the order of names, in which a class lists it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ChangeCause("cause_") {
+    Ageing = "ageing",
+    Clocking = "clocking",
+    ReMounting = "re_mounting",
+    Station = "station",
+    Step = "step",
+    StepAtEvent = "step_at_event",
+    Temperature = "temperature",
+    /// Stands in a class where the coefficient may as well wander without a cause.
+    Wandering = "wandering",
+}
+}
+
+impl ChangeCause {
+    /// Whether it is the gyro's own, from one record to the next.
+    pub(super) fn is_step(self) -> bool {
+        matches!(self, Self::Step | Self::StepAtEvent | Self::ReMounting)
     }
 }
 
@@ -205,9 +214,9 @@ pub struct DrawnRecord {
 /// A cause that was named, and the evidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedCause {
-    pub cause: &'static str,
-    /// Every id that explains this change equally well, itself included.
-    pub class: Vec<&'static str>,
+    pub cause: ChangeCause,
+    /// Every cause that explains this change equally well, itself included.
+    pub class: Vec<ChangeCause>,
     pub tie: Tie,
     pub estimate: CauseEstimate,
     /// None where no block can be predicted from the others, or where they say nothing of it.
@@ -259,7 +268,7 @@ impl WhyRejected {
 /// A candidate that was not taken, and why.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rejected {
-    pub cause: &'static str,
+    pub cause: ChangeCause,
     pub tie: Tie,
     pub why: WhyRejected,
 }
@@ -276,8 +285,7 @@ pub struct Outlier {
 /// A coefficient that changes without a cause that records can name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wander {
-    /// `random_walk`, `walk_by_record` or `flicker`.
-    pub process: &'static str,
+    pub process: Process,
     /// Standard deviation: of a year, of one record to the next, and altogether.
     pub size: f64,
     pub p_value: f64,
@@ -373,7 +381,7 @@ impl HistoryDiagnosis {
             HistoryVerdict::TooFew if self.is_of_a_day => message!("history_of_a_day", records = self.records),
             HistoryVerdict::TooFew => message!("history_too_few", records = self.records),
             HistoryVerdict::NoChange => message!("history_no_change"),
-            HistoryVerdict::Explained if self.causes.iter().any(|one| one.cause == "step") => {
+            HistoryVerdict::Explained if self.causes.iter().any(|one| one.cause == ChangeCause::Step) => {
                 message!("history_explained_by_step")
             }
             HistoryVerdict::Explained => message!("history_explained"),
@@ -384,16 +392,16 @@ impl HistoryDiagnosis {
 
     /// Whether one step explains all of its change, and nothing else does as well: the gyro's own, or its station's.
     pub(super) fn is_one_step(&self) -> bool {
-        let is_step = |cause: &&str| matches!(*cause, "step" | "step_at_event" | "re_mounting");
         let stepped = |cause: &NamedCause| {
-            is_step(&cause.cause) && cause.class.iter().all(|other| is_step(other) || *other == "station")
+            let may_be = |other: &ChangeCause| other.is_step() || *other == ChangeCause::Station;
+            cause.cause.is_step() && cause.class.iter().all(may_be)
         };
         self.verdict == HistoryVerdict::Explained && matches!(&self.causes[..], [one] if stepped(one))
     }
 
     /// Whether one recorded event explains all of its change.
     pub fn is_one_event(&self) -> bool {
-        self.is_one_step() && self.causes.iter().all(|one| one.cause != "step")
+        self.is_one_step() && self.causes.iter().all(|one| one.cause != ChangeCause::Step)
     }
 
     /// Of how many records it is said, where not all that count are looked at.
@@ -406,9 +414,9 @@ impl HistoryDiagnosis {
         let mut all = Vec::new();
         let size = |wander: &Wander| figure(wander.size, 5);
         all.extend(self.wander.iter().map(|wander| match wander.process {
-            "random_walk" => message!("history_wander_random_walk", size = size(wander)),
-            "walk_by_record" => message!("history_wander_walk_by_record", size = size(wander)),
-            _ => message!("history_wander_flicker", size = size(wander)),
+            Process::RandomWalk => message!("history_wander_random_walk", size = size(wander)),
+            Process::WalkByRecord => message!("history_wander_walk_by_record", size = size(wander)),
+            Process::White | Process::Flicker => message!("history_wander_flicker", size = size(wander)),
         }));
         all.extend(self.excess.iter().map(|excess| {
             message!("history_excess", sd = figure(excess.sd, 5), expected = figure(excess.expected, 5))
@@ -452,7 +460,7 @@ impl NamedCause {
     fn sentences(&self) -> Vec<Message> {
         let mut all = vec![message!(
             "history_cause",
-            cause = cause_word(self.cause),
+            cause = self.cause.word(),
             detail = self.tie.message(),
             value = signed(self.estimate.value, decimals(self.estimate.sd)),
             sd = figure(self.estimate.sd, decimals(self.estimate.sd)),
@@ -469,7 +477,7 @@ impl NamedCause {
 
     /// What explains the change equally well.
     pub fn others(&self) -> Option<Message> {
-        let others = self.class.iter().filter(|id| **id != self.cause).map(|id| cause_word(id));
+        let others = self.class.iter().filter(|one| **one != self.cause).map(|one| one.word());
         let others: Vec<Message> = others.collect();
         (!others.is_empty()).then(|| message!("history_class", others = list(others)))
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::core::judge::{Coefficient, Event, Mark};
 use crate::core::time::UtcMicros;
 
-use super::answer::{StationForm, Tie, YEAR_DAYS};
+use super::answer::{ChangeCause, StationForm, Tie, YEAR_DAYS};
 use super::series::{Observation, RecordSeries};
 use super::station::{CoursePart, StationCourse};
 
@@ -28,7 +28,7 @@ const FEWEST_TEMPERATURES: usize = 5;
 /// One column of regressors and what it stands for.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct CandidateCause {
-    pub cause: &'static str,
+    pub cause: ChangeCause,
     pub tie: Tie,
     pub parameter: &'static str,
     pub unit: &'static str,
@@ -68,13 +68,13 @@ pub(super) fn all(
     found
 }
 
-fn candidate(cause: &'static str, tie: Tie, unit: &'static str, column: Vec<f64>) -> CandidateCause {
+fn candidate(cause: ChangeCause, tie: Tie, unit: &'static str, column: Vec<f64>) -> CandidateCause {
     CandidateCause { cause, tie, parameter: "k", unit, column, tried: 1, part: None, missing: Vec::new(), spread: 0.0 }
 }
 
 /// One slope, or one before and one after the last repair.
 fn ageing(series: &RecordSeries, marks: &[Mark]) -> Vec<CandidateCause> {
-    let slope = |tie, column| candidate("ageing", tie, "deg/(h*g0)/year", column);
+    let slope = |tie, column| candidate(ChangeCause::Ageing, tie, "deg/(h*g0)/year", column);
     let is_within = |at| series.rows[0].at < at && series.rows.last().is_some_and(|newest| at <= newest.at);
     let repair = marks.iter().rev().find(|mark| mark.event == Event::Repair && is_within(mark.at));
     let Some(Mark { at, .. }) = repair else { return vec![slope(Tie::Slope, series.column(|row| row.years))] };
@@ -92,7 +92,7 @@ fn steps_at_events(series: &RecordSeries, marks: &[Mark]) -> Vec<CandidateCause>
     }
     let step = |(cut, events): (usize, Vec<(Event, UtcMicros)>)| {
         let column = step_column(series, cut)?;
-        Some(candidate("step_at_event", Tie::Events(events), "deg/(h*g0)", column))
+        Some(candidate(ChangeCause::StepAtEvent, Tie::Events(events), "deg/(h*g0)", column))
     };
     gaps.into_iter().filter_map(step).collect()
 }
@@ -104,7 +104,7 @@ fn re_mountings(series: &RecordSeries) -> Vec<CandidateCause> {
         .filter_map(|cut| {
             let (from, to) = (name(&series.rows[cut - 1]), name(&series.rows[cut]));
             let tie = Tie::Moved { from, to, at: series.rows[cut].at };
-            step_column(series, cut).map(|column| candidate("re_mounting", tie, "deg/(h*g0)", column))
+            step_column(series, cut).map(|column| candidate(ChangeCause::ReMounting, tie, "deg/(h*g0)", column))
         })
         .collect()
 }
@@ -121,7 +121,7 @@ fn temperature(series: &RecordSeries) -> Option<CandidateCause> {
     (variance.sqrt() > LEAST_TEMPERATURE_SD).then(|| {
         let tie = Tie::Temperature { mean_c: mean, missing: missing.len() };
         let column = series.column(|row| row.temperature_c.map_or(0.0, |t| t - mean));
-        CandidateCause { missing, spread: variance, ..candidate("temperature", tie, "deg/(h*g0)/K", column) }
+        CandidateCause { missing, spread: variance, ..candidate(ChangeCause::Temperature, tie, "deg/(h*g0)/K", column) }
     })
 }
 
@@ -157,7 +157,7 @@ fn of_station(series: &RecordSeries, reference: usize, station: usize, form: Sta
     let column = series.column(|row| part.at(row.station, row.at, row.years));
     let tried = if form.is_searched() { series.len() } else { 1 };
     let tie = tie(series, reference, &part);
-    Some(CandidateCause { part: Some(part), tried, ..candidate("station", tie, unit, column) })
+    Some(CandidateCause { part: Some(part), tried, ..candidate(ChangeCause::Station, tie, unit, column) })
 }
 
 pub(super) fn tie(series: &RecordSeries, reference: usize, part: &CoursePart) -> Tie {
@@ -172,7 +172,7 @@ fn clocking(series: &RecordSeries) -> Option<CandidateCause> {
     let spread = (series.rows.iter().map(|row| (row.d_s - mean).powi(2)).sum::<f64>() / n).sqrt();
     (spread > 5.0 * series.d_s_sd && spread > 1e-9 * mean.abs()).then(|| CandidateCause {
         parameter: "delta",
-        ..candidate("clocking", Tie::Proportion, "rad", series.column(|row| row.d_s - mean))
+        ..candidate(ChangeCause::Clocking, Tie::Proportion, "rad", series.column(|row| row.d_s - mean))
     })
 }
 
@@ -184,7 +184,10 @@ fn onsets_of_ageing(series: &RecordSeries) -> Vec<CandidateCause> {
     cuts.map(|cut| {
         let began = series.rows[cut].years;
         let column = series.column(|row| (row.years - began).max(0.0));
-        CandidateCause { tried, ..candidate("ageing", Tie::SlopeSince(series.rows[cut].at), "deg/(h*g0)/year", column) }
+        CandidateCause {
+            tried,
+            ..candidate(ChangeCause::Ageing, Tie::SlopeSince(series.rows[cut].at), "deg/(h*g0)/year", column)
+        }
     })
     .collect()
 }
@@ -196,7 +199,7 @@ fn free_steps(series: &RecordSeries) -> Vec<CandidateCause> {
     cuts.into_iter()
         .map(|(cut, column)| {
             let tie = Tie::Instant { after: series.rows[cut - 1].at, before: series.rows[cut].at };
-            CandidateCause { tried, ..candidate("step", tie, "deg/(h*g0)", column) }
+            CandidateCause { tried, ..candidate(ChangeCause::Step, tie, "deg/(h*g0)", column) }
         })
         .collect()
 }

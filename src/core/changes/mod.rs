@@ -41,10 +41,11 @@ use series::RecordSeries;
 use station::{CoursePart, StationCourse};
 
 pub use answer::{
-    AsOf, CauseEstimate, DrawnRecord, Due, Excess, FEWEST_RECORDS, GyroHistory, HistoryDiagnosis, HistoryEntry,
-    HistoryHeldOut, HistoryVerdict, NamedCause, Outlier, Rejected, StationForm, Wander, cause_word,
+    AsOf, CauseEstimate, ChangeCause, DrawnRecord, Due, Excess, FEWEST_RECORDS, GyroHistory, HistoryDiagnosis,
+    HistoryEntry, HistoryHeldOut, HistoryVerdict, NamedCause, Outlier, Rejected, StationForm, Wander,
 };
 pub use due::DriftBudget;
+pub use noise::Process;
 pub use reproducibility::{FleetStations, Shared, Spread, StationColumn, StationFigures, stations};
 pub use station::CoursePoint;
 
@@ -141,7 +142,7 @@ fn diagnose(
         prior: prior(&series, [&course, &mates], entries, column),
     };
     let Some(found) = question.answer() else { return answer };
-    let may_wander = found.named.iter().any(|cause| cause.class.contains(&search::WANDERING));
+    let may_wander = found.named.iter().any(|cause| cause.class.contains(&ChangeCause::Wandering));
     let remains = found.wander.is_some() || may_wander || found.excess.is_some();
     answer.verdict = match (found.named.is_empty(), remains) {
         (true, false) => HistoryVerdict::NoChange,
@@ -207,7 +208,7 @@ fn prior(
 /// the records.
 fn drawn(entries: &[HistoryEntry], answer: &HistoryDiagnosis, column: usize, origin: UtcMicros) -> Vec<DrawnRecord> {
     let of = |entry: &HistoryEntry, station: bool| -> f64 {
-        let causes = answer.causes.iter().filter(|cause| !station || cause.cause == "station");
+        let causes = answer.causes.iter().filter(|cause| !station || cause.cause == ChangeCause::Station);
         causes.map(|cause| cause.estimate.value * cause.tie.regressor(entry, origin)).sum()
     };
     let n = entries.len() as f64;

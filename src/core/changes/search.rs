@@ -9,7 +9,7 @@ use crate::core::numerics::normal::normal_cdf;
 use crate::core::numerics::normal_equations::{NormalEquations, Solution};
 use crate::core::numerics::tails::{chi2_tail, f_tail, squares_tail};
 
-use super::answer::{CauseEstimate, Excess, NamedCause, Rejected, StationForm, Tie, Wander, WhyRejected};
+use super::answer::{CauseEstimate, ChangeCause, Excess, NamedCause, Rejected, StationForm, Tie, Wander, WhyRejected};
 use super::candidates::{self, CandidateCause};
 use super::closure;
 use super::noise::{self, NoiseCovariance, Process};
@@ -24,8 +24,6 @@ const BEYOND_WANDERING: f64 = 3e-3;
 /// and from here on by itself. Of walks that move a coefficient by three to nine standard deviations, two in a hundred
 /// are beyond it.
 const NOT_WANDERING: f64 = 1.5e-4;
-/// Stands in a class where the coefficient may as well wander without a cause.
-pub(super) const WANDERING: &str = "wandering";
 /// Significance below which something is said to remain.
 const REMAINS: f64 = 0.01;
 /// What is left is more than scatter where it is so many times as large as expected,
@@ -299,7 +297,7 @@ impl CauseSearch<'_> {
     }
 
     /// The candidate that leads, and the class of those that explain as much.
-    fn lead(&self, pool: &[CandidateCause], trials: &[Option<CandidateTrial>]) -> Option<(usize, Vec<&'static str>)> {
+    fn lead(&self, pool: &[CandidateCause], trials: &[Option<CandidateTrial>]) -> Option<(usize, Vec<ChangeCause>)> {
         let possible: Vec<(usize, CandidateTrial)> = (0..pool.len())
             .filter_map(|k| Some((k, trials[k]?)))
             .filter(|(k, trial)| self.denied(&pool[*k], trial).is_none())
@@ -312,13 +310,13 @@ impl CauseSearch<'_> {
         let rank = |k: usize| rank(&pool[k]);
         let named = equals.iter().filter(|(_, trial)| significant(trial));
         let (lead, _) = named.min_by(|a, b| rank(a.0).cmp(&rank(b.0)).then(b.1.best.total_cmp(&a.1.best)))?;
-        let recorded = matches!(pool[*lead].cause, "step_at_event" | "re_mounting");
+        let recorded = matches!(pool[*lead].cause, ChangeCause::StepAtEvent | ChangeCause::ReMounting);
         let counts = |candidate: &CandidateCause| !recorded || rank_of_searched(candidate).is_none();
-        let mut class: Vec<&'static str> =
+        let mut class: Vec<ChangeCause> =
             equals.iter().map(|(k, _)| &pool[*k]).filter(|c| counts(c)).map(|c| c.cause).collect();
         class.push(pool[*lead].cause);
         let may_wander = trials[*lead].is_some_and(|trial| trial.p_wandering >= NOT_WANDERING);
-        class.extend(may_wander.then_some(WANDERING));
+        class.extend(may_wander.then_some(ChangeCause::Wandering));
         class.sort_unstable();
         class.dedup();
         Some((*lead, class))
@@ -386,7 +384,7 @@ impl CauseSearch<'_> {
             let one = Rejected { cause: candidate.cause, tie: candidate.tie.clone(), why };
             match trial {
                 _ if !searched => out.push(one),
-                Some(trial) if candidate.cause != "ageing" && !self.is_taken(candidate) => {
+                Some(trial) if candidate.cause != ChangeCause::Ageing && !self.is_taken(candidate) => {
                     let is_kind = |(_, part, known): &(f64, Option<CoursePart>, Rejected)| {
                         known.cause == one.cause && is_alike(part.as_ref(), candidate.part.as_ref())
                     };
@@ -436,7 +434,7 @@ impl CauseSearch<'_> {
         here[0] = 1.0;
         for (k, candidate) in taken.iter().enumerate() {
             slope[k + 1] = f64::from(u8::from(goes_on(&candidate)));
-            if matches!(candidate.cause, "step" | "step_at_event" | "re_mounting") {
+            if candidate.cause.is_step() {
                 here[k + 1] = candidate.column.last().copied().unwrap_or(0.0);
             }
         }
@@ -491,7 +489,7 @@ impl CauseSearch<'_> {
             Process::WalkByRecord => (rows.len() - 1) as f64,
             Process::White | Process::Flicker => 1.0,
         };
-        Wander { process: noise.process.name(), size: (variance / per).sqrt(), p_value }
+        Wander { process: noise.process, size: (variance / per).sqrt(), p_value }
     }
 
     /// Whether the gyros that share a station's drift do not go on alike where they are elsewhere: then they do not all age
@@ -516,8 +514,12 @@ impl CauseSearch<'_> {
             let tie: Tie = candidates::tie(self.series, self.reference, part);
             let may_age = part.form == StationForm::Drift && !self.is_parted_from_ageing(part.station, common);
             out.push(NamedCause {
-                cause: "station",
-                class: if may_age { vec!["ageing", "station"] } else { vec!["station"] },
+                cause: ChangeCause::Station,
+                class: if may_age {
+                    vec![ChangeCause::Ageing, ChangeCause::Station]
+                } else {
+                    vec![ChangeCause::Station]
+                },
                 tie,
                 estimate: CauseEstimate { name: "k", value: common.value, sd: common.sd, unit },
                 held_out: closure::held_out_known(y, variance, columns, &column, common.value),
@@ -560,7 +562,7 @@ fn rank(candidate: &CandidateCause) -> u8 {
 fn rank_of_searched(candidate: &CandidateCause) -> Option<u8> {
     match candidate.part {
         Some(CoursePart { form, .. }) if form == StationForm::Drift || form.is_searched() => Some(3),
-        _ => (candidate.cause == "step" || matches!(candidate.tie, Tie::SlopeSince(_))).then_some(2),
+        _ => (candidate.cause == ChangeCause::Step || matches!(candidate.tie, Tie::SlopeSince(_))).then_some(2),
     }
 }
 

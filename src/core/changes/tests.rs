@@ -69,7 +69,7 @@ fn ageing_is_named_with_its_slope() {
     let mut gyro = Fleet::seeded(1).gyro(24);
     change(&mut gyro, 0, |k, _| 0.01 * k as f64 * 30.0 / 365.25);
     let answer = of(&gyro, &[], Coefficient::DI);
-    assert_eq!(answer.causes[0].cause, "ageing", "{answer:?}");
+    assert_eq!(answer.causes[0].cause, ChangeCause::Ageing, "{answer:?}");
     let CauseEstimate { value, sd, .. } = &answer.causes[0].estimate;
     assert!((value - 0.01).abs() < 3.0 * sd, "{value} +- {sd}");
     assert!(*sd < 1e-3);
@@ -87,7 +87,7 @@ fn what_aged_before_a_repair_does_not_age_after_it() {
         gyro.marks.push(Mark::of(repair, Event::Repair));
         let budget = DriftBudget { baseline: gyro.entries[0].d[1].value, limit: 0.01, measured_since: None };
         let answer = super::diagnose_history(&gyro, &[], [Some(budget); 3]).swap_remove(1);
-        let ages = |tie: &Tie| answer.causes.iter().any(|one| one.cause == "ageing" && one.tie == *tie);
+        let ages = |tie: &Tie| answer.causes.iter().any(|one| one.cause == ChangeCause::Ageing && one.tie == *tie);
         before += usize::from(ages(&Tie::SlopeUntil(repair)));
         after += usize::from(ages(&Tie::SlopeAfter(repair)) || answer.due.is_some());
     }
@@ -102,8 +102,10 @@ fn ageing_that_begins_late_is_no_step() {
         let mut gyro = Fleet::seeded(700 + seed).gyro(28);
         change(&mut gyro, 0, |k, _| 0.02 * (k as f64 - 17.0).max(0.0) * 30.0 / 365.25);
         let answer = of(&gyro, &[], Coefficient::DI);
-        right += usize::from(answer.causes.iter().any(|one| one.class.contains(&"ageing")) && !answer.is_one_step());
-        wrong += usize::from(answer.causes.iter().any(|one| one.class == ["step"]));
+        right += usize::from(
+            answer.causes.iter().any(|one| one.class.contains(&ChangeCause::Ageing)) && !answer.is_one_step(),
+        );
+        wrong += usize::from(answer.causes.iter().any(|one| one.class == [ChangeCause::Step]));
     }
     assert!(right >= 36 && wrong <= 2, "ageing is among what is named in {right} of 40, a step alone in {wrong}");
 }
@@ -113,7 +115,7 @@ fn a_jump_at_a_transport_is_tied_to_it_and_one_without_an_event_is_only_a_step()
     let mut gyro = Fleet::seeded(2).gyro(24);
     change(&mut gyro, 1, |k, _| if k >= 11 { 0.02 } else { 0.0 });
     let unknown = of(&gyro, &[], Coefficient::DS);
-    assert!(unknown.causes[0].cause == "step" && unknown.is_one_step(), "{unknown:?}");
+    assert!(unknown.causes[0].cause == ChangeCause::Step && unknown.is_one_step(), "{unknown:?}");
     gyro.marks.push(Mark::of(UtcMicros(11 * 30 * UtcMicros::DAY - 5), Event::Transport));
     let answer = of(&gyro, &[], Coefficient::DS);
     assert!(matches!(answer.causes[0].tie, Tie::Events(ref events) if events[0].0 == Event::Transport), "{answer:?}");
@@ -157,7 +159,7 @@ fn a_station_of_gyros_that_were_never_elsewhere_is_not_told_from_gyros_that_age_
         let [cause] = &answer.causes[..] else { panic!("{answer:?}") };
         cause.class.clone()
     };
-    assert_eq!(class(&gyros), ["ageing", "station"]);
+    assert_eq!(class(&gyros), [ChangeCause::Ageing, ChangeCause::Station]);
     // One IMU that is elsewhere every other time, where it stands still.
     for gyro in &mut gyros[15..] {
         for (k, entry) in gyro.entries.iter_mut().enumerate().filter(|(k, _)| k % 2 == 0) {
@@ -165,14 +167,14 @@ fn a_station_of_gyros_that_were_never_elsewhere_is_not_told_from_gyros_that_age_
             entry.d[0].value -= drift(0, k);
         }
     }
-    assert_eq!(class(&gyros), ["station"]);
+    assert_eq!(class(&gyros), [ChangeCause::Station]);
     // Where it goes on alike, and the other station is re-levelled, which is no slope.
     for gyro in &mut gyros[15..] {
         for (k, entry) in gyro.entries.iter_mut().enumerate().filter(|(k, _)| k % 2 == 0) {
             entry.d[0].value += drift(0, k) - if k >= 12 { 8e-3 } else { 0.0 };
         }
     }
-    assert_eq!(class(&gyros), ["ageing", "station"]);
+    assert_eq!(class(&gyros), [ChangeCause::Ageing, ChangeCause::Station]);
 }
 
 /// How often the intervals of a date hold the true one, where a slope begins at a month of `onset`.
@@ -219,7 +221,7 @@ fn a_move_at_a_reinstallation_cannot_be_told_from_it() {
         entry.d[2].value += 0.03;
     }
     let answer = of(&gyro, &[], Coefficient::DO);
-    assert_eq!(answer.causes[0].class, ["re_mounting", "step_at_event"]);
+    assert_eq!(answer.causes[0].class, [ChangeCause::ReMounting, ChangeCause::StepAtEvent]);
 }
 
 #[test]
@@ -227,7 +229,7 @@ fn temperature_is_named_with_its_sensitivity() {
     let mut gyro = Fleet::seeded(4).gyro(24);
     change(&mut gyro, 0, |_, e| 0.004 * (e.temperature_c.expect("recorded") - 47.0));
     let answer = of(&gyro, &[], Coefficient::DI);
-    assert_eq!(answer.causes[0].cause, "temperature");
+    assert_eq!(answer.causes[0].cause, ChangeCause::Temperature);
     let CauseEstimate { value, sd, .. } = &answer.causes[0].estimate;
     assert!((value - 0.004).abs() < 3.0 * sd && *sd < 4e-4, "{value} +- {sd}");
 }
@@ -241,8 +243,8 @@ fn what_a_station_does_to_all_is_the_stations() {
         change(gyro, 0, |_, e| if &*e.station == "ST-2" { 0.008 } else { 0.0 });
     }
     let answer = of(&gyros[0], &gyros[1..], Coefficient::DI);
-    assert_eq!(answer.causes[0].cause, "station");
-    assert_eq!(answer.causes[0].class, ["station"]);
+    assert_eq!(answer.causes[0].cause, ChangeCause::Station);
+    assert_eq!(answer.causes[0].class, [ChangeCause::Station]);
     let CauseEstimate { value, sd, .. } = &answer.causes[0].estimate;
     assert!((value - 0.008).abs() < 3.0 * sd, "{value} +- {sd}");
 }
@@ -259,9 +261,13 @@ fn a_station_change_that_hides_a_step_is_not_the_stations_where_its_other_gyros_
         entry.d[0].value += if k >= 9 { 0.015 } else { 0.0 };
     }
     let answer = of(&gyro, &peers, Coefficient::DI);
-    assert_eq!(answer.causes[0].cause, "step", "{answer:?}");
+    assert_eq!(answer.causes[0].cause, ChangeCause::Step, "{answer:?}");
     let alone = of(&gyro, &[], Coefficient::DI);
-    assert_eq!(alone.causes[0].class, ["station", "step"], "nothing can tell them apart: {alone:?}");
+    assert_eq!(
+        alone.causes[0].class,
+        [ChangeCause::Station, ChangeCause::Step],
+        "nothing can tell them apart: {alone:?}"
+    );
 }
 
 #[test]
@@ -271,7 +277,7 @@ fn a_clocked_spin_axis_moves_d_o_with_d_s() {
     let ds: Vec<f64> = gyro.entries.iter().map(|e| e.d[1].value).collect();
     change(&mut gyro, 2, |k, _| 0.05 * (ds[k] - 4.0));
     let answer = of(&gyro, &[], Coefficient::DO);
-    assert_eq!(answer.causes[0].cause, "clocking", "{answer:?}");
+    assert_eq!(answer.causes[0].cause, ChangeCause::Clocking, "{answer:?}");
     let CauseEstimate { value, sd, .. } = &answer.causes[0].estimate;
     assert!((value - 0.05).abs() < 3.0 * sd, "{value} +- {sd}");
 }
@@ -329,7 +335,7 @@ fn a_station_that_drifts_or_is_re_levelled_is_not_blamed_on_the_gyro() {
         }
         let answer = of(&gyro, &others, Coefficient::DI);
         assert!(!answer.causes.is_empty(), "{seed}: {answer:?}");
-        assert!(answer.causes.iter().all(|cause| cause.class == ["station"]), "{seed}: {answer:?}");
+        assert!(answer.causes.iter().all(|cause| cause.class == [ChangeCause::Station]), "{seed}: {answer:?}");
     }
 }
 
@@ -423,7 +429,7 @@ fn a_station_that_was_off_for_a_fortnight_is_dated_by_the_records_within_it() {
         dated += usize::from(between == [[first, after]] && column.steps.is_empty() && !column.drifts);
         beyond += column.windows.iter().filter(|(_, size)| (size.value - 0.004).abs() > 3.0 * size.sd).count();
         let own = of(&gyros[0], &gyros[1..], Coefficient::DI);
-        blamed += usize::from(own.causes.iter().any(|one| one.cause != "station"));
+        blamed += usize::from(own.causes.iter().any(|one| one.cause != ChangeCause::Station));
     }
     assert!(dated >= 15 && beyond <= 1 && blamed <= 1, "dated {dated} of 20, beyond 3 sd {beyond}, blamed {blamed}");
 }
@@ -453,7 +459,7 @@ fn stated_standard_deviations_weigh_the_records() {
         }
     }
     let answer = of(&gyro, &[], Coefficient::DI);
-    assert_eq!(answer.causes.first().map(|cause| cause.cause), Some("ageing"), "{answer:?}");
+    assert_eq!(answer.causes.first().map(|cause| cause.cause), Some(ChangeCause::Ageing), "{answer:?}");
 }
 
 #[test]
@@ -481,7 +487,7 @@ fn a_noisy_station_that_does_not_say_so_weighs_as_it_scatters() {
     let mut gyro = all.pop().expect("pushed");
     change(&mut gyro, 0, |k, _| 1e-4 * k as f64);
     let answer = of(&gyro, &all, Coefficient::DI);
-    assert_eq!(answer.causes.first().map(|cause| cause.cause), Some("ageing"), "{answer:?}");
+    assert_eq!(answer.causes.first().map(|cause| cause.cause), Some(ChangeCause::Ageing), "{answer:?}");
 }
 
 #[test]
@@ -494,9 +500,13 @@ fn a_step_after_which_no_other_imu_was_there_may_be_the_stations() {
         one.entries.iter_mut().for_each(|entry| entry.station = "ST-1".into());
     }
     change(&mut gyro, 0, |k, _| if k >= 16 { 6e-3 } else { 0.0 });
-    assert_eq!(of(&gyro, &others, Coefficient::DI).causes[0].class, ["step"], "the others stand still");
+    assert_eq!(of(&gyro, &others, Coefficient::DI).causes[0].class, [ChangeCause::Step], "the others stand still");
     others.iter_mut().for_each(|one| one.entries.truncate(14));
-    assert_eq!(of(&gyro, &others, Coefficient::DI).causes[0].class, ["station", "step"], "nobody else was there");
+    assert_eq!(
+        of(&gyro, &others, Coefficient::DI).causes[0].class,
+        [ChangeCause::Station, ChangeCause::Step],
+        "nobody else was there"
+    );
 }
 
 #[test]
@@ -507,7 +517,7 @@ fn records_without_a_temperature_stay_in_with_what_they_have() {
         gyro.entries[k].temperature_c = None;
     }
     let answer = of(&gyro, &[], Coefficient::DI);
-    assert_eq!((answer.causes[0].cause, answer.records), ("temperature", 24), "{answer:?}");
+    assert_eq!((answer.causes[0].cause, answer.records), (ChangeCause::Temperature, 24), "{answer:?}");
     assert!(matches!(answer.causes[0].tie, Tie::Temperature { missing: 2, .. }));
     let CauseEstimate { value, sd, .. } = &answer.causes[0].estimate;
     assert!((value - 0.002).abs() < 3.0 * sd && *sd < 4e-4, "{value} +- {sd}");
@@ -562,7 +572,7 @@ fn ten_thousand_records_and_records_of_one_instant_get_an_answer() {
     let mut gyro = fleet.gyro(10_000);
     change(&mut gyro, 0, |k, _| 1e-6 * k as f64);
     let answer = of(&gyro, &[], Coefficient::DI);
-    assert_eq!((answer.records, answer.causes[0].cause), (10_000, "ageing"), "{answer:?}");
+    assert_eq!((answer.records, answer.causes[0].cause), (10_000, ChangeCause::Ageing), "{answer:?}");
     let mut at_once = fleet.gyro(24);
     for (k, entry) in at_once.entries.iter_mut().enumerate() {
         (entry.at, entry.d[0].value) = (UtcMicros(k as i64 * UtcMicros::SECOND), 3.0 + 0.01 * k as f64);
@@ -587,7 +597,7 @@ fn gyros_that_only_ever_moved_together_tell_the_stations_apart_and_not_their_own
         }
     }
     let answer = of(&gyro, &others, Coefficient::DI);
-    assert_eq!(answer.causes.iter().map(|cause| cause.cause).collect::<Vec<_>>(), ["station"], "{answer:?}");
+    assert_eq!(answer.causes.iter().map(|cause| cause.cause).collect::<Vec<_>>(), [ChangeCause::Station], "{answer:?}");
 }
 
 #[test]
@@ -623,8 +633,8 @@ fn a_station_with_one_gyro_and_records_without_temperature_get_what_can_be_told(
     lone.entries.iter_mut().for_each(|entry| entry.temperature_c = None);
     change(&mut lone, 0, |_, e| if &*e.station == "ST-2" { 0.006 } else { 0.0 });
     let answer = of(&lone, &[], Coefficient::DI);
-    assert_eq!(answer.causes[0].cause, "station", "{answer:?}");
-    assert!(!answer.causes.iter().any(|cause| cause.class.contains(&"temperature")), "{answer:?}");
+    assert_eq!(answer.causes[0].cause, ChangeCause::Station, "{answer:?}");
+    assert!(!answer.causes.iter().any(|cause| cause.class.contains(&ChangeCause::Temperature)), "{answer:?}");
     let found = stations(std::slice::from_ref(&lone)).expect("there are records");
     assert_eq!((found.stations.len(), found.stations[1].imus), (2, 1));
     let column = &found.stations[1].columns[0];
@@ -668,7 +678,7 @@ fn gyros_that_age_each_by_itself_do_not_make_the_station_drift() {
         assert!(!found.stations[0].columns[0].drifts, "{seed}: {found:?}");
         let answer = of(&gyros[0], &gyros[3..], Coefficient::DI);
         let [cause] = &answer.causes[..] else { panic!("{seed}: {answer:?}") };
-        assert_eq!(cause.cause, "ageing", "{seed}: {answer:?}");
+        assert_eq!(cause.cause, ChangeCause::Ageing, "{seed}: {answer:?}");
         assert!((cause.estimate.value / (3e-4 * 365.25 / 30.0) - 1.0).abs() < 0.5, "{seed}: {answer:?}");
     }
 }
@@ -767,8 +777,14 @@ fn a_step_within_what_is_averaged_is_one_step() {
         change(&mut gyro, 0, |k, _| if k >= 405 { 0.02 } else { 0.0 });
         let answer = of(&gyro, &[], Coefficient::DI);
         let [cause] = &answer.causes[..] else { panic!("{seed}: {answer:?}") };
-        assert_eq!(cause.cause, "step", "{seed}: {answer:?}");
+        assert_eq!(cause.cause, ChangeCause::Step, "{seed}: {answer:?}");
         let CauseEstimate { value, sd, .. } = cause.estimate;
         assert!((value - 0.02).abs() < 4.0 * sd, "{seed}: {answer:?}");
     }
+}
+
+#[test]
+fn a_class_lists_its_causes_in_the_order_of_their_names() {
+    assert!(ChangeCause::ALL.is_sorted());
+    assert!(ChangeCause::ALL.map(ChangeCause::name).is_sorted());
 }

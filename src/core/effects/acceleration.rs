@@ -1,6 +1,6 @@
 //! Functions of specific force beyond model (6)'s.
 
-use super::entry::{Effect, Entry, PLAIN, Parameter, Shape, Typical};
+use super::entry::{Effect, Entry, PLAIN, Parameter, Shape};
 
 pub(super) const ENTRIES: &[&Entry] = &[&CROSS_COMPLIANCE, &CUBIC_G, &OUTPUT_AXIS_G, &MOUNT_CLOCKING];
 
@@ -10,7 +10,7 @@ pub const CROSS_COMPLIANCE: Entry = Entry {
     cause: "the suspension yields across axes: products of specific force that model (6) leaves out",
     equation: "k_IS a_I a_S + k_IO a_I a_O + k_OS a_O a_S",
     unit: "deg/(h g0^2)",
-    typical: Typical { low: 1e-3, high: 0.1, source: "D_IS, D_IO, D_OS of eq. (5); IEEE 517 compliance terms" },
+    typical: [1e-3, 0.1], // D_IS, D_IO, D_OS of eq. (5); IEEE 517 compliance terms
     plausible: 1e3,
     confused_with: &[Effect::CubicG],
     names: &|shape| picked(shape).map(|i| PRODUCTS[i]).collect(),
@@ -32,7 +32,7 @@ pub const CUBIC_G: Entry = Entry {
     cause: "the suspension stiffens: drift with the cube of specific force along the input axis",
     equation: "k a_I^3",
     unit: "deg/(h g0^3)",
-    typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, higher-order acceleration terms" },
+    typical: [1e-3, 0.1], // IEEE 517, higher-order acceleration terms
     plausible: 1e3,
     confused_with: &[Effect::CrossCompliance],
     columns: &|s, j, _| vec![s.column(|k| s.force[k].dot(&s.gyros[j].input).powi(3))],
@@ -45,7 +45,7 @@ pub const OUTPUT_AXIS_G: Entry = Entry {
     cause: "drift in proportion to specific force along the output axis",
     equation: "D_O a_O",
     unit: "deg/(h g0)",
-    typical: Typical { low: 1e-3, high: 0.3, source: "closure of Tables 3-4: 0.02 to 0.23 deg/(h g0)" },
+    typical: [1e-3, 0.3], // closure of Tables 3-4: 0.02 to 0.23 deg/(h g0)
     plausible: 5e3,
     confused_with: &[Effect::MountClocking],
     names: &|_| vec!["D_O"],
@@ -60,11 +60,7 @@ pub const MOUNT_CLOCKING: Entry = Entry {
     cause: "the gyro is turned about its input axis in its seat: part of D_S shows along the nominal output axis",
     equation: "D_S tan(phi) a_O",
     unit: "deg/(h g0)",
-    typical: Typical {
-        low: 1e-4,
-        high: 0.05,
-        source: "mounting tolerances of arc-minutes; atan2(D_O, D_S) of Tables 3-4",
-    },
+    typical: [1e-4, 0.05], // mounting tolerances of arc-minutes; atan2(D_O, D_S) of Tables 3-4
     plausible: 5e3,
     confused_with: &[Effect::OutputAxisG],
     names: &|_| vec!["D_O"],

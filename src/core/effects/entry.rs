@@ -137,14 +137,6 @@ pub struct Coefficient {
     pub unit: &'static str,
 }
 
-/// Magnitudes met in practice, in the unit of the coefficients.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Typical {
-    pub low: f64,
-    pub high: f64,
-    pub source: &'static str,
-}
-
 /// Which parameter of an entry's regressors is not linear, if one is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameter {
@@ -210,7 +202,8 @@ pub struct Entry {
     pub equation: &'static str,
     /// Of the coefficients.
     pub unit: &'static str,
-    pub typical: Typical,
+    /// Least and largest size met in practice, in the unit of the coefficients.
+    pub typical: [f64; 2],
     /// Largest size that a gyro of any kind may have, poor MEMS included, in the unit of the coefficients: beyond it
     /// something else that the campaign hardly shows has been blown up.
     pub plausible: f64,
@@ -317,7 +310,7 @@ impl Own {
             cause: &written.cause,
             equation: &written.equation,
             unit: &written.unit,
-            typical: Typical { low: written.typical[0], high: written.typical[1], source: "who wrote the hypothesis" },
+            typical: written.typical, // who wrote the hypothesis
             plausible: written.plausible,
             scope: if written.common { Scope::Common } else { Scope::Gyro },
             parameter: if written.range.is_some() { Parameter::Own } else { Parameter::None },
@@ -387,7 +380,7 @@ pub(super) const PLAIN: Entry = Entry {
     cause: "",
     equation: "",
     unit: "",
-    typical: Typical { low: 0.0, high: 0.0, source: "" },
+    typical: [0.0, 0.0],
     plausible: f64::INFINITY,
     confused_with: &[],
     never_told_from: &[],

@@ -154,8 +154,8 @@ mod tests {
             assert_eq!(entry.effect.place(), Ok(i), "{}", entry.id);
             assert_eq!(Effect::from_id(entry.id), Some(entry.effect));
             assert!(!entry.cause.is_empty() && !entry.equation.is_empty());
-            assert!(!entry.typical.source.is_empty() && entry.typical.low <= entry.typical.high);
-            assert!(entry.plausible >= 10.0 * entry.typical.high, "{}", entry.id);
+            assert!(entry.typical[0] <= entry.typical[1]);
+            assert!(entry.plausible >= 10.0 * entry.typical[1], "{}", entry.id);
             assert!(!entry.confused_with.contains(&entry.effect));
         }
     }
@@ -167,8 +167,8 @@ mod tests {
             assert_eq!(competitor.effect.place(), Ok(CATALOGUE.len() + i), "{}", competitor.id);
             assert_eq!(competitor.effect.entry().id, competitor.id);
             let words = [competitor.cause, competitor.equation, competitor.unit];
-            assert!(words.iter().all(|text| !text.is_empty()) && !competitor.typical.source.is_empty());
-            assert!(competitor.typical.low < competitor.typical.high && !competitor.confused_with.is_empty());
+            assert!(words.iter().all(|text| !text.is_empty()));
+            assert!(competitor.typical[0] < competitor.typical[1] && !competitor.confused_with.is_empty());
             assert!(!competitor.nameable && competitor.scope == Scope::Gyro, "{}", competitor.id);
             assert_eq!(Effect::from_id(competitor.id), None, "the contract's entries are no competitors");
         }

@@ -1,6 +1,6 @@
 //! Effects that show when the table turns. w in arcsec/s = deg/h.
 
-use super::entry::{Effect, Entry, PLAIN, Parameter, Shape, Typical};
+use super::entry::{Effect, Entry, PLAIN, Parameter, Shape};
 use super::setting::Setting;
 
 pub(super) const ENTRIES: &[&Entry] =
@@ -12,7 +12,7 @@ pub const SCALE_ASYMMETRY: Entry = Entry {
     cause: "positive and negative torquing currents are switched or weighted differently",
     equation: "k sign(w_I) w_I",
     unit: "1",
-    typical: Typical { low: 1e-6, high: 1e-4, source: "IEEE 517, scale-factor asymmetry" },
+    typical: [1e-6, 1e-4], // IEEE 517, scale-factor asymmetry
     plausible: 0.05,
     confused_with: &[Effect::ScaleQuadratic, Effect::Anisoinertia],
     columns: &|s, j, _| vec![input_rate(s, j, f64::abs)],
@@ -26,11 +26,7 @@ pub const SCALE_QUADRATIC: Entry = Entry {
     cause: "torquer heating and saturation: the scale factor depends on rate, evenly",
     equation: "k w_I^2",
     unit: "deg/h/(deg/h)^2",
-    typical: Typical {
-        low: 1e-10,
-        high: 1e-7,
-        source: "IEEE 517, scale-factor non-linearity of 1e-6 to 1e-4 at full rate",
-    },
+    typical: [1e-10, 1e-7], // IEEE 517, scale-factor non-linearity of 1e-6 to 1e-4 at full rate
     plausible: 1e-5,
     confused_with: &[Effect::ScaleAsymmetry, Effect::Anisoinertia],
     columns: &|s, j, _| vec![input_rate(s, j, |w| w * w)],
@@ -43,11 +39,7 @@ pub const SCALE_CUBIC: Entry = Entry {
     cause: "saturation of the torquer: the scale factor depends on rate, oddly",
     equation: "k w_I^3",
     unit: "deg/h/(deg/h)^3",
-    typical: Typical {
-        low: 1e-14,
-        high: 1e-11,
-        source: "IEEE 517, scale-factor non-linearity of 1e-6 to 1e-4 at full rate",
-    },
+    typical: [1e-14, 1e-11], // IEEE 517, scale-factor non-linearity of 1e-6 to 1e-4 at full rate
     plausible: 1e-9,
     confused_with: &[Effect::TemperatureScale],
     columns: &|s, j, _| vec![input_rate(s, j, |w| w.powi(3))],
@@ -62,7 +54,7 @@ pub const ANISOINERTIA: Entry = Entry {
     cause: "the float's moments of inertia about its input and spin axes differ",
     equation: "k w_I w_S",
     unit: "deg/h/(deg/h)^2",
-    typical: Typical { low: 1e-10, high: 1e-7, source: "IEEE 517, anisoinertia of floated gyros" },
+    typical: [1e-10, 1e-7], // IEEE 517, anisoinertia of floated gyros
     plausible: 1e-5,
     confused_with: &[Effect::ScaleQuadratic, Effect::ScaleAsymmetry],
     shapes: &|_| CLOCKINGS.iter().map(|&(phi, weight)| (Shape::Clocking(phi), weight)).collect(),
@@ -82,7 +74,7 @@ pub const G_RATE_COUPLING: Entry = Entry {
     cause: "specific force along the input axis loads the torquer's gap: scale factor depends on it",
     equation: "k a_I w_I",
     unit: "1/g0",
-    typical: Typical { low: 1e-6, high: 1e-4, source: "IEEE 517, acceleration sensitivity of scale factor" },
+    typical: [1e-6, 1e-4], // IEEE 517, acceleration sensitivity of scale factor
     plausible: 0.05,
     confused_with: &[Effect::ScaleAsymmetry],
     columns: &|s, j, _| {

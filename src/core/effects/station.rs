@@ -7,7 +7,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::entry::{Effect, Entry, PLAIN, Parameter, Scope, Shape, Typical, no_attitude};
+use super::entry::{Effect, Entry, PLAIN, Parameter, Scope, Shape, no_attitude};
 use super::setting::Setting;
 use crate::core::campaign::Phase;
 
@@ -19,7 +19,7 @@ pub const LEVELLING: Entry = Entry {
     cause: "the table's vertical is tilted about east and north; all gyros see the same tilt",
     equation: "G.C(d x f)/|E| + E.C(d x w)/|E|, d = (d_E, d_N, 0)",
     unit: "rad",
-    typical: Typical { low: 5e-6, high: 1e-3, source: "levelling of two-axis tables, 1 to 200 arcsec" },
+    typical: [5e-6, 1e-3], // levelling of two-axis tables, 1 to 200 arcsec
     plausible: 0.2,
     confused_with: &[Effect::Azimuth, Effect::Magnetic],
     scope: Scope::Common,
@@ -43,7 +43,7 @@ pub const AZIMUTH: Entry = Entry {
     cause: "the table's north is misaligned; all gyros see the same angle",
     equation: "E.C(d x w)/|E|, d = (0, 0, d_U)",
     unit: "rad",
-    typical: Typical { low: 5e-6, high: 3e-3, source: "north alignment of tables, 1 to 600 arcsec" },
+    typical: [5e-6, 3e-3], // north alignment of tables, 1 to 600 arcsec
     plausible: 0.5,
     confused_with: &[Effect::Levelling, Effect::Magnetic],
     scope: Scope::Common,
@@ -60,7 +60,7 @@ pub const MAGNETIC: Entry = Entry {
     cause: "the ambient field acts on the motor and torquer: drift fixed to a direction in nav",
     equation: "k . C b, b = (sin phi, cos phi, 0)",
     unit: "deg/h",
-    typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, magnetic sensitivity, per 0.5 gauss" },
+    typical: [1e-3, 0.1], // IEEE 517, magnetic sensitivity, per 0.5 gauss
     plausible: 1e3,
     confused_with: &[Effect::Azimuth, Effect::Levelling, Effect::Scale],
     names: &|_| vec!["k_x", "k_y", "k_z"],
@@ -83,7 +83,7 @@ pub const RELEVELLING: Entry = Entry {
     cause: "the table was levelled anew or settled: its tilt changes once, for all gyros alike",
     equation: "H(t - t_0) (G.C(d x f)/|E| + E.C(d x w)/|E|), d = (d_E, d_N, 0)",
     unit: "rad",
-    typical: Typical { low: 5e-6, high: 1e-3, source: "levelling of two-axis tables, 1 to 200 arcsec" },
+    typical: [5e-6, 1e-3], // levelling of two-axis tables, 1 to 200 arcsec
     plausible: 0.2,
     confused_with: &[Effect::Levelling, Effect::Magnetic, Effect::Reseating],
     scope: Scope::Common,
@@ -108,7 +108,7 @@ pub const RESEATING: Entry = Entry {
     cause: "the IMU sits otherwise in its fixture while the table turns, or from a time on; all gyros turn alike",
     equation: "S (G.(d x A)/|E| + E.(d x w)/|E|), d in body axes, S = 1 in turning dwells or after t_0",
     unit: "rad",
-    typical: Typical { low: 2e-5, high: 2e-3, source: "repeatability of fixtures and dowels, 5 to 300 arcsec" },
+    typical: [2e-5, 2e-3], // repeatability of fixtures and dowels, 5 to 300 arcsec
     plausible: 0.2,
     confused_with: &[Effect::Magnetic, Effect::Azimuth, Effect::Levelling],
     never_told_from: &[Effect::Magnetic],

@@ -1,6 +1,6 @@
 //! Effects of temperature, T = temperature minus the campaign's mean, K.
 
-use super::entry::{Effect, Entry, PLAIN, Parameter, Shape, Typical, no_temperature};
+use super::entry::{Effect, Entry, PLAIN, Parameter, Shape, no_temperature};
 use super::setting::Setting;
 
 pub(super) const ENTRIES: &[&Entry] = &[&TEMPERATURE_BIAS, &TEMPERATURE_G, &TEMPERATURE_SCALE];
@@ -11,7 +11,7 @@ pub const TEMPERATURE_BIAS: Entry = Entry {
     cause: "buoyancy, flex leads and electronics change with temperature: bias follows it",
     equation: "k T",
     unit: "deg/h/K",
-    typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, temperature sensitivity of bias of floated gyros" },
+    typical: [1e-3, 0.1], // IEEE 517, temperature sensitivity of bias of floated gyros
     plausible: 200.0,
     confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::Periodic],
     missing: &no_temperature,
@@ -27,7 +27,7 @@ pub const TEMPERATURE_G: Entry = Entry {
     cause: "thermal expansion shifts the centres of mass and buoyancy: mass unbalance follows temperature",
     equation: "T (k_x a_x + k_y a_y + k_z a_z), or T (k_I a_I + k_S a_S)",
     unit: "deg/(h g0 K)",
-    typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, temperature sensitivity of mass unbalance" },
+    typical: [1e-3, 0.1], // IEEE 517, temperature sensitivity of mass unbalance
     plausible: 50.0,
     confused_with: &[Effect::TemperatureBias, Effect::TemperatureScale],
     names: &|shape| if shape == Shape::InputSpin { vec!["k_I", "k_S"] } else { vec!["k_x", "k_y", "k_z"] },
@@ -54,11 +54,7 @@ pub const TEMPERATURE_SCALE: Entry = Entry {
     cause: "torquer magnet and resistor change with temperature: scale factor follows it",
     equation: "k T w_I",
     unit: "1/K",
-    typical: Typical {
-        low: 1e-6,
-        high: 1e-3,
-        source: "temperature coefficient of torquer magnets, 2e-5 to 5e-4 per K",
-    },
+    typical: [1e-6, 1e-3], // temperature coefficient of torquer magnets, 2e-5 to 5e-4 per K
     plausible: 0.02,
     confused_with: &[Effect::TemperatureG, Effect::ScaleCubic],
     missing: &no_temperature,

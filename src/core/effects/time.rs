@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU as FULL_TURN;
 
-use super::entry::{Effect, Entry, PLAIN, Parameter, Shape, Typical};
+use super::entry::{Effect, Entry, PLAIN, Parameter, Shape};
 use super::setting::Setting;
 
 pub(super) const ENTRIES: &[&Entry] = &[&WARMUP, &TIME_RAMP, &BIAS_STEP, &OUTLIER_DWELL, &PERIODIC];
@@ -13,7 +13,7 @@ pub const WARMUP: Entry = Entry {
     cause: "the gyro and its electronics settle after power-up",
     equation: "k exp(-t/tau)",
     unit: "deg/h",
-    typical: Typical { low: 0.01, high: 1.0, source: "IEEE 517, warm-up of floated gyros; tau of minutes to hours" },
+    typical: [0.01, 1.0], // IEEE 517, warm-up of floated gyros; tau of minutes to hours
     plausible: 1e4,
     confused_with: &[Effect::TimeRamp, Effect::TemperatureBias, Effect::OutlierDwell],
     shapes: &time_constants,
@@ -33,11 +33,7 @@ pub const TIME_RAMP: Entry = Entry {
     cause: "steady ageing or settling through the campaign",
     equation: "k t",
     unit: "deg/h/h",
-    typical: Typical {
-        low: 1e-4,
-        high: 0.1,
-        source: "day-to-day bias stability of floated gyros over a campaign of hours",
-    },
+    typical: [1e-4, 0.1], // day-to-day bias stability of floated gyros over a campaign of hours
     plausible: 1e4,
     confused_with: &[Effect::Warmup, Effect::TemperatureBias, Effect::Periodic, Effect::GLinear],
     columns: &|s, _, _| vec![s.column(|k| s.elapsed(k) / 3600.0)],
@@ -52,7 +48,7 @@ pub const BIAS_STEP: Entry = Entry {
     cause: "a mass shift, a power interruption or a reconnected plug changes the bias once",
     equation: "k H(t - t_0)",
     unit: "deg/h",
-    typical: Typical { low: 1e-3, high: 1.0, source: "turn-on to turn-on bias of floated gyros" },
+    typical: [1e-3, 1.0], // turn-on to turn-on bias of floated gyros
     plausible: 1e4,
     confused_with: &[Effect::TimeRamp, Effect::OutlierDwell, Effect::Periodic],
     shapes: &instants,
@@ -73,7 +69,7 @@ pub const OUTLIER_DWELL: Entry = Entry {
     cause: "one dwell was disturbed: a shock, a wrong position, a lost count",
     equation: "k delta(i, n)",
     unit: "deg/h",
-    typical: Typical { low: 0.01, high: 100.0, source: "station logs: any size" },
+    typical: [0.01, 100.0], // station logs: any size
     plausible: f64::INFINITY,
     confused_with: &[Effect::BiasStep, Effect::Warmup],
     shapes: &|s| (0..s.dwells()).map(|k| (Shape::Dwell(k), 1.0)).collect(),
@@ -92,7 +88,7 @@ pub const PERIODIC: Entry = Entry {
     cause: "air conditioning, a thermostat's cycle or the mains beat with the dwells",
     equation: "k_s sin(2 pi t/period) + k_c cos(2 pi t/period)",
     unit: "deg/h",
-    typical: Typical { low: 1e-3, high: 0.1, source: "thermostat cycles of minutes to hours" },
+    typical: [1e-3, 0.1], // thermostat cycles of minutes to hours
     plausible: 1e4,
     confused_with: &[Effect::TemperatureBias, Effect::TimeRamp, Effect::BiasStep],
     names: &|_| vec!["k_sin", "k_cos"],

@@ -225,7 +225,7 @@ fn hidden(frame: &Frame, setting: &Setting, bank: &Bank) -> Vec<Question> {
         let sd = deviations(frame, 0, setting.dwells());
         let columns = (entry.columns)(setting, 0, likeliest(frame, entry.effect));
         // Each coefficient at the geometric mean of what is met in practice.
-        let size = (entry.typical.low * entry.typical.high).sqrt();
+        let size = (entry.typical[0] * entry.typical[1]).sqrt();
         for column in columns {
             questions.push(Question {
                 effects: vec![entry.effect],

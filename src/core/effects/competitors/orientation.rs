@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::common::picked;
 use crate::core::campaign::Phase;
-use crate::core::effects::entry::{COMPETING, Effect, Entry, Shape, Typical};
+use crate::core::effects::entry::{COMPETING, Effect, Entry, Shape};
 use crate::core::effects::setting::Setting;
 
 pub(super) const ENTRIES: &[&Entry] = &[&ORIENTATION_HARMONICS, &FRICTION, &HEADING, &EARTH_RATE, &ORIENTATION_BEFORE];
@@ -15,7 +15,7 @@ pub const ORIENTATION_HARMONICS: Entry = Entry {
     cause: "flexure of case and mount under their own weight beyond second degree",
     equation: "sum of c a_x^l a_y^m a_z^n, l + m + n = 3 and 4",
     unit: "deg/(h g0^n)",
-    typical: Typical { low: 0.0001, high: 0.01, source: "residuals of multi-position tests" },
+    typical: [0.0001, 0.01], // residuals of multi-position tests
     confused_with: &[Effect::CrossCompliance, Effect::CubicG],
     shapes: &|_| vec![(Shape::Only(&[3]), 1.0), (Shape::Only(&[3, 4]), 1.0)],
     columns: &|s, _, shape| picked(shape).iter().flat_map(|&degree| monomials(s, degree)).collect(),
@@ -28,7 +28,7 @@ pub const FRICTION: Entry = Entry {
     cause: "pivots and flex leads hold by friction: the sense of the load counts",
     equation: "k_I |a_I| + k_S |a_S| + k_O |a_O|",
     unit: "deg/(h g0)",
-    typical: Typical { low: 0.0001, high: 0.01, source: "pivot friction of floats without full flotation" },
+    typical: [0.0001, 0.01], // pivot friction of floats without full flotation
     confused_with: &[Effect::Hysteresis, Effect::GSquared],
     shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[0, 1, 2]), 1.0)],
     columns: &|s, j, shape| {
@@ -45,7 +45,7 @@ pub const HEADING: Entry = Entry {
     cause: "cables, air flow and gradients in the room follow the table's heading",
     equation: "k . C e_E + k . C e_N, and products of them",
     unit: "deg/h",
-    typical: Typical { low: 0.0001, high: 0.01, source: "repeatability between headings of one face" },
+    typical: [0.0001, 0.01], // repeatability between headings of one face
     confused_with: &[Effect::Azimuth, Effect::Magnetic, Effect::Levelling],
     shapes: &|_| vec![(Shape::Only(&[0, 1]), 1.0), (Shape::Only(&[2]), 1.0), (Shape::Only(&[0, 1, 2]), 0.5)],
     columns: &|s, _, shape| picked(shape).iter().flat_map(|&part| heading(s, part)).collect(),
@@ -59,11 +59,7 @@ pub const EARTH_RATE: Entry = Entry {
     cause: "the latitude, or the Earth's rate, that the dwells' rates were made with is wrong",
     equation: "k . I C e_N in static dwells, k the error of the rate along north",
     unit: "deg/h",
-    typical: Typical {
-        low: 0.0001,
-        high: 1.0,
-        source: "a latitude wrong by arc minutes to degrees: 15.04 deg/h sin(latitude)",
-    },
+    typical: [0.0001, 1.0], // a latitude wrong by arc minutes to degrees: 15.04 deg/h sin(latitude)
     confused_with: &[Effect::Magnetic, Effect::Azimuth, Effect::Levelling],
     columns: &|s, j, _| {
         let Some(c) = &s.nav_to_body else { return Vec::new() };
@@ -79,7 +75,7 @@ pub const ORIENTATION_BEFORE: Entry = Entry {
     cause: "the float and the fluid remember how they stood before",
     equation: "k . a of the dwell before",
     unit: "deg/(h g0)",
-    typical: Typical { low: 0.0001, high: 0.05, source: "settling after a change of position" },
+    typical: [0.0001, 0.05], // settling after a change of position
     confused_with: &[Effect::Hysteresis],
     columns: &|s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.force[k - 1][i] })).collect(),
     ..COMPETING

@@ -2,7 +2,7 @@
 
 use super::common::picked;
 use crate::core::campaign::Phase;
-use crate::core::effects::entry::{COMPETING, Effect, Entry, Prior, Shape, Typical};
+use crate::core::effects::entry::{COMPETING, Effect, Entry, Prior, Shape};
 use crate::core::effects::setting::Setting;
 
 pub(super) const ENTRIES: &[&Entry] = &[
@@ -22,7 +22,7 @@ pub const RATE_EVEN: Entry = Entry {
     cause: "torquer and electronics rectify: drift that both senses share, about any axis",
     equation: "k_x w_x^2 + k_y w_y^2 + k_z w_z^2, or with |w|",
     unit: "deg/h per (arcsec/s)^n",
-    typical: Typical { low: 1e-12, high: 1e-9, source: "rectification of rebalance loops" },
+    typical: [1e-12, 1e-9], // rectification of rebalance loops
     confused_with: &[Effect::ScaleAsymmetry, Effect::ScaleQuadratic, Effect::Anisoinertia],
     shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
     columns: &|s, _, shape| match picked(shape) {
@@ -39,7 +39,7 @@ pub const RATE_ODD: Entry = Entry {
     cause: "saturation of the torquer's magnet, about any axis",
     equation: "k_x w_x^3 + k_y w_y^3 + k_z w_z^3, or with w |w|",
     unit: "deg/h per (arcsec/s)^n",
-    typical: Typical { low: 1e-16, high: 1e-9, source: "linearity of torquers, 10 to 100 ppm of full rate" },
+    typical: [1e-16, 1e-9], // linearity of torquers, 10 to 100 ppm of full rate
     confused_with: &[Effect::ScaleCubic],
     shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
     columns: &|s, _, shape| match picked(shape) {
@@ -56,7 +56,7 @@ pub const RATE_CURVE: Entry = Entry {
     cause: "linearity of the rebalance loop by no single power",
     equation: "sum_n c_n (w_I/top)^n/n, n = 2 .. 7",
     unit: "deg/h",
-    typical: Typical { low: 0.001, high: 1.0, source: "linearity of rebalance loops, 1 to 100 ppm of full rate" },
+    typical: [0.001, 1.0], // linearity of rebalance loops, 1 to 100 ppm of full rate
     confused_with: &[Effect::ScaleCubic, Effect::ScaleQuadratic, Effect::ScaleAsymmetry],
     prior: Prior::Smooth,
     columns: &rate_curve,
@@ -69,7 +69,7 @@ pub const RATE_AND_FORCE: Entry = Entry {
     cause: "the torquer's gap changes under load: scale factor depends on orientation",
     equation: "w_I (k_S a_S + k_O a_O), or k . a times w",
     unit: "1/g0",
-    typical: Typical { low: 1e-7, high: 0.0001, source: "scale factor against orientation, 0.1 to 100 ppm" },
+    typical: [1e-7, 0.0001], // scale factor against orientation, 0.1 to 100 ppm
     confused_with: &[Effect::GRateCoupling, Effect::Anisoinertia],
     shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
     columns: &|s, j, shape| match picked(shape) {
@@ -91,7 +91,7 @@ pub const STATIC_TO_RATE: Entry = Entry {
     cause: "the unit was mounted anew, or slip rings and fans run, for the rate dwells",
     equation: "k, or k . a, in rate dwells alone",
     unit: "deg/h, deg/(h g0)",
-    typical: Typical { low: 0.0001, high: 0.05, source: "repeatability of remounting" },
+    typical: [0.0001, 0.05], // repeatability of remounting
     confused_with: &[Effect::BiasStep, Effect::ScaleAsymmetry],
     shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
     columns: &|s, _, shape| match picked(shape) {
@@ -107,7 +107,7 @@ pub const TORQUER_HEATING: Entry = Entry {
     cause: "the torquer's own heat after a fast dwell",
     equation: "k sum of earlier w_I^2, forgotten with tau",
     unit: "deg/h per (arcsec/s)^2",
-    typical: Typical { low: 1e-12, high: 1e-9, source: "a watt in the torquer warms it by a kelvin" },
+    typical: [1e-12, 1e-9], // a watt in the torquer warms it by a kelvin
     confused_with: &[Effect::ScaleQuadratic, Effect::Warmup],
     shapes: &|s| [0.4, 1.5, 4.0, 12.0].into_iter().map(|x| (Shape::Tau(x * s.interval()), 1.0)).collect(),
     columns: &|s, j, shape| match shape {
@@ -123,7 +123,7 @@ pub const RATE_BEFORE: Entry = Entry {
     cause: "fluid and suspension remember the rate before",
     equation: "k . w of the dwell before",
     unit: "1",
-    typical: Typical { low: 1e-9, high: 1e-6, source: "settling after a change of rate" },
+    typical: [1e-9, 1e-6], // settling after a change of rate
     confused_with: &[Effect::Hysteresis, Effect::ScaleAsymmetry],
     columns: &|s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.rate[k - 1][i] })).collect(),
     ..COMPETING
@@ -136,7 +136,7 @@ pub const RATE_PRODUCT: Entry = Entry {
     cause: "lever arms and the inertia of float and wheel: products of rates that no entry has, also with temperature",
     equation: "k w_S^2, k w_O^2, k w_I w_O or k w_S w_O, or T w_I^2, T w_S or T w_O",
     unit: "deg/h per (arcsec/s)^n",
-    typical: Typical { low: 1e-12, high: 1e-9, source: "rigid-body terms of floated gyros" },
+    typical: [1e-12, 1e-9], // rigid-body terms of floated gyros
     confused_with: &[Effect::Anisoinertia, Effect::ScaleQuadratic, Effect::TemperatureScale, Effect::Reseating],
     shapes: &|s| {
         let products = 0..if s.temperature.is_some() { PRODUCTS.len() } else { 4 };

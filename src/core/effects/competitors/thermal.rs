@@ -1,7 +1,7 @@
 //! Competing hypotheses that follow temperature.
 
 use super::common::{mid, picked};
-use crate::core::effects::entry::{COMPETING, Effect, Entry, Shape, Typical};
+use crate::core::effects::entry::{COMPETING, Effect, Entry, Shape};
 use crate::core::effects::setting::Setting;
 
 pub(super) const ENTRIES: &[&Entry] =
@@ -13,7 +13,7 @@ pub const BENT_TEMPERATURE: Entry = Entry {
     cause: "viscosity and buoyancy of the flotation fluid are no straight line in temperature",
     equation: "k_1 T + k_2 T^2 + k_3 T^3",
     unit: "deg/h/K^n",
-    typical: Typical { low: 0.0001, high: 0.05, source: "IEEE 517, temperature sensitivity beyond first degree" },
+    typical: [0.0001, 0.05], // IEEE 517, temperature sensitivity beyond first degree
     confused_with: &[Effect::TemperatureBias, Effect::Warmup, Effect::Periodic],
     shapes: &|_| vec![(Shape::Only(&[2]), 1.0), (Shape::Only(&[1, 2]), 1.0), (Shape::Only(&[1, 2, 3]), 1.0)],
     columns: &|s, _, shape| picked(shape).iter().map(|&degree| temperature_power(s, degree as i32)).collect(),
@@ -27,7 +27,7 @@ pub const TEMPERATURE_RATE: Entry = Entry {
     cause: "gradients through the case while it warms or cools turn the float",
     equation: "k dT/dt",
     unit: "deg/h/(K/s)",
-    typical: Typical { low: 1.0, high: 1e3, source: "IEEE 517, thermal gradients; 0.001 to 0.1 deg/h at 1 K/h" },
+    typical: [1.0, 1e3], // IEEE 517, thermal gradients; 0.001 to 0.1 deg/h at 1 K/h
     confused_with: &[Effect::TemperatureBias, Effect::Warmup, Effect::Periodic],
     shapes: &|_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[0, 1]), 0.5)],
     columns: &|s, _, shape| {
@@ -44,7 +44,7 @@ pub const TEMPERATURE_LAG: Entry = Entry {
     cause: "the float follows the case late",
     equation: "k T as an exponential lag leaves it",
     unit: "deg/h/K",
-    typical: Typical { low: 0.001, high: 0.1, source: "thermal time constants of floated gyros, minutes to an hour" },
+    typical: [0.001, 0.1], // thermal time constants of floated gyros, minutes to an hour
     confused_with: &[Effect::TemperatureBias, Effect::Warmup],
     shapes: &|s| [2.0, 4.0, 8.0, 16.0].into_iter().map(|x| (Shape::Tau(x * s.interval()), 1.0)).collect(),
     columns: &|s, _, shape| match shape {
@@ -61,7 +61,7 @@ pub const TEMPERATURE_AND_TIME: Entry = Entry {
     cause: "the sensitivity to temperature changes as the unit settles",
     equation: "k t T",
     unit: "deg/h/K per campaign",
-    typical: Typical { low: 0.0001, high: 0.05, source: "as temperature_bias, changing within a day" },
+    typical: [0.0001, 0.05], // as temperature_bias, changing within a day
     confused_with: &[Effect::TemperatureBias, Effect::TimeRamp],
     columns: &|s, _, _| vec![s.column(|k| mid(s, k) * temperature(s, k))],
     of_temperature: true,
@@ -74,7 +74,7 @@ pub const TEMPERATURE_G_SQUARED: Entry = Entry {
     cause: "stiffness of gimbal and bearings follows temperature: compliance does",
     equation: "T (k_x a_x^2 + k_y a_y^2 + k_z a_z^2)",
     unit: "deg/(h g0^2 K)",
-    typical: Typical { low: 0.0001, high: 0.01, source: "IEEE 517, temperature sensitivity of compliance" },
+    typical: [0.0001, 0.01], // IEEE 517, temperature sensitivity of compliance
     confused_with: &[Effect::TemperatureBias, Effect::TemperatureG],
     columns: &|s, _, _| (0..3).map(|i| s.column(|k| temperature(s, k) * s.force[k][i].powi(2))).collect(),
     of_temperature: true,

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::common::{mid, picked};
-use crate::core::effects::entry::{COMPETING, Effect, Entry, Prior, Shape, Typical};
+use crate::core::effects::entry::{COMPETING, Effect, Entry, Prior, Shape};
 use crate::core::effects::setting::Setting;
 
 pub(super) const ENTRIES: &[&Entry] = &[
@@ -23,7 +23,7 @@ pub const CURVE_IN_TIME: Entry = Entry {
     cause: "flex leads, suspension and electronics settle by no single law",
     equation: "sum_m c_m cos(pi m t/span)/m^2, m = 1 .. 9",
     unit: "deg/h",
-    typical: Typical { low: 0.001, high: 0.1, source: "bias stability of floated gyros within a day" },
+    typical: [0.001, 0.1], // bias stability of floated gyros within a day
     confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::BiasStep, Effect::Periodic],
     prior: Prior::Smooth,
     columns: &|s, _, _| waves(s, 9, 2.0),
@@ -37,7 +37,7 @@ pub const WANDER_IN_TIME: Entry = Entry {
     cause: "rate random walk: the bias drifts by what has no memory",
     equation: "sum_m c_m cos(pi m t/span)/m, m = 1 .. 16",
     unit: "deg/h",
-    typical: Typical { low: 0.0001, high: 0.01, source: "IEEE 517, rate random walk, per square root of an hour" },
+    typical: [0.0001, 0.01], // IEEE 517, rate random walk, per square root of an hour
     confused_with: &[Effect::TimeRamp, Effect::BiasStep, Effect::Warmup, Effect::Periodic],
     prior: Prior::Smooth,
     columns: &|s, _, _| waves(s, 16, 1.0),
@@ -51,7 +51,7 @@ pub const CORRELATED_IN_TIME: Entry = Entry {
     cause: "flicker of bias, and supplies that several dwells share",
     equation: "sum_m c_m cos(pi m t/span)/m^0.35, m = 1 .. 26",
     unit: "deg/h",
-    typical: Typical { low: 0.0001, high: 0.01, source: "IEEE 517, bias instability" },
+    typical: [0.0001, 0.01], // IEEE 517, bias instability
     confused_with: &[Effect::Periodic, Effect::OutlierDwell, Effect::BiasStep],
     prior: Prior::Smooth,
     columns: &|s, _, _| waves(s, 26, 0.35),
@@ -65,7 +65,7 @@ pub const BEND_IN_TIME: Entry = Entry {
     cause: "settling that is slower or faster than one time constant",
     equation: "c_1 t + c_2 t^2 + c_3 t^3",
     unit: "deg/h",
-    typical: Typical { low: 0.001, high: 0.1, source: "bias stability of floated gyros within a day" },
+    typical: [0.001, 0.1], // bias stability of floated gyros within a day
     confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::Periodic],
     shapes: &|_| vec![(Shape::Only(&[2]), 1.0), (Shape::Only(&[1, 2]), 1.0), (Shape::Only(&[1, 2, 3]), 1.0)],
     columns: &|s, _, shape| picked(shape).iter().map(|&degree| legendre_in_time(s, degree)).collect(),
@@ -78,7 +78,7 @@ pub const BURST: Entry = Entry {
     cause: "a door, a crane, a power supply that recovers: a passing disturbance",
     equation: "k in neighbouring dwells",
     unit: "deg/h",
-    typical: Typical { low: 0.001, high: 1.0, source: "station logs" },
+    typical: [0.001, 1.0], // station logs
     confused_with: &[Effect::BiasStep, Effect::OutlierDwell, Effect::Periodic],
     shapes: &windows,
     columns: &|s, _, shape| match shape {
@@ -94,7 +94,7 @@ pub const DRIFTING_MASS_UNBALANCE: Entry = Entry {
     cause: "the float's suspension currents and bubbles move its centre of mass through the day",
     equation: "t (k_x a_x + k_y a_y + k_z a_z)",
     unit: "deg/(h g0) per campaign",
-    typical: Typical { low: 0.001, high: 0.05, source: "day-to-day stability of mass unbalance, 0.01 deg/(h g0)" },
+    typical: [0.001, 0.05], // day-to-day stability of mass unbalance, 0.01 deg/(h g0)
     confused_with: &[Effect::TemperatureG, Effect::GLinear, Effect::Hysteresis],
     columns: &|s, _, _| (0..3).map(|i| s.column(|k| mid(s, k) * s.force[k][i])).collect(),
     ..COMPETING
@@ -106,7 +106,7 @@ pub const DRIFTING_SCALE: Entry = Entry {
     cause: "the torquer's magnet ages or its reference voltage drifts",
     equation: "k t w_I",
     unit: "1 per campaign",
-    typical: Typical { low: 1e-6, high: 0.0001, source: "stability of torquer scale factors, 1 to 100 ppm" },
+    typical: [1e-6, 0.0001], // stability of torquer scale factors, 1 to 100 ppm
     confused_with: &[Effect::TemperatureScale, Effect::ScaleQuadratic],
     columns: &|s, j, _| vec![s.column(|k| mid(s, k) * s.rate[k].dot(&s.gyros[j].input))],
     ..COMPETING
@@ -134,7 +134,7 @@ pub const PART_TIME: Entry = Entry {
     cause: "an effect of the catalogue that is switched on or off during the campaign",
     equation: "another effect's regressors from one instant to another, or its time constant from every power-up anew",
     unit: "that effect's",
-    typical: Typical { low: 1e-9, high: 1.0, source: "station logs: supplies, heaters and loops switched midway" },
+    typical: [1e-9, 1.0], // station logs: supplies, heaters and loops switched midway
     confused_with: &[Effect::TemperatureBias, Effect::TimeRamp, Effect::BiasStep, Effect::Warmup],
     shapes: &parts,
     columns: &|s, j, shape| match shape {

@@ -1,6 +1,6 @@
 //! The fit of one gyro on the way: least squares done, its noise not yet judged.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, DVectorView, Vector3};
 
 use super::calibration::{EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource, weights_sd};
 use super::design::{self, Design};
@@ -298,6 +298,48 @@ impl GyroFit {
         Some(memory::scaled(basis, &self.variances) * noise.covariance_scale()?)
     }
 
+    /// Covariance of the fit's parameters: `own`, and what comes in with coefficients that are shared or held.
+    fn covariance(&self, own: DMatrix<f64>, scale: f64) -> DMatrix<f64> {
+        let of_common = |common: &OfCommon| &common.into * &common.covariance * common.into.transpose() * scale;
+        let of_held = |held: &Held| &held.into * DMatrix::from_diagonal(&held.variances) * held.into.transpose();
+        let shared = self.common.iter().map(of_common).fold(own, |sum, one| sum + one);
+        self.held.iter().map(of_held).fold(shared, |sum, one| sum + one)
+    }
+
+    /// Coefficients of effects: fitted, with values and standard deviations, held, and shared.
+    fn effects(
+        &self,
+        (values, sds): (DVectorView<'_, f64>, Option<DVector<f64>>),
+        scale: Option<f64>,
+    ) -> Vec<EffectParameter> {
+        let one = |regressor: &Regressor, value, sd| EffectParameter {
+            effect: regressor.effect,
+            coefficient: regressor.coefficient,
+            value,
+            sd,
+        };
+        let own = self.regressors.iter().enumerate().map(|(m, r)| one(r, values[m], sds.as_ref().map(|sds| sds[m])));
+        let of_model = self.held.iter().flat_map(|held| {
+            held.effects.iter().enumerate().map(|(m, r)| one(r, held.values[m], Some(held.variances[m].sqrt())))
+        });
+        let of_common = self.common.iter().flat_map(|common| {
+            let sd = move |m: usize| scale.map(|scale| (common.covariance[(m, m)] * scale).max(0.0).sqrt());
+            common.effects.iter().enumerate().map(move |(m, r)| one(r, common.values[m], sd(m)))
+        });
+        own.chain(of_model).chain(of_common).collect()
+    }
+
+    /// Covariance of model (6)'s parameters by what is stated of the station.
+    fn of_station(&self, design: &Design) -> Vec<(StationPart, DMatrix<f64>)> {
+        let p = design.terms.columns();
+        let of_part = |part: StationPart| {
+            let responses = || self.station.iter().filter(move |response| response.part == part);
+            let whole = || StationResponse::covariance(responses(), &design.expand);
+            responses().next().map(|_| (part, whole().view((0, 0), (p, p)).into_owned()))
+        };
+        StationPart::ALL.into_iter().filter_map(of_part).collect()
+    }
+
     /// `coordinates` are the covariance on the design's basis.
     pub fn finish(
         self,
@@ -308,68 +350,23 @@ impl GyroFit {
         shared: &SharedFactors,
     ) -> GyroCalibration {
         let (design, sd, factor) = &shared.0[self.factor];
-        let Self { scale_source, known_e, fit, variances, evidence, regressors, held, common, station, .. } = self;
-        let values = &design.expand * &fit.estimate;
-        let covariance = coordinates.zip(noise.covariance_scale()).map(|(coordinates, scale)| {
-            let own = factor.covariance_of(&coordinates);
-            let shared = common.as_ref().map(|common| &common.into * &common.covariance * common.into.transpose());
-            let reduced = shared.into_iter().fold(own, |own, shared| own + shared * scale);
-            let of_held = |held: &Held| &held.into * DMatrix::from_diagonal(&held.variances) * held.into.transpose();
-            let reduced = held.iter().map(of_held).fold(reduced, |reduced, held| reduced + held);
+        let p = design.terms.columns();
+        let values = &design.expand * &self.fit.estimate;
+        let scale = noise.covariance_scale();
+        let covariance = coordinates.zip(scale).map(|(coordinates, scale)| {
+            let reduced = self.covariance(factor.covariance_of(&coordinates), scale);
             &design.expand * reduced * design.expand.transpose()
         });
-        let determined: Vec<bool> = design.expand.row_iter().map(|row| factor.determines(&row.transpose())).collect();
-        let terms_by_column = design.terms.iter().flat_map(|t| std::iter::repeat_n(t, t.columns()));
-        let p = design.terms.columns();
-        let effects = regressors.iter().enumerate().map(|(m, r)| EffectParameter {
-            effect: r.effect,
-            coefficient: r.coefficient,
-            value: values[p + m],
-            sd: covariance.as_ref().map(|c| c[(p + m, p + m)].max(0.0).sqrt()),
-        });
-        let scale = noise.covariance_scale();
-        let of_common = common.iter().flat_map(|common| {
-            common.effects.iter().enumerate().map(move |(m, r)| EffectParameter {
-                effect: r.effect,
-                coefficient: r.coefficient,
-                value: common.values[m],
-                sd: scale.map(|scale| (common.covariance[(m, m)] * scale).max(0.0).sqrt()),
-            })
-        });
-        let of_model = held.iter().flat_map(|held| {
-            held.effects.iter().enumerate().map(|(m, r)| EffectParameter {
-                effect: r.effect,
-                coefficient: r.coefficient,
-                value: held.values[m],
-                sd: Some(held.variances[m].sqrt()),
-            })
-        });
-        let effects = effects.chain(of_model).chain(of_common).collect();
-        let of_part = |part: StationPart| {
-            let responses = || station.iter().filter(move |response| response.part == part);
-            let is_there = responses().next().is_some();
-            is_there.then(|| {
-                (part, StationResponse::covariance(responses(), &design.expand).view((0, 0), (p, p)).into_owned())
-            })
-        };
+        let sds = covariance.as_ref().map(|c| c.diagonal().map(|variance| variance.max(0.0).sqrt()));
+        let effects = self.effects((values.rows_range(p..), sds.map(|sds| sds.rows_range(p..).into_owned())), scale);
         let uncertainty = covariance.map(|c| Uncertainty {
             fit: c.view((0, 0), (p, p)).into_owned(),
-            share: noise.share(&evidence, is_other_noise),
-            station: StationPart::ALL.into_iter().filter_map(of_part).collect(),
+            share: noise.share(&self.evidence, is_other_noise),
+            station: self.of_station(design),
         });
         let covariance = uncertainty.as_ref().map(Uncertainty::covariance);
-        let parameters = design::parameter_names(design.terms)
-            .into_iter()
-            .zip(terms_by_column)
-            .enumerate()
-            .map(|(i, (name, term))| Parameter {
-                name,
-                term,
-                value: values[i],
-                sd: covariance.as_ref().filter(|_| determined[i]).map(|c| c[(i, i)].max(0.0).sqrt()),
-                determined: determined[i],
-            })
-            .collect();
+        let parameters = parameters(design, factor, &values, covariance.as_ref());
+        let Self { scale_source, known_e, fit, variances, evidence, regressors, .. } = self;
         let gauge = design.gauge.iter().map(|d| NullDirection { direction: d.clone(), gauge: Some(GAUGE) });
         let cut = fit
             .null_directions
@@ -399,6 +396,22 @@ impl GyroFit {
             known_e,
         }
     }
+}
+
+/// Model (6)'s parameters; a standard deviation only of what the design determines.
+fn parameters(
+    design: &Design,
+    factor: &Factor,
+    values: &DVector<f64>,
+    covariance: Option<&DMatrix<f64>>,
+) -> Vec<Parameter> {
+    let terms = design.terms.iter().flat_map(|t| std::iter::repeat_n(t, t.columns()));
+    let one = |(i, (name, term)): (usize, (_, _))| {
+        let determined = factor.determines(&design.expand.row(i).transpose());
+        let sd = covariance.filter(|_| determined).map(|c| c[(i, i)].max(0.0).sqrt());
+        Parameter { name, term, value: values[i], sd, determined }
+    };
+    design::parameter_names(design.terms).into_iter().zip(terms).enumerate().map(one).collect()
 }
 
 #[cfg(test)]

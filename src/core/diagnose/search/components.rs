@@ -55,105 +55,183 @@ const SAME: f64 = 1e-3;
 
 /// Every component that a campaign can show.
 pub(crate) fn components(s: &Setting) -> Vec<Component> {
-    let n = s.dwells();
-    let mut found = Vec::new();
-    let mut component = |variable: Variable, competes: bool, like: &dyn Fn(usize, usize) -> f64| {
+    let mut found = Found { s, all: Vec::new() };
+    of_a_field(&mut found);
+    of_time(&mut found);
+    of_temperature(&mut found);
+    of_one_face(&mut found);
+    if (0..s.dwells()).any(|k| turns(s, k)) {
+        of_rate(&mut found);
+        of_phases(&mut found);
+    }
+    of_orientation_before(&mut found);
+    of_near_attitudes(&mut found);
+    of_two_variables(&mut found);
+    found.all
+}
+
+struct Found<'a> {
+    s: &'a Setting,
+    all: Vec<Component>,
+}
+
+impl Found<'_> {
+    /// One by which names fall.
+    fn add(&mut self, variable: Variable, like: impl Fn(usize, usize) -> f64) {
+        self.component(variable, true, like);
+    }
+
+    fn component(&mut self, variable: Variable, competes: bool, like: impl Fn(usize, usize) -> f64) {
+        let n = self.s.dwells();
         let factor = pivoted_cholesky(&DMatrix::from_fn(n, n, like), MOST, LEFT_OUT);
         if factor.ncols() > 0 {
-            found.push(Component { variable, competes, factor });
+            self.all.push(Component { variable, competes, factor });
         }
-    };
-    if let Some(c) = &s.nav_to_body {
-        // What a field along north makes of each body axis: `magnetic` itself.
-        let north = |k: usize| c[k] * Vector3::y();
-        let still = |k: usize| f64::from(u8::from(s.phase[k] == Phase::Static));
-        component(Variable::Heading, false, &|a, b| still(a) * still(b) * north(a).dot(&north(b)));
     }
-    let mut add = |variable: Variable, like: &dyn Fn(usize, usize) -> f64| component(variable, true, like);
-    let same_face = |a: usize, b: usize| s.force[a].angle(&s.force[b]) < SAME;
-    let turns = |k: usize| s.phase[k] == Phase::Rate;
-    let both = |yes: bool| f64::from(u8::from(yes));
-    let gaussian = |apart: f64| (-0.5 * apart * apart).exp();
-    let span = s.span().max(f64::MIN_POSITIVE);
+}
+
+/// What a field along north makes of each body axis: `magnetic` itself.
+fn of_a_field(found: &mut Found) {
+    let s = found.s;
+    let Some(c) = &s.nav_to_body else { return };
+    let north = |k: usize| c[k] * Vector3::y();
+    let still = |k: usize| both(s.phase[k] == Phase::Static);
+    found.component(Variable::Heading, false, |a, b| still(a) * still(b) * north(a).dot(&north(b)));
+}
+
+fn of_time(found: &mut Found) {
+    let (s, span) = (found.s, span(found.s));
     for share in [0.2, 0.06, 0.02] {
-        add(Variable::Time, &|a, b| gaussian((s.time[a] - s.time[b]) / (share * span)));
+        found.add(Variable::Time, |a, b| gaussian((s.time[a] - s.time[b]) / (share * span)));
     }
-    add(Variable::Time, &|a, b| s.elapsed(a).min(s.elapsed(b)) / span);
-    if let Some(t) = s.temperature.as_ref().filter(|t| t.iter().any(|x| *x != 0.0)) {
-        let rate: Vec<f64> = slope(&s.time, t);
-        for share in [0.35, 0.12] {
-            let width = (share * range(t)).max(f64::MIN_POSITIVE);
-            add(Variable::Temperature, &|a, b| gaussian((t[a] - t[b]) / width));
-        }
-        let width = (0.35 * range(&rate)).max(f64::MIN_POSITIVE);
-        add(Variable::TemperatureRate, &|a, b| gaussian((rate[a] - rate[b]) / width));
+    found.add(Variable::Time, |a, b| s.elapsed(a).min(s.elapsed(b)) / span);
+}
+
+fn of_temperature(found: &mut Found) {
+    let s = found.s;
+    let Some(t) = s.temperature.as_ref().filter(|t| t.iter().any(|x| *x != 0.0)) else { return };
+    let rate: Vec<f64> = slope(&s.time, t);
+    for share in [0.35, 0.12] {
+        let width = (share * range(t)).max(f64::MIN_POSITIVE);
+        found.add(Variable::Temperature, |a, b| gaussian((t[a] - t[b]) / width));
     }
-    add(Variable::UpDirection, &|a, b| both(same_face(a, b)));
-    if let Some(c) = &s.nav_to_body {
-        let north: Vec<Vector3<f64>> = c.iter().map(|c| c * Vector3::y()).collect();
-        let still = |a: usize, b: usize| !turns(a) && !turns(b);
-        add(Variable::Heading, &|a, b| both(still(a, b) && same_face(a, b)) * north[a].dot(&north[b]));
+    let width = (0.35 * range(&rate)).max(f64::MIN_POSITIVE);
+    found.add(Variable::TemperatureRate, |a, b| gaussian((rate[a] - rate[b]) / width));
+}
+
+fn of_one_face(found: &mut Found) {
+    let s = found.s;
+    found.add(Variable::UpDirection, |a, b| both(same_face(s, a, b)));
+    let Some(c) = &s.nav_to_body else { return };
+    let north: Vec<Vector3<f64>> = c.iter().map(|c| c * Vector3::y()).collect();
+    let still = |a: usize, b: usize| !turns(s, a) && !turns(s, b);
+    found.add(Variable::Heading, |a, b| both(still(a, b) && same_face(s, a, b)) * north[a].dot(&north[b]));
+}
+
+/// Of dwells at rate: their levels, axes and senses.
+fn of_rate(found: &mut Found) {
+    let s = found.s;
+    let (speed, top) = speeds(s);
+    let pair = |a: usize, b: usize| turns(s, a) && turns(s, b);
+    // The Earth's own rate makes the two senses of one table rate differ by twice 15 arcsec/s.
+    let alike = |a: usize, b: usize| (speed[a] - speed[b]).abs() < 35.0_f64.max(0.01 * speed[a]);
+    let sense = |k: usize| s.rate[k].dot(&s.force[k]).signum();
+    let signed = |k: usize| sense(k) * speed[k] / top;
+    let one_axis = |a: usize, b: usize| s.force[a].cross(&s.force[b]).norm() < SAME;
+    found.add(Variable::RateLevel, |a, b| both(pair(a, b) && alike(a, b)));
+    found.add(Variable::RateLevel, |a, b| both(pair(a, b) && (s.rate[a] - s.rate[b]).norm() < 1e-3 * top));
+    found.add(Variable::RateAxis, |a, b| both(pair(a, b) && same_face(s, a, b)) * speed[a] * speed[b] / top.powi(2));
+    found.add(Variable::RateAxis, |a, b| both(pair(a, b) && one_axis(a, b)) * signed(a) * signed(b));
+    found.add(Variable::RateAxis, |a, b| both(pair(a, b) && same_face(s, a, b)) * sense(a) * sense(b));
+}
+
+/// What rates before a dwell leave in it, and the two phases of a campaign.
+fn of_phases(found: &mut Found) {
+    let s = found.s;
+    let (speed, top) = speeds(s);
+    for lag in [1_usize, 3, 8] {
+        let before: Vec<f64> = (0..s.dwells())
+            .map(|k| (k.saturating_sub(lag)..k).map(|i| (speed[i] / top).powi(2)).sum::<f64>() / lag as f64)
+            .collect();
+        found.add(Variable::RateHistory, |a, b| before[a] * before[b]);
     }
-    let speed: Vec<f64> = s.rate.iter().map(Vector3::norm).collect();
-    let top = speed.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
-    if (0..n).any(turns) {
-        let pair = |a: usize, b: usize| turns(a) && turns(b);
-        // The Earth's own rate makes the two senses of one table rate differ by twice 15 arcsec/s.
-        let alike = |a: usize, b: usize| (speed[a] - speed[b]).abs() < 35.0_f64.max(0.01 * speed[a]);
-        let sense = |k: usize| s.rate[k].dot(&s.force[k]).signum();
-        let signed = |k: usize| sense(k) * speed[k] / top;
-        let one_axis = |a: usize, b: usize| s.force[a].cross(&s.force[b]).norm() < SAME;
-        add(Variable::RateLevel, &|a, b| both(pair(a, b) && alike(a, b)));
-        add(Variable::RateLevel, &|a, b| both(pair(a, b) && (s.rate[a] - s.rate[b]).norm() < 1e-3 * top));
-        add(Variable::RateAxis, &|a, b| both(pair(a, b) && same_face(a, b)) * speed[a] * speed[b] / top.powi(2));
-        add(Variable::RateAxis, &|a, b| both(pair(a, b) && one_axis(a, b)) * signed(a) * signed(b));
-        add(Variable::RateAxis, &|a, b| both(pair(a, b) && same_face(a, b)) * sense(a) * sense(b));
-        for lag in [1_usize, 3, 8] {
-            let before: Vec<f64> = (0..n)
-                .map(|k| (k.saturating_sub(lag)..k).map(|i| (speed[i] / top).powi(2)).sum::<f64>() / lag as f64)
-                .collect();
-            add(Variable::RateHistory, &|a, b| before[a] * before[b]);
-        }
-        add(Variable::RateHistory, &|a, b| {
-            both(a > 0 && b > 0) * s.rate[a.max(1) - 1].dot(&s.rate[b.max(1) - 1]) / top.powi(2)
-        });
-        let phase = |k: usize| both(turns(k)) - 0.5;
-        add(Variable::Phase, &|a, b| phase(a) * phase(b));
-    }
-    add(Variable::OrientationBefore, &|a, b| {
+    found.add(Variable::RateHistory, |a, b| {
+        both(a > 0 && b > 0) * s.rate[a.max(1) - 1].dot(&s.rate[b.max(1) - 1]) / top.powi(2)
+    });
+    let phase = |k: usize| both(turns(s, k)) - 0.5;
+    found.add(Variable::Phase, |a, b| phase(a) * phase(b));
+}
+
+/// Which attitude came before, and how long the present one was held.
+fn of_orientation_before(found: &mut Found) {
+    let (s, span) = (found.s, span(found.s));
+    found.add(Variable::OrientationBefore, |a, b| {
         both(a > 0 && b > 0 && s.force[a.max(1) - 1].angle(&s.force[b.max(1) - 1]) < SAME)
     });
     let mut held_since = s.time[0];
-    let age: Vec<f64> = (0..n)
+    let age: Vec<f64> = (0..s.dwells())
         .map(|k| {
-            if k > 0 && !same_face(k, k - 1) {
+            if k > 0 && !same_face(s, k, k - 1) {
                 held_since = s.time[k];
             }
             (s.time[k] - held_since) / span
         })
         .collect();
-    add(Variable::OrientationAge, &|a, b| age[a] * age[b]);
-    add(Variable::UpDirection, &|a, b| gaussian(s.force[a].angle(&s.force[b]) / ALIKE));
-    if let Some(c) = &s.nav_to_body {
-        let apart = |a: usize, b: usize| Rotation3::from_matrix_unchecked(c[a] * c[b].transpose()).angle();
-        add(Variable::Heading, &|a, b| both(!turns(a) && !turns(b)) * gaussian(apart(a, b) / ALIKE));
-    }
-    // Two variables together: no name falls by them, for some are entries themselves.
+    found.add(Variable::OrientationAge, |a, b| age[a] * age[b]);
+}
+
+fn of_near_attitudes(found: &mut Found) {
+    let s = found.s;
+    found.add(Variable::UpDirection, |a, b| gaussian(s.force[a].angle(&s.force[b]) / ALIKE));
+    let Some(c) = &s.nav_to_body else { return };
+    let apart = |a: usize, b: usize| Rotation3::from_matrix_unchecked(c[a] * c[b].transpose()).angle();
+    found.add(Variable::Heading, |a, b| both(!turns(s, a) && !turns(s, b)) * gaussian(apart(a, b) / ALIKE));
+}
+
+/// Two variables together: no name falls by them, for some are entries themselves.
+fn of_two_variables(found: &mut Found) {
+    let (s, span) = (found.s, span(found.s));
+    let (_, top) = speeds(s);
     let force = |a: usize, b: usize| s.force[a].dot(&s.force[b]);
     let rate = |a: usize, b: usize| s.rate[a].dot(&s.rate[b]) / top.powi(2);
     let middle = |k: usize| s.elapsed(k) / span - 0.5;
     let slow = |a: usize, b: usize| gaussian((s.time[a] - s.time[b]) / (SLOW * span));
-    component(Variable::TimeAndForce, false, &|a, b| middle(a) * middle(b) * force(a, b));
-    component(Variable::TimeAndForce, false, &|a, b| slow(a, b) * force(a, b));
-    component(Variable::TimeAndRate, false, &|a, b| middle(a) * middle(b) * rate(a, b));
-    component(Variable::TimeAndRate, false, &|a, b| slow(a, b) * rate(a, b));
-    if let Some(t) = &s.temperature {
-        component(Variable::TemperatureAndForce, false, &|a, b| t[a] * t[b] * force(a, b));
-        component(Variable::TemperatureAndRate, false, &|a, b| t[a] * t[b] * rate(a, b));
-        component(Variable::TemperatureAndTime, false, &|a, b| t[a] * t[b] * middle(a) * middle(b));
-        component(Variable::Temperature, false, &|a, b| (t[a] * t[b]).powi(2));
-    }
-    found
+    found.component(Variable::TimeAndForce, false, |a, b| middle(a) * middle(b) * force(a, b));
+    found.component(Variable::TimeAndForce, false, |a, b| slow(a, b) * force(a, b));
+    found.component(Variable::TimeAndRate, false, |a, b| middle(a) * middle(b) * rate(a, b));
+    found.component(Variable::TimeAndRate, false, |a, b| slow(a, b) * rate(a, b));
+    let Some(t) = &s.temperature else { return };
+    found.component(Variable::TemperatureAndForce, false, |a, b| t[a] * t[b] * force(a, b));
+    found.component(Variable::TemperatureAndRate, false, |a, b| t[a] * t[b] * rate(a, b));
+    found.component(Variable::TemperatureAndTime, false, |a, b| t[a] * t[b] * middle(a) * middle(b));
+    found.component(Variable::Temperature, false, |a, b| (t[a] * t[b]).powi(2));
+}
+
+fn same_face(s: &Setting, a: usize, b: usize) -> bool {
+    s.force[a].angle(&s.force[b]) < SAME
+}
+
+fn turns(s: &Setting, k: usize) -> bool {
+    s.phase[k] == Phase::Rate
+}
+
+fn span(s: &Setting) -> f64 {
+    s.span().max(f64::MIN_POSITIVE)
+}
+
+/// The dwells' rates, and the largest.
+fn speeds(s: &Setting) -> (Vec<f64>, f64) {
+    let speed: Vec<f64> = s.rate.iter().map(Vector3::norm).collect();
+    let top = speed.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    (speed, top)
+}
+
+fn both(yes: bool) -> f64 {
+    f64::from(u8::from(yes))
+}
+
+fn gaussian(apart: f64) -> f64 {
+    (-0.5 * apart * apart).exp()
 }
 
 /// ln of the odds of a few dwells with a larger spread than the rest against one spread for all: a share e of dwells

@@ -57,6 +57,15 @@ type Orders = Vec<(Order, Actor, write_queue::ReplyTo<Id, HookError>)>;
 
 type Findings = Vec<(Found, write_queue::ReplyTo<(), WriteError>)>;
 
+/// What is done once all that was queued with it is stored.
+#[derive(Default)]
+struct Later {
+    orders: Orders,
+    findings: Findings,
+    digests: Vec<write_queue::ReplyTo<(), WriteError>>,
+    shared: Vec<write_queue::ReplyTo<(), WriteError>>,
+}
+
 impl Task {
     pub fn new(store: Store, writer: Writer, config: Arc<Config>, clock: Clock, after: After, duties: Duties) -> Self {
         let mut judging = config.judging.clone();
@@ -110,113 +119,101 @@ impl Task {
             if self.is_to_wait(&jobs) {
                 continue;
             }
-            // Orders are for what is stored, and are carried out when nothing is under way.
-            let mixed = jobs.iter().any(|job| !matches!(job, Job::Store { .. }));
-            if mixed {
-                self.finish().await;
-            }
-            let (mut group, mut items) = (Vec::new(), 0);
-            let most = if self.state.writer.committer().is_some() { overlapped::MAX_ITEMS } else { self.items_at_once };
-            let (mut orders, mut findings, mut digests) = (Orders::new(), Findings::new(), Vec::new());
-            let mut shared = Vec::new();
-            for job in jobs.drain(..) {
-                let job = match job {
-                    Job::Store { items, by, with_verdicts, late, reply } => {
-                        StoreJob { items, by, with_verdicts, late, reply }
-                    }
-                    Job::Hook { order, by, reply } => {
-                        orders.push((order, by, reply));
-                        continue;
-                    }
-                    Job::Found { found, reply } => {
-                        findings.push((found, reply));
-                        continue;
-                    }
-                    Job::Model { adoption, by, reply } => {
-                        // Its gyros may have come from anywhere.
-                        let adopted = in_turn!(self.state, Cells::all(), self.restating().adopt(&adoption, &by));
-                        let _gone = reply.send(adopted);
-                        self.state.after.due.send_modify(|moved| *moved += 1);
-                        continue;
-                    }
-                    Job::Restate { stale, reply } => {
-                        let done = in_turn!(self.state, Cells::all(), self.restating().state_anew(&stale));
-                        let _gone = reply.send(done);
-                        continue;
-                    }
-                    Job::Hypothesis { order, by, reply } => {
-                        let done = in_turn!(self.state, Cells::one(0), self.order_hypothesis(&order, &by));
-                        let _gone = reply.send(done);
-                        continue;
-                    }
-                    Job::Diagnoses { order, by, reply } => {
-                        let done = in_turn!(self.state, Cells::one(0), self.order_diagnoses(&order, &by));
-                        let _gone = reply.send(done);
-                        continue;
-                    }
-                    Job::Diagnosed { made, reply } => {
-                        let kept = in_turn!(self.state, Cells::one(0), self.forecasts().keep(&made));
-                        let _gone = reply.send(kept);
-                        continue;
-                    }
-                    Job::Alert { order, by, reply } => {
-                        let cells = self.state.homes().of_alert(order.alert).await;
-                        let done = in_turn!(self.state, cells, self.state.obey(&order, &by));
-                        let _gone = reply.send(done);
-                        continue;
-                    }
-                    Job::Silence { order, by, reply } => {
-                        let done = in_turn!(self.state, Cells::all(), self.state.order_silence(&order, &by));
-                        let _gone = reply.send(done);
-                        continue;
-                    }
-                    Job::Digest(reply) => {
-                        digests.push(reply);
-                        continue;
-                    }
-                    Job::Shared(reply) => {
-                        shared.push(reply);
-                        continue;
-                    }
-                    Job::Access { order, by, reply } => {
-                        let done = in_turn!(self.state, Cells::one(0), self.register(&order, &by));
-                        let _gone = reply.send(done);
-                        continue;
-                    }
-                    Job::Probe(reply) => {
-                        let _gone = reply.send(self.state.writer.probe().await.map_err(WriteError::from));
-                        continue;
-                    }
-                };
-                if items + job.items.len() > most && items > 0 {
-                    self.process(std::mem::take(&mut group)).await;
-                    if mixed {
-                        self.finish().await;
-                    }
-                    items = 0;
-                }
-                items += job.items.len();
-                group.push(job);
-            }
-            if !group.is_empty() {
-                self.process(group).await;
-            }
-            if mixed {
-                self.finish().await;
-            }
-            // After what was queued before.
-            if !shared.is_empty() {
-                let now = self.state.clock.now();
-                ClockTick { state: &mut self.state, now }.look_at_shared().await;
-                shared.into_iter().for_each(|reply| drop(reply.send(Ok(()))));
-            }
-            for reply in digests {
-                let told = in_turn!(self.state, Cells::all(), self.state.tell_digest());
-                let _gone = reply.send(told);
-            }
-            self.carry_out(orders, findings).await;
+            self.work_off(&mut jobs).await;
         }
         self.state.writer
+    }
+
+    async fn work_off(&mut self, jobs: &mut Vec<Job>) {
+        // Orders are for what is stored, and are carried out when nothing is under way.
+        let mixed = jobs.iter().any(|job| !matches!(job, Job::Store { .. }));
+        if mixed {
+            self.finish().await;
+        }
+        let (mut group, mut items) = (Vec::new(), 0);
+        let most = if self.state.writer.committer().is_some() { overlapped::MAX_ITEMS } else { self.items_at_once };
+        let mut later = Later::default();
+        for job in jobs.drain(..) {
+            let Some(job) = self.obey(job, &mut later).await else { continue };
+            if items + job.items.len() > most && items > 0 {
+                self.process(std::mem::take(&mut group)).await;
+                if mixed {
+                    self.finish().await;
+                }
+                items = 0;
+            }
+            items += job.items.len();
+            group.push(job);
+        }
+        if !group.is_empty() {
+            self.process(group).await;
+        }
+        if mixed {
+            self.finish().await;
+        }
+        // After what was queued before.
+        if !later.shared.is_empty() {
+            let now = self.state.clock.now();
+            ClockTick { state: &mut self.state, now }.look_at_shared().await;
+            later.shared.into_iter().for_each(|reply| drop(reply.send(Ok(()))));
+        }
+        for reply in later.digests {
+            let told = in_turn!(self.state, Cells::all(), self.state.tell_digest());
+            let _gone = reply.send(told);
+        }
+        self.carry_out(later.orders, later.findings).await;
+    }
+
+    /// Carries out an order, or puts it off; what is to be stored is handed back, to be stored in a group.
+    async fn obey(&mut self, job: Job, later: &mut Later) -> Option<StoreJob> {
+        match job {
+            Job::Store { items, by, with_verdicts, late, reply } => {
+                return Some(StoreJob { items, by, with_verdicts, late, reply });
+            }
+            Job::Hook { order, by, reply } => later.orders.push((order, by, reply)),
+            Job::Found { found, reply } => later.findings.push((found, reply)),
+            Job::Digest(reply) => later.digests.push(reply),
+            Job::Shared(reply) => later.shared.push(reply),
+            Job::Model { adoption, by, reply } => {
+                // Its gyros may have come from anywhere.
+                let adopted = in_turn!(self.state, Cells::all(), self.restating().adopt(&adoption, &by));
+                let _gone = reply.send(adopted);
+                self.state.after.due.send_modify(|moved| *moved += 1);
+            }
+            Job::Restate { stale, reply } => {
+                let done = in_turn!(self.state, Cells::all(), self.restating().state_anew(&stale));
+                let _gone = reply.send(done);
+            }
+            Job::Hypothesis { order, by, reply } => {
+                let done = in_turn!(self.state, Cells::one(0), self.order_hypothesis(&order, &by));
+                let _gone = reply.send(done);
+            }
+            Job::Diagnoses { order, by, reply } => {
+                let done = in_turn!(self.state, Cells::one(0), self.order_diagnoses(&order, &by));
+                let _gone = reply.send(done);
+            }
+            Job::Diagnosed { made, reply } => {
+                let kept = in_turn!(self.state, Cells::one(0), self.forecasts().keep(&made));
+                let _gone = reply.send(kept);
+            }
+            Job::Alert { order, by, reply } => {
+                let cells = self.state.homes().of_alert(order.alert).await;
+                let done = in_turn!(self.state, cells, self.state.obey(&order, &by));
+                let _gone = reply.send(done);
+            }
+            Job::Silence { order, by, reply } => {
+                let done = in_turn!(self.state, Cells::all(), self.state.order_silence(&order, &by));
+                let _gone = reply.send(done);
+            }
+            Job::Access { order, by, reply } => {
+                let done = in_turn!(self.state, Cells::one(0), self.register(&order, &by));
+                let _gone = reply.send(done);
+            }
+            Job::Probe(reply) => {
+                let _gone = reply.send(self.state.writer.probe().await.map_err(WriteError::from));
+            }
+        }
+        None
     }
 
     fn ticks(&self) -> Interval {

@@ -15,7 +15,7 @@ use crate::core::effects::{Lack, Refusal, Scope, Setting, axes};
 pub enum NotPossible {
     #[error("the effects of a model file act in campaigns of an IMU; this is a bench test")]
     BenchTest,
-    #[error(transparent)]
+    #[error("refused")]
     Refused(#[from] Refusal),
     #[error("{effect} cannot act in this scenario: {missing}")]
     Missing { effect: &'static str, missing: Lack },

@@ -79,24 +79,13 @@ pub struct BenchCalibration {
 
 /// Why a bench test yields no D_I and D_S.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum NotFitted {
-    #[error("not a single-gyro bench test")]
     NotABench,
-    #[error("the fixture's axes are not stated for {0}")]
     NoAxes(&'static str),
-    #[error("the dwells do not determine {}: the specific force must take several directions about the input and spin axes", .0.join(", "))]
     Undetermined(Vec<&'static str>),
-    #[error(
-        "the scale factor is neither stated (known_e_pulse_per_arcsec) nor seen: the Earth's rate along the input axis hardly changes between dwells"
-    )]
     NoScale,
-    #[error(
-        "the output answers the Earth's rate with {found:.4} where a table rate in arcsec/s answers with 1 or -1; state known_e_pulse_per_arcsec if the output is in other units"
-    )]
     NotATableRate { found: f64 },
-    #[error(
-        "whether the table turns with the gyro's drift or against it does not show in the Earth's rate along the input axis; state known_e_pulse_per_arcsec, the input axis with its sign"
-    )]
     NoServoSign,
 }
 

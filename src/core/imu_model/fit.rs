@@ -42,24 +42,23 @@ pub struct CampaignSample<'a> {
 
 /// Why campaigns make no model of one IMU.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum NotIdentified {
-    #[error("no campaign")]
     NoCampaign,
-    #[error("a bench test of one gyro is no campaign of an IMU")]
     BenchTest,
-    #[error("campaigns of IMU {first} and of {other}")]
-    OtherImu { first: Name, other: Name },
-    #[error("the campaigns have different geometries")]
+    OtherImu {
+        first: Name,
+        other: Name,
+    },
     OtherGeometry,
-    #[error("{} was {first} and is {other}", .slot.name())]
-    GyroExchanged { slot: Slot, first: Name, other: Name },
-    #[error("the campaigns have different gyros")]
+    GyroExchanged {
+        slot: Slot,
+        first: Name,
+        other: Name,
+    },
     OtherGyros,
-    #[error("the campaigns hold different E of {}", .0.name())]
     OtherHeld(Slot),
-    #[error("two campaigns of one instant")]
     SameInstant,
-    #[error("nothing gives the noise of {}", .0.name())]
     NoNoise(Slot),
     #[error(transparent)]
     Refused(#[from] Refusal),

@@ -15,16 +15,15 @@ use crate::message;
 
 /// Why a model foretells nothing of a campaign.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum NoForecast {
-    #[error("the model is of IMU {model}, the campaign of {campaign}")]
-    OtherImu { model: Name, campaign: Name },
-    #[error("the model has another geometry than the campaign")]
+    OtherImu {
+        model: Name,
+        campaign: Name,
+    },
     OtherGeometry,
-    #[error("a bench test of one gyro is not foretold")]
     BenchTest,
-    #[error("no gyro of the campaign is one of the model")]
     NoGyro,
-    #[error("the campaign is one that the model was fitted to")]
     FittedTo,
     #[error(transparent)]
     Refused(#[from] Refusal),

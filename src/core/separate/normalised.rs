@@ -11,17 +11,11 @@ pub type CovarianceEg = Matrix6<f64>;
 
 /// Why E and G cannot be separated at all.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum Unseparable {
-    #[error("the geometry names no axes for {}", .0.name())]
     NoAxes(Slot),
-    #[error("E is zero: it has no direction and cannot divide G")]
     ZeroScale,
-    #[error("E, G or their quotient is not a finite number")]
     NotFinite,
-    #[error(
-        "E points {:.1} deg away from its nominal input axis: reversed polarity or another slot",
-        .0.to_degrees()
-    )]
     PointsAway(f64),
 }
 

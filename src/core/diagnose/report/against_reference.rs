@@ -38,18 +38,23 @@ pub enum Reference {
 
 /// Why something is no reference for a campaign.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum NoReference {
-    #[error("the reference is of IMU {reference}, the campaign of {campaign}")]
-    OtherImu { reference: Name, campaign: Name },
-    #[error("the reference has another geometry than the campaign")]
+    OtherImu {
+        reference: Name,
+        campaign: Name,
+    },
     OtherGeometry,
-    #[error("the reference holds no gyro in {}, where the campaign has {serial}", .slot.name())]
-    NoGyro { slot: Slot, serial: Name },
-    #[error("the reference has gyro {reference} in {}, the campaign {campaign}", .slot.name())]
-    OtherGyro { slot: Slot, reference: Name, campaign: Name },
-    #[error("a bench test of one gyro is compared with no reference")]
+    NoGyro {
+        slot: Slot,
+        serial: Name,
+    },
+    OtherGyro {
+        slot: Slot,
+        reference: Name,
+        campaign: Name,
+    },
     BenchTest,
-    #[error("the reference determines no parameter of the model in use")]
     NothingInCommon,
     #[error(transparent)]
     Refused(#[from] Refusal),

@@ -48,6 +48,19 @@ fn a_bias_that_wanders_is_noise_with_a_memory() {
 }
 
 #[test]
+fn a_course_in_time_that_such_noise_may_show_is_in_doubt() {
+    // Each was named with confidence.
+    for number in [5, 51, 78, 117] {
+        let simulated = CampaignKind::from_name("flicker").unwrap().campaign(90_401, number);
+        let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
+        assert_ne!(answer.verdict, "explained", "{number}: {:?}", answer.effects);
+    }
+    let row = of("time_8");
+    let explained = row.scores.iter().filter(|score| score.found && score.explained).count();
+    assert!(row.found.hits + 2 >= COUNT && explained >= COUNT / 3, "a true one need not be: {row:?}");
+}
+
+#[test]
 fn an_imu_that_was_reseated_is_named_so_and_a_field_is_still_found() {
     let row = of("reseated_60");
     assert!(row.found.trials >= COUNT / 2, "most can be seen: {row:?}");

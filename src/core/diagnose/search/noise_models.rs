@@ -90,6 +90,7 @@ impl Found {
 /// One of the models that are averaged over.
 pub(crate) enum Under<'a> {
     Independent(&'a Frame, &'a Bank),
+    WithMemory(&'a Frame, &'a Bank),
     Shared(Shared),
 }
 
@@ -180,7 +181,11 @@ impl NoiseModels {
             let plain = log_likelihood(frame, columns, pooled);
             for model in &self.models {
                 let gain = log_likelihood(&model.frame, columns, pooled) - plain;
-                all.push((model.log_odds + gain, Under::Independent(&model.frame, &model.bank)));
+                let under = match model.kind {
+                    NoiseDeparture::Memory(..) => Under::WithMemory(&model.frame, &model.bank),
+                    NoiseDeparture::Law(_) => Under::Independent(&model.frame, &model.bank),
+                };
+                all.push((model.log_odds + gain, under));
             }
         }
         if let Some(log_odds) = self.shared {

@@ -86,13 +86,14 @@ impl Search<'_> {
         if let Some(known) = self.known.borrow().get(&key) {
             return Rc::clone(known);
         }
-        let scores: Rc<[Score]> = self.computed(choices).into();
+        let scores: Rc<[Score]> = self.computed(choices, 0.0).into();
         self.known.borrow_mut().insert(key, Rc::clone(&scores));
         scores
     }
 
-    fn computed(&self, choices: &[Choice]) -> Vec<Score> {
-        let (mut scores, white) = self.over_all_noise(choices);
+    /// The same where noise with a memory has these odds (ln) more.
+    fn computed(&self, choices: &[Choice], odds_of_memory: f64) -> Vec<Score> {
+        let (mut scores, white) = self.over_all_noise(choices, odds_of_memory);
         for score in &mut scores {
             if !score.kind.is_nameable() {
                 score.log_evidence += SUSPECT_ODDS;
@@ -103,7 +104,7 @@ impl Search<'_> {
     }
 
     /// Evidence of every kind, over all that the noise may be, and where it is as stated.
-    fn over_all_noise(&self, choices: &[Choice]) -> (Vec<Score>, Vec<f64>) {
+    fn over_all_noise(&self, choices: &[Choice], odds_of_memory: f64) -> (Vec<Score>, Vec<f64>) {
         let evidence = |scores: &[Score]| scores.iter().map(|score| score.log_evidence).collect();
         if self.noise.is_empty() {
             let scores = scores(self.bank, &self.state(choices));
@@ -113,12 +114,10 @@ impl Search<'_> {
         let under = self.under(choices);
         let all: Vec<(f64, Vec<Score>)> = under
             .iter()
-            .map(|(weight, under)| {
-                let scores = match under {
-                    Under::Independent(frame, bank) => independent(frame, bank, choices),
-                    Under::Shared(shared) => shared.scores(self.bank),
-                };
-                (*weight, scores)
+            .map(|(weight, under)| match under {
+                Under::Independent(frame, bank) => (*weight, independent(frame, bank, choices)),
+                Under::WithMemory(frame, bank) => (*weight + odds_of_memory, independent(frame, bank, choices)),
+                Under::Shared(shared) => (*weight, shared.scores(self.bank)),
             })
             .collect();
         let mut weights = LogSum::default();
@@ -334,8 +333,19 @@ impl Search<'_> {
     /// contract entry shares it with those that explain the same; beside a name, what is tied with much has been told
     /// from little.
     pub fn earned(&self, choices: &[Choice], kind: Effect) -> f64 {
-        let scores = self.scores(choices);
-        let own = self.against_noise(kind, evidence_of(&scores, kind));
+        self.earned_of(&self.scores(choices), choices, kind)
+    }
+
+    /// By how much (ln) choice `i` passes, given all others, where noise with a memory has odds (ln) beyond its prior:
+    /// below zero, such noise may be what it shows.
+    pub fn lead_over_memory(&self, choices: &[Choice], i: usize, odds_of_memory: f64) -> f64 {
+        let others = without(choices, i);
+        let scores = self.computed(&others, odds_of_memory);
+        self.earned_of(&scores, &others, choices[i].kind) - self.needed(&others)
+    }
+
+    fn earned_of(&self, scores: &[Score], choices: &[Choice], kind: Effect) -> f64 {
+        let own = self.against_noise(kind, evidence_of(scores, kind));
         let contract = scores.iter().filter(|s| s.kind.is_nameable());
         match kind {
             _ if choices.is_empty() && kind.is_nameable() => {
@@ -456,7 +466,7 @@ impl Search<'_> {
             total.add(
                 weight
                     + match under {
-                        Under::Independent(frame, bank) => independent(frame, bank),
+                        Under::Independent(frame, bank) | Under::WithMemory(frame, bank) => independent(frame, bank),
                         Under::Shared(shared) => {
                             shared.in_members(self.bank, &self.bank.hypotheses[range.clone()], &choice.members)
                         }

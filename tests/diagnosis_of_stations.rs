@@ -45,6 +45,8 @@ fn standard_errors_that_do_not_follow_duration_or_time_are_no_effect() {
 fn a_bias_that_wanders_is_noise_with_a_memory() {
     let row = of("flicker_2");
     assert!(wrong(&row) <= 1 && row.noise_said.hits >= COUNT / 2, "{row:?}");
+    let row = of("shared_flicker_2");
+    assert!(wrong(&row) <= 1 && row.noise_said.hits >= COUNT / 2, "{row:?}");
 }
 
 #[test]

@@ -47,6 +47,12 @@ struct Model {
     log_odds: f64,
 }
 
+impl Model {
+    fn has_memory(&self) -> bool {
+        matches!(self.kind, NoiseDeparture::Memory(..))
+    }
+}
+
 /// Alternatives to noise as it is stated.
 #[derive(Default)]
 pub(crate) struct NoiseModels {
@@ -88,9 +94,16 @@ impl Found {
 }
 
 /// One of the models that are averaged over.
-pub(crate) enum Under<'a> {
-    Independent(&'a Frame, &'a Bank),
-    WithMemory(&'a Frame, &'a Bank),
+pub(crate) struct Weighed<'a> {
+    pub log_weight: f64,
+    pub has_memory: bool,
+    pub bank: &'a Bank,
+    pub noise: Between<'a>,
+}
+
+/// Noise between gyros.
+pub(crate) enum Between<'a> {
+    Independent(&'a Frame),
     Shared(Shared),
 }
 
@@ -173,26 +186,37 @@ impl NoiseModels {
         frame: &'a Frame,
         bank: &'a Bank,
         columns: &[Vec<Vec<f64>>],
-        state: impl FnOnce() -> State,
-    ) -> Vec<(f64, Under<'a>)> {
-        let mut all = vec![(0.0, Under::Independent(frame, bank))];
+        state: impl Fn(&Frame, &Bank) -> State,
+    ) -> Vec<Weighed<'a>> {
+        let independent = |log_weight: f64, has_memory: bool, frame: &'a Frame, bank: &'a Bank| Weighed {
+            log_weight,
+            has_memory,
+            bank,
+            noise: Between::Independent(frame),
+        };
+        let mut all = vec![independent(0.0, false, frame, bank)];
         if !self.models.is_empty() {
             let pooled = is_pooled(frame, columns);
             let plain = log_likelihood(frame, columns, pooled);
             for model in &self.models {
-                let gain = log_likelihood(&model.frame, columns, pooled) - plain;
-                let under = match model.kind {
-                    NoiseDeparture::Memory(..) => Under::WithMemory(&model.frame, &model.bank),
-                    NoiseDeparture::Law(_) => Under::Independent(&model.frame, &model.bank),
-                };
-                all.push((model.log_odds + gain, under));
+                let log_weight = model.log_odds + log_likelihood(&model.frame, columns, pooled) - plain;
+                all.push(independent(log_weight, model.has_memory(), &model.frame, &model.bank));
             }
         }
+        // What gyros share may be white or have a memory; a law is each gyro's own.
         if let Some(log_odds) = self.shared {
-            let shared = Shared::of(frame, state());
-            if shared.is_of_noise() {
-                all.push((log_odds + shared.log_gain, Under::Shared(shared)));
-            }
+            let of_plain = std::iter::once((0.0, false, frame, bank));
+            let with_memory = all.iter().filter(|model| model.has_memory).filter_map(|model| match model.noise {
+                Between::Independent(frame) => Some((model.log_weight, true, frame, model.bank)),
+                Between::Shared(_) => None,
+            });
+            let shared = of_plain.chain(with_memory).filter_map(|(log_weight, has_memory, frame, bank)| {
+                let shared = Shared::of(frame, state(frame, bank));
+                let log_weight = log_weight + log_odds + shared.log_gain;
+                shared.is_of_noise().then_some(Weighed { log_weight, has_memory, bank, noise: Between::Shared(shared) })
+            });
+            let shared: Vec<Weighed> = shared.collect();
+            all.extend(shared);
         }
         // None is dropped here: what weighs nothing without a name may be what the name holds under.
         all
@@ -205,11 +229,10 @@ impl NoiseModels {
         let weigh = |model: &Model| model.log_odds + log_likelihood(&model.frame, columns, pooled) - plain;
         let weights: Vec<f64> = self.models.iter().map(weigh).collect();
         let shared = self.shared.map(|log_odds| (log_odds, Shared::of(frame, state())));
-        let with_memory = |model: &Model| matches!(model.kind, NoiseDeparture::Memory(..));
         let memories: Vec<(f64, &Model)> =
-            weights.iter().copied().zip(&self.models).filter(|(_, model)| with_memory(model)).collect();
+            weights.iter().copied().zip(&self.models).filter(|(_, model)| model.has_memory()).collect();
         let mut without = LogSum::of(&[0.0]);
-        (weights.iter().zip(&self.models)).filter(|(_, model)| !with_memory(model)).for_each(|(w, _)| without.add(*w));
+        (weights.iter().zip(&self.models)).filter(|(_, model)| !model.has_memory()).for_each(|(w, _)| without.add(*w));
         let mut of_all = LogSum::of(&weights);
         of_all.add(0.0);
         let without = (without.log() - of_all.log()).exp().min(1.0);

@@ -9,7 +9,7 @@ use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::{Score, log_bayes_in, scores, together};
 use crate::core::diagnose::search::choice::{Choice, designs};
 use crate::core::diagnose::search::hypotheses::Bank;
-use crate::core::diagnose::search::noise_models::{NoiseModels, Under};
+use crate::core::diagnose::search::noise_models::{Between, NoiseModels, Weighed};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::{Products, State, each_by_itself, state};
 use crate::core::effects::Effect;
@@ -111,15 +111,14 @@ impl Search<'_> {
             let white = evidence(&scores);
             return (scores, white);
         }
-        let under = self.under(choices);
-        let all: Vec<(f64, Vec<Score>)> = under
-            .iter()
-            .map(|(weight, under)| match under {
-                Under::Independent(frame, bank) => (*weight, independent(frame, bank, choices)),
-                Under::WithMemory(frame, bank) => (*weight + odds_of_memory, independent(frame, bank, choices)),
-                Under::Shared(shared) => (*weight, shared.scores(self.bank)),
-            })
-            .collect();
+        let scored = |model: &Weighed| {
+            let scores = match &model.noise {
+                Between::Independent(frame) => independent(frame, model.bank, choices),
+                Between::Shared(shared) => shared.scores(model.bank),
+            };
+            (model.log_weight + if model.has_memory { odds_of_memory } else { 0.0 }, scores)
+        };
+        let all: Vec<(f64, Vec<Score>)> = self.under(choices).iter().map(scored).collect();
         let mut weights = LogSum::default();
         all.iter().for_each(|(weight, _)| weights.add(*weight));
         let of_kind = |k: usize| {
@@ -141,9 +140,10 @@ impl Search<'_> {
         evidence_of(&scores(self.bank, &each_by_itself(self.frame, self.extras(choices))), kind)
     }
 
-    fn under(&self, choices: &[Choice]) -> Vec<(f64, Under<'_>)> {
+    fn under(&self, choices: &[Choice]) -> Vec<Weighed<'_>> {
         let columns = designs(self.frame, self.bank, choices, None);
-        self.noise.under(self.frame, self.bank, &columns, || each_by_itself(self.frame, self.extras(choices)))
+        let state = |frame: &Frame, bank: &Bank| each_by_itself(frame, extras(bank, choices));
+        self.noise.under(self.frame, self.bank, &columns, state)
     }
 
     /// Whether `kind` was ruled out given `choices`.
@@ -461,17 +461,15 @@ impl Search<'_> {
             return independent(self.frame, self.bank) + odds;
         }
         let (mut total, mut weights) = (LogSum::default(), LogSum::default());
-        for (weight, under) in self.under(before) {
-            weights.add(weight);
-            total.add(
-                weight
-                    + match under {
-                        Under::Independent(frame, bank) | Under::WithMemory(frame, bank) => independent(frame, bank),
-                        Under::Shared(shared) => {
-                            shared.in_members(self.bank, &self.bank.hypotheses[range.clone()], &choice.members)
-                        }
-                    },
-            );
+        for model in self.under(before) {
+            weights.add(model.log_weight);
+            let log = match &model.noise {
+                Between::Independent(frame) => independent(frame, model.bank),
+                Between::Shared(shared) => {
+                    shared.in_members(model.bank, &model.bank.hypotheses[range.clone()], &choice.members)
+                }
+            };
+            total.add(model.log_weight + log);
         }
         total.log() - weights.log() + odds
     }

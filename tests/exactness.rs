@@ -1,13 +1,17 @@
 //! Many writers on several servers judge as one would: what they store at the same time is computed again afterwards,
 //! and the alerts of gyros that have a sender of their own take the steps that they take at a single server.
 
+mod database_proxy;
 mod lab;
 mod receiver;
 mod support;
 
 use std::collections::BTreeMap;
+use std::panic::AssertUnwindSafe;
 use std::time::Duration;
 
+use database_proxy::Proxy;
+use futures::FutureExt as _;
 use lab::record;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -109,11 +113,15 @@ async fn sent_by_all(servers: &[&Server], senders: i64, steps: i64, shared: bool
     futures::future::join_all(all).await;
 }
 
-fn verified(url: &str) {
+fn verify(url: &str) -> Result<(), String> {
     let output = support::gyrowatch().arg("verify").env("GYROWATCH_DATABASE_URL", url).output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    if output.status.success() { Ok(()) } else { Err(said) }
 }
+
+/// An alert fires and ends by turns.
+const TWICE: &str = "SELECT count(*) FROM (SELECT alert_step.action, lag(alert_step.action) OVER (PARTITION BY alert ORDER BY alert_step.id) AS before
+                         FROM alert_step WHERE action IN ('fire', 'resolve')) AS steps WHERE action = before";
 
 /// `scripts/soak exactness` does it with many more records.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -125,12 +133,12 @@ async fn sixteen_senders_at_four_servers_are_judged_as_by_one() {
     let steps = support::asked("GYROWATCH_SOAK_STEPS", 16) as i64;
     let alone = cluster::fresh_database().await;
     sent_by_all(&[&server_on(&alone).await], SENDERS, steps, false).await;
-    verified(&alone);
+    verify(&alone).unwrap();
 
     let url = cluster::fresh_database().await;
     let servers = [server_on(&url).await, server_on(&url).await, server_on(&url).await, server_on(&url).await];
     sent_by_all(&servers.each_ref(), SENDERS, steps, true).await;
-    verified(&url);
+    verify(&url).unwrap();
     let (found, expected) = (steps_of(&url).await, steps_of(&alone).await);
     assert!(expected.len() > 8, "{expected:?}");
     let differing: Vec<_> =
@@ -140,9 +148,25 @@ async fn sixteen_senders_at_four_servers_are_judged_as_by_one() {
         "{:?}",
         differing.iter().map(|key| (key, expected.get(*key), found.get(*key))).collect::<Vec<_>>()
     );
-    // What all share is judged in the order in which it came; whatever that was, an alert fires and ends by turns.
-    let twice = "SELECT count(*) FROM (SELECT alert_step.action, lag(alert_step.action) OVER (PARTITION BY alert ORDER BY alert_step.id) AS before
-                     FROM alert_step WHERE action IN ('fire', 'resolve')) AS steps WHERE action = before";
-    assert_eq!(count(&url, twice).await, 0);
+    // What all share is judged in the order in which it came, whatever that was.
+    assert_eq!(count(&url, TWICE).await, 0);
     assert!(count(&url, "SELECT count(*) FROM history JOIN gyro ON gyro.id = gyro WHERE serial = 'SHARED'").await > 50);
+}
+
+/// The same where a transaction reads its cells without locking them: what the check above would miss, this one shows.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn without_locks_the_check_fails() {
+    if !cluster::is_there() {
+        return;
+    }
+    let url = cluster::fresh_database().await;
+    let address = url.split_once('@').unwrap().1.split_once('/').unwrap().0.parse().unwrap();
+    let between = Proxy::to(address).await;
+    let through = between.url(&url);
+    let servers = [server_on(&through).await, server_on(&through).await];
+    between.takes_locks_away();
+    let sent = AssertUnwindSafe(sent_by_all(&servers.each_ref(), 8, 12, true)).catch_unwind().await;
+    let verified = verify(&url);
+    let twice = count(&url, TWICE).await;
+    assert!(sent.is_err() || verified.is_err() || twice > 0, "everything is as with locks");
 }

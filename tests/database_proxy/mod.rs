@@ -2,7 +2,7 @@
 #![allow(dead_code, clippy::allow_attributes, reason = "each test file compiles its own copy and uses a part of it")]
 
 use std::net::{Ipv4Addr, SocketAddr};
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -22,6 +22,8 @@ struct State {
     /// Connections up to this one are silent: nothing is handed on, nothing is closed.
     silent_up_to: AtomicU32,
     connections: AtomicU32,
+    /// Whether rows are read without being locked.
+    takes_locks_away: AtomicBool,
     /// How often somebody was asked after the answer before had come.
     questions: AtomicU64,
     answered_bytes: AtomicU64,
@@ -36,6 +38,7 @@ impl Proxy {
             delay: Mutex::new(Duration::ZERO),
             silent_up_to: AtomicU32::new(0),
             connections: AtomicU32::new(0),
+            takes_locks_away: AtomicBool::new(false),
             questions: AtomicU64::new(0),
             answered_bytes: AtomicU64::new(0),
         });
@@ -78,6 +81,11 @@ impl Proxy {
         self.silences_connections();
     }
 
+    /// From now on `FOR UPDATE` is blank.
+    pub fn takes_locks_away(&self) {
+        self.state.takes_locks_away.store(true, Ordering::SeqCst);
+    }
+
     pub fn questions(&self) -> u64 {
         self.state.questions.load(Ordering::SeqCst)
     }
@@ -102,17 +110,20 @@ impl State {
         let (from_database, to_database) = database.into_split();
         let answered = Arc::new(AtomicU64::new(1));
         tokio::join!(
-            self.pass(number, from_client, to_database, |_| {
+            self.pass(number, from_client, to_database, |said| {
                 self.questions.fetch_add(answered.swap(0, Ordering::SeqCst), Ordering::SeqCst);
+                if self.takes_locks_away.load(Ordering::SeqCst) {
+                    without_locks(said);
+                }
             }),
-            self.pass(number, from_database, to_client, |len| {
+            self.pass(number, from_database, to_client, |said| {
                 answered.store(1, Ordering::SeqCst);
-                self.answered_bytes.fetch_add(len as u64, Ordering::SeqCst);
+                self.answered_bytes.fetch_add(said.len() as u64, Ordering::SeqCst);
             }),
         );
     }
 
-    async fn pass(&self, number: u32, mut from: OwnedReadHalf, mut to: OwnedWriteHalf, passed: impl Fn(usize)) {
+    async fn pass(&self, number: u32, mut from: OwnedReadHalf, mut to: OwnedWriteHalf, passed: impl Fn(&mut [u8])) {
         let mut said = vec![0; 1 << 16];
         while let Ok(len @ 1..) = from.read(&mut said).await {
             let due = Instant::now() + *self.delay.lock().unwrap();
@@ -120,7 +131,7 @@ impl State {
             while self.is_silent(number) {
                 tokio::time::sleep(Duration::from_millis(20)).await;
             }
-            passed(len);
+            passed(&mut said[..len]);
             if to.write_all(&said[..len]).await.is_err() {
                 return;
             }
@@ -130,4 +141,11 @@ impl State {
     fn is_silent(&self, number: u32) -> bool {
         number <= self.silent_up_to.load(Ordering::SeqCst)
     }
+}
+
+fn without_locks(said: &mut [u8]) {
+    const LOCK: &[u8] = b"FOR UPDATE";
+    let places: Vec<usize> =
+        said.windows(LOCK.len()).enumerate().filter(|(_, at)| *at == LOCK).map(|(k, _)| k).collect();
+    places.into_iter().for_each(|k| said[k..k + LOCK.len()].fill(b' '));
 }

@@ -158,7 +158,10 @@ fn take_out(fits: &mut [GyroFit], has_sem: bool, shared: &SharedFactors) {
             normal.matrix += left[j].tr_mul(&left[j]) / variances[j];
             normal.right += left[j].tr_mul(&residuals[j]) / variances[j];
         }
-        let Some(Solution { estimate: likely, covariance }) = normal.solve() else { return };
+        let Some(Solution { estimate: likely, covariance }) = normal.solve_beyond(&normal.matrix.diagonal(), 0.0)
+        else {
+            return;
+        };
         let of_gyro = |j: usize| {
             let taken = (&covariance * left[j].tr_mul(&left[j])).trace() / variances[j];
             (&residuals[j] - &left[j] * &likely, taken)

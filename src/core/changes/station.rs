@@ -555,7 +555,7 @@ impl StationCourse {
             let columns: Vec<Vec<f64>> = parts.iter().map(column).collect();
             normal.matrix += gram(&columns);
         }
-        let Some(beside) = normal.solve() else { return };
+        let Some(beside) = normal.solve_beyond(&normal.matrix.diagonal(), 0.0) else { return };
         for (k, (_, common)) in self.taken.iter_mut().enumerate() {
             common.sd *= (normal.matrix[(k, k)] * beside.covariance[(k, k)]).max(1.0).sqrt();
         }

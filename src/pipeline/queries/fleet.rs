@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 
-use super::common_shift::CommonShift;
 use super::entries::fleet_histories;
 use super::found_until::found_until;
 use super::record::Records;
@@ -25,7 +24,7 @@ use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::pipeline::kept::Kept;
 use crate::store;
-use crate::store::head::{DueImus, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
+use crate::store::head::{CalibratedRow, DueImus, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
 use crate::store::{RecordHead, Store, StoreError, Stretch, Table};
 use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
@@ -87,7 +86,7 @@ pub(super) struct KnownOfFleet {
     imus: Kept<usize>,
     pub dues: Kept<[DueImus; 2]>,
     /// Since an instant.
-    pub shifts: Kept<Vec<CommonShift>>,
+    pub calibrated: Kept<Vec<CalibratedRow>>,
     /// What the stations do.
     stations: Kept<Option<Arc<FleetStations>>>,
     /// As it was found last, and how long that took.
@@ -241,7 +240,7 @@ impl Fleet {
         let found = match ranks.is_none() && narrowed == Narrowed::default() {
             true => {
                 let count = async { Ok::<_, StoreError>((count.await?, Span::EVER.to)) };
-                *self.known.imus.at(store::head::version(&self.store), now, count).await?
+                *self.known.imus.at(store::head::version(&self.store), Span::EVER.from, count).await?
             }
             false => count.await?,
         };
@@ -408,7 +407,7 @@ impl Fleet {
     /// [`StorageError`].
     pub async fn station_figures(&self) -> Result<Option<Arc<FleetStations>>, StorageError> {
         let version = store::head::version(&self.store);
-        let found = self.known.stations.at(version, self.clock.now(), self.find_stations()).await?;
+        let found = self.known.stations.at(version, Span::EVER.from, self.find_stations()).await?;
         Ok((*found).clone())
     }
 

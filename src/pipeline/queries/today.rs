@@ -10,7 +10,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::outside_forecasts;
 use crate::pipeline::error::StorageError;
 use crate::store;
-use crate::store::head::DueImus;
+use crate::store::head::{CalibratedRow, DueImus};
 use crate::store::{Store, StoreError};
 use crate::wire::diagnoses::OutsideForecastBody;
 
@@ -74,7 +74,7 @@ pub async fn today(fleet: &Fleet, since: UtcMicros) -> Result<Today, StorageErro
     let worse = store::head::changed(store, since, LINES).await?;
     let approaching = store::head::approaching(store, now, LINES).await?;
     let dues = fleet.known.dues.at(store::head::version(store), now, dues(store, now)).await?;
-    let shifts = fleet.known.shifts.at(store::head::version(store), since, shifts(store, since)).await?;
+    let calibrated = fleet.known.calibrated.at(store::head::version(store), since, calibrated(store, since)).await?;
     let moved = store::head::moved(store, since, MOVED, LINES).await?;
     let (first, of) = outside_forecasts(store, since, LINES).await?;
     let outside = FirstOf { first, of };
@@ -89,7 +89,8 @@ pub async fn today(fleet: &Fleet, since: UtcMicros) -> Result<Today, StorageErro
         let store::head::MovedRow { record, at, gyros, least, .. } = row;
         MovedImu { imu: imu(row.imu), record, at, gyros, least }
     });
-    let shifts = shifts.to_vec();
+    let station = |number: u32| tables.stations.name(number).cloned().unwrap_or_default();
+    let shifts = shifts_of(&calibrated, station);
     Ok(Today { worse, approaching, overdue, due, shifts, moved: moved.collect(), outside })
 }
 
@@ -103,13 +104,11 @@ async fn dues(store: &Store, now: UtcMicros) -> Result<([DueImus; 2], UtcMicros)
     Ok(([overdue, due], next.min(UtcMicros(next_due.0 - (due_by.0 - now.0)))))
 }
 
-/// What the newest calibrations since an instant have in common, and until which instant they are the same.
-async fn shifts(store: &Store, since: UtcMicros) -> Result<(Vec<CommonShift>, UtcMicros), StoreError> {
+/// The newest calibrations since an instant, and until which instant they are the same.
+async fn calibrated(store: &Store, since: UtcMicros) -> Result<(Vec<CalibratedRow>, UtcMicros), StoreError> {
     let newest = store::head::calibrated_since(store, since, None).await?;
-    let first = newest.iter().map(|row| row.at).min().unwrap_or(UtcMicros(i64::MAX));
-    let tables = store.names().read();
-    let station = |station: u32| tables.stations.name(station).cloned().unwrap_or_default();
-    Ok((shifts_of(&newest, station), first))
+    let first = newest.iter().map(|row| row.at).min().unwrap_or(since);
+    Ok((newest, first))
 }
 
 async fn first_of(fleet: &Fleet, (gyros, of): (Vec<u32>, usize)) -> Result<FirstOf<Standing>, StorageError> {

@@ -45,8 +45,16 @@ fn standard_errors_that_do_not_follow_duration_or_time_are_no_effect() {
 fn a_bias_that_wanders_is_noise_with_a_memory() {
     let row = of("flicker_2");
     assert!(wrong(&row) <= 1 && row.noise_said.hits >= COUNT / 2, "{row:?}");
-    let row = of("shared_flicker_2");
-    assert!(wrong(&row) <= 1 && row.noise_said.hits >= COUNT / 2, "{row:?}");
+}
+
+#[test]
+fn gyros_that_wander_together_are_not_so_many_witnesses() {
+    // Each was taken for a warm-up, seen by three.
+    for number in [31, 62, 80] {
+        let simulated = CampaignKind::from_name("shared_flicker_2").unwrap().campaign(90_401, number);
+        let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
+        assert!(answer.effects.is_empty(), "{number}: {:?}", answer.effects);
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gyrowatch::core::bench::BenchMethod;
+use gyrowatch::core::changes::ChangeCause;
 use gyrowatch::core::diagnose::Variable;
 use gyrowatch::core::effects::{CATALOGUE, COMPETITORS};
 use gyrowatch::core::judge::{Event, Rule, Severity, Status, Suggestion, Unseen};
@@ -195,6 +196,7 @@ fn named() -> BTreeSet<String> {
         Variable::ALL.map(Variable::word).to_vec(),
         Suggestion::ALL.map(Suggestion::word).to_vec(),
         Unseen::ALL.map(Unseen::word).to_vec(),
+        ChangeCause::ALL.map(ChangeCause::word).to_vec(),
     ];
     // The macro makes `page_search` of `search`.
     let of_pages = fs::read_to_string(root().join("src/pages/text/words.rs")).unwrap();

@@ -27,7 +27,7 @@ use crate::core::effects::Effect;
 use crate::simulate::Scenario;
 use crate::simulate::cause::{CATALOGUE, listed};
 use crate::simulate::truth::Key;
-use crate::{blindcheck, wire};
+use crate::{blindcheck, wire, words};
 
 /// Draw campaigns with a hidden cause, diagnose them from their file alone, score the answers
 ///
@@ -227,7 +227,7 @@ fn plain(text: &str) -> Result<Answer, String> {
 fn diagnosed(text: &str, hypotheses: &[Effect]) -> Result<Answer, String> {
     let campaign = wire::campaign::parse_json(text.as_bytes()).map_err(|faults| faults.to_string())?;
     let options = Options { hypotheses: hypotheses.to_vec(), ..Options::default() };
-    let diagnosis = diagnose(&campaign, &options).map_err(|refusal| crate::words::asked().words(&refusal.message()))?;
+    let diagnosis = diagnose(&campaign, &options).map_err(|refusal| words::asked().words(&refusal.message()))?;
     let json = serde_json::to_value(wire::diagnosis::DiagnosisBody::from(&diagnosis)).map_err(|e| e.to_string())?;
     serde_json::from_value(json).map_err(|e| e.to_string())
 }

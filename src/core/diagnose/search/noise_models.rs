@@ -97,14 +97,10 @@ impl Found {
 pub(crate) struct Weighed<'a> {
     pub log_weight: f64,
     pub has_memory: bool,
+    pub frame: &'a Frame,
     pub bank: &'a Bank,
-    pub noise: Between<'a>,
-}
-
-/// Noise between gyros.
-pub(crate) enum Between<'a> {
-    Independent(&'a Frame),
-    Shared(Shared),
+    /// What gyros share of the noise; none where it is independent.
+    pub shared: Option<Shared>,
 }
 
 /// The law by which the noise goes, where it is likelier than what is stated, with `found` in the model: the campaign
@@ -188,32 +184,23 @@ impl NoiseModels {
         columns: &[Vec<Vec<f64>>],
         state: impl Fn(&Frame, &Bank) -> State,
     ) -> Vec<Weighed<'a>> {
-        let independent = |log_weight: f64, has_memory: bool, frame: &'a Frame, bank: &'a Bank| Weighed {
-            log_weight,
-            has_memory,
-            bank,
-            noise: Between::Independent(frame),
-        };
-        let mut all = vec![independent(0.0, false, frame, bank)];
+        let mut all = vec![Weighed { log_weight: 0.0, has_memory: false, frame, bank, shared: None }];
         if !self.models.is_empty() {
             let pooled = is_pooled(frame, columns);
             let plain = log_likelihood(frame, columns, pooled);
             for model in &self.models {
                 let log_weight = model.log_odds + log_likelihood(&model.frame, columns, pooled) - plain;
-                all.push(independent(log_weight, model.has_memory(), &model.frame, &model.bank));
+                let (has_memory, frame, bank) = (model.has_memory(), &model.frame, &model.bank);
+                all.push(Weighed { log_weight, has_memory, frame, bank, shared: None });
             }
         }
         // What gyros share may be white or have a memory; a law is each gyro's own.
         if let Some(log_odds) = self.shared {
-            let of_plain = std::iter::once((0.0, false, frame, bank));
-            let with_memory = all.iter().filter(|model| model.has_memory).filter_map(|model| match model.noise {
-                Between::Independent(frame) => Some((model.log_weight, true, frame, model.bank)),
-                Between::Shared(_) => None,
-            });
-            let shared = of_plain.chain(with_memory).filter_map(|(log_weight, has_memory, frame, bank)| {
-                let shared = Shared::of(frame, state(frame, bank));
-                let log_weight = log_weight + log_odds + shared.log_gain;
-                shared.is_of_noise().then_some(Weighed { log_weight, has_memory, bank, noise: Between::Shared(shared) })
+            let may_be_shared = all.iter().take(1).chain(all.iter().skip(1).filter(|model| model.has_memory));
+            let shared = may_be_shared.filter_map(|model| {
+                let shared = Shared::of(model.frame, state(model.frame, model.bank));
+                let log_weight = model.log_weight + log_odds + shared.log_gain;
+                shared.is_of_noise().then_some(Weighed { log_weight, shared: Some(shared), ..*model })
             });
             let shared: Vec<Weighed> = shared.collect();
             all.extend(shared);

@@ -9,7 +9,7 @@ use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::{Score, log_bayes_in, scores, together};
 use crate::core::diagnose::search::choice::{Choice, designs};
 use crate::core::diagnose::search::hypotheses::Bank;
-use crate::core::diagnose::search::noise_models::{Between, NoiseModels, Weighed};
+use crate::core::diagnose::search::noise_models::{NoiseModels, Weighed};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::projections::{Products, State, each_by_itself, state};
 use crate::core::effects::Effect;
@@ -112,9 +112,9 @@ impl Search<'_> {
             return (scores, white);
         }
         let scored = |model: &Weighed| {
-            let scores = match &model.noise {
-                Between::Independent(frame) => independent(frame, model.bank, choices),
-                Between::Shared(shared) => shared.scores(model.bank),
+            let scores = match &model.shared {
+                None => independent(model.frame, model.bank, choices),
+                Some(shared) => shared.scores(model.bank),
             };
             (model.log_weight + if model.has_memory { odds_of_memory } else { 0.0 }, scores)
         };
@@ -463,11 +463,9 @@ impl Search<'_> {
         let (mut total, mut weights) = (LogSum::default(), LogSum::default());
         for model in self.under(before) {
             weights.add(model.log_weight);
-            let log = match &model.noise {
-                Between::Independent(frame) => independent(frame, model.bank),
-                Between::Shared(shared) => {
-                    shared.in_members(model.bank, &model.bank.hypotheses[range.clone()], &choice.members)
-                }
+            let log = match &model.shared {
+                None => independent(model.frame, model.bank),
+                Some(shared) => shared.in_members(model.bank, &model.bank.hypotheses[range.clone()], &choice.members),
             };
             total.add(model.log_weight + log);
         }

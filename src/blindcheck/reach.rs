@@ -53,27 +53,24 @@ impl<'a> Structure<'a> {
 
     fn best(&self, effect: &str, slots: &[String]) -> Option<(f64, Vec<Vec<f64>>)> {
         let shapes = self.shapes(effect)?;
+        // A strong rotation is not linear in its size: the right name explains it as it is.
+        let is_hidden = |cause: &&Cause| cause.label == effect && cause.acts_in_h == ALWAYS;
+        let hidden: Vec<Vec<f64>> =
+            self.causes.iter().filter(is_hidden).flat_map(|cause| self.columns(cause, slots)).collect();
         let tried = shapes.into_iter().map(|coefficients| {
             let mut basis = self.explained.clone();
-            for kind in coefficients {
-                self.columns(effect, kind, slots).into_iter().for_each(|column| extend(&mut basis, column));
-            }
+            let units = coefficients.into_iter().map(|kind| unit(effect, kind));
+            let columns = units.flat_map(|unit| self.columns(&unit, slots)).chain(hidden.iter().cloned());
+            columns.for_each(|column| extend(&mut basis, column));
             (norm(&without(&basis, self.response.clone())), basis)
         });
         tried.min_by(|(a, _), (b, _)| a.total_cmp(b))
     }
 
-    /// Columns of one coefficient: one for a common effect, else one a gyro.
-    fn columns(&self, effect: &str, kind: Mechanism, slots: &[String]) -> Vec<Vec<f64>> {
-        let unit = Cause {
-            label: effect.into(),
-            size: 1e-6,
-            weights: [1.0; 3],
-            kind: CauseKind::Catalogue(kind),
-            acts_in_h: ALWAYS,
-        };
-        let each = self.whitened(std::slice::from_ref(&unit));
-        if COMMON.contains(&effect) {
+    /// Columns of one cause: one for a common effect, else one a gyro.
+    fn columns(&self, cause: &Cause, slots: &[String]) -> Vec<Vec<f64>> {
+        let each = self.whitened(std::slice::from_ref(cause));
+        if COMMON.contains(&cause.label.as_str()) {
             return vec![each.concat()];
         }
         let named = |j: usize| slots.iter().any(|slot| slot == self.world.gyros[j].slot.name());
@@ -114,6 +111,11 @@ impl<'a> Structure<'a> {
     }
 }
 
+/// One coefficient of an effect, small enough to be linear.
+fn unit(effect: &str, kind: Mechanism) -> Cause {
+    Cause { label: effect.into(), size: 1e-6, weights: [1.0; 3], kind: CauseKind::Catalogue(kind), acts_in_h: ALWAYS }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,9 +127,13 @@ mod tests {
     }
 
     fn hidden(effects: &[&str]) -> Simulated {
+        hidden_at(12.0, effects)
+    }
+
+    fn hidden_at(d: f64, effects: &[&str]) -> Simulated {
         let mut scenario = Scenario::default();
         scenario.programme.positions = crate::simulate::programme::Positions::WithTilts;
-        scenario.effects = effects.iter().map(|e| EffectChoice::detectable(e, 12.0)).collect();
+        scenario.effects = effects.iter().map(|e| EffectChoice::detectable(e, d)).collect();
         simulate(&scenario).unwrap()
     }
 
@@ -139,6 +145,15 @@ mod tests {
             assert!((structure.left() - 12.0).abs() < 1e-3, "{id}");
             assert!(structure.left_with(id, &all()).unwrap() < 0.02, "{id}: {:?}", structure.left_with(id, &all()));
             assert!(structure.left_with("scale_cubic", &all()).unwrap() > 10.0, "{id}");
+        }
+    }
+
+    #[test]
+    fn the_right_name_explains_a_strong_rotation_as_well() {
+        for id in ["levelling", "azimuth"] {
+            let simulated = hidden_at(1000.0, &[id]);
+            let left = Structure::of(&simulated).left_with(id, &all()).unwrap();
+            assert!(left < 0.02, "{id}: {left}");
         }
     }
 

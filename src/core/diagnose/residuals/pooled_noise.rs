@@ -11,6 +11,12 @@ pub(crate) struct Scatter {
     pub nu: f64,
 }
 
+impl Scatter {
+    pub fn variance(&self) -> f64 {
+        self.rss / self.nu
+    }
+}
+
 /// Standard deviations by which a gyro's scatter may differ from that of all.
 const ALIKE: f64 = 3.0;
 
@@ -21,7 +27,7 @@ pub(crate) fn pool(gyros: &mut [Scatter]) -> bool {
     let all = gyros
         .iter()
         .fold(Scatter { rss: 0.0, nu: 0.0 }, |sum, own| Scatter { rss: sum.rss + own.rss, nu: sum.nu + own.nu });
-    let alike = |own: &Scatter| ((own.rss / own.nu) / (all.rss / all.nu)).ln().abs() <= ALIKE * (2.0 / own.nu).sqrt();
+    let alike = |own: &Scatter| (own.variance() / all.variance()).ln().abs() <= ALIKE * (2.0 / own.nu).sqrt();
     let pooled = gyros.iter().all(alike);
     if pooled {
         gyros.fill(all);

@@ -34,9 +34,12 @@ pub(crate) struct Score {
 
 /// Scores every kind of the bank.
 pub(crate) fn scores(bank: &Bank, state: &State) -> Vec<Score> {
-    let products = Products::of(bank, state);
-    let seen = products.seen(state);
-    bank.kinds.iter().map(|(kind, range)| score(bank, *kind, range.clone(), &seen)).collect()
+    scores_of(bank, &Products::of(bank, state).seen(state))
+}
+
+/// The same of products with all columns of the bank.
+pub(crate) fn scores_of(bank: &Bank, seen: &[Seen]) -> Vec<Score> {
+    bank.kinds.iter().map(|(kind, range)| score(bank, *kind, range.clone(), seen)).collect()
 }
 
 /// ln of as many entries as may share their evidence.
@@ -157,17 +160,29 @@ impl<'a> Projected<'a> {
                 let own = side.iter().enumerate().map(|(i, b)| b * b / (1.0 + power * block.length(i))).sum::<f64>();
                 (power * own, log_det)
             }
-            Self::Small { gram, side } => {
-                let system = Matrix3::identity() + power * gram;
-                let Some(factor) = system.cholesky() else { return (0.0, log_det) };
-                (power * side.dot(&factor.solve(side)), factor.ln_determinant())
-            }
+            Self::Small { gram, side } => explained_by_few(gram, side, power).unwrap_or((0.0, log_det)),
             Self::Large { block, seen } => {
                 let (explained, change) = explained_by_many(block, power, seen);
                 (explained, log_det + change)
             }
         }
     }
+}
+
+/// As [`Projected::explained`] for a block of at most [`SMALL`] columns: with `1 + g U'U = L D L'` and `y = L^-1 U'r`
+/// it takes `g sum y_i^2/d_i`, and the determinant is the product of the `d_i`. None where rounding leaves no positive
+/// determinant.
+fn explained_by_few(gram: &Matrix3<f64>, side: &Vector3<f64>, power: f64) -> Option<(f64, f64)> {
+    let a = |i: usize, j: usize| power * gram[(i, j)];
+    let d0 = 1.0 + a(0, 0);
+    let (l10, l20) = (a(1, 0) / d0, a(2, 0) / d0);
+    let d1 = 1.0 + a(1, 1) - l10 * a(1, 0);
+    let l21 = (a(2, 1) - l20 * a(1, 0)) / d1;
+    let d2 = 1.0 + a(2, 2) - l20 * a(2, 0) - l21 * l21 * d1;
+    let y1 = side[1] - l10 * side[0];
+    let y2 = side[2] - l20 * side[0] - l21 * y1;
+    let taken = power * (side[0] * side[0] / d0 + y1 * y1 / d1 + y2 * y2 / d2);
+    (d0 > 0.0 && d1 > 0.0 && d2 > 0.0).then(|| (taken, (d0 * d1 * d2).ln()))
 }
 
 /// As [`Projected::explained`] for a block of many columns beside few adopted ones.

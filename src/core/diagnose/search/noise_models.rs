@@ -99,8 +99,10 @@ pub(crate) struct Weighed<'a> {
     pub has_memory: bool,
     pub frame: &'a Frame,
     pub bank: &'a Bank,
-    /// What gyros share of the noise; none where it is independent.
-    pub shared: Option<Shared>,
+    /// The residuals beside what was adopted, each gyro's noise from its own alone.
+    pub state: State,
+    /// The same where gyros share the noise, and the weight of that.
+    pub shared: Option<(f64, Shared)>,
 }
 
 /// The law by which the noise goes, where it is likelier than what is stated, with `found` in the model: the campaign
@@ -176,7 +178,8 @@ impl NoiseModels {
     }
 
     /// The models with the logarithm of the weight of each, the one as stated first; `columns` are the raw columns of
-    /// everything in the model, `state` the residuals that they leave.
+    /// everything in the model, `state` the residuals that they leave. None is dropped here: what weighs nothing without
+    /// a name may be what the name holds under.
     pub fn under<'a>(
         &'a self,
         frame: &'a Frame,
@@ -184,28 +187,24 @@ impl NoiseModels {
         columns: &[Vec<Vec<f64>>],
         state: impl Fn(&Frame, &Bank) -> State,
     ) -> Vec<Weighed<'a>> {
-        let mut all = vec![Weighed { log_weight: 0.0, has_memory: false, frame, bank, shared: None }];
+        // What gyros share may be white or have a memory; a law is each gyro's own.
+        let weighed = |log_weight: f64, kind: Option<NoiseDeparture>, frame: &'a Frame, bank: &'a Bank| {
+            let state = state(frame, bank);
+            let is_law = matches!(kind, Some(NoiseDeparture::Law(_)));
+            let shared = self.shared.filter(|_| !is_law).map(|log_odds| (log_odds, Shared::of(frame, &state)));
+            let shared = shared.filter(|(_, shared)| shared.is_of_noise());
+            let shared = shared.map(|(log_odds, shared)| (log_weight + log_odds + shared.log_gain, shared));
+            Weighed { log_weight, has_memory: kind.is_some() && !is_law, frame, bank, state, shared }
+        };
+        let mut all = vec![weighed(0.0, None, frame, bank)];
         if !self.models.is_empty() {
             let pooled = is_pooled(frame, columns);
             let plain = log_likelihood(frame, columns, pooled);
-            for model in &self.models {
+            all.extend(self.models.iter().map(|model| {
                 let log_weight = model.log_odds + log_likelihood(&model.frame, columns, pooled) - plain;
-                let (has_memory, frame, bank) = (model.has_memory(), &model.frame, &model.bank);
-                all.push(Weighed { log_weight, has_memory, frame, bank, shared: None });
-            }
+                weighed(log_weight, Some(model.kind), &model.frame, &model.bank)
+            }));
         }
-        // What gyros share may be white or have a memory; a law is each gyro's own.
-        if let Some(log_odds) = self.shared {
-            let may_be_shared = all.iter().take(1).chain(all.iter().skip(1).filter(|model| model.has_memory));
-            let shared = may_be_shared.filter_map(|model| {
-                let shared = Shared::of(model.frame, state(model.frame, model.bank));
-                let log_weight = model.log_weight + log_odds + shared.log_gain;
-                shared.is_of_noise().then_some(Weighed { log_weight, shared: Some(shared), ..*model })
-            });
-            let shared: Vec<Weighed> = shared.collect();
-            all.extend(shared);
-        }
-        // None is dropped here: what weighs nothing without a name may be what the name holds under.
         all
     }
 
@@ -215,7 +214,7 @@ impl NoiseModels {
         let plain = log_likelihood(frame, columns, pooled);
         let weigh = |model: &Model| model.log_odds + log_likelihood(&model.frame, columns, pooled) - plain;
         let weights: Vec<f64> = self.models.iter().map(weigh).collect();
-        let shared = self.shared.map(|log_odds| (log_odds, Shared::of(frame, state())));
+        let shared = self.shared.map(|log_odds| (log_odds, Shared::of(frame, &state())));
         let memories: Vec<(f64, &Model)> =
             weights.iter().copied().zip(&self.models).filter(|(_, model)| model.has_memory()).collect();
         let mut without = LogSum::of(&[0.0]);
@@ -245,7 +244,7 @@ fn shared_gain(frame: &Frame, columns: &[Vec<Vec<f64>>]) -> f64 {
         });
         basis.split_off(model)
     });
-    Shared::of(frame, each_by_itself(frame, extras.collect())).log_gain
+    Shared::of(frame, &each_by_itself(frame, extras.collect())).log_gain
 }
 
 /// Sums of squares and degrees of freedom of each gyro with `columns` in the model, and ln det X'V^-1 X.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DMatrixView, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
@@ -17,8 +17,7 @@ pub(crate) struct GyroState {
     pub residual: Vec<f64>,
     /// Sum of squares and degrees of freedom that say how large the noise is: stated errors counted in, and the other
     /// gyros' where they are alike.
-    pub rss: f64,
-    pub nu: f64,
+    pub scatter: Scatter,
 }
 
 /// An IMU's gyros.
@@ -29,12 +28,15 @@ pub(crate) type State = Vec<GyroState>;
 /// The model in use with further columns adopted.
 pub(crate) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
     let mut gyros = each_by_itself(frame, extras);
-    if frame.noise.stated {
-        let mut scatter: Vec<Scatter> = gyros.iter().map(|gyro| Scatter { rss: gyro.rss, nu: gyro.nu }).collect();
-        pool(&mut scatter);
-        gyros.iter_mut().zip(scatter).for_each(|(gyro, scatter)| (gyro.rss, gyro.nu) = (scatter.rss, scatter.nu));
-    }
+    let known = from_one_another(frame, &gyros).into_iter().flatten();
+    gyros.iter_mut().zip(known).for_each(|(gyro, all)| gyro.scatter = all);
     gyros
+}
+
+/// The scatter of each gyro where gyros know their noise from one another; none where each knows its own alone.
+pub(crate) fn from_one_another(frame: &Frame, gyros: &State) -> Option<Vec<Scatter>> {
+    let mut scatter: Vec<Scatter> = gyros.iter().map(|gyro| gyro.scatter).collect();
+    (frame.noise.stated && pool(&mut scatter)).then_some(scatter)
 }
 
 /// As [`state`], with each gyro's noise from its own residuals alone: what one gyro holds is no noise in another.
@@ -49,8 +51,8 @@ pub(crate) fn each_by_itself(frame: &Frame, extras: Vec<Basis>) -> State {
             extra.project_out(&mut residual);
             let dof = (gyro.dof() - extra.rank().min(gyro.dof())) as f64;
             // What lies below rounding is no residual that anything could explain.
-            let Scatter { rss, nu } = frame.noise.with_stated(dot(&residual, &residual).max(rounding * dof), dof);
-            GyroState { rss, nu, residual, extra }
+            let scatter = frame.noise.with_stated(dot(&residual, &residual).max(rounding * dof), dof);
+            GyroState { scatter, residual, extra }
         })
         .collect()
 }
@@ -58,61 +60,73 @@ pub(crate) fn each_by_itself(frame: &Frame, extras: Vec<Basis>) -> State {
 /// As many rows as make the library multiply by blocks and not column by column.
 const BLOCK: usize = 6;
 
-impl GyroState {
-    /// Of every column with the residual, and with the adopted columns: adopted x columns.
-    fn products(&self, columns: DMatrixView<f64>) -> (DVector<f64>, DMatrix<f64>) {
-        let adopted = self.extra.rank();
-        let mut rows = DMatrix::zeros((1 + adopted).max(BLOCK), self.residual.len());
-        rows.row_mut(0).copy_from_slice(&self.residual);
-        for (i, vector) in self.extra.vectors().iter().enumerate() {
-            rows.row_mut(1 + i).copy_from_slice(vector);
-        }
-        let products = rows * columns;
-        (products.row(0).transpose(), products.rows(1, adopted).into_owned())
-    }
-}
-
 /// Products of every column of the bank with residuals and adopted columns.
 pub(crate) struct Products {
     /// Adopted x columns, so that what belongs to one column lies together.
     with_extra: Vec<DMatrix<f64>>,
     with_residual: Vec<DVector<f64>>,
+    /// Gyros x columns of each gyro's bank: with every gyro's residual, what was adopted in the column's gyro taken
+    /// out of it.
+    pub across: Vec<DMatrix<f64>>,
 }
 
 impl Products {
     /// Of every column of the bank.
     pub fn of(bank: &Bank, state: &State) -> Self {
-        let (with_residual, with_extra) =
-            state.iter().zip(&bank.columns).map(|(gyro, c)| gyro.products(c.as_view())).unzip();
-        Self { with_extra, with_residual }
+        Self::of_columns(bank, state, |j| 0..bank.columns[j].ncols())
     }
 
     /// Of the columns of some hypotheses alone; the others' products are left at zero.
     pub fn of_some(bank: &Bank, hypotheses: &[Hypothesis], state: &State) -> Self {
-        let some = state.iter().zip(&bank.columns).enumerate().map(|(j, (gyro, columns))| {
-            let Range { start, end } = columns_of(hypotheses, j);
-            let (own_residual, own_extra) = gyro.products(columns.columns(start, end - start));
-            let mut with_residual = DVector::zeros(columns.ncols());
-            with_residual.rows_mut(start, end - start).copy_from(&own_residual);
-            let mut with_extra = DMatrix::zeros(own_extra.nrows(), columns.ncols());
-            with_extra.columns_mut(start, end - start).copy_from(&own_extra);
-            (with_residual, with_extra)
-        });
-        let (with_residual, with_extra) = some.unzip();
-        Self { with_extra, with_residual }
+        Self::of_columns(bank, state, |j| columns_of(hypotheses, j))
     }
 
-    /// By gyro, the products with the residual sum of squares and the degrees of freedom that go with them.
+    fn of_columns(bank: &Bank, state: &State, of_gyro: impl Fn(usize) -> Range<usize>) -> Self {
+        let mut all = Self { with_extra: Vec::new(), with_residual: Vec::new(), across: Vec::new() };
+        let gyros = state.len();
+        for (j, (gyro, columns)) in state.iter().zip(&bank.columns).enumerate() {
+            let adopted = gyro.extra.rank();
+            let mut rows = DMatrix::zeros((gyros + adopted).max(BLOCK), gyro.residual.len());
+            for (i, other) in state.iter().enumerate() {
+                let mut residual = other.residual.clone();
+                if i != j {
+                    gyro.extra.project_out(&mut residual);
+                }
+                rows.row_mut(i).copy_from_slice(&residual);
+            }
+            for (i, vector) in gyro.extra.vectors().iter().enumerate() {
+                rows.row_mut(gyros + i).copy_from_slice(vector);
+            }
+            let Range { start, end } = of_gyro(j);
+            let products = rows * columns.columns(start, end - start);
+            let placed = |first: usize, count: usize| {
+                let mut placed = DMatrix::zeros(count, columns.ncols());
+                placed.columns_mut(start, end - start).copy_from(&products.rows(first, count));
+                placed
+            };
+            let across = placed(0, gyros);
+            all.with_residual.push(across.row(j).transpose());
+            all.across.push(across);
+            all.with_extra.push(placed(gyros, adopted));
+        }
+        all
+    }
+
+    /// By gyro, the products with the noise that goes with them.
     pub fn seen<'a>(&'a self, state: &State) -> Vec<Seen<'a>> {
-        (0..state.len())
-            .map(|j| Seen {
-                with_residual: self.with_residual[j].as_slice(),
-                with_extra: self.with_extra[j].as_slice(),
-                adopted: self.with_extra[j].nrows(),
-                rss: state[j].rss,
-                nu: state[j].nu,
-            })
-            .collect()
+        self.seen_in(&state.iter().map(|gyro| gyro.scatter).collect::<Vec<_>>())
+    }
+
+    /// By gyro, with the noise that each is held to have.
+    pub fn seen_in<'a>(&'a self, scatter: &[Scatter]) -> Vec<Seen<'a>> {
+        let of_gyro = |(j, scatter): (usize, &Scatter)| Seen {
+            with_residual: self.with_residual[j].as_slice(),
+            with_extra: self.with_extra[j].as_slice(),
+            adopted: self.with_extra[j].nrows(),
+            rss: scatter.rss,
+            nu: scatter.nu,
+        };
+        scatter.iter().enumerate().map(of_gyro).collect()
     }
 }
 

@@ -44,27 +44,30 @@ pub(crate) struct Shared {
     nu: f64,
     /// ln of the odds by which the residuals are likelier under a free covariance than under independent noise.
     pub log_gain: f64,
-    state: State,
-    /// Residuals of all gyros side by side, over the noise where no errors are stated.
+    /// Residuals of all gyros side by side, over `unit`.
     residuals: DMatrix<f64>,
+    /// Their root mean square where no errors are stated.
+    unit: f64,
 }
 
 impl Shared {
     /// Of the residuals under `state`, n x gyros. Where no errors are stated they are first brought to a mean square of
     /// one.
-    pub fn of(frame: &Frame, state: State) -> Self {
+    pub fn of(frame: &Frame, state: &State) -> Self {
         let columns: Vec<DVector<f64>> = state.iter().map(|g| DVector::from_column_slice(&g.residual)).collect();
         let mut residuals = DMatrix::from_columns(&columns);
         let gyros = state.len();
         let dof = |j: usize| frame.gyros[j].dof().saturating_sub(state[j].extra.rank()).max(1) as f64;
         let nu = (0..gyros).map(dof).sum::<f64>() / gyros as f64;
+        let mut unit = 1.0;
         if !frame.noise.stated {
-            let mean_square = residuals.norm_squared() / (nu * gyros as f64);
-            residuals.unscale_mut(mean_square.sqrt().max(f64::MIN_POSITIVE));
+            let mean_square: f64 = residuals.norm_squared() / (nu * gyros as f64);
+            unit = mean_square.sqrt().max(f64::MIN_POSITIVE);
+            residuals.unscale_mut(unit);
         }
         let mut products = Matrix3::zeros();
         products.view_mut((0, 0), (gyros, gyros)).copy_from(&residuals.tr_mul(&residuals));
-        let mut shared = Self { gyros, products, nu, log_gain: 0.0, state, residuals };
+        let mut shared = Self { gyros, products, nu, log_gain: 0.0, residuals, unit };
         shared.log_gain = shared.gain();
         shared
     }
@@ -120,15 +123,18 @@ impl Shared {
         (0..p).map(turned).collect()
     }
 
-    /// Evidence of every kind of the bank.
-    pub fn scores(&self, bank: &Bank) -> Vec<Score> {
-        let products = Products::of(bank, &self.state);
-        let seen = products.seen(&self.state);
-        let across = self.across(bank);
-        bank.kinds.iter().map(|(kind, range)| self.score(bank, *kind, range.clone(), &seen, &across)).collect()
+    /// Evidence of every kind of the bank, from the products of all its columns under the same `state`.
+    pub fn scores(&self, bank: &Bank, state: &State, products: &Products) -> Vec<Score> {
+        let all = self.side_by_side(state, products);
+        bank.kinds.iter().map(|(kind, range)| self.score(bank, *kind, range.clone(), &all)).collect()
     }
 
-    fn score(&self, bank: &Bank, kind: Effect, range: Range<usize>, seen: &[Seen], across: &[DMatrix<f64>]) -> Score {
+    fn side_by_side<'a>(&self, state: &'a State, products: &'a Products) -> SideBySide<'a> {
+        let across = products.across.iter().map(|across| across / self.unit).collect();
+        SideBySide { state, seen: products.seen(state), across }
+    }
+
+    fn score(&self, bank: &Bank, kind: Effect, range: Range<usize>, all: &SideBySide) -> Score {
         let mut score = Score { kind, log_evidence: f64::NEG_INFINITY, best: range.start, gyro_log: [0.0; MAX_GYROS] };
         let mut total = LogSum::default();
         let mut best = f64::NEG_INFINITY;
@@ -136,8 +142,8 @@ impl Shared {
             let hypothesis = &bank.hypotheses[i];
             let log = hypothesis.log_weight
                 + match hypothesis.common {
-                    true => self.common(bank, hypothesis),
-                    false => self.of_sets(hypothesis, seen, across, |_| true),
+                    true => self.common(bank, hypothesis, all.state),
+                    false => self.of_sets(hypothesis, all, |_| true),
                 };
             if log > best {
                 (best, score.best) = (log, i);
@@ -148,55 +154,43 @@ impl Shared {
         for (j, log) in score.gyro_log.iter_mut().enumerate().take(self.gyros) {
             *log = match hypothesis.common {
                 true => best - hypothesis.log_weight,
-                false => self.membership(hypothesis, seen, across, j),
+                false => self.membership(hypothesis, all, j),
             };
         }
         score.log_evidence = total.log();
         score
     }
 
-    /// Evidence of hypotheses in exactly the gyros `members`, one of the equally likely sets.
-    pub fn in_members(&self, bank: &Bank, hypotheses: &[Hypothesis], members: &[bool]) -> f64 {
-        let products = Products::of(bank, &self.state);
-        let seen = products.seen(&self.state);
-        let across = self.across(bank);
+    /// Evidence of hypotheses in exactly the gyros `members`, one of the equally likely sets, from the products of their
+    /// columns.
+    pub fn in_members(
+        &self,
+        bank: &Bank,
+        hypotheses: &[Hypothesis],
+        members: &[bool],
+        state: &State,
+        products: &Products,
+    ) -> f64 {
+        let all = self.side_by_side(state, products);
         let wanted: usize = (0..self.gyros).filter(|&j| members[j]).map(|j| 1 << j).sum();
         let sets = (1 << self.gyros) - 1;
         let mut total = LogSum::default();
         for hypothesis in hypotheses {
             let log = match hypothesis.common {
-                true => self.common(bank, hypothesis),
-                false => self.of_sets(hypothesis, &seen, &across, |set| set == wanted) - f64::from(sets).ln(),
+                true => self.common(bank, hypothesis, state),
+                false => self.of_sets(hypothesis, &all, |set| set == wanted) - f64::from(sets).ln(),
             };
             total.add(hypothesis.log_weight + log);
         }
         total.log()
     }
 
-    /// Gyros x columns of each gyro's bank: products of its columns, those adopted in it projected out, with every
-    /// residual.
-    fn across(&self, bank: &Bank) -> Vec<DMatrix<f64>> {
-        let n = self.residuals.nrows();
-        let of_gyro = |(gyro, columns): (&super::projections::GyroState, &DMatrix<f64>)| {
-            let adopted = gyro.extra.matrix(n);
-            let off = &self.residuals - &adopted * adopted.tr_mul(&self.residuals);
-            off.tr_mul(columns)
-        };
-        self.state.iter().zip(&bank.columns).map(of_gyro).collect()
-    }
-
     /// ln of the mean of B over those sets of gyros that count, and over the powers.
-    fn of_sets(
-        &self,
-        hypothesis: &Hypothesis,
-        seen: &[Seen],
-        across: &[DMatrix<f64>],
-        counts: impl Fn(usize) -> bool,
-    ) -> f64 {
+    fn of_sets(&self, hypothesis: &Hypothesis, all: &SideBySide, counts: impl Fn(usize) -> bool) -> f64 {
         let mut total = LogSum::default();
         let mut count = 0;
         for power in 0..hypothesis.powers.len() {
-            let fitted = self.fitted(hypothesis, power, seen, across);
+            let fitted = self.fitted(hypothesis, power, all);
             for set in (1..1 << self.gyros).filter(|set| counts(*set)) {
                 total.add(fitted.in_set(self, set));
                 count += 1;
@@ -206,10 +200,10 @@ impl Shared {
     }
 
     /// ln of the odds that gyro `j` has it: of the sets that hold it against those that do not.
-    fn membership(&self, hypothesis: &Hypothesis, seen: &[Seen], across: &[DMatrix<f64>], j: usize) -> f64 {
+    fn membership(&self, hypothesis: &Hypothesis, all: &SideBySide, j: usize) -> f64 {
         let (mut with, mut without) = (LogSum::default(), LogSum::default());
         for power in 0..hypothesis.powers.len() {
-            let fitted = self.fitted(hypothesis, power, seen, across);
+            let fitted = self.fitted(hypothesis, power, all);
             without.add(0.0);
             for set in 1..1 << self.gyros {
                 let log = fitted.in_set(self, set);
@@ -219,17 +213,19 @@ impl Shared {
         with.log() - without.log()
     }
 
-    fn fitted(&self, hypothesis: &Hypothesis, power: usize, seen: &[Seen], across: &[DMatrix<f64>]) -> Fitted {
+    fn fitted(&self, hypothesis: &Hypothesis, power: usize, all: &SideBySide) -> Fitted {
         let g = hypothesis.powers[power];
         let mut taken = Matrix3::zeros();
         let mut penalties = [0.0; MAX_GYROS];
-        for (i, (block, seen)) in hypothesis.blocks.iter().zip(seen).enumerate().filter(|(_, (block, _))| block.len > 0)
-        {
-            let (coefficients, penalty) = coefficients(block, seen, g, &across[i], i);
+        for (i, (block, seen)) in hypothesis.blocks.iter().zip(&all.seen).enumerate() {
+            if block.len == 0 {
+                continue;
+            }
+            let across = &all.across[i];
+            let (coefficients, penalty) = coefficients(block, seen, g, across, i);
             penalties[i] = penalty;
             for j in 0..self.gyros {
-                let along: f64 =
-                    coefficients.iter().enumerate().map(|(c, x)| x * across[i][(j, block.start + c)]).sum();
+                let along: f64 = coefficients.iter().enumerate().map(|(c, x)| x * across[(j, block.start + c)]).sum();
                 taken[(i, j)] += 0.5 * along;
                 taken[(j, i)] += 0.5 * along;
             }
@@ -240,7 +236,7 @@ impl Shared {
     }
 
     /// ln B of coefficients that all gyros share: generalised least squares with the covariance that they leave.
-    fn common(&self, bank: &Bank, hypothesis: &Hypothesis) -> f64 {
+    fn common(&self, bank: &Bank, hypothesis: &Hypothesis, state: &State) -> f64 {
         let p = self.gyros;
         let n = self.residuals.nrows();
         let Some(size) = hypothesis.blocks.iter().map(|block| block.len).max().filter(|len| *len > 0) else {
@@ -252,7 +248,7 @@ impl Shared {
                 return DMatrix::zeros(n, size);
             }
             let columns = bank.columns[i].columns(block.start, size);
-            let adopted = self.state[i].extra.matrix(n);
+            let adopted = state[i].extra.matrix(n);
             columns - &adopted * adopted.tr_mul(&columns)
         };
         let columns: Vec<DMatrix<f64>> = (0..p).map(off).collect();
@@ -328,6 +324,14 @@ fn ln_gamma_of_matrix(p: usize, a: f64) -> f64 {
     let dimension = p as f64;
     let of_each: f64 = (0..p).map(|i| ln_gamma(a - 0.5 * i as f64)).sum();
     0.25 * dimension * (dimension - 1.0) * std::f64::consts::PI.ln() + of_each
+}
+
+/// What the evidence of gyros that share noise is made of.
+struct SideBySide<'a> {
+    state: &'a State,
+    seen: Vec<Seen<'a>>,
+    /// [`Products::across`] over the unit of the residuals.
+    across: Vec<DMatrix<f64>>,
 }
 
 /// A hypothesis fitted in every gyro.

@@ -6,12 +6,12 @@ use std::rc::Rc;
 
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::bayes_factor::{Score, log_bayes_in, scores, together};
+use crate::core::diagnose::search::bayes_factor::{Score, log_bayes_in, scores, scores_of, together};
 use crate::core::diagnose::search::choice::{Choice, designs};
 use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::noise_models::{NoiseModels, Weighed};
 use crate::core::diagnose::search::null_distribution::Null;
-use crate::core::diagnose::search::projections::{Products, State, each_by_itself, state};
+use crate::core::diagnose::search::projections::{Products, State, each_by_itself, from_one_another, state};
 use crate::core::effects::Effect;
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::log_sum::LogSum;
@@ -43,8 +43,22 @@ const PAIR_STARTS: usize = 10;
 const PAIR_START: f64 = 1.0;
 const POLISH: f64 = 12.0;
 
-/// Scores that have been computed, by what had been adopted: hypotheses in their order, and their members.
-pub(crate) type Known = RefCell<HashMap<Vec<(usize, Vec<bool>)>, Rc<[Score]>>>;
+/// Hypotheses in the order of their adoption, and their members.
+type Adopted = Vec<(usize, Vec<bool>)>;
+
+/// Scores that have been computed, by what had been adopted: over all that the noise may be, and under each model.
+#[derive(Default)]
+pub(crate) struct Known {
+    scores: RefCell<HashMap<Adopted, Rc<[Score]>>>,
+    under_each: RefCell<HashMap<Adopted, Rc<[Scored]>>>,
+}
+
+/// Every kind under one model of the noise, with the logarithm of its weight.
+struct Scored {
+    log_weight: f64,
+    has_memory: bool,
+    scores: Vec<Score>,
+}
 
 pub(crate) struct Search<'a> {
     pub frame: &'a Frame,
@@ -82,57 +96,55 @@ impl Search<'_> {
 
     /// Evidence of every kind given `choices`, with prior odds.
     pub fn scores(&self, choices: &[Choice]) -> Rc<[Score]> {
-        let key: Vec<_> = choices.iter().map(|choice| (choice.hypothesis, choice.members.clone())).collect();
-        if let Some(known) = self.known.borrow().get(&key) {
-            return Rc::clone(known);
-        }
-        let scores: Rc<[Score]> = self.computed(choices, 0.0).into();
-        self.known.borrow_mut().insert(key, Rc::clone(&scores));
-        scores
+        kept(&self.known.scores, choices, || self.computed(choices, 0.0))
     }
 
     /// The same where noise with a memory has these odds (ln) more.
     fn computed(&self, choices: &[Choice], odds_of_memory: f64) -> Vec<Score> {
-        let (mut scores, white) = self.over_all_noise(choices, odds_of_memory);
+        let all = kept(&self.known.under_each, choices, || self.under_each(choices));
+        let weight = |model: &Scored| model.log_weight + if model.has_memory { odds_of_memory } else { 0.0 };
+        let mut weights = LogSum::default();
+        all.iter().for_each(|model| weights.add(weight(model)));
+        let of_kind = |k: usize| {
+            let (mut sum, mut best) = (LogSum::default(), (f64::NEG_INFINITY, &all[0].scores[k]));
+            for model in all.iter() {
+                let log = weight(model) + model.scores[k].log_evidence;
+                sum.add(log);
+                if log > best.0 {
+                    best = (log, &model.scores[k]);
+                }
+            }
+            Score { log_evidence: sum.log() - weights.log(), ..best.1.clone() }
+        };
+        let mut scores: Vec<Score> = (0..self.bank.kinds.len()).map(of_kind).collect();
         for score in &mut scores {
             if !score.kind.is_nameable() {
                 score.log_evidence += SUSPECT_ODDS;
             }
         }
-        self.weigh(choices, &mut scores, &white);
+        let as_stated: Vec<f64> = all[0].scores.iter().map(|score| score.log_evidence).collect();
+        self.weigh(choices, &mut scores, &as_stated);
         scores
     }
 
-    /// Evidence of every kind, over all that the noise may be, and where it is as stated.
-    fn over_all_noise(&self, choices: &[Choice], odds_of_memory: f64) -> (Vec<Score>, Vec<f64>) {
-        let evidence = |scores: &[Score]| scores.iter().map(|score| score.log_evidence).collect();
+    /// Evidence of every kind under each model of the noise, that as stated first.
+    fn under_each(&self, choices: &[Choice]) -> Vec<Scored> {
         if self.noise.is_empty() {
             let scores = scores(self.bank, &self.state(choices));
-            let white = evidence(&scores);
-            return (scores, white);
+            return vec![Scored { log_weight: 0.0, has_memory: false, scores }];
         }
-        let scored = |model: &Weighed| {
-            let scores = match &model.shared {
-                None => independent(model.frame, model.bank, choices),
-                Some(shared) => shared.scores(model.bank),
-            };
-            (model.log_weight + if model.has_memory { odds_of_memory } else { 0.0 }, scores)
-        };
-        let all: Vec<(f64, Vec<Score>)> = self.under(choices).iter().map(scored).collect();
-        let mut weights = LogSum::default();
-        all.iter().for_each(|(weight, _)| weights.add(*weight));
-        let of_kind = |k: usize| {
-            let (mut sum, mut best) = (LogSum::default(), (f64::NEG_INFINITY, &all[0].1[k]));
-            for (weight, scores) in &all {
-                let log = weight + scores[k].log_evidence;
-                sum.add(log);
-                if log > best.0 {
-                    best = (log, &scores[k]);
-                }
+        let mut all = Vec::new();
+        for model in self.under(choices) {
+            let Weighed { log_weight, has_memory, bank, state, .. } = &model;
+            let products = Products::of(bank, state);
+            let scores = independent(&model, &products);
+            all.push(Scored { log_weight: *log_weight, has_memory: *has_memory, scores });
+            if let Some((log_weight, shared)) = &model.shared {
+                let scores = shared.scores(bank, state, &products);
+                all.push(Scored { log_weight: *log_weight, has_memory: *has_memory, scores });
             }
-            Score { log_evidence: sum.log() - weights.log(), ..best.1.clone() }
-        };
-        ((0..self.bank.kinds.len()).map(of_kind).collect(), evidence(&all[0].1))
+        }
+        all
     }
 
     /// Evidence of one kind beside `choices` where the noise is white and each gyro knows its own alone.
@@ -325,7 +337,8 @@ impl Search<'_> {
         let power = |r: &[f64]| dot(r, r);
         let left = each_by_itself(self.frame, self.extras(others));
         let gyros = self.frame.gyros.iter().zip(&left);
-        let taken: f64 = gyros.map(|(g, left)| (power(&g.residual) - power(&left.residual)) * left.nu / left.rss).sum();
+        let taken: f64 =
+            gyros.map(|(g, left)| (power(&g.residual) - power(&left.residual)) / left.scatter.variance()).sum();
         self.threshold.beside + 0.5 * MISSED * MISSED * taken
     }
 
@@ -447,28 +460,21 @@ impl Search<'_> {
     /// another's evidence stronger.
     fn in_members(&self, before: &[Choice], choice: &Choice) -> f64 {
         let Some((_, range)) = self.bank.kinds.iter().find(|(kind, _)| *kind == choice.kind) else { return 0.0 };
-        let independent = |frame: &Frame, bank: &Bank| {
+        let (mut total, mut weights) = (LogSum::default(), LogSum::default());
+        for Weighed { log_weight, bank, state, shared, .. } in self.under(before) {
             let hypotheses = &bank.hypotheses[range.clone()];
-            let state = each_by_itself(frame, extras(bank, before));
             let products = Products::of_some(bank, hypotheses, &state);
             let seen = products.seen(&state);
-            let mut total = LogSum::default();
-            hypotheses.iter().for_each(|hypothesis| total.add(log_bayes_in(hypothesis, &choice.members, &seen)));
-            total.log()
-        };
+            let mut independent = LogSum::default();
+            hypotheses.iter().for_each(|hypothesis| independent.add(log_bayes_in(hypothesis, &choice.members, &seen)));
+            weights.add(log_weight);
+            total.add(log_weight + independent.log());
+            if let Some((log_weight, shared)) = shared {
+                weights.add(log_weight);
+                total.add(log_weight + shared.in_members(bank, hypotheses, &choice.members, &state, &products));
+            }
+        }
         let odds = if choice.kind.is_nameable() { 0.0 } else { SUSPECT_ODDS };
-        if self.noise.is_empty() {
-            return independent(self.frame, self.bank) + odds;
-        }
-        let (mut total, mut weights) = (LogSum::default(), LogSum::default());
-        for model in self.under(before) {
-            weights.add(model.log_weight);
-            let log = match &model.shared {
-                None => independent(model.frame, model.bank),
-                Some(shared) => shared.in_members(model.bank, &model.bank.hypotheses[range.clone()], &choice.members),
-            };
-            total.add(model.log_weight + log);
-        }
         total.log() - weights.log() + odds
     }
 }
@@ -479,16 +485,32 @@ const STRONG: f64 = 25.0;
 /// Evidence under noise that gyros do not share. Where gyros know their noise from one another, what a strong effect
 /// leaves in the others counts as noise to each, and its evidence falls short of the likelihoods that it is weighed
 /// with: there each gyro has its own.
-fn independent(frame: &Frame, bank: &Bank, choices: &[Choice]) -> Vec<Score> {
-    let pooled = scores(bank, &state(frame, extras(bank, choices)));
+fn independent(model: &Weighed, products: &Products) -> Vec<Score> {
+    let own = || scores_of(model.bank, &products.seen(&model.state));
+    let Some(known) = from_one_another(model.frame, &model.state) else { return own() };
+    let pooled = scores_of(model.bank, &products.seen_in(&known));
     if pooled.iter().all(|score| score.log_evidence < STRONG) {
         return pooled;
     }
-    let own = scores(bank, &each_by_itself(frame, extras(bank, choices)));
     let stronger = |(pooled, own): (Score, Score)| {
         if own.log_evidence > STRONG.max(pooled.log_evidence) { own } else { pooled }
     };
-    pooled.into_iter().zip(own).map(stronger).collect()
+    pooled.into_iter().zip(own()).map(stronger).collect()
+}
+
+/// What `known` holds beside `choices`, computed where it does not yet.
+fn kept<T>(
+    known: &RefCell<HashMap<Adopted, Rc<[T]>>>,
+    choices: &[Choice],
+    compute: impl FnOnce() -> Vec<T>,
+) -> Rc<[T]> {
+    let key: Adopted = choices.iter().map(|choice| (choice.hypothesis, choice.members.clone())).collect();
+    if let Some(known) = known.borrow().get(&key) {
+        return Rc::clone(known);
+    }
+    let computed: Rc<[T]> = compute().into();
+    known.borrow_mut().insert(key, Rc::clone(&computed));
+    computed
 }
 
 /// Orthonormal columns of the choices in each gyro.

@@ -42,6 +42,10 @@ pub enum TimeDoubt {
     FarFromOthers { nearest: UtcMicros },
 }
 
+/// By whom, and the code of why, earlier records are set aside that [`TimeDoubt::FarFromOthers`] casts doubt on.
+pub const SERVICE: &str = "gyrowatch";
+pub const EARLIER_IN_DOUBT: &str = "earlier_in_doubt";
+
 /// A stored record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedRecord {

@@ -23,6 +23,7 @@ use crate::wire::alert::AlertBody;
 use crate::wire::cursor::List;
 use crate::wire::problem::Problem;
 use crate::wire::{alert_csv, json, text, time};
+use crate::words::asked;
 
 const DEFAULT_ALERTS: usize = 100;
 const MOST_ALERTS: usize = 10_000;
@@ -141,6 +142,7 @@ struct StepBody {
 impl From<AlertStep> for StepBody {
     fn from(step: AlertStep) -> Self {
         let AlertStep { id, at, action, told, author, reason, alert } = step;
+        let reason = reason.map(|reason| asked().words(&reason));
         Self { id: id.to_string(), at: time::format(at), action, told, by: author, reason, alert }
     }
 }

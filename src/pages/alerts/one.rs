@@ -45,7 +45,8 @@ pub(in crate::pages) async fn page(
             tbody { @for step in record.steps.iter().rev() {
                 @let event = ended_by(step, &events);
                 @let author = step.author.as_deref().or(event.and_then(|event| event.author.as_deref()));
-                @let reason = step.reason.as_deref().or(event.map(|event| event.reason.as_str()));
+                @let reason = step.reason.as_ref().map(|reason| t.words(reason));
+                @let reason = reason.as_deref().or(event.map(|event| event.reason.as_str()));
                 tr {
                     td { (instant(step.at)) }
                     td { (t.alert_step(&step.action)) }

@@ -21,9 +21,12 @@ use super::error::StorageError;
 use super::write_queue::{Job, WriteQueue};
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
+use crate::core::history_note::{EARLIER_IN_DOUBT, SERVICE};
 use crate::core::id::Id;
 use crate::core::judge::Severity;
+use crate::core::message::Message;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::kept::Kept;
 use crate::store;
 use crate::store::{AlertRow, StepRow, Store, StoreError};
@@ -56,7 +59,7 @@ pub struct AlertStep {
     pub action: String,
     pub told: bool,
     pub author: Option<String>,
-    pub reason: Option<String>,
+    pub reason: Option<Message>,
     /// The alert as it then was.
     pub alert: AlertBody,
 }
@@ -192,6 +195,10 @@ impl Alerts {
             let alert = serde_json::from_str(&step.body)
                 .map_err(|error| StoreError::Damaged(format!("step {} of alert {id}: {error}", step.id)))?;
             let StepRow { id, at, action, told, author, reason, .. } = step;
+            let reason = reason.map(|reason| match (author.as_deref(), reason.as_str()) {
+                (Some(SERVICE), EARLIER_IN_DOUBT) => message!("earlier_in_doubt"),
+                _ => Message::verbatim(reason),
+            });
             Ok(AlertStep { id, at, action, told, author, reason, alert })
         });
         let steps = steps.collect::<Result<_, StoreError>>()?;

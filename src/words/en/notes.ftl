@@ -45,6 +45,7 @@ nominal_axis = { $slot }: the campaign does not determine E; the nominal input a
 
 time_near_epoch = the time is near { $epoch }, where clocks that were never set begin: set aside until the time is confirmed
 time_far_from_others = the time is decades from the other records of its gyros (nearest: { $nearest }): set aside until the time is confirmed
+earlier_in_doubt = earlier records were set aside: their time is in doubt
 others_set_aside = earlier records are decades before this one and were set aside until their times are confirmed: { $records }
 record_of_day = { $record } ({ $day })
 suspect = what { $station } measured at that time is suspect ({ $author }: { $reason }): set aside until somebody confirms it

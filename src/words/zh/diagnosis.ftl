@@ -96,7 +96,7 @@ needed_for_g_rate_coupling = 每个转轴正、反朝上各一次
 needed_for_temperature_bias = 变化过程不同于时间的温度数据
 needed_for_temperature_g = 在每组同类姿态之内都有变化的温度数据
 needed_for_temperature_scale = 温度数据与速率测点
-needed_for_ones_own = 使其方程与模型已有各项不同的驻留段
+needed_for_ones_own = 使其方程与模型已有各项不同的测点
 
 ## Signs that more remains
 

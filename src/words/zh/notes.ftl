@@ -41,6 +41,7 @@ nominal_axis = { $slot }：本次试验不能确定E；采用标称输入轴与{
 
 time_near_epoch = 时间接近{ $epoch }，即未校时时钟的起点：暂不计入，待确认时间
 time_far_from_others = 时间与其陀螺的其他记录相差数十年（最近的记录为{ $nearest }）：暂不计入，待确认时间
+earlier_in_doubt = 更早的记录时间存疑，已暂不计入
 others_set_aside = 更早的记录比本记录早数十年，已暂不计入，待确认其时间：{ $records }
 record_of_day = { $record }（{ $day }）
 suspect = { $station }在该时段的测量存疑（{ $author }：{ $reason }）：暂不计入，待人工确认

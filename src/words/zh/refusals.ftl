@@ -241,6 +241,7 @@ not_http = 该处应答的不是HTTP
 no_such_name = 没有这个名称
 no_name_server = 没有域名服务器答复本机
 stored_message_unreadable = 存储的消息无法读取：{ $why }
+stored_message_empty = 其中没有告警
 end_of_what_was_never_told = 目标从未收到该告警，因此不发送其结束消息
 header_control_character = 请求头含有控制字符
 

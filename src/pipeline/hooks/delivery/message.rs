@@ -12,7 +12,7 @@ use crate::alert::{AlertTransition, HookEvent, HookKind, HookMessage};
 use crate::core::alert_decision::Action;
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
-use crate::core::message::text;
+use crate::core::message::{Message, sent};
 use crate::core::time::UtcMicros;
 use crate::pipeline::hooks::{Attempted, webhook_id};
 use crate::store::{DeliverySubject, DueDelivery, HookRow, Progress};
@@ -62,7 +62,7 @@ impl DeliveryContext {
             }
             Ok(None) => unsent(DeliveryOutcome::Needless, Some(message!("end_of_what_was_never_told"))),
             Err(why) => {
-                let detail = message!("stored_message_unreadable", why = text(why));
+                let detail = message!("stored_message_unreadable", why);
                 unsent(DeliveryOutcome::Failed { retry_after: None }, Some(detail))
             }
         }
@@ -92,18 +92,18 @@ impl DeliveryContext {
 
 /// What a delivery tells, as the target has to hear it: what it never took begins, and does not end. None where
 /// nothing is left.
-fn message(due: &DueDelivery, never_taken: &HashSet<Id>) -> Result<Option<HookMessage>, String> {
+fn message(due: &DueDelivery, never_taken: &HashSet<Id>) -> Result<Option<HookMessage>, Message> {
     let id = webhook_id(due.id, due.subject);
     let at = due.at.unwrap_or(due.queued_at);
     if due.subject == DeliverySubject::Test {
         return Ok(Some(HookMessage { id, at, event: HookEvent::Test }));
     }
     if due.content.is_empty() {
-        return Err("there is nothing that it tells of".to_owned());
+        return Err(message!("stored_message_empty"));
     }
     let changes = due.content.iter().map(|(action, body)| {
-        let action = Action::from_name(action).ok_or_else(|| format!("unknown action {action:?}"))?;
-        let alert: AlertBody = serde_json::from_str(body).map_err(|error| error.to_string())?;
+        let action = Action::from_name(action).ok_or_else(|| message!("not_done_to_alerts", action = sent(action)))?;
+        let alert: AlertBody = serde_json::from_str(body).map_err(Message::verbatim)?;
         let is_news = alert.id.parse().is_ok_and(|id| never_taken.contains(&id));
         Ok(match action {
             Action::Resolve if is_news => None,
@@ -111,12 +111,12 @@ fn message(due: &DueDelivery, never_taken: &HashSet<Id>) -> Result<Option<HookMe
             _ => Some(AlertTransition { action, alert }),
         })
     });
-    let changes: Vec<AlertTransition> = changes.filter_map(Result::transpose).collect::<Result<_, String>>()?;
+    let changes: Vec<AlertTransition> = changes.filter_map(Result::transpose).collect::<Result<_, Message>>()?;
     if changes.is_empty() {
         return Ok(None);
     }
     let event = match &due.digest {
-        Some(counts) => HookEvent::Digest(serde_json::from_str(counts).map_err(|error| error.to_string())?, changes),
+        Some(counts) => HookEvent::Digest(serde_json::from_str(counts).map_err(Message::verbatim)?, changes),
         None => HookEvent::Alerts(changes),
     };
     Ok(Some(HookMessage { id, at, event }))

@@ -7,7 +7,9 @@ use super::context::Admission;
 use super::group::Group;
 use super::lookup::Lookup;
 use super::memory::{Around, Remembered};
-use crate::core::history_note::{FAR_DAYS, HistoryNote, NameKind, NamedRecord, Seat, TimeDoubt, doubt};
+use crate::core::history_note::{
+    EARLIER_IN_DOUBT, FAR_DAYS, HistoryNote, NameKind, NamedRecord, SERVICE, Seat, TimeDoubt, doubt,
+};
 use crate::core::id::Id;
 use crate::core::note::Note;
 use crate::core::own_history::{Looked, Shown, against_histories};
@@ -42,10 +44,6 @@ struct Known<'a> {
     around: Around,
     budget: f64,
 }
-
-/// Who sets earlier records aside, and why, where nobody has said so.
-const SERVICE: &str = "gyrowatch";
-const EARLIER_IN_DOUBT: &str = "the time of earlier records is in doubt: they are set aside";
 
 impl Known<'_> {
     fn shown(&self) -> Shown {

@@ -39,14 +39,23 @@ pub struct Mailer {
 
 /// Why no e-mail can be sent.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum MailError {
     /// The text may hold a password.
-    #[error("must be smtps://user:password@host:port, or smtp://host:port?tls=required")]
     Address,
-    #[error("must be an address such as gyrowatch@lab.example")]
     From,
-    #[error("the certificates of the authority cannot be used: {0}")]
     Authority(Error),
+}
+
+impl MailError {
+    /// The reason as a code with parameters.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Address => message!("config_mail_server"),
+            Self::From => message!("config_mail_from"),
+            Self::Authority(why) => message!("config_mail_authority", why = text(why)),
+        }
+    }
 }
 
 /// Why an e-mail was not handed over.

@@ -3,7 +3,10 @@
 use serde::Deserialize;
 
 use super::ConfigError;
+use super::error::between;
 use crate::core::alert_decision::Policy;
+use crate::core::message::{Message, text};
+use crate::message;
 
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -22,21 +25,24 @@ impl AlertsConfig {
     }
 
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        let wrong = |key: &str, detail: String| Err(ConfigError::Key { key: format!("alerts.{key}"), detail });
+        let wrong = |key: &str, fault: Message| Err(ConfigError::of(format!("alerts.{key}"), fault));
         if !(self.repeat_days.is_finite() && self.repeat_days > 0.0) {
-            return wrong("repeat_days", format!("must be positive, is {}", self.repeat_days));
+            return wrong("repeat_days", message!("not_positive", value = text(self.repeat_days)));
         }
         if !(0.0..=1.0).contains(&self.resolve_below) {
-            return wrong("resolve_below", format!("must lie between 0 and 1, is {}", self.resolve_below));
+            return wrong("resolve_below", between(0.0, 1.0, self.resolve_below));
         }
         if self.resolve_after == 0 {
-            return wrong("resolve_after", "must be at least 1".into());
+            return wrong(
+                "resolve_after",
+                message!("config_at_least", least = 1_usize, value = text(self.resolve_after)),
+            );
         }
         if !(0.01..=86400.0).contains(&self.tick_s) {
-            return wrong("tick_s", format!("must lie between 0.01 and 86400, is {}", self.tick_s));
+            return wrong("tick_s", between(0.01, 86400.0, self.tick_s));
         }
         if !(self.backfill_days.is_finite() && self.backfill_days >= 0.0) {
-            return wrong("backfill_days", format!("must be 0 or more, is {}", self.backfill_days));
+            return wrong("backfill_days", message!("config_negative", value = text(self.backfill_days)));
         }
         Ok(())
     }

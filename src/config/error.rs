@@ -1,9 +1,35 @@
 //! What is wrong with a configuration.
 
+use crate::core::message::{Message, text};
+use crate::message;
+
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum ConfigError {
-    #[error("configuration cannot be read: {0}")]
-    Unreadable(#[from] config::ConfigError),
-    #[error("configuration key {key}: {detail}")]
-    Key { key: String, detail: String },
+    Unreadable(String),
+    Key { key: String, fault: Message },
+}
+
+impl ConfigError {
+    pub(super) fn of(key: impl Into<String>, fault: Message) -> Self {
+        Self::Key { key: key.into(), fault }
+    }
+
+    /// What is wrong, as a code with parameters.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Unreadable(why) => message!("config_unreadable", why = why.clone()),
+            Self::Key { key, fault } => message!("config_key", key = key.clone(), fault = fault.clone()),
+        }
+    }
+}
+
+impl From<config::ConfigError> for ConfigError {
+    fn from(why: config::ConfigError) -> Self {
+        Self::Unreadable(why.to_string())
+    }
+}
+
+pub(super) fn between(least: f64, most: f64, value: f64) -> Message {
+    message!("config_between", least = text(least), most = text(most), value = text(value))
 }

@@ -7,11 +7,14 @@ use ipnet::IpNet;
 use serde::Deserialize;
 
 use super::ConfigError;
+use super::error::between;
 use super::values::{networks, numbers};
 use crate::alert::deliver::AttemptLimits;
 use crate::alert::ladder::{LONGEST_WAIT, Ladder};
 use crate::alert::mail::{MailError, Mailer};
+use crate::core::message::{sent, text};
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::system::Proxies;
 
 #[derive(Debug, Clone, Deserialize)]
@@ -84,8 +87,8 @@ impl HooksConfig {
             if value > 0.0 && value <= most {
                 return Ok(());
             }
-            let detail = format!("must be above 0 and at most {most}, is {value}");
-            Err(ConfigError::Key { key: format!("hooks.{key}"), detail })
+            let fault = message!("config_above_0", most = text(most), value = text(value));
+            Err(ConfigError::of(format!("hooks.{key}"), fault))
         };
         within("attempt_timeout_s", self.attempt_timeout_s, LONGEST_ATTEMPT_S)?;
         within("connect_timeout_s", self.connect_timeout_s, self.attempt_timeout_s)?;
@@ -96,20 +99,20 @@ impl HooksConfig {
             within(&format!("retry_waits_s[{i}]"), *wait, LONGEST_WAIT.as_secs_f64())?;
         }
         if !(0.0..=24.0 * 365.0).contains(&self.old_secret_hours) {
-            let detail = format!("must lie between 0 and a year, is {}", self.old_secret_hours);
-            return Err(ConfigError::Key { key: "hooks.old_secret_hours".into(), detail });
+            let fault = between(0.0, 24.0 * 365.0, self.old_secret_hours);
+            return Err(ConfigError::of("hooks.old_secret_hours", fault));
         }
-        if let Err(detail) = Proxies::parse(&self.proxy) {
-            return Err(ConfigError::Key { key: "hooks.proxy".into(), detail: detail.to_owned() });
+        // It may hold a password, so that it is not repeated.
+        if Proxies::parse(&self.proxy).is_err() {
+            return Err(ConfigError::of("hooks.proxy", message!("config_proxy")));
         }
         if let Err(error) = self.mailer(None) {
             let key = if matches!(error, MailError::From) { "hooks.mail_from" } else { "hooks.smtp_url" };
-            return Err(ConfigError::Key { key: key.into(), detail: error.to_string() });
+            return Err(ConfigError::of(key, error.message()));
         }
         match self.external_url() {
             Some(url) if !(url.starts_with("http://") || url.starts_with("https://")) => {
-                let detail = format!("must begin with http:// or https://, is {url}");
-                Err(ConfigError::Key { key: "hooks.external_url".into(), detail })
+                Err(ConfigError::of("hooks.external_url", message!("config_http", value = sent(url))))
             }
             _ => Ok(()),
         }

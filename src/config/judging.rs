@@ -5,12 +5,14 @@ use serde::Deserialize;
 
 use crate::core::judge::limits::{DriftLimits, Limit, LimitKey, Limits, Requirement};
 use crate::core::judge::{NoiseParameters, Verdict, requirement};
+use crate::core::message::{Message, text};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::name::{Name, normal_form};
 use crate::core::separate::JudgedMethod;
-use crate::words::Language;
+use crate::message;
 
 use super::ConfigError;
+use super::error::between;
 use super::requirement::SlotRequirements;
 use super::rules::{OverriddenCoefficient, RuleKeys};
 
@@ -165,48 +167,49 @@ impl Judging {
     }
 
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        let wrong = |key: String, detail: String| Err(ConfigError::Key { key, detail });
+        let wrong = |key: String, fault: Message| Err(ConfigError::of(key, fault));
+        let negative = |value: f64| message!("config_negative", value = text(value));
         if !(self.confidence > 0.5 && self.confidence < 1.0) {
-            return wrong("judging.confidence".into(), format!("must lie between 0.5 and 1, is {}", self.confidence));
+            return wrong("judging.confidence".into(), between(0.5, 1.0, self.confidence));
         }
         if !(0.0..1.0).contains(&self.noise.phi) {
-            return wrong("judging.noise.phi".into(), format!("must lie from 0 to below 1, is {}", self.noise.phi));
+            return wrong("judging.noise.phi".into(), message!("config_from_0_below_1", value = text(self.noise.phi)));
         }
         if !(self.noise.walk.is_finite() && self.noise.walk >= 0.0) {
-            return wrong("judging.noise.walk".into(), format!("must not be negative, is {}", self.noise.walk));
+            return wrong("judging.noise.walk".into(), negative(self.noise.walk));
         }
         for (key, sd) in [("d_i", self.between_stations.d_i), ("d_s", self.between_stations.d_s)] {
             if !(sd.is_finite() && sd >= 0.0) {
-                return wrong(format!("judging.between_stations.{key}"), format!("must not be negative, is {sd}"));
+                return wrong(format!("judging.between_stations.{key}"), negative(sd));
             }
         }
         if self.range_min_records < 2 {
-            return wrong("judging.range_min_records".into(), "must be at least 2".into());
+            return wrong(
+                "judging.range_min_records".into(),
+                message!("config_at_least", least = 2_usize, value = text(self.range_min_records)),
+            );
         }
-        if let Some((key, detail)) = self.rules.fault() {
-            return wrong(format!("judging.rules.{key}"), detail);
+        if let Some((key, fault)) = self.rules.fault() {
+            return wrong(format!("judging.rules.{key}"), fault);
         }
         for (i, change) in self.overrides.iter().enumerate() {
             for (key, name) in [("imu", &change.imu), ("serial", &change.serial)] {
                 let read = name.as_deref().map(|name| Name::parse(name).and_then(|name| name.check_seen()));
                 if let Some(Err(why)) = read {
-                    let detail = Language::English.words(&why);
-                    return wrong(format!("judging.overrides[{i}].{key}"), detail);
+                    return wrong(format!("judging.overrides[{i}].{key}"), why);
                 }
             }
-            if let Some((key, detail)) = change.rules.fault() {
-                return wrong(format!("judging.overrides[{i}].rules.{key}"), detail);
+            if let Some((key, fault)) = change.rules.fault() {
+                return wrong(format!("judging.overrides[{i}].rules.{key}"), fault);
             }
             if change.coefficient.is_some() && change.rules.closure.is_some() {
-                let detail = "the closure belongs to the gyro: leave coefficient out".to_owned();
-                return wrong(format!("judging.overrides[{i}].rules.closure"), detail);
+                return wrong(format!("judging.overrides[{i}].rules.closure"), message!("config_of_whole_gyro"));
             }
             if change.coefficient.is_some() && change.requirement != SlotRequirements::default() {
-                let detail = "E and G belong to the gyro: leave coefficient out".to_owned();
-                return wrong(format!("judging.overrides[{i}].requirement"), detail);
+                return wrong(format!("judging.overrides[{i}].requirement"), message!("config_of_whole_gyro"));
             }
-            if change.budget.is_some_and(|b| !(b.is_finite() && b > 0.0)) {
-                return wrong(format!("judging.overrides[{i}].budget"), "must be positive".into());
+            if let Some(budget) = change.budget.filter(|b| !(b.is_finite() && *b > 0.0)) {
+                return wrong(format!("judging.overrides[{i}].budget"), message!("not_positive", value = text(budget)));
             }
         }
         Ok(())

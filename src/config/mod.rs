@@ -21,8 +21,10 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::alert::target::TargetPolicy;
+use crate::core::message::{Message, sent, text};
 use crate::core::record::Plausibility;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::store::{Options, Secrets, without_password};
 
 pub use crate::core::separate::JudgedMethod;
@@ -149,29 +151,26 @@ impl Server {
         if self.listen.ip().is_loopback() || self.is_encrypted() || self.plain_http == PLAIN_HTTP {
             return Ok(());
         }
-        let detail = format!(
-            "{} is no address of this machine alone, and HTTP would carry tokens and records in the open: name \
-             server.tls_certificate and server.tls_key, or set server.plain_http = \"{PLAIN_HTTP}\"",
-            self.listen
-        );
-        Err(ConfigError::Key { key: "server.listen".into(), detail })
+        let fault = message!("config_in_the_open", address = text(self.listen), value = PLAIN_HTTP);
+        Err(ConfigError::of("server.listen", fault))
     }
 
     fn check(&self) -> Result<(), ConfigError> {
-        let wrong = |key: &str, detail: &str| Err(ConfigError::Key { key: key.into(), detail: detail.into() });
+        let wrong = |key: &str, fault: Message| Err(ConfigError::of(key, fault));
+        let beside = |member: &'static str| message!("missing_beside", member);
         match (&self.tls_certificate, &self.tls_key) {
-            (Some(_), None) => return wrong("server.tls_key", "is missing beside server.tls_certificate"),
-            (None, Some(_)) => return wrong("server.tls_certificate", "is missing beside server.tls_key"),
+            (Some(_), None) => return wrong("server.tls_key", beside("server.tls_certificate")),
+            (None, Some(_)) => return wrong("server.tls_certificate", beside("server.tls_key")),
             _ => {}
         }
         if !self.plain_http.is_empty() && self.plain_http != PLAIN_HTTP {
-            return wrong("server.plain_http", &format!("must be empty or say \"{PLAIN_HTTP}\""));
+            return wrong("server.plain_http", message!("config_plain_http", wanted = PLAIN_HTTP));
         }
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_~.".contains(c);
         let is_segment = |part: &str| !part.is_empty() && part != "." && part != ".." && part.chars().all(is_plain);
         let segments = self.base_path.strip_prefix('/').map(|rest| rest.split('/').all(is_segment));
         if !self.base_path.is_empty() && segments != Some(true) {
-            return wrong("server.base_path", &format!("must be empty or like /gyrowatch, is {:?}", self.base_path));
+            return wrong("server.base_path", message!("config_base_path", value = sent(&self.base_path)));
         }
         Ok(())
     }
@@ -186,11 +185,7 @@ impl Database {
         if DATABASES.iter().any(|scheme| self.url.starts_with(scheme)) {
             return Ok(());
         }
-        let detail = format!(
-            "must begin with sqlite:// or postgres://, is {:?}; a file is sqlite://gyrowatch.db",
-            self.options().shown()
-        );
-        Err(ConfigError::Key { key: "database.url".into(), detail })
+        Err(ConfigError::of("database.url", message!("config_database", value = sent(&self.options().shown()))))
     }
 
     /// How the store is to be opened. On a server the pool of readers also has one connection per writer.
@@ -284,12 +279,12 @@ impl Config {
                 *address = without_password(address);
             }
         }
-        toml::to_string(&merged).map_err(|error| ConfigError::Key { key: String::new(), detail: error.to_string() })
+        toml::to_string(&merged).map_err(|error| ConfigError::Unreadable(error.to_string()))
     }
 
     fn read(merged: Value) -> Result<Self, ConfigError> {
         let config: Self = serde_path_to_error::deserialize(merged)
-            .map_err(|e| ConfigError::Key { key: e.path().to_string(), detail: e.inner().to_string() })?;
+            .map_err(|e| ConfigError::of(e.path().to_string(), Message::verbatim(e.inner())))?;
         config.check()?;
         Ok(config)
     }
@@ -329,7 +324,7 @@ impl Config {
         ];
         for (key, value) in positive {
             if !(value.is_finite() && value > 0.0) {
-                return Err(ConfigError::Key { key: key.into(), detail: format!("must be positive, is {value}") });
+                return Err(ConfigError::of(key, message!("not_positive", value = text(value))));
             }
         }
         self.server.check()?;
@@ -350,8 +345,7 @@ impl Config {
 fn secrets(environment: &[(String, String)]) -> Result<Secrets, ConfigError> {
     let text = environment.iter().find(|(name, _)| name == SECRETS_KEY).map_or("", |(_, text)| text.as_str());
     // It is secret, so that it is not repeated.
-    let detail = "must be 32 bytes in hexadecimal (64 digits) or base64, or empty for no key";
-    Secrets::with_key(text).ok_or_else(|| ConfigError::Key { key: SECRETS_KEY.into(), detail: detail.into() })
+    Secrets::with_key(text).ok_or_else(|| ConfigError::of(SECRETS_KEY, message!("config_secrets_key")))
 }
 
 /// GYROWATCH_LISTEN and GYROWATCH_DATABASE_URL in their sections; other programs' variables left out.

@@ -6,7 +6,10 @@ use std::sync::LazyLock;
 
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, Visitor};
 
+use super::error::between;
 use crate::core::judge::{DriftLimits, Limit, LimitKey, Limits, Measured, Rule, ShiftLimits, TrendLimits};
+use crate::core::message::{Message, text};
+use crate::message;
 
 /// Limits in deg/(h g0). What is left out stays as the budget, or the layer before, has it.
 #[derive(Debug, Clone, Default)]
@@ -148,7 +151,7 @@ impl RuleKeys {
     }
 
     /// The first key whose value cannot be, and why.
-    pub(super) fn fault(&self) -> Option<(&'static str, String)> {
+    pub(super) fn fault(&self) -> Option<(&'static str, Message)> {
         let others = [
             ("shift", self.shift),
             ("closure", self.closure),
@@ -158,18 +161,18 @@ impl RuleKeys {
         let limits = self.limits.iter().map(|(rule, value)| (rule.name(), Some(*value)));
         for (key, value) in limits.chain(others) {
             if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
-                return Some((key, format!("must be positive, is {value}")));
+                return Some((key, message!("not_positive", value = text(value))));
             }
         }
         if let Some(confidence) = self.trend_confidence.filter(|c| !(*c > 0.5 && *c < 1.0)) {
-            return Some(("trend_confidence", format!("must lie between 0.5 and 1, is {confidence}")));
+            return Some(("trend_confidence", between(0.5, 1.0, confidence)));
         }
-        let sd_is_wrong = |baseline: &FixedBaseline| baseline.sd.is_some_and(|sd| !(sd.is_finite() && sd >= 0.0));
-        match self.fixed_baseline {
-            Some(baseline) if !baseline.value.is_finite() => Some(("fixed_baseline.value", "must be finite".into())),
-            Some(baseline) if sd_is_wrong(&baseline) => Some(("fixed_baseline.sd", "must not be negative".into())),
-            _ => None,
+        let baseline = self.fixed_baseline?;
+        if !baseline.value.is_finite() {
+            return Some(("fixed_baseline.value", message!("not_finite", value = text(baseline.value))));
         }
+        let sd = baseline.sd.filter(|sd| !(sd.is_finite() && *sd >= 0.0))?;
+        Some(("fixed_baseline.sd", message!("config_negative", value = text(sd))))
     }
 }
 

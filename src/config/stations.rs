@@ -6,7 +6,6 @@ use super::ConfigError;
 use crate::core::campaign::{Campaign, StationUncertainty};
 use crate::core::name::normal_form;
 use crate::wire::campaign::StationUncertaintyBody;
-use crate::words::Language;
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -48,7 +47,7 @@ impl Stations {
                 let fault = &faults.0[0];
                 let member = fault.pointer.rsplit('/').next().unwrap_or_default();
                 let key = format!("stations.uncertainty[{i}].{member}");
-                return Err(ConfigError::Key { key, detail: Language::English.words(&fault.message) });
+                return Err(ConfigError::of(key, fault.message.clone()));
             }
         }
         Ok(())

@@ -2,6 +2,11 @@ use super::*;
 use crate::core::judge::limits::{Bounds, Limit, LimitKey, Requirement};
 use crate::core::judge::{NoiseParameters, Rule};
 use crate::core::mounting::Slot;
+use crate::words::Language;
+
+fn in_english(error: ConfigError) -> String {
+    Language::English.words(&error.message())
+}
 
 fn with(variables: &[(&str, &str)]) -> Result<Config, ConfigError> {
     let owned = variables.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned()));
@@ -31,7 +36,7 @@ fn the_environment_overrides_with_its_short_names_too() {
 
 #[test]
 fn a_wrong_key_is_named() {
-    let wrong = |variables: &[(&str, &str)]| with(variables).unwrap_err().to_string();
+    let wrong = |variables: &[(&str, &str)]| with(variables).map_err(in_english).unwrap_err();
     let unknown = wrong(&[("GYROWATCH_SERVER__LISTEM", "127.0.0.1:9")]);
     assert!(unknown.contains("server") && unknown.contains("listem"), "{unknown}");
     let mistyped = wrong(&[("GYROWATCH_JUDGING__BUDGET", "wide")]);
@@ -51,7 +56,7 @@ fn a_value_that_is_written_as_text_says_what_is_wanted() {
         ("GYROWATCH_PLAUSIBILITY__EARLIEST", "1950", "plausibility.earliest", "a date or an RFC 3339 time"),
         ("GYROWATCH_PLAUSIBILITY__EARLIEST", "1950-13-01", "plausibility.earliest", "a date or an RFC 3339 time"),
     ] {
-        let error = with(&[(key, wrong)]).unwrap_err().to_string();
+        let error = with(&[(key, wrong)]).map_err(in_english).unwrap_err();
         assert!(error.contains(named) && error.contains(wanted) && error.contains(wrong), "{error}");
     }
 }
@@ -68,11 +73,11 @@ fn proxies_and_the_prefix_are_checked() {
         assert!(server(prefix, path).unwrap().is_behind_proxy(), "{path}");
     }
     for path in ["gyrowatch", "/", "/gyrowatch/", "//evil.example", "/a/../b", "/a b", "/a\"b", "https://a.example"] {
-        let error = server(prefix, path).unwrap_err().to_string();
+        let error = server(prefix, path).map_err(in_english).unwrap_err();
         assert!(error.contains("server.base_path") && error.contains("like /gyrowatch"), "{error}");
     }
     for network in ["nowhere", "10.0.0.1;10.0.0.2", "10.0.0.0/33"] {
-        let error = server(proxies, network).unwrap_err().to_string();
+        let error = server(proxies, network).map_err(in_english).unwrap_err();
         assert!(error.contains("server.trusted_proxies") && error.contains(network), "{error}");
     }
 }
@@ -149,7 +154,7 @@ fn constants_of_the_fleet_are_told_from_the_defaults_by_the_day_of_their_fit() {
         ("phi = -0.1", "judging.noise.phi"),
         ("walk = -1e-9", "judging.noise.walk"),
     ] {
-        let error = noise(&format!("[judging.noise]\n{text}\n")).unwrap_err().to_string();
+        let error = noise(&format!("[judging.noise]\n{text}\n")).map_err(in_english).unwrap_err();
         assert!(error.contains(key), "{error}");
     }
 }
@@ -214,7 +219,7 @@ fn a_wrong_rule_is_named() {
             "negative",
         ),
     ] {
-        let error = judging_of(text).unwrap_err().to_string();
+        let error = judging_of(text).map_err(in_english).unwrap_err();
         assert!(error.contains(key) && error.contains(why), "{error}");
     }
 }
@@ -249,7 +254,7 @@ fn a_hook_key_that_cannot_be_is_named() {
         ("OLD_SECRET_HOURS", "-1", "hooks.old_secret_hours"),
         ("EXTERNAL_URL", "gyros.example", "hooks.external_url"),
     ] {
-        let error = with(&[(&format!("GYROWATCH_HOOKS__{key}"), value)]).unwrap_err().to_string();
+        let error = with(&[(&format!("GYROWATCH_HOOKS__{key}"), value)]).map_err(in_english).unwrap_err();
         assert!(error.contains(named), "{key}={value}: {error}");
     }
     let ladder = Config::defaults().hooks.ladder();

@@ -343,3 +343,24 @@ hypothesis_words = must be a text in one line of at most { $most } characters
 hypothesis_one_range = has { $have } parameters; one is possible: give the others numbers, or write a hypothesis for each
 hypothesis_too_long = the file may have { $most } bytes
 too_many_hypotheses = { $most } different hypotheses were asked since the program began: start it anew
+
+## Configuration
+
+config_unreadable = configuration cannot be read: { $why }
+config_key = configuration key { $key }: { $fault }
+config_at_least = must be at least { $least }, is { $value }
+config_above_0 = must be above 0 and at most { $most }, is { $value }
+config_between = must be between { $least } and { $most }, is { $value }
+config_negative = must not be negative, is { $value }
+config_http = must begin with http:// or https://, is { $value }
+config_proxy = must be http://host:port, `environment`, or empty for no proxy
+config_mail_server = must be smtps://user:password@host:port, or smtp://host:port?tls=required
+config_mail_from = must be an address such as gyrowatch@lab.example
+config_mail_authority = the certificates of the authority cannot be used: { $why }
+config_of_whole_gyro = applies to the gyro as a whole: leave coefficient out
+config_in_the_open = { $address } can be reached from other machines, and HTTP would carry tokens and records in the open. Set server.tls_certificate and server.tls_key, or server.plain_http = "{ $value }"
+config_plain_http = must be empty or "{ $wanted }"
+config_base_path = must be empty or like /gyrowatch, is "{ $value }"
+config_database = must begin with sqlite:// or postgres://, is "{ $value }"; a file is sqlite://gyrowatch.db
+config_secrets_key = must be 32 bytes in hexadecimal (64 digits) or base64, or empty for no key
+config_from_0_below_1 = must be 0 or more and below 1, is { $value }

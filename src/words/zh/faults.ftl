@@ -322,7 +322,7 @@ equation_operator = +、-、*、/ 或 ^（乘积须写 *）
 equation_closing = 右括号
 equation_number = 第 { $place } 个字符处的“{ $found }”不是有限的数
 equation_function = 第 { $place } 个字符处的“{ $name }”不是函数；可用 { $known }
-equation_name = 第 { $place } 个字符处的“{ $name }”不是驻留段的量；可用 { $known }、以 k 开头的系数，以及一个带 [range] 的参数
+equation_name = 第 { $place } 个字符处的“{ $name }”不是测点的量；可用 { $known }、以 k 开头的系数，以及一个带 [range] 的参数
 equation_coefficients = 有 { $have } 个系数；可有 1 至 { $most } 个：以 k 开头的名称，如 k * T * w_I
 equation_without_parameter = 不含“{ $name }”，却给了它的范围：请使用它，或去掉范围
 equation_units_differ = 第 { $place } 个字符处，单位 { $left } 与 { $right } 相加减：单位相同才能相加
@@ -331,11 +331,11 @@ equation_over_zero = 第 { $place } 个字符处除以零
 equation_not_linear = 第 { $place } 个字符处系数不只是因子：请把非线性的部分写成带 [range] 的参数
 equation_free_term = 第 { $place } 个字符处有一项没有系数：请乘以一个系数，或去掉该项
 equation_no_drift = 结果的单位是 { $unit }，而漂移的单位是 deg/h：系数的单位须为 { $needed }
-equation_not_finite = 方程在驻留段 { $dwell } 没有有限的值
+equation_not_finite = 方程在测点{ $dwell }没有有限值
 unknown_unit = “{ $value }”不是单位；单位由 { $known } 组成，如 deg/(h g0 K)
 range_empty = 从 { $from } 到 { $to }：两端须为有限的数，且后者较大
 range_through_zero = 从 { $from } 到 { $to } 经过零，方程在零处无值：请给出大于零的范围
-range_name = “{ $name }”是驻留段的量、系数或不是名称：请给参数另取名称
+range_name = “{ $name }”是测点的量、系数或不是名称：请给参数另取名称
 hypothesis_sizes = plausible 与 typical 须为正的有限数，typical 由小到大且不超过 plausible
 hypothesis_id = “{ $value }”须由小写字母、数字和下划线组成，以字母开头，最多 { $most } 个
 hypothesis_id_taken = “{ $value }”已是目录中的效应或其竞争者：请另取标识
@@ -343,3 +343,24 @@ hypothesis_words = 须为一行文字，最多 { $most } 个字符
 hypothesis_one_range = 有 { $have } 个参数，只能有一个：请给其余的参数赋值，或分别写成假设
 hypothesis_too_long = 文件最多 { $most } 字节
 too_many_hypotheses = 程序启动以来已询问 { $most } 个不同的假设：请重新启动
+
+## 配置
+
+config_unreadable = 无法读取配置：{ $why }
+config_key = 配置项{ $key }：{ $fault }
+config_at_least = 至少应为{ $least }，实为{ $value }
+config_above_0 = 应大于0且不超过{ $most }，实为{ $value }
+config_between = 应在{ $least }与{ $most }之间，实为{ $value }
+config_negative = 不应为负，实为{ $value }
+config_http = 应以http://或https://开头，实为{ $value }
+config_proxy = 应为http://主机:端口、`environment`，或留空表示不用代理
+config_mail_server = 应为smtps://用户:口令@主机:端口，或smtp://主机:端口?tls=required
+config_mail_from = 应为邮件地址，如gyrowatch@lab.example
+config_mail_authority = 无法使用该机构的证书：{ $why }
+config_of_whole_gyro = 针对整个陀螺：不要给出coefficient
+config_in_the_open = 其他机器可以访问{ $address }，而HTTP会以明文传送令牌与记录。请设置server.tls_certificate与server.tls_key，或设server.plain_http = "{ $value }"
+config_plain_http = 应为空或“{ $wanted }”
+config_base_path = 应为空或形如/gyrowatch，实为“{ $value }”
+config_database = 应以sqlite://或postgres://开头，实为“{ $value }”；文件形如sqlite://gyrowatch.db
+config_secrets_key = 应为32字节，用十六进制（64位）或base64书写；留空表示不用密钥
+config_from_0_below_1 = 应不小于0且小于1，实为{ $value }

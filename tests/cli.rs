@@ -161,6 +161,51 @@ fn wrong_usage_exits_with_2() {
     }
 }
 
+/// No code, and the reader's language: what is refused is a message, whoever finds the fault.
+#[test]
+fn what_is_refused_is_said_in_both_languages() {
+    let scenario = printed(&["simulate", "--print-scenario"]).replace("\ndwell_s = 180.0", "\ndwell_s = -1.0");
+    let mut file = tempfile::Builder::new().suffix(".toml").tempfile().unwrap();
+    file.write_all(scenario.as_bytes()).unwrap();
+    let scenario = file.path().to_str().unwrap();
+    let reversed = paper_with("[0.8473, -0.6011, 1.0367]", "[-0.8473, 0.6011, -1.0367]");
+    let reversed = reversed.path().to_str().unwrap();
+    let own = "docs/examples/creep.toml";
+    let campaign = "tests/data/practice/campaign-00.json";
+    let cases: [(&[&str], i32, &str, &str); 10] = [
+        (&["simulate", "--scenario", scenario], 1, "-1 is not a positive number of seconds", "仿真场景"),
+        (&["blindcheck", "--hypothesis", own, "--scenario", scenario], 1, "not a positive number", "仿真场景"),
+        (&["simulate", "--csv"], 2, "--csv goes with --preset", "--csv只用于"),
+        (&["separate", reversed], 1, "deg away from", "输入轴"),
+        (&["separate", campaign], 1, "this is a campaign", "这是标定试验"),
+        (&["calibrate", PAPER], 1, "this is a calibration record", "这是标定记录"),
+        (&["import", "tests"], 2, "is a directory", "是文件夹"),
+        (
+            &["void", "1", "--author", "a", "--reason", "b", "--url", "http://127.0.0.1:9"],
+            1,
+            "cannot reach",
+            "无法连接",
+        ),
+        (&["verify", "--config", "tests/data/absent.toml"], 1, "configuration cannot be read", "无法读取配置"),
+        (&["token", "list"], 1, "there is no database", "没有数据库"),
+    ];
+    for (arguments, status, english, chinese) in cases {
+        for (locale, words) in [("C", english), ("zh_CN.UTF-8", chinese)] {
+            let mut command = gyrowatch(arguments);
+            command.env("LC_ALL", locale).env("GYROWATCH_DATABASE_URL", "sqlite://absent/of/course.db");
+            let refused = complaint(command.env("GYROWATCH_PLAUSIBILITY__MAX_MISALIGNMENT_DEG", "180"), status);
+            assert!(refused.contains(words), "{words} is not in {refused}");
+            let shown = gyrowatch::words::sources(gyrowatch::words::Language::English);
+            let codes = shown.iter().flat_map(|source| source.lines()).filter_map(|line| line.split_once(" = "));
+            let code = codes.map(|(code, _)| code).find(|code| code.contains('_') && refused.contains(code));
+            assert_eq!(code, None, "{refused}");
+        }
+    }
+    let mut wrong = gyrowatch(&["config"]);
+    let refused = complaint(wrong.env("LC_ALL", "zh_CN.UTF-8").env("GYROWATCH_JUDGING__BUDGET", "-1"), 1);
+    assert!(refused.contains("配置项judging.budget：应为正数，实为-1"), "{refused}");
+}
+
 #[test]
 fn a_document_of_another_kind_is_sent_to_its_own_command() {
     let campaign = "tests/data/practice/campaign-00.json";

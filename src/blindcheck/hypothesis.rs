@@ -58,7 +58,7 @@ pub struct HiddenRow {
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]
 pub enum NoReport {
-    #[error("scenario: {0}")]
+    #[error(transparent)]
     Scenario(#[from] Faults),
     #[error(transparent)]
     NotPossible(#[from] NotPossible),

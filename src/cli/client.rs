@@ -3,10 +3,11 @@
 //! Every answer is sorted into one of three: the service has the document ([`Sent`]), the document is at fault
 //! ([`Sent::Refused`]), or something else is ([`Trouble`]): then the document stays where it is.
 
+use std::fmt::Display;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use bytes::Bytes;
 use reqwest::header::{ACCEPT_LANGUAGE, CONTENT_TYPE, RETRY_AFTER};
 use reqwest::{Certificate, Method, StatusCode};
@@ -14,6 +15,8 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::common::service_address;
+use super::errors::said;
+use crate::core::message::sent;
 use crate::system::{self, Proxies};
 use crate::wire::cause;
 use crate::wire::note::NoteBody;
@@ -123,7 +126,9 @@ impl Connection {
         let authorities = match &self.ca_file {
             Some(path) => {
                 let found = Certificate::from_pem_bundle(&read(path)?).unwrap_or_default();
-                anyhow::ensure!(!found.is_empty(), "{}: holds no certificate in PEM", path.display());
+                if found.is_empty() {
+                    bail!(said(message!("terminal_no_certificate", file = path.display().to_string())));
+                }
                 found
             }
             None => Vec::new(),
@@ -152,13 +157,15 @@ impl Service {
         };
         let known = reqwest::Url::parse(&base).ok().filter(|url| url.has_host());
         let Some(url) = known else {
-            anyhow::bail!("{address:?} is not the address of a service, such as http://127.0.0.1:8080");
+            bail!(said(message!("terminal_no_address", address = sent(address))));
         };
-        anyhow::ensure!(matches!(url.scheme(), "http" | "https"), "{address}: the scheme must be http or https");
+        if !matches!(url.scheme(), "http" | "https") {
+            bail!(said(message!("config_http", value = sent(address))));
+        }
         let client = system::http_client_through(proxies, CONNECT_TIMEOUT, ANSWER_TIMEOUT);
-        let client = client.context("the proxy cannot be used")?;
+        let client = client.context("--proxy")?;
         let client = if authorities.is_empty() { client } else { client.tls_certs_merge(authorities) };
-        let http = client.build().context("cannot set up HTTP")?;
+        let http = client.build()?;
         Ok(Self { base: base.trim_end_matches('/').to_owned(), token, http, telling: "" })
     }
 
@@ -174,20 +181,21 @@ impl Service {
     /// Asks for a JSON document.
     pub async fn get(&self, route: &str) -> anyhow::Result<Value> {
         let (status, _, body) = self.answer(self.request(Method::GET, route)).await?;
-        anyhow::ensure!(status.is_success(), "{route}: {}", why(status, &body));
-        serde_json::from_slice(&body).with_context(|| format!("the answer of {route} is not JSON"))
+        if !status.is_success() {
+            bail!("{route}: {}", why(status, &body));
+        }
+        serde_json::from_slice(&body).with_context(|| format!("{route}: {}", said(message!("terminal_foreign_answer"))))
     }
 
     /// As [`Service::get`], telling what another try may help from what it does not.
     pub async fn ask(&self, route: &str) -> Result<Value, Trouble> {
         let (status, after, body) = self.answer(self.request(Method::GET, route)).await?;
         if status == StatusCode::OK {
-            let foreign = |error| Trouble::stop(None, format!("the answer is not one of gyrowatch: {error}"));
-            return serde_json::from_slice(&body).map_err(foreign);
+            return serde_json::from_slice(&body).map_err(|error| foreign(None, error));
         }
         Err(match sort(status, after, &body)? {
             Sent::Refused(problem) => Trouble::stop(status, format!("{status}: {}", problem.detail)),
-            Sent::Stored(_) | Sent::Known(_) => Trouble::stop(status, format!("status {status} from {route}")),
+            Sent::Stored(_) | Sent::Known(_) => foreign(status, route),
         })
     }
 
@@ -203,9 +211,9 @@ impl Service {
         if status != StatusCode::OK {
             return Err(match sort(status, after, &body)? {
                 Sent::Refused(problem) => {
-                    Trouble::stop(status, format!("the whole batch was refused: {}", problem.detail))
+                    Trouble::stop(status, said(message!("terminal_batch_refused", why = problem.detail)))
                 }
-                Sent::Stored(_) | Sent::Known(_) => Trouble::stop(status, format!("status {status} from /v1/import")),
+                Sent::Stored(_) | Sent::Known(_) => foreign(status, "/v1/import"),
             });
         }
         let answers: Result<Vec<ImportLineAnswer>, _> =
@@ -213,10 +221,11 @@ impl Service {
         match answers {
             Ok(answers) if answers.len() == count => Ok(answers),
             Ok(answers) => {
-                let why = format!("{count} lines were sent, {} answered", answers.len());
+                let (sent, answered) = (count.to_string(), answers.len().to_string());
+                let why = said(message!("terminal_answers_missing", sent, answered));
                 Err(Trouble::Again { why, after: None })
             }
-            Err(error) => Err(Trouble::stop(None, format!("the answer is not one of gyrowatch: {error}"))),
+            Err(error) => Err(foreign(None, error)),
         }
     }
 
@@ -246,7 +255,7 @@ impl Service {
     async fn answer(&self, request: reqwest::RequestBuilder) -> Result<(StatusCode, Option<Duration>, Bytes), Trouble> {
         let away = |error: reqwest::Error| {
             let why = if error.is_timeout() { message!("no_answer_in_time") } else { cause::root_of(&error) };
-            Trouble::Away(format!("cannot reach {}: {}", self.base, words::asked().words(&why)))
+            Trouble::Away(said(message!("terminal_cannot_reach", address = self.base.clone(), why)))
         };
         let answer = request.send().await.map_err(away)?;
         let status = answer.status();
@@ -254,6 +263,11 @@ impl Service {
         let body = answer.bytes().await.map_err(away)?;
         Ok((status, after.map(Duration::from_secs), body))
     }
+}
+
+/// What answers is something else, such as a proxy.
+fn foreign(status: impl Into<Option<StatusCode>>, what: impl Display) -> Trouble {
+    Trouble::stop(status, format!("{what}: {}", said(message!("terminal_foreign_answer"))))
 }
 
 /// A 2xx counts only with the JSON of the service in it, so that a proxy's "200 OK" page acknowledges nothing; and
@@ -265,11 +279,11 @@ fn sort(status: StatusCode, after: Option<Duration>, body: &[u8]) -> Result<Sent
             Ok(answer) if answer.get("id").is_some() => {
                 Ok(if code == 200 { Sent::Known(answer) } else { Sent::Stored(answer) })
             }
-            _ => Err(Trouble::stop(status, format!("status {code}, but the answer is not one of gyrowatch"))),
+            _ => Err(foreign(status, status)),
         },
         400 | 409 | 413 | 415 | 422 => match problem() {
             Some(problem) => Ok(Sent::Refused(problem)),
-            None => Err(Trouble::stop(status, format!("status {status}, but the answer is not one of gyrowatch"))),
+            None => Err(foreign(status, status)),
         },
         408 | 425 | 429 | 500.. => Err(Trouble::Again { why: why(status, body), after }),
         _ => Err(Trouble::stop(status, why(status, body))),

@@ -1,14 +1,12 @@
 //! What subcommands share: the runtime, and arguments that clap cannot check.
 
-use anyhow::Context;
-
 use crate::core::time::UtcMicros;
 use crate::wire::time;
 use crate::words;
 
 /// Runs a subcommand that waits for the network. One thread is plenty: the service is where the work is.
 pub(super) fn block_on<T>(work: impl Future<Output = anyhow::Result<T>>) -> anyhow::Result<T> {
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("cannot start")?;
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(work)
 }
 

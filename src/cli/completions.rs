@@ -40,12 +40,12 @@ impl Man {
         let Some(directory) = self.directory else {
             return document::print(String::from_utf8(page(command)?)?.trim_end());
         };
-        fs::create_dir_all(&directory).with_context(|| format!("cannot make {}", directory.display()))?;
+        fs::create_dir_all(&directory).with_context(|| directory.display().to_string())?;
         // The version stands on the first page.
         let command = command.disable_help_subcommand(true);
         for (name, command) in pages("gyrowatch".to_owned(), command) {
             let file = directory.join(format!("{name}.1"));
-            fs::write(&file, page(command)?).with_context(|| format!("cannot write {}", file.display()))?;
+            fs::write(&file, page(command)?).with_context(|| file.display().to_string())?;
         }
         Ok(())
     }

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use super::client::{Connection, JSON, Sent, Service, Trouble};
 use super::import::{source, withdrawn};
 use super::{block_on, document, faults};
+use crate::cli::errors::said;
 use crate::core::message::{Message, list, sent};
 use crate::wire::campaign_csv::parse_csv_as_sent;
 use crate::wire::problem::ProblemBody;
@@ -69,7 +70,7 @@ impl Void {
             let sent = match post("records").await {
                 Err(trouble) if trouble.is_not_found() => match post("bench-results").await {
                     Err(trouble) if trouble.is_not_found() => {
-                        bail!("404: no record, campaign or bench result has the identifier {:?}", self.id)
+                        bail!("404: {}", said(message!("terminal_nothing_to_void", id = sent(&self.id))))
                     }
                     other => other?,
                 },
@@ -77,7 +78,7 @@ impl Void {
             };
             let standing = accepted(sent)?;
             let id = standing["id"].as_str().unwrap_or(&self.id).to_owned();
-            document::print(&said_of(message!("terminal_is_voided", id)))
+            document::print(&said(message!("terminal_is_voided", id)))
         })
     }
 }
@@ -88,8 +89,8 @@ impl Revise {
         let bytes = document::read(&self.file)?;
         block_on(async {
             let service = self.connection.service()?;
-            let said = SignedReason { author: &self.remark.author, reason: &self.remark.reason };
-            match replace(&service, &bytes, self.of.as_deref(), said).await? {
+            let who = SignedReason { author: &self.remark.author, reason: &self.remark.reason };
+            match replace(&service, &bytes, self.of.as_deref(), who).await? {
                 Ok(done) => document::print(&format!("{name}: {done}")),
                 Err(refused) => bail!("{name}: {refused}"),
             }
@@ -113,7 +114,7 @@ pub(super) async fn replace(
     service: &Service,
     bytes: &[u8],
     of: Option<&str>,
-    said: SignedReason<'_>,
+    who: SignedReason<'_>,
 ) -> Result<Result<String, String>, Trouble> {
     let (kind, member, new) = match read(bytes) {
         Ok(read) => read,
@@ -122,7 +123,7 @@ pub(super) async fn replace(
     if of.is_none()
         && let Some(nothing) = absent(service, &new).await
     {
-        return Ok(Err(said_of(nothing)));
+        return Ok(Err(said(nothing)));
     }
     let id = match of {
         Some(id) => id.to_owned(),
@@ -132,15 +133,15 @@ pub(super) async fn replace(
             Sent::Known(answer) => {
                 // The answer to an earlier try may have been lost, where it still counts.
                 let of = match withdrawn(&answer) {
-                    None => revised_by(service, (kind, &id_of(&answer)), said).await?,
+                    None => revised_by(service, (kind, &id_of(&answer)), who).await?,
                     Some(_) => None,
                 };
                 return Ok(of.map(|of| in_place_of(&of, &answer)).ok_or_else(|| known(&answer)));
             }
-            Sent::Stored(answer) => return Ok(Ok(said_of(message!("terminal_was_new", id = id_of(&answer))))),
+            Sent::Stored(answer) => return Ok(Ok(said(message!("terminal_was_new", id = id_of(&answer))))),
         },
     };
-    let order = json!({ "author": said.author, "reason": said.reason, member: new }).to_string();
+    let order = json!({ "author": who.author, "reason": who.reason, member: new }).to_string();
     Ok(match post(service, format!("/v1/{kind}/{id}/revise"), order).await? {
         Sent::Refused(problem) => Err(in_words(&problem)),
         Sent::Stored(answer) | Sent::Known(answer) => Ok(in_place_of(&id, &answer)),
@@ -193,11 +194,7 @@ async fn stored(service: &Service, query: &[(&str, &str)]) -> Option<Vec<Value>>
 }
 
 fn in_place_of(old: &str, answer: &Value) -> String {
-    said_of(message!("terminal_stands", old = old.to_owned(), new = id_of(answer)))
-}
-
-fn said_of(message: Message) -> String {
-    words::asked().words(&message)
+    said(message!("terminal_stands", old = old.to_owned(), new = id_of(answer)))
 }
 
 fn id_of(answer: &Value) -> String {
@@ -207,10 +204,10 @@ fn id_of(answer: &Value) -> String {
 /// That a document is stored already; where it counts no more, why, and how it counts again.
 fn known(answer: &Value) -> String {
     let id = id_of(answer);
-    let Some(standing) = withdrawn(answer) else { return said_of(message!("terminal_is_stored", id)) };
-    let stored = said_of(message!("terminal_is_withdrawn", id, standing));
+    let Some(standing) = withdrawn(answer) else { return said(message!("terminal_is_stored", id)) };
+    let stored = said(message!("terminal_is_withdrawn", id, standing));
     match answer["revised_by"]["record"].as_str() {
-        Some(other) => format!("{stored}; {}", said_of(message!("terminal_put_back", id = other.to_owned()))),
+        Some(other) => format!("{stored}; {}", said(message!("terminal_put_back", id = other.to_owned()))),
         None => stored,
     }
 }
@@ -219,11 +216,11 @@ fn known(answer: &Value) -> String {
 async fn revised_by(
     service: &Service,
     (kind, id): (&str, &str),
-    said: SignedReason<'_>,
+    who: SignedReason<'_>,
 ) -> Result<Option<String>, Trouble> {
     let stored = service.ask(&format!("/v1/{kind}/{id}")).await?;
     let revises = &stored["revises"];
-    let same = revises["author"] == said.author && revises["reason"] == said.reason;
+    let same = revises["author"] == who.author && revises["reason"] == who.reason;
     Ok(revises["record"].as_str().filter(|_| same).map(str::to_owned))
 }
 
@@ -231,7 +228,8 @@ async fn revised_by(
 fn read(bytes: &[u8]) -> Result<(&'static str, &'static str, Value), String> {
     let document = source::single(bytes.to_vec()).map_err(|unreadable| unreadable.why)?;
     let new = if document.content_type == JSON {
-        serde_json::from_slice(&document.body).map_err(|error| format!("is not JSON: {error}"))?
+        serde_json::from_slice(&document.body)
+            .map_err(|error| said(message!("value_not_json", why = error.to_string())))?
     } else {
         let (campaign, _) =
             parse_csv_as_sent(&document.body).map_err(|found| faults::in_words(&found.0, words::asked()))?;
@@ -240,7 +238,7 @@ fn read(bytes: &[u8]) -> Result<(&'static str, &'static str, Value), String> {
     match document.route {
         "/v1/campaigns" => Ok(("campaigns", "campaign", new)),
         "/v1/records" => Ok(("records", "record", new)),
-        _ => Err(said_of(message!("terminal_bench_revise"))),
+        _ => Err(said(message!("terminal_bench_revise"))),
     }
 }
 
@@ -251,7 +249,7 @@ async fn post(service: &Service, route: String, body: String) -> Result<Sent, Tr
 fn accepted(sent: Sent) -> anyhow::Result<Value> {
     match sent {
         Sent::Stored(answer) | Sent::Known(answer) => Ok(answer),
-        Sent::Refused(problem) => bail!("{}", in_words(&problem)),
+        Sent::Refused(problem) => bail!(in_words(&problem)),
     }
 }
 

@@ -4,10 +4,11 @@ use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
 
+use crate::cli::errors::said;
 use crate::core::message::Message;
 use crate::logs::error::LogError;
 use crate::logs::sheet::readable;
@@ -47,14 +48,16 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
         File::open(path).and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
     };
     read.with_context(|| name(path))?;
-    ensure!(bytes.len() as u64 <= MAX_BYTES, "{}: is larger than {MAX_BYTES} bytes", name(path));
+    if bytes.len() as u64 > MAX_BYTES {
+        bail!("{}: {}", name(path), said(message!("terminal_too_large", most = MAX_BYTES.to_string())));
+    }
     readable(bytes).map_err(|fault| LogError::new(name(path), fault).into())
 }
 
 /// Writes a file as [`put`] does, and says on standard error where it took the place of another.
 pub fn write(path: &Path, text: &str) -> anyhow::Result<()> {
     if put(path, text)? {
-        eprintln!("replaced {}", path.display());
+        eprintln!("{}", said(message!("terminal_file_replaced", file = path.display().to_string())));
     }
     Ok(())
 }
@@ -63,15 +66,16 @@ pub fn write(path: &Path, text: &str) -> anyhow::Result<()> {
 /// of others.
 pub fn write_all(dir: &Path, files: impl Iterator<Item = anyhow::Result<(String, String)>>) -> anyhow::Result<()> {
     std::fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
-    let mut replaced = 0;
+    let mut replaced = 0_u64;
     for file in files {
         let (name, text) = file?;
-        replaced += u32::from(put(&dir.join(name), &text)?);
+        replaced += u64::from(put(&dir.join(name), &text)?);
     }
-    match replaced {
-        0 => {}
-        1 => eprintln!("replaced 1 file in {}", dir.display()),
-        many => eprintln!("replaced {many} files in {}", dir.display()),
+    if replaced > 0 {
+        eprintln!(
+            "{}",
+            said(message!("terminal_files_replaced", count = replaced, folder = dir.display().to_string()))
+        );
     }
     Ok(())
 }

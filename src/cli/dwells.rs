@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::bail;
 
 use super::{Usage, document};
+use crate::cli::errors::said;
 use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
 use crate::logs::campaign::{Made, campaign_of};
@@ -16,7 +17,7 @@ use crate::logs::text::of_any;
 use crate::wire::campaign::to_json;
 use crate::wire::campaign_csv::to_csv;
 use crate::wire::differences::counted;
-use crate::words;
+use crate::{message, words};
 
 /// Make a campaign from raw logs: find what is still and what turns, average it, and say how far the means are known
 ///
@@ -83,12 +84,14 @@ impl Dwells {
         say(&made);
         match made.campaign() {
             Ok(campaign) => self.write(&campaign),
-            Err(faults) => bail!("{}: {}", document::name(&self.logs[0]), said(&faults)),
+            Err(faults) => bail!("{}: {}", document::name(&self.logs[0]), in_words(&faults)),
         }
     }
 
     fn map(&self) -> anyhow::Result<Map> {
-        let Some(path) = &self.map else { return Err(Usage("--map is missing".to_owned()).into()) };
+        let Some(path) = &self.map else {
+            return Err(Usage(said(message!("parameter_missing", parameter = "--map"))).into());
+        };
         let fail = |fault| LogError::new(document::name(path), fault);
         let text = of_any(&document::read(path)?);
         answered(&text).map_err(fail)?;
@@ -110,7 +113,7 @@ impl Dwells {
 }
 
 /// Faults of a document that nobody wrote, by dwell and figure.
-fn said(faults: &Faults) -> String {
+fn in_words(faults: &Faults) -> String {
     let one = |fault: &Fault| match counted(&fault.pointer).as_str() {
         "" => words::asked().words(&fault.message),
         place => format!("{place}: {}", words::asked().words(&fault.message)),

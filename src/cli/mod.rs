@@ -13,26 +13,22 @@ mod completions;
 mod correct;
 mod document;
 mod dwells;
+mod errors;
 mod faults;
 mod import;
 #[cfg(feature = "server")]
 mod service;
 mod template;
 
-use std::error::Error;
 use std::io;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
 
-use crate::core::diagnose::NoReference;
-use crate::core::effects::Refusal;
-use crate::core::fault::Faults;
-use crate::core::imu_model::{NoForecast, NotIdentified};
-use crate::logs::error::LogError;
 use crate::{system, words};
 use commands::Command;
 use common::{Usage, block_on};
+use errors::in_words;
 
 /// Separates, judges and diagnoses the drift coefficients of liquid-floated gyros from calibrations of their IMU.
 #[derive(Debug, Parser)]
@@ -57,24 +53,6 @@ impl Cli {
             }
         }
     }
-}
-
-/// The error and its causes; what is a message in the language of the environment.
-fn in_words(error: &anyhow::Error) -> String {
-    let language = words::asked();
-    let said = |cause: &(dyn Error + 'static)| {
-        if let Some(found) = cause.downcast_ref::<Faults>() {
-            return faults::in_words(&found.0, language);
-        }
-        let message = None
-            .or_else(|| cause.downcast_ref::<LogError>().map(LogError::message))
-            .or_else(|| cause.downcast_ref::<Refusal>().map(Refusal::message))
-            .or_else(|| cause.downcast_ref::<NoReference>().map(NoReference::message))
-            .or_else(|| cause.downcast_ref::<NotIdentified>().map(NotIdentified::message))
-            .or_else(|| cause.downcast_ref::<NoForecast>().map(NoForecast::message));
-        message.map_or_else(|| cause.to_string(), |message| language.words(&message))
-    };
-    error.chain().map(said).collect::<Vec<_>>().join(": ")
 }
 
 /// What clap ends with, too.

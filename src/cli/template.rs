@@ -9,6 +9,8 @@ use clap::builder::PossibleValue;
 use rust_xlsxwriter::{Format, Workbook};
 
 use super::{Usage, document};
+use crate::cli::errors::said;
+use crate::message;
 use crate::simulate::presets::preset;
 use crate::simulate::{Scenario, simulate};
 use crate::wire::campaign::CampaignBody;
@@ -84,7 +86,7 @@ impl Template {
             (of, wanted) => {
                 let name = |value: Option<PossibleValue>| value.map_or_else(String::new, |v| v.get_name().to_owned());
                 let (of, wanted) = (name(of.to_possible_value()), name(wanted.to_possible_value()));
-                return Err(Usage(format!("there is no {of} as {wanted}: see `gyrowatch template --help`")).into());
+                return Err(Usage(said(message!("terminal_no_template", of, format = wanted))).into());
             }
         };
         match &self.out {
@@ -115,7 +117,7 @@ impl Template {
         let bytes = book.save_to_buffer()?;
         match &self.out {
             Some(path) => std::fs::write(path, bytes).with_context(|| document::name(path)),
-            None if std::io::stdout().is_terminal() => Err(Usage("write a workbook with --out FILE".to_owned()).into()),
+            None if std::io::stdout().is_terminal() => Err(Usage(said(message!("terminal_workbook_out"))).into()),
             None => Ok(std::io::stdout().lock().write_all(&bytes)?),
         }
     }

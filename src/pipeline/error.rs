@@ -57,7 +57,8 @@ impl StorageError {
         }
     }
 
-    pub(super) fn store_error(&self) -> &StoreError {
+    /// What the database said.
+    pub fn store_error(&self) -> &StoreError {
         &self.0
     }
 }

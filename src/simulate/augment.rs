@@ -9,22 +9,45 @@ use super::run::Simulated;
 use crate::core::augmented::{AugmentedModel, KnownEffect};
 use crate::core::campaign::TestKind;
 use crate::core::effects::{Lack, Refusal, Scope, Setting, axes};
+use crate::core::message::Message;
+use crate::message;
 
 /// Why a model's effects cannot be put into a campaign.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum NotPossible {
-    #[error("the effects of a model file act in campaigns of an IMU; this is a bench test")]
     BenchTest,
-    #[error("refused")]
+    #[error(transparent)]
     Refused(#[from] Refusal),
-    #[error("{effect} cannot act in this scenario: {missing}")]
-    Missing { effect: &'static str, missing: Lack },
-    #[error("{effect} has no estimate of {coefficient} for {slot}")]
-    NoEstimate { effect: &'static str, coefficient: &'static str, slot: &'static str },
-    #[error("this design cannot see {effect}: the model takes all of it up, or the campaign has no noise")]
-    Unseen { effect: &'static str },
-    #[error("the campaign has none of these gyros")]
+    Missing {
+        effect: &'static str,
+        missing: Lack,
+    },
+    NoEstimate {
+        effect: &'static str,
+        coefficient: &'static str,
+        slot: &'static str,
+    },
+    Unseen {
+        effect: &'static str,
+    },
     NoGyro,
+}
+
+impl NotPossible {
+    /// The reason as a code with parameters.
+    pub fn message(&self) -> Message {
+        match *self {
+            Self::BenchTest => message!("model_effects_of_imu"),
+            Self::Refused(ref why) => why.message(),
+            Self::Missing { effect, missing } => message!("effect_cannot_act", effect, missing = missing.message()),
+            Self::NoEstimate { effect, coefficient, slot } => {
+                message!("effect_without_estimate", effect, coefficient, slot)
+            }
+            Self::Unseen { effect } => message!("hypothesis_unseen", effect),
+            Self::NoGyro => message!("none_of_these_gyros"),
+        }
+    }
 }
 
 /// Adds every effect of `model` to the outputs, and its name to the truth.

@@ -13,6 +13,8 @@ use serde_json::value::RawValue;
 
 use crate::cli::Usage;
 use crate::cli::client::JSON;
+use crate::cli::document::name;
+use crate::cli::errors::said;
 use crate::cli::faults::in_words;
 use crate::core::fault::Faults;
 use crate::core::message::Message;
@@ -69,12 +71,12 @@ const COUNTED: Duration = Duration::from_secs(3600);
 pub fn open(path: &Path, map: &TableMap) -> anyhow::Result<Result<Content, Unreadable>> {
     if path == Path::new("-") {
         let read = read(BufReader::new(std::io::stdin()), map, Patience::TakesAsItIs);
-        return read.context("standard input");
+        return read.with_context(|| name(path));
     }
     let file = std::fs::File::open(path).with_context(|| path.display().to_string())?;
     if file.metadata().is_ok_and(|m| m.is_dir()) {
-        let why = format!("{} is a directory; name its files, or watch it with --watch", path.display());
-        return Err(Usage(why).into());
+        let folder = path.display().to_string();
+        return Err(Usage(said(message!("terminal_is_folder", folder))).into());
     }
     read_file(file, map, Patience::TakesAsItIs).with_context(|| path.display().to_string())
 }

@@ -20,6 +20,7 @@ use super::send::{Event, ImportCounts, Importer, Refusal, end};
 use super::source::{self, Content, Patience};
 use crate::cli::client::{Service, Trouble};
 use crate::cli::document;
+use crate::cli::errors::{in_words, said};
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
 use crate::message;
@@ -106,7 +107,7 @@ enum Fate {
 
 impl Folder {
     fn open(path: &Path, settle: Option<Duration>) -> anyhow::Result<Self> {
-        std::fs::create_dir_all(path).with_context(|| format!("cannot create {}", path.display()))?;
+        std::fs::create_dir_all(path).with_context(|| path.display().to_string())?;
         let dir = Dir::open(path).with_context(|| path.display().to_string())?;
         for within in [SENT, REFUSED, REVISE] {
             dir.within(within).with_context(|| path.join(within).display().to_string())?;
@@ -131,7 +132,7 @@ impl Folder {
             return;
         }
         if let Err(error) = self.look() {
-            return self.trouble.again(&format!("cannot read {}: {error}", self.path.display()), None);
+            return self.trouble.again(&format!("{}: {error}", self.path.display()), None);
         }
         let settle = |name: &OsStr| self.settle.unwrap_or_else(|| usual_settle(name));
         let due = |name: &OsStr, w: &Waiting| w.since.elapsed() >= settle(name) && w.trouble.due();
@@ -159,7 +160,7 @@ impl Folder {
         }
         match self.revise_all(&service.clone().telling("")).await {
             Ok(()) => self.revising.over(),
-            Err(error) => self.revising.again(&stays(format!("{REVISE}: {error:#}")), None),
+            Err(error) => self.revising.again(&stays(format!("{REVISE}: {}", in_words(&error))), None),
         }
     }
 
@@ -179,7 +180,7 @@ impl Folder {
                     Ok(()) => trials.over(),
                     Err(error) => match error.downcast_ref::<Trouble>() {
                         Some(Trouble::Away(_)) => return Err(error),
-                        _ => trials.again(&stays(format!("{REVISE}/{shown}: {error:#}")), None),
+                        _ => trials.again(&stays(format!("{REVISE}/{shown}: {}", in_words(&error))), None),
                     },
                 }
             }
@@ -297,7 +298,7 @@ impl Folder {
                 let target = free_name(&refused, name);
                 let reasons = reasons(&refusals);
                 let note = with(&target, ".reason.txt");
-                refused.write(&note, reasons.as_bytes()).with_context(|| format!("cannot write {}", note.display()))?;
+                refused.write(&note, reasons.as_bytes()).with_context(|| note.display().to_string())?;
                 self.move_to(name, &refused, &target)?;
                 let refused = asked().word("terminal_file_refused");
                 say(&format!("{shown}: {refused}\n{}", reasons.trim_end()));
@@ -313,7 +314,9 @@ impl Folder {
     }
 
     fn move_to(&self, name: &OsStr, to: &Dir, target: &OsStr) -> anyhow::Result<()> {
-        self.dir.move_to(name, to, target).with_context(|| format!("cannot move it to {}", target.display()))
+        self.dir
+            .move_to(name, to, target)
+            .with_context(|| said(message!("terminal_cannot_move", file = target.display().to_string())))
     }
 
     fn age(&self, name: &OsStr) -> Duration {
@@ -323,7 +326,7 @@ impl Folder {
     fn again(&mut self, name: &OsStr, error: &anyhow::Error, after: Option<Duration>) {
         if let Some(waiting) = self.waiting.get_mut(name) {
             let path = self.path.join(name);
-            waiting.trouble.again(&stays(format!("{}: {error:#}", path.display())), after);
+            waiting.trouble.again(&stays(format!("{}: {}", path.display(), in_words(error))), after);
         }
     }
 }

@@ -6,10 +6,10 @@ use anyhow::Context;
 use clap::Args;
 
 use crate::cli::common::block_on;
+use crate::cli::errors::said;
 use crate::config::Config;
 use crate::message;
 use crate::store::{self, Holdings};
-use crate::words::asked;
 
 /// Copy the database into one file, served or not, and check the copy
 #[derive(Debug, Args)]
@@ -25,7 +25,8 @@ impl Backup {
     pub fn run(self) -> anyhow::Result<()> {
         let database = Config::load(&self.config, std::env::vars())?.database;
         let copied = block_on(async { Ok(store::backup(&database.options(), &self.file).await?) });
-        let holdings = copied.with_context(|| format!("no backup of {} was made", database.options().shown()))?;
+        let holdings =
+            copied.with_context(|| said(message!("terminal_not_backed_up", database = database.options().shown())))?;
         println!("{}: {}", self.file.display(), in_words(&holdings));
         Ok(())
     }
@@ -34,7 +35,7 @@ impl Backup {
 /// What was found whole.
 pub(super) fn in_words(holdings: &Holdings) -> String {
     let Holdings { gyros, records, figures, bench_results } = holdings;
-    asked().words(&message!(
+    said(message!(
         "terminal_holdings",
         records = records.to_string(),
         bench_results = bench_results.to_string(),

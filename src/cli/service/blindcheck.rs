@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, Error, bail};
 use clap::Args;
 use comfy_table::Table;
 
@@ -12,7 +12,7 @@ use super::hypothesis;
 use super::tallies::{figures, percent, progress};
 use crate::blindcheck::answer::Answer;
 use crate::blindcheck::draw::{Case, Draw};
-use crate::blindcheck::hypothesis::{FOUND, HypothesisReport};
+use crate::blindcheck::hypothesis::{FOUND, HypothesisReport, NoReport};
 use crate::blindcheck::kind::{CampaignKind, KINDS, KindRow, row};
 use crate::blindcheck::report::{Goal, Report};
 use crate::blindcheck::run::{Foreign, drawn, file_name, foreign, key, key_text};
@@ -20,14 +20,16 @@ use crate::blindcheck::score::Score;
 use crate::blindcheck::seal;
 use crate::blindcheck::tally::Tally;
 use crate::cli::common::positive;
-use crate::cli::document::{Format, table, write, write_all};
+use crate::cli::document::{Format, table, table_of, write, write_all};
+use crate::cli::errors::said;
+use crate::cli::faults;
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::diagnose::diagnose;
 use crate::core::effects::Effect;
 use crate::simulate::Scenario;
 use crate::simulate::cause::{CATALOGUE, listed};
 use crate::simulate::truth::Key;
-use crate::{blindcheck, wire, words};
+use crate::{blindcheck, message, wire, words};
 
 /// Draw campaigns with a hidden cause, diagnose them from their file alone, score the answers
 ///
@@ -141,7 +143,7 @@ impl Blindcheck {
         let report = Report::of(&seal, scores);
         self.format.show(&report, || tables(&report, begun.elapsed().as_secs_f64()))?;
         if self.strict && !report.reached() {
-            bail!("not every figure to be reached was reached");
+            bail!(said(message!("terminal_not_reached")));
         }
         Ok(())
     }
@@ -162,16 +164,19 @@ impl Blindcheck {
             }
             None => Scenario::default(),
         };
-        let [effect] = own.as_slice() else { bail!("{}: holds no hypothesis", path.display()) };
+        let effect = own[0];
         let sizes =
             if self.detectability.is_empty() { &[3.0, 4.0, 5.0, 6.0, 8.0, 12.0] } else { &self.detectability[..] };
         let count = self.count.unwrap_or(100);
         let bar = progress(count * (1 + sizes.len()), "campaigns");
         let asked = |text: &str| diagnosed(text, &own);
         let design = (&scenario, self.seed, count);
-        let report = blindcheck::hypothesis::hypothesis(*effect, design, sizes, &asked, &|| bar.inc(1));
+        let report = blindcheck::hypothesis::hypothesis(effect, design, sizes, &asked, &|| bar.inc(1));
         bar.finish_and_clear();
-        let report = report.with_context(|| path.display().to_string())?;
+        let report = report.map_err(|why| match why {
+            NoReport::Scenario(faults) => Error::from(faults).context(said(message!("terminal_scenario"))),
+            NoReport::NotPossible(why) => Error::from(why).context(path.display().to_string()),
+        })?;
         self.format.show(&report, || hypothesis_tables(&report))
     }
 
@@ -186,7 +191,7 @@ impl Blindcheck {
         };
         let key = key_text(&key(&draw, count));
         let seal = seal(&key);
-        eprintln!("key of {count} campaigns sealed: SHA-256 {seal}");
+        eprintln!("{}", said(message!("terminal_key_sealed", count, seal = seal.clone())));
         if let Some(folder) = &self.keep {
             keep_campaigns(&draw, count, folder)?;
         }
@@ -196,7 +201,7 @@ impl Blindcheck {
         if let Some(folder) = &self.keep {
             let path = folder.join("key.json");
             write(&path, &key)?;
-            eprintln!("key revealed: {}", path.display());
+            eprintln!("{}", said(message!("terminal_key_revealed", file = path.display().to_string())));
         }
         Ok((seal, scores))
     }
@@ -204,7 +209,7 @@ impl Blindcheck {
     fn foreign(&self, folder: &Path, key: &Path) -> anyhow::Result<(String, Vec<Score>)> {
         let text = std::fs::read_to_string(key).with_context(|| key.display().to_string())?;
         let seal = seal(&text);
-        eprintln!("key {}: SHA-256 {seal}", key.display());
+        eprintln!("{}", said(message!("terminal_key_read", file = key.display().to_string(), seal = seal.clone())));
         let entries: Key = serde_json::from_str(&text).with_context(|| key.display().to_string())?;
         let mut campaigns = Vec::new();
         for (name, key) in entries {
@@ -225,9 +230,10 @@ fn plain(text: &str) -> Result<Answer, String> {
 
 /// The diagnosis as a user gets it, with hypotheses asked: from the file's text to the answer's JSON.
 fn diagnosed(text: &str, hypotheses: &[Effect]) -> Result<Answer, String> {
-    let campaign = wire::campaign::parse_json(text.as_bytes()).map_err(|faults| faults.to_string())?;
+    let campaign =
+        wire::campaign::parse_json(text.as_bytes()).map_err(|found| faults::in_words(&found.0, words::asked()))?;
     let options = Options { hypotheses: hypotheses.to_vec(), ..Options::default() };
-    let diagnosis = diagnose(&campaign, &options).map_err(|refusal| words::asked().words(&refusal.message()))?;
+    let diagnosis = diagnose(&campaign, &options).map_err(|refusal| said(refusal.message()))?;
     let json = serde_json::to_value(wire::diagnosis::DiagnosisBody::from(&diagnosis)).map_err(|e| e.to_string())?;
     serde_json::from_value(json).map_err(|e| e.to_string())
 }
@@ -256,7 +262,7 @@ fn tables(report: &Report, seconds: f64) -> String {
         }
     }
     parts.push(confusion(report).to_string());
-    parts.extend(report.errors.iter().map(|error| format!("no answer: {error}")));
+    parts.extend(report.errors.iter().map(|why| no_answer(why)));
     let time = report.milliseconds;
     parts.push(format!(
         "one diagnosis: median {:.1} ms, 99 % {:.1} ms, most {:.1} ms; all campaigns: {seconds:.1} s",
@@ -317,18 +323,7 @@ fn kind_table(rows: &[KindRow]) -> String {
 }
 
 fn hypothesis_tables(report: &HypothesisReport) -> String {
-    let mut table = table(
-        [
-            "d",
-            "largest coefficient (median)",
-            "campaigns",
-            "named",
-            "95 % interval",
-            "only in a class",
-            "something else",
-        ],
-        0..7,
-    );
+    let mut table = table_of("terminal_hypothesis_head", 0..7);
     for row in &report.hidden {
         let [hits, trials, rate, interval] = figures(&row.named);
         table.add_row([
@@ -341,36 +336,39 @@ fn hypothesis_tables(report: &HypothesisReport) -> String {
             row.something_else.hits.to_string(),
         ]);
     }
-    let (share, unit) = (percent(FOUND), &report.unit);
+    let (share, unit, digits) = (percent(FOUND), report.unit.to_owned(), |size: f64| format!("{size:.1e}"));
     let found = match (report.found_from, report.surely_from) {
-        (None, _) => format!("no size of these was named in {share}: ask for larger d"),
-        (Some(size), Some(surely)) if surely <= size => format!("named in {share} from {size:.1e} {unit} on"),
+        (None, _) => message!("terminal_named_never", share),
+        (Some(size), Some(surely)) if surely <= size => {
+            message!("terminal_named_from", share, size = digits(size), unit)
+        }
         (Some(size), Some(surely)) => {
-            format!("named in {share} from {size:.1e} {unit} on, shown from {surely:.1e} on")
+            message!("terminal_named_shown", share, size = digits(size), unit, surely = digits(surely))
         }
         (Some(size), None) => {
             let row = report.hidden.iter().find(|row| row.size >= size);
             let [hits, trials, _, interval] = row.map(|row| figures(&row.named)).unwrap_or_default();
-            format!(
-                "named in {hits} of {trials} from {size:.1e} {unit} on; that is {interval} (95 % interval) and does not \
-                 show {share}: --count {SHOWS} or more can"
-            )
+            let (size, least) = (digits(size), SHOWS.to_string());
+            message!("terminal_named_unshown", hits, trials, size, unit, interval, share, least)
         }
     };
-    let mut parts = vec![format!("{} in campaigns of this design: {found}", report.hypothesis), table.to_string()];
+    let head = message!("terminal_hypothesis", id = report.hypothesis.to_string(), found);
+    let mut parts = vec![said(head), table.to_string()];
     let mut class: Vec<&str> = report.hidden.iter().flat_map(|row| &row.class).map(String::as_str).collect();
     let mut seen = std::collections::BTreeSet::new();
     class.retain(|id| seen.insert(*id));
     if !class.is_empty() {
-        parts.push(format!("hard to tell from it here: {}", class.join(", ")));
+        parts.push(said(message!("terminal_hard_to_tell", effects = class.join(", "))));
     }
     let [hits, trials, rate, interval] = figures(&report.clean);
-    let anything = report.clean_anything.hits;
-    parts.push(format!(
-        "where it is not: named in {hits} of {trials} ({rate}, 95 % interval {interval}); anything named in {anything}"
-    ));
-    parts.extend(report.errors.iter().map(|error| format!("no answer: {error}")));
+    let anything = report.clean_anything.hits.to_string();
+    parts.push(said(message!("terminal_where_not", hits, trials, rate, interval, anything)));
+    parts.extend(report.errors.iter().map(|why| no_answer(why)));
     parts.join("\n\n")
+}
+
+fn no_answer(why: &str) -> String {
+    said(message!("terminal_undiagnosed", why = why.to_owned()))
 }
 
 fn by_group(title: &str, groups: &BTreeMap<String, Tally>) -> Table {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use anyhow::{Context, Error, bail};
+use anyhow::{Error, bail};
 use clap::Args;
 
 use super::blindcheck_service::ask;
@@ -12,6 +12,8 @@ use crate::blindcheck::history::report::{HistoryRate, HistoryReport};
 use crate::blindcheck::history::run;
 use crate::blindcheck::history::speed::{Speed, measure};
 use crate::cli::document::{Format, print, print_json, table};
+use crate::cli::errors::{in_words, said};
+use crate::message;
 
 /// Draw fleets with a hidden cause, send each to a service of its own, score what it answers of every gyro
 ///
@@ -58,8 +60,8 @@ impl History {
         let kinds = if self.kind.is_empty() { HiddenCause::ALL.to_vec() } else { self.kind.clone() };
         let bar = progress(kinds.len() * self.count as usize, "fleets");
         let begun = Instant::now();
-        let services = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("cannot start")?;
-        let answers = |fleet: &DrawnFleet| services.block_on(ask(fleet)).map_err(|error| format!("{error:#}"));
+        let services = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+        let answers = |fleet: &DrawnFleet| services.block_on(ask(fleet)).map_err(|error| in_words(&error));
         let scores = run(self.seed, self.count as usize, &kinds, &answers, &|| bar.inc(1)).map_err(Error::msg)?;
         bar.finish_and_clear();
         let report = HistoryReport::of(self.seed, &scores);
@@ -68,7 +70,7 @@ impl History {
             Format::Table => print(&tables(&report, begun.elapsed().as_secs_f64()))?,
         }
         if self.strict && !report.reached() {
-            bail!("not every figure to be reached was reached");
+            bail!(said(message!("terminal_not_reached")));
         }
         Ok(())
     }

@@ -28,7 +28,7 @@ const GRACE: Duration = Duration::from_secs(5);
 
 /// Sends the fleet's records and events to a new service, on a new file, and asks it for the diagnosis of every gyro.
 pub(super) async fn ask(fleet: &DrawnFleet) -> anyhow::Result<Answers> {
-    let dir = tempfile::tempdir().context("no directory for a database")?;
+    let dir = tempfile::tempdir()?;
     let mut config = Config::defaults();
     config.access.open = true;
     config.database.url = format!("sqlite://{}", dir.path().join("gyrowatch.db").display());
@@ -63,7 +63,7 @@ pub(super) async fn ask(fleet: &DrawnFleet) -> anyhow::Result<Answers> {
     drop(stop);
     let _ended = tokio::time::timeout(GRACE, served).await;
     drop(pipeline);
-    written.await.context("the writer failed")?;
+    written.await?;
     answered
 }
 

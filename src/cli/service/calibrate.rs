@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use super::separate::{BENCH_RESULT, SeparationMethod, drift_and_mounting, figure};
+use super::separate::{SeparationMethod, drift_and_mounting, figure};
 use super::{model, settings};
 use crate::cli::document::{self, Format, part_of, table_of};
+use crate::cli::errors::said;
 use crate::config::Config;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::calibrate::repeats_between::repeated;
@@ -53,7 +54,10 @@ struct FittedFile {
 pub(super) fn files_of_one_imu(files: &[(&str, &Campaign)]) -> anyhow::Result<()> {
     for (i, (file, one)) in files.iter().enumerate() {
         for (beside, other) in &files[..i] {
-            of_one_imu(&[other, one]).with_context(|| format!("{file} beside {beside}"))?;
+            of_one_imu(&[other, one]).with_context(|| {
+                let (first, second) = ((*file).to_owned(), (*beside).to_owned());
+                said(message!("beside", first, second))
+            })?;
         }
     }
     Ok(())
@@ -84,12 +88,13 @@ impl Calibrate {
     fn fitted(&self, path: &Path, config: &Config) -> anyhow::Result<FittedFile> {
         let bytes = document::read(path)?;
         let file = || document::name(path);
-        match DocumentKind::instead_of(DocumentKind::Campaign, &bytes) {
-            Some(DocumentKind::Record) => {
-                bail!("{}: this is a calibration record: separate it with `gyrowatch separate`", file())
-            }
-            Some(DocumentKind::Bench) => bail!("{}: {BENCH_RESULT}", file()),
-            Some(DocumentKind::Campaign) | None => {}
+        let instead = match DocumentKind::instead_of(DocumentKind::Campaign, &bytes) {
+            Some(DocumentKind::Record) => Some(message!("terminal_is_record")),
+            Some(DocumentKind::Bench) => Some(message!("terminal_is_bench_result")),
+            Some(DocumentKind::Campaign) | None => None,
+        };
+        if let Some(instead) = instead {
+            bail!("{}: {}", file(), said(instead));
         }
         let mut campaign = config.stations.complete(parse(&bytes).with_context(file)?);
         let chosen = model::chosen(self.model.as_ref())?;
@@ -99,7 +104,7 @@ impl Calibrate {
         let options = chosen.options(&campaign);
         campaign.model = options.terms;
         if campaign.test != TestKind::Imu && !options.adopted.is_empty() {
-            bail!("{}: the effects of a model file are fitted to campaigns of an IMU, this is a bench test", file());
+            bail!("{}: {}", file(), said(message!("model_effects_of_imu")));
         }
         let limits = config.plausibility.limits();
         campaign.check_known_scales(&limits).with_context(file)?;

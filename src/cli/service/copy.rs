@@ -6,6 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::common::block_on;
 use crate::cli::document;
+use crate::cli::errors::said;
 use crate::config::Config;
 use crate::message;
 use crate::store::{self, Copied, Options};
@@ -32,18 +33,19 @@ impl Copy {
             bar.set_style(style);
         }
         let work = async {
-            let each = |table, rows| bar.set_message(format!("{table}: {rows} rows"));
+            let each = |table, rows| bar.set_message(format!("{table}: {rows}"));
             Ok(store::copy(&from, &to, each).await?)
         };
         let compared = block_on(work);
         bar.finish_and_clear();
-        let compared = compared.with_context(|| format!("{} was not copied to {}", from.shown(), to.shown()))?;
+        let (from, to) = (from.shown(), to.shown());
+        let failed = || said(message!("terminal_not_copied", from = from.clone(), to = to.clone()));
+        let compared = compared.with_context(failed)?;
         document::print(&shown(&compared))?;
         if !compared.iter().all(Copied::is_whole) {
             bail!(asked().word("terminal_copy_differs"));
         }
-        let copied = message!("terminal_copied", from = from.shown().to_string(), to = to.shown().to_string());
-        document::print(&asked().words(&copied))
+        document::print(&said(message!("terminal_copied", from, to)))
     }
 }
 

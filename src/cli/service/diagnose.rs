@@ -7,6 +7,7 @@ use anyhow::{Context, bail};
 use super::predict::against_model;
 use super::{diagnose_all, diagnose_gyro, diagnose_record, hypothesis, model, settings};
 use crate::cli::document::{self, Format, table_of, verdict};
+use crate::cli::errors::said;
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, may_be_split, split};
@@ -87,11 +88,7 @@ impl Diagnose {
         if is_record(&bytes) {
             let of_dwells = [&self.adopt, &self.report, &self.reference].into_iter().any(Option::is_some);
             if of_dwells || self.model.is_some() || !self.hypothesis.is_empty() {
-                bail!(
-                    "{}: a record has no dwells; --model, --hypothesis, --adopt, --report and --reference go with a \
-                     campaign",
-                    file()
-                );
+                bail!("{}: {}", file(), said(message!("terminal_record_without_dwells")));
             }
             return diagnose_record::run(&bytes, self.format).with_context(file);
         }

@@ -13,9 +13,12 @@ use serde::de::DeserializeOwned;
 
 use crate::cli::client::{Connection, JSON, Sent, Service, Trouble};
 use crate::cli::document::{Format, part_of, table_of, verdict};
+use crate::cli::errors::said;
 use crate::core::message::Message;
 use crate::message;
-use crate::wire::diagnoses::{CoverageBody, DoubtBody, FindingBody, JobDetailBody, SummaryBody, WhichBody};
+use crate::wire::diagnoses::{
+    CoverageBody, DoubtBody, FailureBody, FindingBody, JobDetailBody, SummaryBody, WhichBody,
+};
 use crate::words::asked;
 
 /// How often progress is asked for.
@@ -91,32 +94,33 @@ pub fn run(fleet: &FleetArgs, format: Format) -> anyhow::Result<()> {
 async fn all(fleet: &FleetArgs, service: &Service, format: Format) -> anyhow::Result<()> {
     let order = order(fleet, service).await?;
     let ended = follow(service, order).await?;
-    for failure in &ended.failures {
-        eprintln!("{} of {} ({}): {}", failure.campaign, failure.imu, failure.measured_at, failure.reason);
+    for FailureBody { campaign, imu, measured_at, reason } in ended.failures {
+        eprintln!("{}", said(message!("terminal_diagnosis_failed", campaign, imu, at = measured_at, reason)));
     }
     if ended.job.state == "canceled" {
-        bail!("order {} was canceled; campaigns still to go: {}", ended.job.id, ended.job.counts.canceled);
+        let (id, count) = (ended.job.id, ended.job.counts.canceled);
+        bail!(said(message!("terminal_order_canceled", id, count)));
     }
     let summary: SummaryBody = ask(service, &format!("/v1/diagnoses/summary?{}", fleet.query())).await?;
     format.show(&summary, || tables(&summary))?;
     match ended.job.counts.failed {
         0 => Ok(()),
-        failed => bail!("{failed} of {} campaigns could not be diagnosed", ended.job.counts.campaigns),
+        failed => bail!(said(message!("terminal_not_diagnosed", failed, count = ended.job.counts.campaigns))),
     }
 }
 
 /// Begins an order, or finds the one that is being worked off.
 async fn order(fleet: &FleetArgs, service: &Service) -> anyhow::Result<JobDetailBody> {
-    let body = Bytes::from(serde_json::to_vec(&fleet.which()).context("cannot write the order")?);
+    let body = Bytes::from(serde_json::to_vec(&fleet.which())?);
     let begun = Instant::now();
     let answer = loop {
         match service.post("/v1/diagnoses", JSON, body.clone()).await {
             Ok(Sent::Stored(answer) | Sent::Known(answer)) => break answer,
-            Ok(Sent::Refused(problem)) => bail!("{}", problem.detail),
+            Ok(Sent::Refused(problem)) => bail!(problem.detail),
             Err(trouble) => wait(trouble, begun).await?,
         }
     };
-    serde_json::from_value(answer).context("the answer is not one of gyrowatch")
+    serde_json::from_value(answer).with_context(|| said(message!("terminal_foreign_answer")))
 }
 
 /// Until the order has ended, also over a restart of the service.
@@ -136,9 +140,8 @@ async fn follow(service: &Service, mut order: JobDetailBody) -> anyhow::Result<J
             return Ok(order);
         }
         tokio::time::sleep(STEP).await;
-        order = ask(service, &path).await.with_context(|| {
-            format!("order {} goes on at the service; the same command finds it again", order.job.id)
-        })?;
+        let goes_on = || said(message!("terminal_order_goes_on", id = order.job.id.clone()));
+        order = ask(service, &path).await.with_context(goes_on)?;
     }
 }
 
@@ -151,7 +154,7 @@ async fn ask<T: DeserializeOwned>(service: &Service, route: &str) -> anyhow::Res
             Err(trouble) => wait(trouble, begun).await?,
         }
     };
-    serde_json::from_value(answer).context("the answer is not one of gyrowatch")
+    serde_json::from_value(answer).with_context(|| said(message!("terminal_foreign_answer")))
 }
 
 /// Waits before another try, where one can help and patience is left.

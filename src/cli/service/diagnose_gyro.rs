@@ -4,6 +4,7 @@ use anyhow::Context;
 
 use super::diagnose_all::FleetArgs;
 use crate::cli::document::{Format, table_of};
+use crate::cli::errors::said;
 use crate::message;
 use crate::wire::history::{CoefficientBody, HistoryDiagnosisBody};
 use crate::wire::text::encoded;
@@ -13,7 +14,8 @@ pub fn run(serial: &str, fleet: &FleetArgs, format: Format) -> anyhow::Result<()
     let service = fleet.service()?;
     let route = format!("/v1/gyros/{}/diagnosis", encoded(serial));
     let answer = crate::cli::common::block_on(async { service.get(&route).await })?;
-    let answer: HistoryDiagnosisBody = serde_json::from_value(answer).context("the answer is not one of gyrowatch")?;
+    let answer: HistoryDiagnosisBody =
+        serde_json::from_value(answer).with_context(|| said(message!("terminal_foreign_answer")))?;
     format.show(&answer, || tables(&answer))
 }
 

@@ -8,8 +8,11 @@ use clap::Args;
 
 use crate::cli::common::block_on;
 use crate::cli::document;
+use crate::cli::errors::said;
 use crate::config::Config;
 use crate::core::judge::{FleetNoise as Found, NoiseParameters, Spacing};
+use crate::core::message::figure;
+use crate::message;
 use crate::pipeline::Pipeline;
 use crate::store;
 use crate::system::Clock;
@@ -34,39 +37,43 @@ impl FleetNoiseArgs {
             let fleet = &reading.queries.fleet;
             Ok((fleet.noise().await?, fleet.station_figures().await?.map_or([0.0; 2], |found| found.between())))
         };
-        let (found, between) = block_on(work).with_context(|| format!("the database {url}"))?;
+        let (found, between) = block_on(work).with_context(|| said(message!("terminal_database", url)))?;
         document::print(&report(&found, between, &time::format(Clock::System.now())[..10]))
     }
 }
 
 fn report(found: &Found, between: [f64; 2], today: &str) -> String {
     let Found { noise, fitted, scatter, cells, coefficients, moving, spacings } = found;
-    let mut text = format!(
-        "{cells} weekly means of {coefficients} coefficients between two events; {moving} left out because they move\n"
+    let means = message!(
+        "terminal_noise_means",
+        cells = cells.to_string(),
+        coefficients = coefficients.to_string(),
+        moving = moving.to_string()
     );
-    for Spacing { lag, years, half_square, differences } in spacings {
-        let spread = half_square.sqrt();
-        text += &format!(
-            "{lag:>3} weeks with records apart ({:.0} days): spread {spread:.6} deg/(h g0) from {differences} differences\n",
-            years * 365.25
-        );
-    }
+    let spacing = |&Spacing { lag, years, half_square, differences }: &Spacing| {
+        message!(
+            "terminal_noise_spacing",
+            weeks = format!("{lag:>3}"),
+            days = figure(years * 365.25, 0),
+            spread = figure(half_square.sqrt(), 6),
+            differences = differences.to_string()
+        )
+    };
+    let mut lines: Vec<String> = [means].into_iter().chain(spacings.iter().map(spacing)).map(said).collect();
     match (fitted, scatter) {
         (Some(NoiseParameters { phi, walk, .. }), Some(scatter)) => {
-            text += &format!(
-                "fitted: scatter {scatter:.6} deg/(h g0), correlation {phi:.2}, walk {walk:.6} deg/(h g0) a root year\n\
-                 For the configuration (drawn towards the defaults by 100 weekly means):\n\n\
-                 [judging]\nnoise = {{ phi = {:.3}, walk = {:.3e}, fitted = \"{today}\" }}",
+            let (scatter, phi, walk) = (figure(*scatter, 6), figure(*phi, 2), figure(*walk, 6));
+            lines.push(said(message!("terminal_noise_fitted", scatter, phi, walk)));
+            lines.push(format!(
+                "\n[judging]\nnoise = {{ phi = {:.3}, walk = {:.3e}, fitted = \"{today}\" }}",
                 noise.phi, noise.walk
-            );
+            ));
         }
-        _ => text += "The history is too short for a fit: the defaults stay in force.",
+        _ => lines.push(said(message!("terminal_noise_unfitted"))),
     }
-    let [d_i, d_s] = between;
-    text += &if between == [0.0; 2] {
-        "\nThe fleet does not tell how stations differ: between_stations stays 0.".to_owned()
-    } else {
-        format!("\nbetween_stations = {{ d_i = {d_i:.3e}, d_s = {d_s:.3e} }}")
-    };
-    text
+    lines.push(match between {
+        [0.0, 0.0] => said(message!("terminal_noise_stations_alike")),
+        [d_i, d_s] => format!("between_stations = {{ d_i = {d_i:.3e}, d_s = {d_s:.3e} }}"),
+    });
+    lines.join("\n")
 }

@@ -10,6 +10,7 @@ use super::predict::{identified, measured, noise_floor, state, step};
 use crate::cli::client::Connection;
 use crate::cli::common::{Usage, block_on};
 use crate::cli::document::{self, Format, table_of};
+use crate::cli::errors::said;
 use crate::core::imu_model::{compare, ladder};
 use crate::core::judge::Limits;
 use crate::message;
@@ -59,13 +60,13 @@ impl Gap {
     /// The campaigns of an IMU that a service stores, each from the model in force when it came in.
     fn of_service(&self) -> anyhow::Result<(String, Vec<ModelLadder>)> {
         if self.model.is_file() {
-            return Err(Usage("a model file wants campaigns to hold it against".to_owned()).into());
+            return Err(Usage(said(message!("terminal_gap_needs_campaigns"))).into());
         }
         let imu = self.model.to_string_lossy().into_owned();
         let service = self.connection.service()?;
         let answer = block_on(async { service.get(&format!("/v1/imus/{}/forecast", encoded(&imu))).await })?;
         let series: ForecastSeriesBody =
-            serde_json::from_value(answer).context("the answer is not one of gyrowatch")?;
+            serde_json::from_value(answer).with_context(|| said(message!("terminal_foreign_answer")))?;
         for point in &series.points {
             if let Some(why) = &point.why_not {
                 eprintln!("{}: {why}", point.measured_at);

@@ -4,14 +4,15 @@ use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::{anyhow, ensure};
+use anyhow::{anyhow, bail};
 use clap::Args;
 use serde_json::Value;
 
 use crate::cli::common::block_on;
+use crate::cli::errors::said;
 use crate::config::{Config, Server};
 use crate::wire::cause;
-use crate::{system, words};
+use crate::{message, system};
 
 const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -28,13 +29,16 @@ impl Healthcheck {
         let address = address(&Config::load(&self.config, std::env::vars())?.server, "readyz");
         block_on(async {
             let away = |error: reqwest::Error| {
-                let why = words::asked().words(&cause::root_of(&error));
-                anyhow!("{address} does not answer: {why}")
+                let (address, why) = (address.clone(), cause::root_of(&error));
+                anyhow!(said(message!("terminal_no_answer", address, why)))
             };
             let answer = client()?.get(&address).send().await.map_err(away)?;
             let status = answer.status();
-            ensure!(status.is_success(), "{address} answers {status}: {}", answer.text().await.unwrap_or_default());
-            Ok(())
+            if status.is_success() {
+                return Ok(());
+            }
+            let (status, why) = (status.to_string(), answer.text().await.unwrap_or_default());
+            bail!(said(message!("terminal_answers", address, status, why)))
         })
     }
 }

@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use anyhow::{Context, bail};
 
 use crate::cli::document;
+use crate::cli::errors::said;
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::effects::{Effect, Lack, axes};
+use crate::message;
 use crate::wire::hypothesis::{parse_toml, with_one_id_each};
 
 /// The hypotheses in the files; beside what a model holds already, each has an id of its own or is the very same.
@@ -17,7 +19,7 @@ pub fn files(paths: &[PathBuf], in_use: &AugmentedModel) -> anyhow::Result<Vec<E
     with_one_id_each(&effects).context("--hypothesis")?;
     let held = in_use.effects.iter().map(|known| known.adopted.effect);
     if let Some(other) = held.into_iter().find(|held| effects.iter().any(|e| e.id() == held.id() && e != held)) {
-        bail!("--hypothesis: the model in use holds another {}; give one of them another id", other.id());
+        bail!(said(message!("hypothesis_of_model", id = other.id())));
     }
     Ok(effects)
 }
@@ -27,12 +29,13 @@ pub fn defined_in(effects: &[Effect], campaign: &Campaign) -> anyhow::Result<()>
     let Ok((setting, _)) = axes::setting(campaign) else { return Ok(()) };
     for effect in effects {
         if let Some(lack @ Lack::NotFinite { dwell }) = (effect.entry().missing)(&setting) {
-            bail!(
-                "--hypothesis: {}: {lack} (/dwells/{dwell}): {} divides by zero there, or takes a root or logarithm of \
-                 what has none; write it so that every dwell has a value",
-                effect.id(),
-                effect.entry().equation
-            );
+            bail!(said(message!(
+                "hypothesis_undefined",
+                id = effect.id(),
+                lack = lack.message(),
+                place = format!("/dwells/{dwell}"),
+                equation = effect.entry().equation
+            )));
         }
     }
     Ok(())

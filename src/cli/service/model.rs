@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 use crate::cli::document;
+use crate::cli::errors::said;
 use crate::core::augmented::AugmentedModel;
 use crate::core::model::Terms;
+use crate::message;
 use crate::wire::campaign::terms_from_names;
 use crate::wire::model;
-use crate::words;
 
 /// What `--model` says.
 #[derive(Debug, Clone)]
@@ -25,8 +26,8 @@ pub fn choice(argument: &str) -> Result<Choice, String> {
         Ok(terms) => Ok(Choice::Terms(terms)),
         Err(_) if Path::new(argument).is_file() => Ok(Choice::File(argument.into())),
         Err(faults) => {
-            let words: Vec<String> = faults.0.iter().map(|fault| words::asked().words(&fault.message)).collect();
-            Err(format!("{}; and there is no model file of that name", words.join("; ")))
+            let words: Vec<String> = faults.0.iter().map(|fault| said(fault.message.clone())).collect();
+            Err(said(message!("terminal_no_model_file", faults = words.join("; "))))
         }
     }
 }
@@ -49,7 +50,7 @@ pub fn file(path: &Path) -> anyhow::Result<AugmentedModel> {
 pub fn may_be_replaced(path: &Path) -> anyhow::Result<()> {
     let is_file = std::fs::metadata(path).is_ok_and(|there| there.is_file() && there.len() > 0);
     if is_file && file(path).is_err() {
-        bail!("{}: holds no model, and only model files are replaced; name another file", path.display());
+        bail!(said(message!("terminal_holds_no_model", file = path.display().to_string())));
     }
     Ok(())
 }

@@ -8,11 +8,14 @@ use clap::{Args, Subcommand};
 use super::calibrate::files_of_one_imu;
 use super::{hypothesis, model, settings};
 use crate::cli::document::{self, Format, table_of};
+use crate::cli::errors::said;
 use crate::core::augmented::{Adopted, AugmentedModel};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::Verdict;
 use crate::core::effects::Effect;
+use crate::core::effects::known;
 use crate::core::imu_model::{CampaignSample, Chosen, Identified, Of, asked_for, identify, named};
+use crate::core::message::sent;
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
 use crate::message;
@@ -152,7 +155,7 @@ impl FitArgs {
 
     fn chosen(&self, campaigns: &[&Campaign]) -> anyhow::Result<Chosen> {
         if !self.hypothesis.is_empty() && matches!(self.effects.as_str(), "auto" | "none") {
-            bail!("--hypothesis: name its id in --effects; `diagnose --hypothesis` says whether the campaign shows it");
+            bail!(said(message!("terminal_hypothesis_by_id")));
         }
         let none = |model| Chosen { model, occasions: vec![Vec::new(); campaigns.len()], verdicts: Vec::new() };
         match self.effects.as_str() {
@@ -173,14 +176,14 @@ impl FitArgs {
 fn lasting(id: &str, own: &[Effect]) -> anyhow::Result<Effect> {
     let own = own.iter().find(|own| own.id() == id).copied();
     let Some(effect) = Effect::from_id(id).or(own) else {
-        bail!("--effects: {id:?} is none of {}", crate::core::effects::known());
+        bail!("--effects: {}", said(message!("unknown_effect", effect = sent(id), effects = known())));
     };
     let entry = effect.entry();
     if entry.one_occasion {
-        bail!("--effects: {id} belongs to the campaign in which it happened; auto finds it there");
+        bail!(said(message!("terminal_one_occasion", effect = entry.id)));
     }
     if entry.closure_only {
-        bail!("--effects: {id} is part of G, which the model holds already");
+        bail!(said(message!("terminal_part_of_g", effect = entry.id)));
     }
     Ok(effect)
 }

@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::{model, settings};
 use crate::cli::document::{self, Format, table_of};
+use crate::cli::errors::said;
 use crate::core::campaign::Campaign;
 use crate::core::imu_model::{Identified, changed, compare, forecast, ladder, most_telling, promised};
 use crate::core::judge::Limits;
@@ -59,10 +60,7 @@ impl Predict {
 pub(super) fn identified(path: &Path) -> anyhow::Result<std::sync::Arc<Identified>> {
     match model::file(path)?.identified {
         Some(identified) => Ok(identified),
-        None => bail!(
-            "{}: holds effects but no coefficients of an IMU; `gyrowatch model fit` makes such a file",
-            document::name(path)
-        ),
+        None => bail!(said(message!("terminal_model_without_imu", file = document::name(path)))),
     }
 }
 
@@ -75,7 +73,7 @@ pub(super) fn measured(path: &Path) -> anyhow::Result<Campaign> {
 
 /// A campaign of the model's IMU as a scenario commands it.
 fn programme(path: &Path, model: &Identified) -> anyhow::Result<Campaign> {
-    let text = String::from_utf8(document::read(path)?).context("is not UTF-8")?;
+    let text = String::from_utf8(document::read(path)?)?;
     let scenario: Scenario = toml::from_str(&text)?;
     let simulated = simulate(&scenario_of(&scenario, model)?)?;
     let mut campaign = simulated.campaign;

@@ -7,7 +7,9 @@ use clap::Args;
 
 use super::backup::in_words;
 use crate::cli::common::block_on;
+use crate::cli::errors::said;
 use crate::config::Config;
+use crate::message;
 use crate::store;
 
 /// Check a backup and put it where the database is to be; what is there already is never overwritten
@@ -33,9 +35,10 @@ impl Restore {
         }
         let database = Config::load(&self.config, std::env::vars())?.database;
         let restored = block_on(async { Ok(store::restore(&self.file, &database.options()).await?) });
-        let holdings =
-            restored.with_context(|| format!("{file} was not restored to {}", database.options().shown()))?;
-        println!("{}: {}", database.options().shown(), in_words(&holdings));
+        let to = database.options().shown();
+        let failed = || said(message!("terminal_not_restored", file = file.to_string(), database = to.clone()));
+        let holdings = restored.with_context(failed)?;
+        println!("{to}: {}", in_words(&holdings));
         Ok(())
     }
 }

@@ -3,12 +3,14 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, bail};
 use comfy_table::Table;
 
 use super::settings;
 use crate::cli::document::{self, Format, table_of};
+use crate::cli::errors::said;
 use crate::config::Judging;
+use crate::core::fault::{Fault, Faults};
 use crate::core::judge::{State, Verdict};
 use crate::core::record::{GyroParameters, Record};
 use crate::core::separate::{JudgedMethod, NotPublished, Published, Separation, separate, stated_covariance};
@@ -19,10 +21,6 @@ use crate::wire::document::DocumentKind;
 use crate::wire::record::parse_record;
 use crate::wire::time;
 use crate::words::asked;
-
-/// What whoever would compute something from a bench result is told.
-pub(super) const BENCH_RESULT: &str =
-    "this is a bench result: it holds D_I and D_S already; `gyrowatch import` sends it to a service";
 
 /// Separate D_I and D_S of the gyros of one calibration record
 #[derive(Debug, clap::Args)]
@@ -60,13 +58,13 @@ impl Separate {
     pub fn run(self) -> anyhow::Result<()> {
         let bytes = document::read(&self.record)?;
         let file = || document::name(&self.record);
-        match DocumentKind::instead_of(DocumentKind::Record, &bytes) {
-            Some(DocumentKind::Campaign) => bail!(
-                "{}: this is a campaign: calibrate it with `gyrowatch calibrate`, which separates its gyros too",
-                file()
-            ),
-            Some(DocumentKind::Bench) => bail!("{}: {BENCH_RESULT}", file()),
-            Some(DocumentKind::Record) | None => {}
+        let instead = match DocumentKind::instead_of(DocumentKind::Record, &bytes) {
+            Some(DocumentKind::Campaign) => Some(message!("terminal_is_campaign")),
+            Some(DocumentKind::Bench) => Some(message!("terminal_is_bench_result")),
+            Some(DocumentKind::Record) | None => None,
+        };
+        if let Some(instead) = instead {
+            bail!("{}: {}", file(), said(instead));
         }
         let mut config = settings::config()?;
         // The comparison with the paper's tables is for the reader; what is configured for the fleet goes before it.
@@ -87,11 +85,11 @@ fn required(record: &Record, gyro: &GyroParameters, judging: &Judging) -> Requir
     judging.of_parameters(&record.geometry, whose, (&gyro.e, &gyro.g), sds)
 }
 
-fn separate_all(record: &Record) -> anyhow::Result<Vec<Separation>> {
+fn separate_all(record: &Record) -> Result<Vec<Separation>, Faults> {
     let one = |(i, gyro): (usize, &GyroParameters)| {
         let covariance = stated_covariance(gyro);
         separate(&record.geometry, gyro.slot, &gyro.e, &gyro.g, covariance.as_ref())
-            .map_err(|why| anyhow!("/gyros/{i}: {why}"))
+            .map_err(|why| Fault { pointer: format!("/gyros/{i}"), message: why.message() }.into())
     };
     record.gyros.iter().enumerate().map(one).collect()
 }

@@ -15,9 +15,12 @@ use tokio::task::JoinHandle;
 use tracing_subscriber::EnvFilter;
 
 use super::notify;
+use crate::cli::errors::said;
 use crate::config::{Config, Log, LogFormat};
+use crate::core::message::text;
 use crate::http::tls::Tls;
 use crate::http::{self, App};
+use crate::message;
 use crate::pages::{self, Pages};
 use crate::pipeline::{Outbox, Pipeline};
 use crate::system::Clock;
@@ -40,7 +43,7 @@ impl Serve {
 /// Serves until told to stop. `ready` is called once, with the address, when connections are accepted.
 pub(super) fn run(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result<()> {
     start_log(&config.log)?;
-    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("cannot start")?;
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
     let served = runtime.block_on(async {
         let (stopping, stop) = watch::channel(false);
         let grace = Duration::from_secs_f64(config.server.shutdown_grace_s);
@@ -52,10 +55,7 @@ pub(super) fn run(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Res
         let over = over(stop.clone(), grace);
         tokio::select! {
             served = serve(config, ready, told(stop)) => served,
-            () = over => Err(anyhow::anyhow!(
-                "not everything came to its end within {} s (server.shutdown_grace_s): what was not answered may not be stored",
-                grace.as_secs_f64()
-            )),
+            () = over => Err(anyhow::anyhow!(said(message!("terminal_not_ended", seconds = text(grace.as_secs_f64()))))),
         }
     });
     // What is not at its end now waits for a host that does not answer.
@@ -78,13 +78,13 @@ async fn serve(
     ready: impl FnOnce(SocketAddr),
     stop: impl Future<Output = ()>,
 ) -> anyhow::Result<()> {
-    telemetry::start().context("cannot count metrics")?;
+    telemetry::start()?;
     config.server.check_exposure()?;
     let tls = config.server.tls_files().map(|(certificate, key)| Tls::start(certificate, key)).transpose()?;
     let listener = TcpListener::bind(config.server.listen)
         .await
-        .with_context(|| format!("cannot listen on {} (server.listen)", config.server.listen))?;
-    let address = listener.local_addr().context("cannot tell the address listened on")?;
+        .with_context(|| said(message!("terminal_cannot_listen", address = text(config.server.listen))))?;
+    let address = listener.local_addr()?;
     let url = format!("{}://{address}", if tls.is_some() { "https" } else { "http" });
     if config.hooks.external_url().is_none() && !address.ip().is_unspecified() {
         config.hooks.external_url.clone_from(&url);
@@ -94,7 +94,7 @@ async fn serve(
     let served = serve_with(pipeline, config, (listener, address, &url), tls, stop, ready).await;
     // The router and the worker are gone, and with them the last sender: the writer finishes what is queued and
     // closes the database.
-    writing.await.context("the writer failed")?;
+    writing.await?;
     served?;
     tracing::info!("stopped");
     Ok(())
@@ -102,7 +102,7 @@ async fn serve(
 
 /// The pipeline on the database of the configuration, and the end of its writing.
 pub(super) async fn open(config: &Arc<Config>) -> anyhow::Result<(Pipeline, JoinHandle<()>)> {
-    let database = || format!("cannot use the database {} (database.url)", config.database.options().shown());
+    let database = || said(message!("terminal_cannot_use", database = config.database.options().shown()));
     let (store, mut writer) = store::open(&config.database.options()).await.with_context(database)?;
     let store = store.with(config.secrets.clone());
     let hidden = store::hide_stored_secrets(&store, &mut writer).await.with_context(database)?;
@@ -120,15 +120,13 @@ async fn serve_with(
     stop: impl Future<Output = ()>,
     ready: impl FnOnce(SocketAddr),
 ) -> anyhow::Result<()> {
-    anyhow::ensure!(
-        address.ip().is_loopback() || pipeline.access.guard().asks_for_tokens(),
-        "cannot listen on {address} (server.listen): there is no token yet, and without one everybody could do everything; \
-         make one first: gyrowatch token create NAME --role admin"
-    );
+    if !address.ip().is_loopback() && !pipeline.access.guard().asks_for_tokens() {
+        anyhow::bail!(said(message!("terminal_token_first", address = text(address))));
+    }
     warn_without_tokens(&pipeline);
-    let outbox = Outbox::start(&pipeline.hooks).context("cannot deliver to hooks")?;
+    let outbox = Outbox::start(&pipeline.hooks)?;
     let pipeline = Arc::new(pipeline);
-    let api = serde_json::to_value(http::description(&config.server)).context("cannot describe the API")?;
+    let api = serde_json::to_value(http::description(&config.server))?;
     let pages = Pages {
         config: Arc::clone(&config),
         clock: Clock::System,
@@ -138,7 +136,7 @@ async fn serve_with(
     let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
     let router = http::router(app, pages::router(pages));
     tracing::info!(%address, database = %config.database.options().shown(), "listening");
-    println!("gyrowatch listens on {url}");
+    println!("{}", said(message!("terminal_listens", url = url.to_owned())));
     notify::tell(notify::READY);
     ready(address);
     http::server::serve(listener, tls, router, &config.server, stop).await;
@@ -167,8 +165,8 @@ fn warn_without_tokens(pipeline: &Pipeline) {
 
 /// Resolves at SIGTERM or SIGINT.
 fn stop_signal() -> anyhow::Result<impl Future<Output = ()>> {
-    let mut terminate = signal(SignalKind::terminate()).context("cannot listen for SIGTERM")?;
-    let mut interrupt = signal(SignalKind::interrupt()).context("cannot listen for SIGINT")?;
+    let mut terminate = signal(SignalKind::terminate())?;
+    let mut interrupt = signal(SignalKind::interrupt())?;
     Ok(async move {
         let name = tokio::select! { _ = terminate.recv() => "SIGTERM", _ = interrupt.recv() => "SIGINT" };
         notify::tell(notify::STOPPING);
@@ -187,7 +185,7 @@ fn start_log(log: &Log) -> anyhow::Result<()> {
         LogFormat::Text => builder.try_init(),
         LogFormat::Json => builder.json().try_init(),
     };
-    started.map_err(|error| anyhow::anyhow!("cannot start the log: {error}"))
+    started.map_err(|error| anyhow::anyhow!(error))
 }
 
 #[cfg(test)]

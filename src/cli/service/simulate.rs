@@ -9,10 +9,13 @@ use clap::Args;
 use super::{experiment, hypothesis, model};
 use crate::cli::common::{Usage, positive};
 use crate::cli::document;
+use crate::cli::errors::said;
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
+use crate::core::message::sent;
 use crate::core::mounting::Slot;
+use crate::message;
 use crate::simulate::augment::augment;
 use crate::simulate::cause::known;
 use crate::simulate::experiment::{Test, tests};
@@ -136,17 +139,17 @@ impl Simulate {
             return self.paper_experiment();
         }
         if self.csv {
-            return Err(Usage(format!("--csv goes with --preset {PAPER_EXPERIMENT}")).into());
+            return Err(Usage(said(message!("terminal_csv_of_experiment", preset = PAPER_EXPERIMENT))).into());
         }
         let mut scenario = self.read()?;
         scenario.seed = self.seed.unwrap_or(scenario.seed);
         if self.print_scenario {
-            let text = toml::to_string(&scenario).context("the scenario cannot be written as TOML")?;
+            let text = toml::to_string(&scenario)?;
             return Ok(std::io::stdout().lock().write_all(text.as_bytes())?);
         }
         match (&self.dir, self.count) {
             (Some(dir), count) => many(&scenario, &self.put_in()?, count.unwrap_or(1), dir, self.format),
-            (None, Some(_)) => Err(Usage("--count wants a --dir to write into".to_owned()).into()),
+            (None, Some(_)) => Err(Usage(said(message!("terminal_count_needs_dir"))).into()),
             (None, None) => self.one(&scenario),
         }
     }
@@ -164,9 +167,7 @@ impl Simulate {
     fn paper_experiment(&self) -> anyhow::Result<()> {
         let one_campaign = [&self.out, &self.truth, &self.model, &self.hypothesis].into_iter().any(Option::is_some);
         if one_campaign || self.print_scenario {
-            let why =
-                format!("{PAPER_EXPERIMENT} is seven campaigns: it takes --seed, --count, and --dir or --csv only");
-            return Err(Usage(why).into());
+            return Err(Usage(said(message!("terminal_experiment_takes", preset = PAPER_EXPERIMENT))).into());
         }
         let seed = self.seed.unwrap_or(1);
         match &self.dir {
@@ -218,9 +219,9 @@ struct PutIn {
 }
 
 fn made(scenario: &Scenario, put_in: &PutIn) -> anyhow::Result<Simulated> {
-    let refused = |faults| anyhow::anyhow!("scenario: {faults}");
-    let (scenario, model) = drawn_from(scenario, &put_in.model).map_err(refused)?;
-    let mut simulated = simulate(&scenario).map_err(refused)?;
+    let whose = || said(message!("terminal_scenario"));
+    let (scenario, model) = drawn_from(scenario, &put_in.model).with_context(whose)?;
+    let mut simulated = simulate(&scenario).with_context(whose)?;
     augment(&mut simulated, &model).with_context(|| format!("--model {}", put_in.model_file))?;
     if let Some((effect, amount, slots)) = &put_in.hypothesis {
         hypothesis::defined_in(&[*effect], &simulated.campaign)?;
@@ -231,7 +232,7 @@ fn made(scenario: &Scenario, put_in: &PutIn) -> anyhow::Result<Simulated> {
 }
 
 fn slot(name: &str) -> Result<Slot, String> {
-    Slot::from_name(name).ok_or_else(|| format!("slots are {}", Slot::ALL.map(Slot::name).join(", ")))
+    Slot::from_name(name).ok_or_else(|| said(message!("unknown_slot", value = sent(name))))
 }
 
 fn list(mut out: impl Write) -> anyhow::Result<()> {
@@ -244,7 +245,7 @@ fn list(mut out: impl Write) -> anyhow::Result<()> {
 
 fn many(scenario: &Scenario, put_in: &PutIn, count: u64, dir: &Path, form: CampaignFormat) -> anyhow::Result<()> {
     if scenario.seed.checked_add(count).is_none() {
-        bail!("seeds end at {}", u64::MAX);
+        bail!(said(message!("terminal_seeds_end", last = u64::MAX.to_string())));
     }
     let named = |k: u64| {
         let scenario = Scenario { seed: scenario.seed + k, ..scenario.clone() };

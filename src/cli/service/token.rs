@@ -3,22 +3,23 @@
 
 use std::path::PathBuf;
 
-use anyhow::{anyhow, bail};
+use anyhow::bail;
 use clap::{Args, Subcommand};
 
 use super::healthcheck;
 use crate::cli::common::{block_on, instant};
 use crate::cli::document;
+use crate::cli::errors::said;
 use crate::config::Config;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::message::sent;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::{AccessError, NewToken, create_beside, revoke_beside};
 use crate::store::{Beside, StoreError, TokenRow};
 use crate::system::Clock;
 use crate::wire::{text, time};
-use crate::{message, words};
 
 /// Make, list and revoke access tokens
 #[derive(Debug, Args)]
@@ -70,31 +71,23 @@ impl TokenArgs {
         let (order, options) = (self.order, database.options());
         let is_new = options.file().is_ok_and(|file| matches!(file.try_exists(), Ok(false)));
         if is_new && !matches!(order, TokenCommand::Create { .. }) {
-            bail!("there is no database {}", options.shown());
+            bail!(said(message!("terminal_no_database", database = options.shown())));
         }
         let is_unnamed = database.url == Config::defaults().database.url;
         let work = async {
             if is_new && is_unnamed && healthcheck::is_running(&server).await {
-                bail!(
-                    "the service at {} has another database than {}, which is not there: name its own in \
-                     GYROWATCH_DATABASE_URL or --config",
-                    server.listen,
-                    options.shown()
-                );
+                let (listen, database) = (server.listen.to_string(), options.shown());
+                bail!(said(message!("terminal_other_database", listen, database)));
             }
             if is_new {
-                eprintln!(
-                    "there is no database {}: making it. A service that has another one does not know this token: name \
-                     that one in GYROWATCH_DATABASE_URL or --config",
-                    options.shown()
-                );
+                eprintln!("{}", said(message!("terminal_new_database", database = options.shown())));
             }
             let mut beside = Beside::open(&options).await?;
             order.carry_out(&mut beside, Clock::System.now()).await
         };
         block_on(work).map_err(|error| match is_of_the_database(&error) {
-            true => in_words(error).context(format!("the database {}", database.options().shown())),
-            false => in_words(error),
+            true => error.context(said(message!("terminal_database", url = database.options().shown()))),
+            false => error,
         })
     }
 }
@@ -102,14 +95,6 @@ impl TokenArgs {
 /// Whether the database failed, and not what was asked of it.
 fn is_of_the_database(error: &anyhow::Error) -> bool {
     error.is::<StoreError>() || matches!(error.downcast_ref(), Some(AccessError::Write(_)))
-}
-
-/// What is refused, in the language of the environment.
-fn in_words(error: anyhow::Error) -> anyhow::Error {
-    match error.downcast::<AccessError>() {
-        Ok(refused) => anyhow!(words::asked().words(&refused.message())),
-        Err(other) => other,
-    }
 }
 
 impl TokenCommand {
@@ -124,17 +109,15 @@ impl TokenCommand {
                     name = new.name.to_string(),
                     role = role.name()
                 );
-                eprintln!("{}", words::asked().words(&made));
+                eprintln!("{}", said(made));
                 document::print(&secret.reveal())
             }
             Self::List => document::print(&table(&database.tokens().await?, now)),
             Self::Revoke { id } => {
-                let Ok(id) = id.parse() else {
-                    bail!(words::asked().words(&message!("terminal_no_token_id", id = sent(&id))))
-                };
+                let Ok(id) = id.parse() else { bail!(said(message!("terminal_no_token_id", id = sent(&id)))) };
                 let now_revoked = revoke_beside(database, id, now).await?;
                 let id = id.to_string();
-                document::print(&words::asked().words(&match now_revoked {
+                document::print(&said(match now_revoked {
                     true => message!("terminal_token_revoked", id),
                     false => message!("terminal_token_revoked_before", id),
                 }))
@@ -170,15 +153,15 @@ fn checked(
 }
 
 fn table(tokens: &[TokenRow], now: UtcMicros) -> String {
-    let mut table = document::table(["id", "name", "role", "station", "made", "state"], 0..0);
+    let mut table = document::table_of("terminal_tokens_head", 0..0);
     for token in tokens {
         let state = match (token.revoked_at, token.expires_at) {
-            (Some(at), _) => format!("revoked {}", time::format(at)),
-            (None, Some(at)) if at <= now => format!("expired {}", time::format(at)),
-            (None, Some(at)) => format!("until {}", time::format(at)),
-            (None, None) => "valid".to_owned(),
+            (Some(at), _) => said(message!("terminal_revoked", at = time::format(at))),
+            (None, Some(at)) if at <= now => said(message!("terminal_expired", at = time::format(at))),
+            (None, Some(at)) => said(message!("terminal_until", at = time::format(at))),
+            (None, None) => said(message!("terminal_valid")),
         };
-        let station = token.station.clone().unwrap_or_else(|| "any".to_owned());
+        let station = token.station.clone().unwrap_or_else(|| said(message!("terminal_any")));
         let made = time::format(token.created_at);
         table.add_row([token.id.to_string(), token.name.clone(), token.role.name().into(), station, made, state]);
     }

@@ -8,12 +8,12 @@ use clap::Args;
 
 use crate::cli::common::block_on;
 use crate::cli::document;
+use crate::cli::errors::said;
 use crate::config::Config;
 use crate::message;
 use crate::pipeline::{Pipeline, Verified};
 use crate::store;
 use crate::system::Clock;
-use crate::words::asked;
 
 /// Compute every stored separation and verdict again from what was sent, and compare; exit status 1 names what differs
 #[derive(Debug, Args)]
@@ -42,7 +42,7 @@ impl Verify {
             verified.faults.extend(store::check_checksums(&options)?);
             Ok(verified)
         };
-        report(&block_on(work).with_context(|| format!("the database {url}"))?)
+        report(&block_on(work).with_context(|| said(message!("terminal_database", url)))?)
     }
 }
 
@@ -51,7 +51,7 @@ fn report(verified: &Verified) -> anyhow::Result<()> {
     for fault in faults.iter().take(MOST_SHOWN) {
         document::print(fault)?;
     }
-    let mut said = vec![
+    let mut lines = vec![
         message!(
             "terminal_verified",
             records = records.to_string(),
@@ -65,11 +65,11 @@ fn report(verified: &Verified) -> anyhow::Result<()> {
         },
     ];
     if *not_compared > 0 {
-        said.push(message!("terminal_not_compared", verdicts = not_compared.to_string()));
+        lines.push(message!("terminal_not_compared", verdicts = not_compared.to_string()));
     }
-    said.iter().try_for_each(|line| document::print(&asked().words(line)))?;
+    lines.into_iter().try_for_each(|line| document::print(&said(line)))?;
     if !faults.is_empty() {
-        bail!(asked().words(&message!("terminal_differ", count = faults.len().to_string())));
+        bail!(said(message!("terminal_differ", count = faults.len().to_string())));
     }
     Ok(())
 }

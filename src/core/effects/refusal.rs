@@ -29,16 +29,12 @@ impl Refusal {
 
 /// What a campaign lacks to hold the regressors of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum Lack {
-    #[error("the dwells carry no temperature")]
     Temperature,
-    #[error("the temperature is constant")]
     TemperatureChange,
-    #[error("the dwells carry no attitude")]
     Attitude,
-    #[error("every commanded rate is zero")]
     Rate,
-    #[error("the equation has no finite value in dwell {dwell}")]
     NotFinite { dwell: usize },
 }
 

@@ -217,3 +217,129 @@ terminal_token_made = token { $id } ({ $name }, { $role }): keep it now, it is s
 terminal_no_token_id = "{ $id }" is no identifier of a token; `token list` shows them
 terminal_token_revoked = token { $id } is revoked
 terminal_token_revoked_before = token { $id } was revoked before
+terminal_database = the database { $url }
+terminal_not_backed_up = no backup of { $database } was made
+terminal_not_restored = { $file } was not restored to { $database }
+terminal_not_copied = { $from } was not copied to { $to }
+terminal_export_form = { $file }: neither .csv nor .parquet; say --format
+terminal_nameless = record { $record }: its { $what } has no name
+terminal_no_parquet = this program was built without Parquet: cargo build --release --features parquet
+terminal_no_answer = { $address } does not answer: { $why }
+terminal_answers = { $address } answers { $status }: { $why }
+terminal_no_database = there is no database { $database }
+terminal_other_database = the service at { $listen } has another database than { $database }, which does not exist. Name its own in GYROWATCH_DATABASE_URL or --config
+terminal_new_database = there is no database { $database }: making it. A service that has another one does not know this token: name that one in GYROWATCH_DATABASE_URL or --config
+terminal_tokens_head = id | name | role | station | made | state
+terminal_revoked = revoked { $at }
+terminal_expired = expired { $at }
+terminal_until = until { $at }
+terminal_valid = valid
+terminal_any = any
+terminal_noise_means = { $cells } weekly means of { $coefficients } coefficients between two events; { $moving } left out because they move
+terminal_noise_spacing = { $weeks } weeks with records apart ({ $days } days): spread { $spread } deg/(h g0) from { $differences } differences
+terminal_noise_fitted = fitted: scatter { $scatter } deg/(h g0), correlation { $phi }, walk { $walk } deg/(h g0) per root year. For the configuration (drawn towards the defaults by 100 weekly means):
+terminal_noise_unfitted = The history is too short for a fit: the defaults stay in force.
+terminal_noise_stations_alike = The history does not show how stations differ: between_stations stays 0.
+store_full = the disk is full
+store_unusable = the database cannot be read or written: { $why }
+store_locked = the database is locked by another process
+store_in_use = another gyrowatch serves the database { $database }; stop it first, or use a file of your own
+store_not_durable = a write could not be made durable: { $why }; restart after checking the disk
+store_unreachable = the database cannot be reached: { $why }
+store_unanswered = a commit was not answered, and the database cannot be asked what became of it: { $why }
+store_overtaken = overtaken by another writer: { $why }
+store_refused = refused by the database: { $why }
+store_other = database
+
+## What cannot be done
+
+terminal_scenario = scenario
+terminal_csv_of_experiment = --csv goes with --preset { $preset }
+terminal_count_needs_dir = --count needs a --dir to write into
+terminal_experiment_takes = { $preset } is seven campaigns: it takes --seed, --count, and --dir or --csv only
+terminal_seeds_end = seeds end at { $last }
+model_effects_of_imu = the effects of a model file are for campaigns of an IMU; this is a bench test
+effect_cannot_act = { $effect } cannot act in this scenario: { $missing }
+effect_without_estimate = { $effect } has no estimate of { $coefficient } for { $slot }
+none_of_these_gyros = the campaign has none of these gyros
+hypothesis_unseen = this design cannot see { $effect }: the model takes all of it up, or the campaign has no noise
+hypothesis_of_model = --hypothesis: the model in use holds another { $id }; give one of them another id
+hypothesis_undefined = --hypothesis: { $id }: { $lack } ({ $place }): { $equation } divides by zero there, or has the root or logarithm of a negative number. Write it so that every dwell has a value
+terminal_not_reached = not every figure to be reached was reached
+terminal_key_sealed = { $count ->
+    [one] key of { $count } campaign sealed: SHA-256 { $seal }
+   *[other] key of { $count } campaigns sealed: SHA-256 { $seal }
+}
+terminal_key_revealed = key revealed: { $file }
+terminal_key_read = key { $file }: SHA-256 { $seal }
+terminal_is_campaign = this is a campaign: calibrate it with `gyrowatch calibrate`, which separates its gyros too
+terminal_is_record = this is a calibration record: separate it with `gyrowatch separate`
+terminal_is_bench_result = this is a bench result: it holds D_I and D_S already; `gyrowatch import` sends it to a service
+terminal_record_without_dwells = a record has no dwells; --model, --hypothesis, --adopt, --report and --reference go with a campaign
+terminal_order_canceled = order { $id } was canceled; campaigns not diagnosed: { $count }
+terminal_not_diagnosed = { $failed } of { $count } campaigns could not be diagnosed
+terminal_order_goes_on = order { $id } continues at the service; the same command finds it again
+terminal_gap_needs_campaigns = with a model file, name the campaigns to compare it with
+terminal_hypothesis_by_id = --hypothesis: name its id in --effects; `diagnose --hypothesis` says whether the campaign shows it
+terminal_one_occasion = --effects: { $effect } belongs to the campaign in which it happened; auto finds it there
+terminal_part_of_g = --effects: { $effect } is part of G, which the model holds already
+terminal_no_model_file = { $faults }; and there is no model file of that name
+terminal_holds_no_model = { $file }: holds no model, and only model files are replaced; name another file
+terminal_model_without_imu = { $file }: holds effects but no coefficients of an IMU; `gyrowatch model fit` makes such a file
+terminal_too_large = is larger than { $most } bytes
+terminal_file_replaced = replaced { $file }
+terminal_files_replaced = { $count ->
+    [one] replaced { $count } file in { $folder }
+   *[other] replaced { $count } files in { $folder }
+}
+terminal_no_template = there is no { $of } as { $format }: see `gyrowatch template --help`
+terminal_workbook_out = write a workbook with --out FILE
+terminal_diagnosis_failed = { $campaign } of { $imu } ({ $at }): { $reason }
+
+## Talking to a service
+
+terminal_no_address = "{ $address }" is not the address of a service, such as http://127.0.0.1:8080
+terminal_no_certificate = { $file }: holds no certificate in PEM
+terminal_cannot_reach = cannot reach { $address }: { $why }
+terminal_foreign_answer = the answer does not come from gyrowatch
+terminal_batch_refused = the whole batch was refused: { $why }
+terminal_answers_missing = { $sent } lines were sent, { $answered } answered
+terminal_is_folder = { $folder } is a directory; name its files, or watch it with --watch
+terminal_cannot_move = cannot move it to { $file }
+terminal_nothing_to_void = no record, campaign or bench result has the identifier "{ $id }"
+
+## `serve`, `demo`
+
+terminal_listens = gyrowatch listens on { $url }
+terminal_cannot_listen = cannot listen on { $address } (server.listen)
+terminal_cannot_use = cannot use the database { $database } (database.url)
+terminal_token_first = cannot listen on { $address } (server.listen): there is no token yet, and without one anyone could do everything. Create one first: gyrowatch token create NAME --role admin
+terminal_not_ended = not everything ended within { $seconds } s (server.shutdown_grace_s): what was not answered may not be stored
+terminal_demo_on = the demo on { $address } (--listen takes another address, port 0 a free one)
+terminal_demo_not_posted = the demo's fleet could not be posted: { $why }
+terminal_demo_posted = posted { $count } records, bench results and marks through the API
+terminal_demo_pages =
+    The fleet                        { $base }/
+    A gyro whose D_I rises           { $base }/gyros/LFG-0004
+    Why it does                      { $base }/gyros/LFG-0004/diagnosis
+    One that ages within its budget  { $base }/gyros/LFG-0014
+    One whose D_S jumped             { $base }/gyros/LFG-0008
+    One that was repaired and moved  { $base }/gyros/LFG-0011
+    Raw campaigns, to diagnose       { $base }/imus/IMU-21
+    Table 5, method beside method    { $base }/gyros/PAPER-T5-G1
+    A trend as CSV                   { $base }/v1/gyros/LFG-0004/trend?coefficient=D_I&format=csv
+    The API, to read and try         { $base }/docs
+
+    Ctrl-C stops it; the data stay in the file.
+
+## `blindcheck`
+
+terminal_hypothesis = { $id } in campaigns of this design: { $found }
+terminal_named_never = no size of these was named in { $share }: ask for larger d
+terminal_named_from = named in { $share } from { $size } { $unit } on
+terminal_named_shown = named in { $share } from { $size } { $unit } on, shown from { $surely } on
+terminal_named_unshown = named in { $hits } of { $trials } from { $size } { $unit } on; that is { $interval } (95 % interval) and does not show { $share }: --count { $least } or more can
+terminal_hypothesis_head = d | largest coefficient (median) | campaigns | named | 95 % interval | only in a class | something else
+terminal_hard_to_tell = hard to tell from it here: { $effects }
+terminal_where_not = where it is not: named in { $hits } of { $trials } ({ $rate }, 95 % interval { $interval }); anything named in { $anything }
+terminal_undiagnosed = no answer: { $why }

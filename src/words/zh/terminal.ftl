@@ -205,3 +205,123 @@ terminal_token_made = 令牌{ $id }（{ $name }，{ $role }）：请立即保存
 terminal_no_token_id = “{ $id }”不是令牌的标识；token list列出全部令牌
 terminal_token_revoked = 令牌{ $id }已撤销
 terminal_token_revoked_before = 令牌{ $id }此前已撤销
+terminal_database = 数据库{ $url }
+terminal_not_backed_up = 未能备份{ $database }
+terminal_not_restored = 未能将{ $file }恢复到{ $database }
+terminal_not_copied = 未能将{ $from }复制到{ $to }
+terminal_export_form = { $file }：既不是.csv也不是.parquet；请给出--format
+terminal_nameless = 记录{ $record }：其{ $what }没有名称
+terminal_no_parquet = 此程序编译时未含Parquet：cargo build --release --features parquet
+terminal_no_answer = { $address }没有应答：{ $why }
+terminal_answers = { $address }应答{ $status }：{ $why }
+terminal_no_database = 没有数据库{ $database }
+terminal_other_database = { $listen }处的服务使用的数据库不是{ $database }，后者不存在。请用GYROWATCH_DATABASE_URL或--config指明服务的数据库
+terminal_new_database = 没有数据库{ $database }，现在新建。使用其他数据库的服务不认识此令牌：请用GYROWATCH_DATABASE_URL或--config指明那个数据库
+terminal_tokens_head = 标识 | 名称 | 角色 | 测试站 | 创建时间 | 状态
+terminal_revoked = 撤销于{ $at }
+terminal_expired = 过期于{ $at }
+terminal_until = 有效至{ $at }
+terminal_valid = 有效
+terminal_any = 不限
+terminal_noise_means = 两次事件之间{ $coefficients }个系数的{ $cells }个周均值；{ $moving }个因有漂移而除外
+terminal_noise_spacing = 相隔{ $weeks }个有记录的周（{ $days }天）：由{ $differences }个差值得离散{ $spread } (°)/(h·g0)
+terminal_noise_fitted = 拟合：离散{ $scatter } (°)/(h·g0)，相关系数{ $phi }，随机游走每根号年{ $walk } (°)/(h·g0)。写入配置的值（按100个周均值的权重向默认值收缩）：
+terminal_noise_unfitted = 历史太短，无法拟合：继续使用默认值。
+terminal_noise_stations_alike = 由历史看不出测试站之间的差异：between_stations保持为0。
+store_full = 磁盘已满
+store_unusable = 数据库不能读写：{ $why }
+store_locked = 数据库被另一进程锁定
+store_in_use = 另一个gyrowatch正在使用数据库{ $database }；请先停止它，或使用自己的文件
+store_not_durable = 未能确认写入已落盘：{ $why }；请检查磁盘后重新启动
+store_unreachable = 无法连接数据库：{ $why }
+store_unanswered = 一次提交没有得到应答，也无法查询其结果：{ $why }
+store_overtaken = 另一写入者已抢先写入：{ $why }
+store_refused = 数据库拒绝：{ $why }
+store_other = 数据库
+
+## 不能执行
+
+terminal_scenario = 仿真场景
+terminal_csv_of_experiment = --csv只用于--preset { $preset }
+terminal_count_needs_dir = --count需要以--dir指定写入的文件夹
+terminal_experiment_takes = { $preset }含七次试验：只接受--seed、--count，以及--dir或--csv
+terminal_seeds_end = 种子最大为{ $last }
+model_effects_of_imu = 模型文件的效应用于IMU标定试验；此为单表测试
+effect_cannot_act = { $effect }在此仿真场景中不起作用：{ $missing }
+effect_without_estimate = { $slot }的{ $effect }没有{ $coefficient }的估计值
+none_of_these_gyros = 试验中没有这些陀螺
+hypothesis_unseen = 此试验设计看不到{ $effect }：模型将其全部吸收，或试验没有噪声
+hypothesis_of_model = --hypothesis：所用模型中另有一个{ $id }；请更改其中一个的id
+hypothesis_undefined = --hypothesis：{ $id }：{ $lack }（{ $place }）：{ $equation }在此处除以零，或对负数开方、取对数。请改写，使每个测点都有值
+terminal_not_reached = 并非每个指标都已达到
+terminal_key_sealed = { $count }次试验的答案已封存：SHA-256 { $seal }
+terminal_key_revealed = 答案已公开：{ $file }
+terminal_key_read = 答案{ $file }：SHA-256 { $seal }
+terminal_is_campaign = 这是标定试验：请用`gyrowatch calibrate`标定，它同时分离各陀螺
+terminal_is_record = 这是标定记录：请用`gyrowatch separate`分离
+terminal_is_bench_result = 这是单表测试结果，已含D_I与D_S；`gyrowatch import`可将其发送至服务
+terminal_record_without_dwells = 记录没有测点；--model、--hypothesis、--adopt、--report与--reference用于标定试验
+terminal_order_canceled = 诊断任务{ $id }已取消；未诊断的试验：{ $count }次
+terminal_not_diagnosed = { $count }次试验中有{ $failed }次未能诊断
+terminal_order_goes_on = 诊断任务{ $id }在服务中继续；再次运行同一命令即可接续
+terminal_gap_needs_campaigns = 给出模型文件时，请列出与之比较的试验
+terminal_hypothesis_by_id = --hypothesis：请在--effects中给出其id；试验是否显示它，由`diagnose --hypothesis`回答
+terminal_one_occasion = --effects：{ $effect }属于发生它的那次试验；auto会在该试验中找到它
+terminal_part_of_g = --effects：{ $effect }是G的一部分，模型已包含
+terminal_no_model_file = { $faults }；也没有此名称的模型文件
+terminal_holds_no_model = { $file }：不是模型文件，只替换模型文件；请另取名称
+terminal_model_without_imu = { $file }：只有效应，没有IMU的系数；`gyrowatch model fit`可生成含系数的文件
+terminal_too_large = 大于{ $most }字节
+terminal_file_replaced = 已替换{ $file }
+terminal_files_replaced = 已替换{ $folder }中的{ $count }个文件
+terminal_no_template = 没有{ $format }格式的{ $of }：见`gyrowatch template --help`
+terminal_workbook_out = 请用--out FILE写出工作簿
+terminal_diagnosis_failed = { $imu }的{ $campaign }（{ $at }）：{ $reason }
+
+## 与服务通信
+
+terminal_no_address = “{ $address }”不是服务的地址，地址形如http://127.0.0.1:8080
+terminal_no_certificate = { $file }：不含PEM证书
+terminal_cannot_reach = 无法连接{ $address }：{ $why }
+terminal_foreign_answer = 应答不是来自gyrowatch
+terminal_batch_refused = 整批被拒收：{ $why }
+terminal_answers_missing = 发送了{ $sent }行，只有{ $answered }行得到应答
+terminal_is_folder = { $folder }是文件夹；请列出其中的文件，或用--watch监视
+terminal_cannot_move = 无法将其移到{ $file }
+terminal_nothing_to_void = 没有标识为“{ $id }”的记录、标定试验或单表测试结果
+
+## `serve`、`demo`
+
+terminal_listens = gyrowatch服务地址：{ $url }
+terminal_cannot_listen = 无法监听{ $address }（server.listen）
+terminal_cannot_use = 无法使用数据库{ $database }（database.url）
+terminal_token_first = 无法监听{ $address }（server.listen）：尚无令牌，任何人都可进行任何操作。请先创建令牌：gyrowatch token create NAME --role admin
+terminal_not_ended = 并非全部工作都在{ $seconds } s（server.shutdown_grace_s）内结束：未应答的内容可能没有存储
+terminal_demo_on = 位于{ $address }的演示（--listen可指定其他地址，端口0为任一空闲端口）
+terminal_demo_not_posted = 未能发送演示数据：{ $why }
+terminal_demo_posted = 已通过API发送{ $count }个记录、单表测试结果与履历事件
+terminal_demo_pages =
+    全部陀螺            { $base }/
+    D_I上升的陀螺       { $base }/gyros/LFG-0004
+    上升的原因          { $base }/gyros/LFG-0004/diagnosis
+    在限内老化的陀螺    { $base }/gyros/LFG-0014
+    D_S跳变的陀螺       { $base }/gyros/LFG-0008
+    修理并移装的陀螺    { $base }/gyros/LFG-0011
+    待诊断的原始试验    { $base }/imus/IMU-21
+    表5：两种方法对照   { $base }/gyros/PAPER-T5-G1
+    趋势（CSV）         { $base }/v1/gyros/LFG-0004/trend?coefficient=D_I&format=csv
+    API说明与试用       { $base }/docs
+
+    按Ctrl-C停止；数据保留在文件中。
+
+## `blindcheck`
+
+terminal_hypothesis = 此设计的试验中的{ $id }：{ $found }
+terminal_named_never = 所列大小均未达到{ $share }的识别率：请给出更大的d
+terminal_named_from = 自{ $size } { $unit }起，识别率达{ $share }
+terminal_named_shown = 自{ $size } { $unit }起，识别率达{ $share }；自{ $surely }起有统计证实
+terminal_named_unshown = 自{ $size } { $unit }起，{ $trials }次中识别{ $hits }次，即{ $interval }（95 %区间），不足以证实{ $share }：请用--count { $least }或更多
+terminal_hypothesis_head = d | 最大系数（中位数） | 试验数 | 识别 | 95 %区间 | 仅在等价类中 | 其他效应
+terminal_hard_to_tell = 此处难以与之区分：{ $effects }
+terminal_where_not = 不含该效应时：{ $trials }次中识别{ $hits }次（{ $rate }，95 %区间{ $interval }）；识别出任何效应{ $anything }次
+terminal_undiagnosed = 没有结果：{ $why }

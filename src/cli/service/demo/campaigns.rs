@@ -1,7 +1,5 @@
 //! Raw campaigns with something hidden in them, to diagnose.
 
-use anyhow::anyhow;
-
 use super::Happening;
 use crate::core::time::UtcMicros;
 use crate::simulate::presets::preset;
@@ -28,7 +26,7 @@ pub fn happenings(today: UtcMicros) -> anyhow::Result<Vec<Happening>> {
 }
 
 fn campaign(today: UtcMicros, days_ago: f64, programme: &str, hidden: &[(&str, f64)]) -> anyhow::Result<Happening> {
-    let base = preset(programme).ok_or_else(|| anyhow!("no preset {programme}"))?;
+    let base = preset(programme).expect("the presets are those of the list");
     let mut gyros = base.gyros.clone();
     for (gyro, (serial, scale)) in gyros.iter_mut().zip(GYROS) {
         gyro.serial = Some(serial.into());
@@ -45,6 +43,6 @@ fn campaign(today: UtcMicros, days_ago: f64, programme: &str, hidden: &[(&str, f
         effects: hidden.iter().map(|&(effect, visible)| EffectChoice::detectable(effect, visible)).collect(),
         ..base
     };
-    let simulated = simulate(&scenario).map_err(|faults| anyhow!("scenario: {faults}"))?;
+    let simulated = simulate(&scenario)?;
     Ok(Happening::Campaign(Box::new(CampaignBody::from(&simulated.campaign))))
 }

@@ -15,6 +15,9 @@ use indicatif::ProgressBar;
 
 use super::serve;
 use crate::cli::client::{JSON, Sent, Service};
+use crate::cli::errors::{in_words, said};
+use crate::core::message::text;
+use crate::message;
 use happening::Happening;
 
 use crate::config::Config;
@@ -48,11 +51,11 @@ impl Demo {
         serve::run(config, |address| {
             tokio::spawn(async move {
                 if let Err(error) = furnish(address).await {
-                    eprintln!("gyrowatch: the demo's fleet could not be posted: {error:#}");
+                    eprintln!("gyrowatch: {}", said(message!("terminal_demo_not_posted", why = in_words(&error))));
                 }
             });
         })
-        .with_context(|| format!("the demo on {} (--listen takes another address, port 0 a free one)", self.listen))
+        .with_context(|| said(message!("terminal_demo_on", address = text(self.listen))))
     }
 }
 
@@ -63,19 +66,7 @@ async fn furnish(address: SocketAddr) -> anyhow::Result<()> {
         post_all(&service).await?;
     }
     let base = service.base();
-    println!(
-        "\nThe fleet                        {base}/\n\
-         A gyro whose D_I rises           {base}/gyros/LFG-0004\n\
-         Why it does                      {base}/gyros/LFG-0004/diagnosis\n\
-         One that ages within its budget  {base}/gyros/LFG-0014\n\
-         One whose D_S jumped             {base}/gyros/LFG-0008\n\
-         One that was repaired and moved  {base}/gyros/LFG-0011\n\
-         Raw campaigns, to diagnose       {base}/imus/IMU-21\n\
-         Table 5, method beside method    {base}/gyros/PAPER-T5-G1\n\
-         A trend as CSV                   {base}/v1/gyros/LFG-0004/trend?coefficient=D_I&format=csv\n\
-         The API, to read and try         {base}/docs\n\n\
-         Ctrl-C stops it; the data stay in the file."
-    );
+    println!("\n{}", said(message!("terminal_demo_pages", base = base.to_owned())));
     Ok(())
 }
 
@@ -87,15 +78,15 @@ async fn post_all(service: &Service) -> anyhow::Result<()> {
     happenings.sort_by(|a, b| a.at().cmp(b.at()));
     let bar = ProgressBar::new(happenings.len() as u64);
     for happening in &happenings {
-        let (route, body) = happening.request().context("cannot write a document of the demo")?;
+        let (route, body) = happening.request()?;
         match service.post(&route, JSON, Bytes::from(body)).await {
             Ok(Sent::Stored(_) | Sent::Known(_)) => bar.inc(1),
-            Ok(Sent::Refused(problem)) => bail!("{route} at {}: {}", happening.at(), problem.detail),
+            Ok(Sent::Refused(problem)) => bail!("{route} {}: {}", happening.at(), problem.detail),
             Err(trouble) => return Err(trouble).context(route),
         }
     }
     bar.finish_and_clear();
-    println!("posted {} records, bench results and marks through the API", happenings.len());
+    println!("{}", said(message!("terminal_demo_posted", count = happenings.len().to_string())));
     Ok(())
 }
 

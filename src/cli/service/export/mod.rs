@@ -18,6 +18,7 @@ use self::csv::Csv;
 #[cfg(feature = "parquet")]
 use self::parquet::Parquet;
 use crate::cli::common::{Usage, block_on, end, start};
+use crate::cli::errors::said;
 use crate::config::Config;
 use crate::core::figures::Figures;
 use crate::core::time::{Span, UtcMicros};
@@ -68,7 +69,7 @@ impl Export {
         let written = block_on(async {
             let store = store::open_to_read(&database.options())
                 .await
-                .with_context(|| format!("the database {}", database.url))?;
+                .with_context(|| said(message!("terminal_database", url = database.options().shown())))?;
             let written = self.write(&store, Sink::new(form, file)?).await;
             store.close().await;
             written
@@ -87,7 +88,7 @@ impl Export {
             let ending = self.file.extension().and_then(|ending| ending.to_str());
             ending.and_then(|ending| ExportFormat::from_str(ending, true).ok())
         };
-        let unsaid = || Usage(format!("{}: neither .csv nor .parquet; say --format", self.file.display()));
+        let unsaid = || Usage(said(message!("terminal_export_form", file = self.file.display().to_string())));
         Ok(self.format.or_else(named).ok_or_else(unsaid)?)
     }
 
@@ -121,7 +122,7 @@ impl Export {
     fn gyros(&self, store: &Store) -> anyhow::Result<Vec<(u32, Arc<str>)>> {
         let tables = store.names().read();
         if let Some(unknown) = self.serials.iter().find(|serial| tables.gyros.number(serial).is_none()) {
-            bail!("no gyro {unknown} is known");
+            bail!(said(message!("unknown_gyro", serial = unknown.clone())));
         }
         let asked: Vec<u32> = self.serials.iter().filter_map(|serial| tables.gyros.number(serial)).collect();
         let wanted = |number: u32| self.serials.is_empty() || asked.contains(&number);
@@ -141,10 +142,12 @@ fn named(
 ) -> anyhow::Result<Vec<ExportRow>> {
     let tables = store.names().read();
     let rows = block.iter().map(|figures| {
-        let missing = |what| anyhow!("record {}: its {what} has no name", figures.record);
+        let missing = |what: &'static str| {
+            anyhow!(said(message!("terminal_nameless", record = figures.record.to_string(), what)))
+        };
         Ok(ExportRow {
             serial: serial.clone(),
-            imu: tables.imus.name(figures.imu).cloned().ok_or_else(|| missing("IMU"))?,
+            imu: tables.imus.name(figures.imu).cloned().ok_or_else(|| missing("imu"))?,
             station: tables.stations.name(figures.station).cloned().ok_or_else(|| missing("station"))?,
             figures: *figures,
             statuses: [0, 1, 2].map(|column| statuses.get(figures, column)),
@@ -170,7 +173,7 @@ impl Sink {
             ExportFormat::Parquet => Ok(Self::Parquet(Parquet::new(file)?)),
             #[cfg(not(feature = "parquet"))]
             ExportFormat::Parquet => {
-                bail!("this program was built without Parquet: cargo build --release --features parquet")
+                bail!(said(message!("terminal_no_parquet")))
             }
         }
     }

@@ -1,0 +1,76 @@
+//! An error for the person who ran the command.
+
+use std::error::Error;
+
+use super::faults;
+use crate::core::diagnose::NoReference;
+use crate::core::effects::Refusal;
+use crate::core::fault::Faults;
+use crate::core::imu_model::{NoForecast, NotIdentified};
+use crate::core::message::Message;
+use crate::logs::error::LogError;
+use crate::simulate::augment::NotPossible;
+use crate::words;
+
+/// A message in the language of the environment.
+pub(super) fn said(message: Message) -> String {
+    words::asked().words(&message)
+}
+
+/// The error and its causes, in the language of the environment.
+pub(super) fn in_words(error: &anyhow::Error) -> String {
+    let one = |cause: &(dyn Error + 'static)| match cause.downcast_ref::<Faults>() {
+        Some(found) => faults::in_words(&found.0, words::asked()),
+        None => message_of(cause).map_or_else(|| cause.to_string(), said),
+    };
+    error.chain().map(one).collect::<Vec<_>>().join(": ")
+}
+
+/// The message of the first of these types that the error is of.
+macro_rules! message_of {
+    ($cause:expr, $($of:ty),*) => {
+        None$(.or_else(|| $cause.downcast_ref::<$of>().map(<$of>::message)))*
+    };
+}
+
+fn message_of(cause: &(dyn Error + 'static)) -> Option<Message> {
+    let found = message_of!(cause, LogError, Refusal, NoReference, NotIdentified, NoForecast, NotPossible);
+    #[cfg(feature = "server")]
+    let found = found.or_else(|| of_service(cause));
+    found
+}
+
+#[cfg(feature = "server")]
+fn of_service(cause: &(dyn Error + 'static)) -> Option<Message> {
+    use crate::config::ConfigError;
+    use crate::pipeline::{AccessError, StorageError};
+    use crate::store::StoreError;
+
+    let found = message_of!(cause, ConfigError, AccessError);
+    let found = found.or_else(|| cause.downcast_ref::<StorageError>().map(|error| of_database(error.store_error())));
+    found.or_else(|| cause.downcast_ref::<StoreError>().map(of_database))
+}
+
+/// What the database says to whoever keeps it; its clients are told less.
+#[cfg(feature = "server")]
+fn of_database(error: &crate::store::StoreError) -> Message {
+    use crate::core::message::text;
+    use crate::message;
+    use crate::store::StoreError;
+
+    match error {
+        StoreError::Full => message!("store_full"),
+        StoreError::ReadOnly(why) => message!("store_unusable", why = text(why)),
+        StoreError::Busy => message!("store_locked"),
+        StoreError::InUse(database) => message!("store_in_use", database = text(database)),
+        StoreError::File(why) | StoreError::Key(why) => Message::verbatim(why),
+        StoreError::NotDurable(why) => message!("store_not_durable", why = text(why)),
+        StoreError::Damaged(what) => message!("database_damaged", what = text(what)),
+        StoreError::Unreachable(why) => message!("store_unreachable", why = text(why)),
+        StoreError::Unanswered(why) => message!("store_unanswered", why = text(why)),
+        StoreError::Overtaken(why) => message!("store_overtaken", why = text(why)),
+        StoreError::Refused(why) => message!("store_refused", why = text(why)),
+        // Its cause says what.
+        StoreError::Other(_) => message!("store_other"),
+    }
+}

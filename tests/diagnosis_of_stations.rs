@@ -42,6 +42,16 @@ fn standard_errors_that_do_not_follow_duration_or_time_are_no_effect() {
 }
 
 #[test]
+fn a_law_of_the_noise_that_the_same_residuals_showed_asks_more_of_names() {
+    // Each got a scale factor or an outlier, explained.
+    for number in [18, 60, 69, 101] {
+        let simulated = CampaignKind::from_name("growing_noise").unwrap().campaign(33_107, number);
+        let answer = answer(&wire::campaign::to_json(&simulated.campaign)).unwrap();
+        assert!(answer.effects.is_empty(), "{number}: {:?}", answer.effects);
+    }
+}
+
+#[test]
 fn a_bias_that_wanders_is_noise_with_a_memory() {
     let row = of("flicker_2");
     assert!(wrong(&row) <= 1 && row.noise_said.hits >= COUNT / 2, "{row:?}");

@@ -82,6 +82,11 @@ impl<'a> SharedAlerts<'a> {
         self.alerts.get(&of)?.iter().find(|row| row.coefficient == coefficient && fires(row))
     }
 
+    /// Whether there has been an alert of it.
+    pub fn knows(&self, of: AlertOf, coefficient: Coefficient) -> bool {
+        self.alerts.get(&of).is_some_and(|rows| rows.iter().any(|row| row.coefficient == coefficient))
+    }
+
     /// Since when an alert of what is shared fires.
     pub fn since(&self, of: AlertOf, coefficient: Coefficient) -> Option<UtcMicros> {
         self.firing_of(of, coefficient).map(|row| row.alert.since)
@@ -173,9 +178,10 @@ impl<'a> SharedAlerts<'a> {
 
     /// Gyros among these alerts that another explains, and did not, or do not any more.
     pub fn explained_anew(&self, rows: &[AlertRow], naming: &Naming<'_>) -> BTreeSet<u32> {
-        // Where none fires there is nothing to be read from findings.
-        let explains = self.firing().next().is_some();
-        let anew = rows.iter().filter(|row| explains || row.inhibited_by.is_some());
+        // Where none of its coefficient fires there is nothing to be read from a finding.
+        let fire: BTreeSet<&str> = self.firing().map(|row| row.coefficient.name()).collect();
+        let may_be = |row: &&AlertRow| row.inhibited_by.is_some() || fire.contains(row.coefficient.name());
+        let anew = rows.iter().filter(may_be);
         let anew = anew.filter(|row| self.explaining_row(row, naming).by != row.inhibited_by);
         anew.filter_map(|row| row.of.gyro()).collect()
     }

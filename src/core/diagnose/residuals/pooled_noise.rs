@@ -12,6 +12,7 @@ pub(crate) struct Scatter {
 }
 
 impl Scatter {
+    /// The variance over the stated one.
     pub fn variance(&self) -> f64 {
         self.rss / self.nu
     }

@@ -328,6 +328,7 @@ mod tests {
     use statrs::distribution::{ContinuousCDF, Normal};
 
     use super::*;
+    use crate::core::diagnose::residuals::pooled_noise::Scatter;
     use crate::core::diagnose::search::projections::GyroState;
     use crate::core::numerics::basis::Basis;
 
@@ -350,7 +351,7 @@ mod tests {
     fn a_few_dwells_apart_are_said_to_be_few() {
         let gyro = |residual: Vec<f64>| {
             let rss = residual.iter().map(|r| r * r).sum();
-            vec![GyroState { extra: Basis::default(), nu: residual.len() as f64, rss, residual }]
+            vec![GyroState { extra: Basis::default(), scatter: Scatter { rss, nu: residual.len() as f64 }, residual }]
         };
         // Normal scores: (k + 1/2)/60 of a normal distribution, and the same with three dwells off.
         let normal = Normal::standard();

@@ -179,13 +179,13 @@ impl Settled {
         closer.noise_found = closer.noise_beside(&closer.found);
         let slow = |entry: &Entry| entry.follows_time || entry.of_temperature;
         while closer.noise_found.memory.is_some()
-            && let Some(weakest) = closer.weakest(&closer.found, UNDER_MEMORY, slow)
+            && let Some(weakest) = closer.weakest(&closer.found, UNDER_OTHER_NOISE, slow)
         {
             closer.found.remove(weakest);
             closer.noise_found = closer.noise_beside(&closer.found);
         }
         while !closer.laws.is_empty()
-            && let Some(weakest) = closer.weakest(&closer.found, UNDER_LAW, |_| true)
+            && let Some(weakest) = closer.weakest(&closer.found, UNDER_OTHER_NOISE, |_| true)
         {
             closer.found.remove(weakest);
         }
@@ -219,11 +219,9 @@ const LEAST_DESCRIBED: f64 = 2.0;
 const LEAST_TOGETHER: f64 = 4.0;
 const MOST_DESCRIBED: usize = 2;
 
-/// ln of evidence that a name in time or temperature needs more where the noise has a memory.
-const UNDER_MEMORY: f64 = 4.0;
-
-/// And that any name needs more where the noise does not go as stated: its law is then known from the same residuals.
-const UNDER_LAW: f64 = 2.0;
+/// ln of evidence that a name needs more where the noise is other than stated, for what that is is known from the same
+/// residuals: in time or temperature where it has a memory, any where it goes by a law.
+const UNDER_OTHER_NOISE: f64 = 4.0;
 
 impl Settled {
     /// The name that a component leads by most, where one leads clearly: the cause has another form.

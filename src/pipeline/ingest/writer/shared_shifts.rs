@@ -242,6 +242,10 @@ impl SharedShifts<'_> {
                     confirmed: its().any(|one| one.since == since && one.severity == Severity::Critical),
                 };
                 let verdict = imu_shift(&gyros, column, &asked);
+                // Nearly every IMU says nothing, and never has.
+                if verdict.severity().is_none() && !self.alerts.shared().knows(of, coefficient) {
+                    continue;
+                }
                 let origin = Origin { at, item: None, imu: Some(imu), slot: None, station, batch: None };
                 found.push(SharedVerdict { of, verdict, origin, gyros: Vec::new() });
             }

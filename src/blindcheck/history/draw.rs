@@ -107,6 +107,88 @@ struct Occasion {
     temperature_c: f64,
 }
 
+/// How large each cause is, and when it begins.
+struct Sizes {
+    step: f64,
+    /// A year.
+    slope: f64,
+    /// As far by the end, from the instant on.
+    late_slope: f64,
+    per_kelvin: f64,
+    offset: f64,
+    station_slope: f64,
+    /// Years.
+    instant: f64,
+    /// Of each record.
+    walk: Vec<f64>,
+    /// The station is off between these, years.
+    off: [f64; 2],
+}
+
+impl Sizes {
+    /// What record `k` of the asked gyro shows of a cause of its own. `turned`: what clocking takes of D_S.
+    fn of_gyro(&self, kind: HiddenCause, k: usize, occasion: &Occasion, turned: f64) -> f64 {
+        let &Occasion { years, station, temperature_c } = occasion;
+        match kind {
+            HiddenCause::Ageing | HiddenCause::NoisyStation | HiddenCause::AgeingAndStation => self.slope * years,
+            HiddenCause::AgeingLate => self.late_slope * (years - self.instant).max(0.0),
+            HiddenCause::StepAtEvent | HiddenCause::Step if years >= self.instant => self.step,
+            HiddenCause::StepAtStationChange if station == 1 => self.step,
+            HiddenCause::Temperature | HiddenCause::TemperatureMissing => self.per_kelvin * temperature_c,
+            HiddenCause::Clocking => turned,
+            HiddenCause::Wanders => self.walk[k],
+            _ => 0.0,
+        }
+    }
+
+    /// What every gyro shows of a cause of its station.
+    fn of_station(&self, kind: HiddenCause, occasion: &Occasion) -> f64 {
+        let &Occasion { years, station, .. } = occasion;
+        match kind {
+            HiddenCause::StationOffset
+            | HiddenCause::MovedWithPeers
+            | HiddenCause::LoneImuMoved
+            | HiddenCause::AgeingAndStation
+                if station == 1 =>
+            {
+                self.offset
+            }
+            HiddenCause::StationDrifts => self.station_slope * years,
+            HiddenCause::OneOfTwoDrifts if station == 1 => 1.5 * self.station_slope * years,
+            HiddenCause::StationRelevelled if years >= self.instant => self.step,
+            HiddenCause::StationOff if (self.off[0]..self.off[1]).contains(&years) => self.step,
+            _ => 0.0,
+        }
+    }
+
+    /// How a coefficient ages that is at `level` before, where its date is asked for.
+    fn ageing(&self, kind: HiddenCause, level: f64, first: f64) -> Option<Ageing> {
+        match kind {
+            HiddenCause::Ageing | HiddenCause::NoisyStation => {
+                Some(Ageing { level: level + self.slope * first, slope: self.slope, begins: 0.0 })
+            }
+            HiddenCause::AgeingLate => Some(Ageing { level, slope: self.late_slope, begins: self.instant - first }),
+            _ => None,
+        }
+    }
+}
+
+impl HiddenCause {
+    /// Causes that the asked coefficient has.
+    fn truth(self) -> Vec<ChangeCause> {
+        match self {
+            Self::Nothing | Self::Wanders => vec![],
+            Self::Ageing | Self::NoisyStation | Self::AgeingLate => vec![ChangeCause::Ageing],
+            Self::StepAtEvent => vec![ChangeCause::StepAtEvent],
+            Self::Step | Self::StepAtStationChange => vec![ChangeCause::Step],
+            Self::Temperature | Self::TemperatureMissing => vec![ChangeCause::Temperature],
+            Self::Clocking => vec![ChangeCause::Clocking],
+            Self::AgeingAndStation => vec![ChangeCause::Station, ChangeCause::Ageing],
+            _ => vec![ChangeCause::Station],
+        }
+    }
+}
+
 impl FleetDraw {
     /// Fleet `number` of a seed.
     pub fn of(seed: u64, number: u64) -> Self {
@@ -150,20 +232,11 @@ impl FleetDraw {
             .map(|imu| self.occasions(records, span, single, moves.then_some((moved[imu], move_at))))
             .collect();
 
-        let sign = self.sign();
-        let step = sign * sigma * self.between(5.0, 9.0);
-        let slope = sign * sigma * self.between(7.0, 13.0) / span;
-        let per_kelvin = sign * sigma * self.between(2.0, 4.0);
-        let offset = self.sign() * sigma * self.between(5.0, 9.0);
-        let station_slope = self.sign() * sigma * self.between(4.5, 9.0) / span;
-        let instant = span * self.between(0.3, 0.7);
-        let walk = self.walk(&occasions[asked_imu], sigma, span);
-        let off = if kind == HiddenCause::StationOff { self.window(&occasions[asked_imu]) } else { [0.0; 2] };
+        let sizes = self.sizes(kind, sigma, span, &occasions[asked_imu]);
 
         let mut gyros = Vec::new();
         let mut signal = Vec::new();
         let mut ageing = None;
-        let late_slope = slope * span / (span - instant);
         for (imu, occasions) in occasions.iter().enumerate() {
             for (slot, seat) in Slot::ALL.into_iter().enumerate() {
                 let asked = imu == asked_imu && slot == asked_slot;
@@ -173,31 +246,10 @@ impl FleetDraw {
                 let phase = self.between(0.0, 6.0);
                 let mut entries = Vec::new();
                 for (k, occasion) in occasions.iter().enumerate() {
-                    let there = f64::from(u8::from(occasion.station == 1));
-                    let late = f64::from(u8::from(occasion.years >= instant));
+                    let late = f64::from(u8::from(occasion.years >= sizes.instant));
                     let spin = spin * (0.7 * (occasion.years * 5.0 + phase).sin() + 0.8 * late);
-                    let own = if asked { 1.0 } else { 0.0 };
-                    let change = match kind {
-                        HiddenCause::Nothing => 0.0,
-                        HiddenCause::Ageing | HiddenCause::NoisyStation => own * slope * occasion.years,
-                        HiddenCause::StepAtEvent | HiddenCause::Step => own * step * late,
-                        HiddenCause::Temperature | HiddenCause::TemperatureMissing => {
-                            own * per_kelvin * occasion.temperature_c
-                        }
-                        HiddenCause::StationOffset | HiddenCause::MovedWithPeers | HiddenCause::LoneImuMoved => {
-                            offset * there
-                        }
-                        HiddenCause::StationDrifts => station_slope * occasion.years,
-                        HiddenCause::StationRelevelled => step * late,
-                        HiddenCause::StationOff if (off[0]..off[1]).contains(&occasion.years) => step,
-                        HiddenCause::StationOff => 0.0,
-                        HiddenCause::OneOfTwoDrifts => 1.5 * station_slope * occasion.years * there,
-                        HiddenCause::StepAtStationChange => own * step * there,
-                        HiddenCause::Clocking => own * clocking * spin,
-                        HiddenCause::AgeingAndStation => own * slope * occasion.years + offset * there,
-                        HiddenCause::Wanders => own * walk[k],
-                        HiddenCause::AgeingLate => own * late_slope * (occasion.years - instant).max(0.0),
-                    };
+                    let of_gyro = if asked { sizes.of_gyro(kind, k, occasion, clocking * spin) } else { 0.0 };
+                    let change = of_gyro + sizes.of_station(kind, occasion);
                     let more = if occasion.station == 1 { noisy } else { 1.0 };
                     let mut d = [0, 1, 2].map(|c| level[c] + sigma * more * self.normal());
                     d[column] += change;
@@ -206,16 +258,7 @@ impl FleetDraw {
                     }
                     if asked {
                         signal.push(change);
-                        let (level, first) = (level[column], occasions[0].years);
-                        ageing = match kind {
-                            HiddenCause::Ageing | HiddenCause::NoisyStation => {
-                                Some(Ageing { level: level + slope * first, slope, begins: 0.0 })
-                            }
-                            HiddenCause::AgeingLate => {
-                                Some(Ageing { level, slope: late_slope, begins: instant - first })
-                            }
-                            _ => None,
-                        };
+                        ageing = sizes.ageing(kind, level[column], occasions[0].years);
                     }
                     entries.push(HistoryEntry {
                         at: at(occasion.years),
@@ -230,20 +273,25 @@ impl FleetDraw {
             }
         }
         let asked = 3 * asked_imu + asked_slot;
-        self.finish(kind, &mut gyros, asked, instant);
-        let truth: Vec<ChangeCause> = match kind {
-            HiddenCause::Nothing | HiddenCause::Wanders => vec![],
-            HiddenCause::Ageing | HiddenCause::NoisyStation | HiddenCause::AgeingLate => vec![ChangeCause::Ageing],
-            HiddenCause::StepAtEvent => vec![ChangeCause::StepAtEvent],
-            HiddenCause::Step | HiddenCause::StepAtStationChange => vec![ChangeCause::Step],
-            HiddenCause::Temperature | HiddenCause::TemperatureMissing => vec![ChangeCause::Temperature],
-            HiddenCause::Clocking => vec![ChangeCause::Clocking],
-            HiddenCause::AgeingAndStation => vec![ChangeCause::Station, ChangeCause::Ageing],
-            _ => vec![ChangeCause::Station],
-        };
+        self.finish(kind, &mut gyros, asked, sizes.instant);
+        let truth = kind.truth();
         let class = if lone { vec![ChangeCause::Station, ChangeCause::Step] } else { truth.clone() };
         let shared = truth.contains(&ChangeCause::Station);
         DrawnFleet { kind, gyros, asked, column, truth, class, signal, ageing, shared }
+    }
+
+    fn sizes(&mut self, kind: HiddenCause, sigma: f64, span: f64, occasions: &[Occasion]) -> Sizes {
+        let sign = self.sign();
+        let step = sign * sigma * self.between(5.0, 9.0);
+        let slope = sign * sigma * self.between(7.0, 13.0) / span;
+        let per_kelvin = sign * sigma * self.between(2.0, 4.0);
+        let offset = self.sign() * sigma * self.between(5.0, 9.0);
+        let station_slope = self.sign() * sigma * self.between(4.5, 9.0) / span;
+        let instant = span * self.between(0.3, 0.7);
+        let walk = self.walk(occasions, sigma, span);
+        let off = if kind == HiddenCause::StationOff { self.window(occasions) } else { [0.0; 2] };
+        let late_slope = slope * span / (span - instant);
+        Sizes { step, slope, late_slope, per_kelvin, offset, station_slope, instant, walk, off }
     }
 
     /// Gyros of IMUs of their own, calibrated weekly by one of two stations; nothing is hidden.

@@ -5,10 +5,13 @@ use rayon::prelude::*;
 
 use crate::core::calibrate::bench::calibrate_bench;
 use crate::core::calibrate::calibrate;
+use crate::core::message::Message;
 use crate::core::mounting::Slot;
 use crate::core::record::Plausibility;
 use crate::simulate::experiment::{Stage, tests};
 use crate::simulate::{Simulated, simulate};
+use crate::wire::problem::summary;
+use crate::words::Language;
 
 /// The paper's headline: the largest range of its Table 5, deg/(h g0).
 pub const HEADLINE: f64 = 1.301e-3;
@@ -48,7 +51,7 @@ pub fn compare(seed: u64) -> Result<Vec<MethodComparison>, String> {
     let mut system = Vec::new();
     for test in tests(seed) {
         let failed = |why: String| format!("seed {seed}, {}: {why}", test.name());
-        let simulated = simulate(&test.scenario).map_err(|faults| failed(faults.to_string()))?;
+        let simulated = simulate(&test.scenario).map_err(|faults| failed(summary(&faults.0, Language::English)))?;
         match test.stage {
             Stage::System => system = separated(&simulated).map_err(failed)?,
             Stage::BenchBefore => benches[0].push(benched(&simulated).map_err(failed)?),
@@ -77,8 +80,12 @@ pub fn compare_many(first_seed: u64, count: u64) -> Result<Vec<Vec<MethodCompari
     (0..count).into_par_iter().map(|k| compare(first_seed.wrapping_add(k))).collect()
 }
 
+fn in_english(message: &Message) -> String {
+    Language::English.words(message)
+}
+
 fn benched(simulated: &Simulated) -> Result<[f64; 2], String> {
-    let fitted = calibrate_bench(&simulated.campaign).map_err(|e| e.to_string())?;
+    let fitted = calibrate_bench(&simulated.campaign).map_err(|e| in_english(&e.message()))?;
     let result = fitted.result(&simulated.campaign);
     Ok([result.d_i, result.d_s])
 }
@@ -91,7 +98,7 @@ fn separated(simulated: &Simulated) -> Result<Vec<Separated>, String> {
     separations
         .into_iter()
         .map(|separation| {
-            let separation = separation.map_err(|e| e.to_string())?;
+            let separation = separation.map_err(|e| in_english(&e.message()))?;
             let published = separation.published.ok().map(|p| [p.d_i, p.d_s]);
             Ok(([separation.rigid.d_i, separation.rigid.d_s], published))
         })

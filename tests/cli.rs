@@ -175,7 +175,7 @@ fn what_is_refused_is_said_in_both_languages() {
     let cases: [(&[&str], i32, &str, &str); 10] = [
         (&["simulate", "--scenario", scenario], 1, "-1 is not a positive number of seconds", "仿真场景"),
         (&["blindcheck", "--hypothesis", own, "--scenario", scenario], 1, "not a positive number", "仿真场景"),
-        (&["simulate", "--csv"], 2, "--csv goes with --preset", "--csv只用于"),
+        (&["simulate", "--csv"], 2, "--csv needs --preset", "--csv只用于"),
         (&["separate", reversed], 1, "deg away from", "输入轴"),
         (&["separate", campaign], 1, "this is a campaign", "这是标定试验"),
         (&["calibrate", PAPER], 1, "this is a calibration record", "这是标定记录"),

@@ -53,7 +53,7 @@ impl<'a> Structure<'a> {
 
     fn best(&self, effect: &str, slots: &[String]) -> Option<(f64, Vec<Vec<f64>>)> {
         let shapes = self.shapes(effect)?;
-        // A strong rotation is not linear in its size: the right name explains it as it is.
+        // The right name explains its cause at its size: a strong rotation is not linear in it.
         let is_hidden = |cause: &&Cause| cause.label == effect && cause.acts_in_h == ALWAYS;
         let hidden: Vec<Vec<f64>> =
             self.causes.iter().filter(is_hidden).flat_map(|cause| self.columns(cause, slots)).collect();

@@ -195,7 +195,7 @@ impl Service {
         }
         Err(match sort(status, after, &body)? {
             Sent::Refused(problem) => Trouble::stop(status, format!("{status}: {}", problem.detail)),
-            Sent::Stored(_) | Sent::Known(_) => foreign(status, route),
+            Sent::Stored(_) | Sent::Known(_) => foreign(status, format!("{route}: {status}")),
         })
     }
 
@@ -213,7 +213,7 @@ impl Service {
                 Sent::Refused(problem) => {
                     Trouble::stop(status, said(message!("terminal_batch_refused", why = problem.detail)))
                 }
-                Sent::Stored(_) | Sent::Known(_) => foreign(status, "/v1/import"),
+                Sent::Stored(_) | Sent::Known(_) => foreign(status, format!("/v1/import: {status}")),
             });
         }
         let answers: Result<Vec<ImportLineAnswer>, _> =
@@ -267,7 +267,7 @@ impl Service {
 
 /// What answers is something else, such as a proxy.
 fn foreign(status: impl Into<Option<StatusCode>>, what: impl Display) -> Trouble {
-    Trouble::stop(status, format!("{what}: {}", said(message!("terminal_foreign_answer"))))
+    Trouble::stop(status, format!("{} ({what})", said(message!("terminal_foreign_answer"))))
 }
 
 /// A 2xx counts only with the JSON of the service in it, so that a proxy's "200 OK" page acknowledges nothing; and

@@ -43,15 +43,18 @@ fn message_of(cause: &(dyn Error + 'static)) -> Option<Message> {
 #[cfg(feature = "server")]
 fn of_service(cause: &(dyn Error + 'static)) -> Option<Message> {
     use crate::config::ConfigError;
-    use crate::pipeline::{AccessError, StorageError};
+    use crate::pipeline::{AccessError, StorageError, WriteError};
     use crate::store::StoreError;
 
+    if let Some(AccessError::Write(WriteError::Storage(error))) = cause.downcast_ref() {
+        return Some(of_database(error.store_error()));
+    }
     let found = message_of!(cause, ConfigError, AccessError);
     let found = found.or_else(|| cause.downcast_ref::<StorageError>().map(|error| of_database(error.store_error())));
     found.or_else(|| cause.downcast_ref::<StoreError>().map(of_database))
 }
 
-/// What the database says to whoever keeps it; its clients are told less.
+/// What the database said, for its administrator; clients are told less.
 #[cfg(feature = "server")]
 fn of_database(error: &crate::store::StoreError) -> Message {
     use crate::core::message::text;

@@ -41,7 +41,10 @@ impl AlertsConfig {
         if !(0.01..=86400.0).contains(&self.tick_s) {
             return wrong("tick_s", between(0.01, 86400.0, self.tick_s));
         }
-        if !(self.backfill_days.is_finite() && self.backfill_days >= 0.0) {
+        if !self.backfill_days.is_finite() {
+            return wrong("backfill_days", message!("not_finite", value = text(self.backfill_days)));
+        }
+        if self.backfill_days < 0.0 {
             return wrong("backfill_days", message!("config_negative", value = text(self.backfill_days)));
         }
         Ok(())

@@ -63,7 +63,7 @@ pub(super) async fn ask(fleet: &DrawnFleet) -> anyhow::Result<Answers> {
     drop(stop);
     let _ended = tokio::time::timeout(GRACE, served).await;
     drop(pipeline);
-    written.await?;
+    written.await.context("the writer failed")?;
     answered
 }
 

@@ -94,7 +94,7 @@ async fn serve(
     let served = serve_with(pipeline, config, (listener, address, &url), tls, stop, ready).await;
     // The router and the worker are gone, and with them the last sender: the writer finishes what is queued and
     // closes the database.
-    writing.await?;
+    writing.await.context("the writer failed")?;
     served?;
     tracing::info!("stopped");
     Ok(())

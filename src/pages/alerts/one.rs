@@ -53,7 +53,7 @@ pub(in crate::pages) async fn page(
                     td translate="no" { (author.unwrap_or_default()) }
                     td.words {
                         @if let Some(event) = event { (event_name(t, event)) " " (instant(event.at)) (t.colon) }
-                        span translate="no" { (reason.unwrap_or_default()) }
+                        (reason.unwrap_or_default())
                     }
                     td { @if step.told { (t.told_yes) } }
                 }

@@ -241,7 +241,7 @@ not_http = what answers does not speak HTTP
 no_such_name = no such name
 no_name_server = no name server answers this machine
 stored_message_unreadable = the stored message cannot be read: { $why }
-stored_message_empty = it tells of no alert
+stored_message_empty = it holds no alert
 end_of_what_was_never_told = it tells the end of what the target was never told: not sent
 header_control_character = a header would contain a control character
 

@@ -222,7 +222,7 @@ terminal_not_backed_up = no backup of { $database } was made
 terminal_not_restored = { $file } was not restored to { $database }
 terminal_not_copied = { $from } was not copied to { $to }
 terminal_export_form = { $file }: neither .csv nor .parquet; say --format
-terminal_nameless = record { $record }: its { $what } has no name
+terminal_nameless = record { $record } has an IMU or a station without a name: check the database with gyrowatch verify
 terminal_no_parquet = this program was built without Parquet: cargo build --release --features parquet
 terminal_no_answer = { $address } does not answer: { $why }
 terminal_answers = { $address } answers { $status }: { $why }
@@ -235,7 +235,7 @@ terminal_expired = expired { $at }
 terminal_until = until { $at }
 terminal_valid = valid
 terminal_any = any
-terminal_noise_means = { $cells } weekly means of { $coefficients } coefficients between two events; { $moving } left out because they move
+terminal_noise_means = { $cells } weekly means of { $coefficients } coefficients between two events; { $moving } left out because they drift
 terminal_noise_spacing = { $weeks } weeks with records apart ({ $days } days): spread { $spread } deg/(h g0) from { $differences } differences
 terminal_noise_fitted = fitted: scatter { $scatter } deg/(h g0), correlation { $phi }, walk { $walk } deg/(h g0) per root year. For the configuration (drawn towards the defaults by 100 weekly means):
 terminal_noise_unfitted = The history is too short for a fit: the defaults stay in force.
@@ -243,7 +243,7 @@ terminal_noise_stations_alike = The history does not show how stations differ: b
 store_full = the disk is full
 store_unusable = the database cannot be read or written: { $why }
 store_locked = the database is locked by another process
-store_in_use = another gyrowatch serves the database { $database }; stop it first, or use a file of your own
+store_in_use = another gyrowatch serves the database { $database }; stop it first, or use another file
 store_not_durable = a write could not be made durable: { $why }; restart after checking the disk
 store_unreachable = the database cannot be reached: { $why }
 store_unanswered = a commit was not answered, and the database cannot be asked what became of it: { $why }
@@ -254,18 +254,18 @@ store_other = database
 ## What cannot be done
 
 terminal_scenario = scenario
-terminal_csv_of_experiment = --csv goes with --preset { $preset }
+terminal_csv_of_experiment = --csv needs --preset { $preset }
 terminal_count_needs_dir = --count needs a --dir to write into
 terminal_experiment_takes = { $preset } is seven campaigns: it takes --seed, --count, and --dir or --csv only
-terminal_seeds_end = seeds end at { $last }
+terminal_seeds_end = the largest seed is { $last }
 model_effects_of_imu = the effects of a model file are for campaigns of an IMU; this is a bench test
 effect_cannot_act = { $effect } cannot act in this scenario: { $missing }
 effect_without_estimate = { $effect } has no estimate of { $coefficient } for { $slot }
 none_of_these_gyros = the campaign has none of these gyros
 hypothesis_unseen = this design cannot see { $effect }: the model takes all of it up, or the campaign has no noise
 hypothesis_of_model = --hypothesis: the model in use holds another { $id }; give one of them another id
-hypothesis_undefined = --hypothesis: { $id }: { $lack } ({ $place }): { $equation } divides by zero there, or has the root or logarithm of a negative number. Write it so that every dwell has a value
-terminal_not_reached = not every figure to be reached was reached
+hypothesis_undefined = --hypothesis: { $id }: { $lack } ({ $place }): { $equation } divides by zero there, or takes the square root or logarithm of a number that has none. Write it so that every dwell has a value
+terminal_not_reached = some targets were not reached
 terminal_key_sealed = { $count ->
     [one] key of { $count } campaign sealed: SHA-256 { $seal }
    *[other] key of { $count } campaigns sealed: SHA-256 { $seal }
@@ -321,7 +321,7 @@ terminal_demo_posted = posted { $count } records, bench results and marks throug
 terminal_demo_pages =
     The fleet                        { $base }/
     A gyro whose D_I rises           { $base }/gyros/LFG-0004
-    Why it does                      { $base }/gyros/LFG-0004/diagnosis
+    Cause of the rise                { $base }/gyros/LFG-0004/diagnosis
     One that ages within its budget  { $base }/gyros/LFG-0014
     One whose D_S jumped             { $base }/gyros/LFG-0008
     One that was repaired and moved  { $base }/gyros/LFG-0011
@@ -335,11 +335,11 @@ terminal_demo_pages =
 ## `blindcheck`
 
 terminal_hypothesis = { $id } in campaigns of this design: { $found }
-terminal_named_never = no size of these was named in { $share }: ask for larger d
+terminal_named_never = not named in { $share } at any of these sizes: use a larger --detectability
 terminal_named_from = named in { $share } from { $size } { $unit } on
 terminal_named_shown = named in { $share } from { $size } { $unit } on, shown from { $surely } on
 terminal_named_unshown = named in { $hits } of { $trials } from { $size } { $unit } on; that is { $interval } (95 % interval) and does not show { $share }: --count { $least } or more can
 terminal_hypothesis_head = d | largest coefficient (median) | campaigns | named | 95 % interval | only in a class | something else
 terminal_hard_to_tell = hard to tell from it here: { $effects }
-terminal_where_not = where it is not: named in { $hits } of { $trials } ({ $rate }, 95 % interval { $interval }); anything named in { $anything }
+terminal_where_not = without it: named in { $hits } of { $trials } ({ $rate }, 95 % interval { $interval }); anything named in { $anything }
 terminal_undiagnosed = no answer: { $why }

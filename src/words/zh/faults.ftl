@@ -354,9 +354,9 @@ config_between = 应在{ $least }与{ $most }之间，实为{ $value }
 config_negative = 不应为负，实为{ $value }
 config_http = 应以http://或https://开头，实为{ $value }
 config_proxy = 应为http://主机:端口、`environment`，或留空表示不用代理
-config_mail_server = 应为smtps://用户:口令@主机:端口，或smtp://主机:端口?tls=required
+config_mail_server = 应为smtps://用户:密码@主机:端口，或smtp://主机:端口?tls=required
 config_mail_from = 应为邮件地址，如gyrowatch@lab.example
-config_mail_authority = 无法使用该机构的证书：{ $why }
+config_mail_authority = 无法使用CA证书：{ $why }
 config_of_whole_gyro = 针对整个陀螺：不要给出coefficient
 config_in_the_open = 其他机器可以访问{ $address }，而HTTP会以明文传送令牌与记录。请设置server.tls_certificate与server.tls_key，或设server.plain_http = "{ $value }"
 config_plain_http = 应为空或“{ $wanted }”

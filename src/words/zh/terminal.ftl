@@ -210,7 +210,7 @@ terminal_not_backed_up = 未能备份{ $database }
 terminal_not_restored = 未能将{ $file }恢复到{ $database }
 terminal_not_copied = 未能将{ $from }复制到{ $to }
 terminal_export_form = { $file }：既不是.csv也不是.parquet；请给出--format
-terminal_nameless = 记录{ $record }：其{ $what }没有名称
+terminal_nameless = 记录{ $record }的IMU或测试站没有名称：请用gyrowatch verify检查数据库
 terminal_no_parquet = 此程序编译时未含Parquet：cargo build --release --features parquet
 terminal_no_answer = { $address }没有应答：{ $why }
 terminal_answers = { $address }应答{ $status }：{ $why }
@@ -225,17 +225,17 @@ terminal_valid = 有效
 terminal_any = 不限
 terminal_noise_means = 两次事件之间{ $coefficients }个系数的{ $cells }个周均值；{ $moving }个因有漂移而除外
 terminal_noise_spacing = 相隔{ $weeks }个有记录的周（{ $days }天）：由{ $differences }个差值得离散{ $spread } (°)/(h·g0)
-terminal_noise_fitted = 拟合：离散{ $scatter } (°)/(h·g0)，相关系数{ $phi }，随机游走每根号年{ $walk } (°)/(h·g0)。写入配置的值（按100个周均值的权重向默认值收缩）：
+terminal_noise_fitted = 拟合：离散{ $scatter } (°)/(h·g0)，相关系数{ $phi }，随机游走{ $walk } (°)/(h·g0)/√年。写入配置的值（按100个周均值的权重向默认值收缩）：
 terminal_noise_unfitted = 历史太短，无法拟合：继续使用默认值。
 terminal_noise_stations_alike = 由历史看不出测试站之间的差异：between_stations保持为0。
 store_full = 磁盘已满
 store_unusable = 数据库不能读写：{ $why }
 store_locked = 数据库被另一进程锁定
-store_in_use = 另一个gyrowatch正在使用数据库{ $database }；请先停止它，或使用自己的文件
+store_in_use = 另一个gyrowatch正在使用数据库{ $database }；请先停止它，或使用另一个文件
 store_not_durable = 未能确认写入已落盘：{ $why }；请检查磁盘后重新启动
 store_unreachable = 无法连接数据库：{ $why }
 store_unanswered = 一次提交没有得到应答，也无法查询其结果：{ $why }
-store_overtaken = 另一写入者已抢先写入：{ $why }
+store_overtaken = 另一程序已先写入：{ $why }
 store_refused = 数据库拒绝：{ $why }
 store_other = 数据库
 
@@ -252,8 +252,8 @@ effect_without_estimate = { $slot }的{ $effect }没有{ $coefficient }的估计
 none_of_these_gyros = 试验中没有这些陀螺
 hypothesis_unseen = 此试验设计看不到{ $effect }：模型将其全部吸收，或试验没有噪声
 hypothesis_of_model = --hypothesis：所用模型中另有一个{ $id }；请更改其中一个的id
-hypothesis_undefined = --hypothesis：{ $id }：{ $lack }（{ $place }）：{ $equation }在此处除以零，或对负数开方、取对数。请改写，使每个测点都有值
-terminal_not_reached = 并非每个指标都已达到
+hypothesis_undefined = --hypothesis：{ $id }：{ $lack }（{ $place }）：{ $equation }在此处除以零，或开方、取对数无定义。请改写，使每个测点都有值
+terminal_not_reached = 有指标未达到
 terminal_key_sealed = { $count }次试验的答案已封存：SHA-256 { $seal }
 terminal_key_revealed = 答案已公开：{ $file }
 terminal_key_read = 答案{ $file }：SHA-256 { $seal }
@@ -304,7 +304,7 @@ terminal_demo_pages =
     全部陀螺            { $base }/
     D_I上升的陀螺       { $base }/gyros/LFG-0004
     上升的原因          { $base }/gyros/LFG-0004/diagnosis
-    在限内老化的陀螺    { $base }/gyros/LFG-0014
+    允差内老化的陀螺    { $base }/gyros/LFG-0014
     D_S跳变的陀螺       { $base }/gyros/LFG-0008
     修理并移装的陀螺    { $base }/gyros/LFG-0011
     待诊断的原始试验    { $base }/imus/IMU-21

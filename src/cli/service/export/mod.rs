@@ -142,13 +142,11 @@ fn named(
 ) -> anyhow::Result<Vec<ExportRow>> {
     let tables = store.names().read();
     let rows = block.iter().map(|figures| {
-        let missing = |what: &'static str| {
-            anyhow!(said(message!("terminal_nameless", record = figures.record.to_string(), what)))
-        };
+        let nameless = || anyhow!(said(message!("terminal_nameless", record = figures.record.to_string())));
         Ok(ExportRow {
             serial: serial.clone(),
-            imu: tables.imus.name(figures.imu).cloned().ok_or_else(|| missing("imu"))?,
-            station: tables.stations.name(figures.station).cloned().ok_or_else(|| missing("station"))?,
+            imu: tables.imus.name(figures.imu).cloned().ok_or_else(nameless)?,
+            station: tables.stations.name(figures.station).cloned().ok_or_else(nameless)?,
             figures: *figures,
             statuses: [0, 1, 2].map(|column| statuses.get(figures, column)),
             status: statuses.worst(figures),

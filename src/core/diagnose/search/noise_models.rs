@@ -184,7 +184,7 @@ impl NoiseModels {
         &'a self,
         frame: &'a Frame,
         bank: &'a Bank,
-        columns: &[Vec<Vec<f64>>],
+        columns: impl FnOnce() -> Vec<Vec<Vec<f64>>>,
         state: impl Fn(&Frame, &Bank) -> State,
     ) -> Vec<Weighed<'a>> {
         // What gyros share may be white or have a memory; a law is each gyro's own.
@@ -198,10 +198,11 @@ impl NoiseModels {
         };
         let mut all = vec![weighed(0.0, None, frame, bank)];
         if !self.models.is_empty() {
-            let pooled = is_pooled(frame, columns);
-            let plain = log_likelihood(frame, columns, pooled);
+            let columns = columns();
+            let pooled = is_pooled(frame, &columns);
+            let plain = log_likelihood(frame, &columns, pooled);
             all.extend(self.models.iter().map(|model| {
-                let log_weight = model.log_odds + log_likelihood(&model.frame, columns, pooled) - plain;
+                let log_weight = model.log_odds + log_likelihood(&model.frame, &columns, pooled) - plain;
                 weighed(log_weight, Some(model.kind), &model.frame, &model.bank)
             }));
         }

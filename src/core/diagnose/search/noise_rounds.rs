@@ -219,8 +219,8 @@ const LEAST_DESCRIBED: f64 = 2.0;
 const LEAST_TOGETHER: f64 = 4.0;
 const MOST_DESCRIBED: usize = 2;
 
-/// ln of evidence that a name needs more where the noise is other than stated, for what that is is known from the same
-/// residuals: in time or temperature where it has a memory, any where it goes by a law.
+/// ln of evidence that a name needs more where the noise departs from what is stated, which is known from the same
+/// residuals: a name in time or temperature where the noise has a memory, any name where it follows a law.
 const UNDER_OTHER_NOISE: f64 = 4.0;
 
 impl Settled {

@@ -30,6 +30,7 @@ use crate::pipeline::hooks::Hooks;
 use crate::pipeline::hooks::delivery::context::{DeliveryContext, OFF_DUTY};
 use crate::store;
 use crate::store::{Duty, StoreError};
+use crate::words::Language;
 
 use crate::pipeline::hooks::delivery::queue::DeliveryQueue;
 
@@ -47,8 +48,8 @@ pub enum OutboxError {
     Authority { path: String, source: std::io::Error },
     #[error("the client for hooks cannot be made (hooks.ca_file, hooks.proxy): {0}")]
     Client(#[from] reqwest::Error),
-    #[error("hooks.smtp_url: {0}")]
-    Mail(#[from] MailError),
+    #[error("hooks.smtp_url: {}", Language::English.words(&.0.message()))]
+    Mail(MailError),
 }
 
 /// The worker, running. It holds a way to the writer, so stop it for the writer to end.
@@ -71,7 +72,7 @@ impl Outbox {
         let roots = roots.transpose()?;
         let courier =
             Courier::through(&config.proxies(), hooks.config.target_policy(), config.limits(), roots.as_deref())?
-                .with_mailer(config.mailer(roots.as_deref())?);
+                .with_mailer(config.mailer(roots.as_deref()).map_err(OutboxError::Mail)?);
         let (stop, stopping) = watch::channel(false);
         let context = Arc::new(DeliveryContext { hooks: hooks.clone(), courier, ladder: config.ladder() });
         context.hooks.pulse.beat();

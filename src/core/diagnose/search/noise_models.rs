@@ -188,22 +188,24 @@ impl NoiseModels {
         state: impl Fn(&Frame, &Bank) -> State,
     ) -> Vec<Weighed<'a>> {
         // What gyros share may be white or have a memory; a law is each gyro's own.
-        let weighed = |log_weight: f64, kind: Option<NoiseDeparture>, frame: &'a Frame, bank: &'a Bank| {
+        let weighed = |log_weight: f64, model: Option<&'a Model>| {
+            let (frame, bank) = model.map_or((frame, bank), |model| (&model.frame, &model.bank));
             let state = state(frame, bank);
-            let is_law = matches!(kind, Some(NoiseDeparture::Law(_)));
-            let shared = self.shared.filter(|_| !is_law).map(|log_odds| (log_odds, Shared::of(frame, &state)));
+            let has_memory = model.is_some_and(Model::has_memory);
+            let may_be_shared = self.shared.filter(|_| has_memory || model.is_none());
+            let shared = may_be_shared.map(|log_odds| (log_odds, Shared::of(frame, &state)));
             let shared = shared.filter(|(_, shared)| shared.is_of_noise());
             let shared = shared.map(|(log_odds, shared)| (log_weight + log_odds + shared.log_gain, shared));
-            Weighed { log_weight, has_memory: kind.is_some() && !is_law, frame, bank, state, shared }
+            Weighed { log_weight, has_memory, frame, bank, state, shared }
         };
-        let mut all = vec![weighed(0.0, None, frame, bank)];
+        let mut all = vec![weighed(0.0, None)];
         if !self.models.is_empty() {
             let columns = columns();
             let pooled = is_pooled(frame, &columns);
             let plain = log_likelihood(frame, &columns, pooled);
             all.extend(self.models.iter().map(|model| {
                 let log_weight = model.log_odds + log_likelihood(&model.frame, &columns, pooled) - plain;
-                weighed(log_weight, Some(model.kind), &model.frame, &model.bank)
+                weighed(log_weight, Some(model))
             }));
         }
         all

@@ -161,7 +161,7 @@ fn wrong_usage_exits_with_2() {
     }
 }
 
-/// No code, and the reader's language: what is refused is a message, whoever finds the fault.
+/// No code, and the reader's language: what is refused is a message, in every command.
 #[test]
 fn what_is_refused_is_said_in_both_languages() {
     let scenario = printed(&["simulate", "--print-scenario"]).replace("\ndwell_s = 180.0", "\ndwell_s = -1.0");

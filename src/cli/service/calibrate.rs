@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use super::separate::{SeparationMethod, drift_and_mounting, figure};
+use super::separate::{SeparationMethod, check_kind, drift_and_mounting, figure};
 use super::{model, settings};
 use crate::cli::document::{self, Format, part_of, table_of};
 use crate::cli::errors::said;
@@ -88,14 +88,7 @@ impl Calibrate {
     fn fitted(&self, path: &Path, config: &Config) -> anyhow::Result<FittedFile> {
         let bytes = document::read(path)?;
         let file = || document::name(path);
-        let instead = match DocumentKind::instead_of(DocumentKind::Campaign, &bytes) {
-            Some(DocumentKind::Record) => Some(message!("terminal_is_record")),
-            Some(DocumentKind::Bench) => Some(message!("terminal_is_bench_result")),
-            Some(DocumentKind::Campaign) | None => None,
-        };
-        if let Some(instead) = instead {
-            bail!("{}: {}", file(), said(instead));
-        }
+        check_kind(DocumentKind::Campaign, &bytes, file)?;
         let mut campaign = config.stations.complete(parse(&bytes).with_context(file)?);
         let chosen = model::chosen(self.model.as_ref())?;
         for note in chosen.notes_of_others(&campaign) {

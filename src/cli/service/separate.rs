@@ -54,18 +54,22 @@ impl From<SeparationMethod> for JudgedMethod {
     }
 }
 
+/// Refuses a document that shows itself to be of another kind than `wanted`.
+pub(super) fn check_kind(wanted: DocumentKind, bytes: &[u8], file: impl Fn() -> String) -> anyhow::Result<()> {
+    let instead = match DocumentKind::instead_of(wanted, bytes) {
+        Some(DocumentKind::Campaign) => message!("terminal_is_campaign"),
+        Some(DocumentKind::Record) => message!("terminal_is_record"),
+        Some(DocumentKind::Bench) => message!("terminal_is_bench_result"),
+        None => return Ok(()),
+    };
+    bail!("{}: {}", file(), said(instead))
+}
+
 impl Separate {
     pub fn run(self) -> anyhow::Result<()> {
         let bytes = document::read(&self.record)?;
         let file = || document::name(&self.record);
-        let instead = match DocumentKind::instead_of(DocumentKind::Record, &bytes) {
-            Some(DocumentKind::Campaign) => Some(message!("terminal_is_campaign")),
-            Some(DocumentKind::Bench) => Some(message!("terminal_is_bench_result")),
-            Some(DocumentKind::Record) | None => None,
-        };
-        if let Some(instead) = instead {
-            bail!("{}: {}", file(), said(instead));
-        }
+        check_kind(DocumentKind::Record, &bytes, file)?;
         let mut config = settings::config()?;
         // The comparison with the paper's tables is for the reader; what is configured for the fleet goes before it.
         config.judging.requirements = true;

@@ -1,12 +1,12 @@
 //! Who may do what, seen from outside: tokens and roles on every route, signing in with a browser, guesses, exposure.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeSet;
 use std::time::Duration;
 
+use crate::support::{Answer, Server, data, gyrowatch};
 use serde_json::{Value, json};
-use support::{Answer, Server, data, gyrowatch};
 
 /// Routes that need no token.
 const OPEN: [&str; 7] = [

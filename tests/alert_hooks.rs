@@ -1,16 +1,12 @@
 //! From a record that a station posts to what a hook is told: nothing but HTTP.
 
-mod lab;
-mod receiver;
-mod support;
-
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use lab::{day, record};
-use receiver::{Receiver, Told};
+use crate::lab::{day, record};
+use crate::receiver::{Receiver, Told};
+use crate::support::Server;
 use serde_json::{Value, json};
-use support::Server;
 
 /// D_I of the gyro on given days, posted in the order given.
 async fn station_posts(server: &Server, serial: &str, history: &[(i64, f64)]) {

@@ -1,6 +1,6 @@
 //! What an engineer sees when a gyro goes out of its limits, and what becomes of it.
 
-mod lab;
+use crate::lab;
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use gyrowatch::core::time::UtcMicros;
 use gyrowatch::wire::time;
 use serde_json::{Value, json};
 
-use lab::{Lab, bench, day, record};
+use crate::lab::{Lab, bench, day, record};
 
 /// D_I of a gyro `A` on given days, posted in the order given.
 async fn lab_with(history: &[(i64, f64)]) -> Lab {

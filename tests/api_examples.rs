@@ -1,21 +1,20 @@
 //! Examples in the description of the API: what the service answers in one scenario. They are kept in
-//! `src/http/examples.json`, which `GYROWATCH_WRITE_EXAMPLES=1 cargo test --test api_examples` writes anew.
+//! `src/http/examples.json`, which `GYROWATCH_WRITE_EXAMPLES=1 cargo test --test all api_examples::` writes anew.
 
-mod lab;
-mod receiver;
-mod support;
+use crate::cluster;
+use crate::support;
 
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use crate::lab::{Answer, JSON, Lab, NDJSON};
+use crate::receiver::Receiver;
+use crate::support::data;
 use gyrowatch::telemetry;
-use lab::{Answer, JSON, Lab, NDJSON};
-use receiver::Receiver;
 use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
 use serde_json::{Map, Value, json};
 use sqlx::ConnectOptions;
-use support::data;
 
 const FILE: &str = "src/http/examples.json";
 const PROBLEM: &str = "application/problem+json";
@@ -632,7 +631,7 @@ fn masked(value: &Value) -> Value {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn examples_are_what_the_service_answers() {
-    if lab::cluster::is_wanted() {
+    if cluster::is_wanted() {
         return; // It is a file that is held by somebody else.
     }
     let now = named(&scenario().await);

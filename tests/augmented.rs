@@ -1,12 +1,10 @@
 //! Closing the loop on the command line: an effect that was named enters the model, the next campaigns are fitted
 //! with it and compared with it, a simulated one shows it, and leaving it out undoes it.
 
-mod support;
-
 use std::path::{Path, PathBuf};
 
+use crate::support::{data_path, gyrowatch};
 use serde_json::{Value, json};
-use support::{data_path, gyrowatch};
 
 /// Practice campaign 2 has `temperature_bias` (key.json), and `practice/campaign-00.json` nothing.
 struct Bench {

@@ -1,12 +1,12 @@
 //! Copies of the database: taken while it is served, checked, damaged, and put back.
 
-mod support;
+use crate::support;
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
+use crate::support::{Server, data, gyrowatch};
 use sqlx::ConnectOptions;
-use support::{Server, data, gyrowatch};
 
 /// Runs a command on the database in `dir`: how it ended, and what it said.
 fn run(arguments: &[&str], dir: &Path) -> (Option<i32>, String) {

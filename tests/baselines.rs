@@ -1,8 +1,6 @@
 //! Levels that an engineer states: what comes after them is compared with these, until the next mark.
 
-mod lab;
-
-use lab::{Lab, assert_close, day, record, verdict};
+use crate::lab::{Lab, assert_close, day, record, verdict};
 use serde_json::{Value, json};
 
 async fn station_posts(lab: &Lab, at: i64, d_i: f64, d_s: f64) -> Value {

@@ -3,17 +3,15 @@
 //! A flip counts where SQLite uses the byte: what is free within a page, and pages that are free, say nothing. Which
 //! bytes are used is read from the file itself, by its format (sqlite.org/fileformat2.html).
 
-mod support;
-
 use std::ops::Range;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use crate::support::{Server, asked, data, gyrowatch, paper_record, seed};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde_json::json;
 use sqlx::ConnectOptions;
-use support::{Server, asked, data, gyrowatch, paper_record, seed};
 
 /// Everything that the service keeps is in it.
 async fn a_service_with_everything() -> Server {

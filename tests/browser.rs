@@ -1,21 +1,19 @@
 //! People at the pages, in a real browser: they find a gyro, zoom, switch the method, export, read a diagnosis,
 //! import a file with errors. Whatever they do, the console does not complain and no request leaves the service.
 
-mod chromium;
-mod nginx;
-mod receiver;
-mod support;
+use crate::chromium;
+use crate::support;
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-use chromium::Browser;
-use nginx::Nginx;
-use receiver::Receiver;
+use crate::chromium::Browser;
+use crate::nginx::Nginx;
+use crate::receiver::Receiver;
+use crate::support::{Server, data, gyrowatch};
 use serde_json::Value;
-use support::{Server, data, gyrowatch};
 
 /// `gyrowatch demo`: two years of a fleet, the paper's tables, campaigns with something hidden in them.
 struct Demo {

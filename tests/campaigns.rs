@@ -1,6 +1,6 @@
 //! Raw campaigns over HTTP and on the command line: fitted, stored whole, judged, diagnosed; or refused by name.
 
-mod lab;
+use crate::lab;
 
 use std::path::Path;
 
@@ -8,8 +8,8 @@ use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
 use serde_json::{Value, json};
 
+use crate::lab::{Answer, JSON, Lab, assert_close, tables_3_and_4, verdict};
 use gyrowatch::config::StatedUncertainty;
-use lab::{Answer, JSON, Lab, assert_close, tables_3_and_4, verdict};
 
 const CSV: &str = "text/csv";
 

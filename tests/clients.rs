@@ -1,12 +1,10 @@
 //! The clients that come with the service, against the service.
 
-mod support;
-
 use std::path::Path;
 use std::process::Command;
 
+use crate::support::{Server, required};
 use serde_json::json;
-use support::{Server, required};
 
 /// By the system's Python, which needs nothing else, and by one that has pandas.
 #[tokio::test]

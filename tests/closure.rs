@@ -1,11 +1,8 @@
 //! What a calibration record says by itself: Tables 3-4 of the paper, whose closure two coefficients cannot explain.
 
-mod lab;
-mod support;
-
-use lab::{Lab, day, record, tables_3_and_4};
+use crate::lab::{Lab, day, record, tables_3_and_4};
+use crate::support::{data_path, gyrowatch};
 use serde_json::{Value, json};
-use support::{data_path, gyrowatch};
 
 fn diagnose(path: &str) -> Value {
     let output = gyrowatch().args(["diagnose", path, "--format", "json"]).output().unwrap();

@@ -1,7 +1,7 @@
 //! What is commanded is held against the Earth: simulated campaigns over latitudes and programmes, each mistake that
 //! a station makes put into each of them.
 //!
-//! `cargo test --test commanded -- --nocapture` prints how many of which kind are refused.
+//! `cargo test --test all commanded:: -- --nocapture` prints how many of which kind are refused.
 
 use std::collections::BTreeMap;
 

@@ -1,10 +1,10 @@
 //! What becomes of a gyro when a record turns out not to count: trends, verdicts, baselines, alerts; and of the
 //! record itself.
 
-mod lab;
-mod support;
+use crate::lab;
+use crate::support;
 
-use lab::{Lab, bench, day, record, verdict};
+use crate::lab::{Lab, bench, day, record, verdict};
 use serde_json::{Value, json};
 
 fn of_a(at: i64, d_i: f64) -> Value {

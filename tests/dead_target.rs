@@ -1,19 +1,16 @@
 //! A target that is down for days, on a simulated clock: the ladder is climbed as it is documented, nothing is lost,
 //! the others are told at once, and what is given up can be looked at and sent again.
 
-mod lab;
-mod receiver;
-
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::lab::{Lab, day, record};
+use crate::receiver::{Receiver, Told};
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::wire::time;
-use lab::{Lab, day, record};
-use receiver::{Receiver, Told};
 use serde_json::{Value, json};
 
 const MINUTE: f64 = 60.0;

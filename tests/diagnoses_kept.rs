@@ -1,10 +1,9 @@
 //! Diagnoses over HTTP are made without anybody asking, kept on disk, and made again only when they must be.
 
-mod lab;
-
+use crate::cluster;
 use std::time::Duration;
 
-use lab::{Lab, cluster};
+use crate::lab::Lab;
 use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection, SqliteConnection};
 

@@ -3,8 +3,7 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-mod support;
-
+use crate::support::{data_path, gyrowatch};
 use gyrowatch::simulate::scenario::EffectChoice;
 use gyrowatch::simulate::{Scenario, simulate};
 use gyrowatch::wire::campaign::to_json;
@@ -13,7 +12,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rstest::rstest;
 use serde_json::{Value, json};
-use support::{data_path, gyrowatch};
 
 /// Practice campaign 0: nothing is hidden in it.
 fn clean() -> Value {

@@ -1,10 +1,9 @@
 //! What a diagnosis says of campaigns whose truth is known: names, gyros, class, closure and floor. The campaigns of
 //! the simulator are few here; `gyrowatch blindcheck` has the figures.
 
-mod support;
-
 use std::collections::BTreeSet;
 
+use crate::support::{data, data_path};
 use gyrowatch::blindcheck::draw::{Case, Draw, Trial};
 use gyrowatch::core::augmented::Options;
 use gyrowatch::core::diagnose::{Diagnosis, Verdict, diagnose};
@@ -14,7 +13,6 @@ use gyrowatch::simulate::scenario::{EffectChoice, Profile, Scenario};
 use gyrowatch::simulate::simulate;
 use gyrowatch::wire::campaign::parse_json;
 use serde_json::Value;
-use support::{data, data_path};
 
 fn drawn(case: Case, count: usize) -> Vec<(Trial, Diagnosis)> {
     let draw = Draw { seed: 20_261, cases: vec![case], effects: vec![], detectability: vec![12.0] };

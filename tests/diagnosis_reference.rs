@@ -1,13 +1,12 @@
 //! A campaign held against an earlier one or a record of its IMU: what of the gap is parameters, structure and noise.
 
-mod lab;
-mod support;
+use crate::support;
 
 use std::path::{Path, PathBuf};
 
-use lab::Lab;
+use crate::lab::Lab;
+use crate::support::{Server, data_path, gyrowatch};
 use serde_json::{Value, json};
-use support::{Server, data_path, gyrowatch};
 
 /// Practice campaign 0: nothing is hidden in it.
 fn clean() -> Value {

@@ -125,7 +125,7 @@ fn a_log_may_come_through_a_pipe() {
 
 /// An array as numpy.save writes it.
 fn npy(descr: &str, shape: &str, rows: impl Iterator<Item = Vec<f64>>) -> Vec<u8> {
-    let mut header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}");
+    let mut header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}}}");
     header.push_str(&" ".repeat((64 - (10 + header.len() + 1) % 64) % 64));
     header.push('\n');
     let mut bytes = [b"\x93NUMPY\x01\x00".as_slice(), &(header.len() as u16).to_le_bytes(), header.as_bytes()].concat();

@@ -1,15 +1,13 @@
 //! Alerts by e-mail: what a mail server receives, and what becomes of mail that it refuses.
 
-mod support;
-
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::support::{Server, paper_record};
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::system::Clock;
 use gyrowatch::wire::time;
 use serde_json::{Value, json};
-use support::{Server, paper_record};
 use tokio::io::{AsyncBufReadExt, AsyncWriteExt, BufReader};
 use tokio::net::{TcpListener, TcpStream};
 

@@ -1,19 +1,18 @@
 //! What takes long or takes much: giant bodies, a clock that jumps, and hours of load. `scripts/soak` runs the long
 //! forms.
 
-mod receiver;
-mod support;
+use crate::receiver;
 
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::receiver::Receiver;
+use crate::support::{Server, asked, paper_record, required};
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
-use receiver::Receiver;
 use serde_json::{Value, json};
-use support::{Server, asked, paper_record, required};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 

@@ -1,24 +1,21 @@
 //! Many writers on several servers judge as one would: what they store at the same time is computed again afterwards,
 //! and the alerts of gyros that have a sender of their own take the steps that they take at a single server.
 
-mod database_proxy;
-mod lab;
-mod receiver;
-mod support;
+use crate::support;
 
 use std::collections::BTreeMap;
 use std::panic::AssertUnwindSafe;
 use std::time::Duration;
 
-use database_proxy::Proxy;
+use crate::cluster::{self, count};
+use crate::database_proxy::Proxy;
+use crate::lab::record;
+use crate::support::Server;
 use futures::FutureExt as _;
-use lab::record;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection};
-use support::Server;
-use support::cluster::{self, count};
 
 /// IMUs that all senders share: their records meet in the same cells.
 const IMUS: i64 = 6;

@@ -1,12 +1,10 @@
 //! The history as a file for those who analyse elsewhere: it says what the service answers, in both forms.
 
-mod support;
-
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::support::{Server, data, gyrowatch};
 use serde_json::{Value, json};
-use support::{Server, data, gyrowatch};
 
 const CALIBRATIONS: usize = 5;
 

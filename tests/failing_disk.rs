@@ -1,7 +1,6 @@
 //! The disk is full, cannot be written, or fails to flush: what the service answers then, and how it comes back.
 
-mod prometheus;
-mod support;
+use crate::support;
 
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -9,8 +8,10 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use prometheus::Prometheus;
-use support::{Answer, Server, fill, gyrowatch_under, on_a_small_disk, paper_record, required, small_disks_work};
+use crate::prometheus::Prometheus;
+use crate::support::{
+    Answer, Server, fill, gyrowatch_under, on_a_small_disk, paper_record, required, small_disks_work,
+};
 
 fn record(number: usize) -> String {
     paper_record(number % 20, number).to_string()

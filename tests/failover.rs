@@ -1,17 +1,16 @@
 //! The database behind the servers changes under them: a standby takes over that has lost commits, a host falls
 //! silent, is far away, or is one of several. Nothing is mixed up, and writing goes on.
 
-mod database_proxy;
-mod support;
+use crate::support;
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use database_proxy::Proxy;
+use crate::cluster::{self, Cluster, count};
+use crate::database_proxy::Proxy;
+use crate::support::Server;
 use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection};
-use support::Server;
-use support::cluster::{self, Cluster, count};
 
 const LEASE: Duration = Duration::from_secs(3);
 

@@ -1,18 +1,17 @@
 //! A hook that begins to listen is first told what fires, and never hears the end of what it did not hear fire.
 
-mod lab;
-mod receiver;
+use crate::lab;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::lab::{Lab, day, record};
+use crate::receiver::Receiver;
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::pipeline::{AlertChange, AlertOrder};
-use lab::{Lab, day, record};
-use receiver::Receiver;
 use serde_json::{Value, json};
 
 async fn posts(lab: &Lab, serial: &str, at: i64, d_i: f64) {

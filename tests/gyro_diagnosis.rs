@@ -1,11 +1,11 @@
 //! Why a coefficient changed: the history of a gyro, diagnosed from what the service holds.
 
-mod lab;
+use crate::lab;
 
 use serde_json::Value;
 
+use crate::lab::{Lab, day, record};
 use gyrowatch::wire::time;
-use lab::{Lab, day, record};
 use sqlx::{Connection, SqliteConnection};
 
 /// Scatter of calibration, deg/(h g0): a fixed sequence that no cause follows.

@@ -1,18 +1,16 @@
 //! The row of each gyro that lists are made of: as what is stored says, whatever has changed how the gyro stands; made
 //! where it is missing, and found out where it is wrong.
 
-mod lab;
-mod support;
-
+use crate::cluster;
 use std::time::Duration;
 
+use crate::lab::{JSON, Lab, NDJSON, bench, day, record};
+use crate::support::Server;
 use gyrowatch::config::Config;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::system::Clock;
-use lab::{JSON, Lab, NDJSON, bench, cluster, day, record};
 use serde_json::{Value, json};
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, SqliteConnection};
-use support::Server;
 
 /// A laboratory on a file, and one on PostgreSQL where there is that.
 async fn on_both(change: impl Fn(&mut Config)) -> Vec<Lab> {

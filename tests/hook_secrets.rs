@@ -1,12 +1,9 @@
 //! What hooks are told with is not to be read in a backup, where there is a key (GYROWATCH_SECRETS_KEY).
 
-mod receiver;
-mod support;
-
-use receiver::Receiver;
+use crate::receiver::Receiver;
+use crate::support::{Server, gyrowatch};
 use serde_json::{Value, json};
 use standardwebhooks::Webhook;
-use support::{Server, gyrowatch};
 
 const KEY: &str = "GYROWATCH_SECRETS_KEY";
 const SIGNING: &str = "whsec_MfKQ9r8GKYqrTwjUPD8ILPZIo2LaLaSw";

@@ -2,14 +2,13 @@
 //!
 //! Each test makes one attempt against a real socket on this machine; the allow-list lets that one address pass.
 
-mod support;
-
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
+use crate::support::{asked, seed};
 use gyrowatch::alert::deliver::{Attempt, AttemptLimits, Courier, DeliveryOutcome, Destination};
 use gyrowatch::alert::payload::Payload;
 use gyrowatch::alert::resolver::GuardedResolver;
@@ -22,7 +21,6 @@ use gyrowatch::words::Language;
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use support::{asked, seed};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 

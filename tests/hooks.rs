@@ -1,17 +1,16 @@
 //! Whoever runs a fleet sets up hooks, tries them out, and sees what has become of what they were told.
 
-mod receiver;
-mod support;
+use crate::receiver;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::receiver::{Receiver, Told};
+use crate::support::{Answer, Server};
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use base64::Engine;
-use receiver::{Receiver, Told};
 use serde_json::{Value, json};
-use support::{Answer, Server};
 use tokio::io::AsyncWriteExt;
 use tokio::sync::Notify;
 

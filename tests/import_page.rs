@@ -1,14 +1,12 @@
 //! `/import` with a station's own files: workbooks, foreign encodings, raw logs with and without a map, what is no
 //! document at all; and the right document in the place of a wrong one.
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{Server, data, gyrowatch};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};
-use support::{Server, data, gyrowatch};
 
 async fn previewed(server: &Server, form: String) -> String {
     let answer = server.call("POST", "/import/preview", &[("content-type", "text/plain")], form).await;

@@ -1,14 +1,16 @@
 //! The model of one IMU: fitted to its campaigns, it foretells the next ones, says what has changed, and is what
 //! `simulate --model` draws.
 
-mod lab;
-mod receiver;
-mod support;
+use crate::cluster;
+use crate::lab;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::lab::Lab;
+use crate::receiver::Receiver;
+use crate::support::{Server, data_path, gyrowatch};
 use gyrowatch::core::alert_decision::Late;
 use gyrowatch::core::augmented::{Adopted, AugmentedModel, KnownEffect};
 use gyrowatch::core::calibrate::outcome::{Outcome, evaluate_with};
@@ -26,11 +28,8 @@ use gyrowatch::pipeline::Submission;
 use gyrowatch::simulate::scenario::GyroChoice;
 use gyrowatch::simulate::{Scenario, simulate};
 use gyrowatch::wire;
-use lab::Lab;
-use receiver::Receiver;
 use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection, SqliteConnection};
-use support::{Server, data_path, gyrowatch};
 
 /// Change of D_I and D_S of G1 with temperature, deg/(h g0 K).
 const K: [f64; 2] = [0.003, -0.002];
@@ -909,7 +908,7 @@ async fn what_an_earlier_version_stated_otherwise_is_stated_anew_after_the_start
 }
 
 async fn tamper(lab: &Lab, sql: &'static str, text: Option<&str>) {
-    let rows = match lab::cluster::is_wanted() {
+    let rows = match cluster::is_wanted() {
         true => {
             let mut connection = PgConnection::connect(&lab.config.database.url).await.unwrap();
             let query = text.into_iter().fold(sqlx::query(sql), |query, text| query.bind(text));

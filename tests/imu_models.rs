@@ -1,14 +1,14 @@
 //! The error model of an IMU over HTTP: adopted with a reason, used by the later campaigns, kept through a restart,
 //! undone.
 
-mod lab;
+use crate::cluster;
 
 use serde_json::{Value, json};
 
+use crate::lab::{Answer, Lab};
 use gyrowatch::core::alert_decision::Late;
 use gyrowatch::pipeline::{Accepted, Submission};
 use gyrowatch::wire::campaign::Form;
-use lab::{Answer, Lab};
 use reqwest::Method;
 
 /// A practice campaign with `temperature_bias` in it.
@@ -144,7 +144,7 @@ async fn a_campaign_is_stated_by_the_model_in_force_when_it_is_stored_whichever_
 /// Another server on the same database.
 #[tokio::test]
 async fn a_campaign_is_stated_by_the_model_that_another_server_has_put_in_force() {
-    if !lab::cluster::is_wanted() {
+    if !cluster::is_wanted() {
         return;
     }
     let here = Lab::open().await;

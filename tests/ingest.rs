@@ -1,7 +1,7 @@
 //! What a station sees: records are accepted, judged and kept, or refused with the place named.
 
-mod behind;
-mod lab;
+use crate::behind;
+use crate::cluster;
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
 use serde_json::{Value, json};
 
-use lab::{Answer, JSON, Lab, NDJSON, assert_close, bench, cluster, day, record, tables_3_and_4, verdict};
+use crate::lab::{Answer, JSON, Lab, NDJSON, assert_close, bench, day, record, tables_3_and_4, verdict};
 
 #[tokio::test]
 async fn the_papers_record_is_separated_by_both_methods_to_the_golden_figures() {

@@ -1,14 +1,12 @@
 //! SQL in every string and in every parameter: it is stored word for word or refused, and does nothing else.
 
-mod support;
-
 use std::collections::BTreeMap;
 
+use crate::support::{Server, asked, data, seed};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
-use support::{Server, asked, data, seed};
 
 const SQL: [&str; 8] = [
     "'; DROP TABLE record; --",

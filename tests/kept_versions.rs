@@ -1,20 +1,19 @@
 //! Databases that released versions wrote, opened by this one: `tests/data/kept/VERSION.db.z` (SQLite) and `.sql.z`
 //! (PostgreSQL), with what that version answered in `….json.z`; each deflated.
 //!
-//! `GYROWATCH_KEEP_VERSION=1 cargo test --test kept_versions` writes those of the version at hand. Kept ones are never
+//! `GYROWATCH_KEEP_VERSION=1 cargo test --test all kept_versions::` writes those of the version at hand. Kept ones are never
 //! written again.
 
-mod support;
-
+use crate::cluster;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use crate::support::{SUMMARY, Server, data, data_path, gyrowatch};
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
 use serde_json::{Map, Value, json};
-use support::{SUMMARY, Server, cluster, data, data_path, gyrowatch};
 
 /// Fills a service with some of everything that is kept.
 async fn fill(server: &Server) {

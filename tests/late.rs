@@ -1,12 +1,10 @@
 //! Records that come a little late, or very densely: judged by what is remembered of their gyro, as if they had come
 //! in order and all were.
 
-mod lab;
-
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use lab::{Lab, day, record};
+use crate::lab::{Lab, day, record};
 use serde_json::{Value, json};
 
 /// A record of one gyro that scatters, jumps and creeps.

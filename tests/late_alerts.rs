@@ -1,15 +1,11 @@
 //! Whoever imports history is told once what still fires, and of what long ago began and ended, nothing.
 
-mod lab;
-mod receiver;
-mod support;
-
 use std::time::{Duration, Instant};
 
-use lab::{Lab, NDJSON, day, record};
-use receiver::Receiver;
+use crate::lab::{Lab, NDJSON, day, record};
+use crate::receiver::Receiver;
+use crate::support::gyrowatch;
 use serde_json::{Value, json};
-use support::gyrowatch;
 
 /// The day of 2025 that the laboratory's clock shows: noon of 2026-11-21.
 const TODAY: i64 = 689;

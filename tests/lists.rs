@@ -1,12 +1,12 @@
 //! Lists of what is stored: every item once, whatever the page size, narrowed down by IMU, station, kind and time.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeSet;
 
+use crate::support::{Server, data, paper_record};
 use rstest::rstest;
 use serde_json::{Value, json};
-use support::{Server, data, paper_record};
 
 /// All pages of a list, as the `Link` header leads on.
 async fn pages(server: &Server, path: &str, member: &str) -> Vec<Value> {

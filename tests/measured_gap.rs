@@ -1,9 +1,7 @@
 //! Two measured campaigns: what they tell, and what their order of orientations cannot.
 
-mod support;
-
+use crate::support::{data_path, gyrowatch};
 use serde_json::{Value, json};
-use support::{data_path, gyrowatch};
 
 const XSENS: &str = "measured/xsens-mti.json";
 const MIMU: &str = "measured/mimu-imu1-run4.json";

@@ -1,9 +1,10 @@
 //! What is noted about a record beside what is known of its IMU and gyros: nothing where there is nothing, each kind
 //! where it was put in; and records whose time is in doubt, which count when somebody has confirmed it.
 
-mod lab;
+use crate::cluster;
+use crate::lab;
 
-use lab::{Lab, day, record, verdict};
+use crate::lab::{Lab, day, record, verdict};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -406,7 +407,7 @@ async fn false_times_never_become_the_baseline_in_either_order() {
 /// Everything that is stored is as it is computed again.
 async fn verify(mut lab: Lab) {
     lab.stop().await;
-    if lab::cluster::is_wanted() {
+    if cluster::is_wanted() {
         return;
     }
     let url = lab.config.database.url.clone();
@@ -548,7 +549,7 @@ async fn what_nobody_can_see_is_refused_wherever_a_name_comes_in() {
 
 #[tokio::test]
 async fn names_of_earlier_versions_are_found_and_go_on() {
-    if lab::cluster::is_wanted() {
+    if cluster::is_wanted() {
         return;
     }
     let mut lab = Lab::open().await;

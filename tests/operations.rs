@@ -1,19 +1,15 @@
 //! Running the service: is it ready, what does it count, and what does it refuse to be started on.
 
-mod prometheus;
-mod receiver;
-mod support;
-
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use prometheus::Prometheus;
-use receiver::Receiver;
+use crate::prometheus::Prometheus;
+use crate::receiver::Receiver;
+use crate::support::{Server, data, gyrowatch, required};
 use serde_json::{Value, json};
 use sqlx::ConnectOptions;
-use support::{Server, data, gyrowatch, required};
 
 #[tokio::test]
 async fn it_is_not_ready_while_another_program_holds_the_database_and_says_so() {

@@ -1,9 +1,7 @@
 //! What is queued arrives: every message, in order per alert, whatever becomes of the service or of other targets.
 
-mod lab;
-mod queue;
-mod receiver;
-mod support;
+use crate::lab;
+use crate::receiver;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::{Child, Command, Stdio};
@@ -11,16 +9,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::queue::Queue;
+use crate::receiver::{Receiver, Told};
+use crate::support::Server;
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
-use queue::Queue;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use receiver::{Receiver, Told};
 use serde_json::{Value, json};
 use sqlx::ConnectOptions;
 use sqlx::sqlite::SqliteConnectOptions;
-use support::Server;
 
 /// For what takes a moment, on a machine that is twenty times as slow as usual.
 const PATIENCE: Duration = Duration::from_secs(120);

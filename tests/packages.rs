@@ -1,13 +1,11 @@
 //! What is installed elsewhere, as far as it can be told without installing it: `scripts/packages` and
 //! `scripts/bare_debian` are the long forms.
 
-mod support;
-
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use support::{gyrowatch, required};
+use crate::support::{gyrowatch, required};
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))

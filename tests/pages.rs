@@ -1,14 +1,13 @@
 //! The web pages as they leave the service, before any script: whole, in the viewer's language, naming no other host.
 
-mod receiver;
-mod spoken;
-mod support;
+use crate::spoken;
+use crate::support;
 
 use std::time::{Duration, Instant};
 
-use receiver::Receiver;
+use crate::receiver::Receiver;
+use crate::support::{Answer, Server};
 use serde_json::{Value, json};
-use support::{Answer, Server};
 
 /// A calibration of one gyro: D_I and D_S along its nominal triad, E of length one.
 fn record(imu: &str, station: &str, serial: &str, day: u32, d: [f64; 2]) -> Value {

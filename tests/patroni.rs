@@ -1,6 +1,7 @@
 //! PostgreSQL under Patroni: its leader dies or hands over while records arrive, and nothing acknowledged is lost.
 
-mod support;
+use crate::cluster;
+use crate::support;
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::PathBuf;
@@ -8,10 +9,10 @@ use std::process::{Child, ChildStdout, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::support::{Server, gyrowatch, paper_record, required};
 use gyrowatch::system;
 use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection};
-use support::{Server, cluster, gyrowatch, paper_record, required};
 
 const SENDERS: usize = 4;
 /// Within which a leader that is gone is followed by another, and the old one has caught up again.

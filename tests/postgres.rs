@@ -1,9 +1,8 @@
 //! Servers that share a PostgreSQL: what each stores the others judge by, what one leaves undone another takes over,
 //! and nothing is lost or done twice when a server or the database itself is killed.
 
-mod lab;
-mod receiver;
-mod support;
+use crate::receiver;
+use crate::support;
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -12,15 +11,15 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::cluster::{self, Cluster, count};
+use crate::lab::{day, record, verdict};
+use crate::receiver::Receiver;
+use crate::support::Server;
 use gyrowatch::system;
-use lab::{day, record, verdict};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use receiver::Receiver;
 use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection, Row};
-use support::Server;
-use support::cluster::{self, Cluster, count};
 
 const LEASE: Duration = Duration::from_secs(3);
 

@@ -1,22 +1,18 @@
 //! The connection to PostgreSQL breaks in the middle of a commit: what came about counts, and what did not is done
 //! again, once.
 
-mod lab;
-mod receiver;
-mod support;
-
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::Duration;
 
+use crate::cluster::{self, count};
+use crate::lab::{day, record};
+use crate::receiver::Receiver;
+use crate::support::Server;
 use axum::http::StatusCode;
 use axum::response::IntoResponse;
-use lab::{day, record};
-use receiver::Receiver;
 use serde_json::json;
-use support::Server;
-use support::cluster::{self, count};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 

@@ -1,15 +1,15 @@
 //! The disk under PostgreSQL is full: what servers answer then, and how they come back.
 
-mod support;
+use crate::support;
 
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::cluster::{self, Cluster, Crowded};
+use crate::support::{Server, fill, paper_record, small_disks_work};
 use sqlx::{Connection, PgConnection};
-use support::cluster::{self, Cluster, Crowded};
-use support::{Server, fill, paper_record, small_disks_work};
 
 const SENDERS: usize = 16;
 /// Serving again after there is room, and the database has come up.

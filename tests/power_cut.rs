@@ -2,22 +2,19 @@
 //! found after a cut at a moment of that run, and what clients were told is looked for in it. `scripts/soak power`
 //! tries 1,000 moments.
 
-mod power;
-mod support;
-
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use power::disk::{Disk, Flushing};
-use power::{CALLS, Call, Moment, Recording};
+use crate::power::disk::{Disk, Flushing};
+use crate::power::{CALLS, Call, Moment, Recording};
+use crate::support::{Server, asked, gyrowatch, paper_record, required};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 use sqlx::ConnectOptions;
-use support::{Server, asked, gyrowatch, paper_record, required};
 
 /// Records of two IMUs, so that each gyro soon has enough of them to be folded into its place.
 fn record(number: usize) -> String {

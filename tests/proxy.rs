@@ -1,14 +1,11 @@
 //! Behind a real nginx: as it comes, with the headers that it is told to send, and under a prefix.
 
-mod nginx;
-mod support;
-
 use std::collections::BTreeSet;
 use std::process::Command;
 
-use nginx::Nginx;
+use crate::nginx::Nginx;
+use crate::support::{Server, data, data_path, gyrowatch, paper_record, required};
 use serde_json::{Value, json};
-use support::{Server, data, data_path, gyrowatch, paper_record, required};
 
 /// Who asks through nginx: curl, which speaks HTTP/2 and follows nothing.
 struct Client {

@@ -1,7 +1,7 @@
 //! What must not happen whatever happens: short forms of the tests of docs/reliability.md. `scripts/soak` runs the
 //! long ones, which differ in their numbers alone.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader};
@@ -10,12 +10,12 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::support::{Server, asked, gyrowatch, paper_record, seed};
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 use sqlx::ConnectOptions;
-use support::{Server, asked, gyrowatch, paper_record, seed};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
 fn client() -> reqwest::Client {

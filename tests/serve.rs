@@ -1,10 +1,8 @@
 //! Starting and stopping the service, as an init system or an engineer at the terminal does.
 
-mod support;
-
 use std::time::Duration;
 
-use support::{Server, gyrowatch};
+use crate::support::{Server, gyrowatch};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
 #[tokio::test]

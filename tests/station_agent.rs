@@ -1,15 +1,13 @@
 //! `gyrowatch import --watch` against the real service: files are sent, kept while the service is down, moved when
 //! their fate is known.
 
-mod support;
-
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use support::{Server, data, gyrowatch};
+use crate::support::{Server, data, gyrowatch};
 
 struct Agent(Child);
 

@@ -1,18 +1,17 @@
 //! Gyros that moved together because their station or IMU did: one alert of that, and none of what it explains.
 
-mod lab;
-mod receiver;
-mod support;
+use crate::cluster;
+use crate::lab;
 
 use std::time::{Duration, Instant};
 
+use crate::lab::{Lab, day, record};
+use crate::receiver::{Receiver, Told};
+use crate::support::Server;
 use gyrowatch::system::Clock;
 use gyrowatch::wire::time;
-use lab::{Lab, day, record};
-use receiver::{Receiver, Told};
 use reqwest::Method;
 use serde_json::{Value, json};
-use support::Server;
 
 const SLOTS: [&str; 3] = ["G1", "G2", "G3"];
 /// Of the station, and of one gyro by itself, deg/(h g0); the budget is 0.01.
@@ -164,7 +163,7 @@ async fn a_station_that_shifts_is_one_alert_and_a_gyro_that_moves_by_itself_anot
     // alone looks at stations: by then they have been told.
     let told = target.has_been_told(1 + own.len()).await;
     tokio::time::sleep(Duration::from_millis(300)).await;
-    if !lab::cluster::is_wanted() {
+    if !cluster::is_wanted() {
         assert_eq!(target.told().len(), told.len());
         let told = heard(&told);
         assert!(told.iter().all(|(_, name)| name == "ST-2" || *name == serial(15)), "{told:?}");
@@ -244,7 +243,7 @@ async fn what_was_held_back_is_told_when_it_is_not_the_stations_after_all() {
     sent(&lab, &shifted(0..6)).await;
     become_so(&lab, |alerts| station_is(alerts, "firing") && of_gyros(alerts, "inhibited").count() >= 17).await;
     // The hook asked for one gyro, and hears of the station in its place.
-    if !lab::cluster::is_wanted() {
+    if !cluster::is_wanted() {
         assert_eq!(heard(&target.has_been_told(1).await), [("alert.fired".to_owned(), "ST-2".to_owned())]);
     }
     // All but that gyro are found to be in order.
@@ -296,7 +295,7 @@ async fn imus_that_come_one_by_one_are_told_until_there_are_enough_and_the_alert
     let names: Vec<&str> = told.iter().map(|(_, name)| name.as_str()).collect();
     assert!(!names.contains(&"GYRO-09") && !names.contains(&"GYRO-14"), "{told:?}");
     // Among servers the clock alone looks at IMUs: by then their gyros have been told.
-    if !lab::cluster::is_wanted() {
+    if !cluster::is_wanted() {
         assert!(names.contains(&"IMU-0") && !names.contains(&"GYRO-00"), "{told:?}");
     }
     // Somebody knows: an alert of a station is an alert.
@@ -342,7 +341,7 @@ async fn an_imu_of_which_every_gyro_moves_is_one_alert_and_what_one_does_later_a
     let by_themselves: Vec<&Value> = of_gyros(&found, "firing").map(|alert| &alert["serial"]).collect();
     assert!((6..8).all(|k| by_themselves.contains(&&json!(serial(k)))), "{by_themselves:?}");
     let told = has_heard(&target, "IMU-1").await;
-    if !lab::cluster::is_wanted() {
+    if !cluster::is_wanted() {
         assert!((3..6).all(|k| told.iter().all(|(_, name)| *name != serial(k))), "{told:?}");
     }
 
@@ -427,7 +426,7 @@ async fn gyros_of_a_batch_that_move_together_are_one_alert_of_the_batch_and_none
     assert!(batch["reason"].as_str().unwrap().contains("9 gyros of 3 IMUs of the batch"), "{batch}");
     assert!(of_gyros(&found, "inhibited").all(|alert| alert["inhibited_by"] == batch["id"]), "{found:#?}");
     assert_eq!(of(&found, "station", "firing") + of(&found, "imu", "firing"), 0, "{found:#?}");
-    if !lab::cluster::is_wanted() {
+    if !cluster::is_wanted() {
         let told = heard(&target.has_been_told(1).await);
         assert_eq!(told, [("alert.fired".to_owned(), "2024/B".to_owned())]);
     }
@@ -469,7 +468,7 @@ async fn gyros_of_a_batch_that_move_together_are_one_alert_of_the_batch_and_none
 #[tokio::test]
 async fn what_a_suspect_window_ends_or_begins_is_told_at_once() {
     // Among servers the clock alone tells of stations first.
-    if lab::cluster::is_wanted() {
+    if cluster::is_wanted() {
         return;
     }
     let lab = lab_whose_clock_looks_every(3600.0).await;

@@ -1,12 +1,12 @@
 //! What a station copies: each example is run where Debian has its program, and each template fits.
 
-mod support;
+use crate::support;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::support::Server;
 use serde_json::Value;
-use support::Server;
 
 fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/stations").join(name)

@@ -1,7 +1,7 @@
 //! Logs of a hundred rows a second on a table, made by equations of their own: positions and turns, white noise and
 //! flicker, jitter, lost samples. What `dwells` makes of their text is held against what was done.
 //!
-//! `GYROWATCH_LOGS=100 cargo test --test table_logs -- --nocapture` prints the figures.
+//! `GYROWATCH_LOGS=100 cargo test --test all table_logs:: -- --nocapture` prints the figures.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;

@@ -1,11 +1,12 @@
 //! What an engineer sees of one gyro over the years.
 
-mod lab;
+use crate::cluster;
+use crate::lab;
 
 use reqwest::Method;
 use serde_json::{Value, json};
 
-use lab::{Answer, Lab, assert_close, bench, cluster, day, record, verdict};
+use crate::lab::{Answer, Lab, assert_close, bench, day, record, verdict};
 use sqlx::{Connection, PgConnection, SqliteConnection};
 
 /// D_I of a gyro `A` on given days, posted in the order given.

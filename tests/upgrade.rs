@@ -1,17 +1,17 @@
 //! Databases of every earlier version, with data in them, are brought up to date at the start, and say what they said
 //! before.
 
-mod lab;
-mod receiver;
-mod support;
+use crate::cluster;
+use crate::lab;
+use crate::receiver;
 
 use std::path::Path;
 use std::time::Duration;
 
+use crate::support::{SUMMARY, Server, data, gyrowatch};
 use serde_json::{Value, json};
 use sqlx::migrate::Migrator;
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, SqliteConnection};
-use support::{SUMMARY, Server, cluster, data, gyrowatch};
 
 /// Bytes of a row of the history's log: the gyro's number, and its figures.
 const ROW: usize = 124;

@@ -1,10 +1,8 @@
 //! `gyrowatch verify`: what is stored is what follows from what was sent, and what is not is named.
 
-mod support;
-
+use crate::support::{Server, data, gyrowatch};
 use serde_json::Value;
 use sqlx::{ConnectOptions, Row, SqliteConnection};
-use support::{Server, data, gyrowatch};
 
 /// A stopped service with records, one of which came late, a campaign, bench results and an event.
 async fn a_database() -> Server {

@@ -1,7 +1,7 @@
 //! The mathematics: calibration, separation, judging and diagnosis as plain functions.
 //!
 //! Everything below is pure. No clock, no randomness, no I/O, no serialisation and no logging: what a function
-//! needs is passed in, what it found is returned, evidence included. `tests/architecture.rs` keeps it so.
+//! needs is passed in, what it found is returned, evidence included. `tests/architecture` keeps it so.
 
 pub mod access;
 pub mod adopted;

@@ -1,6 +1,5 @@
 //! PostgreSQL for tests: a server of their own on a free port of this machine, which ends with the process that
 //! started it, however that ends, and takes its files along.
-#![allow(dead_code, clippy::allow_attributes, reason = "each test file compiles its own copy and uses a part of it")]
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};

@@ -1,5 +1,4 @@
 //! What may stand between a server and its database: it leads to another host, takes its time, or falls silent.
-#![allow(dead_code, clippy::allow_attributes, reason = "each test file compiles its own copy and uses a part of it")]
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -72,13 +71,9 @@ impl Proxy {
         self.state.silent_up_to.store(self.state.connections.load(Ordering::SeqCst), Ordering::SeqCst);
     }
 
-    /// Nobody hears anything any more, whoever comes; until [`Proxy::speaks`].
+    /// Nobody hears anything any more, whoever comes.
     pub fn falls_silent(&self) {
         self.state.silent_up_to.store(u32::MAX, Ordering::SeqCst);
-    }
-
-    pub fn speaks(&self) {
-        self.silences_connections();
     }
 
     /// From now on `FOR UPDATE` is blank.

@@ -1,15 +1,7 @@
 //! A laboratory for scenarios: the service on a port of its own with a database of its own, stations that post, and
 //! engineers who look. Everything goes over real HTTP.
-#![allow(dead_code, reason = "each test file uses its part of the laboratory")]
-#![allow(clippy::allow_attributes, reason = "what is unused differs from file to file, so nothing can be expected")]
 
-#[allow(
-    clippy::duplicate_mod,
-    reason = "some test files take both the laboratory and the service in a process of its own"
-)]
-#[path = "../cluster/mod.rs"]
-pub mod cluster;
-
+use crate::cluster;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -1,5 +1,4 @@
 //! A real Prometheus, for tests.
-#![allow(dead_code, clippy::allow_attributes, reason = "each test file compiles its own copy and uses a part of it")]
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};

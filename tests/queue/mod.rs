@@ -1,6 +1,5 @@
 //! Fills the outbox of a stopped service with the steps of alerts, from below: what is told and in which order is then
 //! known in advance.
-#![allow(dead_code, clippy::allow_attributes, reason = "each test file compiles its own copy and uses a part of it")]
 
 use std::path::Path;
 

@@ -1,5 +1,4 @@
 //! Targets of hooks on this machine: one that records what it is told, and some that misbehave.
-#![allow(dead_code, clippy::allow_attributes, reason = "each test file compiles its own copy and uses a part of it")]
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::{Arc, Mutex};

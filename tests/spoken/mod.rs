@@ -1,6 +1,6 @@
 //! Whether a Chinese page says what is wrong with a document in Chinese.
 
-use super::support::Server;
+use crate::support::Server;
 
 /// Words that a document, its units or the mathematics have in every language: names of members and columns, their
 /// values.

@@ -1,15 +1,6 @@
 //! The real service in a process of its own, on a free port, with a database in a fresh directory.
-//!
-//! Every test file takes what it needs of this, so some of it is unused in each.
-#![allow(dead_code, clippy::allow_attributes, reason = "each test file compiles its own copy and uses a part of it")]
 
-#[allow(
-    clippy::duplicate_mod,
-    reason = "some test files take both the laboratory and the service in a process of its own"
-)]
-#[path = "../cluster/mod.rs"]
-pub mod cluster;
-
+use crate::cluster;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};

@@ -265,14 +265,14 @@ impl Component {
             let columns = self.factor.column_iter().map(|column| {
                 let mut column = gyro.whiten(column.iter().copied().collect());
                 gyro.basis.project_out(&mut column);
-                left.extra.project_out(&mut column);
+                left.extra.basis.project_out(&mut column);
                 column
             });
             let columns: Vec<Vec<f64>> = columns.collect();
             log_bayes(
                 &columns,
                 &left.residual,
-                (gyro.dof() - left.extra.rank().min(gyro.dof())) as f64,
+                (gyro.dof() - left.extra.basis.rank().min(gyro.dof())) as f64,
                 frame.noise.stated,
             )
         };
@@ -329,8 +329,7 @@ mod tests {
 
     use super::*;
     use crate::core::diagnose::residuals::pooled_noise::Scatter;
-    use crate::core::diagnose::search::projections::GyroState;
-    use crate::core::numerics::basis::Basis;
+    use crate::core::diagnose::search::projections::{Extra, GyroState};
 
     #[test]
     fn a_component_is_worth_what_the_determinants_say() {
@@ -351,7 +350,7 @@ mod tests {
     fn a_few_dwells_apart_are_said_to_be_few() {
         let gyro = |residual: Vec<f64>| {
             let rss = residual.iter().map(|r| r * r).sum();
-            vec![GyroState { extra: Basis::default(), scatter: Scatter { rss, nu: residual.len() as f64 }, residual }]
+            vec![GyroState::of(Extra::default(), residual, |left| Scatter { rss, nu: left.len() as f64 })]
         };
         // Normal scores: (k + 1/2)/60 of a normal distribution, and the same with three dwells off.
         let normal = Normal::standard();

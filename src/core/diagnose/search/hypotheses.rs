@@ -3,9 +3,12 @@
 //! A hypothesis is a catalogue entry, or a competitor, at one value of its non-linear parameter. Its columns sit side
 //! by side with all others in one matrix a gyro, so that one product with a residual scores the whole catalogue.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::ops::Range;
+use std::rc::Rc;
 
-use nalgebra::{DMatrix, DVectorView, Matrix3};
+use nalgebra::{DMatrix, DVector, DVectorView, Matrix3};
 
 use crate::core::augmented::Adopted;
 use crate::core::diagnose::residuals::whitened::Frame;
@@ -73,6 +76,18 @@ pub(crate) struct Bank {
     pub columns: Vec<DMatrix<f64>>,
     /// Number of leading columns that belong to contract entries, per gyro.
     pub contract_columns: Vec<usize>,
+    /// Per gyro: its whitened residual under the model in use.
+    residuals: Vec<Vec<f64>>,
+    /// By gyro and factor, as far as they were asked for.
+    products: RefCell<HashMap<(usize, Factor), Rc<DVector<f64>>>>,
+}
+
+/// What the columns of a gyro are multiplied with: something of one of the gyros.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Factor {
+    Residual(usize),
+    /// A column of its matrix.
+    Column(usize, usize),
 }
 
 /// Raw columns of one hypothesis, before projection.
@@ -145,7 +160,22 @@ impl Bank {
         for hypothesis in hypotheses.iter_mut() {
             scale_together(hypothesis, &mut columns);
         }
-        Self { kinds: kinds_of(&hypotheses), hypotheses, columns, contract_columns }
+        let residuals = frame.gyros.iter().map(|gyro| gyro.residual.clone()).collect();
+        let products = RefCell::default();
+        Self { kinds: kinds_of(&hypotheses), hypotheses, columns, contract_columns, residuals, products }
+    }
+
+    /// Products of all columns of gyro `j` with one factor.
+    pub fn products(&self, j: usize, factor: Factor) -> Rc<DVector<f64>> {
+        if let Some(known) = self.products.borrow().get(&(j, factor)) {
+            return Rc::clone(known);
+        }
+        let products = Rc::new(match factor {
+            Factor::Residual(i) => self.columns[j].tr_mul(&DVector::from_column_slice(&self.residuals[i])),
+            Factor::Column(i, c) => self.columns[j].tr_mul(&self.column(i, c)),
+        });
+        self.products.borrow_mut().insert((j, factor), Rc::clone(&products));
+        products
     }
 
     /// One projected, whitened column of a gyro, n long; `index` counts in its matrix.
@@ -348,7 +378,7 @@ mod tests {
     use super::*;
     use crate::core::augmented::Options;
     use crate::core::diagnose::search::bayes_factor::scores;
-    use crate::core::diagnose::search::projections::state;
+    use crate::core::diagnose::search::projections::{Extra, state};
     use crate::core::effects::{OwnHypothesis, Written, own};
 
     fn own_of(id: &str, equation: &str, unit: &str) -> Effect {
@@ -382,7 +412,7 @@ mod tests {
         ];
         let frame = frame(twins.iter().map(|(_, own)| *own).collect());
         let bank = Bank::of(&frame, &[]);
-        let state = state(&frame, vec![Basis::default(); frame.gyros.len()]);
+        let state = state(&frame, vec![Extra::default(); frame.gyros.len()]);
         let scores = scores(&bank, &state);
         let evidence = |id: &str| scores.iter().find(|score| score.kind.id() == id).unwrap().log_evidence;
         for (id, own) in twins {

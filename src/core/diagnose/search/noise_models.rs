@@ -245,7 +245,7 @@ fn shared_gain(frame: &Frame, columns: &[Vec<Vec<f64>>]) -> f64 {
         columns.iter().skip(frame.designs[j].len()).for_each(|column| {
             basis.push(gyro.whiten(column.clone()));
         });
-        basis.split_off(model)
+        basis.split_off(model).into()
     });
     Shared::of(frame, &each_by_itself(frame, extras.collect())).log_gain
 }

@@ -57,7 +57,7 @@ impl Shared {
         let columns: Vec<DVector<f64>> = state.iter().map(|g| DVector::from_column_slice(&g.residual)).collect();
         let mut residuals = DMatrix::from_columns(&columns);
         let gyros = state.len();
-        let dof = |j: usize| frame.gyros[j].dof().saturating_sub(state[j].extra.rank()).max(1) as f64;
+        let dof = |j: usize| frame.gyros[j].dof().saturating_sub(state[j].extra.basis.rank()).max(1) as f64;
         let nu = (0..gyros).map(dof).sum::<f64>() / gyros as f64;
         let mut unit = 1.0;
         if !frame.noise.stated {
@@ -125,12 +125,13 @@ impl Shared {
 
     /// Evidence of every kind of the bank, from the products of all its columns under the same `state`.
     pub fn scores(&self, bank: &Bank, state: &State, products: &Products) -> Vec<Score> {
-        let all = self.side_by_side(state, products);
+        let all = self.side_by_side(bank, state, products);
         bank.kinds.iter().map(|(kind, range)| self.score(bank, *kind, range.clone(), &all)).collect()
     }
 
-    fn side_by_side<'a>(&self, state: &'a State, products: &'a Products) -> SideBySide<'a> {
-        let across = products.across.iter().map(|across| across / self.unit).collect();
+    fn side_by_side<'a>(&self, bank: &Bank, state: &'a State, products: &'a Products) -> SideBySide<'a> {
+        let mut across = products.across(bank, state);
+        across.iter_mut().for_each(|across| across.unscale_mut(self.unit));
         SideBySide { state, seen: products.seen(state), across }
     }
 
@@ -171,7 +172,7 @@ impl Shared {
         state: &State,
         products: &Products,
     ) -> f64 {
-        let all = self.side_by_side(state, products);
+        let all = self.side_by_side(bank, state, products);
         let wanted: usize = (0..self.gyros).filter(|&j| members[j]).map(|j| 1 << j).sum();
         let sets = (1 << self.gyros) - 1;
         let mut total = LogSum::default();
@@ -248,7 +249,7 @@ impl Shared {
                 return DMatrix::zeros(n, size);
             }
             let columns = bank.columns[i].columns(block.start, size);
-            let adopted = state[i].extra.matrix(n);
+            let adopted = state[i].extra.basis.matrix(n);
             columns - &adopted * adopted.tr_mul(&columns)
         };
         let columns: Vec<DMatrix<f64>> = (0..p).map(off).collect();

@@ -11,9 +11,9 @@ use crate::core::diagnose::search::choice::{Choice, designs};
 use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::noise_models::{NoiseModels, Weighed};
 use crate::core::diagnose::search::null_distribution::Null;
-use crate::core::diagnose::search::projections::{Products, State, each_by_itself, from_one_another, state};
+use crate::core::diagnose::search::projections::{Extra, Products, State, each_by_itself, from_one_another, state};
 use crate::core::effects::Effect;
-use crate::core::numerics::basis::{Basis, dot};
+use crate::core::numerics::basis::dot;
 use crate::core::numerics::log_sum::LogSum;
 
 /// More causes than this at once are not named: whatever needs them has not been understood.
@@ -90,7 +90,7 @@ impl Search<'_> {
         state(self.frame, self.extras(choices))
     }
 
-    pub(crate) fn extras(&self, choices: &[Choice]) -> Vec<Basis> {
+    pub(crate) fn extras(&self, choices: &[Choice]) -> Vec<Extra> {
         extras(self.bank, choices)
     }
 
@@ -463,7 +463,7 @@ impl Search<'_> {
         let (mut total, mut weights) = (LogSum::default(), LogSum::default());
         for Weighed { log_weight, bank, state, shared, .. } in self.under(before) {
             let hypotheses = &bank.hypotheses[range.clone()];
-            let products = Products::of_some(bank, hypotheses, &state);
+            let products = Products::of(bank, &state);
             let seen = products.seen(&state);
             let mut independent = LogSum::default();
             hypotheses.iter().for_each(|hypothesis| independent.add(log_bayes_in(hypothesis, &choice.members, &seen)));
@@ -513,15 +513,13 @@ fn kept<T>(
     computed
 }
 
-/// Orthonormal columns of the choices in each gyro.
-fn extras(bank: &Bank, choices: &[Choice]) -> Vec<Basis> {
+/// Columns of the choices in each gyro.
+fn extras(bank: &Bank, choices: &[Choice]) -> Vec<Extra> {
     let of_gyro = |j: usize| {
-        let mut extra = Basis::default();
+        let mut extra = Extra::default();
         for choice in choices.iter().filter(|choice| choice.members[j]) {
             let block = &bank.hypotheses[choice.hypothesis].blocks[j];
-            for c in block.start..block.start + block.len {
-                extra.push(bank.column(j, c).as_slice().to_vec());
-            }
+            (block.start..block.start + block.len).for_each(|column| extra.push(bank, j, column));
         }
         extra
     };

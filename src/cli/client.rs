@@ -12,6 +12,7 @@ use bytes::Bytes;
 use reqwest::header::{ACCEPT_LANGUAGE, CONTENT_TYPE, RETRY_AFTER};
 use reqwest::{Certificate, Method, StatusCode};
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::common::service_address;
@@ -179,7 +180,7 @@ impl Service {
     }
 
     /// Asks for a JSON document.
-    pub async fn get(&self, route: &str) -> anyhow::Result<Value> {
+    pub async fn get<T: DeserializeOwned>(&self, route: &str) -> anyhow::Result<T> {
         let (status, _, body) = self.answer(self.request(Method::GET, route)).await?;
         if !status.is_success() {
             bail!("{route}: {}", why(status, &body));

@@ -11,10 +11,10 @@ use super::import::{source, withdrawn};
 use super::{block_on, document, faults};
 use crate::cli::errors::said;
 use crate::core::message::{Message, list, sent};
+use crate::message;
 use crate::wire::campaign_csv::parse_csv_as_sent;
 use crate::wire::problem::ProblemBody;
 use crate::wire::time;
-use crate::{message, words};
 
 /// Say that a stored record, campaign or bench result counts no more; it stays, with who said so and why
 #[derive(Debug, clap::Args)]
@@ -129,7 +129,7 @@ pub(super) async fn replace(
         Some(id) => id.to_owned(),
         None => match post(service, format!("/v1/{kind}"), new.to_string()).await? {
             Sent::Refused(ProblemBody { status: 409, existing: Some(id), .. }) => id,
-            Sent::Refused(problem) => return Ok(Err(in_words(&problem))),
+            Sent::Refused(problem) => return Ok(Err(refused(&problem))),
             Sent::Known(answer) => {
                 // The answer to an earlier try may have been lost, where it still counts.
                 let of = match withdrawn(&answer) {
@@ -143,7 +143,7 @@ pub(super) async fn replace(
     };
     let order = json!({ "author": who.author, "reason": who.reason, member: new }).to_string();
     Ok(match post(service, format!("/v1/{kind}/{id}/revise"), order).await? {
-        Sent::Refused(problem) => Err(in_words(&problem)),
+        Sent::Refused(problem) => Err(refused(&problem)),
         Sent::Stored(answer) | Sent::Known(answer) => Ok(in_place_of(&id, &answer)),
     })
 }
@@ -231,8 +231,7 @@ fn read(bytes: &[u8]) -> Result<(&'static str, &'static str, Value), String> {
         serde_json::from_slice(&document.body)
             .map_err(|error| said(message!("value_not_json", why = error.to_string())))?
     } else {
-        let (campaign, _) =
-            parse_csv_as_sent(&document.body).map_err(|found| faults::in_words(&found.0, words::asked()))?;
+        let (campaign, _) = parse_csv_as_sent(&document.body).map_err(|found| faults::in_words(&found))?;
         json!(campaign)
     };
     match document.route {
@@ -249,10 +248,10 @@ async fn post(service: &Service, route: String, body: String) -> Result<Sent, Tr
 fn accepted(sent: Sent) -> anyhow::Result<Value> {
     match sent {
         Sent::Stored(answer) | Sent::Known(answer) => Ok(answer),
-        Sent::Refused(problem) => bail!(in_words(&problem)),
+        Sent::Refused(problem) => bail!(refused(&problem)),
     }
 }
 
-fn in_words(problem: &ProblemBody) -> String {
-    faults::of_problem(problem, words::asked()).unwrap_or_else(|| problem.detail.clone())
+fn refused(problem: &ProblemBody) -> String {
+    faults::of_problem(problem).unwrap_or_else(|| problem.detail.clone())
 }

@@ -8,13 +8,12 @@ use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
 
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::core::message::Message;
 use crate::logs::error::LogError;
 use crate::logs::sheet::readable;
 pub use crate::logs::source::name;
 use crate::message;
-use crate::words::asked;
 
 /// Largest document that is read: far above any campaign, far below memory.
 const MAX_BYTES: u64 = 16 << 20;
@@ -130,7 +129,7 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 
 /// A note below a result.
 pub fn note(words: &str) -> String {
-    asked().words(&message!("terminal_note", note = words.to_owned()))
+    said(message!("terminal_note", note = words.to_owned()))
 }
 
 /// The verdict of a diagnosis as a heading says it.
@@ -146,12 +145,12 @@ pub fn verdict(code: &str) -> Message {
 
 /// A count beside that of all.
 pub fn part_of(part: String, all: u64) -> String {
-    asked().words(&message!("terminal_of", part, all = all.to_string()))
+    said(message!("terminal_of", part, all = all.to_string()))
 }
 
 /// As [`table`], with the head that a message names, in the reader's language.
 pub fn table_of(head: &str, figures: std::ops::Range<usize>) -> Table {
-    headed(asked().word(head).split(" | "), figures)
+    headed(word(head).split(" | "), figures)
 }
 
 /// A table with a rule under its head; the columns `figures` are set to the right.

@@ -11,11 +11,11 @@ use super::folder::Dir;
 use super::source::MAX_DOCUMENT_BYTES;
 use crate::cli::client::Service;
 use crate::cli::correct::{SignedReason, replace};
+use crate::cli::errors::said;
 use crate::logs::sheet::readable;
 use crate::logs::text::of_any;
 use crate::message;
 use crate::system::Clock;
-use crate::words;
 
 pub const REVISE: &str = "revise";
 /// What the file that says who and why is called after the one that it is about.
@@ -42,8 +42,8 @@ pub async fn deliver(
     settle: Duration,
     service: &Service,
 ) -> anyhow::Result<Option<RevisionOutcome>> {
-    let why = beside(name);
-    let Some(said) = text(dir, &why)? else {
+    let why = with(name, WHY);
+    let Some(typed) = text(dir, &why)? else {
         dir.write(&why, ASKED.as_bytes()).with_context(|| why.display().to_string())?;
         return Ok(Some(RevisionOutcome::Asked { now: true }));
     };
@@ -55,22 +55,22 @@ pub async fn deliver(
     if !still(name) || !still(&why) {
         return Ok(None);
     }
-    let said = of_any(&said);
-    let Some((author, reason)) = remark(&said) else {
-        if said.trim() == ASKED.trim() {
+    let typed = of_any(&typed);
+    let Some((author, reason)) = remark(&typed) else {
+        if typed.trim() == ASKED.trim() {
             return Ok(Some(RevisionOutcome::Asked { now: false }));
         }
         let why = why.display().to_string();
-        anyhow::bail!("{}", words::asked().words(&message!("terminal_revise_unsaid", file = why)));
+        anyhow::bail!("{}", said(message!("terminal_revise_unsaid", file = why)));
     };
     let as_sent = dir.stamp(name);
     let Some(bytes) = text(dir, name)? else { return Ok(None) };
     let bytes = match readable(bytes) {
         Ok(bytes) => bytes,
-        Err(fault) => return Ok(Some(RevisionOutcome::Refused(words::asked().words(&fault)))),
+        Err(fault) => return Ok(Some(RevisionOutcome::Refused(said(fault)))),
     };
-    let said = SignedReason { author: &author, reason: &reason };
-    let fate = match replace(service, &bytes, None, said).await? {
+    let who = SignedReason { author: &author, reason: &reason };
+    let fate = match replace(service, &bytes, None, who).await? {
         Ok(done) => RevisionOutcome::Done(done),
         Err(refused) => RevisionOutcome::Refused(refused),
     };
@@ -78,10 +78,10 @@ pub async fn deliver(
     Ok((dir.stamp(name) == as_sent).then_some(fate))
 }
 
-/// The name of the file that says who and why.
-pub fn beside(name: &OsStr) -> OsString {
+/// The name of a file that belongs to another.
+pub fn with(name: &OsStr, ending: &str) -> OsString {
     let mut name = name.to_owned();
-    name.push(WHY);
+    name.push(ending);
     name
 }
 

@@ -27,13 +27,13 @@ impl Backup {
         let copied = block_on(async { Ok(store::backup(&database.options(), &self.file).await?) });
         let holdings =
             copied.with_context(|| said(message!("terminal_not_backed_up", database = database.options().shown())))?;
-        println!("{}: {}", self.file.display(), in_words(&holdings));
+        println!("{}: {}", self.file.display(), holdings_said(&holdings));
         Ok(())
     }
 }
 
 /// What was found whole.
-pub(super) fn in_words(holdings: &Holdings) -> String {
+pub(super) fn holdings_said(holdings: &Holdings) -> String {
     let Holdings { gyros, records, figures, bench_results } = holdings;
     said(message!(
         "terminal_holdings",

@@ -29,7 +29,7 @@ use crate::core::effects::Effect;
 use crate::simulate::Scenario;
 use crate::simulate::cause::{CATALOGUE, listed};
 use crate::simulate::truth::Key;
-use crate::{blindcheck, message, wire, words};
+use crate::{blindcheck, message, wire};
 
 /// Draw campaigns with a hidden cause, diagnose them from their file alone, score the answers
 ///
@@ -230,8 +230,7 @@ fn plain(text: &str) -> Result<Answer, String> {
 
 /// The diagnosis as a user gets it, with hypotheses asked: from the file's text to the answer's JSON.
 fn diagnosed(text: &str, hypotheses: &[Effect]) -> Result<Answer, String> {
-    let campaign =
-        wire::campaign::parse_json(text.as_bytes()).map_err(|found| faults::in_words(&found.0, words::asked()))?;
+    let campaign = wire::campaign::parse_json(text.as_bytes()).map_err(|found| faults::in_words(&found))?;
     let options = Options { hypotheses: hypotheses.to_vec(), ..Options::default() };
     let diagnosis = diagnose(&campaign, &options).map_err(|refusal| said(refusal.message()))?;
     let json = serde_json::to_value(wire::diagnosis::DiagnosisBody::from(&diagnosis)).map_err(|e| e.to_string())?;

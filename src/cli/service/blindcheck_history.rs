@@ -12,7 +12,7 @@ use crate::blindcheck::history::report::{HistoryRate, HistoryReport};
 use crate::blindcheck::history::run;
 use crate::blindcheck::history::speed::{Speed, measure};
 use crate::cli::document::{Format, print, print_json, table};
-use crate::cli::errors::{in_words, said};
+use crate::cli::errors::{said, with_causes};
 use crate::message;
 
 /// Draw fleets with a hidden cause, send each to a service of its own, score what it answers of every gyro
@@ -61,7 +61,7 @@ impl History {
         let bar = progress(kinds.len() * self.count as usize, "fleets");
         let begun = Instant::now();
         let services = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
-        let answers = |fleet: &DrawnFleet| services.block_on(ask(fleet)).map_err(|error| in_words(&error));
+        let answers = |fleet: &DrawnFleet| services.block_on(ask(fleet)).map_err(|error| with_causes(&error));
         let scores = run(self.seed, self.count as usize, &kinds, &answers, &|| bar.inc(1)).map_err(Error::msg)?;
         bar.finish_and_clear();
         let report = HistoryReport::of(self.seed, &scores);

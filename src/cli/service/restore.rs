@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 
-use super::backup::in_words;
+use super::backup::holdings_said;
 use crate::cli::common::block_on;
 use crate::cli::errors::said;
 use crate::config::Config;
@@ -30,7 +30,7 @@ impl Restore {
         let file = self.file.display();
         if self.check {
             let checked = block_on(async { Ok(store::check(&self.file).await?) });
-            println!("{file}: {}", in_words(&checked.with_context(|| file.to_string())?));
+            println!("{file}: {}", holdings_said(&checked.with_context(|| file.to_string())?));
             return Ok(());
         }
         let database = Config::load(&self.config, std::env::vars())?.database;
@@ -38,7 +38,7 @@ impl Restore {
         let to = database.options().shown();
         let failed = || said(message!("terminal_not_restored", file = file.to_string(), database = to.clone()));
         let holdings = restored.with_context(failed)?;
-        println!("{to}: {}", in_words(&holdings));
+        println!("{to}: {}", holdings_said(&holdings));
         Ok(())
     }
 }

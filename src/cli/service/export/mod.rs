@@ -25,7 +25,6 @@ use crate::core::time::{Span, UtcMicros};
 use crate::message;
 use crate::pipeline::Statuses;
 use crate::store::{self, Store};
-use crate::words::asked;
 
 /// Write the history of every gyro into one file, CSV or Parquet: one row per gyro and calibration, all methods, all
 /// verdicts
@@ -79,7 +78,7 @@ impl Export {
         }
         let (rows, gyros) = written?;
         let exported = message!("terminal_exported", rows = rows.to_string(), gyros = gyros.to_string());
-        eprintln!("{}: {}", self.file.display(), asked().words(&exported));
+        eprintln!("{}: {}", self.file.display(), said(exported));
         Ok(())
     }
 

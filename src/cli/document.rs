@@ -148,19 +148,10 @@ pub fn part_of(part: String, all: u64) -> String {
     said(message!("terminal_of", part, all = all.to_string()))
 }
 
-/// As [`table`], with the head that a message names, in the reader's language.
+/// A table with the head that a message names, and a rule under it; the columns `figures` are set to the right.
 pub fn table_of(head: &str, figures: std::ops::Range<usize>) -> Table {
-    headed(word(head).split(" | "), figures)
-}
-
-/// A table with a rule under its head; the columns `figures` are set to the right.
-pub fn table<const N: usize>(head: [&str; N], figures: std::ops::Range<usize>) -> Table {
-    headed(head.into_iter(), figures)
-}
-
-fn headed<'a>(head: impl Iterator<Item = &'a str>, figures: std::ops::Range<usize>) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_FULL_CONDENSED).set_header(head);
+    table.load_style(presets::UTF8_FULL_CONDENSED).set_header(word(head).split(" | "));
     for column in figures {
         if let Some(column) = table.column_mut(column) {
             column.set_cell_alignment(CellAlignment::Right);

@@ -9,7 +9,7 @@ use clap::Args;
 use super::{experiment, hypothesis, model};
 use crate::cli::common::{Usage, positive};
 use crate::cli::document;
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
@@ -237,9 +237,9 @@ fn slot(name: &str) -> Result<Slot, String> {
 
 fn list(mut out: impl Write) -> anyhow::Result<()> {
     for (name, about) in PRESETS {
-        writeln!(out, "{name:<18} {about}")?;
+        writeln!(out, "{name:<18} {}", word(about))?;
     }
-    writeln!(out, "{PAPER_EXPERIMENT:<18} Table 5: each gyro on the bench, all in the IMU, each on the bench again")?;
+    writeln!(out, "{PAPER_EXPERIMENT:<18} {}", word("preset_paper_experiment"))?;
     Ok(())
 }
 

@@ -49,15 +49,15 @@ pub struct Revise {
 }
 
 /// Who says so, and why.
-#[derive(Debug, clap::Args)]
-struct ReasonArgs {
+#[derive(Debug, PartialEq, clap::Args)]
+pub(super) struct ReasonArgs {
     /// Who says so
     #[arg(long)]
-    author: String,
+    pub author: String,
 
     /// Why
     #[arg(long)]
-    reason: String,
+    pub reason: String,
 }
 
 impl Void {
@@ -89,20 +89,12 @@ impl Revise {
         let bytes = document::read(&self.file)?;
         block_on(async {
             let service = self.connection.service()?;
-            let who = SignedReason { author: &self.remark.author, reason: &self.remark.reason };
-            match replace(&service, &bytes, self.of.as_deref(), who).await? {
+            match replace(&service, &bytes, self.of.as_deref(), &self.remark).await? {
                 Ok(done) => document::print(&format!("{name}: {done}")),
                 Err(refused) => bail!("{name}: {refused}"),
             }
         })
     }
-}
-
-/// Who says so, and why.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct SignedReason<'a> {
-    pub author: &'a str,
-    pub reason: &'a str,
 }
 
 /// Puts a document in the place of another, or of what is stored for its IMU and time; in words what was done, or why
@@ -114,7 +106,7 @@ pub(super) async fn replace(
     service: &Service,
     bytes: &[u8],
     of: Option<&str>,
-    who: SignedReason<'_>,
+    who: &ReasonArgs,
 ) -> Result<Result<String, String>, Trouble> {
     let (kind, member, new) = match read(bytes) {
         Ok(read) => read,
@@ -213,11 +205,7 @@ fn known(answer: &Value) -> String {
 }
 
 /// What a stored item stands in the place of, where the same person said so in the same words.
-async fn revised_by(
-    service: &Service,
-    (kind, id): (&str, &str),
-    who: SignedReason<'_>,
-) -> Result<Option<String>, Trouble> {
+async fn revised_by(service: &Service, (kind, id): (&str, &str), who: &ReasonArgs) -> Result<Option<String>, Trouble> {
     let stored = service.ask(&format!("/v1/{kind}/{id}")).await?;
     let revises = &stored["revises"];
     let same = revises["author"] == who.author && revises["reason"] == who.reason;

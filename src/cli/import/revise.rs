@@ -10,7 +10,7 @@ use anyhow::Context;
 use super::folder::Dir;
 use super::source::MAX_DOCUMENT_BYTES;
 use crate::cli::client::Service;
-use crate::cli::correct::{SignedReason, replace};
+use crate::cli::correct::{ReasonArgs, replace};
 use crate::cli::errors::said;
 use crate::logs::sheet::readable;
 use crate::logs::text::of_any;
@@ -56,7 +56,7 @@ pub async fn deliver(
         return Ok(None);
     }
     let typed = of_any(&typed);
-    let Some((author, reason)) = remark(&typed) else {
+    let Some(who) = remark(&typed) else {
         if typed.trim() == ASKED.trim() {
             return Ok(Some(RevisionOutcome::Asked { now: false }));
         }
@@ -69,8 +69,7 @@ pub async fn deliver(
         Ok(bytes) => bytes,
         Err(fault) => return Ok(Some(RevisionOutcome::Refused(said(fault)))),
     };
-    let who = SignedReason { author: &author, reason: &reason };
-    let fate = match replace(service, &bytes, None, who).await? {
+    let fate = match replace(service, &bytes, None, &who).await? {
         Ok(done) => RevisionOutcome::Done(done),
         Err(refused) => RevisionOutcome::Refused(refused),
     };
@@ -96,7 +95,7 @@ fn text(dir: &Dir, name: &OsStr) -> std::io::Result<Option<Vec<u8>>> {
 }
 
 /// Author and reason; none where one is not said.
-fn remark(text: &str) -> Option<(String, String)> {
+fn remark(text: &str) -> Option<ReasonArgs> {
     let value = |key: &str| {
         let of_key = |line: &str| {
             let (name, value) = line.split_once([':', '：'])?;
@@ -104,16 +103,20 @@ fn remark(text: &str) -> Option<(String, String)> {
         };
         text.lines().find_map(of_key)
     };
-    Some((value("author")?, value("reason")?))
+    Some(ReasonArgs { author: value("author")?, reason: value("reason")? })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn who(author: &str, reason: &str) -> Option<ReasonArgs> {
+        Some(ReasonArgs { author: author.to_owned(), reason: reason.to_owned() })
+    }
+
     #[test]
     fn a_remark_needs_author_and_reason() {
-        let both = Some(("Li Wei".to_owned(), "wrong latitude: 34".to_owned()));
+        let both = who("Li Wei", "wrong latitude: 34");
         assert_eq!(remark("author: Li Wei\r\nReason: wrong latitude: 34\r\n"), both);
         assert_eq!(remark(ASKED), None);
         assert_eq!(remark("author: Li Wei\n"), None);
@@ -123,7 +126,7 @@ mod tests {
     #[test]
     fn who_and_why_are_read_as_notepad_saves_them() {
         const TYPED: &str = "author: 李伟\r\nreason: 纬度错误\r\n";
-        let said = Some(("李伟".to_owned(), "纬度错误".to_owned()));
+        let said = who("李伟", "纬度错误");
         let gbk = encoding_rs::GBK.encode(TYPED).0;
         let little: Vec<u8> = [0xfeff].into_iter().chain(TYPED.encode_utf16()).flat_map(u16::to_le_bytes).collect();
         for bytes in [TYPED.as_bytes(), &gbk, &little] {

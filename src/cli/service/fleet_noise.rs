@@ -1,15 +1,14 @@
 //! `fleet-noise`: the noise constants that the control rules use, fitted to the history of every gyro.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::Context;
 use clap::Args;
 
+use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
 use crate::cli::document;
 use crate::cli::errors::said;
-use crate::config::Config;
 use crate::core::judge::{FleetNoise as Found, NoiseParameters, Spacing};
 use crate::core::message::figure;
 use crate::message;
@@ -22,14 +21,13 @@ use crate::wire::time;
 /// the lines for the configuration
 #[derive(Debug, Args)]
 pub struct FleetNoiseArgs {
-    /// Configuration file that names the database; repeat for several, later ones win [default: config/*.toml]
-    #[arg(long = "config", value_name = "FILE")]
-    config: Vec<PathBuf>,
+    #[command(flatten)]
+    config: ConfigArgs,
 }
 
 impl FleetNoiseArgs {
     pub fn run(self) -> anyhow::Result<()> {
-        let config = Config::load(&self.config, std::env::vars())?;
+        let config = self.config.load()?;
         let url = config.database.options().shown();
         let work = async {
             let store = store::open_to_read(&config.database.options()).await?;

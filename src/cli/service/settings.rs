@@ -1,7 +1,29 @@
-//! What the configuration says to subcommands that read documents.
+//! The configuration that subcommands read.
+
+use std::path::PathBuf;
 
 use crate::config::Config;
 use crate::core::record::Plausibility;
+
+/// Which configuration is in force.
+#[derive(Debug, clap::Args)]
+pub struct ConfigArgs {
+    /// Configuration file, which names the database and the limits; repeat for several, later ones win [default:
+    /// config/*.toml]
+    #[arg(long = "config", value_name = "FILE", global = true)]
+    files: Vec<PathBuf>,
+}
+
+impl ConfigArgs {
+    pub fn load(&self) -> anyhow::Result<Config> {
+        Ok(Config::load(&self.files, std::env::vars())?)
+    }
+
+    /// What is in force, as one file.
+    pub fn in_force(&self) -> anyhow::Result<String> {
+        Ok(Config::in_force(&self.files, std::env::vars())?)
+    }
+}
 
 /// The configuration in force: files in `config` and the environment.
 pub fn config() -> anyhow::Result<Config> {

@@ -148,6 +148,12 @@ pub fn part_of(part: String, all: u64) -> String {
     said(message!("terminal_of", part, all = all.to_string()))
 }
 
+/// A coefficient in its own unit, and its standard deviation where it is known.
+pub fn coefficient(value: f64, sd: Option<f64>) -> String {
+    let sd = sd.map(|sd| format!(" ± {sd:.1e}")).unwrap_or_default();
+    format!("{value:+.3e}{sd}")
+}
+
 /// A table with the head that a message names, and a rule under it; the columns `figures` are set to the right.
 pub fn table_of(head: &str, figures: std::ops::Range<usize>) -> Table {
     let mut table = Table::new();

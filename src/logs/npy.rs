@@ -8,12 +8,9 @@ use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
-use super::column::Column;
+use super::column::{Column, Named};
 use crate::core::message::Message;
 use crate::message;
-
-/// A named column of numbers.
-type Named = (Column, Vec<f64>);
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// Most bytes that an archive's member may unpack to, and most columns that an array may be.

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use calamine::{Data, Reader, Xlsx};
 
-use super::column::Column;
+use super::column::{Column, Named};
 use super::error::{LogError, unreadable};
 use super::text::{Ids, LeftOut, MOST, TextLog};
 use super::{clock, mat, npy};
@@ -19,9 +19,6 @@ pub enum Source {
     Text(TextLog),
     Whole { columns: Vec<Column>, first_line: u64, values: Vec<Vec<f64>>, clocks: Vec<usize> },
 }
-
-/// A named column in memory.
-type Named = (Column, Vec<f64>);
 
 /// The table of a workbook.
 struct Sheet {

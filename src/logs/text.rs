@@ -123,7 +123,7 @@ impl TextLog {
             }
             line += 1;
             let whole = buffer.last() == Some(&b'\n');
-            let text = trimmed(&buffer);
+            let text = buffer.trim_ascii();
             if line <= skipped || text.is_empty() || is_comment(text) {
                 continue;
             }
@@ -173,10 +173,6 @@ impl TextLog {
         }
         Ok(LeftOut { count, first: serious.into_iter().next() })
     }
-}
-
-fn trimmed(line: &[u8]) -> &[u8] {
-    line.trim_ascii()
 }
 
 fn is_comment(line: &[u8]) -> bool {

@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 
 use super::separate::{SeparationMethod, check_kind, drift_and_mounting, figure};
 use super::{model, settings};
-use crate::cli::document::{self, Format, part_of, table_of};
+use crate::cli::document::{self, Format, coefficient, part_of, table_of};
 use crate::cli::errors::{said, word};
 use crate::config::Config;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
@@ -266,7 +266,7 @@ fn parameter_table(gyros: &[GyroFitBody]) -> String {
             parameters.add_row([
                 gyro.slot.name().to_owned(),
                 format!("{} {}", e.effect, e.name),
-                e.sd.map_or(format!("{:+.3e}", e.value), |sd| format!("{:+.3e} ± {sd:.1e}", e.value)),
+                coefficient(e.value, e.sd),
                 unit::of_people(&e.unit),
                 word("terminal_effect").to_owned(),
             ]);

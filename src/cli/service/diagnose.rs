@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 
 use super::predict::against_model;
 use super::{diagnose_all, diagnose_gyro, diagnose_record, hypothesis, model, settings};
-use crate::cli::document::{self, Format, table_of, verdict};
+use crate::cli::document::{self, Format, coefficient, table_of, verdict};
 use crate::cli::errors::{said, word};
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::Campaign;
@@ -204,10 +204,7 @@ fn reference_parts(d: &DiagnosisBody) -> Option<String> {
     }
     let mut moved = table_of("terminal_moved_head", 2..5);
     for m in &split.moved {
-        let shift = match m.sd {
-            Some(sd) => format!("{:+.3e} ± {sd:.1e}", m.shift),
-            None => format!("{:+.3e}", m.shift),
-        };
+        let shift = coefficient(m.shift, m.sd);
         let [reference, now] = [m.reference, m.now].map(|x| format!("{x:+.6}"));
         moved.add_row([m.slot.clone(), m.coefficient.clone(), reference, now, shift, unit::of_people(&m.unit)]);
     }
@@ -244,7 +241,7 @@ fn effects(d: &DiagnosisBody) -> Option<String> {
                 name,
                 gyros,
                 parameter,
-                format!("{:+.3e} ± {:.1e}", e.value, e.sd),
+                coefficient(e.value, Some(e.sd)),
                 unit::of_people(&e.unit),
                 closure,
                 p,

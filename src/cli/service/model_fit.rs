@@ -7,7 +7,7 @@ use clap::{Args, Subcommand};
 
 use super::calibrate::files_of_one_imu;
 use super::{hypothesis, model, settings};
-use crate::cli::document::{self, Format, table_of};
+use crate::cli::document::{self, Format, coefficient, table_of};
 use crate::cli::errors::{said, word};
 use crate::core::augmented::{Adopted, AugmentedModel};
 use crate::core::campaign::Campaign;
@@ -79,8 +79,7 @@ fn read(path: &Path) -> anyhow::Result<(Campaign, String)> {
     let bytes = document::read(path)?;
     let campaign = parse(&bytes).with_context(|| document::name(path))?;
     campaign.check_known_scales(&settings::plausibility()?).with_context(|| document::name(path))?;
-    let hash: String = sha256(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok((campaign, format!("sha256:{hash}")))
+    Ok((campaign, format!("sha256:{}", hex::encode(sha256(&bytes)))))
 }
 
 fn samples<'a>(read: &'a [(Campaign, String)], occasions: &[Vec<Adopted>]) -> Vec<CampaignSample<'a>> {
@@ -220,7 +219,7 @@ fn tables(model: &Identified) -> String {
             adopted.effect.id().to_owned(),
             c.slot.map_or_else(|| word("terminal_all"), Slot::name).to_owned(),
             one.name.to_owned(),
-            format!("{:+.3e} ± {:.1e}", c.value, model.sd(place)),
+            coefficient(c.value, Some(model.sd(place))),
             unit::of_people(one.unit),
         ]);
     }

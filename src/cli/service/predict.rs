@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 
 use super::{model, settings};
-use crate::cli::document::{self, Format, table_of};
+use crate::cli::document::{self, Format, coefficient, table_of};
 use crate::cli::errors::{said, word};
 use crate::core::campaign::Campaign;
 use crate::core::imu_model::{Identified, changed, compare, forecast, ladder, most_telling, promised};
@@ -248,8 +248,8 @@ pub(super) fn against_model(changed: &ChangedBody) -> String {
                 effect.effect.clone(),
                 effect.slot.clone(),
                 c.name.clone(),
-                format!("{:+.3e} ± {:.1e}", c.model, c.model_sd),
-                format!("{:+.3e} ± {:.1e}", c.now, c.now_sd),
+                coefficient(c.model, Some(c.model_sd)),
+                coefficient(c.now, Some(c.now_sd)),
                 unit::of_people(&c.unit),
                 format!("{:.1e}", effect.p_value),
                 word(match (effect.changed, effect.undecided) {

@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 use serde_json::value::{RawValue, to_raw_value};
 
-use super::body::{Point, PointColumn, PointLevel, Trend};
+use super::body::{LEVELS, LevelColumn, Point, PointColumn, Trend};
 use crate::http::events::EventBody;
 use crate::wire::time;
 
@@ -17,11 +17,6 @@ struct Lists<'a> {
     events: &'a [EventBody],
     next: &'a Option<String>,
 }
-
-type LevelColumn = (&'static str, fn(PointLevel) -> Option<f64>);
-
-const LEVELS: [LevelColumn; 3] =
-    [("baseline", |level| Some(level.baseline)), ("lower", |level| level.lower), ("upper", |level| level.upper)];
 
 /// The points as one list per member.
 pub(super) fn columns(trend: &Trend<'_>, of: &[PointColumn], with_levels: bool) -> serde_json::Result<Vec<u8>> {

@@ -170,8 +170,8 @@ pub fn counted(key: &'static str, have: usize, allowed: &[usize]) -> Result<(), 
     if allowed.contains(&have) {
         return Ok(());
     }
-    let fault = message!("map_column_count", need = list(allowed.iter().map(text)), have = have);
-    Err(LogError::new("map", message!("at_map_key", key = key, fault = fault)))
+    let fault = message!("map_column_count", need = list(allowed.iter().map(text)), have);
+    Err(LogError::new("map", message!("at_map_key", key, fault)))
 }
 
 fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Unit, Vec<Message>), LogError> {
@@ -180,10 +180,10 @@ fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Un
     let mut add = |key: &'static str, found: &Found, role: fn(usize) -> Role| {
         let unit = found.unit_name.clone();
         remarks.push(match &found.header {
-            Header::Says => message!("unit_of_header", key = key, unit = unit),
-            Header::Silent => message!("unit_of_map", key = key, unit = unit),
+            Header::Says => message!("unit_of_header", key, unit),
+            Header::Silent => message!("unit_of_map", key, unit),
             Header::Unknown(header) => {
-                message!("unit_of_map_alone", key = key, unit = unit, header = sent(header))
+                message!("unit_of_map_alone", key, unit, header = sent(header))
             }
         });
         let own = found.readings.iter().enumerate();
@@ -204,7 +204,7 @@ fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Un
     let of_averages = [("duration", map.duration.is_some()), ("standard_error", map.standard_error.is_some())];
     let inertial = ("rate.inertial", map.rate.as_ref().is_some_and(|rate| rate.inertial.is_some()));
     if let Some((key, _)) = of_averages.into_iter().chain([inertial]).find(|(_, is_there)| *is_there) {
-        return Err(LogError::new("map", message!("map_of_averages", key = key)));
+        return Err(LogError::new("map", message!("map_of_averages", key)));
     }
     if let Some(rate) = &map.rate {
         let found = rate.find("rate", Quantity::Rate, sources)?;
@@ -714,11 +714,11 @@ impl Reader {
         let marked: Vec<bool> = (0..series.number.len()).map(|k| !hung(k)).collect();
         series.keep(&marked);
         let said = spans.iter().take(RUNS_SAID).map(|(from, to)| text(format_args!("{from:.1}–{to:.1}")));
-        self.remarks.push(message!("samples_frozen", runs = spans.len(), count = count, spans = list(said)));
+        self.remarks.push(message!("samples_frozen", runs = spans.len(), count, spans = list(said)));
     }
 
     fn time_column(&mut self, map: &Map, place: &str, source: &Source) -> Result<Option<usize>, LogError> {
-        let fail = |fault: Message| LogError::new(place, message!("at_map_key", key = "time", fault = fault));
+        let fail = |fault: Message| LogError::new(place, message!("at_map_key", key = "time", fault));
         let Some(time) = &map.time else {
             let Some(hz) = map.rate_hz.filter(|hz| *hz > 0.0) else {
                 return Err(LogError::new("map", message!("map_no_time")));
@@ -751,7 +751,7 @@ impl Reader {
                 _ => ("output", 1),
             };
             let (one, other) = (figure(held.before, 4), figure(held.last, 4));
-            let fault = message!("samples_alternate", key = key, column = column, one = one, other = other);
+            let fault = message!("samples_alternate", key, column, one, other);
             return Err(LogError::new(place, fault));
         }
         if let Some(counter) = self.counters.iter().find(|counter| counter.is_unclear()) {

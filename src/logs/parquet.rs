@@ -33,7 +33,7 @@ pub fn columns(file: Vec<u8>) -> Result<Vec<Named>, Message> {
                 Compression::UNCOMPRESSED | Compression::SNAPPY | Compression::GZIP(_) => {}
                 other => {
                     let codec = format!("{other:?}").split('(').next().unwrap_or_default().to_lowercase();
-                    return Err(message!("parquet_codec", codec = codec));
+                    return Err(message!("parquet_codec", codec));
                 }
             }
             let column = group.get_column_reader(place).map_err(broken)?;

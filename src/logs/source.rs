@@ -159,9 +159,8 @@ impl Source {
                     for (cell, &column) in row.iter_mut().zip(wanted) {
                         *cell = Some(values[column][k]).filter(|value| value.abs() <= MOST).unwrap_or(f64::NAN);
                     }
-                    each(&row).map_err(|fault| {
-                        LogError::new(place, message!("at_line", line = line as usize, fault = fault))
-                    })?;
+                    each(&row)
+                        .map_err(|fault| LogError::new(place, message!("at_line", line = line as usize, fault)))?;
                 }
                 Ok(LeftOut::default())
             }
@@ -195,7 +194,7 @@ impl Source {
         if let Ok(number) = name.parse::<usize>() {
             return match number {
                 1.. if number <= columns.len() => Ok(number - 1),
-                _ => Err(message!("log_column_number", number = number, columns = columns.len())),
+                _ => Err(message!("log_column_number", number, columns = columns.len())),
             };
         }
         let names: Vec<String> = columns.iter().map(|c| c.name.clone()).filter(|n| !n.is_empty()).collect();

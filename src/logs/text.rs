@@ -105,11 +105,11 @@ impl TextLog {
         let (place, lenient) = (self.place.clone(), self.lenient);
         let fail = unreadable(&place);
         let refuse =
-            |line: u64, fault: Message| LogError::new(&place, message!("at_line", line = line as usize, fault = fault));
+            |line: u64, fault: Message| LogError::new(&place, message!("at_line", line = line as usize, fault));
         let columns = &self.layout.columns;
         let at = |line: u64, column: usize, fault: Message| {
             let name = columns.get(column).map_or(String::new(), |c| c.name.clone());
-            message!("at_cell", line = line as usize, column = column + 1, name = name, fault = fault)
+            message!("at_cell", line = line as usize, column = column + 1, name, fault)
         };
         let marks = wanted.iter().map(|_| Marks::default()).collect();
         let mut cells = Cells { delimiter, decimal_comma, marks, ..Cells::default() };

@@ -165,7 +165,7 @@ fn alert_row(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
     let t = viewer.text();
     html! {
         tr {
-            td { (status::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
+            td { (status::badge(t, alert.status())) }
             th.words scope="row" {
                 details.why {
                     summary {

@@ -374,7 +374,6 @@ fn free_name(dir: &Dir, name: &OsStr) -> OsString {
     names.find(|name| !dir.has(name)).expect("some number is free, or the directory would be infinite")
 }
 
-/// One event a line, with its time: what an operator, or the journal, reads.
 fn stays(trouble: String) -> String {
     said(message!("terminal_stays", trouble))
 }
@@ -383,6 +382,7 @@ fn announce(message: Message) {
     say(&said(message));
 }
 
+/// One event a line, with its time: what an operator, or the journal, reads.
 fn say(words: &str) {
     let now = Clock::System.now();
     let whole_second = UtcMicros(now.0 - now.0.rem_euclid(UtcMicros::SECOND));

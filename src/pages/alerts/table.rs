@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::id::Id;
-use crate::core::judge::{Rule, Severity, Status};
+use crate::core::judge::{Rule, Severity};
 use crate::pages::layout::{symbol, written};
 use crate::pages::text::Text;
 use crate::pages::verdicts::{actions, remarks};
@@ -73,7 +73,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
     let open = is_open(alert);
     html! {
         tr {
-            td { (status::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
+            td { (status::badge(t, alert.status())) }
             @if gyros { th scope="row" { a.id href=(alert.page()) { (alert.name()) } } }
             td.nowrap { (violated(t, alert)) }
             td.words {

@@ -49,19 +49,10 @@ impl AddAssign for ImportCounts {
     }
 }
 
-fn count(of: u64) -> String {
-    of.to_string()
-}
-
 impl std::fmt::Display for ImportCounts {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { stored, known, refused } = *self;
-        f.write_str(&said(message!(
-            "terminal_tally",
-            stored = count(stored),
-            known = count(known),
-            refused = count(refused)
-        )))
+        let [stored, known, refused] = [self.stored, self.known, self.refused].map(|count| count.to_string());
+        f.write_str(&said(message!("terminal_tally", stored, known, refused)))
     }
 }
 

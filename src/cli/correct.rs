@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::client::{Connection, JSON, Sent, Service, Trouble};
 use super::import::{source, withdrawn};
 use super::{block_on, document, faults};
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::core::message::{Message, list, sent};
 use crate::message;
 use crate::wire::campaign_csv::parse_csv_as_sent;
@@ -225,7 +225,7 @@ fn read(bytes: &[u8]) -> Result<(&'static str, &'static str, Value), String> {
     match document.route {
         "/v1/campaigns" => Ok(("campaigns", "campaign", new)),
         "/v1/records" => Ok(("records", "record", new)),
-        _ => Err(said(message!("terminal_bench_revise"))),
+        _ => Err(word("terminal_bench_revise").to_owned()),
     }
 }
 

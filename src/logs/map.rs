@@ -54,7 +54,7 @@ pub struct Map {
 }
 
 /// Columns of one kind.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Columns {
     #[serde(alias = "column", deserialize_with = "one_or_more")]
@@ -215,23 +215,12 @@ impl ColumnName {
 impl TableColumns {
     /// The angles' columns as any other signal's.
     pub fn as_columns(&self) -> Columns {
-        Columns { unit: self.unit.clone(), log: self.log, ..Columns::named(&self.columns) }
+        let (columns, unit) = (self.columns.to_vec(), self.unit.clone());
+        Columns { columns, unit, log: self.log, ..Columns::default() }
     }
 }
 
 impl Columns {
-    fn named(columns: &[ColumnName]) -> Self {
-        Self {
-            columns: columns.to_vec(),
-            unit: None,
-            scale: Vec::new(),
-            offset: Vec::new(),
-            log: None,
-            direction_only: false,
-            inertial: None,
-        }
-    }
-
     /// The same in a unit, where none is stated.
     pub fn or_unit(&self, unit: &str) -> Self {
         Self { unit: self.unit.clone().or_else(|| Some(unit.to_owned())), ..self.clone() }

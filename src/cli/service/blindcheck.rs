@@ -143,7 +143,7 @@ impl Blindcheck {
         let report = Report::of(&seal, scores);
         self.format.show(&report, || tables(&report, begun.elapsed().as_secs_f64()))?;
         if self.strict && !report.reached() {
-            bail!(said(message!("terminal_not_reached")));
+            bail!(word("terminal_not_reached"));
         }
         Ok(())
     }
@@ -174,7 +174,7 @@ impl Blindcheck {
         let report = blindcheck::hypothesis::hypothesis(effect, design, sizes, &asked, &|| bar.inc(1));
         bar.finish_and_clear();
         let report = report.map_err(|why| match why {
-            NoReport::Scenario(faults) => Error::from(faults).context(said(message!("terminal_scenario"))),
+            NoReport::Scenario(faults) => Error::from(faults).context(word("terminal_scenario")),
             NoReport::NotPossible(why) => Error::from(why).context(path.display().to_string()),
         })?;
         self.format.show(&report, || hypothesis_tables(&report))

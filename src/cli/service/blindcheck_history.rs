@@ -12,7 +12,7 @@ use crate::blindcheck::history::report::{HistoryRate, HistoryReport};
 use crate::blindcheck::history::run;
 use crate::blindcheck::history::speed::{Speed, measure};
 use crate::cli::document::{Format, table_of};
-use crate::cli::errors::{said, with_causes};
+use crate::cli::errors::{said, with_causes, word};
 use crate::message;
 
 /// Draw fleets with a hidden cause, send each to a service of its own, score what it answers of every gyro
@@ -64,7 +64,7 @@ impl History {
         let report = HistoryReport::of(self.seed, &scores);
         self.format.show(&report, || tables(&report, begun.elapsed().as_secs_f64()))?;
         if self.strict && !report.reached() {
-            bail!(said(message!("terminal_not_reached")));
+            bail!(word("terminal_not_reached"));
         }
         Ok(())
     }

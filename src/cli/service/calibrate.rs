@@ -96,7 +96,7 @@ impl Calibrate {
         let options = chosen.options(&campaign);
         campaign.model = options.terms;
         if campaign.test != TestKind::Imu && !options.adopted.is_empty() {
-            bail!("{}: {}", file(), said(message!("model_effects_of_imu")));
+            bail!("{}: {}", file(), word("model_effects_of_imu"));
         }
         let limits = config.plausibility.limits();
         campaign.check_known_scales(&limits).with_context(file)?;

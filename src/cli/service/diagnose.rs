@@ -88,12 +88,11 @@ impl Diagnose {
         if is_record(&bytes) {
             let of_dwells = [&self.adopt, &self.report, &self.reference].into_iter().any(Option::is_some);
             if of_dwells || self.model.is_some() || !self.hypothesis.is_empty() {
-                bail!("{}: {}", file(), said(message!("terminal_record_without_dwells")));
+                bail!("{}: {}", file(), word("terminal_record_without_dwells"));
             }
             return diagnose_record::run(&bytes, self.format).with_context(file);
         }
-        let campaign = parse(&bytes).with_context(file)?;
-        campaign.check_known_scales(&settings::plausibility()?).with_context(file)?;
+        let campaign = settings::campaign(path, &bytes)?;
         if let Some(path) = &self.adopt {
             model::may_be_replaced(path)?;
         }
@@ -250,7 +249,7 @@ fn effects(d: &DiagnosisBody) -> Option<String> {
             ]);
         }
     }
-    let [title, key] = [message!("terminal_effects"), message!("terminal_effects_key")].map(said);
+    let (title, key) = (word("terminal_effects"), said(message!("terminal_effects_key")));
     (!d.effects.is_empty()).then(|| format!("{title}\n{rows}\n{key}"))
 }
 

@@ -119,7 +119,7 @@ async fn order(fleet: &FleetArgs, service: &Service) -> anyhow::Result<JobDetail
             Err(trouble) => wait(trouble, begun).await?,
         }
     };
-    serde_json::from_value(answer).with_context(|| said(message!("terminal_foreign_answer")))
+    serde_json::from_value(answer).with_context(|| word("terminal_foreign_answer"))
 }
 
 /// Until the order has ended, also over a restart of the service.
@@ -151,7 +151,7 @@ async fn ask<T: DeserializeOwned>(service: &Service, route: &str) -> anyhow::Res
             Err(trouble) => wait(trouble, begun).await?,
         }
     };
-    serde_json::from_value(answer).with_context(|| said(message!("terminal_foreign_answer")))
+    serde_json::from_value(answer).with_context(|| word("terminal_foreign_answer"))
 }
 
 /// Waits before another try, where one can help and patience is left.
@@ -227,7 +227,7 @@ fn findings(all: &[FindingBody]) -> Option<String> {
             shift("D_S"),
         ]);
     }
-    let [title, key] = [message!("terminal_effects"), message!("terminal_findings_key")].map(said);
+    let (title, key) = (word("terminal_effects"), said(message!("terminal_findings_key")));
     (!all.is_empty()).then(|| format!("{title}\n{rows}\n{key}"))
 }
 

@@ -8,7 +8,7 @@ use clap::Args;
 use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
 use crate::cli::document;
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::core::judge::{FleetNoise as Found, NoiseParameters, Spacing};
 use crate::core::message::figure;
 use crate::message;
@@ -67,10 +67,10 @@ fn report(found: &Found, between: [f64; 2], today: &str) -> String {
                 noise.phi, noise.walk
             ));
         }
-        _ => lines.push(said(message!("terminal_noise_unfitted"))),
+        _ => lines.push(word("terminal_noise_unfitted").to_owned()),
     }
     lines.push(match between {
-        [0.0, 0.0] => said(message!("terminal_noise_stations_alike")),
+        [0.0, 0.0] => word("terminal_noise_stations_alike").to_owned(),
         [d_i, d_s] => format!("between_stations = {{ d_i = {d_i:.3e}, d_s = {d_s:.3e} }}"),
     });
     lines.join("\n")

@@ -6,7 +6,8 @@ use anyhow::Context;
 use clap::Args;
 use serde::Serialize;
 
-use super::predict::{identified, measured, noise_floor, state, step};
+use super::predict::{identified, noise_floor, state, step};
+use super::settings;
 use crate::cli::client::Connection;
 use crate::cli::common::{Usage, block_on};
 use crate::cli::document::{self, Format, table_of};
@@ -59,7 +60,7 @@ impl Gap {
     /// The campaigns of an IMU that a service stores, each from the model in force when it came in.
     fn of_service(&self) -> anyhow::Result<(String, Vec<ModelLadder>)> {
         if self.model.is_file() {
-            return Err(Usage(said(message!("terminal_gap_needs_campaigns"))).into());
+            return Err(Usage(word("terminal_gap_needs_campaigns").to_owned()).into());
         }
         let imu = self.model.to_string_lossy().into_owned();
         let service = self.connection.service()?;
@@ -79,7 +80,7 @@ impl Gap {
         let model = identified(&self.model)?;
         let mut ladders = Vec::new();
         for path in &self.campaigns {
-            let campaign = measured(path)?;
+            let campaign = settings::campaign(path, &document::read(path)?)?;
             let file = || document::name(path);
             let comparison = compare(&model, &campaign).with_context(file)?;
             let steps = ladder(&model, &campaign).with_context(file)?;

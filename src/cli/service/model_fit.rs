@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::{Args, Subcommand};
 
 use super::calibrate::files_of_one_imu;
@@ -19,7 +19,6 @@ use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
 use crate::message;
 use crate::system::sha256;
-use crate::wire::document::parse;
 use crate::wire::{self, time, unit};
 
 /// Make a model of one IMU from its campaigns
@@ -77,9 +76,7 @@ impl Model {
 /// A campaign and the hash of its file.
 fn read(path: &Path) -> anyhow::Result<(Campaign, String)> {
     let bytes = document::read(path)?;
-    let campaign = parse(&bytes).with_context(|| document::name(path))?;
-    campaign.check_known_scales(&settings::plausibility()?).with_context(|| document::name(path))?;
-    Ok((campaign, format!("sha256:{}", hex::encode(sha256(&bytes)))))
+    Ok((settings::campaign(path, &bytes)?, format!("sha256:{}", hex::encode(sha256(&bytes)))))
 }
 
 fn samples<'a>(read: &'a [(Campaign, String)], occasions: &[Vec<Adopted>]) -> Vec<CampaignSample<'a>> {
@@ -143,7 +140,7 @@ impl FitArgs {
 
     fn chosen(&self, campaigns: &[&Campaign]) -> anyhow::Result<Chosen> {
         if !self.hypothesis.is_empty() && matches!(self.effects.as_str(), "auto" | "none") {
-            bail!(said(message!("terminal_hypothesis_by_id")));
+            bail!(word("terminal_hypothesis_by_id"));
         }
         let none = |model| Chosen { model, occasions: vec![Vec::new(); campaigns.len()], verdicts: Vec::new() };
         match self.effects.as_str() {

@@ -15,7 +15,6 @@ use crate::core::message::Message;
 use crate::message;
 use crate::simulate::of_model::scenario_of;
 use crate::simulate::{Scenario, simulate};
-use crate::wire::document::parse;
 use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastBody, RungBody};
 use crate::wire::triple::Triple;
 use crate::wire::unit;
@@ -48,7 +47,7 @@ impl Predict {
             let telling = most_telling(&model, &campaign, SHOWN).with_context(file)?;
             body(&model, &campaign).with_context(file)?.to_measure(&campaign, &telling)
         } else {
-            let campaign = measured(&self.campaign)?;
+            let campaign = settings::campaign(&self.campaign, &document::read(&self.campaign)?)?;
             held_against(&model, &campaign).with_context(file)?
         };
         self.format.show(&body, || tables(&body))
@@ -61,13 +60,6 @@ pub(super) fn identified(path: &Path) -> anyhow::Result<std::sync::Arc<Identifie
         Some(identified) => Ok(identified),
         None => bail!(said(message!("terminal_model_without_imu", file = document::name(path)))),
     }
-}
-
-pub(super) fn measured(path: &Path) -> anyhow::Result<Campaign> {
-    let bytes = document::read(path)?;
-    let campaign = parse(&bytes).with_context(|| document::name(path))?;
-    campaign.check_known_scales(&settings::plausibility()?).with_context(|| document::name(path))?;
-    Ok(campaign)
 }
 
 /// A campaign of the model's IMU as a scenario commands it.

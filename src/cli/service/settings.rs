@@ -1,9 +1,14 @@
 //! The configuration that subcommands read.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use anyhow::Context;
+
+use crate::cli::document;
 use crate::config::Config;
+use crate::core::campaign::Campaign;
 use crate::core::record::Plausibility;
+use crate::wire::document::parse;
 
 /// Which configuration is in force.
 #[derive(Debug, clap::Args)]
@@ -33,4 +38,12 @@ pub fn config() -> anyhow::Result<Config> {
 /// What is refused as impossible, as the configuration in force says.
 pub fn plausibility() -> anyhow::Result<Plausibility> {
     Ok(config()?.plausibility.limits())
+}
+
+/// A campaign in a file, where its scale factors are possible.
+pub fn campaign(path: &Path, bytes: &[u8]) -> anyhow::Result<Campaign> {
+    let file = || document::name(path);
+    let campaign = parse(bytes).with_context(file)?;
+    campaign.check_known_scales(&plausibility()?).with_context(file)?;
+    Ok(campaign)
 }

@@ -8,7 +8,7 @@ use super::healthcheck;
 use super::settings::ConfigArgs;
 use crate::cli::common::{block_on, instant};
 use crate::cli::document;
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::config::Config;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
@@ -156,9 +156,9 @@ fn table(tokens: &[TokenRow], now: UtcMicros) -> String {
             (Some(at), _) => said(message!("terminal_revoked", at = time::format(at))),
             (None, Some(at)) if at <= now => said(message!("terminal_expired", at = time::format(at))),
             (None, Some(at)) => said(message!("terminal_until", at = time::format(at))),
-            (None, None) => said(message!("terminal_valid")),
+            (None, None) => word("terminal_valid").to_owned(),
         };
-        let station = token.station.clone().unwrap_or_else(|| said(message!("terminal_any")));
+        let station = token.station.clone().unwrap_or_else(|| word("terminal_any").to_owned());
         let made = time::format(token.created_at);
         table.add_row([token.id.to_string(), token.name.clone(), token.role.name().into(), station, made, state]);
     }

@@ -369,7 +369,7 @@ terminal_by_family_head = outside the catalogue, partly or not explained | hits 
 terminal_confusion_head = hidden | named (- nothing), how often
 terminal_named_instead_head = hidden | named instead (- nothing), how often
 terminal_blind_times = one diagnosis: median { $median } ms, 99 % { $p99 } ms, most { $most } ms; all campaigns: { $seconds } s
-terminal_kinds_head = kind | campaigns | confident wrong | doubted wrong | all named, of those that can be seen | visibly in part, explained as whole | closure in its interval | gap, no name | noise said | described | median, ms | no answer
+terminal_kinds_head = kind | campaigns | confident wrong | doubted wrong | all named, if visible | visibly in part, explained as whole | closure in interval | gap, no name | noise said | described | median, ms | no answer
 terminal_blind_fleets = { $fleets } fleets of seed { $seed }, { $seconds } s
 terminal_speed =
     { $gyros } gyros with { $records } records in { $fleet_s } s on { $threads } threads

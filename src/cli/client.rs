@@ -12,10 +12,11 @@ use bytes::Bytes;
 use reqwest::header::{ACCEPT_LANGUAGE, CONTENT_TYPE, RETRY_AFTER};
 use reqwest::{Certificate, Method, StatusCode};
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::common::service_address;
-use super::errors::said;
+use super::errors::{said, word};
 use crate::core::message::sent;
 use crate::system::{self, Proxies};
 use crate::wire::cause;
@@ -179,12 +180,12 @@ impl Service {
     }
 
     /// Asks for a JSON document.
-    pub async fn get(&self, route: &str) -> anyhow::Result<Value> {
+    pub async fn get<T: DeserializeOwned>(&self, route: &str) -> anyhow::Result<T> {
         let (status, _, body) = self.answer(self.request(Method::GET, route)).await?;
         if !status.is_success() {
             bail!("{route}: {}", why(status, &body));
         }
-        serde_json::from_slice(&body).with_context(|| format!("{route}: {}", said(message!("terminal_foreign_answer"))))
+        serde_json::from_slice(&body).with_context(|| format!("{route}: {}", word("terminal_foreign_answer")))
     }
 
     /// As [`Service::get`], telling what another try may help from what it does not.
@@ -267,7 +268,7 @@ impl Service {
 
 /// What answers is something else, such as a proxy.
 fn foreign(status: impl Into<Option<StatusCode>>, what: impl Display) -> Trouble {
-    Trouble::stop(status, format!("{} ({what})", said(message!("terminal_foreign_answer"))))
+    Trouble::stop(status, format!("{} ({what})", word("terminal_foreign_answer")))
 }
 
 /// A 2xx counts only with the JSON of the service in it, so that a proxy's "200 OK" page acknowledges nothing; and

@@ -1,8 +1,10 @@
-//! What subcommands share: the runtime, and arguments that clap cannot check.
+//! What subcommands share: the runtime, the progress bar, and arguments that clap cannot check.
+
+use crate::cli::errors::said;
+use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::core::time::UtcMicros;
 use crate::wire::time;
-use crate::words;
 
 /// Runs a subcommand that waits for the network. One thread is plenty: the service is where the work is.
 pub(super) fn block_on<T>(work: impl Future<Output = anyhow::Result<T>>) -> anyhow::Result<T> {
@@ -15,19 +17,25 @@ pub(super) fn service_address() -> String {
     std::env::var("GYROWATCH_LISTEN").unwrap_or_else(|_| "127.0.0.1:8080".to_owned())
 }
 
+/// A bar that shows how far `length` has come.
+pub(super) fn progress(length: u64, template: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(length).with_style(style)
+}
+
 /// A time in an argument.
 pub(super) fn instant(text: &str) -> Result<UtcMicros, String> {
-    time::parse(text).map_err(|why| words::asked().words(&why))
+    time::parse(text).map_err(said)
 }
 
 /// Where a stretch of time begins; a day begins at midnight UTC.
 pub(super) fn start(text: &str) -> Result<UtcMicros, String> {
-    time::parse_start(text).map_err(|why| words::asked().words(&why))
+    time::parse_start(text).map_err(said)
 }
 
 /// Where a stretch of time ends; a day (UTC) belongs to it.
 pub(super) fn end(text: &str) -> Result<UtcMicros, String> {
-    time::parse_end(text).map_err(|why| words::asked().words(&why))
+    time::parse_end(text).map_err(said)
 }
 
 /// Arguments that do not go together in a way that clap cannot be told.

@@ -9,12 +9,12 @@ use serde_json::{Value, json};
 use super::client::{Connection, JSON, Sent, Service, Trouble};
 use super::import::{source, withdrawn};
 use super::{block_on, document, faults};
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::core::message::{Message, list, sent};
+use crate::message;
 use crate::wire::campaign_csv::parse_csv_as_sent;
 use crate::wire::problem::ProblemBody;
 use crate::wire::time;
-use crate::{message, words};
 
 /// Say that a stored record, campaign or bench result counts no more; it stays, with who said so and why
 #[derive(Debug, clap::Args)]
@@ -49,15 +49,15 @@ pub struct Revise {
 }
 
 /// Who says so, and why.
-#[derive(Debug, clap::Args)]
-struct ReasonArgs {
+#[derive(Debug, PartialEq, clap::Args)]
+pub(super) struct ReasonArgs {
     /// Who says so
     #[arg(long)]
-    author: String,
+    pub author: String,
 
     /// Why
     #[arg(long)]
-    reason: String,
+    pub reason: String,
 }
 
 impl Void {
@@ -89,20 +89,12 @@ impl Revise {
         let bytes = document::read(&self.file)?;
         block_on(async {
             let service = self.connection.service()?;
-            let who = SignedReason { author: &self.remark.author, reason: &self.remark.reason };
-            match replace(&service, &bytes, self.of.as_deref(), who).await? {
+            match replace(&service, &bytes, self.of.as_deref(), &self.remark).await? {
                 Ok(done) => document::print(&format!("{name}: {done}")),
                 Err(refused) => bail!("{name}: {refused}"),
             }
         })
     }
-}
-
-/// Who says so, and why.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct SignedReason<'a> {
-    pub author: &'a str,
-    pub reason: &'a str,
 }
 
 /// Puts a document in the place of another, or of what is stored for its IMU and time; in words what was done, or why
@@ -114,7 +106,7 @@ pub(super) async fn replace(
     service: &Service,
     bytes: &[u8],
     of: Option<&str>,
-    who: SignedReason<'_>,
+    who: &ReasonArgs,
 ) -> Result<Result<String, String>, Trouble> {
     let (kind, member, new) = match read(bytes) {
         Ok(read) => read,
@@ -129,7 +121,7 @@ pub(super) async fn replace(
         Some(id) => id.to_owned(),
         None => match post(service, format!("/v1/{kind}"), new.to_string()).await? {
             Sent::Refused(ProblemBody { status: 409, existing: Some(id), .. }) => id,
-            Sent::Refused(problem) => return Ok(Err(in_words(&problem))),
+            Sent::Refused(problem) => return Ok(Err(refused(&problem))),
             Sent::Known(answer) => {
                 // The answer to an earlier try may have been lost, where it still counts.
                 let of = match withdrawn(&answer) {
@@ -143,7 +135,7 @@ pub(super) async fn replace(
     };
     let order = json!({ "author": who.author, "reason": who.reason, member: new }).to_string();
     Ok(match post(service, format!("/v1/{kind}/{id}/revise"), order).await? {
-        Sent::Refused(problem) => Err(in_words(&problem)),
+        Sent::Refused(problem) => Err(refused(&problem)),
         Sent::Stored(answer) | Sent::Known(answer) => Ok(in_place_of(&id, &answer)),
     })
 }
@@ -213,11 +205,7 @@ fn known(answer: &Value) -> String {
 }
 
 /// What a stored item stands in the place of, where the same person said so in the same words.
-async fn revised_by(
-    service: &Service,
-    (kind, id): (&str, &str),
-    who: SignedReason<'_>,
-) -> Result<Option<String>, Trouble> {
+async fn revised_by(service: &Service, (kind, id): (&str, &str), who: &ReasonArgs) -> Result<Option<String>, Trouble> {
     let stored = service.ask(&format!("/v1/{kind}/{id}")).await?;
     let revises = &stored["revises"];
     let same = revises["author"] == who.author && revises["reason"] == who.reason;
@@ -231,14 +219,13 @@ fn read(bytes: &[u8]) -> Result<(&'static str, &'static str, Value), String> {
         serde_json::from_slice(&document.body)
             .map_err(|error| said(message!("value_not_json", why = error.to_string())))?
     } else {
-        let (campaign, _) =
-            parse_csv_as_sent(&document.body).map_err(|found| faults::in_words(&found.0, words::asked()))?;
+        let (campaign, _) = parse_csv_as_sent(&document.body).map_err(|found| faults::in_words(&found))?;
         json!(campaign)
     };
     match document.route {
         "/v1/campaigns" => Ok(("campaigns", "campaign", new)),
         "/v1/records" => Ok(("records", "record", new)),
-        _ => Err(said(message!("terminal_bench_revise"))),
+        _ => Err(word("terminal_bench_revise").to_owned()),
     }
 }
 
@@ -249,10 +236,10 @@ async fn post(service: &Service, route: String, body: String) -> Result<Sent, Tr
 fn accepted(sent: Sent) -> anyhow::Result<Value> {
     match sent {
         Sent::Stored(answer) | Sent::Known(answer) => Ok(answer),
-        Sent::Refused(problem) => bail!(in_words(&problem)),
+        Sent::Refused(problem) => bail!(refused(&problem)),
     }
 }
 
-fn in_words(problem: &ProblemBody) -> String {
-    faults::of_problem(problem, words::asked()).unwrap_or_else(|| problem.detail.clone())
+fn refused(problem: &ProblemBody) -> String {
+    faults::of_problem(problem).unwrap_or_else(|| problem.detail.clone())
 }

@@ -8,13 +8,12 @@ use anyhow::{Context, bail};
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
 
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::core::message::Message;
 use crate::logs::error::LogError;
 use crate::logs::sheet::readable;
 pub use crate::logs::source::name;
 use crate::message;
-use crate::words::asked;
 
 /// Largest document that is read: far above any campaign, far below memory.
 const MAX_BYTES: u64 = 16 << 20;
@@ -130,7 +129,7 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 
 /// A note below a result.
 pub fn note(words: &str) -> String {
-    asked().words(&message!("terminal_note", note = words.to_owned()))
+    said(message!("terminal_note", note = words.to_owned()))
 }
 
 /// The verdict of a diagnosis as a heading says it.
@@ -146,22 +145,19 @@ pub fn verdict(code: &str) -> Message {
 
 /// A count beside that of all.
 pub fn part_of(part: String, all: u64) -> String {
-    asked().words(&message!("terminal_of", part, all = all.to_string()))
+    said(message!("terminal_of", part, all = all.to_string()))
 }
 
-/// As [`table`], with the head that a message names, in the reader's language.
+/// A coefficient in its own unit, and its standard deviation where it is known.
+pub fn coefficient(value: f64, sd: Option<f64>) -> String {
+    let sd = sd.map(|sd| format!(" ± {sd:.1e}")).unwrap_or_default();
+    format!("{value:+.3e}{sd}")
+}
+
+/// A table with the head that a message names, and a rule under it; the columns `figures` are set to the right.
 pub fn table_of(head: &str, figures: std::ops::Range<usize>) -> Table {
-    headed(asked().word(head).split(" | "), figures)
-}
-
-/// A table with a rule under its head; the columns `figures` are set to the right.
-pub fn table<const N: usize>(head: [&str; N], figures: std::ops::Range<usize>) -> Table {
-    headed(head.into_iter(), figures)
-}
-
-fn headed<'a>(head: impl Iterator<Item = &'a str>, figures: std::ops::Range<usize>) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_FULL_CONDENSED).set_header(head);
+    table.load_style(presets::UTF8_FULL_CONDENSED).set_header(word(head).split(" | "));
     for column in figures {
         if let Some(column) = table.column_mut(column) {
             column.set_cell_alignment(CellAlignment::Right);

@@ -84,7 +84,7 @@ impl Dwells {
         say(&made);
         match made.campaign() {
             Ok(campaign) => self.write(&campaign),
-            Err(faults) => bail!("{}: {}", document::name(&self.logs[0]), in_words(&faults)),
+            Err(faults) => bail!("{}: {}", document::name(&self.logs[0]), by_dwell(&faults)),
         }
     }
 
@@ -113,10 +113,10 @@ impl Dwells {
 }
 
 /// Faults of a document that nobody wrote, by dwell and figure.
-fn in_words(faults: &Faults) -> String {
+fn by_dwell(faults: &Faults) -> String {
     let one = |fault: &Fault| match counted(&fault.pointer).as_str() {
-        "" => words::asked().words(&fault.message),
-        place => format!("{place}: {}", words::asked().words(&fault.message)),
+        "" => said(&fault.message),
+        place => format!("{place}: {}", said(&fault.message)),
     };
     faults.0.iter().map(one).collect::<Vec<_>>().join("\n  ")
 }
@@ -139,6 +139,6 @@ fn say(made: &Made) {
     }
     eprintln!("{table}");
     for remark in &made.remarks {
-        eprintln!("{}", document::note(&words::asked().words(remark)));
+        eprintln!("{}", document::note(&said(remark)));
     }
 }

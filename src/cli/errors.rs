@@ -1,5 +1,6 @@
-//! An error for the person who ran the command.
+//! Words for the person who ran the command: messages, and errors with their causes.
 
+use std::borrow::Borrow;
 use std::error::Error;
 
 use super::faults;
@@ -13,14 +14,19 @@ use crate::simulate::augment::NotPossible;
 use crate::words;
 
 /// A message in the language of the environment.
-pub(super) fn said(message: Message) -> String {
-    words::asked().words(&message)
+pub(super) fn said(message: impl Borrow<Message>) -> String {
+    words::asked().words(message.borrow())
+}
+
+/// A message without parameters, by its code.
+pub(super) fn word(code: &str) -> &'static str {
+    words::asked().word(code)
 }
 
 /// The error and its causes, in the language of the environment.
-pub(super) fn in_words(error: &anyhow::Error) -> String {
+pub(super) fn with_causes(error: &anyhow::Error) -> String {
     let one = |cause: &(dyn Error + 'static)| match cause.downcast_ref::<Faults>() {
-        Some(found) => faults::in_words(&found.0, words::asked()),
+        Some(found) => faults::in_words(found),
         None => message_of(cause).map_or_else(|| cause.to_string(), said),
     };
     error.chain().map(one).collect::<Vec<_>>().join(": ")

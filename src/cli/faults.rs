@@ -2,34 +2,34 @@
 
 use serde_json::json;
 
-use crate::core::fault::Fault;
+use crate::core::fault::{Fault, Faults};
 use crate::core::message::{Message, Parameter};
 use crate::message;
 use crate::wire::message::read;
 use crate::wire::problem::{ProblemBody, summary};
-use crate::words::Language;
+use crate::words::asked;
 
 /// Cells of one kind of fault from which on they are said together.
 const ALIKE: usize = 4;
 
 /// What is wrong, for the eye: of a table one fault a line, without pointers into a document that nobody wrote; of JSON
 /// with its pointers, in one line.
-pub(super) fn in_words(faults: &[Fault], language: Language) -> String {
+pub(super) fn in_words(Faults(faults): &Faults) -> String {
     if faults.is_empty() || !faults.iter().all(|fault| is_placed(&fault.message)) {
-        return summary(faults, language);
+        return summary(faults, asked());
     }
-    let lines: Vec<String> = together(faults).iter().map(|message| language.words(message)).collect();
+    let lines: Vec<String> = together(faults).iter().map(|message| asked().words(message)).collect();
     lines.join("\n  ")
 }
 
 /// The same of a refusal that a service answered; none where it is of a version that gives no codes.
-pub(super) fn of_problem(problem: &ProblemBody, language: Language) -> Option<String> {
+pub(super) fn of_problem(problem: &ProblemBody) -> Option<String> {
     let fault = |place: &crate::wire::problem::Place| {
         let message = read(&json!({ "code": place.message.code, "parameters": place.message.parameters }))?;
         is_placed(&message).then(|| Fault { pointer: place.pointer.clone(), message })
     };
     let faults: Option<Vec<Fault>> = problem.errors.iter().map(fault).collect();
-    Some(in_words(&faults.filter(|faults| !faults.is_empty())?, language))
+    Some(in_words(&Faults(faults.filter(|faults| !faults.is_empty())?)))
 }
 
 /// Whether a message says itself where in a table it belongs.
@@ -101,7 +101,7 @@ mod tests {
     }
 
     fn said(text: &str) -> String {
-        in_words(&parse_csv(text.as_bytes()).unwrap_err().0, Language::English)
+        in_words(&parse_csv(text.as_bytes()).unwrap_err())
     }
 
     #[test]

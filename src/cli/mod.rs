@@ -28,7 +28,7 @@ use clap::{CommandFactory, Parser};
 use crate::{system, words};
 use commands::Command;
 use common::{Usage, block_on};
-use errors::in_words;
+use errors::with_causes;
 
 /// Separates, judges and diagnoses the drift coefficients of liquid-floated gyros from calibrations of their IMU.
 #[derive(Debug, Parser)]
@@ -48,7 +48,7 @@ impl Cli {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
-                eprintln!("gyrowatch: {}", in_words(&error));
+                eprintln!("gyrowatch: {}", with_causes(&error));
                 if error.is::<Usage>() { ExitCode::from(WRONG_USAGE) } else { ExitCode::FAILURE }
             }
         }

@@ -9,7 +9,7 @@ use clap::builder::PossibleValue;
 use rust_xlsxwriter::{Format, Workbook};
 
 use super::{Usage, document};
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::message;
 use crate::simulate::presets::preset;
 use crate::simulate::{Scenario, simulate};
@@ -117,7 +117,7 @@ impl Template {
         let bytes = book.save_to_buffer()?;
         match &self.out {
             Some(path) => std::fs::write(path, bytes).with_context(|| document::name(path)),
-            None if std::io::stdout().is_terminal() => Err(Usage(said(message!("terminal_workbook_out"))).into()),
+            None if std::io::stdout().is_terminal() => Err(Usage(word("terminal_workbook_out").to_owned()).into()),
             None => Ok(std::io::stdout().lock().write_all(&bytes)?),
         }
     }

@@ -3,8 +3,8 @@
 use serde::Deserialize;
 
 use super::ConfigError;
-use crate::core::message::{Message, text};
-use crate::message;
+use super::error::{above_0, at_least_1};
+use crate::core::message::Message;
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -19,22 +19,13 @@ impl AccessConfig {
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         let wrong = |key: &str, fault: Message| Err(ConfigError::of(format!("access.{key}"), fault));
         if self.failures_per_minute == 0 {
-            return wrong(
-                "failures_per_minute",
-                message!("config_at_least", least = 1_usize, value = self.failures_per_minute),
-            );
+            return wrong("failures_per_minute", at_least_1(self.failures_per_minute));
         }
         if !(self.requests_per_second.is_finite() && self.requests_per_second >= 1.0) {
-            return wrong(
-                "requests_per_second",
-                message!("config_at_least", least = 1_usize, value = text(self.requests_per_second)),
-            );
+            return wrong("requests_per_second", at_least_1(self.requests_per_second));
         }
         if !(self.session_hours > 0.0 && self.session_hours <= 24.0 * 366.0) {
-            return wrong(
-                "session_hours",
-                message!("config_above_0", most = text(24 * 366), value = text(self.session_hours)),
-            );
+            return wrong("session_hours", above_0(24 * 366, self.session_hours));
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::ConfigError;
-use super::error::between;
+use super::error::{at_least_1, between};
 use crate::core::alert_decision::Policy;
 use crate::core::message::{Message, text};
 use crate::message;
@@ -26,17 +26,11 @@ impl AlertsConfig {
 
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         let wrong = |key: &str, fault: Message| Err(ConfigError::of(format!("alerts.{key}"), fault));
-        if !(self.repeat_days.is_finite() && self.repeat_days > 0.0) {
-            return wrong("repeat_days", message!("not_positive", value = text(self.repeat_days)));
-        }
         if !(0.0..=1.0).contains(&self.resolve_below) {
             return wrong("resolve_below", between(0.0, 1.0, self.resolve_below));
         }
         if self.resolve_after == 0 {
-            return wrong(
-                "resolve_after",
-                message!("config_at_least", least = 1_usize, value = text(self.resolve_after)),
-            );
+            return wrong("resolve_after", at_least_1(self.resolve_after));
         }
         if !(0.01..=86400.0).contains(&self.tick_s) {
             return wrong("tick_s", between(0.01, 86400.0, self.tick_s));

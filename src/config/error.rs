@@ -1,5 +1,7 @@
 //! What is wrong with a configuration.
 
+use std::fmt::Display;
+
 use crate::core::message::{Message, text};
 use crate::message;
 
@@ -28,6 +30,14 @@ impl From<config::ConfigError> for ConfigError {
     fn from(why: config::ConfigError) -> Self {
         Self::Unreadable(why.to_string())
     }
+}
+
+pub(super) fn at_least_1(value: impl Display) -> Message {
+    message!("config_at_least", least = 1_usize, value = text(value))
+}
+
+pub(super) fn above_0(most: impl Display, value: f64) -> Message {
+    message!("config_above_0", most = text(most), value = text(value))
 }
 
 pub(super) fn between(least: f64, most: f64, value: f64) -> Message {

@@ -7,12 +7,12 @@ use ipnet::IpNet;
 use serde::Deserialize;
 
 use super::ConfigError;
-use super::error::between;
+use super::error::{above_0, between};
 use super::values::{networks, numbers};
 use crate::alert::deliver::AttemptLimits;
 use crate::alert::ladder::{LONGEST_WAIT, Ladder};
 use crate::alert::mail::{MailError, Mailer};
-use crate::core::message::{sent, text};
+use crate::core::message::sent;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::system::Proxies;
@@ -87,8 +87,7 @@ impl HooksConfig {
             if value > 0.0 && value <= most {
                 return Ok(());
             }
-            let fault = message!("config_above_0", most = text(most), value = text(value));
-            Err(ConfigError::of(format!("hooks.{key}"), fault))
+            Err(ConfigError::of(format!("hooks.{key}"), above_0(most, value)))
         };
         within("attempt_timeout_s", self.attempt_timeout_s, LONGEST_ATTEMPT_S)?;
         within("connect_timeout_s", self.connect_timeout_s, self.attempt_timeout_s)?;

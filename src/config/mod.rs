@@ -317,6 +317,7 @@ impl Config {
             ("plausibility.max_scale_factor", self.plausibility.max_scale_factor),
             ("plausibility.max_misalignment_deg", self.plausibility.max_misalignment_deg),
             ("plausibility.max_drift_deg_per_h_g0", self.plausibility.max_drift_deg_per_h_g0),
+            ("alerts.repeat_days", self.alerts.repeat_days),
             ("judging.budget", self.judging.budget),
             ("judging.range_days", self.judging.range_days),
             ("judging.agreement_days", self.judging.agreement_days),

@@ -259,13 +259,8 @@ fn revision(
 ) -> Result<Correction, Faults> {
     let mut faults = Faults::default();
     let VoidOrder { author, reason } = order.checked(&mut faults);
-    match read {
-        Ok(new) => faults.or(Correction { item, author, reason, replacement: Some(new), by: Actor::by_caller() }),
-        Err(of_new) => {
-            faults.absorb(place, of_new);
-            Err(faults)
-        }
-    }
+    let Ok(new) = read.map_err(|of_new| faults.absorb(place, of_new)) else { return Err(faults) };
+    faults.or(Correction { item, author, reason, replacement: Some(new), by: Actor::by_caller() })
 }
 
 async fn submit(app: &App, correction: Correction) -> Answer<(StatusCode, Id)> {

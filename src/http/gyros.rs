@@ -151,9 +151,8 @@ impl From<&GyroAttributes> for AttributesBody {
 }
 
 /// What changes; `null` takes a word away, what is left out stays (RFC 7396).
-#[derive(Deserialize, ToSchema)]
+#[derive(Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
-#[derive(Default)]
 struct AttributesPatchBody {
     #[serde(deserialize_with = "present")]
     #[schema(value_type = Option<String>, max_length = 64)]
@@ -169,13 +168,11 @@ struct AttributesPatchBody {
 impl AttributesPatchBody {
     fn to_core(&self) -> Result<GyroAttributesPatch, Faults> {
         let mut faults = Faults::default();
-        let mut word = |pointer: &str, patch: &Option<Option<String>>| match patch {
-            Some(Some(word)) => Some(text::matched(pointer, word, &mut faults)),
-            Some(None) => Some(None),
-            None => None,
+        let mut word = |pointer: &str, patch: &Option<Option<String>>| {
+            patch.as_ref().map(|word| text::matched(pointer, word.as_ref()?, &mut faults))
         };
-        let [batch, r#type, unit] =
-            [("/batch", &self.batch), ("/type", &self.r#type), ("/unit", &self.unit)].map(|(at, of)| word(at, of));
+        let (batch, r#type) = (word("/batch", &self.batch), word("/type", &self.r#type));
+        let unit = word("/unit", &self.unit);
         faults.or(GyroAttributesPatch { batch, r#type, unit })
     }
 }

@@ -85,13 +85,9 @@ fn read(bytes: &[u8]) -> Result<HypothesisOrder, Faults> {
     let NewHypothesisBody { hypothesis, author, reason } = json::parse(bytes)?;
     let mut faults = Faults::default();
     let (author, reason) = text::signed("/author", author, reason, &mut faults);
-    match hypothesis.to_core() {
-        Ok(effect) => faults.or(HypothesisOrder::Add { effect, author, reason }),
-        Err(part) => {
-            faults.absorb("/hypothesis", part);
-            Err(faults)
-        }
-    }
+    let effect = hypothesis.to_core().map_err(|part| faults.absorb("/hypothesis", part));
+    let Ok(effect) = effect else { return Err(faults) };
+    faults.or(HypothesisOrder::Add { effect, author, reason })
 }
 
 /// Takes a hypothesis out of the competition. What a model holds of it stays.

@@ -57,7 +57,7 @@ pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Answe
         campaigns: adopted.campaigns,
     };
     let history: Vec<AdoptedBody> = models.into_iter().map(adopted).collect();
-    let model = history.first().map_or_else(ModelBody::plain, |newest| newest.model.clone());
+    let model = history.first().map(|newest| newest.model.clone()).unwrap_or_default();
     Ok(Json(ImuModelBody { imu, model, history }))
 }
 

@@ -125,7 +125,7 @@ pub fn assemble(
 /// The map's table.
 pub fn table(map: &Map) -> Result<Option<Table>, LogError> {
     let Some(of) = &map.table else { return Ok(None) };
-    let fail = |fault: Message| LogError::new("map", message!("at_map_key", key = "table", fault = fault));
+    let fail = |fault: Message| LogError::new("map", message!("at_map_key", key = "table", fault));
     let (up, north) = (axis(&of.zero_up).map_err(fail)?, axis(&of.zero_north).map_err(fail)?);
     let parallel = || fail(message!("programme_parallel", up = of.zero_up.clone(), north = of.zero_north.clone()));
     let zero = attitude(up, north).ok_or_else(parallel)?;
@@ -164,7 +164,7 @@ impl Work<'_> {
         let logged = self.log.series.number.len() as f64 * self.log.series.block_s;
         if !SAMPLE_S.contains(&self.log.sample_s) || logged > LOG_S || usual > USUAL_S {
             let [step, days, usual] = [self.log.sample_s, logged / 86_400.0, usual].map(|value| significant(value, 3));
-            return Err(message!("time_unlikely", step = step, days = days, usual = usual));
+            return Err(message!("time_unlikely", step, days, usual));
         }
         if let Some(fault) = other_unit {
             return Err(fault);
@@ -172,18 +172,18 @@ impl Work<'_> {
         let below_min = |fault: Message| match too_short.last() {
             Some(&longest) => {
                 let (count, least, longest) = (too_short.len(), figure(found.min_s, 1), figure(longest, 1));
-                message!("intervals_below_min", fault = fault, count = count, least = least, longest = longest)
+                message!("intervals_below_min", fault, count, least, longest)
             }
             None => fault,
         };
         if found.intervals.is_empty() {
-            return Err(below_min(message!("no_interval", seconds = figure(span, 1), least = least)));
+            return Err(below_min(message!("no_interval", seconds = figure(span, 1), least)));
         }
         self.note(&found, usual);
         let is_proved = self.log.unix_s.is_some() || self.turns.proved;
         if !is_proved && (self.log.sample_s >= SELDOM_S || usual >= LONG_S) {
             let [step, usual] = [self.log.sample_s, usual].map(|value| significant(value, 3));
-            self.remarks.push(message!("time_unproved", step = step, usual = usual));
+            self.remarks.push(message!("time_unproved", step, usual));
         }
         let span = |i: &Interval| (self.log.series.start_s(i.from), self.log.series.end_s(i.to));
         let seen: Vec<(f64, f64)> = found.intervals.iter().chain(&found.short).map(span).collect();
@@ -198,7 +198,7 @@ impl Work<'_> {
         self.check_force(&candidates)?;
         let clipped = self.remarks.iter().find(|remark| remark.code == "intervals_clipped").cloned();
         let after_clipping = |fault: Message| match clipped {
-            Some(clipped) => message!("after_clipping", fault = fault, clipped = clipped),
+            Some(clipped) => message!("after_clipping", fault, clipped),
             None => fault,
         };
         self.command(&mut candidates, programme).map_err(|fault| below_min(after_clipping(fault)))?;
@@ -214,11 +214,11 @@ impl Work<'_> {
         let start = |i: &Interval| text(format_args!("{:.1}", self.log.series.start_s(i.from)));
         if !found.short.is_empty() {
             let starts = list(found.short.iter().take(5).map(start));
-            self.remarks.push(message!("intervals_short", count = found.short.len(), starts = starts));
+            self.remarks.push(message!("intervals_short", count = found.short.len(), starts));
         }
         if let Some(longest) = found.too_short_s.last().filter(|longest| **longest > SHORT_TURN * usual) {
             let (count, least, longest) = (found.too_short_s.len(), figure(found.min_s, 1), figure(*longest, 1));
-            self.remarks.push(message!("intervals_too_short", count = count, least = least, longest = longest));
+            self.remarks.push(message!("intervals_too_short", count, least, longest));
         }
         if found.split > 0 {
             self.remarks.push(message!("intervals_split", count = found.split));
@@ -455,7 +455,7 @@ impl Work<'_> {
             let others = exchanged(&seen, programme);
             if !others.is_empty() {
                 let rows = list(others.iter().map(|row| text(row + 1)));
-                return Err(message!("programme_exchanged", count = seen.len(), rows = rows));
+                return Err(message!("programme_exchanged", count = seen.len(), rows));
             }
             let means = |c: &Candidate| -> Vec<f64> {
                 (0..self.outputs()).filter_map(|k| self.mean(Role::Output(k), c.interval)).collect()
@@ -465,7 +465,7 @@ impl Work<'_> {
             let taken = matched.iter().flatten().count();
             if is_another(taken, seen.len()) {
                 let (intervals, rows) = (seen.len(), programme.len());
-                return Err(message!("programme_other", matched = taken, intervals = intervals, rows = rows));
+                return Err(message!("programme_other", matched = taken, intervals, rows));
             }
             let mut places = matched.iter();
             candidates.retain_mut(|c| {
@@ -517,7 +517,7 @@ impl Work<'_> {
         if let Some(first) = candidates.iter().find(turns_otherwise) {
             let count = candidates.iter().filter(turns_otherwise).count();
             let start = figure(self.log.series.start_s(first.interval.from), 1);
-            return Err(message!("programme_rates", count = count, of = candidates.len(), start = start));
+            return Err(message!("programme_rates", count, of = candidates.len(), start));
         }
         let angle = |c: &Candidate| Some(c.seen.up?.dot(&c.position?.up()).clamp(-1.0, 1.0).acos());
         let off: Vec<(usize, f64)> = candidates.iter().enumerate().filter_map(|(k, c)| Some((k, angle(c)?))).collect();
@@ -525,7 +525,7 @@ impl Work<'_> {
         let Some(&&(first, angle)) = wrong.first() else { return Ok(()) };
         let start = self.log.series.start_s(candidates[first].interval.from);
         let (start, angle) = (figure(start, 1), figure(angle.to_degrees(), 1));
-        Err(message!("programme_contradicted", count = wrong.len(), of = off.len(), start = start, degrees = angle))
+        Err(message!("programme_contradicted", count = wrong.len(), of = off.len(), start, degrees = angle))
     }
 
     fn one_interval(&self, candidate: &Candidate) -> Message {
@@ -533,7 +533,7 @@ impl Work<'_> {
         let outputs = (0..self.outputs()).filter_map(|k| self.mean(Role::Output(k), i));
         let means = list(outputs.map(|mean| text(format_args!("{mean:.4}"))));
         let seconds = figure(self.log.series.end_s(i.to) - self.log.series.start_s(i.from), 1);
-        message!("one_interval", seconds = seconds, means = means)
+        message!("one_interval", seconds, means)
     }
 
     fn dwells(&mut self, candidates: Vec<Candidate>) -> Result<Assembled, Message> {
@@ -796,7 +796,7 @@ pub fn missing(taken: &[usize], programme: &[Position]) -> Option<Message> {
     let which = rows.iter().take(SAID).map(|row| text(row + 1)).chain((rows.len() > SAID).then(|| text("…")));
     (!rows.is_empty()).then(|| {
         let (count, rows, which) = (rows.len(), programme.len(), list(which));
-        message!("programme_missing", count = count, rows = rows, which = which, turning = turning)
+        message!("programme_missing", count, rows, which, turning)
     })
 }
 

@@ -4,7 +4,9 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::assemble::{Dwell, OFF_COMMANDED, TURNING, by_accelerometers, laid_over, missing, one_clock, table};
+use super::assemble::{
+    Commanded, Dwell, OFF_COMMANDED, TURNING, by_accelerometers, laid_over, missing, one_clock, table,
+};
 use super::error::LogError;
 use super::gather::{counted, same_layout};
 use super::map::{Columns, Map, Reading, TableColumns};
@@ -131,49 +133,59 @@ pub fn dwells(
         if programme.is_some() && positions[k].is_none() {
             continue;
         }
-        let turning = turns[k].filter(|turn| turn.abs() >= REST_ARCSEC_S);
-        let own = row.attitude.map(|attitude| Position {
-            attitude,
-            turn_arcsec_s: turning.unwrap_or(0.0),
-            start_s: None,
-            duration_s: None,
-        });
-        let (phase, attitude, force_g0, rate_arcsec_s) = match (positions[k].or(own), inertial, &row.rate[..]) {
-            (position, true, &[x, y, z]) if position.is_some() || row.force.is_some() => {
-                let rate = Vector3::new(x, y, z);
-                let of_position = |p: Position| site.map(|site| p.commanded(&site).0);
-                let force = position.and_then(of_position).or(row.force);
-                let force = force.ok_or_else(|| of_map(message!("map_site_missing")))?;
-                let phase = position.map_or(if turning.is_some() { Phase::Rate } else { Phase::Static }, |p| p.phase());
-                (phase, position.map(|p| p.attitude), force, rate)
-            }
-            (Some(position), ..) => {
-                let site = site.ok_or_else(|| of_map(message!("map_site_missing")))?;
-                let (force, rate) = position.commanded(&site);
-                (position.phase(), Some(position.attitude), force, rate)
-            }
-            (None, ..) => {
-                let made = by_accelerometers(row.force, turns[k], site, counts, direction_only).map_err(of_map)?;
-                (made.phase, made.attitude, made.force_g0, made.rate_arcsec_s)
-            }
-        };
-        let start_s = spans[k].0;
-        let (temperature_c, output, output_sem) = (row.temperature_c, row.output.clone(), row.sem.clone());
-        let duration_s = row.duration_s.unwrap_or(1.0);
+        let of_row = commanded(row, positions[k], turns[k], inertial, site, counts, direction_only);
+        let Commanded { phase, attitude, force_g0, rate_arcsec_s } = of_row.map_err(of_map)?;
         made.push(Dwell {
             phase,
-            start_s,
-            duration_s,
+            start_s: spans[k].0,
+            duration_s: row.duration_s.unwrap_or(1.0),
             attitude,
             force_g0,
             rate_arcsec_s,
-            temperature_c,
-            output,
-            output_sem,
+            temperature_c: row.temperature_c,
+            output: row.output.clone(),
+            output_sem: row.sem.clone(),
         });
     }
     contradicted(&made, &rows, &positions, programme.is_some()).map_err(of_map)?;
     Ok((made, unit, remarks))
+}
+
+/// What was commanded in a row, or stands for it; `position`: by the programme.
+fn commanded(
+    row: &Row,
+    position: Option<Position>,
+    turn: Option<f64>,
+    inertial: bool,
+    site: Option<Site>,
+    counts: Counts,
+    direction_only: bool,
+) -> Result<Commanded, Message> {
+    let turning = turn.filter(|turn| turn.abs() >= REST_ARCSEC_S);
+    let own = row.attitude.map(|attitude| Position {
+        attitude,
+        turn_arcsec_s: turning.unwrap_or(0.0),
+        start_s: None,
+        duration_s: None,
+    });
+    let no_site = || message!("map_site_missing");
+    match (position.or(own), &row.rate[..]) {
+        (position, &[x, y, z]) if inertial && (position.is_some() || row.force.is_some()) => {
+            let of_position = |p: Position| site.map(|site| p.commanded(&site).0);
+            let by_turn = if turning.is_some() { Phase::Rate } else { Phase::Static };
+            Ok(Commanded {
+                phase: position.map_or(by_turn, |p| p.phase()),
+                attitude: position.map(|p| p.attitude),
+                force_g0: position.and_then(of_position).or(row.force).ok_or_else(no_site)?,
+                rate_arcsec_s: Vector3::new(x, y, z),
+            })
+        }
+        (Some(position), _) => {
+            let (force_g0, rate_arcsec_s) = position.commanded(&site.ok_or_else(no_site)?);
+            Ok(Commanded { phase: position.phase(), attitude: Some(position.attitude), force_g0, rate_arcsec_s })
+        }
+        (None, _) => by_accelerometers(row.force, turn, site, counts, direction_only),
+    }
 }
 
 fn rows(
@@ -358,7 +370,7 @@ fn positions(
     let taken: Vec<usize> = matched.iter().flatten().copied().collect();
     if is_another(taken.len(), rows.len()) {
         let (matched, intervals, rows) = (taken.len(), rows.len(), programme.len());
-        return Err(message!("programme_other", matched = matched, intervals = intervals, rows = rows));
+        return Err(message!("programme_other", matched, intervals, rows));
     }
     if taken.len() < rows.len() {
         remarks.push(message!("programme_left", count = rows.len() - taken.len()));
@@ -395,5 +407,5 @@ fn contradicted(
     let wrong: Vec<&(f64, f64)> = off.iter().filter(|(_, angle)| *angle > OFF_COMMANDED).collect();
     let Some(&&(start, angle)) = wrong.first() else { return Ok(()) };
     let (start, angle) = (figure(start, 1), figure(angle.to_degrees(), 1));
-    Err(message!("programme_contradicted", count = wrong.len(), of = off.len(), start = start, degrees = angle))
+    Err(message!("programme_contradicted", count = wrong.len(), of = off.len(), start, degrees = angle))
 }

@@ -71,8 +71,8 @@ impl Made {
         };
         let (slot, scale) = (slot.name(), figure(scale, 4));
         Some(match Quantity::Output.units().iter().find(is_unit) {
-            Some(unit) => message!("output_other_unit", slot = slot, scale = scale, unit = *unit),
-            None => message!("output_other_scale", slot = slot, scale = scale),
+            Some(unit) => message!("output_other_unit", slot, scale, unit = *unit),
+            None => message!("output_other_scale", slot, scale),
         })
     }
 }
@@ -83,8 +83,8 @@ fn contradicted(campaign: &Campaign) -> Option<Message> {
     let at = |k: &usize| text(format_args!("{} ({:.0} s)", k + 1, campaign.dwells[*k].start_s));
     let (dwells, times) = (list(dwells.iter().map(at)), figure(times, 0));
     Some(match rest_agrees {
-        true => message!("outputs_contradict_in", dwells = dwells, times = times),
-        false => message!("outputs_contradict", dwells = dwells, times = times, of = campaign.dwells.len()),
+        true => message!("outputs_contradict_in", dwells, times),
+        false => message!("outputs_contradict", dwells, times, of = campaign.dwells.len()),
     })
 }
 
@@ -134,7 +134,7 @@ fn site_of(map: &Map) -> Option<Site> {
 }
 
 fn body(map: &Map, dwells: &[Dwell], gathered: Option<&Gathered>) -> Result<CampaignBody, LogError> {
-    let missing = |key: &'static str| LogError::new("map", message!("map_missing", key = key));
+    let missing = |key: &'static str| LogError::new("map", message!("map_missing", key));
     let began = gathered.and_then(|g| g.unix_s).map(|s| time::format(UtcMicros((s * 1e6) as i64)));
     if map.gyros.is_empty() {
         return Err(missing("gyros"));

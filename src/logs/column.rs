@@ -11,6 +11,9 @@ pub struct Column {
     pub unit: Option<String>,
 }
 
+/// A column with its numbers.
+pub type Named = (Column, Vec<f64>);
+
 /// Names of columns that say which IMU a row is of.
 const IDS: [&str; 12] = [
     "imu",

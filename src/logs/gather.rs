@@ -170,8 +170,8 @@ pub fn counted(key: &'static str, have: usize, allowed: &[usize]) -> Result<(), 
     if allowed.contains(&have) {
         return Ok(());
     }
-    let fault = message!("map_column_count", need = list(allowed.iter().map(text)), have = have);
-    Err(LogError::new("map", message!("at_map_key", key = key, fault = fault)))
+    let fault = message!("map_column_count", need = list(allowed.iter().map(text)), have);
+    Err(LogError::new("map", message!("at_map_key", key, fault)))
 }
 
 fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Unit, Vec<Message>), LogError> {
@@ -180,10 +180,10 @@ fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Un
     let mut add = |key: &'static str, found: &Found, role: fn(usize) -> Role| {
         let unit = found.unit_name.clone();
         remarks.push(match &found.header {
-            Header::Says => message!("unit_of_header", key = key, unit = unit),
-            Header::Silent => message!("unit_of_map", key = key, unit = unit),
+            Header::Says => message!("unit_of_header", key, unit),
+            Header::Silent => message!("unit_of_map", key, unit),
             Header::Unknown(header) => {
-                message!("unit_of_map_alone", key = key, unit = unit, header = sent(header))
+                message!("unit_of_map_alone", key, unit, header = sent(header))
             }
         });
         let own = found.readings.iter().enumerate();
@@ -204,7 +204,7 @@ fn channels(map: &Map, sources: &[(String, Source)]) -> Result<(Vec<Channel>, Un
     let of_averages = [("duration", map.duration.is_some()), ("standard_error", map.standard_error.is_some())];
     let inertial = ("rate.inertial", map.rate.as_ref().is_some_and(|rate| rate.inertial.is_some()));
     if let Some((key, _)) = of_averages.into_iter().chain([inertial]).find(|(_, is_there)| *is_there) {
-        return Err(LogError::new("map", message!("map_of_averages", key = key)));
+        return Err(LogError::new("map", message!("map_of_averages", key)));
     }
     if let Some(rate) = &map.rate {
         let found = rate.find("rate", Quantity::Rate, sources)?;
@@ -236,7 +236,7 @@ fn tracks(channels: &[&Channel], counts: Counts) -> Vec<Role> {
         }
     }
     let has_output = channels.iter().any(|c| matches!(c.role, Role::Output(_)));
-    if has_output && matches!(counts, Counts::Increment | Counts::Total) {
+    if has_output && counts.need_time() {
         roles.push(Role::Interval);
     }
     roles
@@ -592,7 +592,7 @@ impl Reader {
         let mut wanted: Vec<usize> = channels.iter().map(|c| c.reading.column).collect();
         wanted.extend(time);
         let has_output = channels.iter().any(|c| matches!(c.role, Role::Output(_)));
-        let per_interval = has_output && matches!(self.unit.counts, Counts::Increment | Counts::Total);
+        let per_interval = has_output && self.unit.counts.need_time();
         let needs_before = per_interval || channels.iter().any(|c| matches!(c.role, Role::Turn(_)));
         let is_attitude = |k: &usize| matches!(channels[*k].role, Role::Attitude(_));
         let attitude: Vec<usize> = (0..channels.len()).filter(is_attitude).collect();
@@ -622,14 +622,7 @@ impl Reader {
                 self.sampling.see(at, self.clock.interval);
             }
             let is_next = before.as_ref().is_some_and(|(earlier, _)| at - earlier <= 1.5 * self.clock.interval);
-            numbers.clear();
-            for (k, (channel, &value)) in channels.iter().zip(values).enumerate() {
-                let value = match channel.role {
-                    Role::Output(_) if self.unit.counts == Counts::Total => self.carried(k, value, is_next),
-                    _ => value,
-                };
-                numbers.push(channel.reading.factor * value + channel.reading.offset);
-            }
+            self.convert(channels, values, is_next, &mut numbers);
             if let Some(place) = temperature {
                 let Some(held) = self.temperature.good(numbers[place]) else {
                     self.missing += 1;
@@ -653,17 +646,19 @@ impl Reader {
             Ok(())
         })?;
         self.bad.add(bad);
-        if let Some(several) = source.several(&wanted) {
-            return Err(LogError::new(place, several));
+        match source.several(&wanted).or_else(|| self.unusable()) {
+            Some(fault) => Err(LogError::new(place, fault)),
+            None => Ok(()),
         }
-        if self.clock.repeated > 100 && self.clock.repeated * 6 > self.clock.seen {
-            let fault = message!("time_coarse", repeated = self.clock.repeated, rows = self.clock.seen);
-            return Err(LogError::new(place, fault));
+    }
+
+    /// What is wrong with the rows of a log as a whole.
+    fn unusable(&self) -> Option<Message> {
+        let Clock { repeated, seen, .. } = self.clock;
+        if repeated > 100 && repeated * 6 > seen {
+            return Some(message!("time_coarse", repeated, rows = seen));
         }
-        if self.rows == 0 {
-            return Err(LogError::new(place, message!("no_rows", count = self.missing as usize)));
-        }
-        Ok(())
+        (self.rows == 0).then(|| message!("no_rows", count = self.missing))
     }
 
     /// The clock of a log that follows another: its own where that goes on, else a second after the other's end.
@@ -676,12 +671,16 @@ impl Reader {
         self.clock.last = None;
     }
 
-    /// The count of an output as if its counter had no end.
-    fn carried(&mut self, place: usize, value: f64, is_next: bool) -> f64 {
-        if self.counters.len() <= place {
-            self.counters.resize(place + 1, Counter::default());
+    /// The values of a row in the campaign's units, counts as if their counters had no end.
+    fn convert(&mut self, channels: &[&Channel], values: &[f64], is_next: bool, numbers: &mut Vec<f64>) {
+        self.counters.resize(channels.len().max(self.counters.len()), Counter::default());
+        let of_total = self.unit.counts == Counts::Total;
+        numbers.clear();
+        for ((channel, &value), counter) in channels.iter().zip(values).zip(&mut self.counters) {
+            let is_count = of_total && matches!(channel.role, Role::Output(_));
+            let value = if is_count { counter.see(value, is_next) } else { value };
+            numbers.push(channel.reading.factor * value + channel.reading.offset);
         }
-        self.counters[place].see(value, is_next)
     }
 
     fn note_held(&mut self, role: Role, value: f64, at: f64) {
@@ -715,11 +714,11 @@ impl Reader {
         let marked: Vec<bool> = (0..series.number.len()).map(|k| !hung(k)).collect();
         series.keep(&marked);
         let said = spans.iter().take(RUNS_SAID).map(|(from, to)| text(format_args!("{from:.1}–{to:.1}")));
-        self.remarks.push(message!("samples_frozen", runs = spans.len(), count = count, spans = list(said)));
+        self.remarks.push(message!("samples_frozen", runs = spans.len(), count, spans = list(said)));
     }
 
     fn time_column(&mut self, map: &Map, place: &str, source: &Source) -> Result<Option<usize>, LogError> {
-        let fail = |fault: Message| LogError::new(place, message!("at_map_key", key = "time", fault = fault));
+        let fail = |fault: Message| LogError::new(place, message!("at_map_key", key = "time", fault));
         let Some(time) = &map.time else {
             let Some(hz) = map.rate_hz.filter(|hz| *hz > 0.0) else {
                 return Err(LogError::new("map", message!("map_no_time")));
@@ -752,7 +751,7 @@ impl Reader {
                 _ => ("output", 1),
             };
             let (one, other) = (figure(held.before, 4), figure(held.last, 4));
-            let fault = message!("samples_alternate", key = key, column = column, one = one, other = other);
+            let fault = message!("samples_alternate", key, column, one, other);
             return Err(LogError::new(place, fault));
         }
         if let Some(counter) = self.counters.iter().find(|counter| counter.is_unclear()) {
@@ -777,7 +776,7 @@ impl Reader {
         let began = self.counters.iter().map(|counter| counter.began_anew).sum::<u64>();
         say(began, message!("counter_wrapped", count = began));
         self.remarks.extend(self.bad.remark());
-        let counted = matches!(self.unit.counts, Counts::Increment | Counts::Total);
+        let counted = self.unit.counts.need_time();
         if series.number.is_empty() {
             return Err(LogError::new("map", message!("logs_apart")));
         }

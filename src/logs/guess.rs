@@ -251,8 +251,8 @@ impl Looked {
             let (hz, step) = (figure(hz(unit, scale.unwrap_or(1.0)), 1), text(short(step)));
             let (name, count) = (unit.to_owned(), text(scale.unwrap_or(1.0)));
             let reason = match scale {
-                None => message!("guess_time", step = step, unit = name, hz = hz),
-                Some(_) => message!("guess_time_ticks", step = step, count = count, unit = name, hz = hz),
+                None => message!("guess_time", step, unit = name, hz),
+                Some(_) => message!("guess_time_ticks", step, count, unit = name, hz),
             };
             TimeUnit { unit: unit.to_owned(), scale, reason }
         };
@@ -438,7 +438,7 @@ impl Looked {
     fn output(&self, places: &[usize]) -> Line {
         let stated = self.columns[places[0]].unit.clone().filter(|u| Quantity::Output.unit(u).is_some());
         let (unit, reason) = match stated {
-            Some(unit) => (unit.clone(), message!("guess_header", unit = unit)),
+            Some(unit) => (unit.clone(), message!("guess_header", unit)),
             None => (UNKNOWN.to_owned(), message!("guess_output_unit")),
         };
         Line { text: format!("output = {{ columns = [{}], unit = \"{unit}\" }}", self.list(places)), reason }
@@ -447,9 +447,9 @@ impl Looked {
     fn force(&self, places: &[usize]) -> Line {
         let stated = self.columns[places[0]].unit.clone().filter(|u| Quantity::Force.unit(u).is_some());
         let (unit, reason) = match (stated, self.gravity(places)) {
-            (Some(unit), _) => (unit.clone(), message!("guess_header", unit = unit)),
+            (Some(unit), _) => (unit.clone(), message!("guess_header", unit)),
             (None, Some((unit, length))) => {
-                (unit.to_owned(), message!("guess_gravity", length = figure(length, 4), unit = unit))
+                (unit.to_owned(), message!("guess_gravity", length = figure(length, 4), unit))
             }
             (None, None) => (UNKNOWN.to_owned(), message!("guess_no_gravity")),
         };
@@ -460,7 +460,7 @@ impl Looked {
         let place = (0..self.columns.len()).find(|&k| self.is_temperature(k))?;
         let unit = self.columns[place].unit.clone().filter(|u| Quantity::Temperature.unit(u).is_some());
         let (unit, reason) = match unit {
-            Some(unit) => (unit.clone(), message!("guess_header", unit = unit)),
+            Some(unit) => (unit.clone(), message!("guess_header", unit)),
             None => ("C".to_owned(), message!("guess_celsius")),
         };
         Some(Line { text: format!("temperature = {{ column = {}, unit = \"{unit}\" }}", self.named(place)), reason })

@@ -54,7 +54,7 @@ pub struct Map {
 }
 
 /// Columns of one kind.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Columns {
     #[serde(alias = "column", deserialize_with = "one_or_more")]
@@ -199,7 +199,7 @@ impl ColumnName {
                 let columns = source.columns().len();
                 let place = number.unsigned_abs() as usize;
                 if place == 0 || place > columns {
-                    return Err(message!("log_column_number", number = place, columns = columns));
+                    return Err(message!("log_column_number", number = place, columns));
                 }
                 Ok((place - 1, if *number < 0 { -1.0 } else { 1.0 }))
             }
@@ -215,23 +215,12 @@ impl ColumnName {
 impl TableColumns {
     /// The angles' columns as any other signal's.
     pub fn as_columns(&self) -> Columns {
-        Columns { unit: self.unit.clone(), log: self.log, ..Columns::named(&self.columns) }
+        let (columns, unit) = (self.columns.to_vec(), self.unit.clone());
+        Columns { columns, unit, log: self.log, ..Columns::default() }
     }
 }
 
 impl Columns {
-    fn named(columns: &[ColumnName]) -> Self {
-        Self {
-            columns: columns.to_vec(),
-            unit: None,
-            scale: Vec::new(),
-            offset: Vec::new(),
-            log: None,
-            direction_only: false,
-            inertial: None,
-        }
-    }
-
     /// The same in a unit, where none is stated.
     pub fn or_unit(&self, unit: &str) -> Self {
         Self { unit: self.unit.clone().or_else(|| Some(unit.to_owned())), ..self.clone() }
@@ -248,7 +237,7 @@ impl Columns {
             Ok(Reading { log, column, factor, offset: 0.0 })
         };
         let readings: Result<Vec<Reading>, Message> = self.columns.iter().map(reading).collect();
-        readings.map_err(|fault| LogError::new(place, message!("at_map_key", key = key, fault = fault)))
+        readings.map_err(|fault| LogError::new(place, message!("at_map_key", key, fault)))
     }
 
     /// The columns in their log.
@@ -257,11 +246,11 @@ impl Columns {
     /// No such log or column; a unit that is none of the quantity, is nowhere said, or is not that of the header.
     pub fn find(&self, key: &'static str, of: Quantity, sources: &[(String, Source)]) -> Result<Found, LogError> {
         let (log, (place, source)) = log_of(key, self.log, sources)?;
-        let fail = |fault: Message| LogError::new(place, message!("at_map_key", key = key, fault = fault));
+        let fail = |fault: Message| LogError::new(place, message!("at_map_key", key, fault));
         let count = self.columns.len();
         for (name, list) in [("scale", &self.scale), ("offset", &self.offset)] {
             if list.len() > 1 && list.len() != count {
-                return Err(fail(message!("map_each", name = name, have = list.len(), columns = count)));
+                return Err(fail(message!("map_each", name, have = list.len(), columns = count)));
             }
         }
         let (unit, unit_name, header) = self.unit(of, source).map_err(fail)?;
@@ -322,8 +311,8 @@ pub fn log_of<'a>(
     match log.checked_sub(1).and_then(|k| sources.get(k)) {
         Some((place, source)) => Ok((log - 1, (place.as_str(), source))),
         None => {
-            let fault = message!("map_log", log = log, logs = sources.len());
-            Err(LogError::new("map", message!("at_map_key", key = key, fault = fault)))
+            let fault = message!("map_log", log, logs = sources.len());
+            Err(LogError::new("map", message!("at_map_key", key, fault)))
         }
     }
 }

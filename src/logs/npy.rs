@@ -8,12 +8,9 @@ use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
-use super::column::Column;
+use super::column::{Column, Named};
 use crate::core::message::Message;
 use crate::message;
-
-/// A named column of numbers.
-type Named = (Column, Vec<f64>);
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// Most bytes that an archive's member may unpack to, and most columns that an array may be.
@@ -85,7 +82,7 @@ fn of_array(file: &[u8], prefix: &str) -> Result<Vec<Named>, Message> {
     let [rows, across] = if across > CHANNELS && across > rows { [across, rows] } else { [rows, across] };
     let columns = header.fields.iter().map(|field| field.parts).sum::<usize>().saturating_mul(across);
     if columns > MOST_COLUMNS {
-        return Err(message!("npy_wide", columns = columns, rows = rows));
+        return Err(message!("npy_wide", columns, rows));
     }
     let place = |row: usize, column: usize| if lies { column * rows + row } else { row * across + column };
     let mut named = Vec::new();

@@ -8,7 +8,7 @@ use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
-use super::column::Column;
+use super::column::{Column, Named};
 use crate::core::message::Message;
 use crate::message;
 
@@ -16,7 +16,7 @@ use crate::message;
 ///
 /// # Errors
 /// What cannot be read, or holds no numbers.
-pub fn columns(file: Vec<u8>) -> Result<Vec<(Column, Vec<f64>)>, Message> {
+pub fn columns(file: Vec<u8>) -> Result<Vec<Named>, Message> {
     let broken = |error: ParquetError| message!("parquet_broken", why = format_args!("{error}"));
     let reader = SerializedFileReader::new(Bytes::from(file)).map_err(broken)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
@@ -33,7 +33,7 @@ pub fn columns(file: Vec<u8>) -> Result<Vec<(Column, Vec<f64>)>, Message> {
                 Compression::UNCOMPRESSED | Compression::SNAPPY | Compression::GZIP(_) => {}
                 other => {
                     let codec = format!("{other:?}").split('(').next().unwrap_or_default().to_lowercase();
-                    return Err(message!("parquet_codec", codec = codec));
+                    return Err(message!("parquet_codec", codec));
                 }
             }
             let column = group.get_column_reader(place).map_err(broken)?;

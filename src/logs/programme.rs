@@ -68,7 +68,7 @@ fn parse(text: &str) -> Result<Vec<Position>, Message> {
             continue;
         }
         let line = record.position().map_or(0, |p| p.line() as usize);
-        let position = position(&names, &record).map_err(|fault| message!("at_line", line = line, fault = fault))?;
+        let position = position(&names, &record).map_err(|fault| message!("at_line", line, fault))?;
         found.push(position);
     }
     if found.is_empty() { Err(message!("programme_empty")) } else { Ok(found) }
@@ -112,7 +112,7 @@ fn position(names: &[&str], record: &csv::StringRecord) -> Result<Position, Mess
 
 fn value(name: &'static str, cell: &str) -> Result<f64, Message> {
     let parsed = cell.replacen(',', ".", 1).parse::<f64>().ok().filter(|v| v.is_finite());
-    let fault = || message!("at_programme_column", name = name, fault = message!("not_a_number", value = sent(cell)));
+    let fault = || message!("at_programme_column", name, fault = message!("not_a_number", value = sent(cell)));
     parsed.ok_or_else(fault)
 }
 

@@ -72,7 +72,7 @@ pub fn readable(bytes: Vec<u8>) -> Result<Vec<u8>, Message> {
             let text = bytes.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1);
             if text < bytes.len() {
                 let line = 1 + bytes[..text].iter().filter(|&&b| b == b'\n').count();
-                return Err(message!("at_line", line = line, fault = message!("zeros_from_here")));
+                return Err(message!("at_line", line, fault = message!("zeros_from_here")));
             }
             Ok(bytes)
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use calamine::{Data, Reader, Xlsx};
 
-use super::column::Column;
+use super::column::{Column, Named};
 use super::error::{LogError, unreadable};
 use super::text::{Ids, LeftOut, MOST, TextLog};
 use super::{clock, mat, npy};
@@ -19,9 +19,6 @@ pub enum Source {
     Text(TextLog),
     Whole { columns: Vec<Column>, first_line: u64, values: Vec<Vec<f64>>, clocks: Vec<usize> },
 }
-
-/// A named column in memory.
-type Named = (Column, Vec<f64>);
 
 /// The table of a workbook.
 struct Sheet {
@@ -162,9 +159,8 @@ impl Source {
                     for (cell, &column) in row.iter_mut().zip(wanted) {
                         *cell = Some(values[column][k]).filter(|value| value.abs() <= MOST).unwrap_or(f64::NAN);
                     }
-                    each(&row).map_err(|fault| {
-                        LogError::new(place, message!("at_line", line = line as usize, fault = fault))
-                    })?;
+                    each(&row)
+                        .map_err(|fault| LogError::new(place, message!("at_line", line = line as usize, fault)))?;
                 }
                 Ok(LeftOut::default())
             }
@@ -198,7 +194,7 @@ impl Source {
         if let Ok(number) = name.parse::<usize>() {
             return match number {
                 1.. if number <= columns.len() => Ok(number - 1),
-                _ => Err(message!("log_column_number", number = number, columns = columns.len())),
+                _ => Err(message!("log_column_number", number, columns = columns.len())),
             };
         }
         let names: Vec<String> = columns.iter().map(|c| c.name.clone()).filter(|n| !n.is_empty()).collect();

@@ -105,11 +105,11 @@ impl TextLog {
         let (place, lenient) = (self.place.clone(), self.lenient);
         let fail = unreadable(&place);
         let refuse =
-            |line: u64, fault: Message| LogError::new(&place, message!("at_line", line = line as usize, fault = fault));
+            |line: u64, fault: Message| LogError::new(&place, message!("at_line", line = line as usize, fault));
         let columns = &self.layout.columns;
         let at = |line: u64, column: usize, fault: Message| {
             let name = columns.get(column).map_or(String::new(), |c| c.name.clone());
-            message!("at_cell", line = line as usize, column = column + 1, name = name, fault = fault)
+            message!("at_cell", line = line as usize, column = column + 1, name, fault)
         };
         let marks = wanted.iter().map(|_| Marks::default()).collect();
         let mut cells = Cells { delimiter, decimal_comma, marks, ..Cells::default() };
@@ -123,7 +123,7 @@ impl TextLog {
             }
             line += 1;
             let whole = buffer.last() == Some(&b'\n');
-            let text = trimmed(&buffer);
+            let text = buffer.trim_ascii();
             if line <= skipped || text.is_empty() || is_comment(text) {
                 continue;
             }
@@ -173,10 +173,6 @@ impl TextLog {
         }
         Ok(LeftOut { count, first: serious.into_iter().next() })
     }
-}
-
-fn trimmed(line: &[u8]) -> &[u8] {
-    line.trim_ascii()
 }
 
 fn is_comment(line: &[u8]) -> bool {

@@ -37,6 +37,13 @@ pub enum Counts {
     Total,
 }
 
+impl Counts {
+    /// Whether pulses are divided by the time between samples.
+    pub fn need_time(self) -> bool {
+        matches!(self, Self::Increment | Self::Total)
+    }
+}
+
 impl Quantity {
     /// Spellings of its units, the plainest first.
     pub fn units(self) -> &'static [&'static str] {

@@ -245,11 +245,9 @@ fn of_gyro(viewer: &Viewer, gyro: &Alerted, first_of_page: bool, may: bool, here
     let Alerted { standing, alerts } = gyro;
     let Some(first) = alerts.first() else { return html! {} };
     let (serial, finding) = (&first.serial, &first.finding);
-    let worst = alerts.iter().filter_map(|alert| alert.status.as_deref().and_then(Status::from_name)).max();
+    let worst = alerts.iter().filter_map(|alert| alert.status()).max();
     // As the fleet says it: of what is beyond a specification where something is.
-    let is_beyond = |alert: &AlertBody| {
-        alert.status.as_deref().and_then(Status::from_name).is_some_and(|status| BEYOND.contains(&status))
-    };
+    let is_beyond = |alert: &AlertBody| alert.status().is_some_and(|status| BEYOND.contains(&status));
     let has_worse = alerts.iter().any(is_beyond);
     let of_worst = alerts.iter().filter(|alert| !has_worse || is_beyond(alert));
     let since = of_worst.filter_map(|alert| alert.since.as_deref()).min();
@@ -289,7 +287,7 @@ pub(super) fn violation(alert: &AlertBody) -> Option<Violation> {
     Some(Violation {
         coefficient: Coefficient::from_name(&alert.coefficient)?,
         rule: Rule::from_name(&alert.rule)?,
-        status: Status::from_name(alert.status.as_deref()?)?,
+        status: alert.status()?,
         load: alert.finding.value.map(|value| value / alert.finding.limit),
     })
 }

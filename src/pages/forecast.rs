@@ -5,7 +5,7 @@ use maud::{Markup, html};
 
 use super::chart::{Across, Chart, Dot, Track, bounds, millis, widened};
 use super::figure::{self, short};
-use super::layout::{effect_word, encoded, instant, symbol};
+use super::layout::{effect_word, encoded, instant, symbol, written};
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
@@ -94,7 +94,7 @@ pub(super) fn versions(viewer: &Viewer, imu: &str, models: &[AdoptedModel]) -> M
 fn line(t: &Text, point: &ForecastPointBody) -> Markup {
     html! {
         tr {
-            td { a href={ "/campaigns/" (point.campaign) "/diagnosis" } { (at(&point.measured_at)) } }
+            td { a href={ "/campaigns/" (point.campaign) "/diagnosis" } { (written(&point.measured_at)) } }
             @if let Some(compared) = &point.compared {
                 td { (state(t, compared)) }
                 td.n { (short(compared.rms_over_sd)) }
@@ -102,16 +102,12 @@ fn line(t: &Text, point: &ForecastPointBody) -> Markup {
             } @else { td.words colspan="3" { (point.why_not.as_deref().unwrap_or(t.not_foretold)) } }
             td.words {
                 @if let Some(model) = &point.model {
-                    (at(&model.measured_at)) " · " (t.words(&message!("campaigns_counted", count = model.campaigns)))
+                    (written(&model.measured_at)) " · " (t.words(&message!("campaigns_counted", count = model.campaigns)))
                     @for effect in &model.effects { " + " (effect_word(t, effect)) }
                 }
             }
         }
     }
-}
-
-fn at(text: &str) -> Markup {
-    time::parse(text).map_or_else(|_| html! { (text) }, instant)
 }
 
 fn state_word(t: &Text, compared: &ComparedBody) -> &'static str {
@@ -235,7 +231,7 @@ fn came_true(t: &Text, point: &ForecastPointBody) -> Markup {
                 (state(t, compared)) " · " (t.error_in_sd) " " (short(compared.rms_over_sd))
                 @if let Some(furthest) = compared.furthest() { " · " (furthest.slot) ": p " (short(furthest.p_value)) }
                 @if let Some(model) = &point.model {
-                    " · " (t.foretold_by) " " (at(&model.measured_at)) ", " (t.words(&message!("campaigns_counted", count = model.campaigns)))
+                    " · " (t.foretold_by) " " (written(&model.measured_at)) ", " (t.words(&message!("campaigns_counted", count = model.campaigns)))
                 }
             }
             @if let Some(verdict) = compared.verdict.as_ref().filter(|verdict| !verdict.is_within()) { p { (verdict.reason) } }

@@ -93,8 +93,7 @@ impl Facts {
         let rows = &self.course.figures;
         let now = is_out(rows.last()?)?;
         let alerts = self.alerts.iter().filter(|alert| alert.coefficient == DRIFTS[column]);
-        let alike =
-            alerts.filter(|alert| alert.status.as_deref().and_then(Status::from_name).and_then(out) == Some(now));
+        let alike = alerts.filter(|alert| alert.status().and_then(out) == Some(now));
         let told = alike.filter_map(|alert| time::parse(alert.since.as_deref()?).ok()).min();
         let run = rows.iter().rev().take_while(|row| is_out(row) == Some(now)).count();
         let since = told.unwrap_or(rows[rows.len() - run].at);

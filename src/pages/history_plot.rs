@@ -368,8 +368,8 @@ impl Drawing<'_> {
         let Finding::Trend { since, until, per_year, deviation, horizon_days, reach, .. } = verdict.finding else {
             return None;
         };
-        let base =
-            epoch_of(self.epochs(column), until).map_or(0.0, |epoch| if self.view.absolute { epoch.zero } else { 0.0 });
+        let epoch = epoch_of(self.epochs(column), until).filter(|_| self.view.absolute);
+        let base = epoch.map_or(0.0, |epoch| epoch.zero);
         let (slope, now) = (per_year.value / YEAR, millis(until));
         let along = |x: f64| (x, base + deviation + slope * (x - now));
         let edge = base + verdict.limit.copysign(slope);

@@ -70,7 +70,7 @@ pub(super) async fn preview(
         Ok(form) => form,
         Err(status) if status == StatusCode::PAYLOAD_TOO_LARGE => {
             let most = pages.config.server.max_body_bytes;
-            let fault = message!("log_too_large", most = most, key = "server.max_body_bytes");
+            let fault = message!("log_too_large", most, key = "server.max_body_bytes");
             return Ok((status, unread(&viewer, Sent::default(), &Looked::Faulty(fault))).into_response());
         }
         Err(_) => return Err(Problem::new(400, "title_broken_off", message!("body_broke_off"))),
@@ -242,13 +242,10 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], source: &Source) 
                 @match prospect {
                     Prospect::Faulty(faults) => (refused(t, &at(*line), faults)),
                     Prospect::Refused(why) => {
-                        article.fault {
-                            h3 { (at(*line)) (t.refused) }
-                            p { (t.words(&why.message())) }
-                            @if let Some(piece) = parts.get(k) { (replace::offer(viewer, why, piece.text)) }
-                        }
+                        @let offer = parts.get(k).map(|piece| replace::offer(viewer, why, piece.text));
+                        (hindered(t, &at(*line), &t.words(&why.message()), offer))
                     }
-                    Prospect::Contradicts(earlier) => (hindered(t, &at(*line), &format!("{} {earlier}", t.contradicts_line))),
+                    Prospect::Contradicts(earlier) => (hindered(t, &at(*line), &format!("{} {earlier}", t.contradicts_line), None)),
                     Prospect::Sound(..) => {}
                 }
             }
@@ -289,8 +286,7 @@ fn read_all(pipeline: &Pipeline, caller: &Caller, text: &str) -> Vec<(usize, Res
         Ok(rows) => rows,
         Err(faults) => return vec![(1, Err(faults))],
     };
-    let at =
-        |line: usize, fault: Fault| Fault { message: message!("at_line", line = line, fault = fault.message), ..fault };
+    let at = |line: usize, fault: Fault| Fault { message: message!("at_line", line, fault = fault.message), ..fault };
     let read = |(line, document): (usize, serde_json::Value)| {
         let text = document.to_string();
         let read = read(pipeline, caller, &Piece { line, text: &text, form: Form::Json });
@@ -415,11 +411,12 @@ fn named(t: &Text, pointer: &str) -> Markup {
 }
 
 /// A sound document that something else stands in the way of.
-fn hindered(t: &Text, place: &Markup, why: &str) -> Markup {
+fn hindered(t: &Text, place: &Markup, why: &str, offer: Option<Markup>) -> Markup {
     html! {
         article.fault {
             h3 { (place) (t.refused) }
             p { (why) }
+            @if let Some(offer) = offer { (offer) }
         }
     }
 }

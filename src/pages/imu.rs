@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use axum::extract::Path;
 use maud::{Markup, html};
 
+use super::alerts::{self, is_open};
 use super::layout::{DRIFTS, Page, Section, encoded, instant, label, symbol};
 use super::parameters::{self, Parameters};
 use super::text::Text;
 use super::viewer::{Viewer, Visit};
-use super::{Pages, alerts, bullet, figure, forecast};
-use crate::core::alert_decision;
+use super::{Pages, bullet, figure, forecast};
 use crate::core::alert_filter::AlertFilter;
 use crate::core::effects::Effect;
 use crate::core::id::Id;
@@ -60,9 +60,8 @@ pub(super) async fn page(Visit { ref pages, ref viewer }: Visit, Path(ref imu): 
         None => Vec::new(),
     };
     let told = pages.pipeline.alerts.of_no_gyro(&AlertFilter::default()).await?;
-    let is_its = |alert: &&AlertBody| alert.subject == AlertBody::OF_IMU && alert.name() == imu;
-    let is_open = |alert: &&AlertBody| is_its(alert) && alert.state != alert_decision::Standing::Resolved.name();
-    let open: Vec<&AlertBody> = told.iter().filter(is_open).collect();
+    let is_its = |alert: &AlertBody| alert.subject == AlertBody::OF_IMU && alert.name() == imu;
+    let open: Vec<&AlertBody> = told.iter().filter(|alert| is_its(alert) && is_open(alert)).collect();
     let models = pages.pipeline.diagnoses.models(imu).await?.unwrap_or_default();
     let concluded = match number {
         Some(number) => pages.pipeline.diagnoses.conclusions(number).await?,

@@ -45,6 +45,10 @@ impl SeenVerdict {
         Status::from_name(&self.body.status).unwrap_or(Status::NotEnoughData)
     }
 
+    fn is_calm(&self) -> bool {
+        matches!(self.status(), Status::InTolerance | Status::NotEnoughData)
+    }
+
     fn reason(&self, t: &Text) -> String {
         t.reason(&self.body.reason)
     }
@@ -53,9 +57,8 @@ impl SeenVerdict {
 /// What is the matter in full, the worst first; the rest folded.
 pub(super) fn list(viewer: &Viewer, verdicts: &[SeenVerdict]) -> Markup {
     let t = viewer.text();
-    let calm = |status: Status| matches!(status, Status::InTolerance | Status::NotEnoughData);
     let (rest, grave): (Vec<&SeenVerdict>, Vec<&SeenVerdict>) =
-        sorted(verdicts).into_iter().partition(|said| calm(said.status()));
+        sorted(verdicts).into_iter().partition(|said| said.is_calm());
     html! {
         ul.verdicts { @for verdict in grave { (one(viewer, verdict)) } }
         (folded(t, &rest, &html! { ul.verdicts { @for verdict in &rest { (one(viewer, verdict)) } } }))
@@ -82,16 +85,14 @@ fn folded(t: &Text, rest: &[&SeenVerdict], shown: &Markup) -> Markup {
 /// is the matter comes first; the rest is folded.
 pub(super) fn table(viewer: &Viewer, verdicts: &[SeenVerdict], alerts: &[AlertBody], here: Option<&str>) -> Markup {
     let t = viewer.text();
-    let calm = |said: &&SeenVerdict| matches!(said.status(), Status::InTolerance | Status::NotEnoughData);
-    let alert_of = |said: &SeenVerdict| {
-        alerts.iter().find(|alert| (&alert.rule, &alert.coefficient) == (&said.body.rule, &said.body.coefficient))
+    let is_on = |alert: &AlertBody, said: &SeenVerdict| {
+        (&alert.rule, &alert.coefficient) == (&said.body.rule, &said.body.coefficient)
     };
+    let alert_of = |said: &SeenVerdict| alerts.iter().find(|alert| is_on(alert, said));
     let (rest, grave): (Vec<&SeenVerdict>, Vec<&SeenVerdict>) =
-        sorted(verdicts).into_iter().partition(|said| calm(said) && alert_of(said).is_none());
-    let alone = alerts.iter().filter(|alert| {
-        verdicts.iter().all(|said| (&alert.rule, &alert.coefficient) != (&said.body.rule, &said.body.coefficient))
-    });
-    let alone: Vec<&AlertBody> = alone.collect();
+        sorted(verdicts).into_iter().partition(|said| said.is_calm() && alert_of(said).is_none());
+    let alone: Vec<&AlertBody> =
+        alerts.iter().filter(|alert| !verdicts.iter().any(|said| is_on(alert, said))).collect();
     let rows = |all: &[&SeenVerdict]| html! { @for said in all { (row(viewer, said, alert_of(said), here)) } };
     html! {
         @if verdicts.is_empty() && alerts.is_empty() { p { (t.not_judged) } }
@@ -165,7 +166,7 @@ fn alert_row(viewer: &Viewer, alert: &AlertBody, here: Option<&str>) -> Markup {
     let t = viewer.text();
     html! {
         tr {
-            td { (status::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
+            td { (status::badge(t, alert.status())) }
             th.words scope="row" {
                 details.why {
                     summary {

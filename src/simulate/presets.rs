@@ -3,14 +3,14 @@
 use super::programme::{DwellOrder, Positions, Programme};
 use super::scenario::{GeometryChoice, OptionalColumns, OutputNoise, Scenario, StandardErrors, StatedE};
 
-/// Name, one line about it.
+/// Name, and the code of the words about it.
 pub const PRESETS: [(&str, &str); 6] = [
-    ("24-position", "24 positions, 6 repeats and 48 rate dwells in random order: 78 dwells of three minutes"),
-    ("24-bare", "24 positions once each in fixed order, no rates, E stated: the least that yields D_I and D_S"),
-    ("36-position", "24 positions and 12 edges at 45 degrees, 6 repeats, 48 rate dwells"),
-    ("60-position", "24 positions, edges, tilts of 30 and 60 degrees, 6 repeats, 48 rate dwells"),
-    ("long", "1008 dwells: the 60-position programme eight times over, four power-ups, wandering bias, counted pulses"),
-    ("orthogonal-mems", "three orthogonal gyros, whole-pulse counter, no rates, no temperature, no standard errors"),
+    ("24-position", "preset_24_position"),
+    ("24-bare", "preset_24_bare"),
+    ("36-position", "preset_36_position"),
+    ("60-position", "preset_60_position"),
+    ("long", "preset_long"),
+    ("orthogonal-mems", "preset_orthogonal_mems"),
 ];
 
 /// The preset of that name, if there is one.

@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 
 use super::reason::Reason;
 use super::text::encoded;
-use crate::core::judge::Rule;
+use crate::core::judge::{Rule, Status};
 
 /// The alert of one gyro, station, IMU or batch, coefficient and rule. Its identity lasts: when it fires again it is the same alert.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -64,6 +64,11 @@ impl AlertBody {
     pub const OF_STATION: &'static str = "station";
     pub const OF_IMU: &'static str = "imu";
     pub const OF_BATCH: &'static str = "batch";
+
+    /// None where there is none, or one that this version does not know.
+    pub fn status(&self) -> Option<Status> {
+        Status::from_name(self.status.as_deref()?)
+    }
 
     /// Whether its subject is a gyro.
     pub fn is_of_gyro(&self) -> bool {

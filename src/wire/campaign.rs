@@ -224,19 +224,13 @@ impl CampaignBody {
         }
         let gyros = self.gyros(test != TestKind::Imu, faults);
         let stated = self.station_uncertainty.unwrap_or_default();
-        let station_uncertainty = stated.to_core().unwrap_or_else(|part| {
-            faults.absorb("", part);
-            StationUncertainty::default()
-        });
-        let geometry = self.geometry.to_core().unwrap_or_else(|part| {
-            faults.absorb("/geometry", part);
-            Geometry::Skewed
-        });
+        let station_uncertainty = stated.to_core().map_err(|part| faults.absorb("", part)).unwrap_or_default();
+        let geometry = self.geometry.to_core().map_err(|part| faults.absorb("/geometry", part));
         Campaign {
             imu,
             station,
             measured_at,
-            geometry,
+            geometry: geometry.unwrap_or(Geometry::Skewed),
             site: None,
             station_uncertainty,
             gyros,
@@ -287,13 +281,7 @@ impl CampaignBody {
     }
 
     fn model(&self, faults: &mut Faults) -> Option<Terms> {
-        match terms_from_names(self.model.as_ref()?) {
-            Ok(terms) => Some(terms),
-            Err(part) => {
-                faults.absorb("/model", part);
-                None
-            }
-        }
+        terms_from_names(self.model.as_ref()?).map_err(|part| faults.absorb("/model", part)).ok()
     }
 }
 

@@ -486,9 +486,7 @@ impl ComparedBody {
             ladder: ladder.iter().map(RungBody::from).collect(),
         }
     }
-}
 
-impl ComparedBody {
     /// Whether the campaign is outside its forecast.
     pub fn is_outside(&self) -> bool {
         self.state == OUTSIDE

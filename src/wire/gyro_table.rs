@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use super::table::{at_cell, check_quotes, comment, reader, text_of, unknown};
+use super::table::{at_cell, check_quotes, header_line, reader, rows, text_of, too_many_cells, unknown};
 use super::text;
 use crate::core::fault::{Fault, Faults};
 use crate::core::gyro_attributes::GyroAttributesPatch;
@@ -26,7 +26,7 @@ const COLUMNS: [&str; 4] = ["serial", "batch", "type", "unit"];
 pub fn parse(bytes: &[u8]) -> Result<Vec<GyroRow>, Faults> {
     let text = text_of(bytes)?;
     let mut faults = Faults::default();
-    let first = text.lines().position(|line| !line.trim().is_empty() && comment(line).is_none()).unwrap_or(0);
+    let first = header_line(text).unwrap_or(0);
     check_quotes(text, first).map_err(|message| Faults::from(Fault { pointer: String::new(), message }))?;
     let mut reader = reader(text, first);
     let mut records = reader.records();
@@ -49,20 +49,13 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<GyroRow>, Faults> {
         let missing = message!("missing_columns", names = crate::core::message::list(["serial"]));
         faults.push("", message!("at_line", line = first + 1, fault = missing));
     }
-    let (mut rows, mut lines) = (Vec::new(), HashMap::new());
-    for record in records.filter(|_| faults.is_empty()).collect::<Vec<_>>() {
-        let record = match record {
-            Ok(record) if record.iter().all(str::is_empty) => continue,
-            Ok(record) => record,
-            Err(error) => {
-                faults.push("", message!("table_unreadable", why = format_args!("{error}")));
-                break;
-            }
-        };
-        let line = first + record.position().map_or(0, |position| position.line() as usize);
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    let (mut gyros, mut lines) = (Vec::new(), HashMap::new());
+    for (line, record) in rows(records, first, "", &mut faults) {
         if record.iter().skip(header.len()).any(|cell| !cell.is_empty()) {
-            let fault = message!("cells_under_columns", cells = record.len(), columns = header.len());
-            faults.push("", message!("at_column", line, column = header.len() + 1, fault));
+            faults.push("", too_many_cells(line, record.len(), header.len()));
             continue;
         }
         let cell = |place: usize| places[place].and_then(|column| record.get(column)).unwrap_or_default();
@@ -81,15 +74,15 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<GyroRow>, Faults> {
                     let fault = message!("serial_twice", serial = serial.to_string(), first);
                     faults.push("", at_cell(at(0), COLUMNS[0], fault));
                 }
-                None => rows.push(GyroRow { line, serial, patch }),
+                None => gyros.push(GyroRow { line, serial, patch }),
             },
             Err(fault) => faults.push("", at_cell(at(0), COLUMNS[0], fault)),
         }
     }
-    if rows.is_empty() && faults.is_empty() {
+    if gyros.is_empty() && faults.is_empty() {
         faults.push("", message!("table_without_rows"));
     }
-    faults.or(rows)
+    faults.or(gyros)
 }
 
 #[cfg(test)]

@@ -145,20 +145,24 @@ pub fn kept(notes: &[Note]) -> Option<String> {
             _ => None,
         })
         .collect();
-    (!notes.is_empty()).then(|| serde_json::json!({ "version": VERSION, "notes": notes }).to_string())
+    (!notes.is_empty()).then(|| written(&notes))
 }
 
 /// What is kept of a record, with one note more.
 pub fn with(kept: Option<&str>, note: &HistoryNote) -> String {
     let mut notes = kept.map(notes_of).unwrap_or_default();
     notes.push(Value::Object(coded(note)));
-    serde_json::json!({ "version": VERSION, "notes": notes }).to_string()
+    written(&notes)
 }
 
 /// What is kept of a record less the notes of one code.
 pub fn without(kept: &str, code: &str) -> String {
     let mut notes = notes_of(kept);
     notes.retain(|note| note.get("code").and_then(Value::as_str) != Some(code));
+    written(&notes)
+}
+
+fn written(notes: &[Value]) -> String {
     serde_json::json!({ "version": VERSION, "notes": notes }).to_string()
 }
 

@@ -49,9 +49,8 @@ fn yes() -> bool {
 }
 
 /// What is to change of a hook; what is left out stays.
-#[derive(Deserialize, ToSchema)]
+#[derive(Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields, default)]
-#[derive(Default)]
 pub struct HookPatchBody {
     pub name: Option<String>,
     pub url: Option<String>,
@@ -162,15 +161,15 @@ impl FilterBody {
 
     /// Whether the alert passes: every list that is not empty must hold it.
     pub fn wants(&self, alert: &AlertBody) -> bool {
-        let severity = |name: &str| Severity::from_name(name);
         // The alert of a station, batch or IMU stands for those of gyros that it explains.
         let of_rule = |rule: &String| {
             *rule == alert.rule || alert.explains_others() && Rule::from_name(rule).is_some_and(Rule::can_be_shared)
         };
         let of_gyro = |gyro: &String| !alert.is_of_gyro() || normal_form(gyro) == normal_form(&alert.serial);
+        let severity = Severity::from_name(&alert.severity);
         (self.rules.is_empty() || self.rules.iter().any(of_rule))
             && (self.gyros.is_empty() || self.gyros.iter().any(of_gyro))
-            && self.min_severity.as_deref().is_none_or(|least| severity(&alert.severity) >= severity(least))
+            && self.min_severity.as_deref().is_none_or(|least| severity >= Severity::from_name(least))
     }
 }
 

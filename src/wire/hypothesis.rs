@@ -109,13 +109,9 @@ impl HypothesisBody {
             common: self.common,
             range,
         };
-        match OwnHypothesis::of(written) {
+        match OwnHypothesis::of(written).map_err(|part| faults.absorb("", part)) {
             Ok(hypothesis) if faults.is_empty() => own(hypothesis),
-            Ok(_) => Err(faults),
-            Err(part) => {
-                faults.absorb("", part);
-                Err(faults)
-            }
+            _ => Err(faults),
         }
     }
 

@@ -31,9 +31,7 @@ impl MessageBody {
     pub fn of(message: &Message, language: Language) -> Self {
         Self { code: message.code.to_string(), parameters: object(message, Some(language)) }
     }
-}
 
-impl MessageBody {
     /// Its words in `language`, in which the words of what is nested are from now on, too.
     pub fn say(&mut self, language: Language) -> String {
         let nested = json!({ "code": self.code, "parameters": self.parameters });

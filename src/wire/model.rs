@@ -26,7 +26,7 @@ use crate::wire::body::{ToBody, bodies};
 use crate::wire::unit;
 
 /// An augmented error model. Without effects it is model (6), or as much of it as `terms` names.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelBody {
     /// Of the file's form: 2 where it holds the coefficients of one IMU, else 1 or left out.
@@ -173,18 +173,6 @@ pub fn to_json(model: &AugmentedModel) -> String {
 }
 
 impl ModelBody {
-    /// Model (6), each campaign with the terms that it asks for.
-    pub fn plain() -> Self {
-        Self {
-            version: None,
-            terms: Vec::new(),
-            effects: Vec::new(),
-            provenance: None,
-            identified: None,
-            plausible_sizes: BTreeMap::new(),
-        }
-    }
-
     /// Converts and checks.
     ///
     /// # Errors
@@ -271,13 +259,8 @@ impl AdoptionBody {
         let (author, reason) = text::signed("/author", self.author, self.reason, &mut faults);
         let Self { version, terms, effects, provenance, identified, plausible_sizes, .. } = self;
         let file = ModelBody { version, terms, effects, provenance, identified, plausible_sizes };
-        match file.checked() {
-            Ok(model) => faults.or((model, author, reason)),
-            Err(part) => {
-                faults.absorb("", part);
-                Err(faults)
-            }
-        }
+        let Ok(model) = file.checked().map_err(|part| faults.absorb("", part)) else { return Err(faults) };
+        faults.or((model, author, reason))
     }
 }
 
@@ -286,10 +269,7 @@ impl KnownEffectBody {
         let place = format!("/effects/{i}");
         let before = faults.0.len();
         let own = self.hypothesis.as_ref().map(HypothesisBody::to_core).transpose();
-        let own = own.unwrap_or_else(|part| {
-            faults.absorb(&format!("{place}/hypothesis"), part);
-            None
-        });
+        let own = own.map_err(|part| faults.absorb(&format!("{place}/hypothesis"), part)).ok().flatten();
         let Some(effect) = Effect::from_id(&self.effect).or(own.filter(|own| own.id() == self.effect)) else {
             let message = message!("unknown_effect", effect = sent(&self.effect), effects = effects::known());
             faults.push(format!("{place}/effect"), message);

@@ -10,7 +10,7 @@ use super::history_note;
 use crate::core::message::{Message, sent};
 use crate::core::note::Note;
 use crate::message;
-use crate::words::{Language, asked};
+use crate::words::asked;
 
 mod campaign;
 
@@ -42,7 +42,7 @@ impl NoteBody {
             Note::History(note) => history_note::parameters(note),
             _ => Map::new(),
         };
-        Self { code: note.code().into(), detail: words(note, asked()), parameters }
+        Self { code: note.code().into(), detail: asked().words(&message(note)), parameters }
     }
 }
 
@@ -61,13 +61,8 @@ fn of_kept(note: &Value) -> Option<NoteBody> {
     Some(NoteBody { code: code.into(), detail, parameters })
 }
 
-/// The note as a sentence.
-pub fn words(note: &Note, language: Language) -> String {
-    language.words(&message(note))
-}
-
 /// What a reader is told.
-pub(super) fn message(note: &Note) -> Message {
+pub fn message(note: &Note) -> Message {
     match note {
         Note::NoAttitudes => message!("no_attitudes"),
         Note::NoSite => message!("no_site"),

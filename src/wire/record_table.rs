@@ -17,7 +17,7 @@ use jiff::fmt::strtime::BrokenDownTime;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use super::table::{at_cell, check_quotes, comment, meant, number, reader, unknown};
+use super::table::{at_cell, check_quotes, comment, header_line, meant, number, reader, rows, too_many_cells, unknown};
 use crate::core::fault::{Fault, Faults};
 use crate::core::message::{Message, list, sent};
 use crate::message;
@@ -159,20 +159,16 @@ pub fn documents(text: &str, map: &TableMap) -> Option<Result<Vec<(usize, Value)
         return Some(Err(Faults::from(Fault { pointer: String::new(), message: fault })));
     }
     let mut reader = reader(text, first);
-    let mut rows = reader.records();
-    let header = rows.next()?.ok()?;
+    let mut records = reader.records();
+    let header = records.next()?.ok()?;
     let mut faults = Faults::default();
     let table = RecordTable::new(kind, &header, map, (text, first), &mut faults);
     let mut documents = Documents::default();
-    for row in rows.filter(|_| faults.is_empty()).collect::<Vec<_>>() {
-        match row {
-            Ok(row) if row.iter().all(str::is_empty) => {}
-            Ok(row) => {
-                let line = first + row.position().map_or(0, |p| p.line() as usize);
-                documents.add(&TableRow { line, cells: &row, table: &table }, &mut faults);
-            }
-            Err(error) => faults.push("", message!("table_unreadable", why = format_args!("{error}"))),
-        }
+    if !faults.is_empty() {
+        return Some(Err(faults));
+    }
+    for (line, cells) in rows(records, first, "", &mut faults) {
+        documents.add(&TableRow { line, cells: &cells, table: &table }, &mut faults);
     }
     if faults.is_empty() && documents.0.is_empty() {
         faults.push("", message!("table_without_rows"));
@@ -197,7 +193,7 @@ pub fn is_table(text: &str, map: &TableMap) -> bool {
 
 /// The line of the header, counted from 0, and what the rows below it are.
 fn found(text: &str, map: &TableMap) -> Option<(usize, RowKind)> {
-    let first = text.lines().position(|line| !line.trim().is_empty() && comment(line).is_none())?;
+    let first = header_line(text)?;
     let header = reader(text, first).records().next()?.ok()?;
     let names: Vec<Option<String>> = header.iter().map(|name| map.ours(name)).collect();
     Some((first, RowKind::of(&names).or_else(|| map.kind())?))
@@ -400,9 +396,7 @@ impl Documents {
     fn add(&mut self, row: &TableRow<'_>, faults: &mut Faults) {
         let table = row.table;
         if row.cells.iter().skip(table.header.len()).any(|cell| !cell.is_empty()) {
-            let columns = table.header.len();
-            let fault = message!("cells_under_columns", cells = row.cells.len(), columns);
-            faults.push("", message!("at_column", line = row.line, column = columns + 1, fault));
+            faults.push("", too_many_cells(row.line, row.cells.len(), table.header.len()));
             return;
         }
         let before = faults.0.len();

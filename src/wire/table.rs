@@ -43,6 +43,35 @@ fn delimiter_of(header: &str) -> u8 {
     [b'\t', b';', b','].into_iter().max_by_key(count).unwrap_or(b',')
 }
 
+/// The line of a table's header, counted from 0: the first with more than a comment.
+pub(super) fn header_line(text: &str) -> Option<usize> {
+    text.lines().position(|line| !line.trim().is_empty() && comment(line).is_none())
+}
+
+/// The rows that are not empty, each with its line counted from 1; `header`: the line of the header.
+pub(super) fn rows(
+    records: csv::StringRecordsIter<'_, &[u8]>,
+    header: usize,
+    pointer: &str,
+    faults: &mut Faults,
+) -> Vec<(usize, csv::StringRecord)> {
+    let mut rows = Vec::new();
+    for record in records {
+        match record {
+            Ok(record) if record.iter().all(str::is_empty) => {}
+            Ok(record) => rows.push((header + record.position().map_or(0, |place| place.line() as usize), record)),
+            Err(error) => faults.push(pointer, message!("table_unreadable", why = format_args!("{error}"))),
+        }
+    }
+    rows
+}
+
+/// A row with more cells than there are columns.
+pub(super) fn too_many_cells(line: usize, cells: usize, columns: usize) -> Message {
+    let fault = message!("cells_under_columns", cells, columns);
+    message!("at_column", line, column = columns + 1, fault)
+}
+
 /// A fault in the cell of a line and column.
 pub(super) fn at_cell((line, column): (usize, usize), name: &str, fault: Message) -> Message {
     message!("at_cell", line, column, name = name.to_owned(), fault)

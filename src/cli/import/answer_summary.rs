@@ -5,9 +5,10 @@ use std::fmt;
 use serde_json::Value;
 
 use crate::cli::document::note;
+use crate::cli::errors::{said, word};
 use crate::core::judge::Status;
 use crate::core::message::list;
-use crate::{message, words};
+use crate::message;
 
 /// Displays D_I and D_S of each gyro or why there are none, how many verdicts there are of each status, what was
 /// judged beyond its limit, and what could not be checked; nothing for other answers.
@@ -27,12 +28,12 @@ impl fmt::Display for AnswerSummary<'_> {
         for gyro in members(self.0, "not_separated") {
             let (slot, serial, reason) = (text(gyro, "slot"), text(gyro, "serial"), text(gyro, "reason"));
             let none = message!("terminal_no_coefficients", reason = reason.to_owned());
-            writeln!(f, "  {slot} {serial}  {}", words::asked().words(&none))?;
+            writeln!(f, "  {slot} {serial}  {}", said(none))?;
         }
         let verdicts: Vec<(Status, &Value)> = members(self.0, "verdicts")
             .filter_map(|verdict| Some((Status::from_name(text(verdict, "status"))?, verdict)))
             .collect();
-        let word = |status: Status| words::asked().word(&status.word().code);
+        let of_status = |status: Status| word(&status.word().code);
         let counts: Vec<String> = Status::ALL
             .into_iter()
             .rev()
@@ -40,16 +41,16 @@ impl fmt::Display for AnswerSummary<'_> {
             .filter(|(_, count)| *count > 0)
             .map(|(status, count)| {
                 let count = count.to_string();
-                words::asked().words(&message!("terminal_counted", count, status = word(status)))
+                said(message!("terminal_counted", count, status = of_status(status)))
             })
             .collect();
         if !counts.is_empty() {
-            writeln!(f, "  {}", words::asked().words(&message!("terminal_verdicts", counts = list(counts))))?;
+            writeln!(f, "  {}", said(message!("terminal_verdicts", counts = list(counts))))?;
         }
         for (status, verdict) in verdicts.iter().filter(|(_, verdict)| text(verdict, "state") == "exceeded") {
             let (serial, coefficient) = (text(verdict, "serial"), text(verdict, "coefficient"));
             let (rule, reason) = (text(verdict, "rule"), text(verdict, "reason"));
-            writeln!(f, "  {serial} {coefficient} {rule} {}: {reason}", word(*status))?;
+            writeln!(f, "  {serial} {coefficient} {rule} {}: {reason}", of_status(*status))?;
         }
         write!(f, "{}", Notes(self.0))
     }
@@ -79,7 +80,7 @@ pub fn withdrawn(answer: &Value) -> Option<String> {
         "set_aside" => message!("terminal_set_aside"),
         _ => return None,
     };
-    Some(words::asked().words(&why))
+    Some(said(why))
 }
 
 fn members<'a>(answer: &'a Value, name: &str) -> impl Iterator<Item = &'a Value> {

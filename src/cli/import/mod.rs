@@ -15,15 +15,17 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, bail};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 
 use super::client::{Connection, Service};
+use super::common::{block_on, progress};
 use super::document;
+use crate::cli::errors::{said, word};
 use crate::logs::error::LogError;
 use crate::logs::text::of_any;
+use crate::message;
 use crate::wire::record_table::TableMap;
 use crate::wire::text::toml_fault;
-use crate::{message, words};
 use answer_summary::AnswerSummary;
 pub(super) use answer_summary::withdrawn;
 use send::{Event, ImportCounts, Importer, PATIENCE, end};
@@ -98,11 +100,11 @@ impl Import {
         match self.watch {
             Some(dir) => {
                 let settle = self.settle.map(Duration::from_secs_f64);
-                super::block_on(watch::watch(&dir, map, settle, &service, digest))
+                block_on(watch::watch(&dir, map, settle, &service, digest))
             }
             None => {
                 let pauses: &[Duration] = if self.no_retry { &[] } else { &PATIENCE };
-                super::block_on(import(&self.files, &map, &service, digest, pauses))
+                block_on(import(&self.files, &map, &service, digest, pauses))
             }
         }
     }
@@ -124,7 +126,7 @@ fn print(path: &Path, map: &TableMap) -> anyhow::Result<()> {
             members.iter().try_for_each(|(_, text)| document::print(&String::from_utf8_lossy(text)))
         }
         Ok(_) => {
-            let nothing = words::asked().word("file_nothing_to_print");
+            let nothing = word("file_nothing_to_print");
             bail!("{}: {nothing}", path.display())
         }
         Err(unreadable) => bail!("{}: {}", path.display(), unreadable.why),
@@ -157,7 +159,7 @@ async fn import(
                     }
                 };
                 let carried = Importer::new(service, pauses, &mut tell).carry(content).await;
-                carried.with_context(|| format!("{name}: {}", words::asked().word("terminal_interrupted")))?
+                carried.with_context(|| format!("{name}: {}", word("terminal_interrupted")))?
             }
             Err(unreadable) => {
                 bar.suspend(|| eprintln!("{name}: {}", unreadable.why));
@@ -172,10 +174,10 @@ async fn import(
         end(service).await;
     }
     if files.len() > 1 {
-        document::print(&words::asked().words(&message!("terminal_together", tally = total.to_string())))?;
+        document::print(&said(message!("terminal_together", tally = total.to_string())))?;
     }
     if total.refused > 0 {
-        bail!(words::asked().words(&message!("terminal_refused", count = total.refused.to_string())));
+        bail!(said(message!("terminal_refused", count = total.refused.to_string())));
     }
     Ok(())
 }
@@ -183,9 +185,7 @@ async fn import(
 /// Counts bytes, because the number of documents in a file is known only at its end.
 fn progress_bar(files: &[PathBuf]) -> ProgressBar {
     let sizes = files.iter().filter_map(|path| std::fs::metadata(path).ok()).map(|m| m.len());
-    let style = ProgressStyle::with_template("{bar:30} {bytes}/{total_bytes} {bytes_per_sec} {msg}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(sizes.sum()).with_style(style)
+    progress(sizes.sum(), "{bar:30} {bytes}/{total_bytes} {bytes_per_sec} {msg}")
 }
 
 #[cfg(test)]

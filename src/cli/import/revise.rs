@@ -10,12 +10,12 @@ use anyhow::Context;
 use super::folder::Dir;
 use super::source::MAX_DOCUMENT_BYTES;
 use crate::cli::client::Service;
-use crate::cli::correct::{SignedReason, replace};
+use crate::cli::correct::{ReasonArgs, replace};
+use crate::cli::errors::said;
 use crate::logs::sheet::readable;
 use crate::logs::text::of_any;
 use crate::message;
 use crate::system::Clock;
-use crate::words;
 
 pub const REVISE: &str = "revise";
 /// What the file that says who and why is called after the one that it is about.
@@ -42,8 +42,8 @@ pub async fn deliver(
     settle: Duration,
     service: &Service,
 ) -> anyhow::Result<Option<RevisionOutcome>> {
-    let why = beside(name);
-    let Some(said) = text(dir, &why)? else {
+    let why = with(name, WHY);
+    let Some(typed) = text(dir, &why)? else {
         dir.write(&why, ASKED.as_bytes()).with_context(|| why.display().to_string())?;
         return Ok(Some(RevisionOutcome::Asked { now: true }));
     };
@@ -55,22 +55,21 @@ pub async fn deliver(
     if !still(name) || !still(&why) {
         return Ok(None);
     }
-    let said = of_any(&said);
-    let Some((author, reason)) = remark(&said) else {
-        if said.trim() == ASKED.trim() {
+    let typed = of_any(&typed);
+    let Some(who) = remark(&typed) else {
+        if typed.trim() == ASKED.trim() {
             return Ok(Some(RevisionOutcome::Asked { now: false }));
         }
         let why = why.display().to_string();
-        anyhow::bail!("{}", words::asked().words(&message!("terminal_revise_unsaid", file = why)));
+        anyhow::bail!("{}", said(message!("terminal_revise_unsaid", file = why)));
     };
     let as_sent = dir.stamp(name);
     let Some(bytes) = text(dir, name)? else { return Ok(None) };
     let bytes = match readable(bytes) {
         Ok(bytes) => bytes,
-        Err(fault) => return Ok(Some(RevisionOutcome::Refused(words::asked().words(&fault)))),
+        Err(fault) => return Ok(Some(RevisionOutcome::Refused(said(fault)))),
     };
-    let said = SignedReason { author: &author, reason: &reason };
-    let fate = match replace(service, &bytes, None, said).await? {
+    let fate = match replace(service, &bytes, None, &who).await? {
         Ok(done) => RevisionOutcome::Done(done),
         Err(refused) => RevisionOutcome::Refused(refused),
     };
@@ -78,10 +77,10 @@ pub async fn deliver(
     Ok((dir.stamp(name) == as_sent).then_some(fate))
 }
 
-/// The name of the file that says who and why.
-pub fn beside(name: &OsStr) -> OsString {
+/// The name of a file that belongs to another.
+pub fn with(name: &OsStr, ending: &str) -> OsString {
     let mut name = name.to_owned();
-    name.push(WHY);
+    name.push(ending);
     name
 }
 
@@ -96,7 +95,7 @@ fn text(dir: &Dir, name: &OsStr) -> std::io::Result<Option<Vec<u8>>> {
 }
 
 /// Author and reason; none where one is not said.
-fn remark(text: &str) -> Option<(String, String)> {
+fn remark(text: &str) -> Option<ReasonArgs> {
     let value = |key: &str| {
         let of_key = |line: &str| {
             let (name, value) = line.split_once([':', '：'])?;
@@ -104,16 +103,20 @@ fn remark(text: &str) -> Option<(String, String)> {
         };
         text.lines().find_map(of_key)
     };
-    Some((value("author")?, value("reason")?))
+    Some(ReasonArgs { author: value("author")?, reason: value("reason")? })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn who(author: &str, reason: &str) -> Option<ReasonArgs> {
+        Some(ReasonArgs { author: author.to_owned(), reason: reason.to_owned() })
+    }
+
     #[test]
     fn a_remark_needs_author_and_reason() {
-        let both = Some(("Li Wei".to_owned(), "wrong latitude: 34".to_owned()));
+        let both = who("Li Wei", "wrong latitude: 34");
         assert_eq!(remark("author: Li Wei\r\nReason: wrong latitude: 34\r\n"), both);
         assert_eq!(remark(ASKED), None);
         assert_eq!(remark("author: Li Wei\n"), None);
@@ -123,7 +126,7 @@ mod tests {
     #[test]
     fn who_and_why_are_read_as_notepad_saves_them() {
         const TYPED: &str = "author: 李伟\r\nreason: 纬度错误\r\n";
-        let said = Some(("李伟".to_owned(), "纬度错误".to_owned()));
+        let said = who("李伟", "纬度错误");
         let gbk = encoding_rs::GBK.encode(TYPED).0;
         let little: Vec<u8> = [0xfeff].into_iter().chain(TYPED.encode_utf16()).flat_map(u16::to_le_bytes).collect();
         for bytes in [TYPED.as_bytes(), &gbk, &little] {

@@ -10,14 +10,15 @@ use serde_json::Value;
 
 use super::source::{Content, ImportDocument, MAX_DOCUMENT_BYTES, read_line};
 use crate::cli::client::{ImportLineAnswer, Sent, Service, Trouble};
+use crate::cli::errors::said;
 use crate::cli::faults;
 use crate::core::message::list;
 use crate::core::note::Note;
+use crate::message;
 use crate::wire::differences::counted;
 use crate::wire::document::DocumentKind;
 use crate::wire::note;
 use crate::wire::problem::ProblemBody;
-use crate::{message, words};
 
 /// A batch ends at either: enough to share a commit, little enough to answer soon.
 const BATCH_LINES: usize = 1000;
@@ -48,19 +49,10 @@ impl AddAssign for ImportCounts {
     }
 }
 
-fn count(of: u64) -> String {
-    of.to_string()
-}
-
 impl std::fmt::Display for ImportCounts {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { stored, known, refused } = *self;
-        f.write_str(&words::asked().words(&message!(
-            "terminal_tally",
-            stored = count(stored),
-            known = count(known),
-            refused = count(refused)
-        )))
+        let [stored, known, refused] = [self.stored, self.known, self.refused].map(|count| count.to_string());
+        f.write_str(&said(message!("terminal_tally", stored, known, refused)))
     }
 }
 
@@ -125,7 +117,7 @@ impl<'a> Importer<'a> {
             Content::Members(members) => self.carry_members(&members).await?,
             Content::Table(members, open) => {
                 if let Some(open @ Note::NoLineEnd { line, .. }) = &open {
-                    let note = note::words(open, words::asked());
+                    let note = said(note::message(open));
                     (self.tell)(Event::Noted { line: *line as u64, note: &note });
                 }
                 self.of_table = true;
@@ -157,7 +149,7 @@ impl<'a> Importer<'a> {
                 (self.tell)(Event::Answered(&answer));
             }
             Sent::Refused(problem) => {
-                self.refuse(None, of_document(&problem, &body).unwrap_or_else(|| in_words(&problem, &body, false)))
+                self.refuse(None, of_document(&problem, &body).unwrap_or_else(|| refusal(&problem, &body, false)))
             }
         }
         (self.tell)(Event::Carried { bytes });
@@ -193,7 +185,7 @@ impl<'a> Importer<'a> {
             answer
                 .error
                 .as_ref()
-                .map_or_else(|| format!("status {}", answer.status), |p| in_words(p, text, self.of_table))
+                .map_or_else(|| format!("status {}", answer.status), |p| refusal(p, text, self.of_table))
         };
         match answer.status {
             200 | 201 => {
@@ -273,14 +265,14 @@ fn skip_line(reader: &mut dyn BufRead) -> std::io::Result<()> {
 
 /// Asks again after each of `pauses` while that can help; the service's own Retry-After goes before them.
 async fn patiently<T>(pauses: &[Duration], mut attempt: impl AsyncFnMut() -> Result<T, Trouble>) -> Result<T, Trouble> {
-    let mut said = false;
+    let mut told = false;
     for &pause in pauses {
         let trouble = match attempt().await {
             Err(trouble @ (Trouble::Again { .. } | Trouble::Away(_))) => trouble,
             decided => return decided,
         };
-        if !std::mem::replace(&mut said, true) {
-            eprintln!("{}", words::asked().words(&message!("terminal_again", trouble = trouble.to_string())));
+        if !std::mem::replace(&mut told, true) {
+            eprintln!("{}", said(message!("terminal_again", trouble = trouble.to_string())));
         }
         let pause = match trouble {
             Trouble::Again { after: Some(after), .. } => after.min(LONGEST_PAUSE),
@@ -293,14 +285,14 @@ async fn patiently<T>(pauses: &[Duration], mut attempt: impl AsyncFnMut() -> Res
 
 /// The places at fault, or the detail where the problem names none. Of a conflict the detail too: it alone names what
 /// stands in the way, and how the two differ.
-fn in_words(problem: &ProblemBody, body: &[u8], of_table: bool) -> String {
+fn refusal(problem: &ProblemBody, body: &[u8], of_table: bool) -> String {
     if let (true, Some(id)) = (problem.message.code.starts_with("differs"), &problem.existing) {
         return format!("{}; {}", problem.detail, way_out(id, body));
     }
     if problem.errors.is_empty() || problem.status == 409 {
         return problem.detail.clone();
     }
-    if let Some(words) = faults::of_problem(problem, words::asked()) {
+    if let Some(words) = faults::of_problem(problem) {
         return words;
     }
     let place = |pointer: &str| match pointer {
@@ -312,7 +304,7 @@ fn in_words(problem: &ProblemBody, body: &[u8], of_table: bool) -> String {
     places.collect::<Vec<_>>().join("; ")
 }
 
-/// As [`in_words`], of a document that was sent alone and is stored with other content: which it is, and where they
+/// As [`refusal`], of a document that was sent alone and is stored with other content: which it is, and where they
 /// differ, as its table counts.
 fn of_document(problem: &ProblemBody, body: &[u8]) -> Option<String> {
     let existing = problem.existing.as_ref().filter(|_| problem.message.code.starts_with("differs"))?;
@@ -323,13 +315,13 @@ fn of_document(problem: &ProblemBody, body: &[u8]) -> Option<String> {
         true => message!("stored_otherwise", what, at, id = existing.clone()),
         false => message!("stored_otherwise_at", what, at, id = existing.clone(), places = list(places)),
     };
-    Some(format!("{}; {}", words::asked().words(&differs), way_out(existing, body)))
+    Some(format!("{}; {}", said(differs), way_out(existing, body)))
 }
 
 /// What takes a stored item out of the way of a right one; a bench result cannot be revised.
 fn way_out(existing: &str, body: &[u8]) -> String {
     let id = existing.to_owned();
-    words::asked().words(&match DocumentKind::of(body) {
+    said(match DocumentKind::of(body) {
         DocumentKind::Bench => message!("replace_bench", id),
         _ => message!("replace_it", id),
     })
@@ -354,7 +346,7 @@ pub(super) async fn end(service: &Service) {
     let ended = service.clone().telling("?notify=digest").import(Bytes::new(), 0).await;
     if let Err(trouble) = ended {
         let late = message!("terminal_digest_late", trouble = trouble.to_string());
-        eprintln!("{}", words::asked().words(&late));
+        eprintln!("{}", said(late));
     }
 }
 

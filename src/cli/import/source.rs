@@ -15,16 +15,16 @@ use crate::cli::Usage;
 use crate::cli::client::JSON;
 use crate::cli::document::name;
 use crate::cli::errors::said;
-use crate::cli::faults::in_words;
+use crate::cli::faults;
 use crate::core::fault::Faults;
 use crate::core::message::Message;
 use crate::core::note::Note;
 use crate::logs::sheet::readable;
+use crate::message;
 use crate::wire::json::said_of;
 use crate::wire::note;
 use crate::wire::record_table::{TableMap, documents};
 use crate::wire::table::open_end;
-use crate::{message, words};
 
 /// Longest line, and largest single document: far above any campaign, far below memory.
 pub const MAX_DOCUMENT_BYTES: u64 = 16 << 20;
@@ -158,11 +158,10 @@ fn classify(text: Vec<u8>, map: &TableMap, patience: Patience) -> Result<Content
         let text = readable(text).map_err(|fault| unreadable(&fault, Duration::ZERO))?;
         let open = open_end(&text);
         if let (Patience::Waits, Some(open)) = (patience, &open) {
-            return Err(Unreadable { why: note::words(open, words::asked()), may_go_on: CUT_SHORT });
+            return Err(Unreadable { why: said(note::message(open)), may_go_on: CUT_SHORT });
         }
         if let Some(documents) = std::str::from_utf8(&text).ok().and_then(|text| documents(text, map)) {
-            let refused =
-                |faults: Faults| Unreadable { why: in_words(&faults.0, words::asked()), may_go_on: Duration::ZERO };
+            let refused = |found: Faults| Unreadable { why: faults::in_words(&found), may_go_on: Duration::ZERO };
             let lines = documents.map_err(refused)?.into_iter();
             let lines = lines.map(|(line, document)| (line as u64, document.to_string().into_bytes()));
             return Ok(Content::Table(lines.collect(), open));
@@ -214,7 +213,7 @@ fn not_json(error: serde_json::Error) -> Unreadable {
 }
 
 fn unreadable(why: &Message, may_go_on: Duration) -> Unreadable {
-    Unreadable { why: words::asked().words(why), may_go_on }
+    Unreadable { why: said(why), may_go_on }
 }
 
 fn starts_with(text: &[u8], first: u8) -> bool {

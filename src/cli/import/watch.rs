@@ -15,19 +15,18 @@ use anyhow::Context;
 
 use super::answer_summary::AnswerSummary;
 use super::folder::{Dir, FileStamp};
-use super::revise::{self, REVISE, WHY};
+use super::revise::{self, REVISE, WHY, with};
 use super::send::{Event, ImportCounts, Importer, Refusal, end};
 use super::source::{self, Content, Patience};
 use crate::cli::client::{Service, Trouble};
 use crate::cli::document;
-use crate::cli::errors::{in_words, said};
+use crate::cli::errors::{said, with_causes, word};
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::system::Clock;
 use crate::wire::record_table::TableMap;
 use crate::wire::time;
-use crate::words::asked;
 
 const POLL: Duration = Duration::from_millis(200);
 /// How long a file must not change before it is sent: one document in JSON, and what has no end of its own.
@@ -53,7 +52,7 @@ pub async fn watch(
     digest: bool,
 ) -> anyhow::Result<()> {
     let mut folder = Folder { map, digest, ..Folder::open(dir, settle)? };
-    announce(&message!("terminal_watching", folder = dir.display().to_string(), service = service.base().to_string()));
+    announce(message!("terminal_watching", folder = dir.display().to_string(), service = service.base().to_string()));
     loop {
         folder.pass(service).await;
         folder.revise(service).await;
@@ -160,7 +159,7 @@ impl Folder {
         }
         match self.revise_all(&service.clone().telling("")).await {
             Ok(()) => self.revising.over(),
-            Err(error) => self.revising.again(&stays(format!("{REVISE}: {}", in_words(&error))), None),
+            Err(error) => self.revising.again(&stays(format!("{REVISE}: {}", with_causes(&error))), None),
         }
     }
 
@@ -180,7 +179,7 @@ impl Folder {
                     Ok(()) => trials.over(),
                     Err(error) => match error.downcast_ref::<Trouble>() {
                         Some(Trouble::Away(_)) => return Err(error),
-                        _ => trials.again(&stays(format!("{REVISE}/{shown}: {}", in_words(&error))), None),
+                        _ => trials.again(&stays(format!("{REVISE}/{shown}: {}", with_causes(&error))), None),
                     },
                 }
             }
@@ -196,7 +195,7 @@ impl Folder {
             None | Some(revise::RevisionOutcome::Asked { now: false }) => return Ok(()),
             Some(revise::RevisionOutcome::Asked { now: true }) => {
                 let file = shown.into_owned();
-                announce(&message!(
+                announce(message!(
                     "terminal_revise_asked",
                     file = format!("{REVISE}/{file}"),
                     beside = format!("{file}{WHY}")
@@ -212,7 +211,7 @@ impl Folder {
             target.write(&with(&new_name, ".reason.txt"), format!("{words}\n").as_bytes())?;
         }
         dir.move_to(name, &target, &new_name)?;
-        dir.move_to(&revise::beside(name), &target, &free_name(&target, &revise::beside(&new_name)))?;
+        dir.move_to(&with(name, WHY), &target, &free_name(&target, &with(&new_name, WHY)))?;
         say(&format!("{REVISE}/{shown}: {words}"));
         Ok(())
     }
@@ -230,7 +229,7 @@ impl Folder {
             let Some(stamp) = self.dir.stamp(&name) else {
                 if self.dir.is_link(&name) {
                     if !self.links.contains(&name) {
-                        announce(&message!("terminal_link", file = text.into_owned()));
+                        announce(message!("terminal_link", file = text.into_owned()));
                     }
                     links.insert(name);
                 }
@@ -300,7 +299,7 @@ impl Folder {
                 let note = with(&target, ".reason.txt");
                 refused.write(&note, reasons.as_bytes()).with_context(|| note.display().to_string())?;
                 self.move_to(name, &refused, &target)?;
-                let refused = asked().word("terminal_file_refused");
+                let refused = word("terminal_file_refused");
                 say(&format!("{shown}: {refused}\n{}", reasons.trim_end()));
             }
             Fate::Unfinished => {}
@@ -326,7 +325,7 @@ impl Folder {
     fn again(&mut self, name: &OsStr, error: &anyhow::Error, after: Option<Duration>) {
         if let Some(waiting) = self.waiting.get_mut(name) {
             let path = self.path.join(name);
-            waiting.trouble.again(&stays(format!("{}: {}", path.display(), in_words(error))), after);
+            waiting.trouble.again(&stays(format!("{}: {}", path.display(), with_causes(error))), after);
         }
     }
 }
@@ -368,12 +367,6 @@ fn reasons(refusals: &[Refusal]) -> String {
     refusals.iter().map(|refusal| format!("{refusal}\n")).collect()
 }
 
-fn with(name: &OsStr, ending: &str) -> OsString {
-    let mut name = name.to_owned();
-    name.push(ending);
-    name
-}
-
 /// `name`, or `name.2`, `name.3`, … where earlier files of that name have gone before.
 fn free_name(dir: &Dir, name: &OsStr) -> OsString {
     let numbered = (2..).map(|n| with(name, &format!(".{n}")));
@@ -381,15 +374,15 @@ fn free_name(dir: &Dir, name: &OsStr) -> OsString {
     names.find(|name| !dir.has(name)).expect("some number is free, or the directory would be infinite")
 }
 
-/// One event a line, with its time: what an operator, or the journal, reads.
 fn stays(trouble: String) -> String {
-    asked().words(&message!("terminal_stays", trouble))
+    said(message!("terminal_stays", trouble))
 }
 
-fn announce(message: &Message) {
-    say(&asked().words(message));
+fn announce(message: Message) {
+    say(&said(message));
 }
 
+/// One event a line, with its time: what an operator, or the journal, reads.
 fn say(words: &str) {
     let now = Clock::System.now();
     let whole_second = UtcMicros(now.0 - now.0.rem_euclid(UtcMicros::SECOND));

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 
+use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
 use crate::cli::errors::said;
-use crate::config::Config;
 use crate::message;
 use crate::store::{self, Holdings};
 
@@ -16,24 +16,23 @@ use crate::store::{self, Holdings};
 pub struct Backup {
     /// The file to write; it must not exist
     file: PathBuf,
-    /// Configuration file that names the database; repeat for several, later ones win [default: config/*.toml]
-    #[arg(long = "config", value_name = "FILE")]
-    config: Vec<PathBuf>,
+    #[command(flatten)]
+    config: ConfigArgs,
 }
 
 impl Backup {
     pub fn run(self) -> anyhow::Result<()> {
-        let database = Config::load(&self.config, std::env::vars())?.database;
+        let database = self.config.load()?.database;
         let copied = block_on(async { Ok(store::backup(&database.options(), &self.file).await?) });
         let holdings =
             copied.with_context(|| said(message!("terminal_not_backed_up", database = database.options().shown())))?;
-        println!("{}: {}", self.file.display(), in_words(&holdings));
+        println!("{}: {}", self.file.display(), holdings_said(&holdings));
         Ok(())
     }
 }
 
 /// What was found whole.
-pub(super) fn in_words(holdings: &Holdings) -> String {
+pub(super) fn holdings_said(holdings: &Holdings) -> String {
     let Holdings { gyros, records, figures, bench_results } = holdings;
     said(message!(
         "terminal_holdings",

@@ -9,19 +9,19 @@ use clap::Args;
 use comfy_table::Table;
 
 use super::hypothesis;
-use super::tallies::{figures, percent, progress};
+use super::tallies::{figures, percent, progress, target};
 use crate::blindcheck::answer::Answer;
 use crate::blindcheck::draw::{Case, Draw};
 use crate::blindcheck::hypothesis::{FOUND, HypothesisReport, NoReport};
 use crate::blindcheck::kind::{CampaignKind, KINDS, KindRow, row};
-use crate::blindcheck::report::{Goal, Report};
+use crate::blindcheck::report::{Goal, Milliseconds, Report};
 use crate::blindcheck::run::{Foreign, drawn, file_name, foreign, key, key_text};
 use crate::blindcheck::score::Score;
 use crate::blindcheck::seal;
 use crate::blindcheck::tally::Tally;
 use crate::cli::common::positive;
-use crate::cli::document::{Format, table, table_of, write, write_all};
-use crate::cli::errors::said;
+use crate::cli::document::{Format, part_of, table_of, write, write_all};
+use crate::cli::errors::{said, word};
 use crate::cli::faults;
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::diagnose::diagnose;
@@ -29,7 +29,7 @@ use crate::core::effects::Effect;
 use crate::simulate::Scenario;
 use crate::simulate::cause::{CATALOGUE, listed};
 use crate::simulate::truth::Key;
-use crate::{blindcheck, message, wire, words};
+use crate::{blindcheck, message, wire};
 
 /// Draw campaigns with a hidden cause, diagnose them from their file alone, score the answers
 ///
@@ -143,7 +143,7 @@ impl Blindcheck {
         let report = Report::of(&seal, scores);
         self.format.show(&report, || tables(&report, begun.elapsed().as_secs_f64()))?;
         if self.strict && !report.reached() {
-            bail!(said(message!("terminal_not_reached")));
+            bail!(word("terminal_not_reached"));
         }
         Ok(())
     }
@@ -174,7 +174,7 @@ impl Blindcheck {
         let report = blindcheck::hypothesis::hypothesis(effect, design, sizes, &asked, &|| bar.inc(1));
         bar.finish_and_clear();
         let report = report.map_err(|why| match why {
-            NoReport::Scenario(faults) => Error::from(faults).context(said(message!("terminal_scenario"))),
+            NoReport::Scenario(faults) => Error::from(faults).context(word("terminal_scenario")),
             NoReport::NotPossible(why) => Error::from(why).context(path.display().to_string()),
         })?;
         self.format.show(&report, || hypothesis_tables(&report))
@@ -230,8 +230,7 @@ fn plain(text: &str) -> Result<Answer, String> {
 
 /// The diagnosis as a user gets it, with hypotheses asked: from the file's text to the answer's JSON.
 fn diagnosed(text: &str, hypotheses: &[Effect]) -> Result<Answer, String> {
-    let campaign =
-        wire::campaign::parse_json(text.as_bytes()).map_err(|found| faults::in_words(&found.0, words::asked()))?;
+    let campaign = wire::campaign::parse_json(text.as_bytes()).map_err(|found| faults::in_words(&found))?;
     let options = Options { hypotheses: hypotheses.to_vec(), ..Options::default() };
     let diagnosis = diagnose(&campaign, &options).map_err(|refusal| said(refusal.message()))?;
     let json = serde_json::to_value(wire::diagnosis::DiagnosisBody::from(&diagnosis)).map_err(|e| e.to_string())?;
@@ -243,67 +242,50 @@ fn keep_campaigns(draw: &Draw, count: usize, folder: &Path) -> anyhow::Result<()
     write_all(folder, (0..count).map(drawn))
 }
 
-const KEY: &str =
-    "named: the effect itself, or a class that holds it because the campaign cannot tell its members apart";
-
 fn tables(report: &Report, seconds: f64) -> String {
+    let (count, seal) = (report.campaigns, report.seal.clone());
     let mut parts = vec![
-        format!("{} campaigns, key SHA-256 {}", report.campaigns, report.seal),
-        format!("{}\n{KEY}", goals(report)),
+        said(message!("terminal_blind_campaigns", count, seal)),
+        format!("{}\n{}", goals(report), word("terminal_blind_key")),
     ];
-    for (title, groups) in [
-        ("one effect, named: by effect", &report.by_effect),
-        ("by set of positions", &report.by_design),
-        ("by standard errors", &report.by_standard_errors),
-        ("outside the catalogue, partly or not explained", &report.by_outside_family),
+    for (head, groups) in [
+        ("terminal_by_effect_head", &report.by_effect),
+        ("terminal_by_design_head", &report.by_design),
+        ("terminal_by_errors_head", &report.by_standard_errors),
+        ("terminal_by_family_head", &report.by_outside_family),
     ] {
         if !groups.is_empty() {
-            parts.push(by_group(title, groups).to_string());
+            parts.push(by_group(head, groups).to_string());
         }
     }
     parts.push(confusion(report).to_string());
     parts.extend(report.errors.iter().map(|why| no_answer(why)));
-    let time = report.milliseconds;
-    parts.push(format!(
-        "one diagnosis: median {:.1} ms, 99 % {:.1} ms, most {:.1} ms; all campaigns: {seconds:.1} s",
-        time.median, time.p99, time.most
-    ));
+    let Milliseconds { median, p99, most } = report.milliseconds;
+    let [median, p99, most, seconds] = [median, p99, most, seconds].map(|time| format!("{time:.1}"));
+    parts.push(said(message!("terminal_blind_times", median, p99, most, seconds)));
     parts.join("\n\n")
 }
 
 fn goals(report: &Report) -> Table {
-    let mut table = table(["case", "hits", "trials", "rate", "95 % interval", "to reach", ""], 1..4);
+    let mut table = table_of("terminal_goals_head", 1..4);
     for row in &report.rows {
-        let goal = row.to_reach.map_or(String::new(), |goal| match goal {
-            Goal::AtLeast(share) => format!(">= {}", percent(share)),
-            Goal::AtMost(share) => format!("<= {}", percent(share)),
-        });
-        let mark = row.reached.map_or("", |reached| if reached { "reached" } else { "NOT REACHED" });
+        let (at_least, at_most) = match row.to_reach {
+            Some(Goal::AtLeast(share)) => (Some(share), None),
+            Some(Goal::AtMost(share)) => (None, Some(share)),
+            None => (None, None),
+        };
+        let [goal, mark] = target(at_least, at_most, row.reached);
         let [hits, trials, rate, interval] = figures(&row.tally);
-        table.add_row([row.what.to_owned(), hits, trials, rate, interval, goal, mark.to_owned()]);
+        table.add_row([row.what.to_owned(), hits, trials, rate, interval, goal, mark]);
     }
     table
 }
 
 fn kind_table(rows: &[KindRow]) -> String {
-    let head = [
-        "kind",
-        "campaigns",
-        "confident wrong",
-        "doubted wrong",
-        "all named, of those that can be seen",
-        "visibly in part, explained as whole",
-        "closure in its interval",
-        "gap, no name",
-        "noise said",
-        "described",
-        "median, ms",
-        "no answer",
-    ];
-    let mut table = table(head, 1..12);
+    let mut table = table_of("terminal_kinds_head", 1..12);
     for row in rows {
         let hits = |tally: &Tally| tally.hits.to_string();
-        let share = |of: &Tally| if of.trials > 0 { format!("{} of {}", of.hits, of.trials) } else { String::new() };
+        let share = |of: &Tally| if of.trials > 0 { part_of(hits(of), of.trials as u64) } else { String::new() };
         table.add_row([
             row.kind.to_owned(),
             row.confident_wrong.trials.to_string(),
@@ -371,8 +353,8 @@ fn no_answer(why: &str) -> String {
     said(message!("terminal_undiagnosed", why = why.to_owned()))
 }
 
-fn by_group(title: &str, groups: &BTreeMap<String, Tally>) -> Table {
-    let mut table = table([title, "hits", "trials", "rate", "95 % interval"], 1..4);
+fn by_group(head: &str, groups: &BTreeMap<String, Tally>) -> Table {
+    let mut table = table_of(head, 1..4);
     for (name, tally) in groups {
         let [hits, trials, rate, interval] = figures(tally);
         table.add_row([name.clone(), hits, trials, rate, interval]);
@@ -381,7 +363,7 @@ fn by_group(title: &str, groups: &BTreeMap<String, Tally>) -> Table {
 }
 
 fn confusion(report: &Report) -> Table {
-    let mut table = table(["hidden", "named (- nothing), how often"], 0..0);
+    let mut table = table_of("terminal_confusion_head", 0..0);
     for (hidden, named) in &report.confusion {
         let mut counts: Vec<(&String, &usize)> = named.iter().collect();
         counts.sort_by(|a, b| b.1.cmp(a.1));

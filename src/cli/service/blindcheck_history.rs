@@ -6,13 +6,13 @@ use anyhow::{Error, bail};
 use clap::Args;
 
 use super::blindcheck_service::ask;
-use super::tallies::{figures, percent, progress};
+use super::tallies::{figures, progress, target};
 use crate::blindcheck::history::draw::{DrawnFleet, HiddenCause};
 use crate::blindcheck::history::report::{HistoryRate, HistoryReport};
 use crate::blindcheck::history::run;
 use crate::blindcheck::history::speed::{Speed, measure};
-use crate::cli::document::{Format, print, print_json, table};
-use crate::cli::errors::{in_words, said};
+use crate::cli::document::{Format, table_of};
+use crate::cli::errors::{said, with_causes, word};
 use crate::message;
 
 /// Draw fleets with a hidden cause, send each to a service of its own, score what it answers of every gyro
@@ -52,51 +52,42 @@ impl History {
     pub fn run(self) -> anyhow::Result<()> {
         if let Some(gyros) = self.speed {
             let speed = measure(self.seed, gyros);
-            return match self.format {
-                Format::Json => print_json(&speed),
-                Format::Table => print(&shown(&speed)),
-            };
+            return self.format.show(&speed, || shown(&speed));
         }
         let kinds = if self.kind.is_empty() { HiddenCause::ALL.to_vec() } else { self.kind.clone() };
         let bar = progress(kinds.len() * self.count as usize, "fleets");
         let begun = Instant::now();
         let services = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
-        let answers = |fleet: &DrawnFleet| services.block_on(ask(fleet)).map_err(|error| in_words(&error));
+        let answers = |fleet: &DrawnFleet| services.block_on(ask(fleet)).map_err(|error| with_causes(&error));
         let scores = run(self.seed, self.count as usize, &kinds, &answers, &|| bar.inc(1)).map_err(Error::msg)?;
         bar.finish_and_clear();
         let report = HistoryReport::of(self.seed, &scores);
-        match self.format {
-            Format::Json => print_json(&report)?,
-            Format::Table => print(&tables(&report, begun.elapsed().as_secs_f64()))?,
-        }
+        self.format.show(&report, || tables(&report, begun.elapsed().as_secs_f64()))?;
         if self.strict && !report.reached() {
-            bail!(said(message!("terminal_not_reached")));
+            bail!(word("terminal_not_reached"));
         }
         Ok(())
     }
 }
 
 fn shown(speed: &Speed) -> String {
-    let Speed { gyros, records, threads, fleet_s, of_one, one_ms, slowest_ms } = speed;
-    format!(
-        "{gyros} gyros with {records} records in {fleet_s:.1} s on {threads} threads\n\
-         one gyro with {of_one} records and 40 peers: {one_ms:.1} ms (median), {slowest_ms:.1} ms (slowest)"
-    )
+    let &Speed { gyros, records, threads, fleet_s, of_one, one_ms, slowest_ms } = speed;
+    let [fleet_s, one_ms, slowest_ms] = [fleet_s, one_ms, slowest_ms].map(|time| format!("{time:.1}"));
+    said(message!("terminal_speed", gyros, records, threads, fleet_s, of_one, one_ms, slowest_ms))
 }
 
 fn tables(report: &HistoryReport, seconds: f64) -> String {
-    let mut rows = table(["what", "hits", "trials", "rate", "95 % interval", "to reach", ""], 1..4);
+    let mut rows = table_of("terminal_fleet_goals_head", 1..4);
     for HistoryRate { what, tally, at_least, at_most, reached } in &report.rows {
-        let goal = at_least.map(|share| format!(">= {}", percent(share)));
-        let goal = goal.or(at_most.map(|share| format!("<= {}", percent(share)))).unwrap_or_default();
-        let mark = reached.map_or("", |reached| if reached { "reached" } else { "NOT REACHED" });
+        let [goal, mark] = target(*at_least, *at_most, *reached);
         let [hits, trials, rate, interval] = figures(tally);
-        rows.add_row([what.clone(), hits, trials, rate, interval, goal, mark.to_owned()]);
+        rows.add_row([what.clone(), hits, trials, rate, interval, goal, mark]);
     }
-    let mut confusion = table(["hidden", "named instead (- nothing), how often"], 0..0);
+    let mut confusion = table_of("terminal_named_instead_head", 0..0);
     for (kind, named) in &report.confusion {
         let counts: Vec<String> = named.iter().map(|(name, count)| format!("{name} {count}")).collect();
         confusion.add_row([(*kind).to_owned(), counts.join(", ")]);
     }
-    format!("{} fleets of seed {}, {seconds:.1} s\n\n{rows}\n\n{confusion}", report.fleets, report.seed)
+    let (fleets, seed, seconds) = (report.fleets, report.seed.to_string(), format!("{seconds:.1}"));
+    format!("{}\n\n{rows}\n\n{confusion}", said(message!("terminal_blind_fleets", fleets, seed, seconds)))
 }

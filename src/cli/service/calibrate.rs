@@ -6,8 +6,8 @@ use anyhow::{Context, bail};
 
 use super::separate::{SeparationMethod, check_kind, drift_and_mounting, figure};
 use super::{model, settings};
-use crate::cli::document::{self, Format, part_of, table_of};
-use crate::cli::errors::said;
+use crate::cli::document::{self, Format, coefficient, part_of, table_of};
+use crate::cli::errors::{said, word};
 use crate::config::Config;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::calibrate::repeats_between::repeated;
@@ -17,7 +17,6 @@ use crate::message;
 use crate::wire::calibration::{CampaignAnswer, CampaignsAnswer, GyroFitBody, RepeatedBody};
 use crate::wire::document::{DocumentKind, parse};
 use crate::wire::unit;
-use crate::words::asked;
 
 /// Dwells with the largest standardised residuals that the table shows.
 const SHOWN_RESIDUALS: usize = 5;
@@ -92,12 +91,12 @@ impl Calibrate {
         let mut campaign = config.stations.complete(parse(&bytes).with_context(file)?);
         let chosen = model::chosen(self.model.as_ref())?;
         for note in chosen.notes_of_others(&campaign) {
-            eprintln!("{}: {}", file(), asked().words(&note));
+            eprintln!("{}: {}", file(), said(note));
         }
         let options = chosen.options(&campaign);
         campaign.model = options.terms;
         if campaign.test != TestKind::Imu && !options.adopted.is_empty() {
-            bail!("{}: {}", file(), said(message!("model_effects_of_imu")));
+            bail!("{}: {}", file(), word("model_effects_of_imu"));
         }
         let limits = config.plausibility.limits();
         campaign.check_known_scales(&limits).with_context(file)?;
@@ -111,7 +110,7 @@ impl Calibrate {
 fn tables_between(fitted: &[FittedFile], between: &[RepeatedBody]) -> String {
     let mut each = table_of("terminal_campaigns_head", 4..6);
     let (imu, count) = (fitted[0].answer.imu.clone(), fitted.len().to_string());
-    let mut text = format!("{}\n\n", asked().words(&message!("terminal_campaigns", imu, count)));
+    let mut text = format!("{}\n\n", said(message!("terminal_campaigns", imu, count)));
     for FittedFile { file, answer, .. } in fitted {
         for s in &answer.separations {
             each.add_row([
@@ -124,7 +123,7 @@ fn tables_between(fitted: &[FittedFile], between: &[RepeatedBody]) -> String {
             ]);
         }
     }
-    text.push_str(&format!("{}\n{each}\n", asked().word("terminal_drift")));
+    text.push_str(&format!("{}\n{each}\n", word("terminal_drift")));
     let mut repeats = table_of("terminal_repeats_head", 5..10);
     for r in between {
         let [low, high] = r.ratio_interval;
@@ -142,10 +141,10 @@ fn tables_between(fitted: &[FittedFile], between: &[RepeatedBody]) -> String {
             beyond,
         ]);
     }
-    text.push_str(&format!("\n{}\n{repeats}\n", asked().word("terminal_repeats")));
+    text.push_str(&format!("\n{}\n{repeats}\n", word("terminal_repeats")));
     let beyond: Vec<String> =
         between.iter().filter(|r| r.beyond_sd > 0.0).map(|r| format!("{} {}", r.slot.name(), r.coefficient)).collect();
-    text.push_str(&asked().words(&match beyond.as_slice() {
+    text.push_str(&said(match beyond.as_slice() {
         [] if between.is_empty() => message!("terminal_repeats_nothing"),
         [] => message!("terminal_repeats_none"),
         some => message!("terminal_repeats_beyond", coefficients = some.join(", ")),
@@ -163,7 +162,7 @@ fn remarks(answer: &CampaignAnswer) -> impl Iterator<Item = String> {
     let separated = answer.not_separated.iter().map(|gyro| {
         let slot = gyro.slot.name().to_owned();
         let (serial, reason) = (gyro.serial.clone(), gyro.reason.clone());
-        asked().words(&message!("terminal_not_separated", slot, serial, reason))
+        said(message!("terminal_not_separated", slot, serial, reason))
     });
     separated.chain(answer.notes.iter().map(|note| document::note(&note.detail)))
 }
@@ -178,7 +177,7 @@ fn tables(campaign: &Campaign, outcome: &Outcome, answer: &CampaignAnswer) -> St
         dwells = calibration.dwells,
         model = calibration.model.join(", ")
     );
-    let mut text = format!("{}\n\n", asked().words(&head));
+    let mut text = format!("{}\n\n", said(head));
     text.push_str(&fit_table(&calibration.gyros));
     text.push_str(&parameter_table(&calibration.gyros));
     text.push_str(&residual_table(campaign, &calibration.gyros));
@@ -214,9 +213,9 @@ fn uncertainty_table(answer: &CampaignAnswer) -> String {
     let stated = if answer.calibration.station_uncertainty.stated {
         String::new()
     } else {
-        format!("{}\n", asked().word("terminal_uncertainties_unstated"))
+        format!("{}\n", word("terminal_uncertainties_unstated"))
     };
-    format!("\n{}\n{parts}\n{stated}", asked().word("terminal_uncertainties"))
+    format!("\n{}\n{parts}\n{stated}", word("terminal_uncertainties"))
 }
 
 fn fit_table(gyros: &[GyroFitBody]) -> String {
@@ -226,7 +225,7 @@ fn fit_table(gyros: &[GyroFitBody]) -> String {
         let factor = match (noise.sem_factor, noise.sem_factor_sd) {
             (Some(f), Some(sd)) if sd > 0.0 => {
                 let (source, factor) = (noise.source.clone(), format!("{f:.2} ± {sd:.2}"));
-                asked().words(&message!("terminal_fit_source", source, factor))
+                said(message!("terminal_fit_source", source, factor))
             }
             _ => noise.source.clone(),
         };
@@ -244,17 +243,17 @@ fn fit_table(gyros: &[GyroFitBody]) -> String {
         ]);
     }
     let gauges: Vec<String> = gyros.iter().flat_map(|g| &g.null_directions).filter_map(|n| n.gauge.clone()).collect();
-    let gauge = gauges.first().map_or(String::new(), |gauge| {
-        format!("{}\n", asked().words(&message!("terminal_gauge", gauge = gauge.clone())))
-    });
-    format!("{}\n{fits}\n{gauge}\n", asked().word("terminal_fit"))
+    let gauge = gauges
+        .first()
+        .map_or(String::new(), |gauge| format!("{}\n", said(message!("terminal_gauge", gauge = gauge.clone()))));
+    format!("{}\n{fits}\n{gauge}\n", word("terminal_fit"))
 }
 
 fn parameter_table(gyros: &[GyroFitBody]) -> String {
     let mut parameters = table_of("terminal_parameters_head", 2..3);
     for gyro in gyros {
         for p in &gyro.parameters {
-            let remark = if p.determined { "" } else { asked().word("terminal_not_determined") };
+            let remark = if p.determined { "" } else { word("terminal_not_determined") };
             parameters.add_row([
                 gyro.slot.name().to_owned(),
                 p.name.clone(),
@@ -267,13 +266,13 @@ fn parameter_table(gyros: &[GyroFitBody]) -> String {
             parameters.add_row([
                 gyro.slot.name().to_owned(),
                 format!("{} {}", e.effect, e.name),
-                e.sd.map_or(format!("{:+.3e}", e.value), |sd| format!("{:+.3e} ± {sd:.1e}", e.value)),
+                coefficient(e.value, e.sd),
                 unit::of_people(&e.unit),
-                asked().word("terminal_effect").to_owned(),
+                word("terminal_effect").to_owned(),
             ]);
         }
     }
-    format!("{}\n{parameters}\n\n", asked().word("terminal_parameters"))
+    format!("{}\n{parameters}\n\n", word("terminal_parameters"))
 }
 
 /// The dwells that fit worst, over all gyros.
@@ -299,5 +298,5 @@ fn residual_table(campaign: &Campaign, gyros: &[GyroFitBody]) -> String {
             format!("{:.3}", list.leverage[k]),
         ]);
     }
-    format!("{}\n{residuals}\n\n", asked().word("terminal_residuals"))
+    format!("{}\n{residuals}\n\n", word("terminal_residuals"))
 }

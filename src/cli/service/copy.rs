@@ -6,11 +6,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::common::block_on;
 use crate::cli::document;
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::config::Config;
 use crate::message;
 use crate::store::{self, Copied, Options};
-use crate::words::asked;
 
 /// Copy a database from a file to an empty one on PostgreSQL and compare the two; interrupted, it goes on when run
 /// again
@@ -43,7 +42,7 @@ impl Copy {
         let compared = compared.with_context(failed)?;
         document::print(&shown(&compared))?;
         if !compared.iter().all(Copied::is_whole) {
-            bail!(asked().word("terminal_copy_differs"));
+            bail!(word("terminal_copy_differs"));
         }
         document::print(&said(message!("terminal_copied", from, to)))
     }
@@ -53,7 +52,7 @@ fn shown(compared: &[Copied]) -> String {
     let mut table = document::table_of("terminal_copied_head", 1..3);
     for copied in compared {
         let [rows, found] = copied.rows;
-        let verdict = asked().word(if copied.is_whole() { "terminal_same" } else { "terminal_different" });
+        let verdict = word(if copied.is_whole() { "terminal_same" } else { "terminal_different" });
         let checksum = format!("{:032x}", copied.checksums[0]);
         table.add_row([copied.table, &rows.to_string(), &found.to_string(), &checksum[..16], verdict]);
     }

@@ -6,8 +6,8 @@ use anyhow::{Context, bail};
 
 use super::predict::against_model;
 use super::{diagnose_all, diagnose_gyro, diagnose_record, hypothesis, model, settings};
-use crate::cli::document::{self, Format, table_of, verdict};
-use crate::cli::errors::said;
+use crate::cli::document::{self, Format, coefficient, table_of, verdict};
+use crate::cli::errors::{said, word};
 use crate::core::augmented::{AugmentedModel, Options};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, may_be_split, split};
@@ -88,12 +88,11 @@ impl Diagnose {
         if is_record(&bytes) {
             let of_dwells = [&self.adopt, &self.report, &self.reference].into_iter().any(Option::is_some);
             if of_dwells || self.model.is_some() || !self.hypothesis.is_empty() {
-                bail!("{}: {}", file(), said(message!("terminal_record_without_dwells")));
+                bail!("{}: {}", file(), word("terminal_record_without_dwells"));
             }
             return diagnose_record::run(&bytes, self.format).with_context(file);
         }
-        let campaign = parse(&bytes).with_context(file)?;
-        campaign.check_known_scales(&settings::plausibility()?).with_context(file)?;
+        let campaign = settings::campaign(path, &bytes)?;
         if let Some(path) = &self.adopt {
             model::may_be_replaced(path)?;
         }
@@ -144,7 +143,7 @@ fn is_record(bytes: &[u8]) -> bool {
 fn adopt(path: &Path, in_use: &AugmentedModel, campaign: &Campaign, diagnosed: &Diagnosis) -> anyhow::Result<()> {
     document::write(path, &(wire::model::to_json(&in_use.adopting(campaign, diagnosed)) + "\n"))?;
     let named: Vec<&str> = diagnosed.effects.iter().map(|e| e.effect.id()).collect();
-    let what = if named.is_empty() { asked().word("terminal_nothing_adopted").to_owned() } else { named.join(", ") };
+    let what = if named.is_empty() { word("terminal_nothing_adopted").to_owned() } else { named.join(", ") };
     eprintln!("{}: {what}", path.display());
     Ok(())
 }
@@ -168,7 +167,7 @@ fn tables(campaign: &Campaign, d: &DiagnosisBody) -> String {
         p = format!("{:.1e}", d.gap.p_value)
     );
     let model = message!("terminal_model", terms = d.model.listed());
-    let [measured, gap, model] = [measured, gap, model].map(|message| asked().words(&message));
+    let [measured, gap, model] = [measured, gap, model].map(said);
     let mut out = format!("{measured}\n{}\n\n{gap}\n{model}\n", d.verdict_in_words(asked()));
     let against = d.effects_against_model.as_ref().map(|changed| against_model(changed).trim().to_owned());
     let sections = [
@@ -196,7 +195,7 @@ fn tables(campaign: &Campaign, d: &DiagnosisBody) -> String {
 fn reference_parts(d: &DiagnosisBody) -> Option<String> {
     let split = d.reference.as_ref()?;
     let mut parts = table_of("terminal_split_head", 1..6);
-    let all = [(asked().word("terminal_all"), &split.all)].into_iter();
+    let all = [(word("terminal_all"), &split.all)].into_iter();
     for (slot, p) in all.chain(split.gyros.iter().map(|gyro| (gyro.slot.as_str(), &gyro.parts))) {
         let rms = [p.whole_deg_per_h, p.parameters_deg_per_h, p.structure_deg_per_h, p.noise_deg_per_h];
         let [whole, parameters, structure, noise] = rms.map(|x| format!("{x:.3e}"));
@@ -204,17 +203,14 @@ fn reference_parts(d: &DiagnosisBody) -> Option<String> {
     }
     let mut moved = table_of("terminal_moved_head", 2..5);
     for m in &split.moved {
-        let shift = match m.sd {
-            Some(sd) => format!("{:+.3e} ± {sd:.1e}", m.shift),
-            None => format!("{:+.3e}", m.shift),
-        };
+        let shift = coefficient(m.shift, m.sd);
         let [reference, now] = [m.reference, m.now].map(|x| format!("{x:+.6}"));
         moved.add_row([m.slot.clone(), m.coefficient.clone(), reference, now, shift, unit::of_people(&m.unit)]);
     }
     let notes: String = split.notes.iter().map(|note| format!("\n{}", document::note(note))).collect();
     let (imu, station, at) = (split.imu.clone(), split.station.clone(), split.measured_at.clone());
-    let against = asked().words(&message!("terminal_split", imu, station, at));
-    Some(format!("{against}\n{parts}\n\n{}\n{moved}{notes}", asked().word("terminal_moved")))
+    let against = said(message!("terminal_split", imu, station, at));
+    Some(format!("{against}\n{parts}\n\n{}\n{moved}{notes}", word("terminal_moved")))
 }
 
 fn effects(d: &DiagnosisBody) -> Option<String> {
@@ -224,7 +220,7 @@ fn effects(d: &DiagnosisBody) -> Option<String> {
         let others: Vec<&str> = effect.class.iter().map(String::as_str).filter(|id| *id != effect.effect).collect();
         let alone = effect.wider_in.iter().map(|wider| {
             let more = wider.class.iter().filter(|id| !effect.class.contains(id)).cloned();
-            asked().words(&message!("terminal_alone", slot = wider.slot.clone(), effects = list(more)))
+            said(message!("terminal_alone", slot = wider.slot.clone(), effects = list(more)))
         });
         let others: Vec<String> = (!others.is_empty()).then(|| others.join(", ")).into_iter().chain(alone).collect();
         let [from, to] = h.interval.map(|end| format!("{end:.2}"));
@@ -232,7 +228,7 @@ fn effects(d: &DiagnosisBody) -> Option<String> {
         let mut first = [
             effect.effect.clone(),
             effect.gyros.join(" "),
-            format!("{:.2} ({})", h.closure, asked().words(&interval)),
+            format!("{:.2} ({})", h.closure, said(interval)),
             format!("{:.1e}", effect.p_value_adjusted),
             format!("{:.1}", effect.detectability),
             others.join("; "),
@@ -244,7 +240,7 @@ fn effects(d: &DiagnosisBody) -> Option<String> {
                 name,
                 gyros,
                 parameter,
-                format!("{:+.3e} ± {:.1e}", e.value, e.sd),
+                coefficient(e.value, Some(e.sd)),
                 unit::of_people(&e.unit),
                 closure,
                 p,
@@ -253,8 +249,7 @@ fn effects(d: &DiagnosisBody) -> Option<String> {
             ]);
         }
     }
-    let [title, key] =
-        [message!("terminal_effects"), message!("terminal_effects_key")].map(|said| asked().words(&said));
+    let (title, key) = (word("terminal_effects"), said(message!("terminal_effects_key")));
     (!d.effects.is_empty()).then(|| format!("{title}\n{rows}\n{key}"))
 }
 
@@ -263,7 +258,7 @@ fn signs(d: &DiagnosisBody) -> Option<String> {
     for sign in &d.remaining.signs {
         rows.add_row([sign.kind.clone(), sign.gyros.join(" "), format!("{:.1e}", sign.p_value)]);
     }
-    (!d.remaining.signs.is_empty()).then(|| format!("{}\n{rows}", asked().word("terminal_signs")))
+    (!d.remaining.signs.is_empty()).then(|| format!("{}\n{rows}", word("terminal_signs")))
 }
 
 fn candidates(d: &DiagnosisBody) -> Option<String> {
@@ -278,7 +273,7 @@ fn candidates(d: &DiagnosisBody) -> Option<String> {
             c.why_not.clone(),
         ]);
     }
-    (!rows.is_empty()).then(|| format!("{}\n{rows}", asked().word("terminal_candidates")))
+    (!rows.is_empty()).then(|| format!("{}\n{rows}", word("terminal_candidates")))
 }
 
 /// What was tried and is no finding, in a few lines.
@@ -287,7 +282,7 @@ fn within_noise(d: &DiagnosisBody) -> Option<String> {
     let tried: Vec<String> = tried.map(|c| format!("{} {:.2}", c.effect, c.p_value_adjusted)).collect();
     (!tried.is_empty()).then(|| {
         let title = message!("terminal_tried", level = FALSE_ALARM.to_string());
-        format!("{}\n{}", asked().words(&title), lines(&tried))
+        format!("{}\n{}", said(title), lines(&tried))
     })
 }
 
@@ -312,11 +307,11 @@ fn impact(d: &DiagnosisBody) -> Option<String> {
             augmented,
             shift,
             format!("{:.0} %", 100.0 * i.of_budget),
-            asked().word(if moved { "terminal_yes" } else { "terminal_within_noise" }).to_owned(),
+            word(if moved { "terminal_yes" } else { "terminal_within_noise" }).to_owned(),
         ]);
     }
     let told = !(d.impact.is_empty() && d.impact_within_noise.is_empty());
-    told.then(|| format!("{}\n{rows}", asked().word("terminal_impact")))
+    told.then(|| format!("{}\n{rows}", word("terminal_impact")))
 }
 
 fn blind_spots(d: &DiagnosisBody) -> Option<String> {
@@ -325,7 +320,7 @@ fn blind_spots(d: &DiagnosisBody) -> Option<String> {
         let visible = format!("{:.0} %", 100.0 * n.visible_fraction);
         rows.add_row([n.effect.clone(), visible, n.reason.clone(), n.needs.clone()]);
     }
-    (!d.not_identifiable.is_empty()).then(|| format!("{}\n{rows}", asked().word("terminal_blind")))
+    (!d.not_identifiable.is_empty()).then(|| format!("{}\n{rows}", word("terminal_blind")))
 }
 
 fn next(d: &DiagnosisBody) -> Option<String> {
@@ -335,5 +330,5 @@ fn next(d: &DiagnosisBody) -> Option<String> {
         let (up, north) = (TableBody::direction(*up), TableBody::direction(*north));
         rows.add_row([up, north, format!("{rate_deg_s:.3}"), n.separates.join(", ")]);
     }
-    (!d.next_dwells.is_empty()).then(|| format!("{}\n{rows}", asked().word("terminal_next")))
+    (!d.next_dwells.is_empty()).then(|| format!("{}\n{rows}", word("terminal_next")))
 }

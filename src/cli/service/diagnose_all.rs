@@ -8,18 +8,17 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use bytes::Bytes;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::de::DeserializeOwned;
 
 use crate::cli::client::{Connection, JSON, Sent, Service, Trouble};
+use crate::cli::common::{block_on, progress};
 use crate::cli::document::{Format, part_of, table_of, verdict};
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::core::message::Message;
 use crate::message;
 use crate::wire::diagnoses::{
     CoverageBody, DoubtBody, FailureBody, FindingBody, JobDetailBody, SummaryBody, WhichBody,
 };
-use crate::words::asked;
 
 /// How often progress is asked for.
 const STEP: Duration = Duration::from_millis(500);
@@ -88,7 +87,7 @@ impl FleetArgs {
 
 pub fn run(fleet: &FleetArgs, format: Format) -> anyhow::Result<()> {
     let service = fleet.service()?;
-    crate::cli::common::block_on(all(fleet, &service, format))
+    block_on(all(fleet, &service, format))
 }
 
 async fn all(fleet: &FleetArgs, service: &Service, format: Format) -> anyhow::Result<()> {
@@ -120,14 +119,12 @@ async fn order(fleet: &FleetArgs, service: &Service) -> anyhow::Result<JobDetail
             Err(trouble) => wait(trouble, begun).await?,
         }
     };
-    serde_json::from_value(answer).with_context(|| said(message!("terminal_foreign_answer")))
+    serde_json::from_value(answer).with_context(|| word("terminal_foreign_answer"))
 }
 
 /// Until the order has ended, also over a restart of the service.
 async fn follow(service: &Service, mut order: JobDetailBody) -> anyhow::Result<JobDetailBody> {
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} campaigns, {eta} to go {msg}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    let bar = ProgressBar::new(order.job.counts.campaigns).with_style(style);
+    let bar = progress(order.job.counts.campaigns, "{bar:30} {pos}/{len} campaigns, {eta} to go {msg}");
     let path = format!("/v1/diagnoses/{}?limit={MOST_NAMED}", order.job.id);
     loop {
         let counts = order.job.counts;
@@ -154,7 +151,7 @@ async fn ask<T: DeserializeOwned>(service: &Service, route: &str) -> anyhow::Res
             Err(trouble) => wait(trouble, begun).await?,
         }
     };
-    serde_json::from_value(answer).with_context(|| said(message!("terminal_foreign_answer")))
+    serde_json::from_value(answer).with_context(|| word("terminal_foreign_answer"))
 }
 
 /// Waits before another try, where one can help and patience is left.
@@ -182,31 +179,31 @@ fn tables(summary: &SummaryBody) -> String {
 }
 
 fn coverage(c: &CoverageBody) -> String {
-    let said = |counts: &[(u64, Message)]| {
+    let joined = |counts: &[(u64, Message)]| {
         let some = counts.iter().filter(|(count, _)| *count > 0);
-        some.map(|(_, what)| asked().words(what)).collect::<Vec<_>>().join(", ")
+        some.map(|(_, what)| said(what)).collect::<Vec<_>>().join(", ")
     };
-    let outcomes = said(&[
+    let outcomes = joined(&[
         (c.no_gap, message!("terminal_clean", count = c.no_gap)),
         (c.explained, message!("terminal_count_explained", count = c.explained)),
         (c.partly_explained, message!("terminal_count_partly", count = c.partly_explained)),
         (c.unexplained, message!("terminal_count_unexplained", count = c.unexplained)),
     ]);
-    let beside = said(&[
+    let beside = joined(&[
         (c.outdated, message!("terminal_count_outdated", count = c.outdated)),
         (c.refused, message!("terminal_count_refused", count = c.refused)),
         (c.waiting, message!("terminal_count_waiting", count = c.waiting)),
     ]);
     let outcomes = if outcomes.is_empty() { outcomes } else { format!(": {outcomes}") };
     let beside = if beside.is_empty() { beside } else { format!("; {beside}") };
-    format!("{}{outcomes}{beside}", asked().words(&message!("terminal_diagnosed", count = c.diagnosed)))
+    format!("{}{outcomes}{beside}", said(message!("terminal_diagnosed", count = c.diagnosed)))
 }
 
 fn findings(all: &[FindingBody]) -> Option<String> {
     let mut rows = table_of("terminal_findings_head", 7..11);
     for f in all {
         let others: Vec<&str> = f.class.iter().map(String::as_str).filter(|id| *id != f.effect).collect();
-        let or = || asked().words(&message!("terminal_or", effects = others.join(", ")));
+        let or = || said(message!("terminal_or", effects = others.join(", ")));
         let effect = if others.is_empty() { f.effect.clone() } else { format!("{}\n({})", f.effect, or()) };
         let stations: Vec<String> =
             f.stations.iter().map(|at| format!("{} {}/{}", at.station, at.campaigns, at.of)).collect();
@@ -225,13 +222,12 @@ fn findings(all: &[FindingBody]) -> Option<String> {
             day(&f.first.measured_at),
             day(&f.last.measured_at),
             part_of(format!("{}/{}", f.campaigns, f.of_since), f.of),
-            format!("{:.2}\n({})", c.median, asked().words(&range)),
+            format!("{:.2}\n({})", c.median, said(range)),
             shift("D_I"),
             shift("D_S"),
         ]);
     }
-    let [title, key] =
-        [message!("terminal_effects"), message!("terminal_findings_key")].map(|said| asked().words(&said));
+    let (title, key) = (word("terminal_effects"), said(message!("terminal_findings_key")));
     (!all.is_empty()).then(|| format!("{title}\n{rows}\n{key}"))
 }
 
@@ -240,7 +236,7 @@ fn doubts(all: &[DoubtBody]) -> Option<String> {
     for d in all {
         rows.add_row([
             d.imu.clone(),
-            asked().words(&verdict(&d.verdict)),
+            said(verdict(&d.verdict)),
             d.gyros.join(" "),
             d.signs.join("\n"),
             d.stations.join("\n"),
@@ -249,7 +245,7 @@ fn doubts(all: &[DoubtBody]) -> Option<String> {
             day(&d.last.measured_at),
         ]);
     }
-    (!all.is_empty()).then(|| format!("{}\n{rows}", asked().word("terminal_doubts")))
+    (!all.is_empty()).then(|| format!("{}\n{rows}", word("terminal_doubts")))
 }
 
 /// The date of an RFC 3339 time.

@@ -1,30 +1,23 @@
 //! `diagnose --gyro SERIAL`: why the coefficients of a gyro changed, as a running service answers it.
 
-use anyhow::Context;
-
 use super::diagnose_all::FleetArgs;
+use crate::cli::common::block_on;
 use crate::cli::document::{Format, table_of};
 use crate::cli::errors::said;
 use crate::message;
 use crate::wire::history::{CoefficientBody, HistoryDiagnosisBody};
 use crate::wire::text::encoded;
-use crate::words::asked;
 
 pub fn run(serial: &str, fleet: &FleetArgs, format: Format) -> anyhow::Result<()> {
     let service = fleet.service()?;
     let route = format!("/v1/gyros/{}/diagnosis", encoded(serial));
-    let answer = crate::cli::common::block_on(async { service.get(&route).await })?;
-    let answer: HistoryDiagnosisBody =
-        serde_json::from_value(answer).with_context(|| said(message!("terminal_foreign_answer")))?;
+    let answer: HistoryDiagnosisBody = block_on(async { service.get(&route).await })?;
     format.show(&answer, || tables(&answer))
 }
 
 fn tables(answer: &HistoryDiagnosisBody) -> String {
-    let mut parts = vec![asked().words(&message!(
-        "terminal_peers",
-        serial = answer.serial.clone(),
-        peers = answer.peers.to_string()
-    ))];
+    let mut parts =
+        vec![said(message!("terminal_peers", serial = answer.serial.clone(), peers = answer.peers.to_string()))];
     for coefficient in &answer.coefficients {
         parts.push(format!("{}: {}", coefficient.coefficient, coefficient.said.join("\n  ")));
         if !coefficient.candidates.is_empty() {

@@ -2,6 +2,7 @@
 
 use super::settings;
 use crate::cli::document::{self, Format, table_of, verdict};
+use crate::cli::errors::{said, word};
 use crate::core::diagnose::closures;
 use crate::core::message::list;
 use crate::core::separate::{separate, stated_covariance};
@@ -9,7 +10,6 @@ use crate::message;
 use crate::wire::closure::ClosureBody;
 use crate::wire::record::parse_record;
 use crate::wire::time;
-use crate::words::asked;
 
 /// Prints the diagnosis of a record.
 pub fn run(bytes: &[u8], format: Format) -> anyhow::Result<()> {
@@ -23,7 +23,7 @@ pub fn run(bytes: &[u8], format: Format) -> anyhow::Result<()> {
         })
         .collect::<Result<Vec<_>, _>>()?;
     let answer = ClosureBody::from(&closures(separations.iter().map(|(slot, s)| (*slot, s))));
-    let head = asked().words(&message!(
+    let head = said(message!(
         "terminal_calibrated_by",
         imu = record.imu.to_string(),
         station = record.station.to_string(),
@@ -48,10 +48,10 @@ fn tables(head: &str, answer: &ClosureBody) -> String {
             impact.map_or("-".to_owned(), |i| format!("{:+.6} ({:+.6})", i.augmented, i.shift)),
         ]);
     }
-    let mut text = format!("{head}\n\n{}\n{rows}\n", asked().word("terminal_closure"));
+    let mut text = format!("{head}\n\n{}\n{rows}\n", word("terminal_closure"));
     for effect in &answer.effects {
         let class = message!("terminal_one_class", effects = list(effect.class.iter().cloned()));
-        text.push_str(&format!("\n{}\n", asked().words(&class)));
+        text.push_str(&format!("\n{}\n", said(class)));
     }
     for (k, next) in answer.next_measurements.iter().enumerate() {
         text.push_str(&format!("{}. {}\n", k + 1, next.measurement));

@@ -2,8 +2,13 @@
 
 use std::io::Write;
 
-use crate::cli::document::table;
+use crate::cli::document::{part_of, table_of};
+use crate::cli::errors::{said, word};
 use crate::experiment::{HEADLINE, MethodComparison, compare_many};
+use crate::message;
+
+const RIGID: &str = "method_rigid";
+const PUBLISHED: &str = "terminal_published";
 
 /// Runs `count` experiments and prints the ranges of Table 5 by both methods, or every result as CSV.
 pub fn print(seed: u64, count: u64, csv: bool) -> anyhow::Result<()> {
@@ -13,15 +18,17 @@ pub fn print(seed: u64, count: u64, csv: bool) -> anyhow::Result<()> {
     if csv {
         return results(&mut out, seed, &experiments);
     }
-    writeln!(out, "range of bench before, IMU, bench after; {count} simulated experiments from seed {seed}")?;
+    writeln!(out, "{}", said(message!("terminal_ranges", count, seed = seed.to_string())))?;
     writeln!(out, "{}", ranges(&all))?;
     let whole = |range: fn(&MethodComparison) -> Option<f64>| {
         let below = |e: &&Vec<MethodComparison>| e.iter().all(|c| range(c).is_some_and(|r| r < HEADLINE));
         experiments.iter().filter(below).count()
     };
-    writeln!(out, "all six ranges of an experiment below {HEADLINE:e} deg/(h g0):")?;
-    writeln!(out, "  rigid      {} of {count}", whole(|c| Some(c.rigid_range())))?;
-    writeln!(out, "  published  {} of {count}", whole(MethodComparison::published_range))?;
+    writeln!(out, "{}", said(message!("terminal_ranges_below", headline = format!("{HEADLINE:e}"))))?;
+    let rigid = whole(|c| Some(c.rigid_range()));
+    for (method, below) in [(RIGID, rigid), (PUBLISHED, whole(MethodComparison::published_range))] {
+        writeln!(out, "  {:<10} {}", word(method), part_of(below.to_string(), count))?;
+    }
     Ok(())
 }
 
@@ -39,7 +46,7 @@ fn results(mut out: impl Write, seed: u64, experiments: &[Vec<MethodComparison>]
 }
 
 fn ranges(all: &[&MethodComparison]) -> comfy_table::Table {
-    let mut table = table(["gyro", "coefficient", "method", "median", "95 %", "largest", "below 1.301e-3"], 3..7);
+    let mut table = table_of("terminal_ranges_head", 3..7);
     let mut kinds: Vec<_> = all.iter().map(|c| (c.slot, c.coefficient)).collect();
     kinds.sort();
     kinds.dedup();
@@ -47,8 +54,8 @@ fn ranges(all: &[&MethodComparison]) -> comfy_table::Table {
         let of = || all.iter().filter(|c| (c.slot, c.coefficient) == (slot, coefficient));
         let rigid = of().map(|c| c.rigid_range()).collect();
         let published = of().filter_map(|c| c.published_range()).collect();
-        for (method, values) in [("rigid", rigid), ("published", published)] {
-            let mut cells = vec![slot.name().to_owned(), coefficient.to_owned(), method.to_owned()];
+        for (method, values) in [(RIGID, rigid), (PUBLISHED, published)] {
+            let mut cells = vec![slot.name().to_owned(), coefficient.to_owned(), word(method).to_owned()];
             cells.extend(summary(values));
             table.add_row(cells);
         }
@@ -64,5 +71,5 @@ fn summary(mut values: Vec<f64>) -> [String; 4] {
         value.map_or(String::new(), |v| format!("{v:.2e}"))
     };
     let below = values.iter().filter(|v| **v < HEADLINE).count();
-    [at(0.5), at(0.95), at(1.0), format!("{below} of {}", values.len())]
+    [at(0.5), at(0.95), at(1.0), part_of(below.to_string(), values.len() as u64)]
 }

@@ -1,15 +1,14 @@
 //! `fleet-noise`: the noise constants that the control rules use, fitted to the history of every gyro.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::Context;
 use clap::Args;
 
+use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
 use crate::cli::document;
-use crate::cli::errors::said;
-use crate::config::Config;
+use crate::cli::errors::{said, word};
 use crate::core::judge::{FleetNoise as Found, NoiseParameters, Spacing};
 use crate::core::message::figure;
 use crate::message;
@@ -22,14 +21,13 @@ use crate::wire::time;
 /// the lines for the configuration
 #[derive(Debug, Args)]
 pub struct FleetNoiseArgs {
-    /// Configuration file that names the database; repeat for several, later ones win [default: config/*.toml]
-    #[arg(long = "config", value_name = "FILE")]
-    config: Vec<PathBuf>,
+    #[command(flatten)]
+    config: ConfigArgs,
 }
 
 impl FleetNoiseArgs {
     pub fn run(self) -> anyhow::Result<()> {
-        let config = Config::load(&self.config, std::env::vars())?;
+        let config = self.config.load()?;
         let url = config.database.options().shown();
         let work = async {
             let store = store::open_to_read(&config.database.options()).await?;
@@ -69,10 +67,10 @@ fn report(found: &Found, between: [f64; 2], today: &str) -> String {
                 noise.phi, noise.walk
             ));
         }
-        _ => lines.push(said(message!("terminal_noise_unfitted"))),
+        _ => lines.push(word("terminal_noise_unfitted").to_owned()),
     }
     lines.push(match between {
-        [0.0, 0.0] => said(message!("terminal_noise_stations_alike")),
+        [0.0, 0.0] => word("terminal_noise_stations_alike").to_owned(),
         [d_i, d_s] => format!("between_stations = {{ d_i = {d_i:.3e}, d_s = {d_s:.3e} }}"),
     });
     lines.join("\n")

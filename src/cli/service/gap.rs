@@ -6,18 +6,18 @@ use anyhow::Context;
 use clap::Args;
 use serde::Serialize;
 
-use super::predict::{identified, measured, noise_floor, state, step};
+use super::predict::{identified, noise_floor, state, step};
+use super::settings;
 use crate::cli::client::Connection;
 use crate::cli::common::{Usage, block_on};
 use crate::cli::document::{self, Format, table_of};
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::core::imu_model::{compare, ladder};
 use crate::core::judge::Limits;
 use crate::message;
 use crate::wire::forecast::{ClosingBody, ComparedBody, ForecastBody, ForecastPointBody, ForecastSeriesBody, RungBody};
 use crate::wire::text::encoded;
 use crate::wire::time;
-use crate::words::asked;
 
 /// Show the gap between the model of an IMU and its later campaigns: model (6), each effect, the noise floor
 ///
@@ -60,13 +60,12 @@ impl Gap {
     /// The campaigns of an IMU that a service stores, each from the model in force when it came in.
     fn of_service(&self) -> anyhow::Result<(String, Vec<ModelLadder>)> {
         if self.model.is_file() {
-            return Err(Usage(said(message!("terminal_gap_needs_campaigns"))).into());
+            return Err(Usage(word("terminal_gap_needs_campaigns").to_owned()).into());
         }
         let imu = self.model.to_string_lossy().into_owned();
         let service = self.connection.service()?;
-        let answer = block_on(async { service.get(&format!("/v1/imus/{}/forecast", encoded(&imu))).await })?;
-        let series: ForecastSeriesBody =
-            serde_json::from_value(answer).with_context(|| said(message!("terminal_foreign_answer")))?;
+        let route = format!("/v1/imus/{}/forecast", encoded(&imu));
+        let series: ForecastSeriesBody = block_on(async { service.get(&route).await })?;
         for point in &series.points {
             if let Some(why) = &point.why_not {
                 eprintln!("{}: {why}", point.measured_at);
@@ -81,7 +80,7 @@ impl Gap {
         let model = identified(&self.model)?;
         let mut ladders = Vec::new();
         for path in &self.campaigns {
-            let campaign = measured(path)?;
+            let campaign = settings::campaign(path, &document::read(path)?)?;
             let file = || document::name(path);
             let comparison = compare(&model, &campaign).with_context(file)?;
             let steps = ladder(&model, &campaign).with_context(file)?;
@@ -103,7 +102,7 @@ impl ModelLadder {
 
 fn tables(imu: &str, ladders: &[ModelLadder]) -> String {
     if ladders.is_empty() {
-        return format!("{}\n", asked().words(&message!("terminal_gap_none", imu = imu.to_owned())));
+        return format!("{}\n", said(message!("terminal_gap_none", imu = imu.to_owned())));
     }
     let mut rows = table_of("terminal_gap_head", 2..4);
     for one in ladders {
@@ -115,10 +114,10 @@ fn tables(imu: &str, ladders: &[ModelLadder]) -> String {
                 Some(interval) => {
                     let [closure, low, high] =
                         [c.closure, interval[0], interval[1]].map(|x| format!("{:.0}", 100.0 * x));
-                    let interval = asked().words(&message!("terminal_to", from = low, to = high));
+                    let interval = said(message!("terminal_to", from = low, to = high));
                     format!("{closure} % ({interval})")
                 }
-                None => asked().word("terminal_nothing_to_close").to_owned(),
+                None => word("terminal_nothing_to_close").to_owned(),
             });
             let [name, error, in_sd] = step(rung);
             rows.add_row([left(), name, error, in_sd, closes]);
@@ -127,6 +126,6 @@ fn tables(imu: &str, ladders: &[ModelLadder]) -> String {
         rows.add_row([left(), name, error, in_sd, String::new()]);
     }
     let plain = ladders.iter().all(|one| one.rungs.len() == 1);
-    let hint = if plain { format!("\n{}", asked().word("terminal_gap_plain")) } else { String::new() };
-    format!("{}\n{rows}{hint}", asked().words(&message!("terminal_gap_of", imu = imu.to_owned())))
+    let hint = if plain { format!("\n{}", word("terminal_gap_plain")) } else { String::new() };
+    format!("{}\n{rows}{hint}", said(message!("terminal_gap_of", imu = imu.to_owned())))
 }

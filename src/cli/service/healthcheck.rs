@@ -1,16 +1,16 @@
 //! `healthcheck`: whether the service on this machine is ready, for containers and supervisors.
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
-use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::{anyhow, bail};
 use clap::Args;
 use serde_json::Value;
 
+use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
 use crate::cli::errors::said;
-use crate::config::{Config, Server};
+use crate::config::Server;
 use crate::wire::cause;
 use crate::{message, system};
 
@@ -19,14 +19,13 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// Ask the service on this machine whether it is ready; the exit status says so
 #[derive(Debug, Args)]
 pub struct Healthcheck {
-    /// Configuration file that says where it listens; repeat for several, later ones win [default: config/*.toml]
-    #[arg(long = "config", value_name = "FILE")]
-    config: Vec<PathBuf>,
+    #[command(flatten)]
+    config: ConfigArgs,
 }
 
 impl Healthcheck {
     pub fn run(self) -> anyhow::Result<()> {
-        let address = address(&Config::load(&self.config, std::env::vars())?.server, "readyz");
+        let address = address(&self.config.load()?.server, "readyz");
         block_on(async {
             let away = |error: reqwest::Error| {
                 let (address, why) = (address.clone(), cause::root_of(&error));

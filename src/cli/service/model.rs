@@ -21,15 +21,18 @@ pub enum Choice {
 
 /// `bias,scale` and the like are terms, anything else is the path of a model file.
 pub fn choice(argument: &str) -> Result<Choice, String> {
-    let names: Vec<&str> = argument.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
-    match terms_from_names(&names) {
+    match terms(argument) {
         Ok(terms) => Ok(Choice::Terms(terms)),
         Err(_) if Path::new(argument).is_file() => Ok(Choice::File(argument.into())),
-        Err(faults) => {
-            let words: Vec<String> = faults.0.iter().map(|fault| said(fault.message.clone())).collect();
-            Err(said(message!("terminal_no_model_file", faults = words.join("; "))))
-        }
+        Err(faults) => Err(said(message!("terminal_no_model_file", faults))),
     }
+}
+
+/// Terms of model (6) with commas between them.
+pub fn terms(argument: &str) -> Result<Terms, String> {
+    let names: Vec<&str> = argument.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
+    terms_from_names(&names)
+        .map_err(|faults| faults.0.iter().map(|fault| said(&fault.message)).collect::<Vec<_>>().join("; "))
 }
 
 /// The model that was chosen; without a choice the plain one: each campaign's own terms.

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::{Args, Subcommand};
 
 use super::calibrate::files_of_one_imu;
 use super::{hypothesis, model, settings};
-use crate::cli::document::{self, Format, table_of};
-use crate::cli::errors::said;
+use crate::cli::document::{self, Format, coefficient, table_of};
+use crate::cli::errors::{said, word};
 use crate::core::augmented::{Adopted, AugmentedModel};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::Verdict;
@@ -19,10 +19,7 @@ use crate::core::model::{Term, Terms};
 use crate::core::mounting::Slot;
 use crate::message;
 use crate::system::sha256;
-use crate::wire::campaign::terms_from_names;
-use crate::wire::document::parse;
 use crate::wire::{self, time, unit};
-use crate::words;
 
 /// Make a model of one IMU from its campaigns
 #[derive(Debug, Args)]
@@ -56,7 +53,7 @@ struct FitArgs {
     hypothesis: Vec<PathBuf>,
 
     /// Terms of bias, g_linear, g_squared, scale, with commas between them [default: the newest campaign's own, or all]
-    #[arg(long, value_name = "TERMS", value_parser = terms)]
+    #[arg(long, value_name = "TERMS", value_parser = model::terms)]
     terms: Option<Terms>,
 
     /// Write the model file here instead of to standard output
@@ -66,14 +63,6 @@ struct FitArgs {
     /// With --out: how the result is printed
     #[arg(long, value_enum, default_value_t)]
     format: Format,
-}
-
-fn terms(argument: &str) -> Result<Terms, String> {
-    let names: Vec<&str> = argument.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
-    terms_from_names(&names).map_err(|faults| {
-        let said: Vec<String> = faults.0.iter().map(|fault| words::asked().words(&fault.message)).collect();
-        said.join("; ")
-    })
 }
 
 impl Model {
@@ -87,10 +76,7 @@ impl Model {
 /// A campaign and the hash of its file.
 fn read(path: &Path) -> anyhow::Result<(Campaign, String)> {
     let bytes = document::read(path)?;
-    let campaign = parse(&bytes).with_context(|| document::name(path))?;
-    campaign.check_known_scales(&settings::plausibility()?).with_context(|| document::name(path))?;
-    let hash: String = sha256(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok((campaign, format!("sha256:{hash}")))
+    Ok((settings::campaign(path, &bytes)?, format!("sha256:{}", hex::encode(sha256(&bytes)))))
 }
 
 fn samples<'a>(read: &'a [(Campaign, String)], occasions: &[Vec<Adopted>]) -> Vec<CampaignSample<'a>> {
@@ -125,14 +111,14 @@ impl FitArgs {
         for (campaign, verdict) in campaigns.iter().zip(&chosen.verdicts) {
             if matches!(verdict, Verdict::PartlyExplained | Verdict::Unexplained) {
                 let at = time::format(campaign.measured_at);
-                let verdict = words::asked().words(&document::verdict(verdict.name()));
+                let verdict = said(document::verdict(verdict.name()));
                 let warning = message!("terminal_fit_short", at, verdict);
-                eprintln!("{}", words::asked().words(&warning));
+                eprintln!("{}", said(warning));
             }
         }
         for id in self.asked().filter(|id| identified.effects.iter().all(|adopted| adopted.effect.id() != *id)) {
             let left_out = message!("terminal_fit_left_out", effect = id.to_owned());
-            eprintln!("--effects: {}", words::asked().words(&left_out));
+            eprintln!("--effects: {}", said(left_out));
         }
         let shown = tables(&identified);
         let file = identified.into_model(&chosen.model);
@@ -154,7 +140,7 @@ impl FitArgs {
 
     fn chosen(&self, campaigns: &[&Campaign]) -> anyhow::Result<Chosen> {
         if !self.hypothesis.is_empty() && matches!(self.effects.as_str(), "auto" | "none") {
-            bail!(said(message!("terminal_hypothesis_by_id")));
+            bail!(word("terminal_hypothesis_by_id"));
         }
         let none = |model| Chosen { model, occasions: vec![Vec::new(); campaigns.len()], verdicts: Vec::new() };
         match self.effects.as_str() {
@@ -189,7 +175,7 @@ fn lasting(id: &str, own: &[Effect]) -> anyhow::Result<Effect> {
 
 fn tables(model: &Identified) -> String {
     let at = |t| time::format(t);
-    let none = || words::asked().word("terminal_no_temperature").to_owned();
+    let none = || word("terminal_no_temperature").to_owned();
     let head = message!(
         "terminal_model_of",
         imu = model.imu.to_string(),
@@ -199,7 +185,7 @@ fn tables(model: &Identified) -> String {
         last = at(model.measured_at),
         reference = model.reference_c.map_or_else(none, |t| format!("{t:.2} deg C"))
     );
-    let mut out = format!("{}\n\n", words::asked().words(&head));
+    let mut out = format!("{}\n\n", said(head));
     let mut drift = table_of("terminal_model_gyros_head", 2..8);
     let (values, covariance) = (model.values(), &model.covariance);
     for gyro in &model.gyros {
@@ -220,7 +206,7 @@ fn tables(model: &Identified) -> String {
         let noise = format!("{:.2e}", gyro.noise.random_walk);
         drift.add_row([gyro.slot.name().to_owned(), gyro.serial.to_string(), d_f, d_i, d_s, d_o, e, noise]);
     }
-    out.push_str(&format!("{}\n{drift}\n", words::asked().word("terminal_model_gyros")));
+    out.push_str(&format!("{}\n{drift}\n", word("terminal_model_gyros")));
     let mut effects = table_of("terminal_model_effects_head", 3..4);
     for (place, c) in model.coefficients.iter().enumerate() {
         let Of::Effect(effect, number) = c.of else { continue };
@@ -228,16 +214,16 @@ fn tables(model: &Identified) -> String {
         let one = adopted.effect.entry().coefficients(adopted.shape)[number];
         effects.add_row([
             adopted.effect.id().to_owned(),
-            c.slot.map_or_else(|| words::asked().word("terminal_all"), Slot::name).to_owned(),
+            c.slot.map_or_else(|| word("terminal_all"), Slot::name).to_owned(),
             one.name.to_owned(),
-            format!("{:+.3e} ± {:.1e}", c.value, model.sd(place)),
+            coefficient(c.value, Some(model.sd(place))),
             unit::of_people(one.unit),
         ]);
     }
     if model.effects.is_empty() {
-        out.push_str(&format!("\n{}\n", words::asked().word("terminal_model_plain")));
+        out.push_str(&format!("\n{}\n", word("terminal_model_plain")));
     } else {
-        out.push_str(&format!("\n{}\n{effects}\n", words::asked().word("terminal_model_effects")));
+        out.push_str(&format!("\n{}\n{effects}\n", word("terminal_model_effects")));
     }
     out
 }

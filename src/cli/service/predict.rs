@@ -6,8 +6,8 @@ use anyhow::{Context, bail};
 use clap::Args;
 
 use super::{model, settings};
-use crate::cli::document::{self, Format, table_of};
-use crate::cli::errors::said;
+use crate::cli::document::{self, Format, coefficient, table_of};
+use crate::cli::errors::{said, word};
 use crate::core::campaign::Campaign;
 use crate::core::imu_model::{Identified, changed, compare, forecast, ladder, most_telling, promised};
 use crate::core::judge::Limits;
@@ -15,11 +15,9 @@ use crate::core::message::Message;
 use crate::message;
 use crate::simulate::of_model::scenario_of;
 use crate::simulate::{Scenario, simulate};
-use crate::wire::document::parse;
 use crate::wire::forecast::{ChangedBody, ClosingBody, ComparedBody, ForecastBody, RungBody};
 use crate::wire::triple::Triple;
 use crate::wire::unit;
-use crate::words::asked;
 
 /// Dwells that a table shows.
 const SHOWN: usize = 8;
@@ -49,7 +47,7 @@ impl Predict {
             let telling = most_telling(&model, &campaign, SHOWN).with_context(file)?;
             body(&model, &campaign).with_context(file)?.to_measure(&campaign, &telling)
         } else {
-            let campaign = measured(&self.campaign)?;
+            let campaign = settings::campaign(&self.campaign, &document::read(&self.campaign)?)?;
             held_against(&model, &campaign).with_context(file)?
         };
         self.format.show(&body, || tables(&body))
@@ -62,13 +60,6 @@ pub(super) fn identified(path: &Path) -> anyhow::Result<std::sync::Arc<Identifie
         Some(identified) => Ok(identified),
         None => bail!(said(message!("terminal_model_without_imu", file = document::name(path)))),
     }
-}
-
-pub(super) fn measured(path: &Path) -> anyhow::Result<Campaign> {
-    let bytes = document::read(path)?;
-    let campaign = parse(&bytes).with_context(|| document::name(path))?;
-    campaign.check_known_scales(&settings::plausibility()?).with_context(|| document::name(path))?;
-    Ok(campaign)
 }
 
 /// A campaign of the model's IMU as a scenario commands it.
@@ -106,10 +97,10 @@ fn tables(body: &ForecastBody) -> String {
         effects = model.effects.join(", "),
         count = model.effects.len()
     );
-    let mut out = format!("{}\n", asked().words(&head));
+    let mut out = format!("{}\n", said(head));
     if let Some(promised) = &body.promised {
         let promised = message!("terminal_promised", closes = closing(promised));
-        out.push_str(&format!("{}\n", asked().words(&promised)));
+        out.push_str(&format!("{}\n", said(promised)));
     }
     match &body.compared {
         Some(compared) => out.push_str(&comparison(compared)),
@@ -151,7 +142,7 @@ fn foretold(body: &ForecastBody) -> String {
                 if told {
                     format!("{:+.6}", gyro.predicted_pulse_s[k])
                 } else {
-                    asked().word("terminal_not_foretold").to_owned()
+                    word("terminal_not_foretold").to_owned()
                 },
                 if told { format!("{sd:.6}") } else { "-".to_owned() },
                 format!("{noise:.6}"),
@@ -173,7 +164,7 @@ fn to_measure(body: &ForecastBody) -> String {
             format!("{:.2}", one.sd_over_noise),
         ]);
     }
-    format!("\n{}\n{rows}\n", asked().word("terminal_to_measure"))
+    format!("\n{}\n{rows}\n", word("terminal_to_measure"))
 }
 
 fn comparison(c: &ComparedBody) -> String {
@@ -185,13 +176,13 @@ fn comparison(c: &ComparedBody) -> String {
         p = format!("{:.2e}", c.p_value),
         pit = format!("{:.2}", c.pit_p_value)
     );
-    let mut out = format!("{}\n", asked().words(&measured));
+    let mut out = format!("{}\n", said(measured));
     if let Some(verdict) = c.verdict.as_ref().filter(|verdict| !verdict.is_within()) {
         out.push_str(&format!("{}\n", verdict.reason));
     }
     if let Some(seen) = &c.closing {
         let seen = message!("terminal_seen", closes = closing(seen));
-        out.push_str(&format!("{}\n", asked().words(&seen)));
+        out.push_str(&format!("{}\n", said(seen)));
     }
     let mut gyros = table_of("terminal_forecast_gyros_head", 1..3);
     for gyro in &c.gyros {
@@ -204,7 +195,7 @@ fn comparison(c: &ComparedBody) -> String {
         for miss in c.missed.iter().take(SHOWN) {
             missed.add_row([miss.dwell.to_string(), miss.slot.clone(), format!("{:+.1}", miss.z)]);
         }
-        let title = asked().words(&message!("terminal_missed", count = c.missed.len()));
+        let title = said(message!("terminal_missed", count = c.missed.len()));
         out.push_str(&format!("\n{title}\n{missed}\n"));
     }
     out
@@ -212,7 +203,7 @@ fn comparison(c: &ComparedBody) -> String {
 
 /// How a campaign came out, in words.
 pub(super) fn state(state: &str) -> &'static str {
-    asked().word(match state {
+    word(match state {
         "outside" => "terminal_forecast_outside",
         "as_foretold" => "terminal_forecast_met",
         _ => "terminal_forecast_not_judged",
@@ -221,14 +212,14 @@ pub(super) fn state(state: &str) -> &'static str {
 
 /// A step of the ladder: the effect that it adds, the error of the forecast, and that in standard deviations.
 pub(super) fn step(rung: &RungBody) -> [String; 3] {
-    let model = || asked().word("terminal_model_6").to_owned();
+    let model = || word("terminal_model_6").to_owned();
     let name = rung.effect.as_ref().map_or_else(model, |effect| format!("+ {effect}"));
     [name, format!("{:.3e}", rung.rms_deg_per_h), format!("{:.2}", rung.rms_over_sd)]
 }
 
 /// The foot of the ladder.
 pub(super) fn noise_floor(deg_per_h: f64) -> [String; 3] {
-    [asked().word("terminal_noise_floor").to_owned(), format!("{deg_per_h:.3e}"), "1.00".to_owned()]
+    [word("terminal_noise_floor").to_owned(), format!("{deg_per_h:.3e}"), "1.00".to_owned()]
 }
 
 /// The ladder with the noise floor at its foot.
@@ -249,30 +240,29 @@ pub(super) fn against_model(changed: &ChangedBody) -> String {
                 effect.effect.clone(),
                 effect.slot.clone(),
                 c.name.clone(),
-                format!("{:+.3e} ± {:.1e}", c.model, c.model_sd),
-                format!("{:+.3e} ± {:.1e}", c.now, c.now_sd),
+                coefficient(c.model, Some(c.model_sd)),
+                coefficient(c.now, Some(c.now_sd)),
                 unit::of_people(&c.unit),
                 format!("{:.1e}", effect.p_value),
-                asked()
-                    .word(match (effect.changed, effect.undecided) {
-                        (true, _) => "terminal_yes",
-                        (false, true) => "terminal_cannot_tell",
-                        (false, false) => "terminal_no",
-                    })
-                    .to_owned(),
+                word(match (effect.changed, effect.undecided) {
+                    (true, _) => "terminal_yes",
+                    (false, true) => "terminal_cannot_tell",
+                    (false, false) => "terminal_no",
+                })
+                .to_owned(),
             ]);
         }
     }
-    let mut out = format!("\n{}\n{rows}\n", asked().word("terminal_changed"));
+    let mut out = format!("\n{}\n{rows}\n", word("terminal_changed"));
     if changed.effects.iter().any(|effect| effect.undecided) {
-        out.push_str(asked().word("terminal_cannot_tell_why"));
+        out.push_str(word("terminal_cannot_tell_why"));
         out.push('\n');
     }
     for shift in &changed.shifts {
         let (slot, coefficient) = (shift.slot.clone(), shift.coefficient.clone());
         let shift = format!("{:+.5} ± {:.5}", shift.shift, shift.sd);
         let moved = message!("terminal_moved_by", coefficient, slot, shift);
-        out.push_str(&asked().words(&moved));
+        out.push_str(&said(moved));
         out.push('\n');
     }
     out

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 
-use super::backup::in_words;
+use super::backup::holdings_said;
+use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
 use crate::cli::errors::said;
-use crate::config::Config;
 use crate::message;
 use crate::store;
 
@@ -20,9 +20,8 @@ pub struct Restore {
     /// Check the backup and do nothing else
     #[arg(long)]
     check: bool,
-    /// Configuration file that names the database; repeat for several, later ones win [default: config/*.toml]
-    #[arg(long = "config", value_name = "FILE")]
-    config: Vec<PathBuf>,
+    #[command(flatten)]
+    config: ConfigArgs,
 }
 
 impl Restore {
@@ -30,15 +29,15 @@ impl Restore {
         let file = self.file.display();
         if self.check {
             let checked = block_on(async { Ok(store::check(&self.file).await?) });
-            println!("{file}: {}", in_words(&checked.with_context(|| file.to_string())?));
+            println!("{file}: {}", holdings_said(&checked.with_context(|| file.to_string())?));
             return Ok(());
         }
-        let database = Config::load(&self.config, std::env::vars())?.database;
+        let database = self.config.load()?.database;
         let restored = block_on(async { Ok(store::restore(&self.file, &database.options()).await?) });
         let to = database.options().shown();
         let failed = || said(message!("terminal_not_restored", file = file.to_string(), database = to.clone()));
         let holdings = restored.with_context(failed)?;
-        println!("{to}: {}", in_words(&holdings));
+        println!("{to}: {}", holdings_said(&holdings));
         Ok(())
     }
 }

@@ -8,7 +8,7 @@ use comfy_table::Table;
 
 use super::settings;
 use crate::cli::document::{self, Format, table_of};
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::config::Judging;
 use crate::core::fault::{Fault, Faults};
 use crate::core::judge::{State, Verdict};
@@ -116,7 +116,7 @@ fn answer(
 fn tables(record: &Record, separations: &[Separation], verdicts: &[Requirements]) -> String {
     let (imu, station) = (record.imu.to_string(), record.station.to_string());
     let at = time::format(record.calibrated_at);
-    let head = asked().words(&message!("terminal_separated", imu, station, at));
+    let head = said(message!("terminal_separated", imu, station, at));
     let rows = record.gyros.iter().zip(separations).map(|(gyro, s)| (gyro.serial.as_str(), s));
     let requirements = requirement_table(record.gyros.iter().zip(verdicts));
     format!("{head}\n\n{}{requirements}", drift_and_mounting(rows))
@@ -128,7 +128,7 @@ fn requirement_table<'a>(gyros: impl Iterator<Item = (&'a GyroParameters, &'a Re
     let (mut statuses, mut reasons) = (table_of("terminal_requirements_head", 4..4), String::new());
     for (gyro, verdicts) in gyros.filter(|(_, verdicts)| verdicts.iter().any(Option::is_some)) {
         let (slot, serial) = (gyro.slot.name(), gyro.serial.as_str());
-        let [e, g] = verdicts.map(|verdict| verdict.map_or("-", |verdict| asked().word(&verdict.status().word().code)));
+        let [e, g] = verdicts.map(|verdict| verdict.map_or("-", |verdict| word(&verdict.status().word().code)));
         statuses.add_row([slot, serial, e, g]);
         for verdict in verdicts.iter().flatten().filter(|verdict| verdict.state != State::Within) {
             reasons.push_str(&format!("\n{slot} {serial}: {}", asked().reason(verdict)));
@@ -137,7 +137,7 @@ fn requirement_table<'a>(gyros: impl Iterator<Item = (&'a GyroParameters, &'a Re
     if statuses.is_empty() {
         String::new()
     } else {
-        format!("\n\n{}\n{statuses}{reasons}", asked().word("terminal_requirements"))
+        format!("\n\n{}\n{statuses}{reasons}", word("terminal_requirements"))
     }
 }
 
@@ -153,7 +153,7 @@ pub(super) fn drift_and_mounting<'a>(gyros: impl Iterator<Item = (&'a str, &'a S
         let scale = format!("{:.6}", s.scale_factor);
         mounting.add_row([s.slot.name().into(), scale, x, y, z, format!("{off:.3}'"), format!("{clocking:+.4}")]);
     }
-    let [drifts, mountings] = ["terminal_drift", "terminal_mounting"].map(|title| asked().word(title));
+    let [drifts, mountings] = ["terminal_drift", "terminal_mounting"].map(word);
     format!("{drifts}\n{drift}\n\n{mountings}\n{mounting}")
 }
 
@@ -163,9 +163,9 @@ fn add_drift_rows(table: &mut Table, serial: &str, s: &Separation) {
     let r = &s.rigid;
     let figures = [figure(r.d_i, i_sd), figure(r.d_s, s_sd), figure(r.d_o, o_sd)];
     let [d_i, d_s, d_o] = figures;
-    table.add_row([slot, serial, asked().word("method_rigid").into(), d_i, d_s, d_o, "D_O".into()]);
+    table.add_row([slot, serial, word("method_rigid").into(), d_i, d_s, d_o, "D_O".into()]);
     for (name, published) in [("terminal_published", &s.published), ("terminal_as_printed", &s.as_printed)] {
-        table.add_row(published_row(asked().word(name), published));
+        table.add_row(published_row(word(name), published));
     }
 }
 
@@ -176,18 +176,10 @@ fn published_row(name: &str, published: &Result<Published, NotPublished>) -> [St
             let [i_sd, s_sd] = p.sd().map_or([None; 2], |sd| sd.map(Some));
             let method = format!("{name} ({})", p.branch.name());
             let closure = format!("{:.6}", p.closure_rms);
-            [
-                blank(),
-                blank(),
-                method,
-                figure(p.d_i, i_sd),
-                figure(p.d_s, s_sd),
-                closure,
-                asked().word("terminal_rms").into(),
-            ]
+            [blank(), blank(), method, figure(p.d_i, i_sd), figure(p.d_s, s_sd), closure, word("terminal_rms").into()]
         }
         Err(why) => {
-            let why = asked().word(match why {
+            let why = word(match why {
                 NotPublished::Geometry => "terminal_not_skewed",
                 NotPublished::Degenerate => "terminal_directions_coincide",
             });

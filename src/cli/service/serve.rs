@@ -2,7 +2,6 @@
 
 use std::io::IsTerminal;
 use std::net::SocketAddr;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -15,6 +14,7 @@ use tokio::task::JoinHandle;
 use tracing_subscriber::EnvFilter;
 
 use super::notify;
+use super::settings::ConfigArgs;
 use crate::cli::errors::said;
 use crate::config::{Config, Log, LogFormat};
 use crate::core::message::text;
@@ -29,14 +29,13 @@ use crate::{store, telemetry};
 /// Run the service
 #[derive(Debug, Args)]
 pub struct Serve {
-    /// Configuration file; repeat for several, later ones win [default: config/*.toml].
-    #[arg(long = "config", value_name = "FILE")]
-    config: Vec<PathBuf>,
+    #[command(flatten)]
+    config: ConfigArgs,
 }
 
 impl Serve {
     pub fn run(self) -> anyhow::Result<()> {
-        run(Config::load(&self.config, std::env::vars())?, |_| {})
+        run(self.config.load()?, |_| {})
     }
 }
 

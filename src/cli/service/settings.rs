@@ -1,7 +1,34 @@
-//! What the configuration says to subcommands that read documents.
+//! The configuration that subcommands read.
 
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+
+use crate::cli::document;
 use crate::config::Config;
+use crate::core::campaign::Campaign;
 use crate::core::record::Plausibility;
+use crate::wire::document::parse;
+
+/// Which configuration is in force.
+#[derive(Debug, clap::Args)]
+pub struct ConfigArgs {
+    /// Configuration file, which names the database and the limits; repeat for several, later ones win [default:
+    /// config/*.toml]
+    #[arg(long = "config", value_name = "FILE", global = true)]
+    files: Vec<PathBuf>,
+}
+
+impl ConfigArgs {
+    pub fn load(&self) -> anyhow::Result<Config> {
+        Ok(Config::load(&self.files, std::env::vars())?)
+    }
+
+    /// What is in force, as one file.
+    pub fn in_force(&self) -> anyhow::Result<String> {
+        Ok(Config::in_force(&self.files, std::env::vars())?)
+    }
+}
 
 /// The configuration in force: files in `config` and the environment.
 pub fn config() -> anyhow::Result<Config> {
@@ -11,4 +38,12 @@ pub fn config() -> anyhow::Result<Config> {
 /// What is refused as impossible, as the configuration in force says.
 pub fn plausibility() -> anyhow::Result<Plausibility> {
     Ok(config()?.plausibility.limits())
+}
+
+/// A campaign in a file, where its scale factors are possible.
+pub fn campaign(path: &Path, bytes: &[u8]) -> anyhow::Result<Campaign> {
+    let file = || document::name(path);
+    let campaign = parse(bytes).with_context(file)?;
+    campaign.check_known_scales(&plausibility()?).with_context(file)?;
+    Ok(campaign)
 }

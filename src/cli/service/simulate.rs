@@ -9,7 +9,7 @@ use clap::Args;
 use super::{experiment, hypothesis, model};
 use crate::cli::common::{Usage, positive};
 use crate::cli::document;
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::effects::Effect;
@@ -149,7 +149,7 @@ impl Simulate {
         }
         match (&self.dir, self.count) {
             (Some(dir), count) => many(&scenario, &self.put_in()?, count.unwrap_or(1), dir, self.format),
-            (None, Some(_)) => Err(Usage(said(message!("terminal_count_needs_dir"))).into()),
+            (None, Some(_)) => Err(Usage(word("terminal_count_needs_dir").to_owned()).into()),
             (None, None) => self.one(&scenario),
         }
     }
@@ -219,7 +219,7 @@ struct PutIn {
 }
 
 fn made(scenario: &Scenario, put_in: &PutIn) -> anyhow::Result<Simulated> {
-    let whose = || said(message!("terminal_scenario"));
+    let whose = || word("terminal_scenario");
     let (scenario, model) = drawn_from(scenario, &put_in.model).with_context(whose)?;
     let mut simulated = simulate(&scenario).with_context(whose)?;
     augment(&mut simulated, &model).with_context(|| format!("--model {}", put_in.model_file))?;
@@ -237,9 +237,9 @@ fn slot(name: &str) -> Result<Slot, String> {
 
 fn list(mut out: impl Write) -> anyhow::Result<()> {
     for (name, about) in PRESETS {
-        writeln!(out, "{name:<18} {about}")?;
+        writeln!(out, "{name:<18} {}", word(about))?;
     }
-    writeln!(out, "{PAPER_EXPERIMENT:<18} Table 5: each gyro on the bench, all in the IMU, each on the bench again")?;
+    writeln!(out, "{PAPER_EXPERIMENT:<18} {}", word("preset_paper_experiment"))?;
     Ok(())
 }
 

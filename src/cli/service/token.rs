@@ -1,15 +1,14 @@
 //! `token`: who may use the service. Works on the database itself, so that the first token can be made before the
 //! service runs and nobody is locked out.
 
-use std::path::PathBuf;
-
 use anyhow::bail;
 use clap::{Args, Subcommand};
 
 use super::healthcheck;
+use super::settings::ConfigArgs;
 use crate::cli::common::{block_on, instant};
 use crate::cli::document;
-use crate::cli::errors::said;
+use crate::cli::errors::{said, word};
 use crate::config::Config;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
@@ -26,10 +25,8 @@ use crate::wire::{text, time};
 pub struct TokenArgs {
     #[command(subcommand)]
     order: TokenCommand,
-    /// Configuration file that names the database, as GYROWATCH_DATABASE_URL does too; repeat for several, later ones
-    /// win [default: config/*.toml]
-    #[arg(long = "config", value_name = "FILE", global = true)]
-    config: Vec<PathBuf>,
+    #[command(flatten)]
+    config: ConfigArgs,
 }
 
 #[derive(Debug, Subcommand)]
@@ -67,7 +64,7 @@ fn role(name: &str) -> Result<Role, String> {
 
 impl TokenArgs {
     pub fn run(self) -> anyhow::Result<()> {
-        let Config { database, server, .. } = Config::load(&self.config, std::env::vars())?;
+        let Config { database, server, .. } = self.config.load()?;
         let (order, options) = (self.order, database.options());
         let is_new = options.file().is_ok_and(|file| matches!(file.try_exists(), Ok(false)));
         if is_new && !matches!(order, TokenCommand::Create { .. }) {
@@ -159,9 +156,9 @@ fn table(tokens: &[TokenRow], now: UtcMicros) -> String {
             (Some(at), _) => said(message!("terminal_revoked", at = time::format(at))),
             (None, Some(at)) if at <= now => said(message!("terminal_expired", at = time::format(at))),
             (None, Some(at)) => said(message!("terminal_until", at = time::format(at))),
-            (None, None) => said(message!("terminal_valid")),
+            (None, None) => word("terminal_valid").to_owned(),
         };
-        let station = token.station.clone().unwrap_or_else(|| said(message!("terminal_any")));
+        let station = token.station.clone().unwrap_or_else(|| word("terminal_any").to_owned());
         let made = time::format(token.created_at);
         table.add_row([token.id.to_string(), token.name.clone(), token.role.name().into(), station, made, state]);
     }

@@ -1,15 +1,14 @@
 //! `verify`: everything that was stored, computed again from what stations sent, and compared.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, bail};
 use clap::Args;
 
+use super::settings::ConfigArgs;
 use crate::cli::common::block_on;
 use crate::cli::document;
 use crate::cli::errors::said;
-use crate::config::Config;
 use crate::message;
 use crate::pipeline::{Pipeline, Verified};
 use crate::store;
@@ -18,10 +17,8 @@ use crate::system::Clock;
 /// Compute every stored separation and verdict again from what was sent, and compare; exit status 1 names what differs
 #[derive(Debug, Args)]
 pub struct Verify {
-    /// Configuration file that names the database and the limits; repeat for several, later ones win [default:
-    /// config/*.toml]
-    #[arg(long = "config", value_name = "FILE")]
-    config: Vec<PathBuf>,
+    #[command(flatten)]
+    config: ConfigArgs,
 }
 
 /// Differences that are printed; all are counted.
@@ -29,7 +26,7 @@ const MOST_SHOWN: usize = 100;
 
 impl Verify {
     pub fn run(self) -> anyhow::Result<()> {
-        let config = Config::load(&self.config, std::env::vars())?;
+        let config = self.config.load()?;
         let options = config.database.options();
         let url = options.shown();
         let work = async {

@@ -71,6 +71,12 @@ pub(super) struct PointLevel {
     pub upper: Option<f64>,
 }
 
+/// A member of a [`PointLevel`] as a column.
+pub(super) type LevelColumn = (&'static str, fn(PointLevel) -> Option<f64>);
+
+pub(super) const LEVELS: [LevelColumn; 3] =
+    [("baseline", |level| Some(level.baseline)), ("lower", |level| level.lower), ("upper", |level| level.upper)];
+
 impl PointLevel {
     fn at(levels: &Levels, at: UtcMicros) -> Option<Self> {
         let baseline = levels.at(at)?;

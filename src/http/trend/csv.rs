@@ -1,6 +1,6 @@
 //! A trend as CSV.
 
-use super::body::Trend;
+use super::body::{LEVELS, LevelColumn, Trend};
 use super::request::Request;
 use crate::wire::time;
 
@@ -19,15 +19,12 @@ const COLUMNS: [&str; 12] = [
     "state",
 ];
 
-/// What each point is held against, where that is asked for.
-const LEVELS: [&str; 3] = ["baseline", "lower", "upper"];
-
 /// RFC 4180: one header line, times in UTC, every point at full precision; a column more where voided points are
 /// asked for, three where levels are, `status` always last.
 pub(super) fn written(trend: &Trend<'_>, &Request { voided: with_voided, levels, .. }: &Request) -> Option<Vec<u8>> {
     let asked = if levels { &LEVELS[..] } else { &[] };
     let mut writer = ::csv::Writer::from_writer(Vec::new());
-    let more = with_voided.then_some("voided").into_iter().chain(asked.iter().copied()).chain(["status"]);
+    let more = with_voided.then_some("voided").into_iter().chain(asked.iter().map(|(name, _)| *name)).chain(["status"]);
     writer.write_record(COLUMNS.into_iter().chain(more)).ok()?;
     for point in &trend.points {
         let (at, value) = (time::format(point.calibrated_at), point.value.to_string());
@@ -37,9 +34,9 @@ pub(super) fn written(trend: &Trend<'_>, &Request { voided: with_voided, levels,
         let head = [trend.serial, trend.coefficient, trend.unit, &at, &value, &sd, point.method];
         let voided = point.voided.map(|voided| if voided { "true" } else { "false" });
         let tail = [imu, slot, point.station, &record, state];
-        let level = point.level.map_or([None; 3], |level| [Some(level.baseline), level.lower, level.upper]);
-        let level = level.map(|figure| figure.map(|figure| figure.to_string()).unwrap_or_default());
-        let more = voided.into_iter().chain(level.iter().take(asked.len()).map(String::as_str));
+        let level = |(_, figure): &LevelColumn| point.level.and_then(figure).map(|x| x.to_string()).unwrap_or_default();
+        let levels: Vec<String> = asked.iter().map(level).collect();
+        let more = voided.into_iter().chain(levels.iter().map(String::as_str));
         let status = point.status.unwrap_or_default();
         writer.write_record(head.into_iter().chain(tail).chain(more).chain([status])).ok()?;
     }

@@ -14,6 +14,7 @@ use crate::http::problem::Answer;
 use crate::message;
 use crate::pipeline::sample_of;
 use crate::wire::body::bodies;
+use crate::wire::csv_text::csv_text;
 use crate::wire::problem::Problem;
 
 /// Rows that are read at a time: what a gyro has in decades goes through a few megabytes.
@@ -112,7 +113,7 @@ impl Request {
             events,
             next: next.clone(),
         };
-        let text = if self.csv { csv(&trend) } else { serde_json::to_vec(&trend).ok() };
+        let text = if self.csv { Some(csv(&trend).into_bytes()) } else { serde_json::to_vec(&trend).ok() };
         let text = text.ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
         Ok(TrendText { text, csv: self.csv, next })
     }
@@ -120,18 +121,17 @@ impl Request {
 
 bodies! { PeriodBody of Summary: begins, count, min, max, mean, last; }
 
-/// RFC 4180: one header line, times in UTC, every figure at full precision.
-fn csv(trend: &PeriodTrend<'_>) -> Option<Vec<u8>> {
-    let mut writer = ::csv::Writer::from_writer(Vec::new());
-    let columns = ["serial", "coefficient", "unit", "method", "every", "begins", "count", "min", "max", "mean", "last"];
-    writer.write_record(columns).ok()?;
-    for period in &trend.periods {
-        let figures = [period.min, period.max, period.mean, period.last].map(|figure| figure.to_string());
-        let count = period.count.to_string();
-        let head = [trend.serial, trend.coefficient, trend.unit, trend.method, trend.every, &period.begins, &count];
-        writer.write_record(head.into_iter().chain(figures.iter().map(String::as_str))).ok()?;
-    }
-    writer.into_inner().ok()
+/// One header line, times in UTC, every figure at full precision.
+fn csv(trend: &PeriodTrend<'_>) -> String {
+    let of_all = [trend.serial, trend.coefficient, trend.unit, trend.method, trend.every];
+    let line = |period: &PeriodBody| {
+        let [serial, coefficient, unit, method, every] = of_all.map(str::to_owned);
+        let [min, max, mean, last] = [period.min, period.max, period.mean, period.last].map(|x| x.to_string());
+        let (begins, count) = (period.begins.clone(), period.count.to_string());
+        [serial, coefficient, unit, method, every, begins, count, min, max, mean, last]
+    };
+    let header = "serial,coefficient,unit,method,every,begins,count,min,max,mean,last";
+    csv_text(header, trend.periods.iter().map(line))
 }
 
 /// What an answer shows of a period, as it can be hashed.

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
 use crate::core::id::Id;
-use crate::core::judge::{Rule, Severity, Status};
+use crate::core::judge::{Rule, Severity};
 use crate::pages::layout::{symbol, written};
 use crate::pages::text::Text;
 use crate::pages::verdicts::{actions, remarks};
@@ -21,9 +21,7 @@ const MOST_OF_A_GYRO: u32 = 200;
 pub(in crate::pages) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>, Problem> {
     let filter = AlertFilter { gyro: Some(gyro), ..AlertFilter::default() };
     let found = pages.pipeline.alerts.find(&filter, None, MOST_OF_A_GYRO).await?;
-    let resolved = Standing::Resolved.name();
-    let mut open: Vec<AlertBody> =
-        found.into_iter().map(|(_, alert)| alert).filter(|alert| alert.state != resolved).collect();
+    let mut open: Vec<AlertBody> = found.into_iter().map(|(_, alert)| alert).filter(is_open).collect();
     open.sort_by_key(|alert| alert.severity != Severity::Critical.name());
     Ok(open)
 }
@@ -72,10 +70,10 @@ pub(in crate::pages) fn table<'a>(
 
 fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> Markup {
     let t = viewer.text();
-    let open = alert.state != Standing::Resolved.name();
+    let open = is_open(alert);
     html! {
         tr {
-            td { (status::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
+            td { (status::badge(t, alert.status())) }
             @if gyros { th scope="row" { a.id href=(alert.page()) { (alert.name()) } } }
             td.nowrap { (violated(t, alert)) }
             td.words {
@@ -90,7 +88,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
             td data-label=(t.fired) { a href={ "/alerts/" (alert.id) } { (written(&alert.fired_at)) } }
             td.words {
                 (t.standing(&alert.state))
-                @if is_open(alert) && is_back_within(alert) { " " span.quiet { (t.ends_in_tolerance) } }
+                @if open && is_back_within(alert) { " " span.quiet { (t.ends_in_tolerance) } }
                 @if let Some(station) = &alert.inhibited_by { " " a href={ "/alerts/" (station) } { (t.explained_by_another) } }
                 (remarks(t, alert))
                 @if let Some(at) = &alert.resolved_at { " " (written(at)) }

@@ -414,10 +414,9 @@ impl Chart {
         let Some(budget) = level.budget else { return self.height - 4.0 };
         let foot = within(scale.y(level.at - budget) - 4.0);
         let head = within(scale.y(level.at + budget) + LINE);
-        let dots = || self.tracks.iter().flat_map(|track| &track.dots);
         let is_free = |label: f64| {
             let is_near = |dot: &Dot| (label - LINE / 2.0 - scale.y(dot.y)).abs() < LINE;
-            !dots().any(|dot| (level.from..=level.until).contains(&dot.x) && is_near(dot))
+            !self.dots().any(|dot| (level.from..=level.until).contains(&dot.x) && is_near(dot))
         };
         if is_free(foot) || !is_free(head) { foot } else { head }
     }

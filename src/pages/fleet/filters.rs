@@ -238,7 +238,7 @@ impl Filters {
 
 /// A parameter of an address that cannot be used.
 pub(in crate::pages) fn bad_parameter(name: &'static str, fault: Message) -> Problem {
-    Problem::new(400, "title_bad_query", message!("parameter_fault", parameter = name, fault = fault))
+    Problem::new(400, "title_bad_query", message!("parameter_fault", parameter = name, fault))
 }
 
 /// The day of an instant as a form has it.

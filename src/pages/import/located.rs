@@ -126,7 +126,7 @@ mod tests {
         let piece = Piece { line: 2, text: "# imu: A\nphase,start_s\nstatic,x 1,2", form: Form::Csv };
         let cell = |line: u64, column: u64| {
             let fault = message!("empty_text");
-            message!("at_cell", line = line, column = column, name = "start_s", fault = fault)
+            message!("at_cell", line, column, name = "start_s", fault)
         };
         assert_eq!(part(&piece, "/dwells/0/start_s", cell(3, 2)), (4, Some("x 1".into())));
         assert_eq!(part(&piece, "/dwells/0/start_s", cell(3, 9)), (4, None));

@@ -7,7 +7,7 @@ use crate::message;
 use crate::wire::campaign::DwellBody;
 use crate::wire::numbers::Numbers;
 use crate::wire::record_table::{TableMap, is_of_record, is_table};
-use crate::wire::table::{at_cell, check_quotes, meant, number, reader, unknown};
+use crate::wire::table::{at_cell, check_quotes, meant, number, reader, rows, too_many_cells, unknown};
 
 /// Fields of a dwell, the suffixes of their columns, and whether every table has them.
 pub(super) const FIELDS: &[(&str, &[&str], bool)] = &[
@@ -56,21 +56,12 @@ pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option
         return None;
     }
     let columns = DwellTableColumns::read(&header, first_line + 1, faults);
-    let mut rows = Vec::new();
-    let mut dwell = 0;
-    let records: Vec<_> = records.collect();
-    let ranges = ranges(records.iter().flatten().filter(|record| record.len() == columns.names.len()));
-    for record in &records {
-        match record {
-            Ok(record) if record.iter().all(str::is_empty) => {}
-            Ok(record) => {
-                let line = first_line + record.position().map_or(0, |p| p.line() as usize);
-                rows.extend(columns.row(record, &ranges, dwell, line, faults));
-                dwell += 1;
-            }
-            Err(error) => faults.push("/dwells", message!("table_unreadable", why = format_args!("{error}"))),
-        }
-    }
+    let records = rows(records, first_line, "/dwells", faults);
+    let ranges = ranges(records.iter().map(|(_, record)| record).filter(|record| record.len() == columns.names.len()));
+    let row = |(dwell, (line, record)): (usize, &(usize, csv::StringRecord))| {
+        columns.row(record, &ranges, dwell, *line, faults)
+    };
+    let rows = records.iter().enumerate().filter_map(row).collect();
     Some((columns, rows))
 }
 
@@ -236,10 +227,7 @@ impl DwellTableColumns {
                 let fault = message!("cells_decimal_comma", cells, columns, number);
                 at_cell((line, i + 1), &self.names[i], fault)
             }
-            None => {
-                let fault = message!("cells_under_columns", cells, columns);
-                message!("at_column", line, column = columns + 1, fault)
-            }
+            None => too_many_cells(line, cells, columns),
         }
     }
 }

@@ -332,6 +332,19 @@ terminal_demo_pages =
 
     Ctrl-C stops it; the data stay in the file.
 
+## `simulate`
+
+preset_24_position = 24 positions, 6 repeats and 48 rate dwells in random order: 78 dwells of three minutes
+preset_24_bare = 24 positions once each in fixed order, no rates, E stated: the least that yields D_I and D_S
+preset_36_position = 24 positions and 12 edges at 45 degrees, 6 repeats, 48 rate dwells
+preset_60_position = 24 positions, edges, tilts of 30 and 60 degrees, 6 repeats, 48 rate dwells
+preset_long = 1008 dwells: the 60-position programme eight times over, four power-ups, wandering bias, counted pulses
+preset_orthogonal_mems = three orthogonal gyros, whole-pulse counter, no rates, no temperature, no standard errors
+preset_paper_experiment = Table 5: each gyro on the bench, all in the IMU, each on the bench again
+terminal_ranges = range of bench before, IMU, bench after; { $count } simulated experiments from seed { $seed }
+terminal_ranges_head = gyro | coefficient | method | median | 95 % | largest | below 1.301e-3
+terminal_ranges_below = all six ranges of an experiment below { $headline } deg/(h g0):
+
 ## `blindcheck`
 
 terminal_hypothesis = { $id } in campaigns of this design: { $found }
@@ -343,3 +356,21 @@ terminal_hypothesis_head = d | largest coefficient (median) | campaigns | named 
 terminal_hard_to_tell = hard to tell from it here: { $effects }
 terminal_where_not = without it: named in { $hits } of { $trials } ({ $rate }, 95 % interval { $interval }); anything named in { $anything }
 terminal_undiagnosed = no answer: { $why }
+terminal_blind_campaigns = { $count } campaigns, key SHA-256 { $seal }
+terminal_blind_key = named: the effect itself, or a class that holds it because the campaign cannot tell its members apart
+terminal_goals_head = case | hits | trials | rate | 95 % interval | to reach
+terminal_fleet_goals_head = what | hits | trials | rate | 95 % interval | to reach
+terminal_reached = reached
+terminal_short_of_it = NOT REACHED
+terminal_by_effect_head = one effect, named: by effect | hits | trials | rate | 95 % interval
+terminal_by_design_head = by set of positions | hits | trials | rate | 95 % interval
+terminal_by_errors_head = by standard errors | hits | trials | rate | 95 % interval
+terminal_by_family_head = outside the catalogue, partly or not explained | hits | trials | rate | 95 % interval
+terminal_confusion_head = hidden | named (- nothing), how often
+terminal_named_instead_head = hidden | named instead (- nothing), how often
+terminal_blind_times = one diagnosis: median { $median } ms, 99 % { $p99 } ms, most { $most } ms; all campaigns: { $seconds } s
+terminal_kinds_head = kind | campaigns | confident wrong | doubted wrong | all named, if visible | visibly in part, explained as whole | closure in interval | gap, no name | noise said | described | median, ms | no answer
+terminal_blind_fleets = { $fleets } fleets of seed { $seed }, { $seconds } s
+terminal_speed =
+    { $gyros } gyros with { $records } records in { $fleet_s } s on { $threads } threads
+    one gyro with { $of_one } records and 40 peers: { $one_ms } ms (median), { $slowest_ms } ms (slowest)

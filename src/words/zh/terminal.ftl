@@ -314,6 +314,19 @@ terminal_demo_pages =
 
     按Ctrl-C停止；数据保留在文件中。
 
+## `simulate`
+
+preset_24_position = 24个位置、6次重复与48个速率测点，次序随机：共78个三分钟的测点
+preset_24_bare = 24个位置各一次，次序固定，没有速率测点，E已给出：可得出D_I与D_S的最少测点
+preset_36_position = 24个位置与12个45°棱向位置，6次重复，48个速率测点
+preset_60_position = 24个位置、棱向位置、30°与60°倾斜位置，6次重复，48个速率测点
+preset_long = 1008个测点：60位置程序共八遍，四次通电，零偏漂移，输出按脉冲计数
+preset_orthogonal_mems = 三只正交陀螺，整脉冲计数，没有速率测点，没有温度，没有标准误差
+preset_paper_experiment = 表5：各陀螺先做单表测试，再一同装入IMU标定，然后再做单表测试
+terminal_ranges = 首次单表测试、IMU标定与再次单表测试三个结果的极差；自种子{ $seed }起{ $count }次仿真试验
+terminal_ranges_head = 陀螺 | 系数 | 方法 | 中位数 | 95 % | 最大 | 小于1.301e-3
+terminal_ranges_below = 一次试验的六个极差均小于{ $headline } (°)/(h·g0)：
+
 ## `blindcheck`
 
 terminal_hypothesis = 此设计的试验中的{ $id }：{ $found }
@@ -325,3 +338,21 @@ terminal_hypothesis_head = d | 最大系数（中位数） | 试验数 | 识别 
 terminal_hard_to_tell = 此处难以与之区分：{ $effects }
 terminal_where_not = 不含该效应时：{ $trials }次中识别{ $hits }次（{ $rate }，95 %区间{ $interval }）；识别出任何效应{ $anything }次
 terminal_undiagnosed = 没有结果：{ $why }
+terminal_blind_campaigns = { $count }次试验，答案SHA-256 { $seal }
+terminal_blind_key = 识别：指出该效应本身，或指出试验无法再区分而含有该效应的等效类
+terminal_goals_head = 情形 | 命中 | 次数 | 比率 | 95 %区间 | 指标
+terminal_fleet_goals_head = 项目 | 命中 | 次数 | 比率 | 95 %区间 | 指标
+terminal_reached = 达到
+terminal_short_of_it = 未达到
+terminal_by_effect_head = 单个效应的识别：按效应 | 命中 | 次数 | 比率 | 95 %区间
+terminal_by_design_head = 按位置组合 | 命中 | 次数 | 比率 | 95 %区间
+terminal_by_errors_head = 按标准误差 | 命中 | 次数 | 比率 | 95 %区间
+terminal_by_family_head = 目录之外，部分解释或未解释 | 命中 | 次数 | 比率 | 95 %区间
+terminal_confusion_head = 隐藏的效应 | 指出的效应（-为未指出）及次数
+terminal_named_instead_head = 隐藏的原因 | 误指的原因（-为未指出）及次数
+terminal_blind_times = 一次诊断：中位数{ $median } ms，99 %分位{ $p99 } ms，最长{ $most } ms；全部试验：{ $seconds } s
+terminal_kinds_head = 类别 | 试验数 | 确信而误 | 存疑而误 | 可见者全部识别 | 部分可见而称全部解释 | 留出闭合率在其区间内 | 有差异而未指出 | 说明噪声 | 已描述 | 中位数，ms | 没有结果
+terminal_blind_fleets = 种子{ $seed }的{ $fleets }组陀螺，{ $seconds } s
+terminal_speed =
+    { $gyros }只陀螺，各{ $records }个记录：{ $threads }个线程用时{ $fleet_s } s
+    一只陀螺，{ $of_one }个记录，40只同组陀螺：{ $one_ms } ms（中位数），{ $slowest_ms } ms（最长）

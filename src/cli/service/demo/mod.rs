@@ -12,10 +12,11 @@ use anyhow::{Context, bail};
 use bytes::Bytes;
 use clap::Args;
 use indicatif::ProgressBar;
+use serde_json::Value;
 
 use super::serve;
 use crate::cli::client::{JSON, Sent, Service};
-use crate::cli::errors::{in_words, said};
+use crate::cli::errors::{said, with_causes};
 use crate::core::message::text;
 use crate::message;
 use happening::Happening;
@@ -51,7 +52,7 @@ impl Demo {
         serve::run(config, |address| {
             tokio::spawn(async move {
                 if let Err(error) = furnish(address).await {
-                    eprintln!("gyrowatch: {}", said(message!("terminal_demo_not_posted", why = in_words(&error))));
+                    eprintln!("gyrowatch: {}", said(message!("terminal_demo_not_posted", why = with_causes(&error))));
                 }
             });
         })
@@ -62,7 +63,8 @@ impl Demo {
 /// Posts paper and fleet, unless they are there, and says what to look at.
 async fn furnish(address: SocketAddr) -> anyhow::Result<()> {
     let service = Service::at(&address.to_string(), None)?;
-    if service.get("/v1/gyros?limit=1").await?["gyros"].as_array().is_none_or(Vec::is_empty) {
+    let gyros: Value = service.get("/v1/gyros?limit=1").await?;
+    if gyros["gyros"].as_array().is_none_or(Vec::is_empty) {
         post_all(&service).await?;
     }
     let base = service.base();

@@ -17,15 +17,14 @@ use self::columns::ExportRow;
 use self::csv::Csv;
 #[cfg(feature = "parquet")]
 use self::parquet::Parquet;
+use super::settings::ConfigArgs;
 use crate::cli::common::{Usage, block_on, end, start};
 use crate::cli::errors::said;
-use crate::config::Config;
 use crate::core::figures::Figures;
 use crate::core::time::{Span, UtcMicros};
 use crate::message;
 use crate::pipeline::Statuses;
 use crate::store::{self, Store};
-use crate::words::asked;
 
 /// Write the history of every gyro into one file, CSV or Parquet: one row per gyro and calibration, all methods, all
 /// verdicts
@@ -47,9 +46,8 @@ pub struct Export {
     /// Also what was voided or revised, flagged in the column `voided`
     #[arg(long)]
     voided: bool,
-    /// Configuration file that names the database; repeat for several, later ones win [default: config/*.toml]
-    #[arg(long = "config", value_name = "FILE")]
-    config: Vec<PathBuf>,
+    #[command(flatten)]
+    config: ConfigArgs,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -64,7 +62,7 @@ const BLOCK: usize = 8192;
 impl Export {
     pub fn run(self) -> anyhow::Result<()> {
         let form = self.form()?;
-        let database = Config::load(&self.config, std::env::vars())?.database;
+        let database = self.config.load()?.database;
         let file = File::create_new(&self.file).with_context(|| self.file.display().to_string())?;
         let written = block_on(async {
             let store = store::open_to_read(&database.options())
@@ -79,7 +77,7 @@ impl Export {
         }
         let (rows, gyros) = written?;
         let exported = message!("terminal_exported", rows = rows.to_string(), gyros = gyros.to_string());
-        eprintln!("{}: {}", self.file.display(), asked().words(&exported));
+        eprintln!("{}: {}", self.file.display(), said(exported));
         Ok(())
     }
 

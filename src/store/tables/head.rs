@@ -10,7 +10,7 @@ use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
-use crate::store::db::{LISTED, Sql, Whole, at_most, counted, numbers, on, read};
+use crate::store::db::{Sql, Whole, at_most, counted, numbers, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row, Rows};
@@ -335,7 +335,7 @@ pub async fn tallies(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Resu
 /// How a fleet is narrowed down, by the parameters of `of_fleet`.
 fn conditions(store: &Store, narrowed: &Narrowed) -> String {
     let sought = match narrowed.sought {
-        Some(Sought::Found(_)) => format!("gyro IN ({})", store.readers.words(LISTED).replace("$1", "$")),
+        Some(Sought::Found(_)) => format!("gyro IN {}", store.readers.list("$")),
         _ => r"sought LIKE $ ESCAPE '\'".to_owned(),
     };
     // Each condition by itself, so that it finds its index; one that is not asked for is no condition.
@@ -559,8 +559,8 @@ pub async fn due(store: &Store, [from, until]: [UtcMicros; 2], limit: usize) -> 
     };
     let imus: Vec<u32> = first.iter().map(|(imu, _)| *imu).collect();
     let of_imus = sqlx::AssertSqlSafe(format!(
-        "SELECT imu, count(*) FROM head WHERE imu IN ({}) AND overdue_at + 0 >= $2 AND overdue_at + 0 < $3 GROUP BY imu",
-        store.readers.words(LISTED)
+        "SELECT imu, count(*) FROM head WHERE imu IN {} AND overdue_at + 0 >= $2 AND overdue_at + 0 < $3 GROUP BY imu",
+        store.readers.list("$1")
     ));
     let rows: Vec<(Whole<u32>, i64)> =
         read!(store, query_as.fetch_all, of_imus, serde_json::json!(imus).to_string(), from.0, until.0);
@@ -678,10 +678,8 @@ pub async fn imus_found(
 
 /// Gyros whose newest calibration was made in any of these IMUs.
 pub async fn of_imus(store: &Store, imus: &[u32]) -> Result<Vec<HeadRow>, StoreError> {
-    let (columns, those) = (HeadRow::COLUMNS, store.readers.words(LISTED));
-    let sql = sqlx::AssertSqlSafe(format!("SELECT {columns} FROM head WHERE imu IN ({those}) ORDER BY serial"));
-    let imus = serde_json::json!(imus).to_string();
-    read!(store, all, sql, imus)
+    let sql = HeadRow::select(&format!("WHERE imu IN {} ORDER BY serial", store.readers.list("$1")));
+    read!(store, all, sql, serde_json::json!(imus).to_string())
 }
 
 /// The gyros whose newest calibration was made in an IMU.
@@ -702,8 +700,6 @@ pub async fn newly_overdue_or_not(store: &Store, now: UtcMicros) -> Result<Vec<u
 
 /// The rows of some gyros, in no order.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<HeadRow>, StoreError> {
-    let (columns, those) = (HeadRow::COLUMNS, store.readers.words(LISTED));
-    let sql = sqlx::AssertSqlSafe(format!("SELECT {columns} FROM head WHERE gyro IN ({those})"));
-    let gyros = serde_json::json!(gyros).to_string();
-    read!(store, all, sql, gyros)
+    let sql = HeadRow::select(&format!("WHERE gyro IN {}", store.readers.list("$1")));
+    read!(store, all, sql, serde_json::json!(gyros).to_string())
 }

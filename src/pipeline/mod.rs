@@ -64,8 +64,8 @@ pub use ingest::{
 pub use queries::{
     BEYOND, Baseline, BenchItem, CommonShift, Compared, Comparison, Course, DueDate, DueImu, EventItem,
     ExplainedHistory, FirstOf, FleetFilter, FleetPage, Forecast, Foreseen, LINES, Levels, ListFilter, ListedRecord,
-    Names, Queries, RecentValues, RecordSummary, Seats, Standing, StandingFilter, Statuses, StoredCampaign,
-    StoredRecord, Tested, Today, Together, Verified, Violation, sample_of, today,
+    Names, Queries, RecentValues, Seats, Standing, StandingFilter, Statuses, StoredCampaign, StoredRecord, Tested,
+    Today, Together, Verified, Violation, sample_of, today,
 };
 
 pub use suspect::WindowOutcome;

@@ -25,7 +25,7 @@ use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of}
 use crate::pipeline::kept::Kept;
 use crate::store;
 use crate::store::head::{CalibratedRow, DueImus, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
-use crate::store::{RecordHead, Store, StoreError, Stretch, Table};
+use crate::store::{RecordEntry, Store, StoreError, Stretch, Table};
 use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
 use crate::words;
@@ -522,10 +522,10 @@ impl Fleet {
     }
 
     /// What these records found of their gyros.
-    async fn rows_of(&self, heads: &[RecordHead]) -> Result<Vec<Figures>, StoreError> {
+    async fn rows_of(&self, heads: &[RecordEntry]) -> Result<Vec<Figures>, StoreError> {
         let sheets: HashMap<_, _> =
             store::record::verdict_sheets(&self.store, heads.iter().map(|head| head.id)).await?.into_iter().collect();
-        let of = |head: &RecordHead| {
+        let of = |head: &RecordEntry| {
             let then = Span { from: head.calibrated_at, to: head.calibrated_at };
             let gyros = sheets.get(&head.id).map_or(&[][..], |sheet| &sheet.0);
             gyros.iter().map(move |(gyro, _)| (*gyro, then)).collect::<Vec<Stretch>>()

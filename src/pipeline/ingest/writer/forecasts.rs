@@ -12,7 +12,7 @@ use crate::pipeline::alerts::{AlertContext, Naming, Origin};
 use crate::pipeline::diagnoses::{Adoption, Made, newest_verdict};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::ingest::judge::Undone;
-use crate::store::{AlertOf, AlertRow, Changes, RecordHead, StoreError};
+use crate::store::{AlertOf, AlertRow, Changes, RecordEntry, StoreError};
 use crate::{store, telemetry};
 
 pub(super) struct ForecastAlerts<'a> {
@@ -99,7 +99,7 @@ impl ForecastAlerts<'_> {
     }
 }
 
-fn origin(imu: u32, head: &RecordHead, verdict: &Verdict) -> Origin {
+fn origin(imu: u32, head: &RecordEntry, verdict: &Verdict) -> Origin {
     let slot = match verdict.finding {
         Finding::Forecast { slot, .. } => Some(slot),
         _ => None,

@@ -7,7 +7,6 @@
 
 mod body;
 mod cache;
-mod error;
 mod orders;
 mod shared;
 mod silences;
@@ -17,7 +16,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::access::Actor;
-use super::error::StorageError;
+use super::error::{OrderError, StorageError};
 use super::write_queue::{Job, WriteQueue};
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
@@ -35,7 +34,6 @@ use crate::wire::alert::AlertBody;
 use crate::wire::silence::MatchingSilenceBody;
 use silences::MOST_SILENCES;
 
-pub use error::AlertError;
 pub use orders::{AlertChange, AlertOrder, SilenceOrder};
 
 pub(super) use body::{Naming, Origin, finding_of, status_of};
@@ -210,8 +208,8 @@ impl Alerts {
     /// Acknowledges an alert or takes that back, or silences it; returns it once that is on disk.
     ///
     /// # Errors
-    /// [`AlertError`].
-    pub async fn change(&self, order: AlertOrder) -> Result<AlertBody, AlertError> {
+    /// [`OrderError`].
+    pub async fn change(&self, order: AlertOrder) -> Result<AlertBody, OrderError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Alert { order, by, reply }).await
     }
@@ -235,8 +233,8 @@ impl Alerts {
     /// Begins or ends a silence of many alerts; returns its identifier once that is on disk.
     ///
     /// # Errors
-    /// [`AlertError`].
-    pub async fn order_silence(&self, order: SilenceOrder) -> Result<Id, AlertError> {
+    /// [`OrderError`].
+    pub async fn order_silence(&self, order: SilenceOrder) -> Result<Id, OrderError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Silence { order, by, reply }).await
     }

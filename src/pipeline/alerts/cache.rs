@@ -163,7 +163,8 @@ impl AlertCache {
         context: &mut AlertContext<'_>,
     ) {
         let of = of.into();
-        let place = self.place(of, |row| row.coefficient == verdict.coefficient && row.rule == verdict.rule);
+        let is_it = |row: &AlertRow| row.coefficient == verdict.coefficient && row.rule == verdict.rule;
+        let place = self.alerts.get(&of).and_then(|rows| rows.iter().position(is_it));
         let earlier = place.map(|place| &self.alerts[&of][place]);
         let naming = context.naming;
         let muting = self.silences.of(of, verdict, origin, &naming, context.now);
@@ -215,21 +216,12 @@ impl AlertCache {
     /// Ends what fires where `ends` says so: a rule that does not judge any more, or whose history an event has cut
     /// off.
     pub fn reset(&mut self, of: impl Into<AlertOf>, ends: impl Fn(&AlertRow) -> bool, context: &mut AlertContext<'_>) {
-        self.end(of.into(), ends, &(None, None), context);
-    }
-
-    fn end(
-        &mut self,
-        of: AlertOf,
-        ends: impl Fn(&AlertRow) -> bool,
-        said: &StepRemark,
-        context: &mut AlertContext<'_>,
-    ) {
+        let of = of.into();
         for place in 0..self.alerts.get(&of).map_or(0, Vec::len) {
             let row = &self.alerts[&of][place];
             if row.alert.status == Status::Firing && ends(row) {
                 let decision = alert_decision::reset(&row.alert, context.now);
-                self.enter((of, place), decision, false, said.clone(), context);
+                self.enter((of, place), decision, false, (None, None), context);
             }
         }
     }
@@ -373,10 +365,6 @@ impl AlertCache {
         let within =
             |(of, rows): (&AlertOf, &Vec<AlertRow>)| rows.iter().position(|row| row.id == id).map(|place| (*of, place));
         self.alerts.iter().find_map(within)
-    }
-
-    fn place(&self, of: AlertOf, is_it: impl FnMut(&AlertRow) -> bool) -> Option<usize> {
-        self.alerts.get(&of)?.iter().position(is_it)
     }
 
     /// Makes a decision the alert's state, and a step of it, where it changes how the alert stands or tells somebody.

@@ -35,9 +35,7 @@ impl Lookup<'_> {
         };
         match used {
             None => Ok(None),
-            Some((id, used_for)) if used_for == hash => {
-                Ok(Some(Accepted::There { id, same_bytes: true, counts: true }))
-            }
+            Some((id, used_for)) if used_for == hash => Ok(Some(Accepted::there(id))),
             Some((existing, _)) => Err(Refused::KeyReused { existing }),
         }
     }

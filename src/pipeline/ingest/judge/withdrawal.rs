@@ -63,8 +63,7 @@ impl Replay<'_> {
         sheets.extend(changes.records.iter().map(|record| (record.id, record.verdicts.clone())));
         let mut alerts: HashMap<(Coefficient, Rule), Alert> = HashMap::new();
         for (at, id) in records {
-            let sheet = sheets.get(&id).and_then(|sheet| sheet.0.iter().find(|(number, _)| *number == gyro));
-            for verdict in sheet.into_iter().flat_map(|(_, verdicts)| verdicts) {
+            for verdict in sheets.get(&id).map_or(&[][..], |sheet| sheet.of(gyro)) {
                 let key = (verdict.coefficient, verdict.rule);
                 let decision = alert_decision::follow(alerts.get(&key), &verdict.without_words(), at, at, self.policy);
                 alerts.extend(decision.alert.map(|alert| (key, alert)));

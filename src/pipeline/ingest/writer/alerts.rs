@@ -9,10 +9,8 @@ use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
-use crate::pipeline::alerts::{
-    AlertContext, AlertError, AlertOrder, Causes, Naming, SharedVerdict, SilenceOrder, follow_group,
-};
-use crate::pipeline::error::WriteError;
+use crate::pipeline::alerts::{AlertContext, AlertOrder, Causes, Naming, SharedVerdict, SilenceOrder, follow_group};
+use crate::pipeline::error::{OrderError, WriteError};
 use crate::pipeline::hooks::{CurrentAlert, OutboxContext};
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::ingest::submission::Calibration;
@@ -147,18 +145,14 @@ impl WriterState {
         self.hooks.tell_digest(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
-    pub(super) async fn commit_or_forget(
+    /// What was `noted`, once it is on disk.
+    pub(super) async fn commit_or_forget<T>(
         &mut self,
-        noted: Result<(), StoreError>,
+        noted: Result<T, StoreError>,
         changes: &mut Changes,
-    ) -> Result<(), WriteError> {
-        let entered = match noted {
-            Ok(()) => self.enter_heads(changes).await,
-            Err(error) => Err(error),
-        };
-        let written = match entered {
-            Ok(()) if changes.is_empty() => Ok(()),
-            Ok(()) => self.commit(changes).await,
+    ) -> Result<T, WriteError> {
+        let written = match noted {
+            Ok(noted) => self.commit_with_heads(changes).await.map(|()| noted),
             Err(error) => Err(error),
         };
         if written.is_err() {
@@ -168,8 +162,14 @@ impl WriterState {
         Ok(written?)
     }
 
+    /// Enters how gyros will stand and commits, where there is anything to write.
+    pub(super) async fn commit_with_heads(&mut self, changes: &mut Changes) -> Result<(), StoreError> {
+        self.enter_heads(changes).await?;
+        if changes.is_empty() { Ok(()) } else { self.commit(changes).await }
+    }
+
     /// Begins or ends a silence of many alerts.
-    pub(super) async fn order_silence(&mut self, order: &SilenceOrder, by: &Actor) -> Result<Id, AlertError> {
+    pub(super) async fn order_silence(&mut self, order: &SilenceOrder, by: &Actor) -> Result<Id, OrderError> {
         let now = self.clock.now();
         let all = store::alerts::all(&self.store).await?.into_iter().filter_map(|row| row.of.gyro());
         self.alerts.recall(&self.store, all, now).await?;
@@ -188,7 +188,7 @@ impl WriterState {
     }
 
     /// Does what somebody has said of an alert.
-    pub(super) async fn obey(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, AlertError> {
+    pub(super) async fn obey(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, OrderError> {
         let now = self.clock.now();
         let gyro = store::alerts::get(&self.store, order.alert).await?.and_then(|row| row.of.gyro());
         self.alerts.recall(&self.store, gyro, now).await?;

@@ -25,12 +25,7 @@ impl ForecastAlerts<'_> {
     pub async fn keep(&mut self, made: &Made) -> Result<(), WriteError> {
         let Some(mut changes) = made.changes(&self.state.after.models) else { return Ok(()) };
         let followed = self.follow_forecast(made, &mut changes).await;
-        let (followed, verdict) = match followed {
-            Ok(verdict) => (Ok(()), verdict),
-            Err(error) => (Err(error), None),
-        };
-        self.state.commit_or_forget(followed, &mut changes).await?;
-        if let Some(verdict) = verdict {
+        if let Some(verdict) = self.state.commit_or_forget(followed, &mut changes).await? {
             let (rule, state) = (verdict.rule.name(), verdict.state.name());
             metrics::counter!(telemetry::VERDICTS, "rule" => rule, "state" => state).increment(1);
             metrics::counter!(telemetry::STATUSES, "rule" => rule, "status" => verdict.status().name()).increment(1);

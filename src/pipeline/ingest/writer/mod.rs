@@ -31,7 +31,7 @@ use crate::pipeline::error::StorageError;
 use crate::pipeline::hooks::{Found, HookCache, HookHandler, Order, heard_by};
 use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::write_queue::Job;
-use crate::pipeline::{Accepted, AccessError, DiagnosisError, HookError, Reply, WriteError, write_queue};
+use crate::pipeline::{Accepted, OrderError, Reply, WriteError, write_queue};
 use crate::store::{Cells, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::{store, telemetry};
@@ -53,7 +53,7 @@ const AFTER_START: Duration = Duration::from_secs(1);
 const ITEMS: RangeInclusive<usize> = 64..=8192;
 
 /// Orders that concern hooks, and where their answers go.
-type Orders = Vec<(Order, Actor, write_queue::ReplyTo<Id, HookError>)>;
+type Orders = Vec<(Order, Actor, write_queue::ReplyTo<Id, OrderError>)>;
 
 type Findings = Vec<(Found, write_queue::ReplyTo<(), WriteError>)>;
 
@@ -266,7 +266,7 @@ impl Task {
         }
     }
 
-    async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, HookError> {
+    async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, OrderError> {
         let now = self.state.clock.now();
         let (alerts, heard) = match order {
             Order::Create(_) => (self.state.standings(now).await?, HashMap::new()),
@@ -289,7 +289,7 @@ impl Task {
     }
 
     /// Begins or cancels an order of diagnoses, and has what is new worked off.
-    async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
+    async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, OrderError> {
         let (now, program) = (self.state.clock.now(), self.state.after.models.competing().program.clone());
         let mut admission = DiagnosisHandler { store: &self.state.store, writer: &mut self.state.writer, now, program };
         let done = admission.carry_out(order, by).await;
@@ -297,7 +297,7 @@ impl Task {
         done
     }
 
-    async fn order_hypothesis(&mut self, order: &HypothesisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
+    async fn order_hypothesis(&mut self, order: &HypothesisOrder, by: &Actor) -> Result<Accepted, OrderError> {
         let (store, now, cache) = (&self.state.store, self.state.clock.now(), &self.state.after.models);
         let done = HypothesisHandler { store, writer: &mut self.state.writer, now, cache }.carry_out(order, by).await;
         // One that was being made meanwhile is not kept, and is due again.
@@ -306,7 +306,7 @@ impl Task {
     }
 
     /// Changes who may use the service.
-    async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, AccessError> {
+    async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, OrderError> {
         let known = store::access::tokens(&self.state.store).await?;
         let (guard, writer, now) = (&self.state.after.guard, &mut self.state.writer, self.state.clock.now());
         AccessHandler { guard, writer, now }.carry_out(order, by, &known).await

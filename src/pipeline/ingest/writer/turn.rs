@@ -8,7 +8,7 @@ use super::homes::Homes;
 use super::state::{Item, WriterState};
 use crate::pipeline::error::Unwritten;
 use crate::pipeline::ingest::reader::Reader;
-use crate::pipeline::ingest::submission::{Calibration, Submission};
+use crate::pipeline::ingest::submission::Submission;
 use crate::store;
 use crate::store::{Cells, Changes, Missed, Moves, StoreError};
 
@@ -196,31 +196,13 @@ impl WriterState {
 fn names_of<'a>(items: &[Item<'a>]) -> [Vec<&'a str>; 3] {
     let [mut imus, mut stations, mut gyros] = [const { Vec::new() }; 3];
     for item in items {
-        let calibration: Option<&Calibration> = match item.sent {
-            Submission::Calibration(sent) => Some(sent),
-            Submission::Correction(sent) => sent.replacement.as_ref(),
-            Submission::Bench(sent) => {
-                stations.push(sent.result.station.as_str());
-                gyros.push(sent.result.serial.as_str());
-                None
-            }
-            Submission::Event(sent) => {
-                gyros.push(sent.serial.as_str());
-                None
-            }
-            Submission::Attributes(sent) => {
-                gyros.push(sent.serial.as_str());
-                None
-            }
-            Submission::Window(sent) => {
-                stations.push(sent.station.as_str());
-                None
-            }
-            Submission::Confirmation(_) | Submission::Doubt(_) => None,
-        };
-        if let Some(sent) = calibration {
-            imus.push(sent.imu.as_str());
+        stations.extend(item.sent.station());
+        gyros.extend(item.sent.serial());
+        if let Submission::Window(sent) = item.sent {
             stations.push(sent.station.as_str());
+        }
+        if let Some(sent) = item.sent.calibration() {
+            imus.push(sent.imu.as_str());
             gyros.extend(sent.gyros.iter().map(|gyro| gyro.serial.as_str()));
         }
     }

@@ -101,8 +101,8 @@ impl Histories {
             near.insert(station, store::head::near(&self.store, station, gyro, each).await?);
         }
         let asked: BTreeSet<u32> = near.values().flatten().copied().collect();
-        let ever: Vec<Stretch> = asked.iter().map(|other| (*other, Span::EVER)).collect();
-        let rows = store::histories::newest(&self.store, &ever, PEER_RECORDS).await?;
+        let asked: Vec<u32> = asked.into_iter().collect();
+        let rows = store::histories::newest_ever(&self.store, &asked, PEER_RECORDS).await?;
         let mut rows: HashMap<u32, Vec<Figures>> = asked.into_iter().zip(rows).collect();
         for (station, gyros) in &mut near {
             gyros.retain(|other| rows[other].iter().any(|figures| figures.station == *station));

@@ -382,13 +382,7 @@ impl Fleet {
     /// # Errors
     /// [`StorageError`].
     pub async fn standings_of(&self, gyros: &[u32]) -> Result<Vec<Standing>, StorageError> {
-        self.standings(self.newest_of(gyros).await?).await
-    }
-
-    async fn newest_of(&self, gyros: &[u32]) -> Result<Vec<(u32, Option<Figures>)>, StoreError> {
-        let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-        let rows = store::histories::newest(&self.store, &ever, 1).await?;
-        Ok(gyros.iter().zip(rows).map(|(gyro, mut rows)| (*gyro, rows.pop())).collect())
+        self.standings(store::histories::last(&self.store, gyros).await?).await
     }
 
     /// Gyros that each station calibrated last and that are overdue.
@@ -489,7 +483,8 @@ impl Fleet {
 
     /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.
     pub async fn seated_in(&self, imu: u32) -> Result<Seats, StorageError> {
-        let mut newest = self.newest_of(&store::head::of_imu(&self.store, imu).await?).await?;
+        let gyros = store::head::of_imu(&self.store, imu).await?;
+        let mut newest = store::histories::last(&self.store, &gyros).await?;
         newest.retain(|(_, figures)| figures.is_some_and(|figures| figures.imu == imu));
         let slots = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.slot)).collect();
         let last = self.last_uses(imu, slots).await?;
@@ -544,7 +539,7 @@ impl Fleet {
         let (tables, now) = (self.store.names().read(), self.clock.now());
         let mut standing = |(number, newest): (u32, Option<Figures>)| {
             let serial = tables.gyros.name(number)?.clone();
-            let imu = newest.and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
+            let imu = newest.map_or("", |figures| tables.imus.text(figures.imu));
             let limits = self.config.judging.limits(imu, &serial);
             let attributes = attributes.remove(&number).unwrap_or_default();
             Some(Standing { attributes, ..stored.facts(number, serial, newest).standing(&limits, now) })
@@ -573,8 +568,7 @@ impl Fleet {
         let gyros: Vec<u32> = of.iter().map(|standing| standing.number).collect();
         let marks = marks_of(&self.store, &gyros).await?;
         let marks: Vec<&[Mark]> = gyros.iter().map(|gyro| marks.get(gyro).map_or(&[][..], Vec::as_slice)).collect();
-        let ever: Vec<Stretch> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-        let rows = store::histories::newest(&self.store, &ever, count).await?;
+        let rows = store::histories::newest_ever(&self.store, &gyros, count).await?;
         let newest_baseline = |k: usize| {
             let last = last_of(&rows[k]);
             (gyros[k], Span { from: baseline_since(marks[k], last).unwrap_or(Span::EVER.from), to: last })

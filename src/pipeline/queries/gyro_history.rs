@@ -260,21 +260,16 @@ impl Histories {
     async fn tests(&self, gyro: u32, events: &[EventItem], figures: &[Figures]) -> Result<Vec<Tested>, StoreError> {
         let mut tests = tested(events, figures);
         let after = tests.iter().filter_map(|test| Some(test.after?.record));
-        let sheets: HashMap<_, _> = match tests.is_empty() {
-            true => HashMap::new(),
-            false => store::record::verdict_sheets(&self.store, after.collect::<Vec<_>>().into_iter())
-                .await?
-                .into_iter()
-                .collect(),
-        };
+        let after: Vec<Id> = after.collect();
+        let sheets = store::record::verdict_sheets(&self.store, after.into_iter()).await?;
+        let sheets: HashMap<_, _> = sheets.into_iter().collect();
         let ends: Vec<UtcMicros> = tests.iter().map(Tested::until).collect();
         for test in &mut tests {
             let Some(after) = &test.after else { continue };
             // The rule judges by the test that was over last.
             let judged = ends.iter().all(|end| *end <= test.until() || *end > after.at);
             let sheet = sheets.get(&after.record).filter(|_| judged);
-            let verdicts = sheet.and_then(|sheet| sheet.0.iter().find(|(number, _)| *number == gyro));
-            let verdicts = verdicts.map_or(&[][..], |(_, verdicts)| verdicts);
+            let verdicts = sheet.map_or(&[][..], |sheet| sheet.of(gyro));
             test.verdicts = [Coefficient::DI, Coefficient::DS].map(|coefficient| {
                 let of_test = |one: &&StoredVerdict| (one.rule, one.coefficient) == (Rule::BeforeAfter, coefficient);
                 verdicts.iter().find(of_test).copied()

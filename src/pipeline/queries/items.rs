@@ -20,11 +20,11 @@ pub struct Names<'a>(pub(super) RwLockReadGuard<'a, Tables>);
 impl Names<'_> {
     /// A number that was never given out has no name.
     pub fn imu(&self, number: u32) -> &str {
-        self.0.imus.name(number).map_or("", |name| &**name)
+        self.0.imus.text(number)
     }
 
     pub fn station(&self, number: u32) -> &str {
-        self.0.stations.name(number).map_or("", |name| &**name)
+        self.0.stations.text(number)
     }
 
     /// That no IMU has the name, with the one that it most resembles where one is near.
@@ -120,7 +120,7 @@ pub struct BenchItem {
 impl BenchItem {
     pub(super) fn of(row: BenchRow, names: &Names<'_>) -> Self {
         let BenchRow { id, measured_at, method, d, sd, voided, received_at, body, sent_by, .. } = row;
-        let serial = names.0.gyros.name(row.gyro).map_or_else(String::new, |serial| serial.to_string());
+        let serial = names.0.gyros.text(row.gyro).to_owned();
         let station = names.station(row.station).to_owned();
         Self { id, serial, station, measured_at, method, d, sd, voided, received_at, body, sent_by }
     }

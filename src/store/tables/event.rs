@@ -47,6 +47,9 @@ pub async fn out_of_use_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, 
 
 /// Every event of several gyros, by gyro and oldest first.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<EventRow>, StoreError> {
+    if gyros.is_empty() {
+        return Ok(Vec::new());
+    }
     let sql = EventRow::select(&format!("WHERE gyro IN {} ORDER BY gyro, at, id", store.readers.list("$1")));
     read!(store, all, sql, serde_json::json!(gyros).to_string())
 }

@@ -22,6 +22,18 @@ pub async fn newest(store: &Store, of: &[Stretch], limit: usize) -> Result<Vec<V
     Ok(all)
 }
 
+/// As [`newest`], of the whole histories of these gyros.
+pub async fn newest_ever(store: &Store, gyros: &[u32], limit: usize) -> Result<Vec<Vec<Figures>>, StoreError> {
+    let ever: Vec<Stretch> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+    newest(store, &ever, limit).await
+}
+
+/// Of each of these gyros the newest row that counts.
+pub async fn last(store: &Store, gyros: &[u32]) -> Result<Vec<(u32, Option<Figures>)>, StoreError> {
+    let rows = newest_ever(store, gyros, 1).await?;
+    Ok(gyros.iter().zip(rows).map(|(gyro, mut rows)| (*gyro, rows.pop())).collect())
+}
+
 /// Of each stretch the oldest `limit` rows that count, oldest first: as `history`.
 pub async fn oldest(store: &Store, of: &[Stretch], limit: usize) -> Result<Vec<Vec<Figures>>, StoreError> {
     counting_of_many(store, of, limit, false).await

@@ -264,6 +264,9 @@ pub async fn verdict_sheets(
 ) -> Result<Vec<(Id, RecordVerdicts)>, StoreError> {
     let sql = AssertSqlSafe(format!("SELECT id, verdicts FROM record WHERE id IN {}", store.readers.list("$1")));
     let records: Vec<Id> = records.collect();
+    if records.is_empty() {
+        return Ok(Vec::new());
+    }
     let rows: Vec<(i64, Vec<u8>)> = read!(store, query_as.fetch_all, sql, list_of(&records));
     rows.into_iter().map(|(id, bytes)| Ok((Id(id), RecordVerdicts::unpack(Id(id), &bytes)?))).collect()
 }

@@ -247,7 +247,6 @@ impl Fleet {
         let last = found.saturating_sub(1) / imus;
         let shown = part(number.min(last)).await?;
         let gyros = store::head::of_imus(&self.store, &shown).await?;
-        let gyros: Vec<u32> = gyros.iter().map(|row| row.gyro).collect();
         let mut of_imu: HashMap<u32, BTreeMap<Slot, Standing>> = HashMap::new();
         for standing in self.standings_of(&gyros).await? {
             let Some(newest) = standing.newest else { continue };
@@ -483,7 +482,7 @@ impl Fleet {
 
     /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.
     pub async fn seated_in(&self, imu: u32) -> Result<Seats, StorageError> {
-        let gyros = store::head::of_imu(&self.store, imu).await?;
+        let gyros = store::head::of_imus(&self.store, &[imu]).await?;
         let mut newest = store::histories::last(&self.store, &gyros).await?;
         newest.retain(|(_, figures)| figures.is_some_and(|figures| figures.imu == imu));
         let slots = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.slot)).collect();

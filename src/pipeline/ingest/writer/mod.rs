@@ -158,8 +158,7 @@ impl Task {
             later.shared.into_iter().for_each(|reply| drop(reply.send(Ok(()))));
         }
         for reply in later.digests {
-            let told = in_turn!(self.state, Cells::all(), self.state.tell_digest());
-            let _gone = reply.send(told);
+            let _gone = reply.send(in_turn!(self.state, Cells::all(), self.state.tell_digest()));
         }
         self.carry_out(later.orders, later.findings).await;
     }
@@ -176,38 +175,30 @@ impl Task {
             Job::Shared(reply) => later.shared.push(reply),
             Job::Model { adoption, by, reply } => {
                 // Its gyros may have come from anywhere.
-                let adopted = in_turn!(self.state, Cells::all(), self.restating().adopt(&adoption, &by));
-                let _gone = reply.send(adopted);
+                let _gone = reply.send(in_turn!(self.state, Cells::all(), self.restating().adopt(&adoption, &by)));
                 self.state.after.due.send_modify(|moved| *moved += 1);
             }
             Job::Restate { stale, reply } => {
-                let done = in_turn!(self.state, Cells::all(), self.restating().state_anew(&stale));
-                let _gone = reply.send(done);
+                let _gone = reply.send(in_turn!(self.state, Cells::all(), self.restating().state_anew(&stale)));
             }
             Job::Hypothesis { order, by, reply } => {
-                let done = in_turn!(self.state, Cells::one(0), self.order_hypothesis(&order, &by));
-                let _gone = reply.send(done);
+                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.order_hypothesis(&order, &by)));
             }
             Job::Diagnoses { order, by, reply } => {
-                let done = in_turn!(self.state, Cells::one(0), self.order_diagnoses(&order, &by));
-                let _gone = reply.send(done);
+                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.order_diagnoses(&order, &by)));
             }
             Job::Diagnosed { made, reply } => {
-                let kept = in_turn!(self.state, Cells::one(0), self.forecasts().keep(&made));
-                let _gone = reply.send(kept);
+                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.forecasts().keep(&made)));
             }
             Job::Alert { order, by, reply } => {
                 let cells = self.state.homes().of_alert(order.alert).await;
-                let done = in_turn!(self.state, cells, self.state.obey(&order, &by));
-                let _gone = reply.send(done);
+                let _gone = reply.send(in_turn!(self.state, cells, self.state.obey(&order, &by)));
             }
             Job::Silence { order, by, reply } => {
-                let done = in_turn!(self.state, Cells::all(), self.state.order_silence(&order, &by));
-                let _gone = reply.send(done);
+                let _gone = reply.send(in_turn!(self.state, Cells::all(), self.state.order_silence(&order, &by)));
             }
             Job::Access { order, by, reply } => {
-                let done = in_turn!(self.state, Cells::one(0), self.register(&order, &by));
-                let _gone = reply.send(done);
+                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.register(&order, &by)));
             }
             Job::Probe(reply) => {
                 let _gone = reply.send(self.state.writer.probe().await.map_err(WriteError::from));
@@ -247,8 +238,7 @@ impl Task {
         let any_changes = findings.iter().any(|(found, _)| changes_the_hook(found));
         let changed = !orders.is_empty() || any_changes;
         for (order, by, reply) in orders {
-            let done = in_turn!(self.state, Cells::all(), self.order_hook(&order, &by));
-            let _gone = reply.send(done);
+            let _gone = reply.send(in_turn!(self.state, Cells::all(), self.order_hook(&order, &by)));
         }
         if !findings.is_empty() {
             let found: Vec<&Found> = findings.iter().map(|(found, _)| found).collect();

@@ -61,7 +61,7 @@ pub use error::StoreError;
 pub use handle::{Options, Store};
 pub use id::IdSource;
 pub use open::{hide_stored_secrets, open};
-pub use postgres::{Duty, Missed, Moves};
+pub use postgres::{Duty, Missed, Moves, News};
 pub use secrets::Secrets;
 pub use token_beside::Beside;
 pub use writer::{Committer, Writer, Written};

@@ -243,11 +243,7 @@ pub async fn whose(store: &Store, id: Id) -> Result<Option<(u32, Vec<u32>)>, Sto
     found.map(whose).transpose()
 }
 
-pub async fn verdict_sheet(store: &Store, id: Id) -> Result<Option<RecordVerdicts>, StoreError> {
-    Ok(sheet_to_rejudge(store, id).await?.map(|found| found.sheet))
-}
-
-/// As [`verdict_sheet`], to be changed.
+/// The verdict sheet of a record, to be changed.
 pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSheet>, StoreError> {
     let sql = "SELECT verdicts FROM record WHERE id = $1";
     let found: Option<Vec<u8>> = read!(store, query_scalar.fetch_optional, sql, id.0);

@@ -8,9 +8,10 @@ use std::future::ready;
 use futures::{Stream, TryStreamExt};
 use sqlx::encode::IsNull;
 use sqlx::error::BoxDynError;
+use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::postgres::PgArgumentBuffer;
 use sqlx::sqlite::SqliteArgumentsBuffer;
-use sqlx::{Database, Decode, Encode, Postgres, Sqlite, SqlitePool, Type};
+use sqlx::{Database, Decode, Encode, Postgres, SqlSafeStr, Sqlite, SqlitePool, Type};
 
 use super::error::StoreError;
 pub(super) use super::postgres::PgReaders;
@@ -107,6 +108,14 @@ pub(super) use {on, read};
 /// Numbers of gyros, IMUs or stations as they were read.
 pub(crate) fn numbers(rows: Vec<Whole<u32>>) -> Vec<u32> {
     rows.into_iter().map(|Whole(number)| number).collect()
+}
+
+/// What brings a schema up to date, of migrations by number and name.
+pub(super) fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migrator {
+    let migration = |(version, name, sql): &(i64, &'static str, &'static str)| {
+        Migration::new(*version, (*name).into(), MigrationType::Simple, sql.into_sql_str(), false)
+    };
+    Migrator::with_migrations(migrations.iter().map(migration).collect())
 }
 
 /// A list for [`Readers::list`].

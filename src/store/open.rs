@@ -4,13 +4,12 @@ use std::path::Path;
 use std::str::FromStr;
 
 use rusqlite::OpenFlags;
-use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions};
-use sqlx::{AssertSqlSafe, ConnectOptions, Connection, SqlSafeStr, SqliteConnection};
+use sqlx::{AssertSqlSafe, ConnectOptions, Connection, SqliteConnection};
 
 use super::cells::Cells;
 use super::changes::Changes;
-use super::db::Readers;
+use super::db::{Readers, migrator};
 use super::error::StoreError;
 use super::handle::{Options, Place, Store};
 use super::id::IdSource;
@@ -209,13 +208,6 @@ pub(super) async fn migrate(connection: &mut SqliteConnection) -> Result<(), Sto
         sqlx::migrate::MigrateError::Execute(error) => error.into(),
         other => StoreError::Other(other.into()),
     })
-}
-
-pub(super) fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migrator {
-    let migration = |(version, name, sql): &(i64, &'static str, &'static str)| {
-        Migration::new(*version, (*name).into(), MigrationType::Simple, sql.into_sql_str(), false)
-    };
-    Migrator::with_migrations(migrations.iter().map(migration).collect())
 }
 
 pub(super) async fn load_names(connection: &mut SqliteConnection) -> Result<Tables, StoreError> {

@@ -11,11 +11,10 @@ use super::cell_writer::CellWriter;
 use super::hosts::Hosts;
 use super::other_servers::Neighbours;
 use super::{homes, names};
-use crate::store::db::Readers;
+use crate::store::db::{Readers, migrator};
 use crate::store::error::StoreError;
 use crate::store::handle::{Options, Place, Store};
 use crate::store::name_tables::{Names, Tables};
-use crate::store::open::migrator;
 use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::writer::Writer;
 

@@ -1,8 +1,8 @@
 //! Alerts, in step with what is stored: every change of a group's verdicts becomes a step of an alert, written in the
 //! transaction of the records that caused it.
 //!
-//! The cache holds every alert in memory (there are as many as troubled gyros, not as records), so that a record
-//! whose verdicts are all within costs one look into a map. Deciding is the core's ([`crate::core::alert_decision`]);
+//! The cache holds the alerts of every gyro that was looked at, so that a record whose verdicts are all within costs one
+//! look into a map. Deciding is the core's ([`crate::core::alert_decision`]);
 //! this keeps the states, finds what each verdict is about, and writes down what became of it.
 
 mod body;

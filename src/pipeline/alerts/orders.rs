@@ -135,7 +135,7 @@ impl AlertCache {
             }
         };
         let all: BTreeSet<AlertOf> = self.alerts.keys().copied().collect();
-        for at in self.places(&all) {
+        for at in self.places(all.iter().copied()) {
             let row = &self.alerts[&at.0][at.1];
             let was_muted = row.alert.muted_until.is_some();
             let muting = self.silences.of_row(row, &context.naming, context.now);

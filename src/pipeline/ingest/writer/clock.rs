@@ -155,20 +155,16 @@ impl ClockTick<'_> {
         let gyros: BTreeSet<u32> = rows.iter().filter_map(|row| row.of.gyro()).collect();
         self.state.alerts.recall(&self.state.store, gyros, now).await?;
         let mut changes = Changes::default();
-        {
-            let naming = Naming { tables: &self.state.store.names().read(), new: None };
-            // What lies long ago is history, whenever it is found.
-            let mut context =
-                AlertContext { now, writer: &mut self.state.writer, naming, cause: None, late: Late::Quiet };
-            let off: Vec<(AlertOf, Id)> =
-                self.state.alerts.shared().not_judged(&found).map(|row| (row.of, row.id)).collect();
-            off.into_iter().for_each(|(of, id)| self.state.alerts.reset(of, |row| row.id == id, &mut context));
+        // What lies long ago is history, whenever it is found.
+        self.state.change_alerts(now, Late::Quiet, |alerts, context| {
+            let off: Vec<(AlertOf, Id)> = alerts.shared().not_judged(&found).map(|row| (row.of, row.id)).collect();
+            off.into_iter().for_each(|(of, id)| alerts.reset(of, |row| row.id == id, context));
             for SharedVerdict { of, verdict, origin, .. } in &found {
-                self.state.alerts.follow(*of, verdict, origin, &mut context);
+                alerts.follow(*of, verdict, origin, context);
             }
-            let anew = self.state.alerts.shared().explained_anew(&rows, &naming);
-            self.state.alerts.explain(&anew, &mut context);
-        }
+            let anew = alerts.shared().explained_anew(&rows, &context.naming);
+            alerts.explain(&anew, context);
+        });
         self.state.note(&mut changes, now).await?;
         self.state.commit_with_heads(&mut changes).await
     }

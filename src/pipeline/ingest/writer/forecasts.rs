@@ -8,7 +8,7 @@ use super::state::WriterState;
 use crate::core::alert_decision::Late;
 use crate::core::judge::{Finding, Rule, Verdict};
 use crate::core::time::UtcMicros;
-use crate::pipeline::alerts::{AlertContext, Naming, Origin};
+use crate::pipeline::alerts::{AlertCache, AlertContext, Origin};
 use crate::pipeline::diagnoses::{Adoption, Made, newest_verdict};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::ingest::judge::Undone;
@@ -40,12 +40,10 @@ impl ForecastAlerts<'_> {
         let found = newest_verdict(&self.state.store, (imu, &in_force), &[], Some((campaign, point))).await?;
         let Some((head, verdict)) = found else { return Ok(None) };
         self.state.alerts.recall(&self.state.store, [], self.now).await?;
-        {
-            let naming = Naming { tables: &self.state.store.names().read(), new: None };
-            let (cause, late) = (Some(head.id), Late::Quiet);
-            let mut context = AlertContext { now: self.now, writer: &mut self.state.writer, naming, cause, late };
-            self.state.alerts.follow(AlertOf::Imu(imu), &verdict, &origin(imu, &head, &verdict), &mut context);
-        }
+        self.state.change_alerts(self.now, Late::Quiet, |alerts, context| {
+            context.cause = Some(head.id);
+            alerts.follow(AlertOf::Imu(imu), &verdict, &origin(imu, &head, &verdict), context);
+        });
         self.state.note(changes, self.now).await?;
         Ok((head.id == campaign).then_some(verdict))
     }
@@ -83,14 +81,14 @@ impl ForecastAlerts<'_> {
     }
 
     fn undo(&mut self, (imu, left): (u32, Option<Verdict>), undone: &Undone) {
-        let naming = Naming { tables: &self.state.store.names().read(), new: None };
-        let mut context =
-            AlertContext { now: self.now, writer: &mut self.state.writer, naming, cause: None, late: Late::Quiet };
         let still = |row: &AlertRow| match row.rule {
             Rule::Forecast => left.and_then(|verdict| verdict.severity()),
             _ => Some(row.alert.severity),
         };
-        self.state.alerts.undo(AlertOf::Imu(imu), still, undone, &mut context);
+        let undo = |alerts: &mut AlertCache, context: &mut AlertContext<'_>| {
+            alerts.undo(AlertOf::Imu(imu), still, undone, context);
+        };
+        self.state.change_alerts(self.now, Late::Quiet, undo);
     }
 }
 

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use super::state::WriterState;
+use super::state::{Tally, WriterState};
 use crate::core::alert_decision::Late;
 use crate::core::judge::{Finding, Rule, Verdict};
 use crate::core::time::UtcMicros;
@@ -12,8 +12,8 @@ use crate::pipeline::alerts::{AlertCache, AlertContext, Origin};
 use crate::pipeline::diagnoses::{Adoption, Made, newest_verdict};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::ingest::judge::Undone;
+use crate::store;
 use crate::store::{AlertOf, AlertRow, Changes, RecordEntry, StoreError};
-use crate::{store, telemetry};
 
 pub(super) struct ForecastAlerts<'a> {
     pub state: &'a mut WriterState,
@@ -26,9 +26,9 @@ impl ForecastAlerts<'_> {
         let Some(mut changes) = made.changes(&self.state.after.models) else { return Ok(()) };
         let followed = self.follow_forecast(made, &mut changes).await;
         if let Some(verdict) = self.state.commit_or_forget(followed, &mut changes).await? {
-            let (rule, state) = (verdict.rule.name(), verdict.state.name());
-            metrics::counter!(telemetry::VERDICTS, "rule" => rule, "state" => state).increment(1);
-            metrics::counter!(telemetry::STATUSES, "rule" => rule, "status" => verdict.status().name()).increment(1);
+            let mut tally = Tally::default();
+            tally.add([&verdict]);
+            tally.count();
         }
         Ok(())
     }

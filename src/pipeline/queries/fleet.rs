@@ -15,7 +15,7 @@ use crate::config::Config;
 use crate::core::changes::{self, FleetStations};
 use crate::core::figures::Figures;
 use crate::core::fleet_order::FleetOrder;
-use crate::core::judge::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
+use crate::core::judge::{BASELINE_RECORDS, Limits, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Rule, State, Status};
 use crate::core::mounting::Slot;
 use crate::core::time::Span;
@@ -517,8 +517,7 @@ impl Fleet {
 
     /// What these records found of their gyros.
     async fn rows_of(&self, heads: &[RecordEntry]) -> Result<Vec<Figures>, StoreError> {
-        let sheets: HashMap<_, _> =
-            store::record::verdict_sheets(&self.store, heads.iter().map(|head| head.id)).await?.into_iter().collect();
+        let sheets = store::record::verdict_sheets(&self.store, heads.iter().map(|head| head.id)).await?;
         let of = |head: &RecordEntry| {
             let then = Span { from: head.calibrated_at, to: head.calibrated_at };
             let gyros = sheets.get(&head.id).map_or(&[][..], |sheet| &sheet.0);
@@ -584,15 +583,12 @@ impl Fleet {
         let last = last_of(rows);
         let imu = rows.last().and_then(|figures| self.store.names().read().imus.name(figures.imu).cloned());
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), &standing.serial);
-        let drifts = [limits.d_i, limits.d_s];
         let baseline = distinct(samples(baseline));
+        let [d_i, d_s, _] = limits.budgets();
         RecentValues {
             samples: samples(rows),
-            level: [0, 1].map(|column| {
-                let fixed = stated_level(marks, last, column).or(drifts[column].fixed_baseline);
-                level(&baseline, column, fixed)
-            }),
-            budget: drifts.map(|drift| drift.of(Rule::Baseline).map(|limit| limit.value)),
+            level: [0, 1].map(|column| level(&baseline, column, stated(marks, last, &limits, column))),
+            budget: [d_i, d_s],
         }
     }
 }
@@ -633,10 +629,16 @@ fn last_of(rows: &[Figures]) -> UtcMicros {
     rows.last().map_or(UtcMicros(0), |figures| figures.at)
 }
 
-/// The median of a complete baseline, or the one that is fixed.
-pub(crate) fn level(baseline: &[Sample], column: usize, fixed: Option<Measured>) -> Option<f64> {
-    if let Some(fixed) = fixed {
-        return Some(fixed.value);
+/// The level of D_I or D_S that a baseline mark states at an instant, or the configuration; of D_O none does.
+pub(super) fn stated(marks: &[Mark], at: UtcMicros, limits: &Limits, column: usize) -> Option<Measured> {
+    let fixed = [limits.d_i.fixed_baseline, limits.d_s.fixed_baseline];
+    stated_level(marks, at, column).or(fixed.get(column).copied().flatten())
+}
+
+/// The median of a complete baseline, or the level that is stated.
+pub(super) fn level(baseline: &[Sample], column: usize, stated: Option<Measured>) -> Option<f64> {
+    if let Some(stated) = stated {
+        return Some(stated.value);
     }
     let first: Vec<Measured> = baseline.get(..BASELINE_RECORDS)?.iter().map(|sample| sample.d[column]).collect();
     Measured::median(&first).map(|median| median.value)

@@ -267,7 +267,7 @@ impl StoredFacts {
     ) -> Result<Self, StoreError> {
         let gyros: Vec<u32> = newest.iter().map(|(gyro, _)| *gyro).collect();
         let records: HashSet<Id> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
-        let sheets = store::record::verdict_sheets(store, records.into_iter()).await?.into_iter().collect();
+        let sheets = store::record::verdict_sheets(store, records.into_iter()).await?;
         let mut rows: HashMap<u32, Vec<AlertRow>> = HashMap::new();
         for row in store::alerts::firing(store, &gyros).await? {
             rows.entry(row.of.gyro().unwrap_or_default()).or_default().push(row);

@@ -257,11 +257,11 @@ pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSh
 pub async fn verdict_sheets(
     store: &Store,
     records: impl Iterator<Item = Id>,
-) -> Result<Vec<(Id, RecordVerdicts)>, StoreError> {
+) -> Result<HashMap<Id, RecordVerdicts>, StoreError> {
     let sql = AssertSqlSafe(format!("SELECT id, verdicts FROM record WHERE id IN {}", store.readers.list("$1")));
     let records: Vec<Id> = records.collect();
     if records.is_empty() {
-        return Ok(Vec::new());
+        return Ok(HashMap::new());
     }
     let rows: Vec<(i64, Vec<u8>)> = read!(store, query_as.fetch_all, sql, list_of(&records));
     rows.into_iter().map(|(id, bytes)| Ok((Id(id), RecordVerdicts::unpack(Id(id), &bytes)?))).collect()

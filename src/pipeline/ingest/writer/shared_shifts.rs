@@ -262,9 +262,8 @@ impl SharedShifts<'_> {
     }
 
     /// What loads are shares of, deg/(h g0).
-    fn budgets(&self, imu: &str, serial: &str) -> [Option<f64>; 2] {
-        let limits = self.config.judging.limits(imu, serial);
-        [limits.d_i, limits.d_s].map(|drift| drift.of(Rule::Baseline).map(|limit| limit.value))
+    fn budgets(&self, imu: &str, serial: &str) -> [Option<f64>; 3] {
+        self.config.judging.limits(imu, serial).budgets()
     }
 }
 

@@ -118,6 +118,16 @@ pub(super) fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migr
     Migrator::with_migrations(migrations.iter().map(migration).collect())
 }
 
+/// Conditions with a parameter each, from `$first` on: each by itself, so that it finds its index; one that is not asked
+/// for is no condition.
+pub(crate) fn asked<const N: usize>(first: usize, conditions: [(bool, &str); N]) -> String {
+    let one = |(parameter, (is_asked, words)): (usize, (bool, &str))| match is_asked {
+        true => words.to_owned(),
+        false => format!("${parameter} IS NULL"),
+    };
+    (first..).zip(conditions).map(one).collect::<Vec<_>>().join(" AND ")
+}
+
 /// A list for [`Readers::list`].
 pub(crate) fn list_of<'a>(ids: impl IntoIterator<Item = &'a Id>) -> String {
     serde_json::Value::from_iter(ids.into_iter().map(|id| id.0)).to_string()

@@ -11,7 +11,7 @@ use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
-use crate::store::db::{Sql, Whole, at_most, counted, list_of, numbers, on, read};
+use crate::store::db::{Sql, Whole, asked, at_most, counted, list_of, numbers, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row};
@@ -239,8 +239,7 @@ enum Lookup {
     Other,
 }
 
-/// What a filter lets through: seven parameters, see the macro `bound`. Each condition by itself, so that it finds its
-/// index; one that is not asked for is no condition.
+/// What a filter lets through: seven parameters, see the macro `bound`.
 fn conditions(store: &Store, filter: &AlertFilter, lookup: Lookup) -> String {
     let imu =
         store.readers.words(Sql { sqlite: "alert.finding->>'imu'", postgres: "CAST(alert.finding AS JSONB)->>'imu'" });
@@ -250,20 +249,16 @@ fn conditions(store: &Store, filter: &AlertFilter, lookup: Lookup) -> String {
         _ if lookup == Lookup::Status => "alert.status = 'firing'",
         _ => "alert.status <> 'resolved'",
     };
-    let asked = [
-        (filter.gyro.is_some(), format!("alert.gyro = $1 AND {OF_ITSELF}")),
-        (filter.coefficient.is_some(), "alert.coefficient = $2".to_owned()),
-        (filter.rule.is_some(), "alert.rule = $3".to_owned()),
-        (filter.severity.is_some(), "alert.severity = $4".to_owned()),
-        (filter.imu.is_some(), format!("{imu} = $5")),
-        (filter.standing.is_some(), format!("$6 = {STANDING} AND {status}")),
+    let conditions = [
+        (filter.gyro.is_some(), &*format!("alert.gyro = $1 AND {OF_ITSELF}")),
+        (filter.coefficient.is_some(), "alert.coefficient = $2"),
+        (filter.rule.is_some(), "alert.rule = $3"),
+        (filter.severity.is_some(), "alert.severity = $4"),
+        (filter.imu.is_some(), &format!("{imu} = $5")),
+        (filter.standing.is_some(), &format!("$6 = {STANDING} AND {status}")),
     ];
-    let condition = |(place, (is_asked, words)): (usize, (bool, String))| match is_asked {
-        true => words,
-        false => format!("${} IS NULL", place + 1),
-    };
     // The time is a parameter even where no standing is asked for.
-    asked.into_iter().enumerate().map(condition).chain(["$7 = $7".to_owned()]).collect::<Vec<_>>().join(" AND ")
+    asked(1, conditions) + " AND $7 = $7"
 }
 
 macro_rules! bound {

@@ -12,7 +12,7 @@ use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
-use crate::store::db::{Sql, Whole, at_most, counted, numbers, on, read};
+use crate::store::db::{Sql, Whole, asked, at_most, counted, numbers, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row, Rows};
@@ -331,34 +331,28 @@ pub async fn tallies(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Resu
 /// How a fleet is narrowed down, by the parameters of `of_fleet`.
 fn conditions(store: &Store, narrowed: &Narrowed) -> String {
     let sought = match narrowed.sought {
-        Some(Sought::Found(_)) => format!("gyro IN {}", store.readers.list("$")),
-        _ => r"sought LIKE $ ESCAPE '\'".to_owned(),
+        Some(Sought::Found(_)) => &format!("gyro IN {}", store.readers.list("$2")),
+        _ => r"sought LIKE $2 ESCAPE '\'",
     };
-    // Each condition by itself, so that it finds its index; one that is not asked for is no condition.
-    let asked = [
+    let conditions = [
         (narrowed.sought.is_some(), sought),
-        (narrowed.station.is_some(), "station = $".to_owned()),
-        (narrowed.ever.is_some(), "gyro IN (SELECT gyro FROM gyro_station WHERE station = $)".to_owned()),
-        (narrowed.imu.is_some(), "imu = $".to_owned()),
+        (narrowed.station.is_some(), "station = $3"),
+        (narrowed.ever.is_some(), "gyro IN (SELECT gyro FROM gyro_station WHERE station = $4)"),
+        (narrowed.imu.is_some(), "imu = $5"),
         (
             narrowed.rule.is_some(),
-            "gyro IN (SELECT gyro FROM alert WHERE status = 'firing' AND rule = $ AND rule <> 'batch_shift')"
-                .to_owned(),
+            "gyro IN (SELECT gyro FROM alert WHERE status = 'firing' AND rule = $6 AND rule <> 'batch_shift')",
         ),
         (
             narrowed.calibrated_since.is_some(),
             // As the index has it; who was never calibrated has the last instant of all.
-            "coalesce(calibrated_at, 9223372036854775807) BETWEEN $ AND 9223372036854775806".to_owned(),
+            "coalesce(calibrated_at, 9223372036854775807) BETWEEN $7 AND 9223372036854775806",
         ),
-        (narrowed.changed_since.is_some(), "(changed_at >= $ OR overdue_at >= $ AND overdue_at < NOW)".to_owned()),
-        (narrowed.batch.is_some(), "gyro IN (SELECT gyro FROM gyro_attribute WHERE batch = $)".to_owned()),
+        (narrowed.changed_since.is_some(), "(changed_at >= $8 OR overdue_at >= $8 AND overdue_at < $1)"),
+        (narrowed.batch.is_some(), "gyro IN (SELECT gyro FROM gyro_attribute WHERE batch = $9)"),
     ];
-    let condition = |(place, (is_asked, words)): (usize, &(bool, String))| match is_asked {
-        true => words.replace('$', &format!("${}", 2 + place)).replace("NOW", "$1"),
-        false => format!("${} IS NULL", 2 + place),
-    };
     // The time is a parameter even where nothing asks for it.
-    asked.iter().enumerate().map(condition).chain(["$1 = $1".to_owned()]).collect::<Vec<_>>().join(" AND ")
+    asked(2, conditions) + " AND $1 = $1"
 }
 
 /// Gyros that a search finds among those of the other filters, where it finds few: what is asked next then need not

@@ -51,7 +51,7 @@ impl Histories {
         let as_of = AsOf { records: all.len(), newest: all.last().map(|figures| figures.at), now: self.clock.now() };
         let own = spread(&all, OWN_RECORDS);
         let of_own = own.iter().map(|figures| figures.record);
-        let temperatures = store::history::temperatures(&self.store, of_own).await?.into_iter().collect();
+        let temperatures = store::history::temperatures(&self.store, of_own).await?;
         let history = GyroHistory { entries: entries(&self.store, method, &own, &temperatures), marks };
         let rows = self.peers(gyro, &own).await?;
         let peers = rows.iter().map(|rows| entries(&self.store, method, rows, &HashMap::new()));

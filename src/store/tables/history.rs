@@ -1,5 +1,7 @@
 //! The history of one gyro: a row a record, in order of time.
 
+use std::collections::HashMap;
+
 use super::histories::{counting, unpack};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
@@ -38,7 +40,7 @@ pub async fn count(store: &Store, gyro: u32) -> Result<usize, StoreError> {
 }
 
 /// The temperature of each of these records that has one; of what an earlier version stored, as its body says it.
-pub async fn temperatures(store: &Store, records: impl Iterator<Item = Id>) -> Result<Vec<(Id, f64)>, StoreError> {
+pub async fn temperatures(store: &Store, records: impl Iterator<Item = Id>) -> Result<HashMap<Id, f64>, StoreError> {
     let sql = store.readers.words(Sql {
         sqlite: "SELECT record.id, coalesce(temperature_c, CAST(coalesce(json_extract(body, '$.temperature_c'),
                         (SELECT avg(value->>'temperature_c') FROM json_each(body, '$.dwells'))) AS REAL))

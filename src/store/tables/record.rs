@@ -192,7 +192,7 @@ pub async fn at(store: &Store, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>,
     found.collect()
 }
 
-/// As `records_at`, of many places: of a database server in one question, of a file one by one, which costs nothing
+/// As [`at`], of many places: of a database server in one question, of a file one by one, which costs nothing
 /// there.
 pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<Vec<RecordAt>>, StoreError> {
     let Readers::Postgres(db) = &store.readers else {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::core::diagnose::NoReference;
 use crate::core::id::Id;
 use crate::core::imu_model::NoForecast;
 use crate::core::message::{Message, sent, text};
@@ -201,3 +202,20 @@ macro_rules! unwritten {
 pub(super) use unwritten;
 
 unwritten!(OrderError);
+
+/// Why a diagnosis cannot be held against a reference.
+#[derive(Debug, thiserror::Error)]
+pub enum NotSplit {
+    #[error("there is no campaign or record {0}")]
+    NoSuchReference(Id),
+    #[error(transparent)]
+    NoReference(#[from] NoReference),
+    #[error(transparent)]
+    Storage(#[from] StorageError),
+}
+
+impl From<StoreError> for NotSplit {
+    fn from(error: StoreError) -> Self {
+        Self::Storage(error.into())
+    }
+}

@@ -51,10 +51,9 @@ pub use access::{
 };
 pub use alerts::{AlertChange, AlertOrder, AlertStep, Alerts, SilenceOrder};
 pub use diagnoses::{
-    AdoptedModel, Adoption, Conclusion, Diagnoses, DiagnosisAnswer, DiagnosisOrder, HypothesisOrder, NotSplit,
-    StoredHypothesis,
+    AdoptedModel, Adoption, Conclusion, Diagnoses, DiagnosisAnswer, DiagnosisOrder, HypothesisOrder, StoredHypothesis,
 };
-pub use error::{OrderError, StorageError, StorageFault, WriteError};
+pub use error::{NotSplit, OrderError, StorageError, StorageFault, WriteError};
 pub use hooks::{DeliveryPage, Hooks, Order, Outbox};
 pub use ingest::{
     Accepted, AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, Fitted,

@@ -11,7 +11,6 @@
 pub(super) mod background;
 mod diagnoser;
 pub(super) mod digest;
-mod error;
 mod forecaster;
 mod forecasts;
 pub(super) mod hypotheses;
@@ -27,7 +26,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::access::Actor;
-use super::error::{OrderError, StorageError};
+use super::error::{NotSplit, OrderError, StorageError};
 use super::ingest::{Accepted, Reader};
 use super::write_queue::{Job, WriteQueue};
 use crate::core::augmented::AugmentedModel;
@@ -63,7 +62,6 @@ use crate::words;
 pub(super) use diagnoser::Diagnoser;
 pub use diagnoser::DiagnosisAnswer;
 pub use digest::Conclusion;
-pub use error::NotSplit;
 pub(super) use forecasts::newest_verdict;
 pub use hypotheses::StoredHypothesis;
 pub(super) use hypothesis_orders::HypothesisHandler;

@@ -9,7 +9,7 @@ use crate::pipeline::access::Actor;
 use crate::pipeline::error::OrderError;
 use crate::pipeline::ingest::Accepted;
 use crate::store;
-use crate::store::{AccessChanges, Changes, HypothesisRow, Store, StoreError, Writer};
+use crate::store::{Changes, HypothesisRow, Store, StoreError, Writer};
 use crate::wire::hypothesis::HypothesisBody;
 
 /// So many compete at most: each raises what a name takes, and the time of every diagnosis.
@@ -66,10 +66,10 @@ impl HypothesisHandler<'_> {
         let said = serde_json::json!({ "author": row.author, "reason": row.reason, "hypothesis": hypothesis });
         let (before, after) = if row.ended_at.is_some() { (Some(&said), None) } else { (None, Some(&said)) };
         let line = self.writer.next_id(self.now);
-        let audit = vec![by.line(line, self.now, (action, format!("hypotheses/{name}")), before, after)];
-        let access = AccessChanges { audit, ..AccessChanges::default() };
-        let id = row.id;
-        self.writer.commit(&Changes { hypotheses: vec![row], access, ..Changes::default() }).await?;
+        let (id, mut changes) = (row.id, Changes::default());
+        changes.access.audit.push(by.line(line, self.now, (action, format!("hypotheses/{name}")), before, after));
+        changes.hypotheses.push(row);
+        self.writer.commit(&changes).await?;
         self.cache.read_again(self.store).await?;
         Ok(Accepted::stored(id))
     }

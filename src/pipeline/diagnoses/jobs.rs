@@ -7,7 +7,7 @@ use crate::pipeline::access::Actor;
 use crate::pipeline::error::OrderError;
 use crate::pipeline::ingest::Accepted;
 use crate::store;
-use crate::store::{AccessChanges, CampaignFilter, Changes, JobChanges, NewJob, Store, StoreError, Writer};
+use crate::store::{CampaignFilter, Changes, JobChanges, NewJob, Store, StoreError, Writer};
 use crate::wire::diagnoses::WhichBody;
 
 /// Which campaigns somebody wants diagnosed.
@@ -85,8 +85,8 @@ impl DiagnosisHandler<'_> {
         after: Option<&WhichBody>,
     ) -> Result<(), StoreError> {
         let line = self.writer.next_id(self.now);
-        let audit = vec![by.line(line, self.now, (action, format!("diagnoses/{id}")), None::<&()>, after)];
-        let access = AccessChanges { audit, ..AccessChanges::default() };
-        self.writer.commit(&Changes { diagnosis_jobs, access, ..Changes::default() }).await
+        let mut changes = Changes { diagnosis_jobs, ..Changes::default() };
+        changes.access.audit.push(by.line(line, self.now, (action, format!("diagnoses/{id}")), None::<&()>, after));
+        self.writer.commit(&changes).await
     }
 }

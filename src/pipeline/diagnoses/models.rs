@@ -11,7 +11,7 @@ use crate::pipeline::diagnoses::hypotheses::Competing;
 use crate::pipeline::error::OrderError;
 use crate::pipeline::ingest::Accepted;
 use crate::store;
-use crate::store::{AccessChanges, Changes, ModelRow, Store, StoreError, Writer};
+use crate::store::{Changes, ModelRow, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::wire::model;
 
@@ -114,8 +114,8 @@ pub(crate) async fn adopted(
     let audited = serde_json::json!({ "id": id.to_string(), "author": author, "reason": reason, "model": serde_json::from_str::<serde_json::Value>(&body).unwrap_or_default() });
     let before = cache.of(Some(imu)).id.map(|id| serde_json::json!({ "id": id.to_string() }));
     let what = ("adopt model", format!("imus/{}/model", adoption.imu));
-    let audit = vec![by.line(writer.next_id(now), now, what, before.as_ref(), Some(&audited))];
-    let row = ModelRow { id, imu, adopted_at: now, author, reason, body };
-    let access = AccessChanges { audit, ..AccessChanges::default() };
-    Ok(Ok(Changes { models: vec![row], access, ..Changes::default() }))
+    let mut changes = Changes::default();
+    changes.access.audit.push(by.line(writer.next_id(now), now, what, before.as_ref(), Some(&audited)));
+    changes.models.push(ModelRow { id, imu, adopted_at: now, author, reason, body });
+    Ok(Ok(changes))
 }

@@ -243,8 +243,8 @@ impl Courier {
     /// What went wrong, without the address: it may hold a secret, and whoever reads this knows the hook.
     fn describe(&self, error: &reqwest::Error) -> Message {
         let causes: Vec<&(dyn Error + 'static)> = std::iter::successors(error.source(), |&e| e.source()).collect();
-        if let Some(refused) = causes.iter().find_map(|cause| cause.downcast_ref::<ResolveError>()) {
-            return refused.message();
+        if let Some(ResolveError(why)) = causes.iter().find_map(|cause| cause.downcast_ref()) {
+            return why.clone();
         }
         let root = causes.last().map_or_else(|| Message::verbatim(""), |cause| cause::root_of(*cause));
         let root = shortened(&root);

@@ -120,8 +120,8 @@ impl Mailer {
                     accepted = Some(code);
                     self.note(id, recipient);
                 }
-                Err(NotTaken { why, for_good: true, .. }) => refused.push(unserved(&recipient, why)),
-                Err(NotTaken { why, said, .. }) => {
+                Err(Unsent { why, for_good: true, .. }) => refused.push(unserved(&recipient, why)),
+                Err(Unsent { why, status: said, .. }) => {
                     status = status.or(said);
                     later.push(unserved(&recipient, why));
                 }
@@ -139,14 +139,14 @@ impl Mailer {
         Err(Unsent { for_good, status, taken_by_some: accepted.is_some(), ..unsendable(why) })
     }
 
-    async fn hand_over(&self, recipient: Address, mail: &[u8]) -> (Address, Result<u16, NotTaken>) {
+    async fn hand_over(&self, recipient: Address, mail: &[u8]) -> (Address, Result<u16, Unsent>) {
         let sending = async {
             let alone = Envelope::new(Some(self.from.email.clone()), vec![recipient.clone()])
-                .map_err(|error| NotTaken { why: Message::verbatim(error), said: None, for_good: false })?;
-            self.transport.send_raw(&alone, mail).await.map_err(|error| NotTaken::of(&error))
+                .map_err(|error| Unsent::later(Message::verbatim(error)))?;
+            self.transport.send_raw(&alone, mail).await.map_err(|error| Unsent::of(&error))
         };
         let sent = tokio::time::timeout(self.limit, sending).await;
-        let in_vain = || NotTaken { why: message!("no_answer_in_time"), said: None, for_good: false };
+        let in_vain = || Unsent::later(message!("no_answer_in_time"));
         (recipient, sent.unwrap_or_else(|_| Err(in_vain())).map(|answer| answer.code().into()))
     }
 
@@ -178,20 +178,11 @@ impl Unsent {
     pub fn later(why: Message) -> Self {
         Self { why, status: None, taken_by_some: false, for_good: false }
     }
-}
 
-/// Why one recipient was not served.
-struct NotTaken {
-    why: Message,
-    /// What the server says of the message.
-    said: Option<u16>,
-    for_good: bool,
-}
-
-impl NotTaken {
+    /// Of one recipient.
     fn of(error: &Error) -> Self {
-        let said = error.status().map(u16::from).filter(|code| *code != CLOSING);
-        Self { why: Message::verbatim(error), said, for_good: is_for_good(error) }
+        let status = error.status().map(u16::from).filter(|code| *code != CLOSING);
+        Self { status, for_good: is_for_good(error), ..Self::later(Message::verbatim(error)) }
     }
 }
 

@@ -25,27 +25,8 @@ pub struct GuardedResolver {
 
 /// Why a name leads nowhere.
 #[derive(Debug, thiserror::Error)]
-pub enum ResolveError {
-    #[error("{name} does not resolve: {source}")]
-    Unknown { name: String, source: io::Error },
-    #[error("{name} resolves to no address")]
-    Empty { name: String },
-    #[error("{name} resolves to what is forbidden: {why}")]
-    Forbidden { name: String, why: Message },
-}
-
-impl ResolveError {
-    /// The error as a code with parameters.
-    pub fn message(&self) -> Message {
-        match self {
-            Self::Unknown { name, source } => {
-                message!("name_unknown", name = name.clone(), why = cause::of_lookup(source))
-            }
-            Self::Empty { name } => message!("name_empty", name = name.clone()),
-            Self::Forbidden { name, why } => message!("name_forbidden", name = name.clone(), why = why.clone()),
-        }
-    }
-}
+#[error("{0}")]
+pub struct ResolveError(pub Message);
 
 impl GuardedResolver {
     /// Asks the system's resolver.
@@ -73,7 +54,8 @@ impl Resolve for GuardedResolver {
         let policy = self.policy.clone();
         let trusted = self.trusted.contains(&name.to_ascii_lowercase());
         Box::pin(async move {
-            let addresses = found.await.map_err(|source| ResolveError::Unknown { name: name.clone(), source })?;
+            let unknown = |why| message!("name_unknown", name = name.clone(), why = cause::of_lookup(&why));
+            let addresses = found.await.map_err(|why: io::Error| ResolveError(unknown(why)))?;
             let allowed = if trusted { addresses } else { allowed(&policy, &name, addresses)? };
             let addrs: Addrs = Box::new(allowed.into_iter().map(|ip| SocketAddr::new(ip, 0)));
             Ok(addrs)
@@ -91,7 +73,7 @@ fn allowed(policy: &TargetPolicy, name: &str, addresses: Vec<IpAddr>) -> Result<
     }
     match refused {
         _ if !allowed.is_empty() => Ok(allowed),
-        Some(why) => Err(ResolveError::Forbidden { name: name.to_owned(), why }),
-        None => Err(ResolveError::Empty { name: name.to_owned() }),
+        Some(why) => Err(ResolveError(message!("name_forbidden", name = name.to_owned(), why))),
+        None => Err(ResolveError(message!("name_empty", name = name.to_owned()))),
     }
 }

@@ -26,22 +26,14 @@ impl TargetPolicy {
     ///
     /// IPv6 forms that carry an IPv4 address are judged by the address that they carry.
     pub fn check(&self, address: IpAddr) -> Result<(), Message> {
-        let carried = match address {
-            IpAddr::V6(v6) => carried_v4(v6).map(IpAddr::V4),
-            IpAddr::V4(_) => None,
-        };
-        self.check_one(address)?;
-        carried.map_or(Ok(()), |v4| self.check_one(v4))
-    }
-
-    fn check_one(&self, address: IpAddr) -> Result<(), Message> {
         let refuse = |why: Message| Err(message!("address_refused", address = format_args!("{address}"), why));
         if let Some(why) = never(address) {
             return refuse(why);
         }
-        let carries_v4 = matches!(address, IpAddr::V6(v6) if carried_v4(v6).is_some());
-        if carries_v4 {
-            return Ok(());
+        if let IpAddr::V6(v6) = address
+            && let Some(v4) = carried_v4(v6)
+        {
+            return self.check(v4.into());
         }
         if !self.allow.is_empty() {
             let allowed = self.allow.iter().any(|network| network.contains(&address));

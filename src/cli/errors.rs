@@ -49,13 +49,13 @@ fn message_of(cause: &(dyn Error + 'static)) -> Option<Message> {
 #[cfg(feature = "server")]
 fn of_service(cause: &(dyn Error + 'static)) -> Option<Message> {
     use crate::config::ConfigError;
-    use crate::pipeline::{AccessError, StorageError, WriteError};
+    use crate::pipeline::{OrderError, StorageError, WriteError};
     use crate::store::StoreError;
 
-    if let Some(AccessError::Write(WriteError::Storage(error))) = cause.downcast_ref() {
+    if let Some(OrderError::Write(WriteError::Storage(error))) = cause.downcast_ref() {
         return Some(of_database(error.store_error()));
     }
-    let found = message_of!(cause, ConfigError, AccessError);
+    let found = message_of!(cause, ConfigError, OrderError);
     let found = found.or_else(|| cause.downcast_ref::<StorageError>().map(|error| of_database(error.store_error())));
     found.or_else(|| cause.downcast_ref::<StoreError>().map(of_database))
 }

@@ -2,9 +2,7 @@
 
 use crate::core::kind::Kind;
 use crate::message;
-use crate::pipeline::{
-    AccessError, AlertError, DiagnosisError, HookError, Refused, StorageError, StorageFault, WriteError,
-};
+use crate::pipeline::{OrderError, Refused, StorageError, StorageFault, WriteError};
 use crate::wire::problem::Problem;
 
 impl From<Refused> for Problem {
@@ -40,60 +38,33 @@ impl From<Refused> for Problem {
     }
 }
 
-impl From<AccessError> for Problem {
-    fn from(error: AccessError) -> Self {
+impl From<OrderError> for Problem {
+    fn from(error: OrderError) -> Self {
         let detail = error.message();
         match error {
-            AccessError::NoSuchToken(_) => Self::new(404, "title_no_such_token", detail),
-            AccessError::SetupOver => Self::new(401, "title_token_not_valid", detail),
-            AccessError::NoRandomNumbers => Self::new(503, "title_try_again", detail),
-            AccessError::Write(error) => error.into(),
-        }
-    }
-}
-
-impl From<HookError> for Problem {
-    fn from(error: HookError) -> Self {
-        let detail = error.message();
-        match error {
-            HookError::NoSuchHook(_) => Self::new(404, "title_no_such_hook", detail),
-            HookError::NoSuchDelivery(_) => Self::new(404, "title_no_such_delivery", detail),
-            HookError::HookDisabled(_) => Self::new(409, "title_hook_disabled", detail),
-            HookError::StillBehind(_) => Self::new(409, "title_not_its_turn", detail),
-            HookError::Dropped(_) => Self::new(409, "title_delivery_dropped", detail),
-            HookError::TooManyHooks(_) => Self::new(409, "title_too_many_hooks", detail),
-            HookError::SecretNeeded => Self::new(422, "title_cannot_be_stored", detail).at("/secret"),
-            HookError::OtherKind => Self::new(422, "title_cannot_be_stored", detail).at("/url"),
-            HookError::Write(error) => error.into(),
-        }
-    }
-}
-
-impl From<DiagnosisError> for Problem {
-    fn from(error: DiagnosisError) -> Self {
-        let detail = error.message();
-        match error {
-            DiagnosisError::NoSuchDiagnoses(_) => Self::new(404, "title_no_such_diagnoses", detail),
-            DiagnosisError::DiagnosesEnded(_) => Self::new(409, "title_diagnoses_ended", detail),
-            DiagnosisError::OtherGyros(_) => Self::new(422, "title_cannot_be_stored", detail).at("/identified"),
-            DiagnosisError::UnknownImu(_) => Self::new(404, "title_unknown_imu", detail),
-            DiagnosisError::NoSuchHypothesis(_) => Self::new(404, "title_no_such_hypothesis", detail),
-            DiagnosisError::HypothesisTaken(_) => Self::new(409, "title_hypothesis_taken", detail),
-            DiagnosisError::TooManyHypotheses(_) => Self::new(409, "title_too_many_hypotheses", detail),
-            DiagnosisError::Write(error) => error.into(),
-        }
-    }
-}
-
-impl From<AlertError> for Problem {
-    fn from(error: AlertError) -> Self {
-        let detail = error.message();
-        match error {
-            AlertError::UnknownAlert(_) => Self::new(404, "title_unknown_alert", detail),
-            AlertError::UnknownSilence(_) => Self::new(404, "title_unknown_silence", detail),
-            AlertError::TooManySilences(_) => Self::new(409, "title_too_many_silences", detail),
-            AlertError::AlertResolved(_) => Self::new(409, "title_alert_resolved", detail),
-            AlertError::Write(error) => error.into(),
+            OrderError::NoSuchToken(_) => Self::new(404, "title_no_such_token", detail),
+            OrderError::SetupOver => Self::new(401, "title_token_not_valid", detail),
+            OrderError::NoRandomNumbers => Self::new(503, "title_try_again", detail),
+            OrderError::NoSuchHook(_) => Self::new(404, "title_no_such_hook", detail),
+            OrderError::NoSuchDelivery(_) => Self::new(404, "title_no_such_delivery", detail),
+            OrderError::HookDisabled(_) => Self::new(409, "title_hook_disabled", detail),
+            OrderError::StillBehind(_) => Self::new(409, "title_not_its_turn", detail),
+            OrderError::Dropped(_) => Self::new(409, "title_delivery_dropped", detail),
+            OrderError::TooManyHooks(_) => Self::new(409, "title_too_many_hooks", detail),
+            OrderError::SecretNeeded => Self::new(422, "title_cannot_be_stored", detail).at("/secret"),
+            OrderError::OtherKind => Self::new(422, "title_cannot_be_stored", detail).at("/url"),
+            OrderError::NoSuchDiagnoses(_) => Self::new(404, "title_no_such_diagnoses", detail),
+            OrderError::DiagnosesEnded(_) => Self::new(409, "title_diagnoses_ended", detail),
+            OrderError::OtherGyros(_) => Self::new(422, "title_cannot_be_stored", detail).at("/identified"),
+            OrderError::UnknownImu(_) => Self::new(404, "title_unknown_imu", detail),
+            OrderError::NoSuchHypothesis(_) => Self::new(404, "title_no_such_hypothesis", detail),
+            OrderError::HypothesisTaken(_) => Self::new(409, "title_hypothesis_taken", detail),
+            OrderError::TooManyHypotheses(_) => Self::new(409, "title_too_many_hypotheses", detail),
+            OrderError::UnknownAlert(_) => Self::new(404, "title_unknown_alert", detail),
+            OrderError::UnknownSilence(_) => Self::new(404, "title_unknown_silence", detail),
+            OrderError::TooManySilences(_) => Self::new(409, "title_too_many_silences", detail),
+            OrderError::AlertResolved(_) => Self::new(409, "title_alert_resolved", detail),
+            OrderError::Write(error) => error.into(),
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::core::effects::Effect;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::pages::status;
-use crate::pipeline::{Conclusion, RecordSummary, Seats, Standing, sample_of};
+use crate::pipeline::{Conclusion, ListedRecord, Seats, Standing, sample_of};
 use crate::wire::alert::AlertBody;
 use crate::wire::campaign::CampaignBody;
 use crate::wire::problem::Problem;
@@ -31,7 +31,7 @@ const FORECASTS: u32 = 20;
 pub(super) struct Facts {
     pub seats: Seats,
     /// Newest first.
-    pub records: Vec<RecordSummary>,
+    pub records: Vec<ListedRecord>,
     /// The newest, as tables.
     pub parameters: Option<Markup>,
 }
@@ -164,7 +164,7 @@ fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup 
 }
 
 /// Where there are two campaigns, two of them can be chosen to be compared.
-fn list(t: &Text, records: &[RecordSummary], concluded: &HashMap<Id, Conclusion>) -> Markup {
+fn list(t: &Text, records: &[ListedRecord], concluded: &HashMap<Id, Conclusion>) -> Markup {
     let campaigns = records.iter().filter(|head| head.kind == Kind::Campaign);
     let newest: Vec<Id> = campaigns.take(2).map(|head| head.id).collect();
     let choice = newest.len() == 2;

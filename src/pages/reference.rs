@@ -11,7 +11,7 @@ use super::text::Text;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::message::Message;
-use crate::pipeline::{NotSplit, RecordSummary, StoredCampaign};
+use crate::pipeline::{ListedRecord, NotSplit, StoredCampaign};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::problem::Problem;
 use crate::wire::split::{MovedBody, PartsBody, SplitBody};
@@ -28,7 +28,7 @@ pub(super) struct ReferenceQuery {
 /// What the campaign can be held against, and what came of the one that was chosen.
 pub(super) struct Against {
     /// Newest first.
-    offered: Vec<RecordSummary>,
+    offered: Vec<ListedRecord>,
     chosen: Option<Id>,
     split: Option<Result<SplitBody, Message>>,
 }
@@ -82,7 +82,7 @@ impl Against {
     }
 
     fn choice(&self, t: &Text) -> Markup {
-        let kind = |head: &RecordSummary| if head.kind == Kind::Campaign { t.kind_campaign } else { t.kind_record };
+        let kind = |head: &ListedRecord| if head.kind == Kind::Campaign { t.kind_campaign } else { t.kind_record };
         html! {
             form method="get" {
                 label { (t.reference) " "

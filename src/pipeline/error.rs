@@ -1,8 +1,11 @@
-//! What every room's errors have in common: the database may fail, and the writer may be busy or gone.
+//! Why something is not done: the database may fail, the writer may be busy or gone, an order may make no sense.
 
 use std::sync::Arc;
 
-use crate::core::message::Message;
+use crate::core::diagnose::NoReference;
+use crate::core::id::Id;
+use crate::core::imu_model::NoForecast;
+use crate::core::message::{Message, sent, text};
 use crate::message;
 use crate::store::StoreError;
 
@@ -114,6 +117,68 @@ impl Unwritten for WriteError {
     }
 }
 
+/// Why an order is not carried out.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("{}", self.message())]
+pub enum OrderError {
+    NoSuchToken(Id),
+    SetupOver,
+    NoRandomNumbers,
+    UnknownAlert(Id),
+    AlertResolved(Id),
+    UnknownSilence(Id),
+    TooManySilences(usize),
+    NoSuchHook(Id),
+    NoSuchDelivery(Id),
+    HookDisabled(Id),
+    StillBehind(Id),
+    Dropped(Id),
+    SecretNeeded,
+    /// A `mailto:` address for a hook that is no e-mail, or another for one that is.
+    OtherKind,
+    TooManyHooks(usize),
+    NoSuchDiagnoses(Id),
+    DiagnosesEnded(Id),
+    UnknownImu(String),
+    /// A model of other gyros, or another geometry, than the IMU's newest campaign has.
+    OtherGyros(NoForecast),
+    NoSuchHypothesis(String),
+    HypothesisTaken(String),
+    TooManyHypotheses(usize),
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+impl OrderError {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::NoSuchToken(id) => message!("no_such_token", id = text(id)),
+            Self::SetupOver => message!("setup_over"),
+            Self::NoRandomNumbers => message!("no_random_numbers"),
+            Self::UnknownAlert(id) => message!("unknown_alert", id = text(id)),
+            Self::AlertResolved(id) => message!("alert_resolved", id = text(id)),
+            Self::UnknownSilence(id) => message!("unknown_silence", id = text(id)),
+            Self::TooManySilences(most) => message!("too_many_silences", most = *most),
+            Self::NoSuchHook(id) => message!("no_such_hook", id = text(id)),
+            Self::NoSuchDelivery(id) => message!("no_such_delivery", id = text(id)),
+            Self::HookDisabled(id) => message!("hook_disabled", id = text(id)),
+            Self::StillBehind(id) => message!("still_behind", id = text(id)),
+            Self::Dropped(id) => message!("delivery_dropped", id = text(id)),
+            Self::SecretNeeded => message!("secret_needed"),
+            Self::OtherKind => message!("target_of_other_kind"),
+            Self::TooManyHooks(most) => message!("too_many_hooks", most = *most),
+            Self::NoSuchDiagnoses(id) => message!("no_such_diagnoses", id = text(id)),
+            Self::DiagnosesEnded(id) => message!("diagnoses_ended", id = text(id)),
+            Self::UnknownImu(imu) => message!("unknown_imu", imu = imu.clone()),
+            Self::OtherGyros(why) => message!("model_of_other_gyros", why = why.message()),
+            Self::NoSuchHypothesis(name) => message!("no_such_hypothesis", name = sent(name)),
+            Self::HypothesisTaken(name) => message!("hypothesis_taken", name = sent(name)),
+            Self::TooManyHypotheses(most) => message!("hypotheses_too_many", most = *most),
+            Self::Write(error) => error.message(),
+        }
+    }
+}
+
 /// Makes an error with a variant `Write` one behind which a failed write may be.
 macro_rules! unwritten {
     ($error:ty) => {
@@ -135,3 +200,22 @@ macro_rules! unwritten {
 }
 
 pub(super) use unwritten;
+
+unwritten!(OrderError);
+
+/// Why a diagnosis cannot be held against a reference.
+#[derive(Debug, thiserror::Error)]
+pub enum NotSplit {
+    #[error("there is no campaign or record {0}")]
+    NoSuchReference(Id),
+    #[error(transparent)]
+    NoReference(#[from] NoReference),
+    #[error(transparent)]
+    Storage(#[from] StorageError),
+}
+
+impl From<StoreError> for NotSplit {
+    fn from(error: StoreError) -> Self {
+        Self::Storage(error.into())
+    }
+}

@@ -46,16 +46,15 @@ use write_queue::{Job, WriteQueue};
 
 pub use crate::alert::HookKind;
 pub use access::{
-    Access, AccessError, AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Token, create_beside,
+    Access, AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Token, create_beside,
     revoke_beside,
 };
-pub use alerts::{AlertChange, AlertError, AlertOrder, AlertStep, Alerts, SilenceOrder};
+pub use alerts::{AlertChange, AlertOrder, AlertStep, Alerts, SilenceOrder};
 pub use diagnoses::{
-    AdoptedModel, Adoption, Conclusion, Diagnoses, DiagnosisAnswer, DiagnosisError, DiagnosisOrder, HypothesisOrder,
-    NotSplit, StoredHypothesis,
+    AdoptedModel, Adoption, Conclusion, Diagnoses, DiagnosisAnswer, DiagnosisOrder, HypothesisOrder, StoredHypothesis,
 };
-pub use error::{StorageError, StorageFault, WriteError};
-pub use hooks::{DeliveryPage, HookError, Hooks, Order, Outbox};
+pub use error::{NotSplit, OrderError, StorageError, StorageFault, WriteError};
+pub use hooks::{DeliveryPage, Hooks, Order, Outbox};
 pub use ingest::{
     Accepted, AttributesOrder, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Doubt, Fitted,
     GyroEvent, Ingest, Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Sent, Submission,
@@ -64,8 +63,8 @@ pub use ingest::{
 pub use queries::{
     BEYOND, Baseline, BenchItem, CommonShift, Compared, Comparison, Course, DueDate, DueImu, EventItem,
     ExplainedHistory, FirstOf, FleetFilter, FleetPage, Forecast, Foreseen, LINES, Levels, ListFilter, ListedRecord,
-    Names, Queries, RecentValues, RecordSummary, Seats, Standing, StandingFilter, Statuses, StoredCampaign,
-    StoredRecord, Tested, Today, Together, Verified, Violation, sample_of, today,
+    Names, Queries, RecentValues, Seats, Standing, StandingFilter, Statuses, StoredCampaign, StoredRecord, Tested,
+    Today, Together, Verified, Violation, sample_of, today,
 };
 
 pub use suspect::WindowOutcome;

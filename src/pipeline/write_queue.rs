@@ -6,11 +6,11 @@ use tokio::sync::{mpsc, oneshot};
 
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
-use crate::pipeline::access::{AccessError, AccessOrder, Actor, Secret};
-use crate::pipeline::alerts::{AlertError, AlertOrder, SilenceOrder};
-use crate::pipeline::diagnoses::{Adoption, DiagnosisError, DiagnosisOrder, HypothesisOrder, Made};
-use crate::pipeline::error::WriteError;
-use crate::pipeline::hooks::{Found, HookError, Order};
+use crate::pipeline::access::{AccessOrder, Actor, Secret};
+use crate::pipeline::alerts::{AlertOrder, SilenceOrder};
+use crate::pipeline::diagnoses::{Adoption, DiagnosisOrder, HypothesisOrder, Made};
+use crate::pipeline::error::{OrderError, WriteError};
+use crate::pipeline::hooks::{Found, Order};
 use crate::pipeline::ingest::{Accepted, Reply, Restated, Submission};
 use crate::store;
 use crate::store::Store;
@@ -26,29 +26,29 @@ pub(super) enum Job {
     /// what is found late is told.
     Store { items: Vec<Submission>, by: Actor, with_verdicts: bool, late: Late, reply: oneshot::Sender<Vec<Reply>> },
     /// A hook or its queue is to change.
-    Hook { order: Order, by: Actor, reply: ReplyTo<Id, HookError> },
+    Hook { order: Order, by: Actor, reply: ReplyTo<Id, OrderError> },
     /// How an attempt to tell a hook went, or that its target is back, is to be written down.
     Found { found: Found, reply: ReplyTo<(), WriteError> },
     /// A model is to be in force for an IMU, whose campaigns have been fitted with it.
-    Model { adoption: Box<(Adoption, Restated)>, by: Actor, reply: ReplyTo<Accepted, DiagnosisError> },
+    Model { adoption: Box<(Adoption, Restated)>, by: Actor, reply: ReplyTo<Accepted, OrderError> },
     /// Calibrations of an IMU by its number, as the model states them that is in force.
     Restate { stale: Box<(u32, Id, Restated)>, reply: ReplyTo<(), WriteError> },
     /// A hypothesis is to compete in all diagnoses, or no longer.
-    Hypothesis { order: HypothesisOrder, by: Actor, reply: ReplyTo<Accepted, DiagnosisError> },
+    Hypothesis { order: HypothesisOrder, by: Actor, reply: ReplyTo<Accepted, OrderError> },
     /// Many campaigns are to be diagnosed, or no longer.
-    Diagnoses { order: DiagnosisOrder, by: Actor, reply: ReplyTo<Accepted, DiagnosisError> },
+    Diagnoses { order: DiagnosisOrder, by: Actor, reply: ReplyTo<Accepted, OrderError> },
     /// A diagnosis is to be kept.
     Diagnosed { made: Made, reply: ReplyTo<(), WriteError> },
     /// What somebody says of an alert.
-    Alert { order: AlertOrder, by: Actor, reply: ReplyTo<AlertBody, AlertError> },
+    Alert { order: AlertOrder, by: Actor, reply: ReplyTo<AlertBody, OrderError> },
     /// A silence of many alerts is to begin or to end.
-    Silence { order: SilenceOrder, by: Actor, reply: ReplyTo<Id, AlertError> },
+    Silence { order: SilenceOrder, by: Actor, reply: ReplyTo<Id, OrderError> },
     /// An import has come to its end: what waits for its digest is told.
     Digest(ReplyTo<(), WriteError>),
     /// What gyros share is to be looked at before the clock does: many records have been set aside, or count again.
     Shared(ReplyTo<(), WriteError>),
     /// Who may use the service is to change.
-    Access { order: AccessOrder, by: Actor, reply: ReplyTo<Option<Secret>, AccessError> },
+    Access { order: AccessOrder, by: Actor, reply: ReplyTo<Option<Secret>, OrderError> },
     /// Whether it could.
     Probe(ReplyTo<(), WriteError>),
 }
@@ -104,10 +104,7 @@ impl WriteQueue {
         }
         let cell = match item {
             Submission::Calibration(sent) => store::names::cell_of_imu(store, sent.imu.as_str()),
-            Submission::Bench(sent) => store::names::cell_of_gyro(store, sent.result.serial.as_str()),
-            Submission::Event(sent) => store::names::cell_of_gyro(store, sent.serial.as_str()),
-            Submission::Attributes(sent) => store::names::cell_of_gyro(store, sent.serial.as_str()),
-            Submission::Correction(_) | Submission::Confirmation(_) | Submission::Doubt(_) | Submission::Window(_) => 0,
+            _ => item.serial().map_or(0, |serial| store::names::cell_of_gyro(store, serial)),
         };
         usize::from(cell) % self.partitions.len()
     }

@@ -4,24 +4,22 @@
 //! once a statement: there the rows travel as one JSON array of arrays (numbers) and one run of bytes (everything
 //! else) that the numbers point into.
 
-use std::collections::BTreeMap;
-use std::sync::{PoisonError, RwLock};
+use sqlx::{AssertSqlSafe, PgConnection};
 
-use sqlx::PgConnection;
-
-use super::db::Sql;
 use super::error::StoreError;
-use super::rows::{Cell, Columns, Rows};
+use super::rows::{Columns, Rows};
 use crate::store::sqlite::checksum::Summing;
 
 /// A transaction under construction.
 #[derive(Debug, Default)]
 pub(crate) struct Batch(Vec<Statement>);
 
-/// A statement with its rows.
+/// A statement with its rows, in the words of each database: `$C0`, `$C1` and so on stand for the cells of one row, by
+/// their places, and `$ROWS` in PostgreSQL's for all rows.
 #[derive(Debug)]
 struct Statement {
-    sql: Sql,
+    sqlite: String,
+    postgres: String,
     rows: Rows,
     /// It is to find what each of its rows is about: where it does not, somebody else has changed that.
     finds_all: bool,
@@ -59,40 +57,42 @@ impl OnConflict {
     }
 }
 
-/// The insert into a table, made once: all that is inserted there has the same columns and cells.
-fn insert_into(table: &'static str, columns: &'static str, on_conflict: OnConflict, rows: &Rows) -> Sql {
-    static KNOWN: RwLock<BTreeMap<&str, Sql>> = RwLock::new(BTreeMap::new());
-    if let Some(sql) = KNOWN.read().unwrap_or_else(PoisonError::into_inner).get(table) {
-        return *sql;
-    }
-    let (into, then) = (format!("INSERT INTO {table} ({columns})"), on_conflict.words(columns));
-    let sqlite = format!("{into} VALUES ({}) {then}", rows.cells_of(Cell::of_sqlite));
-    let postgres = format!(
-        "{into} SELECT {} FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value) WHERE true {then}",
-        rows.cells_of(Cell::of_postgres)
-    );
-    let sql = Sql { sqlite: sqlite.leak(), postgres: postgres.leak() };
-    KNOWN.write().unwrap_or_else(PoisonError::into_inner).insert(table, sql);
-    sql
-}
-
 /// SQLite's page size.
 const PAGE: usize = 4096;
 
 impl Batch {
-    /// Appends `sql` unless there are no rows. `$1` and `$2` stand in PostgreSQL's words for the JSON array and the
-    /// bytes, `$C0`, `$C1` and so on in SQLite's for the cells of one row, by their places.
-    pub fn add(&mut self, sql: Sql, rows: Rows) {
+    /// Appends a statement for each row, unless there are none: what it does, `"UPDATE alert SET rule = $C1"`, and
+    /// `which` rows of the table are meant, `"id = $C0"`. An insert names the tables that it selects from.
+    pub fn change(&mut self, does: &str, which: &str, rows: Rows) {
+        let beside = match does.split(' ').next() {
+            Some("UPDATE") => "FROM",
+            Some("DELETE") => "USING",
+            _ => "CROSS JOIN",
+        };
+        self.add(&format!("{does} WHERE {which}"), &format!("{does} {beside} $ROWS WHERE {which}"), rows);
+    }
+
+    /// As [`Batch::change`], where the two databases are to be asked in words of their own.
+    pub fn add(&mut self, sqlite: &str, postgres: &str, rows: Rows) {
         if !rows.ends.is_empty() {
-            self.0.push(Statement { sql, rows, finds_all: false });
+            let (sqlite, postgres) = (rows.of_sqlite(sqlite), rows.of_postgres(postgres));
+            self.0.push(Statement { sqlite, postgres, rows, finds_all: false });
         }
     }
 
+    /// As [`Batch::add`], where nothing may be committed to a server unless the statement changes something for each row.
+    pub fn add_to_all(&mut self, sqlite: &str, postgres: &str, rows: Rows) {
+        let there = self.0.len();
+        self.add(sqlite, postgres, rows);
+        self.0[there..].iter_mut().for_each(|statement| statement.finds_all = true);
+    }
+
     /// Appends the rows to `table`, each a cell a column: `"id, name"`.
-    pub fn insert(&mut self, table: &'static str, columns: &'static str, on_conflict: OnConflict, rows: Rows) {
-        if !rows.ends.is_empty() {
-            self.add(insert_into(table, columns, on_conflict, &rows), rows);
-        }
+    pub fn insert(&mut self, table: &str, columns: &str, on_conflict: OnConflict, rows: Rows) {
+        let (into, then) = (format!("INSERT INTO {table} ({columns})"), on_conflict.words(columns));
+        let cells = rows.places().map(|place| format!("$C{place}")).collect::<Vec<_>>().join(", ");
+        let sqlite = format!("{into} VALUES ({cells}) {then}");
+        self.add(&sqlite, &format!("{into} SELECT {cells} FROM $ROWS WHERE true {then}"), rows);
     }
 
     /// As [`Batch::insert`], where the type of a row says which columns it has.
@@ -100,13 +100,6 @@ impl Batch {
         let mut rows = Rows::default();
         all.into_iter().for_each(|one| one.put_all(&mut rows.row()));
         self.insert(T::TABLE, T::COLUMNS, on_conflict, rows);
-    }
-
-    /// As [`Batch::add`], where nothing may be committed unless the statement changes something for each row.
-    pub fn add_to_all(&mut self, sql: Sql, rows: Rows) {
-        if !rows.ends.is_empty() {
-            self.0.push(Statement { sql, rows, finds_all: true });
-        }
     }
 
     /// Roughly how many pages of SQLite's log it takes.
@@ -127,8 +120,8 @@ impl Batch {
     fn run_and_commit(&self, connection: &Summing) -> rusqlite::Result<()> {
         connection.begin();
         connection.prepare_cached("BEGIN IMMEDIATE")?.execute(())?;
-        for Statement { sql, rows, .. } in &self.0 {
-            rows.run(&mut connection.prepare_cached(sql.sqlite)?)?;
+        for Statement { sqlite, rows, .. } in &self.0 {
+            rows.run(&mut connection.prepare_cached(sqlite)?)?;
         }
         connection.write()?;
         connection.prepare_cached("COMMIT")?.execute(())?;
@@ -137,10 +130,11 @@ impl Batch {
 
     /// Runs everything within the transaction that is open.
     pub async fn run(self, connection: &mut PgConnection) -> Result<(), StoreError> {
-        for Statement { sql, rows, finds_all } in self.0 {
+        for Statement { postgres, rows, finds_all, .. } in self.0 {
             let wanted = rows.ends.len() as u64;
-            let query = sqlx::query(sql.postgres).bind(rows.json());
-            let query = if sql.postgres.contains("$2") { query.bind(rows.bytes) } else { query };
+            let has_bytes = postgres.contains("$2");
+            let query = sqlx::query(AssertSqlSafe(postgres)).bind(rows.json());
+            let query = if has_bytes { query.bind(rows.bytes) } else { query };
             let found = query.execute(&mut *connection).await?.rows_affected();
             if finds_all && found != wanted {
                 return Err(StoreError::Overtaken(format!("{found} of {wanted} rows are as they were read")));

@@ -5,7 +5,6 @@ use futures::TryStreamExt;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteRow};
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, Row, SqliteConnection};
 
-use super::db::Sql;
 use super::error::StoreError;
 use super::handle::Options;
 use super::postgres;
@@ -100,10 +99,10 @@ impl CopiedTable {
         quoted(&self.columns.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>())
     }
 
-    /// Reads the table on either side; on SQLite the history is that of the table and of what waits before it.
-    fn select(&self, from: Sql) -> String {
+    /// Reads the table in the file; the history is that of the table and of what waits before it.
+    fn select(&self) -> String {
         let (columns, order) = (self.columns(), &self.order);
-        let source = if self.name == "history" { from.sqlite } else { self.name };
+        let source = if self.name == "history" { HISTORY } else { self.name };
         format!("SELECT {columns} FROM {source} ORDER BY {order}")
     }
 
@@ -166,8 +165,9 @@ pub async fn copy(
     }
     let mut compared = Vec::with_capacity(TABLES.len());
     for table in &tables {
-        let (rows, checksum) = source_sum(table, &mut source).await?;
-        let (found, of_found) = target_sum(table, &mut target).await?;
+        let there = AssertSqlSafe(format!("SELECT {} FROM {}", table.columns(), table.name));
+        let (rows, checksum) = sum(table, sqlx::query(AssertSqlSafe(table.select())).fetch(&mut source)).await?;
+        let (found, of_found) = sum(table, sqlx::query(there).fetch(&mut target)).await?;
         compared.push(Copied { table: table.name, rows: [rows, found], checksums: [checksum, of_found] });
     }
     if compared.iter().all(Copied::is_whole) {
@@ -203,11 +203,9 @@ async fn open_source(from: &Options) -> Result<(SqliteConnection, Lock), StoreEr
 }
 
 /// The history with what waits before it.
-const HISTORY: Sql = Sql::of_sqlite(
-    "(SELECT * FROM history WHERE NOT EXISTS (SELECT 1 FROM waiting
+const HISTORY: &str = "(SELECT * FROM history WHERE NOT EXISTS (SELECT 1 FROM waiting
           WHERE waiting.gyro = history.gyro AND waiting.calibrated_at = history.calibrated_at)
-      UNION ALL SELECT * FROM waiting)",
-);
+      UNION ALL SELECT * FROM waiting)";
 
 /// Takes an empty database, or one into which the same file was being copied.
 async fn claim(target: &mut PgConnection, source: &str) -> Result<(), StoreError> {
@@ -273,7 +271,7 @@ async fn copy_table(
         .fetch_optional(&mut *target)
         .await?;
     let mut done = done.unwrap_or(0);
-    let sql = AssertSqlSafe(format!("{} LIMIT -1 OFFSET $1", table.select(HISTORY)));
+    let sql = AssertSqlSafe(format!("{} LIMIT -1 OFFSET $1", table.select()));
     let mut rows = sqlx::query(sql).bind(done).fetch(source);
     let (mut block, mut bytes) = (Vec::new(), 0);
     loop {
@@ -331,15 +329,6 @@ where
     T: for<'r> sqlx::Decode<'r, sqlx::Sqlite> + sqlx::Type<sqlx::Sqlite>,
 {
     rows.iter().map(|row| row.try_get(place)).collect()
-}
-
-async fn source_sum(table: &CopiedTable, source: &mut SqliteConnection) -> Result<(u64, u128), StoreError> {
-    sum(table, sqlx::query(AssertSqlSafe(table.select(HISTORY))).fetch(source)).await
-}
-
-async fn target_sum(table: &CopiedTable, target: &mut PgConnection) -> Result<(u64, u128), StoreError> {
-    let sql = AssertSqlSafe(format!("SELECT {} FROM {}", table.columns(), table.name));
-    sum(table, sqlx::query(sql).fetch(target)).await
 }
 
 /// How many rows, and the sum of half the SHA-256 of each: the same in whatever order they come.

@@ -8,12 +8,14 @@ use std::future::ready;
 use futures::{Stream, TryStreamExt};
 use sqlx::encode::IsNull;
 use sqlx::error::BoxDynError;
+use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::postgres::PgArgumentBuffer;
 use sqlx::sqlite::SqliteArgumentsBuffer;
-use sqlx::{Database, Decode, Encode, Postgres, Sqlite, SqlitePool, Type};
+use sqlx::{Database, Decode, Encode, Postgres, SqlSafeStr, Sqlite, SqlitePool, Type};
 
 use super::error::StoreError;
 pub(super) use super::postgres::PgReaders;
+use crate::core::id::Id;
 
 /// Connections that read.
 #[derive(Debug, Clone)]
@@ -29,24 +31,21 @@ pub(crate) struct Sql {
     pub postgres: &'static str,
 }
 
-impl Sql {
-    /// What PostgreSQL is never asked.
-    pub const fn of_sqlite(sqlite: &'static str) -> Self {
-        Self { sqlite, postgres: "" }
-    }
-}
-
-/// The whole numbers of a list in JSON, the first parameter.
-pub(crate) const LISTED: Sql = Sql {
-    sqlite: "SELECT value FROM json_each($1)",
-    postgres: "SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value)",
-};
-
 impl Readers {
     pub fn words(&self, sql: Sql) -> &'static str {
         match self {
             Self::Sqlite(_) => sql.sqlite,
             Self::Postgres(_) => sql.postgres,
+        }
+    }
+
+    /// The whole numbers of a list in JSON, in `parameter`: `"$1"`.
+    pub fn list(&self, parameter: &str) -> String {
+        match self {
+            Self::Sqlite(_) => format!("(SELECT value FROM json_each({parameter}))"),
+            Self::Postgres(_) => format!(
+                "(SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST({parameter} AS JSONB)) AS j(value))"
+            ),
         }
     }
 
@@ -104,39 +103,34 @@ macro_rules! read {
     };
 }
 
-/// `$what` is among the first cells of a [`super::rows::Rows`], which are whole numbers, `$then`, in the words of
-/// both databases.
-macro_rules! among {
-    ($what:literal $(, $then:literal)?) => {
-        $crate::store::db::Sql {
-            sqlite: concat!($what, " = $C0", $($then)?),
-            postgres: concat!(
-                $what, " IN (SELECT CAST(j.value->>0 AS BIGINT) FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
-                $($then)?
-            ),
-        }
-    };
-}
-
-/// `$select` is among the whole numbers of a list in JSON, the first parameter, `$then`, in the words of both databases.
-macro_rules! listed {
-    ($select:literal $(, $then:literal)?) => {
-        $crate::store::db::Sql {
-            sqlite: concat!($select, " IN (SELECT value FROM json_each($1))", $($then)?),
-            postgres: concat!(
-                $select,
-                " IN (SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
-                $($then)?
-            ),
-        }
-    };
-}
-
-pub(super) use {among, listed, on, read};
+pub(super) use {on, read};
 
 /// Numbers of gyros, IMUs or stations as they were read.
 pub(crate) fn numbers(rows: Vec<Whole<u32>>) -> Vec<u32> {
     rows.into_iter().map(|Whole(number)| number).collect()
+}
+
+/// What brings a schema up to date, of migrations by number and name.
+pub(super) fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migrator {
+    let migration = |(version, name, sql): &(i64, &'static str, &'static str)| {
+        Migration::new(*version, (*name).into(), MigrationType::Simple, sql.into_sql_str(), false)
+    };
+    Migrator::with_migrations(migrations.iter().map(migration).collect())
+}
+
+/// Conditions with a parameter each, from `$first` on: each by itself, so that it finds its index; one that is not asked
+/// for is no condition.
+pub(crate) fn asked<const N: usize>(first: usize, conditions: [(bool, &str); N]) -> String {
+    let one = |(parameter, (is_asked, words)): (usize, (bool, &str))| match is_asked {
+        true => words.to_owned(),
+        false => format!("${parameter} IS NULL"),
+    };
+    (first..).zip(conditions).map(one).collect::<Vec<_>>().join(" AND ")
+}
+
+/// A list for [`Readers::list`].
+pub(crate) fn list_of<'a>(ids: impl IntoIterator<Item = &'a Id>) -> String {
+    serde_json::Value::from_iter(ids.into_iter().map(|id| id.0)).to_string()
 }
 
 /// What `count(*)` finds.

@@ -60,6 +60,11 @@ impl Options {
 }
 
 impl Store {
+    /// Without a key of the hooks' secrets.
+    pub(super) fn new(readers: Readers, names: Names, write_behind: WriteBehind, place: Place) -> Self {
+        Self { readers, names, write_behind, place, secrets: Secrets::default() }
+    }
+
     pub fn names(&self) -> &Names {
         &self.names
     }

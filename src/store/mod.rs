@@ -50,9 +50,7 @@ pub use crate::store::tables::hook::HookRow;
 pub use crate::store::tables::hypothesis::HypothesisRow;
 pub use crate::store::tables::keys::KeyRow;
 pub use crate::store::tables::model::ModelRow;
-pub use crate::store::tables::record::{
-    RecordAt, RecordEntry, RecordFilter, RecordHead, RecordRow, RejudgedSheet, StationTotals,
-};
+pub use crate::store::tables::record::{RecordAt, RecordEntry, RecordFilter, RecordRow, RejudgedSheet, StationTotals};
 pub use crate::store::tables::set_aside::{ConfirmationRow, StoredAside};
 pub use crate::store::tables::silence::SilenceRow;
 pub use crate::store::tables::suspect_window::WindowMarkRow;
@@ -63,7 +61,7 @@ pub use error::StoreError;
 pub use handle::{Options, Store};
 pub use id::IdSource;
 pub use open::{hide_stored_secrets, open};
-pub use postgres::{Duty, Missed, Moves};
+pub use postgres::{Duty, Missed, Moves, News};
 pub use secrets::Secrets;
 pub use token_beside::Beside;
 pub use writer::{Committer, Writer, Written};

@@ -107,6 +107,11 @@ impl Table {
         self.by_number.get(&number).map(|(name, _)| name)
     }
 
+    /// The name of a number; empty where it was never given out.
+    pub fn text(&self, number: u32) -> &str {
+        self.name(number).map_or("", |name| &**name)
+    }
+
     /// Where a number is at home.
     pub fn cell(&self, number: u32) -> Option<u8> {
         self.by_number.get(&number).map(|(_, cell)| *cell)

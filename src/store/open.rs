@@ -4,19 +4,17 @@ use std::path::Path;
 use std::str::FromStr;
 
 use rusqlite::OpenFlags;
-use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions};
-use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection};
+use sqlx::{AssertSqlSafe, ConnectOptions, Connection, SqliteConnection};
 
 use super::cells::Cells;
 use super::changes::Changes;
-use super::db::Readers;
+use super::db::{Readers, migrator};
 use super::error::StoreError;
 use super::handle::{Options, Place, Store};
 use super::id::IdSource;
 use super::name_tables::{Names, Table, Tables};
 use super::postgres;
-use super::secrets::Secrets;
 use super::writer::Writer;
 use crate::store::sqlite::checkpoint::Checkpoints;
 use crate::store::sqlite::checksum::{Summing, settle};
@@ -118,14 +116,7 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
         .max_lifetime(None)
         .connect_with(connect.read_only(true).create_if_missing(false))
         .await?;
-    let place = Place::File(file);
-    let store = Store {
-        readers: Readers::Sqlite(readers),
-        names: names.clone(),
-        write_behind: write_behind.clone(),
-        place,
-        secrets: Secrets::default(),
-    };
+    let store = Store::new(Readers::Sqlite(readers), names.clone(), write_behind.clone(), Place::File(file));
     let halt = Halt::default();
     let mut checkpoints = Checkpoints::start(checkpointing, options.checkpoint_pages, halt.clone())?;
     match halt.heed(waiting_for_disk(|| checkpoints.begin(&writing))) {
@@ -213,39 +204,31 @@ pub(super) fn open_to_write(file: &Path, options: &Options) -> Result<rusqlite::
 
 /// Brings the schema up to date.
 pub(super) async fn migrate(connection: &mut SqliteConnection) -> Result<(), StoreError> {
-    migrator().run(connection).await.map_err(|error| match error {
+    migrator(&MIGRATIONS).run(connection).await.map_err(|error| match error {
         sqlx::migrate::MigrateError::Execute(error) => error.into(),
         other => StoreError::Other(other.into()),
     })
 }
 
-fn migrator() -> Migrator {
-    let migrations = MIGRATIONS.map(|(version, name, sql)| {
-        Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
-    });
-    Migrator::with_migrations(migrations.into())
-}
-
 pub(super) async fn load_names(connection: &mut SqliteConnection) -> Result<Tables, StoreError> {
-    let imus = "SELECT json_group_array(json_array(id, name)) FROM (
-                    SELECT id, name FROM imu WHERE id > $1 ORDER BY id LIMIT 10000)";
-    let stations = "SELECT json_group_array(json_array(id, name)) FROM (
-                    SELECT id, name FROM station WHERE id > $1 ORDER BY id LIMIT 10000)";
-    let gyros = "SELECT json_group_array(json_array(id, serial)) FROM (
-                    SELECT id, serial FROM gyro WHERE id > $1 ORDER BY id LIMIT 10000)";
     Ok(Tables {
-        imus: load_table(connection, imus).await?,
-        stations: load_table(connection, stations).await?,
-        gyros: load_table(connection, gyros).await?,
+        imus: load_table(connection, "imu", "name").await?,
+        stations: load_table(connection, "station", "name").await?,
+        gyros: load_table(connection, "gyro", "serial").await?,
         ..Tables::default()
     })
 }
 
 /// Thousands in one row: of 10^5 names a row each would take most of a start.
-async fn load_table(connection: &mut SqliteConnection, sql: &'static str) -> Result<Table, StoreError> {
+async fn load_table(connection: &mut SqliteConnection, from: &str, column: &str) -> Result<Table, StoreError> {
+    let sql = format!(
+        "SELECT json_group_array(json_array(id, {column}))
+         FROM (SELECT id, {column} FROM {from} WHERE id > $1 ORDER BY id LIMIT 10000)"
+    );
     let (mut table, mut last) = (Table::default(), -1);
     loop {
-        let names: String = sqlx::query_scalar(sql).bind(last).fetch_one(&mut *connection).await?;
+        let names = sqlx::query_scalar(AssertSqlSafe(sql.clone())).bind(last).fetch_one(&mut *connection).await?;
+        let names: String = names;
         let names: Vec<(u32, String)> =
             serde_json::from_str(&names).map_err(|error| StoreError::Damaged(format!("names: {error}")))?;
         let Some((number, _)) = names.last() else { return Ok(table) };
@@ -259,11 +242,8 @@ async fn load_table(connection: &mut SqliteConnection, sql: &'static str) -> Res
 }
 
 pub(super) async fn last_id(connection: &mut SqliteConnection) -> Result<i64, StoreError> {
-    let sql = "SELECT max(coalesce((SELECT max(id) FROM record), 0), coalesce((SELECT max(id) FROM bench_result), 0),
-                          coalesce((SELECT max(id) FROM event), 0), coalesce((SELECT max(id) FROM alert), 0),
-                          coalesce((SELECT max(id) FROM alert_step), 0), coalesce((SELECT max(id) FROM hook), 0),
-                          coalesce((SELECT max(id) FROM delivery), 0), coalesce((SELECT max(id) FROM imu_model), 0),
-                          coalesce((SELECT max(id) FROM token), 0), coalesce((SELECT max(id) FROM session), 0),
-                          coalesce((SELECT max(id) FROM audit), 0), coalesce((SELECT max(id) FROM diagnosis_job), 0))";
+    let tables = "record bench_result event alert alert_step hook delivery imu_model token session audit diagnosis_job";
+    let newest = tables.split(' ').map(|table| format!("coalesce((SELECT max(id) FROM {table}), 0)"));
+    let sql = AssertSqlSafe(format!("SELECT max({})", newest.collect::<Vec<_>>().join(", ")));
     Ok(sqlx::query_scalar(sql).fetch_one(connection).await?)
 }

@@ -1,5 +1,6 @@
 //! Rows on their way into the database and out of it, cell by cell.
 
+use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::ops::Range;
 
@@ -7,7 +8,7 @@ use rusqlite::CachedStatement;
 use rusqlite::types::{ToSqlOutput, ValueRef};
 use sqlx::postgres::PgRow;
 use sqlx::sqlite::SqliteRow;
-use sqlx::{Decode, Postgres, Row as _, Sqlite, Type};
+use sqlx::{AssertSqlSafe, Decode, Postgres, Row as _, Sqlite, Type};
 
 use super::error::StoreError;
 
@@ -20,6 +21,11 @@ pub(crate) trait Columns: Sized {
     fn put_all(&self, row: &mut Row<'_>);
 
     fn get_all(row: &impl AnyRow) -> Result<Self, StoreError>;
+
+    /// All columns, of which rows and in what order `then` says.
+    fn select(then: &str) -> AssertSqlSafe<String> {
+        AssertSqlSafe(format!("SELECT {} FROM {} {then}", Self::COLUMNS, Self::TABLE))
+    }
 }
 
 /// What one column holds.
@@ -51,7 +57,7 @@ pub(crate) struct Rows {
 }
 
 #[derive(Debug)]
-pub(super) enum Cell {
+enum Cell {
     Null(CellKind),
     Integer(i64),
     Real(f64),
@@ -88,14 +94,14 @@ impl Cell {
     }
 
     /// The cell at a place of its row, in SQLite's words.
-    pub fn of_sqlite(&self, place: usize) -> String {
+    fn of_sqlite(&self, place: usize) -> String {
         match self.kind() {
             CellKind::Words => format!("CAST($C{place} AS TEXT)"),
             _ => format!("$C{place}"),
         }
     }
 
-    pub fn of_postgres(&self, place: usize) -> String {
+    fn of_postgres(&self, place: usize) -> String {
         let bytes = || format!("substr($2, CAST(value->>{place} AS INT), CAST(value->>{} AS INT))", place + 1);
         match self.kind() {
             CellKind::Integer => format!("CAST(value->>{place} AS BIGINT)"),
@@ -127,14 +133,40 @@ impl Rows {
         starts.zip(&self.ends).map(|(start, end)| &self.cells[start..*end])
     }
 
-    /// The cells of a row, for a statement.
-    pub(super) fn cells_of(&self, words: fn(&Cell, usize) -> String) -> String {
-        let mut place = 0;
-        let one = |cell: &Cell| {
-            place += cell.places();
-            words(cell, place - cell.places())
-        };
-        self.rows().next().unwrap_or_default().iter().map(one).collect::<Vec<_>>().join(", ")
+    /// The cells of a row, each with its place. Rows of a statement are alike.
+    fn first(&self) -> impl Iterator<Item = (usize, &Cell)> {
+        let cells = self.rows().next().unwrap_or_default();
+        let starts = cells.iter().scan(0, |next, cell| Some(std::mem::replace(next, *next + cell.places())));
+        starts.zip(cells)
+    }
+
+    /// Where each cell of a row stands.
+    pub(super) fn places(&self) -> impl Iterator<Item = usize> {
+        self.first().map(|(place, _)| place)
+    }
+
+    /// A statement with a row's cells in SQLite's words.
+    pub(super) fn of_sqlite(&self, statement: &str) -> String {
+        self.with_cells(statement, Cell::of_sqlite)
+    }
+
+    /// In PostgreSQL's, which stand for those of all rows.
+    pub(super) fn of_postgres(&self, statement: &str) -> String {
+        let all = statement.replace("$ROWS", "jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)");
+        self.with_cells(&all, Cell::of_postgres)
+    }
+
+    fn with_cells(&self, statement: &str, words: fn(&Cell, usize) -> String) -> String {
+        let cells: HashMap<usize, &Cell> = self.first().collect();
+        let mut parts = statement.split("$C");
+        let mut all = parts.next().unwrap_or_default().to_owned();
+        for part in parts {
+            let (digits, rest) = part.split_at(part.find(|c: char| !c.is_ascii_digit()).unwrap_or(part.len()));
+            let place: usize = digits.parse().expect("the place of a cell follows");
+            all.push_str(&words(cells[&place], place));
+            all.push_str(rest);
+        }
+        all
     }
 
     /// An array of a row's cells for each row.
@@ -176,19 +208,14 @@ impl Rows {
 
     /// Runs a statement of SQLite's for each row.
     pub(super) fn run(&self, statement: &mut CachedStatement<'_>) -> rusqlite::Result<()> {
-        let Some(first) = self.rows().next() else { return Ok(()) };
-        let mut parameters = Vec::with_capacity(first.len());
-        let mut place = 0;
-        for cell in first {
-            parameters.push(statement.parameter_index(&format!("$C{place}"))?);
-            place += cell.places();
-        }
+        let parameters = self.places().map(|place| statement.parameter_index(&format!("$C{place}")));
+        let parameters = parameters.collect::<Result<Vec<_>, _>>()?;
         let bound = parameters.iter().flatten().count();
         if bound != statement.parameter_count() {
             return Err(rusqlite::Error::InvalidParameterCount(bound, statement.parameter_count()));
         }
         for row in self.rows() {
-            debug_assert_eq!(row.len(), first.len(), "rows of a statement are alike");
+            debug_assert_eq!(row.len(), parameters.len(), "rows of a statement are alike");
             for (cell, parameter) in row.iter().zip(&parameters) {
                 if let Some(parameter) = parameter {
                     statement.raw_bind_parameter(*parameter, self.value(cell))?;

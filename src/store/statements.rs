@@ -2,7 +2,6 @@
 
 use super::batch::{Batch, OnConflict};
 use super::changes::Changes;
-use super::db::Sql;
 use super::name_tables::NewName;
 use super::rows::Rows;
 use super::tables::{
@@ -10,36 +9,19 @@ use super::tables::{
     record, set_aside,
 };
 
-/// A file knows of no cells.
-macro_rules! new_name {
-    ($table:literal, $name:literal) => {
-        Sql {
-            sqlite: concat!("INSERT INTO ", $table, " (id, ", $name, ") VALUES ($C0, $C2)"),
-            postgres: concat!(
-                "INSERT INTO ",
-                $table,
-                " (id, cell, ",
-                $name,
-                ")
-                 SELECT CAST(value->>0 AS BIGINT), CAST(value->>1 AS BIGINT), value->>2
-                 FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)"
-            ),
-        }
-    };
-}
-
 pub(super) fn batch_of(changes: &Changes) -> Batch {
     let mut batch = Batch::default();
-    for (sql, names) in [
-        (new_name!("imu", "name"), &changes.imus),
-        (new_name!("station", "name"), &changes.stations),
-        (new_name!("gyro", "serial"), &changes.gyros),
-    ] {
+    for (table, column, names) in
+        [("imu", "name", &changes.imus), ("station", "name", &changes.stations), ("gyro", "serial", &changes.gyros)]
+    {
         let mut rows = Rows::default();
         for NewName { number, cell, name } in names {
             rows.row().put(number).integer(i64::from(*cell)).text(name);
         }
-        batch.add(sql, rows);
+        // A file knows of no cells.
+        let sqlite = format!("INSERT INTO {table} (id, {column}) VALUES ($C0, $C2)");
+        let postgres = format!("INSERT INTO {table} (id, cell, {column}) SELECT $C0, $C1, $C2 FROM $ROWS");
+        batch.add(&sqlite, &postgres, rows);
     }
     correction::withdraw(&changes.withdrawn, &mut batch);
     record::insert(&changes.records, &mut batch);

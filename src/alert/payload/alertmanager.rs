@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::body::{Context, MOST_LISTED, Payload, alert_page, summary, to_json};
+use super::body::{Context, Payload, alert_page, most_listed, summary};
 use crate::alert::message::{AlertTransition, HookEvent, HookMessage};
 use crate::core::alert_decision::Action;
 use crate::core::judge::Severity;
@@ -65,11 +65,9 @@ struct Webhook<'a> {
 
 /// `POST /api/v2/alerts` of a message.
 pub fn render_push(message: &HookMessage, context: &Context<'_>) -> Payload {
-    let alerts: Vec<PostedAlert> = alerts_of(message, context, &time::format(expiry(context)))
-        .into_iter()
-        .map(|received| received.alert)
-        .collect();
-    json_payload(&alerts)
+    let alerts = alerts_of(message, context, &time::format(expiry(context))).into_iter();
+    let alerts: Vec<PostedAlert> = alerts.map(|received| received.alert).collect();
+    Payload::json("application/json", &alerts)
 }
 
 /// `POST /api/v2/alerts` of everything that fires: sent again and again, so that an Alertmanager that was restarted
@@ -80,13 +78,13 @@ pub fn push_firing(firing: &[(String, AlertBody)], context: &Context<'_>) -> Pay
     let expiry = time::format(expiry(context));
     let told = |(severity, alert): &(String, AlertBody)| of_alert(alert, severity, &expiry, context);
     let alerts: Vec<PostedAlert> = firing.iter().map(told).collect();
-    json_payload(&alerts)
+    Payload::json("application/json", &alerts)
 }
 
 /// The body that an Alertmanager would post to its webhook receivers.
 pub fn render_webhook(message: &HookMessage, context: &Context<'_>) -> Payload {
     let mut alerts = alerts_of(message, context, NO_END);
-    let most = if matches!(message.event, HookEvent::Digest(..)) { MOST_LISTED } else { usize::MAX };
+    let most = most_listed(&message.event);
     let truncated_alerts = alerts.len().saturating_sub(most);
     alerts.truncate(most);
     let status = if alerts.iter().any(|alert| alert.status == "firing") { "firing" } else { "resolved" };
@@ -103,11 +101,7 @@ pub fn render_webhook(message: &HookMessage, context: &Context<'_>) -> Payload {
         external_url: context.external_url.unwrap_or_default(),
         alerts,
     };
-    json_payload(&body)
-}
-
-fn json_payload(body: &impl Serialize) -> Payload {
-    Payload { content_type: "application/json", body: to_json(body) }
+    Payload::json("application/json", &body)
 }
 
 fn expiry(context: &Context<'_>) -> UtcMicros {
@@ -151,17 +145,15 @@ fn of_alert(alert: &AlertBody, severity: &str, ends_at: &str, context: &Context<
         ("description", finding.reason.words(asked())),
         ("limit", format!("{} {}", finding.limit, unit::of_people(&finding.unit))),
     ]);
-    let mut annotate = |name, text: Option<String>| {
-        if let Some(text) = text {
-            annotations.insert(name, text);
-        }
-    };
-    annotate("value", finding.value.map(|value| format!("{value} {}", unit::of_people(&finding.unit))));
-    annotate("imu", finding.imu.clone());
-    annotate("slot", finding.slot.as_ref().map(ToString::to_string));
-    annotate("station", finding.station.clone());
-    annotate("record", finding.record.clone());
-    annotate("calibrated_at", finding.calibrated_at.clone());
+    let known = [
+        ("value", finding.value.map(|value| format!("{value} {}", unit::of_people(&finding.unit)))),
+        ("imu", finding.imu.clone()),
+        ("slot", finding.slot.as_ref().map(ToString::to_string)),
+        ("station", finding.station.clone()),
+        ("record", finding.record.clone()),
+        ("calibrated_at", finding.calibrated_at.clone()),
+    ];
+    annotations.extend(known.into_iter().filter_map(|(name, text)| Some((name, text?))));
     PostedAlert {
         labels,
         annotations,

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::alert::message::HookEvent;
 use crate::core::judge::Severity;
 use crate::core::message::text;
 use crate::core::time::UtcMicros;
@@ -14,6 +15,14 @@ use crate::words::asked;
 pub struct Payload {
     pub content_type: &'static str,
     pub body: Vec<u8>,
+}
+
+impl Payload {
+    pub(super) fn json(content_type: &'static str, body: &impl Serialize) -> Self {
+        let body = serde_json::to_vec(body);
+        let body = body.expect("bodies have string keys, and every figure in them is finite or written as null");
+        Self { content_type, body }
+    }
 }
 
 /// What bodies say about the service and the hook itself.
@@ -30,6 +39,11 @@ pub struct Context<'a> {
 
 /// Alerts that a digest lists; the rest are counted.
 pub(super) const MOST_LISTED: usize = 100;
+
+/// Alerts that a message lists at the most.
+pub(super) fn most_listed(event: &HookEvent) -> usize {
+    if matches!(event, HookEvent::Digest(..)) { MOST_LISTED } else { usize::MAX }
+}
 
 /// The page of what an alert is about: its path alone where nobody has said where the service is reached.
 pub(super) fn page(context: &Context<'_>, alert: &AlertBody) -> String {
@@ -51,8 +65,4 @@ pub(super) fn summary(alert: &AlertBody, resolved: bool) -> String {
         }
         _ => message!("alert_is_resolved", serial, coefficient, rule),
     })
-}
-
-pub(super) fn to_json(body: &impl Serialize) -> Vec<u8> {
-    serde_json::to_vec(body).expect("bodies have string keys, and every figure in them is finite or written as null")
 }

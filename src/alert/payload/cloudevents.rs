@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::body::{Context, Payload, to_json};
+use super::body::{Context, Payload};
 use super::standard;
 use crate::alert::message::{HookEvent, HookMessage};
 use crate::wire::time;
@@ -41,5 +41,5 @@ pub fn render(message: &HookMessage, context: &Context<'_>) -> Payload {
         datacontenttype: "application/json",
         data,
     };
-    Payload { content_type: "application/cloudevents+json; charset=UTF-8", body: to_json(&body) }
+    Payload::json("application/cloudevents+json; charset=UTF-8", &body)
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::body::{Context, MOST_LISTED, Payload, alert_page, page, to_json};
+use super::body::{Context, MOST_LISTED, Payload, alert_page, most_listed, page};
 use crate::alert::message::{AlertTransition, HookEvent, HookMessage, event_name};
 use crate::wire::time;
 
@@ -23,7 +23,7 @@ pub fn render(message: &HookMessage, context: &Context<'_>) -> Payload {
         data: data(&message.event, context),
         alerts: alerts(&message.event, context),
     };
-    Payload { content_type: "application/json", body: to_json(&body) }
+    Payload::json("application/json", &body)
 }
 
 /// The gravest alert as `GET /v1/alerts/{id}` shows it, as it was when the message came about; of a digest its counts.
@@ -42,14 +42,13 @@ pub fn data(event: &HookEvent, context: &Context<'_>) -> Value {
 
 /// Every alert that the message tells of, each with its own `event`; of a digest the first of them. None for a test.
 pub fn alerts(event: &HookEvent, context: &Context<'_>) -> Option<Vec<Value>> {
-    let most = if matches!(event, HookEvent::Digest(..)) { MOST_LISTED } else { usize::MAX };
     let told = |change: &AlertTransition| {
         let mut told = alert(change, context);
         told["event"] = event_name(Some(change.action)).into();
         told
     };
     let changes = event.changes();
-    (!changes.is_empty()).then(|| changes.iter().take(most).map(told).collect())
+    (!changes.is_empty()).then(|| changes.iter().take(most_listed(event)).map(told).collect())
 }
 
 fn alert(change: &AlertTransition, context: &Context<'_>) -> Value {

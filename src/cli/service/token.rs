@@ -15,7 +15,7 @@ use crate::core::fault::Faults;
 use crate::core::message::sent;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::{AccessError, NewToken, create_beside, revoke_beside};
+use crate::pipeline::{NewToken, OrderError, create_beside, revoke_beside};
 use crate::store::{Beside, StoreError, TokenRow};
 use crate::system::Clock;
 use crate::wire::{text, time};
@@ -91,7 +91,7 @@ impl TokenArgs {
 
 /// Whether the database failed, and not what was asked of it.
 fn is_of_the_database(error: &anyhow::Error) -> bool {
-    error.is::<StoreError>() || matches!(error.downcast_ref(), Some(AccessError::Write(_)))
+    error.is::<StoreError>() || matches!(error.downcast_ref(), Some(OrderError::Write(_)))
 }
 
 impl TokenCommand {

@@ -6,7 +6,6 @@
 //! was seen: behind one everybody comes from this machine. Administrators then show the setup secret of the start.
 
 mod audit;
-mod error;
 mod guard;
 mod limits;
 mod orders;
@@ -14,7 +13,7 @@ mod secret;
 
 use std::net::IpAddr;
 
-use super::error::{StorageError, WriteError};
+use super::error::{OrderError, StorageError, WriteError};
 use super::write_queue::{Job, WriteQueue};
 use crate::core::access::{AuditEntry, AuditFilter, Role};
 use crate::core::id::Id;
@@ -24,7 +23,6 @@ use crate::store::{Store, TokenRow};
 use crate::system::Clock;
 
 pub use audit::{Actor, By, Caller};
-pub use error::AccessError;
 pub use guard::{Denied, Guard};
 pub(super) use orders::AccessHandler;
 pub use orders::{AccessOrder, NewToken, SignedIn, create_beside, revoke_beside};
@@ -70,13 +68,13 @@ impl Access {
     /// Has the writer carry out an order about access.
     ///
     /// # Errors
-    /// [`AccessError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is
+    /// [`OrderError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is
     /// not known.
-    pub async fn order(&self, order: AccessOrder) -> Result<Option<Secret>, AccessError> {
+    pub async fn order(&self, order: AccessOrder) -> Result<Option<Secret>, OrderError> {
         self.order_by(order, Actor::by_caller()).await
     }
 
-    async fn order_by(&self, order: AccessOrder, by: Actor) -> Result<Option<Secret>, AccessError> {
+    async fn order_by(&self, order: AccessOrder, by: Actor) -> Result<Option<Secret>, OrderError> {
         self.queue.ask(|reply| Job::Access { order, by, reply }).await
     }
 
@@ -89,7 +87,7 @@ impl Access {
         token: &str,
         source: IpAddr,
         agent: Option<String>,
-    ) -> Result<Result<SignedIn, Denied>, AccessError> {
+    ) -> Result<Result<SignedIn, Denied>, OrderError> {
         let caller = match self.guard.sign_in(token, source, self.clock.now()).await {
             Ok(caller) => Caller { agent, ..caller },
             Err(denied) => return Ok(Err(denied)),
@@ -103,8 +101,8 @@ impl Access {
     /// Ends the session of this task's caller, if it is one.
     ///
     /// # Errors
-    /// [`AccessError`].
-    pub async fn sign_out(&self) -> Result<(), AccessError> {
+    /// [`OrderError`].
+    pub async fn sign_out(&self) -> Result<(), OrderError> {
         if let Some(Caller { by: By::Session { session, .. }, .. }) = Caller::current() {
             self.order(AccessOrder::SignOut { session }).await?;
         }

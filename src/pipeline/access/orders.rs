@@ -3,12 +3,12 @@
 use serde::Serialize;
 
 use super::audit::Actor;
-use super::error::AccessError;
 use super::guard::Guard;
 use super::secret::Secret;
 use crate::core::access::{AuditEntry, Role};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
+use crate::pipeline::error::OrderError;
 use crate::store::{AccessChanges, Beside, Changes, SessionRow, TokenRow, Writer};
 use crate::wire::time;
 
@@ -80,13 +80,13 @@ impl AccessHandler<'_> {
         order: &AccessOrder,
         by: &Actor,
         known: &[TokenRow],
-    ) -> Result<Option<Secret>, AccessError> {
+    ) -> Result<Option<Secret>, OrderError> {
         let (now, mut access) = (self.now, AccessChanges::default());
         let line = self.writer.next_id(now);
         let mut drawn = None;
         match order {
             // Of two that came at once, the second.
-            AccessOrder::Create(_) if by.is_setup() && !known.is_empty() => return Err(AccessError::SetupOver),
+            AccessOrder::Create(_) if by.is_setup() && !known.is_empty() => return Err(OrderError::SetupOver),
             AccessOrder::Create(new) => {
                 let secret = draw(self.writer.next_id(now))?;
                 let row = token_row(new, &secret, now);
@@ -95,7 +95,7 @@ impl AccessHandler<'_> {
                 drawn = Some(secret);
             }
             AccessOrder::Revoke(id) => {
-                let row = known.iter().find(|row| row.id == *id).ok_or(AccessError::NoSuchToken(*id))?;
+                let row = known.iter().find(|row| row.id == *id).ok_or(OrderError::NoSuchToken(*id))?;
                 let Some((row, audit)) = revoked(by, line, row, now) else { return Ok(None) };
                 access.tokens.push(row);
                 access.audit.push(audit);
@@ -128,10 +128,10 @@ impl AccessHandler<'_> {
 
 const NOTHING: Option<&()> = None;
 
-fn draw(id: Id) -> Result<Secret, AccessError> {
+fn draw(id: Id) -> Result<Secret, OrderError> {
     Secret::draw(id).map_err(|error| {
         tracing::error!(%error, "the operating system gives no random numbers");
-        AccessError::NoRandomNumbers
+        OrderError::NoRandomNumbers
     })
 }
 
@@ -160,8 +160,8 @@ fn revoked(by: &Actor, line: Id, row: &TokenRow, now: UtcMicros) -> Option<(Toke
 /// Makes a token in a database that a service may be serving.
 ///
 /// # Errors
-/// [`AccessError`]; then there is no new token that anybody could use.
-pub async fn create_beside(database: &mut Beside, new: &NewToken, now: UtcMicros) -> Result<Secret, AccessError> {
+/// [`OrderError`]; then there is no new token that anybody could use.
+pub async fn create_beside(database: &mut Beside, new: &NewToken, now: UtcMicros) -> Result<Secret, OrderError> {
     let secret = draw(database.next_id(now))?;
     let row = token_row(new, &secret, now);
     let audit = vec![created(&Actor::by_command_line(), database.next_id(now), &row)];
@@ -172,10 +172,10 @@ pub async fn create_beside(database: &mut Beside, new: &NewToken, now: UtcMicros
 /// Revokes a token in a database that a service may be serving; false where it was revoked before.
 ///
 /// # Errors
-/// [`AccessError::NoSuchToken`], or what the database says.
-pub async fn revoke_beside(database: &mut Beside, id: Id, now: UtcMicros) -> Result<bool, AccessError> {
+/// [`OrderError::NoSuchToken`], or what the database says.
+pub async fn revoke_beside(database: &mut Beside, id: Id, now: UtcMicros) -> Result<bool, OrderError> {
     let known = database.tokens().await?;
-    let row = known.iter().find(|row| row.id == id).ok_or(AccessError::NoSuchToken(id))?;
+    let row = known.iter().find(|row| row.id == id).ok_or(OrderError::NoSuchToken(id))?;
     let Some((row, audit)) = revoked(&Actor::by_command_line(), database.next_id(now), row, now) else {
         return Ok(false);
     };

@@ -60,7 +60,7 @@ impl Naming<'_> {
         self.name(&self.tables.imus, |new| &new.imus, number)
     }
 
-    fn station(&self, number: u32) -> String {
+    pub fn station(&self, number: u32) -> String {
         self.name(&self.tables.stations, |new| &new.stations, number)
     }
 

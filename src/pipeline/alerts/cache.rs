@@ -163,7 +163,8 @@ impl AlertCache {
         context: &mut AlertContext<'_>,
     ) {
         let of = of.into();
-        let place = self.place(of, |row| row.coefficient == verdict.coefficient && row.rule == verdict.rule);
+        let is_it = |row: &AlertRow| row.coefficient == verdict.coefficient && row.rule == verdict.rule;
+        let place = self.alerts.get(&of).and_then(|rows| rows.iter().position(is_it));
         let earlier = place.map(|place| &self.alerts[&of][place]);
         let naming = context.naming;
         let muting = self.silences.of(of, verdict, origin, &naming, context.now);
@@ -215,21 +216,11 @@ impl AlertCache {
     /// Ends what fires where `ends` says so: a rule that does not judge any more, or whose history an event has cut
     /// off.
     pub fn reset(&mut self, of: impl Into<AlertOf>, ends: impl Fn(&AlertRow) -> bool, context: &mut AlertContext<'_>) {
-        self.end(of.into(), ends, &(None, None), context);
-    }
-
-    fn end(
-        &mut self,
-        of: AlertOf,
-        ends: impl Fn(&AlertRow) -> bool,
-        said: &StepRemark,
-        context: &mut AlertContext<'_>,
-    ) {
-        for place in 0..self.alerts.get(&of).map_or(0, Vec::len) {
-            let row = &self.alerts[&of][place];
+        for at in self.places([of.into()]) {
+            let row = &self.alerts[&at.0][at.1];
             if row.alert.status == Status::Firing && ends(row) {
                 let decision = alert_decision::reset(&row.alert, context.now);
-                self.enter((of, place), decision, false, said.clone(), context);
+                self.enter(at, decision, false, (None, None), context);
             }
         }
     }
@@ -243,9 +234,8 @@ impl AlertCache {
         undone: &Undone,
         context: &mut AlertContext<'_>,
     ) {
-        let of = of.into();
-        for place in 0..self.alerts.get(&of).map_or(0, Vec::len) {
-            let row = &self.alerts[&of][place];
+        for at in self.places([of.into()]) {
+            let row = &self.alerts[&at.0][at.1];
             let decision = match still(row) {
                 _ if row.alert.status == Status::Resolved => continue,
                 Some(severity) if severity >= row.alert.severity => continue,
@@ -253,7 +243,7 @@ impl AlertCache {
                 None => alert_decision::reset(&row.alert, context.now),
             };
             let said = (Some(undone.author.clone()), Some(undone.reason.clone()));
-            self.enter((of, place), decision, false, said, context);
+            self.enter(at, decision, false, said, context);
         }
     }
 
@@ -279,7 +269,7 @@ impl AlertCache {
     /// Lets the alerts of these gyros follow those of what they share: of what is explained nobody is told; of what is
     /// not any more everybody is told what was held back.
     pub fn explain(&mut self, gyros: &BTreeSet<u32>, context: &mut AlertContext<'_>) {
-        for at in self.places(&gyros.iter().map(|gyro| AlertOf::Gyro(*gyro)).collect()) {
+        for at in self.places(gyros.iter().map(|gyro| AlertOf::Gyro(*gyro))) {
             let row = &self.alerts[&at.0][at.1];
             let Explained { by, with_imu } = self.shared().explaining_row(row, &context.naming);
             if by == row.inhibited_by {
@@ -303,7 +293,7 @@ impl AlertCache {
     /// Lets these alerts follow the clock: repeats, and tells what a silence has held back.
     pub fn tick(&mut self, all: &BTreeSet<AlertOf>, context: &mut AlertContext<'_>) {
         self.silences.pass(context.now);
-        for at in self.places(all) {
+        for at in self.places(all.iter().copied()) {
             let before = self.alerts[&at.0][at.1].alert;
             let decision = alert_decision::tick(&before, context.now, &self.policy);
             let Some(after) = decision.alert.filter(|after| *after != before) else { continue };
@@ -327,7 +317,7 @@ impl AlertCache {
     /// What waits of these gyros for the digest of an import is told; true where something did.
     pub fn tell_digest(&mut self, all: &BTreeSet<AlertOf>, context: &mut AlertContext<'_>) -> bool {
         let mut any = false;
-        for at in self.places(all) {
+        for at in self.places(all.iter().copied()) {
             let Some(decision) = alert_decision::digest(&self.alerts[&at.0][at.1].alert, context.now) else { continue };
             any = true;
             self.enter(at, decision, false, (None, None), context);
@@ -340,10 +330,9 @@ impl AlertCache {
         any
     }
 
-    pub(super) fn places(&self, all: &BTreeSet<AlertOf>) -> Vec<(AlertOf, usize)> {
-        let of =
-            |of: &AlertOf| (0..self.alerts.get(of).map_or(0, Vec::len)).map(|place| (*of, place)).collect::<Vec<_>>();
-        all.iter().flat_map(of).collect()
+    pub(super) fn places(&self, all: impl IntoIterator<Item = AlertOf>) -> Vec<(AlertOf, usize)> {
+        let of = |of: AlertOf| (0..self.alerts.get(&of).map_or(0, Vec::len)).map(move |place| (of, place));
+        all.into_iter().flat_map(of).collect()
     }
 
     /// What a person said of an alert: applies `change`, and notes it as a step. None where there is no such alert.
@@ -373,10 +362,6 @@ impl AlertCache {
         let within =
             |(of, rows): (&AlertOf, &Vec<AlertRow>)| rows.iter().position(|row| row.id == id).map(|place| (*of, place));
         self.alerts.iter().find_map(within)
-    }
-
-    fn place(&self, of: AlertOf, is_it: impl FnMut(&AlertRow) -> bool) -> Option<usize> {
-        self.alerts.get(&of)?.iter().position(is_it)
     }
 
     /// Makes a decision the alert's state, and a step of it, where it changes how the alert stands or tells somebody.

@@ -1,13 +1,12 @@
 //! Alerts, in step with what is stored: every change of a group's verdicts becomes a step of an alert, written in the
 //! transaction of the records that caused it.
 //!
-//! The cache holds every alert in memory (there are as many as troubled gyros, not as records), so that a record
-//! whose verdicts are all within costs one look into a map. Deciding is the core's ([`crate::core::alert_decision`]);
+//! The cache holds the alerts of every gyro that was looked at, so that a record whose verdicts are all within costs one
+//! look into a map. Deciding is the core's ([`crate::core::alert_decision`]);
 //! this keeps the states, finds what each verdict is about, and writes down what became of it.
 
 mod body;
 mod cache;
-mod error;
 mod orders;
 mod shared;
 mod silences;
@@ -17,7 +16,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::access::Actor;
-use super::error::StorageError;
+use super::error::{OrderError, StorageError};
 use super::write_queue::{Job, WriteQueue};
 use crate::core::alert_decision::Standing;
 use crate::core::alert_filter::AlertFilter;
@@ -35,7 +34,6 @@ use crate::wire::alert::AlertBody;
 use crate::wire::silence::MatchingSilenceBody;
 use silences::MOST_SILENCES;
 
-pub use error::AlertError;
 pub use orders::{AlertChange, AlertOrder, SilenceOrder};
 
 pub(super) use body::{Naming, Origin, finding_of, status_of};
@@ -210,8 +208,8 @@ impl Alerts {
     /// Acknowledges an alert or takes that back, or silences it; returns it once that is on disk.
     ///
     /// # Errors
-    /// [`AlertError`].
-    pub async fn change(&self, order: AlertOrder) -> Result<AlertBody, AlertError> {
+    /// [`OrderError`].
+    pub async fn change(&self, order: AlertOrder) -> Result<AlertBody, OrderError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Alert { order, by, reply }).await
     }
@@ -235,8 +233,8 @@ impl Alerts {
     /// Begins or ends a silence of many alerts; returns its identifier once that is on disk.
     ///
     /// # Errors
-    /// [`AlertError`].
-    pub async fn order_silence(&self, order: SilenceOrder) -> Result<Id, AlertError> {
+    /// [`OrderError`].
+    pub async fn order_silence(&self, order: SilenceOrder) -> Result<Id, OrderError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Silence { order, by, reply }).await
     }

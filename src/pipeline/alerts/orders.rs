@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 
 use super::cache::{AlertCache, AlertContext};
-use super::error::AlertError;
 use super::silences::{MOST_SILENCES, body};
 use crate::core::access::AuditEntry;
 use crate::core::alert_decision;
@@ -11,6 +10,7 @@ use crate::core::alert_filter::Matchers;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
+use crate::pipeline::error::OrderError;
 use crate::store::{AlertOf, AlertRow, Changes, Remark, SilenceRow};
 
 /// Somebody says something of an alert.
@@ -58,13 +58,13 @@ pub enum SilenceOrder {
 impl AlertCache {
     /// Does what somebody has said; returns the alert as it then is. What a silence that ends has left untold is told
     /// at once.
-    pub fn obey(&mut self, order: &AlertOrder, context: &mut AlertContext<'_>) -> Result<AlertRow, AlertError> {
-        let unknown = || AlertError::UnknownAlert(order.alert);
+    pub fn obey(&mut self, order: &AlertOrder, context: &mut AlertContext<'_>) -> Result<AlertRow, OrderError> {
+        let unknown = || OrderError::UnknownAlert(order.alert);
         let row = self.alert(order.alert).ok_or_else(unknown)?;
         let remark = Remark { by: order.by.clone(), reason: order.reason.clone(), at: context.now };
         match order.change {
             AlertChange::Acknowledge if row.alert.status == alert_decision::Status::Resolved => {
-                return Err(AlertError::AlertResolved(order.alert));
+                return Err(OrderError::AlertResolved(order.alert));
             }
             // There is nothing to take back.
             AlertChange::Unacknowledge if !row.alert.acknowledged => return Ok(row.clone()),
@@ -102,20 +102,20 @@ impl AlertCache {
     /// Begins or ends a silence. What is untold at the end is told at once.
     ///
     /// # Errors
-    /// [`AlertError::TooManySilences`].
+    /// [`OrderError::TooManySilences`].
     pub fn order_silence(
         &mut self,
         order: &SilenceOrder,
         known: Option<SilenceRow>,
         by: &Actor,
         context: &mut AlertContext<'_>,
-    ) -> Result<(Id, Changes), AlertError> {
+    ) -> Result<(Id, Changes), OrderError> {
         let mut changes = Changes::default();
         let (before, after, action) = match (order, known) {
             (SilenceOrder::Begin { matchers, until, by, reason }, _) => {
                 self.silences.pass(context.now);
                 if self.silences.0.len() >= MOST_SILENCES as usize {
-                    return Err(AlertError::TooManySilences(MOST_SILENCES as usize));
+                    return Err(OrderError::TooManySilences(MOST_SILENCES as usize));
                 }
                 let said = Remark { by: by.clone(), reason: reason.clone(), at: context.now };
                 let id = context.writer.next_id(context.now);
@@ -123,7 +123,7 @@ impl AlertCache {
                 self.silences.0.push(row.clone());
                 (None, row, "begin silence")
             }
-            (SilenceOrder::End { silence, .. }, None) => return Err(AlertError::UnknownSilence(*silence)),
+            (SilenceOrder::End { silence, .. }, None) => return Err(OrderError::UnknownSilence(*silence)),
             // It is over already.
             (SilenceOrder::End { silence, .. }, Some(row)) if row.ended.is_some() || row.until <= context.now => {
                 return Ok((*silence, changes));
@@ -135,7 +135,7 @@ impl AlertCache {
             }
         };
         let all: BTreeSet<AlertOf> = self.alerts.keys().copied().collect();
-        for at in self.places(&all) {
+        for at in self.places(all.iter().copied()) {
             let row = &self.alerts[&at.0][at.1];
             let was_muted = row.alert.muted_until.is_some();
             let muting = self.silences.of_row(row, &context.naming, context.now);

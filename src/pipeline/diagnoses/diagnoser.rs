@@ -1,10 +1,10 @@
 //! Makes diagnoses, one for all who ask, and has them kept.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use tokio::sync::{Semaphore, oneshot, watch};
+use tokio::sync::{Semaphore, watch};
 
 use crate::config::Config;
 use crate::core::augmented::{AugmentedModel, Options};
@@ -20,8 +20,9 @@ use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_other
 use crate::pipeline::diagnoses::digest::seats;
 use crate::pipeline::diagnoses::forecaster::Forecaster;
 use crate::pipeline::diagnoses::hypotheses::Competing;
-use crate::pipeline::diagnoses::made::{Diagnosed, DiagnosisOutcome, KeptDiagnosis, Made};
+use crate::pipeline::diagnoses::made::{Diagnosed, DiagnosisOutcome, Made};
 use crate::pipeline::diagnoses::models::{InForce, ModelCache};
+use crate::pipeline::error::WriteError;
 use crate::pipeline::ingest::fitted::damaged;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
 use crate::store;
@@ -35,8 +36,6 @@ use crate::wire::message::{from_stored, to_stored};
 
 /// Computed at the same time at the least, where there is but one processor: one asked for need not wait for another.
 const AT_ONCE: usize = 2;
-/// How many are kept in memory: what came in lately, and what a few engineers look at in turn.
-const IN_MEMORY: usize = 32;
 
 /// What has become of the question.
 #[derive(Debug, Clone)]
@@ -64,7 +63,6 @@ pub(in crate::pipeline) struct Diagnoser {
     pub(super) at_once: usize,
     turns: Arc<Semaphore>,
     under_way: Arc<Mutex<UnderWay>>,
-    known: Arc<Mutex<VecDeque<KeptDiagnosis>>>,
 }
 
 /// What a campaign is compared with.
@@ -86,8 +84,7 @@ impl Diagnoser {
     ) -> Self {
         let at_once = std::thread::available_parallelism().map_or(AT_ONCE, |n| n.get().max(AT_ONCE));
         let turns = Arc::new(Semaphore::new(at_once));
-        let (under_way, known) = Default::default();
-        Self { store, models, clock, config, queue, idle, at_once, turns, under_way, known }
+        Self { store, models, clock, config, queue, idle, at_once, turns, under_way: Arc::default() }
     }
 
     /// The diagnosis of a stored campaign against the model in force: as it was kept, or made now.
@@ -97,9 +94,6 @@ impl Diagnoser {
         awaited: Awaited,
         patience: Duration,
     ) -> Result<DiagnosisAnswer, StoreError> {
-        if let Some(diagnosed) = self.recall(id) {
-            return Ok(DiagnosisAnswer::Answered(diagnosed));
-        }
         let Some(row) = store::record::get(&self.store, id).await?.filter(|row| row.kind == Kind::Campaign) else {
             return Ok(DiagnosisAnswer::NoSuchCampaign);
         };
@@ -128,16 +122,7 @@ impl Diagnoser {
                 StoreError::Damaged(format!("the diagnosis of campaign {} cannot be read: {error}", row.id))
             })
         };
-        let diagnosed = Arc::new(if kept.refused { Err(from_stored(&kept.body)) } else { Ok(read(&kept.body)?) });
-        let (model, program) = (kept.model, kept.program);
-        self.remember(KeptDiagnosis {
-            campaign: row.id,
-            imu: row.imu,
-            model,
-            program,
-            diagnosed: Arc::clone(&diagnosed),
-        });
-        Ok(Some(diagnosed))
+        Ok(Some(Arc::new(if kept.refused { Err(from_stored(&kept.body)) } else { Ok(read(&kept.body)?) })))
     }
 
     /// Has it made by a task of its own, whether or not the caller stays; once, however many ask.
@@ -171,16 +156,13 @@ impl Diagnoser {
             let (campaign, model, program) = key.clone();
             let outcome = match &made {
                 Some(diagnosed) => {
-                    let known = KeptDiagnosis { campaign, imu, model, program, diagnosed: Arc::clone(diagnosed) };
-                    diagnoser.remember(known.clone());
-                    DiagnosisOutcome::Known { known, gyros }
+                    DiagnosisOutcome::Known { imu, model, program, diagnosed: Arc::clone(diagnosed), gyros }
                 }
                 None => DiagnosisOutcome::Failed(to_stored(&message!("computation_broke_off"))),
             };
             let ended_at = diagnoser.clock.now();
-            let made_so = Made { campaign, begun_at, ended_at, outcome };
-            if !is_whole || !diagnoser.have_kept(made_so).await {
-                diagnoser.forget(campaign);
+            if is_whole {
+                diagnoser.have_kept(Made { campaign, begun_at, ended_at, outcome }).await;
             }
             if made.is_some() {
                 ended.send_replace(made);
@@ -240,36 +222,13 @@ impl Diagnoser {
         Ok(model.map(|model| (row.imu, model)))
     }
 
-    /// Puts it on disk; false where that fails: it is still due, and is made again.
-    pub(super) async fn have_kept(&self, made: Made) -> bool {
-        let Some(queue) = self.queue.upgrade() else { return false };
+    /// Puts it on disk; where that fails it is still due, and is made again.
+    pub(super) async fn have_kept(&self, made: Made) {
+        let Some(queue) = self.queue.upgrade() else { return };
         let campaign = made.campaign;
-        let (reply, answer) = oneshot::channel();
-        if queue.send(Job::Diagnosed { made, reply }).await.is_err() {
-            return false;
+        match queue.ask_in_turn(|reply| Job::Diagnosed { made, reply }).await {
+            Ok(()) | Err(WriteError::Stopping) => {}
+            Err(error) => tracing::warn!(%error, %campaign, "a diagnosis could not be kept"),
         }
-        drop(queue);
-        let kept = answer.await;
-        if let Ok(Err(error)) = &kept {
-            tracing::warn!(%error, %campaign, "a diagnosis could not be kept");
-        }
-        matches!(kept, Ok(Ok(())))
-    }
-
-    pub(super) fn recall(&self, id: Id) -> Option<Diagnosed> {
-        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = known.iter().find(|known| known.campaign == id)?;
-        found.is_of_now(&self.models).then(|| Arc::clone(&found.diagnosed))
-    }
-
-    fn forget(&self, campaign: Id) {
-        self.known.lock().unwrap_or_else(PoisonError::into_inner).retain(|known| known.campaign != campaign);
-    }
-
-    fn remember(&self, new: KeptDiagnosis) {
-        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        known.retain(|known| known.campaign != new.campaign);
-        known.truncate(IN_MEMORY - 1);
-        known.push_front(new);
     }
 }

@@ -14,7 +14,7 @@ use crate::core::judge::{State, Verdict};
 use crate::core::kind::Kind;
 use crate::pipeline::error::StorageError;
 use crate::store;
-use crate::store::{RecordHead, Store, StoreError};
+use crate::store::{RecordEntry, Store, StoreError};
 use crate::wire::forecast::{ForecastBody, ForecastPointBody, ForecastSeriesBody};
 use crate::words;
 
@@ -112,11 +112,11 @@ pub(in crate::pipeline) async fn newest_verdict(
     (imu, in_force): (u32, &InForce),
     gone: &[Id],
     made: Option<(Id, &ForecastPointBody)>,
-) -> Result<Option<(RecordHead, Verdict)>, StoreError> {
+) -> Result<Option<(RecordEntry, Verdict)>, StoreError> {
     let Some(model) = in_force.id.filter(|_| in_force.model.identified.is_some()) else { return Ok(None) };
     let mut campaigns = store::record::of_imu(store, imu, LOOKED_THROUGH).await?;
     campaigns.retain(|head| head.kind == Kind::Campaign && !gone.contains(&head.id));
-    let mut newest: Option<(RecordHead, Verdict)> = None;
+    let mut newest: Option<(RecordEntry, Verdict)> = None;
     let mut rests_on_made = made.is_none();
     for head in campaigns {
         let point = match made.filter(|(made, _)| *made == head.id) {

@@ -1,15 +1,15 @@
 //! Hypotheses of one's own, added and taken out by the one writer.
 
-use super::error::DiagnosisError;
 use super::hypotheses::{StoredHypothesis, stored};
 use super::made::text;
 use super::models::ModelCache;
 use crate::core::effects::Effect;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
+use crate::pipeline::error::OrderError;
 use crate::pipeline::ingest::Accepted;
 use crate::store;
-use crate::store::{AccessChanges, Changes, HypothesisRow, Store, StoreError, Writer};
+use crate::store::{Changes, HypothesisRow, Store, StoreError, Writer};
 use crate::wire::hypothesis::HypothesisBody;
 
 /// So many compete at most: each raises what a name takes, and the time of every diagnosis.
@@ -34,7 +34,7 @@ pub(crate) struct HypothesisHandler<'a> {
 
 impl HypothesisHandler<'_> {
     /// Carries out one order; on disk when this returns. The same again changes nothing.
-    pub async fn carry_out(&mut self, order: &HypothesisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
+    pub async fn carry_out(&mut self, order: &HypothesisOrder, by: &Actor) -> Result<Accepted, OrderError> {
         let competing = store::hypothesis::in_force(self.store).await?;
         let read = |row: HypothesisRow| -> Result<_, StoreError> { Ok((stored(row.clone())?, row)) };
         let known: Vec<(StoredHypothesis, HypothesisRow)> =
@@ -45,10 +45,10 @@ impl HypothesisHandler<'_> {
                 let name = effect.id().to_owned();
                 match named(&name) {
                     Some((same, _)) if same.effect == *effect => {
-                        return Ok(Accepted::There { id: same.id, same_bytes: true, counts: true });
+                        return Ok(Accepted::there(same.id));
                     }
-                    Some(_) => return Err(DiagnosisError::HypothesisTaken(name)),
-                    None if known.len() >= MOST => return Err(DiagnosisError::TooManyHypotheses(MOST)),
+                    Some(_) => return Err(OrderError::HypothesisTaken(name)),
+                    None if known.len() >= MOST => return Err(OrderError::TooManyHypotheses(MOST)),
                     None => {}
                 }
                 let written = effect.hypothesis().map(|own| HypothesisBody::of(&own.written));
@@ -58,7 +58,7 @@ impl HypothesisHandler<'_> {
                 (row, "add hypothesis", name)
             }
             HypothesisOrder::End(name) => {
-                let (_, row) = named(name).ok_or_else(|| DiagnosisError::NoSuchHypothesis(name.clone()))?;
+                let (_, row) = named(name).ok_or_else(|| OrderError::NoSuchHypothesis(name.clone()))?;
                 (HypothesisRow { ended_at: Some(self.now), ..row.clone() }, "end hypothesis", name.clone())
             }
         };
@@ -66,10 +66,10 @@ impl HypothesisHandler<'_> {
         let said = serde_json::json!({ "author": row.author, "reason": row.reason, "hypothesis": hypothesis });
         let (before, after) = if row.ended_at.is_some() { (Some(&said), None) } else { (None, Some(&said)) };
         let line = self.writer.next_id(self.now);
-        let audit = vec![by.line(line, self.now, (action, format!("hypotheses/{name}")), before, after)];
-        let access = AccessChanges { audit, ..AccessChanges::default() };
-        let id = row.id;
-        self.writer.commit(&Changes { hypotheses: vec![row], access, ..Changes::default() }).await?;
+        let (id, mut changes) = (row.id, Changes::default());
+        changes.access.audit.push(by.line(line, self.now, (action, format!("hypotheses/{name}")), before, after));
+        changes.hypotheses.push(row);
+        self.writer.commit(&changes).await?;
         self.cache.read_again(self.store).await?;
         Ok(Accepted::stored(id))
     }

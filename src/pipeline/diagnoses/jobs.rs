@@ -1,13 +1,13 @@
 //! Orders to diagnose many campaigns, taken and canceled by the one writer.
 
-use super::error::DiagnosisError;
 use super::made::text;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
+use crate::pipeline::error::OrderError;
 use crate::pipeline::ingest::Accepted;
 use crate::store;
-use crate::store::{AccessChanges, CampaignFilter, Changes, JobChanges, NewJob, Store, StoreError, Writer};
+use crate::store::{CampaignFilter, Changes, JobChanges, NewJob, Store, StoreError, Writer};
 use crate::wire::diagnoses::WhichBody;
 
 /// Which campaigns somebody wants diagnosed.
@@ -37,17 +37,17 @@ pub(crate) struct DiagnosisHandler<'a> {
 impl DiagnosisHandler<'_> {
     /// Carries out one order; on disk when this returns. One that is already being worked off is not begun a second
     /// time.
-    pub async fn carry_out(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
+    pub async fn carry_out(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, OrderError> {
         match order {
             DiagnosisOrder::Start(wanted) => self.start(wanted, by).await,
             DiagnosisOrder::Cancel(id) => self.cancel(*id, by).await,
         }
     }
 
-    async fn start(&mut self, wanted: &WantedDiagnoses, by: &Actor) -> Result<Accepted, DiagnosisError> {
+    async fn start(&mut self, wanted: &WantedDiagnoses, by: &Actor) -> Result<Accepted, OrderError> {
         let asked = text(&wanted.asked);
         if let Some(id) = store::diagnosis_job::open_as_asked(self.store, &asked).await? {
-            return Ok(Accepted::There { id, same_bytes: true, counts: true });
+            return Ok(Accepted::there(id));
         }
         let (now, id) = (self.now, self.writer.next_id(self.now));
         let job = NewJob {
@@ -64,11 +64,11 @@ impl DiagnosisHandler<'_> {
         Ok(Accepted::stored(id))
     }
 
-    async fn cancel(&mut self, id: Id, by: &Actor) -> Result<Accepted, DiagnosisError> {
-        let row = store::diagnosis_job::get(self.store, id).await?.ok_or(DiagnosisError::NoSuchDiagnoses(id))?;
+    async fn cancel(&mut self, id: Id, by: &Actor) -> Result<Accepted, OrderError> {
+        let row = store::diagnosis_job::get(self.store, id).await?.ok_or(OrderError::NoSuchDiagnoses(id))?;
         match (row.canceled, row.ended_at) {
-            (true, _) => return Ok(Accepted::There { id, same_bytes: true, counts: true }),
-            (false, Some(_)) => return Err(DiagnosisError::DiagnosesEnded(id)),
+            (true, _) => return Ok(Accepted::there(id)),
+            (false, Some(_)) => return Err(OrderError::DiagnosesEnded(id)),
             (false, None) => {}
         }
         let canceled = JobChanges { canceled: vec![(id, self.now)], ..JobChanges::default() };
@@ -85,8 +85,8 @@ impl DiagnosisHandler<'_> {
         after: Option<&WhichBody>,
     ) -> Result<(), StoreError> {
         let line = self.writer.next_id(self.now);
-        let audit = vec![by.line(line, self.now, (action, format!("diagnoses/{id}")), None::<&()>, after)];
-        let access = AccessChanges { audit, ..AccessChanges::default() };
-        self.writer.commit(&Changes { diagnosis_jobs, access, ..Changes::default() }).await
+        let mut changes = Changes { diagnosis_jobs, ..Changes::default() };
+        changes.access.audit.push(by.line(line, self.now, (action, format!("diagnoses/{id}")), None::<&()>, after));
+        self.writer.commit(&changes).await
     }
 }

@@ -15,17 +15,6 @@ use crate::wire::message::to_stored;
 /// The answer, or why there is none.
 pub type Diagnosed = Arc<Result<DiagnosisBody, Message>>;
 
-/// One diagnosis, and what it was made against.
-#[derive(Debug, Clone)]
-pub(super) struct KeptDiagnosis {
-    pub(super) campaign: Id,
-    pub(super) imu: u32,
-    pub(super) model: Option<Id>,
-    /// That made it.
-    pub(super) program: String,
-    pub(super) diagnosed: Diagnosed,
-}
-
 /// What has come of a campaign that was to be diagnosed.
 #[derive(Debug)]
 pub(in crate::pipeline) struct Made {
@@ -38,26 +27,16 @@ pub(in crate::pipeline) struct Made {
 #[derive(Debug)]
 pub(super) enum DiagnosisOutcome {
     Known {
-        known: KeptDiagnosis,
+        imu: u32,
+        /// That it was made against.
+        model: Option<Id>,
+        /// That made it.
+        program: String,
+        diagnosed: Diagnosed,
         gyros: Vec<MountedGyro>,
     },
     /// There is no answer, not even why the campaign leaves none: a fault of the program or of the disk.
     Failed(String),
-}
-
-impl KeptDiagnosis {
-    /// Whether it was made against the model in force, with the hypotheses that compete.
-    pub(super) fn is_of_now(&self, models: &ModelCache) -> bool {
-        models.of(Some(self.imu)).id == self.model && models.competing().program == self.program
-    }
-
-    fn row(&self) -> DiagnosisRow {
-        let (refused, body) = match &*self.diagnosed {
-            Ok(body) => (false, text(body)),
-            Err(why) => (true, to_stored(why)),
-        };
-        DiagnosisRow { record: self.campaign, model: self.model, program: self.program.clone(), refused, body }
-    }
 }
 
 pub(super) fn text(body: &impl serde::Serialize) -> String {
@@ -71,11 +50,18 @@ impl Made {
         let Self { campaign, begun_at, ended_at, outcome } = self;
         let mut changes = Changes::default();
         let failed = match outcome {
-            DiagnosisOutcome::Known { known, .. } if !known.is_of_now(models) => return None,
-            DiagnosisOutcome::Known { known, gyros } => {
-                let gist = text(&Digest::of(gyros.clone(), &known.diagnosed));
-                changes.diagnoses.push(NewDiagnosis { row: known.row(), gist });
-                known.diagnosed.as_ref().as_ref().err().map(to_stored)
+            DiagnosisOutcome::Known { imu, model, program, diagnosed, gyros } => {
+                if (models.of(Some(*imu)).id, &models.competing().program) != (*model, program) {
+                    return None;
+                }
+                let (refused, body) = match &**diagnosed {
+                    Ok(body) => (false, text(body)),
+                    Err(why) => (true, to_stored(why)),
+                };
+                let (model, program) = (*model, program.clone());
+                let row = DiagnosisRow { record: *campaign, model, program, refused, body: body.clone() };
+                changes.diagnoses.push(NewDiagnosis { row, gist: text(&Digest::of(gyros.clone(), diagnosed)) });
+                refused.then_some(body)
             }
             DiagnosisOutcome::Failed(why) => Some(why.clone()),
         };
@@ -86,8 +72,8 @@ impl Made {
 
     /// The campaign, its IMU, and what was foretold of it.
     pub fn foretold(&self) -> Option<(Id, u32, &ForecastPointBody)> {
-        let DiagnosisOutcome::Known { known, .. } = &self.outcome else { return None };
-        let body = known.diagnosed.as_ref().as_ref().ok()?;
-        Some((self.campaign, known.imu, body.forecast.as_ref()?))
+        let DiagnosisOutcome::Known { imu, diagnosed, .. } = &self.outcome else { return None };
+        let body = diagnosed.as_ref().as_ref().ok()?;
+        Some((self.campaign, *imu, body.forecast.as_ref()?))
     }
 }

@@ -11,7 +11,6 @@
 pub(super) mod background;
 mod diagnoser;
 pub(super) mod digest;
-mod error;
 mod forecaster;
 mod forecasts;
 pub(super) mod hypotheses;
@@ -27,7 +26,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::access::Actor;
-use super::error::StorageError;
+use super::error::{NotSplit, OrderError, StorageError};
 use super::ingest::{Accepted, Reader};
 use super::write_queue::{Job, WriteQueue};
 use crate::core::augmented::AugmentedModel;
@@ -63,7 +62,6 @@ use crate::words;
 pub(super) use diagnoser::Diagnoser;
 pub use diagnoser::DiagnosisAnswer;
 pub use digest::Conclusion;
-pub use error::{DiagnosisError, NotSplit};
 pub(super) use forecasts::newest_verdict;
 pub use hypotheses::StoredHypothesis;
 pub(super) use hypothesis_orders::HypothesisHandler;
@@ -150,14 +148,14 @@ impl Diagnoses {
     /// terms and effects undoes those before it.
     ///
     /// # Errors
-    /// [`DiagnosisError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
+    /// [`OrderError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
     /// is not known.
-    pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, DiagnosisError> {
+    pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, OrderError> {
         if let Some(identified) = &adoption.model.identified
             && let Some(newest) = self.newest_campaign(&adoption.imu).await?
             && let Err(why @ (NoForecast::OtherGeometry | NoForecast::NoGyro)) = forecast(identified, &newest)
         {
-            return Err(DiagnosisError::OtherGyros(why));
+            return Err(OrderError::OtherGyros(why));
         }
         // Fitted here, so that nobody waits for it; what comes in between the writer fits itself.
         let restated = self.reader.restated(&adoption.imu, &adoption.model, HashMap::new()).await?;
@@ -186,9 +184,9 @@ impl Diagnoses {
     /// Has a hypothesis compete in every diagnosis, or no more; returns once that is on disk.
     ///
     /// # Errors
-    /// [`DiagnosisError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
+    /// [`OrderError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
     /// is not known.
-    pub async fn order_hypothesis(&self, order: HypothesisOrder) -> Result<Accepted, DiagnosisError> {
+    pub async fn order_hypothesis(&self, order: HypothesisOrder) -> Result<Accepted, OrderError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Hypothesis { order, by, reply }).await
     }
@@ -252,9 +250,9 @@ impl Diagnoses {
     /// Has the writer carry out an order about many diagnoses; returns once it is on disk.
     ///
     /// # Errors
-    /// [`DiagnosisError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
+    /// [`OrderError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
     /// is not known.
-    pub async fn order(&self, order: DiagnosisOrder) -> Result<Accepted, DiagnosisError> {
+    pub async fn order(&self, order: DiagnosisOrder) -> Result<Accepted, OrderError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Diagnoses { order, by, reply }).await
     }
@@ -286,7 +284,7 @@ impl Diagnoses {
         let tables = self.store.names().read();
         let failure = |task: FailedTask| FailureBody {
             campaign: task.record.to_string(),
-            imu: tables.imus.name(task.imu).map_or_else(String::new, |name| name.to_string()),
+            imu: tables.imus.text(task.imu).to_owned(),
             measured_at: time::format(task.measured_at),
             reason: words::asked().words(&from_stored(&task.reason)),
         };

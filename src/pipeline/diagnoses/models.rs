@@ -7,11 +7,11 @@ use crate::core::augmented::AugmentedModel;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::pipeline::access::Actor;
-use crate::pipeline::diagnoses::error::DiagnosisError;
 use crate::pipeline::diagnoses::hypotheses::Competing;
+use crate::pipeline::error::OrderError;
 use crate::pipeline::ingest::Accepted;
 use crate::store;
-use crate::store::{AccessChanges, Changes, ModelRow, Store, StoreError, Writer};
+use crate::store::{Changes, ModelRow, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::wire::model;
 
@@ -99,14 +99,14 @@ pub(crate) async fn adopted(
     cache: &ModelCache,
     adoption: &Adoption,
     by: &Actor,
-) -> Result<Result<Changes, Accepted>, DiagnosisError> {
-    let unknown = || DiagnosisError::UnknownImu(adoption.imu.clone());
+) -> Result<Result<Changes, Accepted>, OrderError> {
+    let unknown = || OrderError::UnknownImu(adoption.imu.clone());
     let imu = store.names().read().imus.number(&adoption.imu).ok_or_else(unknown)?;
     let body = model::to_json(&adoption.model);
     if let Some(newest) = store::model::of_imu(store, imu).await?.first()
         && (&newest.body, &newest.author, &newest.reason) == (&body, &adoption.author, &adoption.reason)
     {
-        return Ok(Err(Accepted::There { id: newest.id, same_bytes: true, counts: true }));
+        return Ok(Err(Accepted::there(newest.id)));
     }
     let now = clock.now();
     let id = writer.next_id(now);
@@ -114,8 +114,8 @@ pub(crate) async fn adopted(
     let audited = serde_json::json!({ "id": id.to_string(), "author": author, "reason": reason, "model": serde_json::from_str::<serde_json::Value>(&body).unwrap_or_default() });
     let before = cache.of(Some(imu)).id.map(|id| serde_json::json!({ "id": id.to_string() }));
     let what = ("adopt model", format!("imus/{}/model", adoption.imu));
-    let audit = vec![by.line(writer.next_id(now), now, what, before.as_ref(), Some(&audited))];
-    let row = ModelRow { id, imu, adopted_at: now, author, reason, body };
-    let access = AccessChanges { audit, ..AccessChanges::default() };
-    Ok(Ok(Changes { models: vec![row], access, ..Changes::default() }))
+    let mut changes = Changes::default();
+    changes.access.audit.push(by.line(writer.next_id(now), now, what, before.as_ref(), Some(&audited)));
+    changes.models.push(ModelRow { id, imu, adopted_at: now, author, reason, body });
+    Ok(Ok(changes))
 }

@@ -92,8 +92,9 @@ impl Diagnoser {
                     .collect();
                 let made: Vec<_> = store::claim::while_claimed(&self.store, &claimed, made).await;
                 for (id, made) in made {
+                    let is_kept = store::diagnosis::get(&self.store, id).await?.is_some();
                     match made {
-                        Ok(_) if self.recall(id).is_some() => postponed.settled(id),
+                        Ok(_) if is_kept => postponed.settled(id),
                         Ok(_) => {
                             postponed.postpone(id, Instant::now());
                             left = Left::Something;

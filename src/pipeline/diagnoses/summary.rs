@@ -9,7 +9,7 @@ use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::digest::{Digest, NamedDigest, OUTSIDE, OutsideForecast, REFUSED};
 use crate::store;
-use crate::store::{CampaignFilter, DigestRow, Store, StoreError, Table, Tables};
+use crate::store::{CampaignFilter, DigestRow, Store, StoreError, Tables};
 use crate::wire::diagnoses::{
     AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OutsideForecastBody,
     OverviewBody, SightingBody, SummaryBody,
@@ -189,9 +189,11 @@ impl SummaryTally {
 
     fn overview_body(&self, effect: &str, overview: &Overview, tables: &Tables) -> OverviewBody {
         let of_effect = || self.findings.iter().filter(|((name, ..), _)| name == effect);
-        let imus: BTreeSet<String> = of_effect().map(|((_, imu, _), _)| name(&tables.imus, *imu)).collect();
-        let stations: BTreeSet<String> =
-            of_effect().flat_map(|(_, found)| found.stations.keys()).map(|at| name(&tables.stations, *at)).collect();
+        let imus: BTreeSet<String> = of_effect().map(|((_, imu, _), _)| tables.imus.text(*imu).to_owned()).collect();
+        let stations: BTreeSet<String> = of_effect()
+            .flat_map(|(_, found)| found.stations.keys())
+            .map(|at| tables.stations.text(*at).to_owned())
+            .collect();
         OverviewBody {
             effect: effect.to_owned(),
             imus: imus.into_iter().collect(),
@@ -212,14 +214,14 @@ impl SummaryTally {
         let course = self.courses.get(&(*imu, serial.clone()));
         let of = course.map_or(0, |course| course.campaigns);
         let at_station = |(station, campaigns): (&u32, &u64)| AtStationBody {
-            station: name(&tables.stations, *station),
+            station: tables.stations.text(*station).to_owned(),
             campaigns: *campaigns,
             of: course.and_then(|course| course.stations.get(station)).copied().unwrap_or(*campaigns),
         };
         FindingBody {
             effect: effect.clone(),
             class: found.class.clone(),
-            imu: name(&tables.imus, *imu),
+            imu: tables.imus.text(*imu).to_owned(),
             slot: found.slot.clone(),
             serial: serial.clone(),
             stations: found.stations.iter().map(at_station).collect(),
@@ -237,10 +239,10 @@ impl SummaryTally {
     fn doubt_body(&self, (verdict, imu): &(String, u32), doubt: &Doubt, tables: &Tables) -> DoubtBody {
         DoubtBody {
             verdict: verdict.clone(),
-            imu: name(&tables.imus, *imu),
+            imu: tables.imus.text(*imu).to_owned(),
             gyros: doubt.serials.iter().cloned().collect(),
             signs: doubt.signs.iter().cloned().collect(),
-            stations: doubt.stations.iter().map(|at| name(&tables.stations, *at)).collect(),
+            stations: doubt.stations.iter().map(|at| tables.stations.text(*at).to_owned()).collect(),
             campaigns: doubt.campaigns,
             of: self.imus.get(imu).copied().unwrap_or(doubt.campaigns),
             first: doubt.first.body(tables),
@@ -277,14 +279,14 @@ impl Sighting {
         SightingBody {
             campaign: self.record.to_string(),
             measured_at: time::format(self.at),
-            station: name(&tables.stations, self.station),
+            station: tables.stations.text(self.station).to_owned(),
         }
     }
 }
 
 fn outside_body(imu: u32, (seen, outside): &(Sighting, OutsideForecast), tables: &Tables) -> OutsideForecastBody {
     OutsideForecastBody {
-        imu: name(&tables.imus, imu),
+        imu: tables.imus.text(imu).to_owned(),
         campaign: seen.body(tables),
         slot: outside.slot.clone(),
         rms_over_sd: outside.rms_over_sd,
@@ -307,10 +309,6 @@ pub(in crate::pipeline) async fn outside_forecasts(
         Some(outside_body(row.imu, &(seen, outside), &tables))
     };
     Ok((rows.iter().filter_map(body).collect(), of))
-}
-
-fn name(table: &Table, number: u32) -> String {
-    table.name(number).map_or_else(String::new, |name| name.to_string())
 }
 
 /// The median of an even number is the lower of the two in the middle: a figure that some campaign reports.

@@ -13,8 +13,7 @@ use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
-use crate::pipeline::error::WriteError;
-use crate::pipeline::hooks::error::HookError;
+use crate::pipeline::error::{OrderError, WriteError};
 use crate::pipeline::hooks::registry::{CurrentAlert, OutboxContext, Subscription, introduce};
 use crate::store::{
     AttemptRow, Changes, DeliverySubject, HookRow, NewDelivery, OutboxChanges, Progress, Store, StoreError, Writer,
@@ -126,7 +125,7 @@ pub(crate) struct HookHandler<'a> {
 
 impl HookHandler<'_> {
     /// Carries out one order; on disk, with its line in the audit trail, when this returns.
-    pub async fn carry_out(&mut self, order: &Order, by: &Actor) -> Result<Id, HookError> {
+    pub async fn carry_out(&mut self, order: &Order, by: &Actor) -> Result<Id, OrderError> {
         let mut changes = Changes::default();
         let about = match order {
             Order::Create(new) => self.create(new, &mut changes).await?,
@@ -154,7 +153,7 @@ impl HookHandler<'_> {
         by: &Actor,
         about: Id,
         changes: &Changes,
-    ) -> Result<AuditEntry, HookError> {
+    ) -> Result<AuditEntry, OrderError> {
         let (action, subject) = match order {
             Order::Create(_) => ("create hook", format!("hooks/{about}")),
             Order::Change(..) => ("change hook", format!("hooks/{about}")),
@@ -184,9 +183,9 @@ impl HookHandler<'_> {
         Ok(self.writer.commit(&changes).await?)
     }
 
-    async fn create(&mut self, new: &NewHook, changes: &mut Changes) -> Result<Id, HookError> {
+    async fn create(&mut self, new: &NewHook, changes: &mut Changes) -> Result<Id, OrderError> {
         if store::hook::all(self.store).await?.len() >= MOST_HOOKS {
-            return Err(HookError::TooManyHooks(MOST_HOOKS));
+            return Err(OrderError::TooManyHooks(MOST_HOOKS));
         }
         let id = self.writer.next_id(self.now);
         let row = HookRow {
@@ -250,12 +249,12 @@ impl HookHandler<'_> {
         Ok(())
     }
 
-    async fn change(&mut self, id: Id, patch: &HookPatch, changes: &mut Changes) -> Result<Id, HookError> {
+    async fn change(&mut self, id: Id, patch: &HookPatch, changes: &mut Changes) -> Result<Id, OrderError> {
         let mut hook = self.hook(id).await?;
         let was_enabled = hook.enabled;
         if let Some(secret) = &patch.secret {
             if secret.is_none() && hook.kind == HookKind::StandardWebhooks.name() {
-                return Err(HookError::SecretNeeded);
+                return Err(OrderError::SecretNeeded);
             }
             let earlier = std::mem::replace(&mut hook.secret, secret.as_ref().map(|secret| secret.reveal()));
             // The same secret again replaces nothing, and what ends signing ends it for the secret before too.
@@ -267,7 +266,7 @@ impl HookHandler<'_> {
         }
         let is_mail = hook.kind == HookKind::Email.name();
         if patch.url.as_ref().is_some_and(|url| url.starts_with("mailto:") != is_mail) {
-            return Err(HookError::OtherKind);
+            return Err(OrderError::OtherKind);
         }
         hook.name = patch.name.clone().unwrap_or(hook.name);
         hook.url = patch.url.clone().unwrap_or(hook.url);
@@ -295,7 +294,7 @@ impl HookHandler<'_> {
         Ok(id)
     }
 
-    async fn test(&mut self, hook: Id, changes: &mut Changes) -> Result<Id, HookError> {
+    async fn test(&mut self, hook: Id, changes: &mut Changes) -> Result<Id, OrderError> {
         self.enabled_hook(hook).await?;
         let id = self.writer.next_id(self.now);
         let (subject, queued_at) = (DeliverySubject::Test, self.now);
@@ -304,12 +303,12 @@ impl HookHandler<'_> {
         Ok(id)
     }
 
-    async fn redeliver(&mut self, id: Id, outbox: &mut OutboxChanges) -> Result<Id, HookError> {
-        let delivery = store::outbox::get(self.store, id).await?.ok_or(HookError::NoSuchDelivery(id))?;
+    async fn redeliver(&mut self, id: Id, outbox: &mut OutboxChanges) -> Result<Id, OrderError> {
+        let delivery = store::outbox::get(self.store, id).await?.ok_or(OrderError::NoSuchDelivery(id))?;
         self.enabled_hook(delivery.hook).await?;
         match delivery.state {
-            DeliveryState::Behind => Err(HookError::StillBehind(id)),
-            DeliveryState::Dropped => Err(HookError::Dropped(id)),
+            DeliveryState::Behind => Err(OrderError::StillBehind(id)),
+            DeliveryState::Dropped => Err(OrderError::Dropped(id)),
             DeliveryState::Waiting | DeliveryState::Delivered | DeliveryState::Dead => {
                 outbox.replayed.push((id, self.now));
                 Ok(id)
@@ -356,13 +355,13 @@ impl HookHandler<'_> {
         Ok(delivery.is_some_and(|delivery| delivery.attempts.iter().any(|attempt| attempt.at == attempted.at)))
     }
 
-    async fn hook(&self, id: Id) -> Result<HookRow, HookError> {
-        store::hook::get(self.store, id).await?.ok_or(HookError::NoSuchHook(id))
+    async fn hook(&self, id: Id) -> Result<HookRow, OrderError> {
+        store::hook::get(self.store, id).await?.ok_or(OrderError::NoSuchHook(id))
     }
 
-    async fn enabled_hook(&self, id: Id) -> Result<HookRow, HookError> {
+    async fn enabled_hook(&self, id: Id) -> Result<HookRow, OrderError> {
         let hook = self.hook(id).await?;
-        if hook.enabled { Ok(hook) } else { Err(HookError::HookDisabled(id)) }
+        if hook.enabled { Ok(hook) } else { Err(OrderError::HookDisabled(id)) }
     }
 }
 

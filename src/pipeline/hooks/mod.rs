@@ -5,7 +5,6 @@
 
 mod commands;
 mod delivery;
-mod error;
 mod read;
 mod registry;
 mod show;
@@ -14,7 +13,6 @@ pub use crate::pipeline::hooks::commands::Order;
 pub(super) use crate::pipeline::hooks::commands::{Attempted, Found, HookHandler};
 pub(super) use crate::pipeline::hooks::registry::{CurrentAlert, HookCache, OutboxContext, heard_by};
 pub use delivery::Outbox;
-pub use error::HookError;
 pub use read::{HookPatch, NewHook};
 pub(super) use show::webhook_id;
 
@@ -23,7 +21,7 @@ use std::sync::Arc;
 use tokio::sync::watch;
 
 use super::access::Actor;
-use super::error::{StorageError, WriteError};
+use super::error::{OrderError, StorageError, WriteError};
 use super::write_queue::{Job, WriteQueue};
 use crate::alert::sign::Secret;
 use crate::config::Config;
@@ -85,9 +83,9 @@ impl Hooks {
     /// it is about.
     ///
     /// # Errors
-    /// [`HookError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is
+    /// [`OrderError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is
     /// not known.
-    pub async fn order(&self, order: Order) -> Result<Id, HookError> {
+    pub async fn order(&self, order: Order) -> Result<Id, OrderError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Hook { order, by, reply }).await
     }

@@ -136,21 +136,10 @@ fn check_authorization(value: Option<&str>, faults: &mut Faults) {
 }
 
 fn secret(text: Option<&str>, faults: &mut Faults) -> Option<Secret> {
-    match Secret::parse(text?) {
-        Ok(secret) => Some(secret),
-        Err(why) => {
-            faults.push("/secret", why);
-            None
-        }
-    }
+    Secret::parse(text?).map_err(|why| faults.push("/secret", why)).ok()
 }
 
 fn draw(pointer: &str, faults: &mut Faults) -> Option<Secret> {
-    match Secret::generate() {
-        Ok(secret) => Some(secret),
-        Err(error) => {
-            faults.push(pointer, message!("no_secret_drawn", why = text(error)));
-            None
-        }
-    }
+    let failed = |error| faults.push(pointer, message!("no_secret_drawn", why = text(error)));
+    Secret::generate().map_err(failed).ok()
 }

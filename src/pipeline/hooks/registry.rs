@@ -103,16 +103,12 @@ impl HookCache {
 
     /// Queues what each hook is to be told of what has become of alerts.
     pub fn tell(&mut self, news: &[News], context: &mut OutboxContext<'_>) -> Result<(), StoreError> {
-        let mut bodies = Vec::with_capacity(news.len());
-        for one in news.iter().filter(|_| !self.subscriptions().is_empty()) {
-            bodies.push((one, read(one)?));
-        }
+        let news = self.read(news)?;
         for subscription in self.subscriptions().to_vec() {
             // All that one record has caused; without batches each change by itself.
             let mut messages: Vec<(Option<Id>, Vec<Notification>)> = Vec::new();
-            for (one, body) in &bodies {
-                let Some(action) = self.hear(&subscription, one, body, context) else { continue };
-                let told = Notification { severity: one.alert.severity, action, part: part_of(one, action) };
+            for (one, body) in &news {
+                let Some(told) = self.hear(&subscription, one, body, context) else { continue };
                 match messages.iter_mut().find(|(cause, _)| subscription.batch && *cause == one.cause) {
                     Some((_, all)) => add(all, told),
                     None => messages.push((one.cause, vec![told])),
@@ -125,17 +121,11 @@ impl HookCache {
 
     /// Queues the digest of an import: for each hook one message about all that it lets through.
     pub fn tell_digest(&mut self, news: &[News], context: &mut OutboxContext<'_>) -> Result<(), StoreError> {
-        let mut bodies = Vec::with_capacity(news.len());
-        for one in news.iter().filter(|_| !self.subscriptions().is_empty()) {
-            bodies.push((one, read(one)?));
-        }
+        let news = self.read(news)?;
         for subscription in self.subscriptions().to_vec() {
-            let mut told: Vec<(&AlertBody, Notification)> = Vec::new();
-            for (one, body) in &bodies {
-                let Some(action) = self.hear(&subscription, one, body, context) else { continue };
-                let part = part_of(one, action);
-                told.push((body, Notification { severity: one.alert.severity, action, part }));
-            }
+            let heard =
+                news.iter().filter_map(|(one, body)| Some((body, self.hear(&subscription, one, body, context)?)));
+            let mut told: Vec<(&AlertBody, Notification)> = heard.collect();
             if told.is_empty() {
                 continue;
             }
@@ -156,6 +146,16 @@ impl HookCache {
         Ok(())
     }
 
+    /// What there is to tell, where anybody listens.
+    fn read<'n>(&self, news: &'n [News]) -> Result<Vec<(&'n News, AlertBody)>, StoreError> {
+        let damaged = |id, error| StoreError::Damaged(format!("what has become of alert {id}: {error}"));
+        let read = |one: &'n News| {
+            let body = serde_json::from_str(&one.body).map_err(|error: serde_json::Error| damaged(one.id, error))?;
+            Ok((one, body))
+        };
+        news.iter().filter(|_| !self.subscriptions().is_empty()).map(read).collect()
+    }
+
     /// What a hook is told of one piece of news; it has heard that then.
     fn hear(
         &mut self,
@@ -163,7 +163,7 @@ impl HookCache {
         news: &News,
         body: &AlertBody,
         context: &mut OutboxContext<'_>,
-    ) -> Option<Action> {
+    ) -> Option<Notification> {
         let heard = self.heard.entry(news.id).or_default();
         let action =
             alert_decision::for_hook(&news.alert, heard.get(&subscription.hook).copied(), news.action, context.now)?;
@@ -176,7 +176,9 @@ impl HookCache {
             None => drop(heard.remove(&subscription.hook)),
         }
         context.outbox.heard.push((subscription.hook, news.id, hears));
-        Some(action)
+        let body = news.step.is_none().then(|| news.body.clone());
+        let part = Part { alert: news.id, action: action.name(), step: news.step, body };
+        Some(Notification { severity: news.alert.severity, action, part })
     }
 }
 
@@ -262,11 +264,6 @@ fn add(all: &mut Vec<Notification>, new: Notification) {
     }
 }
 
-fn part_of(news: &News, action: Action) -> Part {
-    let body = news.step.is_none().then(|| news.body.clone());
-    Part { alert: news.id, action: action.name(), step: news.step, body }
-}
-
 /// Queues one message, the gravest alert first; several where there are very many.
 fn queue(hook: Id, mut told: Vec<Notification>, context: &mut OutboxContext<'_>) {
     told.sort_by_key(Notification::rank);
@@ -288,9 +285,4 @@ fn queue(hook: Id, mut told: Vec<Notification>, context: &mut OutboxContext<'_>)
             digest: None,
         });
     }
-}
-
-fn read(news: &News) -> Result<AlertBody, StoreError> {
-    serde_json::from_str(&news.body)
-        .map_err(|error| StoreError::Damaged(format!("what has become of alert {}: {error}", news.id)))
 }

@@ -22,6 +22,11 @@ pub enum Accepted {
 }
 
 impl Accepted {
+    /// It was there before, says the same and counts.
+    pub fn there(id: Id) -> Self {
+        Self::There { id, same_bytes: true, counts: true }
+    }
+
     /// It is new, and there is nothing to be said of it.
     pub fn stored(id: Id) -> Self {
         Self::Stored { id, judged: [].into(), notes: [].into() }

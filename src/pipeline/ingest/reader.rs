@@ -15,7 +15,7 @@ use crate::core::separate::{CovarianceEg, Unseparable, separate, stated_covarian
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::diagnoses::models::{InForce, ModelCache};
-use crate::pipeline::ingest::document::{Origin, OriginKind, ReadDocument};
+use crate::pipeline::ingest::document::{Origin, ReadDocument};
 use crate::pipeline::ingest::fitted::{Fitted, ReadCampaign};
 use crate::pipeline::ingest::submission::{
     BenchTest, CalibratedGyro, Calibration, Submission, anything, check_names, kept,
@@ -166,13 +166,13 @@ impl Reader {
         match kind {
             DocumentKind::Record => {
                 let calibration = self.record(bytes)?;
-                let origin = Origin { kind: OriginKind::Record, body: Arc::clone(&calibration.body) };
+                let origin = Origin { kind, body: Arc::clone(&calibration.body) };
                 Ok(ReadDocument { submission: Submission::Calibration(Box::new(calibration)), origin })
             }
             DocumentKind::Campaign => self.campaign_document(bytes, Form::Json),
             DocumentKind::Bench => {
                 let bench = self.bench_result(bytes)?;
-                let origin = Origin { kind: OriginKind::Bench, body: Arc::clone(&bench.body) };
+                let origin = Origin { kind, body: Arc::clone(&bench.body) };
                 Ok(ReadDocument { submission: Submission::Bench(Box::new(bench)), origin })
             }
         }
@@ -185,8 +185,8 @@ impl Reader {
     pub fn campaign_document(&self, bytes: &[u8], form: Form) -> Result<ReadDocument, Faults> {
         let ReadCampaign { fitted, body, .. } = self.campaign(bytes, form)?;
         let kind = match fitted {
-            Fitted::Calibration(_) => OriginKind::Campaign,
-            Fitted::Bench(_) => OriginKind::Bench,
+            Fitted::Calibration(_) => DocumentKind::Campaign,
+            Fitted::Bench(_) => DocumentKind::Bench,
         };
         Ok(ReadDocument { submission: fitted.into(), origin: Origin { kind, body } })
     }

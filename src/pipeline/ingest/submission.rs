@@ -53,10 +53,20 @@ impl Submission {
     /// The station that it was measured at; none for what people say.
     pub fn station(&self) -> Option<&str> {
         match self {
-            Self::Calibration(calibration) => Some(calibration.station.as_str()),
             Self::Bench(bench) => Some(bench.result.station.as_str()),
-            Self::Correction(correction) => correction.replacement.as_ref().map(|new| new.station.as_str()),
-            Self::Event(_) | Self::Confirmation(_) | Self::Doubt(_) | Self::Window(_) | Self::Attributes(_) => None,
+            _ => self.calibration().map(|sent| sent.station.as_str()),
+        }
+    }
+
+    /// The gyro that it is about, where it is about one alone.
+    pub fn serial(&self) -> Option<&str> {
+        match self {
+            Self::Bench(bench) => Some(bench.result.serial.as_str()),
+            Self::Event(event) => Some(event.serial.as_str()),
+            Self::Attributes(order) => Some(order.serial.as_str()),
+            Self::Calibration(_) | Self::Correction(_) | Self::Confirmation(_) | Self::Doubt(_) | Self::Window(_) => {
+                None
+            }
         }
     }
 

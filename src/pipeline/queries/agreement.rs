@@ -205,7 +205,7 @@ fn of_bench(bench: &BenchRow, tables: &Tables) -> Compared {
         method: bench.method.name(),
         source: FigureSource::Bench(bench.method),
         at: bench.measured_at,
-        station: tables.stations.name(bench.station).map_or_else(String::new, |name| name.to_string()),
+        station: tables.stations.text(bench.station).to_owned(),
         seat: None,
         id: bench.id,
         d: [0, 1].map(|i| Measured { value: bench.d[i], sd: bench.sd[i] }),
@@ -215,13 +215,12 @@ fn of_bench(bench: &BenchRow, tables: &Tables) -> Compared {
 
 fn of_separation(figures: &Figures, method: JudgedMethod, judged: JudgedMethod, tables: &Tables) -> Compared {
     let [d_i, d_s, _] = sample_of(figures, method).d;
-    let name = |name: Option<&std::sync::Arc<str>>| name.map_or_else(String::new, |name| name.to_string());
     Compared {
         method: method.name(),
         source: FigureSource::Separation,
         at: figures.at,
-        station: name(tables.stations.name(figures.station)),
-        seat: Some((name(tables.imus.name(figures.imu)), figures.slot)),
+        station: tables.stations.text(figures.station).to_owned(),
+        seat: Some((tables.imus.text(figures.imu).to_owned(), figures.slot)),
         id: figures.record,
         d: [d_i, d_s],
         counts: method == judged || figures.published.is_none(),

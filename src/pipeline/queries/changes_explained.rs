@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::entries::{PEER_RECORDS, entries};
-use super::fleet::level;
+use super::fleet::{level, stated};
 use crate::core::changes::{AsOf, DriftBudget, GyroHistory, HistoryDiagnosis, diagnose_history, is_mate_of};
 use crate::core::figures::Figures;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
-use crate::core::judge::{Limits, Mark, Measured, Sample, baseline_since, stated_level};
+use crate::core::judge::{Mark, baseline_since};
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, sample_of};
@@ -51,7 +51,7 @@ impl Histories {
         let as_of = AsOf { records: all.len(), newest: all.last().map(|figures| figures.at), now: self.clock.now() };
         let own = spread(&all, OWN_RECORDS);
         let of_own = own.iter().map(|figures| figures.record);
-        let temperatures = store::history::temperatures(&self.store, of_own).await?.into_iter().collect();
+        let temperatures = store::history::temperatures(&self.store, of_own).await?;
         let history = GyroHistory { entries: entries(&self.store, method, &own, &temperatures), marks };
         let rows = self.peers(gyro, &own).await?;
         let peers = rows.iter().map(|rows| entries(&self.store, method, rows, &HashMap::new()));
@@ -101,8 +101,8 @@ impl Histories {
             near.insert(station, store::head::near(&self.store, station, gyro, each).await?);
         }
         let asked: BTreeSet<u32> = near.values().flatten().copied().collect();
-        let ever: Vec<Stretch> = asked.iter().map(|other| (*other, Span::EVER)).collect();
-        let rows = store::histories::newest(&self.store, &ever, PEER_RECORDS).await?;
+        let asked: Vec<u32> = asked.into_iter().collect();
+        let rows = store::histories::newest_ever(&self.store, &asked, PEER_RECORDS).await?;
         let mut rows: HashMap<u32, Vec<Figures>> = asked.into_iter().zip(rows).collect();
         for (station, gyros) in &mut near {
             gyros.retain(|other| rows[other].iter().any(|figures| figures.station == *station));
@@ -124,16 +124,14 @@ impl Histories {
         let Some(newest) = own.last() else { return [None; 3] };
         let limits = self.limits(serial, own);
         let samples = distinct(own.iter().map(|figures| sample_of(figures, self.config.judging.method)));
+        let drift = baseline_of(&samples, marks, newest.at);
+        let baselines = [drift, drift, seat_baseline_of(&samples, marks, newest.at)];
         [0, 1, 2].map(|column| {
             let limit = limits.budgets()[column]?;
-            let stated =
-                column < 2 && (stated_level(marks, newest.at, column).is_some() || fixed(&limits, column).is_some());
-            let measured_since = (!stated).then(|| baseline_since(marks, newest.at).unwrap_or(UtcMicros(i64::MIN)));
-            Some(DriftBudget {
-                baseline: baseline(&samples, marks, newest.at, &limits, column)?,
-                limit,
-                measured_since,
-            })
+            let stated = stated(marks, newest.at, &limits, column);
+            let began = || baseline_since(marks, newest.at).unwrap_or(UtcMicros(i64::MIN));
+            let measured_since = stated.is_none().then(began);
+            Some(DriftBudget { baseline: level(baselines[column], column, stated)?, limit, measured_since })
         })
     }
 }
@@ -146,20 +144,4 @@ fn spread(all: &[Figures], most: usize) -> Vec<Figures> {
         all.rchunks(every).enumerate().map(|(k, some)| some[some.len() - 1 - k % some.len()]).collect();
     some.reverse();
     some
-}
-
-fn fixed(limits: &Limits, column: usize) -> Option<Measured> {
-    match column {
-        0 => limits.d_i.fixed_baseline,
-        1 => limits.d_s.fixed_baseline,
-        _ => None,
-    }
-}
-
-fn baseline(samples: &[Sample], marks: &[Mark], newest: UtcMicros, limits: &Limits, column: usize) -> Option<f64> {
-    if column > 1 {
-        return level(seat_baseline_of(samples, marks, newest), column, None);
-    }
-    let stated = stated_level(marks, newest, column).or(fixed(limits, column));
-    level(baseline_of(samples, marks, newest), column, stated)
 }

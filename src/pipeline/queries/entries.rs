@@ -7,10 +7,9 @@ use crate::config::JudgedMethod;
 use crate::core::changes::{GyroHistory, HistoryEntry};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::time::Span;
 use crate::pipeline::ingest::judge::gyro_window::sample_of;
 use crate::store;
-use crate::store::{Store, StoreError, Stretch};
+use crate::store::{Store, StoreError};
 
 /// Newest records of each gyro that tell what stations do.
 pub(super) const PEER_RECORDS: usize = 100;
@@ -39,8 +38,7 @@ pub(super) async fn fleet_histories(store: &Store, method: JudgedMethod) -> Resu
         }
         gyros = some.into_iter().collect();
     }
-    let ever: Vec<Stretch> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-    let rows = store::histories::newest(store, &ever, PEER_RECORDS).await?;
+    let rows = store::histories::newest_ever(store, &gyros, PEER_RECORDS).await?;
     let history =
         |rows: &Vec<Figures>| GyroHistory { entries: entries(store, method, rows, &HashMap::new()), marks: Vec::new() };
     Ok(rows.iter().map(history).collect())

@@ -15,7 +15,7 @@ use crate::config::Config;
 use crate::core::changes::{self, FleetStations};
 use crate::core::figures::Figures;
 use crate::core::fleet_order::FleetOrder;
-use crate::core::judge::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
+use crate::core::judge::{BASELINE_RECORDS, Limits, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Rule, State, Status};
 use crate::core::mounting::Slot;
 use crate::core::time::Span;
@@ -25,7 +25,7 @@ use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of}
 use crate::pipeline::kept::Kept;
 use crate::store;
 use crate::store::head::{CalibratedRow, DueImus, Narrowed, Ranks, Sought, Standings, StationTally, Tally};
-use crate::store::{RecordHead, Store, StoreError, Stretch, Table};
+use crate::store::{RecordEntry, Store, StoreError, Stretch, Table};
 use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
 use crate::words;
@@ -247,7 +247,6 @@ impl Fleet {
         let last = found.saturating_sub(1) / imus;
         let shown = part(number.min(last)).await?;
         let gyros = store::head::of_imus(&self.store, &shown).await?;
-        let gyros: Vec<u32> = gyros.iter().map(|row| row.gyro).collect();
         let mut of_imu: HashMap<u32, BTreeMap<Slot, Standing>> = HashMap::new();
         for standing in self.standings_of(&gyros).await? {
             let Some(newest) = standing.newest else { continue };
@@ -382,13 +381,7 @@ impl Fleet {
     /// # Errors
     /// [`StorageError`].
     pub async fn standings_of(&self, gyros: &[u32]) -> Result<Vec<Standing>, StorageError> {
-        self.standings(self.newest_of(gyros).await?).await
-    }
-
-    async fn newest_of(&self, gyros: &[u32]) -> Result<Vec<(u32, Option<Figures>)>, StoreError> {
-        let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-        let rows = store::histories::newest(&self.store, &ever, 1).await?;
-        Ok(gyros.iter().zip(rows).map(|(gyro, mut rows)| (*gyro, rows.pop())).collect())
+        self.standings(store::histories::last(&self.store, gyros).await?).await
     }
 
     /// Gyros that each station calibrated last and that are overdue.
@@ -489,7 +482,8 @@ impl Fleet {
 
     /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.
     pub async fn seated_in(&self, imu: u32) -> Result<Seats, StorageError> {
-        let mut newest = self.newest_of(&store::head::of_imu(&self.store, imu).await?).await?;
+        let gyros = store::head::of_imus(&self.store, &[imu]).await?;
+        let mut newest = store::histories::last(&self.store, &gyros).await?;
         newest.retain(|(_, figures)| figures.is_some_and(|figures| figures.imu == imu));
         let slots = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.slot)).collect();
         let last = self.last_uses(imu, slots).await?;
@@ -522,10 +516,9 @@ impl Fleet {
     }
 
     /// What these records found of their gyros.
-    async fn rows_of(&self, heads: &[RecordHead]) -> Result<Vec<Figures>, StoreError> {
-        let sheets: HashMap<_, _> =
-            store::record::verdict_sheets(&self.store, heads.iter().map(|head| head.id)).await?.into_iter().collect();
-        let of = |head: &RecordHead| {
+    async fn rows_of(&self, heads: &[RecordEntry]) -> Result<Vec<Figures>, StoreError> {
+        let sheets = store::record::verdict_sheets(&self.store, heads.iter().map(|head| head.id)).await?;
+        let of = |head: &RecordEntry| {
             let then = Span { from: head.calibrated_at, to: head.calibrated_at };
             let gyros = sheets.get(&head.id).map_or(&[][..], |sheet| &sheet.0);
             gyros.iter().map(move |(gyro, _)| (*gyro, then)).collect::<Vec<Stretch>>()
@@ -544,7 +537,7 @@ impl Fleet {
         let (tables, now) = (self.store.names().read(), self.clock.now());
         let mut standing = |(number, newest): (u32, Option<Figures>)| {
             let serial = tables.gyros.name(number)?.clone();
-            let imu = newest.and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
+            let imu = newest.map_or("", |figures| tables.imus.text(figures.imu));
             let limits = self.config.judging.limits(imu, &serial);
             let attributes = attributes.remove(&number).unwrap_or_default();
             Some(Standing { attributes, ..stored.facts(number, serial, newest).standing(&limits, now) })
@@ -573,8 +566,7 @@ impl Fleet {
         let gyros: Vec<u32> = of.iter().map(|standing| standing.number).collect();
         let marks = marks_of(&self.store, &gyros).await?;
         let marks: Vec<&[Mark]> = gyros.iter().map(|gyro| marks.get(gyro).map_or(&[][..], Vec::as_slice)).collect();
-        let ever: Vec<Stretch> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-        let rows = store::histories::newest(&self.store, &ever, count).await?;
+        let rows = store::histories::newest_ever(&self.store, &gyros, count).await?;
         let newest_baseline = |k: usize| {
             let last = last_of(&rows[k]);
             (gyros[k], Span { from: baseline_since(marks[k], last).unwrap_or(Span::EVER.from), to: last })
@@ -591,15 +583,12 @@ impl Fleet {
         let last = last_of(rows);
         let imu = rows.last().and_then(|figures| self.store.names().read().imus.name(figures.imu).cloned());
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), &standing.serial);
-        let drifts = [limits.d_i, limits.d_s];
         let baseline = distinct(samples(baseline));
+        let [d_i, d_s, _] = limits.budgets();
         RecentValues {
             samples: samples(rows),
-            level: [0, 1].map(|column| {
-                let fixed = stated_level(marks, last, column).or(drifts[column].fixed_baseline);
-                level(&baseline, column, fixed)
-            }),
-            budget: drifts.map(|drift| drift.of(Rule::Baseline).map(|limit| limit.value)),
+            level: [0, 1].map(|column| level(&baseline, column, stated(marks, last, &limits, column))),
+            budget: [d_i, d_s],
         }
     }
 }
@@ -640,10 +629,16 @@ fn last_of(rows: &[Figures]) -> UtcMicros {
     rows.last().map_or(UtcMicros(0), |figures| figures.at)
 }
 
-/// The median of a complete baseline, or the one that is fixed.
-pub(crate) fn level(baseline: &[Sample], column: usize, fixed: Option<Measured>) -> Option<f64> {
-    if let Some(fixed) = fixed {
-        return Some(fixed.value);
+/// The level of D_I or D_S that a baseline mark states at an instant, or the configuration; of D_O none does.
+pub(super) fn stated(marks: &[Mark], at: UtcMicros, limits: &Limits, column: usize) -> Option<Measured> {
+    let fixed = [limits.d_i.fixed_baseline, limits.d_s.fixed_baseline];
+    stated_level(marks, at, column).or(fixed.get(column).copied().flatten())
+}
+
+/// The median of a complete baseline, or the level that is stated.
+pub(super) fn level(baseline: &[Sample], column: usize, stated: Option<Measured>) -> Option<f64> {
+    if let Some(stated) = stated {
+        return Some(stated.value);
     }
     let first: Vec<Measured> = baseline.get(..BASELINE_RECORDS)?.iter().map(|sample| sample.d[column]).collect();
     Measured::median(&first).map(|median| median.value)

@@ -5,7 +5,7 @@ use super::standing::{Violation, violations};
 use super::status;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::judge::{Measured, Need, Older, Outlook, Rule, Status, Verdict};
+use crate::core::judge::{Measured, Need, Older, Outlook, Status, Verdict};
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::Calibration;
@@ -81,12 +81,12 @@ impl Queries {
             let stored: Vec<StoredVerdict> = verdicts.iter().map(StoredVerdict::from).collect();
             let required: Vec<StoredVerdict> = gyro.requirements.iter().flatten().map(StoredVerdict::from).collect();
             let last = last.map(|figures| (figures.at, sample_of(&figures, judging.method).d));
-            let budgets = [limits.d_i.of(Rule::Baseline), limits.d_s.of(Rule::Baseline), limits.closure];
+            let budgets = limits.budgets();
             let change = |column: usize| {
                 let ((_, old), budget) = last.as_ref().zip(budgets[column])?;
                 let (new, old) = (sample.d[column], old[column]);
-                let sd = new.sd.zip(old.sd).map(|(a, b)| a.hypot(b) / budget.value);
-                Some(Measured { value: (new.value - old.value) / budget.value, sd })
+                let sd = new.sd.zip(old.sd).map(|(a, b)| a.hypot(b) / budget);
+                Some(Measured { value: (new.value - old.value) / budget, sd })
             };
             gyros.push(Foreseen {
                 is_known: number.is_some(),

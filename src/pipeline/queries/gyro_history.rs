@@ -1,10 +1,9 @@
 //! One gyro's whole course: every calibration, bench result and event, and the levels it was held against.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::agreement::{Comparison, compare_methods};
-use super::fleet::level;
+use super::fleet::{level, stated};
 use super::items::{BenchItem, EventItem, Names};
 use super::status::Statuses;
 use crate::config::{Config, JudgedMethod};
@@ -13,7 +12,7 @@ use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
 use crate::core::judge::{BASELINE_RECORDS, Coefficient, Event, Limits, Rule};
-use crate::core::judge::{Mark, Sample, stated_level};
+use crate::core::judge::{Mark, Sample};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::error::StorageError;
@@ -260,21 +259,14 @@ impl Histories {
     async fn tests(&self, gyro: u32, events: &[EventItem], figures: &[Figures]) -> Result<Vec<Tested>, StoreError> {
         let mut tests = tested(events, figures);
         let after = tests.iter().filter_map(|test| Some(test.after?.record));
-        let sheets: HashMap<_, _> = match tests.is_empty() {
-            true => HashMap::new(),
-            false => store::record::verdict_sheets(&self.store, after.collect::<Vec<_>>().into_iter())
-                .await?
-                .into_iter()
-                .collect(),
-        };
+        let sheets = store::record::verdict_sheets(&self.store, after).await?;
         let ends: Vec<UtcMicros> = tests.iter().map(Tested::until).collect();
         for test in &mut tests {
             let Some(after) = &test.after else { continue };
             // The rule judges by the test that was over last.
             let judged = ends.iter().all(|end| *end <= test.until() || *end > after.at);
             let sheet = sheets.get(&after.record).filter(|_| judged);
-            let verdicts = sheet.and_then(|sheet| sheet.0.iter().find(|(number, _)| *number == gyro));
-            let verdicts = verdicts.map_or(&[][..], |(_, verdicts)| verdicts);
+            let verdicts = sheet.map_or(&[][..], |sheet| sheet.of(gyro));
             test.verdicts = [Coefficient::DI, Coefficient::DS].map(|coefficient| {
                 let of_test = |one: &&StoredVerdict| (one.rule, one.coefficient) == (Rule::BeforeAfter, coefficient);
                 verdicts.iter().find(of_test).copied()
@@ -309,13 +301,12 @@ fn baselines(samples: &[Sample], marks: &[Mark], limits: &Limits) -> Vec<Baselin
     starts.sort_unstable();
     starts.dedup_by_key(|(at, _)| *at);
     let ends = starts[1..].iter().map(|(at, _)| *at).chain([last.at]);
-    let fixed = [limits.d_i.fixed_baseline, limits.d_s.fixed_baseline, None];
     let stretch = |(&(from, moved), until): (&(UtcMicros, bool), UtcMicros)| {
         let end = samples.partition_point(|sample| sample.at < until || until == last.at);
         let newest = samples[..end].last().map_or(from, |sample| sample.at.max(from));
         let drift = baseline_of(&samples[..end], marks, newest);
         let records = [drift, drift, seat_baseline_of(&samples[..end], marks, newest)];
-        let stated = |column: usize| stated_level(marks, newest, column).or(fixed[column]);
+        let stated = |column: usize| stated(marks, newest, limits, column);
         let made = |column: usize| {
             let records = records[column].get(..BASELINE_RECORDS).filter(|_| stated(column).is_none())?;
             Some((records[0].at, records[BASELINE_RECORDS - 1].at))

@@ -10,7 +10,7 @@ use crate::core::kind::Kind;
 use crate::core::message::{Message, sent};
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::store::{BenchRow, ConfirmationRow, EventRow, RecordEntry, RecordHead, RecordRow, Tables};
+use crate::store::{BenchRow, ConfirmationRow, EventRow, RecordEntry, RecordRow, Tables};
 use crate::wire::table::nearest;
 
 /// The names of what is stored, while it is looked at.
@@ -20,11 +20,11 @@ pub struct Names<'a>(pub(super) RwLockReadGuard<'a, Tables>);
 impl Names<'_> {
     /// A number that was never given out has no name.
     pub fn imu(&self, number: u32) -> &str {
-        self.0.imus.name(number).map_or("", |name| &**name)
+        self.0.imus.text(number)
     }
 
     pub fn station(&self, number: u32) -> &str {
-        self.0.stations.name(number).map_or("", |name| &**name)
+        self.0.stations.text(number)
     }
 
     /// That no IMU has the name, with the one that it most resembles where one is near.
@@ -78,22 +78,6 @@ impl RecordItem {
 
 /// A record or a campaign in a list.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RecordSummary {
-    pub id: Id,
-    pub kind: Kind,
-    pub station: String,
-    pub calibrated_at: UtcMicros,
-}
-
-impl RecordSummary {
-    pub(super) fn of(head: &RecordHead, names: &Names<'_>) -> Self {
-        let RecordHead { id, kind, station, calibrated_at } = *head;
-        Self { id, kind, station: names.station(station).to_owned(), calibrated_at }
-    }
-}
-
-/// A record or a campaign among those of all IMUs.
-#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ListedRecord {
     pub id: Id,
     pub kind: Kind,
@@ -136,7 +120,7 @@ pub struct BenchItem {
 impl BenchItem {
     pub(super) fn of(row: BenchRow, names: &Names<'_>) -> Self {
         let BenchRow { id, measured_at, method, d, sd, voided, received_at, body, sent_by, .. } = row;
-        let serial = names.0.gyros.name(row.gyro).map_or_else(String::new, |serial| serial.to_string());
+        let serial = names.0.gyros.text(row.gyro).to_owned();
         let station = names.station(row.station).to_owned();
         Self { id, serial, station, measured_at, method, d, sd, voided, received_at, body, sent_by }
     }
@@ -165,20 +149,6 @@ impl From<EventRow> for EventItem {
     }
 }
 
-/// Who confirmed the time of a record that was set aside.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ConfirmationItem {
-    pub at: UtcMicros,
-    pub author: String,
-    pub reason: String,
-}
-
-impl From<ConfirmationRow> for ConfirmationItem {
-    fn from(ConfirmationRow { at, author, reason, .. }: ConfirmationRow) -> Self {
-        Self { at, author, reason }
-    }
-}
-
 /// Whether an item counts, and what was said of it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ItemStatus {
@@ -186,7 +156,7 @@ pub struct ItemStatus {
     pub corrections: Vec<CorrectionItem>,
     /// It does not count until somebody confirms its time.
     pub set_aside: bool,
-    pub confirmation: Option<ConfirmationItem>,
+    pub confirmation: Option<ConfirmationRow>,
     pub is_corrected: bool,
 }
 

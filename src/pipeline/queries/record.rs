@@ -19,9 +19,7 @@ use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::fitted::CampaignFit;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::ingest::submission::Calibration;
-use crate::pipeline::queries::items::{
-    BenchItem, ConfirmationItem, ItemStatus, ListedRecord, Names, RecordItem, RecordSummary,
-};
+use crate::pipeline::queries::items::{BenchItem, ItemStatus, ListedRecord, Names, RecordItem};
 use crate::store;
 use crate::store::{RecordFilter, RecordRow, Store, StoreError, StoredVerdict};
 use crate::system::sha256;
@@ -195,10 +193,10 @@ impl Records {
     ///
     /// # Errors
     /// [`StorageError`].
-    pub async fn of_imu(&self, imu: u32, most: u32) -> Result<Vec<RecordSummary>, StorageError> {
-        let heads = store::record::of_imu(&self.store, imu, most).await?;
+    pub async fn of_imu(&self, imu: u32, most: u32) -> Result<Vec<ListedRecord>, StorageError> {
+        let entries = store::record::of_imu(&self.store, imu, most).await?;
         let names = Names(self.store.names().read());
-        Ok(heads.iter().map(|head| RecordSummary::of(head, &names)).collect())
+        Ok(entries.iter().map(|entry| ListedRecord::of(entry, &names)).collect())
     }
 
     /// # Errors
@@ -218,7 +216,7 @@ impl Records {
             is_corrected: corrections.iter().any(|correction| correction.item == id),
             corrections,
             set_aside: store::set_aside::is_set_aside(&self.store, id).await?,
-            confirmation: store::set_aside::confirmation(&self.store, id).await?.map(ConfirmationItem::from),
+            confirmation: store::set_aside::confirmation(&self.store, id).await?,
         })
     }
 

@@ -57,21 +57,12 @@ pub struct Violation {
     pub load: Option<f64>,
 }
 
-/// What an alert knows of a gyro that the verdicts on its newest record do not: that the methods disagree, or that a
-/// second record has confirmed that a requirement is not met.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct AlertFinding {
-    pub coefficient: Coefficient,
-    pub rule: Rule,
-    pub status: Status,
-    /// The figure over its limit.
-    pub load: f64,
-}
-
 /// A gyro's alerts that fire.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Alerted {
-    told: Vec<AlertFinding>,
+    /// What they know that the verdicts on its newest record do not: that the methods disagree, or that a second record
+    /// has confirmed that a requirement is not met.
+    told: Vec<Violation>,
     firing: u32,
     severity: Option<Severity>,
     /// When the first that is beyond a specification began, and the first that drifts.
@@ -97,9 +88,9 @@ impl Alerted {
                 _ => continue,
             };
             let finding = finding_of(row)?;
-            let load = finding.value.map_or(0.0, |value| value / finding.limit);
+            let load = Some(finding.value.map_or(0.0, |value| value / finding.limit));
             let status = status_of(row, &finding);
-            told.push(AlertFinding { coefficient: row.coefficient, rule: row.rule, status, load });
+            told.push(Violation { coefficient: row.coefficient, rule: row.rule, status, load });
         }
         alerted.told.append(&mut of_requirements);
         Ok(alerted)
@@ -153,12 +144,11 @@ impl Facts<'_> {
         let overdue_days = late.filter(|verdict| verdict.state == State::Exceeded).and_then(|verdict| verdict.value);
         let of_newest = newest.map(|figures| worst(&figures, verdicts));
         // The alert of a rule that has been switched off since stands until the gyro's next item.
-        let asked = |told: &&AlertFinding| told.rule == Rule::Agreement && limits.agreement(told.coefficient).is_some();
-        let disagreements: Vec<&AlertFinding> = told.iter().filter(asked).collect();
+        let asked = |told: &&Violation| told.rule == Rule::Agreement && limits.agreement(told.coefficient).is_some();
+        let disagreements: Vec<Violation> = told.iter().filter(asked).copied().collect();
         let of_methods = (!disagreements.is_empty()).then_some(State::Exceeded);
-        let loads = verdicts.iter().filter_map(load).chain(disagreements.iter().map(|found| found.load));
-        let violations: Vec<Violation> =
-            violations(verdicts, told).chain(disagreements.iter().map(|told| Violation::of(told))).collect();
+        let loads = verdicts.iter().filter_map(load).chain(disagreements.iter().filter_map(|found| found.load));
+        let violations: Vec<Violation> = violations(verdicts, told).chain(disagreements.iter().copied()).collect();
         let worst_of = violations.iter().map(|violation| violation.status).chain(overdue_days.map(|_| Status::Overdue));
         let of_verdicts = newest.map(|_| status::of_gyro(verdicts));
         Standing {
@@ -242,7 +232,7 @@ fn worst(figures: &Figures, verdicts: &[StoredVerdict]) -> State {
     judged.map(|verdict| verdict.state).fold(of_drift, State::max)
 }
 
-pub(super) fn violations(verdicts: &[StoredVerdict], told: &[AlertFinding]) -> impl Iterator<Item = Violation> {
+pub(super) fn violations(verdicts: &[StoredVerdict], told: &[Violation]) -> impl Iterator<Item = Violation> {
     let beyond = verdicts.iter().filter(|verdict| verdict.state == State::Exceeded);
     beyond.map(|verdict| {
         let StoredVerdict { coefficient, rule, .. } = *verdict;
@@ -250,13 +240,6 @@ pub(super) fn violations(verdicts: &[StoredVerdict], told: &[AlertFinding]) -> i
         let status = same.map_or(verdict.status(), |told| told.status.max(verdict.status()));
         Violation { coefficient, rule, status, load: load(verdict) }
     })
-}
-
-impl Violation {
-    fn of(told: &AlertFinding) -> Self {
-        let AlertFinding { coefficient, rule, status, load } = *told;
-        Self { coefficient, rule, status, load: Some(load) }
-    }
 }
 
 /// How much of its limit a figure takes up. E and G against their requirements lie between two limits: that is no
@@ -284,7 +267,7 @@ impl StoredFacts {
     ) -> Result<Self, StoreError> {
         let gyros: Vec<u32> = newest.iter().map(|(gyro, _)| *gyro).collect();
         let records: HashSet<Id> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
-        let sheets = store::record::verdict_sheets(store, records.into_iter()).await?.into_iter().collect();
+        let sheets = store::record::verdict_sheets(store, records.into_iter()).await?;
         let mut rows: HashMap<u32, Vec<AlertRow>> = HashMap::new();
         for row in store::alerts::firing(store, &gyros).await? {
             rows.entry(row.of.gyro().unwrap_or_default()).or_default().push(row);
@@ -303,18 +286,12 @@ impl StoredFacts {
             number,
             serial,
             newest,
-            verdicts: newest.map_or(&[], |figures| verdicts_on(self.sheets.get(&figures.record), number)),
+            verdicts: newest.and_then(|figures| self.sheets.get(&figures.record)).map_or(&[], |sheet| sheet.of(number)),
             alerted: self.alerted.get(&number).unwrap_or(&NONE),
             out_of_use: self.out_of_use.get(&number).copied(),
             outlook: self.outlooks.get(&number).copied().unwrap_or_default(),
         }
     }
-}
-
-/// The verdicts of a record's sheet on a gyro.
-pub(crate) fn verdicts_on(sheet: Option<&RecordVerdicts>, gyro: u32) -> &[StoredVerdict] {
-    let found = sheet.and_then(|sheet| sheet.0.iter().find(|(number, _)| *number == gyro));
-    found.map_or(&[], |(_, verdicts)| verdicts)
 }
 
 #[cfg(test)]

@@ -61,13 +61,9 @@ impl Statuses {
         let several = |state: Option<State>| matches!(state, Some(State::Indeterminate | State::Exceeded));
         let asked = rows.filter(|row| columns.iter().any(|&column| several(row.states.0[column])));
         let records: Vec<Id> = asked.map(|row| row.record).collect();
-        if records.is_empty() {
-            return Ok(Self::default());
-        }
         let sheets = store::record::verdict_sheets(store, records.into_iter()).await?;
-        let of_gyro = sheets.iter().filter_map(|(record, sheet)| {
-            let (_, verdicts) = sheet.0.iter().find(|(number, _)| *number == gyro)?;
-            Some((*record, COLUMNS.map(|coefficient| CoefficientStatus::of(verdicts, coefficient))))
+        let of_gyro = sheets.iter().map(|(record, sheet)| {
+            (*record, COLUMNS.map(|coefficient| CoefficientStatus::of(sheet.of(gyro), coefficient)))
         });
         Ok(Self(of_gyro.collect()))
     }

@@ -85,6 +85,11 @@ impl RecordVerdicts {
         self.0.iter().flat_map(|(_, verdicts)| verdicts).map(|verdict| verdict.state)
     }
 
+    /// Those on one gyro; none where the record does not hold it.
+    pub fn of(&self, gyro: u32) -> &[StoredVerdict] {
+        self.0.iter().find(|(number, _)| *number == gyro).map_or(&[], |(_, verdicts)| verdicts)
+    }
+
     /// Puts new verdicts in the place of those of `gyro`; false where the record does not hold it.
     pub fn replace(&mut self, gyro: u32, verdicts: Vec<StoredVerdict>) -> bool {
         let found = self.0.iter_mut().find(|(number, _)| *number == gyro);

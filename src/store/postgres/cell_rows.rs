@@ -80,12 +80,7 @@ impl AllCells {
             if row.stamp != seen.stamp {
                 missed.cells.push(row.cell);
             }
-            let moved = |news| row.stamp_of(news) != seen.stamp_of(news);
-            missed.settings |= moved(News::Settings);
-            missed.outbox |= moved(News::Outbox);
-            missed.models |= moved(News::Models);
-            missed.diagnoses |= moved(News::Diagnoses);
-            missed.access |= moved(News::Access);
+            missed.news.extend(News::ALL.into_iter().filter(|news| row.stamp_of(*news) != seen.stamp_of(*news)));
         }
         missed
     }
@@ -96,9 +91,11 @@ impl AllCells {
 pub struct Missed {
     /// Cells in which something was written: nothing that is remembered of their gyros is known to hold.
     pub cells: Vec<u8>,
-    pub settings: bool,
-    pub outbox: bool,
-    pub models: bool,
-    pub diagnoses: bool,
-    pub access: bool,
+    pub news: Vec<News>,
+}
+
+impl Missed {
+    pub fn brings(&self, news: News) -> bool {
+        self.news.contains(&news)
+    }
 }

@@ -1,6 +1,6 @@
 //! Where names of earlier versions, and those that were copied from a file, are at home.
 
-use sqlx::PgConnection;
+use sqlx::{AssertSqlSafe, PgConnection};
 
 use crate::store::cells::cell_of;
 use crate::store::error::StoreError;
@@ -8,54 +8,43 @@ use crate::store::error::StoreError;
 /// Names of one transaction.
 const AT_ONCE: i64 = 10_000;
 
-/// Of IMUs and stations by their names.
-const NAMED: [(&str, &str); 2] = [
+/// Which names have none, each with its cell where that is not by its name: of a gyro that of the IMU in which it was
+/// first seen; one that only a bench has seen has none.
+const WITHOUT: [(&str, &str); 3] = [
+    ("imu", "SELECT id, name, CAST(NULL AS BIGINT) FROM imu WHERE cell IS NULL ORDER BY id LIMIT $1"),
+    ("station", "SELECT id, name, CAST(NULL AS BIGINT) FROM station WHERE cell IS NULL ORDER BY id LIMIT $1"),
     (
-        "SELECT id, name FROM imu WHERE cell IS NULL ORDER BY id LIMIT $1",
-        "UPDATE imu SET cell = given.cell FROM unnest(CAST($1 AS BIGINT[]), CAST($2 AS BIGINT[])) AS given(id, cell) WHERE imu.id = given.id",
-    ),
-    (
-        "SELECT id, name FROM station WHERE cell IS NULL ORDER BY id LIMIT $1",
-        "UPDATE station SET cell = given.cell FROM unnest(CAST($1 AS BIGINT[]), CAST($2 AS BIGINT[])) AS given(id, cell) WHERE station.id = given.id",
+        "gyro",
+        "SELECT gyro.id, gyro.serial, (SELECT imu.cell FROM history JOIN record ON record.id = history.record
+             JOIN imu ON imu.id = record.imu WHERE history.gyro = gyro.id ORDER BY history.calibrated_at LIMIT 1)
+         FROM gyro WHERE cell IS NULL ORDER BY id LIMIT $1",
     ),
 ];
-/// Of gyros by the IMU in which each was first seen; one that only a bench has seen has none.
-const GYROS: (&str, &str) = (
-    "SELECT gyro.id, gyro.serial, (SELECT imu.cell FROM history JOIN record ON record.id = history.record
-         JOIN imu ON imu.id = record.imu WHERE history.gyro = gyro.id ORDER BY history.calibrated_at LIMIT 1)
-     FROM gyro WHERE cell IS NULL ORDER BY id LIMIT $1",
-    "UPDATE gyro SET cell = given.cell FROM unnest(CAST($1 AS BIGINT[]), CAST($2 AS BIGINT[])) AS given(id, cell) WHERE gyro.id = given.id",
-);
 
 /// Gives a cell to every name that has none. Broken off, it goes on where it stopped.
 ///
 /// # Errors
 /// [`StoreError`].
 pub(super) async fn give(connection: &mut PgConnection) -> Result<(), StoreError> {
-    for (ask, set) in NAMED {
+    for (table, without) in WITHOUT {
+        let set = format!(
+            "UPDATE {table} SET cell = given.cell
+             FROM unnest(CAST($1 AS BIGINT[]), CAST($2 AS BIGINT[])) AS given(id, cell) WHERE {table}.id = given.id"
+        );
+        let mut given = 0;
         loop {
-            let found: Vec<(i64, String)> = sqlx::query_as(ask).bind(AT_ONCE).fetch_all(&mut *connection).await?;
+            let found: Vec<(i64, String, Option<i64>)> =
+                sqlx::query_as(without).bind(AT_ONCE).fetch_all(&mut *connection).await?;
             if found.is_empty() {
                 break;
             }
+            let cell = |name: &str, cell: Option<i64>| cell.unwrap_or_else(|| i64::from(cell_of(name)));
             let (ids, cells): (Vec<i64>, Vec<i64>) =
-                found.into_iter().map(|(id, name)| (id, i64::from(cell_of(&name)))).unzip();
-            sqlx::query(set).bind(ids).bind(cells).execute(&mut *connection).await?;
+                found.into_iter().map(|(id, name, found)| (id, cell(&name, found))).unzip();
+            given += ids.len();
+            sqlx::query(AssertSqlSafe(set.clone())).bind(ids).bind(cells).execute(&mut *connection).await?;
+            tracing::info!(table, given, "names are given the cells in which they are at home");
         }
     }
-    let mut given = 0;
-    loop {
-        let (ask, set) = GYROS;
-        let found: Vec<(i64, String, Option<i64>)> =
-            sqlx::query_as(ask).bind(AT_ONCE).fetch_all(&mut *connection).await?;
-        if found.is_empty() {
-            return Ok(());
-        }
-        let cell = |serial: &str, cell: Option<i64>| cell.unwrap_or_else(|| i64::from(cell_of(serial)));
-        let (ids, cells): (Vec<i64>, Vec<i64>) =
-            found.into_iter().map(|(id, serial, found)| (id, cell(&serial, found))).unzip();
-        given += ids.len();
-        sqlx::query(set).bind(ids).bind(cells).execute(&mut *connection).await?;
-        tracing::info!(gyros = given, "gyros are given the cells in which they are at home");
-    }
+    Ok(())
 }

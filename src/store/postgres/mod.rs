@@ -16,7 +16,7 @@ pub(in crate::store) mod open;
 mod other_servers;
 
 pub(super) use self::bounded::PgReaders;
-pub use self::cell_rows::Missed;
+pub use self::cell_rows::{Missed, News};
 pub(super) use self::cell_writer::CellWriter;
 pub use self::lease::Duty;
 pub use self::other_servers::Moves;

@@ -1,6 +1,7 @@
 //! Names that other servers have given numbers to.
 
 use futures::TryStreamExt as _;
+use sqlx::AssertSqlSafe;
 
 use super::cell_rows::{AllCells, CellRow, News};
 use crate::store::db::PgReaders;
@@ -10,11 +11,13 @@ use crate::store::name_tables::{Names, NamesOf, Tables};
 /// A name: its kind, number, cell and text.
 type Found = (i32, i64, i64, String);
 
-const ALL: &str = "SELECT 0, id, cell, name FROM imu UNION ALL SELECT 1, id, cell, name FROM station
-                   UNION ALL SELECT 2, id, cell, serial FROM gyro";
-const OF_CELLS: &str = "SELECT 0, id, cell, name FROM imu WHERE cell = ANY($1)
-                        UNION ALL SELECT 1, id, cell, name FROM station WHERE cell = ANY($1)
-                        UNION ALL SELECT 2, id, cell, serial FROM gyro WHERE cell = ANY($1)";
+/// Names of IMUs, of stations and of gyros.
+pub(in crate::store) fn select([imus, stations, gyros]: [&str; 3]) -> AssertSqlSafe<String> {
+    AssertSqlSafe(format!(
+        "SELECT 0, id, cell, name FROM imu {imus} UNION ALL SELECT 1, id, cell, name FROM station {stations}
+         UNION ALL SELECT 2, id, cell, serial FROM gyro {gyros}"
+    ))
+}
 
 pub(in crate::store) fn read(found: Vec<Found>) -> Result<Vec<(NamesOf, u32, u8, String)>, StoreError> {
     found.into_iter().map(read_one).collect()
@@ -36,7 +39,7 @@ pub(super) async fn learn_all(readers: &PgReaders, names: &Names) -> Result<(), 
     // What comes after this look is newer, and is read again.
     let seen = AllCells::look(readers).await?.0.map(|row| row.stamp_of(News::Names));
     let mut tables = Tables { seen, ..Tables::default() };
-    let mut rows = sqlx::query_as(ALL).fetch(readers);
+    let mut rows = sqlx::query_as(select([""; 3])).fetch(readers);
     while let Some(found) = rows.try_next().await? {
         let (kind, number, cell, name) = read_one(found)?;
         tables.learn(kind, number, cell, &name)?;
@@ -59,7 +62,8 @@ pub(super) async fn learn_cells(readers: &PgReaders, names: &Names, found: &[Cel
         return Ok(());
     }
     let cells: Vec<i64> = moved.iter().map(|(row, _)| i64::from(row.cell)).collect();
-    let of_cells = read(sqlx::query_as(OF_CELLS).bind(cells).fetch_all(readers).await?)?;
+    let of_cells = select(["WHERE cell = ANY($1)"; 3]);
+    let of_cells = read(sqlx::query_as(of_cells).bind(cells).fetch_all(readers).await?)?;
     names.change(|tables| {
         for (row, seen) in &moved {
             let place = usize::from(row.cell);

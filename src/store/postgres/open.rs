@@ -2,20 +2,19 @@
 
 use std::time::{Duration, Instant};
 
-use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
+use sqlx::migrate::MigrateError;
 use sqlx::postgres::PgPoolOptions;
-use sqlx::{PgConnection, Row as _, SqlSafeStr};
+use sqlx::{PgConnection, Row as _};
 
 use super::bounded::{BREATH, COMES_UP, PgReaders};
 use super::cell_writer::CellWriter;
 use super::hosts::Hosts;
 use super::other_servers::Neighbours;
 use super::{homes, names};
-use crate::store::db::Readers;
+use crate::store::db::{Readers, migrator};
 use crate::store::error::StoreError;
 use crate::store::handle::{Options, Place, Store};
 use crate::store::name_tables::{Names, Tables};
-use crate::store::secrets::Secrets;
 use crate::store::sqlite::write_behind::WriteBehind;
 use crate::store::writer::Writer;
 
@@ -56,25 +55,17 @@ pub(in crate::store) async fn open(options: &Options) -> Result<(Store, Writer),
     let (readers, names, writer) = ready(options).await?;
     let (hosts, number) = (Hosts::of(&options.url)?, rand::random_range(1..i64::MAX));
     let neighbours = Neighbours::watch(readers.clone(), hosts, names.clone(), number, options.lease);
-    Ok(opened(readers, names, writer, neighbours))
+    Ok((store_of(readers, names, neighbours), Writer::of_server(writer)))
 }
 
 /// As [`open`], to write a row beside the servers: nothing in the background becomes this process's.
 pub(in crate::store) async fn open_beside(options: &Options) -> Result<(Store, Writer), StoreError> {
     let (readers, names, writer) = ready(options).await?;
-    Ok(opened(readers, names, writer, Neighbours::none()))
+    Ok((store_of(readers, names, Neighbours::none()), Writer::of_server(writer)))
 }
 
-fn opened(readers: PgReaders, names: Names, writer: CellWriter, neighbours: Neighbours) -> (Store, Writer) {
-    let place = Place::Server(neighbours);
-    let store = Store {
-        readers: Readers::Postgres(readers),
-        names,
-        write_behind: WriteBehind::default(),
-        place,
-        secrets: Secrets::default(),
-    };
-    (store, Writer::of_server(writer))
+fn store_of(readers: PgReaders, names: Names, neighbours: Neighbours) -> Store {
+    Store::new(Readers::Postgres(readers), names, WriteBehind::default(), Place::Server(neighbours))
 }
 
 async fn ready(options: &Options) -> Result<(PgReaders, Names, CellWriter), StoreError> {
@@ -130,14 +121,7 @@ pub(in crate::store) async fn open_to_read(options: &Options) -> Result<Store, S
         check_schema(&mut connection, options).await?;
     }
     names::learn_all(&readers, &names).await?;
-    let place = Place::Server(Neighbours::none());
-    Ok(Store {
-        readers: Readers::Postgres(readers),
-        names,
-        write_behind: WriteBehind::default(),
-        place,
-        secrets: Secrets::default(),
-    })
+    Ok(store_of(readers, names, Neighbours::none()))
 }
 
 /// Opens the database to be copied into: its schema as of this program, no service made ready on it.
@@ -203,10 +187,7 @@ async fn patiently<T>(work: impl AsyncFn() -> Result<T, StoreError>) -> Result<T
 
 /// Brings the schema up to date. Two servers at it at once hinder each other, and the second tries again.
 async fn migrate(connection: &mut PgConnection) -> Result<(), StoreError> {
-    let migrations = MIGRATIONS.map(|(version, name, sql)| {
-        Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
-    });
-    let mut migrator = Migrator::with_migrations(migrations.into());
+    let mut migrator = migrator(&MIGRATIONS);
     // A lock of PostgreSQL's own, which others that speak as it does have not.
     migrator.set_locking(false);
     // What is to be made is there already, or what is to be changed is not any more (class 42): another server's work.

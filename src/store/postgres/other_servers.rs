@@ -5,7 +5,7 @@ use std::time::Duration;
 use tokio::sync::watch;
 
 use super::bounded::PgReaders;
-use super::cell_rows::{AllCells, Missed};
+use super::cell_rows::{AllCells, Missed, News};
 use super::hosts::Hosts;
 use super::lease::{self, Duty, Held};
 use super::names;
@@ -101,7 +101,7 @@ impl Moves {
             changed = self.neighbours.seen.changed() => changed.ok()?,
             changed = self.neighbours.held.changed() => {
                 changed.ok()?;
-                return Some(Missed { outbox: true, ..Missed::default() });
+                return Some(Missed { news: vec![News::Outbox], ..Missed::default() });
             }
         }
         let found = *self.neighbours.seen.borrow_and_update();

@@ -18,7 +18,6 @@ use crate::store::handle::{Options, Place, Store};
 use crate::store::name_tables::Names;
 use crate::store::open::{MIGRATIONS, connect_options, finds_nothing, load_names, migrate};
 use crate::store::postgres;
-use crate::store::secrets::Secrets;
 use crate::store::sqlite::write_behind::WriteBehind;
 use crate::system::{fill_random, sha256};
 
@@ -209,13 +208,7 @@ async fn store_of(readers: SqlitePool, file: &Path) -> Result<Store, StoreError>
     let names = Names::new(load_names(&mut connection).await?);
     let write_behind = WriteBehind::load(&mut connection).await?;
     drop(connection);
-    Ok(Store {
-        readers: Readers::Sqlite(readers),
-        names,
-        write_behind,
-        place: Place::File(file.to_owned()),
-        secrets: Secrets::default(),
-    })
+    Ok(Store::new(Readers::Sqlite(readers), names, write_behind, Place::File(file.to_owned())))
 }
 
 /// Every record that is said to have been entered stands where its IMU has it, and nothing else does.

@@ -1,13 +1,13 @@
 //! Tokens, the browsers that signed in with them, and the audit trail.
 
-use sqlx::{AssertSqlSafe, SqliteConnection};
+use sqlx::SqliteConnection;
 
 use crate::core::access::{AuditEntry, AuditFilter, Role};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
-use crate::store::db::{Whole, among, on, read};
+use crate::store::db::{Whole, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{Columns, Rows};
@@ -71,33 +71,27 @@ columns! {
 pub(crate) fn apply(changes: &AccessChanges, batch: &mut Batch) {
     batch.enter(&changes.tokens, OnConflict::Set("id", &["revoked_at"]));
     batch.enter(&changes.sessions, OnConflict::Fail);
-    batch.add(among!("DELETE FROM session WHERE id"), Rows::of(changes.ended.iter().map(|id| id.0)));
+    batch.change("DELETE FROM session", "id = $C0", Rows::of(changes.ended.iter().map(|id| id.0)));
     batch.enter(&changes.audit, OnConflict::Fail);
-}
-
-fn all_tokens() -> AssertSqlSafe<String> {
-    AssertSqlSafe(format!("SELECT {} FROM token ORDER BY id", TokenRow::COLUMNS))
 }
 
 /// Every token there ever was, oldest first.
 pub async fn tokens(store: &Store) -> Result<Vec<TokenRow>, StoreError> {
-    read!(store, all, all_tokens())
+    read!(store, all, TokenRow::select("ORDER BY id"))
 }
 
 /// As [`tokens`], by a connection of one's own.
 pub(in crate::store) async fn tokens_of(reading: &mut SqliteConnection) -> Result<Vec<TokenRow>, StoreError> {
-    sqlx::query(all_tokens()).fetch_all(reading).await?.iter().map(Columns::get_all).collect()
+    sqlx::query(TokenRow::select("ORDER BY id")).fetch_all(reading).await?.iter().map(Columns::get_all).collect()
 }
 
 pub async fn sessions(store: &Store) -> Result<Vec<SessionRow>, StoreError> {
-    let sql = AssertSqlSafe(format!("SELECT {} FROM session ORDER BY id", SessionRow::COLUMNS));
-    read!(store, all, sql)
+    read!(store, all, SessionRow::select("ORDER BY id"))
 }
 
 /// One line of the audit trail.
 pub async fn audit_line(store: &Store, id: Id) -> Result<Option<AuditEntry>, StoreError> {
-    let sql = AssertSqlSafe(format!("SELECT {} FROM audit WHERE id = $1", AuditEntry::COLUMNS));
-    read!(store, first, sql, id.0)
+    read!(store, first, AuditEntry::select("WHERE id = $1"), id.0)
 }
 
 /// Lines of the audit trail, newest first, those before `before`.
@@ -107,13 +101,11 @@ pub async fn audit(
     before: Option<Id>,
     limit: u32,
 ) -> Result<Vec<AuditEntry>, StoreError> {
-    let sql = AssertSqlSafe(format!(
-        "SELECT {} FROM audit
-         WHERE id < $1 AND at >= $2 AND at <= $3 AND ($4 IS NULL OR who = $4) AND ($5 IS NULL OR action = $5)
+    let sql = AuditEntry::select(
+        "WHERE id < $1 AND at >= $2 AND at <= $3 AND ($4 IS NULL OR who = $4) AND ($5 IS NULL OR action = $5)
              AND ($6 IS NULL OR subject = $6)
          ORDER BY id DESC LIMIT $7",
-        AuditEntry::COLUMNS
-    ));
+    );
     on!(store.readers, db => {
         let query = sqlx::query(sql)
             .bind(before.map_or(i64::MAX, |id| id.0))

@@ -11,7 +11,7 @@ use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
-use crate::store::db::{LISTED, Sql, Whole, at_most, counted, numbers, on, read};
+use crate::store::db::{Sql, Whole, asked, at_most, counted, list_of, numbers, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row};
@@ -239,8 +239,7 @@ enum Lookup {
     Other,
 }
 
-/// What a filter lets through: seven parameters, see the macro `bound`. Each condition by itself, so that it finds its
-/// index; one that is not asked for is no condition.
+/// What a filter lets through: seven parameters, see the macro `bound`.
 fn conditions(store: &Store, filter: &AlertFilter, lookup: Lookup) -> String {
     let imu =
         store.readers.words(Sql { sqlite: "alert.finding->>'imu'", postgres: "CAST(alert.finding AS JSONB)->>'imu'" });
@@ -250,20 +249,16 @@ fn conditions(store: &Store, filter: &AlertFilter, lookup: Lookup) -> String {
         _ if lookup == Lookup::Status => "alert.status = 'firing'",
         _ => "alert.status <> 'resolved'",
     };
-    let asked = [
-        (filter.gyro.is_some(), format!("alert.gyro = $1 AND {OF_ITSELF}")),
-        (filter.coefficient.is_some(), "alert.coefficient = $2".to_owned()),
-        (filter.rule.is_some(), "alert.rule = $3".to_owned()),
-        (filter.severity.is_some(), "alert.severity = $4".to_owned()),
-        (filter.imu.is_some(), format!("{imu} = $5")),
-        (filter.standing.is_some(), format!("$6 = {STANDING} AND {status}")),
+    let conditions = [
+        (filter.gyro.is_some(), &*format!("alert.gyro = $1 AND {OF_ITSELF}")),
+        (filter.coefficient.is_some(), "alert.coefficient = $2"),
+        (filter.rule.is_some(), "alert.rule = $3"),
+        (filter.severity.is_some(), "alert.severity = $4"),
+        (filter.imu.is_some(), &format!("{imu} = $5")),
+        (filter.standing.is_some(), &format!("$6 = {STANDING} AND {status}")),
     ];
-    let condition = |(place, (is_asked, words)): (usize, (bool, String))| match is_asked {
-        true => words,
-        false => format!("${} IS NULL", place + 1),
-    };
     // The time is a parameter even where no standing is asked for.
-    asked.into_iter().enumerate().map(condition).chain(["$7 = $7".to_owned()]).collect::<Vec<_>>().join(" AND ")
+    asked(1, conditions) + " AND $7 = $7"
 }
 
 macro_rules! bound {
@@ -345,8 +340,7 @@ pub async fn found_of(
     gyros: &[u32],
 ) -> Result<Vec<AlertRow>, StoreError> {
     let conditions = conditions(store, filter, Lookup::Other);
-    let those = store.readers.words(LISTED).replace("$1", "$8");
-    let sql = select(&format!("{conditions} AND alert.gyro IN ({those})"));
+    let sql = select(&format!("{conditions} AND alert.gyro IN {}", store.readers.list("$8")));
     let gyros = serde_json::json!(gyros).to_string();
     on!(store.readers, db => bound!(sqlx::query(sql), filter, now)
         .bind(gyros)
@@ -448,15 +442,14 @@ pub async fn excesses(store: &Store) -> Result<Vec<ExcessRow>, StoreError> {
 /// that they calibrated last, or hold, or that are among `gyros`, or whose newest calibration is not the one that their
 /// alert tells of.
 pub async fn explicable(store: &Store, by: &BTreeSet<AlertOf>, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
-    let listed = |parameter: &str| store.readers.words(LISTED).replace("$1", parameter);
     let sql = select(&format!(
-        "{} AND (inhibited_by IS NOT NULL OR alert.gyro IN ({}) OR alert.gyro IN (SELECT gyro FROM head WHERE station IN ({}))
-                 OR alert.gyro IN (SELECT gyro FROM head WHERE imu IN ({}))
+        "{} AND (inhibited_by IS NOT NULL OR alert.gyro IN {} OR alert.gyro IN (SELECT gyro FROM head WHERE station IN {})
+                 OR alert.gyro IN (SELECT gyro FROM head WHERE imu IN {})
                  OR NOT EXISTS (SELECT 1 FROM head WHERE head.gyro = alert.gyro AND head.calibrated_at = alert.record_at))",
         may_be_shared(),
-        listed("$1"),
-        listed("$2"),
-        listed("$3")
+        store.readers.list("$1"),
+        store.readers.list("$2"),
+        store.readers.list("$3")
     ));
     let json = |numbers: &[u32]| serde_json::json!(numbers).to_string();
     let stations: Vec<u32> = by.iter().filter_map(|of| of.station()).collect();
@@ -487,15 +480,14 @@ pub async fn inhibited_by(store: &Store, by: Id) -> Result<Vec<AlertRow>, StoreE
 
 /// Every alert of several gyros, in the order in which they first fired.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
-    let sql = select(&format!("alert.gyro IN ({}) AND {OF_ITSELF}", store.readers.words(LISTED)));
+    let sql = select(&format!("alert.gyro IN {} AND {OF_ITSELF}", store.readers.list("$1")));
     read!(store, all, sql, serde_json::json!(gyros).to_string())
 }
 
 /// The alerts of several gyros that fire, acknowledged or silenced as they may be, in the order in which they first
 /// did.
 pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
-    let sql =
-        select(&format!("alert.gyro IN ({}) AND {OF_ITSELF} AND status <> 'resolved'", store.readers.words(LISTED)));
+    let sql = select(&format!("alert.gyro IN {} AND {OF_ITSELF} AND status <> 'resolved'", store.readers.list("$1")));
     read!(store, all, sql, serde_json::json!(gyros).to_string())
 }
 
@@ -511,17 +503,13 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<AlertRow>, StoreError> 
 
 /// Those of these alerts that there are, in the order in which they first fired.
 pub async fn of_ids(store: &Store, ids: &[Id]) -> Result<Vec<AlertRow>, StoreError> {
-    let sql = select(&format!("alert.id IN ({})", store.readers.words(LISTED)));
-    let ids: Vec<i64> = ids.iter().map(|id| id.0).collect();
-    read!(store, all, sql, serde_json::json!(ids).to_string())
+    let sql = select(&format!("alert.id IN {}", store.readers.list("$1")));
+    read!(store, all, sql, list_of(ids))
 }
 
 /// The newest `limit` steps of an alert, oldest first.
 pub async fn steps(store: &Store, alert: Id, limit: u32) -> Result<Vec<StepRow>, StoreError> {
-    let sql = AssertSqlSafe(format!(
-        "SELECT {} FROM alert_step WHERE alert = $1 ORDER BY id DESC LIMIT $2",
-        StepRow::COLUMNS
-    ));
+    let sql = StepRow::select("WHERE alert = $1 ORDER BY id DESC LIMIT $2");
     on!(store.readers, db => {
         let rows = sqlx::query(sql).bind(alert.0).bind(Whole(limit)).fetch_all(db).await?;
         rows.iter().rev().map(Columns::get_all).collect()

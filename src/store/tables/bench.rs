@@ -9,7 +9,7 @@ use crate::core::bench::BenchMethod;
 use crate::core::id::Id;
 use crate::core::time::{Span, UtcMicros};
 use crate::store::columns::columns;
-use crate::store::db::{Whole, listed, read};
+use crate::store::db::{Whole, numbers, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::Columns;
@@ -41,16 +41,14 @@ columns! {
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<BenchRow>, StoreError> {
-    let sql = AssertSqlSafe(format!("SELECT {} FROM bench_result WHERE id = $1", BenchRow::COLUMNS));
-    read!(store, first, sql, id.0)
+    read!(store, first, BenchRow::select("WHERE id = $1"), id.0)
 }
 
 /// Those of `gyros` that have bench results.
 pub async fn on_benches(store: &Store, gyros: &[u32]) -> Result<Vec<u32>, StoreError> {
-    let sql = store.readers.words(listed!("SELECT DISTINCT gyro FROM bench_result WHERE gyro"));
-    let gyros = serde_json::json!(gyros).to_string();
-    let found: Vec<Whole<u32>> = read!(store, query_scalar.fetch_all, sql, gyros);
-    Ok(found.into_iter().map(|gyro| gyro.0).collect())
+    let those = store.readers.list("$1");
+    let sql = AssertSqlSafe(format!("SELECT DISTINCT gyro FROM bench_result WHERE gyro IN {those}"));
+    Ok(numbers(read!(store, query_scalar.fetch_all, sql, serde_json::json!(gyros).to_string())))
 }
 
 /// Bench results of a gyro within `span` that count, oldest first.
@@ -62,10 +60,7 @@ pub async fn of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchRo
 
 /// Bench results of a gyro within `span`, those that do not count any more included, oldest first.
 pub async fn all_of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchRow>, StoreError> {
-    let sql = AssertSqlSafe(format!(
-        "SELECT {} FROM bench_result WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method, id",
-        BenchRow::COLUMNS
-    ));
+    let sql = BenchRow::select("WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method, id");
     read!(store, all, sql, Whole(gyro), span.from.0, span.to.0)
 }
 

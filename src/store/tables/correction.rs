@@ -6,7 +6,7 @@ use crate::core::correction::{CorrectedResult, CorrectionItem};
 use crate::core::id::Id;
 use crate::store::batch::Batch;
 use crate::store::columns::columns;
-use crate::store::db::{Whole, among, on, read};
+use crate::store::db::{Whole, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::packed::history_row::{self, HistoryRow};
@@ -32,8 +32,8 @@ impl Withdrawn {
 /// Makes room for what the same transaction inserts.
 pub(crate) fn withdraw(withdrawn: &Withdrawn, batch: &mut Batch) {
     let (records, benches) = (withdrawn.records.iter().map(|id| id.0), withdrawn.benches.iter().map(|(id, _)| id.0));
-    batch.add(among!("UPDATE record SET voided = id WHERE id"), Rows::of(records));
-    batch.add(among!("UPDATE bench_result SET voided = id WHERE id"), Rows::of(benches));
+    batch.change("UPDATE record SET voided = id", "id = $C0", Rows::of(records));
+    batch.change("UPDATE bench_result SET voided = id", "id = $C0", Rows::of(benches));
     history_row::void(&withdrawn.history, batch);
 }
 
@@ -44,10 +44,7 @@ columns! {
 /// What was said of an item, oldest first: that it does not count, that another stands in its place, that it stands in
 /// another's place.
 pub async fn of_item(store: &Store, item: Id) -> Result<Vec<CorrectionItem>, StoreError> {
-    let sql = AssertSqlSafe(format!(
-        "SELECT {} FROM correction WHERE item = $1 OR replaced_by = $1 ORDER BY at, replaced_by NULLS FIRST",
-        CorrectionItem::COLUMNS
-    ));
+    let sql = CorrectionItem::select("WHERE item = $1 OR replaced_by = $1 ORDER BY at, replaced_by NULLS FIRST");
     read!(store, all, sql, item.0)
 }
 

@@ -13,7 +13,6 @@ use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
-use crate::store::db::{Sql, among};
 use crate::store::rows::Rows;
 
 /// What a delivery tells of.
@@ -148,48 +147,29 @@ impl OutboxChanges {
 
 pub(crate) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
     // What comes in place of what is dropped comes after it.
-    instants(
-        Sql {
-            sqlite: "UPDATE delivery SET state = 'dropped', finished_at = $C1
-                     WHERE hook = $C0 AND state IN ('behind', 'waiting')",
-            postgres: "UPDATE delivery SET state = 'dropped', finished_at = CAST(j.value->>1 AS BIGINT)
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
-                       WHERE delivery.hook = CAST(j.value->>0 AS BIGINT) AND state IN ('behind', 'waiting')",
-        },
-        &changes.dropped,
-        batch,
+    batch.change(
+        "UPDATE delivery SET state = 'dropped', finished_at = $C1",
+        "hook = $C0 AND state IN ('behind', 'waiting')",
+        instants(&changes.dropped),
     );
     hear(changes, batch);
     insert(&changes.queued, batch);
     attempted(&changes.attempts, batch);
-    instants(
-        Sql {
-            sqlite: "UPDATE delivery SET state = 'waiting', due_at = $C1, attempts = 0, first_attempt_at = NULL, finished_at = NULL
-                     WHERE id = $C0 AND state IN ('waiting', 'delivered', 'dead')",
-            postgres: "UPDATE delivery SET state = 'waiting', due_at = CAST(j.value->>1 AS BIGINT), attempts = 0,
-                           first_attempt_at = NULL, finished_at = NULL
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
-                       WHERE delivery.id = CAST(j.value->>0 AS BIGINT) AND state IN ('waiting', 'delivered', 'dead')",
-        },
-        &changes.replayed,
-        batch,
+    batch.change(
+        "UPDATE delivery SET state = 'waiting', due_at = $C1, attempts = 0, first_attempt_at = NULL, finished_at = NULL",
+        "id = $C0 AND state IN ('waiting', 'delivered', 'dead')",
+        instants(&changes.replayed),
     );
     fall_back(&changes.replayed, batch);
-    instants(
-        Sql {
-            sqlite: "UPDATE delivery SET due_at = $C1 WHERE hook = $C0 AND state = 'waiting' AND due_at > $C1",
-            postgres: "UPDATE delivery SET due_at = CAST(j.value->>1 AS BIGINT)
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
-                       WHERE delivery.hook = CAST(j.value->>0 AS BIGINT) AND state = 'waiting'
-                           AND due_at > CAST(j.value->>1 AS BIGINT)",
-        },
-        &changes.hastened,
-        batch,
+    batch.change(
+        "UPDATE delivery SET due_at = $C1",
+        "hook = $C0 AND state = 'waiting' AND due_at > $C1",
+        instants(&changes.hastened),
     );
 }
 
 fn hear(changes: &OutboxChanges, batch: &mut Batch) {
-    batch.add(among!("DELETE FROM hook_heard WHERE hook"), Rows::of(changes.forgotten.iter().map(|hook| hook.0)));
+    batch.change("DELETE FROM hook_heard", "hook = $C0", Rows::of(changes.forgotten.iter().map(|hook| hook.0)));
     let last: BTreeMap<(Id, Id), Option<Severity>> =
         changes.heard.iter().map(|(hook, alert, severity)| ((*hook, *alert), *severity)).collect();
     let (mut fires, mut is_well) = (Rows::default(), Rows::default());
@@ -200,15 +180,7 @@ fn hear(changes: &OutboxChanges, batch: &mut Batch) {
         }
     }
     batch.insert("hook_heard", "hook, alert, severity", OnConflict::Set("hook, alert", &["severity"]), fires);
-    batch.add(
-        Sql {
-            sqlite: "DELETE FROM hook_heard WHERE hook = $C0 AND alert = $C1",
-            postgres: "DELETE FROM hook_heard WHERE (hook, alert) IN
-                           (SELECT CAST(j.value->>0 AS BIGINT), CAST(j.value->>1 AS BIGINT)
-                            FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
-        },
-        is_well,
-    );
+    batch.change("DELETE FROM hook_heard", "hook = $C0 AND alert = $C1", is_well);
 }
 
 /// A test is due before whatever waits: somebody looks at it.
@@ -246,18 +218,10 @@ fn attempted(attempts: &[(AttemptRow, Progress)], batch: &mut Batch) {
     }
     batch.enter(attempts.iter().map(|(attempt, _)| attempt), OnConflict::Fail);
     // A delivery that was dropped meanwhile stays dropped; one that fell back is done all the same.
-    batch.add(
-        Sql {
-            sqlite: "UPDATE delivery SET state = $C1, due_at = coalesce($C2, due_at), finished_at = $C3,
-                         attempts = attempts + 1, first_attempt_at = coalesce(first_attempt_at, $C4)
-                     WHERE id = $C0 AND state IN ('behind', 'waiting')",
-            postgres: "UPDATE delivery SET state = j.value->>1,
-                           due_at = coalesce(CAST(j.value->>2 AS BIGINT), due_at),
-                           finished_at = CAST(j.value->>3 AS BIGINT), attempts = attempts + 1,
-                           first_attempt_at = coalesce(first_attempt_at, CAST(j.value->>4 AS BIGINT))
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
-                       WHERE delivery.id = CAST(j.value->>0 AS BIGINT) AND delivery.state IN ('behind', 'waiting')",
-        },
+    batch.change(
+        "UPDATE delivery SET state = $C1, due_at = coalesce($C2, due_at), finished_at = $C3, attempts = attempts + 1,
+             first_attempt_at = coalesce(first_attempt_at, $C4)",
+        "id = $C0 AND state IN ('behind', 'waiting')",
         rows,
     );
     let done = attempts.iter().filter(|(_, progress)| matches!(progress, Progress::Done(_)));

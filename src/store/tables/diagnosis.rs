@@ -5,7 +5,7 @@ use super::record::RecordRow;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::store::batch::{Batch, OnConflict};
-use crate::store::db::{Sql, Whole, among, read};
+use crate::store::db::{Whole, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::packed::text;
@@ -42,15 +42,11 @@ pub(crate) fn expect(records: &[RecordRow], batch: &mut Batch) {
 /// the calendar before.
 pub(crate) fn make_due(models: &[ModelRow], batch: &mut Batch) {
     let imus = || Rows::of(models.iter().map(|model| i64::from(model.imu)));
-    batch.add(among!("DELETE FROM diagnosis_gist WHERE imu"), imus());
+    batch.change("DELETE FROM diagnosis_gist", "imu = $C0", imus());
+    let made_due = "UPDATE diagnosis SET body = NULL, packed = NULL, model = NULL, program = NULL, refused = NULL";
     batch.add(
-        Sql {
-            sqlite: "UPDATE diagnosis SET body = NULL, packed = NULL, model = NULL, program = NULL, refused = NULL WHERE record IN
-                         (SELECT record FROM calendar WHERE imu = $C0)",
-            postgres: "UPDATE diagnosis SET body = NULL, packed = NULL, model = NULL, program = NULL, refused = NULL
-                       WHERE record IN (SELECT id FROM record WHERE imu IN
-                           (SELECT CAST(j.value->>0 AS BIGINT) FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)))",
-        },
+        &format!("{made_due} WHERE record IN (SELECT record FROM calendar WHERE imu = $C0)"),
+        &format!("{made_due} WHERE record IN (SELECT id FROM record WHERE imu IN (SELECT $C0 FROM $ROWS))"),
         imus(),
     );
 }
@@ -63,19 +59,8 @@ pub(crate) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
         cells.put(&row.record).put(&row.model).put(&row.program).put(&row.refused);
         cells.words(body).optional_bytes(packed.as_deref());
     }
-    batch.add(
-        Sql {
-            sqlite: "UPDATE diagnosis SET model = $C1, program = $C2, refused = $C3, body = CAST($C4 AS TEXT), packed = $C6
-                     WHERE record = $C0",
-            postgres: "UPDATE diagnosis SET model = CAST(made.value->>1 AS BIGINT), program = made.value->>2,
-                           refused = CAST(made.value->>3 AS BIGINT),
-                           body = convert_from(substr($2, CAST(made.value->>4 AS INT), CAST(made.value->>5 AS INT)), 'UTF8'),
-                           packed = substr($2, CAST(made.value->>6 AS INT), CAST(made.value->>7 AS INT))
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS made(value)
-                       WHERE record = CAST(made.value->>0 AS BIGINT)",
-        },
-        rows,
-    );
+    let kept = "UPDATE diagnosis SET model = $C1, program = $C2, refused = $C3, body = $C4, packed = $C6";
+    batch.change(kept, "record = $C0", rows);
 }
 
 /// The diagnosis of a campaign as it was made last; none where it is due.

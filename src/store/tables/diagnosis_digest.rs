@@ -9,7 +9,7 @@ use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::Batch;
 use crate::store::columns::columns;
-use crate::store::db::{Sql, Whole, on, read};
+use crate::store::db::{Whole, at_most, counted, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Rows};
@@ -36,18 +36,10 @@ pub(crate) fn upsert(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
     for NewDiagnosis { row, gist } in diagnoses {
         rows.row().put(&row.record).put(&row.program).words(gist);
     }
-    batch.add(
-        Sql {
-            sqlite: "INSERT INTO diagnosis_gist (record, imu, station, measured_at, program, gist)
-                     SELECT id, imu, station, calibrated_at, $C1, CAST($C2 AS TEXT) FROM record WHERE id = $C0
-                     ON CONFLICT (record) DO UPDATE SET program = excluded.program, gist = excluded.gist",
-            postgres: "INSERT INTO diagnosis_gist (record, imu, station, measured_at, program, gist)
-                       SELECT record.id, record.imu, record.station, record.calibrated_at, made.value->>1,
-                           convert_from(substr($2, CAST(made.value->>2 AS INT), CAST(made.value->>3 AS INT)), 'UTF8')
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS made(value)
-                       JOIN record ON record.id = CAST(made.value->>0 AS BIGINT)
-                       ON CONFLICT (record) DO UPDATE SET program = excluded.program, gist = excluded.gist",
-        },
+    batch.change(
+        "INSERT INTO diagnosis_gist (record, imu, station, measured_at, program, gist)
+         SELECT id, imu, station, calibrated_at, $C1, $C2 FROM record",
+        "id = $C0 ON CONFLICT (record) DO UPDATE SET program = excluded.program, gist = excluded.gist",
         rows,
     );
 }
@@ -58,13 +50,11 @@ pub async fn each(
     of: &CampaignFilter,
     mut each: impl FnMut(DigestRow) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
-    let sql = AssertSqlSafe(format!(
-        "SELECT {} FROM diagnosis_gist
-         WHERE measured_at BETWEEN $1 AND $2 AND ($3 IS NULL OR imu = $3) AND ($4 IS NULL OR station = $4)
+    let sql = DigestRow::select(
+        "WHERE measured_at BETWEEN $1 AND $2 AND ($3 IS NULL OR imu = $3) AND ($4 IS NULL OR station = $4)
              AND record NOT IN (SELECT item FROM correction)
          ORDER BY measured_at, record",
-        DigestRow::COLUMNS
-    ));
+    );
     let (from, to) = (of.measured.from.0, of.measured.to.0);
     let (imu, station) = (of.imu.map(Whole), of.station.map(Whole));
     on!(store.readers, db => {
@@ -90,12 +80,11 @@ pub async fn holding(
          ORDER BY measured_at DESC, record DESC LIMIT $3",
         DigestRow::COLUMNS
     ));
-    let limit = i64::try_from(limit).unwrap_or(i64::MAX);
     on!(store.readers, db => {
-        let rows = sqlx::query(sql).bind(since.0).bind(format!("%{words}%")).bind(limit).fetch_all(db).await?;
+        let rows = sqlx::query(sql).bind(since.0).bind(format!("%{words}%")).bind(at_most(limit)).fetch_all(db).await?;
         let many = rows.first().map_or(Ok(0), |row| row.cell::<i64>("many"))?;
         let found = rows.iter().map(Columns::get_all).collect::<Result<_, _>>()?;
-        Ok((found, many.unsigned_abs() as usize))
+        Ok((found, counted(many)))
     })
 }
 

@@ -4,13 +4,12 @@
 //! is lost with whoever was at work on it. A diagnosis settles every task that waits for its campaign, in the
 //! transaction that keeps it.
 
-use sqlx::AssertSqlSafe;
-
+use super::delivery_line::instants;
 use crate::core::id::Id;
 use crate::core::time::{Span, UtcMicros};
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
-use crate::store::db::{Sql, Whole, among, read};
+use crate::store::db::{Whole, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{Columns, Rows};
@@ -114,48 +113,25 @@ fn start(jobs: &[NewJob], batch: &mut Batch) {
         ends.row().put(&job.id).put(&job.asked_at);
     }
     batch.insert("diagnosis_job", "id, asked_at, asked_by, asked, canceled", OnConflict::Fail, orders);
-    batch.add(
-        Sql { sqlite: "INSERT INTO diagnosis_task (job, record, state, reason)
-         SELECT job, record, CASE WHEN NOT made THEN 'waiting' WHEN refused THEN 'failed' ELSE 'done' END,
-             CASE WHEN made AND refused THEN (SELECT body FROM diagnosis WHERE diagnosis.record = chosen.record) END
-         FROM (SELECT $C0 AS job, record.id AS record, diagnosis.refused AS refused,
-                   $C5 = 0 AND diagnosis.program IS $C6
-                   AND diagnosis.model IS (SELECT max(id) FROM imu_model WHERE imu_model.imu = record.imu) AS made
-               FROM record JOIN diagnosis ON diagnosis.record = record.id
-               WHERE record.kind = 1 AND record.calibrated_at BETWEEN $C3 AND $C4
-                   AND ($C1 IS NULL OR record.imu = $C1) AND ($C2 IS NULL OR record.station = $C2)
-                   AND record.id NOT IN (SELECT item FROM correction)) AS chosen",
-        postgres: "INSERT INTO diagnosis_task (job, record, state, reason)
+    batch.change(
+        "INSERT INTO diagnosis_task (job, record, state, reason)
          SELECT job, record, CASE WHEN NOT made THEN 'waiting' WHEN refused <> 0 THEN 'failed' ELSE 'done' END,
              CASE WHEN made AND refused <> 0 THEN (SELECT body FROM diagnosis WHERE diagnosis.record = chosen.record) END
-         FROM (SELECT asked.job, record.id AS record, diagnosis.refused AS refused,
-                   asked.again = 0 AND diagnosis.program IS NOT DISTINCT FROM asked.program
-                   AND diagnosis.model IS NOT DISTINCT FROM (SELECT max(id) FROM imu_model WHERE imu_model.imu = record.imu)
-                       AS made
-               FROM (SELECT CAST(j.value->>0 AS BIGINT) AS job, CAST(j.value->>1 AS BIGINT) AS imu,
-                         CAST(j.value->>2 AS BIGINT) AS station, CAST(j.value->>3 AS BIGINT) AS since,
-                         CAST(j.value->>4 AS BIGINT) AS until, CAST(j.value->>5 AS BIGINT) AS again, j.value->>6 AS program
-                     FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)) AS asked
-               JOIN record ON record.kind = 1 AND record.calibrated_at BETWEEN asked.since AND asked.until
-                   AND (asked.imu IS NULL OR record.imu = asked.imu)
-                   AND (asked.station IS NULL OR record.station = asked.station)
-               JOIN diagnosis ON diagnosis.record = record.id
-               WHERE record.id NOT IN (SELECT item FROM correction)) AS chosen" },
+         FROM (SELECT $C0 AS job, record.id AS record, diagnosis.refused AS refused,
+                   $C5 = 0 AND diagnosis.program IS NOT DISTINCT FROM $C6 AND diagnosis.model IS NOT DISTINCT FROM
+                       (SELECT max(id) FROM imu_model WHERE imu_model.imu = record.imu) AS made
+               FROM record JOIN diagnosis ON diagnosis.record = record.id",
+        "record.kind = 1 AND record.calibrated_at BETWEEN $C3 AND $C4
+             AND ($C1 IS NULL OR record.imu = $C1) AND ($C2 IS NULL OR record.station = $C2)
+             AND record.id NOT IN (SELECT item FROM correction)) AS chosen",
         tasks,
     );
-    batch.add(
-        Sql {
-            sqlite: "UPDATE diagnosis_job SET begun_at = $C1, ended_at = $C1
-                     WHERE id = $C0
-                         AND NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')",
-            postgres: "UPDATE diagnosis_job SET begun_at = CAST(value->>1 AS BIGINT), ended_at = CAST(value->>1 AS BIGINT)
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
-                       WHERE diagnosis_job.id = CAST(value->>0 AS BIGINT)
-                           AND NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')",
-        },
-        ends,
-    );
+    let at_end = format!("id = $C0 AND NOT {WAITS}");
+    batch.change("UPDATE diagnosis_job SET begun_at = $C1, ended_at = $C1", &at_end, ends);
 }
+
+/// Whether any task of an order waits.
+const WAITS: &str = "EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')";
 
 fn settle(settled: &[SettledTask], batch: &mut Batch) {
     let (mut tasks, mut orders) = (Rows::default(), Rows::default());
@@ -163,54 +139,25 @@ fn settle(settled: &[SettledTask], batch: &mut Batch) {
         tasks.row().put(&task.record).put(&task.failed);
         orders.row().put(&task.record).put(&task.begun_at).put(&task.ended_at);
     }
-    batch.add(
-        Sql {
-            sqlite:
-                "UPDATE diagnosis_task SET state = CASE WHEN $C1 IS NULL THEN 'done' ELSE 'failed' END, reason = $C1
-                     WHERE record = $C0 AND state = 'waiting'",
-            postgres:
-                "UPDATE diagnosis_task SET state = CASE WHEN settled.value->>1 IS NULL THEN 'done' ELSE 'failed' END,
-                           reason = settled.value->>1
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS settled(value)
-                       WHERE record = CAST(settled.value->>0 AS BIGINT) AND state = 'waiting'",
-        },
+    batch.change(
+        "UPDATE diagnosis_task SET state = CASE WHEN $C1 IS NULL THEN 'done' ELSE 'failed' END, reason = $C1",
+        "record = $C0 AND state = 'waiting'",
         tasks,
     );
-    batch.add(
-        Sql {
-            sqlite: "UPDATE diagnosis_job SET begun_at = coalesce(begun_at, $C1), ended_at =
-                         CASE WHEN NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')
-                         THEN $C2 END
-                     WHERE ended_at IS NULL
-                         AND EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND record = $C0)",
-            postgres: "UPDATE diagnosis_job SET begun_at = coalesce(begun_at, CAST(settled.value->>1 AS BIGINT)), ended_at =
-                           CASE WHEN NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')
-                           THEN CAST(settled.value->>2 AS BIGINT) END
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS settled(value)
-                       WHERE ended_at IS NULL
-                           AND EXISTS (SELECT 1 FROM diagnosis_task
-                                       WHERE job = diagnosis_job.id AND record = CAST(settled.value->>0 AS BIGINT))",
-        },
+    batch.change(
+        &format!(
+            "UPDATE diagnosis_job SET begun_at = coalesce(begun_at, $C1), ended_at = CASE WHEN NOT {WAITS} THEN $C2 END"
+        ),
+        "ended_at IS NULL AND EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND record = $C0)",
         orders,
     );
 }
 
 fn cancel(canceled: &[(Id, UtcMicros)], batch: &mut Batch) {
-    let (mut tasks, mut orders) = (Rows::default(), Rows::default());
-    for (job, at) in canceled {
-        tasks.row().integer(job.0);
-        orders.row().integer(job.0).integer(at.0);
-    }
-    batch.add(among!("UPDATE diagnosis_task SET state = 'canceled' WHERE state = 'waiting' AND job"), tasks);
-    batch.add(
-        Sql {
-            sqlite: "UPDATE diagnosis_job SET canceled = 1, ended_at = $C1 WHERE id = $C0 AND ended_at IS NULL",
-            postgres: "UPDATE diagnosis_job SET canceled = 1, ended_at = CAST(value->>1 AS BIGINT)
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
-                       WHERE diagnosis_job.id = CAST(value->>0 AS BIGINT) AND ended_at IS NULL",
-        },
-        orders,
-    );
+    let (canceled_task, canceled_job) =
+        ("UPDATE diagnosis_task SET state = 'canceled'", "UPDATE diagnosis_job SET canceled = 1, ended_at = $C1");
+    batch.change(canceled_task, "job = $C0 AND state = 'waiting'", instants(canceled));
+    batch.change(canceled_job, "id = $C0 AND ended_at IS NULL", instants(canceled));
 }
 
 columns! {
@@ -219,15 +166,12 @@ columns! {
 
 /// Orders, newest first, those before `before`.
 pub async fn list(store: &Store, before: Option<Id>, limit: u32) -> Result<Vec<JobRow>, StoreError> {
-    let sql =
-        AssertSqlSafe(format!("SELECT {} FROM diagnosis_job WHERE id < $1 ORDER BY id DESC LIMIT $2", JobRow::COLUMNS));
     let before = before.map_or(i64::MAX, |id| id.0);
-    read!(store, all, sql, before, Whole(limit))
+    read!(store, all, JobRow::select("WHERE id < $1 ORDER BY id DESC LIMIT $2"), before, Whole(limit))
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<JobRow>, StoreError> {
-    let sql = AssertSqlSafe(format!("SELECT {} FROM diagnosis_job WHERE id = $1", JobRow::COLUMNS));
-    read!(store, first, sql, id.0)
+    read!(store, first, JobRow::select("WHERE id = $1"), id.0)
 }
 
 /// The order in the same words that has not ended yet.

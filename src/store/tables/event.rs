@@ -2,13 +2,11 @@
 
 use std::collections::HashMap;
 
-use sqlx::AssertSqlSafe;
-
 use crate::core::id::Id;
 use crate::core::judge::{Event, FixedLevels};
 use crate::core::time::UtcMicros;
 use crate::store::columns::columns;
-use crate::store::db::{LISTED, Whole, read};
+use crate::store::db::{Whole, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::Columns;
@@ -38,8 +36,7 @@ columns! {
 
 /// Every event of a gyro, oldest first.
 pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<EventRow>, StoreError> {
-    let sql = AssertSqlSafe(format!("SELECT {} FROM event WHERE gyro = $1 ORDER BY at, id", EventRow::COLUMNS));
-    read!(store, all, sql, Whole(gyro))
+    read!(store, all, EventRow::select("WHERE gyro = $1 ORDER BY at, id"), Whole(gyro))
 }
 
 /// Those of some gyros that were retired or put into storage: when last, and which.
@@ -50,8 +47,9 @@ pub async fn out_of_use_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, 
 
 /// Every event of several gyros, by gyro and oldest first.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<EventRow>, StoreError> {
-    let (columns, those) = (EventRow::COLUMNS, store.readers.words(LISTED));
-    let sql = AssertSqlSafe(format!("SELECT {columns} FROM event WHERE gyro IN ({those}) ORDER BY gyro, at, id"));
-    let gyros = serde_json::json!(gyros).to_string();
-    read!(store, all, sql, gyros)
+    if gyros.is_empty() {
+        return Ok(Vec::new());
+    }
+    let sql = EventRow::select(&format!("WHERE gyro IN {} ORDER BY gyro, at, id", store.readers.list("$1")));
+    read!(store, all, sql, serde_json::json!(gyros).to_string())
 }

@@ -2,9 +2,11 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use sqlx::AssertSqlSafe;
+
 use crate::core::gyro_attributes::GyroAttributes;
 use crate::store::batch::{Batch, OnConflict};
-use crate::store::db::{Whole, listed, read};
+use crate::store::db::{Whole, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::Rows;
@@ -29,9 +31,9 @@ pub(crate) fn upsert(changed: &[GyroAttributeRow], batch: &mut Batch) {
 /// Of these gyros, those of which something is said.
 pub async fn of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, GyroAttributes>, StoreError> {
     type Said = (Whole<u32>, Option<String>, Option<String>, Option<String>);
-    let sql = store.readers.words(listed!("SELECT gyro, batch, type, unit FROM gyro_attribute WHERE gyro"));
-    let gyros = serde_json::json!(gyros).to_string();
-    let rows: Vec<Said> = read!(store, query_as.fetch_all, sql, gyros);
+    let those = store.readers.list("$1");
+    let sql = AssertSqlSafe(format!("SELECT gyro, batch, type, unit FROM gyro_attribute WHERE gyro IN {those}"));
+    let rows: Vec<Said> = read!(store, query_as.fetch_all, sql, serde_json::json!(gyros).to_string());
     let row = |(Whole(gyro), batch, r#type, unit)| (gyro, GyroAttributes { batch, r#type, unit });
     Ok(rows.into_iter().map(row).collect())
 }
@@ -41,11 +43,12 @@ pub async fn mates(store: &Store, gyros: &[u32]) -> Result<BTreeMap<u32, u32>, S
     if gyros.is_empty() {
         return Ok(BTreeMap::new());
     }
-    let sql = store.readers.words(listed!(
+    let sql = AssertSqlSafe(format!(
         "SELECT mate.gyro, known.gyro FROM gyro_attribute AS known
-         JOIN gyro_attribute AS mate ON mate.batch = known.batch WHERE known.gyro"
+         JOIN gyro_attribute AS mate ON mate.batch = known.batch WHERE known.gyro IN {}",
+        store.readers.list("$1")
     ));
-    let gyros = serde_json::json!(gyros).to_string();
-    let rows: Vec<(Whole<u32>, Whole<u32>)> = read!(store, query_as.fetch_all, sql, gyros);
+    let rows: Vec<(Whole<u32>, Whole<u32>)> =
+        read!(store, query_as.fetch_all, sql, serde_json::json!(gyros).to_string());
     Ok(rows.into_iter().map(|(Whole(mate), Whole(known))| (mate, known)).collect())
 }

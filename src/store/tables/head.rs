@@ -3,6 +3,8 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
+use sqlx::AssertSqlSafe;
+
 use crate::core::fleet_order::FleetOrder;
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Event, Measured, Outlook, Reach, Rule, Severity, State, Status};
@@ -10,7 +12,7 @@ use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
-use crate::store::db::{LISTED, Sql, Whole, at_most, counted, numbers, on, read};
+use crate::store::db::{Sql, Whole, asked, at_most, counted, numbers, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row, Rows};
@@ -46,33 +48,27 @@ pub struct HeadRow {
 impl HeadRow {
     /// Whether another row says the same: figures that were computed twice may differ in their last digits.
     pub fn agrees(&self, other: &Self) -> bool {
-        let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs()).max(1.0);
-        let same = |a: Option<f64>, b: Option<f64>| match (a, b) {
-            (Some(a), Some(b)) => near(a, b),
-            (a, b) => a.is_none() && b.is_none(),
-        };
         let figures = |row: &Self| {
-            let Outlook { load, per_year, .. } = row.outlook;
-            let measured: Vec<Option<Measured>> = load.into_iter().chain(per_year).collect();
-            let of = |one: &Option<Measured>| [one.map(|it| it.value), one.and_then(|it| it.sd)];
-            measured.iter().flat_map(of).collect::<Vec<_>>()
+            let of_drift = row.outlook.load.into_iter().chain(row.outlook.per_year);
+            of_drift.flat_map(|one| [one.map(|it| it.value), one.and_then(|it| it.sd)])
         };
-        let dates =
-            |row: &Self| row.outlook.reach.map(|Reach { at, between: [from, until], .. }| [Some(at), from, until]);
-        let of_reach = |row: &Self| row.outlook.reach.map(|reach| (reach.coefficient, reach.provisional));
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs()).max(1.0);
         // A date lies a year ahead: its last digits are a minute.
-        let same_date = |(a, b): (&Option<UtcMicros>, &Option<UtcMicros>)| match (a, b) {
-            (Some(a), Some(b)) => (a.0 - b.0).abs() <= 60_000_000,
-            (a, b) => a.is_none() && b.is_none(),
+        let near_date = |a: UtcMicros, b: UtcMicros| (a.0 - b.0).abs() <= 60_000_000;
+        let same_reach = |a: Reach, b: Reach| {
+            let between = a.between.into_iter().zip(b.between).all(|(a, b)| both_or_neither(a, b, near_date));
+            (a.coefficient, a.provisional) == (b.coefficient, b.provisional) && near_date(a.at, b.at) && between
         };
-        let same_dates = match (dates(self), dates(other)) {
-            (Some(a), Some(b)) => a.iter().zip(&b).all(same_date),
-            (a, b) => a.is_none() && b.is_none(),
-        };
-        let (mine, theirs) = (figures(self), figures(other));
-        let same_figures = mine.into_iter().zip(theirs).all(|(a, b)| same(a, b));
-        let otherwise = Self { outlook: other.outlook, ..self.clone() } == *other;
-        otherwise && same_figures && of_reach(self) == of_reach(other) && same_dates
+        Self { outlook: other.outlook, ..self.clone() } == *other
+            && figures(self).zip(figures(other)).all(|(a, b)| both_or_neither(a, b, near))
+            && both_or_neither(self.outlook.reach, other.outlook.reach, same_reach)
+    }
+}
+
+fn both_or_neither<T>(a: Option<T>, b: Option<T>, same: impl Fn(T, T) -> bool) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => same(a, b),
+        (a, b) => a.is_none() && b.is_none(),
     }
 }
 
@@ -242,7 +238,7 @@ impl Sought {
 /// Asks of the fleet: its time is `$1`, what it is narrowed down to stands from `$2` on, what else is bound from `$10` on.
 macro_rules! of_fleet {
     ($store:expr, $query:ident.$fetch:ident, $sql:expr, $narrowed:expr, $now:expr $(, $bound:expr)* $(,)?) => {
-        on!($store.readers, db => sqlx::$query(sqlx::AssertSqlSafe($sql))
+        on!($store.readers, db => sqlx::$query(AssertSqlSafe($sql))
             .bind($now.0)
             .bind($narrowed.sought.as_ref().map(Sought::words))
             .bind($narrowed.station.map(Whole))
@@ -335,34 +331,28 @@ pub async fn tallies(store: &Store, narrowed: &Narrowed, now: UtcMicros) -> Resu
 /// How a fleet is narrowed down, by the parameters of `of_fleet`.
 fn conditions(store: &Store, narrowed: &Narrowed) -> String {
     let sought = match narrowed.sought {
-        Some(Sought::Found(_)) => format!("gyro IN ({})", store.readers.words(LISTED).replace("$1", "$")),
-        _ => r"sought LIKE $ ESCAPE '\'".to_owned(),
+        Some(Sought::Found(_)) => &format!("gyro IN {}", store.readers.list("$2")),
+        _ => r"sought LIKE $2 ESCAPE '\'",
     };
-    // Each condition by itself, so that it finds its index; one that is not asked for is no condition.
-    let asked = [
+    let conditions = [
         (narrowed.sought.is_some(), sought),
-        (narrowed.station.is_some(), "station = $".to_owned()),
-        (narrowed.ever.is_some(), "gyro IN (SELECT gyro FROM gyro_station WHERE station = $)".to_owned()),
-        (narrowed.imu.is_some(), "imu = $".to_owned()),
+        (narrowed.station.is_some(), "station = $3"),
+        (narrowed.ever.is_some(), "gyro IN (SELECT gyro FROM gyro_station WHERE station = $4)"),
+        (narrowed.imu.is_some(), "imu = $5"),
         (
             narrowed.rule.is_some(),
-            "gyro IN (SELECT gyro FROM alert WHERE status = 'firing' AND rule = $ AND rule <> 'batch_shift')"
-                .to_owned(),
+            "gyro IN (SELECT gyro FROM alert WHERE status = 'firing' AND rule = $6 AND rule <> 'batch_shift')",
         ),
         (
             narrowed.calibrated_since.is_some(),
             // As the index has it; who was never calibrated has the last instant of all.
-            "coalesce(calibrated_at, 9223372036854775807) BETWEEN $ AND 9223372036854775806".to_owned(),
+            "coalesce(calibrated_at, 9223372036854775807) BETWEEN $7 AND 9223372036854775806",
         ),
-        (narrowed.changed_since.is_some(), "(changed_at >= $ OR overdue_at >= $ AND overdue_at < NOW)".to_owned()),
-        (narrowed.batch.is_some(), "gyro IN (SELECT gyro FROM gyro_attribute WHERE batch = $)".to_owned()),
+        (narrowed.changed_since.is_some(), "(changed_at >= $8 OR overdue_at >= $8 AND overdue_at < $1)"),
+        (narrowed.batch.is_some(), "gyro IN (SELECT gyro FROM gyro_attribute WHERE batch = $9)"),
     ];
-    let condition = |(place, (is_asked, words)): (usize, &(bool, String))| match is_asked {
-        true => words.replace('$', &format!("${}", 2 + place)).replace("NOW", "$1"),
-        false => format!("${} IS NULL", 2 + place),
-    };
     // The time is a parameter even where nothing asks for it.
-    asked.iter().enumerate().map(condition).chain(["$1 = $1".to_owned()]).collect::<Vec<_>>().join(" AND ")
+    asked(2, conditions) + " AND $1 = $1"
 }
 
 /// Gyros that a search finds among those of the other filters, where it finds few: what is asked next then need not
@@ -393,8 +383,7 @@ pub async fn of_ranks(
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>, StoreError> {
     let Ranks { lowest, highest, is_overdue } = ranks;
-    let conditions = conditions(store, narrowed);
-    let overdue = if is_overdue { "overdue_at < $1" } else { "(overdue_at IS NULL OR overdue_at >= $1)" };
+    let (conditions, overdue) = (conditions(store, narrowed), overdue(is_overdue));
     // Of one rank the index has the order, and what is found often is soon found in it. Who narrows the fleet down
     // further reads it through: in the order of an index each row would be looked up by itself.
     let is_often = match narrowed.sought {
@@ -471,10 +460,13 @@ pub async fn listed(
 }
 
 /// `$1` is the time.
+fn overdue(is_overdue: bool) -> &'static str {
+    if is_overdue { "overdue_at < $1" } else { "(overdue_at IS NULL OR overdue_at >= $1)" }
+}
+
 fn among_ranks(of_ranks: Option<&[Ranks]>) -> String {
     let one = |Ranks { lowest, highest, is_overdue }: &Ranks| {
-        let overdue = if *is_overdue { "overdue_at < $1" } else { "(overdue_at IS NULL OR overdue_at >= $1)" };
-        format!("(rank BETWEEN {lowest} AND {highest} AND {overdue})")
+        format!("(rank BETWEEN {lowest} AND {highest} AND {})", overdue(*is_overdue))
     };
     match of_ranks {
         None => "true".to_owned(),
@@ -505,35 +497,30 @@ pub async fn in_order(
 
 /// Gyros of which something began to be worse no earlier than `since`, the newest first: as many as `limit`, of all.
 pub async fn changed(store: &Store, since: UtcMicros, limit: usize) -> Result<(Vec<u32>, usize), StoreError> {
-    let (of, count) = (
-        "SELECT gyro FROM head WHERE changed_at >= $1 AND rank > 10 ORDER BY changed_at DESC, serial LIMIT $2",
-        "SELECT count(*) FROM head WHERE changed_at >= $1 AND rank > 10",
-    );
-    first_and_count(store, of, count, [since.0, at_most(limit)]).await
+    first_and_count(store, "changed_at >= $1 AND rank > 10", "changed_at DESC", since, limit).await
 }
 
 /// Gyros in use that are not beyond a limit and that their trends carry to the budget after `now`, the first to reach it
 /// first: as many as `limit`, of all.
 pub async fn approaching(store: &Store, now: UtcMicros, limit: usize) -> Result<(Vec<u32>, usize), StoreError> {
     // The rank is no way to find them: nearly all gyros have one of these.
-    let (of, count) = (
-        "SELECT gyro FROM head
-         WHERE coalesce(reach_at, 9223372036854775807) BETWEEN $1 AND 9223372036854775806 AND rank + 0 BETWEEN 10 AND 16
-         ORDER BY coalesce(reach_at, 9223372036854775807), serial LIMIT $2",
-        "SELECT count(*) FROM head
-         WHERE coalesce(reach_at, 9223372036854775807) BETWEEN $1 AND 9223372036854775806 AND rank + 0 BETWEEN 10 AND 16",
-    );
-    first_and_count(store, of, count, [now.0, at_most(limit)]).await
+    let by = key(FleetOrder::Reach);
+    let those = format!("{by} BETWEEN $1 AND 9223372036854775806 AND rank + 0 BETWEEN 10 AND 16");
+    first_and_count(store, &those, by, now, limit).await
 }
 
+/// `$1` is an instant.
 async fn first_and_count(
     store: &Store,
-    of: &'static str,
-    count: &'static str,
-    [at, limit]: [i64; 2],
+    those: &str,
+    by: &str,
+    at: UtcMicros,
+    limit: usize,
 ) -> Result<(Vec<u32>, usize), StoreError> {
-    let gyros = numbers(read!(store, query_scalar.fetch_all, of, at, limit));
-    Ok((gyros, counted(read!(store, query_scalar.fetch_one, count, at))))
+    let of = AssertSqlSafe(format!("SELECT gyro FROM head WHERE {those} ORDER BY {by}, serial LIMIT $2"));
+    let count = AssertSqlSafe(format!("SELECT count(*) FROM head WHERE {those}"));
+    let gyros = numbers(read!(store, query_scalar.fetch_all, of, at.0, at_most(limit)));
+    Ok((gyros, counted(read!(store, query_scalar.fetch_one, count, at.0))))
 }
 
 /// The first IMUs with gyros that are due: number, when the first is due, how many are; and how many IMUs there are.
@@ -558,9 +545,9 @@ pub async fn due(store: &Store, [from, until]: [UtcMicros; 2], limit: usize) -> 
         }
     };
     let imus: Vec<u32> = first.iter().map(|(imu, _)| *imu).collect();
-    let of_imus = sqlx::AssertSqlSafe(format!(
-        "SELECT imu, count(*) FROM head WHERE imu IN ({}) AND overdue_at + 0 >= $2 AND overdue_at + 0 < $3 GROUP BY imu",
-        store.readers.words(LISTED)
+    let of_imus = AssertSqlSafe(format!(
+        "SELECT imu, count(*) FROM head WHERE imu IN {} AND overdue_at + 0 >= $2 AND overdue_at + 0 < $3 GROUP BY imu",
+        store.readers.list("$1")
     ));
     let rows: Vec<(Whole<u32>, i64)> =
         read!(store, query_as.fetch_all, of_imus, serde_json::json!(imus).to_string(), from.0, until.0);
@@ -676,18 +663,11 @@ pub async fn imus_found(
     Ok(counted(of_fleet!(store, query_scalar.fetch_one, sql, narrowed, now)))
 }
 
-/// Gyros whose newest calibration was made in any of these IMUs.
-pub async fn of_imus(store: &Store, imus: &[u32]) -> Result<Vec<HeadRow>, StoreError> {
-    let (columns, those) = (HeadRow::COLUMNS, store.readers.words(LISTED));
-    let sql = sqlx::AssertSqlSafe(format!("SELECT {columns} FROM head WHERE imu IN ({those}) ORDER BY serial"));
-    let imus = serde_json::json!(imus).to_string();
-    read!(store, all, sql, imus)
-}
-
-/// The gyros whose newest calibration was made in an IMU.
-pub async fn of_imu(store: &Store, imu: u32) -> Result<Vec<u32>, StoreError> {
-    let sql = "SELECT gyro FROM head WHERE imu = $1 ORDER BY serial";
-    Ok(numbers(read!(store, query_scalar.fetch_all, sql, Whole(imu))))
+/// The gyros whose newest calibration was made in any of these IMUs, by serial.
+pub async fn of_imus(store: &Store, imus: &[u32]) -> Result<Vec<u32>, StoreError> {
+    let those = store.readers.list("$1");
+    let sql = AssertSqlSafe(format!("SELECT gyro FROM head WHERE imu IN {those} ORDER BY serial"));
+    Ok(numbers(read!(store, query_scalar.fetch_all, sql, serde_json::json!(imus).to_string())))
 }
 
 /// The gyros whose calibration is due no later than `now` and of which no alert says so, or of which an alert says so
@@ -702,8 +682,6 @@ pub async fn newly_overdue_or_not(store: &Store, now: UtcMicros) -> Result<Vec<u
 
 /// The rows of some gyros, in no order.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<HeadRow>, StoreError> {
-    let (columns, those) = (HeadRow::COLUMNS, store.readers.words(LISTED));
-    let sql = sqlx::AssertSqlSafe(format!("SELECT {columns} FROM head WHERE gyro IN ({those})"));
-    let gyros = serde_json::json!(gyros).to_string();
-    read!(store, all, sql, gyros)
+    let sql = HeadRow::select(&format!("WHERE gyro IN {}", store.readers.list("$1")));
+    read!(store, all, sql, serde_json::json!(gyros).to_string())
 }

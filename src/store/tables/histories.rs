@@ -1,10 +1,12 @@
 //! Histories of many gyros in one query: asked for one by one, each takes its own way to the database and back.
 
+use std::collections::BTreeMap;
+
 use sqlx::AssertSqlSafe;
 
 use crate::core::figures::Figures;
 use crate::core::time::{Span, UtcMicros};
-use crate::store::db::{Readers, read};
+use crate::store::db::{Readers, at_most, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::packed::history_row::PACKED_LEN;
@@ -15,14 +17,26 @@ const AT_ONCE: usize = 256;
 /// A gyro, and from when to when.
 pub type Stretch = (u32, Span);
 
-/// Of each stretch the newest `limit` rows that count, oldest first: as `newest_history`.
+/// Of each stretch the newest `limit` rows that count, oldest first: as [`super::history::newest`].
 pub async fn newest(store: &Store, of: &[Stretch], limit: usize) -> Result<Vec<Vec<Figures>>, StoreError> {
     let mut all = counting_of_many(store, of, limit, true).await?;
     all.iter_mut().for_each(|rows| rows.reverse());
     Ok(all)
 }
 
-/// Of each stretch the oldest `limit` rows that count, oldest first: as `history`.
+/// As [`newest`], of the whole histories of these gyros.
+pub async fn newest_ever(store: &Store, gyros: &[u32], limit: usize) -> Result<Vec<Vec<Figures>>, StoreError> {
+    let ever: Vec<Stretch> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+    newest(store, &ever, limit).await
+}
+
+/// Of each of these gyros the newest row that counts.
+pub async fn last(store: &Store, gyros: &[u32]) -> Result<Vec<(u32, Option<Figures>)>, StoreError> {
+    let rows = newest_ever(store, gyros, 1).await?;
+    Ok(gyros.iter().zip(rows).map(|(gyro, mut rows)| (*gyro, rows.pop())).collect())
+}
+
+/// Of each stretch the oldest `limit` rows that count, oldest first: as [`super::history::oldest`].
 pub async fn oldest(store: &Store, of: &[Stretch], limit: usize) -> Result<Vec<Vec<Figures>>, StoreError> {
     counting_of_many(store, of, limit, false).await
 }
@@ -98,13 +112,8 @@ async fn marked_of_many(
         ),
     });
     let stretches: Vec<[i64; 3]> = of.iter().map(|(gyro, span)| [i64::from(*gyro), span.from.0, span.to.0]).collect();
-    let packed: Vec<Option<Vec<u8>>> = read!(
-        store,
-        query_scalar.fetch_all,
-        sql,
-        serde_json::json!(stretches).to_string(),
-        i64::try_from(limit).unwrap_or(i64::MAX)
-    );
+    let packed: Vec<Option<Vec<u8>>> =
+        read!(store, query_scalar.fetch_all, sql, serde_json::json!(stretches).to_string(), at_most(limit));
     let rows = of.iter().zip(packed).zip(waiting).map(|((&(gyro, _), packed), waiting)| {
         Ok(merged(unpack(gyro, &packed.unwrap_or_default())?, waiting, newest_first, limit))
     });
@@ -125,21 +134,8 @@ fn merged(folded: Vec<Figures>, waiting: Vec<Figures>, newest_first: bool, limit
     if waiting.is_empty() {
         return folded;
     }
-    let before = |a: &Figures, b: &Figures| if newest_first { a.at > b.at } else { a.at < b.at };
-    let mut all = Vec::with_capacity(limit.min(folded.len() + waiting.len()));
-    let (mut folded, mut waiting) = (folded.into_iter().peekable(), waiting.into_iter().peekable());
-    while all.len() < limit {
-        let next = match (folded.peek(), waiting.peek()) {
-            (Some(there), Some(waits)) if there.at == waits.at => {
-                folded.next();
-                waiting.next()
-            }
-            (Some(there), Some(waits)) if before(there, waits) => folded.next(),
-            (Some(_), None) => folded.next(),
-            _ => waiting.next(),
-        };
-        let Some(next) = next else { break };
-        all.push(next);
-    }
-    all
+    let mut by_time: BTreeMap<UtcMicros, Figures> = folded.into_iter().map(|row| (row.at, row)).collect();
+    by_time.extend(waiting.into_iter().map(|row| (row.at, row)));
+    let rows = by_time.into_values();
+    if newest_first { rows.rev().take(limit).collect() } else { rows.take(limit).collect() }
 }

@@ -1,10 +1,12 @@
 //! The history of one gyro: a row a record, in order of time.
 
+use std::collections::HashMap;
+
 use super::histories::{counting, unpack};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::time::Span;
-use crate::store::db::{Sql, Whole, read};
+use crate::store::db::{Sql, Whole, list_of, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 
@@ -38,8 +40,7 @@ pub async fn count(store: &Store, gyro: u32) -> Result<usize, StoreError> {
 }
 
 /// The temperature of each of these records that has one; of what an earlier version stored, as its body says it.
-pub async fn temperatures(store: &Store, records: impl Iterator<Item = Id>) -> Result<Vec<(Id, f64)>, StoreError> {
-    let records: Vec<i64> = records.map(|record| record.0).collect();
+pub async fn temperatures(store: &Store, records: impl Iterator<Item = Id>) -> Result<HashMap<Id, f64>, StoreError> {
     let sql = store.readers.words(Sql {
         sqlite: "SELECT record.id, coalesce(temperature_c, CAST(coalesce(json_extract(body, '$.temperature_c'),
                         (SELECT avg(value->>'temperature_c') FROM json_each(body, '$.dwells'))) AS REAL))
@@ -56,7 +57,7 @@ pub async fn temperatures(store: &Store, records: impl Iterator<Item = Id>) -> R
                          FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value)
                          JOIN record ON record.id = CAST(j.value AS BIGINT)) AS sent",
     });
-    let records = serde_json::Value::from(records).to_string();
-    let rows: Vec<(i64, Option<f64>)> = read!(store, query_as.fetch_all, sql, records);
+    let records: Vec<Id> = records.collect();
+    let rows: Vec<(i64, Option<f64>)> = read!(store, query_as.fetch_all, sql, list_of(&records));
     Ok(rows.into_iter().filter_map(|(id, temperature)| Some((Id(id), temperature?))).collect())
 }

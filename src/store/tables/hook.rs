@@ -7,7 +7,7 @@ use sqlx::AssertSqlSafe;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::columns::columns;
-use crate::store::db::{listed, on, read};
+use crate::store::db::{list_of, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row};
@@ -91,10 +91,6 @@ impl Part for Option<(String, UtcMicros)> {
     }
 }
 
-fn select(then: &str) -> AssertSqlSafe<String> {
-    AssertSqlSafe(format!("SELECT {} FROM hook {then}", HookRow::COLUMNS))
-}
-
 /// Encrypts the secrets of hooks that are to be written, where there is a key.
 pub fn hide(store: &Store, hooks: &mut [HookRow]) -> Result<(), StoreError> {
     hooks.iter_mut().try_for_each(|hook| hook.hide(&store.secrets).map(|_| ()))
@@ -102,8 +98,7 @@ pub fn hide(store: &Store, hooks: &mut [HookRow]) -> Result<(), StoreError> {
 
 /// Every hook as it is stored, deleted ones too: its secrets may be encrypted.
 pub(in crate::store) async fn stored(store: &Store) -> Result<Vec<HookRow>, StoreError> {
-    let sql = select("ORDER BY id");
-    read!(store, all, sql)
+    read!(store, all, HookRow::select("ORDER BY id"))
 }
 
 fn shown(store: &Store, row: &impl AnyRow) -> Result<HookRow, StoreError> {
@@ -114,22 +109,21 @@ fn shown(store: &Store, row: &impl AnyRow) -> Result<HookRow, StoreError> {
 
 /// Every hook that was not deleted, oldest first.
 pub async fn all(store: &Store) -> Result<Vec<HookRow>, StoreError> {
-    let sql = select("WHERE deleted_at IS NULL ORDER BY id");
+    let sql = HookRow::select("WHERE deleted_at IS NULL ORDER BY id");
     on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(|row| shown(store, row)).collect())
 }
 
 /// A hook, unless it was deleted.
 pub async fn get(store: &Store, id: Id) -> Result<Option<HookRow>, StoreError> {
-    let sql = select("WHERE id = $1 AND deleted_at IS NULL");
+    let sql = HookRow::select("WHERE id = $1 AND deleted_at IS NULL");
     on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(|row| shown(store, row)).transpose())
 }
 
 /// What hooks have heard last of these alerts, where that is that they fire: hook, alert, severity.
 pub async fn heard_of(store: &Store, alerts: &[Id]) -> Result<Vec<(Id, Id, String)>, StoreError> {
-    let sql = store.readers.words(listed!("SELECT hook, alert, severity FROM hook_heard WHERE alert"));
-    let alerts: Vec<i64> = alerts.iter().map(|alert| alert.0).collect();
-    let alerts = serde_json::json!(alerts).to_string();
-    let rows: Vec<(i64, i64, String)> = read!(store, query_as.fetch_all, sql, alerts);
+    let those = store.readers.list("$1");
+    let sql = AssertSqlSafe(format!("SELECT hook, alert, severity FROM hook_heard WHERE alert IN {those}"));
+    let rows: Vec<(i64, i64, String)> = read!(store, query_as.fetch_all, sql, list_of(alerts));
     Ok(rows.into_iter().map(|(hook, alert, severity)| (Id(hook), Id(alert), severity)).collect())
 }
 

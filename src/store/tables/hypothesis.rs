@@ -1,7 +1,5 @@
 //! Hypotheses of one's own that compete in every diagnosis.
 
-use sqlx::AssertSqlSafe;
-
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::columns::columns;
@@ -28,7 +26,5 @@ columns! {
 
 /// Those that compete, in the order in which they were added.
 pub async fn in_force(store: &Store) -> Result<Vec<HypothesisRow>, StoreError> {
-    let sql =
-        AssertSqlSafe(format!("SELECT {} FROM hypothesis WHERE ended_at IS NULL ORDER BY id", HypothesisRow::COLUMNS));
-    read!(store, all, sql)
+    read!(store, all, HypothesisRow::select("WHERE ended_at IS NULL ORDER BY id"))
 }

@@ -17,7 +17,7 @@ columns! {
     KeyRow in "idempotency_key" { key, item, body_sha256 }
 }
 
-/// As `key`, of many; those that were never used are left out.
+/// What these keys were used for before: the item's id and the hash of the body; those that were never used are left out.
 pub async fn get_many(store: &Store, keys: &[&str]) -> Result<Vec<(String, (Id, Vec<u8>))>, StoreError> {
     let sql = store.readers.words(Sql {
         sqlite: "SELECT key, item, body_sha256 FROM idempotency_key WHERE key IN (SELECT value FROM json_each($1))",
@@ -29,9 +29,7 @@ pub async fn get_many(store: &Store, keys: &[&str]) -> Result<Vec<(String, (Id, 
     Ok(found.into_iter().map(|(key, id, hash)| (key, (Id(id), hash))).collect())
 }
 
-/// What a key was used for before: the item's id and the hash of the body.
+/// As [`get_many`], of one.
 pub async fn get(store: &Store, key: &str) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
-    let sql = "SELECT item, body_sha256 FROM idempotency_key WHERE key = $1";
-    let found: Option<(i64, Vec<u8>)> = read!(store, query_as.fetch_optional, sql, key);
-    Ok(found.map(|(id, hash)| (Id(id), hash)))
+    Ok(get_many(store, &[key]).await?.pop().map(|(_, used)| used))
 }

@@ -1,7 +1,5 @@
 //! Error models that were adopted for an IMU, and which campaigns were fitted with them.
 
-use sqlx::AssertSqlSafe;
-
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
@@ -35,14 +33,9 @@ pub(crate) fn insert_uses(uses: &[(Id, Id)], batch: &mut Batch) {
     batch.insert("campaign_model", "record, model", OnConflict::Set("record", &["model"]), rows);
 }
 
-fn select(then: &str) -> AssertSqlSafe<String> {
-    AssertSqlSafe(format!("SELECT {} FROM imu_model WHERE {then}", ModelRow::COLUMNS))
-}
-
 /// Every model that was adopted for an IMU, newest first.
 pub async fn of_imu(store: &Store, imu: u32) -> Result<Vec<ModelRow>, StoreError> {
-    let sql = select("imu = $1 ORDER BY id DESC");
-    read!(store, all, sql, Whole(imu))
+    read!(store, all, ModelRow::select("WHERE imu = $1 ORDER BY id DESC"), Whole(imu))
 }
 
 /// How many campaigns were fitted with each model of an IMU that any was.
@@ -55,12 +48,11 @@ pub async fn uses(store: &Store, imu: u32) -> Result<Vec<(Id, u64)>, StoreError>
 
 /// The newest model of each IMU that has one.
 pub async fn in_force(store: &Store) -> Result<Vec<ModelRow>, StoreError> {
-    let sql = select("id IN (SELECT max(id) FROM imu_model GROUP BY imu)");
-    read!(store, all, sql)
+    read!(store, all, ModelRow::select("WHERE id IN (SELECT max(id) FROM imu_model GROUP BY imu)"))
 }
 
 /// The adopted model that a stored campaign was fitted with, if it was one.
 pub async fn of_campaign(store: &Store, record: Id) -> Result<Option<ModelRow>, StoreError> {
-    let sql = select("id = (SELECT model FROM campaign_model WHERE record = $1)");
+    let sql = ModelRow::select("WHERE id = (SELECT model FROM campaign_model WHERE record = $1)");
     read!(store, first, sql, record.0)
 }

@@ -1,20 +1,14 @@
 //! What the database knows of names: their numbers and cells, of those too that other servers have given out.
 
 use std::collections::HashSet;
+use std::hash::Hash;
 
 use crate::store::cells::cell_of;
 use crate::store::db::Readers;
 use crate::store::error::StoreError;
 use crate::store::handle::{Place, Store};
 use crate::store::name_tables::{NamesOf, Table};
-use crate::store::postgres::names::read;
-
-const OF_NAMES: &str = "SELECT 0, id, cell, name FROM imu WHERE name = ANY($1)
-                        UNION ALL SELECT 1, id, cell, name FROM station WHERE name = ANY($2)
-                        UNION ALL SELECT 2, id, cell, serial FROM gyro WHERE serial = ANY($3)";
-const OF_NUMBERS: &str = "SELECT 0, id, cell, name FROM imu WHERE id = ANY($1)
-                          UNION ALL SELECT 1, id, cell, name FROM station WHERE id = ANY($2)
-                          UNION ALL SELECT 2, id, cell, serial FROM gyro WHERE id = ANY($3)";
+use crate::store::postgres::names::{read, select};
 
 /// A number for a new name, beside `new` others of the same group: of a file the next, of a database server one at
 /// random. A commit that a failover has lost may have been answered, so that its numbers are in use somewhere and
@@ -34,19 +28,25 @@ pub fn new_number(store: &Store, known: &Table, new: usize, is_new: impl Fn(u32)
 /// [`StoreError`].
 pub async fn look_up(store: &Store, names: [Vec<&str>; 3]) -> Result<(), StoreError> {
     let Readers::Postgres(readers) = &store.readers else { return Ok(()) };
-    let [imus, stations, gyros] = {
-        let tables = store.names.read();
-        let [imus, stations, gyros] = names;
-        [(NamesOf::Imus, imus), (NamesOf::Stations, stations), (NamesOf::Gyros, gyros)].map(|(of, names)| {
-            let unknown = names.into_iter().filter(|name| tables.of(of).number(name).is_none());
-            unknown.collect::<HashSet<_>>().into_iter().map(str::to_owned).collect::<Vec<_>>()
-        })
-    };
-    if [&imus, &stations, &gyros].iter().all(|unknown| unknown.is_empty()) {
+    let Some([imus, stations, gyros]) = unknown(store, names, |table, name| table.number(name).is_some()) else {
         return Ok(());
-    }
-    let query = sqlx::query_as(OF_NAMES).bind(imus).bind(stations).bind(gyros);
-    learn(store, read(query.fetch_all(readers).await?)?)
+    };
+    let sql = select(["WHERE name = ANY($1)", "WHERE name = ANY($2)", "WHERE serial = ANY($3)"]);
+    let found = sqlx::query_as(sql).bind(imus).bind(stations).bind(gyros).fetch_all(readers).await?;
+    learn(store, read(found)?)
+}
+
+/// Those that are not known, each once; none where there are none.
+fn unknown<T: Copy + Eq + Hash>(
+    store: &Store,
+    asked: [Vec<T>; 3],
+    is_known: impl Fn(&Table, T) -> bool,
+) -> Option<[Vec<T>; 3]> {
+    let tables = store.names.read();
+    let [imus, stations, gyros] = asked;
+    let unknown = [(&tables.imus, imus), (&tables.stations, stations), (&tables.gyros, gyros)]
+        .map(|(table, asked)| asked.into_iter().filter(|one| !is_known(table, *one)).collect::<HashSet<T>>());
+    unknown.iter().any(|some| !some.is_empty()).then(|| unknown.map(|some| some.into_iter().collect()))
 }
 
 /// As [`look_up`], of numbers of gyros.
@@ -81,17 +81,9 @@ fn learn(store: &Store, found: Vec<(NamesOf, u32, u8, String)>) -> Result<(), St
 /// [`StoreError`].
 pub(super) async fn look_up_numbers(store: &Store, numbers: [Vec<u32>; 3]) -> Result<(), StoreError> {
     let Readers::Postgres(readers) = &store.readers else { return Ok(()) };
-    let [imus, stations, gyros] = {
-        let tables = store.names.read();
-        let [imus, stations, gyros] = numbers;
-        [(NamesOf::Imus, imus), (NamesOf::Stations, stations), (NamesOf::Gyros, gyros)].map(|(of, numbers)| {
-            let unknown = numbers.into_iter().filter(|number| tables.of(of).name(*number).is_none());
-            unknown.map(i64::from).collect::<Vec<_>>()
-        })
-    };
-    if [&imus, &stations, &gyros].iter().all(|unknown| unknown.is_empty()) {
-        return Ok(());
-    }
-    let query = sqlx::query_as(OF_NUMBERS).bind(imus).bind(stations).bind(gyros);
-    learn(store, read(query.fetch_all(readers).await?)?)
+    let Some(unknown) = unknown(store, numbers, |table, number| table.name(number).is_some()) else { return Ok(()) };
+    let [imus, stations, gyros] = unknown.map(|some| some.into_iter().map(i64::from).collect::<Vec<_>>());
+    let sql = select(["WHERE id = ANY($1)", "WHERE id = ANY($2)", "WHERE id = ANY($3)"]);
+    let found = sqlx::query_as(sql).bind(imus).bind(stations).bind(gyros).fetch_all(readers).await?;
+    learn(store, read(found)?)
 }

@@ -6,7 +6,7 @@ use super::delivery::{AttemptRow, DeliveryRow, DeliverySubject, DueDelivery};
 use crate::core::delivery::{DeliveryState, QueueState};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::db::{Readers, Sql, Whole, on, read};
+use crate::store::db::{Sql, Whole, list_of, numbers, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns};
@@ -144,7 +144,7 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<DeliveryRow>, StoreErro
 const SNAPSHOT: Sql = Sql { sqlite: "BEGIN", postgres: "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY" };
 
 fn attempts() -> AssertSqlSafe<String> {
-    AssertSqlSafe(format!("SELECT {} FROM delivery_attempt WHERE delivery = $1 ORDER BY id", AttemptRow::COLUMNS))
+    AttemptRow::select("WHERE delivery = $1 ORDER BY id")
 }
 
 fn delivery(row: &impl AnyRow) -> Result<DeliveryRow, StoreError> {
@@ -164,19 +164,11 @@ fn delivery(row: &impl AnyRow) -> Result<DeliveryRow, StoreError> {
 
 /// The gyros of whose alerts these deliveries tell.
 pub async fn gyros_of(store: &Store, deliveries: &[Id]) -> Result<Vec<u32>, StoreError> {
-    let sql = store.readers.words(Sql {
-        sqlite: "SELECT DISTINCT alert.gyro FROM json_each($1) AS j JOIN alert ON alert.id IN
-                     (SELECT alert FROM delivery WHERE id = j.value UNION ALL SELECT alert FROM delivery_part WHERE delivery = j.value)
-                 WHERE alert.gyro IS NOT NULL",
-        postgres: "SELECT DISTINCT alert.gyro FROM alert WHERE alert.gyro IS NOT NULL AND alert.id IN
-                       (SELECT delivery.alert FROM delivery WHERE delivery.id = ANY(CAST($1 AS BIGINT[])) UNION ALL
-                        SELECT delivery_part.alert FROM delivery_part WHERE delivery_part.delivery = ANY(CAST($1 AS BIGINT[])))",
-    });
-    let ids: Vec<String> = deliveries.iter().map(|id| id.0.to_string()).collect();
-    let array = match &store.readers {
-        Readers::Sqlite(_) => format!("[{}]", ids.join(",")),
-        Readers::Postgres(_) => format!("{{{}}}", ids.join(",")),
-    };
-    let found: Vec<Whole<u32>> = read!(store, query_scalar.fetch_all, sql, array);
-    Ok(found.into_iter().map(|gyro| gyro.0).collect())
+    let those = store.readers.list("$1");
+    let sql = AssertSqlSafe(format!(
+        "SELECT DISTINCT gyro FROM alert WHERE gyro IS NOT NULL AND id IN
+             (SELECT alert FROM delivery WHERE id IN {those}
+              UNION ALL SELECT alert FROM delivery_part WHERE delivery IN {those})"
+    ));
+    Ok(numbers(read!(store, query_scalar.fetch_all, sql, list_of(deliveries))))
 }

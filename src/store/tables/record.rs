@@ -10,7 +10,7 @@ use crate::core::kind::Kind;
 use crate::core::time::{Span, UtcMicros};
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
-use crate::store::db::{Readers, Sql, Whole, listed, on, read};
+use crate::store::db::{Readers, Sql, Whole, counted, list_of, on, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::packed::text;
@@ -61,15 +61,6 @@ pub struct RecordRow {
     pub temperature_c: Option<f64>,
 }
 
-/// Which record it is, without what it says.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RecordHead {
-    pub id: Id,
-    pub kind: Kind,
-    pub station: u32,
-    pub calibrated_at: UtcMicros,
-}
-
 /// A record or a campaign among others, without what it says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RecordEntry {
@@ -83,9 +74,6 @@ pub struct RecordEntry {
     pub voided: bool,
 }
 
-columns! {
-    RecordHead in "record" { id, kind, station, calibrated_at }
-}
 columns! {
     RecordEntry in "record" { id, kind, imu, station, calibrated_at, received_at, voided }
 }
@@ -141,13 +129,8 @@ pub(crate) fn update_verdicts(sheets: &[(Id, RejudgedSheet)], batch: &mut Batch)
         rows.row().put(id).written(|out| sheet.pack(*id, out)).bytes(packed_before);
     }
     batch.add_to_all(
-        Sql {
-            sqlite: "UPDATE record SET verdicts = $C1 WHERE id = $C0",
-            postgres: "UPDATE record SET verdicts = substr($2, CAST(j.value->>1 AS INT), CAST(j.value->>2 AS INT))
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
-                       WHERE record.id = CAST(j.value->>0 AS BIGINT)
-                           AND record.verdicts = substr($2, CAST(j.value->>3 AS INT), CAST(j.value->>4 AS INT))",
-        },
+        "UPDATE record SET verdicts = $C1 WHERE id = $C0",
+        "UPDATE record SET verdicts = $C1 FROM $ROWS WHERE id = $C0 AND verdicts = $C3",
         rows,
     );
 }
@@ -209,7 +192,7 @@ pub async fn at(store: &Store, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>,
     found.collect()
 }
 
-/// As `records_at`, of many places: of a database server in one question, of a file one by one, which costs nothing
+/// As [`at`], of many places: of a database server in one question, of a file one by one, which costs nothing
 /// there.
 pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<Vec<RecordAt>>, StoreError> {
     let Readers::Postgres(db) = &store.readers else {
@@ -260,11 +243,7 @@ pub async fn whose(store: &Store, id: Id) -> Result<Option<(u32, Vec<u32>)>, Sto
     found.map(whose).transpose()
 }
 
-pub async fn verdict_sheet(store: &Store, id: Id) -> Result<Option<RecordVerdicts>, StoreError> {
-    Ok(sheet_to_rejudge(store, id).await?.map(|found| found.sheet))
-}
-
-/// As [`verdict_sheet`], to be changed.
+/// The verdict sheet of a record, to be changed.
 pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSheet>, StoreError> {
     let sql = "SELECT verdicts FROM record WHERE id = $1";
     let found: Option<Vec<u8>> = read!(store, query_scalar.fetch_optional, sql, id.0);
@@ -278,14 +257,18 @@ pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSh
 pub async fn verdict_sheets(
     store: &Store,
     records: impl Iterator<Item = Id>,
-) -> Result<Vec<(Id, RecordVerdicts)>, StoreError> {
-    let sql = store.readers.words(listed!("SELECT id, verdicts FROM record WHERE id"));
-    let rows: Vec<(i64, Vec<u8>)> = read!(store, query_as.fetch_all, sql, json_of(records));
+) -> Result<HashMap<Id, RecordVerdicts>, StoreError> {
+    let sql = AssertSqlSafe(format!("SELECT id, verdicts FROM record WHERE id IN {}", store.readers.list("$1")));
+    let records: Vec<Id> = records.collect();
+    if records.is_empty() {
+        return Ok(HashMap::new());
+    }
+    let rows: Vec<(i64, Vec<u8>)> = read!(store, query_as.fetch_all, sql, list_of(&records));
     rows.into_iter().map(|(id, bytes)| Ok((Id(id), RecordVerdicts::unpack(Id(id), &bytes)?))).collect()
 }
 
 /// The newest `limit` records of an IMU that count, newest first, without their bodies.
-pub async fn of_imu(store: &Store, imu: u32, limit: u32) -> Result<Vec<RecordHead>, StoreError> {
+pub async fn of_imu(store: &Store, imu: u32, limit: u32) -> Result<Vec<RecordEntry>, StoreError> {
     of_imu_before(store, imu, Span::EVER.to, limit).await
 }
 
@@ -295,20 +278,19 @@ pub async fn of_imu_before(
     imu: u32,
     before: UtcMicros,
     limit: u32,
-) -> Result<Vec<RecordHead>, StoreError> {
+) -> Result<Vec<RecordEntry>, StoreError> {
     // What waits counts. On a server nothing does, and $3 says so.
     let waiting: Vec<Id> = store.write_behind.index.read().last_of(imu, before, limit as usize).collect();
-    let sql = store.readers.words(Sql {
-        sqlite: "SELECT id, kind, station, calibrated_at FROM record WHERE voided = 0 AND id IN
+    let sql = RecordEntry::select(store.readers.words(Sql {
+        sqlite: "WHERE voided = 0 AND id IN
                      (SELECT value FROM json_each($3) UNION ALL SELECT record FROM
                          (SELECT record FROM calendar WHERE imu = $1 AND voided = 0 AND calibrated_at < $4
                           ORDER BY calibrated_at DESC LIMIT $2))
                  ORDER BY calibrated_at DESC LIMIT $2",
-        postgres: "SELECT id, kind, station, calibrated_at FROM record WHERE imu = $1 AND voided = 0
-                   AND $3 IS NOT NULL AND calibrated_at < $4 ORDER BY calibrated_at DESC LIMIT $2",
-    });
-    let (limit, waiting) = (Whole(limit), json_of(waiting));
-    read!(store, all, sql, Whole(imu), limit, waiting, before.0)
+        postgres: "WHERE imu = $1 AND voided = 0 AND $3 IS NOT NULL AND calibrated_at < $4
+                   ORDER BY calibrated_at DESC LIMIT $2",
+    }));
+    read!(store, all, sql, Whole(imu), Whole(limit), list_of(&waiting), before.0)
 }
 
 /// Records and campaigns, the last to arrive first, from the one before `before` on, as many as `limit`.
@@ -331,18 +313,16 @@ pub async fn listed(
             }),
         ),
     };
-    let sql = AssertSqlSafe(format!(
-        "SELECT {} FROM record
-         WHERE {order} < $1 AND ($2 IS NULL OR kind = $2) AND {of_imu} AND ($5 IS NULL OR station = $5)
+    let sql = RecordEntry::select(&format!(
+        "WHERE {order} < $1 AND ($2 IS NULL OR kind = $2) AND {of_imu} AND ($5 IS NULL OR station = $5)
              AND calibrated_at BETWEEN $6 AND $7
-         ORDER BY {order} DESC LIMIT $8",
-        RecordEntry::COLUMNS
+         ORDER BY {order} DESC LIMIT $8"
     ));
     let found: Vec<RecordEntry> = on!(store.readers, db => sqlx::query(sql)
         .bind(before.0)
         .bind(filter.kind.map(code))
         .bind(filter.imu.map(Whole))
-        .bind(json_of(waiting))
+        .bind(list_of(&waiting))
         .bind(filter.station.map(Whole))
         .bind(filter.calibrated.from.0)
         .bind(filter.calibrated.to.0)
@@ -374,13 +354,8 @@ pub async fn of_stations(store: &Store) -> Result<HashMap<u32, StationTotals>, S
     type Row = (Whole<u32>, i64, i64, i64, i64, i64);
     let rows: Vec<Row> = read!(store, query_as.fetch_all, sql);
     let totals = |(Whole(station), records, gyros, imus, first, last): Row| {
-        let [records, gyros, imus] = [records, gyros, imus].map(|count| count.unsigned_abs() as usize);
+        let [records, gyros, imus] = [records, gyros, imus].map(counted);
         (station, StationTotals { records, gyros, imus, first: UtcMicros(first), last: UtcMicros(last) })
     };
     Ok(rows.into_iter().map(totals).collect())
-}
-
-fn json_of(ids: impl IntoIterator<Item = Id>) -> String {
-    let ids: Vec<String> = ids.into_iter().map(|id| id.0.to_string()).collect();
-    format!("[{}]", ids.join(","))
 }

@@ -1,12 +1,10 @@
 //! Records whose time is in doubt: kept as those that were voided are, until somebody confirms it.
 
-use sqlx::AssertSqlSafe;
-
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
 use crate::store::columns::columns;
-use crate::store::db::{Sql, Whole, among, read};
+use crate::store::db::{Whole, read};
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::packed::history_row::{self, HistoryRow};
@@ -22,7 +20,7 @@ pub struct SetAside {
 }
 
 /// A stored record that is set aside, by whom and why.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoredAside {
     pub record: Id,
     pub author: String,
@@ -30,7 +28,7 @@ pub struct StoredAside {
 }
 
 /// Somebody has confirmed the time of a record that was set aside.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ConfirmationRow {
     pub record: Id,
     pub at: UtcMicros,
@@ -46,12 +44,8 @@ columns! {
 pub(crate) fn insert(set_aside: &SetAside, batch: &mut Batch) {
     history_row::void(&set_aside.history, batch);
     // It may have been confirmed before.
-    if !set_aside.stored.is_empty() {
-        batch.add(
-            among!("DELETE FROM confirmation WHERE record"),
-            Rows::of(set_aside.stored.iter().map(|stored| stored.record.0)),
-        );
-    }
+    let stored = Rows::of(set_aside.stored.iter().map(|stored| stored.record.0));
+    batch.change("DELETE FROM confirmation", "record = $C0", stored);
 }
 
 /// `rows` are those of the confirmed records, which count from now on.
@@ -60,27 +54,14 @@ pub(crate) fn confirm<'a>(
     rows: impl Iterator<Item = &'a HistoryRow>,
     batch: &mut Batch,
 ) {
-    if confirmed.is_empty() {
-        return;
-    }
-    batch.add(
-        among!("UPDATE record SET voided = 0 WHERE id"),
-        Rows::of(confirmed.iter().map(|confirmed| confirmed.record.0)),
-    );
+    let records = Rows::of(confirmed.iter().map(|confirmed| confirmed.record.0));
+    batch.change("UPDATE record SET voided = 0", "id = $C0", records);
     let mut keys = Rows::default();
     let is_confirmed = |row: &&HistoryRow| confirmed.iter().any(|it| it.record == row.figures.record);
     for HistoryRow { gyro, figures } in rows.filter(is_confirmed) {
         keys.row().put(gyro).put(&figures.at).put(&figures.record);
     }
-    batch.add(
-        Sql {
-            sqlite: "DELETE FROM voided_history WHERE gyro = $C0 AND calibrated_at = $C1 AND record = $C2",
-            postgres: "DELETE FROM voided_history USING jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
-                       WHERE gyro = CAST(j.value->>0 AS BIGINT) AND calibrated_at = CAST(j.value->>1 AS BIGINT)
-                       AND record = CAST(j.value->>2 AS BIGINT)",
-        },
-        keys,
-    );
+    batch.change("DELETE FROM voided_history", "gyro = $C0 AND calibrated_at = $C1 AND record = $C2", keys);
     batch.enter(confirmed, OnConflict::Fail);
 }
 
@@ -90,22 +71,12 @@ pub(crate) fn note(noted: &[(Id, String)], batch: &mut Batch) {
     for (record, notes) in noted {
         rows.row().put(record).words(notes);
     }
-    batch.add(
-        Sql {
-            sqlite: "UPDATE record SET notes = CAST($C1 AS TEXT) WHERE id = $C0",
-            postgres: "UPDATE record SET notes =
-                           convert_from(substr($2, CAST(j.value->>1 AS INT), CAST(j.value->>2 AS INT)), 'UTF8')
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
-                       WHERE record.id = CAST(j.value->>0 AS BIGINT)",
-        },
-        rows,
-    );
+    batch.change("UPDATE record SET notes = $C1", "id = $C0", rows);
 }
 
 /// Who confirmed the time of a record that was set aside.
 pub async fn confirmation(store: &Store, record: Id) -> Result<Option<ConfirmationRow>, StoreError> {
-    let sql = AssertSqlSafe(format!("SELECT {} FROM confirmation WHERE record = $1", ConfirmationRow::COLUMNS));
-    read!(store, first, sql, record.0)
+    read!(store, first, ConfirmationRow::select("WHERE record = $1"), record.0)
 }
 
 /// Whether a record is set aside until somebody confirms its time.

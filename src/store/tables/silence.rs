@@ -40,14 +40,10 @@ impl Part for Matchers {
 
 /// Silences in force at `now`, or all that there ever were; the newest first.
 pub async fn list(store: &Store, in_force_at: Option<UtcMicros>, limit: u32) -> Result<Vec<SilenceRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!(
-        "SELECT {} FROM silence WHERE ($1 IS NULL OR (until > $1 AND ended_at IS NULL)) ORDER BY id DESC LIMIT $2",
-        SilenceRow::COLUMNS
-    ));
+    let sql = SilenceRow::select("WHERE ($1 IS NULL OR (until > $1 AND ended_at IS NULL)) ORDER BY id DESC LIMIT $2");
     read!(store, all, sql, in_force_at.map(|at| at.0), Whole(limit))
 }
 
 pub async fn get(store: &Store, id: Id) -> Result<Option<SilenceRow>, StoreError> {
-    let sql = sqlx::AssertSqlSafe(format!("SELECT {} FROM silence WHERE id = $1", SilenceRow::COLUMNS));
-    read!(store, first, sql, id.0)
+    read!(store, first, SilenceRow::select("WHERE id = $1"), id.0)
 }

@@ -1,12 +1,10 @@
 //! Windows of time in which what a station measured is suspect, mark by mark.
 
-use sqlx::AssertSqlSafe;
-
 use crate::core::id::Id;
 use crate::core::suspect_window::{Mark, SuspectWindow};
 use crate::core::time::Span;
 use crate::store::columns::columns;
-use crate::store::db::{LISTED, read};
+use crate::store::db::read;
 use crate::store::error::StoreError;
 use crate::store::handle::Store;
 use crate::store::rows::{AnyRow, Columns, Part, Row};
@@ -44,8 +42,6 @@ pub async fn of_stations(store: &Store, stations: &[u32]) -> Result<Vec<WindowMa
     if stations.is_empty() {
         return Ok(Vec::new());
     }
-    let (columns, those) = (WindowMarkRow::COLUMNS, store.readers.words(LISTED));
-    let sql = AssertSqlSafe(format!("SELECT {columns} FROM suspect_window WHERE station IN ({those}) ORDER BY id"));
-    let stations = serde_json::json!(stations).to_string();
-    read!(store, all, sql, stations)
+    let sql = WindowMarkRow::select(&format!("WHERE station IN {} ORDER BY id", store.readers.list("$1")));
+    read!(store, all, sql, serde_json::json!(stations).to_string())
 }

@@ -85,7 +85,7 @@ impl Ahead {
         }
     }
 
-    /// As `records_at`.
+    /// As [`store::record::at`].
     pub(super) async fn records_at(&self, imu: u32, at: UtcMicros, store: &Store) -> Result<Vec<RecordAt>, StoreError> {
         match self.records.get(&(imu, at)) {
             Some(known) => Ok(known.clone()),

@@ -68,9 +68,8 @@ impl Admission<'_> {
             Corrected::Calibration { .. } => format!("records/{item}"),
             Corrected::Bench(_) => format!("bench-results/{item}"),
         };
-        let what = (if replaced_by.is_some() { "revise" } else { "void" }, subject);
-        let line = self.ids.next(self.now);
-        group.changes.access.audit.push(sent.by.line(line, self.now, what, None::<&()>, Some(&audited)));
+        let action = if replaced_by.is_some() { "revise" } else { "void" };
+        self.audit(&sent.by, (action, subject), &audited, group);
         group.changes.corrections.push(CorrectionItem { item, replaced_by, at: self.now, author, reason });
     }
 
@@ -119,16 +118,12 @@ impl Admission<'_> {
         match (&sent.replacement, last.replaced_by) {
             (None, _) => {
                 let same = said.iter().filter(|row| row.replaced_by.is_none()).find(same_words);
-                same.map(|_| Some(Accepted::There { id, same_bytes: true, counts: true })).ok_or(differs)
+                same.map(|_| Some(Accepted::there(id))).ok_or(differs)
             }
             (Some(_), None) => Ok(None),
             (Some(new), Some(standing)) => {
                 let same = same_words(&last) && self.lookup(group).has_content(standing, new).await?;
-                if same {
-                    Ok(Some(Accepted::There { id: standing, same_bytes: true, counts: true }))
-                } else {
-                    Err(differs)
-                }
+                if same { Ok(Some(Accepted::there(standing))) } else { Err(differs) }
             }
         }
     }
@@ -138,7 +133,7 @@ impl Admission<'_> {
         let record = store::record::get(self.store, id).await?.ok_or(Refused::UnknownRecord { id })?;
         let before = group.changes.confirmed.iter().any(|row| row.record == id);
         if before || store::set_aside::confirmation(self.store, id).await?.is_some() {
-            return Ok(Accepted::There { id, same_bytes: true, counts: true });
+            return Ok(Accepted::there(id));
         }
         if !self.lookup(group).said_before(id).await?.is_empty() {
             return Err(Refused::AlreadyCorrected { id, existing: id });
@@ -179,9 +174,7 @@ impl Admission<'_> {
         group.changes.history.extend(rows);
         let (author, reason) = (sent.author.clone(), sent.reason.clone());
         let audited = json!({ "author": author, "reason": reason });
-        let line = self.ids.next(self.now);
-        let what = ("confirm", format!("records/{id}"));
-        group.changes.access.audit.push(sent.by.line(line, self.now, what, None::<&()>, Some(&audited)));
+        self.audit(&sent.by, ("confirm", format!("records/{id}")), &audited, group);
         group.changes.confirmed.push(ConfirmationRow { record: id, at: self.now, author, reason });
         Ok(Accepted::stored(id))
     }
@@ -196,7 +189,7 @@ impl Admission<'_> {
         // It is set aside already, or its window is trusted again meanwhile.
         let is_suspect = self.lookup(group).suspect_window(record.station, record.calibrated_at).await?.is_some();
         if record.voided || group.withdraws(id) || !is_suspect {
-            return Ok(Accepted::There { id, same_bytes: true, counts: true });
+            return Ok(Accepted::there(id));
         }
         self.withdraw(&record, group).await?;
         let (author, reason) = (sent.author.clone(), sent.reason.clone());
@@ -210,9 +203,7 @@ impl Admission<'_> {
         });
         group.changes.rejudged.notes.push((id, history_note::with(before.as_deref(), &note)));
         let audited = json!({ "author": author, "reason": reason });
-        let line = self.ids.next(self.now);
-        let what = ("suspect", format!("records/{id}"));
-        group.changes.access.audit.push(sent.by.line(line, self.now, what, None::<&()>, Some(&audited)));
+        self.audit(&sent.by, ("suspect", format!("records/{id}")), &audited, group);
         group.changes.set_aside.stored.push(StoredAside { record: id, author, reason });
         Ok(Accepted::stored(id))
     }
@@ -226,7 +217,7 @@ impl Admission<'_> {
         let before = in_force(&marks);
         marks.push(sent.mark.clone());
         if in_force(&marks) == before {
-            return Ok(Accepted::There { id, same_bytes: true, counts: true });
+            return Ok(Accepted::there(id));
         }
         let Mark { window: SuspectWindow { span, author, reason }, trusted } = &sent.mark;
         let audited = json!({

@@ -87,14 +87,10 @@ impl Group {
         self.records.remove(&at);
         self.aside.entry(at).or_default().push((id, record.body_sha256));
         record.notes = Some(history_note::with(record.notes.as_deref(), note).into());
-        let (aside, left) =
-            std::mem::take(&mut self.changes.history).into_iter().partition(|row| row.figures.record == id);
-        self.changes.history = left;
-        let aside: Vec<crate::store::HistoryRow> = aside;
-        for row in &aside {
+        for row in self.changes.history.extract_if(.., |row| row.figures.record == id) {
             self.rows.remove(&(row.gyro, row.figures.at));
+            self.changes.set_aside.history.push(row);
         }
-        self.changes.set_aside.history.extend(aside);
         true
     }
 

@@ -35,9 +35,7 @@ impl Lookup<'_> {
         };
         match used {
             None => Ok(None),
-            Some((id, used_for)) if used_for == hash => {
-                Ok(Some(Accepted::There { id, same_bytes: true, counts: true }))
-            }
+            Some((id, used_for)) if used_for == hash => Ok(Some(Accepted::there(id))),
             Some((existing, _)) => Err(Refused::KeyReused { existing }),
         }
     }
@@ -139,9 +137,10 @@ impl Lookup<'_> {
         if let Some((_, gyro, _)) = here.max_by_key(|(then, ..)| *then) {
             return Ok(Some(gyro));
         }
-        for head in store::record::of_imu(self.store, imu, 3).await? {
-            let (then, sheet) = (head.calibrated_at, store::record::verdict_sheet(self.store, head.id).await?);
-            for (gyro, _) in sheet.filter(|_| then < at).into_iter().flat_map(|sheet| sheet.0) {
+        for head in store::record::of_imu(self.store, imu, 3).await?.into_iter().filter(|head| head.calibrated_at < at)
+        {
+            let (then, held) = (head.calibrated_at, store::record::whose(self.store, head.id).await?);
+            for gyro in held.into_iter().flat_map(|(_, gyros)| gyros) {
                 let rows = store::history::oldest(self.store, gyro, Span { from: then, to: then }, 1).await?;
                 if rows.iter().any(|row| row.record == head.id && row.slot == slot) {
                     return Ok(Some(gyro));

@@ -10,7 +10,7 @@ mod memory;
 
 use std::sync::Arc;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::core::figures::{Figures, PublishedFigures, States};
 use crate::core::gyro_attributes::GyroAttributes;
@@ -20,6 +20,7 @@ use crate::core::name::look_keys;
 use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
+use crate::pipeline::access::Actor;
 use crate::pipeline::ingest::same_content::benches_agree;
 use crate::pipeline::ingest::submission::{
     AttributesOrder, BenchTest, CalibratedGyro, Calibration, GyroEvent, Submission,
@@ -63,7 +64,7 @@ impl Admission<'_> {
         if let Some((id, hash)) = &standing
             && *hash == sent.body_sha256
         {
-            return Ok(Accepted::There { id: *id, same_bytes: true, counts: true });
+            return Ok(Accepted::there(*id));
         }
         let stands = standing.as_ref().map(|(id, _)| *id);
         if let Some(id) = self.lookup(group).voided_alike(imu, sent, stands).await? {
@@ -141,7 +142,7 @@ impl Admission<'_> {
             let mut counting = None;
             if let Some((id, hash)) = group.benches.get(&(gyro, at, method)) {
                 if *hash == sent.body_sha256 {
-                    return Ok(Accepted::There { id: *id, same_bytes: true, counts: true });
+                    return Ok(Accepted::there(*id));
                 }
                 counting = Some(*id);
             }
@@ -201,8 +202,7 @@ impl Admission<'_> {
             "id": id.to_string(), "event": sent.event.name(), "at": time::format(sent.at), "reason": sent.reason,
             "author": sent.author,
         });
-        let (line, what) = (self.ids.next(self.now), ("mark event", format!("gyros/{}", sent.serial)));
-        group.changes.access.audit.push(sent.by.line(line, self.now, what, None::<&()>, Some(&audited)));
+        self.audit(&sent.by, ("mark event", format!("gyros/{}", sent.serial)), &audited, group);
         group.changes.events.push(EventRow {
             id,
             gyro,
@@ -228,7 +228,7 @@ impl Admission<'_> {
         let attributes = before.patched(&sent.patch);
         let line = self.ids.next(self.now);
         if attributes == before {
-            return Ok(Accepted::There { id: line, same_bytes: true, counts: true });
+            return Ok(Accepted::there(line));
         }
         let audited = |of: &GyroAttributes| json!({ "batch": of.batch, "type": of.r#type, "unit": of.unit });
         let (was, is) = (audited(&before), audited(&attributes));
@@ -236,6 +236,12 @@ impl Admission<'_> {
         group.changes.access.audit.push(sent.by.line(line, self.now, what, Some(&was), Some(&is)));
         group.changes.attributes.push(GyroAttributeRow { gyro, attributes });
         Ok(Accepted::stored(line))
+    }
+
+    /// Notes in the audit trail what somebody does, and with what outcome.
+    fn audit(&mut self, by: &Actor, what: (&str, String), after: &Value, group: &mut Group) {
+        let line = self.ids.next(self.now);
+        group.changes.access.audit.push(by.line(line, self.now, what, None::<&()>, Some(after)));
     }
 
     /// What stands, this group included.

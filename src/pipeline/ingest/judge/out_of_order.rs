@@ -275,8 +275,7 @@ impl Judge {
         let Some(mut sheet) = sheet else {
             return Err(StoreError::Damaged(format!("record {record} of gyro number {gyro} is missing")));
         };
-        let old = sheet.sheet.0.iter().find(|(number, _)| *number == gyro).map(|(_, verdicts)| verdicts.as_slice());
-        let without_history = requirements.or(old).unwrap_or_default().iter();
+        let without_history = requirements.unwrap_or(sheet.sheet.of(gyro)).iter();
         let stays = without_history.filter(|verdict| verdict.rule == Rule::Requirement).copied();
         let new = judged.iter().map(StoredVerdict::from).chain(stays).collect();
         sheet.sheet.replace(gyro, new);

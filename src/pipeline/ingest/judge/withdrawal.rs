@@ -11,7 +11,7 @@ use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule};
 use crate::core::time::{Span, UtcMicros};
 use crate::store;
-use crate::store::{Changes, HistoryRow, RecordVerdicts, Store, StoreError};
+use crate::store::{Changes, HistoryRow, Store, StoreError};
 
 /// Follows the alerts of a gyro again over what is left of its history.
 pub(super) struct Replay<'a> {
@@ -57,14 +57,12 @@ impl Replay<'_> {
         let left = stored.into_iter().filter(|figures| !gone.contains(&figures.record)).chain(new);
         let mut records: Vec<(UtcMicros, Id)> = left.map(|figures| (figures.at, figures.record)).collect();
         records.sort_unstable();
-        let mut sheets: HashMap<Id, RecordVerdicts> =
-            store::record::verdict_sheets(self.store, records.iter().map(|(_, id)| *id)).await?.into_iter().collect();
+        let mut sheets = store::record::verdict_sheets(self.store, records.iter().map(|(_, id)| *id)).await?;
         sheets.extend(changes.rejudged.sheets.iter().map(|(record, again)| (*record, again.sheet.clone())));
         sheets.extend(changes.records.iter().map(|record| (record.id, record.verdicts.clone())));
         let mut alerts: HashMap<(Coefficient, Rule), Alert> = HashMap::new();
         for (at, id) in records {
-            let sheet = sheets.get(&id).and_then(|sheet| sheet.0.iter().find(|(number, _)| *number == gyro));
-            for verdict in sheet.into_iter().flat_map(|(_, verdicts)| verdicts) {
+            for verdict in sheets.get(&id).map_or(&[][..], |sheet| sheet.of(gyro)) {
                 let key = (verdict.coefficient, verdict.rule);
                 let decision = alert_decision::follow(alerts.get(&key), &verdict.without_words(), at, at, self.policy);
                 alerts.extend(decision.alert.map(|alert| (key, alert)));

@@ -10,9 +10,9 @@ use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
 use crate::pipeline::alerts::{
-    AlertContext, AlertError, AlertOrder, Causes, Naming, SharedVerdict, SilenceOrder, follow_group,
+    AlertCache, AlertContext, AlertOrder, Causes, Naming, SharedVerdict, SilenceOrder, follow_group,
 };
-use crate::pipeline::error::WriteError;
+use crate::pipeline::error::{OrderError, WriteError};
 use crate::pipeline::hooks::{CurrentAlert, OutboxContext};
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::ingest::submission::Calibration;
@@ -69,6 +69,17 @@ impl WriterState {
             follow_group(&mut self.alerts, &self.judge, found, sent, agreements, causes, &mut context);
         }
         self.note(changes, now).await
+    }
+
+    /// Lets `work` change alerts, of what has names already.
+    pub(super) fn change_alerts<T>(
+        &mut self,
+        now: UtcMicros,
+        late: Late,
+        work: impl FnOnce(&mut AlertCache, &mut AlertContext<'_>) -> T,
+    ) -> T {
+        let naming = Naming { tables: &self.store.names().read(), new: None };
+        work(&mut self.alerts, &mut AlertContext { now, writer: &mut self.writer, naming, cause: None, late })
     }
 
     /// Enters what has become of alerts into a transaction, with a delivery for each hook that is to be told.
@@ -134,12 +145,7 @@ impl WriterState {
         let waiting = store::alerts::for_digest(&self.store).await?;
         let waiting: BTreeSet<AlertOf> = waiting.iter().map(|row| row.of).collect();
         self.alerts.recall(&self.store, gyros_of(&waiting), now).await?;
-        let any = {
-            let naming = Naming { tables: &self.store.names().read(), new: None };
-            let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
-            self.alerts.tell_digest(&waiting, &mut context)
-        };
-        if !any {
+        if !self.change_alerts(now, Late::Clock, |alerts, context| alerts.tell_digest(&waiting, context)) {
             return Ok(());
         }
         let news = self.alerts.write(changes);
@@ -147,18 +153,14 @@ impl WriterState {
         self.hooks.tell_digest(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
-    pub(super) async fn commit_or_forget(
+    /// What was `noted`, once it is on disk.
+    pub(super) async fn commit_or_forget<T>(
         &mut self,
-        noted: Result<(), StoreError>,
+        noted: Result<T, StoreError>,
         changes: &mut Changes,
-    ) -> Result<(), WriteError> {
-        let entered = match noted {
-            Ok(()) => self.enter_heads(changes).await,
-            Err(error) => Err(error),
-        };
-        let written = match entered {
-            Ok(()) if changes.is_empty() => Ok(()),
-            Ok(()) => self.commit(changes).await,
+    ) -> Result<T, WriteError> {
+        let written = match noted {
+            Ok(noted) => self.commit_with_heads(changes).await.map(|()| noted),
             Err(error) => Err(error),
         };
         if written.is_err() {
@@ -168,8 +170,14 @@ impl WriterState {
         Ok(written?)
     }
 
+    /// Enters how gyros will stand and commits, where there is anything to write.
+    pub(super) async fn commit_with_heads(&mut self, changes: &mut Changes) -> Result<(), StoreError> {
+        self.enter_heads(changes).await?;
+        if changes.is_empty() { Ok(()) } else { self.commit(changes).await }
+    }
+
     /// Begins or ends a silence of many alerts.
-    pub(super) async fn order_silence(&mut self, order: &SilenceOrder, by: &Actor) -> Result<Id, AlertError> {
+    pub(super) async fn order_silence(&mut self, order: &SilenceOrder, by: &Actor) -> Result<Id, OrderError> {
         let now = self.clock.now();
         let all = store::alerts::all(&self.store).await?.into_iter().filter_map(|row| row.of.gyro());
         self.alerts.recall(&self.store, all, now).await?;
@@ -177,29 +185,25 @@ impl WriterState {
             SilenceOrder::Begin { .. } => None,
             SilenceOrder::End { silence, .. } => store::silence::get(&self.store, *silence).await?,
         };
-        let (id, mut changes) = {
-            let naming = Naming { tables: &self.store.names().read(), new: None };
-            let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
-            self.alerts.order_silence(order, known, by, &mut context)?
-        };
+        let ordered =
+            self.change_alerts(now, Late::Clock, |alerts, context| alerts.order_silence(order, known, by, context));
+        let (id, mut changes) = ordered?;
         let noted = self.note(&mut changes, now).await;
         self.commit_or_forget(noted, &mut changes).await?;
         Ok(id)
     }
 
     /// Does what somebody has said of an alert.
-    pub(super) async fn obey(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, AlertError> {
+    pub(super) async fn obey(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, OrderError> {
         let now = self.clock.now();
         let gyro = store::alerts::get(&self.store, order.alert).await?.and_then(|row| row.of.gyro());
         self.alerts.recall(&self.store, gyro, now).await?;
-        let (before, body) = {
-            let naming = Naming { tables: &self.store.names().read(), new: None };
-            let before = self.alerts.alert(order.alert).map(|row| naming.alert(row, now)).transpose()?;
-            let mut context = AlertContext { now, writer: &mut self.writer, naming, cause: None, late: Late::Quiet };
-            let row = self.alerts.obey(order, &mut context)?;
-            (before, naming.alert(&row, now)?)
-        };
-        let mut changes = Changes::default();
+        let said = self.change_alerts(now, Late::Quiet, |alerts, context| {
+            let before = alerts.alert(order.alert).map(|row| context.naming.alert(row, now)).transpose()?;
+            let row = alerts.obey(order, context)?;
+            Ok::<_, OrderError>((before, context.naming.alert(&row, now)?))
+        });
+        let ((before, body), mut changes) = (said?, Changes::default());
         let (line, action) = (self.writer.next_id(now), order.change.name());
         let audit = by.line(line, now, (action, format!("alerts/{}", order.alert)), before.as_ref(), Some(&body));
         changes.access.audit.push(audit);

@@ -9,7 +9,7 @@ use crate::core::alert_decision::Late;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::Rule;
-use crate::core::time::{Span, UtcMicros};
+use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{AlertContext, Naming, SharedVerdict, follow_clock};
 use crate::store;
 use crate::store::{AlertOf, AlertRow, Cells, Changes, Duty, StoreError};
@@ -74,10 +74,7 @@ impl ClockTick<'_> {
             self.state.begin(&Cells::all()).await?;
             let mut changes = Changes::default();
             self.state.digest(&mut changes, now).await?;
-            self.state.enter_heads(&mut changes).await?;
-            if !changes.is_empty() {
-                self.state.commit(&changes).await?;
-            }
+            self.state.commit_with_heads(&mut changes).await?;
         }
         Ok(())
     }
@@ -96,15 +93,14 @@ impl ClockTick<'_> {
         self.state.alerts.recall(&self.state.store, gyros_of(found), now).await?;
         let gyros: Vec<u32> = gyros_of(found).filter(|gyro| overdue.contains(gyro)).collect();
         let out_of_use = self.state.heads().out_of_use(&gyros).await?;
-        let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-        let newest = store::histories::newest(&self.state.store, &ever, 1).await?;
+        let newest = store::histories::last(&self.state.store, &gyros).await?;
         {
             let naming = Naming { tables: &self.state.store.names().read(), new: None };
             let mut context =
                 AlertContext { now, writer: &mut self.state.writer, naming, cause: None, late: Late::Clock };
-            for (gyro, newest) in gyros.into_iter().zip(newest) {
-                let in_use = |newest: &&Figures| out_of_use.get(&gyro).is_none_or(|(at, _)| *at < newest.at);
-                match newest.last().filter(in_use) {
+            for (gyro, newest) in newest {
+                let in_use = |newest: &Figures| out_of_use.get(&gyro).is_none_or(|(at, _)| *at < newest.at);
+                match newest.filter(in_use) {
                     Some(newest) => {
                         follow_clock(
                             &mut self.state.alerts,
@@ -121,8 +117,7 @@ impl ClockTick<'_> {
             self.state.alerts.tick(found, &mut context);
         }
         self.state.note(&mut changes, now).await?;
-        self.state.enter_heads(&mut changes).await?;
-        if changes.is_empty() { Ok(()) } else { self.state.commit(&changes).await }
+        self.state.commit_with_heads(&mut changes).await
     }
 
     /// Lets the alerts of what is shared follow the clock, and those of gyros that they explain. Where nothing is
@@ -160,23 +155,18 @@ impl ClockTick<'_> {
         let gyros: BTreeSet<u32> = rows.iter().filter_map(|row| row.of.gyro()).collect();
         self.state.alerts.recall(&self.state.store, gyros, now).await?;
         let mut changes = Changes::default();
-        {
-            let naming = Naming { tables: &self.state.store.names().read(), new: None };
-            // What lies long ago is history, whenever it is found.
-            let mut context =
-                AlertContext { now, writer: &mut self.state.writer, naming, cause: None, late: Late::Quiet };
-            let off: Vec<(AlertOf, Id)> =
-                self.state.alerts.shared().not_judged(&found).map(|row| (row.of, row.id)).collect();
-            off.into_iter().for_each(|(of, id)| self.state.alerts.reset(of, |row| row.id == id, &mut context));
+        // What lies long ago is history, whenever it is found.
+        self.state.change_alerts(now, Late::Quiet, |alerts, context| {
+            let off: Vec<(AlertOf, Id)> = alerts.shared().not_judged(&found).map(|row| (row.of, row.id)).collect();
+            off.into_iter().for_each(|(of, id)| alerts.reset(of, |row| row.id == id, context));
             for SharedVerdict { of, verdict, origin, .. } in &found {
-                self.state.alerts.follow(*of, verdict, origin, &mut context);
+                alerts.follow(*of, verdict, origin, context);
             }
-            let anew = self.state.alerts.shared().explained_anew(&rows, &naming);
-            self.state.alerts.explain(&anew, &mut context);
-        }
+            let anew = alerts.shared().explained_anew(&rows, &context.naming);
+            alerts.explain(&anew, context);
+        });
         self.state.note(&mut changes, now).await?;
-        self.state.enter_heads(&mut changes).await?;
-        if changes.is_empty() { Ok(()) } else { self.state.commit(&changes).await }
+        self.state.commit_with_heads(&mut changes).await
     }
 
     /// What is shared, and the alerts of gyros that it explains, or did.

@@ -4,16 +4,16 @@
 
 use std::collections::BTreeMap;
 
-use super::state::WriterState;
+use super::state::{Tally, WriterState};
 use crate::core::alert_decision::Late;
 use crate::core::judge::{Finding, Rule, Verdict};
 use crate::core::time::UtcMicros;
-use crate::pipeline::alerts::{AlertContext, Naming, Origin};
+use crate::pipeline::alerts::{AlertCache, AlertContext, Origin};
 use crate::pipeline::diagnoses::{Adoption, Made, newest_verdict};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::ingest::judge::Undone;
-use crate::store::{AlertOf, AlertRow, Changes, RecordHead, StoreError};
-use crate::{store, telemetry};
+use crate::store;
+use crate::store::{AlertOf, AlertRow, Changes, RecordEntry, StoreError};
 
 pub(super) struct ForecastAlerts<'a> {
     pub state: &'a mut WriterState,
@@ -25,15 +25,10 @@ impl ForecastAlerts<'_> {
     pub async fn keep(&mut self, made: &Made) -> Result<(), WriteError> {
         let Some(mut changes) = made.changes(&self.state.after.models) else { return Ok(()) };
         let followed = self.follow_forecast(made, &mut changes).await;
-        let (followed, verdict) = match followed {
-            Ok(verdict) => (Ok(()), verdict),
-            Err(error) => (Err(error), None),
-        };
-        self.state.commit_or_forget(followed, &mut changes).await?;
-        if let Some(verdict) = verdict {
-            let (rule, state) = (verdict.rule.name(), verdict.state.name());
-            metrics::counter!(telemetry::VERDICTS, "rule" => rule, "state" => state).increment(1);
-            metrics::counter!(telemetry::STATUSES, "rule" => rule, "status" => verdict.status().name()).increment(1);
+        if let Some(verdict) = self.state.commit_or_forget(followed, &mut changes).await? {
+            let mut tally = Tally::default();
+            tally.add([&verdict]);
+            tally.count();
         }
         Ok(())
     }
@@ -45,12 +40,10 @@ impl ForecastAlerts<'_> {
         let found = newest_verdict(&self.state.store, (imu, &in_force), &[], Some((campaign, point))).await?;
         let Some((head, verdict)) = found else { return Ok(None) };
         self.state.alerts.recall(&self.state.store, [], self.now).await?;
-        {
-            let naming = Naming { tables: &self.state.store.names().read(), new: None };
-            let (cause, late) = (Some(head.id), Late::Quiet);
-            let mut context = AlertContext { now: self.now, writer: &mut self.state.writer, naming, cause, late };
-            self.state.alerts.follow(AlertOf::Imu(imu), &verdict, &origin(imu, &head, &verdict), &mut context);
-        }
+        self.state.change_alerts(self.now, Late::Quiet, |alerts, context| {
+            context.cause = Some(head.id);
+            alerts.follow(AlertOf::Imu(imu), &verdict, &origin(imu, &head, &verdict), context);
+        });
         self.state.note(changes, self.now).await?;
         Ok((head.id == campaign).then_some(verdict))
     }
@@ -88,18 +81,18 @@ impl ForecastAlerts<'_> {
     }
 
     fn undo(&mut self, (imu, left): (u32, Option<Verdict>), undone: &Undone) {
-        let naming = Naming { tables: &self.state.store.names().read(), new: None };
-        let mut context =
-            AlertContext { now: self.now, writer: &mut self.state.writer, naming, cause: None, late: Late::Quiet };
         let still = |row: &AlertRow| match row.rule {
             Rule::Forecast => left.and_then(|verdict| verdict.severity()),
             _ => Some(row.alert.severity),
         };
-        self.state.alerts.undo(AlertOf::Imu(imu), still, undone, &mut context);
+        let undo = |alerts: &mut AlertCache, context: &mut AlertContext<'_>| {
+            alerts.undo(AlertOf::Imu(imu), still, undone, context);
+        };
+        self.state.change_alerts(self.now, Late::Quiet, undo);
     }
 }
 
-fn origin(imu: u32, head: &RecordHead, verdict: &Verdict) -> Origin {
+fn origin(imu: u32, head: &RecordEntry, verdict: &Verdict) -> Origin {
     let slot = match verdict.finding {
         Finding::Forecast { slot, .. } => Some(slot),
         _ => None,

@@ -10,7 +10,6 @@ use super::state::{Item, Prepared, StoreJob, Tally, WriterState, items_of};
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
-use crate::core::time::Span;
 use crate::pipeline::alerts::Causes;
 use crate::pipeline::ingest::admit::{Admission, Ahead, Group};
 use crate::pipeline::ingest::judge::Verdicts;
@@ -72,15 +71,15 @@ impl Preparation<'_> {
 
     /// Reads ahead what is stored of the gyros of a group that are not remembered.
     async fn read_histories(&mut self) -> Result<(), StoreError> {
-        let gyros: BTreeSet<u32> = {
+        let gyros: Vec<u32> = {
             let tables = self.state.store.names().read();
             let sent = self.items.iter().filter_map(|item| item.sent.calibration()).flat_map(|sent| &sent.gyros);
             let known = sent.filter_map(|gyro| tables.gyros.number(gyro.serial.as_str()));
-            known.filter(|gyro| !self.state.judge.knows(*gyro) || !self.state.memory.knows(*gyro)).collect()
+            let unknown = known.filter(|gyro| !self.state.judge.knows(*gyro) || !self.state.memory.knows(*gyro));
+            unknown.collect::<BTreeSet<u32>>().into_iter().collect()
         };
-        let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
         let most = self.state.judge.read_ahead();
-        let rows = store::histories::newest(&self.state.store, &ever, most).await?;
+        let rows = store::histories::newest_ever(&self.state.store, &gyros, most).await?;
         let read: Vec<_> = gyros.into_iter().zip(rows).collect();
         self.state.memory.take_in(read.iter().map(|(gyro, rows)| (*gyro, rows.as_slice(), rows.len() < most)));
         let unknown: Vec<_> = read.into_iter().filter(|(gyro, _)| !self.state.judge.knows(*gyro)).collect();

@@ -6,12 +6,12 @@ use crate::config::{Config, Judging};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::{Event, Outlook};
-use crate::core::time::{Span, UtcMicros};
-use crate::pipeline::alerts::AlertCache;
+use crate::core::time::UtcMicros;
+use crate::pipeline::alerts::{AlertCache, Naming};
 use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
-use crate::pipeline::queries::heads::{HeadNames, checksum, stations_of, stored_outlooks, stored_rows};
-use crate::pipeline::queries::standing::{Alerted, Facts, verdicts_on};
+use crate::pipeline::queries::heads::{checksum, row_of, stations_of, stored_outlooks, stored_rows};
+use crate::pipeline::queries::standing::{Alerted, Facts};
 use crate::store;
 use crate::store::{
     Cells, Changes, HeadChanges, HeadRow, HeadsMade, HistoryRow, RecordVerdicts, Store, StoreError, Writer,
@@ -38,28 +38,23 @@ impl Heads<'_> {
         sheets.extend(changes.rejudged.sheets.iter().map(|(record, again)| (*record, &again.sheet)));
         let records = newest.values().map(|figures| figures.record).filter(|record| !sheets.contains_key(record));
         let records: BTreeSet<Id> = records.collect();
-        let stored = if records.is_empty() {
-            Vec::new()
-        } else {
-            store::record::verdict_sheets(self.store, records.into_iter()).await?
-        };
+        let stored = store::record::verdict_sheets(self.store, records.into_iter()).await?;
         sheets.extend(stored.iter().map(|(record, sheet)| (*record, sheet)));
         let out_of_use = self.out_of_use(gyros).await?;
         let outlooks = self.outlooks(&newest, changes).await?;
-        let tables = self.store.names().read();
-        let names = HeadNames::new(&tables, changes);
+        let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
         let row = |gyro: &u32| {
             let newest = newest.get(gyro).copied();
             let facts = Facts {
                 number: *gyro,
-                serial: names.gyro(*gyro),
+                serial: naming.gyro(*gyro).into(),
                 newest,
-                verdicts: newest.map_or(&[], |figures| verdicts_on(sheets.get(&figures.record).copied(), *gyro)),
+                verdicts: newest.and_then(|figures| sheets.get(&figures.record)).map_or(&[], |sheet| sheet.of(*gyro)),
                 alerted: &Alerted::of(self.alerts.firing(*gyro))?,
                 out_of_use: out_of_use.get(gyro).copied(),
                 outlook: outlooks.get(gyro).copied().unwrap_or_default(),
             };
-            Ok(names.row(&facts, self.judging))
+            Ok(row_of(&facts, self.judging, &naming))
         };
         gyros.iter().map(row).collect()
     }
@@ -116,8 +111,8 @@ impl Heads<'_> {
         let asked: Vec<u32> = gyros.iter().copied().filter(|gyro| !is_newest(gyro)).collect();
         // So many of them may count no more.
         let gone: usize = changes.withdrawn.history.len();
-        let ever: Vec<_> = asked.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-        for (gyro, rows) in asked.iter().zip(store::histories::newest(self.store, &ever, 1 + gone).await?) {
+        let stored = store::histories::newest_ever(self.store, &asked, 1 + gone).await?;
+        for (gyro, rows) in asked.iter().zip(stored) {
             let counts = |figures: &&Figures| {
                 let is_it = |row: &HistoryRow| row.gyro == *gyro && row.figures.record == figures.record;
                 !changes.withdrawn.history.iter().any(is_it)
@@ -132,8 +127,7 @@ impl Heads<'_> {
     /// When gyros were taken out of use last, by what has been judged or else by what is stored.
     pub async fn out_of_use(&self, gyros: &[u32]) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
         let unknown: Vec<u32> = gyros.iter().copied().filter(|gyro| self.judge.window(*gyro).is_none()).collect();
-        let mut all =
-            if unknown.is_empty() { HashMap::new() } else { store::event::out_of_use_of(self.store, &unknown).await? };
+        let mut all = store::event::out_of_use_of(self.store, &unknown).await?;
         let ended = |gyro: &u32| {
             let ended = self.judge.window(*gyro)?.marks().iter().rfind(|mark| mark.event.ends_calibrations())?;
             Some((*gyro, (ended.at, ended.event)))

@@ -20,10 +20,9 @@ impl Homes<'_> {
         for item in items {
             match item.sent {
                 Submission::Calibration(sent) => self.of_calibration(sent, &mut cells),
-                Submission::Bench(sent) => {
-                    cells.insert(store::names::cell_of_gyro(self.store, sent.result.serial.as_str()));
+                Submission::Bench(_) | Submission::Event(_) | Submission::Attributes(_) => {
+                    cells.extend(item.sent.serial().map(|serial| store::names::cell_of_gyro(self.store, serial)));
                 }
-                Submission::Event(sent) => cells.insert(store::names::cell_of_gyro(self.store, sent.serial.as_str())),
                 Submission::Correction(sent) => {
                     // The alert of an IMU is there.
                     cells.insert(0);
@@ -35,9 +34,6 @@ impl Homes<'_> {
                             self.of_gyros(bench.map(|bench| bench.gyro).into_iter().collect(), &mut cells).await?;
                         }
                     }
-                }
-                Submission::Attributes(sent) => {
-                    cells.insert(store::names::cell_of_gyro(self.store, sent.serial.as_str()));
                 }
                 // What others are storing meanwhile may lie in the window.
                 Submission::Window(_) => cells.extend(Cells::all().iter()),

@@ -31,7 +31,7 @@ use crate::pipeline::error::StorageError;
 use crate::pipeline::hooks::{Found, HookCache, HookHandler, Order, heard_by};
 use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::write_queue::Job;
-use crate::pipeline::{Accepted, AccessError, DiagnosisError, HookError, Reply, WriteError, write_queue};
+use crate::pipeline::{Accepted, OrderError, Reply, WriteError, write_queue};
 use crate::store::{Cells, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::{store, telemetry};
@@ -53,7 +53,7 @@ const AFTER_START: Duration = Duration::from_secs(1);
 const ITEMS: RangeInclusive<usize> = 64..=8192;
 
 /// Orders that concern hooks, and where their answers go.
-type Orders = Vec<(Order, Actor, write_queue::ReplyTo<Id, HookError>)>;
+type Orders = Vec<(Order, Actor, write_queue::ReplyTo<Id, OrderError>)>;
 
 type Findings = Vec<(Found, write_queue::ReplyTo<(), WriteError>)>;
 
@@ -158,8 +158,7 @@ impl Task {
             later.shared.into_iter().for_each(|reply| drop(reply.send(Ok(()))));
         }
         for reply in later.digests {
-            let told = in_turn!(self.state, Cells::all(), self.state.tell_digest());
-            let _gone = reply.send(told);
+            let _gone = reply.send(in_turn!(self.state, Cells::all(), self.state.tell_digest()));
         }
         self.carry_out(later.orders, later.findings).await;
     }
@@ -176,38 +175,30 @@ impl Task {
             Job::Shared(reply) => later.shared.push(reply),
             Job::Model { adoption, by, reply } => {
                 // Its gyros may have come from anywhere.
-                let adopted = in_turn!(self.state, Cells::all(), self.restating().adopt(&adoption, &by));
-                let _gone = reply.send(adopted);
+                let _gone = reply.send(in_turn!(self.state, Cells::all(), self.restating().adopt(&adoption, &by)));
                 self.state.after.due.send_modify(|moved| *moved += 1);
             }
             Job::Restate { stale, reply } => {
-                let done = in_turn!(self.state, Cells::all(), self.restating().state_anew(&stale));
-                let _gone = reply.send(done);
+                let _gone = reply.send(in_turn!(self.state, Cells::all(), self.restating().state_anew(&stale)));
             }
             Job::Hypothesis { order, by, reply } => {
-                let done = in_turn!(self.state, Cells::one(0), self.order_hypothesis(&order, &by));
-                let _gone = reply.send(done);
+                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.order_hypothesis(&order, &by)));
             }
             Job::Diagnoses { order, by, reply } => {
-                let done = in_turn!(self.state, Cells::one(0), self.order_diagnoses(&order, &by));
-                let _gone = reply.send(done);
+                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.order_diagnoses(&order, &by)));
             }
             Job::Diagnosed { made, reply } => {
-                let kept = in_turn!(self.state, Cells::one(0), self.forecasts().keep(&made));
-                let _gone = reply.send(kept);
+                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.forecasts().keep(&made)));
             }
             Job::Alert { order, by, reply } => {
                 let cells = self.state.homes().of_alert(order.alert).await;
-                let done = in_turn!(self.state, cells, self.state.obey(&order, &by));
-                let _gone = reply.send(done);
+                let _gone = reply.send(in_turn!(self.state, cells, self.state.obey(&order, &by)));
             }
             Job::Silence { order, by, reply } => {
-                let done = in_turn!(self.state, Cells::all(), self.state.order_silence(&order, &by));
-                let _gone = reply.send(done);
+                let _gone = reply.send(in_turn!(self.state, Cells::all(), self.state.order_silence(&order, &by)));
             }
             Job::Access { order, by, reply } => {
-                let done = in_turn!(self.state, Cells::one(0), self.register(&order, &by));
-                let _gone = reply.send(done);
+                let _gone = reply.send(in_turn!(self.state, Cells::one(0), self.register(&order, &by)));
             }
             Job::Probe(reply) => {
                 let _gone = reply.send(self.state.writer.probe().await.map_err(WriteError::from));
@@ -247,8 +238,7 @@ impl Task {
         let any_changes = findings.iter().any(|(found, _)| changes_the_hook(found));
         let changed = !orders.is_empty() || any_changes;
         for (order, by, reply) in orders {
-            let done = in_turn!(self.state, Cells::all(), self.order_hook(&order, &by));
-            let _gone = reply.send(done);
+            let _gone = reply.send(in_turn!(self.state, Cells::all(), self.order_hook(&order, &by)));
         }
         if !findings.is_empty() {
             let found: Vec<&Found> = findings.iter().map(|(found, _)| found).collect();
@@ -266,7 +256,7 @@ impl Task {
         }
     }
 
-    async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, HookError> {
+    async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, OrderError> {
         let now = self.state.clock.now();
         let (alerts, heard) = match order {
             Order::Create(_) => (self.state.standings(now).await?, HashMap::new()),
@@ -289,7 +279,7 @@ impl Task {
     }
 
     /// Begins or cancels an order of diagnoses, and has what is new worked off.
-    async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
+    async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, OrderError> {
         let (now, program) = (self.state.clock.now(), self.state.after.models.competing().program.clone());
         let mut admission = DiagnosisHandler { store: &self.state.store, writer: &mut self.state.writer, now, program };
         let done = admission.carry_out(order, by).await;
@@ -297,7 +287,7 @@ impl Task {
         done
     }
 
-    async fn order_hypothesis(&mut self, order: &HypothesisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
+    async fn order_hypothesis(&mut self, order: &HypothesisOrder, by: &Actor) -> Result<Accepted, OrderError> {
         let (store, now, cache) = (&self.state.store, self.state.clock.now(), &self.state.after.models);
         let done = HypothesisHandler { store, writer: &mut self.state.writer, now, cache }.carry_out(order, by).await;
         // One that was being made meanwhile is not kept, and is due again.
@@ -306,7 +296,7 @@ impl Task {
     }
 
     /// Changes who may use the service.
-    async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, AccessError> {
+    async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, OrderError> {
         let known = store::access::tokens(&self.state.store).await?;
         let (guard, writer, now) = (&self.state.after.guard, &mut self.state.writer, self.state.clock.now());
         AccessHandler { guard, writer, now }.carry_out(order, by, &known).await

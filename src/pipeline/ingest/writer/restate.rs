@@ -10,12 +10,12 @@ use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
 use crate::pipeline::alerts::Causes;
+use crate::pipeline::diagnoses::Adoption;
 use crate::pipeline::diagnoses::models::adopted;
-use crate::pipeline::diagnoses::{Adoption, DiagnosisError};
 use crate::pipeline::ingest::admit::rows_as_stated;
 use crate::pipeline::ingest::campaign::Restated;
 use crate::pipeline::ingest::submission::Calibration;
-use crate::pipeline::{Accepted, StorageError, WriteError};
+use crate::pipeline::{Accepted, OrderError, StorageError, WriteError};
 use crate::store;
 use crate::store::{Changes, StoreError};
 
@@ -30,7 +30,7 @@ impl Restating<'_> {
         &mut self,
         (adoption, restated): &(Adoption, Restated),
         by: &Actor,
-    ) -> Result<Accepted, DiagnosisError> {
+    ) -> Result<Accepted, OrderError> {
         let (store, models) = (&self.state.store, &self.state.after.models);
         let changes = adopted(store, &mut self.state.writer, &self.state.clock, models, adoption, by).await?;
         let mut changes = match changes {

@@ -22,26 +22,11 @@ use crate::store::{AlertOf, AlertRow, Changes, ExcessRow, Store, StoreError};
 /// Those that gyros may share, by column.
 const COEFFICIENTS: [Coefficient; 2] = [Coefficient::DI, Coefficient::DS];
 
-/// A gyro exceeds a limit since an instant, of D_I (column 0) or D_S (1), by a rule that may be shared.
-#[derive(Debug, Clone, Copy)]
-struct Exceeding {
-    gyro: u32,
-    column: usize,
-    since: UtcMicros,
-    severity: Severity,
-}
-
-impl Exceeding {
-    fn of(row: &ExcessRow) -> Option<Self> {
-        let ExcessRow { gyro, coefficient, rule, severity, since } = *row;
-        rule.can_be_shared().then_some(())?;
-        Some(Self { gyro, column: coefficient.column()?, since, severity })
-    }
-
-    fn of_alert(row: &AlertRow) -> Option<Self> {
-        let AlertRow { coefficient, rule, alert: Alert { severity, since, .. }, .. } = *row;
-        Self::of(&ExcessRow { gyro: row.of.gyro()?, coefficient, rule, severity, since })
-    }
+/// Of the alert of a gyro, what tells whether others exceed the limit too; none where none can by its rule.
+fn excess(row: &AlertRow) -> Option<ExcessRow> {
+    let AlertRow { coefficient, rule, alert: Alert { severity, since, .. }, .. } = *row;
+    let gyro = row.of.gyro().filter(|_| rule.can_be_shared())?;
+    Some(ExcessRow { gyro, coefficient, rule, severity, since })
 }
 
 /// What gyros share, by station, by batch and by IMU.
@@ -73,16 +58,16 @@ impl SharedShifts<'_> {
         }
         let stations: BTreeSet<u32> = exceeding.iter().map(|newest| newest.figures.station).collect();
         let imus: BTreeSet<u32> = exceeding.iter().map(|newest| newest.figures.imu).collect();
-        let mut exceed: Vec<Exceeding> = Vec::new();
+        let mut exceed: Vec<ExcessRow> = Vec::new();
         for newest in &found.newest {
             let firing = || self.alerts.firing(newest.gyro);
-            exceed.extend(firing().filter_map(Exceeding::of_alert));
+            exceed.extend(firing().filter_map(excess));
             for verdict in verdicts(newest).into_iter().flatten().filter(|verdict| verdict.rule.can_be_shared()) {
                 let is_its = |row: &&AlertRow| (row.coefficient, row.rule) == (verdict.coefficient, verdict.rule);
                 let since = firing().find(is_its).map_or(newest.figures.at, |row| row.alert.since);
-                let (column, severity) = (verdict.coefficient.column(), verdict.severity());
-                let of = |(column, severity)| Exceeding { gyro: newest.gyro, column, since, severity };
-                exceed.extend(column.zip(severity).map(of));
+                let Verdict { coefficient, rule, .. } = *verdict;
+                let of = |severity| ExcessRow { gyro: newest.gyro, coefficient, rule, severity, since };
+                exceed.extend(verdict.severity().map(of));
             }
         }
         let gyros: Vec<u32> = found.newest.iter().map(|newest| newest.gyro).collect();
@@ -137,8 +122,7 @@ impl SharedShifts<'_> {
     /// gyro that has one, whenever that was calibrated. `firing`: those of gyros that may be shared.
     pub async fn all(&self, firing: &[ExcessRow]) -> Result<Vec<SharedVerdict>, StoreError> {
         let newest = self.calibrated(Span::EVER.from, None).await?;
-        let exceed: Vec<Exceeding> = firing.iter().filter_map(Exceeding::of).collect();
-        let exceeding: BTreeSet<u32> = exceed.iter().map(|one| one.gyro).collect();
+        let exceeding: BTreeSet<u32> = firing.iter().map(|row| row.gyro).collect();
         let recent = self.now.plus_days(-self.config.alerts.backfill_days);
         let told = || self.alerts.shared().firing().map(|row| row.of);
         let of_recent = newest.iter().filter(|one| one.at >= recent).map(|one| one.station);
@@ -148,7 +132,7 @@ impl SharedShifts<'_> {
         let lately = self.lately(&newest);
         let mut judged = self.of_stations(&lately, &stations);
         judged.extend(self.of_batches(&lately, None));
-        let of_imus = self.of_imus(&newest, &imus, &judged, &exceed);
+        let of_imus = self.of_imus(&newest, &imus, &judged, firing);
         judged.extend(of_imus);
         Ok(judged)
     }
@@ -212,10 +196,10 @@ impl SharedShifts<'_> {
         newest: &[NewestCalibration],
         imus: &BTreeSet<u32>,
         of_groups: &[SharedVerdict],
-        exceed: &[Exceeding],
+        exceed: &[ExcessRow],
     ) -> Vec<SharedVerdict> {
-        let mut exceeding: HashMap<(u32, usize), Vec<&Exceeding>> = HashMap::new();
-        exceed.iter().for_each(|one| exceeding.entry((one.gyro, one.column)).or_default().push(one));
+        let mut exceeding: HashMap<(u32, Coefficient), Vec<&ExcessRow>> = HashMap::new();
+        exceed.iter().for_each(|row| exceeding.entry((row.gyro, row.coefficient)).or_default().push(row));
         let mut gyros: BTreeMap<u32, Vec<&NewestCalibration>> = imus.iter().map(|imu| (*imu, Vec::new())).collect();
         newest.iter().for_each(|one| gyros.get_mut(&one.imu).into_iter().for_each(|gyros| gyros.push(one)));
         let shifts = shifts(of_groups);
@@ -227,7 +211,7 @@ impl SharedShifts<'_> {
             let (at, station) = last.map_or((self.now, None), |one| (one.at, Some(one.station)));
             for (column, coefficient) in COEFFICIENTS.into_iter().enumerate() {
                 let Some(limit) = [&limits.d_i, &limits.d_s][column].of(Rule::ImuShift) else { continue };
-                let its = || gyros.iter().filter_map(|one| exceeding.get(&(one.gyro, column))).flatten();
+                let its = || gyros.iter().filter_map(|one| exceeding.get(&(one.gyro, coefficient))).flatten();
                 let told = self.alerts.shared().since(of, coefficient);
                 let since = told.unwrap_or(at);
                 let shared = |one: &NewestCalibration| {
@@ -278,9 +262,8 @@ impl SharedShifts<'_> {
     }
 
     /// What loads are shares of, deg/(h g0).
-    fn budgets(&self, imu: &str, serial: &str) -> [Option<f64>; 2] {
-        let limits = self.config.judging.limits(imu, serial);
-        [limits.d_i, limits.d_s].map(|drift| drift.of(Rule::Baseline).map(|limit| limit.value))
+    fn budgets(&self, imu: &str, serial: &str) -> [Option<f64>; 3] {
+        self.config.judging.limits(imu, serial).budgets()
     }
 }
 

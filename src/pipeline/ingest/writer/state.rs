@@ -151,7 +151,7 @@ impl Tally {
         tally
     }
 
-    fn add<'a>(&mut self, verdicts: impl IntoIterator<Item = &'a Verdict>) {
+    pub fn add<'a>(&mut self, verdicts: impl IntoIterator<Item = &'a Verdict>) {
         for verdict in verdicts {
             let (states, statuses) = &mut self.0[verdict.rule as usize];
             states[verdict.state as usize] += 1;

@@ -8,9 +8,9 @@ use super::homes::Homes;
 use super::state::{Item, WriterState};
 use crate::pipeline::error::Unwritten;
 use crate::pipeline::ingest::reader::Reader;
-use crate::pipeline::ingest::submission::{Calibration, Submission};
+use crate::pipeline::ingest::submission::Submission;
 use crate::store;
-use crate::store::{Cells, Changes, Missed, Moves, StoreError};
+use crate::store::{Cells, Changes, Missed, Moves, News, StoreError};
 
 const MOST_TRIES: u32 = 4;
 const FIRST_PAUSE: Duration = Duration::from_millis(30);
@@ -78,14 +78,14 @@ impl WriterState {
         if !missed.cells.is_empty() {
             self.forget_cells(&missed.cells.iter().copied().collect());
         }
-        if missed.settings {
+        if missed.brings(News::Settings) {
             self.alerts.forget_settings();
             self.hooks.forget();
         }
-        if missed.models {
+        if missed.brings(News::Models) {
             self.after.models.read_again(&self.store).await?;
         }
-        if missed.access {
+        if missed.brings(News::Access) {
             self.after.guard.read_again().await?;
         }
         Ok(())
@@ -178,14 +178,14 @@ impl WriterState {
 
     /// Tells those who read and those who work in the background of what was written, by whomever.
     pub(super) async fn hear_of(&mut self, missed: &Missed) {
-        if missed.outbox || missed.settings {
+        if missed.brings(News::Outbox) || missed.brings(News::Settings) {
             self.after.wake.send_modify(|moved| *moved += 1);
         }
-        if missed.diagnoses {
+        if missed.brings(News::Diagnoses) {
             self.after.due.send_modify(|moved| *moved += 1);
         }
-        let models = if missed.models { self.after.models.read_again(&self.store).await } else { Ok(()) };
-        let access = if missed.access { self.after.guard.read_again().await } else { Ok(()) };
+        let models = if missed.brings(News::Models) { self.after.models.read_again(&self.store).await } else { Ok(()) };
+        let access = if missed.brings(News::Access) { self.after.guard.read_again().await } else { Ok(()) };
         if let Err(error) = models.and(access) {
             tracing::warn!(%error, "what another server has written cannot be read; its next change is");
         }
@@ -196,31 +196,13 @@ impl WriterState {
 fn names_of<'a>(items: &[Item<'a>]) -> [Vec<&'a str>; 3] {
     let [mut imus, mut stations, mut gyros] = [const { Vec::new() }; 3];
     for item in items {
-        let calibration: Option<&Calibration> = match item.sent {
-            Submission::Calibration(sent) => Some(sent),
-            Submission::Correction(sent) => sent.replacement.as_ref(),
-            Submission::Bench(sent) => {
-                stations.push(sent.result.station.as_str());
-                gyros.push(sent.result.serial.as_str());
-                None
-            }
-            Submission::Event(sent) => {
-                gyros.push(sent.serial.as_str());
-                None
-            }
-            Submission::Attributes(sent) => {
-                gyros.push(sent.serial.as_str());
-                None
-            }
-            Submission::Window(sent) => {
-                stations.push(sent.station.as_str());
-                None
-            }
-            Submission::Confirmation(_) | Submission::Doubt(_) => None,
-        };
-        if let Some(sent) = calibration {
-            imus.push(sent.imu.as_str());
+        stations.extend(item.sent.station());
+        gyros.extend(item.sent.serial());
+        if let Submission::Window(sent) = item.sent {
             stations.push(sent.station.as_str());
+        }
+        if let Some(sent) = item.sent.calibration() {
+            imus.push(sent.imu.as_str());
             gyros.extend(sent.gyros.iter().map(|gyro| gyro.serial.as_str()));
         }
     }

@@ -13,7 +13,6 @@ use sqlx::SqliteConnection;
 use crate::core::figures::Figures;
 use crate::core::time::Span;
 use crate::store::batch::{Batch, OnConflict};
-use crate::store::db::Sql;
 use crate::store::error::StoreError;
 use crate::store::packed::history_row::{self, HistoryRow, PACKED_LEN};
 use crate::store::rows::Rows;
@@ -101,7 +100,7 @@ impl PendingHistory {
         if !fold.0.is_empty() {
             history_row::upsert(self.rows_of(fold).iter(), batch);
             let first = self.waiting.first_without(&fold.0).unwrap_or(self.last_entry + 1);
-            batch.add(Sql::of_sqlite("DELETE FROM history_log WHERE id < $C0"), Rows::of([first]));
+            batch.change("DELETE FROM history_log", "id < $C0", Rows::of([first]));
         }
     }
 

@@ -14,7 +14,7 @@ use sqlx::SqliteConnection;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, OnConflict};
-use crate::store::db::{Sql, Whole};
+use crate::store::db::Whole;
 use crate::store::error::StoreError;
 use crate::store::rows::Rows;
 use crate::store::sqlite::write_behind::queues::Waiting;
@@ -146,7 +146,12 @@ impl PendingIndex {
         let waiting =
             entering.imus.iter().flat_map(|imu| self.waiting.of(*imu).iter().map(move |entry| (*imu, *entry, 0)));
         enter(waiting, batch);
-        batch.add(Sql::of_sqlite(WITHDRAW), Rows::of(changes.withdrawn.iter().map(|record| record.0)));
+        // Makes room for what takes its place.
+        batch.change(
+            "UPDATE calendar SET voided = record",
+            &of_record("0"),
+            Rows::of(changes.withdrawn.iter().map(|record| record.0)),
+        );
         let (at_once, later): (Vec<_>, Vec<_>) =
             changes.records.iter().partition(|record| entering.at_once.contains(&record.imu));
         let entry = |record: &&NewRecord| {
@@ -154,15 +159,20 @@ impl PendingIndex {
             (record.imu, Entry { at: record.at, record: record.record }, voided)
         };
         enter(at_once.iter().map(entry), batch);
-        batch.add(Sql::of_sqlite(CONFIRM), Rows::of(changes.confirmed.iter().map(|record| record.0)));
+        // What was set aside takes its place.
+        batch.change(
+            "UPDATE calendar SET voided = 0",
+            &of_record("id"),
+            Rows::of(changes.confirmed.iter().map(|record| record.0)),
+        );
         let first = self.waiting.first_without(&entering.imus);
         let first = first.or_else(|| later.first().map(|record| record.record.0));
         // Where nothing waits any more.
         let first = first.or_else(|| at_once.last().map(|record| record.record.0 + 1));
         if let (Some(first), false) = (first, entering.imus.is_empty()) {
-            let sql =
-                "INSERT INTO calendar_begun (id, record) VALUES (1, $C0) ON CONFLICT (id) DO UPDATE SET record = $C0";
-            batch.add(Sql::of_sqlite(sql), Rows::of([first]));
+            let mut begun = Rows::default();
+            begun.row().integer(1).integer(first);
+            batch.insert("calendar_begun", "id, record", OnConflict::Set("id", &["record"]), begun);
         }
     }
 
@@ -184,13 +194,13 @@ impl PendingIndex {
     }
 }
 
-/// Makes room for what takes its place.
-const WITHDRAW: &str = "UPDATE calendar SET voided = record
-    WHERE record = $C0 AND (imu, calibrated_at, voided) = (SELECT imu, calibrated_at, 0 FROM record WHERE id = $C0)";
-
-/// What was set aside takes its place.
-const CONFIRM: &str = "UPDATE calendar SET voided = 0
-    WHERE record = $C0 AND (imu, calibrated_at, voided) = (SELECT imu, calibrated_at, id FROM record WHERE id = $C0)";
+/// The entry of a record that stands where its IMU has it, `voided` or not.
+fn of_record(voided: &str) -> String {
+    format!(
+        "record = $C0
+             AND (imu, calibrated_at, voided) = (SELECT imu, calibrated_at, {voided} FROM record WHERE id = $C0)"
+    )
+}
 
 fn enter(entries: impl Iterator<Item = (u32, Entry, i64)>, batch: &mut Batch) {
     let mut rows = Rows::default();
